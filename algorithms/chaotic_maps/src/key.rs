@@ -170,7 +170,7 @@ impl Key {
         })
     }
 
-    /// Whether the generator can use the key.
+    /// Returns `true` if the generator can use the key.
     ///
     /// # Errors
     /// As [`Key::source`].

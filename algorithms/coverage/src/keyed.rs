@@ -85,7 +85,7 @@ pub struct KeyedCoverage {
     params: KeyedParams,
     wander: Wander,
     freshness: Freshness,
-    /// Whether what is covered is told by [`GoalSource::driven`], instead of taken from the legs.
+    /// `true` if what is covered is told by [`GoalSource::driven`], instead of taken from the legs.
     tracked: bool,
     radius: f64,
     /// Orders of the next sub-goals.

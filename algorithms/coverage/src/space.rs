@@ -71,7 +71,7 @@ impl Space {
         &self.bounds
     }
 
-    /// Whether the robot's centre may be at a point (m) that it can reach.
+    /// Returns `true` if the robot's centre may be at a point (m) that it can reach.
     pub fn contains(&self, p: Point2<f64>) -> bool {
         self.rectangles().any(|r| r.contains(p))
     }
@@ -117,7 +117,7 @@ impl Space {
         }
     }
 
-    /// Whether the straight leg between two points (m) touches no obstacle.
+    /// Returns `true` if the straight leg between two points (m) touches no obstacle.
     pub fn is_clear(&self, from: Point2<f64>, to: Point2<f64>) -> bool {
         !self.inflated.iter().any(|o| entry(o, from, to).is_some())
     }

@@ -187,7 +187,7 @@ fn inflate_and_clip(rectangle: &Aabb, radius: f64, free: &Aabb) -> Option<Aabb> 
     (min.x < max.x && min.y < max.y).then_some(Aabb { min, max })
 }
 
-/// Whether a piece has no point in the open workplace.
+/// Returns `true` if a piece has no point in the open workplace.
 fn is_outside(piece: &Convex, bounds: &Aabb) -> bool {
     let aabb = piece.aabb();
     let reach = piece
@@ -196,7 +196,7 @@ fn is_outside(piece: &Convex, bounds: &Aabb) -> bool {
     reach || aabb.max.y <= bounds.min.y || aabb.min.y >= bounds.max.y
 }
 
-/// Whether a piece grown by the radius contains all of the workplace shrunken by it.
+/// Returns `true` if a piece grown by the radius contains all of the workplace shrunken by it.
 fn covers(piece: &Convex, bounds: &Aabb, radius: f64) -> bool {
     let free = shrunken(bounds, radius);
     let corners = [

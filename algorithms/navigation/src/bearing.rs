@@ -1,8 +1,8 @@
-//! In which direction, and how far away, something lies.
+//! Direction and distance to a point.
 //!
-//! Attraction and repulsion are sums over bearings. Measured straight through the walls they are
-//! the paper's; measured along the streets, "towards" is the way one would drive and "away" is away
-//! from the corner where a pursuer would appear.
+//! Attraction and repulsion are sums over bearings. Straight bearings pass through walls, as in the
+//! paper. Geodesic bearings follow the streets: "towards" is the direction to drive in, and "away"
+//! leads away from the corner where a pursuer would appear.
 
 use nalgebra::{Point2, Vector2};
 use schemars::JsonSchema;
@@ -10,20 +10,20 @@ use serde::{Deserialize, Serialize};
 
 use crate::routes::Routes;
 
-/// How directions and distances to goals and other robots are measured.
+/// Measure of directions and distances to goals and other robots.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum GoalField {
-    /// Straight through obstacles (the chasing-game paper's): cheap, but a goal behind a block has
-    /// a local minimum in front of the block, in which a robot stays for ever.
+    /// Straight through obstacles, as in the chasing-game paper. Cheap, but a goal behind a block
+    /// has a local minimum in front of the block, in which a robot stays forever.
     Straight,
-    /// Along the shortest drivable way: no local minimum of the goal's field, at the cost of one
+    /// Along the shortest drivable path. The goal's field has no local minimum; the cost is one
     /// shortest-path tree whenever the robot enters another cell of a coarse grid.
     ///
-    /// The default: in a city almost every goal is behind some block. Of 60 starts spread over the
-    /// streets of the paper's city, all lead to the goal this way; straight, 7 of a pursuer's and
-    /// (with the paper's parameters) 14 of an evader's end in front of a block. The tests
-    /// `closing_in` of `pursuer` and `escape` of `steering` print these numbers.
+    /// The default, because in a city almost every goal is behind a block. Of 60 starts spread over
+    /// the streets of the paper's city, all lead to the goal with this measure. Straight, 7 starts
+    /// of a pursuer and (with the paper's parameters) 14 of an evader end in front of a block. The
+    /// tests `closing_in` of `pursuer` and `escape` of `steering` print these numbers.
     #[default]
     Geodesic,
 }
@@ -31,7 +31,7 @@ pub enum GoalField {
 /// Direction and distance from one point to another.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bearing {
-    /// Unit vector of the direction to set out in.
+    /// Unit vector of the initial direction of travel.
     pub direction: Vector2<f64>,
     /// Distance to travel (m).
     pub distance: f64,
@@ -42,19 +42,19 @@ pub struct Bearing {
 /// Distances below this (m) have no direction.
 const NO_DISTANCE: f64 = 1.0e-3;
 
-/// A measure of bearings from the robot to points of the world.
+/// Measure of bearings from the robot to points of the world.
 #[derive(Debug, Clone, Copy)]
 pub enum Bearings<'a> {
     /// Straight lines.
     Straight,
-    /// Along the shortest ways from where the robot is.
+    /// Along the shortest paths from the robot's position.
     Along(Routes<'a>),
 }
 
 impl Bearings<'_> {
     /// The bearing of `to` from `from` (m); `None` when they are closer than 1 mm or not finite.
     ///
-    /// A place to which no way leads is measured straight.
+    /// The bearing of a point that no path reaches is straight.
     pub fn of(&self, from: Point2<f64>, to: Point2<f64>) -> Option<Bearing> {
         match self {
             Self::Straight => straight(from, to),

@@ -1,12 +1,12 @@
-//! Way finding on the maps of planners.
+//! Path finding on the maps of planners.
 //!
 //! - [`tangent_graph`]: exact shortest paths of a disc among convex pieces;
-//! - [`routes`]: ways along the streets of a grid, for all places at once;
-//! - [`bearing`]: in which direction something lies, straight or along the streets;
+//! - [`routes`]: paths along the streets of a grid, to all places at once;
+//! - [`bearing`]: direction to a point, straight or along the streets;
 //! - [`wavefront`]: first arrival times;
-//! - [`dominance`]: who reaches what first.
+//! - [`dominance`]: places that each team reaches first.
 //!
-//! Everything here is pure: values in, values out, the same bits on every machine.
+//! All functions are pure: equal inputs give equal bits on every machine.
 
 #![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
 #![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]

@@ -179,7 +179,7 @@ pub fn alpha_max_driven(
     Ok(search.low)
 }
 
-/// Whether [`alpha_max_driven`] would find a width: the laps are driven once, with hardly any
+/// Returns `true` if [`alpha_max_driven`] would find a width: the laps are driven once, with hardly any
 /// zig-zag.
 ///
 /// # Errors

@@ -171,7 +171,7 @@ impl Contour {
         &self.segments
     }
 
-    /// Whether it ends where it began.
+    /// Returns `true` if it ends where it began.
     pub fn is_closed(&self) -> bool {
         self.closed
     }
@@ -187,7 +187,7 @@ impl Contour {
         Polyline::new(&self.points).at(share)
     }
 
-    /// Whether this lap goes from the last waypoint to the first: every other one of an open contour.
+    /// Returns `true` if this lap goes from the last waypoint to the first: every other one of an open contour.
     pub fn is_reversed_in(&self, lap: u32) -> bool {
         !self.closed && lap % 2 == 1
     }

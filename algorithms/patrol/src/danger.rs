@@ -40,7 +40,7 @@ pub struct Stretch {
     pub segment: Segment,
     /// Index of the contour's own segment that it is a part of.
     pub part_of: usize,
-    /// Whether it lies in a danger zone.
+    /// `true` if it lies in a danger zone.
     pub threatened: bool,
 }
 
@@ -66,7 +66,7 @@ impl DangerZones {
         Ok(stretches)
     }
 
-    /// Whether a point (m) lies in a zone or on its border; everywhere without zones.
+    /// Returns `true` if a point (m) lies in a zone or on its border; everywhere without zones.
     ///
     /// # Errors
     /// [`DangerZoneError`] for the first zone that is no area.

@@ -158,7 +158,7 @@ impl Fto {
     }
 }
 
-/// Whether a disc touches the robot's body, or its goal lies within the reach of it.
+/// Returns `true` if a disc touches the robot's body, or its goal lies within the reach of it.
 fn is_in_the_way(disc: &Disc, carrier: &Carrier) -> bool {
     let clear = disc.radius + carrier.radius;
     let near = |p: Point2<f64>, gap: f64| (p - disc.center).norm() <= clear + gap;

@@ -35,7 +35,7 @@ pub struct MissionParams {
     /// The waypoints of the contour, x and y; at least 2.
     #[schemars(transform = each(each(unit("m"))))]
     pub contour: Vec<[f64; 2]>,
-    /// Whether the last waypoint leads back to the first; otherwise the contour is walked there and
+    /// `true` if the last waypoint leads back to the first; otherwise the contour is walked there and
     /// back.
     pub closed: bool,
     /// Time in which each lap shall be done.
@@ -193,7 +193,7 @@ impl MissionParams {
         Ok(Mission { contour, awg, key })
     }
 
-    /// Whether [`Self::prepare`] would succeed, in a small part of its time.
+    /// Returns `true` if [`Self::prepare`] would succeed, in a small part of its time.
     ///
     /// # Errors
     /// As for [`Self::prepare`].

@@ -1,35 +1,36 @@
-//! What is made of a map once and used by all planners that look at it.
+//! Values derived from a map once and used by all planners that share it.
 
 use core::any::Any;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
-/// Things made of one map, each under a key: the first who asks makes it, the others get the same.
+/// Values derived from one map, each under a key: the first request makes the value, later requests
+/// get the same one.
 ///
-/// A clone shares the things. They must be functions of the map and the key alone, so that it does
-/// not matter who makes them and when.
+/// Clones share the values. A value must be a function of the map and the key alone, so that it
+/// does not matter which planner makes it, and when.
 #[derive(Clone, Default)]
 pub struct Derived {
     things: Arc<Mutex<Vec<Box<dyn Any + Send>>>>,
 }
 
-/// One thing and its key.
+/// One value and its key.
 struct Entry<K, V> {
     key: K,
     thing: Arc<OnceLock<Arc<V>>>,
 }
 
 impl Derived {
-    /// The thing under this key and of this type; `make` makes it if it is not there.
+    /// Returns the value under this key and of this type; `make` makes it if it does not exist.
     ///
-    /// Others wait meanwhile if they want the same thing, and only then. `make` must not ask for
-    /// the thing that it makes.
+    /// Only requests for the same value wait meanwhile. `make` must not request the value that it
+    /// makes.
     pub fn get<K, V>(&self, key: K, make: impl FnOnce() -> V) -> Arc<V>
     where
         K: PartialEq + Send + 'static,
         V: Send + Sync + 'static,
     {
         let thing = {
-            // What a panic left behind is whole: only an entry is pushed under the lock.
+            // The list is complete even after a panic: only an entry is pushed under the lock.
             let mut things = self.things.lock().unwrap_or_else(PoisonError::into_inner);
             let known = things
                 .iter()
@@ -66,7 +67,7 @@ mod tests {
         let again = derived.clone().get(1, || "never".to_owned());
         assert!(Arc::ptr_eq(&first, &again));
         assert_eq!(*derived.get(2, || "two".to_owned()), "two");
-        // Another type under the same key is another thing, another type of key too.
+        // Another type under the same key is another value; so is another type of key.
         assert_eq!(*derived.get(1, || 1.5), 1.5);
         assert_eq!(*derived.get((1, 2.0), || "pair".to_owned()), "pair");
     }

@@ -1,14 +1,14 @@
-//! Where a disc can be, and how it can travel: exact geometry among convex pieces.
+//! Free places and motions of a disc: exact geometry among convex pieces.
 //!
-//! [`PlannerMap`](crate::map::PlannerMap) knows the arena as grids; planners that search for paths
-//! ask whether a segment or an arc is free some hundred thousand times per second and want the
-//! truth to the last nanometre, so that a path may run along a wall. A [`FreeSpace`] has the same
-//! pieces and the same index as the world itself ([`ShapeMap`]).
+//! [`PlannerMap`](crate::map::PlannerMap) holds the arena as grids. Planners that search for paths test
+//! segments and arcs some hundred thousand times per second and need results exact to the nanometre, so
+//! that a path may run along a wall. A [`FreeSpace`] has the same pieces and the same index as the world
+//! itself ([`ShapeMap`]).
 //!
-//! **What touching means.** A disc that touches (distance = radius) is free. All questions allow
-//! [`TOUCHING`] (1 nm) of penetration for rounding, so that tangents of grown obstacles are free.
-//! Beyond the bounds everything is solid. With a radius of 0 the seam between two pieces that
-//! touch is free to pass; give robots their size.
+//! **Touching.** A disc that touches (distance = radius) is free. All queries allow [`TOUCHING`] (1 nm) of
+//! penetration for rounding, so that tangents of grown obstacles are free. All space beyond the bounds is
+//! solid. With a radius of 0 the seam between two touching pieces is free to pass; use the real radius of
+//! the robot.
 
 use std::sync::{Arc as Shared, OnceLock};
 
@@ -20,11 +20,11 @@ use nalgebra::{Point2, Vector2};
 use rand::Rng;
 use thiserror::Error;
 
-/// Attempts to draw a free point before there is said to be none. Cells without any are left out
-/// beforehand, so that a map with a millionth of its remaining area free is still sampled.
+/// Maximum attempts to draw a free point before none is reported. Cells without free points are left out
+/// beforehand, so that sampling works even if a millionth of the remaining area is free.
 const MAX_DRAWS: usize = 1 << 24;
 
-/// Why there can be no free space.
+/// Reason why a free space cannot be built.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum FreeSpaceError {
     /// The bounds are empty, reversed or not finite.
@@ -47,9 +47,9 @@ pub struct Arc {
     pub center: Point2<f64>,
     /// Radius of the circle (m), ≥ 0.
     pub radius: f64,
-    /// Direction from the centre to where the arc starts (rad).
+    /// Direction from the centre to the start of the arc (rad).
     pub start: f64,
-    /// How far it goes (rad): counter-clockwise if positive, clockwise if negative.
+    /// Angle of the arc (rad): counter-clockwise if positive, clockwise if negative.
     pub sweep: f64,
 }
 
@@ -59,12 +59,12 @@ impl Arc {
         self.radius * self.sweep.abs()
     }
 
-    /// The point at a part of the way, 0 at the start and 1 at the end (m).
+    /// The point at a fraction of the arc, 0 at the start and 1 at the end (m).
     pub fn at(&self, part: f64) -> Point2<f64> {
         self.center + direction(self.start + self.sweep * part) * self.radius
     }
 
-    /// Unit vector of travel at a part of the way.
+    /// Unit vector of travel at a fraction of the arc.
     pub fn heading(&self, part: f64) -> Vector2<f64> {
         let outward = direction(self.start + self.sweep * part);
         Vector2::new(-outward.y, outward.x) * self.sweep.signum()
@@ -98,26 +98,26 @@ pub struct FreeSpace {
 #[derive(Debug)]
 struct Inner {
     shapes: ShapeMap,
-    /// Found when first needed.
+    /// Computed on first use.
     open: OnceLock<OpenCells>,
 }
 
 #[derive(Debug)]
 struct OpenCells {
-    /// Cells in which a point might be free.
+    /// Cells that may contain a free point.
     cells: Vec<u32>,
-    /// No point of the map has more clearance (m).
+    /// Maximum clearance of the map (m).
     most: f64,
 }
 
 impl FreeSpace {
-    /// The space between pieces within `bounds` (m).
+    /// Builds the space between pieces within `bounds` (m).
     ///
-    /// `resolution` (m) is the side of the cells of the clearance field that answers most
-    /// questions; the answers do not depend on it. A twentieth of the width of a street does well.
+    /// `resolution` (m) is the side of the cells of the clearance field that answers most queries; the
+    /// results do not depend on it. A twentieth of the width of a street is suitable.
     ///
     /// # Errors
-    /// [`FreeSpaceError`] names what cannot be used.
+    /// [`FreeSpaceError`] names the invalid value.
     pub fn new(parts: Vec<Convex>, bounds: Aabb, resolution: f64) -> Result<Self, FreeSpaceError> {
         let size = bounds.max - bounds.min;
         let finite = |p: Point2<f64>| p.x.is_finite() && p.y.is_finite();
@@ -139,12 +139,12 @@ impl FreeSpace {
         Ok(Self::from(ShapeMap::new(parts, bounds, frame)))
     }
 
-    /// The rectangle beyond which everything is solid.
+    /// The rectangle beyond which all space is solid.
     pub fn bounds(&self) -> &Aabb {
         self.inner.shapes.bounds()
     }
 
-    /// The pieces and everything else that can be asked of them.
+    /// The pieces, with further queries.
     pub fn shapes(&self) -> &ShapeMap {
         &self.inner.shapes
     }
@@ -163,15 +163,15 @@ impl FreeSpace {
         }
     }
 
-    /// Whether a disc of this radius (m) about a point is free.
+    /// Returns `true` if a disc of this radius (m) about a point is free.
     #[inline]
     pub fn is_free(&self, p: Point2<f64>, radius: f64) -> bool {
         self.inner.shapes.is_clear(p, radius - TOUCHING)
             && (radius > 0.0 || self.distance(p) >= 0.0)
     }
 
-    /// Whether a disc of this radius (m) can travel straight from `a` to `b`: exactly whether
-    /// every point of the segment is free. `false` for points that are not finite.
+    /// Returns `true` if a disc of this radius (m) can travel straight from `a` to `b`; exact: every point
+    /// of the segment is tested. `false` for points that are not finite.
     #[inline]
     pub fn segment_is_free(&self, a: Point2<f64>, b: Point2<f64>, radius: f64) -> bool {
         self.inner.shapes.segment_is_clear(a, b, radius)
@@ -182,8 +182,8 @@ impl FreeSpace {
         self.inner.shapes.segment_distance(a, b)
     }
 
-    /// Whether a disc of this radius (m) can travel along an arc: exactly whether every point of
-    /// it is free. `false` for an arc that is not finite. More than a full turn is one.
+    /// Returns `true` if a disc of this radius (m) can travel along an arc; exact: every point of it is
+    /// tested. `false` for an arc that is not finite. More than a full turn counts as one turn.
     pub fn arc_is_free(&self, arc: &Arc, radius: f64) -> bool {
         use core::f64::consts::{FRAC_PI_2, TAU};
 
@@ -191,7 +191,7 @@ impl FreeSpace {
             return false;
         }
         let sweep = arc.sweep.abs().min(TAU);
-        // Counter-clockwise from the end that makes it so.
+        // Counter-clockwise from the end from which the arc is counter-clockwise.
         let first = if arc.sweep < 0.0 {
             arc.start - sweep
         } else {
@@ -213,8 +213,8 @@ impl FreeSpace {
         })
     }
 
-    /// A point uniform over where a disc of this radius (m) is free; `None` if there is (almost)
-    /// nowhere. Uses a bounded number of the generator's words per try.
+    /// A point uniformly distributed over the places where a disc of this radius (m) is free; `None` if
+    /// there is (almost) none. Uses a bounded number of the generator's words per attempt.
     pub fn random_free(&self, rng: &mut (impl Rng + ?Sized), radius: f64) -> Option<Point2<f64>> {
         let shapes = &self.inner.shapes;
         let frame = shapes.frame();
@@ -250,8 +250,8 @@ impl FreeSpace {
             let clearance = &shapes.clearance().cells;
             let is_open = |&cell: &u32| {
                 let cell = cell as usize;
-                // A cell with its centre in a piece may stick out of it; its neighbours' centres
-                // tell, but asking exactly is as cheap.
+                // A cell with its centre in a piece may extend beyond it. The exact test costs no more
+                // than a test of the neighbours' centres.
                 let frame = shapes.frame();
                 clearance[cell] > 0.0 || !occupied[cell] || {
                     let center = frame.center(cell % frame.width, cell / frame.width);

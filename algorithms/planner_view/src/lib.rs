@@ -1,11 +1,11 @@
-//! The view of a planner: what it knows in a tick, and what it answers.
+//! Inputs and outputs of a planner in each tick.
 //!
 //! - [`view::View`]: robots, beliefs, scan and time of one tick;
 //! - [`map::PlannerMap`]: the map as grids, with what planners [derive](derived::Derived) from it;
 //!   [`free_space::FreeSpace`]: its exact pieces, for planners that search;
-//! - [`limits::Limits`]: of the robot;
-//! - [`steering::Steering`]: the command, and what a viewer wants to see;
-//! - [`waypoint`]: what became of waypoints.
+//! - [`limits::Limits`]: limits of the robot;
+//! - [`steering::Steering`]: the command, and data for display;
+//! - [`waypoint`]: waypoints and their outcomes.
 
 #![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
 #![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]

@@ -1,4 +1,4 @@
-//! What a robot's drive can do, as far as a planner has to know.
+//! Limits of a robot's drive for planners.
 
 use geometry::pose::Twist2;
 
@@ -6,7 +6,7 @@ use parameters::{ParamsError, not_negative, positive};
 
 /// Speed limits of a differential-drive robot.
 ///
-/// A planner never commands more than this; the simulator enforces its own limits besides.
+/// A planner never commands more than this; the simulator enforces its own limits as well.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Limits {
     v_max: f64,
@@ -15,8 +15,8 @@ pub struct Limits {
 }
 
 impl Limits {
-    /// Limits from the highest forward speed (m/s) (> 0), the highest backward speed (m/s) (≥ 0,
-    /// as a magnitude) and the highest turning rate (rad/s) (> 0).
+    /// Creates limits from the maximum forward speed (m/s) (> 0), the maximum backward speed (m/s)
+    /// (≥ 0, as a magnitude) and the maximum turning rate (rad/s) (> 0).
     ///
     /// # Errors
     /// [`ParamsError`] naming the value that is out of range or not finite.
@@ -31,17 +31,17 @@ impl Limits {
         })
     }
 
-    /// Highest forward speed (m/s).
+    /// Maximum forward speed (m/s).
     pub fn v_max(&self) -> f64 {
         self.v_max
     }
 
-    /// Highest backward speed (m/s), as a magnitude.
+    /// Maximum backward speed (m/s), as a magnitude.
     pub fn reverse(&self) -> f64 {
         self.reverse
     }
 
-    /// Highest turning rate (rad/s), either way.
+    /// Maximum turning rate (rad/s), either way.
     pub fn omega_max(&self) -> f64 {
         self.omega_max
     }
@@ -71,7 +71,7 @@ impl Limits {
         )
     }
 
-    /// Whether a twist is finite and within the limits.
+    /// Returns `true` if a twist is finite and within the limits.
     pub fn allow(&self, twist: Twist2) -> bool {
         twist.is_finite()
             && twist.v >= -self.reverse

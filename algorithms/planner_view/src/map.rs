@@ -1,4 +1,4 @@
-//! The map as a planner needs it: how far the walls are, and the blurred free space.
+//! The map of a planner: clearance, and the blurred free space.
 
 use std::sync::Arc;
 
@@ -10,21 +10,21 @@ use thiserror::Error;
 use crate::derived::Derived;
 use crate::free_space::FreeSpace;
 
-/// Clearances beyond this (m) are stored as this: a map without obstacles reports infinity, which
-/// would poison interpolation.
+/// Larger clearances (m) are stored as this: a map without obstacles reports infinity, which would
+/// corrupt interpolation.
 const FAR: f32 = 1.0e6;
 
-/// Steps after which a line of sight is given up as blocked; a line across a map of 10 000 cells
-/// that grazes a wall all the way needs this many.
+/// Number of steps after which a line of sight counts as blocked; a line across a map of 10 000
+/// cells that grazes a wall all along needs this many.
 const MAX_SIGHT_STEPS: usize = 20_000;
 
-/// Why a map cannot be used.
+/// Reason why a map is invalid.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum MapError {
-    /// The grid has no cells, or not as many values as its frame says.
+    /// The grid has no cells, or not as many values as its frame requires.
     #[error("the {layer} layer has {values} values for {width} x {height} cells")]
     Size {
-        /// Which layer of the map.
+        /// Layer of the map.
         layer: &'static str,
         /// Values present.
         values: usize,
@@ -33,24 +33,24 @@ pub enum MapError {
         /// Rows of the frame.
         height: usize,
     },
-    /// The grid's resolution or origin is not a usable number.
+    /// The grid's resolution or origin is not a valid number.
     #[error("the {layer} layer has resolution {resolution} m and origin ({x}, {y}) m")]
     Frame {
-        /// Which layer of the map.
+        /// Layer of the map.
         layer: &'static str,
         /// Resolution (m).
         resolution: f64,
-        /// Origin (m).
+        /// Origin, x (m).
         x: f64,
-        /// Origin (m).
+        /// Origin, y (m).
         y: f64,
     },
 }
 
-/// What a planner knows of the arena.
+/// The arena as a planner knows it.
 ///
 /// Built from the layers of the shared map message; a planner that steers by them needs no vector
-/// geometry. One that searches for paths gets the exact pieces beside them ([`Self::space`]).
+/// geometry. A planner that searches for paths gets the exact pieces in addition ([`Self::space`]).
 #[derive(Debug, Clone)]
 pub struct PlannerMap {
     blurred: BlurredMap,
@@ -62,14 +62,14 @@ pub struct PlannerMap {
 }
 
 impl PlannerMap {
-    /// A map from its blurred free space (value 1 in the open, 0 in obstacles), the distance from
-    /// each cell's centre to the nearest obstacle (m) (≤ 0 inside one) and its revision, which
-    /// changes whenever an obstacle does.
+    /// Creates a map from its blurred free space (value 1 in the open, 0 in obstacles), the
+    /// distance from each cell's centre to the nearest obstacle (m) (≤ 0 inside one) and its
+    /// revision, which changes whenever an obstacle does.
     ///
     /// Clearances that are NaN count as blocked.
     ///
     /// # Errors
-    /// [`MapError`] if a layer's frame and values do not fit together.
+    /// [`MapError`] if a layer's frame and values do not match.
     pub fn new(
         blurred: BlurredMap,
         mut clearance: Grid<f32>,
@@ -103,8 +103,8 @@ impl PlannerMap {
         }
     }
 
-    /// The map as one that several planners look at: they then keep for each other also what costs
-    /// more to keep than to make again for one planner alone. Results do not depend on it.
+    /// Marks the map as shared by several planners: they then also keep values that cost one
+    /// planner alone more to keep than to recompute. Results do not depend on it.
     #[must_use]
     pub fn shared(self) -> Self {
         Self {
@@ -113,19 +113,19 @@ impl PlannerMap {
         }
     }
 
-    /// The exact geometry; `None` when only the grids are known: the planner did not ask for it,
-    /// or the map has more pieces than fit into a message.
+    /// The exact geometry; `None` when only the grids are known: the planner did not request it, or
+    /// the map has more pieces than fit into a message.
     pub fn space(&self) -> Option<&Arc<FreeSpace>> {
         self.space.as_ref()
     }
 
-    /// Whether several planners look at the map ([`PlannerMap::shared`]).
+    /// Returns `true` if several planners share the map ([`PlannerMap::shared`]).
     pub fn is_shared(&self) -> bool {
         self.shared
     }
 
-    /// What planners have made of this map: a graph of ways, say, is made by the first planner that
-    /// needs it and used by all that share the map.
+    /// Values that planners have derived from this map. Example: the first planner that needs a
+    /// graph of paths builds it, and all planners that share the map use it.
     pub fn derived(&self) -> &Derived {
         &self.derived
     }
@@ -140,7 +140,7 @@ impl PlannerMap {
         &self.clearance
     }
 
-    /// The revision the map was built from.
+    /// The revision from which the map was built.
     pub fn revision(&self) -> u64 {
         self.revision
     }
@@ -185,17 +185,17 @@ impl PlannerMap {
         (norm.is_finite() && norm > 0.2 * h).then(|| slope / norm)
     }
 
-    /// Whether a disc of this radius (m) can travel straight from `from` to `to` (m).
+    /// Returns `true` if a disc of this radius (m) can travel straight from `from` to `to` (m).
     ///
-    /// Marches by the clearance, so that open ground costs few steps; accurate to about a cell.
+    /// Marches by the clearance, so that open space costs few steps; accurate to about a cell.
     pub fn line_is_clear(&self, from: Point2<f64>, to: Point2<f64>, radius: f64) -> bool {
         let length = (to - from).norm();
         self.free_run(from, to, radius) >= length
     }
 
-    /// How far (m) a disc of this radius (m) gets on the straight line from `from` to `to` (m)
-    /// before it would touch an obstacle; at most the length of the line, 0 for points that are
-    /// not finite.
+    /// The distance (m) that a disc of this radius (m) covers on the straight line from `from` to
+    /// `to` (m) before it would touch an obstacle; at most the length of the line, 0 for points
+    /// that are not finite.
     pub fn free_run(&self, from: Point2<f64>, to: Point2<f64>, radius: f64) -> f64 {
         let line = to - from;
         let length = line.norm();
@@ -223,8 +223,7 @@ impl PlannerMap {
     }
 }
 
-/// The largest whole number that is not above `value`; unlike `floor` without a call on the oldest
-/// x86-64.
+/// The largest integer not above `value`; unlike `floor` without a call on the oldest x86-64.
 fn whole_below(value: f64) -> i64 {
     let whole = value as i64;
     whole - i64::from(whole as f64 > value)
@@ -239,28 +238,28 @@ fn point_at(from: Point2<f64>, line: Vector2<f64>, length: f64, run: f64) -> Poi
     }
 }
 
-/// A march along a line over a grid, without the divisions that the way by [`GridFrame::cell_at`]
-/// waits for at every step: a place in cells is a linear function of the way.
+/// A march along a line over a grid, without the divisions of [`GridFrame::cell_at`] at each step:
+/// a position in cells is a linear function of the distance.
 ///
-/// Rounding makes the two ways differ by much less than [`March::UNSURE`]; this one says nothing
-/// about places that near to the edge of a cell, so that it never says anything else.
+/// Rounding makes the two methods differ by much less than [`March::UNSURE`]. This one gives no
+/// result for positions that near to the edge of a cell, so its results never differ.
 struct March<'a> {
     grid: &'a Grid<f32>,
-    /// Where the line begins, in cells from the centre of cell (0, 0).
+    /// Start of the line, in cells from the centre of cell (0, 0).
     begin: Vector2<f64>,
-    /// Cells per metre of way; NaN for a line that is given to the other way.
+    /// Cells per metre of distance; NaN for a line that is left to the other method.
     slope: Vector2<f64>,
 }
 
 impl<'a> March<'a> {
-    /// Places nearer to the edge of a cell than this (cells) are left to the other way.
+    /// Distance (cells) to the edge of a cell below which positions are left to the other method.
     const UNSURE: f64 = 1e-9;
 
-    /// Coordinates of a line and its grid up to this (cells) are off by less than half of
-    /// [`March::UNSURE`] when they come out of a dozen roundings by 2⁻⁵³.
+    /// Maximum coordinates of a line and its grid (cells): up to this, a dozen roundings by 2⁻⁵³
+    /// add up to less than half of [`March::UNSURE`].
     const MAX_COORDINATE: f64 = 1e5;
 
-    /// Added to a number, rounds it to a whole one, which then stands in the lowest bits.
+    /// Rounds a number to an integer when added to it; the integer is then in the lowest bits.
     const TO_WHOLE: f64 = 1.5 * (1_u64 << 52) as f64;
 
     fn new(grid: &'a Grid<f32>, from: Point2<f64>, line: Vector2<f64>, length: f64) -> Self {
@@ -269,7 +268,7 @@ impl<'a> March<'a> {
         } = grid.frame;
         let per_metre = 1.0 / resolution;
         let largest = from.coords.amax().max(origin.coords.amax()).max(length);
-        // Also refuses a line without length.
+        // Also rejects a line without length.
         let slope = if largest * per_metre < Self::MAX_COORDINATE && length > 0.0 {
             line * (per_metre / length)
         } else {
@@ -282,8 +281,8 @@ impl<'a> March<'a> {
         }
     }
 
-    /// The clearance (m) of the cell at the point after `run` (m), unless that is outside the grid
-    /// or too near to the edge of the cell to be sure of.
+    /// The clearance (m) of the cell at the point after `run` (m); `None` outside the grid or too
+    /// near to the edge of the cell.
     #[inline]
     fn clearance(&self, run: f64) -> Option<f32> {
         let (col, sure_of_col) = Self::nearest(self.begin.x + self.slope.x * run);
@@ -295,8 +294,8 @@ impl<'a> March<'a> {
         self.grid.cells.get(frame.index(col, row)).copied()
     }
 
-    /// The whole number nearest to one of less than 2³¹ (a huge one for a negative), and whether it
-    /// is surely the nearest.
+    /// The integer nearest to a number of less than 2³¹ (a huge one for a negative), and whether it
+    /// is certainly the nearest.
     #[inline]
     fn nearest(place: f64) -> (usize, bool) {
         let shifted = place + Self::TO_WHOLE;
@@ -309,7 +308,7 @@ impl<'a> March<'a> {
     }
 }
 
-/// Value of a cell, the nearest one inside the grid for places beyond its edge.
+/// Value of a cell; for places beyond the grid's edge, the nearest cell inside.
 pub fn cell_of(grid: &Grid<f32>, col: i64, row: i64) -> f64 {
     let col = col.clamp(0, grid.frame.width as i64 - 1) as usize;
     let row = row.clamp(0, grid.frame.height as i64 - 1) as usize;

@@ -1,8 +1,8 @@
-//! What a planner sees in one tick.
+//! Input of a planner in one tick.
 //!
-//! The process that wires a planner to its topics fills a [`View`] from messages; the planner
-//! reads it as if every sender were hostile: look-ups return `Option`, and robots whose numbers
-//! are not finite are not there.
+//! The process that connects a planner to its topics fills a [`View`] from messages. The planner
+//! treats every sender as untrusted: look-ups return `Option`, and robots with numbers that are not
+//! finite are left out.
 
 use geometry::pose::{Pose2, Twist2};
 use nalgebra::Point2;
@@ -13,24 +13,24 @@ use sim_backend::team::Team;
 pub struct RobotView {
     /// The robot's index in the scenario.
     pub index: usize,
-    /// The side it plays for.
+    /// Team of the robot.
     pub team: Team,
-    /// Whether it still takes part (not caught, not escaped).
+    /// `true` if it still takes part (not caught, not escaped).
     pub active: bool,
-    /// Whether its body stands in the world, in play or not.
+    /// `true` if its body is in the world, in play or not.
     pub present: bool,
-    /// Where it is, world frame.
+    /// Pose, world frame.
     pub pose: Pose2,
-    /// How it moves, own frame.
+    /// Twist, own frame.
     pub twist: Twist2,
     /// Radius of its body (m).
     pub radius: f64,
-    /// Its highest forward speed (m/s).
+    /// Maximum forward speed (m/s).
     pub v_max: f64,
 }
 
 impl RobotView {
-    /// Whether every number a planner computes with is finite and in its physical range.
+    /// Returns `true` if every number a planner computes with is finite and in its physical range.
     pub fn is_sane(&self) -> bool {
         self.pose.is_finite()
             && self.twist.is_finite()
@@ -55,7 +55,7 @@ pub struct ParticleView {
 }
 
 impl ParticleView {
-    /// The hypothesis as a pose and a weight, if all of it can be used (finite, weight > 0).
+    /// The hypothesis as a pose and a weight, if all its numbers are valid (finite, weight > 0).
     pub fn usable(&self) -> Option<(Pose2, f64)> {
         let pose = Pose2::new(f64::from(self.x), f64::from(self.y), f64::from(self.theta));
         let weight = f64::from(self.weight);
@@ -63,7 +63,7 @@ impl ParticleView {
     }
 }
 
-/// What the team believes about one opponent.
+/// The team's belief about one opponent.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BeliefView<'a> {
     /// Index of the robot the belief is about.
@@ -74,7 +74,7 @@ pub struct BeliefView<'a> {
     pub mean: Pose2,
     /// Standard deviation of the position around the mean (m).
     pub position_std: f64,
-    /// Whether anyone of the team sees the opponent in this tick.
+    /// `true` if a robot of the team sees the opponent in this tick.
     pub seen: bool,
 }
 
@@ -85,22 +85,22 @@ pub struct ScanView<'a> {
     pub angle_min: f64,
     /// Angle from one beam to the next (rad); may be negative.
     pub angle_increment: f64,
-    /// Shortest range the sensor reports (m).
+    /// Minimum range of the sensor (m).
     pub range_min: f64,
-    /// Longest range the sensor reports (m).
+    /// Maximum range of the sensor (m).
     pub range_max: f64,
-    /// The ranges (m), beam by beam; +∞ where nothing was in reach (REP-117).
+    /// The ranges (m), beam by beam; +∞ without an echo (REP-117).
     pub ranges: &'a [f32],
 }
 
-/// Everything a planner may look at in one tick.
+/// All inputs of a planner in one tick.
 #[derive(Debug, Clone, Copy)]
 pub struct View<'a> {
     /// Simulated time since the start of the run (s).
     pub time_s: f64,
     /// Length of a tick (s).
     pub dt: f64,
-    /// Index of the robot that is being planned for.
+    /// Index of the planner's own robot.
     pub me: usize,
     /// All robots, in the scenario's order.
     pub robots: &'a [RobotView],
@@ -121,7 +121,7 @@ impl<'a> View<'a> {
             .filter(|robot| robot.is_sane())
     }
 
-    /// The robot that is being planned for.
+    /// The planner's own robot.
     pub fn own(&self) -> Option<&'a RobotView> {
         self.robot(self.me)
     }
@@ -133,27 +133,27 @@ impl<'a> View<'a> {
             .filter(move |robot| robot.team == team && robot.active && robot.is_sane())
     }
 
-    /// The bodies of robots that no longer take part but still stand in the way, with sane numbers.
+    /// The bodies of robots that no longer take part but still block the path, with sane numbers.
     pub fn wrecks(&self) -> impl Iterator<Item = &'a RobotView> + use<'a> {
         self.robots
             .iter()
             .filter(|robot| !robot.active && robot.present && robot.is_sane())
     }
 
-    /// All robots whose bodies stand in the world, in play or not, with sane numbers.
+    /// All robots whose bodies are in the world, in play or not, with sane numbers.
     pub fn bodies(&self) -> impl Iterator<Item = &'a RobotView> + use<'a> {
         self.robots
             .iter()
             .filter(|robot| robot.present && robot.is_sane())
     }
 
-    /// The [bodies](Self::bodies) of all robots but this one.
+    /// The [bodies](Self::bodies) of all robots except this one.
     pub fn other_bodies(&self, own: &RobotView) -> impl Iterator<Item = &'a RobotView> + use<'a> {
         let own = own.index;
         self.bodies().filter(move |other| other.index != own)
     }
 
-    /// What the team believes about a robot (the first belief about it).
+    /// The team's belief about a robot (the first one in the list).
     pub fn belief(&self, robot: usize) -> Option<&'a BeliefView<'a>> {
         self.beliefs.iter().find(|belief| belief.robot == robot)
     }

@@ -1,57 +1,58 @@
-//! A point that a robot shall visit, and what became of it.
+//! A point that a robot visits, and its outcome.
 
 use nalgebra::Point2;
 
-/// What a waypoint is for.
+/// Purpose of a waypoint.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum WaypointKind {
-    /// A point of the route as it was ordered; never left out.
+    /// A point of the given route; never skipped.
     Route,
-    /// A point put in to make the way hard to predict.
+    /// A point inserted to make the path hard to predict.
     Inserted,
     /// A sub-goal of a coverage plan.
     SubGoal,
-    /// A sub-goal on the way from one part of a workplace to another.
+    /// A sub-goal on the path from one part of a workplace to another.
     Transit,
 }
 
-/// A point to be visited.
+/// A point to visit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Waypoint {
-    /// Number of the waypoint in the run, from 0; a number left out on the way is never used again.
+    /// Number of the waypoint in the run, from 0; the number of a skipped waypoint is never reused.
     pub number: u64,
     /// Lap (patrol) or large loop (coverage) that it belongs to, from 0.
     pub lap: u32,
-    /// What it is for.
+    /// Purpose.
     pub kind: WaypointKind,
-    /// Where it is, world frame (m).
+    /// Position, world frame (m).
     pub point: Point2<f64>,
 }
 
-/// How a waypoint ended.
+/// Outcome of a waypoint.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum WaypointOutcome {
     /// The robot came within its tolerance.
     Reached,
-    /// Left out: it lies inside an obstacle that the robot knows.
+    /// Skipped: it lies inside a known obstacle.
     InsideObstacle,
-    /// Left out: not reached in the time allowed.
+    /// Skipped: not reached within the time limit.
     TimedOut,
-    /// Left out: no way leads there.
+    /// Skipped: no path leads to it.
     Unreachable,
 }
 
-/// What became of a waypoint.
+/// Report of the outcome of a waypoint.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WaypointReport {
     /// The waypoint.
     pub waypoint: Waypoint,
-    /// How it ended.
+    /// Outcome.
     pub outcome: WaypointOutcome,
-    /// When the robot set out for it, simulated time (s).
+    /// Simulated time at which the robot started towards it (s).
     pub started_s: f64,
-    /// When it ended (s).
+    /// Simulated time at which it ended (s).
     pub ended_s: f64,
-    /// Nearest that the robot's centre came to it (m); infinite if it never set out.
+    /// Minimum distance of the robot's centre from it (m); infinite if the robot never started
+    /// towards it.
     pub closest: f64,
 }

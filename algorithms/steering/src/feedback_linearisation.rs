@@ -1,9 +1,8 @@
-//! Feedback linearisation: steering a point ahead of the axle as if it could move any way.
+//! Feedback linearisation: control of a point ahead of the axle, which can move in any direction.
 //!
-//! A differential-drive robot at heading θ cannot move sideways, but the point at distance ε ahead
-//! of its axle can: with forward speed u and turning rate ω it moves with
-//! u·(cos θ, sin θ) + ε·ω·(−sin θ, cos θ). Solved for (u, ω) this gives the control that moves the
-//! point with a wanted velocity (chasing-game paper, §I-A):
+//! A differential-drive robot at heading θ cannot move sideways, but the point at distance ε ahead of its axle
+//! can: with forward speed u and turning rate ω it moves with u·(cos θ, sin θ) + ε·ω·(−sin θ, cos θ). Solved
+//! for (u, ω) this gives the control that moves the point with a desired velocity (chasing-game paper, §I-A):
 //!
 //! ```text
 //! u = vx cos θ + vy sin θ        ω = (−vx sin θ + vy cos θ) / ε
@@ -23,14 +22,14 @@ use planner_view::limits::Limits;
 /// Distance ε of the control point ahead of the axle (m).
 pub const EPSILON: f64 = 0.15;
 
-/// Distance ahead of the axle at which the published program evaluates the potential field (m); the
-/// theory wants ε itself.
+/// Distance ahead of the axle at which the published program evaluates the potential field (m); the theory
+/// requires ε itself.
 const PUBLISHED_FIELD_POINT: f64 = 0.05;
 
-/// A wanted speed below this (m/s) means: stand still.
+/// Desired speed (m/s) below which the robot stands still.
 const DEAD_BAND: f64 = 0.01;
 
-/// Backward speed allowed, as a fraction of the highest forward speed.
+/// Maximum backward speed, as a fraction of the maximum forward speed.
 const REVERSE_FRACTION: f64 = 0.1;
 
 /// Parameters of the feedback linearisation.
@@ -41,13 +40,12 @@ pub struct FeedbackParams {
     /// command beyond the limits loses speed and keeps the wanted direction, and a robot turns at its
     /// full rate towards what lies behind it.
     ///
-    /// [`Fidelity::Published`]: a turning term proportional to the angle between heading and wanted
-    /// velocity is added, and only the cos θ part of ω is divided by ε, so that a robot driving along
-    /// ±y turns 1/ε times more weakly than one driving along ±x; the field is taken at a third of ε;
-    /// forward speed and turning rate are clipped each on its own, so that the robot leaves the wanted
-    /// direction in tight turns.
+    /// [`Fidelity::Published`]: a turning term proportional to the angle between heading and desired velocity
+    /// is added, and only the cos θ part of ω is divided by ε, so that a robot driving along ±y turns 1/ε times
+    /// more weakly than one driving along ±x. The field is taken at a third of ε. Forward speed and turning
+    /// rate are clipped separately, so that the robot leaves the desired direction in tight turns.
     pub fidelity: Fidelity,
-    /// Turning rate allowed when lower than the robot's own limit; absent: the robot's.
+    /// Maximum turning rate when lower than the robot's own limit; absent: the robot's.
     #[schemars(transform = above(0).unit("rad/s"))]
     pub omega_cap: Option<f64>,
 }
@@ -73,13 +71,13 @@ impl FeedbackParams {
     }
 }
 
-/// The command that moves a robot's control point with a wanted velocity.
+/// The command that moves a robot's control point with a desired velocity.
 ///
-/// * `wanted` — velocity of the control point in the world frame (m/s); may be far beyond what the
-///   robot can do, only its direction matters then.
+/// * `wanted` — velocity of the control point in the world frame (m/s); only its direction matters if it
+///   exceeds the robot's limits.
 /// * `theta` — the robot's heading (rad).
-/// * `limits` — what the robot can do; narrowed further by `omega_cap`, and to a tenth of the forward
-///   speed backwards.
+/// * `limits` — the robot's limits; narrowed further by `omega_cap`, and to a tenth of the forward speed
+///   backwards.
 ///
 /// Returns a command that is finite and within the limits whatever the input; NaN or infinite
 /// input stops the robot.
@@ -98,8 +96,8 @@ pub fn command(
         Fidelity::Ours => {
             let mut raw = exact(wanted, theta);
             if raw.v < 0.0 {
-                // The exact law turns ever more slowly the more directly behind the robot the velocity
-                // lies: turn as fast as for one straight to its side.
+                // The exact law turns ever more slowly the more directly behind the robot the velocity lies.
+                // Turn as fast as for a velocity straight to its side.
                 let side = if raw.omega < 0.0 { -1.0 } else { 1.0 };
                 raw.omega = side * speed / EPSILON;
             }
@@ -127,7 +125,7 @@ fn as_published(wanted: Vector2<f64>, theta: f64) -> Twist2 {
     Twist2::new(dx * cos + dy * sin, -dx * sin + dy * cos / EPSILON)
 }
 
-/// Backward speed clipped, then both components shrunk by one factor.
+/// Clips the backward speed, then scales both components by one factor.
 fn scale(raw: Twist2, limits: &Limits) -> Twist2 {
     let v = raw.v.max(-limits.reverse());
     let by_speed = if v > limits.v_max() {
@@ -141,7 +139,7 @@ fn scale(raw: Twist2, limits: &Limits) -> Twist2 {
         1.0
     };
     let factor = by_speed.min(by_turn);
-    // The last clip takes off the rounding error of the product.
+    // The last clip removes the rounding error of the product.
     limits.clip(Twist2::new(v * factor, raw.omega * factor))
 }
 
@@ -203,7 +201,7 @@ mod tests {
                 omega,
             );
         }
-        // Where the paper's turning term distorts it, the inverse kinematics give another answer.
+        // Where the paper's turning term distorts the command, the inverse kinematics give another result.
         let diagonal = command(Vector2::new(0.02, 0.02), 0.0, &limits(), &params);
         assert_command(diagonal, 0.02, 0.02 / 0.15);
     }

@@ -1,10 +1,10 @@
-//! Driving to a point: turn towards it, then drive the arc that leads there.
+//! Driving to a point: turn towards it, then drive the arc that leads to it.
 //!
 //! With the point at distance ℓ under the bearing α, the circle that leaves the robot along its
-//! heading and passes through the point has the curvature 2 sin α / ℓ (pure pursuit, Coulter 1992).
-//! A robot that turns faster than that circle asks for is aligned sooner and drives the rest
-//! straight; the speed is never so high that the point would come to lie inside the tightest
-//! circle, so that a near point is not circled for ever.
+//! heading and passes through the point has the curvature 2 sin α / ℓ (pure pursuit, Coulter 1992). A
+//! robot that turns faster than that circle requires is aligned sooner and drives the rest straight.
+//! The speed is limited so that the point never lies inside the tightest circle; otherwise the robot
+//! could circle a near point forever.
 
 use core::f64::consts::PI;
 
@@ -17,32 +17,31 @@ use serde::{Deserialize, Serialize};
 
 use planner_view::limits::Limits;
 
-/// A point nearer than this (m) is where the robot stands.
+/// Distance (m) below which a point coincides with the robot's position.
 const HERE: f64 = 1e-9;
 
 /// Parameters of [`go_to`].
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct GoToParams {
-    /// Bearing beyond which the robot turns on the spot. The larger, the faster a
-    /// lap and the farther the way bulges out behind a corner (by the speed over the turning rate
-    /// at most).
+    /// Bearing above which the robot turns on the spot. The larger, the faster a lap and the farther
+    /// the path bulges out behind a corner (by the speed over the turning rate at most).
     #[schemars(transform = above(0).at_most(PI).unit("rad"))]
     pub turn_on_spot: f64,
-    /// Turning rate per bearing; at most one tick's bearing is turned in a tick.
+    /// Turning rate per bearing; a tick turns by at most the bearing.
     #[schemars(transform = above(0).unit("1/s"))]
     pub turn_gain: f64,
-    /// Speed allowed, as a fraction of the highest forward speed.
+    /// Maximum speed, as a fraction of the maximum forward speed.
     #[schemars(transform = above(0).at_most(1))]
     pub speed_fraction: f64,
-    /// Distance at which the point has been reached.
+    /// Distance at which the robot has reached the point.
     #[schemars(transform = above(0).unit("m"))]
     pub arrived: f64,
-    /// Deceleration before the point; absent: it is passed at full speed.
+    /// Deceleration before the point; absent: the robot passes it at full speed.
     #[schemars(transform = above(0).unit("m/s²"))]
     pub deceleration: Option<f64>,
-    /// With a deceleration: change of direction up to which the point is passed at speed all the
-    /// same, when it is known where to go on to.
+    /// With a deceleration: change of direction up to which the robot still passes the point at speed,
+    /// if the next point is known.
     #[schemars(transform = between(0, PI).unit("rad"))]
     pub pass_angle: f64,
 }
@@ -62,7 +61,7 @@ impl Default for GoToParams {
 
 impl Parameters for GoToParams {}
 
-/// Bearing of a point from a pose (rad), in (−π, π]; 0 where the robot stands.
+/// Bearing of a point from a pose (rad), in (−π, π]; 0 if the point coincides with the position.
 pub fn bearing(pose: &Pose2, point: Point2<f64>) -> f64 {
     let forward = pose.forward();
     let offset = point - pose.position();
@@ -71,9 +70,9 @@ pub fn bearing(pose: &Pose2, point: Point2<f64>) -> f64 {
 
 /// The command that leads from a pose to `target` (m) in ticks of `dt` (s).
 ///
-/// `onward` is where the robot goes afterwards, if that is known: a target is not slowed down for
-/// when it lies on the way. The command is finite and within the limits; it is a stop where the
-/// target is, and for a pose, target or tick that is not finite.
+/// `onward` is the next target, if it is known: the robot does not slow down for a target that lies on
+/// the path to it. The command is finite and within the limits. It is a stop at the target, and for a
+/// pose, target or tick that is not finite.
 pub fn go_to(
     pose: &Pose2,
     target: Point2<f64>,
@@ -84,7 +83,7 @@ pub fn go_to(
 ) -> Twist2 {
     let offset = target - pose.position();
     let distance = offset.norm();
-    // Written so that NaN stops as well.
+    // This form stops for NaN as well.
     let usable = distance >= HERE && distance.is_finite() && dt > 0.0;
     if !usable {
         return Twist2::STOP;
@@ -102,7 +101,7 @@ pub fn go_to(
     if let Some(deceleration) = params.deceleration
         && !passes(offset, onward.map(|onward| onward - target), params)
     {
-        // Not to a standstill short of the tolerance.
+        // Do not stop short of the tolerance.
         let left = (distance - 0.5 * params.arrived).max(0.0);
         v = v.min((2.0 * deceleration * left).sqrt()).min(distance / dt);
     }
@@ -110,7 +109,8 @@ pub fn go_to(
     limits.clip(Twist2::new(v, omega.copysign(alpha)))
 }
 
-/// Whether a robot that arrives along `before` can go on along `after` without slowing down.
+/// Returns `true` if a robot that arrives along `before` can continue along `after` without slowing
+/// down.
 fn passes(before: Vector2<f64>, after: Option<Vector2<f64>>, params: &GoToParams) -> bool {
     after.is_some_and(|after| {
         let turn = math::atan2(before.perp(&after), before.dot(&after));
@@ -118,7 +118,7 @@ fn passes(before: Vector2<f64>, after: Option<Vector2<f64>>, params: &GoToParams
     })
 }
 
-/// The pose after keeping a twist for `dt` (s), without limits or slip.
+/// The pose after a constant twist for `dt` (s), without limits or slip.
 pub fn coast(pose: &Pose2, twist: Twist2, dt: f64) -> Pose2 {
     let half = 0.5 * twist.omega * dt;
     // The chord of the arc lies in the direction of its middle.

@@ -1,20 +1,20 @@
 //! Steering of differential-drive robots.
 //!
-//! Towards and away from things, by potentials:
+//! Attraction and repulsion by potentials:
 //!
 //! 1. [`potential_field`] sums attraction, repulsion, obstacles and perturbation;
-//! 2. [`feedback_linearisation`] turns the wanted velocity of a point ahead of the axle into forward
-//!    speed and turning rate, within the robot's limits;
-//! 3. [`potential_evader`] is an evader of these alone.
+//! 2. [`feedback_linearisation`] converts the desired velocity of a point ahead of the axle into
+//!    forward speed and turning rate, within the robot's limits;
+//! 3. [`potential_evader`] is an evader that uses only these.
 //!
 //! From waypoint to waypoint:
 //!
 //! - [`go_to`]: straight to a point;
 //! - [`path_tracking`]: along a path;
 //! - [`tangent_bug`]: around unknown obstacles, by range scans;
-//! - [`waypoint_driver`]: from waypoint to waypoint, with a stop guarantee, by these.
+//! - [`waypoint_driver`]: from waypoint to waypoint, with a stop guarantee, using these.
 //!
-//! Everything here is pure: values in, values out, the same bits on every machine.
+//! All functions are pure: equal inputs give equal bits on every machine.
 
 #![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
 #![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]

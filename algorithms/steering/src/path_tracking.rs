@@ -1,11 +1,10 @@
-//! Following a path: pure pursuit, slowed down where the robot could not follow otherwise.
+//! Path tracking: pure pursuit, with the speed limited where the robot could not follow otherwise.
 //!
 //! Pure pursuit (Coulter, *Implementation of the Pure Pursuit Path Tracking Algorithm*, CMU-RI-TR-92-01,
-//! 1992) drives along the circle that leaves the robot's pose along its heading and passes through
-//! a point of the path some distance ahead. With that point at distance ℓ under the bearing α, the
-//! circle's curvature is κ = 2 sin α / ℓ. On top of it, as in regulated pure pursuit (Macenski et
-//! al., *Autonomous Robots* 2023), the speed follows from the curvature and from what is left of
-//! the path.
+//! 1992) drives along the circle that leaves the robot's pose along its heading and passes through a
+//! point of the path some distance ahead. With that point at distance ℓ under the bearing α, the
+//! circle's curvature is κ = 2 sin α / ℓ. As in regulated pure pursuit (Macenski et al., *Autonomous
+//! Robots* 2023), the speed depends on the curvature and on the remaining path.
 
 use core::f64::consts::PI;
 
@@ -18,17 +17,17 @@ use serde::{Deserialize, Serialize};
 
 use planner_view::limits::Limits;
 
-/// Points of a path nearer to each other than this (m) are one.
+/// Points of a path closer to each other than this (m) are one point.
 const SAME_PLACE: f64 = 1e-9;
 
-/// Share of the look-ahead that is tried next when the way to the point looked at is not clear.
+/// Factor by which the look-ahead shrinks when the path to the target point is not clear.
 const SHORTER: f64 = 0.7;
 
 /// Parameters of a [`PathTracker`].
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct TrackingParams {
-    /// Distance along the path to the point looked at, while standing.
+    /// Distance along the path to the target point, at standstill.
     #[schemars(transform = above(0).unit("m"))]
     pub look_ahead: f64,
     /// Increase of `look_ahead` per speed.
@@ -38,20 +37,19 @@ pub struct TrackingParams {
     /// clear.
     #[schemars(transform = above(0).unit("m"))]
     pub least_look_ahead: f64,
-    /// Bearing of the point looked at beyond which the robot turns on the spot.
+    /// Bearing of the target point above which the robot turns on the spot.
     #[schemars(transform = above(0).at_most(PI).unit("rad"))]
     pub turn_on_spot: f64,
-    /// Turning rate per bearing while it does.
+    /// Turning rate per bearing while the robot turns on the spot.
     #[schemars(transform = above(0).unit("1/s"))]
     pub turn_gain: f64,
-    /// Speed allowed, as a fraction of the highest forward speed.
+    /// Maximum speed, as a fraction of the maximum forward speed.
     #[schemars(transform = between(0, 1))]
     pub speed_fraction: f64,
-    /// Deceleration before the end of the path; absent: it is passed at full speed.
+    /// Deceleration before the end of the path; absent: the robot passes the end at full speed.
     #[schemars(transform = above(0).unit("m/s²"))]
     pub arrival_deceleration: Option<f64>,
-    /// Turning rate allowed, when lower than the robot's own limit; absent: the
-    /// robot's.
+    /// Maximum turning rate, when lower than the robot's own limit; absent: the robot's.
     #[schemars(transform = above(0).unit("rad/s"))]
     pub omega_cap: Option<f64>,
     /// Distance to the path's end at which the robot has arrived.
@@ -95,7 +93,7 @@ pub struct Path {
 }
 
 impl Path {
-    /// A path through these points (m); repeated points and points that are not finite are left
+    /// Builds a path through these points (m); repeated points and points that are not finite are left
     /// out.
     pub fn new(points: impl IntoIterator<Item = Point2<f64>>) -> Self {
         let mut path = Self::default();
@@ -129,7 +127,7 @@ impl Path {
         &self.along
     }
 
-    /// Whether there is no point.
+    /// Returns `true` if the path has no point.
     pub fn is_empty(&self) -> bool {
         self.points.is_empty()
     }
@@ -139,8 +137,7 @@ impl Path {
         self.along.last().copied().unwrap_or(0.0)
     }
 
-    /// The point at a distance along the path (m), one of the ends beyond them; `None` if there is
-    /// no point.
+    /// The point at a distance along the path (m), clamped to the ends; `None` for an empty path.
     pub fn at(&self, along: f64) -> Option<Point2<f64>> {
         let (piece, part) = self.piece_at(along)?;
         let (a, b) = (self.points.get(piece)?, self.points.get(piece + 1));
@@ -155,7 +152,7 @@ impl Path {
         Some(math::atan2(d.y, d.x))
     }
 
-    /// The piece at a distance along the path, and how far along that piece it is, 0 … 1.
+    /// The segment at a distance along the path, and the fraction of that segment, 0 … 1.
     fn piece_at(&self, along: f64) -> Option<(usize, f64)> {
         let last = self.points.len().checked_sub(1)?;
         let next = self.along.partition_point(|&a| a <= along);
@@ -167,8 +164,8 @@ impl Path {
         Some((piece, ((along - from) / (to - from)).clamp(0.0, 1.0)))
     }
 
-    /// The point of the path between two distances along it that is nearest to `p`: its distance
-    /// along the path and its distance from `p` (m). `None` if there is no point.
+    /// The point of the path between two distances along it that is nearest to `p`: its distance along
+    /// the path and its distance from `p` (m). `None` for an empty path.
     pub fn project(&self, p: Point2<f64>, first: f64, last: f64) -> Option<(f64, f64)> {
         let mut best: Option<(f64, f64)> = None;
         let mut consider = |along: f64, at: Point2<f64>| {
@@ -195,22 +192,22 @@ impl Path {
     }
 }
 
-/// What a tracker says in one tick.
+/// Result of a tracker in one tick.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tracking {
     /// The command; finite and within the limits.
     pub command: Twist2,
-    /// The point looked at (m).
+    /// Target point (m).
     pub target: Point2<f64>,
     /// Distance from the path (m).
     pub off_path: f64,
-    /// What is left of the path (m).
+    /// Remaining length of the path (m).
     pub remaining: f64,
-    /// Whether the end has been reached, by the path and not past it.
+    /// `true` if the robot has reached the end along the path, not past it.
     pub arrived: bool,
 }
 
-/// Follows one path after the other.
+/// Tracks one path after the other.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct PathTracker {
     path: Path,
@@ -218,7 +215,7 @@ pub struct PathTracker {
 }
 
 impl PathTracker {
-    /// Takes a new path, from its beginning.
+    /// Sets a new path, from its start.
     pub fn set_path(&mut self, path: Path) {
         self.path = path;
         self.progress = 0.0;
@@ -229,17 +226,17 @@ impl PathTracker {
         &self.path
     }
 
-    /// How far along the path the robot is (m).
+    /// Distance along the path that the robot has covered (m).
     pub fn progress(&self) -> f64 {
         self.progress
     }
 
-    /// The command that follows the path from here; `None` without a path or with a pose that is
-    /// not finite.
+    /// The command that tracks the path from this pose; `None` without a path or with a pose that is not
+    /// finite.
     ///
-    /// `is_clear` is asked whether the robot can drive to a point of the path by the circle that
-    /// leaves along its heading; where it cannot, a nearer point is looked at, so that corners are
-    /// not cut. While a robot turns on the spot it is not asked.
+    /// `is_clear` reports whether the robot can drive to a point of the path along the circle that
+    /// leaves along its heading. If not, the tracker aims at a nearer point, so that corners are not
+    /// cut. While a robot turns on the spot, `is_clear` is not called.
     pub fn track(
         &mut self,
         pose: &Pose2,
@@ -254,7 +251,7 @@ impl PathTracker {
         let limits = limits.restricted(1.0, params.omega_cap);
         let v_max = limits.v_max() * params.speed_fraction;
         let ahead = params.look_ahead + params.look_ahead_time_s * v_max;
-        // A window: where the path comes near itself, the robot stays on its own part of it.
+        // A window: where the path passes near itself, the robot stays on its own part of it.
         let window = (self.progress - ahead, self.progress + 2.0 * ahead);
         let (progress, off_path) = self.path.project(here, window.0.max(0.0), window.1)?;
         self.progress = progress;

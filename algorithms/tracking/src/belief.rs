@@ -1,11 +1,11 @@
-//! A belief in a few numbers.
+//! Summary of a belief.
 
 use geometry::math;
 use geometry::pose::Pose2;
 
 use crate::fast;
 
-/// One weighted hypothesis, as it is published.
+/// One weighted hypothesis, as published.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Particle {
     /// x (m).
@@ -29,13 +29,13 @@ pub struct Belief {
     pub covariance_xy: f64,
     /// Variance of y (m²).
     pub covariance_yy: f64,
-    /// 1 − length of the mean heading vector: 0 if all agree, 1 if nothing is known.
+    /// 1 − length of the mean heading vector: 0 if all headings agree, 1 if the heading is unknown.
     pub heading_spread: f64,
     /// 1/Σw² of the normalised weights before resampling: 1 to the number of particles.
     pub effective_sample_size: f64,
-    /// Whether the opponent was seen at this tick.
+    /// `true` if an observer saw the opponent at this tick.
     pub seen: bool,
-    /// Seconds since the opponent was last seen (s); infinite if it never was.
+    /// Time since the opponent was last seen (s); infinite if it never was.
     pub unseen_for: f64,
 }
 
@@ -55,7 +55,7 @@ pub(crate) fn moments(
     headings: &[f32],
     weights: &[f32],
 ) -> (Pose2, [f64; 3], f64) {
-    // Relative to the first particle, so that squares lose nothing far from the origin.
+    // Relative to the first particle, so that squares lose no precision far from the origin.
     let (x0, y0) = (
         xs.first().copied().unwrap_or(0.0),
         ys.first().copied().unwrap_or(0.0),

@@ -1,4 +1,4 @@
-//! Single-precision elementary functions that compilers turn into vector code.
+//! Single-precision elementary functions that compilers vectorise.
 //!
 //! They consist of additions, multiplications, comparisons and bit operations only, so they give the
 //! same bits on every machine and at every vector width. Domains are those of the particle filter.

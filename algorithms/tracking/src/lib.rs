@@ -1,9 +1,9 @@
-//! Line-of-sight sightings and beliefs about robots that others watch.
+//! Line-of-sight sightings, and beliefs about observed robots.
 //!
 //! A simulated sensor gives sightings whose quality depends on the line of sight ([`sighting`], on
-//! [`geometry::visibility`]), and a particle filter keeps one belief per robot watched
-//! ([`particle_filter`]). [`tracker::Perception`] does both for a team and a tick. Everything is a
-//! function of its inputs and a ChaCha8 stream per robot watched.
+//! [`geometry::visibility`]), and a particle filter keeps one belief per observed robot
+//! ([`particle_filter`]). [`tracker::Perception`] does both for a team and a tick. All results are
+//! functions of the inputs and of one ChaCha8 stream per observed robot.
 //!
 //! ```
 //! use geometry::blur::BlurredMap;

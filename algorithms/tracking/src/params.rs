@@ -6,11 +6,11 @@ use parameters::{Fidelity, Parameters, ParamsError, above, at_least, between, re
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// What the sensor tells about an opponent's heading.
+/// Measurement of an opponent's heading.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase", deny_unknown_fields)]
 pub enum HeadingModel {
-    /// Nothing: the heading is inferred from the motion.
+    /// None: the heading is inferred from the motion.
     #[default]
     None,
     /// The true heading.
@@ -36,13 +36,12 @@ pub struct SensorParams {
     /// Factor g of the noise σ = g·(1/V − 1) of x and of y.
     #[schemars(transform = above(0).unit("m"))]
     pub sigma_gain: f64,
-    /// What is measured of the heading.
+    /// Measurement of the heading.
     pub heading: HeadingModel,
-    /// Largest distance at which an observer sees; unlimited if absent.
+    /// Maximum range of an observer; unlimited if absent.
     #[schemars(transform = above(0).unit("m"))]
     pub range: Option<f64>,
-    /// Full opening angle of an observer's field of view, centred on its heading;
-    /// all round if absent.
+    /// Full opening angle of an observer's field of view, centred on its heading; all round if absent.
     #[schemars(transform = above(0).at_most(TAU).unit("rad"))]
     pub field_of_view: Option<f64>,
 }
@@ -75,16 +74,16 @@ pub struct FilterParams {
     /// Random walk of the turning-rate hypothesis.
     #[schemars(transform = at_least(0).unit("largest turning rate per √s"))]
     pub turn_walk: f64,
-    /// Rate at which the speed hypothesis returns to the largest speed; 0 for a pure
-    /// random walk, as the paper's. Who flees, or chases, does not stroll.
+    /// Rate at which the speed hypothesis returns to the maximum speed; 0 for a pure random walk, as in the
+    /// paper. Evaders and pursuers usually drive at full speed.
     #[schemars(transform = at_least(0).unit("1/s"))]
     pub cruise_rate: f64,
-    /// Rate at which the turning-rate hypothesis returns to 0; 0 for a pure random walk,
-    /// as the paper's, which lets hypotheses circle in place while the opponent drives on.
+    /// Rate at which the turning-rate hypothesis returns to 0; 0 for a pure random walk, as in the paper, with
+    /// which hypotheses circle in place while the opponent drives on.
     #[schemars(transform = at_least(0).unit("1/s"))]
     pub straighten_rate: f64,
-    /// Whether an unseen hypothesis that would drive into an obstacle turns away from it (true) or is
-    /// ruled out (false, as in the paper: then those that hardly move outlive the others).
+    /// `true` if an unseen hypothesis that would drive into an obstacle turns away from it; `false` if it is
+    /// ruled out, as in the paper: then hypotheses that hardly move outlive the others.
     pub turn_at_walls: bool,
     /// Variant of the filter. [`Fidelity::Published`]: walks that stay at the ends of their ranges, equal weights before
     /// snapping, and a belief that is given up only when no particle is possible.
@@ -122,12 +121,12 @@ impl Parameters for PerceptionParams {
 }
 
 impl PerceptionParams {
-    /// The experiments' parameters: 30 particles, the exact heading in every sighting, uniform
-    /// steps of ±25 % of the largest speed and ±40 % of the largest turning rate per 0.05 s, and
-    /// the published program's traits.
+    /// The experiments' parameters: 30 particles, the exact heading in every sighting, uniform steps of ±25 %
+    /// of the maximum speed and ±40 % of the maximum turning rate per 0.05 s, and the published program's
+    /// traits.
     ///
-    /// The programming errors of the original are not part of it: hypothesised speeds reach the
-    /// real limit, and weights that are all zero are recovered from.
+    /// The programming errors of the original are not included: hypothesised speeds reach the real limit, and
+    /// the filter recovers from weights that are all zero.
     pub fn paper() -> Self {
         Self {
             sensor: SensorParams {
@@ -159,7 +158,7 @@ impl Parameters for SensorParams {
     }
 }
 
-/// Most particles of a filter.
+/// Maximum number of particles of a filter.
 pub const MAX_PARTICLES: usize = 1_000_000;
 
 impl Parameters for FilterParams {}

@@ -1,17 +1,17 @@
 //! The belief about one opponent: a particle filter on its pose, speed and turning rate
 //! (chasing-game paper, section III.D).
 //!
-//! Per tick every particle is moved by its own velocity hypothesis, weighted by the sighting — in
+//! Each tick, every particle is moved by its own velocity hypothesis, weighted by the sighting — in
 //! one of four cases — and resampled:
 //! 1. in an obstacle or outside the map: weight 0;
 //! 2. opponent seen with noise σ: Gaussian likelihood (also of the heading if the sensor has it);
 //! 3. opponent unseen: (1 − V)^(rate·dt), V the best visibility of the particle;
-//! 4. seen with σ below 0.01 m: as case 2 with a width of a fraction of a step, then all particles
-//!    take the measured position.
+//! 4. opponent seen with σ below 0.01 m: as case 2 with a width of a fraction of a step, then all
+//!    particles take the measured position.
 //!
-//! If nothing is left (or the mean likelihood is below `LOST_BELOW`), the belief is
-//! built anew: around the measurement if there is one, else uniformly over unseen free space that
-//! the opponent can have reached since it was last seen, else over all free space.
+//! If no weight is left (or the mean likelihood is below `LOST_BELOW`), the belief is rebuilt: around
+//! the measurement if there is one, else uniformly over unseen free space that the opponent can have
+//! reached since it was last seen, else over all free space.
 //!
 //! Random numbers come from one ChaCha8 stream per filter, and every sum has a fixed order: the same
 //! inputs give the same bits on every machine.
@@ -39,27 +39,27 @@ use crate::sighting::{Measurement, Sighting};
 use crate::space::Space;
 use crate::watch::Watch;
 
-/// How often per second the factor 1 − V of an unseen opponent is applied (1/s): once per tick of the
+/// Rate at which the factor 1 − V of an unseen opponent is applied (1/s): once per tick of the
 /// experiments.
 const CLEARING_RATE: f64 = 20.0;
 
 /// Measurement noise below which all particles take the measured position and heading (m, rad).
 const SNAP_BELOW: f64 = 0.01;
 
-/// Width of the likelihood that is applied before snapping [distance (angle) covered per tick at the
-/// largest speed (turning rate)]. It keeps the hypotheses that predicted the measurement, which is
-/// how headings are learned.
+/// Width of the likelihood that is applied before snapping, as a multiple of the distance (angle)
+/// covered per tick at the maximum speed (turning rate). It keeps the hypotheses that predicted the
+/// measurement; the filter infers headings from them.
 const SNAP_WIDTH: f64 = 0.15;
 
-/// Mean likelihood (1 for a perfect fit) below which the belief is given up and built anew. A correct
-/// belief falls below it by bad luck with this probability per tick.
+/// Mean likelihood (1 for a perfect fit) below which the belief is rebuilt. A correct belief falls
+/// below it by chance with this probability per tick.
 const LOST_BELOW: f64 = 1e-4;
 
-/// Distance added to what the opponent can have covered unseen when the belief is built anew around
-/// the last place where it was seen (m).
+/// Distance (m) added to the distance that the opponent can have covered unseen, when the belief is
+/// rebuilt around its last seen position.
 const RECOVERY_MARGIN: f64 = 0.5;
 
-/// Particles handled together: all their arrays fit the first-level cache.
+/// Number of particles per block: all their arrays fit the first-level cache.
 const BLOCK: usize = 512;
 
 /// The particle filter of one opponent. See the [module documentation](self).
@@ -72,7 +72,7 @@ pub struct ParticleFilter {
     /// Weights with mean 1.
     weights: Vec<f32>,
     last_seen: Option<Point2<f64>>,
-    /// Time since then (s).
+    /// Time since the opponent was last seen (s).
     unseen_for: f64,
     seen: bool,
     effective: f64,
@@ -80,7 +80,7 @@ pub struct ParticleFilter {
     scratch: Scratch,
 }
 
-/// Working memory, kept so that a tick allocates nothing.
+/// Working memory, reused so that a tick does not allocate.
 #[derive(Debug, Clone, Default)]
 struct Scratch {
     resampled: Cloud,
@@ -91,7 +91,7 @@ struct Scratch {
 }
 
 impl ParticleFilter {
-    /// A filter with all particles at the opponent's known pose and velocities drawn from its
+    /// Creates a filter with all particles at the opponent's known pose and velocities drawn from its
     /// limits, or, without a pose, uniformly over the free space.
     ///
     /// `params` must be valid ([`parameters::check`](fn@parameters::check)).
@@ -151,17 +151,17 @@ impl ParticleFilter {
         self.particles.len()
     }
 
-    /// Whether there are no particles (never).
+    /// Returns `true` if there are no particles (never).
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// How often the belief had to be built anew.
+    /// Number of times that the belief was rebuilt.
     pub fn rebuilt(&self) -> u64 {
         self.rebuilt
     }
 
-    /// Advances the belief by `dt` (s) (> 0, finite) and takes in a sighting.
+    /// Advances the belief by `dt` (s) (> 0, finite) and applies a sighting.
     ///
     /// `watch` holds the observers of this tick.
     pub fn update(&mut self, space: &Space, watch: &Watch, sighting: &Sighting, dt: f64) {
@@ -196,7 +196,7 @@ impl ParticleFilter {
         dt: f64,
     ) {
         let motion = Motion::new(&self.params, self.limits, dt);
-        // The published program weighs all particles alike before it snaps them.
+        // The published program gives all particles equal weights before it snaps them.
         let snap_width = match self.params.fidelity {
             Fidelity::Ours => SNAP_WIDTH,
             Fidelity::Published => 0.0,
@@ -280,7 +280,7 @@ impl ParticleFilter {
         self.effective = self.len() as f64;
     }
 
-    /// Sets what was measured practically without noise.
+    /// Sets the quantities that were measured practically without noise.
     fn snap(&mut self, m: &Measurement) {
         if m.sigma < SNAP_BELOW {
             self.particles.x.fill(m.position.x as f32);
@@ -293,7 +293,7 @@ impl ParticleFilter {
         }
     }
 
-    /// The belief in numbers. One pass over the particles.
+    /// Returns the summary of the belief in one pass over the particles.
     pub fn belief(&self) -> Belief {
         let p = &self.particles;
         let (mean, [xx, xy, yy], spread) = moments(&p.x, &p.y, &p.heading, &self.weights);
@@ -326,7 +326,7 @@ fn velocities(params: &FilterParams, limits: MotionLimits) -> recover::Velocitie
     Motion::new(params, limits, 0.0).ends()
 }
 
-/// Rounds away what is left of rate·dt in binary, so that 20 Hz needs no power.
+/// Removes the binary rounding error of rate·dt, so that 20 Hz needs no power.
 fn exponent(times: f64) -> f64 {
     if (times - 1.0).abs() < 1e-9 {
         1.0

@@ -1,4 +1,4 @@
-//! What the observers measure of one opponent at one tick.
+//! Simulated measurement of one opponent at one tick.
 
 use geometry::math;
 use geometry::pose::Pose2;
@@ -22,7 +22,7 @@ pub struct Measurement {
     pub heading: Option<(f64, f64)>,
 }
 
-/// An opponent as seen, or not seen, at one tick.
+/// Sighting of an opponent at one tick, seen or unseen.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Sighting {
     /// Largest line-of-sight visibility over the observers, 0…1.
@@ -34,7 +34,7 @@ pub struct Sighting {
 }
 
 impl Sighting {
-    /// Whether there is a measurement.
+    /// Returns `true` if there is a measurement.
     pub fn is_seen(&self) -> bool {
         self.measurement.is_some()
     }
@@ -49,7 +49,7 @@ impl Sighting {
 /// observers, unseen for V below a threshold, exact above another, and in between Gaussian noise of
 /// standard deviation g·(1/V − 1) on x and y.
 ///
-/// Nothing of the true pose but the measured quantities is in the result. Noise is drawn by the
+/// The result contains only the measured quantities of the true pose. Noise is drawn by the
 /// Box–Muller transform.
 pub fn sense(
     sensor: &SensorParams,

@@ -1,4 +1,4 @@
-//! The map as the particles see it: where they may be, and what is seen from where.
+//! The map of the particle filters: valid space and visibility.
 
 use geometry::blur::BlurredMap;
 use geometry::grid::GridFrame;
@@ -9,8 +9,8 @@ use crate::fast;
 
 /// A map prepared for the filters; rebuilt when an obstacle changes.
 ///
-/// Every free cell is valid space, exits and what lies beyond them included. Occupied cells and
-/// everything outside the grid are not.
+/// Every free cell is valid space, including exits and the space beyond them. Occupied cells and
+/// all space outside the grid are not.
 #[derive(Debug, Clone)]
 pub struct Space {
     field: VisibilityField,
@@ -51,7 +51,7 @@ impl Space {
         }
     }
 
-    /// Where the cells lie.
+    /// Frame of the cells.
     pub fn frame(&self) -> &GridFrame {
         &self.frame
     }
@@ -66,7 +66,7 @@ impl Space {
         &self.free
     }
 
-    /// Whether a point (m) is valid for a particle.
+    /// Returns `true` if a point (m) is valid for a particle.
     pub fn is_valid(&self, p: Point2<f64>) -> bool {
         self.field.is_free(p)
     }

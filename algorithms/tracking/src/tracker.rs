@@ -1,4 +1,4 @@
-//! All opponents of a team: sightings and beliefs, tick by tick.
+//! All opponents of a team: sightings and beliefs for each tick.
 
 use geometry::blur::BlurredMap;
 use geometry::pose::Pose2;
@@ -13,7 +13,7 @@ use crate::sighting::{Sighting, sense};
 use crate::space::Space;
 use crate::watch::Watch;
 
-/// Why perception could not be set up or updated.
+/// Error of setting up or updating perception.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum PerceptionError {
     /// A parameter is out of its range.
@@ -24,7 +24,7 @@ pub enum PerceptionError {
     Limits {
         /// The opponent's robot index.
         robot: usize,
-        /// The offending limit.
+        /// Name of the invalid limit.
         field: &'static str,
         /// Its value.
         value: f64,
@@ -32,13 +32,13 @@ pub enum PerceptionError {
     /// The time step is not positive.
     #[error("the time step is {dt} s; it must be positive and finite")]
     TimeStep {
-        /// The offending step (s).
+        /// The invalid step (s).
         dt: f64,
     },
-    /// The truth of an opponent was given that was not set up.
+    /// The true state of an opponent that was not set up.
     #[error("robot {robot} is not one of the tracked opponents")]
     UnknownTarget {
-        /// The offending robot index.
+        /// The invalid robot index.
         robot: usize,
     },
 }
@@ -48,9 +48,9 @@ pub enum PerceptionError {
 pub struct TargetSetup {
     /// Index of the robot.
     pub robot: usize,
-    /// What it can do.
+    /// Motion limits of the opponent.
     pub limits: MotionLimits,
-    /// Where it is known to start; `None` if unknown (uniform over the free space).
+    /// Known start pose; `None` if unknown (uniform over the free space).
     pub start: Option<Pose2>,
     /// Its own random stream (noise of the sensor and of the filter).
     pub rng: ChaCha8Rng,
@@ -65,7 +65,7 @@ pub struct TargetTruth {
     pub pose: Pose2,
 }
 
-/// What is known of one opponent.
+/// State of tracking one opponent.
 #[derive(Debug, Clone)]
 pub struct Track {
     robot: usize,
@@ -82,12 +82,12 @@ impl Track {
         self.robot
     }
 
-    /// Whether it took part in the last update (not yet caught or escaped).
+    /// Returns `true` if it took part in the last update (not yet caught or escaped).
     pub fn is_active(&self) -> bool {
         self.active
     }
 
-    /// What the sensor gave at the last update.
+    /// The sighting of the last update.
     pub fn sighting(&self) -> &Sighting {
         &self.sighting
     }
@@ -160,20 +160,21 @@ impl Perception {
         })
     }
 
-    /// Takes over a changed map. The particles stay; those that are now in an obstacle get weight 0
-    /// at the next update.
+    /// Sets a changed map. The particles stay; those that are now in an obstacle get weight 0 at
+    /// the next update.
     pub fn set_map(&mut self, map: &BlurredMap) {
         self.space = Space::new(map);
     }
 
-    /// Advances by `dt` (s): looks from the observers' poses at every opponent in `targets` and
-    /// updates its belief. Opponents that are not in `targets` (caught, escaped) keep theirs.
+    /// Advances by `dt` (s): senses every opponent in `targets` from the observers' poses and
+    /// updates its belief. Beliefs about opponents that are not in `targets` (caught, escaped) stay
+    /// unchanged.
     ///
-    /// The tracks come in the order in which they were set up.
+    /// Returns the tracks in the order in which they were set up.
     ///
     /// # Errors
-    /// [`PerceptionError`] if `dt` is not positive or a target was not set up; nothing is changed
-    /// then.
+    /// [`PerceptionError`] if `dt` is not positive or a target was not set up; the state is then
+    /// unchanged.
     pub fn update(
         &mut self,
         observers: &[Pose2],
@@ -214,7 +215,7 @@ impl Perception {
         &self.tracks
     }
 
-    /// The map as the filters see it.
+    /// The map of the filters.
     pub fn space(&self) -> &Space {
         &self.space
     }

@@ -1,4 +1,4 @@
-//! Who is looking, from where, with which limits.
+//! Observers of a tick, with the limits of their sensors.
 
 use geometry::math;
 use geometry::pose::Pose2;
@@ -7,7 +7,7 @@ use nalgebra::{Point2, Vector2};
 
 use crate::params::SensorParams;
 
-/// One observer: a place in free space and what its sensor covers.
+/// One observer: a place in free space and the coverage of its sensor.
 #[derive(Debug, Clone)]
 struct Viewpoint {
     index: usize,
@@ -16,7 +16,7 @@ struct Viewpoint {
     forward: Vector2<f64>,
 }
 
-/// The observers of one tick. They share what they see: the visibility of a point is the best one
+/// The observers of one tick. They share their views: the visibility of a point is the best one
 /// over all of them (chasing-game paper, section III.C).
 #[derive(Debug, Clone)]
 pub struct Watch {
@@ -28,7 +28,7 @@ pub struct Watch {
 }
 
 impl Watch {
-    /// No observers yet, with the limits of a sensor.
+    /// Creates an empty set of observers with the limits of a sensor.
     pub fn new(sensor: &SensorParams) -> Self {
         let range = sensor.range.unwrap_or(f64::INFINITY);
         let cone = sensor
@@ -42,7 +42,7 @@ impl Watch {
         }
     }
 
-    /// Sets the observers' poses. One that is not in free space sees nothing.
+    /// Sets the observers' poses. An observer outside free space sees nothing.
     pub fn set(&mut self, field: &VisibilityField, observers: &[Pose2]) {
         self.viewpoints.clear();
         for (index, pose) in observers.iter().enumerate() {
@@ -58,8 +58,8 @@ impl Watch {
         }
     }
 
-    /// The largest visibility of a point (m) over all observers, 0…1, and the index of the observer
-    /// that has it (the first of equals); `None` if no observer sees the point.
+    /// The largest visibility of a point (m) over all observers, 0…1, and the index of that
+    /// observer (the first of equals); `None` if no observer sees the point.
     pub fn best(&self, field: &VisibilityField, p: Point2<f64>) -> Option<(f64, usize)> {
         let mut best: Option<(f64, usize)> = None;
         for viewpoint in self
@@ -87,7 +87,7 @@ impl Watch {
         best
     }
 
-    /// Whether a point lies within an observer's range and field of view.
+    /// Returns `true` if a point lies within an observer's range and field of view.
     fn covers(&self, viewpoint: &Viewpoint, p: Point2<f64>) -> bool {
         let offset = p - viewpoint.position;
         let distance_squared = offset.norm_squared();

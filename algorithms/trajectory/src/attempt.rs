@@ -47,7 +47,7 @@ pub struct Candidate {
     pub trajectory: Trajectory,
     /// Points that control the curve.
     pub control_points: usize,
-    /// Whether the limits of the accelerations are ignored: nothing to answer with, but something
+    /// `true` if the limits of the accelerations are ignored: nothing to answer with, but something
     /// to begin with.
     pub rough: bool,
 }

@@ -45,10 +45,10 @@ pub struct Options {
     pub guess: Guess,
     /// Where along the curve obstacles are looked at.
     pub constraints: Constraints,
-    /// Whether other ways are tried if the curve asked for is not honest or not good: turning on
+    /// `true` if other ways are tried if the curve asked for is not honest or not good: turning on
     /// the spot before and after it, more control points, and the exact shortest path in the end.
     pub fallbacks: bool,
-    /// Whether a robot with inertia gets what a search in its controls makes of the curve
+    /// `true` if a robot with inertia gets what a search in its controls makes of the curve
     /// (`refine`). Where only the wheels couple the speeds, it would gain a few thousandths
     /// and is not tried.
     pub refine: bool,

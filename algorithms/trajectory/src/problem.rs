@@ -63,7 +63,7 @@ impl RobotLimits {
         }
     }
 
-    /// Whether speeds may step.
+    /// Returns `true` if speeds may step.
     pub fn is_without_inertia(&self) -> bool {
         self.acceleration.is_none() && self.angular_acceleration.is_none()
     }

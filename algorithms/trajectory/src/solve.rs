@@ -143,7 +143,7 @@ struct CurveAttempt {
     best: Option<Checked>,
     /// Convex programs solved.
     programs: u32,
-    /// Whether it was told to stop.
+    /// `true` if it was told to stop.
     stopped: bool,
 }
 

@@ -50,7 +50,7 @@ impl Findings {
         }
     }
 
-    /// Whether nothing was found.
+    /// Returns `true` if nothing was found.
     pub fn is_empty(&self) -> bool {
         self.worst.is_empty()
     }
@@ -84,7 +84,7 @@ pub(crate) struct Change {
     pub rounding: f64,
 }
 
-/// Whether `value` is not known to be at most `limit`: NaN exceeds everything.
+/// Returns `true` if `value` is not known to be at most `limit`: NaN exceeds everything.
 fn exceeds(value: f64, limit: f64) -> bool {
     !matches!(
         value.partial_cmp(&limit),

@@ -117,7 +117,7 @@ impl<'a> Walk<'a> {
         }
     }
 
-    /// Whether the controls lead from the one pose to the other, and past what.
+    /// Returns `true` if the controls lead from the one pose to the other, and past what.
     fn motion(&mut self, a: &Sample, b: &Sample, findings: &mut Findings) {
         let Tolerances {
             mismatch,

@@ -14,7 +14,7 @@ pub(crate) struct Around {
 }
 
 impl Around {
-    /// Whether every point within `radius` (m) of `point` is at least `gap` (m) outside. Quick, and
+    /// Returns `true` if every point within `radius` (m) of `point` is at least `gap` (m) outside. Quick, and
     /// false if in doubt.
     pub fn is_farther(&self, point: Point2<f64>, radius: f64, gap: f64) -> bool {
         let apart = gap + radius + self.radius;

@@ -36,7 +36,7 @@ pub struct Report {
 }
 
 impl Report {
-    /// Whether the trajectory keeps the contract and does what it states.
+    /// Returns `true` if the trajectory keeps the contract and does what it states.
     pub fn is_valid(&self) -> bool {
         self.violations.is_empty()
     }

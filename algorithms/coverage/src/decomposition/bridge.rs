@@ -56,7 +56,7 @@ pub enum BridgeError {
     },
 }
 
-/// Whether a rectangle (m) has an inside, lies in the workplace and meets no grown obstacle.
+/// Returns `true` if a rectangle (m) has an inside, lies in the workplace and meets no grown obstacle.
 pub(super) fn is_free(rectangle: &Aabb, workplace: &Workplace) -> bool {
     let inner = workplace.inner();
     let (low, high) = (rectangle.min - inner.min, inner.max - rectangle.max);

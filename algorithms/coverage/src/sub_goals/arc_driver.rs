@@ -33,7 +33,7 @@ const MAX_PER_TICK: usize = 64;
 struct Stretch {
     goal: Goal,
     points: Vec<Point2<f64>>,
-    /// Whether the way goes on without a corner.
+    /// `true` if the way goes on without a corner.
     smooth: bool,
     /// Time that it takes at full speed (s).
     duration: f64,
@@ -232,7 +232,7 @@ impl ArcDriver {
     }
 }
 
-/// Whether one of the rectangles, which are convex, contains both ends of a way; one that nobody
+/// Returns `true` if one of the rectangles, which are convex, contains both ends of a way; one that nobody
 /// vouches for is taken to be clear.
 fn sees(rectangles: &[Option<Aabb>; 2], from: Point2<f64>, to: Point2<f64>) -> bool {
     let mut known = rectangles.iter().flatten().peekable();

@@ -139,7 +139,7 @@ impl CoverageDomain {
         &self.inflated
     }
 
-    /// Whether the robot's centre may be at a point (m): in the closed workplace shrunken by the
+    /// Returns `true` if the robot's centre may be at a point (m): in the closed workplace shrunken by the
     /// radius and not strictly inside an inflated obstacle (both within 1 nm).
     pub fn is_free(&self, p: Point2<f64>) -> bool {
         let (low, high) = (self.bounds.min, self.bounds.max);

@@ -97,7 +97,7 @@ impl CellGrid {
         index(p.y - self.origin.y, self.rows) * self.columns + column
     }
 
-    /// Whether a cell can be covered; `false` beyond the grid.
+    /// Returns `true` if a cell can be covered; `false` beyond the grid.
     pub fn is_coverable(&self, cell: usize) -> bool {
         self.coverable.get(cell).copied().unwrap_or(false)
     }

@@ -40,7 +40,7 @@ impl NearestNeighbour {
         self.goals.len()
     }
 
-    /// Whether none has been taken up.
+    /// Returns `true` if none has been taken up.
     pub fn is_empty(&self) -> bool {
         self.goals.is_empty()
     }

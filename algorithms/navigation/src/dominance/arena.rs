@@ -1,4 +1,4 @@
-//! What does not change while the map does not: the medium of waves, the exits, the ways to them.
+//! Data that depend only on the map: the medium of waves, the exits and the paths to them.
 
 use geometry::region::Region;
 
@@ -17,7 +17,7 @@ pub struct Arena {
 #[derive(Debug, Clone)]
 struct Exit {
     nodes: Vec<u32>,
-    /// Length of the shortest way to the exit from everywhere (m), as the time of a wave of 1 m/s.
+    /// Length of the shortest path to the exit from each node (m), as the time of a wave of 1 m/s.
     way: Wave,
 }
 
@@ -49,7 +49,7 @@ impl Arena {
         self.medium.lattice()
     }
 
-    /// What waves between these places travel through.
+    /// The medium in which waves between these places travel.
     pub fn medium(&self) -> &Medium {
         &self.medium
     }
@@ -64,13 +64,13 @@ impl Arena {
         self.exits.get(exit).map_or(&[], |exit| &exit.nodes)
     }
 
-    /// The shortest ways to an exit, as a wave of 1 m/s from it: its times are lengths (m).
+    /// The shortest paths to an exit, as a wave of 1 m/s from it: its times are lengths (m).
     pub fn way_to(&self, exit: usize) -> Option<&Wave> {
         self.exits.get(exit).map(|exit| &exit.way)
     }
 }
 
-/// The nodes whose centre lies in a region; of one smaller than a cell, the nearest.
+/// The nodes whose centre lies in a region; for a region smaller than a cell, the nearest node.
 fn nodes_of(lattice: &Lattice, region: &Region) -> Vec<u32> {
     let mut nodes = Vec::new();
     let (center, reach) = (region.center(), region.bounding_radius());

@@ -1,4 +1,4 @@
-//! Dominance at one moment.
+//! Dominance at one instant.
 
 use nalgebra::Point2;
 
@@ -6,35 +6,35 @@ use super::{Arena, Cell, Owner};
 use crate::wavefront::{Source, Wave};
 use planner_view::map::PlannerMap;
 
-/// A robot that takes part.
+/// A robot of the game.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Runner {
-    /// Where it is (m).
+    /// Position (m).
     pub at: Point2<f64>,
-    /// Its top speed (m/s).
+    /// Top speed (m/s).
     pub speed: f64,
 }
 
-/// What an evader can be sure of.
+/// Guaranteed outcome for an evader.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Verdict {
-    /// Whether it safely reaches an exit.
+    /// `true` if the evader safely reaches an exit.
     pub escape_possible: bool,
-    /// The exit with the greatest margin; `None` if there is no exit that it could reach even
-    /// without pursuers.
+    /// The exit with the greatest margin; `None` if the evader could reach no exit even without
+    /// pursuers.
     pub exit: Option<usize>,
-    /// How much earlier than any pursuer it is at that exit (s); −∞ without an exit, ∞ without
-    /// pursuers. If an escape is possible, on the safe way with the greatest margin. If not, on the
-    /// shortest way, and then it may still be positive: the evader would be first, but a pursuer
-    /// can cut off the way.
+    /// Lead over the first pursuer at that exit (s); −∞ without an exit, ∞ without pursuers. If an
+    /// escape is possible, the lead on the safe path with the greatest margin. If not, the lead on
+    /// the shortest path. It may still be positive then: the evader would be first, but a pursuer
+    /// can cut off the path.
     pub margin: f64,
-    /// Time of the safe way to the exit (s); infinite if there is none.
+    /// Time of the safe path to the exit (s); infinite if there is none.
     pub time: f64,
-    /// Share of all places where a robot fits that it safely reaches, 0..1.
+    /// Share of all places where a robot fits that the evader safely reaches, 0..1.
     pub area_share: f64,
 }
 
-/// Computes dominance; keeps its memory from one moment to the next.
+/// Computes dominance; keeps its memory between calls.
 #[derive(Debug, Clone, Default)]
 pub struct Dominance {
     police: Wave,
@@ -45,11 +45,10 @@ pub struct Dominance {
 }
 
 impl Dominance {
-    /// Assesses one moment; a verdict per evader, in the order given. A pursuer catches within
+    /// Assesses one instant; one verdict per evader, in the order given. A pursuer catches within
     /// `capture` (m).
     ///
-    /// The arena must have been made from this map. Robots with numbers out of range are treated as
-    /// if they were not there.
+    /// The arena must belong to this map. Robots with numbers out of range are ignored.
     pub fn assess(
         &mut self,
         map: &PlannerMap,
@@ -69,7 +68,7 @@ impl Dominance {
         self.safe.resize_with(evaders.len(), Wave::default);
         self.verdicts.clear();
         for ((label, evader), safe) in (0..).zip(evaders).zip(&mut self.safe) {
-            // Within the capture radius it is too late for everything.
+            // Within the capture radius the evader reaches nothing.
             let caught = |runner: &Runner| (runner.at - evader.at).norm() < capture;
             let source = Source::new(evader.at, evader.speed, label);
             let sources = if police.iter().any(caught) {
@@ -89,17 +88,17 @@ impl Dominance {
         &self.verdicts
     }
 
-    /// When each place is reached by a pursuer, after the last assessment.
+    /// Times at which a pursuer reaches each place, after the last assessment.
     pub fn police(&self) -> &Wave {
         &self.police
     }
 
-    /// When each place is safely reached by an evader, after the last assessment.
+    /// Times at which an evader safely reaches each place, after the last assessment.
     pub fn safe(&self, evader: usize) -> Option<&Wave> {
         self.safe.get(evader)
     }
 
-    /// Dominance cell by cell, in the order of the lattice's frame; of the moment assessed last,
+    /// Dominance cell by cell, in the order of the lattice's frame, at the last assessed instant
     /// with the same robots.
     ///
     /// Costs one more wave than the assessment.
@@ -196,8 +195,8 @@ fn verdict(arena: &Arena, police: &Wave, safe: &Wave, race: impl Fn(usize) -> f6
     best
 }
 
-/// How much earlier than any pursuer an evader is at an exit (s) if both go the shortest way; −∞ if
-/// the evader cannot get there.
+/// Lead of an evader over the first pursuer at an exit (s) if both take the shortest path; −∞ if the
+/// evader cannot reach the exit.
 fn race(arena: &Arena, exit: usize, police: &[Runner], evader: &Runner, capture: f64) -> f64 {
     let lattice = arena.lattice();
     let Some(way) = arena.way_to(exit) else {
@@ -205,7 +204,7 @@ fn race(arena: &Arena, exit: usize, police: &[Runner], evader: &Runner, capture:
     };
     let time = |runner: &Runner, reach: f64| {
         let left = (way.time_at(lattice, runner.at) - reach).max(0.0);
-        // A robot that is there needs no speed.
+        // A robot at the exit needs no speed.
         if left > 0.0 { left / runner.speed } else { 0.0 }
     };
     let own = time(evader, 0.0);

@@ -1,21 +1,21 @@
-//! Dominance cell by cell, for people to look at.
+//! Dominance cell by cell, for display.
 
-/// Who dominates a cell.
+/// Team that dominates a cell.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Owner {
-    /// Neither: an obstacle, or a place that nobody reaches.
+    /// Neither team: an obstacle, or a place that no robot reaches.
     #[default]
     Neither,
-    /// The pursuers: one of them is there no later than any evader.
+    /// The pursuers: one of them arrives no later than any evader.
     Police,
     /// An evader reaches it safely.
     Evader,
-    /// An evader would be first, but pursuers can cut off every way on which it would.
+    /// An evader would be first, but pursuers can cut off every path on which it would.
     CutOff,
 }
 
 impl Owner {
-    /// The number that stands for it in messages: 0 to 3 in the order of the variants.
+    /// Number of the variant in messages: 0 to 3 in the order of the variants.
     pub const fn code(self) -> u8 {
         match self {
             Self::Neither => 0,
@@ -29,13 +29,12 @@ impl Owner {
 /// One cell.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Cell {
-    /// Who dominates it.
+    /// Team that dominates the cell.
     pub owner: Owner,
-    /// Place of the first evader in the list of evaders, of the first pursuer in that of pursuers;
-    /// 0 with [`Owner::Neither`].
+    /// Index of the first evader in the list of evaders, or of the first pursuer in that of
+    /// pursuers; 0 with [`Owner::Neither`].
     pub first: u32,
-    /// How much later than the first evader the first pursuer is there (s): negative where a
-    /// pursuer is first (−∞ if no evader comes), ∞ where no pursuer comes, 0 with
-    /// [`Owner::Neither`].
+    /// Delay of the first pursuer after the first evader (s): negative where a pursuer is first (−∞
+    /// if no evader arrives), ∞ where no pursuer arrives, 0 with [`Owner::Neither`].
     pub margin: f32,
 }

@@ -4,7 +4,7 @@ use parameters::{Parameters, above};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// How finely dominance is computed.
+/// Resolution of dominance.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct DominanceParams {

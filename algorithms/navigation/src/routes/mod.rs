@@ -1,9 +1,10 @@
-//! Shortest routes through the arena, fast enough to be asked for in every tick.
+//! Shortest routes through the arena, fast enough for queries in each tick.
 //!
-//! A potential field has local minima; the distance travelled along the shortest way has none
-//! (it is a *navigation function*). [`NavGrid`] is a coarse graph of places where the robot fits,
-//! [`RouteTree`] the shortest routes from one place to all others, and [`RouteFinder`] keeps trees
-//! between ticks and renews them only when their root comes to another node, or the map changes.
+//! A potential field has local minima; the distance travelled along the shortest path has none (it
+//! is a *navigation function*). [`NavGrid`] is a coarse graph of places where the robot fits.
+//! [`RouteTree`] holds the shortest routes from one place to all others. [`RouteFinder`] keeps
+//! trees between ticks and renews them only when their root moves to another node, or the map
+//! changes.
 
 mod nav_grid;
 mod route_finder;

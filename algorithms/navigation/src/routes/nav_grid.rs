@@ -4,19 +4,19 @@ use nalgebra::Point2;
 
 use planner_view::map::PlannerMap;
 
-/// Side of a graph's block (m), rounded to whole map cells; a passage narrower than this (after taking
-/// off the robot's width) may be overlooked.
+/// Side of a graph's block (m), rounded to whole map cells. The graph may miss a passage narrower than
+/// this (minus the robot's width).
 const PITCH: f64 = 0.25;
 
 /// Distance kept from obstacles beyond the robot's radius (m).
 pub const MARGIN: f64 = 0.05;
 
-/// How far along a way its straight first leg is looked for (m); a longer straight leg is driven in
-/// parts. In the open, where routes bend only because the graph knows eight directions, longer means
+/// Maximum length of the straight first leg of a route (m); the robot drives a longer straight leg in
+/// parts. In the open, where routes bend only because the graph has eight directions, longer means
 /// straighter and costs more time.
 pub(super) const SIGHT: f64 = 4.0;
 
-/// Most blocks a graph has; beyond it the pitch is doubled until it fits.
+/// Maximum number of blocks of a graph; above it the pitch is doubled until the graph fits.
 const MAX_BLOCKS: usize = 1 << 20;
 
 /// A node index that means "none".
@@ -49,14 +49,14 @@ pub struct NavGrid {
     inflation: f64,
     /// Per node, the point that represents it.
     points: Vec<Point2<f64>>,
-    /// Per node, where its edges begin in `edges`; one more entry for the end of the last.
+    /// Per node, the index of its first edge in `edges`; one more entry for the end of the last.
     first_edge: Vec<u32>,
     edges: Vec<Edge>,
     /// Per block, the nearest node ([`NONE`] if the graph has no nodes).
     nearest: Vec<u32>,
 }
 
-/// A way from one node to a neighbour.
+/// An edge from one node to a neighbour.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Edge {
     /// The neighbour.
@@ -66,7 +66,7 @@ pub struct Edge {
 }
 
 impl NavGrid {
-    /// The graph for a robot of this radius (m).
+    /// Builds the graph for a robot of this radius (m).
     pub fn new(map: &PlannerMap, radius: f64) -> Self {
         let frame = &map.clearance_grid().frame;
         let inflation = radius + MARGIN;
@@ -112,19 +112,19 @@ impl NavGrid {
         self.points.len()
     }
 
-    /// Whether the robot fits nowhere.
+    /// Returns `true` if the robot fits nowhere.
     pub fn is_empty(&self) -> bool {
         self.points.is_empty()
     }
 
-    /// The node at, or nearest to, a point (m); points outside the map count as being on its edge.
+    /// The node at, or nearest to, a point (m); a point outside the map is moved to the map's edge.
     /// `None` for a point that is not finite and in a map where the robot fits nowhere.
     pub fn node_at(&self, p: Point2<f64>) -> Option<usize> {
         if !(p.x.is_finite() && p.y.is_finite()) {
             return None;
         }
         let block = |value: f64, origin: f64, blocks: usize| {
-            // Truncating is rounding down here, and unlike `floor` costs no call on the oldest x86-64.
+            // Truncation rounds down here and, unlike `floor`, needs no call on the oldest x86-64.
             ((value - origin) / self.pitch).clamp(0.0, blocks as f64 - 1.0) as usize
         };
         let col = block(p.x, self.origin.x, self.width);
@@ -154,7 +154,7 @@ impl NavGrid {
         }
     }
 
-    /// The point of a block with the most clearance, the one nearest the middle of several.
+    /// The point of a block with the most clearance; of several, the one nearest the middle.
     fn best_point(
         &self,
         map: &PlannerMap,
@@ -185,7 +185,7 @@ impl NavGrid {
         (best.0, best.1)
     }
 
-    /// Finds the edges between the nodes, which stand for these blocks.
+    /// Finds the edges between the nodes that stand for these blocks.
     fn join(&mut self, map: &PlannerMap, blocks: &[usize]) {
         for (node, &block) in blocks.iter().enumerate() {
             self.first_edge.push(self.edges.len() as u32);
@@ -198,7 +198,7 @@ impl NavGrid {
                     continue;
                 }
                 let length = if (to as usize) < node {
-                    // The other end has been there already; marching the other way might differ.
+                    // The other end has added this edge already; marching the other way might differ.
                     self.edges(to as usize)
                         .iter()
                         .find(|edge| edge.to as usize == node)
@@ -214,7 +214,7 @@ impl NavGrid {
         self.first_edge.push(self.edges.len() as u32);
     }
 
-    /// Gives every block without a node that of the nearest block with one, ring by ring.
+    /// Gives every block without a node that of the nearest block with a node, ring by ring.
     fn spread(&mut self, mut front: Vec<usize>) {
         let mut at = 0;
         while at < front.len() {

@@ -9,20 +9,21 @@ use super::route_tree::{RouteTree, Routes, Threat};
 use super::route_trees::{RouteTrees, Seed};
 use planner_view::map::PlannerMap;
 
-/// Most trees that are kept; a slot beyond it shares the last one.
+/// Maximum number of trees that are kept; slots above it share the last one.
 const MAX_SLOTS: usize = 256;
 
-/// Radii above this (m) are taken as this; no arena holds such a robot, a broken message may.
+/// Largest radius (m); larger radii are clamped. No arena holds such a robot, but a corrupt message
+/// may contain one.
 const MAX_RADIUS: f64 = 10.0;
 
 /// Keeps the graph of the current map (one for all planners that share the map) and one
-/// [`RouteTree`] per slot, and plants a tree anew
-/// only when its root has come to another node, or the map or the robot's radius has changed.
+/// [`RouteTree`] per slot. Plants a tree anew only when its root moves to another node, or the map
+/// or the robot's radius changes.
 #[derive(Debug, Clone, Default)]
 pub struct RouteFinder {
     built_for: Option<(u64, f64)>,
     route_trees: Option<Arc<RouteTrees>>,
-    /// Whether other planners use the same trees.
+    /// `true` if other planners use the same trees.
     shares: bool,
     slots: Vec<Slot>,
 }
@@ -30,40 +31,40 @@ pub struct RouteFinder {
 #[derive(Debug, Clone, Default)]
 struct Slot {
     planted: TreeKey,
-    /// What the tree grew from, if others use it too.
+    /// Key from which the tree grew, if other planners use it too.
     seed: Option<Seed>,
     tree: Arc<RouteTree>,
-    /// How far the tree would have grown if it were used here alone (nodes): answers must not
-    /// depend on others.
+    /// Number of nodes that the tree would have if only this planner used it: results must not
+    /// depend on other planners.
     horizon: u32,
 }
 
-/// What a slot's tree was planted for.
+/// Key for which a slot's tree was planted.
 #[derive(Debug, Clone, Default, PartialEq)]
 enum TreeKey {
     #[default]
     Nothing,
-    /// RouteTrees with gates from a node.
+    /// Routes with gates from a node.
     From(usize),
     /// Lengths from a node.
     Lengths(usize),
-    /// RouteTrees to the cheapest of these nodes.
+    /// Routes to the cheapest of these nodes.
     Out(Vec<usize>),
 }
 
-/// The way to the exit that is cheapest to reach.
+/// The path to the exit that is cheapest to reach.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ExitRoute {
     /// The exit (m).
     pub exit: Point2<f64>,
-    /// The last point of the way that can be seen from where it begins (m), or the exit itself.
+    /// The last point of the path that is visible from its start (m), or the exit itself.
     pub waypoint: Point2<f64>,
-    /// Length of the way (m).
+    /// Length of the path (m).
     pub length: f64,
 }
 
 impl RouteFinder {
-    /// Builds the graph for this map and radius (m), unless it is the one already built.
+    /// Builds the graph for this map and radius (m), unless it exists already.
     pub fn prepare(&mut self, map: &PlannerMap, radius: f64) {
         let radius = if radius.is_nan() {
             0.0
@@ -106,8 +107,8 @@ impl RouteFinder {
         self.grow(map, slot, root, targets, true)
     }
 
-    /// As [`routes`](Self::routes), but good only for lengths and whole routes, and cheaper: the
-    /// first leg of every way is its destination.
+    /// As [`routes`](Self::routes), but only for lengths and whole routes, and cheaper: the first
+    /// leg of every path is its destination.
     pub fn lengths<'a>(
         &'a mut self,
         map: &'a PlannerMap,
@@ -163,12 +164,12 @@ impl RouteFinder {
         })
     }
 
-    /// The way from a point to the exit (m) that is cheapest to reach past `threats`, kept under a
-    /// slot number; planted anew when the exits change or `renew` is set (because the threats have
-    /// moved), but not when only the point moves.
+    /// The path from a point to the exit (m) that is cheapest to reach past `threats`, kept under a
+    /// slot number. The tree is planted anew when the exits change or `renew` is set (because the
+    /// threats have moved), but not when only the point moves.
     ///
-    /// `None` before [`prepare`](Self::prepare), for a point that is not finite, and when no way
-    /// leads out.
+    /// `None` before [`prepare`](Self::prepare), for a point that is not finite, and when no path
+    /// leads to an exit.
     pub fn way_out(
         &mut self,
         map: &PlannerMap,
@@ -207,8 +208,8 @@ impl RouteFinder {
 }
 
 impl Slot {
-    /// Takes another tree: the one that others have grown from this seed, or a new one, which
-    /// `plant` plants.
+    /// Replaces the tree by the one that other planners have grown from this seed, or by a new one
+    /// that `plant` plants.
     fn plant(
         &mut self,
         route_trees: &RouteTrees,
@@ -223,13 +224,13 @@ impl Slot {
                 plant(&mut tree);
                 self.tree = Arc::new(tree);
             }
-            // In the memory of the old one, which nobody else has.
+            // In the memory of the old tree, which has no other owner.
             None => plant(Arc::make_mut(&mut self.tree)),
         }
         self.seed = seed;
     }
 
-    /// Grows the tree until it reaches a node; whether it does.
+    /// Grows the tree until it reaches a node; returns `false` if it cannot.
     fn reach(&mut self, route_trees: &RouteTrees, node: usize) -> bool {
         loop {
             if let Some(rank) = self.tree.rank(node) {
@@ -249,7 +250,8 @@ impl Slot {
                 self.tree = further;
                 continue;
             }
-            // A copy, if others look at it; so that copies are rare, it grows further than needed.
+            // A copy, if other planners hold the tree. It grows further than needed, so that copies
+            // are rare.
             let tree = Arc::make_mut(&mut self.tree);
             let before = tree.settled();
             tree.reach(&route_trees.grid, node);
@@ -259,7 +261,7 @@ impl Slot {
     }
 }
 
-/// Follows the way from a node to its root, and finds how far it can be seen.
+/// Follows the path from a node to its root, and finds its visible part.
 fn descend(
     map: &PlannerMap,
     grid: &NavGrid,
@@ -278,7 +280,7 @@ fn descend(
         }
         let point = grid.point(root)?;
         let travelled = length - tree.length(root)?;
-        // The first step is taken on trust: a robot that hugs a wall sees nothing at full width.
+        // The first step is not tested: a robot in contact with a wall sees nothing at full width.
         in_sight = travelled < SIGHT && map.line_is_clear(from, point, grid.inflation());
         if in_sight || waypoint == grid.point(node)? {
             waypoint = point;

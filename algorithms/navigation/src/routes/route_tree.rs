@@ -1,4 +1,4 @@
-//! The shortest routes from one place to everywhere.
+//! The shortest routes from one place to all others.
 
 use core::cmp::Reverse;
 use core::sync::atomic::{AtomicU32, Ordering};
@@ -9,71 +9,70 @@ use nalgebra::Point2;
 use super::nav_grid::{NONE, NavGrid, SIGHT};
 use planner_view::map::PlannerMap;
 
-/// A cost (mm) that means "no way".
+/// A cost (mm) that means "no path".
 const UNREACHED: u32 = u32::MAX;
 
 /// Largest factor by which a threat may lengthen an edge.
 const MAX_THREAT: f64 = 1000.0;
 
-/// Somewhere one would rather not pass: routes near it count as longer than they are.
+/// A place to avoid: routes near it count as longer than they are.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Threat {
-    /// Where it is (m).
+    /// Position (m).
     pub at: Point2<f64>,
-    /// Extra metres that a metre of way costs at distance `reach` from it; falls off (and rises
-    /// towards it) with the square of the distance.
+    /// Extra cost (m) per metre of path at distance `reach`; it falls with the square of the distance.
     pub gain: f64,
-    /// See `gain` (m).
+    /// Distance at which `gain` applies (m).
     pub reach: f64,
 }
 
-/// The first straight leg of a way.
+/// The first straight leg of a path.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RouteLeg {
-    /// Where the leg ends (m): the destination if it can be seen, else the last point on the way
-    /// to it that can.
+    /// End of the leg (m): the destination if it is visible, else the last visible point on the path to
+    /// it.
     pub waypoint: Point2<f64>,
-    /// Length of the way beyond the waypoint (m).
+    /// Length of the path beyond the waypoint (m).
     pub beyond: f64,
 }
 
 /// Shortest routes between one or several roots and all nodes of a [`NavGrid`].
 ///
-/// Besides length and parent, a tree that was planted with gates knows every node's *gate*: the
-/// last node of the way to it up to which all of the way can be seen from the root, looking no
-/// further than `nav_grid::SIGHT`. Heading for gates cuts off the corners of the grid's eight
-/// directions. Gates are found when they are asked for: of all the nodes that a tree reaches, few
-/// are ever a destination.
+/// Besides length and parent, a tree that was planted with gates knows every node's *gate*: the last node
+/// of the path to it up to which the whole path is visible from the root, within `nav_grid::SIGHT`.
+/// Heading for gates cuts off the corners of the grid's eight directions. Gates are computed on request:
+/// of all the nodes that a tree reaches, few are ever a destination.
 ///
-/// The tree grows outwards from the root and only as far as it is asked to ([`RouteTree::reach`]);
-/// what lies further is unknown, not unreachable.
+/// The tree grows outwards from the root and only as far as requested ([`RouteTree::reach`]); nodes beyond
+/// are unknown, not unreachable.
 ///
 /// Costs are whole millimetres and ties go to the lower index, so the tree is the same on every
 /// machine.
 #[derive(Debug, Clone)]
 pub struct RouteTree {
-    /// What the cheapest way costs (mm): its length, more where something threatens.
+    /// Cost of the cheapest path (mm): its length, more near threats.
     cost: Vec<u32>,
-    /// How long the cheapest way is (mm).
+    /// Length of the cheapest path (mm).
     length: Vec<u32>,
     parent: Vec<u32>,
     gates: Gates,
-    /// Per node, how many were reached before it; [`NONE`] until it is reached.
+    /// Per node, the number of nodes reached before it; [`NONE`] until it is reached.
     rank: Vec<u32>,
-    /// How many nodes have been reached.
+    /// Number of nodes reached.
     settled: u32,
     threats: Vec<Threat>,
-    /// Extra cost of a node as a fraction of the length of its edges, in 1/256; [`NONE`] until it
-    /// is needed; empty when nothing threatens.
+    /// Extra cost of a node as a fraction of the length of its edges, in 1/256; [`NONE`] until it is
+    /// needed; empty without threats.
     extra: Vec<u32>,
-    /// Nodes on the rim with what the routes to them cost (mm), the cheapest first, the lowest of several.
+    /// Nodes on the rim with the cost of the routes to them (mm), the cheapest first; of equal ones, the
+    /// lowest index.
     queue: BinaryHeap<Reverse<(u32, u32)>>,
-    /// Where the gates are seen from; nothing in a tree without gates.
+    /// Point from which gates are visible; `None` in a tree without gates.
     origin: Option<Point2<f64>>,
 }
 
 impl Default for RouteTree {
-    /// A tree that has not been planted.
+    /// Returns a tree that has not been planted.
     fn default() -> Self {
         Self {
             cost: Vec::new(),
@@ -91,7 +90,7 @@ impl Default for RouteTree {
 }
 
 impl RouteTree {
-    /// Plants the tree anew at a root node, with gates, in the memory of the old one.
+    /// Plants the tree anew at a root node, with gates; reuses the memory.
     pub fn plant(&mut self, grid: &NavGrid, root: usize) {
         self.plant_without_gates(grid, &[root], &[]);
         self.gates.0.resize_with(grid.len(), Gates::unknown);
@@ -100,7 +99,7 @@ impl RouteTree {
 
     /// Plants the tree anew at several root nodes, without gates.
     ///
-    /// RouteTrees lead to the cheapest root, and avoid `threats` as far as that is worth the longer way.
+    /// Routes lead to the cheapest root, and avoid `threats` as far as that is worth the longer path.
     pub fn plant_without_gates(&mut self, grid: &NavGrid, roots: &[usize], threats: &[Threat]) {
         let nodes = grid.len();
         for (values, fill) in [
@@ -129,8 +128,8 @@ impl RouteTree {
         }
     }
 
-    /// Grows the tree until it reaches a node; whether it does. Must be given the graph for which
-    /// the tree was planted.
+    /// Grows the tree until it reaches a node; returns `false` if it cannot. `grid` must be the graph for
+    /// which the tree was planted.
     pub fn reach(&mut self, grid: &NavGrid, node: usize) -> bool {
         while !self.knows(node) {
             if !self.settle_next(grid) {
@@ -140,13 +139,13 @@ impl RouteTree {
         true
     }
 
-    /// Grows the tree until it has reached this many nodes, or all that can be reached. Like
-    /// [`RouteTree::reach`].
+    /// Grows the tree until it has reached this many nodes, or all reachable ones. Requires the same graph
+    /// as [`RouteTree::reach`].
     pub fn settle(&mut self, grid: &NavGrid, nodes: u32) {
         while self.settled < nodes && self.settle_next(grid) {}
     }
 
-    /// Reaches one more node; false if there is none.
+    /// Reaches one more node; returns `false` if there is none.
     fn settle_next(&mut self, grid: &NavGrid) -> bool {
         while let Some(Reverse((cost, from))) = self.queue.pop() {
             let from = from as usize;
@@ -170,45 +169,45 @@ impl RouteTree {
         false
     }
 
-    /// Whether the tree has grown as far as a node.
+    /// Returns `true` if the tree has reached the node.
     pub fn knows(&self, node: usize) -> bool {
         self.rank(node).is_some()
     }
 
-    /// How many nodes the tree had reached when it reached this one. A tree reaches nodes in the
-    /// same order however far it is grown at a time.
+    /// The number of nodes that the tree had reached before this one. The order does not depend on the
+    /// steps in which the tree grows.
     pub fn rank(&self, node: usize) -> Option<u32> {
         self.rank.get(node).copied().filter(|&rank| rank != NONE)
     }
 
-    /// How many nodes the tree has reached.
+    /// The number of nodes that the tree has reached.
     pub fn settled(&self) -> u32 {
         self.settled
     }
 
-    /// Whether the tree has reached all that can be reached.
+    /// Returns `true` if the tree has reached all reachable nodes.
     pub fn is_complete(&self) -> bool {
         self.queue.is_empty()
     }
 
-    /// Length of the way to a node (mm); `None` if the tree has not reached it.
+    /// Length of the path to a node (mm); `None` if the tree has not reached it.
     pub fn length_mm(&self, node: usize) -> Option<u32> {
         self.knows(node).then(|| self.length.get(node).copied())?
     }
 
-    /// Length of the way to a node (m); `None` if the tree has not reached it.
+    /// Length of the path to a node (m); `None` if the tree has not reached it.
     pub fn length(&self, node: usize) -> Option<f64> {
         self.length_mm(node).map(|mm| f64::from(mm) / 1000.0)
     }
 
-    /// What the way to a node costs (m): its length, more where something threatens; `None` if
-    /// the tree has not reached it.
+    /// Cost of the path to a node (m): its length, more near threats; `None` if the tree has not reached
+    /// it.
     pub fn cost(&self, node: usize) -> Option<f64> {
         self.knows(node)
             .then(|| self.cost.get(node).map(|&mm| f64::from(mm) / 1000.0))?
     }
 
-    /// The node before this one on the way from the root.
+    /// The node before this one on the path from the root.
     pub fn parent(&self, node: usize) -> Option<usize> {
         self.parent
             .get(node)
@@ -216,9 +215,9 @@ impl RouteTree {
             .map(|&parent| parent as usize)
     }
 
-    /// The last node on the way to this one that can be seen from the root; in a tree without gates
-    /// the node itself. `None` if the tree has not reached it. Must be given the map and graph for
-    /// which the tree was planted.
+    /// The last node on the path to this one that is visible from the root; in a tree without gates the
+    /// node itself. `None` if the tree has not reached it. `map` and `grid` must be those for which the
+    /// tree was planted.
     pub fn gate(&self, map: &PlannerMap, grid: &NavGrid, node: usize) -> Option<usize> {
         self.rank(node)?;
         let Some(origin) = self.origin else {
@@ -227,7 +226,7 @@ impl RouteTree {
         if let Some(known) = self.gates.get(node) {
             return Some(known as usize);
         }
-        // Gates are handed down from the root, so those of the way to the node come first.
+        // Gates are inherited from the root, so the gates of nodes nearer the root are computed first.
         let mut way = vec![node];
         let mut next = self.parent(node);
         let mut gate = None;
@@ -244,8 +243,8 @@ impl RouteTree {
         for &node in way.iter().rev() {
             let found = match (parent, gate) {
                 (Some(parent), Some(inherited)) => {
-                    // The way is seen as far as this node if it is seen as far as the parent, and
-                    // this node is.
+                    // The path is visible up to this node if it is visible up to the parent, and this node
+                    // is visible.
                     let in_sight = inherited == parent as u32
                         && self.length[parent] < sight
                         && grid.point(node).is_some_and(|point| {
@@ -271,7 +270,7 @@ impl RouteTree {
         u32::try_from(cost).unwrap_or(UNREACHED - 1)
     }
 
-    /// What the threats add to a node.
+    /// Extra cost that the threats add to a node.
     fn extra_of(&mut self, grid: &NavGrid, node: usize) -> u32 {
         if self.extra[node] == NONE {
             let point = grid.points()[node];
@@ -290,10 +289,10 @@ impl RouteTree {
     }
 }
 
-/// Per node, its gate, or [`NONE`] until it is asked for; nothing in a tree without gates.
+/// Per node, its gate, or [`NONE`] until it is computed; empty in a tree without gates.
 ///
-/// Those who look at the same tree may find the same gate at the same time: it is a function of the
-/// tree, so that all find the same.
+/// Several readers of one tree may compute the same gate at the same time. A gate is a function of the
+/// tree, so all compute the same value.
 #[derive(Debug, Default)]
 struct Gates(Vec<AtomicU32>);
 
@@ -323,28 +322,28 @@ impl Clone for Gates {
 
 /// A tree together with its graph: shortest routes from a robot to points of the world.
 ///
-/// Answers for the points it was asked for (see [`super::RouteFinder::routes`]) and others that are
-/// no further; of the rest it says that no way is known.
+/// Answers for the points of the request (see [`super::RouteFinder::routes`]) and others that are no
+/// further. For all other points it reports that no path is known.
 #[derive(Debug, Clone, Copy)]
 pub struct Routes<'a> {
     /// The map that the graph is laid over.
     pub(super) map: &'a PlannerMap,
     /// The graph.
     pub(super) grid: &'a NavGrid,
-    /// The tree in it; others may have grown it further than was asked for here.
+    /// The tree in the graph; other planners may have grown it further than this one requested.
     pub(super) tree: &'a RouteTree,
-    /// Number of nodes that the tree would have reached if it were used here alone.
+    /// Number of nodes that the tree would have reached if only this planner used it.
     pub(super) horizon: u32,
 }
 
 impl Routes<'_> {
-    /// The node at a point, if a way to it is known.
+    /// The node at a point, if a path to it is known.
     fn known(&self, to: Point2<f64>) -> Option<usize> {
         let node = self.grid.node_at(to)?;
         (self.tree.rank(node)? < self.horizon).then_some(node)
     }
 
-    /// The first leg of the way to a point (m); `None` if no way is known.
+    /// The first leg of the path to a point (m); `None` if no path is known.
     pub fn leg_to(&self, to: Point2<f64>) -> Option<RouteLeg> {
         let node = self.known(to)?;
         let gate = self.tree.gate(self.map, self.grid, node)?;
@@ -362,20 +361,20 @@ impl Routes<'_> {
         })
     }
 
-    /// Length of the way to a point (m), to the accuracy of the graph's blocks; `None` if no
-    /// way is known.
+    /// Length of the path to a point (m), to the accuracy of the graph's blocks; `None` if no path is
+    /// known.
     pub fn distance_to(&self, to: Point2<f64>) -> Option<f64> {
         let node = self.known(to)?;
         Some(self.tree.length(node)? + (to - self.grid.point(node)?).norm())
     }
 
-    /// What the way to a point costs (m); `None` if no way is known.
+    /// Cost of the path to a point (m); `None` if no path is known.
     pub fn cost_of(&self, to: Point2<f64>) -> Option<f64> {
         self.tree.cost(self.known(to)?)
     }
 
-    /// Writes the way from the root to a point into `way`, root first, as points (m) with the
-    /// distance travelled to each (m); leaves it empty if no way is known.
+    /// Writes the path from the root to a point into `way`, root first, as points (m) with the distance
+    /// travelled to each (m); leaves it empty if no path is known.
     pub fn way_to(&self, to: Point2<f64>, way: &mut Vec<(Point2<f64>, f64)>) {
         way.clear();
         let mut next = self.known(to);

@@ -6,20 +6,20 @@ use std::sync::{Arc, Mutex, PoisonError};
 use super::nav_grid::NavGrid;
 use super::route_tree::{RouteTree, Threat};
 
-/// Most nodes of all trees that are kept; a node takes about 20 bytes.
+/// Maximum number of nodes of all trees that are kept; a node takes about 20 bytes.
 const MAX_NODES: usize = 4_000_000;
 
-/// How many trees are kept whose threats will hardly be the same ever again.
+/// Maximum number of kept trees whose threats will hardly occur again.
 const MAX_PASSING: usize = 16;
 
-/// What a tree is a function of, besides its graph.
+/// Inputs that determine a tree, besides its graph.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Seed {
-    /// RouteTrees with gates from a node.
+    /// Routes with gates from a node.
     From(usize),
     /// Lengths from a node.
     Lengths(usize),
-    /// RouteTrees to the cheapest of these nodes past these threats (their numbers' bits).
+    /// Routes to the cheapest of these nodes past these threats (the bits of their numbers).
     Out(Vec<usize>, Vec<[u64; 4]>),
 }
 
@@ -31,13 +31,13 @@ impl Seed {
         Self::Out(roots.to_vec(), threats.iter().map(bits).collect())
     }
 
-    /// Whether it belongs to one moment of one run.
+    /// Returns `true` if the seed belongs to one instant of one run.
     fn is_passing(&self) -> bool {
         matches!(self, Self::Out(_, threats) if !threats.is_empty())
     }
 }
 
-/// A graph, and the trees in it that were grown so far.
+/// A graph, and the trees grown in it so far.
 #[derive(Debug)]
 pub(super) struct RouteTrees {
     pub(super) grid: NavGrid,
@@ -58,7 +58,7 @@ impl RouteTrees {
         }
     }
 
-    /// The tree of this seed as far as anybody has grown it.
+    /// The tree of this seed as far as any planner has grown it.
     pub(super) fn tree(&self, seed: &Seed) -> Option<Arc<RouteTree>> {
         let kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
         if seed.is_passing() {
@@ -68,7 +68,7 @@ impl RouteTrees {
         kept.trees.get(seed).cloned()
     }
 
-    /// Keeps a tree for others, unless one that has grown further is there.
+    /// Stores a tree for other planners, unless the stored one has grown further.
     pub(super) fn keep(&self, seed: &Seed, tree: &Arc<RouteTree>) {
         let mut kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
         let Kept { trees, passing } = &mut *kept;

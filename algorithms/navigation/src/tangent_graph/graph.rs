@@ -1,9 +1,9 @@
 //! The graph: tracks around the sites, and the tangents between them.
 //!
-//! A *track* is a site travelled in one of its two turns; places on it are angles from where it
-//! begins. A *vertex* is the place on a track where a tangent departs. From there a path either
-//! takes the tangent, lands on another track and goes on along it to the next departure, or stays
-//! on its own track to the next departure: at most two ways on.
+//! A *track* is a site travelled in one of its two turns; positions on it are angles from its start.
+//! A *vertex* is the position on a track where a tangent departs. From there a path either takes the
+//! tangent, lands on another track and goes on along it to the next departure, or stays on its own
+//! track to the next departure: at most two continuations.
 
 use core::f64::consts::TAU;
 
@@ -14,28 +14,28 @@ use super::tangent::{self, Turn};
 use super::{GraphError, MAX_TANGENTS};
 use planner_view::free_space::FreeSpace;
 
-/// Where two tangents depart from one place, the shorter leads over the longer's way: the longer is
-/// left out. Angles (rad) this near are one place; only rounding must fit in.
+/// Angles (rad) closer than this are one position; it only covers rounding. Of two tangents that
+/// depart from one position, the shorter lies on the longer: the longer is left out.
 const SAME_PLACE: f64 = 1e-11;
-/// How far (rad) a path may go back on a track without noticing: a tangent that only touches a site
-/// lands and departs at one place but for rounding.
+/// Angle (rad) that a path may go back on a track: a tangent that only touches a site lands and
+/// departs at the same position except for rounding.
 const BACK: f64 = 1e-9;
 
 /// No vertex.
 pub(super) const NONE: u32 = u32::MAX;
 
-/// A tangent with the place where it departs.
+/// A tangent with the position where it departs.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Vertex {
     /// Track on which it departs.
     pub track: u32,
-    /// Where (rad).
+    /// Position of departure on the track (rad).
     pub at: f64,
     /// Length of the tangent (m).
     pub length: f64,
     /// Track on which it lands.
     pub to_track: u32,
-    /// Where (rad).
+    /// Position of landing on the track (rad).
     pub to_at: f64,
     /// Ends of the tangent (m).
     pub ends: [Point2<f64>; 2],
@@ -49,17 +49,17 @@ pub(super) struct Vertex {
     pub stay_cost: f64,
 }
 
-/// See the module.
+/// Tracks and tangents; see the module.
 #[derive(Debug)]
 pub(super) struct Graph {
     pub sites: Vec<Site>,
-    /// Sorted by track and place.
+    /// Vertices, sorted by track and position.
     pub vertices: Vec<Vertex>,
-    /// Where the vertices of a track begin; one more entry than tracks.
+    /// Index of the first vertex of each track; one more entry than tracks.
     first: Vec<u32>,
-    /// Vertices whose `next` is a given one, one behind the other …
+    /// Vertices grouped by their `next`.
     landing: Vec<u32>,
-    /// … and where they begin.
+    /// Index in `landing` of the first vertex of each group.
     landing_first: Vec<u32>,
 }
 
@@ -74,7 +74,7 @@ pub(super) fn turn(track: u32) -> Turn {
 }
 
 impl Graph {
-    /// Finds the free tangents between all sites and orders them.
+    /// Finds the free tangents between all sites and sorts them.
     pub fn new(space: &FreeSpace, radius: f64, sites: Vec<Site>) -> Result<Self, GraphError> {
         let mut vertices = Vec::new();
         for (i, a) in sites.iter().enumerate() {
@@ -133,7 +133,7 @@ impl Graph {
             .collect();
     }
 
-    /// Finds for every vertex where it leads.
+    /// Finds the successors of every vertex.
     fn link(&mut self) {
         let onward: Vec<[(u32, f64); 2]> = (0..self.vertices.len())
             .map(|i| {
@@ -179,19 +179,19 @@ impl Graph {
         &self.sites[(track / 2) as usize]
     }
 
-    /// The place of a counter-clockwise angle from the site's start, on a track.
+    /// The position on a track of a counter-clockwise angle from the site's start.
     #[inline]
     pub fn place(&self, track: u32, angle: f64) -> f64 {
         place(self.site(track), turn(track), angle)
     }
 
-    /// A place on a track, as seen on the same site's other track.
+    /// The same position on the site's other track.
     #[inline]
     pub fn opposite(&self, track: u32, at: f64) -> f64 {
         place(self.site(track), -1.0, at)
     }
 
-    /// The first departure of a track at or after a place, and the arc to it (m).
+    /// The first departure of a track at or after a position, and the arc to it (m).
     #[inline]
     pub fn departure(&self, track: u32, at: f64) -> (u32, f64) {
         let (begin, end) = (self.first[track as usize], self.first[track as usize + 1]);
@@ -202,7 +202,7 @@ impl Graph {
             && site.full
             && last.at > TAU + at - BACK
         {
-            // The same place, on the other side of where angles begin.
+            // The same position, on the other side of the zero of angles.
             return (end - 1, 0.0);
         }
         match (vertices.get(next), vertices.first()) {
@@ -232,7 +232,8 @@ impl Graph {
         }
     }
 
-    /// Angle (rad) of the arc on a track from one place to another; `None` if the other lies behind.
+    /// Angle (rad) of the arc on a track from one position to another; `None` if the other lies
+    /// behind.
     #[inline]
     pub fn arc(&self, track: u32, from: f64, to: f64) -> Option<f64> {
         let full = self.site(track).full;
@@ -245,7 +246,7 @@ impl Graph {
         }
     }
 
-    /// The vertices from which one step, its cost (m) given, leads to a vertex.
+    /// The vertices from which one step leads to a vertex, with its cost (m).
     pub fn before(&self, vertex: u32) -> impl Iterator<Item = (u32, f64)> {
         let i = vertex as usize;
         let range = self.landing_first[i] as usize..self.landing_first[i + 1] as usize;
@@ -275,7 +276,7 @@ fn place(site: &Site, turn: Turn, angle: f64) -> f64 {
     }
 }
 
-/// Adds the tangent from one site to another in given turns, and the same one back, if it is free.
+/// Adds the tangent from one site to another in the given turns, and its reverse, if it is free.
 fn connect(
     space: &FreeSpace,
     radius: f64,

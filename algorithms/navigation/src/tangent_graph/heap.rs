@@ -3,7 +3,7 @@
 use core::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-/// Smallest cost first; the smaller number first among equals.
+/// The smallest cost first; of equal costs, the smaller number.
 #[derive(Debug, Default)]
 pub(super) struct Heap {
     entries: BinaryHeap<Reverse<(u64, u32)>>,
@@ -24,7 +24,7 @@ impl Heap {
         Some((f64::from_bits(bits), number))
     }
 
-    /// Forgets everything.
+    /// Removes all entries.
     pub fn clear(&mut self) {
         self.entries.clear();
     }

@@ -1,4 +1,4 @@
-//! A path written out.
+//! Conversion of a path to legs.
 
 use core::f64::consts::TAU;
 
@@ -8,10 +8,10 @@ use super::PathLeg;
 use super::graph::{self, Graph};
 use planner_view::free_space::Arc;
 
-/// Legs shorter than this (m) are left out: joints that rounding makes.
+/// Legs shorter than this (m) are left out: they are joints that result from rounding.
 const MIN_LEG: f64 = 1e-12;
 
-/// Adds the way through these points.
+/// Adds the straight legs through these points.
 pub(super) fn straight(points: &[Point2<f64>], path: &mut Vec<PathLeg>) {
     for pair in points.windows(2) {
         if let &[from, to] = pair
@@ -22,7 +22,7 @@ pub(super) fn straight(points: &[Point2<f64>], path: &mut Vec<PathLeg>) {
     }
 }
 
-/// Adds the arc on a track from one place to another.
+/// Adds the arc on a track from one position to another.
 pub(super) fn arc(graph: &Graph, (track, from): (u32, f64), to: f64, path: &mut Vec<PathLeg>) {
     let site = graph.site(track);
     let angle = graph.arc(track, from, to).unwrap_or(0.0);

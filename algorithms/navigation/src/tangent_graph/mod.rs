@@ -8,16 +8,15 @@
 //! for a disc in O(n² log n) time".) There are finitely many such *bitangents*, so the shortest
 //! path is found in a graph, exactly; [`TangentGraph`] holds it for one space and one radius.
 //!
-//! - `sites`: the arcs, cut to what is free. Pieces may overlap, touch, share corners and stand
-//!   across the bounds; an arc within another grown piece is none, and at a concave junction no
-//!   path bends.
-//! - `tangent`, `graph`: the bitangents, each tested exactly by
-//!   [`FreeSpace::segment_is_free`], and where each leads.
-//! - `near`: which sites a point may see, by the cell it is in.
+//! - `sites`: the arcs, cut to their free parts. Pieces may overlap, touch, share corners and cross the bounds.
+//!   An arc within another grown piece is not a site, and no path bends at a concave junction.
+//! - `tangent`, `graph`: the bitangents, each tested exactly by [`FreeSpace::segment_is_free`], and their
+//!   successors.
+//! - `near`: the sites that a point may see, by the cell that contains it.
 //! - `search`: A* from point to point. A tangent from the start or to the goal is tested only when
 //!   the path over it would be the shortest.
 //! - `towards`: one goal for many starts, as the heuristic of a planner.
-//! - `once`: one question to a space that will not be asked again.
+//! - `once`: a single query for a space.
 //!
 //! All lengths are sums in `f64` of the true segments and arcs. Accuracy: a path penetrates by at most [`geometry::map::TOUCHING`] (1 nm) and bends
 //! by at most 10⁻⁹ rad where it should not.
@@ -60,19 +59,19 @@ pub use once::shortest_once;
 use planner_view::free_space::{Arc, FreeSpace};
 pub use towards::Towards;
 
-/// How deep (m) in a grown piece a start or goal may be: it is pushed out to the border, and the
-/// way there belongs to the path. Ten times what the world's contacts leave, a hundredth of a
-/// robot. Deeper inside there is no path.
+/// Maximum depth (m) of a start or goal in a grown piece: the point is pushed out to the border, and the
+/// segment to the border belongs to the path. Ten times the depth that the world's contacts leave, a hundredth
+/// of a robot. For deeper points there is no path.
 pub const PUSH_OUT: f64 = 1e-3;
-/// Smallest radius of a robot (m); it stands for a point.
+/// Smallest radius of a robot (m); it represents a point robot.
 pub const MIN_RADIUS: f64 = 1e-6;
-/// Most arcs that a graph may have: the time to build it grows with their square. A noisy occupancy
-/// grid can have more.
+/// Maximum number of arcs of a graph: the time to build it grows with their square. A noisy occupancy grid can
+/// exceed it.
 pub const MAX_SITES: usize = 4096;
-/// Most tangents, one per direction, that a graph may have.
+/// Maximum number of tangents, one per direction, of a graph.
 pub const MAX_TANGENTS: usize = 1 << 20;
 
-/// Why there is no graph.
+/// Reason why a graph cannot be built.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum GraphError {
     /// The radius is not usable.
@@ -89,14 +88,14 @@ pub enum GraphError {
 /// A part of a path.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum PathLeg {
-    /// Straight ahead.
+    /// A straight segment.
     Segment {
-        /// Where it begins (m).
+        /// Start (m).
         from: Point2<f64>,
-        /// Where it ends (m).
+        /// End (m).
         to: Point2<f64>,
     },
-    /// Around a corner or disc.
+    /// An arc around a corner or disc.
     Arc(Arc),
 }
 
@@ -109,7 +108,7 @@ impl PathLeg {
         }
     }
 
-    /// The point at a part of the way, 0 at the start and 1 at the end (m).
+    /// The point at a fraction of the leg, 0 at the start and 1 at the end (m).
     pub fn at(&self, part: f64) -> Point2<f64> {
         match self {
             Self::Segment { from, to } => from + (to - from) * part,
@@ -117,7 +116,7 @@ impl PathLeg {
         }
     }
 
-    /// Unit vector of travel at a part of the way.
+    /// Unit vector of travel at a fraction of the leg.
     pub fn heading(&self, part: f64) -> Vector2<f64> {
         match self {
             Self::Segment { from, to } => (to - from).normalize(),
@@ -139,16 +138,15 @@ impl PathLeg {
 pub struct ShortestPath {
     /// Length (m): the sum of the legs.
     pub length: f64,
-    /// The legs in order, each beginning where the last ended; none if start and goal are the same.
-    /// Headings are continuous at all joints but those of a start or goal that was pushed out.
+    /// The legs in order, each beginning at the end of the last; empty if start and goal are the same. Headings
+    /// are continuous at all joints except that of a start or goal that was pushed out.
     pub legs: Vec<PathLeg>,
 }
 
 /// The shortest paths of a disc among the pieces of a space; cheap to clone, shared between threads.
 ///
 /// # Performance
-/// Building takes time with the square of the corners; a question about as long as its path is
-/// complicated.
+/// Build time grows with the square of the number of corners; query time grows with the complexity of the path.
 /// Figures in `benches/shortest_path.rs`.
 #[derive(Debug, Clone)]
 pub struct TangentGraph {
@@ -164,7 +162,7 @@ struct Inner {
 }
 
 impl TangentGraph {
-    /// The graph of a space for a robot of this radius (m).
+    /// Builds the graph of a space for a robot of this radius (m).
     ///
     /// # Errors
     /// [`GraphError`] for a radius that is not usable and for maps with too many corners.
@@ -217,12 +215,12 @@ impl TangentGraph {
         Some(ShortestPath { length, legs })
     }
 
-    /// Length (m) of [`Self::shortest`]; allocates nothing once its thread has asked before.
+    /// Length (m) of [`Self::shortest`]; does not allocate after the first call in a thread.
     pub fn distance(&self, from: Point2<f64>, to: Point2<f64>) -> Option<f64> {
         search::with_scratch(|scratch| self.inner.search(from, to, None, scratch))
     }
 
-    /// Prepares one goal (m) for questions from many starts.
+    /// Prepares one goal (m) for queries from many starts.
     pub fn towards(&self, goal: Point2<f64>) -> Towards {
         Towards::new(Shared::clone(&self.inner), goal)
     }

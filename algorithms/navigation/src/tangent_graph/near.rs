@@ -1,4 +1,4 @@
-//! Which sites a point may see, by where it is.
+//! The sites that a point may see, by position.
 
 use std::sync::OnceLock;
 
@@ -13,26 +13,26 @@ use planner_view::free_space::FreeSpace;
 
 /// Cells along the longer side of the map. Smaller cells have shorter lists, and more of them.
 const CELLS: usize = 64;
-/// How deep (m) a line must go through a piece for it to count as hidden behind it.
+/// Depth (m) to which a line must enter a piece to count as hidden behind it.
 const DEPTH: f64 = 1e-5;
-/// How far (m) inside a circle a point counts as on it: what a free point may be.
+/// Depth (m) inside a circle at which a point counts as on it; free points may be this deep.
 const ON: f64 = 2.0 * TOUCHING;
 
-/// A tangent from a point that joins a track; whether it is free is not known yet.
+/// A tangent from a point that joins a track; not yet tested for collisions.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Join {
     /// The track.
     pub track: u32,
-    /// Where it lands (rad).
+    /// Position of landing on the track (rad).
     pub at: f64,
     /// Length of the tangent (m).
     pub length: f64,
-    /// Where it touches (m).
+    /// Touching point (m).
     pub touch: Point2<f64>,
 }
 
-/// Lists of sites for the cells of a coarse grid. A list is made when the first question from its
-/// cell comes; it depends on nothing else.
+/// Lists of sites for the cells of a coarse grid. The first query from a cell makes its list; the
+/// list depends on the cell only.
 #[derive(Debug)]
 pub(super) struct Near {
     origin: Point2<f64>,
@@ -76,7 +76,7 @@ impl Near {
         })
     }
 
-    /// The tangents from a point to tracks; free ones are among them, others too.
+    /// The tangents from a point to tracks: all free ones, and possibly others.
     pub fn joins(&self, space: &FreeSpace, graph: &Graph, p: Point2<f64>, found: &mut Vec<Join>) {
         found.clear();
         for &i in self.sites(space, graph, p) {
@@ -114,7 +114,7 @@ struct Cell {
 
 impl Cell {
     fn new(min: Point2<f64>, max: Point2<f64>) -> Self {
-        // A hair larger, for points that rounding puts into the wrong cell.
+        // Slightly larger, for points that rounding puts into the wrong cell.
         let hair = Vector2::new(1e-9, 1e-9);
         let (min, max) = (min - hair, max + hair);
         Self {
@@ -129,7 +129,7 @@ impl Cell {
         }
     }
 
-    /// Whether some point of the cell might have a free tangent to the site.
+    /// Returns `true` if some point of the cell might have a free tangent to the site.
     fn may_see(&self, space: &FreeSpace, site: &Site) -> bool {
         // A tangent from p touches in a direction n with (p − c)·n = r. Over the arc, the left side
         // takes all values between its extremes, and within the cell it changes by no more than
@@ -142,7 +142,7 @@ impl Cell {
         !self.is_hidden(space, site)
     }
 
-    /// Whether one piece hides the site from the whole cell.
+    /// Returns `true` if one piece hides the site from the whole cell.
     ///
     /// Let p see the touching point t of a corner v: all of p t is at least the robot's radius r
     /// from any piece. The point of p v at the same part λ of the way is λ r nearer at most, hence
@@ -174,7 +174,7 @@ impl Cell {
             Some(piece) => piece,
             None => return false,
         };
-        // Touching the line does not hide: the piece must be met by some depth.
+        // Touching the line does not hide: the line must enter the piece to some depth.
         targets.iter().all(|&target| {
             let v = site.center + target;
             self.corners
@@ -184,7 +184,7 @@ impl Cell {
     }
 }
 
-/// The first piece on the way from one point to another.
+/// The first piece between one point and another.
 fn first_between(space: &FreeSpace, from: Point2<f64>, to: Point2<f64>) -> Option<u32> {
     let line = to - from;
     let length = line.norm();

@@ -1,4 +1,4 @@
-//! One question to a space: a graph of just the sites that its answer can touch.
+//! A single query for a space: a graph of only the sites that its path can touch.
 
 use std::sync::Arc as Shared;
 
@@ -10,17 +10,16 @@ use super::sites::{self, Site};
 use super::{GraphError, Inner, MAX_SITES, MIN_RADIUS, ShortestPath, TangentGraph};
 use planner_view::free_space::FreeSpace;
 
-/// Lengths that the path is supposed to have at most, as multiples of the straight distance, one
-/// after the other.
+/// Successive upper bounds on the length of the path, as multiples of the straight distance.
 const SUPPOSED: [f64; 4] = [1.01, 1.05, 1.2, 1.6];
 
 /// The shortest path of a disc of this radius (m) between two points (m); as
-/// [`TangentGraph::shortest`], but without the preparations that only pay for many questions.
+/// [`TangentGraph::shortest`], but without the preparations that only pay for many queries.
 ///
-/// A path that touches a site anywhere is at least as long as the way over the nearest point of
-/// its circle. So it is enough to look at the sites within an ellipse about the two points, as long
-/// as the path found is no longer than what the ellipse allows; if it is, or if there is none, the
-/// ellipse grows, in the end to everything.
+/// A path that touches a site is at least as long as the path over the nearest point of its circle.
+/// So the sites within an ellipse about the two points suffice, as long as the path found is no
+/// longer than the ellipse allows. If it is longer, or if there is none, the ellipse grows, in the
+/// end to the whole space.
 ///
 /// # Errors
 /// As [`TangentGraph::new`].

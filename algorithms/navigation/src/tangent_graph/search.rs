@@ -1,5 +1,4 @@
-//! From one point to another: A* over departures, between tangents that are looked at only when it
-//! comes to them.
+//! Point-to-point search: A* over departures; a tangent is tested only when the search reaches it.
 
 use core::cell::RefCell;
 
@@ -10,23 +9,23 @@ use super::heap::Heap;
 use super::near::Join;
 use super::{Inner, PUSH_OUT, PathLeg, legs};
 
-/// Entries of the queue are numbers: a departure, or beyond these marks a tangent from the start, or
+/// Entries of the queue are numbers: a departure, or above these marks a tangent from the start, or
 /// one to the goal.
 const START: u32 = 1 << 30;
 const GOAL: u32 = 1 << 31;
 
-/// How a vertex or the goal is reached.
+/// Predecessor of a vertex or the goal.
 #[derive(Debug, Clone, Copy)]
 enum Parent {
-    /// By a tangent from the start.
+    /// A tangent from the start.
     Start(u32),
-    /// By the tangent of a vertex.
+    /// The tangent of a vertex.
     Took(u32),
-    /// Along the track from a vertex.
+    /// The track from a vertex.
     Stayed(u32),
 }
 
-/// What is known of a vertex, if `search` says that it is of this search.
+/// State of a vertex; valid if `search` is the current search.
 #[derive(Debug, Clone, Copy)]
 struct Mark {
     search: u32,
@@ -35,7 +34,7 @@ struct Mark {
     parent: Parent,
 }
 
-/// A way to the goal.
+/// A connection to the goal.
 #[derive(Debug, Clone, Copy)]
 struct Finish {
     total: f64,
@@ -43,7 +42,7 @@ struct Finish {
     parent: Parent,
 }
 
-/// Memory of a search, kept for the next.
+/// Memory of a search, reused by the next.
 #[derive(Debug, Default)]
 pub(super) struct Scratch {
     search: u32,
@@ -51,7 +50,8 @@ pub(super) struct Scratch {
     heap: Heap,
     starts: Vec<Join>,
     goals: Vec<Join>,
-    /// By track: the search for which it has a tangent to the goal, and which.
+    /// By track: the last search in which it has a tangent to the goal, and the index of that
+    /// tangent.
     goal_of: Vec<(u32, u32)>,
     finishes: Vec<Finish>,
 }
@@ -64,7 +64,7 @@ thread_local! {
 pub(super) fn with_scratch<R>(f: impl FnOnce(&mut Scratch) -> R) -> R {
     SCRATCH.with(|scratch| match scratch.try_borrow_mut() {
         Ok(mut scratch) => f(&mut scratch),
-        // A search does not start another; were it so, it would get memory of its own.
+        // A search does not start another; if one did, it would get its own memory.
         Err(_) => f(&mut Scratch::default()),
     })
 }
@@ -75,7 +75,8 @@ pub(super) fn with_joins<R>(f: impl FnOnce(&mut Vec<Join>) -> R) -> R {
 }
 
 impl Inner {
-    /// Length (m) of the shortest path; its legs are written to `path`, if there is one.
+    /// Returns the length (m) of the shortest path and writes its legs to `path`; `None` if there is
+    /// no path.
     pub(super) fn search(
         &self,
         from: Point2<f64>,
@@ -124,7 +125,7 @@ impl Inner {
                 if space.segment_is_free(touch, q, self.radius) {
                     return Some(finish);
                 }
-                // Neither gets there by this tangent.
+                // Neither reaches the goal by this tangent.
                 let track = scratch.goals[finish.goal as usize].track;
                 scratch.goal_of[track as usize ^ 1].0 = 0;
             } else if number >= START {
@@ -145,7 +146,7 @@ impl Inner {
                 self.reach(next, cost, Parent::Start(i), q, scratch);
             } else {
                 let mark = scratch.marks[number as usize];
-                // Reached at a lower cost meanwhile.
+                // Reached at a lower cost in the meantime.
                 if mark.cost + mark.least < bound {
                     continue;
                 }
@@ -167,11 +168,11 @@ impl Inner {
         None
     }
 
-    /// Starts a new search in old memory.
+    /// Starts a new search in reused memory.
     fn begin(&self, scratch: &mut Scratch) {
         scratch.search = scratch.search.wrapping_add(1);
         if scratch.search == 0 {
-            // Numbers begin anew: old marks must not be mistaken.
+            // Search numbers restart: old marks must not count as new.
             scratch.marks.clear();
             scratch.goal_of.clear();
             scratch.search = 1;
@@ -182,7 +183,7 @@ impl Inner {
             least: 0.0,
             parent: Parent::Start(0),
         };
-        // Marks of another graph are of another search, too; memory only grows.
+        // Marks of another graph belong to another search, too; the memory only grows.
         let (vertices, tracks) = (self.graph.vertices.len(), self.graph.tracks());
         scratch
             .marks
@@ -193,14 +194,14 @@ impl Inner {
         scratch.heap.clear();
         scratch.finishes.clear();
         for (i, goal) in scratch.goals.iter_mut().enumerate() {
-            // A tangent from the goal is one to it on the opposite track.
+            // A tangent from the goal is a tangent to it on the opposite track.
             let opposite = goal.track ^ 1;
             scratch.goal_of[opposite as usize] = (scratch.search, i as u32);
             goal.at = self.graph.opposite(goal.track, goal.at);
         }
     }
 
-    /// The tangent to the goal from a track, and the arc (m) to where it departs.
+    /// The tangent to the goal from a track, and the arc (m) to its departure.
     #[inline]
     fn goal_on(&self, track: u32, at: f64, scratch: &Scratch) -> Option<(u32, f64)> {
         let (search, goal) = scratch.goal_of[track as usize];
@@ -211,7 +212,7 @@ impl Inner {
         Some((goal, self.graph.site(track).radius * arc))
     }
 
-    /// Goes on to the goal from where a path lands, if a tangent leads there.
+    /// Continues to the goal from the landing position of a path, if a tangent leads there.
     #[inline]
     fn land(&self, track: u32, at: f64, cost: f64, parent: Parent, scratch: &mut Scratch) {
         if let Some((goal, arc)) = self.goal_on(track, at, scratch) {
@@ -240,7 +241,7 @@ impl Inner {
         }
     }
 
-    /// A lower bound on the cost (m) from a vertex to the goal, found once per search.
+    /// A lower bound on the cost (m) from a vertex to the goal, computed once per search.
     #[inline]
     fn least(&self, vertex: u32, q: Point2<f64>, scratch: &mut Scratch) -> f64 {
         let mark = &mut scratch.marks[vertex as usize];
@@ -256,7 +257,7 @@ impl Inner {
         mark.least
     }
 
-    /// Writes the legs of a path that was found.
+    /// Writes the legs of a found path.
     fn trace(
         &self,
         [from, p, q, to]: [Point2<f64>; 4],
@@ -301,7 +302,7 @@ impl Inner {
             return None;
         }
         let mut at = p;
-        // In a corner between two pieces one is left after the other.
+        // In a corner between two pieces, the point leaves one piece after the other.
         for _ in 0..32 {
             let contact = self.space.shapes().nearest_contact(at);
             at += contact.normal * (self.radius - contact.distance).max(0.0);

@@ -1,4 +1,4 @@
-//! What shortest paths bend around: the arcs of the grown pieces that a robot can get at.
+//! The arcs of the grown pieces that a robot can reach; shortest paths bend around them.
 
 use core::f64::consts::TAU;
 
@@ -8,12 +8,12 @@ use nalgebra::{Point2, Vector2};
 
 use planner_view::free_space::FreeSpace;
 
-/// Arcs narrower than this (rad) are dropped: they are what rounding leaves of the seam between two
-/// pieces, and a path that would bend by so little passes straight (penetrating by far less than
+/// Arcs narrower than this (rad) are dropped: they result from rounding at the seam between two
+/// pieces. A path that would bend by so little passes straight (and penetrates by far less than
 /// [`geometry::map::TOUCHING`]).
 const MIN_WIDTH: f64 = 1e-6;
-/// How far (rad) outside its arc a tangent point may lie and count as the arc's end. Only rounding
-/// must fit in: whether the segment is free is checked exactly.
+/// Angle (rad) by which a tangent point may lie outside its arc and count as the arc's end. It only
+/// covers rounding: the segment itself is tested exactly.
 const END: f64 = 1e-7;
 
 /// An arc of the border of a grown piece along which the robot's centre can move freely: about a
@@ -30,7 +30,7 @@ pub(super) struct Site {
     pub start_angle: f64,
     /// Angle from `start` to `end` (rad), in (0, 2π].
     pub width: f64,
-    /// A whole circle: `start` is arbitrary, and a path may pass it.
+    /// `true` for a whole circle: `start` is arbitrary, and a path may pass it.
     pub full: bool,
     /// Radius (m) of the piece itself about the centre; 0 for a corner.
     pub core: f64,
@@ -54,7 +54,7 @@ impl Site {
         }
     }
 
-    /// Whether the direction `n` (a unit vector) meets the arc, but for rounding.
+    /// Returns `true` if the direction `n` (a unit vector) meets the arc, except for rounding.
     #[inline]
     fn meets(&self, n: Vector2<f64>) -> bool {
         let (after, before) = (self.start.perp(&n) >= -END, n.perp(&self.end) >= -END);
@@ -66,8 +66,8 @@ impl Site {
         }
     }
 
-    /// Where the direction `n` (a unit vector) meets the arc, as the angle from its start (rad);
-    /// `None` if it does not.
+    /// Position at which the direction `n` (a unit vector) meets the arc, as the angle from its
+    /// start (rad); `None` if it does not.
     #[inline]
     pub fn angle_of(&self, n: Vector2<f64>) -> Option<f64> {
         if !self.meets(n) {
@@ -107,7 +107,7 @@ impl Site {
     }
 }
 
-/// A circle whose arcs are to be found.
+/// A circle and the index of its piece.
 struct Circle {
     center: Point2<f64>,
     radius: f64,
@@ -186,7 +186,7 @@ fn arcs(
     let mut open: Option<f64> = None;
     for pair in stops.windows(2) {
         let &[a, b] = pair else { continue };
-        // A gap without width belongs to what is around it.
+        // A gap without width belongs to its surroundings.
         if b - a <= MIN_WIDTH {
             continue;
         }
@@ -210,8 +210,8 @@ fn push(circle: &Circle, from: f64, begun: f64, ended: f64, found: &mut Vec<Site
     }
 }
 
-/// Where to cut a circle open: at the end of a stretch that is not free, so that no free arc is cut;
-/// `None` if there is no such stretch.
+/// The angle at which to cut a circle open: the end of a stretch that is not free, so that no free
+/// arc is cut; `None` if there is no such stretch.
 fn seam(borders: &[f64], is_free: impl Fn(f64) -> bool) -> Option<(f64, f64)> {
     let mut sorted: Vec<f64> = borders.iter().map(|b| b.rem_euclid(TAU)).collect();
     sorted.sort_by(f64::total_cmp);
@@ -280,9 +280,9 @@ fn borders(space: &FreeSpace, radius: f64, circle: &Circle) -> Vec<f64> {
     borders
 }
 
-/// Drops arcs that are there twice: corners that two pieces share.
+/// Drops duplicate arcs: corners that two pieces share.
 fn without_twins(mut sites: Vec<Site>) -> Vec<Site> {
-    // To a tenth of a micrometre, so that rounding does not part twins.
+    // To a tenth of a micrometre, so that rounding does not separate duplicates.
     let key = |s: &Site| {
         [s.center.x, s.center.y, s.radius, s.start_angle].map(|value| (value * 1e7).round())
     };

@@ -2,7 +2,7 @@
 
 use nalgebra::{Point2, Vector2};
 
-/// Which way a path goes around a circle: 1 counter-clockwise, −1 clockwise.
+/// Direction in which a path goes around a circle: 1 counter-clockwise, −1 clockwise.
 pub(super) type Turn = f64;
 
 /// A tangent segment.
@@ -10,15 +10,15 @@ pub(super) type Turn = f64;
 pub(super) struct Tangent {
     /// Length (m).
     pub length: f64,
-    /// Unit vector from the first circle's centre to where the segment begins.
+    /// Unit vector from the first circle's centre to the start of the segment.
     pub from: Vector2<f64>,
-    /// Unit vector from the second circle's centre to where it ends.
+    /// Unit vector from the second circle's centre to the end of the segment.
     pub to: Vector2<f64>,
 }
 
 /// The segment that leaves a circle (radius `r1` ≥ 0, travelled around by `s1`) and joins another,
-/// whose centre is `offset` away; `None` if one circle holds the other (or they overlap and it
-/// would have to change sides).
+/// whose centre is at `offset`; `None` if one circle contains the other (or they overlap and the
+/// segment would have to change sides).
 ///
 /// A path with heading `u` touches at `c − s r i u`, where `i` turns by a quarter counter-clockwise.
 /// The segment from one such point to the other is `l u`, hence with complex numbers

@@ -1,4 +1,4 @@
-//! One goal, asked for from many places.
+//! One goal for many starts.
 
 use std::sync::Arc as Shared;
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -13,24 +13,24 @@ use super::{Inner, PathLeg, ShortestPath, search};
 
 /// Not computed yet.
 const UNKNOWN: u32 = u32::MAX;
-/// The cell holds points that are not free: nothing is known but the straight line.
+/// The cell contains points that are not free: only the straight line is a bound.
 const MIXED: f32 = -1.0;
 
 /// The shortest paths to one goal, made by [`TangentGraph::towards`](super::TangentGraph::towards).
 ///
-/// It knows the exact way on from every departure of the graph, so that a question is settled by
-/// the first free tangent in the order of what they lead to.
+/// It holds the exact continuation from every departure of the graph. A query ends at the first
+/// free tangent in the order of total length.
 #[derive(Debug)]
 pub struct Towards {
     inner: Shared<Inner>,
     goal: Point2<f64>,
-    /// Where the paths end, if the goal can be reached at all, and how far (m) it is from there.
+    /// End of the paths, if the goal is reachable, and its distance (m) from the goal.
     settled: Option<(Point2<f64>, f64)>,
     /// Cost (m) from every vertex to the settled goal.
     costs: Vec<f64>,
-    /// Tangents to the goal, by their track: where it departs, and its length (m).
+    /// Tangents to the goal, by their track: position of departure, and length (m).
     last: Vec<Option<(f64, f64)>>,
-    /// Bits of lower bounds (m) for the cells of the clearance field, found when first needed.
+    /// Bits of lower bounds (m) for the cells of the clearance field, computed on first use.
     cells: Vec<AtomicU32>,
 }
 
@@ -107,7 +107,7 @@ impl Towards {
             ..
         } = &*self.inner;
         near.joins(space, graph, p, joins);
-        // From here on a tangent's length stands for that of the whole path over it.
+        // From here on a tangent's length stands for the length of the whole path over it.
         for join in joins.iter_mut() {
             let (next, arc) = graph.departure(join.track, join.at);
             let onward = match self.costs.get(next as usize) {
@@ -152,16 +152,16 @@ impl Towards {
         let mut bits = cell.load(Ordering::Relaxed);
         if bits == UNKNOWN {
             bits = self.at_center(center).to_bits();
-            // Whoever else computes it gets the same.
+            // All threads compute the same value.
             cell.store(bits, Ordering::Relaxed);
         }
-        // Nothing less than the line, which also covers `MIXED`.
+        // At least the straight line, which also covers `MIXED`.
         (f64::from(f32::from_bits(bits)) - (p - center).norm()).max(line)
     }
 
-    /// What is stored for a cell: the distance from its centre, rounded down.
+    /// The stored value of a cell: the distance from its centre, rounded down.
     fn at_center(&self, center: Point2<f64>) -> f32 {
-        // All of the cell is this far from everything.
+        // The whole cell has this clearance.
         if self.inner.space.shapes().clearance_at_least(center) < self.inner.radius {
             return MIXED;
         }
@@ -172,7 +172,7 @@ impl Towards {
     }
 }
 
-/// Cost (m) from a place on a track to the goal without another departure.
+/// Cost (m) from a position on a track to the goal without another departure.
 #[inline]
 fn arrival(inner: &Inner, last: &[Option<(f64, f64)>], track: u32, at: f64) -> Option<f64> {
     let (departs, length) = (*last.get(track as usize)?)?;

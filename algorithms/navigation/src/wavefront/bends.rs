@@ -1,47 +1,47 @@
-//! Where shortest ways bend.
+//! Corners at which shortest paths bend.
 
 use nalgebra::{Point2, Vector2};
 
 use super::lattice::{Lattice, NONE};
 use planner_view::map::PlannerMap;
 
-/// Most bends of a lattice: beyond it (a map of rubble) the rest is left to differences.
+/// Maximum number of bends of a lattice; above it (a map of rubble) differences handle the rest.
 const MAX_BENDS: usize = 1 << 13;
 
 /// The four diagonal steps.
 const DIAGONALS: [(i64, i64); 4] = [(1, 1), (-1, 1), (-1, -1), (1, -1)];
 
-/// Straight ahead of a corner no shortest way bends: targets whose direction is within 37° of the
-/// line from the corner's tip outwards (its cosine) are left out.
+/// Cosine of the angle (37°) from the outward line of a corner within which targets are left out:
+/// straight ahead of a corner no shortest path bends.
 const AHEAD: f64 = 0.8;
 
-/// A place in sight of a bend.
+/// A place visible from a bend.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Target {
     /// Node or bend.
     pub(super) to: u32,
-    /// The node next to it on the straight way back; [`NONE`] next to the bend.
+    /// The node next to it on the straight line back; [`NONE`] next to the bend.
     pub(super) back: u32,
     /// Distance (m).
     pub(super) distance: f32,
 }
 
-/// The convex corners of obstacles, grown by the robot's radius, with what can be seen from them.
+/// The convex corners of obstacles, grown by the robot's radius, with the places visible from them.
 ///
-/// Differences are worst where a wave turns round a corner: its curvature there is that of a new
-/// source. So corners are treated as what they are: sources that start when the wave reaches them.
+/// Differences are worst where a wave turns around a corner: its curvature there is that of a new
+/// source. So each corner is a source that starts when the wave reaches it.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Bends {
     points: Vec<Point2<f64>>,
-    /// Per node, the bend that it found, or [`NONE`].
+    /// Per node, the bend that it belongs to, or [`NONE`].
     of_node: Vec<u32>,
-    /// Per bend, where its targets begin; one more for the end of the last.
+    /// Per bend, the index of its first target; one more for the end of the last.
     first: Vec<u32>,
     targets: Vec<Target>,
 }
 
 impl Bends {
-    /// The bends of a lattice, with targets up to `sight` (m).
+    /// Finds the bends of a lattice, with targets up to `sight` (m).
     pub(super) fn new(map: &PlannerMap, lattice: &Lattice, sight: f64) -> Self {
         let mut bends = Self {
             of_node: vec![NONE; lattice.len()],
@@ -55,7 +55,7 @@ impl Bends {
             let mut add = |to: usize, point: Point2<f64>, distance: f64| {
                 let ahead = (point - from).dot(outward) > AHEAD * distance;
                 let step = lattice.pitch();
-                // The nearest nodes are taken as seen: the wave would go there anyway.
+                // The nearest nodes count as visible: the wave would reach them anyway.
                 if distance > step && (ahead || !map.line_is_clear(from, point, radius)) {
                     return;
                 }
@@ -82,14 +82,14 @@ impl Bends {
                     add(lattice.len() + other, point, distance);
                 }
             }
-            // The nearest first: a target's `back` is decided before it.
+            // The nearest first: the `back` of a target must be known before the target.
             bends.targets[begin..].sort_by(|a, b| a.distance.total_cmp(&b.distance));
         }
         bends.first.push(bends.targets.len() as u32);
         bends
     }
 
-    /// Finds the corners; returns the direction away from each.
+    /// Finds the corners; returns the outward direction of each.
     fn find(&mut self, map: &PlannerMap, lattice: &Lattice) -> Vec<Vector2<f64>> {
         let mut tips: Vec<Point2<f64>> = Vec::new();
         let mut outwards: Vec<Vector2<f64>> = Vec::new();
@@ -132,7 +132,7 @@ impl Bends {
         self.points.len()
     }
 
-    /// Where they are (m).
+    /// Positions of the bends (m).
     pub(super) fn points(&self) -> &[Point2<f64>] {
         &self.points
     }
@@ -143,7 +143,7 @@ impl Bends {
         (bend != NONE).then_some(bend as usize)
     }
 
-    /// What can be seen from a bend, the nearest first.
+    /// The places visible from a bend, the nearest first.
     pub(super) fn targets(&self, bend: usize) -> &[Target] {
         match (self.first.get(bend), self.first.get(bend + 1)) {
             (Some(&first), Some(&end)) => self

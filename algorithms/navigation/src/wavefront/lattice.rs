@@ -5,10 +5,10 @@ use nalgebra::Point2;
 
 use planner_view::map::PlannerMap;
 
-/// Stands for "no node".
+/// Index that means "no node".
 pub(super) const NONE: u32 = u32::MAX;
 
-/// Most cells of a lattice; beyond it the pitch is doubled until it fits.
+/// Maximum number of cells of a lattice; above it the pitch is doubled until the lattice fits.
 const MAX_CELLS: usize = 1 << 22;
 
 /// The free cells of a coarsened map, as nodes.
@@ -26,8 +26,8 @@ pub struct Lattice {
 }
 
 impl Lattice {
-    /// The lattice for a robot of this radius (m) at this pitch (m), rounded to whole cells of the
-    /// map (at least one).
+    /// Builds the lattice for a robot of this radius (m) at this pitch (m), rounded to whole cells of
+    /// the map (at least one).
     pub fn new(map: &PlannerMap, pitch: f64, radius: f64) -> Self {
         let fine = &map.clearance_grid().frame;
         // A pitch that is not a number becomes one cell.
@@ -65,12 +65,12 @@ impl Lattice {
         self.cell_of.len()
     }
 
-    /// Whether the robot fits nowhere.
+    /// Returns `true` if the robot fits nowhere.
     pub fn is_empty(&self) -> bool {
         self.cell_of.is_empty()
     }
 
-    /// Where the cells lie.
+    /// Frame of the cells.
     pub fn frame(&self) -> &GridFrame {
         &self.frame
     }
@@ -124,8 +124,8 @@ impl Lattice {
         self.node_of_cell(self.frame.index(col as usize, row as usize))
     }
 
-    /// The free cell nearest to a point among those whose centre is within `reach` (m) of it; the
-    /// one with the lowest number of several.
+    /// The free cell nearest to a point among those whose centre is within `reach` (m) of it; of
+    /// equally near ones, the lowest number.
     pub fn nearest(&self, p: Point2<f64>, reach: f64) -> Option<usize> {
         let mut best: Option<(f64, usize)> = None;
         self.for_each_within(p, reach, |node, distance| {
@@ -166,7 +166,7 @@ impl Lattice {
     }
 
     /// Radius with which lines of sight are tested (m): half a cell's diagonal less than the robot's,
-    /// so that a line along a wall at the robot's very radius is not lost to rounding.
+    /// so that rounding does not block a line along a wall at exactly the robot's radius.
     pub(super) fn sight_radius(&self, map: &PlannerMap) -> f64 {
         let slack = 0.71 * map.clearance_grid().frame.resolution;
         (self.radius - slack).max(0.5 * self.radius)

@@ -8,21 +8,21 @@ use planner_view::map::PlannerMap;
 
 /// Arrival times of the earliest of several sources at every node of a [`Medium`].
 ///
-/// Keeps its memory from one wave to the next. Equal times go to the source that was named first.
+/// Reuses its memory for each wave. Of equal times, the source given first wins.
 #[derive(Debug, Clone, Default)]
 pub struct Wave {
     nodes: usize,
-    /// Times of nodes and bends that are decided, infinite for others and for nowhere.
+    /// Decided times of nodes and bends, infinite for others and for nowhere.
     times: Vec<f32>,
     labels: Vec<u32>,
     /// Best times so far.
     tentative: Vec<f32>,
-    /// Whether they are those of a straight way from a source or bend.
+    /// `true` for times of a straight path from a source or bend.
     straight: Vec<bool>,
     queue: Queue,
     seeds: Vec<Seed>,
     speeds: Vec<f64>,
-    /// The earliest over the speeds marched so far.
+    /// The earliest times over the speeds marched so far.
     earliest: Vec<f32>,
     earliest_labels: Vec<u32>,
 }
@@ -31,10 +31,11 @@ impl Wave {
     /// Sends a wave from these sources through the whole medium; sources with numbers out of range
     /// are left out.
     ///
-    /// With `limit`, a wave through the same medium, it goes only where it is strictly before that.
+    /// With `limit`, a wave through the same medium, this wave goes only where it is strictly
+    /// before that one.
     ///
-    /// Costs one march per distinct speed: a slow wave that is first at a place must not hold up a
-    /// faster one that comes through later.
+    /// Costs one march per distinct speed: a slow wave that is first at a place must not block a
+    /// faster one that arrives later.
     pub fn spread(
         &mut self,
         medium: &Medium,
@@ -72,25 +73,26 @@ impl Wave {
         }
     }
 
-    /// When the wave reaches each node (s), by its number; infinite where it does not come.
+    /// Time at which the wave reaches each node (s), by its number; infinite for nodes that it does
+    /// not reach.
     pub fn times(&self) -> &[f32] {
-        // Behind them are the bends, and the place that stands for none.
+        // Behind them are the bends, and the entry that stands for none.
         self.times.get(..self.nodes).unwrap_or_default()
     }
 
-    /// When the wave reaches a node (s); infinite where it does not come.
+    /// Time at which the wave reaches a node (s); infinite if it does not.
     pub fn time(&self, node: usize) -> f32 {
         self.times().get(node).copied().unwrap_or(f32::INFINITY)
     }
 
-    /// Label of the source that is first at a node; `None` where no wave comes.
+    /// Label of the source that is first at a node; `None` if no wave arrives.
     pub fn label(&self, node: usize) -> Option<u32> {
         let reached = self.time(node).is_finite();
         self.labels.get(node).copied().filter(|_| reached)
     }
 
-    /// When the wave is at a point (m), by linear interpolation between the centres of the cells
-    /// around it; infinite if it reaches none of them.
+    /// Time at which the wave reaches a point (m), by linear interpolation between the centres of
+    /// the cells around it; infinite if it reaches none of them.
     pub fn time_at(&self, lattice: &Lattice, p: nalgebra::Point2<f64>) -> f64 {
         let frame = lattice.frame();
         let x = (p.x - frame.origin.x) / frame.resolution - 0.5;
@@ -115,7 +117,7 @@ impl Wave {
                 weights += weight;
             }
         }
-        // A point in a wall takes the times of what is free around it.
+        // A point in a wall takes the times of the free cells around it.
         if weights > 1e-6 {
             sum / weights
         } else {
@@ -158,7 +160,7 @@ impl Wave {
                 if next == nowhere || self.times[next].is_finite() {
                     continue;
                 }
-                // Next to a straight way, differences have nothing to add.
+                // Next to a straight path, differences add nothing.
                 if self.straight[next] && self.tentative[next] <= time + 1.5 * step {
                     continue;
                 }
@@ -174,8 +176,8 @@ impl Wave {
         }
     }
 
-    /// Enters the seeds, the earliest first. Under a limit, one only if the straight way to it has
-    /// been within the limit as well.
+    /// Enters the seeds, the earliest first. Under a limit, a seed is entered only if the straight
+    /// path to it is within the limit as well.
     fn sow(&mut self, limit: Option<&[f32]>) {
         // Stable: equal times keep the order of their sources.
         self.seeds.sort_by(|a, b| a.time.total_cmp(&b.time));
@@ -194,7 +196,7 @@ impl Wave {
         }
     }
 
-    /// The wave turns round a corner: goes straight on from a bend that it has reached.
+    /// Turns the wave around a corner: continues straight from a bend that it has reached.
     fn turn(&mut self, medium: &Medium, at: usize, slowness: f32, limit: Option<&[f32]>) {
         let (start, label) = (self.times[at], self.labels[at]);
         for target in medium.bends().targets(at - self.nodes) {
@@ -212,7 +214,7 @@ impl Wave {
         }
     }
 
-    /// Lowers the time of a place, if this is earlier and within the limit.
+    /// Lowers the time of a place, if this time is earlier and within the limit.
     fn offer(&mut self, to: usize, time: f32, label: u32, straight: bool, limit: Option<&[f32]>) {
         let allowed = limit.is_none_or(|limit| limit.get(to).is_some_and(|&limit| time < limit));
         if time < self.tentative[to] && allowed {

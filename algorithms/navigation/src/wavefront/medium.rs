@@ -1,4 +1,4 @@
-//! What a wave travels through.
+//! The medium in which a wave travels.
 
 use planner_view::map::PlannerMap;
 
@@ -8,8 +8,8 @@ use super::lattice::Lattice;
 /// Steps along one axis: +x, +y, −x, −y.
 const STEPS: [(i64, i64); 4] = [(1, 0), (0, 1), (-1, 0), (0, -1)];
 
-/// The places that a wave goes through: the nodes of a lattice, with four neighbours each, and the
-/// places where shortest ways bend, whose numbers follow those of the nodes.
+/// The places that a wave passes: the nodes of a lattice, with four neighbours each, and the bends
+/// of shortest paths, whose numbers follow those of the nodes.
 #[derive(Debug, Clone)]
 pub struct Medium {
     lattice: Lattice,
@@ -49,12 +49,12 @@ impl Medium {
             .unwrap_or([self.nowhere() as u32; 4])
     }
 
-    /// The places where shortest ways bend.
+    /// The bends of shortest paths.
     pub(super) fn bends(&self) -> &Bends {
         &self.bends
     }
 
-    /// A number beyond those of nodes and bends: a place that nothing reaches.
+    /// A number beyond those of nodes and bends: a place that no wave reaches.
     pub(super) fn nowhere(&self) -> usize {
         self.lattice.len() + self.bends.len()
     }

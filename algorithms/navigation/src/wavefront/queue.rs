@@ -5,17 +5,17 @@ const RING: usize = 128;
 /// Buckets that one step of the wave spans.
 const PER_STEP: f32 = 16.0;
 
-/// Nodes by their time, the earliest first, equal times by the lower node.
+/// Nodes by their time, the earliest first; of equal times, the lower node.
 ///
-/// A ring of buckets, each as wide as a sixteenth of the time that a wave takes from a cell to the
-/// next: a bucket holds a handful of entries, among which the least is searched. The order is that
-/// of a heap, at a fraction of its cost.
+/// A ring of buckets, each as wide as a sixteenth of the time that a wave takes from one cell to
+/// the next. A bucket holds few entries, among which the least is searched. The order is that of a
+/// heap, at a fraction of its cost.
 #[derive(Debug, Clone)]
 pub(super) struct Queue {
     /// Time and node of each entry in one number: floats ≥ 0 order like their bits.
     ring: Vec<Vec<u64>>,
     in_ring: usize,
-    /// Number of the bucket that is being emptied.
+    /// Number of the current bucket.
     current: usize,
     /// Entries beyond the ring, and the number of their earliest bucket.
     later: Vec<u64>,
@@ -65,7 +65,7 @@ impl Queue {
         }
     }
 
-    /// Takes out the earliest entry.
+    /// Removes the earliest entry.
     pub(super) fn pop(&mut self) -> Option<(f32, u32)> {
         loop {
             if self.in_ring == 0 {
@@ -105,8 +105,8 @@ mod tests {
     use super::*;
 
     proptest! {
-        /// Entries come as a wave adds them: a few at the start, then each within a few steps of
-        /// the one taken out last.
+        /// Entries arrive as a wave adds them: a few at the start, then each within a few steps of
+        /// the last removed one.
         #[test]
         fn entries_leave_in_the_order_of_a_heap(
             seeds in prop::collection::vec(0.0_f32..1e4, 1..20),

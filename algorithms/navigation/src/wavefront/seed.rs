@@ -1,30 +1,30 @@
-//! Where a wave begins.
+//! Sources of a wave.
 
 use nalgebra::Point2;
 
 use super::medium::Medium;
 use planner_view::map::PlannerMap;
 
-/// How far from a source (m) a free cell is looked for if none can be seen from it.
+/// Maximum distance (m) from a source at which a free cell is searched for, if none is visible from it.
 const LOST: f64 = 1.0;
 
 /// A robot from which a wave starts.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Source {
-    /// Where it is (m).
+    /// Position (m).
     pub at: Point2<f64>,
-    /// Its speed (m/s), ≥ 0; 0 for one that cannot leave its place.
+    /// Speed (m/s), ≥ 0; 0 for a source that cannot leave its place.
     pub speed: f64,
     /// Time at which it starts (s), ≥ 0.
     pub delay: f64,
-    /// How far it reaches from where it is (m), ≥ 0: what is within this of it is reached at once.
+    /// Radius (m), ≥ 0, within which it reaches all places at once.
     pub reach: f64,
-    /// Comes back as [`Wave::label`](super::Wave::label) of the places that it reaches first.
+    /// Value of [`Wave::label`](super::Wave::label) for the places that it reaches first.
     pub label: u32,
 }
 
 impl Source {
-    /// A source that starts now, without reach.
+    /// A source that starts at time 0, without reach.
     pub fn new(at: Point2<f64>, speed: f64, label: u32) -> Self {
         Self {
             at,
@@ -35,7 +35,7 @@ impl Source {
         }
     }
 
-    /// Whether all its numbers are finite and in their range.
+    /// Returns `true` if all its numbers are finite and in their range.
     pub fn is_sane(&self) -> bool {
         let not_negative = |value: f64| value.is_finite() && value >= 0.0;
         self.at.x.is_finite()
@@ -56,31 +56,30 @@ impl Source {
     }
 }
 
-/// Distance from a source within which times are computed along straight lines instead of by differences
-/// (m).
+/// Distance from a source (m) within which times are computed along straight lines instead of by
+/// differences.
 const EXACT_RADIUS: f64 = 1.0;
 
-/// The same around corners that the wave turns round (m): longer than the edges of usual obstacles, so
-/// that from a corner the next one is seen.
+/// The same distance around corners (m): longer than the edges of usual obstacles, so that the next
+/// corner is visible from each corner.
 pub const SIGHT: f64 = 3.0;
 
-/// A node or bend whose time is known without a wave.
+/// A node or bend with a time known without a wave.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Seed {
     pub(super) time: f32,
     pub(super) node: u32,
     pub(super) label: u32,
-    /// The next node on the straight way back, unless that is the source's own.
+    /// The next node on the straight line back, unless that is the source's own.
     pub(super) back: Option<u32>,
 }
 
-/// Collects the nodes and bends that a source sees near it; if there is none, the nearest free
-/// cell.
+/// Collects the nodes and bends visible near a source; if there is none, the nearest free cell.
 pub(super) fn collect(medium: &Medium, map: &PlannerMap, source: &Source, seeds: &mut Vec<Seed>) {
     let lattice = medium.lattice();
     let pitch = lattice.pitch();
-    // A robot that touches a wall may stand in a cell whose centre is too near to it. One that is in
-    // a wall sees nothing.
+    // A robot that touches a wall may be in a cell whose centre is too near to the wall. A robot inside
+    // a wall sees no cell.
     let radius = lattice
         .sight_radius(map)
         .min(map.cell_clearance(source.at))
@@ -98,7 +97,7 @@ pub(super) fn collect(medium: &Medium, map: &PlannerMap, source: &Source, seeds:
         }
     };
     let mut see = |node: usize, point: Point2<f64>, distance: f64| {
-        // Neighbours of the source's cell need no test: the wave would go there anyway.
+        // Neighbours of the source's cell need no test: the wave would reach them anyway.
         if distance <= pitch {
             add(node, distance, None);
         } else if map.line_is_clear(source.at, point, radius) {

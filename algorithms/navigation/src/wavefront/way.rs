@@ -1,4 +1,4 @@
-//! The way that a wave took.
+//! The path of a wave.
 
 use super::lattice::Lattice;
 use super::march::Wave;
@@ -16,12 +16,12 @@ const STEPS: [(i64, i64); 8] = [
 ];
 
 impl Wave {
-    /// The nodes on the way from a source of the wave to a node, the node included, cell by cell;
-    /// `way` is emptied first, and stays empty if the wave does not reach the node.
+    /// The nodes on the path from a source of the wave to a node, the node included, cell by cell.
+    /// `way` is cleared first, and stays empty if the wave does not reach the node.
     ///
-    /// From every cell it goes back to the neighbour that the wave left earliest for the distance
-    /// between them (the lowest number of several): steepest descent of the arrival times, which
-    /// have no minima but the sources.
+    /// From every cell the path goes back to the neighbour with the earliest time relative to the
+    /// distance between them (of equal ones, the lowest number): steepest descent of the arrival
+    /// times, whose only minima are the sources.
     pub fn way_to(&self, lattice: &Lattice, node: usize, way: &mut Vec<usize>) {
         way.clear();
         let mut at = node;

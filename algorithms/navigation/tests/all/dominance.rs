@@ -1,4 +1,4 @@
-//! Dominance in the open, where it is known, and in the city.
+//! Dominance in the open, where the solution is known, and in the city.
 
 use std::sync::LazyLock;
 
@@ -52,7 +52,7 @@ fn assess(
     (verdicts, dominance)
 }
 
-/// Nodes at which the safe set differs from a truth, as a share of those in the truth.
+/// Share of the nodes at which the safe set differs from the true set, relative to the true set.
 fn wrong_share(dominance: &Dominance, arena: &Arena, truth: impl Fn(Point2<f64>) -> bool) -> f64 {
     let (mut inside, mut wrong) = (0.0, 0.0);
     for node in 0..arena.lattice().len() {
@@ -68,7 +68,8 @@ fn wrong_share(dominance: &Dominance, arena: &Arena, truth: impl Fn(Point2<f64>)
 fn in_the_open_a_slower_evader_dominates_the_inside_of_apollonius_circle() {
     let (evader, pursuer) = (runner(-1.03, 0.4, 0.3), runner(2.17, -0.7, 0.6));
     let (verdicts, dominance) = assess(&OPEN, &[pursuer], &[evader], 0.0);
-    // The points whose distances are as the speeds: centre e + (e − p)·k²/(1 − k²), radius
+    // The points whose distances have the ratio of the speeds: centre e + (e − p)·k²/(1 − k²),
+    // radius
     // |e − p|·k/(1 − k²), k = 1/2.
     let k = 0.5_f64;
     let offset = evader.at - pursuer.at;
@@ -101,13 +102,14 @@ fn the_capture_radius_is_a_head_start_of_the_pursuers() {
 
 #[test]
 fn a_faster_evader_does_not_get_through_a_pursuer() {
-    // Behind the pursuer it would be first by a straight line, but the line leads through it.
+    // Behind the pursuer it would be first by a straight line, but the line passes through the
+    // pursuer.
     let (evader, pursuer) = (runner(-3.0, 0.0, 0.5), runner(0.0, 0.0, 0.3));
     let (verdicts, mut dominance) = assess(&OPEN, &[pursuer], &[evader], 0.3);
     let behind = OPEN.1.lattice().node_at(Point2::new(8.0, 0.05)).unwrap();
     let safe = dominance.safe(0).unwrap();
     let straight = 11.0 / 0.5;
-    // Either it goes round, and is later, or it does not get there in time.
+    // Either it goes around the pursuer and is later, or it does not arrive in time.
     assert!(f64::from(safe.time(behind)) > 1.02 * straight);
     assert!(verdicts[0].escape_possible && verdicts[0].exit == Some(1));
     let mut cells = Vec::new();
@@ -148,7 +150,7 @@ fn mirror_images_have_equal_verdicts() {
 fn in_the_city_pursuers_decide_by_how_far_they_are_from_the_exit() {
     let evader = [runner(4.5, 0.0, 0.45)];
     let verdict = |police: &[Runner]| assess(&CITY, police, &evader, 0.3).0[0];
-    // The way out is some 5 m long: 11 s.
+    // The escape path is about 5 m long: 11 s.
     let alone = verdict(&[]);
     assert!(alone.escape_possible && alone.margin == f64::INFINITY);
     assert!(
@@ -200,7 +202,7 @@ proptest! {
         };
         let before = verdict(speed, 0.3);
         let after = if slow_police { verdict(speed, 0.3 / factor) } else { verdict(speed * factor, 0.3) };
-        // Rounding at the rim of the set costs a cell here and there.
+        // Rounding at the rim of the set may cost a few cells.
         prop_assert!(after.area_share >= before.area_share - 0.003, "{before:?} {after:?}");
         prop_assert!(after.escape_possible || !before.escape_possible || before.margin < 0.5);
     }

@@ -1,4 +1,4 @@
-//! Way finding in the city and other places; one program, because linking four costs minutes.
+//! Path finding in the city and other places; one program, because linking four takes minutes.
 
 #[path = "../../../planner_view/tests/scenes/mod.rs"]
 mod scenes;

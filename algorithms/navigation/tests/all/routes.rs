@@ -1,4 +1,4 @@
-//! RouteTrees through the paper's city.
+//! Routes through the paper's city.
 
 use crate::support::{Arena, EXIT, RADIUS};
 use geometry::blur::BlurredMap;
@@ -22,7 +22,7 @@ fn the_way_to_the_exit_has_the_length_of_the_street_grid() {
     let start = Point2::new(-4.5, 7.5);
     let routes = finder.routes(&map, 0, start, [EXIT]).unwrap();
     let length = routes.distance_to(EXIT).unwrap();
-    // The shortest way for a disc of this radius is 16.99 m; along the middles of the streets it is
+    // The shortest path for a disc of this radius is 16.99 m; along the middles of the streets it is
     // at most 13.5 + 7.5 m.
     assert!((17.0..21.0).contains(&length), "{length}");
 }
@@ -163,7 +163,7 @@ fn hostile_points_and_maps_have_no_ways_and_do_not_panic() {
         .routes(&map, 0, Point2::new(1.5, 1.5), [nowhere])
         .unwrap();
     assert!(routes.leg_to(nowhere).is_none());
-    // A map without any room.
+    // A map without any free space.
     let frame = GridFrame {
         width: 3,
         height: 2,
@@ -240,7 +240,7 @@ fn ways_that_were_not_asked_for_are_unknown_until_they_are() {
         .unwrap()
         .distance_to(EXIT)
         .unwrap();
-    // Growing in steps gives the tree that growing at once gives.
+    // Growing in steps gives the same tree as growing at once.
     let at_once = finder
         .routes(&map, 1, start, [EXIT])
         .unwrap()
@@ -249,7 +249,7 @@ fn ways_that_were_not_asked_for_are_unknown_until_they_are() {
     assert_eq!(later, at_once);
 }
 
-/// One question to a route finder: the slot, where from, whether with first legs, where to.
+/// One query of a route finder: the slot, the start, `true` for first legs, the destinations.
 type Question = (usize, (f64, f64), bool, Vec<(f64, f64)>);
 
 fn place() -> impl Strategy<Value = (f64, f64)> {
@@ -261,7 +261,7 @@ fn question() -> impl Strategy<Value = Question> {
     (0..3_usize, place(), any::<bool>(), targets)
 }
 
-/// Everything that a route finder says to a question, also about places it was not asked for.
+/// All results of a route finder for a query, also for places outside the query.
 fn answer(
     map: &PlannerMap,
     finder: &mut RouteFinder,

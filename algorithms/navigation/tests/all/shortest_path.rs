@@ -1,4 +1,4 @@
-//! Shortest paths: known lengths, what every path must satisfy, and a brute-force search.
+//! Shortest paths: known lengths, properties of every path, and a brute-force search.
 
 use crate::scenes::{RADIUS, any_parts, any_point, any_space, city, space, unit};
 use geometry::shape::Convex;
@@ -18,7 +18,8 @@ fn headings(leg: &PathLeg) -> (Vector2<f64>, Vector2<f64>) {
     }
 }
 
-/// What every path satisfies. Ends that were pushed out of a piece may be off by that.
+/// Checks the properties of every path. Ends that were pushed out of a piece may differ by that
+/// distance.
 fn check(space: &FreeSpace, radius: f64, path: &ShortestPath, ends: [Point2<f64>; 2]) {
     let inside = ends.map(|p| !space.is_free(p, radius));
     let sum: f64 = path.legs.iter().map(PathLeg::length).sum();
@@ -127,7 +128,7 @@ fn lines_of_sight_and_ends_that_are_one_need_no_graph() {
 #[test]
 fn what_cannot_be_reached_has_no_path() {
     let wall = |x: f64, y: f64, a: f64, b: f64| Convex::rectangle(Point2::new(x, y), [a, b], 0.0);
-    // A closed court whose walls only touch, and one with a gap a little too narrow.
+    // A closed court whose walls only touch, and one with a gap slightly too narrow.
     let gap = 2.0 * RADIUS - 1e-6;
     let court = |x: f64, gap: f64| {
         vec![
@@ -194,7 +195,7 @@ fn impossible_radii_are_named() {
         assert!(matches!(error, GraphError::Radius(_)));
         assert!(error.to_string().starts_with("radius ="), "{error}");
     }
-    // Larger than the streets: nothing is free, and nothing breaks.
+    // Larger than the streets: no place is free, and there is no panic.
     let graph = TangentGraph::new(&city(), 2.0).unwrap();
     assert_eq!(graph.distance(START, EXIT), None);
 }
@@ -211,7 +212,7 @@ fn a_wall_of_many_pieces_is_one_wall() {
             })
             .collect()
     };
-    // Pieces side by side, overlapping, and twice the same.
+    // Pieces side by side, overlapping, and one piece twice.
     let mut doubled = cut(3);
     doubled.extend(whole.clone());
     doubled.extend(whole.clone());
@@ -237,7 +238,7 @@ fn a_wall_of_many_pieces_is_one_wall() {
 }
 
 /// The shortest path by brute force: over the corners of polygons around the grown pieces, with
-/// every pair of them tested. Never shorter than the truth; infinite if it finds none.
+/// every pair of them tested. Never shorter than the true length; infinite if it finds none.
 fn brute_force(space: &FreeSpace, radius: f64, from: Point2<f64>, to: Point2<f64>) -> f64 {
     const AROUND: usize = 16;
     let turn = core::f64::consts::TAU / AROUND as f64;

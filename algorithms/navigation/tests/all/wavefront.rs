@@ -64,7 +64,7 @@ fn in_the_open_times_are_those_of_straight_lines() {
     assert!(worst < 0.01 && mean < 0.003, "{worst} {mean}");
 }
 
-/// Lengths of shortest ways from (−4.5, 7.5) for a radius of 0.105 m, by Dijkstra on the visibility
+/// Lengths of shortest paths from (−4.5, 7.5) for a radius of 0.105 m, by Dijkstra on the visibility
 /// graph of the corners, their arcs drawn with 48 corners each.
 const EXACT_LENGTHS: [(f64, f64, f64); 14] = [
     (9.0, 0.0, 16.986),
@@ -118,7 +118,7 @@ fn the_earliest_of_several_sources_counts_and_lends_its_label() {
 
 #[test]
 fn a_slow_source_does_not_hold_up_a_fast_one_that_comes_through() {
-    // The slow one stands in the street between the fast one and the rest of it.
+    // The slow source stands in the street between the fast one and the rest of the street.
     let slow = Source::new(Point2::new(0.0, 1.5), 0.05, 0);
     let fast = Source::new(Point2::new(-3.0, 1.5), 1.0, 1);
     let both = spread(&CITY, &[slow, fast]);
@@ -166,7 +166,7 @@ fn a_limited_wave_is_strictly_earlier_everywhere_and_never_earlier_than_a_free_o
         let time = limited.time(node);
         if time.is_finite() {
             assert!(time < limit.time(node));
-            // Which differences are taken depends on the way; the truth does not.
+            // The choice of differences depends on the path; the true time does not.
             assert!(time > 0.98 * free.time(node) - 0.05);
         } else if free.time(node) < limit.time(node) {
             cut_off += 1;
@@ -194,8 +194,8 @@ fn a_way_leads_from_the_source_cell_by_cell_and_is_as_long_as_its_time() {
             way.windows(2)
                 .all(|pair| wave.time(pair[0]) < wave.time(pair[1]))
         );
-        // Eight directions make a straight way up to 8 % longer, steepest descent in turn of one and
-        // the other a little more.
+        // Eight directions make a straight path up to 8 % longer, alternating steepest descent slightly
+        // more.
         let length: f64 = way.windows(2).map(step).sum();
         let truth = f64::from(wave.time(goal));
         assert!(
@@ -219,7 +219,7 @@ fn hostile_sources_and_maps_reach_nothing_and_do_not_panic() {
             ..Source::new(somewhere, 1.0, 0)
         },
         Source::new(Point2::new(1e300, -1e300), 1.0, 0),
-        // In the middle of a block, farther from any street than is looked for.
+        // In the middle of a block, farther from any street than the search radius.
         Source::new(Point2::new(0.0, 0.0), 1.0, 0),
     ];
     for source in bad {
@@ -272,12 +272,12 @@ fn equal_waves_have_equal_bits_and_leave_nothing_behind() {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 32, failure_persistence: None, ..ProptestConfig::default() })]
 
-    /// Neither is anywhere sooner than by a straight line, nor, from one cell to the next, later than
+    /// Neither time is earlier than a straight line allows, nor, from one cell to the next, later than
     /// by driving there; around a corner beside the source, by a diagonal.
     #[test]
     fn times_obey_the_triangle_inequality(x in -7.9_f64..7.9, y in -7.9_f64..7.9, speed in 0.1_f64..2.0) {
         let at = Point2::new(x, y);
-        // From within an obstacle the wave starts at the nearest place outside it.
+        // From inside an obstacle the wave starts at the nearest free place.
         prop_assume!(CITY.0.line_is_clear(at, at, RADIUS));
         let wave = spread(&CITY, &[Source::new(at, speed, 0)]);
         for node in 0..CITY.1.lattice().len() {
@@ -285,7 +285,8 @@ proptest! {
             if !time.is_finite() {
                 continue;
             }
-            // But for the wave's own error, and for the cell that a source beside a wall is moved to.
+            // Except for the wave's own error, and for the cell to which a source beside a wall is
+            // moved.
             let straight = (point(&CITY, node) - at).norm();
             prop_assert!(time * speed >= 0.98 * straight - CITY.1.lattice().pitch());
             for (dx, dy) in [(1, 0), (0, 1), (-1, 0), (0, -1)] {

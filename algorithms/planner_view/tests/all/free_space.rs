@@ -1,4 +1,4 @@
-//! The exact free space against parry, and against points along the way.
+//! The exact free space compared with parry, and with points along the path.
 
 use crate::scenes::{
     RADIUS, any_point, any_space, arc_distance, bounds, city, parry_distance,
@@ -44,7 +44,7 @@ proptest! {
             let ours = space.segment_clearance(a, b);
             prop_assert!((ours - exact).abs() < 1e-6, "{ours} {exact}");
             for radius in [radius, exact + 1e-7, exact - 1e-7] {
-                // parry's own answers are not better than this.
+                // The results of parry are no better than this.
                 if radius > 1e-6 && (exact - radius).abs() > 5e-8 {
                     let free = space.segment_is_free(a, b, radius);
                     prop_assert_eq!(free, ours > radius, "{} {}", ours, radius);
@@ -176,7 +176,7 @@ fn random_points_are_free_and_uniform() {
         assert!(space.is_free(p, RADIUS));
         quadrants[usize::from(p.x > 0.0) + 2 * usize::from(p.y > 0.0)] += 1;
     }
-    // The exit's gap on the right is cut in halves, too; its area is 2.5 of 178 m².
+    // The exit's gap on the right is halved, too; its area is 2.5 of 178 m².
     for n in quadrants {
         assert!(n.abs_diff(count / 4) < count / 40, "{quadrants:?}");
     }

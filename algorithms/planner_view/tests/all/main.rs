@@ -1,4 +1,4 @@
-//! Maps and free space from outside; one program, because linking two costs.
+//! Maps and free space from outside; one program, because linking two takes time.
 
 #[path = "../scenes/mod.rs"]
 mod scenes;

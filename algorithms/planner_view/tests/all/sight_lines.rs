@@ -1,4 +1,4 @@
-//! Lines of sight are marched by a short cut that must never be seen.
+//! Lines of sight: the faster march must give the same results as the definition.
 
 use geometry::blur::BlurredMap;
 use geometry::grid::{Grid, GridFrame};
@@ -6,7 +6,7 @@ use nalgebra::Point2;
 use planner_view::map::PlannerMap;
 use proptest::prelude::*;
 
-/// The march as it is defined, a look-up per step.
+/// The march by its definition, a look-up per step.
 fn defined(map: &PlannerMap, from: Point2<f64>, to: Point2<f64>, radius: f64) -> f64 {
     let line = to - from;
     let length = line.norm();
@@ -50,7 +50,7 @@ proptest! {
         let cells = (0..width * height).map(|i| clearances[i * 7 % 16]).collect();
         let map = PlannerMap::new(blurred, Grid { frame, cells }, 1).unwrap();
         for (x, y, to_x, to_y, on_edges) in lines {
-            // Along the edges of cells the short cut is not sure of itself.
+            // Along the edges of cells the faster march gives no result.
             let place = |part: f64, cells: usize, origin: f64| {
                 let cell = part * cells as f64;
                 origin + if on_edges { cell.round() } else { cell } * resolution

@@ -1,4 +1,4 @@
-//! Scenes of convex pieces, and slow exact geometry to compare with.
+//! Scenes of convex pieces, and slow exact geometry for comparison.
 #![allow(dead_code, reason = "each test file uses another part of it")]
 
 use std::path::Path;
@@ -111,7 +111,7 @@ pub fn parry_segment_distance(space: &FreeSpace, a: Point2<f64>, b: Point2<f64>)
         })
 }
 
-/// The least distance at points along an arc, and half the way between two of them.
+/// The minimum distance at points along an arc, and half the distance between two of them.
 pub fn arc_distance(space: &FreeSpace, arc: &Arc, count: usize) -> (f64, f64) {
     let least = (0..=count)
         .map(|i| space.distance(arc.at(i as f64 / count as f64)))

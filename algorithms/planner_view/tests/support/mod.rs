@@ -24,14 +24,14 @@ pub const SIGMA: f64 = 0.19;
 /// Time between two ticks (s).
 pub const DT: f64 = 0.05;
 
-/// The city and what planners know of it.
+/// The city and its planner map.
 pub static CITY: LazyLock<(Arena, PlannerMap)> = LazyLock::new(|| {
     let arena = Arena::city();
     let map = arena.map();
     (arena, map)
 });
 
-/// A robot that plays and stands still, as planners see it.
+/// A robot that takes part and stands still, as planners see it.
 pub fn robot(index: usize, team: Team, pose: Pose2, v_max: f64) -> RobotView {
     RobotView {
         index,
@@ -45,7 +45,7 @@ pub fn robot(index: usize, team: Team, pose: Pose2, v_max: f64) -> RobotView {
     }
 }
 
-/// What the first of these robots sees.
+/// The view of the first of these robots.
 pub fn view<'a>(time_s: f64, robots: &'a [RobotView], exits: &'a [Point2<f64>]) -> View<'a> {
     View {
         time_s,
@@ -65,7 +65,7 @@ pub type Rectangle = (f64, f64, f64, f64);
 #[derive(Debug, Clone)]
 pub struct Arena {
     pub rectangles: Vec<Rectangle>,
-    /// Whether the corners with |x| + |y| > 15.5 are walls too.
+    /// `true` if the corners with |x| + |y| > 15.5 are walls too.
     pub chamfered: bool,
 }
 
@@ -115,8 +115,8 @@ impl Arena {
         self.map_sampled(frame, |index| frame.resolution * (index as f64 + 0.5) - 9.5)
     }
 
-    /// The map as the paper's experiments had it: 300 samples from −9.5 to 9.5, taken for cells of
-    /// 19/300 m whose grid begins half a cell before.
+    /// The map of the paper's experiments: 300 samples from −9.5 to 9.5, taken as cells of 19/300 m
+    /// whose grid begins half a cell earlier.
     pub fn paper_map(&self) -> PlannerMap {
         let resolution = 19.0 / 300.0;
         let origin = -9.5 - resolution / 2.0;
@@ -174,11 +174,11 @@ impl Arena {
 pub struct Kinematic {
     pub pose: Pose2,
     pub twist: Twist2,
-    /// Ticks in which a wall stopped it.
+    /// Number of ticks in which a wall stopped it.
     pub contacts: u32,
     /// Distance travelled (m).
     pub travelled: f64,
-    /// Least clearance of the body from a wall so far (m).
+    /// Minimum clearance of the body from a wall so far (m).
     pub least_clearance: f64,
 }
 

@@ -11,7 +11,7 @@ fn path(points: &[(f64, f64)]) -> Path {
     Path::new(points.iter().map(|&(x, y)| Point2::new(x, y)))
 }
 
-/// Drives until arrival; the greatest distance from the path on the way, and the time taken.
+/// Drives until arrival; returns the maximum distance from the path, and the time taken.
 fn drive(path: &Path, start: Pose2, params: &TrackingParams) -> (f64, Option<f64>) {
     let mut tracker = PathTracker::default();
     tracker.set_path(path.clone());
@@ -195,8 +195,8 @@ proptest! {
         let start = Pose2::new(0.0, 0.0, theta);
         let (worst, time) = drive(&Path::new(points), start, &TrackingParams::default());
         prop_assert!(time.is_some());
-        // At a look-ahead of 0.43 m the inside of a corner of 1 rad is cut by up to 0.15 m, and a start
-        // with a wrong heading that is not turned on the spot swings out by as much.
+        // At a look-ahead of 0.43 m the inside of a corner of 1 rad is cut by up to 0.15 m. A start
+        // with a wrong heading that does not turn on the spot deviates by as much.
         prop_assert!(worst < 0.25, "{}", worst);
     }
 

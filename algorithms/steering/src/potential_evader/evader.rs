@@ -16,16 +16,16 @@ use sim_backend::team::Team;
 
 use super::params::{EvaderParams, ThreatParams};
 
-/// The route finder's slot of the cheapest ways past the Police.
+/// Slot of the route finder for the cheapest paths past the Police.
 const PAST_POLICE: usize = 0;
-/// The route finder's slot of the shortest ways.
+/// Slot of the route finder for the shortest paths.
 const PATH_SLOT: usize = 1;
-/// Distance within which other robots are measured along the ways (m).
+/// Distance within which other robots are measured along paths (m).
 const MEASURED: f64 = 4.0;
 
-/// Runs for the nearest exit and from the Police by potential fields.
+/// Drives to the nearest exit and away from the Police by potential fields.
 ///
-/// Everything but caches of the map is a function of the view.
+/// All state except caches of the map is a function of the view.
 #[derive(Debug, Clone)]
 pub struct Evader {
     params: EvaderParams,
@@ -38,7 +38,8 @@ pub struct Evader {
 }
 
 impl Evader {
-    /// An evader for a robot with these limits; the seed sets the phase of its perturbation.
+    /// Creates an evader for a robot with these limits; the seed sets the phase of its
+    /// perturbation.
     ///
     /// # Errors
     /// [`ParamsError`] if a parameter is out of range.
@@ -55,8 +56,8 @@ impl Evader {
         })
     }
 
-    /// Lays the ways through a new map for a robot of this radius (m). [`Evader::command`] does it
-    /// too if it has not been done; here it does not cost time in a tick.
+    /// Prepares the paths through a new map for a robot of this radius (m). [`Evader::command`]
+    /// does it if necessary; here it takes no time of a tick.
     pub fn prepare(&mut self, map: &PlannerMap, radius: f64) {
         let geodesic = GoalField::Geodesic;
         if self.params.goal_field == geodesic || self.params.avoid_field == geodesic {
@@ -64,9 +65,9 @@ impl Evader {
         }
     }
 
-    /// What the robot `view.me` does in this tick.
+    /// The command of the robot `view.me` in this tick.
     ///
-    /// It stands still when it is not listed or no longer takes part. Without an exit, or with none
+    /// The robot stops when it is not listed or no longer takes part. Without an exit, or with none
     /// that can be reached, it only avoids.
     pub fn command(&mut self, map: &PlannerMap, view: &View<'_>) -> Steering {
         let Some(own) = view.own().filter(|own| own.active) else {
@@ -89,8 +90,8 @@ impl Evader {
         let routes = match params.avoid_field {
             GoalField::Straight => None,
             GoalField::Geodesic => {
-                // Ways are measured to robots that are near at all; what is further off as the crow
-                // flies is further still along the streets, and hardly counts.
+                // Only distances to near robots are measured along paths. A robot that is farther
+                // away in a straight line is farther still along the streets, and hardly counts.
                 let near = |place: &Point2<f64>| (place - here).norm() < MEASURED;
                 let places = self
                     .repulsors
@@ -126,7 +127,7 @@ impl Evader {
         }
     }
 
-    /// The exit to run for, and where to head first; `None` without an exit.
+    /// The nearest exit, and the first point on the path to it; `None` without an exit.
     fn way_out(
         &mut self,
         map: &PlannerMap,
@@ -153,7 +154,7 @@ impl Evader {
             self.threats
                 .extend(police.map(|at| Threat { at, gain, reach }));
         }
-        // Saturates for absurd times; NaN becomes 0.
+        // Saturates for extreme times; NaN becomes 0.
         let look = Some((view.time_s / period_s).floor() as i64);
         let renew = !self.threats.is_empty() && self.looked_in != look;
         self.looked_in = look;

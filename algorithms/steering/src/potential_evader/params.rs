@@ -7,18 +7,18 @@ use parameters::{Parameters, above, at_least};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// How much the Police lengthen the ways that pass them (`goal_field = "geodesic"` only).
+/// Extra cost of paths that pass the Police (`goal_field = "geodesic"` only).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct ThreatParams {
-    /// Extra metres that a metre of way costs at distance `reach` from a pursuer, rising with the
-    /// inverse square of the distance; 0 for none.
+    /// Extra cost per metre of path at distance `reach` from a pursuer, falling with the square of
+    /// the distance; 0 for none.
     #[schemars(transform = at_least(0))]
     pub gain: f64,
-    /// See `gain`.
+    /// Distance at which `gain` applies.
     #[schemars(transform = above(0).unit("m"))]
     pub reach: f64,
-    /// Time between two looks for a better way past the Police.
+    /// Time between two searches for a better path past the Police.
     #[schemars(transform = above(0).unit("s"))]
     pub period_s: f64,
 }
@@ -37,14 +37,15 @@ impl Default for ThreatParams {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct EvaderParams {
-    /// How the way to the exit is measured.
+    /// Measure of the path to the exit.
     pub goal_field: GoalField,
-    /// How the Police lengthen ways.
+    /// Extra cost of paths that pass the Police.
     pub threat: ThreatParams,
     /// Repulsion from other robots.
     pub avoid: RepulsionParams,
-    /// How directions and distances to those robots are measured: along the ways, a pursuer behind
-    /// a block is as far off as it must drive, and its push comes from the corner it would turn.
+    /// Measure of directions and distances to those robots: along paths, the distance of a pursuer
+    /// behind a block is the length of its path, and its push comes from the corner around which it
+    /// would come.
     pub avoid_field: GoalField,
     /// Weight of each pursuer.
     #[schemars(transform = at_least(0))]
@@ -52,18 +53,18 @@ pub struct EvaderParams {
     /// Weight of each fellow evader.
     #[schemars(transform = at_least(0))]
     pub fellow_weight: f64,
-    /// Weight of the body of each robot that no longer takes part but stands in the way.
+    /// Weight of the body of each robot that no longer takes part but blocks the path.
     #[schemars(transform = at_least(0))]
     pub wreck_weight: f64,
     /// Repulsion from obstacles.
     pub obstacle: ObstacleParams,
-    /// Gap to another body at which the robot begins to turn aside to pass it; 0 for
-    /// never (the paper).
+    /// Gap to another body at which the robot begins to turn aside to pass it; 0 to disable (the
+    /// paper).
     #[schemars(transform = at_least(0).unit("m"))]
     pub body_guard: f64,
-    /// Push that varies with time.
+    /// Time-variant push.
     pub perturbation: PerturbationParams,
-    /// From field to command.
+    /// Conversion of the field to a command.
     pub feedback: FeedbackParams,
 }
 
@@ -72,7 +73,8 @@ impl Default for EvaderParams {
         Self {
             goal_field: GoalField::Geodesic,
             threat: ThreatParams::default(),
-            // Above the attraction close by, so that no exit draws an evader into a pursuer's arms.
+            // Above the attraction at short distances, so that no exit attracts an evader to a
+            // pursuer.
             avoid: RepulsionParams {
                 reach: 1.0,
                 speed: 4.0,

@@ -6,23 +6,23 @@ use nalgebra::{Point2, Vector2};
 use super::FIELD_SPEED;
 use navigation::bearing::Bearings;
 
-/// Each goal pulls with tanh(`SHARPNESS` · distance) (1/m): nearly 1 except close by.
+/// Each goal pulls with tanh(`SHARPNESS` · distance) (1/m): nearly 1 except at short distances.
 const SHARPNESS: f64 = 3.0;
 
 /// A point that attracts.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Goal {
-    /// Where it is (m).
+    /// Position (m).
     pub at: Point2<f64>,
-    /// How much it counts among the goals, ≥ 0.
+    /// Weight among the goals, ≥ 0.
     pub weight: f64,
 }
 
 /// The attraction of several goals at a point (m/s).
 ///
 /// The weighted sum of the unit vectors towards the goals gives the direction; the magnitude is
-/// [`FIELD_SPEED`]. Goals closer than 1 mm, and goals whose coordinates or weight cannot be used, do
-/// not count; without any the attraction is zero.
+/// [`FIELD_SPEED`]. Goals closer than 1 mm, and goals with invalid coordinates or weight, do not
+/// count; without any the attraction is zero.
 pub fn attraction(
     at: Point2<f64>,
     goals: impl IntoIterator<Item = Goal>,

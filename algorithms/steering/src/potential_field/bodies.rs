@@ -1,19 +1,19 @@
-//! Getting past bodies that stand in the way.
+//! Avoidance of bodies on the path.
 //!
-//! Repulsion alone does not do: a body in a narrow street and a goal straight behind it make a
-//! local minimum in front of the body.
+//! Repulsion alone is not sufficient: a body in a narrow street and a goal straight behind it make
+//! a local minimum in front of the body.
 
 use nalgebra::{Point2, Vector2};
 
 use planner_view::map::PlannerMap;
 use planner_view::view::RobotView;
 
-/// A robot's body, to be driven round.
+/// A robot's body as an obstacle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Body {
-    /// Its centre (m).
+    /// Centre (m).
     pub at: Point2<f64>,
-    /// Its radius (m), ≥ 0.
+    /// Radius (m), ≥ 0.
     pub radius: f64,
 }
 
@@ -26,19 +26,20 @@ impl From<&RobotView> for Body {
     }
 }
 
-/// Difference of clearance (m) that makes the left the better side.
+/// Difference of clearance (m) above which the left is the better side.
 const CLEARLY_MORE: f64 = 0.05;
 
-/// The field with the part that would drive a robot into a body turned to go round it.
+/// Turns the part of the field that would drive a robot into a body, so that the robot passes the
+/// body.
 ///
 /// * `here`, `radius` — the robot's centre and radius (m).
-/// * `guard` — gap between the two bodies (m) at which the turning begins; at a third of it all of
-///   the inward part is turned, linear in between. 0 for never.
+/// * `guard` — gap between the two bodies (m) at which the turning begins; at a third of it the
+///   whole inward part is turned, linear in between. 0 to disable.
 ///
 /// The robot passes on the right, unless the map has clearly more room to the left of the body: two
-/// robots that meet head-on then get past each other. (Choosing by the side to which the field
-/// already leans makes a robot waver in front of a body in the middle of a street.) Bodies whose
-/// numbers cannot be used, and bodies at the robot's own centre, do not count.
+/// robots that meet head-on then pass each other. (A choice by the direction of the field makes a
+/// robot oscillate in front of a body in the middle of a street.) Bodies with invalid numbers, and
+/// bodies at the robot's own centre, do not count.
 pub fn slide_around_bodies(
     map: &PlannerMap,
     here: Point2<f64>,
@@ -47,7 +48,7 @@ pub fn slide_around_bodies(
     bodies: impl IntoIterator<Item = Body>,
     guard: f64,
 ) -> Vector2<f64> {
-    // Also refuses NaN.
+    // Also rejects NaN.
     if !(guard > 0.0 && radius.is_finite()) {
         return field;
     }

@@ -1,8 +1,8 @@
-//! Potential fields: attraction, repulsion, obstacles, and what keeps a robot out of local minima.
+//! Potential fields: attraction, repulsion, obstacles, and measures against local minima.
 //!
-//! Each part gives a velocity (m/s) at a point; a planner adds them up and keeps the sum in bounds
-//! ([`compose`]). The magnitude is an urgency more than a speed: parts of a few m/s compete, and
-//! feedback linearisation keeps the sum's direction and whatever speed the robot can do.
+//! Each part gives a velocity (m/s) at a point; a planner adds them up and limits the sum
+//! ([`compose`]). The magnitude is an urgency rather than a speed: parts of a few m/s compete, and
+//! feedback linearisation keeps the direction of the sum and any speed that the robot can reach.
 
 mod attraction;
 mod bodies;
@@ -21,7 +21,7 @@ use nalgebra::{Point2, Vector2};
 use planner_view::map::PlannerMap;
 use planner_view::view::RobotView;
 
-/// Magnitude of a fully grown attraction, and the cap of the sum (m/s) (the paper's experiments).
+/// Magnitude of a saturated attraction, and the limit of the sum (m/s) (the paper's experiments).
 pub const FIELD_SPEED: f64 = 2.0;
 
 /// The vector, shortened to a magnitude of at most `cap`; zero if it is not finite.
@@ -36,10 +36,11 @@ pub fn capped(field: Vector2<f64>, cap: f64) -> Vector2<f64> {
     }
 }
 
-/// The field of a robot at a point near its centre: the sum of a planner's parts without what would
-/// drive the robot into `bodies` and obstacles, and no larger than [`FIELD_SPEED`].
+/// The field of a robot at a point near its centre: the sum of a planner's parts without the part
+/// that would drive the robot into `bodies` and obstacles, limited to [`FIELD_SPEED`].
 ///
-/// `body_guard` is the gap to another body (m) at which the robot begins to turn aside, 0 for never.
+/// `body_guard` is the gap to another body (m) at which the robot begins to turn aside, 0 to
+/// disable.
 pub fn compose(
     map: &PlannerMap,
     own: &RobotView,

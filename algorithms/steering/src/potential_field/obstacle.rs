@@ -8,11 +8,10 @@ use serde::{Deserialize, Serialize};
 use super::capped;
 use planner_view::map::{PlannerMap, cell_of};
 
-/// Velocity per gradient (m²/s); in the paper's experiments the field speed 2 times the gradient gain
-/// 2.2.
+/// Velocity per gradient (m²/s); the product of the paper's field speed 2 and gradient gain 2.2.
 const GAIN: f64 = 4.4;
 
-/// Greatest magnitude of the push (m/s).
+/// Maximum magnitude of the push (m/s).
 const MAX_SPEED: f64 = 6.0;
 
 /// Parameters of the obstacle field.
@@ -24,8 +23,8 @@ pub struct ObstacleParams {
     /// the blur that is set to 0 in obstacles, constant within a cell; jumps from cell to cell, and
     /// near a wall grows with the map's resolution.
     pub fidelity: Fidelity,
-    /// When the clearance beyond the robot's radius falls below this, the part of the summed
-    /// field that points at the obstacle is taken away; 0 for never (the paper).
+    /// Clearance beyond the robot's radius below which the part of the summed field that points at the obstacle
+    /// is removed; 0 to disable (the paper).
     #[schemars(transform = at_least(0).unit("m"))]
     pub guard: f64,
 }
@@ -59,11 +58,10 @@ pub fn obstacle(map: &PlannerMap, at: Point2<f64>, fidelity: Fidelity) -> Vector
     }
 }
 
-/// The field without the part that would drive a robot of this radius (m) at `at` into a wall it is
-/// already close to.
+/// The field without the part that would drive a robot of this radius (m) at `at` into a near wall.
 ///
-/// Where the clearance beyond the radius is `guard` (m) or more nothing changes; at contact the
-/// whole inward part is gone; linear in between.
+/// At a clearance beyond the radius of `guard` (m) or more the field is unchanged; at contact the whole inward
+/// part is removed; linear in between.
 pub fn slide_along_obstacles(
     map: &PlannerMap,
     at: Point2<f64>,

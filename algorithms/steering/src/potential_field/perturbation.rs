@@ -1,4 +1,4 @@
-//! A field that changes with time, so that no place is a minimum for long.
+//! A time-variant field, so that no place remains a minimum for long.
 
 use core::f64::consts::TAU;
 
@@ -8,11 +8,11 @@ use parameters::{Parameters, at_least};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Time of one turn (s).
+/// Period of the rotation (s).
 const PERIOD: f64 = 7.0;
 
-/// Parameters of the time-variant perturbation (chasing-game paper, §I-C: fields are made
-/// time-variant to get out of local minima; how is not said).
+/// Parameters of the time-variant perturbation (chasing-game paper, §I-C: fields are time-variant
+/// to leave local minima; the paper does not give the method).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct PerturbationParams {
@@ -30,13 +30,13 @@ impl Default for PerturbationParams {
 impl Parameters for PerturbationParams {}
 
 impl PerturbationParams {
-    /// The experiments of the chasing-game paper: nothing that varies with time was found there.
+    /// The experiments of the chasing-game paper: they contain no time-variant field.
     pub fn paper() -> Self {
         Self { amplitude: 0.0 }
     }
 }
 
-/// A slowly rotating push whose phase differs from robot to robot and from seed to seed.
+/// A slowly rotating push whose phase differs between robots and seeds.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Perturbation {
     params: PerturbationParams,
@@ -44,8 +44,8 @@ pub struct Perturbation {
 }
 
 impl Perturbation {
-    /// A perturbation with a phase derived from a seed; neighbouring seeds get phases far apart
-    /// (the fractional parts of multiples of the golden ratio).
+    /// Creates a perturbation with a phase derived from a seed; neighbouring seeds get phases far
+    /// apart (the fractional parts of multiples of the golden ratio).
     pub fn new(params: PerturbationParams, seed: u64) -> Self {
         let scattered = seed.wrapping_add(1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
         // The upper 53 bits fit a double exactly.
@@ -56,8 +56,8 @@ impl Perturbation {
         }
     }
 
-    /// The push at a time (s): `amplitude` in a direction that turns slowly. Zero at a
-    /// time that is not finite.
+    /// The push at a time (s): `amplitude` in a slowly rotating direction. Zero at a time that is
+    /// not finite.
     pub fn at(&self, time_s: f64) -> Vector2<f64> {
         if self.params.amplitude == 0.0 || !time_s.is_finite() {
             return Vector2::zeros();

@@ -8,31 +8,31 @@ use serde::{Deserialize, Serialize};
 
 use navigation::bearing::Bearings;
 
-/// Most that one repulsor's weight is multiplied with when very close.
+/// Maximum factor of a repulsor's weight at short distances.
 const NEAR_GAIN: f64 = 8.0;
 
-/// Sideways part of the push, as a fraction: the robot swirls past (clockwise) instead of running
-/// straight away.
+/// Sideways part of the push, as a fraction: the robot swirls past (clockwise) instead of driving straight
+/// away.
 const SWIRL: f64 = 0.1;
 
 /// A point that repels.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Repulsor {
-    /// Where it is (m).
+    /// Position (m).
     pub at: Point2<f64>,
-    /// How strongly it repels, ≥ 0.
+    /// Strength of the repulsion, ≥ 0.
     pub weight: f64,
 }
 
-/// How a repulsion weakens with distance d.
+/// Decrease of a repulsion with distance d.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Falloff {
-    /// (`reach`/d)², at most 8: strong close by, a quarter at twice the reach.
+    /// (`reach`/d)², at most 8: strong at short distances, a quarter at twice the reach.
     #[default]
     InverseSquare,
-    /// 1 up to `reach`, then 1/(d − `reach` + 1) (the paper's): four pursuers anywhere within
-    /// reach always outweigh an exit, however close it is.
+    /// 1 up to `reach`, then 1/(d − `reach` + 1) (the paper's): four pursuers anywhere within reach always
+    /// outweigh an exit, even a close one.
     Plateau,
 }
 
@@ -40,7 +40,7 @@ pub enum Falloff {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct RepulsionParams {
-    /// How it weakens with distance.
+    /// Decrease with distance.
     pub falloff: Falloff,
     /// Distance in which the fall-off is measured.
     #[schemars(transform = above(0).unit("m"))]
@@ -77,7 +77,7 @@ impl RepulsionParams {
         }
     }
 
-    /// The fall-off's factor at a distance (m) ≥ 0.
+    /// The factor of the decrease at a distance (m) ≥ 0.
     pub fn strength(&self, distance: f64) -> f64 {
         match self.falloff {
             Falloff::InverseSquare => {
@@ -91,9 +91,9 @@ impl RepulsionParams {
 
 /// The repulsion of several points at a point (m/s).
 ///
-/// Every repulsor pushes away along its bearing, turned a little to the side, with its weight and the
-/// strength of its distance; the sum saturates at `speed` with a tanh. Repulsors closer than 1 mm
-/// have no direction and do not count, nor do those whose numbers cannot be used.
+/// Every repulsor pushes away along its bearing, turned slightly to the side, with its weight and the strength
+/// of its distance; the sum saturates at `speed` with a tanh. Repulsors closer than 1 mm have no direction and
+/// do not count; neither do repulsors with invalid numbers.
 pub fn repulsion(
     at: Point2<f64>,
     repulsors: impl IntoIterator<Item = Repulsor>,
@@ -147,7 +147,7 @@ mod tests {
     fn the_push_is_away_and_swirls_clockwise() {
         let got = push(&[(1.0, 0.0, 1.0)], &RepulsionParams::default());
         assert!(got.x < 0.0);
-        // Pushed along −x, clockwise of it is +y.
+        // The push is along −x; clockwise of it is +y.
         assert!(got.y > 0.0 && got.y < 0.2 * got.x.abs());
     }
 

@@ -1,4 +1,4 @@
-//! Following a boundary on one side, and when to leave it.
+//! Boundary following on one side, and the conditions for leaving the boundary.
 
 use nalgebra::{Point2, Vector2};
 
@@ -7,15 +7,15 @@ use super::surroundings::{DIRECTIONS, Surroundings};
 use super::trail::Trail;
 use super::{JUMP, LEAVE_MARGIN, Sight};
 
-/// A robot that moved less than this since it decided on a direction (m) turns on the spot.
+/// A robot that has moved less than this (m) since it chose a direction turns on the spot.
 const STILL: f64 = 5e-3;
-/// Cosine of the bearing at which it has turned enough.
+/// Cosine of the bearing below which the robot stops turning.
 const ALIGNED: f64 = 0.95;
 
-/// Parts of the jump that are tried where boundary is all there is to see.
+/// Fractions of the jump that are tried where only boundary is visible.
 const FINER: [f64; 2] = [0.5, 0.25];
 
-/// Whether the robot still turns on the spot where it decided to head in a direction (a unit vector).
+/// Returns `true` if the robot still turns on the spot towards its chosen direction (a unit vector).
 pub(super) fn is_turning(
     view: &Surroundings,
     sight: &Sight,
@@ -31,24 +31,24 @@ pub(super) struct Follow {
     side: Side,
     /// `d_followed` (m).
     least: f64,
-    /// The point of the obstacle that was nearest at the last look (m).
+    /// The nearest point of the obstacle in the last scan (m).
     wall: Point2<f64>,
     trail: Trail,
-    /// Where the last decision was made, and for which direction.
+    /// Position and direction of the last decision.
     decided: Option<(Point2<f64>, Vector2<f64>)>,
 }
 
-/// How following goes on.
+/// Next step of following.
 pub(super) enum Following {
-    /// On towards a point along the boundary.
+    /// Continue towards a point along the boundary.
     Along(Point2<f64>),
-    /// Away, to a point nearer to the goal.
+    /// Leave, towards a point nearer to the goal.
     Leave(Point2<f64>),
-    /// All around the boundary without leaving it.
+    /// The robot has circled the boundary without leaving it.
     Closed,
-    /// There is nothing but this boundary in sight: on towards the point of it that is farthest away.
+    /// Only this boundary is visible: continue towards its farthest point.
     Enclosed(Point2<f64>),
-    /// The boundary is not there any more.
+    /// The boundary is no longer there.
     Lost,
 }
 
@@ -69,13 +69,13 @@ impl Follow {
         self.side
     }
 
-    /// `d_followed`: the least distance of this boundary from the goal so far (m).
+    /// `d_followed`: the minimum distance of this boundary from the goal so far (m).
     pub(super) fn least(&self) -> f64 {
         self.least
     }
 
-    /// Takes in what is seen. `grown` is the radius obstacles are grown by (m); `may_trust` says whether
-    /// a goal in sight is reason enough to leave.
+    /// Updates with a scan. `grown` is the radius by which obstacles are grown (m); `may_trust` is `true` if a
+    /// visible goal is sufficient reason to leave.
     pub(super) fn step(
         &mut self,
         view: &Surroundings,
@@ -86,7 +86,7 @@ impl Follow {
         let Some(at) = self.boundary(view, grown) else {
             return Following::Lost;
         };
-        // Where boundary is all there is to see, the way on may hide behind a smaller jump.
+        // Where only boundary is visible, a smaller jump may hide the continuation.
         let Some(run) = Run::around(view, at, JUMP) else {
             return Following::Lost;
         };
@@ -135,14 +135,14 @@ impl Follow {
         Following::Along(view.here + end.unit * end.free)
     }
 
-    /// The direction decided on before, while the robot still turns to it on the spot: turning
-    /// moves the beams, and a robot that changes its mind for that never moves off.
+    /// The direction chosen before, while the robot still turns on the spot towards it. Turning moves the
+    /// beams; a robot that chose anew for that would never drive off.
     fn turning_to(&self, view: &Surroundings, sight: &Sight) -> Option<Vector2<f64>> {
         let (at, unit) = self.decided?;
         (is_turning(view, sight, at, unit) && view.free_towards(unit) > JUMP).then_some(unit)
     }
 
-    /// A direction that ends at the boundary followed so far.
+    /// A direction that ends at the followed boundary.
     fn boundary(&self, view: &Surroundings, grown: f64) -> Option<usize> {
         let mut best: Option<(usize, f64)> = None;
         for k in (0..DIRECTIONS).filter(|&k| view.is_blocked(k)) {
@@ -158,8 +158,8 @@ impl Follow {
         (off <= grown.max(view.reach)).then_some(k)
     }
 
-    /// `d_reach` and its point: of the free points in sight beside the followed boundary, the one
-    /// nearest to the goal (m).
+    /// `d_reach` and its point: of the visible free points beside the followed boundary, the one nearest to the
+    /// goal (m).
     fn reach(view: &Surroundings, sight: &Sight, run: &Run) -> (f64, Point2<f64>) {
         let mut best = (f64::INFINITY, view.here);
         let mut consider = |unit: Vector2<f64>, free: f64| {

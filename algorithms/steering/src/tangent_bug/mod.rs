@@ -1,18 +1,18 @@
-//! `TangentBug`: around unknown obstacles to a point, with a range sensor and no map.
+//! `TangentBug`: navigation around unknown obstacles to a point, with a range sensor and no map.
 //!
-//! Kamon, Rimon and Rivlin, *`TangentBug`: A Range-Sensor-Based Navigation Algorithm* (IJRR 1998;
-//! first by Kamon, Rivlin and Rimon, ICRA 1996). The robot moves towards the goal, or towards the
-//! discontinuity Oᵢ of its scan over which the way d(x, Oᵢ) + d(Oᵢ, goal) is shortest, as long as
-//! that brings it nearer to the goal. At a local minimum of the distance it follows the boundary on
-//! one side and remembers `d_followed`, the least distance from the goal of the boundary it saw; it
-//! leaves for a visible free point that is nearer by a margin (`d_reach` < `d_followed`). When
-//! it has been all around without leaving, no way leads to the goal.
+//! Kamon, Rimon and Rivlin, *`TangentBug`: A Range-Sensor-Based Navigation Algorithm* (IJRR 1998; first
+//! by Kamon, Rivlin and Rimon, ICRA 1996). The robot moves towards the goal, or towards the
+//! discontinuity Oᵢ of its scan over which the path d(x, Oᵢ) + d(Oᵢ, goal) is shortest, as long as its
+//! distance from the goal falls. At a local minimum of the distance it follows the boundary on one side
+//! and stores `d_followed`, the minimum distance of the seen boundary from the goal. It leaves for a
+//! visible free point that is nearer by a margin (`d_reach` < `d_followed`). If it has circled the
+//! boundary without leaving, no path leads to the goal.
 //!
 //! The robot is a disc: echoes are grown by its radius and a margin, and the algorithm works with a
-//! point among them. What is narrower than the grown disc counts as closed. Each stretch of motion
-//! towards the goal, but for a few that begin because it is in sight, ends nearer to it, by a fixed
-//! margin, than the one before, so there can only be finitely many; the loop is closed when the robot
-//! drives along its own trail.
+//! point among them. Passages narrower than the grown disc count as closed. Each stretch of motion
+//! towards the goal, except for a few that begin because the goal is visible, ends nearer to it than the
+//! last, by a fixed margin, so their number is finite. The loop is closed when the robot drives along
+//! its own trail.
 
 mod follow;
 mod run;
@@ -30,29 +30,30 @@ use run::{Run, RunEnd};
 pub(crate) use surroundings::echoes;
 use surroundings::{Surroundings, nearest_direction};
 
-/// Cosine of the angle to the goal at which the way along a boundary brings nothing any more (85°).
+/// Cosine of the angle to the goal (85°) above which the path along a boundary no longer approaches the
+/// goal.
 const NO_NEARER: f64 = 0.087;
-/// Looks in a row at nothing but boundary after which the robot is taken for walled in.
+/// Number of consecutive scans with nothing but boundary after which the robot counts as walled in.
 const ENCLOSED_LOOKS: u32 = 60;
-/// Times that a goal in sight is believed to be reachable: between obstacles that leave just too little
-/// room for the robot it may come into sight at every turn, and for ever.
+/// Number of times that a visible goal counts as reachable: between obstacles that leave slightly too
+/// little room for the robot it may become visible at every turn, forever.
 const MAX_SIGHTINGS: u32 = 5;
-/// What the other side of an obstacle must save before the side is changed, in grown radii.
+/// Minimum saving of the other side of an obstacle for a change of side, in grown radii.
 const SIDE_HOLD: f64 = 1.5;
-/// Changes of mode within one look: towards the goal, to the boundary, away from it, once each.
+/// Maximum changes of mode within one scan: towards the goal, to the boundary, away from it, once each.
 const MAX_CHANGES: usize = 4;
 
-/// Kept free between the robot's edge and obstacles (m). It covers what the drive strays from the advice
-/// and what the sensor errs; passages narrower than the robot and twice this count as closed.
+/// Clearance between the robot's edge and obstacles (m). It covers the tracking error of the drive and
+/// the error of the sensor; passages narrower than the robot and twice this count as closed.
 pub const MARGIN: f64 = 0.05;
 /// Jump of the free distance between neighbouring directions at which a piece of boundary ends (m). Gaps
-/// between obstacles that are hidden behind less are not looked into.
+/// between obstacles behind a smaller jump are ignored.
 const JUMP: f64 = 0.06;
-/// How much nearer to the goal than all boundary seen a free point must be before the boundary is left
-/// for it (m).
+/// Minimum difference of the distances to the goal, of all seen boundary and a free point, for leaving
+/// the boundary (m).
 const LEAVE_MARGIN: f64 = 0.03;
 
-/// What the robot is doing.
+/// Mode of motion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Mode {
     /// Straight to the goal.
@@ -65,17 +66,17 @@ pub enum Mode {
     Leaving,
 }
 
-/// What to do.
+/// Result of a scan.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Advice {
     /// Drive straight towards a point.
     Head {
-        /// The point (m); where the robot stands if it shall wait and look again.
+        /// The point (m); the robot's position if it should wait and scan again.
         towards: Point2<f64>,
-        /// What for.
+        /// Reason.
         mode: Mode,
     },
-    /// No way leads to the goal.
+    /// No path leads to the goal.
     Unreachable,
 }
 
@@ -88,36 +89,36 @@ enum State {
     Leaving {
         point: Point2<f64>,
         follow: Follow,
-        /// Where that was decided (m).
+        /// Position of the decision (m).
         from: Point2<f64>,
     },
     Unreachable,
 }
 
-/// What became of a state in one look.
+/// Transition of a state in one scan.
 enum Change {
-    /// An answer.
+    /// A result.
     Answer(Advice),
-    /// Another state, which has to answer.
+    /// Another state, which must give the result.
     To(State),
 }
 
 /// Leads a disc robot to one goal after the other.
 #[derive(Debug, Clone)]
 pub struct TangentBug {
-    /// Radius that obstacles are grown by (m).
+    /// Radius by which obstacles are grown (m).
     grown: f64,
     goal: Option<Point2<f64>>,
     state: State,
-    /// Looks in a row at nothing but boundary.
+    /// Consecutive scans with nothing but boundary.
     enclosed: u32,
-    /// Times that a boundary was left because the goal was in sight, and for no other reason.
+    /// Number of times that the robot left a boundary only because the goal was visible.
     sightings: u32,
     view: Surroundings,
 }
 
 impl TangentBug {
-    /// For a robot of this radius (m), > 0.
+    /// Creates one for a robot of this radius (m), > 0.
     ///
     /// # Errors
     /// [`ParamsError`] for a radius that is out of range.
@@ -133,12 +134,12 @@ impl TangentBug {
         })
     }
 
-    /// The radius that obstacles are grown by: the robot's and the margin (m).
+    /// The radius by which obstacles are grown: the robot's and the margin (m).
     pub fn grown_radius(&self) -> f64 {
         self.grown
     }
 
-    /// Forgets the goal and everything about the way there.
+    /// Clears the goal and all state of the path to it.
     pub fn reset(&mut self) {
         self.goal = None;
         self.state = State::ToGoal { side: None };
@@ -146,11 +147,11 @@ impl TangentBug {
         self.sightings = 0;
     }
 
-    /// What to do at a pose, with the scan made there, to come within `tolerance` (m) of a goal; a
-    /// goal other than the last one is begun anew.
+    /// The advice at a pose, with the scan made there, to come within `tolerance` (m) of a goal; a goal
+    /// other than the last one starts a new search.
     ///
-    /// The scan has to go all around (directions without a beam count as free) and see farther than
-    /// the grown radius. `None` for a pose, goal or tolerance that is not finite and for a scan
+    /// The scan must cover the full circle (directions without a beam count as free) and reach farther
+    /// than the grown radius. `None` for a pose, goal or tolerance that is not finite and for a scan
     /// without beams.
     pub fn advise(
         &mut self,
@@ -178,11 +179,11 @@ impl TangentBug {
                 Change::To(state) => self.state = state,
             }
         }
-        // The modes disagree about what is seen (noise): look again.
+        // The modes disagree about the scan (noise): wait for the next one.
         Some(self.wait(Mode::ToGoal))
     }
 
-    /// Answers in a state, leaving `self.state` as it shall be at the next look, or changes it.
+    /// Gives a result in a state and sets `self.state` for the next scan, or changes the state.
     fn answer(&mut self, state: State, sight: &Sight) -> Change {
         match state {
             State::Unreachable => Change::Answer(Advice::Unreachable),
@@ -210,7 +211,7 @@ impl TangentBug {
         let ends =
             [Side::Right, Side::Left].map(|side| run.end(&self.view, side).map(|end| (side, end)));
         let cost = |side_of: Side, end: &RunEnd| {
-            // The way over Oᵢ; a point too near says little about how the way goes on.
+            // The path over Oᵢ; a point too near gives little information about its continuation.
             let first = end.edge.max(self.grown).min(end.free);
             let over = self.view.here + end.unit * first;
             let hold = if side == Some(side_of) {
@@ -242,7 +243,7 @@ impl TangentBug {
         })
     }
 
-    /// Whether a goal in sight is reason enough to leave a boundary.
+    /// Returns `true` if a visible goal is sufficient reason to leave a boundary.
     fn may_trust(&self) -> bool {
         self.sightings < MAX_SIGHTINGS
     }
@@ -286,10 +287,10 @@ impl TangentBug {
             });
         }
         let free = self.view.free_towards(to / left);
-        // Turning on the spot moves the beams: what they say is believed when it has turned.
+        // Turning on the spot moves the beams; they count only after the turn.
         let turning = is_turning(&self.view, sight, from, to / left) && free > JUMP;
         if !turning && free + JUMP < left.min(self.view.reach) {
-            // Something has come between: on along the boundary.
+            // An obstacle has appeared in between: continue along the boundary.
             return Change::To(State::Following(follow));
         }
         self.state = State::Leaving {
@@ -303,8 +304,8 @@ impl TangentBug {
         })
     }
 
-    /// Nothing but boundary all around: on a little to where it is farthest away, for the tip of a wedge
-    /// looks like that, the sensor may err or a body move on.
+    /// Only boundary is visible: continue slightly towards its farthest point. The tip of a wedge looks
+    /// the same, the sensor may err, or a body may move.
     fn walled_in(&mut self, follow: Follow, towards: Point2<f64>) -> Change {
         self.enclosed += 1;
         if self.enclosed >= ENCLOSED_LOOKS {
@@ -323,21 +324,21 @@ impl TangentBug {
     }
 }
 
-/// The goal as it is seen.
+/// The goal relative to the scan.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Sight {
     goal: Point2<f64>,
     /// d(x, goal) (m).
     distance: f64,
-    /// Unit vector towards it.
+    /// Unit vector towards the goal.
     towards: Vector2<f64>,
     /// Unit vector along the robot's heading.
     forward: Vector2<f64>,
-    /// How far the straight way there is free (m).
+    /// Free length of the straight line to the goal (m).
     free: f64,
-    /// Whether it is free as far as can be seen, or to the goal.
+    /// `true` if the line is free as far as visible, or to the goal.
     is_open: bool,
-    /// Whether it is free to the goal.
+    /// `true` if the line is free to the goal.
     is_reachable: bool,
 }
 
@@ -363,10 +364,10 @@ impl Sight {
         }
     }
 
-    /// The boundary that blocks the way.
+    /// The boundary that blocks the line.
     fn blocking(&self, view: &Surroundings, jump: f64) -> Option<Run> {
         let k = nearest_direction(self.towards) + surroundings::DIRECTIONS;
-        // The directions are a raster: the one beside may be the blocked one.
+        // Directions are discrete: a neighbouring one may be the blocked one.
         [k, k + 1, k - 1]
             .into_iter()
             .find_map(|k| Run::around(view, k, jump))

@@ -1,19 +1,19 @@
-//! A connected piece of boundary in sight, and its ends.
+//! A connected piece of visible boundary, and its ends.
 
 use nalgebra::Vector2;
 
 use super::surroundings::{DIRECTIONS, Surroundings};
 
-/// Which way a boundary is followed.
+/// Side on which a boundary is followed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Side {
-    /// The obstacle lies to the right of the robot; it goes around it counter-clockwise.
+    /// The obstacle is to the right of the robot; the robot circles it counter-clockwise.
     Right,
-    /// The obstacle lies to the left of the robot; it goes around it clockwise.
+    /// The obstacle is to the left of the robot; the robot circles it clockwise.
     Left,
 }
 
-/// Directions beside an end of a boundary in which it is the wall that is passed there: a third of a turn.
+/// Number of directions beside an end of a boundary that belong to the wall passed there: a third of a turn.
 const BESIDE: usize = DIRECTIONS / 3;
 
 /// Neighbouring directions that end at one piece of boundary: no gap and no jump between them.
@@ -25,20 +25,20 @@ pub(super) struct Run {
     count: usize,
 }
 
-/// One of the discontinuities Oᵢ of the scan: where a piece of boundary ends.
+/// One of the discontinuities Oᵢ of the scan: the end of a piece of boundary.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct RunEnd {
     /// Direction just beside the boundary.
     pub(super) unit: Vector2<f64>,
-    /// How far it is free (m).
+    /// Free distance in this direction (m).
     pub(super) free: f64,
-    /// How far away the boundary ends (m).
+    /// Distance of the boundary's end (m).
     pub(super) edge: f64,
 }
 
 impl Run {
-    /// The piece of boundary seen in a direction; a change of the free distance from one direction
-    /// to the next by more than `jump` (m) ends it. `None` where nothing is in reach.
+    /// The piece of boundary in a direction; a change of the free distance from one direction to the next by
+    /// more than `jump` (m) ends it. `None` without an obstacle in reach.
     pub(super) fn around(view: &Surroundings, k: usize, jump: f64) -> Option<Self> {
         if !view.is_blocked(k) {
             return None;
@@ -62,23 +62,23 @@ impl Run {
         })
     }
 
-    /// Whether it is all around the robot.
+    /// Returns `true` if the piece surrounds the robot.
     pub(super) fn closed(&self) -> bool {
         self.count >= DIRECTIONS
     }
 
-    /// Its directions, counter-clockwise.
+    /// The directions of the piece, counter-clockwise.
     pub(super) fn directions(&self) -> impl Iterator<Item = usize> + use<> {
         let first = self.first;
         (0..self.count).map(move |i| (first + i) % DIRECTIONS)
     }
 
-    /// Whether a direction belongs to it.
+    /// Returns `true` if a direction belongs to the piece.
     pub(super) fn contains(&self, k: usize) -> bool {
         (k % DIRECTIONS + DIRECTIONS - self.first) % DIRECTIONS < self.count
     }
 
-    /// The end at which the boundary is passed on a side; `None` if the run is closed.
+    /// The end at which the robot passes the boundary on a side; `None` if the run is closed.
     pub(super) fn end(&self, view: &Surroundings, side: Side) -> Option<RunEnd> {
         if self.closed() {
             return None;
@@ -88,8 +88,8 @@ impl Run {
             Side::Right => (last, last + 1),
             Side::Left => (self.first, self.first + DIRECTIONS - 1),
         };
-        // Of both sides of the jump the one that leads farther: beside the boundary, or between it
-        // and what hides its continuation.
+        // Of both sides of the jump the one that leads farther: beside the boundary, or between it and the
+        // obstacle that hides its continuation.
         let (far, near) = if view.free(outside) >= view.free(inside) {
             (outside, inside)
         } else {
@@ -102,7 +102,7 @@ impl Run {
         })
     }
 
-    /// The same, of a run that is all around, with its ends where it is farthest away.
+    /// Opens a closed run at its farthest point.
     pub(super) fn parted_where_farthest(self, view: &Surroundings) -> Self {
         let farther = |best, k| {
             if view.free(k) > view.free(best) {
@@ -120,13 +120,13 @@ impl Run {
         }
     }
 
-    /// The direction in which it is nearest.
+    /// The direction of the nearest point.
     pub(super) fn nearest(&self, view: &Surroundings) -> usize {
         Self::nearest_of(self.directions(), view).unwrap_or(self.first)
     }
 
-    /// The direction in which it is nearest beside the end on a side: where it reaches farther around the robot,
-    /// as in the tip of a wedge, that part of it is another wall.
+    /// The direction of the nearest point beside the end on a side. Where the run reaches farther around the
+    /// robot, as in the tip of a wedge, that part of it is another wall.
     pub(super) fn nearest_beside(&self, view: &Surroundings, side: Side) -> usize {
         let left_out = self.count.saturating_sub(BESIDE);
         let skipped = match side {
@@ -138,7 +138,7 @@ impl Run {
     }
 
     fn nearest_of(directions: impl Iterator<Item = usize>, view: &Surroundings) -> Option<usize> {
-        // The first of those that are equally near.
+        // The first of equally near ones.
         directions.reduce(|best, k| {
             if view.free(k) < view.free(best) {
                 k

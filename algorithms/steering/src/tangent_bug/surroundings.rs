@@ -1,8 +1,8 @@
-//! What a disc robot sees of the space its centre can move in.
+//! Free space around the centre of a disc robot, from a scan.
 //!
-//! Every echo of the scan becomes a disc of the robot's radius plus a margin: how far the centre
-//! can move in each direction before it enters one of them is the scan a robot without extent
-//! would make among obstacles grown by that much.
+//! Every echo of the scan becomes a disc of the robot's radius plus a margin. The distance that the
+//! centre can move in each direction before it enters a disc equals the scan of a point robot among
+//! obstacles grown by that radius.
 
 use core::f64::consts::TAU;
 use std::sync::LazyLock;
@@ -13,13 +13,13 @@ use nalgebra::{Point2, Vector2};
 
 use planner_view::view::ScanView;
 
-/// Number of directions looked in, the same in the world frame whatever the heading.
+/// Number of directions, fixed in the world frame for every heading.
 pub(super) const DIRECTIONS: usize = 360;
 
-/// Largest lean away from an obstacle that is too near (sine of the angle).
+/// Maximum lean away from an obstacle that is too near (sine of the angle).
 const MAX_LEAN: f64 = 0.3;
 
-/// Shares of the margin that are tried where there is too little room.
+/// Fractions of the margin that are tried where there is too little room.
 const MARGINS: [f64; 3] = [1.0, 0.5, 0.1];
 
 static UNITS: LazyLock<Vec<Vector2<f64>>> = LazyLock::new(|| {
@@ -33,16 +33,16 @@ static UNITS: LazyLock<Vec<Vector2<f64>>> = LazyLock::new(|| {
 
 /// Appends the echoes of a scan, relative to the robot's centre in world axes (m).
 ///
-/// Where two neighbouring echoes are so near to each other that the robot (of this radius (m)) could
-/// not pass between them, points are put in between. Ranges below the shortest one count as the
-/// shortest one (REP-117: −∞); NaN counts as no echo.
+/// Where two neighbouring echoes are so close that the robot (of this radius (m)) could not pass
+/// between them, points are inserted between them. Ranges below the minimum count as the minimum
+/// (REP-117: −∞); NaN counts as no echo.
 pub(crate) fn echoes(pose: &Pose2, scan: &ScanView<'_>, radius: f64, into: &mut Vec<Vector2<f64>>) {
     into.clear();
     let mut before: Option<Vector2<f64>> = None;
     let mut first: Option<Vector2<f64>> = None;
     for (beam, &range) in scan.ranges.iter().enumerate() {
         let range = f64::from(range);
-        // Written so that NaN is no echo.
+        // In this form, NaN is no echo.
         let echo = range <= scan.range_max;
         if !echo {
             before = None;
@@ -83,24 +83,24 @@ fn fill(a: Vector2<f64>, b: Vector2<f64>, radius: f64, into: &mut Vec<Vector2<f6
 #[derive(Debug, Clone, Default)]
 pub(super) struct Surroundings {
     pub(super) here: Point2<f64>,
-    /// How far can be seen in the grown space (m).
+    /// Visible distance in the grown space (m).
     pub(super) reach: f64,
-    /// Radius that echoes are grown by (m).
+    /// Radius by which echoes are grown (m).
     radius: f64,
-    /// Nearer than this (m) a robot leans away.
+    /// Distance below which the robot leans away (m).
     lean_below: f64,
     echoes: Vec<Vector2<f64>>,
     /// Free distance per direction (m), at most `reach`.
     free: Vec<f64>,
-    /// The echo that ends it.
+    /// The echo that ends each direction.
     owner: Vec<usize>,
 }
 
 impl Surroundings {
-    /// Takes in a scan made by a robot of this radius (m).
+    /// Updates with a scan made by a robot of this radius (m).
     ///
-    /// Between walls that are too near on both sides (it has strayed into its margin there) the
-    /// margin (m) is cut until there is a way out.
+    /// Between walls that are too near on both sides (inside the margin) the margin (m) is reduced
+    /// until a direction is free.
     pub(super) fn look(&mut self, pose: &Pose2, scan: &ScanView<'_>, radius: f64, margin: f64) {
         self.here = pose.position();
         echoes(pose, scan, radius + margin, &mut self.echoes);
@@ -119,11 +119,11 @@ impl Surroundings {
         }
     }
 
-    /// Finds how far each direction is free with echoes grown to this radius (m).
+    /// Computes the free distance of each direction with echoes grown to this radius (m).
     fn grow(&mut self, range: f64, radius: f64, margin: f64) {
         self.radius = radius;
         self.lean_below = radius - 0.25 * margin;
-        // Something just beyond the sensor's range stops the centre that much earlier.
+        // An obstacle just beyond the sensor's range stops the centre that much earlier.
         self.reach = (range - radius).max(0.25 * radius);
         self.free.clear();
         self.free.resize(DIRECTIONS, self.reach);
@@ -131,7 +131,7 @@ impl Surroundings {
         self.owner.resize(DIRECTIONS, usize::MAX);
         for (index, &echo) in self.echoes.iter().enumerate() {
             let distance = echo.norm();
-            // Directions in which the grown echo can stand in the way.
+            // Directions that the grown echo can block.
             let half = if distance <= radius {
                 DIRECTIONS / 4 + DIRECTIONS / 16
             } else {
@@ -150,11 +150,11 @@ impl Surroundings {
         }
     }
 
-    /// How far the centre can go along `unit` before it enters the grown echo (m).
+    /// The distance that the centre can move along `unit` before it enters the grown echo (m).
     fn entry(&self, echo: Vector2<f64>, distance: f64, unit: Vector2<f64>) -> f64 {
         let along = echo.dot(&unit);
         if distance <= self.radius {
-            // Too near already: no nearer, and away if clearly so.
+            // Too near already: do not approach, and lean away if clearly too near.
             let lean = ((self.lean_below - distance) / (0.5 * self.radius)).clamp(0.0, MAX_LEAN);
             return if along > (1e-9 - lean) * distance {
                 0.0
@@ -170,7 +170,8 @@ impl Surroundings {
         (along - inside.sqrt()).max(0.0)
     }
 
-    /// How far the centre can go along a direction (a unit vector) (m), at most the reach.
+    /// The distance that the centre can move along a direction (a unit vector) (m), at most the
+    /// reach.
     pub(super) fn free_towards(&self, unit: Vector2<f64>) -> f64 {
         let entry = |echo: &Vector2<f64>| self.entry(*echo, echo.norm(), unit);
         self.echoes.iter().map(entry).fold(self.reach, f64::min)
@@ -186,12 +187,12 @@ impl Surroundings {
         self.free.get(k % DIRECTIONS).copied().unwrap_or(self.reach)
     }
 
-    /// Whether something within reach ends a direction.
+    /// Returns `true` if an obstacle within reach ends a direction.
     pub(super) fn is_blocked(&self, k: usize) -> bool {
         self.free(k) < self.reach
     }
 
-    /// Where a direction ends (m), world frame.
+    /// End point of a direction (m), world frame.
     pub(super) fn end(&self, k: usize) -> Point2<f64> {
         self.here + Self::unit(k) * self.free(k)
     }
@@ -206,6 +207,6 @@ impl Surroundings {
 /// The direction nearest to a vector's.
 pub(super) fn nearest_direction(vector: Vector2<f64>) -> usize {
     let turn = math::atan2(vector.y, vector.x) / TAU;
-    // A half is added before cutting off, and a turn to make it positive.
+    // Adding a half before truncation rounds; adding a turn makes the value positive.
     ((turn + 1.0) * DIRECTIONS as f64 + 0.5) as usize % DIRECTIONS
 }

@@ -1,9 +1,9 @@
-//! No faster than the robot can still stop before what it sees.
+//! Speed limit: the robot can always stop before the obstacles that it sees.
 //!
-//! A command is followed for the reaction time and the robot then stopped, with the ramps of its
-//! drive: a turning rate that lags behind makes the way wider than the arc of the command, and a
-//! robot that brakes still drives on. If no way that was looked at is clear, the robot stops at once
-//! by the way of stopping that was clear before (dynamic window, Fox, Burgard and Thrun 1997).
+//! The robot follows a command for the reaction time and then stops, with the ramps of its drive: a
+//! turning rate that lags makes the path wider than the arc of the command, and a braking robot
+//! still moves. If no tested path is clear, the robot stops at once by the stop that was clear
+//! before (dynamic window, Fox, Burgard and Thrun 1997).
 
 use geometry::pose::{Pose2, Twist2};
 use nalgebra::Vector2;
@@ -12,39 +12,39 @@ use super::DriverParams;
 use crate::go_to::coast;
 use crate::tangent_bug;
 
-/// Parts of the commanded speed tried, one after the other; then the robot turns on the spot.
+/// Fractions of the commanded speed, tried in order; then the robot turns on the spot.
 const SPEEDS: [f64; 9] = [1.0, 0.75, 0.55, 0.4, 0.28, 0.2, 0.14, 0.09, 0.05];
-/// Most steps in which a way ahead is looked at; with shorter ticks a step is several of them.
+/// Maximum number of steps of a tested path; with shorter ticks a step spans several.
 const STEPS: f64 = 48.0;
-/// How much nearer than now the robot may come to what is too near already (fraction).
+/// Fraction by which the robot may still approach an obstacle that is already too near.
 const CREEP: f64 = 0.003;
-/// A robot slower than this (m/s) stands.
+/// Speed (m/s) below which a robot stands.
 const STANDING: f64 = 1e-6;
 
-/// What a robot knows when its command is checked.
+/// State of the robot when its command is checked.
 pub(super) struct Guard<'a> {
-    /// Its direction (rad).
+    /// Heading (rad).
     pub(super) theta: f64,
-    /// How it moves.
+    /// Current twist.
     pub(super) twist: Twist2,
-    /// What it sees, relative to its centre in world axes (m).
+    /// Echoes, relative to the robot's centre in world axes (m).
     pub(super) echoes: &'a [Vector2<f64>],
-    /// How far it sees (m).
+    /// Range of the sensor (m).
     pub(super) range: f64,
-    /// Its radius (m).
+    /// Radius of the robot (m).
     pub(super) radius: f64,
     /// Length of a tick (s).
     pub(super) dt: f64,
-    /// How it drives.
+    /// Parameters of the driver.
     pub(super) params: &'a DriverParams,
 }
 
-/// How a robot stops.
+/// Manner of stopping.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Stop {
-    /// It straightens out.
+    /// The robot straightens out.
     Straight,
-    /// It keeps turning as it does.
+    /// The robot keeps turning while it stops.
     Turning,
 }
 
@@ -59,17 +59,17 @@ impl Stop {
     }
 }
 
-/// A step of a way looked at.
+/// A step of a tested path.
 #[derive(Debug, Clone, Copy)]
 struct Step {
-    /// Its length (s).
+    /// Duration (s).
     length: f64,
-    /// Share of a change of speed that counts for the whole step: the drive changes its speed at
-    /// the beginning of each tick.
+    /// Share of a change of speed that counts for the whole step: the drive changes its speed at the
+    /// beginning of each tick.
     weight: f64,
 }
 
-/// An echo, and how near the robot may come to it.
+/// An echo, and its minimum distance from the robot.
 #[derive(Debug, Clone, Copy)]
 struct Near {
     at: Vector2<f64>,
@@ -77,8 +77,8 @@ struct Near {
 }
 
 impl Guard<'_> {
-    /// The command, slowed down so that the robot stays clear of what it sees until it can stand.
-    /// Its turning rate is kept, except where the robot has to stop at once: it turns on the spot if
+    /// Slows the command down so that the robot stays clear of what it sees until it can stop. Its
+    /// turning rate is kept, except where the robot must stop at once: it turns on the spot if
     /// nothing faster is clear.
     pub(super) fn slow_down(&self, command: Twist2) -> Twist2 {
         let coasts = self.params.braking.is_some() && self.twist.v > STANDING;
@@ -132,12 +132,13 @@ impl Guard<'_> {
         best.command(self.twist)
     }
 
-    /// Half of the margin is kept: the other half is for straying from the way that was found clear.
+    /// Half of the margin is kept: the other half covers deviations from the path that was found
+    /// clear.
     fn keep(&self) -> f64 {
         self.radius + 0.5 * tangent_bug::MARGIN
     }
 
-    /// Whether the robot can follow a command for the reaction time and stop after that.
+    /// Returns `true` if the robot can follow a command for the reaction time and stop after that.
     fn is_clear(&self, command: Twist2, step: Step, near: &[Near]) -> bool {
         let mut pose = Pose2::new(0.0, 0.0, self.theta);
         let mut twist = self.twist;
@@ -153,8 +154,8 @@ impl Guard<'_> {
             .any(|stop| self.room_to_stop(stop, (pose, twist), step, near) >= 0.0)
     }
 
-    /// Least room beyond what has to be kept while the robot stops (m); negative if it comes too
-    /// near.
+    /// Minimum clearance in excess of the required one while the robot stops (m); negative if it
+    /// comes too near.
     fn room_to_stop(
         &self,
         stop: Stop,
@@ -164,7 +165,7 @@ impl Guard<'_> {
     ) -> f64 {
         let command = stop.command(twist);
         let mut room = f64::INFINITY;
-        // Without a deceleration it stands at once.
+        // Without a deceleration it stops at once.
         let Some(braking) = self.params.braking else {
             return room;
         };
@@ -179,7 +180,7 @@ impl Guard<'_> {
         room
     }
 
-    /// A step under a command; the least room on the way.
+    /// Simulates a step under a command; returns the minimum clearance on the path.
     fn go(
         &self,
         pose: &mut Pose2,
@@ -206,10 +207,10 @@ impl Guard<'_> {
         self.room(&halfway, near).min(self.room(pose, near))
     }
 
-    /// Room at a place beyond what has to be kept (m).
+    /// Clearance at a place in excess of the required one (m).
     fn room(&self, at: &Pose2, near: &[Near]) -> f64 {
         let at = at.position().coords;
-        // What lies beyond the range may be a wall.
+        // Space beyond the range may be a wall.
         let seen = (self.range - self.keep()).max(0.25 * self.radius) - at.norm();
         near.iter()
             .map(|echo| (at - echo.at).norm() - echo.least)

@@ -1,9 +1,9 @@
-//! Driving through waypoints, one after the other, whatever stands in the way.
+//! Driving through waypoints in order, around obstacles.
 //!
-//! The `Move towards waypoint (P)` of the cat-map patrol paper (§3): a waypoint inside a known
-//! obstacle is left out at once, one that is not reached in twice the time it takes without
-//! obstacles is given up, and obstacles are gone around by [`TangentBug`] where there is a range
-//! sensor. What became of each waypoint is reported.
+//! The `Move towards waypoint (P)` of the cat-map patrol paper (§3). A waypoint inside a known
+//! obstacle is skipped at once. A waypoint that the robot does not reach in twice the time without
+//! obstacles is given up. With a range sensor, [`TangentBug`] leads around obstacles. The outcome of
+//! each waypoint is reported.
 
 mod guard;
 mod pace;
@@ -26,20 +26,20 @@ use planner_view::limits::Limits;
 use planner_view::view::ScanView;
 use planner_view::waypoint::{Waypoint, WaypointKind, WaypointOutcome, WaypointReport};
 
-/// Most waypoints that are taken up in a tick: a source whose points are all left out shall not
-/// hold up the robot for ever.
+/// Maximum number of waypoints taken in a tick: a source whose points are all skipped must not block
+/// the robot.
 const MAX_PER_TICK: usize = 64;
 
-/// What a robot knows in one tick.
+/// Inputs of one tick.
 #[derive(Debug, Clone, Copy)]
 pub struct Situation<'a> {
-    /// Where it is.
+    /// Pose of the robot.
     pub pose: Pose2,
-    /// How it moves, own frame.
+    /// Twist of the robot, own frame.
     pub twist: Twist2,
     /// Its range scan, made at this pose; without one it drives straight.
     pub scan: Option<ScanView<'a>>,
-    /// The obstacles it knows.
+    /// Known obstacles.
     pub known: Option<&'a FreeSpace>,
     /// Simulated time (s).
     pub time_s: f64,
@@ -47,14 +47,14 @@ pub struct Situation<'a> {
     pub dt: f64,
 }
 
-/// What a robot shall do in one tick.
+/// Outputs of one tick.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Driving {
     /// The command; finite and within the limits. A stop if there is no waypoint.
     pub command: Twist2,
-    /// The point it drives to at the moment (m): the waypoint or one on the way around an obstacle.
+    /// The current target point (m): the waypoint or a point on the path around an obstacle.
     pub towards: Option<Point2<f64>>,
-    /// What for; `None` without a waypoint or a scan.
+    /// Mode of motion; `None` without a waypoint or a scan.
     pub mode: Option<Mode>,
 }
 
@@ -66,19 +66,19 @@ impl Driving {
     };
 }
 
-/// A waypoint on the way.
+/// The current waypoint.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Leg {
     waypoint: Waypoint,
     started_s: f64,
-    /// When it is due (s), if it is.
+    /// Due time (s), if it has one.
     due_s: Option<f64>,
-    /// For how long it is tried after that (s).
+    /// Time for which it is tried after that (s).
     spare_s: f64,
-    /// When it is given up (s); infinite for a waypoint of the route.
+    /// Time at which it is given up (s); infinite for a waypoint of the route.
     until_s: f64,
     closest: f64,
-    /// Where and when the robot last had moved away from a place.
+    /// Position and time at which the robot last had moved away from a place.
     stirred: (Point2<f64>, f64),
 }
 
@@ -90,15 +90,15 @@ pub struct WaypointDriver {
     radius: f64,
     bug: TangentBug,
     leg: Option<Leg>,
-    /// Taken early, to know whether the present one can be passed at speed.
+    /// Taken early, to decide whether the robot can pass the current one at speed.
     onward: Option<Waypoint>,
-    /// Where the robot was in the last tick.
+    /// Position in the last tick.
     before: Option<Point2<f64>>,
     echoes: Vec<Vector2<f64>>,
 }
 
 impl WaypointDriver {
-    /// A driver for a robot of this radius (m), > 0.
+    /// Creates a driver for a robot of this radius (m), > 0.
     ///
     /// # Errors
     /// [`ParamsError`] naming the parameter that is out of range.
@@ -117,22 +117,22 @@ impl WaypointDriver {
         })
     }
 
-    /// The waypoint the robot is on the way to.
+    /// The current waypoint.
     pub fn current(&self) -> Option<&Waypoint> {
         self.leg.as_ref().map(|leg| &leg.waypoint)
     }
 
-    /// When the present waypoint is given up, simulated time (s); `None` if it never is.
+    /// Simulated time at which the current waypoint is given up (s); `None` if never.
     pub fn time_limit_s(&self) -> Option<f64> {
         self.leg
             .map(|leg| leg.until_s)
             .filter(|until| until.is_finite())
     }
 
-    /// One tick: ends waypoints that are reached, late or unreachable, takes up the `next` ones, and
-    /// drives. What became of waypoints is appended to `reports`.
+    /// Executes one tick: ends waypoints that are reached, late or unreachable, takes the `next`
+    /// ones, and drives. Appends the outcomes of waypoints to `reports`.
     ///
-    /// With `go_to.deceleration` set, one waypoint more is taken ahead. A pose, time or tick that is
+    /// With `go_to.deceleration` set, one more waypoint is taken ahead. A pose, time or tick that is
     /// not finite stops the robot and changes nothing else. A waypoint that is not finite is
     /// reported unreachable.
     pub fn drive(
@@ -144,13 +144,13 @@ impl WaypointDriver {
         self.drive_on_time(next, &mut |_| None, situation, reports)
     }
 
-    /// As [`Self::drive`], with waypoints that are due at a time (s): `due` tells when, each tick
-    /// for the waypoint on the way; `None` is as soon as possible.
+    /// As [`Self::drive`], with waypoints that are due at a time (s): `due` is called each tick for
+    /// the current waypoint; `None` means as soon as possible.
     ///
-    /// The robot drives no faster than that it arrives when it is due, and does not stand still to
-    /// wait; if it is late, it drives as fast as it can, and likewise around obstacles. The time
-    /// allowed for a waypoint is not over before it is due, and as much later as it would be if it
-    /// were due as soon as possible.
+    /// The robot limits its speed so that it arrives when the waypoint is due, and does not stand
+    /// still to wait. If it is late, and around obstacles, it drives as fast as it can. The time
+    /// limit of a waypoint does not end before it is due; it is extended by as much as the due time
+    /// exceeds the earliest arrival.
     pub fn drive_on_time(
         &mut self,
         next: &mut dyn FnMut() -> Option<Waypoint>,
@@ -167,7 +167,7 @@ impl WaypointDriver {
         }
         let here = pose.position();
         let before = self.before.replace(here).unwrap_or(here);
-        // Only the first waypoint of a tick was on the way when the robot drove the last segment.
+        // Only the first waypoint of a tick was current when the robot drove the last segment.
         let mut from = before;
         for _ in 0..MAX_PER_TICK {
             let Some(leg) = self.leg.as_mut() else {
@@ -192,7 +192,7 @@ impl WaypointDriver {
         Driving::STOP
     }
 
-    /// Ends the present waypoint.
+    /// Ends the current waypoint.
     fn end(&mut self, outcome: WaypointOutcome, time_s: f64, reports: &mut Vec<WaypointReport>) {
         if let Some(leg) = self.leg.take() {
             reports.push(leg.report(outcome, time_s));
@@ -200,7 +200,7 @@ impl WaypointDriver {
         self.bug.reset();
     }
 
-    /// Takes up the next waypoint, or says why it is left out; `None` if there is none.
+    /// Takes the next waypoint, or reports why it is skipped; `None` if there is none.
     fn take_up(
         &mut self,
         next: &mut dyn FnMut() -> Option<Waypoint>,
@@ -233,7 +233,7 @@ impl WaypointDriver {
             .is_some_and(|known| !known.is_free(point, self.radius));
         Some(match (finite, inside, waypoint.kind) {
             (true, false, _) => Ok(leg),
-            // What has to be visited is never just left out.
+            // A waypoint that must be visited is never skipped.
             (false, _, _) | (_, _, WaypointKind::Route) => {
                 Err(leg.report(WaypointOutcome::Unreachable, time_s))
             }
@@ -241,7 +241,7 @@ impl WaypointDriver {
         })
     }
 
-    /// The command towards the waypoint; `None` if it cannot be reached.
+    /// The command towards the waypoint; `None` if it is unreachable.
     fn head(&mut self, situation: &Situation<'_>) -> Option<Driving> {
         let leg = self.leg.as_mut()?;
         let goal = leg.waypoint.point;
@@ -270,13 +270,13 @@ impl WaypointDriver {
             });
         };
         let Some(advice) = self.bug.advise(&pose, scan, goal, go_to_params.arrived) else {
-            // A scan without beams: nothing is known, so nothing is risked.
+            // A scan without beams gives no information: stop.
             return Some(Driving::STOP);
         };
         let Advice::Head { towards, mode } = advice else {
             return None;
         };
-        // A point on the way around is not stopped at.
+        // The robot does not stop at a point on the path around an obstacle.
         let command = if mode == Mode::ToGoal {
             steer(towards, onward, &on_time)
         } else {
@@ -306,7 +306,7 @@ impl WaypointDriver {
 }
 
 impl Leg {
-    /// Takes note of when the waypoint is due (s); it is given up the later for it.
+    /// Stores the due time of the waypoint (s) and extends its time limit.
     fn take_due(&mut self, due_s: Option<f64>) {
         self.due_s = due_s;
         if let Some(due_s) = due_s {
@@ -315,7 +315,7 @@ impl Leg {
         }
     }
 
-    /// Part of the speed at which the waypoint is reached when it is due.
+    /// Fraction of the speed with which the robot arrives when the waypoint is due.
     fn pace(&mut self, situation: &Situation<'_>, params: &DriverParams, limits: &Limits) -> f64 {
         let Some(due_s) = self.due_s else {
             return 1.0;
@@ -325,13 +325,13 @@ impl Leg {
         let v_max = limits.v_max() * params.go_to.speed_fraction;
         let part = pace::part(distance, due_s - now, v_max);
         if part < 1.0 {
-            // It is slow on purpose, not stuck.
+            // The robot is slow on purpose, not stuck.
             self.stirred = (here, now);
         }
         part
     }
 
-    /// Takes in the segment driven; how the waypoint ended, if it did.
+    /// Checks the driven segment; returns the outcome if the waypoint has ended.
     fn passed(
         &mut self,
         from: Point2<f64>,

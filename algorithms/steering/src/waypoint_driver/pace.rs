@@ -1,14 +1,13 @@
-//! Speeds with which a robot arrives when it is due.
+//! Speeds for arrival at a due time.
 
-/// Least part of its highest speed that a robot drives at to be on time: it does not stand still to
-/// wait.
+/// Minimum fraction of the maximum speed: the robot does not stand still to wait.
 const MIN_PACE: f64 = 0.02;
 
-/// Part of its highest speed `v_max` (m/s) at which a robot covers `distance` (m) in `time_s`; all of
-/// it if that is not enough, or if it is late.
+/// Fraction of its maximum speed `v_max` (m/s) at which a robot covers `distance` (m) in `time_s`; 1
+/// if that is not enough, or if it is late.
 pub(super) fn part(distance: f64, time_s: f64, v_max: f64) -> f64 {
     let needed = distance / (time_s * v_max);
-    // Written so that NaN is late as well.
+    // In this form, NaN counts as late.
     if time_s > 0.0 && needed < 1.0 {
         needed.max(MIN_PACE)
     } else {

@@ -1,4 +1,4 @@
-//! How long ways take without obstacles.
+//! Travel times without obstacles.
 
 use geometry::pose::Pose2;
 use nalgebra::Point2;
@@ -7,13 +7,14 @@ use parameters::{ParamsError, check, positive, require};
 use crate::go_to::{GoToParams, bearing, coast, distance_to_segment, go_to};
 use planner_view::limits::Limits;
 
-/// Longest lap that is simulated (ticks).
+/// Maximum length of a simulated lap (ticks).
 const MAX_TICKS: f64 = 1e7;
 
 /// The time a robot needs to a point without obstacles (s): it turns to it on the spot at its
-/// highest rate, then drives straight at the highest speed it is allowed.
+/// maximum rate, then drives straight at its maximum allowed speed.
 ///
-/// The real way is a little shorter in time, as the robot begins to drive before it has turned.
+/// The real time is slightly shorter, because the robot begins to drive before the turn is
+/// complete.
 pub fn time_without_obstacles(
     pose: &Pose2,
     point: Point2<f64>,
@@ -25,16 +26,16 @@ pub fn time_without_obstacles(
         + distance / (limits.v_max() * params.speed_fraction)
 }
 
-/// The time that driving through `points` (m) in this order takes (s), without obstacles: an ideal
-/// unicycle with these limits is driven through them by [`go_to`] in ticks of `dt` (s); a point is
-/// done when the way passes within `params.arrived` of it. Close a lap by ending it with its first
-/// point.
+/// The time to drive through `points` (m) in this order (s), without obstacles. [`go_to`] drives an
+/// ideal unicycle with these limits through them in ticks of `dt` (s); a point is reached when the
+/// path passes within `params.arrived` of it. To close a lap, end it with its first point.
 ///
-/// Drives with limits of acceleration or of the wheels need longer; give such a robot lower limits.
+/// Drives with limits of acceleration or of the wheels need longer; use lower limits for such a
+/// robot.
 ///
 /// # Errors
 /// [`ParamsError`] for parameters out of range, a start or point that is not finite (`start`,
-/// `points`), and for a way of more than ten million ticks (`dt`).
+/// `points`), and for a path of more than ten million ticks (`dt`).
 pub fn lap_time(
     start: &Pose2,
     points: &[Point2<f64>],
@@ -55,7 +56,7 @@ pub fn lap_time(
         if (point - pose.position()).norm() <= params.arrived {
             continue;
         }
-        // Generous: a robot that arrives at all arrives in this time.
+        // A generous limit: a robot that arrives at all arrives in this time.
         let most = ticks + 10.0 + 4.0 * time_without_obstacles(&pose, point, limits, params) / dt;
         loop {
             ticks += 1.0;

@@ -1,4 +1,4 @@
-//! Turning rates from which a robot can still stop turning in time.
+//! Turning rates from which a robot can stop turning in time.
 
 use geometry::math;
 use geometry::pose::{Pose2, Twist2};
@@ -6,11 +6,11 @@ use nalgebra::Point2;
 
 use crate::go_to::bearing;
 
-/// The command of a robot with this angular acceleration (rad/s²) on its way to a point, turning no
-/// faster than that it can come to rest in the direction of the point, and no faster forward than
-/// that it still comes about on that arc.
+/// Limits the command of a robot with this angular acceleration (rad/s²) on its way to a point. The
+/// turning rate allows it to stop in the direction of the point, and the forward speed keeps the
+/// point on that arc.
 ///
-/// Without this, a robot whose turning rate lags behind swings to and fro about its way.
+/// Without this limit, a robot whose turning rate lags oscillates about its path.
 pub(super) fn ease(
     command: Twist2,
     pose: &Pose2,

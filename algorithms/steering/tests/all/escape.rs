@@ -15,7 +15,7 @@ fn limits(v_max: f64) -> Limits {
     Limits::new(v_max, v_max, 2.84).unwrap()
 }
 
-/// Runs for up to `seconds`; the time at which the exit was reached, if it was.
+/// Runs for up to `seconds`; returns the time at which the robot reached the exit, if it did.
 fn run(params: &EvaderParams, body: &mut Kinematic, police: &[Pose2], seconds: f64) -> Option<f64> {
     let (arena, map) = &*CITY;
     let v_max = 0.6;

@@ -1,4 +1,4 @@
-//! Steering in the city and other places; one program, because linking four costs minutes.
+//! Steering in the city and other places; one program, because linking four takes minutes.
 
 #[path = "../../../planner_view/tests/support/mod.rs"]
 mod support;

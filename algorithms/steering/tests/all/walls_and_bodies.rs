@@ -1,4 +1,4 @@
-//! Sliding along walls and round bodies, and maps that cannot be used.
+//! Sliding along walls and around bodies, and invalid maps.
 
 use std::sync::LazyLock;
 
@@ -118,7 +118,7 @@ fn maps_whose_layers_do_not_fit_are_refused() {
             ..
         })
     ));
-    // No obstacle anywhere: infinite clearance must not poison the interpolation.
+    // Without obstacles: infinite clearance must not corrupt the interpolation.
     let open = PlannerMap::new(blurred, Grid::filled(frame, f32::INFINITY), 0).unwrap();
     assert!(open.clearance(Point2::new(0.2, 0.15)) > 1e5);
 }

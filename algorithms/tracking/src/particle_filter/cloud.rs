@@ -11,13 +11,13 @@ pub(crate) struct Cloud {
     pub y: Vec<f32>,
     /// Heading (rad), in [−π, π].
     pub heading: Vec<f32>,
-    /// Forward speed (m/s); beyond the limit it stands for the limit.
+    /// Forward speed (m/s); values beyond the limit mean the limit.
     pub v: Vec<f32>,
-    /// Turning rate (rad/s); beyond a limit it stands for the limit.
+    /// Turning rate (rad/s); values beyond a limit mean the limit.
     pub omega: Vec<f32>,
 }
 
-/// A stretch of a [`Cloud`], borrowed for writing.
+/// A range of a [`Cloud`], borrowed for writing.
 pub(crate) struct Stretch<'a> {
     pub x: &'a mut [f32],
     pub y: &'a mut [f32],
@@ -31,7 +31,7 @@ impl Cloud {
         self.x.len()
     }
 
-    /// Sets the number of particles; new ones are at zero until they are written.
+    /// Sets the number of particles; new ones are zero until they are written.
     pub fn resize(&mut self, n: usize) {
         for array in [
             &mut self.x,

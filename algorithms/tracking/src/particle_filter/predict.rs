@@ -11,19 +11,19 @@ use crate::fast;
 use crate::params::FilterParams;
 use crate::space::Space;
 
-/// What an opponent can do.
+/// Motion limits of an opponent.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MotionLimits {
-    /// Largest speed forwards (m/s), ≥ 0.
+    /// Maximum forward speed (m/s), ≥ 0.
     pub v_max: f64,
-    /// Largest speed backwards (m/s), ≥ 0.
+    /// Maximum backward speed (m/s), ≥ 0.
     pub v_reverse_max: f64,
-    /// Largest turning rate either way (rad/s), ≥ 0.
+    /// Maximum turning rate either way (rad/s), ≥ 0.
     pub omega_max: f64,
 }
 
-/// How far hypotheses walk on beyond the largest speed and the largest turning rates, as a share of
-/// the range of speeds and of the turning rates to one side: they move at the limit meanwhile, as
+/// Extent of the random walks beyond the maximum speed and turning rates, as a share of the range of
+/// speeds and of the turning rates to one side. Beyond the limit a hypothesis moves at the limit, as
 /// robots often do.
 const SATURATION: f64 = 0.25;
 
@@ -40,12 +40,13 @@ pub(crate) struct Motion {
     /// Ends of the walks: beyond `v_high` and `omega_high` the particle moves at the limit.
     v_top: f32,
     omega_top: f32,
-    /// Part of the distance to the cruising speed that is left after a tick, and what that adds.
+    /// Fraction of the distance to the cruising speed that remains after a tick, and the resulting
+    /// offset.
     v_keep: f32,
     v_pull: f32,
-    /// Part of the turning rate that is left after a tick.
+    /// Fraction of the turning rate that remains after a tick.
     omega_keep: f32,
-    /// How much of an overshoot over a limit is taken back: 2 reflects, 1 clamps.
+    /// Factor of the correction of an overshoot over a limit: 2 reflects, 1 clamps.
     rebound: f32,
 }
 
@@ -54,8 +55,8 @@ impl Motion {
     pub fn new(params: &FilterParams, limits: MotionLimits, dt: f64) -> Self {
         let spread = (3.0 * dt).sqrt();
         let (v_low, v_high) = (-limits.v_reverse_max, limits.v_max);
-        // The published program's walks stay at the limits: how many are there then depends on the
-        // tick rate.
+        // The published program's walks stay at the limits: the number of particles there then
+        // depends on the tick rate.
         let (saturation, rebound) = match params.fidelity {
             Fidelity::Ours => (SATURATION, 2.0),
             Fidelity::Published => (0.0, 1.0),
@@ -135,17 +136,17 @@ impl Motion {
     fn bounded(&self, value: f32, low: f32, high: f32) -> f32 {
         let above = (value - high).max(0.0);
         let below = (low - value).max(0.0);
-        // The clamp is for steps that are longer than the whole range.
+        // The clamp handles steps that are longer than the whole range.
         (value + self.rebound * (below - above)).max(low).min(high)
     }
 }
 
-/// Largest change of the heading of a hypothesis that turns away from an obstacle (rad): it may turn
+/// Maximum change of the heading of a hypothesis that turns away from an obstacle (rad): it may turn
 /// back, but rarely.
 const TURN_AWAY: f64 = 2.2;
 
 impl Motion {
-    /// Lets the particles that the last motion brought into an obstacle step back and turn by chance.
+    /// Moves particles that the last motion brought into an obstacle back and turns them randomly.
     ///
     /// `places` is working memory, one per particle.
     pub fn turn_at_walls(
@@ -174,14 +175,14 @@ impl Motion {
 /// Rate at which a particle jumps to a nearby pose (1/s).
 const JUMP_RATE: f64 = 0.25;
 
-/// Largest jump in x and in y (m).
+/// Maximum jump in x and in y (m).
 const JUMP_DISTANCE: f64 = 1.0;
 
-/// Largest jump of the heading (rad).
+/// Maximum jump of the heading (rad).
 const JUMP_TURN: f64 = 0.5;
 
-/// Rare jumps to nearby poses, which let a collapsed belief recover (chasing-game paper, section
-/// III.D). The gaps between jumping particles are drawn, not a number per particle.
+/// Rare jumps to nearby poses, with which a collapsed belief recovers (chasing-game paper, section
+/// III.D). The gaps between jumping particles are drawn, not one number per particle.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Teleport {
     /// ln(1 − probability of a jump in this tick).
@@ -206,7 +207,7 @@ impl Teleport {
         (math::ln(1.0 - rng.random::<f64>()) / self.log_stay) as u64
     }
 
-    /// Lets the particles of a stretch jump whose turn it is.
+    /// Applies the due jumps to the particles of a range.
     pub fn apply(&mut self, particles: &mut Stretch<'_>, rng: &mut ChaCha8Rng) {
         let n = particles.x.len() as u64;
         let mut i = self.gap;

@@ -1,4 +1,4 @@
-//! Where the belief moves on to.
+//! Prediction of the mean.
 
 use nalgebra::Point2;
 
@@ -6,17 +6,17 @@ use super::ParticleFilter;
 use super::predict::Motion;
 use crate::space::Space;
 
-/// Longest step of the motion (s): short against the time in which hypotheses straighten.
+/// Maximum step of the motion (s): short against the time in which hypotheses straighten.
 const STEP: f64 = 0.1;
 
-/// Most steps; longer times ahead take longer steps.
+/// Maximum number of steps; longer horizons use longer steps.
 const MAX_STEPS: f64 = 1000.0;
 
 impl ParticleFilter {
-    /// Mean of the particles `horizon` (s) from now, if none is seen until then: each moves on as
-    /// its motion model expects, without noise, and stays in front of an obstacle that it comes to.
+    /// The mean of the particles `horizon` (s) from now, without sightings until then. Each
+    /// particle moves by its motion model without noise, and stops in front of an obstacle.
     ///
-    /// A horizon that is not positive and finite gives the present mean.
+    /// A horizon that is not positive and finite gives the current mean.
     pub fn mean_after(&self, space: &Space, horizon: f64) -> Point2<f64> {
         let mut cloud = self.particles.clone();
         let n = cloud.len();

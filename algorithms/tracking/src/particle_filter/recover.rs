@@ -1,5 +1,5 @@
-//! Beliefs from scratch: around a known pose, around a measurement, over what is reachable, or
-//! over the whole map.
+//! New beliefs: around a known pose, around a measurement, over the reachable space, or over the
+//! whole map.
 
 use nalgebra::Point2;
 use rand::RngExt;
@@ -10,10 +10,10 @@ use crate::sighting::{Measurement, gaussian_pair};
 use crate::space::Space;
 use crate::watch::Watch;
 
-/// Attempts per particle to find a place that fits before the last one is taken.
+/// Attempts per particle to draw a valid place before the last one is taken.
 const ATTEMPTS: usize = 16;
 
-/// Ranges from which velocities are drawn: lowest and highest v (m/s), highest |ω| (rad/s).
+/// Ranges from which velocities are drawn: minimum and maximum v (m/s), maximum |ω| (rad/s).
 pub(crate) type Velocities = (f32, f32, f32);
 
 /// Draws all headings and velocities uniformly.
@@ -58,10 +58,10 @@ pub(crate) fn around_measurement(
 }
 
 /// Redraws the belief uniformly over free space that no observer sees well (a place is accepted
-/// with probability 1 − V), within `reach` = (centre, radius (m)) if any of that is free, else over
+/// with probability 1 − V): within `reach` = (centre, radius (m)) if any of that is free, else over
 /// the whole map. Headings and velocities are uniform.
 ///
-/// A map without free cells leaves the positions as they are. `candidates` is working memory.
+/// A map without free cells leaves the positions unchanged. `candidates` is working memory.
 pub(crate) fn over_unseen(
     cloud: &mut Cloud,
     space: &Space,

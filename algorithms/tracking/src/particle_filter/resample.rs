@@ -5,8 +5,8 @@ use super::cloud::Cloud;
 /// 1.5·2^52: adding it to a number of magnitude below 2^31 leaves the nearest integer in the low bits.
 const INTEGER: f64 = 6_755_399_441_055_744.0;
 
-/// Chooses which particle each of `count` new ones descends from, with expected numbers of
-/// descendants proportional to the weights and none for a weight of 0.
+/// Chooses the ancestor of each of `count` new particles, with expected numbers of descendants
+/// proportional to the weights and none for a weight of 0.
 ///
 /// `total` is the sum of the weights, > 0, and `offset` is in (0, 1). Writes `starts`: entry j is
 /// the particle whose first descendant is j, 0 where a previous particle has more than one.
@@ -19,7 +19,7 @@ pub(crate) fn choose(
     starts: &mut Vec<u32>,
 ) {
     starts.clear();
-    // One more, as particles after the last descendant are written there.
+    // One more, because particles after the last descendant are written there.
     starts.resize(count + 1, 0);
     let starts = &mut starts[..=count];
     let scale = count as f64 / total;
@@ -29,12 +29,12 @@ pub(crate) fn choose(
     let mut sum = 0.0_f64;
     let mut done = 0_usize;
     for (i, &w) in weights.iter().enumerate() {
-        // Overwritten by the next particle if this one turns out to have no descendants.
+        // The next particle overwrites it if this one has no descendants.
         starts[done] = i as u32;
         sum += f64::from(w);
         done = ((sum * scale + shift + INTEGER).to_bits() as u32 as usize).min(count);
     }
-    // Rounding may leave the last pointer without a particle: it continues the one before. A
+    // Rounding may leave the last pointer without a particle: it continues the previous one. A
     // particle without descendants may have written its number there.
     if done < count {
         starts[done] = 0;

@@ -72,7 +72,7 @@ fn the_belief_moves_on_along_the_heading_and_stops_at_walls() {
     let ahead = drive(pose, 0.45, 0.0, 2.0).position();
     let predicted = filter.mean_after(&space, 2.0);
     assert!((predicted - ahead).norm() < 0.15, "{predicted} {ahead}");
-    // The room ends at x = 4: nothing drives on.
+    // The room ends at x = 4: no hypothesis drives further.
     let stopped = filter.mean_after(&space, 60.0);
     assert!(stopped.x < 4.0 && space.is_valid(stopped), "{stopped}");
     let later = filter.mean_after(&space, 90.0);
@@ -135,7 +135,7 @@ fn a_noisily_seen_target_is_tracked_better_than_it_is_measured() {
     assert!(errors < 0.5 * raw, "{errors} against {raw}");
 }
 
-/// The target drives behind the block. The belief keeps mass near it, leaves what is in view, and
+/// The target drives behind the block. The belief keeps mass near it, clears the visible space, and
 /// finds it again.
 #[test]
 fn an_occluded_target_is_kept_in_mind_and_found_again() {
@@ -166,7 +166,8 @@ fn an_occluded_target_is_kept_in_mind_and_found_again() {
                 .filter(|p| math::hypot(f64::from(p.x) - truth.x, f64::from(p.y) - truth.y) < 0.75)
                 .map(|p| p.weight)
                 .sum::<f32>();
-            // It strolls at half of what it can do: most hypotheses, which hurry, are elsewhere.
+            // The target drives at half its maximum speed: most hypotheses, which drive at full
+            // speed, are elsewhere.
             assert!(near > 0.01, "{near} near the target at tick {tick}");
         }
         if belief.unseen_for > 3.0 {
@@ -215,7 +216,7 @@ fn without_weight_a_sighting_rebuilds_the_belief_around_it() {
 
 #[test]
 fn without_weight_and_sighting_the_reachable_free_space_is_taken() {
-    // The target hides in a dead end that is then walled up.
+    // The target hides in a dead end, which is then closed by a wall.
     let space = Space::new(&room());
     let no_observer = watch_from(&space, &[]);
     let start = Pose2::new(-3.0, 0.0, 0.0);
@@ -228,7 +229,7 @@ fn without_weight_and_sighting_the_reachable_free_space_is_taken() {
         *cell = space.is_valid(p) && !((-3.4..-2.6).contains(&p.x) && (-0.4..0.4).contains(&p.y));
     }
     let changed = Space::new(&BlurredMap::new(&free, 0.15).unwrap());
-    // So few that none escapes by a jump.
+    // So few that none leaves by a jump.
     let params = FilterParams {
         particles: 20,
         ..FilterParams::default()
@@ -356,7 +357,7 @@ fn the_papers_preset_tracks_with_thirty_particles() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(48))]
 
-    /// Whatever is reported, the belief stays a belief.
+    /// Any measurement leaves a valid belief.
     #[test]
     fn any_measurement_leaves_a_valid_belief(
         x in -1e3..1e3_f64, y in prop_oneof![-3.0..3.0_f64, -1e12..1e12_f64],

@@ -1,4 +1,4 @@
-//! Weights: how well each hypothesis explains what was, or was not, seen.
+//! Weights: likelihood of the sighting, or of no sighting, under each hypothesis.
 
 use geometry::math;
 use nalgebra::Point2;
@@ -22,8 +22,8 @@ pub(crate) struct Seen {
 }
 
 impl Seen {
-    /// From a measurement and the extra widths (m, rad) of the likelihood before snapping. A width
-    /// of zero in all means that the quantity does not weigh.
+    /// Creates it from a measurement and the extra widths (m, rad) of the likelihood before
+    /// snapping. A quantity with a total width of zero has no weight.
     pub fn new(m: &Measurement, extra: f64, extra_heading: f64) -> Self {
         let precision = |variance: f64| {
             if variance > 0.0 {
@@ -69,7 +69,7 @@ impl Seen {
 pub(crate) struct Unseen<'a> {
     pub space: &'a Space,
     pub watch: &'a Watch,
-    /// How often the factor 1 − V applies in this tick; 1 at the paper's tick rate.
+    /// Number of times that the factor 1 − V applies in this tick; 1 at the paper's tick rate.
     pub exponent: f64,
 }
 
@@ -110,7 +110,7 @@ pub(crate) fn drop_invalid(
     }
 }
 
-/// Sum and sum of squares of the weights, in a fixed order whatever the vector width.
+/// Sum and sum of squares of the weights, in a fixed order for every vector width.
 pub(crate) fn totals(weights: &[f32]) -> (f64, f64) {
     const LANES: usize = 8;
     let (mut sums, mut squares) = ([0.0_f64; LANES], [0.0_f64; LANES]);

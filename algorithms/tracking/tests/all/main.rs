@@ -1,3 +1,3 @@
-//! The filter in whole scenes; one program, to be linked once.
+//! The filter in whole scenes; one program, so that it is linked once.
 
 mod tracker;

@@ -17,7 +17,7 @@ const LIMITS: MotionLimits = MotionLimits {
 };
 const DT: f64 = 0.05;
 
-/// A 8 m × 6 m room with a wall across it from the bottom to y = 1.
+/// An 8 m × 6 m room with a wall across it from the bottom to y = 1.
 fn map() -> BlurredMap {
     let frame = GridFrame {
         width: 160,
@@ -85,7 +85,7 @@ fn true_headings_do_not_reach_the_belief() {
     let (a, b) = (run(&params, 1.5, &[]), run(&params, -2.0, &[]));
     assert_eq!(a.tracks()[0].sighting(), b.tracks()[0].sighting());
     assert_eq!(bits(&a.tracks()[0]), bits(&b.tracks()[0]));
-    // A sensor that measures headings does tell them apart.
+    // A sensor that measures headings does distinguish them.
     let mut params = PerceptionParams::default();
     params.sensor.heading = HeadingModel::Exact;
     let (a, b) = (run(&params, 1.5, &[]), run(&params, -2.0, &[]));
@@ -93,9 +93,8 @@ fn true_headings_do_not_reach_the_belief() {
     assert!((a.tracks()[0].belief().mean.theta - 1.5).abs() < 0.1);
 }
 
-/// FNV-1a over everything that perception publishes. A change of these numbers on another machine, or
-/// at another vector width or optimisation level, breaks replay; a change of the algorithm changes
-/// them rightly.
+/// FNV-1a over all outputs of perception. A change of these numbers on another machine, or at another
+/// vector width or optimisation level, breaks replay; a change of the algorithm may change them.
 #[test]
 fn the_bits_are_the_same_everywhere() {
     let mut params = PerceptionParams::default();
@@ -237,7 +236,7 @@ fn bad_set_ups_and_updates_are_refused_by_name() {
         perception.update(&[], &[unknown], DT).unwrap_err(),
         PerceptionError::UnknownTarget { robot: 5 }
     );
-    // Nonsense poses are simply not seen and see nothing.
+    // Invalid poses are not seen and see nothing.
     let nowhere = Pose2 {
         x: f64::NAN,
         y: f64::INFINITY,

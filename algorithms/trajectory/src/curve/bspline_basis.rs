@@ -56,7 +56,7 @@ impl Basis {
         self.knots.len() - self.degree - 1
     }
 
-    /// Whether there are none: never.
+    /// Returns `true` if there are none: never.
     pub fn is_empty(&self) -> bool {
         false
     }

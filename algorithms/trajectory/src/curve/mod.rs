@@ -67,7 +67,7 @@ pub trait Curve {
     /// Degree of the polynomials between the breaks.
     fn degree(&self) -> usize;
 
-    /// Whether positions are linear in the variables.
+    /// Returns `true` if positions are linear in the variables.
     fn is_linear(&self) -> bool;
 
     /// Position (order 0) or velocity (order 1) at τ, linearised at the variables `z`.

@@ -205,7 +205,7 @@ impl Trajectory {
     }
 }
 
-/// Whether two pairs of speeds (m/s, rad/s) differ by more than rounding.
+/// Returns `true` if two pairs of speeds (m/s, rad/s) differ by more than rounding.
 fn differ(a: (f64, f64), b: (f64, f64)) -> bool {
     (a.0 - b.0).abs() > SAME || (a.1 - b.1).abs() > SAME
 }

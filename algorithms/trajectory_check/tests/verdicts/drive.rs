@@ -112,7 +112,7 @@ pub fn s_curve_contract() -> Contract {
     }
 }
 
-/// Whether a check finds a violation of the kind.
+/// Returns `true` if a check finds a violation of the kind.
 pub fn finds(contract: &Contract, samples: &[Sample], kind: impl Fn(&Violation) -> bool) -> bool {
     check(contract, samples).violations.iter().any(kind)
 }

@@ -1,4 +1,4 @@
-//! What the driver makes of waypoints.
+//! The driver's handling of waypoints.
 
 use super::{DT, DriverParams, PATROL, Run, route, square};
 use geometry::pose::{Pose2, Twist2};
@@ -29,7 +29,7 @@ fn run(parts: Vec<Convex>, params: DriverParams) -> Run {
     )
 }
 
-/// Drives through waypoints until there are none; the lowest speed after the first tick.
+/// Drives through all waypoints; returns the lowest speed after the first tick.
 fn through(run: &mut Run, waypoints: &[Waypoint], with_scan: bool) -> f64 {
     let mut next = waypoints.iter().copied();
     let mut slowest = f64::INFINITY;
@@ -49,7 +49,7 @@ fn outcomes(run: &Run) -> Vec<(u64, WaypointOutcome)> {
         .collect()
 }
 
-/// Waypoints ahead, a little to the left and right in turn.
+/// Waypoints ahead, slightly to the left and right in turn.
 fn zig_zag() -> Vec<Waypoint> {
     (0..8)
         .map(|i| inserted(i, -3.0 + i as f64, if i % 2 == 0 { 0.1 } else { -0.1 }))
@@ -69,7 +69,7 @@ fn waypoints_ahead_are_passed_at_full_speed() {
             };
             let mut run = run(vec![], params);
             let mut waypoints = zig_zag();
-            // Where the way ends, the robot slows down with a deceleration only.
+            // At the end of the path, the robot slows down only with a deceleration.
             waypoints.push(inserted(8, 5.5, 0.0));
             let mut slowest = f64::INFINITY;
             let mut next = waypoints.iter().copied();
@@ -188,7 +188,8 @@ fn inserted_waypoints_time_out_after_twice_the_time_and_points_of_the_route_neve
     assert!(patient.least_clearance > 0.0);
 }
 
-/// Drives through waypoints ahead that are due every two seconds; lowest speed under way.
+/// Drives through waypoints ahead that are due every two seconds; returns the lowest speed while
+/// driving.
 fn on_time(run: &mut Run, waypoints: &[Waypoint], start_s: f64) -> f64 {
     let mut next = waypoints.iter().copied();
     let mut slowest = f64::INFINITY;
@@ -226,13 +227,13 @@ fn a_robot_with_time_to_spare_slows_down_and_arrives_when_it_is_due() {
     }
     let mut robot = run(vec![], DriverParams::default());
     let slowest = on_time(&mut robot, &waypoints, 0.0);
-    // It does not stand still to wait.
+    // The robot does not stand still to wait.
     assert!((0.02..0.1).contains(&slowest), "{slowest}");
     assert_eq!(robot.reports.len(), ways.len());
     for (report, way) in robot.reports.iter().zip(ways) {
         assert_eq!(report.outcome, Reached);
         let due = 2.0 * (report.waypoint.number + 1) as f64;
-        // It has arrived when it is within the tolerance.
+        // The robot has arrived when it is within the tolerance.
         let early = 2.0 * 0.05 / way + 2.0 * DT;
         let late = report.ended_s - due;
         assert!((-early..=DT).contains(&late), "{late} {report:?}");
@@ -252,7 +253,8 @@ fn a_late_robot_hurries_until_it_has_caught_up() {
 
 #[test]
 fn the_time_limit_waits_for_what_is_due_late() {
-    // A robot that does not move: half a metre takes it half a second, and it is due after ten.
+    // A robot that does not move: half a metre takes half a second, and the waypoint is due after
+    // ten.
     let limits = Limits::new(1.0, 0.0, 3.0).unwrap();
     let mut driver = WaypointDriver::new(DriverParams::default(), limits, 0.1).unwrap();
     let mut reports = Vec::new();
@@ -385,7 +387,7 @@ fn the_lap_time_is_the_time_the_driver_needs() {
     let driven = run.reports.last().unwrap().ended_s;
     let told = lap_time(&start, &lap, &limits, &params.go_to, DT).unwrap();
     assert!((told - driven).abs() < 1e-9, "{told} {driven}");
-    // 32 m and five quarter turns (of which driving begins before their end).
+    // 32 m and five quarter turns (the robot begins to drive before their end).
     let mut pose = start;
     let mut bound = 0.0;
     for &point in &lap {

@@ -1,4 +1,4 @@
-//! A goal that comes into sight at every turn and is never reached.
+//! A goal that becomes visible at every turn and is never reached.
 
 use geometry::pose::Pose2;
 use nalgebra::Point2;
@@ -38,13 +38,13 @@ fn a_goal_that_is_in_sight_now_and_then_is_believed_in_a_number_of_times() {
             other => panic!("{other:?}"),
         }
     };
-    // All around but for the rear, and to the left of the robot alone.
+    // All directions except the rear, and only the left of the robot.
     let shut = walls(|angle| !(2.35..3.93).contains(&angle));
     let open = walls(|angle| (0.9..2.2).contains(&angle));
     let mut begun = 0;
     for look in 0..40 {
         assert!(matches!(advise(&shut), Mode::Boundary(_)), "look {look}");
-        // On to the goal at once, or first to where it really is nearer.
+        // To the goal at once, or first to a point that is really nearer.
         begun += u32::from(advise(&open) == Mode::ToGoal);
     }
     assert!((2..10).contains(&begun), "{begun} times of 40");

@@ -1,4 +1,4 @@
-//! A robot with a range sensor and a waypoint driver among obstacles it does not know.
+//! A robot with a range sensor and a waypoint driver among unknown obstacles.
 
 mod driver;
 mod in_sight;
@@ -29,11 +29,11 @@ pub struct Machine {
     pub beams: usize,
     /// Standard deviation of a measured distance (m).
     pub noise: f64,
-    /// Changes of speed and turning rate (m/s², rad/s²).
+    /// Limits of acceleration, linear and angular (m/s², rad/s²).
     pub accelerations: Option<(f64, f64)>,
 }
 
-/// The robot of the patrol paper: 1 m/s, a sensor that sees 0.5 m far.
+/// The robot of the patrol paper: 1 m/s, a sensor with a range of 0.5 m.
 pub const PATROL: Machine = Machine {
     radius: 0.15,
     v_max: 1.0,
@@ -61,7 +61,7 @@ pub struct Run {
     pub twist: Twist2,
     pub tick: u32,
     pub travelled: f64,
-    /// Least distance of the robot's edge from an obstacle so far (m).
+    /// Minimum clearance of the robot's edge so far (m).
     pub least_clearance: f64,
     pub reports: Vec<WaypointReport>,
     pub known: Option<FreeSpace>,
@@ -103,7 +103,7 @@ impl Run {
             .collect()
     }
 
-    /// One tick with the next waypoints from `next`; whether there still is one.
+    /// Executes one tick with the next waypoints from `next`; returns `true` if there still is one.
     pub fn step(&mut self, next: &mut dyn FnMut() -> Option<Waypoint>, with_scan: bool) -> bool {
         let ranges = self.scan();
         let scan = with_scan.then_some(ScanView {
@@ -148,7 +148,7 @@ impl Run {
         true
     }
 
-    /// Drives to one point of a route; how that ended, `None` after `most` seconds.
+    /// Drives to one point of a route; returns the outcome, `None` after `most` seconds.
     pub fn go(&mut self, goal: Point2<f64>, most: f64) -> Option<WaypointOutcome> {
         let mut point = Some(route(0, goal));
         let ticks = (most / DT) as u32;

@@ -1,4 +1,4 @@
-//! Random worlds: what an exact planner reaches, the robot reaches; the rest it reports.
+//! Random worlds: the robot reaches every goal that an exact planner reaches, and reports the others.
 
 use super::{Machine, PATROL, Run, square};
 use geometry::pose::Pose2;
@@ -11,7 +11,7 @@ use rand_chacha::ChaCha8Rng;
 
 /// Half the width of the worlds (m).
 const HALF: f64 = 3.0;
-/// Worlds driven through.
+/// Number of worlds.
 const WORLDS: u64 = 110;
 
 fn any_obstacle(rng: &mut ChaCha8Rng) -> Convex {
@@ -25,8 +25,8 @@ fn any_obstacle(rng: &mut ChaCha8Rng) -> Convex {
     }
 }
 
-/// Drives a robot through the world of a seed; whether its goal was surely reachable, or `None` if that is
-/// not judged.
+/// Drives a robot through the world of a seed; returns whether its goal was surely reachable, or `None` if
+/// that is not decided.
 fn drive(seed: u64, machine: Machine) -> Option<bool> {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let count = rng.random_range(2..16);
@@ -45,7 +45,7 @@ fn drive(seed: u64, machine: Machine) -> Option<bool> {
         graph.distance(start, goal).is_some()
     };
     let surely = reachable(grown + 0.04);
-    // Whoever comes within the tolerance of the goal could go on there with a smaller robot.
+    // A robot within the tolerance of the goal could continue there with a smaller radius.
     let surely_not = !reachable(radius - params.go_to.arrived - 0.01);
     let pose = Pose2::new(start.x, start.y, coordinate());
     let mut run = Run::new(machine, space.clone(), pose, params);
@@ -65,7 +65,7 @@ fn drive(seed: u64, machine: Machine) -> Option<bool> {
     (surely || surely_not).then_some(surely)
 }
 
-/// How many worlds had a goal that surely could not and that surely could be reached.
+/// Numbers of worlds whose goal surely could not and surely could be reached.
 fn drive_all(seeds: core::ops::Range<u64>, machine: Machine) -> [u32; 2] {
     let mut judged = [0; 2];
     for reachable in seeds.filter_map(|seed| drive(seed, machine)) {
@@ -77,13 +77,13 @@ fn drive_all(seeds: core::ops::Range<u64>, machine: Machine) -> [u32; 2] {
 #[test]
 fn the_robot_reaches_what_can_be_reached_and_reports_the_rest() {
     let judged = drive_all(0..WORLDS, PATROL);
-    // Both kinds of worlds are among them.
+    // Both kinds of worlds occur.
     assert!(judged[0] > 15 && judged[1] > 50, "{judged:?}");
 }
 
 #[test]
 fn wedges_are_left_as_they_were_entered() {
-    // The tip of one looks walled in, and a step out of it either wall may be the one that was followed.
+    // The tip of a wedge looks walled in, and a step outside it either wall may be the followed one.
     for seed in [2510, 2889, 5537, 6409, 7180] {
         assert_eq!(drive(seed, PATROL), Some(true), "world {seed}");
     }

@@ -1,4 +1,4 @@
-//! Worlds that catch robots: walls, pockets, spirals, mazes, and goals behind closed walls.
+//! Worlds that trap robots: walls, pockets, spirals, mazes, and goals behind closed walls.
 
 use core::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -15,7 +15,7 @@ fn p(x: f64, y: f64) -> Point2<f64> {
     Point2::new(x, y)
 }
 
-/// Drives from a point to a point; no contact, and the outcome.
+/// Drives from a point to a point; asserts that there is no contact, and returns the outcome.
 fn outcome_of(machine: Machine, parts: Vec<Convex>, from: Point2<f64>, to: Point2<f64>) -> Run {
     let pose = Pose2::new(from.x, from.y, 0.4);
     let mut run = Run::new(machine, square(6.0, parts), pose, machine.driver());
@@ -44,7 +44,7 @@ fn turned(point: Point2<f64>, angle: f64) -> Point2<f64> {
     p(cos * point.x - sin * point.y, sin * point.x + cos * point.y)
 }
 
-/// Walls along a line of points, turned about the origin.
+/// Walls along a line of points, rotated about the origin.
 fn walls(points: &[(f64, f64)], angle: f64) -> Vec<Convex> {
     points
         .windows(2)
@@ -166,17 +166,17 @@ fn every_cell_of_a_maze_is_reached() {
 
 #[test]
 fn goals_behind_closed_walls_are_reported() {
-    // In a block.
+    // Inside a block.
     let block = Convex::rectangle(p(1.0, 0.5), [1.0, 0.7], 0.4);
     check(vec![block], p(-4.0, 0.0), p(1.0, 0.5), Unreachable);
-    // In a pole no larger than the robot.
+    // Inside a pole no larger than the robot.
     check(
         vec![Convex::disc(p(1.0, 0.5), 0.08)],
         p(-4.0, 0.0),
         p(1.0, 0.5),
         Unreachable,
     );
-    // In a closed pocket, and out of one.
+    // Into a closed pocket, and out of one.
     let pocket = [
         (-1.5, -1.0),
         (-1.5, 1.5),
@@ -296,7 +296,7 @@ fn what_cannot_be_used_is_refused_and_a_new_goal_begins_anew() {
     assert_eq!(bug.advise(&pose, &none, goal, 0.05), None);
     assert_eq!(bug.advise(&pose, &scan, p(f64::NAN, 0.0), 0.05), None);
     assert_eq!(bug.advise(&pose, &scan, goal, f64::NAN), None);
-    // Too few beams to tell much, but all that they see is heeded; NaN is no echo.
+    // Few beams give little information, but every echo counts; NaN is no echo.
     let blind = ScanView {
         ranges: &[f32::NAN; 4],
         ..scan
@@ -308,7 +308,7 @@ fn what_cannot_be_used_is_refused_and_a_new_goal_begins_anew() {
     assert_eq!(bug.advise(&pose, &blind, goal, 0.05), Some(straight));
     assert_ne!(bug.advise(&pose, &scan, goal, 0.05), Some(straight));
 
-    // Walled in all around, until the goal is another one.
+    // Walled in all around, until the goal changes.
     let near = [0.25; 90];
     let cell = ScanView {
         angle_increment: TAU / 90.0,

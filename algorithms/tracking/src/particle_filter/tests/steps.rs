@@ -35,14 +35,14 @@ fn the_belief_does_not_depend_on_the_tick_rate() {
         assert!((b.mean.position() - reference.mean.position()).norm() < 0.05);
         assert!((b.heading_spread - reference.heading_spread).abs() < 0.05);
     }
-    // Half in view of an observer whose view is dim: the factor 1 − V acts per second.
+    // Half in view of an observer with low visibility: the factor 1 − V acts per second.
     let start = Pose2::new(1.2, 1.5, 0.0);
     let means = [10, 20, 80].map(|rate| {
         let sum = (0..6).map(|seed| run(rate, &looking, start, 2.0, seed).mean.position().coords);
         sum.sum::<nalgebra::Vector2<f64>>() / 6.0
     });
     for mean in means {
-        // One run scatters by 0.06 m.
+        // One run varies by 0.06 m.
         assert!((mean - means[1]).norm() < 0.08, "{means:?}");
     }
 }
@@ -82,7 +82,7 @@ fn hypotheses_stay_within_the_targets_limits() {
     }
 }
 
-/// 0.25 per second over 2 s: 39 % have jumped. A hypothesis that cannot move shows it.
+/// 0.25 per second over 2 s: 39 % have jumped. A hypothesis that cannot move shows the jumps.
 #[test]
 fn teleports_come_at_their_rate() {
     let space = Space::new(&room());
@@ -175,7 +175,8 @@ fn street() -> Space {
 fn an_opponent_that_drives_on_unseen_stays_within_the_belief() {
     let space = street();
     let watch = watch_from(&space, &[]);
-    // A robot that can turn on the spot: turning rates that walk freely would circle in place.
+    // For a robot that can turn on the spot, free random walks of the turning rate would circle in
+    // place.
     let agile = MotionLimits {
         v_max: 0.45,
         v_reverse_max: 0.22,
