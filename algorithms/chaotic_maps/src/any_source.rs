@@ -28,7 +28,7 @@ pub enum AnySource {
 }
 
 impl AnySource {
-    /// Leaves out `steps` points: at once where the arithmetic is exact, one by one for the maps in
+    /// Skips `steps` points: at once where the arithmetic is exact, one by one for the maps in
     /// `f64` (except the cat map, which is exact once on its grid).
     pub fn advance(&mut self, steps: u64) {
         match self {
@@ -46,7 +46,7 @@ impl AnySource {
     }
 }
 
-/// Calls a method of whichever generator it is.
+/// Calls a method of the contained generator.
 macro_rules! each {
     ($any:expr, $source:ident => $call:expr) => {
         match $any {

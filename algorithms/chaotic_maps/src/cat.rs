@@ -1,9 +1,9 @@
 //! Arnold's cat map `(a, b) ← (a + b, a + 2b)` on three rings (cat-map patrol paper, Eq. 1).
 //!
-//! The forms differ in their arithmetic only. [`CatP`] is the one to use: every key but zero has the
+//! The forms differ in their arithmetic only. [`CatP`] is recommended: every key but zero has the
 //! full period `P + 1`. [`Cat64`] is the fastest; its low bits have short periods and are not used.
-//! [`CatF64`] is what the paper ran: rounding makes it, after a few steps, the same map on the grid
-//! of 2⁻⁵¹. The map is linear: see `recovery` of the observer for what that tells an observer.
+//! [`CatF64`] is the paper's form: after a few steps rounding makes it the same map on the grid of
+//! 2⁻⁵¹. The map is linear; `recovery` of the observer uses this.
 
 use crate::error::KeyError;
 use crate::modulus::{P, add, mul};
@@ -61,7 +61,7 @@ impl CatP {
         self.a = crate::modulus::sub(self.a, self.b);
     }
 
-    /// The point of the present state, each coordinate in [0, 1).
+    /// The point of the current state, each coordinate in [0, 1).
     #[inline]
     pub const fn point(&self) -> [f64; 2] {
         [(self.a >> 10) as f64 * ULP, (self.b >> 10) as f64 * ULP]
@@ -135,7 +135,7 @@ impl Cat64 {
         self.a = self.a.wrapping_sub(self.b);
     }
 
-    /// The point of the present state, each coordinate in [0, 1).
+    /// The point of the current state, each coordinate in [0, 1).
     #[inline]
     pub const fn point(&self) -> [f64; 2] {
         [(self.a >> 11) as f64 * ULP, (self.b >> 11) as f64 * ULP]
@@ -186,15 +186,15 @@ pub struct CatF64 {
     y: f64,
 }
 
-/// Bits of the grid on which the orbits of [`CatF64`] end up: the sum `x + 2y` in [2, 3) has no
-/// finer ones.
+/// Bits of the grid on which the orbits of [`CatF64`] end: the sum `x + 2y` in [2, 3) has no finer
+/// ones.
 pub const F64_GRID_BITS: u32 = 51;
 
 /// Steps within which an orbit of [`CatF64`] must be on its grid. Random keys need some 5, the
 /// smallest positive numbers 800.
 const GRID_STEPS: u32 = 10_000;
 
-/// Bits of the grid that must remain in use: with 32 the period is 3·2³⁰ steps, a century at one
+/// Minimum number of bits of the grid in use: with 32 the period is 3·2³⁰ steps, a century at one
 /// step per second.
 const MIN_GRID_BITS: u32 = 32;
 
@@ -202,8 +202,8 @@ impl CatF64 {
     /// Starts from a point of the unit square.
     ///
     /// The orbit reaches the grid of 2⁻⁵¹ after a few steps and is from there on the integer map
-    /// modulo 2⁵¹. Where both integers are multiples of 2ᵏ, it is the map modulo 2⁵¹⁻ᵏ, whose
-    /// period is 3·2⁴⁹⁻ᵏ. Keys for which fewer than 32 bits remain are refused.
+    /// modulo 2⁵¹. Where both integers are multiples of 2ᵏ, it is the map modulo 2⁵¹⁻ᵏ, whose period
+    /// is 3·2⁴⁹⁻ᵏ. Keys with fewer than 32 remaining bits are rejected.
     ///
     /// # Errors
     /// [`KeyError`] when a value is not in [0, 1), when both are zero, or when the period is short.
@@ -285,7 +285,7 @@ impl CatF64 {
     }
 }
 
-/// Period of the cat map modulo 2ᵏ for a state of which one half is odd: 3·2ᵏ⁻² for k ≥ 2.
+/// Period of the cat map modulo 2ᵏ for a state with one odd half: 3·2ᵏ⁻² for k ≥ 2.
 const fn period_modulo_power_of_two(bits: u32) -> u64 {
     match bits {
         0 => 1,

@@ -1,9 +1,9 @@
 //! The Chebyshev map of degree 6, `x' = cos(6·acos x)`, one independent map per axis (Chebyshev
 //! coverage paper, Eq. 8 with k = 6).
 //!
-//! The paper's transform (its Eq. 4 and 5) is applied to the emitted copy only. Fed back, as its
-//! Eq. 9 and 11 are printed, it would change the map: the points would not be uniform, and some
-//! orbits end in a corner.
+//! The paper's transform (its Eq. 4 and 5) is applied to the emitted copy only. Applied to the
+//! state, as its Eq. 9 and 11 are printed, it would change the map: the points would not be
+//! uniform, and some orbits end in a corner.
 
 use core::f64::consts::{FRAC_2_PI, TAU};
 
@@ -11,7 +11,7 @@ use crate::error::KeyError;
 use crate::modulus::{P, add, mul, pow};
 use crate::source::{Source, symmetric_to_unit};
 
-/// What of the state of a map with the arcsine law is given out.
+/// Output of a map with the arcsine law.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Emission {
     /// The state itself: dense at the edges.
@@ -22,7 +22,7 @@ pub enum Emission {
 }
 
 impl Emission {
-    /// The name of a generator: that of its map, and what is appended to it for the emission.
+    /// The name of a generator: the name of its map with the suffix of the emission.
     pub(crate) fn kind_of(self, map: &str) -> String {
         match self {
             Self::Raw => format!("{map}-raw"),
@@ -41,8 +41,8 @@ impl Emission {
 
 /// The Chebyshev map in exact arithmetic: with `x = cos(2πt/P)` it is `t ← 6t mod P`.
 ///
-/// As 6 is a primitive root of [`P`], `t` has the period `P − 1` and the point (which does not tell
-/// `t` from `P − t`) half of that. In `f64` the same triangular wave would collapse, as 6 is even.
+/// As 6 is a primitive root of [`P`], `t` has the period `P − 1` and the point (which is equal for
+/// `t` and `P − t`) half of that. In `f64` the same triangular wave would collapse, as 6 is even.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ChebP {
     tx: u64,
@@ -96,7 +96,7 @@ impl ChebP {
         self.ty = six(self.ty);
     }
 
-    /// The point of the present state, each coordinate in [−1, 1].
+    /// The point of the current state, each coordinate in [−1, 1].
     #[inline]
     pub fn point(&self) -> [f64; 2] {
         [self.tx, self.ty].map(|t| match self.emission {
@@ -113,7 +113,7 @@ impl ChebP {
     }
 }
 
-/// `2·asin(cos(2πt/P))/π`, without rounding more than the division does.
+/// `2·asin(cos(2πt/P))/π`, with no rounding except that of the division.
 #[inline]
 pub(crate) fn arcsine(t: u64) -> f64 {
     1.0 - 4.0 * (t.min(P - t) as f64 / P as f64)
@@ -132,10 +132,10 @@ impl Source for ChebP {
     }
 }
 
-/// The Chebyshev map as the paper ran it, in `f64`.
+/// The Chebyshev map of the paper, in `f64`.
 ///
-/// For reproduction only: from some index on, all keys share a few cycles (the longest known has
-/// 27 042 774 points), and the errors of rounding reach 0.1 after some twenty steps.
+/// For reproduction only: from some index on, all keys share a few cycles (the longest known has 27
+/// 042 774 points), and the rounding errors reach 0.1 after some twenty steps.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ChebF64 {
     x: f64,
@@ -143,8 +143,8 @@ pub struct ChebF64 {
     emission: Emission,
 }
 
-/// Distance within which a value counts as one of those that lead to a fixed point, or as equal to
-/// the other one.
+/// Distance within which a value counts as equal to one that leads to a fixed point, or to the
+/// other value.
 const TOLERANCE: f64 = 1e-9;
 
 impl ChebF64 {
@@ -191,7 +191,7 @@ impl ChebF64 {
         (self.x, self.y)
     }
 
-    /// The point of the present state, each coordinate in [−1, 1].
+    /// The point of the current state, each coordinate in [−1, 1].
     pub fn point(&self) -> [f64; 2] {
         [self.x, self.y].map(|c| self.emission.emit(c))
     }
@@ -203,7 +203,7 @@ impl ChebF64 {
     }
 }
 
-/// `cos(6·acos x)`, with `x` clamped to where the arccosine exists.
+/// `cos(6·acos x)`, with `x` clamped to the domain of the arccosine.
 fn chebyshev(x: f64) -> f64 {
     libm::cos(6.0 * libm::acos(x.clamp(-1.0, 1.0)))
 }

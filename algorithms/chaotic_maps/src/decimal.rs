@@ -1,16 +1,16 @@
-//! Decimal keys in exact integers: a key must not depend on how a machine reads decimals.
+//! Decimal keys in exact integers: a key must not depend on how a machine parses decimals.
 
 use crate::error::KeyError;
 use crate::modulus::P;
 
-/// Digits after the point that a decimal key may have: as many as the modulus has.
+/// Maximum number of digits after the point of a decimal key: as many as the modulus has.
 const MAX_DIGITS: usize = 19;
 
 /// `floor(0.ddd · P)` of a decimal `0.ddd`.
 ///
 /// # Errors
-/// [`KeyError::Decimal`] for anything but `0.` and digits, [`KeyError::TooManyDigits`] for more
-/// than 19 of them.
+/// [`KeyError::Decimal`] for any text but `0.` and digits, [`KeyError::TooManyDigits`] for more
+/// than 19 digits.
 pub(crate) fn decimal_state(text: &str) -> Result<u64, KeyError> {
     let digits = text
         .strip_prefix("0.")

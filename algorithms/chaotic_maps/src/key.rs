@@ -1,4 +1,4 @@
-//! Keys: a generator and its starting state, as one line of text.
+//! Keys: a generator and its initial state, as one line of text.
 
 mod text;
 
@@ -16,21 +16,21 @@ use crate::modulus::P;
 /// A generator and its key.
 ///
 /// As text, and in TOML and JSON, `kind:values`, such as `catp:0.4,0.644` or
-/// `chebp-raw:123456789012345678,987654321098765432`. Reading checks the form only;
-/// [`Key::validate`] and [`Key::source`] refuse keys that the generator cannot use.
+/// `chebp-raw:123456789012345678,987654321098765432`. Parsing checks the form only; [`Key::validate`]
+/// and [`Key::source`] reject keys that the generator cannot use.
 #[derive(
     Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema,
 )]
 #[serde(try_from = "String", into = "String")]
 pub enum Key {
-    /// `catp:a,b`: [`CatP`]; each value a whole number or a decimal `0.ddd` of at most 19 digits.
+    /// `catp:a,b`: [`CatP`]; each value an integer or a decimal `0.ddd` of at most 19 digits.
     CatP {
         /// First half of the state.
         a: u64,
         /// Second half.
         b: u64,
     },
-    /// `cat64:a,b`: [`Cat64`], whole numbers.
+    /// `cat64:a,b`: [`Cat64`], integers.
     Cat64 {
         /// First half of the state.
         a: u64,
@@ -44,13 +44,13 @@ pub enum Key {
         /// Start, in [0, 1).
         y: f64,
     },
-    /// `chebp:tx,ty` (arcsine), `chebp-raw:…`: [`ChebP`], whole numbers.
+    /// `chebp:tx,ty` (arcsine), `chebp-raw:…`: [`ChebP`], integers.
     ChebP {
         /// State of the first axis.
         tx: u64,
         /// State of the second axis.
         ty: u64,
-        /// What is given out.
+        /// Output of the generator.
         emission: Emission,
     },
     /// `chebf64:x,y` (arcsine), `chebf64-raw:…`: [`ChebF64`].
@@ -59,7 +59,7 @@ pub enum Key {
         x: f64,
         /// Start, in [−1, 1].
         y: f64,
-        /// What is given out.
+        /// Output of the generator.
         emission: Emission,
     },
     /// `logistic:x,y` (arcsine), `logistic-raw:…`: [`Logistic`].
@@ -68,10 +68,10 @@ pub enum Key {
         x: f64,
         /// Start, in (0, 1).
         y: f64,
-        /// What is given out.
+        /// Output of the generator.
         emission: Emission,
     },
-    /// `standard:x,y` or `standard:x,y,k`: [`Standard`], `k` 7 unless given.
+    /// `standard:x,y` or `standard:x,y,k`: [`Standard`]; the default of `k` is 7.
     Standard {
         /// Start, in [0, 1).
         x: f64,
@@ -87,7 +87,7 @@ pub enum Key {
     },
 }
 
-/// The name of a generator: what stands before the colon of a [`Key`].
+/// The name of a generator: the part of a [`Key`] before the colon.
 #[derive(
     Debug,
     Clone,
@@ -120,7 +120,7 @@ pub enum KeyKind {
 }
 
 impl KeyKind {
-    /// Every kind there is.
+    /// All kinds.
     pub const ALL: [Self; 11] = [
         Self::CatP,
         Self::Cat64,
@@ -151,10 +151,10 @@ impl Key {
         }
     }
 
-    /// The generator in its starting state.
+    /// Creates the generator in its initial state.
     ///
     /// # Errors
-    /// [`KeyError`] for a key that the generator cannot use, saying what to change.
+    /// [`KeyError`] for a key that the generator cannot use, with the remedy.
     pub fn source(&self) -> Result<AnySource, KeyError> {
         Ok(match *self {
             Self::CatP { a, b } => AnySource::CatP(CatP::new(a, b)?),
@@ -170,7 +170,7 @@ impl Key {
         })
     }
 
-    /// Returns `true` if the generator can use the key.
+    /// Checks that the generator can use the key.
     ///
     /// # Errors
     /// As [`Key::source`].
@@ -178,10 +178,10 @@ impl Key {
         self.source().map(drop)
     }
 
-    /// The bytes of the secret given, or of one made from the seed of a run.
+    /// The bytes of the given secret, or of one derived from the seed of a run.
     ///
     /// # Errors
-    /// [`KeyError::NotSecret`] if the key given is not one of [`Keyed`].
+    /// [`KeyError::NotSecret`] if the given key is not one of [`Keyed`].
     pub fn secret(given: Option<Self>, seed: u64) -> Result<[u8; 32], KeyError> {
         match given.unwrap_or_else(|| Self::from_seed(KeyKind::Keyed, seed)) {
             Self::Keyed { key } => Ok(key),
@@ -191,12 +191,12 @@ impl Key {
         }
     }
 
-    /// A sound key of a kind from the seed of a run: the first one of a `ChaCha20` stream (of its own
-    /// for each kind) that is not degenerate.
+    /// A valid key of a kind from the seed of a run: the first one of a `ChaCha20` stream (one per
+    /// kind) that is not degenerate.
     pub fn from_seed(kind: KeyKind, seed: u64) -> Self {
         let mut bytes = [0; 32];
         bytes[..8].copy_from_slice(&seed.to_le_bytes());
-        // The name keeps the streams of the kinds apart.
+        // The name makes the streams of the kinds different.
         for (byte, letter) in bytes[8..].iter_mut().zip(kind.to_string().bytes()) {
             *byte = letter;
         }
@@ -209,7 +209,7 @@ impl Key {
         }
     }
 
-    /// The next candidate of a stream; most are sound.
+    /// The next candidate of a stream; most are valid.
     fn draw(kind: KeyKind, stream: &mut ChaCha20Rng) -> Self {
         let mut integer = || stream.next_u64();
         let unit = |bits: u64| (bits >> 11) as f64 / (1_u64 << 53) as f64;

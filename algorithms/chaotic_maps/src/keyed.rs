@@ -1,22 +1,23 @@
-//! A keyed stream: points that nobody predicts without the key, even who knows the method.
+//! A keyed stream: points that cannot be predicted without the key, even with knowledge of the
+//! method.
 
 use rand::{Rng as _, SeedableRng as _};
 use rand_chacha::ChaCha20Rng;
 
 use crate::source::Source;
 
-/// Words of 32 bits that a point takes: two coordinates of 64 bits.
+/// Number of 32-bit words per point: two coordinates of 64 bits.
 const WORDS: u128 = 4;
 
-/// Independent uniform points from a `ChaCha20` stream; who has the 32-byte key has any of them at
-/// once.
+/// Independent uniform points from a `ChaCha20` stream; a holder of the 32-byte key can compute
+/// each of them at once.
 #[derive(Debug, Clone)]
 pub struct Keyed {
     stream: ChaCha20Rng,
 }
 
 impl Keyed {
-    /// The stream of a key, before its first point.
+    /// Creates the stream of a key, before its first point.
     pub fn new(key: [u8; 32]) -> Self {
         Self {
             stream: ChaCha20Rng::from_seed(key),
@@ -36,7 +37,7 @@ impl Keyed {
         (self.stream.get_word_pos() / WORDS) as u64
     }
 
-    /// Leaves out `steps` points, in constant time.
+    /// Skips `steps` points, in constant time.
     pub fn advance(&mut self, steps: u64) {
         *self = self.at(self.step().wrapping_add(steps));
     }

@@ -1,15 +1,15 @@
 //! Keys and generators of points in the unit square: chaotic maps with integer state, the papers'
-//! floating-point forms of them, and a keyed stream for observers who know the method.
+//! floating-point forms of them, and a keyed stream against observers that know the method.
 //!
 //! - [`key::Key`] names a generator and its key in one line of text; [`Key::source`] starts it.
-//! - [`cat`]: Arnold's cat map modulo a prime, modulo 2⁶⁴, and in `f64` as the paper has it;
+//! - [`cat`]: Arnold's cat map modulo a prime, modulo 2⁶⁴, and in `f64` as in the paper;
 //! - [`chebyshev`]: the Chebyshev map of degree 6, exact and in `f64`;
 //! - [`maps`]: logistic and standard map, drop-in sources of the coverage papers;
 //! - [`keyed`]: a `ChaCha20` stream;
 //!
 //! None of the chaotic maps keeps a secret: each is public, and the cat and Chebyshev maps are
-//! linear, so that fewer than a hundred points give their state away. [`keyed::Keyed`] alone is
-//! meant for an observer who knows the method.
+//! linear, so that fewer than a hundred points determine their state. Only [`keyed::Keyed`]
+//! protects against an observer that knows the method.
 //!
 //! ```
 //! use chaotic_maps::{Key, Source as _};

@@ -1,7 +1,7 @@
 //! Chaotic maps of other coverage papers, as drop-in sources for comparison: logistic and
 //! standard map (Chirikov–Taylor), both in `f64`.
 //!
-//! Arnold's map is [`crate::CatP`]. Like every map in `f64`, these end in a cycle some day; they
+//! Arnold's map is [`crate::CatP`]. Like every map in `f64`, these eventually enter a cycle; they
 //! serve measurements, not protection.
 
 use core::f64::consts::{FRAC_2_PI, TAU};
@@ -34,7 +34,8 @@ fn require(
 
 /// One logistic map `x' = 4x(1 − x)` per axis (Volos et al. 2013; Li et al. 2013).
 ///
-/// Its law is the arcsine law on [0, 1]; the transform to uniform points is `2·asin(√x)/π`.
+/// Its distribution is the arcsine law on [0, 1]; the transform to uniform points is
+/// `2·asin(√x)/π`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Logistic {
     x: f64,
@@ -149,7 +150,7 @@ impl Standard {
 /// `angle` in [0, 2π).
 fn wrap(angle: f64) -> f64 {
     let wrapped = angle - TAU * (angle / TAU).floor();
-    // Rounding may leave either end.
+    // Rounding may give either end.
     if (0.0..TAU).contains(&wrapped) {
         wrapped
     } else {

@@ -3,7 +3,7 @@
 /// The prime 2⁶³ − 25.
 ///
 /// One prime serves both maps: every non-zero state of the cat map has the period `P + 1`, and 6 is
-/// a primitive root, so that the Chebyshev map runs through every state but zero.
+/// a primitive root, so that the Chebyshev map visits every state but zero.
 pub const P: u64 = (1 << 63) - 25;
 
 /// `a + b` modulo [`P`], for `a, b < P`.

@@ -2,8 +2,8 @@
 
 /// A source of points in the plane, one per step.
 ///
-/// A source has one native range; the other view of a point is the affine image of it. Stepping
-/// never fails and never ends: what would (a degenerate key) is refused where a source is made.
+/// A source has one native range; the other view of a point is its affine image. A step never fails
+/// and a source never ends: degenerate keys are rejected when a source is created.
 pub trait Source {
     /// The next point, each coordinate in [0, 1].
     fn next_unit(&mut self) -> [f64; 2];

@@ -3,9 +3,9 @@
 //! `cargo run -p coverage --example coverage_frontier -- [keys] [guesses] [watched]`
 //!
 //! Drives every planner over the empty 10 m × 10 m workplace with a disc of radius 0.1 m, under
-//! `keys` different keys (30), and lets observers guess every next sub-goal of the first 800 m.
-//! The observer who knows the method and its state, but not the key, guesses from `guesses` (24)
-//! next sub-goals under keys of its own, for the first `watched` (8) of the keys.
+//! `keys` different keys (30). Observers guess every next sub-goal of the first 800 m. The observer
+//! that knows the method and its state, but not the key, guesses from `guesses` (24) next sub-goals
+//! under keys of its own, for the first `watched` (8) of the keys.
 
 use std::process::ExitCode;
 
@@ -23,18 +23,18 @@ use nalgebra::{Point2, Vector2};
 
 type Failure = Box<dyn std::error::Error + Send + Sync>;
 
-/// Lengths of path at which coverage is read (m).
+/// Lengths of path at which coverage is measured (m).
 const MARKS: [f64; 4] = [250.0, 500.0, 800.0, 1000.0];
-/// Observers watch up to this length (m).
+/// Length of path for the observers (m).
 const WATCHED: f64 = 800.0;
-/// Sub-goals watched before the observers without the method begin to guess.
+/// Number of sub-goals observed before the observers without the method begin to guess.
 const HISTORY: usize = 20;
-/// No path is driven farther (m).
+/// Maximum length of a path (m).
 const LIMIT: f64 = 4000.0;
-/// A guess this near is a hit (m).
+/// Distance (m) below which a guess is a hit.
 const HIT: f64 = 0.5;
 
-/// A planner and, if there is one to guess with, the method as an observer has it.
+/// A planner and, if it is used for guesses, the method as an observer knows it.
 enum Planner {
     Keyed(KeyedParams),
     Uniform,
@@ -43,11 +43,11 @@ enum Planner {
     Boustrophedon,
 }
 
-/// What a run under one key gave.
+/// Result of a run under one key.
 #[derive(Default)]
 struct Run {
     at_marks: [f64; 4],
-    /// Length at which 0.95 was covered (m); NaN if it never was.
+    /// Length at which 0.95 was covered (m); NaN if never.
     to_95: f64,
     goals: usize,
     /// Errors of the observers (m): the method, neighbours in the plane, neighbours per
@@ -110,7 +110,7 @@ fn run() -> Result<(), Failure> {
     Ok(())
 }
 
-/// All keys, on as many threads as there are processors.
+/// Runs all keys, on as many threads as there are processors.
 fn all_keys(
     planner: &Planner,
     keys: usize,
@@ -154,7 +154,8 @@ fn key(of: u64, number: u64, guess: u64) -> [u8; 32] {
     key
 }
 
-/// Gives the next sub-goal after a point, and those that an observer with the method thinks possible.
+/// Returns the next sub-goal after a point, and those that an observer with the method considers
+/// possible.
 type Next = Box<dyn FnMut(Point2<f64>) -> (Option<Point2<f64>>, Vec<Point2<f64>>)>;
 
 fn one_key(planner: &Planner, number: u64, guesses: usize) -> Result<Run, Failure> {
@@ -261,7 +262,7 @@ fn one_key(planner: &Planner, number: u64, guesses: usize) -> Result<Run, Failur
     Ok(run)
 }
 
-/// Known method: the state is recovered within some twenty sub-goals, and the next one is known.
+/// Known method: the state can be recovered within some twenty sub-goals, and the next one is known.
 fn chebyshev(workplace: &Workplace, secret: [u8; 32], emission: Emission) -> Result<Next, Failure> {
     let [a, b] = Keyed::new(secret).next_unit().map(|u| (u * 9.2e18) as u64);
     let mut source = ChebP::new(a, b, emission)?;
@@ -301,7 +302,7 @@ fn watch(run: &mut Run, history: &[Point2<f64>], possible: &[Point2<f64>], next:
     velocity.push((inside - next.coords).norm());
 }
 
-/// The point with the least sum of distances (Weiszfeld's iteration).
+/// The point with the minimum sum of distances (Weiszfeld's iteration).
 fn geometric_median(points: &[Point2<f64>]) -> Option<Point2<f64>> {
     let count = points.len() as f64;
     let sum: Vector2<f64> = points.iter().map(|p| p.coords).sum();

@@ -1,4 +1,4 @@
-//! Divides and drives random maps, and counts what must not happen.
+//! Divides random maps, drives on them, and counts errors.
 //!
 //! `cargo run -p coverage --example random_maps [maps] [seed]`: 10 000 maps by default, of 1 to 12
 //! obstacles.

@@ -1,4 +1,4 @@
-//! Boustrophedon: parallel lanes to and fro, the measure of efficiency and the easiest to predict.
+//! Boustrophedon: parallel lanes to and fro; the most efficient and the most predictable planner.
 
 #[cfg(test)]
 mod tests;
@@ -16,13 +16,13 @@ use crate::goal::{Goal, GoalSource};
 use crate::space::Space;
 use crate::workplace::Workplace;
 
-/// Most lanes.
+/// Maximum number of lanes.
 pub const MAX_LANES: usize = 1_000_000;
 
-/// Subtracted from a number of lanes before it is rounded up, so that whole ones stay.
+/// Subtracted from a number of lanes before rounding up, so that integers stay unchanged.
 const WHOLE: f64 = 1e-9;
 
-/// Why there are no lanes.
+/// Reason why there are no lanes.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum BoustrophedonError {
     /// A robot too small for its workplace.
@@ -37,12 +37,12 @@ pub enum BoustrophedonError {
 }
 
 /// Lanes at most two radii apart, along the longer side of each rectangle of the decomposition,
-/// one rectangle after the other in the order of a depth-first walk. It ends when all are driven.
+/// rectangle by rectangle in the order of a depth-first walk. It ends when all are driven.
 #[derive(Debug, Clone)]
 pub struct Boustrophedon {
     space: Space,
     spacing: f64,
-    /// Rectangles still to be driven, the next one last.
+    /// Stack of rectangles to drive, the next one last.
     open: Vec<usize>,
     seen: BTreeSet<usize>,
     way: VecDeque<(Point2<f64>, Aabb, WaypointKind)>,
@@ -50,11 +50,11 @@ pub struct Boustrophedon {
 }
 
 impl Boustrophedon {
-    /// A planner for the part of a workplace that can be reached from `start` (m), for a robot that
+    /// Creates a planner for the reachable part of a workplace from `start` (m), for a robot that
     /// covers a disc of radius `disc` (m).
     ///
     /// # Errors
-    /// [`BoustrophedonError`] if the lanes are too many or not a distance apart.
+    /// [`BoustrophedonError`] if there are too many lanes or their distance is 0.
     pub fn new(
         workplace: &Workplace,
         decomposition: &Decomposition,
@@ -79,11 +79,11 @@ impl Boustrophedon {
         })
     }
 
-    /// The same planner in a workplace that has changed, from `start` (m): the walk begins anew and
-    /// numbers go on.
+    /// The same planner in a changed workplace, from `start` (m): the walk begins anew and numbers
+    /// continue.
     ///
     /// # Errors
-    /// [`BoustrophedonError`] if the lanes are too many.
+    /// [`BoustrophedonError`] if there are too many lanes.
     pub fn moved(
         self,
         workplace: &Workplace,
@@ -113,7 +113,7 @@ impl Boustrophedon {
         None
     }
 
-    /// Plans the way to a rectangle and its lanes.
+    /// Plans the path to a rectangle and its lanes.
     fn plan(&mut self, from: Point2<f64>, home: usize, rectangle: usize) {
         let Some(&r) = self.space.decomposition().rectangles().get(rectangle) else {
             return;
@@ -148,7 +148,8 @@ impl GoalSource for Boustrophedon {
         }
         let &(to, within, kind) = self.way.front()?;
         if !within.contains(from) {
-            // The robot is elsewhere, a goal was left out: back into the rectangle of this leg.
+            // The robot is elsewhere because a goal was skipped: back into the rectangle of this
+            // leg.
             let (home, there) = (self.space.member_at(from), self.space.member_at(to));
             let back = self.space.legs(home, there, to, || 0.5);
             self.way.pop_front();
@@ -162,7 +163,7 @@ impl GoalSource for Boustrophedon {
     }
 }
 
-/// Lanes that a rectangle needs.
+/// Number of lanes of a rectangle.
 fn lane_count(r: &Aabb, spacing: f64) -> f64 {
     let size = r.max - r.min;
     let width = size.x.min(size.y);

@@ -1,11 +1,11 @@
-//! The free space of a workplace as disjoint rectangles, and how to get from one to the next.
+//! The free space of a workplace as disjoint rectangles, and the connections between them.
 //!
-//! After the Chebyshev coverage paper, §5.1, with three repairs without which it stalls:
+//! After the Chebyshev coverage paper, §5.1, with three corrections without which it stalls:
 //!
-//! - a *corner cell* is one that has not both neighbours along x and not both along y, so that there
-//!   always is one (the printed extremes of coordinates may all be blocked);
+//! - a *corner cell* is a cell that lacks a neighbour along x and one along y, so that there always
+//!   is one (the printed extremes of coordinates may all be blocked);
 //! - of all corner cells' largest rectangles the largest is taken, ties by position, so that the
-//!   result does not depend on an order of search;
+//!   result does not depend on the order of the search;
 //! - merged rectangles are disjoint, so that a transition rectangle is a *bridge* across the shared
 //!   border rather than an overlap.
 
@@ -24,16 +24,16 @@ use thiserror::Error;
 use crate::workplace::Workplace;
 use cells::Cells;
 
-/// Lines nearer to each other than this (m) are one; borders must share more than this.
+/// Distance (m) below which lines coincide; shared borders must be longer than this.
 pub(crate) const SAME: f64 = 1e-9;
 
-/// Most cells that the borders of obstacles may cut a workplace into.
+/// Maximum number of cells into which the borders of obstacles may cut a workplace.
 pub const MAX_CELLS: usize = 1_000_000;
 
-/// Why a workplace cannot be divided.
+/// Reason why a workplace cannot be divided.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum DecompositionError {
-    /// Obstacles everywhere.
+    /// Obstacles cover the whole workplace.
     #[error(
         "the obstacles, grown by the robot's radius of {radius} m, leave no free space: take fewer \
          or smaller obstacles, a smaller robot, or a smaller tolerance of the conversion to \
@@ -49,21 +49,21 @@ pub enum DecompositionError {
          most {MAX_CELLS}; take a larger tolerance of the conversion to rectangles"
     )]
     TooManyCells {
-        /// Rectangles that stand for the obstacles.
+        /// Number of rectangles that represent the obstacles.
         obstacles: usize,
-        /// Cells.
+        /// Number of cells.
         cells: usize,
     },
 }
 
-/// Free space in rectangles.
+/// Free space as rectangles.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Decomposition {
     rectangles: Vec<Aabb>,
     bridges: Vec<Bridge>,
-    /// Per rectangle its neighbours, by index, and the bridge to each.
+    /// Per rectangle, its neighbours by index and the bridge to each.
     neighbours: Vec<Vec<(usize, usize)>>,
-    /// Per rectangle the component it belongs to.
+    /// Per rectangle, its component.
     components: Vec<usize>,
     component_count: usize,
 }
@@ -94,11 +94,13 @@ impl Decomposition {
         })
     }
 
-    /// The same with one more bridge, for routes between rectangles that share no border: `rectangle`
-    /// (m) is free and overlaps both of `between` (the paper's `T_BDF`, by which case 2 returns).
+    /// The same with one more bridge, for routes between rectangles without a shared border:
+    /// `rectangle` (m) is free and overlaps both of `between` (the paper's `T_BDF`, by which case 2
+    /// returns).
     ///
     /// # Errors
-    /// [`BridgeError`] if the bridge is not free, does not reach both or joins what is joined.
+    /// [`BridgeError`] if the bridge is not free, does not reach both or joins rectangles that are
+    /// already joined.
     pub fn with_bridge(
         mut self,
         workplace: &Workplace,
@@ -130,12 +132,12 @@ impl Decomposition {
         Ok(self)
     }
 
-    /// The rectangles (m); disjoint but for their borders. At least one.
+    /// The rectangles (m); disjoint except for their borders. At least one.
     pub fn rectangles(&self) -> &[Aabb] {
         &self.rectangles
     }
 
-    /// The bridges, by the rectangles that they join; those added last.
+    /// The bridges, in the order of the rectangles that they join; added ones last.
     pub fn bridges(&self) -> &[Bridge] {
         &self.bridges
     }
@@ -157,7 +159,7 @@ impl Decomposition {
             .map(|(_, bridge)| bridge)
     }
 
-    /// Area of a rectangle (m²); 0 for one that there is not.
+    /// Area of a rectangle (m²); 0 for an unknown index.
     pub fn area_of(&self, rectangle: usize) -> f64 {
         self.rectangles.get(rectangle).map_or(0.0, area)
     }
@@ -167,12 +169,12 @@ impl Decomposition {
         self.rectangles.iter().map(area).sum()
     }
 
-    /// Components of the free space: parts between which there is no way.
+    /// Number of components of the free space: parts without a connection.
     pub fn components(&self) -> usize {
         self.component_count
     }
 
-    /// The component of a rectangle, numbered by their first rectangles.
+    /// The component of a rectangle; components are numbered by their first rectangles.
     pub fn component_of(&self, rectangle: usize) -> Option<usize> {
         self.components.get(rectangle).copied()
     }
@@ -190,7 +192,7 @@ impl Decomposition {
         self.component(component).map(|r| self.area_of(r)).sum()
     }
 
-    /// What cannot be reached from a rectangle.
+    /// The free space that cannot be reached from a rectangle.
     pub fn unreachable_from(&self, rectangle: usize) -> Unreachable {
         let Some(own) = self.component_of(rectangle) else {
             return Unreachable::default();
@@ -223,7 +225,7 @@ impl Decomposition {
 /// Free space that cannot be reached.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Unreachable {
-    /// Components other than one's own.
+    /// Number of other components.
     pub components: usize,
     /// Their rectangles.
     pub rectangles: Vec<usize>,
@@ -236,7 +238,7 @@ fn area(r: &Aabb) -> f64 {
     size.x * size.y
 }
 
-/// Per rectangle its neighbours and the bridges to them, by number.
+/// Per rectangle, its neighbours and the bridges to them, by number.
 fn neighbours(rectangles: usize, bridges: &[Bridge]) -> Vec<Vec<(usize, usize)>> {
     let mut neighbours = vec![Vec::new(); rectangles];
     for (index, bridge) in bridges.iter().enumerate() {

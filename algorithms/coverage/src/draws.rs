@@ -27,7 +27,7 @@ impl Draws {
         x
     }
 
-    /// One of the numbers below `count`; 0 if there is none.
+    /// An index below `count`; 0 if `count` is 0.
     pub(crate) fn index(&mut self, count: usize) -> usize {
         part(self.unit(), count)
     }
@@ -37,7 +37,7 @@ impl Draws {
     }
 }
 
-/// Which of `count` equal parts of [0, 1) a number lies in.
+/// The index of the part, of `count` equal parts of [0, 1), that contains a number.
 pub(crate) fn part(unit: f64, count: usize) -> usize {
     ((unit * count as f64) as usize).min(count.saturating_sub(1))
 }

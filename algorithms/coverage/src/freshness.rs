@@ -1,4 +1,4 @@
-//! What a robot has not covered yet, and what a leg would cover of it.
+//! Free space that a robot has not covered yet, and the gain of a leg.
 
 #[cfg(test)]
 mod tests;
@@ -8,16 +8,16 @@ use nalgebra::Point2;
 
 use crate::space::Space;
 
-/// Cells this much beyond the disc's radius or the free space (m) count, as in the measure of
-/// coverage: rounding must not decide.
+/// Tolerance (m) beyond the disc's radius or the free space, as in the metric of coverage: rounding
+/// must not decide.
 const TOLERANCE: f64 = 1e-9;
 
 /// The cells of the reachable free space that the disc has not swept in this round.
 ///
-/// A cell counts by its centre. Every fresh cell has a *worth*: 1 among fresh cells, and up to
-/// `1 + rarity` the fewer of its neighbours are fresh, because slivers cost the most to come back
-/// for. Sums along rows make the worth of a leg cheap: a disc swept along a segment is convex, so
-/// that it meets each row of cells in one interval.
+/// A cell counts by its centre. Every fresh cell has a *worth*: 1 among fresh cells, and up to `1 +
+/// rarity` if few of its neighbours are fresh, because a return to slivers costs the most. Sums
+/// along rows make the worth of a leg cheap: a disc swept along a segment is convex, so that it
+/// meets each row of cells in one interval.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Freshness {
     cells: Lattice,
@@ -28,9 +28,9 @@ pub struct Freshness {
     total: usize,
     fresh: Vec<bool>,
     left: usize,
-    /// Per row `columns + 1` sums of the worth left of a column.
+    /// Per row, `columns + 1` sums of the worth left of a column.
     along_rows: Vec<f32>,
-    /// Per column `rows + 1` sums of the worth below a row.
+    /// Per column, `rows + 1` sums of the worth below a row.
     along_columns: Vec<f32>,
     worth: f64,
     /// Fresh cells left of and above each corner of the grid; kept to reuse its memory.
@@ -38,8 +38,8 @@ pub struct Freshness {
 }
 
 impl Freshness {
-    /// Everything that can be reached is fresh; `radius` (m) of the disc, > 0. The neighbours of a
-    /// cell are those up to `neighbourhood` cells away along both axes.
+    /// Creates the cells, all reachable ones fresh; `radius` (m) of the disc, > 0. The neighbours
+    /// of a cell are those up to `neighbourhood` cells away along both axes.
     pub fn new(
         grid: &CellGrid,
         space: &Space,
@@ -71,14 +71,14 @@ impl Freshness {
         freshness
     }
 
-    /// Makes everything fresh again.
+    /// Makes all cells fresh again.
     pub fn renew(&mut self) {
         self.fresh.clone_from(&self.reachable);
         self.left = self.total;
         self.weigh();
     }
 
-    /// Takes over what another one has covered, if its cells are the same.
+    /// Copies the covered cells of another one, if the grids are equal.
     pub fn keep_covered(&mut self, before: &Self) {
         if self.cells != before.cells {
             return;
@@ -112,9 +112,10 @@ impl Freshness {
         fresh.nth(index).map(|(cell, _)| self.cells.center(cell))
     }
 
-    /// Worth of what the disc would sweep on the straight leg between two finite points (m²).
+    /// Worth of the cells that the disc would sweep on the straight leg between two finite points
+    /// (m²).
     pub fn worth_of(&self, from: Point2<f64>, to: Point2<f64>) -> f64 {
-        // Fewer lines of cells cross the leg if they run along it.
+        // Lines of cells along the leg are fewer than those across it.
         let line = to - from;
         let (axis, sums) = if line.y.abs() > line.x.abs() {
             (Axis::Columns, &self.along_columns)
@@ -130,8 +131,8 @@ impl Freshness {
         worth * self.cells.side() * self.cells.side()
     }
 
-    /// Sweeps the disc along a straight leg between two finite points (m); returns how many fresh
-    /// cells it met.
+    /// Sweeps the disc along a straight leg between two finite points (m); returns the number of
+    /// fresh cells that it met.
     pub fn sweep(&mut self, from: Point2<f64>, to: Point2<f64>) -> usize {
         let before = self.left;
         let fresh = &mut self.fresh;
@@ -153,7 +154,7 @@ impl Freshness {
         swept
     }
 
-    /// Fresh cells that the disc would sweep from one place to another (m).
+    /// Number of fresh cells that the disc would sweep from one place to another (m).
     pub fn fresh_on(&self, from: Point2<f64>, to: Point2<f64>) -> usize {
         let mut found = 0;
         let rows = Axis::Rows;
@@ -165,7 +166,7 @@ impl Freshness {
         found
     }
 
-    /// Computes the worth of all cells anew.
+    /// Recomputes the worth of all cells.
     fn weigh(&mut self) {
         let (columns, rows) = (self.cells.columns(), self.cells.rows());
         let wide = columns + 1;

@@ -1,22 +1,22 @@
-//! Keyed coverage: fast to cover, hard to predict even for who knows the method and all of its
-//! state but the key.
+//! Keyed coverage: fast, and hard to predict even for an observer that knows the method and its
+//! whole state except the key.
 //!
-//! Goals that are independent and uniform cannot be predicted but cover badly; the leg that sweeps
-//! the most new domain covers well but is known to who has watched. Here the key orders roughly
-//! where to go, whatever has been covered, and the planner is free only within that order:
+//! Goals that are independent and uniform cannot be predicted but cover badly. The leg that sweeps
+//! the most new domain covers well but is predictable for an observer. Here the key orders roughly
+//! where to go, regardless of the coverage, and the planner is free only within that order:
 //!
 //! 1. Every sub-goal gets one or two *orders* (the parameter `choices`) from the keyed stream: an
-//!    axis, and one of the strips across it other than the robot's own. Legs near two directions
-//!    only overlap least: k directions that each sweep a share a leave (1 − a)ᵏ.
-//! 2. Of random points that follow an order, that one is taken whose leg sweeps the most new domain
-//!    less the cost of its length, where slivers count more ([`Freshness`]).
-//! 3. Orders are drawn ahead, so that legs are chosen along with the next ones. The holder of the
-//!    key gains from that; for an observer the orders to come are as unknown as this one.
-//! 4. Where obstacles stop a leg it ends before them. When legs have brought next to nothing
-//!    several times in a row, the way through free rectangles to a random fresh cell follows, so
-//!    that every part of the free space that can be reached is.
+//!    axis, and one of the strips across it other than the robot's own. Legs near only two
+//!    directions overlap least: k directions that each sweep a share a leave (1 − a)ᵏ.
+//! 2. Of random points that follow an order, the planner takes the one whose leg sweeps the most new
+//!    domain less the cost of its length, where slivers count more ([`Freshness`]).
+//! 3. Orders are drawn ahead, so that legs are chosen along with the next ones. The planner, which
+//!    has the key, gains from that; for an observer the future orders are as unknown as this one.
+//! 4. A leg ends before obstacles that block it. When legs have covered nearly nothing several times
+//!    in a row, the path through free rectangles to a random fresh cell follows, so that every
+//!    reachable part of the free space is visited.
 //!
-//! Every number comes from a `ChaCha20` stream of the key.
+//! All random numbers come from a `ChaCha20` stream of the key.
 
 mod choice;
 mod params;
@@ -40,24 +40,24 @@ use crate::wander::{Standing, Wander};
 use crate::workplace::Workplace;
 use choice::{Choice, Order, draw_orders};
 
-/// How many cells away along each axis cells are neighbours, for the worth of slivers.
+/// Distance (cells) along each axis within which cells are neighbours, for the worth of slivers.
 const NEIGHBOURHOOD: usize = 2;
 
-/// How much more the last fresh cell of a neighbourhood is worth than one among fresh ones.
+/// Additional worth of the last fresh cell of a neighbourhood, relative to one among fresh cells.
 const RARITY: f64 = 1.5;
 
-/// Legs beyond the next that are planned along with it, by orders that only the holder of the key
-/// knows. More cover faster and are no easier to predict, but take time.
+/// Number of legs beyond the next that are planned along with it, by orders that only the holder of
+/// the key knows. More cover faster and are no easier to predict, but take time.
 const LOOK_AHEAD: usize = 2;
 
-/// Idle legs in a row after which a fresh cell is headed for.
+/// Number of consecutive idle legs after which the robot heads for a fresh cell.
 const PATIENCE: u32 = 4;
 
-/// A leg is idle if what it sweeps is new by less than this share of what is left in all: a random
-/// leg would do better.
+/// Share of the fresh area below which the new part of a leg counts as idle: a random leg would do
+/// better.
 const IDLE: f64 = 0.5;
 
-/// Why keyed coverage cannot start.
+/// Reason why keyed coverage cannot start.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum KeyedError {
     /// A parameter out of range.
@@ -66,26 +66,26 @@ pub enum KeyedError {
     /// The workplace cannot be divided into cells.
     #[error(transparent)]
     Coverage(#[from] CoverageError),
-    /// Cells too large for the disc to sweep them all.
+    /// Cells are too large for the disc to sweep them all.
     #[error(
         "`cell` is {cell}, but must be at most the radius that the robot covers, {radius} m: take \
          smaller cells"
     )]
     Cell {
-        /// Side found (m).
+        /// Actual side (m).
         cell: f64,
         /// Radius of the disc (m).
         radius: f64,
     },
 }
 
-/// Plans sub-goals without end; see the module.
+/// Plans endless sub-goals; see the module.
 #[derive(Debug, Clone)]
 pub struct KeyedCoverage {
     params: KeyedParams,
     wander: Wander,
     freshness: Freshness,
-    /// `true` if what is covered is told by [`GoalSource::driven`], instead of taken from the legs.
+    /// `true` if [`GoalSource::driven`] reports the coverage, instead of the planned legs.
     tracked: bool,
     radius: f64,
     /// Orders of the next sub-goals.
@@ -94,7 +94,7 @@ pub struct KeyedCoverage {
 }
 
 impl KeyedCoverage {
-    /// A planner for the part of a workplace that can be reached from `start` (m), for a robot that
+    /// Creates a planner for the reachable part of a workplace from `start` (m), for a robot that
     /// covers a disc of radius `disc` (m), with the key of its stream.
     ///
     /// # Errors
@@ -130,8 +130,8 @@ impl KeyedCoverage {
         Ok(planner)
     }
 
-    /// The same planner with the same state of coverage, but with a key of its own from here on:
-    /// what an observer who knows all but the key can ask for guesses of the next sub-goal.
+    /// The same planner with the same state of coverage, but with another key from here on: with it
+    /// an observer that knows all but the key guesses the next sub-goal.
     #[must_use]
     pub fn with_key(&self, key: [u8; 32]) -> Self {
         let mut other = self.clone();
@@ -141,8 +141,8 @@ impl KeyedCoverage {
         other
     }
 
-    /// The same planner in a workplace that has changed, from `start` (m): key, numbers and round go
-    /// on, and what has been covered stays so where the cells are the same.
+    /// The same planner in a changed workplace, from `start` (m): key, numbers and round continue,
+    /// and covered cells stay covered where the grids are equal.
     ///
     /// # Errors
     /// [`KeyedError`] if the cells do not suit the workplace or the robot.
@@ -162,17 +162,17 @@ impl KeyedCoverage {
         Ok(other)
     }
 
-    /// The same planner, going by where the robot really was ([`GoalSource::driven`]) instead of the
-    /// legs that it was sent along: what a robot on wheels misses is seen to. The sub-goals then
-    /// follow from key and robot, and an ally with the key alone cannot predict them.
+    /// The same planner, based on the real path of the robot ([`GoalSource::driven`]) instead of the
+    /// planned legs: areas that a robot misses are covered later. The sub-goals then depend on key
+    /// and robot, and an ally with the key alone cannot predict them.
     #[must_use]
     pub fn tracking(mut self) -> Self {
         self.tracked = true;
         self
     }
 
-    /// Share of the reachable cells that this round has covered, from 0 to 1, if every leg to a
-    /// sub-goal given out was driven.
+    /// Share of the reachable cells that this round has covered, from 0 to 1, if the leg to every
+    /// returned sub-goal was driven.
     pub fn covered(&self) -> f64 {
         1.0 - self.freshness.share()
     }
@@ -189,7 +189,7 @@ impl KeyedCoverage {
         }
     }
 
-    /// Counts a leg as driven, unless the robot tells itself; whether it is idle.
+    /// Counts a leg as driven, unless the robot reports its path; returns `true` if the leg is idle.
     fn sweep(&mut self, from: Point2<f64>, to: Point2<f64>) -> bool {
         let left = self.freshness.share();
         let cells = if self.tracked {
@@ -201,8 +201,7 @@ impl KeyedCoverage {
         swept < IDLE * left * 2.0 * self.radius * (to - from).norm()
     }
 
-    /// The sub-goal that the orders ask for; `None` if they lead nowhere or the last ones brought
-    /// nothing.
+    /// The sub-goal by the orders; `None` if there is no such leg or the last ones covered nothing.
     fn by_orders(&mut self, from: Point2<f64>) -> Option<Goal> {
         if self.idle >= PATIENCE {
             return None;
@@ -223,7 +222,7 @@ impl KeyedCoverage {
         Some(self.wander.sub_goal(to, None))
     }
 
-    /// The first leg of the way to a random fresh cell.
+    /// The first leg of the path to a random fresh cell.
     fn by_fresh_cell(&mut self, from: Point2<f64>) -> Option<Goal> {
         self.idle = 0;
         let index = self.wander.draws.index(self.freshness.left());

@@ -1,14 +1,14 @@
-//! The way between sub-goals.
+//! Paths between sub-goals.
 //!
 //! After the Chebyshev coverage paper, §4 and Fig. 9. *Linear*: points at equal distances along the
-//! straight legs; the robot stops at a sub-goal and turns. *Arc*: at each inflection point B the
-//! arc from E on the leg to it to F on the leg from it replaces the corner, tangent to both, so that
-//! the robot need not stop.
+//! straight legs; the robot stops at a sub-goal and turns. *Arc*: at each inflection point B an arc
+//! replaces the corner, from E on the leg to it to F on the leg from it. The arc is tangent to both
+//! legs, so that the robot need not stop.
 //!
 //! The radius of an arc is that of the robot's speed and turning rate (v/ω), less where a leg is
-//! short: an arc takes at most half of either leg. The arc lies in the triangle EBF. It may only be
-//! driven if one free rectangle contains the triangle: E, B and F in the rectangle of one of the two
-//! legs, since rectangles are convex. Where that leaves no room the robot turns on the spot.
+//! short: an arc takes at most half of either leg. The arc lies in the triangle EBF. It is allowed
+//! only if one free rectangle contains the triangle: E, B and F in the rectangle of one of the two
+//! legs, since rectangles are convex. Without room for an arc the robot turns on the spot.
 
 use geometry::math;
 use geometry::pose::Pose2;
@@ -19,15 +19,14 @@ use thiserror::Error;
 
 use crate::goal::Goal;
 
-/// Subtracted from a number of parts before it is rounded up, so that whole ones stay.
+/// Subtracted from a number of parts before rounding up, so that integers stay unchanged.
 const WHOLE_PARTS: f64 = 1e-12;
 
-/// Legs shorter than this (m) have no direction and turns by less than this (rad) are none.
+/// Legs shorter than this (m) have no direction, and turns by less than this (rad) are ignored.
 const NOTHING: f64 = 1e-9;
 
-/// The points of a straight leg (m), the start left out and the end included, in equal parts of at
-/// most `step` (m): ⌈d/step − 10⁻¹²⌉ of them, at least one. A step that is not positive makes one
-/// part.
+/// The points of a straight leg (m), without the start and with the end, in equal parts of at most
+/// `step` (m): ⌈d/step − 10⁻¹²⌉ of them, at least one. A step that is not positive makes one part.
 pub fn interpolate(
     from: Point2<f64>,
     to: Point2<f64>,
@@ -35,7 +34,7 @@ pub fn interpolate(
 ) -> impl Iterator<Item = Point2<f64>> {
     let line = to - from;
     let parts = (line.norm() / step - WHOLE_PARTS).ceil();
-    // A cast saturates; what is not finite or not positive becomes one part.
+    // A cast saturates; a number that is not finite or not positive becomes one part.
     let parts = if parts.is_finite() && parts > 1.0 {
         parts as u32
     } else {
@@ -50,19 +49,19 @@ pub fn interpolate(
     })
 }
 
-/// Why corners cannot be rounded.
+/// Reason why corners cannot be rounded.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[error("{field} = {value}: expected {expected}")]
 pub struct RoundingError {
-    /// The value that does not do.
+    /// Name of the invalid value.
     pub field: &'static str,
-    /// The value found.
+    /// Actual value.
     pub value: f64,
-    /// What would have been accepted.
+    /// Expected value.
     pub expected: &'static str,
 }
 
-/// How fast the robot drives and turns, and which arcs are worth driving.
+/// Speed and turning rate of the robot, and limits of its arcs.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rounding {
     v: f64,
@@ -72,9 +71,9 @@ pub struct Rounding {
 }
 
 impl Rounding {
-    /// Arcs for a robot that drives at `v` (m/s) and turns at `omega` (rad/s): of radius v/ω where
-    /// there is room and the arc passes the corner by no more than `most_miss` (m) (at a sharp
-    /// corner a wide arc passes far from it). Arcs smaller than `least_radius` (m) are left out: the
+    /// Creates arcs for a robot that drives at `v` (m/s) and turns at `omega` (rad/s): of radius v/ω
+    /// where there is room and the arc passes the corner by no more than `most_miss` (m) (at a sharp
+    /// corner a wide arc passes far from it). Arcs smaller than `least_radius` (m) are omitted: the
     /// robot turns on the spot.
     ///
     /// # Errors
@@ -118,25 +117,25 @@ impl Rounding {
         self.v / self.omega
     }
 
-    /// Fastest on a circle of this radius (m/s).
+    /// Maximum speed on a circle of this radius (m/s).
     pub fn speed_on(&self, radius: f64) -> f64 {
         self.v.min(self.omega * radius)
     }
 }
 
-/// An arc in place of a corner.
+/// An arc that replaces a corner.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Fillet {
-    /// Where it leaves the first leg, E (m).
+    /// Point where it leaves the first leg, E (m).
     pub enter: Point2<f64>,
-    /// Where it joins the second leg, F (m).
+    /// Point where it joins the second leg, F (m).
     pub leave: Point2<f64>,
     /// The arc between them.
     pub arc: Arc,
 }
 
-/// The arc of at most `radius` (m), passing the corner by at most `most_miss` (m), that replaces
-/// the corner at `b` on the way from `a` over `b` to `c` (m); the legs run in the rectangles `first`
+/// The arc of at most `radius` (m), passing the corner by at most `most_miss` (m), that replaces the
+/// corner at `b` on the path from `a` over `b` to `c` (m); the legs run in the rectangles `first`
 /// and `second`. `None` if there is no corner or no room.
 pub fn fillet(
     [a, b, c]: [Point2<f64>; 3],
@@ -178,7 +177,7 @@ pub fn fillet(
     Some(Fillet { enter, leave, arc })
 }
 
-/// How far (m) one gets from `p` in a rectangle along a unit vector; 0 from outside it.
+/// Distance (m) from `p` to the border of a rectangle along a unit vector; 0 from outside it.
 fn run_within(rectangle: &Aabb, p: Point2<f64>, direction: Vector2<f64>) -> f64 {
     if !rectangle.contains(p) {
         return 0.0;
@@ -199,22 +198,22 @@ fn run_within(rectangle: &Aabb, p: Point2<f64>, direction: Vector2<f64>) -> f64 
 /// A piece of a drivable path.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Piece {
-    /// Straight on.
+    /// A straight line.
     Straight {
-        /// From here (m).
+        /// Start (m).
         from: Point2<f64>,
-        /// To here (m).
+        /// End (m).
         to: Point2<f64>,
     },
-    /// Along an arc.
+    /// An arc.
     Arc(Arc),
     /// A turn on the spot.
     Turn {
-        /// Where (m).
+        /// Position (m).
         at: Point2<f64>,
-        /// From this heading (rad).
+        /// Initial heading (rad).
         from: f64,
-        /// By this angle (rad), counter-clockwise if positive.
+        /// Angle (rad), counter-clockwise if positive.
         by: f64,
     },
 }
@@ -229,7 +228,7 @@ impl Piece {
         }
     }
 
-    /// How long it takes at full speed (s).
+    /// Duration at full speed (s).
     pub fn duration(&self, rounding: &Rounding) -> f64 {
         match self {
             Self::Straight { .. } => self.length() / rounding.v,
@@ -246,7 +245,7 @@ impl Piece {
         }
     }
 
-    /// The pose at a part of the piece, 0 at the start and 1 at the end.
+    /// The pose at a fraction of the piece, 0 at the start and 1 at the end.
     pub fn at(&self, part: f64) -> Pose2 {
         let pose = |p: Point2<f64>, heading: f64| Pose2::new(p.x, p.y, math::wrap_angle(heading));
         match self {
@@ -262,8 +261,8 @@ impl Piece {
         }
     }
 
-    /// Poses along the piece, the start left out and the end included, at most `step` (m) apart (a
-    /// turn: its end).
+    /// Poses along the piece, without the start and with the end, at most `step` (m) apart (a turn:
+    /// its end).
     pub fn poses(&self, step: f64) -> impl Iterator<Item = Pose2> + use<> {
         let parts = (self.length() / step - WHOLE_PARTS).ceil();
         let parts = if parts.is_finite() && parts > 1.0 {
@@ -276,23 +275,23 @@ impl Piece {
     }
 }
 
-/// Joins sub-goals to a drivable path, piece after piece, as the sub-goals come.
+/// Joins sub-goals to a drivable path, piece by piece.
 ///
-/// A corner can be rounded when the goal behind it is known: pieces come one goal late, up to the
-/// beginning of the arc at the goal before the last; [`Rounder::finish`] gives the rest.
+/// A corner can be rounded when the goal behind it is known: pieces are one goal late, up to the
+/// beginning of the arc at the last but one goal; [`Rounder::finish`] gives the rest.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rounder {
     rounding: Rounding,
-    /// Where the pieces given so far end (m), and the heading there (rad), once there is one.
+    /// End of the pieces so far (m), and the heading there (rad), once there is one.
     from: Point2<f64>,
     heading: Option<f64>,
-    /// The leg that has not been given: where it starts (corner, not arc), where it ends, and where
-    /// it runs.
+    /// The pending leg: its start (corner, not arc), its end, and its rectangle.
     leg: Option<(Point2<f64>, Point2<f64>, Option<Aabb>)>,
 }
 
 impl Rounder {
-    /// A path from `start` (m); with a heading (rad) if the robot must turn towards the first goal.
+    /// Starts a path at `start` (m); with a heading (rad) if the robot must turn towards the first
+    /// goal.
     pub fn new(rounding: Rounding, start: Point2<f64>, heading: Option<f64>) -> Self {
         Self {
             rounding,
@@ -302,7 +301,7 @@ impl Rounder {
         }
     }
 
-    /// Takes the next sub-goal; appends what is certain of the path to `out`.
+    /// Takes the next sub-goal; appends the part of the path that is certain to `out`.
     pub fn push(&mut self, goal: &Goal, out: &mut Vec<Piece>) {
         let to = goal.waypoint.point;
         let Some((a, b, within)) = self.leg else {
@@ -328,14 +327,14 @@ impl Rounder {
         self.leg = Some((b, to, goal.within));
     }
 
-    /// Appends the way to the last sub-goal; the next goal begins a new path there.
+    /// Appends the path to the last sub-goal; the next goal begins a new path there.
     pub fn finish(&mut self, out: &mut Vec<Piece>) {
         if let Some((_, to, _)) = self.leg.take() {
             self.straight(to, out);
         }
     }
 
-    /// Straight on to a point, after a turn on the spot if there must be one.
+    /// Appends a straight line to a point, after a turn on the spot if necessary.
     fn straight(&mut self, to: Point2<f64>, out: &mut Vec<Piece>) {
         let line = to - self.from;
         if line.norm() > NOTHING {
@@ -343,7 +342,7 @@ impl Rounder {
             let by = self
                 .heading
                 .map_or(0.0, |before| math::angle_difference(heading, before));
-            // What the rounding of an arc's end leaves over is no turn.
+            // A difference from rounding at the end of an arc is not a turn.
             if by.abs() > 1e-6 {
                 out.push(Piece::Turn {
                     at: self.from,

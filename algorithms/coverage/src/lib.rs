@@ -1,7 +1,7 @@
 //! Coverage of a workplace with obstacles by sub-goals.
 //!
 //! After the Chebyshev coverage paper (Li et al., *A chaotic coverage path planner for the mobile
-//! robot based on the Chebyshev map for special missions*, FITEE 18(9), 2017), with what its
+//! robot based on the Chebyshev map for special missions*, FITEE 18(9), 2017), with the parts that its
 //! printed algorithm lacks:
 //!
 //! 1. [`workplace`]: a rectangle with obstacles of any shape, as rectangles grown by the robot's
@@ -10,19 +10,19 @@
 //! 3. [`tour`]: the order in which a large loop visits the rectangles;
 //! 4. [`plan`]: sub-goals drawn from a source of points, rectangle after rectangle, with transits
 //!    that stay in convex free rectangles ([`transit`]);
-//! 5. [`legs`]: the way between sub-goals, straight with stops or rounded by arcs.
+//! 5. [`legs`]: the path between sub-goals, straight with stops or rounded by arcs.
 //!
-//! Planners of sub-goals of any kind have the one interface [`goal::GoalSource`]. Besides the plan of
-//! the paper:
+//! All planners of sub-goals have the interface [`goal::GoalSource`]. Besides the plan of the paper:
 //!
-//! - [`keyed`]: fast, and hard to predict for who knows the method but not the key;
+//! - [`keyed`]: fast, and hard to predict for an observer that knows the method but not the key;
 //! - [`boustrophedon`], [`random_bounce`], [`uniform`]: baselines, from the most efficient to the
 //!   least predictable.
 //!
-//! [`sub_goals`] is what all planners of sub-goals share: their site, their parameters, their driving.
+//! [`sub_goals`] contains the common parts of all planners of sub-goals: their site, their parameters,
+//! their drivers.
 //!
-//! They move in a [`space::Space`]; what is left to cover is a [`freshness::Freshness`]; those that
-//! draw their sub-goals on the way share [`wander`].
+//! They move in a [`space::Space`]; the remaining area is a [`freshness::Freshness`]; planners that
+//! draw their sub-goals one by one share [`wander`].
 //!
 //! ```
 //! use coverage::boustrophedon::Boustrophedon;

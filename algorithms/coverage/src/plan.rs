@@ -1,8 +1,8 @@
 //! Sub-goals from a source of points, rectangle after rectangle.
 //!
-//! The affine mapping of the Chebyshev coverage paper (Eq. 10): a point (u, w) of the source in
-//! [−1, 1]² becomes the rectangle's centre + (u · half its width, w · half its height). The source
-//! is never set anew from where the robot is, so that one key makes one sequence.
+//! The affine mapping of the Chebyshev coverage paper (Eq. 10): a point (u, w) of the source in [−1,
+//! 1]² becomes the rectangle's centre + (u · half its width, w · half its height). The source is
+//! never reset by the robot's position, so that one key makes one sequence.
 
 use geometry::shape::Aabb;
 use nalgebra::Point2;
@@ -14,10 +14,10 @@ use crate::goal::{Goal, GoalSource};
 use crate::tour::{Iterations, Route, Stop, Tour, TourError};
 use crate::transit::{Dwell, Transit};
 
-/// Why there is no plan.
+/// Reason why there is no plan.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum PlanError {
-    /// The robot starts where its centre may not be.
+    /// The start is not a free position of the robot's centre.
     #[error(
         "start = ({}, {}): not in free space; the nearest is {distance} m away", .start.x, .start.y
     )]
@@ -30,21 +30,21 @@ pub enum PlanError {
     /// The tour does not fit the workplace.
     #[error(transparent)]
     Tour(#[from] TourError),
-    /// A wait of no length.
+    /// The cap of a wait is 0.
     #[error("transit.wait.cap = 0: expected at least 1 sub-goal")]
     NoWait,
 }
 
-/// What a plan shall do.
+/// Specification of a plan.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PlanSpec {
     /// Order of the rectangles.
     pub route: Route,
     /// Sub-goals per large loop.
     pub iterations: Iterations,
-    /// How to get from one rectangle to the next.
+    /// Method of transit from one rectangle to the next.
     pub transit: Transit,
-    /// Large loops, each ending in the rectangle where it began; 0 for loops without end.
+    /// Number of large loops, each ending in the rectangle where it began; 0 for endless loops.
     pub loops: u32,
 }
 
@@ -59,14 +59,14 @@ impl Default for PlanSpec {
     }
 }
 
-/// Where in the tour a plan is.
+/// State of a plan within the tour.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Phase {
-    /// Sub-goals left in the present stop.
+    /// Number of sub-goals left in the current stop.
     Cover(u32),
-    /// On the way to the next stop, still in this one; sub-goals so far.
+    /// In transit to the next stop, still in this one; sub-goals so far.
     Leave(u32),
-    /// In the bridge to the next stop; sub-goals so far in this transit and of them in the bridge.
+    /// In the bridge to the next stop; sub-goals so far in this transit, and those in the bridge.
     Cross(u32, u32),
     Done,
 }
@@ -79,7 +79,7 @@ pub struct CoveragePlan<S> {
     transit: Transit,
     loops: u32,
     source: S,
-    /// Where the last sub-goal (or the start) is (m).
+    /// Position of the last sub-goal, or the start (m).
     position: Point2<f64>,
     stop: usize,
     phase: Phase,
@@ -89,10 +89,10 @@ pub struct CoveragePlan<S> {
 }
 
 impl<S: chaotic_maps::Source> CoveragePlan<S> {
-    /// A plan for a robot that starts at `start` (m) in free space.
+    /// Creates a plan for a robot that starts at `start` (m) in free space.
     ///
     /// # Errors
-    /// [`PlanError`] names what cannot be done and what to change.
+    /// [`PlanError`] names the error and the remedy.
     pub fn new(
         decomposition: Decomposition,
         start: Point2<f64>,
@@ -124,8 +124,8 @@ impl<S: chaotic_maps::Source> CoveragePlan<S> {
         })
     }
 
-    /// Goes on in another workplace (the map has changed) from `start` (m): a new tour, but the same
-    /// source, numbers of sub-goals and count of loops.
+    /// Continues in another workplace (the map has changed) from `start` (m): a new tour, but the
+    /// same source, numbers of sub-goals and count of loops.
     ///
     /// # Errors
     /// As [`CoveragePlan::new`].
@@ -154,12 +154,12 @@ impl<S: chaotic_maps::Source> CoveragePlan<S> {
         &self.tour
     }
 
-    /// How many sub-goals the transits took so far.
+    /// Numbers of sub-goals of the transits so far.
     pub fn dwell(&self) -> &Dwell {
         &self.dwell
     }
 
-    /// Large loops that have been completed.
+    /// Number of completed large loops.
     pub fn lap(&self) -> u32 {
         self.lap
     }
@@ -227,11 +227,11 @@ impl<S: chaotic_maps::Source> CoveragePlan<S> {
         }
     }
 
-    /// What follows when a stop has had its sub-goals.
+    /// The phase after a stop has had its sub-goals.
     fn depart(&mut self, here: Stop) -> Phase {
         let next = self.next_stop();
         match self.tour.stops().get(next).copied() {
-            // The only rectangle, or one that stands twice in a row on the route.
+            // The only rectangle, or one that occurs twice in a row on the route.
             Some(there) if there.rectangle == here.rectangle => {
                 self.arrive(next, there);
                 self.phase
@@ -248,7 +248,7 @@ impl<S: chaotic_maps::Source> CoveragePlan<S> {
         self.stop = next;
         self.phase = Phase::Cover(there.iterations);
         if next == 0 {
-            // Loops without end may be more than can be counted.
+            // Endless loops may exceed the range of the counter.
             self.lap = self.lap.saturating_add(1);
             if self.lap == self.loops {
                 self.phase = Phase::Done;
@@ -264,7 +264,7 @@ impl<S: chaotic_maps::Source> CoveragePlan<S> {
         self.decomposition.rectangles().get(stop.rectangle).copied()
     }
 
-    /// The bridge from a stop to the one after the present one.
+    /// The bridge from a stop to the one after the current one.
     fn bridge(&self, here: Stop) -> Option<Aabb> {
         let there = self.tour.stops().get(self.next_stop())?;
         let bridge = self.decomposition.bridge(here.rectangle, there.rectangle)?;
@@ -300,11 +300,11 @@ pub fn map(symmetric: [f64; 2], rectangle: &Aabb) -> Point2<f64> {
     let (center, half) = (rectangle.center(), rectangle.half_extents());
     let [u, w] = symmetric;
     let p = Point2::new(center.x + half.x * u, center.y + half.y * w);
-    // Rounding must not put a point of the border outside.
+    // Rounding must not move a point of the border outside.
     p.sup(&rectangle.min).inf(&rectangle.max)
 }
 
-/// What two rectangles have in common.
+/// The overlap of two rectangles.
 fn overlap(a: &Aabb, b: &Aabb) -> Aabb {
     Aabb {
         min: a.min.sup(&b.min),

@@ -1,4 +1,4 @@
-//! Random bounce: straight to the next wall, then on at a random angle, as cleaning robots do.
+//! Random bounce: straight to the next wall, then in a random direction, as cleaning robots do.
 
 #[cfg(test)]
 mod tests;
@@ -12,19 +12,19 @@ use crate::goal::Goal;
 use crate::space::point_in;
 use crate::wander::{Rule, Wander, Wanderer};
 
-/// Legs shorter than this (m) would run into the wall that the robot stands at.
+/// Legs shorter than this (m) would end at the wall where the robot stands.
 const MIN_LEG: f64 = 0.01;
 
-/// Headings tried before a place is given up as too narrow.
+/// Number of headings that are tried before a place counts as too narrow.
 const ATTEMPTS: u32 = 256;
 
 /// Sub-goals on walls and obstacles; the headings are uniform among those that lead away from them
 /// and come from a `ChaCha20` stream.
 ///
-/// A baseline: nothing is remembered, and nothing makes sure that narrow passages are found.
+/// A baseline without memory: it does not guarantee that narrow passages are found.
 pub type RandomBounce = Wanderer<Bouncing>;
 
-/// On to the next wall.
+/// The rule: straight to the next wall.
 #[derive(Debug, Clone)]
 pub struct Bouncing;
 
@@ -37,7 +37,7 @@ impl Rule for Bouncing {
                 return Some(wander.sub_goal(to, None));
             }
         }
-        // A place hardly larger than a point: anywhere in it.
+        // A place hardly larger than a point: any position in it.
         let home = wander.space.member_at(from);
         let within = *wander.space.decomposition().rectangles().get(home)?;
         let to = point_in(&within, [wander.draws.unit(), wander.draws.unit()]);

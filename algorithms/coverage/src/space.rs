@@ -1,4 +1,4 @@
-//! The free space that a robot can reach, as planners that roam in it ask for it.
+//! The free space that a robot can reach, for planners that move freely in it.
 
 #[cfg(test)]
 mod tests;
@@ -14,7 +14,7 @@ use crate::workplace::Workplace;
 /// Depth inside an obstacle that does not count as contact (m): the rounding of coordinates.
 const TOUCH: f64 = 1e-9;
 
-/// How far in front of an obstacle a leg that would hit it ends (m).
+/// Distance from an obstacle at which a leg that would hit it ends (m).
 const STAND_OFF: f64 = 1e-6;
 
 /// The component of a workplace's free space that contains the start.
@@ -27,7 +27,8 @@ pub struct Space {
 }
 
 impl Space {
-    /// What can be reached from `start` (m), or from the free rectangle nearest to it.
+    /// Creates the space that is reachable from `start` (m), or from the free rectangle nearest to
+    /// it.
     pub fn new(workplace: &Workplace, decomposition: &Decomposition, start: Point2<f64>) -> Self {
         let home = decomposition.nearest_rectangle(start).map_or(0, |(r, _)| r);
         let component = decomposition.component_of(home).unwrap_or(0);
@@ -50,33 +51,33 @@ impl Space {
         }
     }
 
-    /// The free space in rectangles; those of other components are no part of this.
+    /// The free space as rectangles; those of other components do not belong to this space.
     pub fn decomposition(&self) -> &Decomposition {
         &self.decomposition
     }
 
-    /// The rectangles that can be reached, by their numbers in the decomposition.
+    /// Indices of the reachable rectangles in the decomposition.
     pub fn members(&self) -> &[usize] {
         &self.members
     }
 
-    /// The rectangles that can be reached (m).
+    /// The reachable rectangles (m).
     pub fn rectangles(&self) -> impl Iterator<Item = &Aabb> {
         let all = self.decomposition.rectangles();
         self.members.iter().filter_map(|&r| all.get(r))
     }
 
-    /// The least rectangle around what can be reached (m).
+    /// The smallest rectangle around the reachable space (m).
     pub fn bounds(&self) -> &Aabb {
         &self.bounds
     }
 
-    /// Returns `true` if the robot's centre may be at a point (m) that it can reach.
+    /// Returns `true` if a point (m) is free and reachable.
     pub fn contains(&self, p: Point2<f64>) -> bool {
         self.rectangles().any(|r| r.contains(p))
     }
 
-    /// The point nearest to `p` (m) that can be reached; `p` itself if it can.
+    /// The reachable point nearest to `p` (m); `p` itself if it is reachable.
     pub fn nearest(&self, p: Point2<f64>) -> Point2<f64> {
         let clamped = self.rectangles().map(|r| clamp(r, p));
         clamped
@@ -84,8 +85,8 @@ impl Space {
             .unwrap_or(p)
     }
 
-    /// How far a robot gets on the straight leg from a free point to another (m): `to` if nothing
-    /// is in the way, else a point a micrometre before the first obstacle or border.
+    /// The end of the free part of the straight leg from a free point to another (m): `to` without
+    /// an obstacle, else a point a micrometre before the first obstacle or border.
     pub fn clear_to(&self, from: Point2<f64>, to: Point2<f64>) -> Point2<f64> {
         let to = clamp(&self.bounds, to);
         let length = (to - from).norm();
@@ -101,8 +102,8 @@ impl Space {
         from + (to - from) * part
     }
 
-    /// How far a robot gets from a free point along a direction (m), not necessarily of length 1;
-    /// the point itself for a direction of length 0.
+    /// The end of the free part of a ray from a free point along a direction (m), not necessarily
+    /// of length 1; the point itself for a direction of length 0.
     pub fn ray_end(&self, from: Point2<f64>, direction: Vector2<f64>) -> Point2<f64> {
         let reach = (0..2).map(|axis| match direction[axis] {
             d if d > 0.0 => (self.bounds.max[axis] - from[axis]) / d,
@@ -122,8 +123,7 @@ impl Space {
         !self.inflated.iter().any(|o| entry(o, from, to).is_some())
     }
 
-    /// The rectangle that contains a point (m) among those that can be reached; the nearest to one
-    /// outside.
+    /// The reachable rectangle that contains a point (m); for a point outside, the nearest one.
     pub fn member_at(&self, p: Point2<f64>) -> usize {
         let all = self.decomposition.rectangles();
         let distances = self
@@ -135,11 +135,11 @@ impl Space {
             .map_or(0, |(r, _)| r)
     }
 
-    /// The rectangles on a way of fewest borders from one rectangle to another, both included; just
-    /// the last one if there is no way.
+    /// The rectangles on a path of fewest borders from one rectangle to another, both included;
+    /// only the last one if there is no path.
     pub fn way(&self, from: usize, to: usize) -> Vec<usize> {
         let count = self.decomposition.rectangles().len();
-        // The next rectangle towards `to`, found from there.
+        // The next rectangle towards `to`, by a search from there.
         let mut next = vec![usize::MAX; count];
         let mut open = VecDeque::from([to]);
         if let Some(own) = next.get_mut(to) {
@@ -167,8 +167,8 @@ impl Space {
     }
 
     /// Legs from a point in rectangle `from` to `goal` (m) in rectangle `to`, each within one free
-    /// rectangle: per border one point before and one behind it, at random where rectangles and
-    /// bridge overlap. `unit` gives uniform numbers in [0, 1).
+    /// rectangle: per border one point before and one behind it, at random in the overlap of
+    /// rectangles and bridge. `unit` returns uniform numbers in [0, 1).
     pub fn legs(
         &self,
         from: usize,
@@ -217,7 +217,7 @@ fn overlap(a: &Aabb, b: &Aabb) -> Aabb {
     }
 }
 
-/// The part of the segment, from 0 to 1, at which it enters the inside of an obstacle.
+/// The fraction of the segment, from 0 to 1, at which it enters the inside of an obstacle.
 fn entry(o: &Aabb, from: Point2<f64>, to: Point2<f64>) -> Option<f64> {
     let line = to - from;
     let (mut enter, mut exit) = (0.0_f64, 1.0_f64);

@@ -19,7 +19,7 @@ pub(crate) fn empty() -> (Workplace, Decomposition) {
     (workplace, parts)
 }
 
-/// Disc coverage after each of the lengths (m), which rise.
+/// Disc coverage after each of the lengths (m), in ascending order.
 pub(crate) fn disc_coverage(
     workplace: &Workplace,
     planner: &mut dyn GoalSource,

@@ -1,4 +1,4 @@
-//! In which order a large loop visits the rectangles, and how many sub-goals each gets.
+//! Order of the rectangles in a large loop, and the number of sub-goals of each.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -10,42 +10,42 @@ use crate::decomposition::Decomposition;
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Route {
-    /// A depth-first walk from the start's rectangle through all that can be reached from it:
-    /// neighbours by number, back through the rectangle from which one was entered.
+    /// A depth-first walk from the start's rectangle through all reachable ones: neighbours by
+    /// number, back through the rectangle of entry.
     #[default]
     Walk,
-    /// These rectangles, again and again; the loop begins at the start's rectangle. Neighbours in
-    /// the list (and the last and the first) must be joined by a bridge.
+    /// A cycle of these rectangles; the loop begins at the start's rectangle. Neighbours in the
+    /// list (and the last and the first) must be joined by a bridge.
     Cycle(Vec<usize>),
 }
 
-/// Sub-goals that rectangles get in a large loop.
+/// Number of sub-goals of rectangles in a large loop.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Iterations {
-    /// This many in all, each rectangle of the tour according to its area, at least one each.
+    /// This many in total, distributed over the rectangles of the tour by area, at least one each.
     InAll(u32),
     /// This many in each rectangle.
     Each(u32),
-    /// As many as stand here for each rectangle, by its number.
+    /// One number for each rectangle, in the order of rectangles.
     By(Vec<u32>),
 }
 
-/// Why there is no tour.
+/// Reason why there is no tour.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 pub enum TourError {
-    /// A rectangle that there is not.
+    /// An unknown rectangle.
     #[error(
         "route: there is no rectangle {rectangle}; the workplace is divided into rectangles 0 to \
          {last}: name those"
     )]
     NoSuchRectangle {
-        /// The number given.
+        /// Actual index.
         rectangle: usize,
-        /// The largest number.
+        /// The largest index.
         last: usize,
     },
-    /// A route that does not pass where the robot starts.
+    /// A route that does not contain the rectangle of the start.
     #[error(
         "route: the robot starts in rectangle {start}, which the cycle does not visit; add it or \
          start elsewhere"
@@ -54,26 +54,26 @@ pub enum TourError {
         /// The start's rectangle.
         start: usize,
     },
-    /// Two rectangles in sequence that do not touch.
+    /// Two consecutive rectangles that do not touch.
     #[error(
         "route: no bridge joins rectangles {from} and {to}; add one to `bridges` or visit a \
          rectangle between them"
     )]
     NotJoined {
-        /// The one before.
+        /// The first one.
         from: usize,
-        /// The one after.
+        /// The second one.
         to: usize,
     },
     /// A list of iterations of the wrong length.
     #[error("iterations: {found} numbers for {rectangles} rectangles; expected one for each")]
     IterationsMissing {
-        /// Numbers found.
+        /// Actual length.
         found: usize,
-        /// Rectangles.
+        /// Number of rectangles.
         rectangles: usize,
     },
-    /// Nothing would ever be visited.
+    /// No rectangle gets a sub-goal.
     #[error("iterations: no rectangle of the tour gets a sub-goal; expected at least one")]
     NothingToDo,
 }
@@ -83,7 +83,7 @@ pub enum TourError {
 pub struct Stop {
     /// The rectangle.
     pub rectangle: usize,
-    /// Sub-goals in it; 0 to pass through.
+    /// Number of sub-goals in it; 0 to pass through.
     pub iterations: u32,
 }
 
@@ -95,10 +95,10 @@ pub struct Tour {
 }
 
 impl Tour {
-    /// The tour from the rectangle `start`.
+    /// Creates the tour from the rectangle `start`.
     ///
     /// # Errors
-    /// [`TourError`] names what does not fit the decomposition.
+    /// [`TourError`] names the mismatch with the decomposition.
     pub fn new(
         decomposition: &Decomposition,
         start: usize,
@@ -155,14 +155,14 @@ impl Tour {
         &self.stops
     }
 
-    /// Sub-goals of a loop, transits not counted.
+    /// Number of sub-goals of a loop, without transits.
     pub fn iterations(&self) -> u64 {
         self.stops.iter().map(|s| u64::from(s.iterations)).sum()
     }
 }
 
-/// Depth-first walk over a component; the way back to the start is part of it, the start itself is
-/// not repeated.
+/// Depth-first walk over a component, including the return to the start; the start itself is not
+/// repeated.
 fn walk(decomposition: &Decomposition, start: usize) -> Vec<usize> {
     let mut seen = vec![false; decomposition.rectangles().len()];
     let mut order = Vec::new();

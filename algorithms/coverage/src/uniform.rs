@@ -1,4 +1,4 @@
-//! Independent uniform sub-goals: nothing to predict, and no memory of what is covered.
+//! Independent uniform sub-goals: unpredictable, and without memory of the covered area.
 
 #[cfg(test)]
 mod tests;
@@ -9,11 +9,11 @@ use crate::goal::Goal;
 use crate::space::point_in;
 use crate::wander::{Rule, Wander, Wanderer};
 
-/// Sub-goals uniform over the free space that can be reached, from a `ChaCha20` stream. Straight
-/// legs where nothing is in the way, else through free rectangles.
+/// Sub-goals uniform over the reachable free space, from a `ChaCha20` stream. Legs are straight
+/// without an obstacle, else through free rectangles.
 pub type UniformGoals = Wanderer<Uniformly>;
 
-/// Anywhere, whatever lies behind.
+/// The rule: any point, regardless of obstacles.
 #[derive(Debug, Clone)]
 pub struct Uniformly;
 
@@ -27,7 +27,7 @@ impl Rule for Uniformly {
     }
 }
 
-/// A uniform point of the free space and the rectangle it lies in.
+/// A uniform point of the free space and its rectangle.
 fn draw(wander: &mut Wander) -> Option<(usize, Point2<f64>)> {
     let all = wander.space.decomposition();
     let members = wander.space.members();

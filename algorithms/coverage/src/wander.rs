@@ -1,4 +1,4 @@
-//! Planners that draw their sub-goals from a keyed stream as the robot goes.
+//! Planners that draw their sub-goals one by one from a keyed stream.
 
 use std::collections::VecDeque;
 
@@ -13,31 +13,32 @@ use crate::goal::{Goal, GoalSource};
 use crate::space::Space;
 use crate::workplace::Workplace;
 
-/// What such planners are made of: where the robot may be, the stream, the numbers of the sub-goals
-/// and the legs of a way that is being driven.
+/// Common state of these planners: the free space, the stream, the numbers of the sub-goals and the
+/// remaining legs of the current path.
 #[derive(Debug, Clone)]
 pub struct Wander {
     pub(crate) space: Space,
     pub(crate) draws: Draws,
     pub(crate) counter: Counter,
-    /// Legs that are still to be driven, each with the rectangle that contains it.
+    /// Remaining legs, each with the rectangle that contains it.
     way: VecDeque<(Point2<f64>, Aabb)>,
 }
 
-/// What follows from where the robot stands, before anything is drawn.
+/// Consequence of the robot's position, before any draw.
 pub(crate) enum Standing {
-    /// Its place is no number: nothing can be planned.
+    /// The position is not finite: no plan is possible.
     Nowhere,
-    /// It is outside of its space: back to the nearest place inside.
+    /// The robot is outside its space: back to the nearest place inside.
     Outside(Goal),
-    /// It is on a way that was set out on before: its next leg.
+    /// The robot is on a path that was started before: its next leg.
     OnTheWay(Goal),
-    /// Nothing: the planner may choose.
+    /// None: the planner may choose.
     Free,
 }
 
 impl Wander {
-    /// In the part of a workplace that can be reached from `start` (m), with the key of the stream.
+    /// Creates the state for the reachable part of a workplace from `start` (m), with the key of the
+    /// stream.
     pub(crate) fn new(space: Space, key: [u8; 32]) -> Self {
         Self {
             space,
@@ -47,7 +48,7 @@ impl Wander {
         }
     }
 
-    /// The same in another space: stream and numbers go on.
+    /// The same in another space: stream and numbers continue.
     pub(crate) fn moved(self, space: Space) -> Self {
         Self {
             space,
@@ -64,7 +65,7 @@ impl Wander {
         other
     }
 
-    /// What follows from where the robot stands.
+    /// Returns the consequence of the robot's position.
     pub(crate) fn standing(&mut self, from: Point2<f64>) -> Standing {
         if !(from.x.is_finite() && from.y.is_finite()) {
             return Standing::Nowhere;
@@ -78,8 +79,8 @@ impl Wander {
             .map_or(Standing::Free, Standing::OnTheWay)
     }
 
-    /// Sets out on the way through free rectangles to a point of the rectangle `last`; the goal is
-    /// its first leg.
+    /// Starts the path through free rectangles to a point of the rectangle `last`; returns its first
+    /// leg.
     pub(crate) fn set_out(
         &mut self,
         from: Point2<f64>,
@@ -92,7 +93,7 @@ impl Wander {
         self.next_leg(from)
     }
 
-    /// A sub-goal that a straight leg leads to.
+    /// A sub-goal at the end of a straight leg.
     pub(crate) fn sub_goal(&mut self, to: Point2<f64>, within: Option<Aabb>) -> Goal {
         self.counter.goal(WaypointKind::SubGoal, to, within)
     }
@@ -100,7 +101,7 @@ impl Wander {
     fn next_leg(&mut self, from: Point2<f64>) -> Option<Goal> {
         let (to, within) = self.way.pop_front()?;
         if !within.contains(from) {
-            // The robot is elsewhere: a goal was left out.
+            // The robot is elsewhere because a goal was skipped.
             self.way.clear();
             return None;
         }
@@ -113,13 +114,13 @@ impl Wander {
     }
 }
 
-/// How a planner without memory chooses its next sub-goal.
+/// Choice of the next sub-goal by a planner without memory.
 pub trait Rule {
     /// The sub-goal after `from` (m), which lies in the planner's space; `None` if there is none.
     fn choose(wander: &mut Wander, from: Point2<f64>) -> Option<Goal>;
 }
 
-/// A planner that remembers nothing of what it has covered.
+/// A planner without memory of the covered area.
 #[derive(Debug, Clone)]
 pub struct Wanderer<R> {
     wander: Wander,
@@ -127,7 +128,7 @@ pub struct Wanderer<R> {
 }
 
 impl<R> Wanderer<R> {
-    /// A planner for the part of a workplace that can be reached from `start` (m).
+    /// Creates a planner for the reachable part of a workplace from `start` (m).
     pub fn new(
         workplace: &Workplace,
         decomposition: &Decomposition,
@@ -138,7 +139,7 @@ impl<R> Wanderer<R> {
         Self::of(Wander::new(space, key))
     }
 
-    /// The same planner in a workplace that has changed, from `start` (m): stream and numbers go on.
+    /// The same planner in a changed workplace, from `start` (m): stream and numbers continue.
     #[must_use]
     pub fn moved(
         self,
@@ -150,7 +151,7 @@ impl<R> Wanderer<R> {
         Self::of(self.wander.moved(space))
     }
 
-    /// The same planner with a key of its own from here on, for an observer's guesses.
+    /// The same planner with another key from here on, for an observer's guesses.
     #[must_use]
     pub fn with_key(&self, key: [u8; 32]) -> Self {
         Self::of(self.wander.with_key(key))

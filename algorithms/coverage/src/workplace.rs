@@ -1,9 +1,9 @@
-//! A rectangular workplace with obstacles, as rectangles that a robot's centre keeps out of.
+//! A rectangular workplace with obstacles, as rectangles that a robot's centre avoids.
 //!
 //! Edge expansion as in the Chebyshev coverage paper, §4: the robot is a disc of radius r, the
-//! workplace shrinks by r on every side and every obstacle grows by r on every side. Obstacles that
-//! are no rectangles along the axes are replaced by rectangles around them (the paper's future
-//! work): slabs of which no point lies farther than a tolerance from the obstacle.
+//! workplace shrinks by r on every side and every obstacle grows by r on every side. Obstacles other
+//! than axis-aligned rectangles are replaced by rectangles around them (the paper's future work): slabs
+//! of which no point lies farther than a tolerance from the obstacle.
 
 mod error;
 mod loss;
@@ -18,10 +18,10 @@ use geometry::shape::{Aabb, Convex, Shape};
 use metrics::coverage::{CoverageDomain, CoverageError, Rectangle};
 use nalgebra::{Point2, Vector2};
 
-/// Most rectangles that the obstacles of a workplace may become.
+/// Maximum number of rectangles that represent the obstacles of a workplace.
 pub const MAX_RECTANGLES: usize = 4096;
 
-/// Least tolerance of the conversion to rectangles (m); well above the rounding of coordinates.
+/// Minimum tolerance of the conversion to rectangles (m); well above the rounding of coordinates.
 pub const MIN_TOLERANCE: f64 = 1e-6;
 
 /// A workplace for one size of robot.
@@ -36,12 +36,12 @@ pub struct Workplace {
 }
 
 impl Workplace {
-    /// The workplace within `bounds` (m) of a robot of `radius` (m) among obstacles; those that are
-    /// no rectangles along the axes become rectangles that stick out of them by at most `tolerance`
-    /// (m), ≥ [`MIN_TOLERANCE`].
+    /// Creates the workplace within `bounds` (m) of a robot of `radius` (m) among obstacles. Obstacles
+    /// other than axis-aligned rectangles become rectangles that extend beyond them by at most
+    /// `tolerance` (m), ≥ [`MIN_TOLERANCE`].
     ///
     /// # Errors
-    /// [`WorkplaceError`] names the obstacle or value that cannot be used and what to change.
+    /// [`WorkplaceError`] names the invalid obstacle or value and the remedy.
     pub fn new(
         bounds: Aabb,
         radius: f64,
@@ -64,11 +64,11 @@ impl Workplace {
         Self::from_parts(bounds, radius, &parts, tolerance)
     }
 
-    /// The same from convex pieces, as a map has them ([`planner_view::free_space::FreeSpace`]). Pieces
-    /// outside the workplace do not matter here: a map may be larger than what is to be covered.
+    /// The same from convex pieces of a map ([`planner_view::free_space::FreeSpace`]). Pieces outside
+    /// the workplace are ignored: a map may be larger than the area to cover.
     ///
     /// # Errors
-    /// [`WorkplaceError`] names the piece or value that cannot be used and what to change.
+    /// [`WorkplaceError`] names the invalid piece or value and the remedy.
     pub fn from_parts(
         bounds: Aabb,
         radius: f64,
@@ -125,8 +125,7 @@ impl Workplace {
         &self.bounds
     }
 
-    /// Where the robot's centre may be if there were no obstacles (m): the workplace shrunken by
-    /// the radius.
+    /// Free positions of the robot's centre without obstacles (m): the workplace shrunk by the radius.
     pub fn inner(&self) -> Aabb {
         shrunken(&self.bounds, self.radius)
     }
@@ -136,31 +135,31 @@ impl Workplace {
         self.radius
     }
 
-    /// How far rectangles may stick out of the obstacles that they stand for (m).
+    /// Maximum distance by which rectangles extend beyond the obstacles that they represent (m).
     pub fn tolerance(&self) -> f64 {
         self.tolerance
     }
 
-    /// The rectangles that stand for the obstacles (m), at their own size.
+    /// The rectangles that represent the obstacles (m), at their own size.
     pub fn rectangles(&self) -> &[Aabb] {
         &self.rectangles
     }
 
-    /// What the robot's centre keeps out of (m): the rectangles grown by the radius on every side
-    /// and clipped to [`Workplace::inner`].
+    /// The rectangles that the robot's centre avoids (m): grown by the radius on every side and clipped
+    /// to [`Workplace::inner`].
     pub fn inflated(&self) -> &[Aabb] {
         &self.inflated
     }
 
-    /// The free space that the conversion to rectangles has given up.
+    /// The free space lost by the conversion to rectangles.
     pub fn loss(&self) -> ConversionLoss {
         self.loss
     }
 
-    /// The workplace as the measure of coverage sees it.
+    /// The workplace for the metric of coverage.
     ///
     /// # Errors
-    /// [`CoverageError`] never, for a workplace that could be made; returned rather than hidden.
+    /// [`CoverageError`] does not occur for a valid workplace; it is returned rather than hidden.
     pub fn domain(&self) -> Result<CoverageDomain, CoverageError> {
         let rectangle = |aabb: &Aabb| Rectangle::new(aabb.min, aabb.max);
         CoverageDomain::new(
@@ -179,7 +178,7 @@ fn shrunken(bounds: &Aabb, radius: f64) -> Aabb {
     }
 }
 
-/// `None` if nothing with an inside is left.
+/// Grows and clips a rectangle; `None` if the result has no inside.
 fn inflate_and_clip(rectangle: &Aabb, radius: f64, free: &Aabb) -> Option<Aabb> {
     let margin = Vector2::repeat(radius);
     let min = (rectangle.min - margin).sup(&free.min);
@@ -196,7 +195,7 @@ fn is_outside(piece: &Convex, bounds: &Aabb) -> bool {
     reach || aabb.max.y <= bounds.min.y || aabb.min.y >= bounds.max.y
 }
 
-/// Returns `true` if a piece grown by the radius contains all of the workplace shrunken by it.
+/// Returns `true` if a piece grown by the radius contains the whole workplace shrunk by it.
 fn covers(piece: &Convex, bounds: &Aabb, radius: f64) -> bool {
     let free = shrunken(bounds, radius);
     let corners = [
@@ -205,7 +204,7 @@ fn covers(piece: &Convex, bounds: &Aabb, radius: f64) -> bool {
         Point2::new(free.min.x, free.max.y),
         Point2::new(free.max.x, free.min.y),
     ];
-    // Grown by a disc it is convex: what contains the corners contains all.
+    // Grown by a disc it is convex: if it contains the corners, it contains the whole rectangle.
     radius >= 0.0
         && corners
             .iter()

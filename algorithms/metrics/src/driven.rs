@@ -1,12 +1,12 @@
-//! The path that a robot really drove: where it was when, against the reference, and how it turned.
+//! The driven path of a robot: position over time, error from the reference, and turns.
 
 use nalgebra::Point2;
 
-/// Distance from a driven path within which it is taken to be straight (m): about the radius of a
-/// small robot, far below the legs of a zig-zag.
+/// Distance from a driven path within which it counts as straight (m): about the radius of a small
+/// robot, far below the legs of a zig-zag.
 pub const STRAIGHT_WITHIN: f64 = 0.1;
 
-/// Where a robot was at increasing times.
+/// Positions of a robot at increasing times.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Track {
     times: Vec<f64>,
@@ -14,8 +14,8 @@ pub struct Track {
 }
 
 impl Track {
-    /// Adds where the robot is at a time (s). What is not finite, or not later than what is there,
-    /// is left out.
+    /// Adds the position of the robot at a time (s). Values that are not finite, or not later than
+    /// the last one, are left out.
     pub fn push(&mut self, time_s: f64, at: Point2<f64>) {
         let later = self.times.last().is_none_or(|&last| time_s > last);
         if later && time_s.is_finite() && at.x.is_finite() && at.y.is_finite() {
@@ -29,8 +29,8 @@ impl Track {
         &self.points
     }
 
-    /// Where the robot was at a time (s), straight between two points; before the first point there,
-    /// after the last one there. `None` without points.
+    /// The position of the robot at a time (s), interpolated linearly; before the first point the
+    /// first, after the last one the last. `None` without points.
     pub fn at(&self, time_s: f64) -> Option<Point2<f64>> {
         let after = self.times.partition_point(|&t| t <= time_s);
         let Some((&to, &end)) = self.times.get(after).zip(self.points.get(after)) else {
@@ -43,7 +43,7 @@ impl Track {
         Some(start + (end - start) * ((time_s - from) / (to - from)))
     }
 
-    /// The points from one time to another (s), with the places at these times themselves.
+    /// The points from one time to another (s), including the positions at these times.
     pub fn between(&self, from_s: f64, to_s: f64) -> Vec<Point2<f64>> {
         let first = self.times.partition_point(|&t| t <= from_s);
         let last = self.times.partition_point(|&t| t < to_s).max(first);
@@ -56,9 +56,9 @@ impl Track {
         points
     }
 
-    /// Mean distance (m) between the robot and where an unprotected one would be, at `n` equal steps
-    /// of time from `from_s` to `to_s` (s): the lap as it was driven against its `reference`
-    /// (cat-map patrol paper, Eq. 11). `None` without points or steps.
+    /// Mean distance (m) between the robot and an unprotected one, at `n` equal steps of time from
+    /// `from_s` to `to_s` (s): the driven lap against its `reference` (cat-map patrol paper, Eq.
+    /// 11). `None` without points or steps.
     pub fn mae_time(
         &self,
         reference: &crate::path::Polyline<'_>,
@@ -76,8 +76,8 @@ impl Track {
     }
 }
 
-/// The corners of a path: the fewest of its points that it stays within `tolerance` (m) of (Ramer
-/// 1972, Douglas and Peucker 1973). First and last point are always among them.
+/// The corners of a path: the smallest set of its points whose polyline stays within `tolerance` (m)
+/// of the path (Ramer 1972, Douglas and Peucker 1973). First and last point are always included.
 pub fn corners(path: &[Point2<f64>], tolerance: f64) -> Vec<Point2<f64>> {
     let Some(end) = path.len().checked_sub(1) else {
         return Vec::new();

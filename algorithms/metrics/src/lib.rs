@@ -1,11 +1,11 @@
-//! How unpredictable, and how thorough, a path is: the numbers that planners, summaries, sweeps and
-//! tests share, each with its definition.
+//! Metrics of unpredictability and thoroughness of paths that planners, summaries, sweeps and tests
+//! share, each with its definition.
 //!
 //! - [`sequence`]: sequences of numbers and points (Lyapunov exponent, `v(xy)`);
 //! - [`path`]: a path against its reference (MAE, ANDC, MAA, RA);
-//! - [`driven`]: the path that a robot really drove;
-//! - [`coverage`]: how much of a workplace a path has covered, and how evenly;
-//! - [`prediction`]: how well somebody predicted where a robot would be.
+//! - [`driven`]: the driven path of a robot;
+//! - [`coverage`]: coverage of a workplace by a path: rate and evenness;
+//! - [`prediction`]: accuracy of predictions of a robot's position.
 //!
 //! ```
 //! use metrics::path::mae_lap;

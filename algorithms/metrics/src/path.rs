@@ -1,14 +1,14 @@
-//! A path against its reference: how far it strays, how sharply it turns, how fast it must be
-//! driven (cat-map patrol paper, §5.1).
+//! A path against its reference: deviation, sharpness of turns, required speed (cat-map patrol
+//! paper, §5.1).
 //!
-//! A *reference* is the polyline that a patrol would follow without protection, a *lap* the polyline
-//! that it follows instead, from the reference's first point to its last. Of a reference that is
-//! walked there and back, turn every other lap round first. Every function takes any number of
-//! points and answers `None` where there is nothing to measure.
+//! A *reference* is the polyline of a patrol without protection, a *lap* the polyline that it
+//! follows instead, from the reference's first point to its last. For a reference that is driven
+//! there and back, reverse every other lap first. Every function accepts any number of points and
+//! returns `None` without data to measure.
 //!
 //! The paper leaves three readings open, which give different numbers: whether points of both paths
 //! correspond by length or by time (MAE), and whether a turn by 170° counts as 170° or as 10° (MAA).
-//! All are here under names of their own; [`mae_time`] and [`Turns::maa`] are the ones to report.
+//! All are here under their own names; report [`mae_time`] and [`Turns::maa`].
 
 mod polyline;
 mod turns;
@@ -36,7 +36,7 @@ pub fn mae_lap(reference: &[Point2<f64>], laps: &[Vec<Point2<f64>>], n: usize) -
 /// [`mae_lap`] on all laps joined to one path, with `n` points per lap, against as many laps of the
 /// reference (`MAE_joint`).
 ///
-/// For comparison only: a lap that is a little longer than the mean shifts all that follow, so that
+/// For comparison only: a lap that is slightly longer than the mean shifts all later ones, so that
 /// the value depends on the key more than on the method.
 pub fn mae_joint(reference: &[Point2<f64>], laps: &[Vec<Point2<f64>>], n: usize) -> Option<f64> {
     let reference = Polyline::new(reference);
@@ -55,12 +55,11 @@ pub fn mae_joint(reference: &[Point2<f64>], laps: &[Vec<Point2<f64>>], n: usize)
     })
 }
 
-/// Mean distance (m) between where an unprotected robot would be and where this one is, at `n`
-/// equal steps of *time* per lap, each leg of a lap taking the same time; mean over the laps
-/// (`MAE_time`).
+/// Mean distance (m) between an unprotected robot and this one, at `n` equal steps of *time* per
+/// lap, each leg of a lap taking the same time; mean over the laps (`MAE_time`).
 ///
-/// This is the one to report: it is linear in the width of the zig-zag, through the origin, as the
-/// paper's own values are.
+/// Report this one: it is linear in the width of the zig-zag, through the origin, as the paper's own
+/// values are.
 pub fn mae_time(reference: &[Point2<f64>], laps: &[Vec<Point2<f64>>], n: usize) -> Option<f64> {
     let reference = Polyline::new(reference);
     mean_over(laps, |lap| {
@@ -70,8 +69,8 @@ pub fn mae_time(reference: &[Point2<f64>], laps: &[Vec<Point2<f64>>], n: usize) 
     })
 }
 
-/// Changes of direction per second in a lap of `legs` straight legs that is to take `t_max` (s)
-/// (`ANDC`); the paper counts the one at the end of the last leg too.
+/// Changes of direction per second in a lap of `legs` straight legs with a duration of `t_max` (s)
+/// (`ANDC`); the paper also counts the one at the end of the last leg.
 ///
 /// `None` unless `t_max` > 0.
 pub fn andc(legs: usize, t_max: f64) -> Option<f64> {
@@ -90,23 +89,23 @@ pub fn speed(lap: &[Point2<f64>], t_max: f64) -> Option<f64> {
 pub fn joined(laps: &[Vec<Point2<f64>>]) -> Vec<Point2<f64>> {
     let mut path: Vec<Point2<f64>> = Vec::with_capacity(laps.iter().map(Vec::len).sum());
     for lap in laps {
-        // A lap begins where the one before it ended.
+        // A lap begins at the end of the previous one.
         let repeated = usize::from(path.last().is_some() && path.last() == lap.first());
         path.extend(lap.iter().skip(repeated));
     }
     path
 }
 
-/// All measures of a patrol at once.
+/// All metrics of a patrol.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PathMetrics {
-    /// Laps measured.
+    /// Number of laps.
     pub laps: usize,
     /// Length of the first lap (m).
     pub length_first: f64,
     /// Mean length of a lap (m).
     pub length_mean: f64,
-    /// Speed that the first lap takes (m/s).
+    /// Required speed of the first lap (m/s).
     pub speed_first: f64,
     /// Mean speed over all laps (m/s).
     pub speed_mean: f64,
@@ -120,12 +119,12 @@ pub struct PathMetrics {
     pub andc: f64,
     /// Turns within the first lap.
     pub turns_first: Turns,
-    /// Turns on all laps, those from one lap to the next included.
+    /// Turns on all laps, including those from one lap to the next.
     pub turns: Turns,
 }
 
 impl PathMetrics {
-    /// Measures laps that are to take `t_max` (s) each, at [`POINTS_PER_LAP`].
+    /// Measures laps with a duration of `t_max` (s) each, at [`POINTS_PER_LAP`].
     ///
     /// `None` without laps, with a lap or a reference without points, or unless `t_max` > 0.
     pub fn of(reference: &[Point2<f64>], laps: &[Vec<Point2<f64>>], t_max: f64) -> Option<Self> {
@@ -146,7 +145,7 @@ impl PathMetrics {
     }
 }
 
-/// Mean of a measure over laps; `None` if there are none or if one of them has no measure.
+/// Mean of a metric over laps; `None` if there are none or if one of them has no value.
 fn mean_over(
     laps: &[Vec<Point2<f64>>],
     measure: impl Fn(&[Point2<f64>]) -> Option<f64>,

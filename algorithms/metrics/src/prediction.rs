@@ -1,9 +1,9 @@
-//! How well somebody predicted where a robot would be, or which goal it would take next.
+//! Accuracy of predictions of a robot's position, or of its next goal.
 //!
 //! - [`statistics`]: mean, median, root mean square and quantiles of errors, by horizon;
-//! - [`next_goal`]: the next goal by the most similar past one, which no map with a short formula
-//!   withstands;
-//! - [`chance`]: what the errors would be if the goals were independent and uniform.
+//! - [`next_goal`]: prediction of the next goal by the most similar past one, which works for every
+//!   map with a short formula;
+//! - [`chance`]: errors of a guess, for independent and uniform goals.
 
 pub mod chance;
 pub mod next_goal;

@@ -1,7 +1,8 @@
-//! Sequences of numbers and points: how fast close orbits of a map part, and how points spread.
+//! Metrics of sequences of numbers and points: divergence of close orbits, and distribution of
+//! points.
 //!
-//! None of these measures how hard a sequence is to predict: both papers' maps have large
-//! exponents and are known exactly after a hundred points.
+//! None of these measures predictability: both papers' maps have large exponents, yet a hundred
+//! points determine them exactly.
 
 use core::f64::consts::PI;
 
@@ -32,8 +33,8 @@ pub fn lyapunov_from_jacobians(jacobians: impl IntoIterator<Item = [[f64; 2]; 2]
     }))
 }
 
-/// Lyapunov exponent (per step) of any map of one variable, by a second orbit `separation` away
-/// that is pulled back to that distance after each step.
+/// Lyapunov exponent (per step) of any map of one variable, by a second orbit at distance
+/// `separation` that is reset to that distance after each step.
 ///
 /// Needs no derivative, and so shows that a change of coordinates does not change the exponent.
 /// Steps from which both orbits coincide are left out. NaN without steps.
@@ -70,8 +71,8 @@ pub fn chebyshev_derivative(k: f64, x: f64) -> f64 {
 /// `2k·sin(k·acos x) / (π·√(1 − cos²(k·acos x))·√(1 − x²))`.
 ///
 /// It mixes two coordinates (the transformed image by the untransformed argument), so that its mean
-/// logarithm, `ln(4k/π)`, is no exponent of any map; the exponent of the transformed map is still
-/// `ln k`. For comparison only.
+/// logarithm, `ln(4k/π)`, is not an exponent of any map; the exponent of the transformed map is
+/// still `ln k`. For comparison only.
 pub fn chebyshev_derivative_as_printed(k: f64, x: f64) -> f64 {
     let angle = libm::acos(x.clamp(-1.0, 1.0));
     let (sine, image) = (libm::sin(k * angle), libm::cos(k * angle));
@@ -80,8 +81,8 @@ pub fn chebyshev_derivative_as_printed(k: f64, x: f64) -> f64 {
 
 /// `v(xy)`, the mean of `|x_i − y_i|` (Chebyshev coverage paper, Eq. 6); NaN without points.
 ///
-/// For independent coordinates it depends on their law only (8/π² for the arcsine law, 2/3 for the
-/// uniform one on [−1, 1]) and says nothing about randomness.
+/// For independent coordinates it depends only on their distribution (8/π² for the arcsine law, 2/3
+/// for the uniform one on [−1, 1]) and does not measure randomness.
 pub fn mean_difference(points: impl IntoIterator<Item = [f64; 2]>) -> f64 {
     mean(points.into_iter().map(|[x, y]| (x - y).abs()))
 }

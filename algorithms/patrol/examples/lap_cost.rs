@@ -1,4 +1,4 @@
-//! What planning a lap costs: the octagon of the cat-map patrol paper's case 1, 120 waypoints.
+//! Time to plan a lap: the octagon of the cat-map patrol paper's case 1, 120 waypoints.
 //!
 //! `cargo run --release -p patrol --example lap_cost [KEY]…`, keys as in `catp:0.4,0.644`.
 

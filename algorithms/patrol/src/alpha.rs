@@ -1,5 +1,5 @@
-//! How wide the zig-zag may be: as wide as the robot can drive it in the time (cat-map patrol paper,
-//! §4, phase 1, and Fig. 6).
+//! Maximum width of the zig-zag that the robot can drive in time (cat-map patrol paper, §4, phase 1,
+//! and Fig. 6).
 
 use chaotic_maps::Source;
 use nalgebra::{Point2, Vector2};
@@ -7,52 +7,52 @@ use thiserror::Error;
 
 use crate::awg::{Awg, AwgError};
 
-/// Laps over which the width is chosen, as in the paper's figures.
+/// Number of laps for the choice of the width, as in the paper's figures.
 pub const LAPS: u32 = 12;
 
-/// Most laps over which a width is chosen.
+/// Maximum number of laps for the choice of a width.
 pub const MAX_LAPS: u32 = 1000;
 
 /// Halvings of the interval by [`alpha_max`]: enough for every bit of the result.
 const HALVINGS: u32 = 80;
 
-/// Halvings by [`alpha_max_driven`], where each is a drive over all laps: to a thousandth of a
-/// thousandth of the first interval.
+/// Halvings by [`alpha_max_driven`], where each drives all laps: the result is exact to a millionth of
+/// the first interval.
 const DRIVEN_HALVINGS: u32 = 20;
 
-/// Why no width can be chosen, and what to change.
+/// Reason why no width can be chosen, with the remedy.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum AlphaError {
-    /// The contour takes all of the time, or more.
+    /// The contour takes the whole time, or more.
     #[error(transparent)]
     Awg(#[from] AwgError),
     /// A speed, a margin or a number of laps out of its range.
     #[error("`{field}` is {value}, but must be {expected}")]
     Value {
-        /// Which value.
+        /// Name of the value.
         field: &'static str,
-        /// What it is.
+        /// Actual value.
         value: f64,
-        /// What would have been accepted.
+        /// Expected value.
         expected: &'static str,
     },
-    /// Nothing depends on the width.
+    /// There are no waypoints whose position depends on the width.
     #[error(
         "no waypoint is put in anywhere, so that no `alpha` is too large: give `t_max` more \
          seconds than the contour has segments, or move the danger zones onto the contour"
     )]
     NothingInserted,
-    /// The robot is too slow even for a zig-zag of no width.
+    /// The robot is too slow even for a zig-zag of width 0.
     #[error(
         "a lap takes the robot {lap_s:.3} s even with hardly any zig-zag, but `t_max` = {t_max} s \
          less the margin leaves {limit_s:.3} s: give it more time or a faster robot"
     )]
     TooSlow {
-        /// The slowest lap at the least width that was tried (s).
+        /// The slowest lap at the smallest width tried (s).
         lap_s: f64,
-        /// Time for a lap (s).
+        /// Time limit of a lap (s).
         t_max: f64,
-        /// The time less the margin (s).
+        /// The time limit less the margin (s).
         limit_s: f64,
     },
     /// The robot did not finish its laps.
@@ -63,12 +63,12 @@ pub enum AlphaError {
     NotFinished,
 }
 
-/// Tells how long laps take a robot.
+/// Lap times of a robot.
 ///
 /// Implemented by closures of this form and by [`TurnThenDrive`].
 pub trait LapTimes {
-    /// Time of each lap (s), driven one after the other; each begins where the one before ended and
-    /// has its start as first point. `None` if the robot does not finish them.
+    /// Time of each lap (s), driven in order; each lap begins at the end of the previous one and has
+    /// its start as first point. `None` if the robot does not finish them.
     fn lap_times(&mut self, laps: &[Vec<Point2<f64>>]) -> Option<Vec<f64>>;
 }
 
@@ -78,13 +78,13 @@ impl<F: FnMut(&[Vec<Point2<f64>>]) -> Option<Vec<f64>>> LapTimes for F {
     }
 }
 
-/// A robot that turns on the spot towards each waypoint and then drives straight to it: slower than
-/// any that turns while it drives.
+/// A robot that turns on the spot towards each waypoint and then drives straight to it: slower than any
+/// robot that turns while driving.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TurnThenDrive {
-    /// Its speed (m/s), > 0.
+    /// Speed (m/s), > 0.
     pub v: f64,
-    /// Its turning rate (rad/s), > 0.
+    /// Turning rate (rad/s), > 0.
     pub omega: f64,
 }
 
@@ -112,11 +112,11 @@ impl LapTimes for TurnThenDrive {
     }
 }
 
-/// The width (m) at which the mean length of the first `laps` laps is just what a robot of speed
-/// `v_robot` (m/s) drives in the time, turns taking none (`α_max`; paper, Eq. 8). The width that `awg`
-/// has does not matter; `source` must be at its beginning.
+/// The width (m) at which the mean length of the first `laps` laps is exactly the distance that a robot
+/// of speed `v_robot` (m/s) drives in the time, with turns that take no time (`α_max`; paper, Eq. 8).
+/// The width of `awg` is ignored; `source` must be at its beginning.
 ///
-/// Exact: the length of a lap is a convex function of the width, least at 0.
+/// The result is exact: the length of a lap is a convex function of the width, minimal at 0.
 ///
 /// # Errors
 /// [`AlphaError`] if the robot is too slow for the contour, if there are no waypoints to spread, or
@@ -148,10 +148,10 @@ pub fn alpha_max(
     Ok(low)
 }
 
-/// A width (m) at which each of the first `laps` laps takes the robot at most `t_max`·(1 − `margin`),
-/// its turns counted; as great as halving finds it. At the width returned the laps have been tried.
+/// The largest width (m), found by halving, at which each of the first `laps` laps takes the robot at
+/// most `t_max`·(1 − `margin`), including turns. The laps have been driven at the returned width.
 ///
-/// `v_max` (m/s) is the robot's greatest speed, from which the search starts; the rest is as for
+/// `v_max` (m/s) is the robot's maximum speed, from which the search starts; the rest is as for
 /// [`alpha_max`].
 ///
 /// # Errors
@@ -179,7 +179,7 @@ pub fn alpha_max_driven(
     Ok(search.low)
 }
 
-/// Returns `true` if [`alpha_max_driven`] would find a width: the laps are driven once, with hardly any
+/// Returns `true` if [`alpha_max_driven`] would find a width: the laps are driven once, with nearly no
 /// zig-zag.
 ///
 /// # Errors
@@ -195,15 +195,15 @@ pub fn check_driven(
     Search::new(awg, v_max, margin, laps, source, robot).map(drop)
 }
 
-/// The interval in which the width lies.
+/// The interval of the width.
 struct Search<'r, R> {
     trial: LapFamily,
     robot: &'r mut R,
-    /// Time that a lap may take (s).
+    /// Maximum time of a lap (s).
     limit_s: f64,
-    /// A width that has been tried and can be driven (m).
+    /// A width that has been driven in time (m).
     low: f64,
-    /// A width that is too great (m).
+    /// A width that is too large (m).
     high: f64,
 }
 
@@ -229,8 +229,8 @@ impl<'r, R: LapTimes> Search<'r, R> {
         let trial = LapFamily::new(awg, laps, source)?;
         let t_max = awg.params().t_max;
         let limit_s = t_max * (1.0 - margin);
-        // A robot that rounds its corners drives less than the path's length: twice what that allows
-        // is beyond any.
+        // A robot that rounds its corners drives less than the path's length: twice the width of that
+        // bound is always too large.
         let mut high = 2.0 * v_max / awg.v();
         while trial.mean_length(high) < 2.0 * v_max * t_max {
             high *= 2.0;

@@ -1,13 +1,13 @@
-//! Additional waypoints generation (AWG): a contour becomes a zig-zag, another one on every lap
+//! Additional waypoints generation (AWG): turns a contour into a zig-zag that differs on every lap
 //! (cat-map patrol paper, §3.4, §3.5 and §4).
 //!
 //! A point (X, Y) of a generator in the unit square becomes a waypoint in a square of side α that
-//! rides along the segment at the speed v of an unprotected patrol (Eq. 2, 7 and 9): after j seconds
+//! moves along the segment at the speed v of an unprotected patrol (Eq. 2, 7 and 9): after j seconds
 //!
 //! `Q = P_i + v·j·u + α·(X·f + (Y − ½)·f⊥)`
 //!
-//! with `u` the direction of the segment and `f` that of the square. Where v < α, the way often goes
-//! back: no waypoint says where the next one will be.
+//! with `u` the direction of the segment and `f` that of the square. Where v < α, the path often goes
+//! back: no waypoint determines the next one.
 
 mod error;
 mod laps;
@@ -24,20 +24,20 @@ pub use error::AwgError;
 pub use laps::Laps;
 pub use mode::{Frame, Mode, Preset, Rounding};
 
-/// Longest time for a lap (s): every second is a waypoint, and a lap is planned at once.
+/// Maximum time of a lap (s): every second is a waypoint, and a lap is planned at once.
 pub const MAX_T_MAX: f64 = 1e6;
 
-/// Guards lengths that are an exact multiple of the speed against rounding.
+/// Protects lengths that are an exact multiple of the speed from rounding.
 const RATIO_GUARD: f64 = 1e-9;
 
-/// What a zig-zag is made from, beside the contour.
+/// Parameters of a zig-zag, besides the contour.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AwgParams {
-    /// Time in which a lap shall be done (s), > 0 and ≤ [`MAX_T_MAX`] (the paper's `t_max`).
+    /// Time limit of a lap (s), > 0 and ≤ [`MAX_T_MAX`] (the paper's `t_max`).
     pub t_max: f64,
     /// Width of the zig-zag (m), > 0: waypoints lie within half of it on either side (α).
     pub alpha: f64,
-    /// How many waypoints there are, and which way the square lies.
+    /// Rounding of the numbers of waypoints, and orientation of the square.
     pub mode: Mode,
 }
 
@@ -48,7 +48,7 @@ pub struct Leg {
     pub stretch: Stretch,
     /// Direction of the square's first axis (f), unit.
     pub facing: Vector2<f64>,
-    /// How many waypoints are put in (`M_i`); 0 where there is no threat.
+    /// Number of additional waypoints (`M_i`); 0 without a threat.
     pub inserted: u32,
     /// Steps of the generator that the lap takes before this leg.
     pub steps_before: u64,
@@ -57,8 +57,9 @@ pub struct Leg {
 }
 
 impl Leg {
-    /// Time between two waypoints of the leg (s), if all are visited in time: one second where
-    /// waypoints are put in (τ = 1, paper, Eq. 10), the whole leg at the speed `v` (m/s) where not.
+    /// Time between two waypoints of the leg (s), if all are visited in time: one second where there
+    /// are additional waypoints (τ = 1, paper, Eq. 10), otherwise the whole leg at the speed `v`
+    /// (m/s).
     pub fn seconds_per_waypoint(&self, v: f64) -> f64 {
         if self.stretch.threatened {
             1.0
@@ -67,7 +68,7 @@ impl Leg {
         }
     }
 
-    /// Waypoints of the leg: the additional ones and its end.
+    /// Number of waypoints of the leg: the additional ones and its end.
     pub fn waypoints(&self) -> u64 {
         u64::from(self.inserted) + 1
     }
@@ -89,34 +90,34 @@ impl Leg {
         }
     }
 
-    /// Where the `j`th additional waypoint lies for the generator's point `[x, y]`.
+    /// Position of the `j`th additional waypoint for the generator's point `[x, y]`.
     fn point(&self, j: u32, [x, y]: [f64; 2], v: f64, alpha: f64) -> Point2<f64> {
         self.nominal(j, v) + self.offset([x, y]) * alpha
     }
 
-    /// Where an unprotected patrol is after `j` seconds on the leg.
+    /// Position of an unprotected patrol after `j` seconds on the leg.
     pub(crate) fn nominal(&self, j: u32, v: f64) -> Point2<f64> {
         self.stretch.segment.from + self.stretch.segment.along * (v * f64::from(j))
     }
 
-    /// How far from there, in units of α.
+    /// Offset from that position, in units of α.
     pub(crate) fn offset(&self, [x, y]: [f64; 2]) -> Vector2<f64> {
         let f = self.facing;
         f * x + Vector2::new(-f.y, f.x) * (y - 0.5)
     }
 }
 
-/// A contour with everything about its zig-zag that does not depend on the key.
+/// A contour with all data of its zig-zag that do not depend on the key.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Awg {
     params: AwgParams,
     v: f64,
     length: f64,
-    /// Part of the paper's time that the clock of the waypoints takes.
+    /// Share of the paper's time that the clock of the waypoints uses.
     tempo: f64,
     start: Point2<f64>,
     forward: Vec<Leg>,
-    /// The legs of the way back; empty for a closed contour.
+    /// The legs of the return; empty for a closed contour.
     backward: Vec<Leg>,
 }
 
@@ -124,7 +125,7 @@ impl Awg {
     /// Prepares a zig-zag about the threatened parts of a contour.
     ///
     /// # Errors
-    /// [`AwgError`] for a time or a width out of its range, or a zone that is no area.
+    /// [`AwgError`] for a time or a width out of its range, or a zone without an area.
     pub fn new(
         contour: &Contour,
         zones: &DangerZones,
@@ -180,12 +181,12 @@ impl Awg {
         Ok(self)
     }
 
-    /// Checks that a robot of this greatest speed (m/s) can walk the contour in the time at all.
+    /// Checks that a robot of this maximum speed (m/s) can drive the contour in the time at all.
     ///
     /// # Errors
-    /// [`AwgError::TooShort`], which says the least time.
+    /// [`AwgError::TooShort`], which contains the minimum time.
     pub fn check_speed(&self, v_max: f64) -> Result<(), AwgError> {
-        // Not `v > v_max`: a speed that is no number does not do either.
+        // Not `v > v_max`: a speed of NaN must fail as well.
         if self.v <= v_max {
             return Ok(());
         }
@@ -197,7 +198,7 @@ impl Awg {
         })
     }
 
-    /// What it was made from.
+    /// The parameters.
     pub fn params(&self) -> AwgParams {
         self.params
     }
@@ -212,7 +213,7 @@ impl Awg {
         self.length
     }
 
-    /// Where the first lap starts (m).
+    /// Start of the first lap (m).
     pub fn start(&self) -> Point2<f64> {
         self.start
     }
@@ -238,10 +239,10 @@ impl Awg {
         last.map_or(0, |leg| leg.waypoints_before + leg.waypoints())
     }
 
-    /// The same with a clock that runs faster: each lap takes this part of its time, > 0 and ≤ 1.
+    /// The same with a faster clock: each lap takes this share of its time, > 0 and ≤ 1.
     ///
     /// # Errors
-    /// [`AwgError::Tempo`] for another one.
+    /// [`AwgError::Tempo`] for any other value.
     pub fn with_tempo(mut self, tempo: f64) -> Result<Self, AwgError> {
         if !(tempo > 0.0 && tempo <= 1.0) {
             return Err(AwgError::Tempo { value: tempo });
@@ -267,7 +268,7 @@ impl Awg {
         self.forward.iter().map(|leg| self.leg_seconds(leg)).sum()
     }
 
-    /// When a waypoint is due by that clock (s); the start, number 0, at 0.
+    /// Due time of a waypoint by that clock (s); the start, number 0, is due at 0.
     pub fn due_s(&self, number: u64) -> f64 {
         let Some((lap, index, j)) = self.place(number) else {
             return 0.0;
@@ -302,7 +303,7 @@ impl Awg {
         }
     }
 
-    /// A lap as a path, its start included, for measuring. As [`Self::lap_into`] in the rest.
+    /// A lap as a path, including its start, for measurements. Otherwise as [`Self::lap_into`].
     pub fn lap_path(&self, lap: u32, source: &mut impl Source) -> Vec<Point2<f64>> {
         let mut waypoints = Vec::with_capacity(self.waypoints_per_lap() as usize);
         self.lap_into(lap, source, &mut waypoints);
@@ -316,7 +317,7 @@ impl Awg {
         path
     }
 
-    /// Which lap (from 0), which of its [`Self::legs`] and which of that leg's waypoints (from 1) has
+    /// The lap (from 0), the index in its [`Self::legs`] and the waypoint of that leg (from 1) with
     /// this number; `None` for the start, number 0.
     pub fn place(&self, number: u64) -> Option<(u64, usize, u32)> {
         let index = number.checked_sub(1)?;
@@ -331,7 +332,7 @@ impl Awg {
         Some((lap, leg, (within - legs[leg].waypoints_before) as u32 + 1))
     }
 
-    /// Number of the first waypoint of a lap; number 0 is the start of all.
+    /// Number of the first waypoint of a lap; number 0 is the start of the patrol.
     pub(crate) fn first_of_lap(&self, lap: u32) -> u64 {
         1 + u64::from(lap) * self.waypoints_per_lap()
     }

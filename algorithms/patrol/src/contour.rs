@@ -1,4 +1,4 @@
-//! The route that is patrolled: waypoints, open or closed.
+//! Route of a patrol: waypoints, open or closed.
 
 use metrics::path::Polyline;
 use nalgebra::{Point2, Vector2};
@@ -6,9 +6,9 @@ use thiserror::Error;
 
 /// Waypoints of a patrol and the straight segments between them.
 ///
-/// A *closed* contour ends where it began, and laps follow each other all the same way round. An
-/// *open* one is walked there and back: a lap is one way, and every other lap goes the other way,
-/// because a robot cannot jump from the end of its route to the beginning.
+/// A *closed* contour ends at its start, and all laps have the same direction. An *open* one is driven there
+/// and back: a lap is one direction, and every other lap is reversed, because a robot cannot jump from the end
+/// of its route to the beginning.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Contour {
     points: Vec<Point2<f64>>,
@@ -16,22 +16,22 @@ pub struct Contour {
     closed: bool,
 }
 
-/// The straight way from one waypoint of a contour to the next.
+/// The straight line from one waypoint of a contour to the next.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Segment {
-    /// Where it starts (m).
+    /// Start (m).
     pub from: Point2<f64>,
-    /// Where it ends (m).
+    /// End (m).
     pub to: Point2<f64>,
     /// Unit vector from start to end.
     pub along: Vector2<f64>,
-    /// Its length (m), > 0.
+    /// Length (m), > 0.
     pub length: f64,
 }
 
 impl Segment {
-    /// The segment between two different points; `None` if they are the same or not finite, or lie
-    /// so far apart that their distance is not.
+    /// The segment between two different points; `None` if they are the same or not finite, or so far apart
+    /// that their distance is not finite.
     pub fn between(from: Point2<f64>, to: Point2<f64>) -> Option<Self> {
         let way = to - from;
         let length = way.norm();
@@ -43,7 +43,7 @@ impl Segment {
         })
     }
 
-    /// The same way, walked back.
+    /// The same segment, reversed.
     #[must_use]
     pub fn reversed(&self) -> Self {
         Self {
@@ -55,7 +55,7 @@ impl Segment {
     }
 }
 
-/// Why waypoints are no contour.
+/// Reason why waypoints are not a valid contour.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum ContourError {
     /// Too few waypoints.
@@ -64,20 +64,20 @@ pub enum ContourError {
          patrol leads"
     )]
     TooFew {
-        /// How many different ones there are.
+        /// Number of different ones.
         count: usize,
     },
-    /// A coordinate that is no number.
+    /// A coordinate that is not a number.
     #[error("`contour[{index}]` is ({x}, {y}), but must be two finite numbers (m)")]
     NotFinite {
         /// Index of the waypoint.
         index: usize,
-        /// Its x (m).
+        /// x (m).
         x: f64,
-        /// Its y (m).
+        /// y (m).
         y: f64,
     },
-    /// Two waypoints in a row at the same place.
+    /// Two consecutive waypoints at the same position.
     #[error(
         "`contour[{index}]` is ({x}, {y}) like the waypoint before it, but must differ from it: \
          remove one of the two"
@@ -85,12 +85,12 @@ pub enum ContourError {
     Repeated {
         /// Index of the second of the two.
         index: usize,
-        /// Its x (m).
+        /// x (m).
         x: f64,
-        /// Its y (m).
+        /// y (m).
         y: f64,
     },
-    /// Two waypoints in a row whose distance cannot be computed.
+    /// Two consecutive waypoints whose distance is not finite.
     #[error(
         "`contour[{index}]` is ({x}, {y}), too far from the waypoint before it to compute the \
          distance: give coordinates in metres"
@@ -98,25 +98,25 @@ pub enum ContourError {
     TooFar {
         /// Index of the second of the two.
         index: usize,
-        /// Its x (m).
+        /// x (m).
         x: f64,
-        /// Its y (m).
+        /// y (m).
         y: f64,
     },
 }
 
 impl Contour {
-    /// A contour that is walked there and back.
+    /// A contour that is driven there and back.
     ///
     /// # Errors
-    /// [`ContourError`] for fewer than two waypoints, a coordinate that is not finite, or a waypoint
-    /// at the place of the one before it.
+    /// [`ContourError`] for fewer than two waypoints, a coordinate that is not finite, or a waypoint at the
+    /// position of the previous one.
     pub fn open(points: &[Point2<f64>]) -> Result<Self, ContourError> {
         Self::new(points.to_vec(), false)
     }
 
-    /// A contour that ends where it began; whether the first waypoint is repeated at the end (as in
-    /// the paper, `P_N = P_1`) or not makes no difference.
+    /// A contour that ends at its start; the first waypoint may be repeated at the end (as in the paper, `P_N =
+    /// P_1`) or not.
     ///
     /// # Errors
     /// [`ContourError`] as for [`Contour::open`].
@@ -171,7 +171,7 @@ impl Contour {
         &self.segments
     }
 
-    /// Returns `true` if it ends where it began.
+    /// Returns `true` if the contour ends at its start.
     pub fn is_closed(&self) -> bool {
         self.closed
     }
@@ -181,8 +181,8 @@ impl Contour {
         self.segments.iter().map(|s| s.length).sum()
     }
 
-    /// The point S(share) that divides its length in this ratio, shares outside 0 … 1 being its
-    /// ends (m); `None` for NaN.
+    /// The point S(share) that divides its length in this ratio; shares outside 0 … 1 give its ends (m); `None`
+    /// for NaN.
     pub fn at(&self, share: f64) -> Option<Point2<f64>> {
         Polyline::new(&self.points).at(share)
     }

@@ -1,5 +1,5 @@
-//! Danger zones: which parts of a contour are under threat (cat-map patrol paper, §5.1, remark (c)
-//! and Fig. 8).
+//! Danger zones: the threatened parts of a contour (cat-map patrol paper, §5.1, remark (c) and Fig.
+//! 8).
 
 use geometry::shape::{Convex, Shape, ShapeError};
 use nalgebra::Point2;
@@ -9,11 +9,12 @@ use thiserror::Error;
 
 use crate::contour::{Contour, Segment};
 
-/// Stretches of a contour shorter than this (m), inside or between zones, count with their
-/// neighbours: nobody can enter and leave within them, and they would make waypoints that coincide.
+/// Minimum length of stretches of a contour (m), inside or between zones; shorter ones count with
+/// their neighbours. An adversary cannot enter and leave within them, and they would make waypoints
+/// that coincide.
 pub const MIN_STRETCH: f64 = 1e-6;
 
-/// Where a patrol is under threat.
+/// Areas in which a patrol is under threat.
 ///
 /// In TOML a list of shapes, see [`Shape`]: `[{ circle = { center = [5, 5], radius = 2 } }]`. An
 /// empty list means everywhere.
@@ -21,37 +22,36 @@ pub const MIN_STRETCH: f64 = 1e-6;
 #[serde(transparent)]
 pub struct DangerZones(pub Vec<Shape>);
 
-/// A zone that is no area.
+/// A zone without an area.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[error("`danger_zones[{index}]`: {source}")]
 pub struct DangerZoneError {
     /// Index of the zone.
     pub index: usize,
-    /// What is wrong with it.
+    /// Error of its shape.
     #[source]
     pub source: ShapeError,
 }
 
-/// A segment of a contour after the points where it enters and leaves danger zones have become
-/// waypoints.
+/// A segment of a contour after a cut at the points of entry to and exit from danger zones.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Stretch {
     /// The segment.
     pub segment: Segment,
-    /// Index of the contour's own segment that it is a part of.
+    /// Index of the contour's own segment that contains it.
     pub part_of: usize,
     /// `true` if it lies in a danger zone.
     pub threatened: bool,
 }
 
 impl DangerZones {
-    /// Cuts a contour where it enters and leaves the zones; what lies on a zone's border is inside.
-    /// Without zones, all of it is threatened.
+    /// Cuts a contour at the points of entry and exit of the zones; the border of a zone is inside.
+    /// Without zones, the whole contour is threatened.
     ///
-    /// The stretches follow each other as the segments do, and their lengths add up to the same sum.
+    /// The stretches are in the order of the segments, and the sum of their lengths is the same.
     ///
     /// # Errors
-    /// [`DangerZoneError`] for the first zone that is no area.
+    /// [`DangerZoneError`] for the first zone without an area.
     pub fn cut(&self, contour: &Contour) -> Result<Vec<Stretch>, DangerZoneError> {
         let zones = self.parts()?;
         let mut stretches = Vec::with_capacity(contour.segments().len());
@@ -66,10 +66,11 @@ impl DangerZones {
         Ok(stretches)
     }
 
-    /// Returns `true` if a point (m) lies in a zone or on its border; everywhere without zones.
+    /// Returns `true` if a point (m) lies in a zone or on its border; `true` everywhere without
+    /// zones.
     ///
     /// # Errors
-    /// [`DangerZoneError`] for the first zone that is no area.
+    /// [`DangerZoneError`] for the first zone without an area.
     pub fn contains(&self, p: Point2<f64>) -> Result<bool, DangerZoneError> {
         Ok(self.0.is_empty() || self.parts()?.iter().any(|zone| zone.distance(p) <= 0.0))
     }
@@ -77,7 +78,7 @@ impl DangerZones {
     /// The convex parts of all zones.
     ///
     /// # Errors
-    /// [`DangerZoneError`] for the first zone that is no area.
+    /// [`DangerZoneError`] for the first zone without an area.
     pub fn parts(&self) -> Result<Vec<Convex>, DangerZoneError> {
         let mut parts = Vec::with_capacity(self.0.len());
         for (index, zone) in self.0.iter().enumerate() {
@@ -90,14 +91,14 @@ impl DangerZones {
     }
 }
 
-/// The parts of a segment inside convex pieces, as distances from its start (m): in order, apart
-/// from each other and longer than [`MIN_STRETCH`].
+/// The parts of a segment inside convex pieces, as distances from its start (m): in order, disjoint
+/// and longer than [`MIN_STRETCH`].
 fn inside(segment: &Segment, zones: &[Convex]) -> Vec<(f64, f64)> {
     let length = segment.length;
     let mut found: Vec<(f64, f64)> = zones
         .iter()
         .filter_map(|zone| {
-            // A convex piece is left where a walk from the other end enters it.
+            // The exit of a convex piece is the entry from the other end.
             let enter = zone.ray(segment.from, segment.along)?;
             let back = zone.ray(segment.to, -segment.along)?;
             Some((enter, length - back))
@@ -112,7 +113,7 @@ fn inside(segment: &Segment, zones: &[Convex]) -> Vec<(f64, f64)> {
             _ => merged.push((enter, leave)),
         }
     }
-    // A gap at an end that nobody can stand in goes to the zone; a zone as short goes to the gap.
+    // A gap at an end that is too short goes to the zone; a zone as short goes to the gap.
     for (enter, leave) in &mut merged {
         if *enter <= MIN_STRETCH {
             *enter = 0.0;
@@ -125,7 +126,7 @@ fn inside(segment: &Segment, zones: &[Convex]) -> Vec<(f64, f64)> {
     merged
 }
 
-/// Appends the stretches of a segment, of which these parts are threatened.
+/// Appends the stretches of a segment with these threatened parts.
 fn cut(segment: &Segment, part_of: usize, threatened: &[(f64, f64)], out: &mut Vec<Stretch>) {
     let at = |distance: f64| {
         // The ends themselves, bit for bit.
@@ -138,7 +139,7 @@ fn cut(segment: &Segment, part_of: usize, threatened: &[(f64, f64)], out: &mut V
         }
     };
     let mut push = |from: f64, to: f64, threatened: bool| {
-        // A whole segment keeps its numbers as they are; of a part, the direction does too.
+        // A whole segment keeps its numbers unchanged; a part keeps the direction.
         if to > from {
             out.push(Stretch {
                 segment: Segment {

@@ -1,12 +1,12 @@
-//! Where the robot will be: what an ally who has the key knows, and nobody else shall (cat-map patrol
+//! Forecast of a robot's position, for an ally that has the key and nobody else (cat-map patrol
 //! paper, §3.1 and §4).
 //!
-//! Any waypoint is found at once, however far ahead: the generators jump. Two clocks are offered:
-//! that of the waypoints, by which every one that is put in takes a second (or a little less, so that
-//! laps end in time: [`Awg::with_tempo`]), and the way driven, for a robot that drives at its own
-//! speed. The former starts when the robot sets out from the start of the contour; a robot that keeps
-//! it is where the forecast says, except that a leg may be longer than it can drive in its second:
-//! then it is late until it has caught up.
+//! Every waypoint is available at once, however far ahead, because the generators jump. There are two
+//! measures of progress. By the clock of the waypoints each additional one takes a second (or
+//! slightly less, so that laps end in time: [`Awg::with_tempo`]). By the distance driven, the
+//! forecast fits a robot at its own speed. The clock starts when the robot leaves the start of the
+//! contour. A robot that keeps to the clock is at the forecast position, except that a leg may be
+//! longer than it can drive in its second: then it is late until it has caught up.
 
 use chaotic_maps::AnySource;
 use nalgebra::Point2;
@@ -15,21 +15,21 @@ use thiserror::Error;
 
 use crate::awg::{Awg, Leg, waypoint};
 
-/// Most laps that [`Forecast::at_distance`] measures one after the other.
+/// Maximum number of laps that [`Forecast::at_distance`] measures one by one.
 pub const MAX_MEASURED_LAPS: u32 = 100_000;
 
-/// Most points that a generator without jumps is stepped through.
+/// Maximum number of steps of a generator without jumps.
 const MAX_SINGLE_STEPS: u64 = 1_000_000_000;
 
-/// Why there is no forecast.
+/// Reason why there is no forecast.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum ForecastError {
-    /// A time or a way that is none.
+    /// An invalid time or distance.
     #[error("`{field}` is {value}, but must be a finite number of at least 0")]
     Value {
-        /// Which value.
+        /// Name of the value.
         field: &'static str,
-        /// What it is.
+        /// Actual value.
         value: f64,
     },
     /// Too far ahead.
@@ -38,25 +38,25 @@ pub enum ForecastError {
          earlier time, or use a key of another kind"
     )]
     TooFar {
-        /// What was asked for.
+        /// The requested quantity.
         what: String,
-        /// How much can be.
+        /// Its maximum.
         most: u64,
     },
 }
 
-/// Where a robot is by a forecast.
+/// Forecast position of a robot.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Predicted {
-    /// The place (m).
+    /// Position (m).
     pub point: Point2<f64>,
-    /// The waypoint that it comes from.
+    /// The last waypoint.
     pub from: Waypoint,
-    /// The waypoint that it heads for.
+    /// The next waypoint.
     pub to: Waypoint,
 }
 
-/// The future of a patrol.
+/// Forecast of a patrol.
 #[derive(Debug, Clone)]
 pub struct Forecast {
     awg: Awg,
@@ -65,7 +65,7 @@ pub struct Forecast {
 }
 
 impl Forecast {
-    /// The future of a patrol whose generator is at its beginning.
+    /// Creates the forecast of a patrol whose generator is at its beginning.
     pub fn new(awg: Awg, source: AnySource) -> Self {
         let jumps = matches!(
             source,
@@ -78,7 +78,7 @@ impl Forecast {
         Self { awg, source, jumps }
     }
 
-    /// What the patrol is made from.
+    /// The zig-zag of the patrol.
     pub fn awg(&self) -> &Awg {
         &self.awg
     }
@@ -104,7 +104,7 @@ impl Forecast {
         Ok(self.awg.waypoint_of_leg(lap, leg, j, &mut source))
     }
 
-    /// The waypoints of a lap, in order; its start is the last one of the lap before.
+    /// The waypoints of a lap, in order; its start is the last one of the previous lap.
     ///
     /// # Errors
     /// As [`Self::waypoint`].
@@ -115,11 +115,11 @@ impl Forecast {
         Ok(waypoints)
     }
 
-    /// Where the robot is `t` (s) after it set out from the start of the contour, by the clock of the
+    /// The position of the robot `t` (s) after it left the start of the contour, by the clock of the
     /// waypoints ([`Awg::due_s`]).
     ///
     /// # Errors
-    /// [`ForecastError`] for a time that is none or too far ahead.
+    /// [`ForecastError`] for a time that is invalid or too far ahead.
     pub fn at_time(&self, t: f64) -> Result<Predicted, ForecastError> {
         check("t", t)?;
         let lap_time = self.lap_time();
@@ -143,16 +143,16 @@ impl Forecast {
         };
         let waypoints = (rest - begun) / self.awg.seconds_per_waypoint(leg);
         let passed = waypoints.floor().min((leg.waypoints() - 1) as f64);
-        // The waypoint that it comes from is the one before, of this leg or of the last.
+        // The last waypoint is the previous one, of this leg or of the last.
         let number = self.awg.first_of_lap(lap) + leg.waypoints_before + passed as u64 - 1;
         let (from, to) = (self.waypoint(number)?, self.waypoint(number + 1)?);
         Ok(between(from, to, (waypoints - passed).clamp(0.0, 1.0)))
     }
 
-    /// Where the robot is after `s` (m) of the way along its waypoints.
+    /// The position of the robot after `s` (m) of the path along its waypoints.
     ///
     /// # Errors
-    /// [`ForecastError`] for a way that is none or longer than [`MAX_MEASURED_LAPS`] laps.
+    /// [`ForecastError`] for a distance that is invalid or longer than [`MAX_MEASURED_LAPS`] laps.
     pub fn at_distance(&self, s: f64) -> Result<Predicted, ForecastError> {
         check("s", s)?;
         let mut source = self.source.clone();

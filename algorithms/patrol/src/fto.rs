@@ -1,17 +1,17 @@
-//! Fictive temporary obstacles (FTO): discs that are not there, which the robot avoids as if they
-//! were.
+//! Fictive temporary obstacles (FTO): discs that do not exist, which the robot avoids as if they did.
 //!
 //! The baseline of the cat-map patrol paper (§5.2), which gives its times, its logistic map and its
-//! first value, but not how the obstacles are placed. This is a *reconstruction* of it:
+//! first value, but not the placement of the obstacles. This is a *reconstruction*:
 //!
 //! - each quantity takes a step of the logistic map z ← r·z·(1 − z);
 //! - after 2 + 18·z seconds without one, a disc appears for 0.3 + 2.2·z seconds, at rest;
 //! - it appears ahead of the robot, wholly beyond its body and with its near edge within the reach
 //!   of its sensor, half a radius to the left for z > ½, to the right otherwise.
 //!
-//! The disc is put into the robot's range scan ([`merged`]), so that whatever avoids real obstacles
-//! avoids it too, and sees both at once: a fictive obstacle never drives the robot into a real one.
-//! Who knows the logistic map foresees it from two values; a key of another kind can be used instead.
+//! The disc is added to the robot's range scan ([`merged`]), so that every method that avoids real
+//! obstacles avoids it too, and sees both at once: a fictive obstacle never drives the robot into a
+//! real one. An observer that knows the logistic map predicts it from two values; a key of another
+//! kind can be used instead.
 
 mod disc;
 mod params;
@@ -30,26 +30,26 @@ const Z0: f64 = 0.18;
 /// Parameter of the paper's logistic map.
 const R: f64 = 3.99;
 
-/// Least and greatest time without an obstacle (s).
+/// Minimum and maximum time without an obstacle (s).
 const GAP_S: [f64; 2] = [2.0, 20.0];
 
-/// Kept free between an obstacle and the robot's body when it stands on its goal (m).
+/// Clearance between an obstacle and the robot's body at its goal (m).
 const GOAL_GAP: f64 = 0.1;
 
-/// What the robot is like, and where.
+/// State of the robot that avoids the obstacles.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Carrier {
-    /// Where it is.
+    /// Pose.
     pub pose: Pose2,
     /// Radius of its body (m).
     pub radius: f64,
-    /// How far its sensor reaches from its centre (m).
+    /// Range of its sensor from its centre (m).
     pub reach: f64,
-    /// The point that it has to reach next (m); never hidden by a fictive obstacle.
+    /// The next target point (m); a fictive obstacle never hides it.
     pub goal: Option<Point2<f64>>,
 }
 
-/// Where the numbers come from.
+/// Source of the numbers.
 #[derive(Debug, Clone)]
 enum Dice {
     Logistic(f64),
@@ -71,13 +71,13 @@ impl Dice {
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Phase {
-    /// Nothing has been drawn yet.
+    /// No number has been drawn yet.
     New,
     /// No obstacle until then (s).
     Gap(f64),
     /// An obstacle until then (s).
     Active(Disc, f64),
-    /// An obstacle that had to be taken away early; its time runs on until then (s).
+    /// An obstacle that was removed early; its time ends then (s).
     Withdrawn(f64),
 }
 
@@ -90,10 +90,10 @@ pub struct Fto {
 }
 
 impl Fto {
-    /// No obstacle yet.
+    /// Starts without an obstacle.
     ///
     /// # Errors
-    /// [`ParamsError`] naming the parameter that is out of range, or the key that cannot be used.
+    /// [`ParamsError`] naming the parameter that is out of range, or the invalid key.
     pub fn new(params: &FtoParams) -> Result<Self, ParamsError> {
         check(params)?;
         let dice = match &params.key {
@@ -107,11 +107,11 @@ impl Fto {
         })
     }
 
-    /// The obstacle at a time (s), if there is one; to be asked once per tick.
+    /// The obstacle at a time (s), if there is one; call once per tick.
     ///
-    /// When obstacles come and go depends on time alone, where they stand on the robot. One that
-    /// touches the robot's body, or within whose reach its goal lies, is not shown: it would hold
-    /// the robot or make a real place look unreachable.
+    /// The times of obstacles depend on time alone, their positions on the robot. An obstacle that
+    /// touches the robot's body, or hides its goal, is not shown: it would block the robot or make a
+    /// real place look unreachable.
     pub fn at(&mut self, time_s: f64, carrier: &Carrier) -> Option<Disc> {
         if !time_s.is_finite() || !carrier.pose.is_finite() {
             return None;

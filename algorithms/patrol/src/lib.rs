@@ -1,12 +1,12 @@
 //! Patrols along a contour: the cat-map zig-zag, fictive obstacles, danger zones.
 //!
-//! - [`contour`]: the route as it was ordered;
-//! - [`danger`]: which parts of it are under threat;
+//! - [`contour`]: the given route;
+//! - [`danger`]: the threatened parts of it;
 //! - [`awg`]: additional waypoints that make it a zig-zag, lap after lap;
-//! - [`alpha`]: how wide the zig-zag may be for the lap to be done in time;
-//! - [`forecast`]: where the robot will be, for an ally who has the key;
+//! - [`alpha`]: the maximum width of the zig-zag for a lap in time;
+//! - [`forecast`]: the robot's future positions, for an ally that has the key;
 //! - [`fto`]: fictive obstacles that the robot avoids as if they were real;
-//! - [`mission`]: a patrol as a scenario orders it, with everything chosen that was left open;
+//! - [`mission`]: a patrol as a scenario specifies it, with open parameters chosen;
 //! - [`mixed`]: additional waypoints where obstacles are small, fictive obstacles along large ones.
 //!
 //! ```

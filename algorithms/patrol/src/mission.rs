@@ -1,4 +1,4 @@
-//! A patrol as a scenario orders it: contour, time and key; the key and the width may be left open.
+//! A patrol as a scenario specifies it: contour, time and key; the key and the width may be left open.
 
 mod simulated_drive;
 
@@ -20,41 +20,40 @@ use crate::danger::DangerZones;
 
 pub use simulated_drive::SimulatedDrive;
 
-/// Width with which a zig-zag is laid out before it is chosen (m); of no consequence.
+/// Preliminary width of a zig-zag before the choice (m); without effect.
 const LAYOUT_ALPHA: f64 = 1.0;
 
-/// By how much less than `t_max` a lap takes by the clock of the waypoints (s), though never by more
-/// than half of the margin: with waypoints about a second apart, the ends of laps are late or early by
-/// up to 1.5 s.
+/// Time (s) by which a lap by the clock of the waypoints is shorter than `t_max`, at most half of the
+/// margin: with waypoints about a second apart, the ends of laps are late or early by up to 1.5 s.
 const CLOCK_RESERVE_S: f64 = 2.0;
 
-/// What a patrol is ordered to do.
+/// Parameters of a patrol.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct MissionParams {
     /// The waypoints of the contour, x and y; at least 2.
     #[schemars(transform = each(each(unit("m"))))]
     pub contour: Vec<[f64; 2]>,
-    /// `true` if the last waypoint leads back to the first; otherwise the contour is walked there and
+    /// `true` if the last waypoint leads back to the first; otherwise the contour is driven there and
     /// back.
     pub closed: bool,
-    /// Time in which each lap shall be done.
+    /// Time limit of each lap.
     #[schemars(transform = above(0).at_most(MAX_T_MAX).unit("s"))]
     pub t_max: f64,
-    /// Width of the zig-zag; as great as the robot can drive in the time if absent.
+    /// Width of the zig-zag; if absent, as large as the robot can drive in the time.
     #[schemars(transform = above(0).unit("m"))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub alpha: Option<f64>,
-    /// Share of the time that is kept in reserve where the width is chosen: what a robot that
-    /// is late catches up with. The less, the wider the zig-zag and the later the robot.
+    /// Share of the time kept in reserve when the width is chosen, with which a late robot catches up.
+    /// The smaller, the wider the zig-zag and the later the robot.
     #[schemars(transform = at_least(0).below(1))]
     pub margin: f64,
-    /// Key of the generator, such as `catp:0.4,0.644`; a `keyed` one from the run's seed if absent.
+    /// Key of the generator, such as `catp:0.4,0.644`; if absent, a `keyed` one from the run's seed.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub key: Option<Key>,
-    /// Which reading of the paper's formulas.
+    /// Interpretation of the paper's formulas.
     pub preset: Preset,
-    /// Where the patrol is under threat; everywhere if empty.
+    /// Areas in which the patrol is under threat; everywhere if empty.
     pub danger_zones: DangerZones,
 }
 
@@ -73,10 +72,10 @@ impl Default for MissionParams {
     }
 }
 
-/// Why a patrol cannot be.
+/// Reason why a patrol is impossible.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum MissionError {
-    /// Waypoints that are no contour.
+    /// An invalid contour.
     #[error(transparent)]
     Contour(#[from] ContourError),
     /// A time, a width or a zone out of its range.
@@ -85,15 +84,15 @@ pub enum MissionError {
     /// No width can be chosen.
     #[error(transparent)]
     Alpha(#[from] AlphaError),
-    /// A key that cannot be used.
+    /// An invalid key.
     #[error("`key`: {0}")]
     Key(#[from] KeyError),
-    /// A parameter that cannot be used.
+    /// An invalid parameter.
     #[error(transparent)]
     Params(#[from] ParamsError),
 }
 
-/// A patrol with everything chosen.
+/// A patrol with all parameters chosen.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mission {
     /// The contour.
@@ -104,19 +103,19 @@ pub struct Mission {
     pub key: Key,
 }
 
-/// What a robot's drive can do.
+/// Limits of a robot's drive.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Drive {
-    /// Its speeds.
+    /// Speed limits.
     pub limits: Limits,
-    /// Its acceleration (m/s²), > 0; absent: it takes no time.
+    /// Acceleration (m/s²), > 0; absent: speeds step.
     pub acceleration: Option<f64>,
-    /// Its angular acceleration (rad/s²), > 0; absent: it takes no time.
+    /// Angular acceleration (rad/s²), > 0; absent: turning rates step.
     pub angular_acceleration: Option<f64>,
 }
 
 impl Drive {
-    /// That of a robot's body: no faster than its wheels.
+    /// The drive of a robot's body: no faster than its wheels.
     ///
     /// # Errors
     /// [`ParamsError`] naming the limit that is out of range.
@@ -134,8 +133,7 @@ impl Drive {
         })
     }
 
-    /// Parameters of a waypoint driver for this drive: what they leave open about its accelerations
-    /// is filled in.
+    /// Parameters of a waypoint driver for this drive: its accelerations replace absent ones.
     pub fn driver(&self, params: &DriverParams) -> DriverParams {
         params.for_drive(self.acceleration, self.angular_acceleration)
     }
@@ -153,14 +151,14 @@ impl Parameters for MissionParams {
 }
 
 impl MissionParams {
-    /// Chooses what was left open, for a robot and the seed of its process; the clock of the waypoints
-    /// is made to run so fast that laps driven by it end within `t_max`.
+    /// Chooses the open parameters for a robot and the seed of its process. The clock of the waypoints
+    /// is set so fast that laps driven by it end within `t_max`.
     ///
-    /// The width is tried by driving the first laps ([`SimulatedDrive`]), so that what is chosen is a
-    /// matter of scenario and key alone.
+    /// The width is tested by driving the first laps ([`SimulatedDrive`]), so that the choice depends
+    /// on scenario and key alone.
     ///
     /// # Errors
-    /// [`MissionError`] for a parameter that cannot be used, and for a robot that is too slow.
+    /// [`MissionError`] for an invalid parameter, and for a robot that is too slow.
     pub fn prepare(
         &self,
         drive: &Drive,
@@ -172,7 +170,7 @@ impl MissionParams {
         let key = self.key_or(seed);
         let v_max = drive.limits.v_max() * go_to.speed_fraction;
         awg.check_speed(v_max)?;
-        // Without additional waypoints there is nothing to choose, and no width does harm.
+        // Without additional waypoints there is no choice, and every width is valid.
         if self.alpha.is_none() && awg.steps_per_lap() > 0 {
             let mut simulated_drive = SimulatedDrive::new(drive, go_to);
             let mut source = key.source()?;
@@ -186,14 +184,14 @@ impl MissionParams {
             )?;
             awg = awg.with_alpha(alpha)?;
         }
-        // A lap ends some moments before or after it is due, and shall end in time all the same.
+        // A lap may end some moments before or after it is due, and must end in time nevertheless.
         let reserve_s = CLOCK_RESERVE_S.min(0.5 * self.margin * self.t_max);
         let tempo = (self.t_max - reserve_s) / awg.lap_time();
         let awg = awg.with_tempo(tempo.min(1.0))?;
         Ok(Mission { contour, awg, key })
     }
 
-    /// Returns `true` if [`Self::prepare`] would succeed, in a small part of its time.
+    /// Returns `true` if [`Self::prepare`] would succeed, in a fraction of its time.
     ///
     /// # Errors
     /// As for [`Self::prepare`].

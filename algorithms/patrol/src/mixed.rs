@@ -1,16 +1,16 @@
-//! Additional waypoints where obstacles are small, fictive obstacles along large ones: the mixture
-//! that the cat-map patrol paper suggests (§5.2 and §6) without saying how.
+//! Additional waypoints where obstacles are small, fictive obstacles along large ones: the
+//! combination that the cat-map patrol paper suggests (§5.2 and §6) without giving a method.
 //!
-//! Along a large obstacle most additional waypoints are dropped, and the zig-zag with them. The
-//! choice is therefore made leg by leg, by the share of waypoints that are, or would be, dropped:
+//! Along a large obstacle most additional waypoints are skipped, and the zig-zag with them. The
+//! choice is therefore made for each leg, by the share of waypoints that are, or would be, skipped:
 //!
 //! - *known* obstacles: the share of the zig-zag's area that lies in them, on a fixed lattice, so
-//!   that the choice says nothing about the key;
-//! - *unknown* ones: the share of the leg's additional waypoints that the robot had to leave out the
-//!   last time. After some laps the leg gets another chance: obstacles go away.
+//!   that the choice does not depend on the key;
+//! - *unknown* ones: the share of the leg's additional waypoints that the robot skipped the last
+//!   time. After some laps the leg is tried again: obstacles may disappear.
 //!
-//! The generator takes its steps on every leg, whatever is chosen: the waypoints that are visited
-//! are those that an ally foresees.
+//! The generator takes its steps on every leg, regardless of the choice: the visited waypoints are
+//! those that an ally predicts.
 
 use chaotic_maps::Source;
 use nalgebra::Point2;
@@ -21,13 +21,13 @@ use serde::{Deserialize, Serialize};
 
 use crate::awg::{Awg, Laps, Leg};
 
-/// Points per side of the square in which known obstacles are looked for.
+/// Points per side of the square that is tested for known obstacles.
 const LATTICE: u32 = 6;
 
-/// Fewest waypoints from which a share is taken.
+/// Minimum number of waypoints for a share.
 const MIN_WAYPOINTS: u32 = 3;
 
-/// How a leg is protected.
+/// Method of protection of a leg.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Method {
     /// By additional waypoints.
@@ -40,10 +40,10 @@ pub enum Method {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct MixedParams {
-    /// Share of dropped waypoints above which a leg gets fictive obstacles.
+    /// Share of skipped waypoints above which a leg gets fictive obstacles.
     #[schemars(transform = between(0, 1))]
     pub dropped_share: f64,
-    /// Laps after which a leg whose waypoints could not be reached gets them again.
+    /// Number of laps after which a leg whose waypoints were unreachable gets them again.
     #[schemars(transform = at_least(1))]
     pub retry_laps: u32,
 }
@@ -61,7 +61,7 @@ impl Parameters for MixedParams {}
 
 /// Share of a leg's zig-zag inside obstacles, 0 to 1; 0 for a leg without additional waypoints.
 ///
-/// `inside` tells whether a point (m) lies in an obstacle, enlarged as the robot wants it.
+/// `inside` returns `true` for a point (m) in an obstacle, enlarged by the robot's clearance.
 pub fn share_inside(awg: &Awg, leg: &Leg, inside: impl Fn(Point2<f64>) -> bool) -> f64 {
     let mut found = 0u32;
     for j in 1..=leg.inserted {
@@ -80,7 +80,7 @@ pub fn share_inside(awg: &Awg, leg: &Leg, inside: impl Fn(Point2<f64>) -> bool) 
     }
 }
 
-/// What became of a leg's additional waypoints.
+/// Outcomes of a leg's additional waypoints.
 #[derive(Debug, Clone, Copy, Default)]
 struct Record {
     ended: u32,
@@ -89,19 +89,19 @@ struct Record {
     retry_from: Option<u32>,
 }
 
-/// Laps without end, each leg protected by the method that suits it.
+/// Endless laps, each leg protected by the suitable method.
 #[derive(Debug, Clone)]
 pub struct MixedLaps<S> {
     params: MixedParams,
     laps: Laps<S>,
-    /// By the stretches of the first lap.
+    /// Outcomes by stretch of the first lap.
     records: Vec<Record>,
-    /// The leg of the last waypoint and what was chosen for it.
+    /// The leg of the last waypoint and its method.
     chosen: Option<(u32, usize, Method)>,
 }
 
 impl<S: Source> MixedLaps<S> {
-    /// Laps of which nothing is known yet.
+    /// Creates laps without any outcomes.
     ///
     /// # Errors
     /// [`ParamsError`] naming the parameter that is out of range.
@@ -116,16 +116,16 @@ impl<S: Source> MixedLaps<S> {
         })
     }
 
-    /// What the waypoints come from.
+    /// The zig-zag that the waypoints come from.
     pub fn awg(&self) -> &Awg {
         self.laps.awg()
     }
 
-    /// The next waypoint to visit, and how the robot is protected on the way to it. On legs with
-    /// fictive obstacles only the waypoints of the route are left.
+    /// The next waypoint to visit, and the method of protection on the path to it. On legs with
+    /// fictive obstacles only the waypoints of the route remain.
     ///
-    /// `inside` tells whether a point (m) lies in an obstacle that the robot knows, enlarged as it
-    /// wants it.
+    /// `inside` returns `true` for a point (m) in a known obstacle, enlarged by the robot's
+    /// clearance.
     pub fn next_waypoint(&mut self, inside: impl Fn(Point2<f64>) -> bool) -> (Waypoint, Method) {
         loop {
             let waypoint = self.laps.next_waypoint();
@@ -138,7 +138,7 @@ impl<S: Source> MixedLaps<S> {
         }
     }
 
-    /// Takes note of what became of a waypoint.
+    /// Records the outcome of a waypoint.
     pub fn report(&mut self, waypoint: &Waypoint, outcome: WaypointOutcome) {
         if waypoint.kind != WaypointKind::Inserted {
             return;
@@ -158,7 +158,8 @@ impl<S: Source> MixedLaps<S> {
         Some((waypoint.lap, leg))
     }
 
-    /// Which stretch of the first lap a leg is: on the way back they come in the opposite order.
+    /// Index of the stretch of the first lap that a leg belongs to: on the return the order is
+    /// reversed.
     fn stretch(&self, lap: u32, leg: usize) -> usize {
         let awg = self.laps.awg();
         let ahead = core::ptr::eq(awg.legs(lap), awg.legs(0));

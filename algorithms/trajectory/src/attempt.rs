@@ -1,4 +1,4 @@
-//! One try of a method: a family of curves, a search in it, and the trajectory that comes of it.
+//! One attempt of a method: a family of curves, a search in it, and the resulting trajectory.
 
 use geometry::math;
 use nalgebra::{Point2, Vector2};
@@ -22,21 +22,22 @@ use crate::plan::Method;
 use crate::problem::Problem;
 use crate::refine::Refinement;
 
-/// Most times that a curve is made anew because it is too near to an obstacle between its samples.
+/// Maximum number of times that a curve is recomputed because it is too near to an obstacle between
+/// its samples.
 const MAX_REPAIRS: u32 = 8;
-/// How near (relative) to the shortest path a curve is good enough.
+/// Relative excess over the shortest path below which a curve is accepted.
 const ENOUGH: f64 = 1e-5;
-/// How far beyond the bounds' corner the reference point lies by default, in their diagonals.
+/// Default distance of the reference point from the bounds' corner, in diagonals of the bounds.
 const REFERENCE: f64 = 2.25;
 
-/// What turns on the spot and what the curve takes.
+/// Turns on the spot and resolution of the curve.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Variant {
-    /// The robot turns on the spot before it starts.
+    /// `true` if the robot turns on the spot before it starts.
     pub turn_at_start: bool,
-    /// The robot turns on the spot after it has arrived.
+    /// `true` if the robot turns on the spot after it has arrived.
     pub turn_at_goal: bool,
-    /// How often the spline's breaks are halved.
+    /// Number of times that the spline's breaks are halved.
     pub level: u32,
 }
 
@@ -45,33 +46,33 @@ pub struct Variant {
 pub struct Candidate {
     /// The trajectory.
     pub trajectory: Trajectory,
-    /// Points that control the curve.
+    /// Number of control points of the curve.
     pub control_points: usize,
-    /// `true` if the limits of the accelerations are ignored: nothing to answer with, but something
-    /// to begin with.
+    /// `true` if the limits of the accelerations are ignored: not a result, but a start for
+    /// refinement.
     pub rough: bool,
 }
 
-/// What is the same for all tries.
+/// State common to all attempts.
 pub struct Attempts<'a> {
     /// The problem.
     pub problem: &'a Problem,
     /// The obstacle field.
     pub obstacle_field: &'a ObstacleField,
-    /// The path to begin with.
+    /// Guide path.
     pub guide: &'a Guide,
     /// Length of the shortest path (m).
     pub shortest: f64,
     /// The options.
     pub options: &'a Options,
-    /// What is left of the robot's last plan.
+    /// Remaining part of the robot's last plan.
     pub rest: Option<Rest>,
     /// Convex programs solved so far.
     pub programs: u32,
 }
 
 impl Attempts<'_> {
-    /// Tries; `None` if nothing comes of it.
+    /// Makes one attempt; `None` if it fails.
     pub fn attempt(
         &mut self,
         variant: Variant,
@@ -112,19 +113,19 @@ impl Attempts<'_> {
                 let polished = self
                     .search(&hidden, &frame, Some(start), stop)
                     .and_then(|(_, points)| self.drive(&hidden, &points, variant));
-                // Where polishing fails, ν = 1 everywhere and the prey's path is the robot's.
+                // If polishing fails, ν = 1 everywhere and the prey's path is the robot's.
                 polished.or_else(|| self.drive(&curve, &points, variant))
             }
         }
     }
 
-    /// The trajectory made faster, or as it is if that does not succeed.
+    /// The trajectory made faster, or unchanged if that fails.
     pub fn refine(
         &mut self,
         mut candidate: Candidate,
         stop: &mut dyn FnMut() -> bool,
     ) -> Candidate {
-        // The last plan kept the same limits: it is nearer to what is sought than any curve.
+        // The last plan kept the same limits: it is nearer to the optimum than any curve.
         let rest = self.rest.as_ref().map(|rest| rest.samples.as_slice());
         let mut found = None;
         for samples in rest.into_iter().chain([candidate.trajectory.samples()]) {
@@ -167,7 +168,7 @@ impl Attempts<'_> {
         })
     }
 
-    /// A curve of the family that is free, with its points.
+    /// A free curve of the family, with its points.
     fn search(
         &mut self,
         curve: &dyn Curve,
@@ -206,7 +207,7 @@ impl Attempts<'_> {
         result
     }
 
-    /// Drives the points: turns, speeds, arrival.
+    /// Builds the trajectory over the points: turns, speeds, arrival.
     fn drive(
         &self,
         curve: &dyn Curve,
@@ -216,8 +217,8 @@ impl Attempts<'_> {
         let problem = self.problem;
         let limits = &problem.limits;
         let turns = limits.angular_acceleration.is_some();
-        // On the spot the robot stands. V begins and ends as asked for unless it can step, and with 0
-        // where ω cannot step from a turn on the spot into a bend.
+        // During a turn on the spot V = 0. V begins and ends as prescribed unless it can step, and
+        // with 0 where ω cannot step from a turn on the spot into a bend.
         let end = |on_the_spot: bool, asked: Option<f64>| match limits.acceleration {
             Some(_) if on_the_spot => Some(0.0),
             Some(_) => asked,

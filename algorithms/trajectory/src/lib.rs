@@ -1,32 +1,31 @@
 //! Minimum-time trajectories of a differential-drive robot among obstacles.
 //!
 //! The problem is that of Y. Xu, *Performance Analysis of the Enhanced Bio-Inspired Planning Algorithm
-//! for Rapid Situation Awareness Response* (AFRL-RV-PS-TR-2013-0106, 2013): from a pose to a place in
-//! the shortest time, with limited forward speed V and turning rate ω, past obstacles that the
-//! robot's centre keeps a distance from. Beyond the paper: convex polygons beside discs, wheels that
-//! couple V and ω, limited accelerations, prescribed speeds and headings at both ends.
+//! for Rapid Situation Awareness Response* (AFRL-RV-PS-TR-2013-0106, 2013): from a pose to a position
+//! in the shortest time, with limited forward speed V and turning rate ω, at a minimum distance of the
+//! robot's centre from obstacles. Beyond the paper: convex polygons besides discs, wheels that couple V
+//! and ω, limited accelerations, prescribed speeds and headings at both ends.
 //!
-//! **How.** Turning is quick compared to driving, so without inertia the problem is one of geometry:
-//! the exact shortest path ([`navigation::tangent_graph`]) at full speed is a lower bound
-//! ([`lower_bound()`]) and says in which corridor to look. In it, a smooth curve of the method's family
-//! ([`curve`]) is found by a few convex programs (`convex`), made dense (`drive::sample_curve`) and
-//! driven as fast as its curvature and the limits allow (`drive::speed_profile`). With inertia the
-//! bound is loose and the path itself changes: `refine` searches on in the controls. Every trajectory
-//! passes the [`trajectory_check`], which shares no code with any of this, before it is an answer;
-//! where nothing smooth passes, the shortest path itself, with turns on the spot, does
+//! **Approach.** Turning is quick compared to driving, so without inertia the problem is geometric: the
+//! exact shortest path ([`navigation::tangent_graph`]) at full speed is a lower bound
+//! ([`lower_bound()`]) and selects the corridor. A few convex programs (`convex`) find a smooth curve
+//! of the method's family ([`curve`]) in it; it is sampled densely (`drive::sample_curve`) and driven
+//! as fast as its curvature and the limits allow (`drive::speed_profile`). With inertia the bound is
+//! loose and the path itself changes: `refine` continues the search in the controls. Every result
+//! passes the [`trajectory_check`], which shares no code with this crate. If no smooth trajectory
+//! passes, the result is the shortest path itself, with turns on the spot
 //! (`drive::shortest_path_plan`).
 //!
 //! **Methods** ([`Method`]): `bspline` (recommended), `lp` and `vmc` (the paper's parametrisations,
-//! exact in their equations but with obstacles looked at everywhere and not just at nodes), and
-//! `tangent`.
+//! exact in their equations but with obstacles tested everywhere and not only at nodes), and `tangent`.
 //!
-//! Slips of the paper, mended: Eq. 4 divides by cos θ (here: the velocity's length and angle);
-//! Eq. 5 lacks dots (curvature is (ẋÿ − ẏẍ) / V³); the pseudo-inverse of Eq. 14 gives up the initial
-//! velocity (here all conditions at the ends are eliminated exactly); obstacles bound at the nodes
-//! only are hit between them ([`options::Constraints::Nodes`] shows it).
+//! Errors of the paper, corrected: Eq. 4 divides by cos θ (here: the velocity's length and angle); Eq.
+//! 5 lacks dots (curvature is (ẋÿ − ẏẍ) / V³); the pseudo-inverse of Eq. 14 gives up the initial
+//! velocity (here all conditions at the ends are eliminated exactly); trajectories that avoid obstacles
+//! at the nodes only hit them between nodes ([`options::Constraints::Nodes`] shows it).
 //!
-//! Values in, values out: no clock, no randomness. The same problem, options and last plan give the
-//! same plan, bit for bit, unless `stop` cuts it short.
+//! All functions are pure: no clock, no randomness. The same problem, options and last plan give the
+//! same plan, bit for bit, unless `stop` ends the search early.
 //!
 //! ```
 //! use nalgebra::Point2;

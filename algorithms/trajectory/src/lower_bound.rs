@@ -1,4 +1,4 @@
-//! How long it takes at least.
+//! Lower bound on the duration.
 
 use crate::drive::turn_in_place;
 use crate::problem::{Problem, RobotLimits};
@@ -7,31 +7,31 @@ use geometry::math;
 /// A lower bound (s) on the duration of every trajectory that solves a problem whose shortest path
 /// has this length (m).
 ///
-/// The robot must cover at least the shortest path, so it needs at least as long as a point on a
+/// The robot must cover at least the shortest path. So it needs at least as long as a point on a
 /// line that covers that distance with the same speed limit, acceleration limit and prescribed
-/// speeds at the ends (what it turns on its way only costs more); and where both headings are
-/// prescribed, at least as long as turning from one to the other on the spot. Without acceleration
-/// limits this is L*/Vmax.
+/// speeds at the ends (turns on the path only cost more). Where both headings are prescribed, it
+/// needs at least as long as a turn from one to the other on the spot. Without acceleration limits
+/// this is L*/Vmax.
 pub fn lower_bound(problem: &Problem, shortest: f64) -> f64 {
     let limits = &problem.limits;
     let straight = straight(limits, shortest, problem.start_speed, problem.goal_speed);
     let turn = problem.goal_heading.map_or(0.0, |heading| {
         let angle = math::angle_difference(heading, problem.start.theta).abs();
         let from = problem.start_turn_rate.map(f64::abs);
-        // Turning already may help or not; as if it did.
+        // Turning during the motion may help or not; the bound assumes that it does.
         turn_in_place::least_duration(limits, angle, from.unwrap_or(limits.top_turn_rate()))
     });
     straight.max(turn)
 }
 
-/// Shortest duration (s) of a motion along a line over at least this length (m), between speeds
-/// that are prescribed or free.
+/// Minimum duration (s) of a motion along a line over at least this length (m), between speeds that
+/// are prescribed or free.
 fn straight(limits: &RobotLimits, length: f64, start: Option<f64>, end: Option<f64>) -> f64 {
     let top = limits.top_speed();
     let Some(a) = limits.acceleration else {
         return length / top;
     };
-    // A free speed is the highest that the other end can be reached from.
+    // A free speed is the highest one from which the other end can be reached.
     let within_reach = |v: f64| (v * v + 2.0 * a * length).sqrt().min(top);
     let (v0, v1) = match (start, end) {
         (None, None) => return length / top,
@@ -39,7 +39,7 @@ fn straight(limits: &RobotLimits, length: f64, start: Option<f64>, end: Option<f
         (None, Some(v)) => (within_reach(v), v.min(top)),
         (Some(v0), Some(v1)) => (v0.min(top), v1.min(top)),
     };
-    // Below this length it cannot get from the one speed to the other: it takes a longer way.
+    // Below this length it cannot change from one speed to the other: it takes a longer path.
     let ramp = (v1 * v1 - v0 * v0).abs() / (2.0 * a);
     let length = length.max(ramp);
     // Accelerate to the peak, drive, decelerate.
@@ -71,10 +71,10 @@ mod tests {
         let triangle = 2.0 * 0.5f64.sqrt() / 0.5;
         assert!((straight(&limits, 1.0, Some(0.0), Some(0.0)) - triangle).abs() < 1e-12);
         assert!((straight(&limits, 5.0, None, None) - 5.0).abs() < 1e-12);
-        // From rest as far as it gets: 0.25 m in 1 s.
+        // From rest as far as possible: 0.25 m in 1 s.
         assert!((straight(&limits, 0.25, Some(0.0), None) - 1.0).abs() < 1e-12);
         assert!((straight(&limits, 0.25, None, Some(0.0)) - 1.0).abs() < 1e-12);
-        // 1 m is needed to stop, however near the goal.
+        // Stopping takes 1 m, even if the goal is nearer.
         assert!((straight(&limits, 0.2, Some(1.0), Some(0.0)) - 2.0).abs() < 1e-12);
     }
 }

@@ -1,5 +1,5 @@
-//! Where the robot may be: obstacles, clearance and bounds of a problem, settled so that start and
-//! goal are free.
+//! The free space of a problem: obstacles, clearance and bounds, adjusted so that start and goal
+//! are free.
 
 use geometry::shape::{Aabb, Contact, Convex};
 use nalgebra::{Point2, Vector2};
@@ -10,32 +10,32 @@ use crate::path_points::PathPoint;
 use crate::plan::PlanError;
 use crate::problem::{Problem, ProblemError};
 
-/// Cells along the longer side of the field with which the exact geometry answers quickly. Few: a
-/// problem is asked some hundred questions, and making the field costs as much as they do.
+/// Cells along the longer side of the field of the exact geometry. Few: a problem needs some
+/// hundred queries, and building the field costs as much as they do.
 const CELLS: f64 = 16.0;
-/// How deep (m) a goal may lie in a grown obstacle or beyond the bounds: rounding.
+/// Depth (m) of a goal in a grown obstacle or beyond the bounds that counts as rounding.
 const GOAL_TOLERANCE: f64 = 1e-6;
-/// By how much (m) an obstacle is cut back beyond the start that lies in it: rounding.
+/// Distance (m) by which an obstacle is cut back beyond a start that lies in it, to cover rounding.
 const START_MARGIN: f64 = 1e-9;
-/// Radius (m) given to discs without one: the exact geometry wants pieces with an inside.
+/// Radius (m) of discs that have none: the exact geometry requires pieces with an inside.
 const MIN_RADIUS: f64 = 1e-7;
 
 /// The obstacle field of a problem.
 #[derive(Debug, Clone)]
 pub struct ObstacleField {
-    /// What the robot must not touch: the problem's obstacles, but where the start lies in a grown
-    /// one, that one is cut back until the start is on its border.
+    /// The problem's obstacles; a grown obstacle that contains the start is cut back until the
+    /// start is on its border.
     pub obstacles: Vec<Convex>,
-    /// Where its centre may be: the problem's bounds, and the start.
+    /// Allowed positions of the robot's centre: the problem's bounds, and the start.
     pub bounds: Aabb,
-    /// Distance (m) that its centre keeps from obstacles.
+    /// Minimum distance (m) of the robot's centre from obstacles.
     pub clearance: f64,
     start: Point2<f64>,
     goal: Point2<f64>,
 }
 
 impl ObstacleField {
-    /// Settles the obstacle field of a problem that is valid ([`Problem::validate`]).
+    /// Creates the obstacle field of a valid problem ([`Problem::validate`]).
     ///
     /// # Errors
     /// [`ProblemError`] if the start is deeper in an obstacle than tolerated, or the goal in one or
@@ -141,7 +141,8 @@ impl ObstacleField {
             while i < points.len() {
                 let distance = obstacle.contact(points[i].at).distance - self.clearance;
                 least = least.min(distance);
-                // Distances change by no more than the way: so far ahead there is nothing deep.
+                // Distances change by no more than the path length: no deep point lies closer than
+                // this.
                 let reach = points[i].s + distance;
                 i += 1;
                 i += points[i..].partition_point(|p| p.s < reach);
@@ -156,7 +157,7 @@ impl ObstacleField {
     /// The obstacle field as exact geometry.
     ///
     /// # Errors
-    /// [`PlanError::Invalid`] for bounds that are too thin to be searched.
+    /// [`PlanError::Invalid`] for bounds that are too thin for a search.
     pub fn exact(&self) -> Result<ExactObstacleField, PlanError> {
         Ok(ExactObstacleField {
             space: self.space()?,
@@ -170,7 +171,7 @@ impl ObstacleField {
 pub struct ExactObstacleField {
     /// The pieces.
     pub space: FreeSpace,
-    /// Distance (m) that the robot's centre keeps from them.
+    /// Minimum distance (m) of the robot's centre from them.
     pub clearance: f64,
 }
 
@@ -179,7 +180,7 @@ impl ExactObstacleField {
     ///
     /// # Errors
     /// [`PlanError::NoPath`] if there is none; [`PlanError::Invalid`] if there are too many
-    /// obstacles to tell.
+    /// obstacles to decide.
     pub fn shortest(&self, from: Point2<f64>, to: Point2<f64>) -> Result<ShortestPath, PlanError> {
         shortest_once(&self.space, self.clearance, from, to)
             .map_err(|e| {
@@ -193,7 +194,7 @@ impl ExactObstacleField {
     }
 }
 
-/// How far (m) a point is beyond the bounds; 0 within.
+/// Distance (m) of a point beyond the bounds; 0 within.
 fn beyond(bounds: &Aabb, p: Point2<f64>) -> f64 {
     let low = bounds.min - p;
     let high = p - bounds.max;
@@ -209,9 +210,9 @@ fn with_inside(obstacle: &Convex) -> Convex {
     }
 }
 
-/// An obstacle without what is nearer to `p` than `clearance` (m): a smaller disc, or the polygon
-/// cut along a line; `None` if nothing would be left of it. The line is across the direction to
-/// the nearest surface and `clearance` away, so that everything behind it is, too.
+/// An obstacle without the part that is nearer to `p` than `clearance` (m): a smaller disc, or the
+/// polygon cut along a line; `None` if nothing would be left. The line is perpendicular to the
+/// direction to the nearest surface and `clearance` away, so that everything behind it is, too.
 fn cut_back(
     obstacle: &Convex,
     p: Point2<f64>,

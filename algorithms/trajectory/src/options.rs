@@ -1,4 +1,4 @@
-//! How a plan shall be made.
+//! Options of planning.
 
 use nalgebra::Point2;
 use schemars::JsonSchema;
@@ -9,10 +9,10 @@ use crate::curve::lgl_nodes::MAX_NODES;
 use crate::plan::Method;
 use crate::problem::{MAX_NUMBER, ProblemError};
 
-/// Most control points that can be asked for.
+/// Maximum number of control points.
 pub const MAX_CONTROL_POINTS: usize = 64;
 
-/// From what path a method starts.
+/// Initial path of a method.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Guess {
@@ -23,39 +23,39 @@ pub enum Guess {
     Wavefront,
 }
 
-/// Where along the curve obstacles are looked at.
+/// Points of the curve at which obstacles are tested.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Constraints {
-    /// Everywhere, dense enough for nothing to be overlooked.
+    /// Everywhere, dense enough to miss none.
     #[default]
     Dense,
-    /// At the N + 1 Legendre–Gauss–Lobatto nodes only, as in the paper. What lies between two nodes
-    /// is not seen: most such curves hit something, and are then no plan.
+    /// Only at the N + 1 Legendre–Gauss–Lobatto nodes, as in the paper. Obstacles between two nodes
+    /// are not detected: most such curves hit one, and are then rejected.
     Nodes,
 }
 
-/// Options of a plan; the defaults are what is recommended.
+/// Options of a plan; the defaults are the recommended values.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Options {
     /// The method.
     pub method: Method,
-    /// From what path it starts.
+    /// Initial path.
     pub guess: Guess,
-    /// Where along the curve obstacles are looked at.
+    /// Points of the curve at which obstacles are tested.
     pub constraints: Constraints,
-    /// `true` if other ways are tried if the curve asked for is not honest or not good: turning on
-    /// the spot before and after it, more control points, and the exact shortest path in the end.
+    /// `true` to try alternatives if the requested curve fails the check or is not good: turning on
+    /// the spot before and after it, more control points, and finally the exact shortest path.
     pub fallbacks: bool,
-    /// `true` if a robot with inertia gets what a search in its controls makes of the curve
-    /// (`refine`). Where only the wheels couple the speeds, it would gain a few thousandths
-    /// and is not tried.
+    /// `true` to refine the curve of a robot with inertia by a search in its controls (`refine`).
+    /// If only the wheels couple the speeds, the gain is a few thousandths and there is no
+    /// refinement.
     pub refine: bool,
     /// Degree of the B-spline, 2…8; absent: 3, or 2 for the prey of `lp`.
     pub degree: Option<usize>,
     /// Number of its control points, spread evenly, from degree + 1 to 64; absent: as many as the
-    /// path needs, where it needs them.
+    /// path needs, at the places where it needs them.
     pub control_points: Option<usize>,
     /// N of the N + 1 Legendre–Gauss–Lobatto nodes: of the path control parameter of `vmc`, and of
     /// [`Constraints::Nodes`]; 2…64.

@@ -1,4 +1,4 @@
-//! Points of a path, dense enough to be driven from one to the next.
+//! Points of a path, dense enough for driving from one to the next.
 
 use geometry::math;
 use nalgebra::Point2;
@@ -11,7 +11,7 @@ use crate::plan::Sample;
 pub struct PathPoint {
     /// Length of the path up to it (m).
     pub s: f64,
-    /// Where it is (m).
+    /// Position (m).
     pub at: Point2<f64>,
     /// Direction of travel (rad), continuous along the path.
     pub theta: f64,
@@ -19,7 +19,7 @@ pub struct PathPoint {
     pub kappa: f64,
 }
 
-/// The points of a trajectory's path; curvatures are left 0.
+/// The points of a trajectory's path; curvatures are 0.
 pub fn of_samples(samples: &[Sample]) -> Vec<PathPoint> {
     let mut points: Vec<PathPoint> = Vec::with_capacity(samples.len());
     for sample in samples {
@@ -37,14 +37,14 @@ pub fn of_samples(samples: &[Sample]) -> Vec<PathPoint> {
     points
 }
 
-/// Largest distance between points of a path (m).
+/// Maximum distance between points of a path (m).
 pub const SPACING: f64 = 0.015;
-/// Longest path that is planned (m): some hundred thousand points.
+/// Maximum length of a planned path (m): some hundred thousand points.
 pub const MAX_LENGTH: f64 = 2e3;
-/// How far (m) a chord between two points may be from the path.
+/// Maximum distance (m) between the path and the chord of two points.
 const SAGITTA: f64 = 5e-5;
 
-/// How far apart (m) points of a path of this curvature (1/m) lie.
+/// Distance (m) between points of a path of this curvature (1/m).
 pub fn spacing(kappa: f64) -> f64 {
     SPACING.min((8.0 * SAGITTA / kappa.abs().max(1e-12)).sqrt())
 }
@@ -67,7 +67,7 @@ pub fn of_leg(leg: &PathLeg, s: f64, theta: f64) -> Vec<PathPoint> {
         .collect()
 }
 
-/// The direction of a leg's beginning (rad), as the representative nearest to `near` (rad).
+/// The direction at the start of a leg (rad), as the representative nearest to `near` (rad).
 pub fn leg_heading(leg: &PathLeg, near: f64) -> f64 {
     let u = leg.heading(0.0);
     near + math::angle_difference(math::atan2(u.y, u.x), near)

@@ -1,4 +1,4 @@
-//! What the optimiser answers.
+//! Results of the optimiser.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -8,7 +8,7 @@ pub use trajectory_check::Sample;
 
 use crate::problem::ProblemError;
 
-/// How a plan is made.
+/// Planning method.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Method {
@@ -17,18 +17,18 @@ pub enum Method {
     Bspline,
     /// The path pursues a virtual prey that moves on a B-spline (Eq. 1–14 of the paper).
     Lp,
-    /// The path hides before a virtual prey on a B-spline: it stays on the line from the prey to a
-    /// reference point (Eq. 16–22 of the paper).
+    /// The path hides in front of a virtual prey on a B-spline: it stays on the line from the prey
+    /// to a reference point (Eq. 16–22 of the paper).
     Vmc,
-    /// The exact shortest path: straight lines and arcs, with turns on the spot where they need be.
+    /// The exact shortest path: straight lines and arcs, with turns on the spot where necessary.
     Tangent,
 }
 
 impl Method {
-    /// All of them.
+    /// All methods.
     pub const ALL: [Self; 4] = [Self::Bspline, Self::Lp, Self::Vmc, Self::Tangent];
 
-    /// The name that requests and commands use.
+    /// The name in requests and commands.
     pub fn name(self) -> &'static str {
         match self {
             Self::Bspline => "bspline",
@@ -44,43 +44,43 @@ impl Method {
     }
 }
 
-/// How a plan came about.
+/// Origin of a plan.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Status {
-    /// By the method asked for.
+    /// Found by the requested method.
     Planned,
-    /// By the exact shortest path: the method found nothing that passed the check.
+    /// The exact shortest path: the method found no trajectory that passed the check.
     Fallback,
-    /// As far as the time allowed went.
+    /// The best trajectory within the allowed time.
     Deadline,
 }
 
 /// A trajectory that has passed the trajectory check.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Plan {
-    /// How it came about.
+    /// Origin.
     pub status: Status,
-    /// The method that made it.
+    /// The method that found it.
     pub method: Method,
     /// The trajectory; the first sample at the start, the last at the goal.
     pub samples: Vec<Sample>,
     /// Duration (s).
     pub final_time: f64,
-    /// No trajectory can be shorter than this (s).
+    /// Lower bound (s) on the duration of all trajectories.
     pub lower_bound: f64,
     /// Length of the path (m).
     pub length: f64,
     /// Smallest distance (m) of the path to a grown obstacle; infinite without obstacles.
     pub min_clearance: f64,
-    /// Convex programs solved.
+    /// Number of convex programs solved.
     pub iterations: u32,
-    /// Degrees of freedom of the curve: its control points; 0 for one without.
+    /// Number of control points of the curve; 0 for a curve without.
     pub control_points: u32,
 }
 
 impl Plan {
-    /// How much longer than the lower bound it takes, relative to it; 0 if both are 0.
+    /// Excess of the duration over the lower bound, relative to the bound; 0 if both are 0.
     pub fn gap(&self) -> f64 {
         if self.lower_bound > 0.0 {
             self.final_time / self.lower_bound - 1.0
@@ -92,10 +92,10 @@ impl Plan {
     }
 }
 
-/// Why there is no plan.
+/// Reason why there is no plan.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum PlanError {
-    /// The problem cannot be meant so.
+    /// The problem is invalid.
     #[error(transparent)]
     Invalid(#[from] ProblemError),
     /// No path leads to the goal.
@@ -104,10 +104,10 @@ pub enum PlanError {
     /// There are paths, but none on which the prescribed speeds can be kept.
     #[error("no trajectory keeps the limits: {0}")]
     Infeasible(&'static str),
-    /// The curve asked for is not honest, and nothing else was to be tried.
+    /// The requested curve fails the check, and alternatives were not allowed.
     #[error("the method found no trajectory that passes the check")]
     InvalidTrajectory,
-    /// It was told to stop before there was any plan.
+    /// The search was stopped before there was any plan.
     #[error("stopped before there was a plan")]
     Stopped,
 }

@@ -1,4 +1,4 @@
-//! What is asked of the optimiser: from where to where, by which robot, among what.
+//! Minimum-time problem: start, goal, robot and obstacles.
 
 use core::fmt::Display;
 
@@ -7,37 +7,38 @@ use geometry::shape::{Aabb, Convex};
 use nalgebra::Point2;
 use thiserror::Error;
 
-/// Most obstacles of one problem.
+/// Maximum number of obstacles of one problem.
 pub const MAX_OBSTACLES: usize = 4096;
-/// Largest coordinate (m) and speed (m/s) that is taken for meant.
+/// Maximum magnitude of coordinates (m) and speeds (m/s).
 pub const MAX_NUMBER: f64 = 1e6;
-/// Smallest clearance (m); it stands for a robot that is a point.
+/// Minimum clearance (m); it represents a point robot.
 pub const MIN_CLEARANCE: f64 = 1e-6;
-/// How deep (m) the start may lie in a grown obstacle or beyond the bounds by default: what a robot
-/// that tracks its last trajectory can be off by. Deeper, there is no plan.
+/// Default of the depth (m) to which the start may lie in a grown obstacle or beyond the bounds:
+/// the tracking error of a robot that follows its last trajectory. For a deeper start there is no
+/// plan.
 pub const START_TOLERANCE: f64 = 5e-3;
 
-/// How fast the wheels can turn: |V| + |ω| b / 2 ≤ `speed`.
+/// Limit of the wheel speeds: |V| + |ω| b / 2 ≤ `speed`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Wheels {
-    /// Largest speed of a wheel over obstacle field (m/s), > 0.
+    /// Maximum speed of a wheel over the ground (m/s), > 0.
     pub speed: f64,
     /// Distance b between the wheels (m), > 0.
     pub separation: f64,
 }
 
-/// What the robot can do.
+/// Limits of the robot.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RobotLimits {
-    /// Largest forward speed V (m/s), > 0.
+    /// Maximum forward speed V (m/s), > 0.
     pub v_max: f64,
-    /// Largest turning rate ω (rad/s), > 0.
+    /// Maximum turning rate ω (rad/s), > 0.
     pub omega_max: f64,
     /// Coupling of both by the wheels; `None`: independent, as in the paper.
     pub wheels: Option<Wheels>,
-    /// Largest change of V (m/s²), > 0; `None`: V may step, as in the paper.
+    /// Maximum rate of change of V (m/s²), > 0; `None`: V may step, as in the paper.
     pub acceleration: Option<f64>,
-    /// Largest change of ω (rad/s²), > 0; `None`: ω may step.
+    /// Maximum rate of change of ω (rad/s²), > 0; `None`: ω may step.
     pub angular_acceleration: Option<f64>,
 }
 
@@ -68,19 +69,19 @@ impl RobotLimits {
         self.acceleration.is_none() && self.angular_acceleration.is_none()
     }
 
-    /// Largest speed (m/s) straight ahead.
+    /// Maximum speed (m/s) straight ahead.
     pub fn top_speed(&self) -> f64 {
         self.wheels.map_or(self.v_max, |w| self.v_max.min(w.speed))
     }
 
-    /// Largest turning rate (rad/s) on the spot.
+    /// Maximum turning rate (rad/s) on the spot.
     pub fn top_turn_rate(&self) -> f64 {
         self.wheels.map_or(self.omega_max, |w| {
             self.omega_max.min(2.0 * w.speed / w.separation)
         })
     }
 
-    /// Largest speed (m/s) on a path of curvature `kappa` (1/m).
+    /// Maximum speed (m/s) on a path of curvature `kappa` (1/m).
     pub fn speed_at(&self, kappa: f64) -> f64 {
         let kappa = kappa.abs();
         let turning = self.omega_max / kappa.max(1e-300);
@@ -91,7 +92,7 @@ impl RobotLimits {
     }
 }
 
-/// A minimum-time problem; all of it in one frame, in SI units.
+/// A minimum-time problem; all values in one frame, in SI units.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Problem {
     /// Pose at the start.
@@ -106,27 +107,28 @@ pub struct Problem {
     pub goal_heading: Option<f64>,
     /// Forward speed at the goal (m/s), ≥ 0; `None`: free.
     pub goal_speed: Option<f64>,
-    /// What the robot can do.
+    /// Limits of the robot.
     pub limits: RobotLimits,
-    /// What it must not touch.
+    /// Obstacles.
     pub obstacles: Vec<Convex>,
-    /// Distance (m) that its centre keeps from them (radius plus margin), ≥ [`MIN_CLEARANCE`].
+    /// Minimum distance (m) of the robot's centre from them (radius plus margin), ≥
+    /// [`MIN_CLEARANCE`].
     pub clearance: f64,
-    /// Where its centre may be.
+    /// Allowed positions of the robot's centre.
     pub bounds: Aabb,
-    /// How deep (m) the start may lie in a grown obstacle or beyond the bounds, ≥ 0.
+    /// Depth (m) to which the start may lie in a grown obstacle or beyond the bounds, ≥ 0.
     pub start_tolerance: f64,
 }
 
-/// What is wrong with a problem.
+/// Invalid field of a problem.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[error("{field} = {value}: expected {expected}")]
 pub struct ProblemError {
     /// The field.
     pub field: String,
-    /// What it is.
+    /// Actual value.
     pub value: String,
-    /// What it should be.
+    /// Expected value.
     pub expected: String,
 }
 
@@ -169,8 +171,9 @@ fn not_negative(field: &str, value: f64) -> Result<(), ProblemError> {
 }
 
 impl Problem {
-    /// Checks every field on its own, and that the prescribed speeds are within the limits. Where
-    /// start and goal lie, [`ObstacleField`](crate::obstacle_field::ObstacleField) checks.
+    /// Checks every field on its own, and that the prescribed speeds are within the limits.
+    /// [`ObstacleField`](crate::obstacle_field::ObstacleField) checks the positions of start and
+    /// goal.
     ///
     /// # Errors
     /// [`ProblemError`] names the first field that is out of range.
@@ -224,7 +227,7 @@ impl Problem {
         ] {
             let Some(speed) = speed else { continue };
             not_negative(field, speed)?;
-            // Rounding of a measured speed must fit in.
+            // A measured speed must be accepted despite rounding.
             let most = limits.v_max.min(wheels(omega)).max(0.0);
             if speed > most * (1.0 + 1e-9) {
                 let expected = format!("at most {most} (m/s), what the limits allow");

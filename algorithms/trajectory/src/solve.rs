@@ -1,4 +1,4 @@
-//! From a problem to a plan.
+//! Solution of a problem by a plan.
 
 use crate::attempt::{Attempts, Candidate, Variant};
 use crate::drive::shortest_path_plan;
@@ -16,22 +16,23 @@ use crate::problem::Problem;
 use crate::validity_check;
 use geometry::math;
 
-/// A gap to the lower bound below which nothing better is looked for, relative to it; besides what
-/// it costs to turn into the shortest path on the spot.
+/// Gap to the lower bound, relative to it, below which the search ends; in addition to the cost of
+/// turning into the shortest path on the spot.
 const GOOD: f64 = 1e-3;
-/// Length of what is left of the last plan, relative to the shortest path, up to which the search
-/// begins there: what is longer goes another way.
+/// Maximum length of the rest of the last plan, relative to the shortest path, for a start of the
+/// search there: a longer rest takes another route.
 const DETOUR: f64 = 1.03;
-/// Most of these costs that is allowed, relative to the lower bound.
+/// Maximum allowed share of these turning costs, relative to the lower bound.
 const MAX_TURNING: f64 = 1.5e-3;
 
-/// How often the breaks of splines are halved at most.
+/// Maximum number of times that the breaks of splines are halved.
 const MAX_LEVEL: u32 = 1;
 
-/// Plans; `stop` is asked now and then whether to answer with what there is.
+/// Plans; `stop` is called regularly and returns `true` to end the search with the best result so
+/// far.
 ///
-/// `last` is the plan that the robot has been following, if it is on the same errand: where it still
-/// leads past everything, the search begins near it.
+/// `last` is the plan that the robot has been following, if its goal is the same: where it still
+/// avoids all obstacles, the search begins near it.
 ///
 /// # Errors
 /// [`PlanError`] if the problem is not valid or has no solution.
@@ -52,7 +53,7 @@ pub fn plan(
     }
     let bound = lower_bound(problem, shortest);
     let guide = Guide::new(way.legs);
-    // Where the grid is too coarse for a wave to get through, the exact path is there.
+    // Where the grid is too coarse for a wave to pass, the exact path is used.
     let coarse = match options.guess {
         Guess::Wavefront => grid_guide::guide(&exact, problem.start.position(), problem.goal),
         Guess::Tangent => None,
@@ -74,7 +75,7 @@ pub fn plan(
                 .filter(|rest| rest.guide.length() <= DETOUR * shortest),
             programs: 0,
         };
-        // What a search in the controls has found is a local optimum whatever the bound says.
+        // The result of a search in the controls is a local optimum whatever the bound.
         let enough = if inertia && options.refine {
             f64::INFINITY
         } else {
@@ -89,7 +90,7 @@ pub fn plan(
             let certain = certain(problem, &obstacle_field, &exact, guide.as_ref())?;
             let status = match options.method {
                 Method::Tangent => Status::Planned,
-                // Where there is no way to go, there is no curve to find.
+                // Without a path there is no curve to find.
                 _ if guide.is_none() => Status::Planned,
                 _ if tried.stopped => Status::Deadline,
                 _ => Status::Fallback,
@@ -115,13 +116,13 @@ pub fn plan(
 /// A trajectory that has passed the check.
 struct Checked {
     trajectory: Trajectory,
-    /// How far the path is from grown obstacles at least (m).
+    /// Minimum distance of the path from grown obstacles (m).
     min_clearance: f64,
     control_points: usize,
 }
 
 impl Checked {
-    /// `None` if the trajectory does not pass.
+    /// Checks a trajectory; `None` if it does not pass.
     fn new(
         problem: &Problem,
         obstacle_field: &ObstacleField,
@@ -137,17 +138,17 @@ impl Checked {
     }
 }
 
-/// What came of the curves of a method.
+/// Result of the curves of a method.
 #[derive(Default)]
 struct CurveAttempt {
     best: Option<Checked>,
-    /// Convex programs solved.
+    /// Number of convex programs solved.
     programs: u32,
-    /// `true` if it was told to stop.
+    /// `true` if the search was stopped.
     stopped: bool,
 }
 
-/// Tries one variant after the other until a plan takes no longer than `enough` (s).
+/// Tries the variants in order until a plan takes no longer than `enough` (s).
 fn try_curves(
     mut bench: Attempts<'_>,
     enough: f64,
@@ -200,7 +201,7 @@ fn try_curves(
     tried
 }
 
-/// How long (s) it takes to turn on the spot into a path and out of it.
+/// Time (s) for turning on the spot into a path and out of it.
 fn turning_time(problem: &Problem, guide: &Guide) -> f64 {
     let time = |angle: f64| {
         let phases = turn_in_place::phases(&problem.limits, angle);
@@ -214,10 +215,10 @@ fn turning_time(problem: &Problem, guide: &Guide) -> f64 {
     time(into) + time(out)
 }
 
-/// The tries that make sense for a problem, one after the other: first those that turn least on the
-/// spot, then the same with finer splines.
+/// The sensible attempts for a problem, in order: first those with the fewest turns on the spot,
+/// then the same with finer splines.
 fn variants(problem: &Problem) -> impl Iterator<Item = Variant> {
-    // Who turns on the spot stands: a robot with inertia must not be moving.
+    // A turn on the spot requires standstill: a robot with inertia must not be moving.
     let limits = &problem.limits;
     let moves = problem.start_speed.is_some_and(|v| v > 0.0) && limits.acceleration.is_some();
     let turns =
@@ -237,7 +238,7 @@ fn variants(problem: &Problem) -> impl Iterator<Item = Variant> {
     })
 }
 
-/// The exact shortest path, driven and checked.
+/// The checked trajectory along the exact shortest path.
 fn certain(
     problem: &Problem,
     obstacle_field: &ObstacleField,

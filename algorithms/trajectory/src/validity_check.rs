@@ -1,5 +1,4 @@
-//! The check of every trajectory before it is an answer: by [`trajectory_check`], which shares no code
-//! with what made it.
+//! Check of every result by [`trajectory_check`], which shares no code with the planner.
 
 use geometry::shape::Convex;
 use trajectory_check::{Contract, Obstacle, Report, WheelLimit};
@@ -8,7 +7,7 @@ use crate::obstacle_field::ObstacleField;
 use crate::plan::Sample;
 use crate::problem::Problem;
 
-/// What a trajectory must keep to solve a problem on its obstacle field.
+/// The contract of a trajectory that solves a problem on its obstacle field.
 pub fn contract(problem: &Problem, obstacle_field: &ObstacleField) -> Contract {
     let limits = &problem.limits;
     let bounds = &obstacle_field.bounds;
@@ -45,7 +44,7 @@ fn obstacle(obstacle: &Convex) -> Obstacle {
     }
 }
 
-/// What the check finds.
+/// The report of the check.
 pub fn report(problem: &Problem, obstacle_field: &ObstacleField, samples: &[Sample]) -> Report {
     trajectory_check::check(&contract(problem, obstacle_field), samples)
 }

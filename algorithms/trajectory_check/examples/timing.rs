@@ -1,4 +1,4 @@
-//! How long a check takes: 1000 samples among nothing, 40 discs, 40 rectangles.
+//! Duration of a check: 1000 samples among no obstacles, 40 discs, 40 rectangles.
 //!
 //! `cargo run --release -p trajectory_check --example timing`
 
@@ -8,7 +8,7 @@ use std::time::Instant;
 use nalgebra::{Point2, Vector2};
 use trajectory_check::{Contract, Obstacle, Sample, check};
 
-/// A slalom through a field of obstacles; whether it hits any does not matter here.
+/// Drives a slalom through a field of obstacles; collisions do not matter here.
 fn main() {
     let (v, dt) = (0.15, 0.04);
     let mut sample = Sample {

@@ -8,7 +8,7 @@ use crate::sample::{Sample, wrapped};
 use crate::tolerances::Tolerances;
 use crate::violation::{Excess, Violation};
 
-/// Checks the first and the last sample against what the contract prescribes for them.
+/// Checks the first and the last sample against the contract.
 pub(crate) fn check(
     contract: &Contract,
     [first, last]: [&Sample; 2],

@@ -1,4 +1,5 @@
-//! How close the path comes to obstacles and bounds: the continuous path, not its samples.
+//! Distance of the path from obstacles and bounds, along the continuous path and not only at its
+//! samples.
 
 use nalgebra::{Point2, center};
 
@@ -9,13 +10,15 @@ use crate::region::{Around, Grown, inside_box};
 use crate::tolerances::Tolerances;
 use crate::violation::{Excess, Violation};
 
-/// A piece that comes closest so far is cut until its arc and its chord differ by no more (m).
+/// Maximum difference (m) between arc and chord of the piece that comes closest; a larger piece is
+/// cut.
 const RESOLUTION: f64 = 1e-5;
 
-/// How often a piece is cut in halves at most. Each time, arc and chord differ by a quarter.
+/// Maximum number of times that a piece is halved. Each time, the difference between arc and chord
+/// falls to a quarter.
 const MAX_CUTS: u32 = 8;
 
-/// Least distance so far (m), below it or exact to within [`RESOLUTION`].
+/// Minimum distance so far (m), exact to within [`RESOLUTION`] or below the true value.
 #[derive(Debug, Clone, Copy)]
 struct Least {
     distance: f64,
@@ -36,16 +39,16 @@ pub(crate) struct Span {
     pub time: f64,
     /// The motion from there.
     pub piece: Piece,
-    /// Where it ends (m).
+    /// End (m).
     pub end: Point2<f64>,
-    /// How far (m) the samples are off the motion: a path through them may be nearer by so much.
+    /// Distance (m) of the samples from the motion: a path through them may be nearer by this.
     pub slack: f64,
 }
 
 /// The closest approach to the obstacles and the bounds of a contract.
 #[derive(Debug)]
 pub(crate) struct Clearance {
-    /// Discs around the obstacles, apart from them: nearly always they are all that is looked at.
+    /// Discs around the obstacles, in a list of their own: they nearly always suffice for the test.
     around: Vec<Around>,
     obstacles: Vec<Grown>,
     bounds: Option<[f64; 4]>,
@@ -55,7 +58,7 @@ pub(crate) struct Clearance {
 }
 
 impl Clearance {
-    /// Nothing of the path seen yet.
+    /// Starts without any part of the path.
     pub fn new(contract: &Contract) -> Self {
         let grow = |obstacle| Grown::new(obstacle, contract.clearance);
         let (around, obstacles) = contract.obstacles.iter().map(grow).unzip();
@@ -90,12 +93,12 @@ impl Clearance {
         }
     }
 
-    /// Least signed distance of the path to a grown obstacle (m); infinite without obstacles.
+    /// Minimum signed distance of the path to a grown obstacle (m); infinite without obstacles.
     pub fn to_obstacles(&self) -> f64 {
         self.to_obstacle.distance
     }
 
-    /// Greatest depth in a grown obstacle or outside the bounds (m), 0 if there is none.
+    /// Maximum depth in a grown obstacle or outside the bounds (m), 0 if there is none.
     pub fn deepest(&self) -> f64 {
         (-self.to_obstacle.distance.min(self.within_bounds.distance)).max(0.0)
     }
@@ -111,11 +114,12 @@ impl Clearance {
     }
 }
 
-/// Lowers `least` if the span may come closer than it, by `distance` of a straight segment.
+/// Lowers `least` if the span may come closer, with `distance` as the distance of a straight
+/// segment.
 ///
 /// The arc is nowhere closer than its chord less its deviation from it. Where that matters, the span
-/// is cut until the deviation does not: a chord across a round obstacle is inside of the arc around
-/// it already, and subtracting the deviation as it is would count it twice.
+/// is cut until the deviation does not: a chord across a round obstacle is already inside the arc
+/// around it, and subtracting the full deviation would count it twice.
 fn lower(
     least: &mut Least,
     span: &Span,

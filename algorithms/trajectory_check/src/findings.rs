@@ -5,7 +5,7 @@ use core::mem::discriminant;
 
 use crate::violation::{Excess, Violation};
 
-/// Violations found so far, one of a kind.
+/// Violations found so far, at most one of each kind.
 #[derive(Debug, Default)]
 pub(crate) struct Findings {
     worst: Vec<(f64, Violation)>,
@@ -30,8 +30,9 @@ impl Findings {
         }
     }
 
-    /// Records a violation of `kind` if something changes by more than `limit` a second, and
-    /// `rounding` besides, in `dt` (s) (> 0). Compared undivided: a tiny `dt` would overflow both.
+    /// Records a violation of `kind` if a value changes by more than `limit` per second plus
+    /// `rounding` in `dt` (s) (> 0). The comparison avoids the division: a tiny `dt` would overflow
+    /// both sides.
     pub fn rate_at_most(
         &mut self,
         kind: impl FnOnce(Excess) -> Violation,
@@ -50,7 +51,7 @@ impl Findings {
         }
     }
 
-    /// Returns `true` if nothing was found.
+    /// Returns `true` if there is no violation.
     pub fn is_empty(&self) -> bool {
         self.worst.is_empty()
     }
@@ -61,7 +62,7 @@ impl Findings {
     }
 
     fn record(&mut self, excess: f64, violation: Violation) {
-        // What cannot be compared is worse than what can.
+        // A value that cannot be compared is worse than any that can.
         let excess = if excess.is_nan() {
             f64::INFINITY
         } else {
@@ -76,7 +77,7 @@ impl Findings {
     }
 }
 
-/// By how much something changes in a time.
+/// Change of a value in a time.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Change {
     pub amount: f64,
@@ -84,7 +85,7 @@ pub(crate) struct Change {
     pub rounding: f64,
 }
 
-/// Returns `true` if `value` is not known to be at most `limit`: NaN exceeds everything.
+/// Returns `true` unless `value` is known to be at most `limit`: NaN exceeds everything.
 fn exceeds(value: f64, limit: f64) -> bool {
     !matches!(
         value.partial_cmp(&limit),

@@ -1,15 +1,15 @@
-//! Is a trajectory honest? Decides whether samples that claim to solve a minimum-time planning
-//! problem of a differential-drive robot really do: start to goal, within the drive's limits, clear
-//! of every obstacle, and driven by the controls they state.
+//! Independent check of trajectories: decides whether samples that claim to solve a minimum-time
+//! planning problem of a differential-drive robot really do. The conditions: from start to goal,
+//! within the drive's limits, clear of every obstacle, and driven by the stated controls.
 //!
-//! The checker shares no code with any planner, optimiser or simulator of this workspace, so that a
-//! mistake there cannot hide itself here. It trusts no input: whatever bits come in, a [`Report`]
-//! comes out. Units are SI, angles in radians.
+//! The checker shares no code with any planner, optimiser or simulator of this workspace, so that
+//! it cannot share their errors. It accepts untrusted input: every input gives a [`Report`]. Units
+//! are SI, angles in radians.
 //!
-//! What samples mean: the robot is at the pose of each [`Sample`]; between two samples its forward
-//! speed and its turning rate change linearly in time from the values of the first to those of the
-//! second. Two samples of the same time are a step of the controls: the pose must be the same, and
-//! a control may step only if the [`Contract`] does not limit its rate of change.
+//! Samples: the robot is at the pose of each [`Sample`]; between two samples its forward speed and
+//! its turning rate change linearly in time from the values of the first to those of the second.
+//! Two samples of the same time are a step of the controls: the pose must be the same, and a
+//! control may step only if the [`Contract`] does not limit its rate of change.
 //!
 //! ```
 //! use trajectory_check::{Contract, Obstacle, Sample, check};

@@ -1,4 +1,4 @@
-//! The limits of the drive: by what samples state, and by poses and times alone.
+//! The limits of the drive: by the stated controls, and by poses and times alone.
 
 use crate::contract::Contract;
 use crate::findings::{Change, Findings};
@@ -6,19 +6,19 @@ use crate::sample::{Sample, wrapped};
 use crate::tolerances::Tolerances;
 use crate::violation::Violation;
 
-/// Judges speeds and accelerations, and remembers the highest speeds.
+/// Checks speeds and accelerations, and stores the maximum speeds.
 #[derive(Debug)]
 pub(crate) struct Limits<'a> {
     contract: &'a Contract,
     tolerances: &'a Tolerances,
-    /// Highest speed stated or implied (m/s).
+    /// Maximum speed, stated or implied (m/s).
     pub top_speed: f64,
-    /// Highest turning rate stated or implied (rad/s).
+    /// Maximum turning rate, stated or implied (rad/s).
     pub top_turn_rate: f64,
 }
 
 impl<'a> Limits<'a> {
-    /// Nothing has moved yet.
+    /// Starts without any motion.
     pub fn new(contract: &'a Contract, tolerances: &'a Tolerances) -> Self {
         Self {
             contract,
@@ -28,7 +28,8 @@ impl<'a> Limits<'a> {
         }
     }
 
-    /// Speed and turning rate that a sample states. Between samples both are linear and no larger.
+    /// Checks the stated speed and turning rate of a sample. Between samples both are linear and no
+    /// larger.
     pub fn controls(&mut self, sample: &Sample, findings: &mut Findings) {
         let (v, omega) = (sample.v.abs(), sample.omega.abs());
         let allowed = 1.0 + self.tolerances.limit;
@@ -53,8 +54,9 @@ impl<'a> Limits<'a> {
         self.top_turn_rate = self.top_turn_rate.max(omega);
     }
 
-    /// Speeds from poses and times alone, whatever the controls say. (A chord is never longer than
-    /// the way, nor a wrapped turn more than the turn: honest samples cannot fail.)
+    /// Checks the speeds that follow from poses and times alone, whatever the controls. (A chord is
+    /// never longer than the path, nor a wrapped turn more than the turn: valid samples cannot
+    /// fail.)
     pub fn poses(&mut self, a: &Sample, b: &Sample, findings: &mut Findings) {
         let (contract, rounding) = (self.contract, self.tolerances.rounding);
         let allowed = 1.0 + self.tolerances.limit;
@@ -75,12 +77,12 @@ impl<'a> Limits<'a> {
             let rolled = change(wheel.faster(moved, turned));
             findings.rate_at_most(Violation::PoseWheelSpeed, a.t, rolled, limit);
         }
-        // What rounding may explain is no speed worth showing.
+        // A speed that rounding may explain does not count.
         self.top_speed = self.top_speed.max((moved - rounding) / dt);
         self.top_turn_rate = self.top_turn_rate.max((turned - rounding) / dt);
     }
 
-    /// Accelerations.
+    /// Checks the accelerations.
     pub fn changes(&self, a: &Sample, b: &Sample, findings: &mut Findings) {
         let change = |from: f64, to: f64| Change {
             amount: (to - from).abs(),

@@ -1,4 +1,4 @@
-//! What happens between two samples: do poses, controls, times and limits fit together?
+//! Consistency of poses, controls, times and limits between two samples.
 
 use nalgebra::Point2;
 
@@ -11,39 +11,40 @@ use crate::sample::{Sample, wrapped};
 use crate::tolerances::Tolerances;
 use crate::violation::Violation;
 
-/// Walks along a trajectory and judges each step.
+/// Walks along a trajectory and checks each step.
 #[derive(Debug)]
 pub(crate) struct Walk<'a> {
     contract: &'a Contract,
     tolerances: &'a Tolerances,
-    /// The limits of the drive, and how fast it has been so far.
+    /// The limits of the drive, and the maximum speeds so far.
     pub limits: Limits<'a>,
-    /// Where the controls alone have led since the start (m).
+    /// Position that follows from the controls alone since the start (m).
     led_to: Point2<f64>,
-    /// Heading the controls alone have led to (rad).
+    /// Heading that follows from the controls alone (rad).
     led_heading: f64,
-    /// Figures of the way so far.
+    /// Figures of the path so far.
     pub figures: Figures,
     /// The closest approach so far.
     pub clearance: Clearance,
 }
 
-/// What a walk adds up.
+/// Sums over a walk.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Figures {
-    /// Length of the way (m).
+    /// Length of the path (m).
     pub length: f64,
-    /// Farthest a sample is from where the controls alone lead from the start (m).
+    /// Maximum distance of a sample from the position that follows from the controls alone since
+    /// the start (m).
     pub drift: f64,
-    /// Sum of the distances between samples and where the controls lead from the one before (m), of
-    /// those that were let pass.
+    /// Sum of the accepted distances between samples and the positions that follow from the
+    /// controls since the previous sample (m).
     displacement: f64,
-    /// The same of headings (rad).
+    /// The same sum of headings (rad).
     heading: f64,
 }
 
 impl<'a> Walk<'a> {
-    /// At the first sample.
+    /// Starts at the first sample.
     pub fn new(contract: &'a Contract, tolerances: &'a Tolerances, first: &Sample) -> Self {
         let mut clearance = Clearance::new(contract);
         clearance.visit(&Span {
@@ -63,7 +64,7 @@ impl<'a> Walk<'a> {
         }
     }
 
-    /// Judges what happens from one sample to the next.
+    /// Checks the step from one sample to the next.
     pub fn step(&mut self, a: &Sample, b: &Sample, findings: &mut Findings) {
         let dt = b.t - a.t;
         if dt > 0.0 {
@@ -77,7 +78,7 @@ impl<'a> Walk<'a> {
         }
     }
 
-    /// The sums over the whole trajectory, at its end.
+    /// Checks the sums over the whole trajectory at its end.
     pub fn finish(&self, duration: f64, findings: &mut Findings) {
         let Tolerances {
             mismatch,
@@ -98,7 +99,7 @@ impl<'a> Walk<'a> {
         self.clearance.report(self.tolerances, findings);
     }
 
-    /// Two samples of the same time: only controls that nothing limits may differ.
+    /// Checks two samples of the same time: only controls without a limit may differ.
     fn instant(&mut self, a: &Sample, b: &Sample, findings: &mut Findings) {
         let rounding = self.tolerances.rounding;
         let moved = (b.position() - a.position()).norm();
@@ -117,7 +118,7 @@ impl<'a> Walk<'a> {
         }
     }
 
-    /// Returns `true` if the controls lead from the one pose to the other, and past what.
+    /// Checks that the controls lead from one pose to the other, and the clearance on the path.
     fn motion(&mut self, a: &Sample, b: &Sample, findings: &mut Findings) {
         let Tolerances {
             mismatch,
@@ -162,7 +163,7 @@ impl<'a> Walk<'a> {
                 slack: off,
             }
         } else {
-            // The lie is on record, and must not be taken for a collision besides.
+            // The mismatch is recorded; it must not count as a collision as well.
             Span {
                 time: a.t,
                 piece: Piece::chord(a, b),

@@ -6,12 +6,12 @@ use nalgebra::{Point2, Vector2};
 
 use crate::sample::Sample;
 
-/// Turning (rad) over which three Gauss points integrate the way to 10⁻⁶ of its length, even where
+/// Turn (rad) over which three Gauss points integrate the path to 10⁻⁶ of its length, even where
 /// the controls change sharply: 20 nm in the 2 cm between two samples.
 const TURN_PER_STEP: f64 = 0.25;
 
-/// Most steps of an integration. Only controls far beyond any limit need more, and their trajectory
-/// is not honest, however exactly it is integrated.
+/// Maximum number of steps of an integration. Only controls far beyond any limit need more, and
+/// their trajectory is invalid in any case.
 const MAX_STEPS: f64 = 64.0;
 
 /// Nodes and weights of Gauss's three-point rule on [0, 1].
@@ -48,7 +48,7 @@ impl Piece {
         }
     }
 
-    /// A straight line between two samples, whatever they claim.
+    /// A straight line between two samples, regardless of their controls.
     pub fn chord(a: &Sample, b: &Sample) -> Self {
         Self {
             speed: [0.0; 2],
@@ -62,11 +62,11 @@ impl Piece {
         self.dt * (self.rate[0] + self.rate[1]) / 2.0
     }
 
-    /// Length of the way (m), forwards and backwards alike.
+    /// Length of the path (m), forwards and backwards alike.
     pub fn way(&self) -> f64 {
         let [a, b] = self.speed;
         if self.reverses() {
-            // Two triangles, up to the reversal and from it.
+            // Two triangles, before and after the reversal.
             self.dt * (a * a + b * b) / (2.0 * (b - a).abs())
         } else {
             self.dt * (a + b).abs() / 2.0
@@ -117,11 +117,11 @@ impl Piece {
         [first, second]
     }
 
-    /// Farthest (m) that a point of the way can be from the chord, the straight segment from the
-    /// way's start to its end.
+    /// Upper bound (m) on the distance of a point of the path from the chord, the straight segment
+    /// from the path's start to its end.
     ///
-    /// Proof. Let r(t) be the way, T its duration, and c(t) the point that runs along the chord at
-    /// constant speed. Along any fixed direction u, u·(r − c) vanishes at both ends, so it is at
+    /// Proof. Let r(t) be the path, T its duration, and c(t) the point that moves along the chord
+    /// at constant speed. Along any fixed direction u, u·(r − c) vanishes at both ends, so it is at
     /// most T²/8 · max |u·r″|, the error of linear interpolation. With unit vectors e along the
     /// heading and n across it, r″ = v′e + vωn.
     ///
@@ -134,7 +134,7 @@ impl Piece {
     ///   |u·r″| ≤ |v′| sin δ + |vω| cos δ ≤ |v′|Θ + |vω|. The distance is at most
     ///   T²/8 · (|v′|Θ + max|v|·max|ω|).
     ///
-    /// At constant controls the latter is the familiar way² · curvature / 8 = way · turn / 8.
+    /// At constant controls the latter is the familiar path² · curvature / 8 = path · turn / 8.
     pub fn deviation(&self) -> f64 {
         let change = (self.speed[1] - self.speed[0]).abs();
         let turn = self.most_turn();
@@ -144,11 +144,11 @@ impl Piece {
             change
         };
         let fastest = self.speed[0].abs().max(self.speed[1].abs());
-        // T²|v′| is T·|change of v|, and T·max|ω| is the most it turns.
+        // T²|v′| is T·|change of v|, and T·max|ω| bounds the turn.
         self.dt * (along + fastest * turn) / 8.0
     }
 
-    /// Bound of the turning either way taken together (rad).
+    /// Bound on the sum of the turns in both directions (rad).
     fn most_turn(&self) -> f64 {
         self.dt * self.rate[0].abs().max(self.rate[1].abs())
     }
@@ -158,7 +158,7 @@ impl Piece {
     }
 }
 
-/// A vector (of any unit) turned counter-clockwise by an angle (rad).
+/// A vector (of any unit) rotated counter-clockwise by an angle (rad).
 pub(crate) fn rotated(vector: Vector2<f64>, angle: f64) -> Vector2<f64> {
     let (sin, cos) = libm::sincos(angle);
     Vector2::new(
@@ -183,7 +183,7 @@ mod tests {
         }
     }
 
-    /// The motion cut into 2¹⁰ pieces, each no more than a straight step.
+    /// The motion cut into 2¹⁰ pieces, each a straight step.
     fn crumbs(piece: &Piece) -> Vec<Piece> {
         let mut pieces = vec![*piece];
         for _ in 0..10 {
@@ -206,7 +206,7 @@ mod tests {
         let there_and_back = piece([0.3, -0.1], [0.0, 0.0], 4.0);
         assert!((there_and_back.way() - 0.5).abs() < 1e-12);
         assert!((there_and_back.displacement().x - 0.4).abs() < 1e-12);
-        // It runs 5 cm past its end.
+        // It overshoots its end by 5 cm.
         assert!(there_and_back.deviation() >= 0.05);
     }
 

@@ -41,7 +41,7 @@ impl ConvexPolygon {
         Self { edges }
     }
 
-    /// Distance (m) from the segment `a`–`b` to the polygon; where they overlap, minus the greatest
+    /// Distance (m) from the segment `a`–`b` to the polygon; where they overlap, minus the maximum
     /// depth of a point of the segment inside.
     pub fn distance(&self, a: Point2<f64>, b: Point2<f64>) -> f64 {
         let depth = self.least_signed(a, b);
@@ -58,12 +58,12 @@ impl ConvexPolygon {
         })
     }
 
-    /// The least, over the segment, of the greatest signed distance to an edge's line: minus the
-    /// greatest depth if the segment meets the polygon, above 0 otherwise.
+    /// The minimum, over the segment, of the maximum signed distance to an edge's line: minus the
+    /// maximum depth if the segment meets the polygon, above 0 otherwise.
     ///
-    /// Along the segment that greatest distance is a convex function made of straight lines. The
-    /// lines that are highest at two points around the least cross below it; the crossing either
-    /// is the least, or finds a higher line. Stopped early, the result is too low: on the safe side.
+    /// Along the segment that maximum distance is a convex, piecewise linear function. The lines
+    /// that are highest at two points around the minimum cross below it; the crossing either is the
+    /// minimum, or finds a higher line. Stopped early, the result is too low: on the safe side.
     fn least_signed(&self, a: Point2<f64>, b: Point2<f64>) -> f64 {
         let along = b - a;
         let highest = |s: f64| {
@@ -147,7 +147,7 @@ mod tests {
     #[test]
     fn segments_outside_have_the_distance_of_the_nearest_points() {
         assert!((distance([3.0, 0.5], [5.0, 0.5]) - 1.0).abs() < 1e-12);
-        // An end beyond a corner; a segment across a corner; one along an edge.
+        // An end beyond a corner; a segment across a corner; a segment along an edge.
         assert!((distance([3.0, 3.0], [9.0, 4.0]) - 2.0_f64.sqrt()).abs() < 1e-12);
         assert!((distance([2.0, 3.0], [3.0, 2.0]) - 0.5_f64.sqrt()).abs() < 1e-12);
         assert!((distance([-9.0, 2.5], [9.0, 2.5]) - 0.5).abs() < 1e-12);

@@ -1,4 +1,4 @@
-//! What a path must keep out of, or within.
+//! Regions that a path must avoid or stay within.
 
 use nalgebra::{Point2, Vector2};
 use parry2d_f64::math::Vector;
@@ -15,7 +15,7 @@ pub(crate) struct Around {
 
 impl Around {
     /// Returns `true` if every point within `radius` (m) of `point` is at least `gap` (m) outside. Quick, and
-    /// false if in doubt.
+    /// `false` if in doubt.
     pub fn is_farther(&self, point: Point2<f64>, radius: f64, gap: f64) -> bool {
         let apart = gap + radius + self.radius;
         apart <= 0.0 || (point - self.center).norm_squared() >= apart * apart
@@ -64,7 +64,7 @@ impl Grown {
         (around, Self { shape, clearance })
     }
 
-    /// Distance (m) from the segment `a`–`b`; minus the greatest depth of a point of it inside.
+    /// Distance (m) from the segment `a`–`b`; minus the maximum depth of a point of it inside.
     pub fn distance(&self, a: Point2<f64>, b: Point2<f64>) -> f64 {
         let ungrown = match &self.shape {
             Shape::Disc { center, radius } => to_point(&segment(a, b), *center) - radius,
@@ -74,8 +74,8 @@ impl Grown {
     }
 }
 
-/// How far (m) inside the box `[x_min, y_min, x_max, y_max]` the segment `a`–`b` stays; below 0 if it
-/// leaves the box. (A box is convex: an end is the farthest out.)
+/// Distance (m) of the segment `a`–`b` from the border of the box `[x_min, y_min, x_max, y_max]` inside it;
+/// below 0 if it leaves the box. (A box is convex: an end is the farthest out.)
 pub(crate) fn inside_box(
     [x_min, y_min, x_max, y_max]: [f64; 4],
     a: Point2<f64>,

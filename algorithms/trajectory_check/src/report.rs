@@ -1,4 +1,4 @@
-//! The verdict.
+//! Result of a check.
 
 use core::fmt;
 
@@ -11,32 +11,33 @@ use crate::tolerances::Tolerances;
 use crate::validity;
 use crate::violation::Violation;
 
-/// What [`check`] found. All figures are NaN if the contract or the samples are unfit to be checked.
+/// Result of [`check`]. All figures are NaN if the contract or the samples cannot be checked.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Report {
     /// Time from the first sample to the last (s).
     pub duration: f64,
-    /// Length of the way by the stated speeds (m), forwards and backwards alike.
+    /// Length of the path by the stated speeds (m), forwards and backwards alike.
     pub length: f64,
-    /// Smallest signed distance (m) of the continuous path to an obstacle grown by the clearance;
+    /// Minimum signed distance (m) of the continuous path to an obstacle grown by the clearance;
     /// negative inside. Never above the true value, and usually 10 µm or less below; infinite
     /// without obstacles.
     pub min_clearance: f64,
-    /// Greatest depth inside a grown obstacle or outside the bounds (m), 0 if there is none.
+    /// Maximum depth inside a grown obstacle or outside the bounds (m), 0 if there is none.
     pub deepest: f64,
-    /// Highest speed (m/s), of those stated and those that follow from poses and times.
+    /// Maximum speed (m/s), of the stated ones and those that follow from poses and times.
     pub top_speed: f64,
-    /// Highest turning rate (rad/s), of those stated and those that follow from poses and times.
+    /// Maximum turning rate (rad/s), of the stated ones and those that follow from poses and times.
     pub top_turn_rate: f64,
-    /// Farthest (m) that a sample is from where the stated controls alone would have led from the
-    /// first one. Information only: it adds up what is allowed between samples.
+    /// Maximum distance (m) of a sample from the position that follows from the stated controls
+    /// alone since the first one. For information: it sums up the allowed differences between
+    /// samples.
     pub drift: f64,
-    /// What is wrong: the worst of each kind.
+    /// Violations: the worst of each kind.
     pub violations: Vec<Violation>,
 }
 
 impl Report {
-    /// Returns `true` if the trajectory keeps the contract and does what it states.
+    /// Returns `true` if the trajectory keeps the contract and matches its stated controls.
     pub fn is_valid(&self) -> bool {
         self.violations.is_empty()
     }
@@ -73,7 +74,7 @@ pub fn check(contract: &Contract, samples: &[Sample]) -> Report {
     check_with(contract, samples, &Tolerances::STANDARD)
 }
 
-/// Checks samples against the problem they claim to solve, with tolerances of one's own.
+/// Checks samples against the problem they claim to solve, with the given tolerances.
 pub fn check_with(contract: &Contract, samples: &[Sample], tolerances: &Tolerances) -> Report {
     let mut findings = Findings::default();
     validity::check(contract, samples, &mut findings);

@@ -1,4 +1,4 @@
-//! How far a trajectory may miss what it claims.
+//! Tolerances of the check.
 
 /// Allowances of the checker.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -10,24 +10,25 @@ pub struct Tolerances {
     pub limit: f64,
     /// Error of each condition at the start and the goal (m, rad, m/s, rad/s).
     pub boundary: f64,
-    /// Difference between a sample's pose and where the controls lead from the sample before, as a
-    /// fraction of what `v_max` and `omega_max` cover in the time between.
+    /// Difference between a sample's pose and the pose that follows from the controls since the
+    /// previous sample, as a fraction of the distance or turn at `v_max` and `omega_max` in the
+    /// time between.
     pub mismatch: f64,
     /// The same difference that is always allowed between two samples (m, rad).
     pub mismatch_floor: f64,
     /// The same differences summed over the trajectory, beyond the fraction `mismatch` (m, rad).
-    /// Without it, samples close enough together could crawl anywhere by `mismatch_floor` a step.
+    /// Without it, samples close enough together could drift anywhere by `mismatch_floor` a step.
     pub mismatch_total: f64,
-    /// What rounding may add to any difference of two samples (m, rad, m/s, rad/s, s); so close are
-    /// poses "the same".
+    /// Effect of rounding on any difference of two samples (m, rad, m/s, rad/s, s); poses that
+    /// differ by less are "the same".
     pub rounding: f64,
-    /// Longest way between two samples (m).
+    /// Maximum length of the path between two samples (m).
     pub spacing: f64,
 }
 
 impl Tolerances {
-    /// What [`check`](crate::check) allows: 1 mm, a thousandth of a limit, 10⁻⁶ at both ends, and
-    /// samples no more than 2 cm apart.
+    /// Tolerances of [`check`](crate::check): 1 mm, a thousandth of a limit, 10⁻⁶ at both ends, and
+    /// samples at most 2 cm apart.
     pub const STANDARD: Self = Self {
         penetration: 1e-3,
         limit: 1e-3,

@@ -1,4 +1,4 @@
-//! Whether the problem and the samples are fit to be checked at all.
+//! Validation of the problem and the samples before the check.
 
 use nalgebra::{Point2, Vector2};
 
@@ -7,11 +7,11 @@ use crate::findings::Findings;
 use crate::sample::Sample;
 use crate::violation::Violation;
 
-/// Largest magnitude of a number (m, rad, s and what they are divided by) that is taken seriously.
-/// With all numbers below it, no product in this crate overflows.
+/// Maximum magnitude of a number (m, rad, s and their quotients). With all numbers below it, no
+/// product in this crate overflows.
 const MAX_NUMBER: f64 = 1e9;
 
-/// Smallest area of a polygon (m²): a square of a micrometre.
+/// Minimum area of a polygon (m²): a square of a micrometre.
 const MIN_AREA: f64 = 1e-12;
 
 /// Sine of the turn to the right that rounding may cause at a corner of a convex polygon.
@@ -21,7 +21,7 @@ fn usable(value: f64) -> bool {
     value.abs() <= MAX_NUMBER
 }
 
-/// Records the first thing wrong with the contract, and the first with the samples.
+/// Records the first error of the contract, and the first of the samples.
 pub(crate) fn check(contract: &Contract, samples: &[Sample], findings: &mut Findings) {
     if let Some(fault) = contract_fault(contract) {
         findings.fault(fault);
@@ -103,8 +103,8 @@ fn obstacle_fault(obstacle: &Obstacle) -> Option<Violation> {
     }
 }
 
-/// A polygon is accepted if it has an area, turns left (or not at all) at every corner, and goes
-/// round once.
+/// A polygon is accepted if it has an area, turns left (or not at all) at every corner, and makes
+/// one full turn.
 fn polygon_fault(vertices: &[Point2<f64>]) -> Option<Violation> {
     let count = vertices.len();
     if count < 3 {
@@ -172,7 +172,7 @@ mod tests {
     #[test]
     fn convex_counter_clockwise_polygons_are_accepted() {
         assert_eq!(polygon(&[[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]), None);
-        // A repeated corner and one in the middle of an edge do no harm.
+        // A repeated corner and one in the middle of an edge are accepted.
         let square = [
             [0.0, 0.0],
             [0.5, 0.0],
@@ -193,7 +193,7 @@ mod tests {
         assert!(polygon(&[[0.0, 0.0], [1.0, 0.0], [f64::NAN, 1.0]]).is_some());
         let dart = [[0.0, 0.0], [1.0, 0.0], [0.2, 0.2], [0.0, 1.0]];
         assert!(polygon(&dart).is_some());
-        // A pentagram turns left everywhere, but goes round twice.
+        // A pentagram turns left everywhere, but makes two full turns.
         let star: Vec<[f64; 2]> = (0..5)
             .map(|k| libm::sincos(f64::from(2 * k) * core::f64::consts::TAU / 5.0))
             .map(|(sin, cos)| [cos, sin])

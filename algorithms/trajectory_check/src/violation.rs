@@ -1,17 +1,17 @@
-//! What can be wrong with a trajectory.
+//! Violations of the contract by a trajectory.
 
 use core::fmt;
 
 use thiserror::Error;
 
-/// A quantity beyond what is allowed.
+/// A quantity beyond its limit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Excess {
-    /// When, in the trajectory's own time (s).
+    /// Time in the trajectory (s).
     pub time: f64,
-    /// The value found, in the unit of the violation.
+    /// Actual value, in the unit of the violation.
     pub value: f64,
-    /// The highest value allowed, tolerance included, in the same unit.
+    /// Maximum allowed value, including the tolerance, in the same unit.
     pub limit: f64,
 }
 
@@ -22,18 +22,18 @@ impl fmt::Display for Excess {
     }
 }
 
-/// One way in which a trajectory is not honest. A [`Report`](crate::Report) holds each kind at most
-/// once, at its worst.
+/// One kind of violation. A [`Report`](crate::Report) contains each kind at most once, at its
+/// worst.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum Violation {
-    /// The problem itself cannot be meant; nothing was checked.
+    /// The problem itself is invalid; nothing was checked.
     #[error("contract: {what} is {value}, but must be {expected}")]
     Contract {
         /// The field.
         what: &'static str,
-        /// Its value; for obstacles see `what`.
+        /// Actual value; for obstacles see `what`.
         value: f64,
-        /// What would have been accepted.
+        /// Expected value.
         expected: &'static str,
     },
     /// There is no sample.
@@ -42,17 +42,17 @@ pub enum Violation {
     /// A number of a sample is NaN, infinite, or of a magnitude above 10⁹; nothing was checked.
     #[error("{what} of sample {index} is {value}, no usable number")]
     NotFinite {
-        /// Which sample, from 0.
+        /// Index of the sample, from 0.
         index: usize,
         /// The field.
         what: &'static str,
-        /// Its value.
+        /// Actual value.
         value: f64,
     },
     /// The first sample is not at time 0 (s).
     #[error("first time [s] {0}")]
     StartTime(Excess),
-    /// Time runs backwards, by so much (s).
+    /// Time runs backwards, by this amount (s).
     #[error("step back in time [s] {0}")]
     TimeBackwards(Excess),
     /// Distance from the prescribed start (m).
@@ -76,7 +76,7 @@ pub enum Violation {
     /// Difference from the prescribed speed at the goal (m/s).
     #[error("error of the goal's speed [m/s] {0}")]
     GoalSpeed(Excess),
-    /// Samples so far apart (m) that something could hide between them.
+    /// Samples too far apart (m) for a complete check.
     #[error("way between two samples [m] {0}")]
     Spacing(Excess),
     /// The pose changes while no time passes (m or rad, whichever is more).
@@ -88,25 +88,26 @@ pub enum Violation {
     /// The turning rate steps although the angular acceleration is limited (rad/s).
     #[error("step of the turning rate [rad/s] {0}")]
     TurnRateStep(Excess),
-    /// Distance between a sample and where the controls lead from the sample before (m).
+    /// Distance between a sample and the position that follows from the controls since the previous
+    /// sample (m).
     #[error("distance from where the controls lead [m] {0}")]
     Displacement(Excess),
-    /// Angle between a sample's heading and the one the controls lead to (rad).
+    /// Angle between a sample's heading and the heading that follows from the controls (rad).
     #[error("difference from the heading the controls lead to [rad] {0}")]
     Heading(Excess),
-    /// Distances too small to be a [`Displacement`](Self::Displacement) add up to too much (m).
+    /// Sum of distances that are too small for a [`Displacement`](Self::Displacement) (m).
     #[error("sum of distances from where the controls lead [m] {0}")]
     TotalDisplacement(Excess),
-    /// Differences too small to be a [`Heading`](Self::Heading) add up to too much (rad).
+    /// Sum of differences that are too small for a [`Heading`](Self::Heading) (rad).
     #[error("sum of differences from the headings the controls lead to [rad] {0}")]
     TotalHeading(Excess),
-    /// Speed a sample states (m/s).
+    /// Stated speed of a sample (m/s).
     #[error("speed [m/s] {0}")]
     Speed(Excess),
-    /// Turning rate a sample states (rad/s).
+    /// Stated turning rate of a sample (rad/s).
     #[error("turning rate [rad/s] {0}")]
     TurnRate(Excess),
-    /// Speed of a wheel by what a sample states (m/s).
+    /// Speed of a wheel by the stated controls of a sample (m/s).
     #[error("wheel speed [m/s] {0}")]
     WheelSpeed(Excess),
     /// Speed by the positions and times of two samples (m/s).
@@ -127,9 +128,9 @@ pub enum Violation {
     /// Depth of the path in a grown obstacle (m).
     #[error("depth in obstacle {obstacle} [m] {excess}")]
     Penetration {
-        /// Which obstacle of the contract, from 0.
+        /// Index of the obstacle in the contract, from 0.
         obstacle: usize,
-        /// When, and how deep (m).
+        /// Time and depth (m).
         excess: Excess,
     },
     /// Distance of the path outside the bounds (m).

@@ -15,7 +15,7 @@ fn both_halves_step_from_the_old_state() {
 #[test]
 fn the_prime_map_has_the_full_period_for_every_key() {
     // The order of the matrix divides P + 1, but no (P + 1)/q for a prime q that divides P + 1: so
-    // no orbit is shorter. (As the map has no eigenvalue in the field, all orbits are alike.)
+    // no orbit is shorter. (The map has no eigenvalue in the field, so all orbits are alike.)
     let factors = prime_factors(P + 1);
     for (a, b) in [(1, 0), (0, 1), (123_456_789, 987_654_321), (P - 1, P - 1)] {
         let start = CatP::new(a, b).unwrap();

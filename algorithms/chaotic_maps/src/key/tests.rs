@@ -161,7 +161,7 @@ fn degenerate_keys_are_read_but_give_no_source() {
     }
 }
 
-/// Any key, sound or not.
+/// Any key, valid or not.
 fn any_key() -> impl Strategy<Value = Key> {
     let number = prop_oneof![
         -2.0..2.0_f64,

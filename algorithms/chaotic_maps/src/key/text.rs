@@ -42,7 +42,7 @@ impl Display for Key {
         match self {
             Self::CatP { a, b } | Self::Cat64 { a, b } => write!(f, "{a},{b}"),
             Self::ChebP { tx, ty, .. } => write!(f, "{tx},{ty}"),
-            // Rust prints the shortest decimal that reads back as the same number.
+            // Rust prints the shortest decimal that parses to the same number.
             Self::CatF64 { x, y } | Self::ChebF64 { x, y, .. } | Self::Logistic { x, y, .. } => {
                 write!(f, "{x},{y}")
             }
@@ -106,7 +106,7 @@ impl FromStr for Key {
     }
 }
 
-/// What stands after the colon.
+/// The part after the colon.
 struct Values<'a> {
     kind: KeyKind,
     text: &'a str,
@@ -181,7 +181,7 @@ fn hex(text: &str) -> Result<[u8; 32], KeyError> {
     }
 }
 
-/// Serde reads and writes the same text.
+/// Serialises and deserialises the same text with Serde.
 macro_rules! as_text {
     ($type:ty) => {
         impl TryFrom<String> for $type {

@@ -1,6 +1,7 @@
 use super::*;
 
-/// Every point lies in the range, and the first axis is spread over all tenths of it.
+/// Asserts that every point lies in the range, and that the first axis is spread over all tenths of
+/// it.
 fn points_fill(mut source: impl Source, tenths: usize) {
     let mut seen = [[false; 10]; 2];
     for _ in 0..20_000 {

@@ -10,21 +10,21 @@ use super::cells::{Block, Cells};
 use super::merge::UNOWNED;
 use crate::workplace::Workplace;
 
-/// Why a bridge cannot be added.
+/// Reason why a bridge cannot be added.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum BridgeError {
-    /// A rectangle that there is not.
+    /// An unknown rectangle.
     #[error(
         "bridge to rectangle {rectangle}: the workplace is divided into rectangles 0 to {last}: name \
          two of those"
     )]
     NoSuchRectangle {
-        /// The number given.
+        /// Actual index.
         rectangle: usize,
-        /// The largest number.
+        /// The largest index.
         last: usize,
     },
-    /// Nothing to join.
+    /// The rectangles are already joined.
     #[error(
         "bridge between rectangles {} and {}: they are one or share a border, which has its bridge; \
          leave this one out", .between[0], .between[1]
@@ -33,7 +33,7 @@ pub enum BridgeError {
         /// The rectangles.
         between: [usize; 2],
     },
-    /// A bridge through an obstacle, out of the workplace, or without an inside.
+    /// The bridge crosses an obstacle, leaves the workplace, or has no inside.
     #[error(
         "bridge from ({}, {}) to ({}, {}): not all of it is free for the robot's centre; keep it \
          inside the workplace and out of the obstacles grown by the robot's radius",
@@ -43,7 +43,7 @@ pub enum BridgeError {
         /// The bridge (m).
         rectangle: Aabb,
     },
-    /// A bridge that does not reach.
+    /// The bridge does not reach a rectangle.
     #[error(
         "bridge from ({}, {}) to ({}, {}): it does not overlap rectangle {other}; make it longer",
         .rectangle.min.x, .rectangle.min.y, .rectangle.max.x, .rectangle.max.y
@@ -69,8 +69,7 @@ pub(super) fn is_free(rectangle: &Aabb, workplace: &Workplace) -> bool {
             .all(|o| depth(rectangle, o) <= SAME)
 }
 
-/// How far two rectangles overlap (m), along the axis along which they do less; negative if they
-/// are apart.
+/// Overlap of two rectangles (m), along the axis with the smaller one; negative if they are apart.
 pub(super) fn depth(a: &Aabb, b: &Aabb) -> f64 {
     let overlap = a.max.inf(&b.max) - a.min.sup(&b.min);
     overlap.x.min(overlap.y)

@@ -1,4 +1,4 @@
-//! The grid that the borders of obstacles make, and which of its cells are free.
+//! The grid of the borders of obstacles, and its free cells.
 
 use geometry::shape::Aabb;
 use nalgebra::Point2;
@@ -33,8 +33,8 @@ impl Block {
 }
 
 impl Cells {
-    /// Lines at all sides of the workplace and of the grown obstacles; a cell is free if its centre
-    /// lies in no obstacle.
+    /// Creates lines at all sides of the workplace and of the grown obstacles; a cell is free if
+    /// its centre lies in no obstacle.
     pub fn new(workplace: &Workplace) -> Result<Self, DecompositionError> {
         let inner = workplace.inner();
         let lines = |axis: usize| {
@@ -42,7 +42,8 @@ impl Cells {
             let mut all: Vec<f64> = sides.flat_map(|o| [o.min[axis], o.max[axis]]).collect();
             all.extend([inner.min[axis], inner.max[axis]]);
             all.sort_by(f64::total_cmp);
-            // Against the line kept last, so that a row of near ones does not melt into one.
+            // Compared with the last kept line, so that a row of near ones does not collapse into
+            // one.
             all.dedup_by(|next, kept| *next - *kept <= SAME);
             all
         };

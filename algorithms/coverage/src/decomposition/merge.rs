@@ -9,9 +9,9 @@ pub(super) const UNOWNED: u32 = u32::MAX;
 /// Disjoint blocks of all free cells, in the order in which they were taken, and the block of each
 /// cell.
 ///
-/// What is left only ever shrinks. So a corner cell stays one until it is taken, and the largest
-/// rectangle about it stays the largest until one of its cells is taken: both are looked for again
-/// only where something has changed.
+/// The remaining space only shrinks. So a corner cell remains one until it is taken, and the
+/// largest rectangle about it remains the largest until one of its cells is taken. Both are
+/// searched again only where the space has changed.
 pub(super) fn merge(cells: &Cells) -> (Vec<Block>, Vec<u32>) {
     let mut rest = Rest {
         cells,
@@ -47,7 +47,7 @@ pub(super) fn merge(cells: &Cells) -> (Vec<Block>, Vec<u32>) {
     (blocks, owners)
 }
 
-/// Takes the next cell of a row into a run of free ones; `beside` is the run before it.
+/// Extends a run of free cells by the next cell of a row; `beside` is the run before it.
 fn count(run: &mut u32, free: bool, beside: &mut u32) {
     *beside = *run;
     *run = if free { *run + 1 } else { 0 };
@@ -71,13 +71,13 @@ fn better(a: Corner, b: Corner) -> Corner {
     if b_wins { b } else { a }
 }
 
-/// What has not been taken.
+/// The cells that have not been taken.
 struct Rest<'a> {
     cells: &'a Cells,
     free: Vec<bool>,
-    /// Per free cell the free cells in one row to its left.
+    /// Per free cell, the number of free cells in a row to its left.
     left: Vec<u32>,
-    /// Per free cell the free cells in one row to its right.
+    /// Per free cell, the number of free cells in a row to its right.
     right: Vec<u32>,
 }
 
@@ -86,7 +86,7 @@ impl Rest<'_> {
         self.free.get(cell).copied().unwrap_or(false)
     }
 
-    /// Not both neighbours along x and not both along y.
+    /// Returns `true` if a cell lacks a neighbour along x and one along y.
     fn is_corner(&self, cell: usize) -> bool {
         let width = self.cells.columns();
         let (column, row) = (cell % width, cell / width);
@@ -97,7 +97,7 @@ impl Rest<'_> {
         self.is_free(cell) && !(left && right) && !(below && above)
     }
 
-    /// Counts the runs of free cells of a row anew.
+    /// Recounts the runs of free cells of a row.
     fn measure(&mut self, row: usize) {
         let width = self.cells.columns();
         let cells = row * width..(row + 1) * width;
@@ -182,7 +182,7 @@ impl Rest<'_> {
         }
     }
 
-    /// The cells along the border of a block, outside it: where taking it can make corners.
+    /// The cells along the border of a block, outside it: taking the block can make them corners.
     fn around(&self, block: &Block) -> Vec<usize> {
         let (width, rows) = (self.cells.columns(), self.cells.rows());
         let mut around = Vec::new();

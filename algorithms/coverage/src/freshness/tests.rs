@@ -19,7 +19,7 @@ fn scene(obstacles: &[Shape]) -> (Workplace, Space, CellGrid) {
     (workplace, space, grid)
 }
 
-/// Random points, every third leg along an axis, every tenth of no length.
+/// Random points, every third leg along an axis, every tenth of length 0.
 fn legs(workplace: &Workplace, count: usize) -> Vec<[Point2<f64>; 2]> {
     let mut draws = Draws::new([3; 32]);
     let inner = workplace.inner();
@@ -84,7 +84,7 @@ fn a_sliver_is_worth_more_than_as_much_open_ground() {
 
 #[test]
 fn only_what_can_be_reached_is_fresh() {
-    // A wall that leaves no way to the right third.
+    // A wall that closes off the right third.
     let wall = Shape::Rectangle {
         center: [3.0, 4.0],
         half_extents: [0.1, 2.0],

@@ -7,39 +7,40 @@ use crate::draws::{Draws, part};
 use crate::freshness::Freshness;
 use crate::space::Space;
 
-/// Legs shorter than this (m) are none.
+/// Minimum length of legs (m).
 const MIN_LEG: f64 = 0.01;
 
-/// Candidates per depth of look-ahead that are followed further.
+/// Number of candidates per depth of look-ahead that are expanded further.
 const WIDTHS: [usize; 3] = [10, 4, 2];
 
-/// Strips into which the workplace is cut along each axis. An order names an axis and a strip.
+/// Number of strips into which the workplace is cut along each axis. An order names an axis and a
+/// strip.
 const STRIPS: usize = 4;
 
-/// New domain that a metre of path must be worth, as a share of what it sweeps at most; more makes
-/// shorter legs.
+/// Required new domain per metre of path, as a share of the maximum swept area; more makes shorter
+/// legs.
 const THRIFT: f64 = 0.65;
 
-/// Farthest that a sub-goal may lie off the axis through the one before, as a share of the
+/// Maximum distance of a sub-goal from the axis through the previous one, as a share of the
 /// workplace's side.
 const SIDEWAYS: f64 = 0.1;
 
 /// Probability that a candidate in a strip along a border lies close to that border.
 const NEAR_BORDER: f64 = 0.2;
 
-/// Probability that a candidate lies exactly on the axis through the point before.
+/// Probability that a candidate lies exactly on the axis through the previous point.
 const ON_AXIS: f64 = 0.3;
 
-/// Where the key wants the next sub-goal, roughly: along one axis, in another strip.
+/// Rough target of the next sub-goal by the key: along one axis, in another strip.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Order {
     /// 0 for x, 1 for y.
     axis: usize,
-    /// Which of the strips other than the robot's own, as a number in [0, 1).
+    /// Strip among those other than the robot's own, as a number in [0, 1).
     strip: f64,
 }
 
-/// The orders of one sub-goal, as many as the parameter `choices` says.
+/// Draws the orders of one sub-goal; the parameter `choices` sets their number.
 pub(super) fn draw_orders(params: &KeyedParams, draws: &mut Draws) -> Vec<Order> {
     let whole = params.choices.floor();
     let count = whole as usize + usize::from(draws.chance(params.choices - whole));
@@ -50,14 +51,14 @@ pub(super) fn draw_orders(params: &KeyedParams, draws: &mut Draws) -> Vec<Order>
     (0..count).map(order).collect()
 }
 
-/// A leg that could be driven.
+/// A possible leg.
 #[derive(Debug, Clone, Copy)]
 struct Candidate {
     to: Point2<f64>,
     score: f64,
 }
 
-/// What a choice looks at.
+/// Inputs of a choice.
 pub(super) struct Choice<'a> {
     pub(super) params: &'a KeyedParams,
     pub(super) space: &'a Space,
@@ -68,7 +69,7 @@ pub(super) struct Choice<'a> {
 
 impl Choice<'_> {
     /// The sub-goal after `from` (m) that serves the orders of this and the next sub-goals best;
-    /// `None` if no order leads anywhere from there.
+    /// `None` if no order gives a leg from there.
     pub(super) fn best(
         &self,
         from: Point2<f64>,
@@ -87,7 +88,7 @@ impl Choice<'_> {
         draws: &mut Draws,
     ) -> Option<Candidate> {
         let (now, later) = orders.split_first()?;
-        // Half as many with every leg farther ahead: it is the next one that will be driven.
+        // Half as many for every leg farther ahead: only the next one will be driven.
         let per_order = (self.params.candidates >> depth).max(1);
         let mut candidates = Vec::with_capacity(now.len() * per_order);
         for order in now {
@@ -115,13 +116,13 @@ impl Choice<'_> {
         followed.max_by(|a, b| a.score.total_cmp(&b.score))
     }
 
-    /// What a metre of path must bring in (m²/m): falls with the root of what is left to cover, as
-    /// the best leg's share of new domain does.
+    /// Required gain per metre of path (m²/m): it falls with the root of the remaining area, as the
+    /// best leg's share of new domain does.
     fn cost(&self) -> f64 {
         2.0 * self.radius * THRIFT * self.freshness.mean_worth().sqrt()
     }
 
-    /// A random point that follows an order, obstacles aside.
+    /// A random point that follows an order, regardless of obstacles.
     fn draw(&self, from: Point2<f64>, order: Order, draws: &mut Draws) -> Point2<f64> {
         let bounds = self.space.bounds();
         let size = bounds.max - bounds.min;

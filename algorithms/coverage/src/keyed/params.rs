@@ -4,10 +4,10 @@ use parameters::{Parameters, above, between};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Most candidates per choice.
+/// Maximum number of candidates per choice.
 const MAX_CANDIDATES: usize = 4096;
 
-/// How keyed coverage chooses its sub-goals.
+/// Parameters of the choice of sub-goals.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct KeyedParams {
@@ -15,14 +15,14 @@ pub struct KeyedParams {
     /// robot covers.
     #[schemars(transform = above(0).unit("m"))]
     pub cell: f64,
-    /// Orders drawn per sub-goal, of which the best is followed; 1.4 draws one or two by
-    /// turns of the key. The trade-off: more cover faster and are easier to predict.
+    /// Number of orders drawn per sub-goal, of which the best is followed; 1.4 draws one or two,
+    /// depending on the key. The trade-off: more cover faster and are easier to predict.
     #[schemars(transform = between(1, 4))]
     pub choices: f64,
-    /// Points looked at per order.
+    /// Number of candidate points per order.
     #[schemars(transform = between(1, MAX_CANDIDATES))]
     pub candidates: usize,
-    /// Share of the reachable cells at which a round ends and everything counts as fresh again.
+    /// Share of the reachable cells at which a round ends and all cells count as fresh again.
     #[schemars(transform = above(0).at_most(1))]
     pub round_at: f64,
 }

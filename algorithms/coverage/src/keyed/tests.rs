@@ -51,7 +51,7 @@ fn who_knows_all_but_the_key_guesses_little_better_than_blindly() {
             let mut other = planner.with_key(key);
             other.next_goal(from).unwrap().waypoint.point.coords
         });
-        // The mean is no worse a guess than the others here, and the simplest.
+        // The mean is as good a guess as the others here, and the simplest.
         let mean = guesses.sum::<nalgebra::Vector2<f64>>() / 8.0;
         from = planner.next_goal(from).unwrap().waypoint.point;
         informed.push((from.coords - mean).norm());

@@ -32,7 +32,7 @@ fn path(rounding: Rounding, start: Point2<f64>, goals: &[Goal]) -> Vec<Piece> {
     pieces
 }
 
-/// Largest jump of place (m) and heading (rad) between the end of a piece and the next one.
+/// Maximum jump of position (m) and heading (rad) between the end of a piece and the next one.
 fn worst_joint(pieces: &[Piece]) -> (f64, f64) {
     pieces.windows(2).fold((0.0, 0.0), |(place, turn), pair| {
         let (end, start) = (pair[0].at(1.0), pair[1].at(0.0));
@@ -45,7 +45,7 @@ fn worst_joint(pieces: &[Piece]) -> (f64, f64) {
 #[test]
 fn a_leg_is_cut_into_equal_parts_no_longer_than_the_step() {
     let (a, b) = (Point2::new(0.0, 0.0), Point2::new(1.0, 0.0));
-    // A whole number of steps stays it, one that is not is rounded up.
+    // An integer number of steps stays unchanged, any other is rounded up.
     assert_eq!(interpolate(a, b, 0.125).count(), 8);
     assert_eq!(interpolate(a, b, 0.124).count(), 9);
     assert_eq!(interpolate(a, b, 0.1).last(), Some(b));
@@ -83,8 +83,8 @@ fn an_arc_takes_at_most_half_of_a_short_leg() {
 
 #[test]
 fn a_corner_between_rectangles_is_rounded_only_where_one_of_them_holds_the_triangle() {
-    // From the left rectangle into the upper one: what both share ends 0.1 m beyond the corner,
-    // and the triangle must not leave both at once.
+    // From the left rectangle into the upper one: their overlap ends 0.1 m beyond the corner, and
+    // the triangle must not leave both at once.
     let (left, up) = (rectangle(0.0, 0.0, 5.1, 2.0), rectangle(4.8, 0.0, 6.0, 9.0));
     let corner = [
         Point2::new(1.0, 1.9),
@@ -94,7 +94,7 @@ fn a_corner_between_rectangles_is_rounded_only_where_one_of_them_holds_the_trian
     let fillet = fillet(corner, &left, &up, 1.0, 1.0).unwrap();
     // Up to x = 4.8, where the second rectangle begins.
     assert!((fillet.arc.radius - 0.2).abs() < 1e-12);
-    // No room at all: the corner lies in the corner of both.
+    // No room: the corner lies in the corner of both.
     let (left, up) = (rectangle(0.0, 0.0, 5.0, 2.0), rectangle(5.0, 0.0, 6.0, 9.0));
     let corner = [
         Point2::new(1.0, 2.0),

@@ -1,8 +1,8 @@
-//! Driving through sub-goals without stopping at them.
+//! Driver through sub-goals without stops.
 //!
-//! The legs are joined by arcs (Chebyshev coverage paper, Fig. 9b and c; [`crate::legs`]) and
-//! the path is tracked by pure pursuit ([`steering::path_tracking`]). A sub-goal whose corner is an
-//! arc is passed where the arc ends; one whose corner is none is driven to.
+//! Arcs join the legs (Chebyshev coverage paper, Fig. 9b and c; [`crate::legs`]), and pure pursuit tracks
+//! the path ([`steering::path_tracking`]). A sub-goal whose corner is an arc is passed at the end of the
+//! arc; the robot drives to a sub-goal without an arc.
 
 use std::collections::VecDeque;
 
@@ -22,30 +22,30 @@ use crate::sub_goals::params::FollowParams;
 /// Distance between the points of a path on an arc (m).
 const STEP: f64 = 0.02;
 
-/// Least radius of an arc (m): at a corner with less room the robot turns on the spot.
+/// Minimum radius of an arc (m): at a corner with less room the robot turns on the spot.
 const MIN_RADIUS: f64 = 0.02;
 
-/// Most sub-goals that may end in a tick.
+/// Maximum number of sub-goals that may end in a tick.
 const MAX_PER_TICK: usize = 64;
 
-/// A sub-goal and the way to it, up to the end of the arc there.
+/// A sub-goal and the path to it, up to the end of the arc there.
 #[derive(Debug, Clone)]
 struct Stretch {
     goal: Goal,
     points: Vec<Point2<f64>>,
-    /// `true` if the way goes on without a corner.
+    /// `true` if the path continues without a corner.
     smooth: bool,
-    /// Time that it takes at full speed (s).
+    /// Duration at full speed (s).
     duration: f64,
 }
 
-/// The present stretch.
+/// The current stretch.
 #[derive(Debug, Clone, Copy)]
 struct Leg {
     started_s: f64,
     until_s: f64,
     closest: f64,
-    /// Where it ends on the tracked path (m).
+    /// Its end on the tracked path (m).
     end: f64,
 }
 
@@ -55,13 +55,13 @@ pub struct ArcDriver {
     limits: Limits,
     tracking: TrackingParams,
     rounding: Rounding,
-    /// Time that turning round takes (s).
+    /// Duration of a half turn (s).
     half_turn_s: f64,
     time_limit_factor: f64,
     rounder: Option<Rounder>,
     /// The goal whose corner is not known yet.
     pending: Option<Goal>,
-    /// Where the last finished stretch ends (m).
+    /// End of the last finished stretch (m).
     tail: Point2<f64>,
     stretches: VecDeque<Stretch>,
     leg: Option<Leg>,
@@ -70,10 +70,10 @@ pub struct ArcDriver {
 }
 
 impl ArcDriver {
-    /// A driver for a robot with these limits.
+    /// Creates a driver for a robot with these limits.
     ///
     /// # Errors
-    /// [`RoundingError`] if the limits or the least radius make no arcs.
+    /// [`RoundingError`] if the limits or the minimum radius allow no arcs.
     pub fn new(params: &FollowParams, limits: Limits) -> Result<Self, RoundingError> {
         let tracking = params.tracking;
         let v = limits.v_max() * tracking.speed_fraction;
@@ -94,14 +94,14 @@ impl ArcDriver {
         })
     }
 
-    /// The sub-goal the robot is on the way to.
+    /// The current sub-goal.
     pub fn current(&self) -> Option<&Goal> {
         self.stretches.front().map(|stretch| &stretch.goal)
     }
 
-    /// One tick: ends sub-goals that are passed or late, takes up the `next` ones (two ahead), and
-    /// drives. What became of them is appended to `reports`. A pose or time that is not finite
-    /// stops the robot and changes nothing else.
+    /// Executes one tick: ends sub-goals that are passed or late, takes the `next` ones (two ahead), and
+    /// drives. Appends their outcomes to `reports`. A pose or time that is not finite stops the robot and
+    /// changes nothing else.
     pub fn drive(
         &mut self,
         next: &mut dyn FnMut() -> Option<Goal>,
@@ -137,7 +137,7 @@ impl ArcDriver {
                         sees(&rectangles, pose.position(), target)
                     });
             let passed = tracking.is_none_or(|tracking| match ahead {
-                // The tracked path goes on, and may end near the part that the robot is on.
+                // The tracked path continues, and may end near the part where the robot is.
                 Some(_) => self.tracker.progress() >= leg.end - 1e-9,
                 None => tracking.arrived,
             });
@@ -167,7 +167,7 @@ impl ArcDriver {
         stop
     }
 
-    /// Takes up goals until two stretches are known or there are no more.
+    /// Takes goals until two stretches are known or there are no more.
     fn fill(&mut self, next: &mut dyn FnMut() -> Option<Goal>, here: Point2<f64>) {
         while self.stretches.len() < 2 {
             let mut pieces = Vec::new();
@@ -208,17 +208,17 @@ impl ArcDriver {
         }
     }
 
-    /// Begins the first stretch; `false` if there is none.
+    /// Begins the first stretch; returns `false` if there is none.
     fn set_out(&mut self, time_s: f64) -> bool {
         let Some(stretch) = self.stretches.front() else {
             return false;
         };
         let end = Path::new(stretch.points.iter().copied()).length();
-        // Beyond a corner the path would be looked at, and the corner cut.
+        // A look-ahead beyond a corner would cut the corner.
         let ahead = self.stretches.get(1).filter(|_| stretch.smooth);
         let beyond = ahead.into_iter().flat_map(|stretch| &stretch.points);
         let path = Path::new(stretch.points.iter().chain(beyond).copied());
-        // It may have to turn first: where it is is not quite where the path says.
+        // The robot may have to turn first: its pose differs slightly from the path's.
         let expected = stretch.duration + self.half_turn_s;
         let allowed = (self.time_limit_factor * expected).max(MIN_TIME_S);
         self.leg = Some(Leg {
@@ -232,8 +232,8 @@ impl ArcDriver {
     }
 }
 
-/// Returns `true` if one of the rectangles, which are convex, contains both ends of a way; one that nobody
-/// vouches for is taken to be clear.
+/// Returns `true` if one of the rectangles, which are convex, contains both ends of a segment; a segment
+/// without a rectangle counts as clear.
 fn sees(rectangles: &[Option<Aabb>; 2], from: Point2<f64>, to: Point2<f64>) -> bool {
     let mut known = rectangles.iter().flatten().peekable();
     known.peek().is_none() || known.any(|r| r.contains(from) && r.contains(to))

@@ -1,7 +1,7 @@
-//! Sub-goals in a planner: the site that they are made for, and how a robot is driven to them.
+//! Sub-goals in a planner: their site, and the drivers to them.
 //!
-//! - [`site`]: the workplace that a robot finds itself in;
-//! - [`arc_driver`]: driving past sub-goals without stopping at them;
+//! - [`site`]: the workplace of a robot;
+//! - [`arc_driver`]: driver past sub-goals without stops;
 //! - [`params`]: the parameters of all coverage planners.
 
 pub mod arc_driver;

@@ -8,16 +8,16 @@ use steering::go_to::GoToParams;
 use steering::path_tracking::TrackingParams;
 use steering::waypoint_driver::DriverParams;
 
-/// How the robot gets from sub-goal to sub-goal (Chebyshev coverage paper, Fig. 9).
+/// Motion from sub-goal to sub-goal (Chebyshev coverage paper, Fig. 9).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Interpolation {
-    /// Straight legs; it stops and turns at each sub-goal. Goes around obstacles that its range
-    /// sensor sees.
+    /// Straight legs; the robot stops and turns at each sub-goal. It avoids obstacles that its range
+    /// sensor detects.
     #[default]
     Linear,
-    /// Arcs in place of the corners where they fit; it passes by the sub-goals. Knows only the
-    /// obstacles of the map.
+    /// Arcs in place of the corners where they fit; the robot passes the sub-goals. It knows only
+    /// the obstacles of the map.
     Arc,
 }
 
@@ -25,21 +25,21 @@ pub enum Interpolation {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct FollowParams {
-    /// How far rectangles may stick out of the obstacles that they stand for.
+    /// Maximum distance by which rectangles extend beyond the obstacles that they represent.
     #[schemars(transform = at_least(MIN_TOLERANCE).unit("m"))]
     pub tolerance: f64,
-    /// Distance that the robot's body keeps from obstacles and walls where it is planned to be: a
-    /// robot on wheels strays from its legs.
+    /// Planned clearance of the robot's body from obstacles and walls: a robot on wheels deviates
+    /// from its legs.
     #[schemars(transform = at_least(0).unit("m"))]
     pub margin: f64,
-    /// The way between sub-goals.
+    /// Path between sub-goals.
     pub interpolation: Interpolation,
-    /// An arc passes its sub-goal by this at most.
+    /// Maximum distance between an arc and its sub-goal.
     #[schemars(transform = above(0).unit("m"))]
     pub most_miss: f64,
-    /// How straight legs are driven.
+    /// Parameters of driving straight legs.
     pub driver: DriverParams,
-    /// How arcs are driven; `arrived` is also the tolerance of corners that are no arcs.
+    /// Parameters of driving arcs; `arrived` is also the tolerance of corners without arcs.
     pub tracking: TrackingParams,
 }
 
@@ -50,7 +50,8 @@ impl Default for FollowParams {
             margin: 0.05,
             interpolation: Interpolation::default(),
             most_miss: 0.1,
-            // Turned towards the next sub-goal before it sets out, it does not bulge out of its leg.
+            // A robot that turns towards the next sub-goal before it starts does not bulge out of
+            // its leg.
             driver: DriverParams {
                 go_to: GoToParams {
                     turn_on_spot: 0.2,
@@ -59,7 +60,7 @@ impl Default for FollowParams {
                 ..DriverParams::default()
             },
             tracking: TrackingParams {
-                // Arcs are small; a far point of them would be reached by cutting across.
+                // Arcs are small; a far look-ahead would cut across them.
                 look_ahead: 0.05,
                 look_ahead_time_s: 0.1,
                 least_look_ahead: 0.03,

@@ -7,22 +7,23 @@ use nalgebra::Point2;
 
 use crate::sub_goals::params::FollowParams;
 
-/// The workplace that a robot finds itself in.
+/// The workplace of a robot.
 #[derive(Debug, Clone)]
 pub struct Site {
     /// The workplace, for the robot's radius and margin.
     pub workplace: Workplace,
     /// Its free space.
     pub decomposition: Decomposition,
-    /// Where the robot is (m), or the nearest place in free space.
+    /// Position of the robot (m), or the nearest free place.
     pub start: Point2<f64>,
 }
 
 impl Site {
-    /// The workplace within `bounds` (m) among obstacles, for a robot of this radius (m) at `here`.
+    /// Creates the workplace within `bounds` (m) among obstacles, for a robot of this radius (m) at
+    /// `here`.
     ///
     /// # Errors
-    /// A text that says what does not do and what to change.
+    /// The error text names the invalid value and the remedy.
     pub fn new(
         bounds: Aabb,
         obstacles: &[Convex],

@@ -59,7 +59,7 @@ fn routes_that_cannot_be_driven_are_refused_with_what_to_change() {
     let error = refusal(&[0, 1, 2], &each);
     assert_eq!(error, TourError::NotJoined { from: 0, to: 1 });
     assert!(error.to_string().contains("add one to `bridges`"));
-    // A loop ends where it began.
+    // A loop ends at its start.
     let error = refusal(&[0, 2, 1], &each);
     assert_eq!(error, TourError::NotJoined { from: 1, to: 0 });
     let error = refusal(&[1, 2], &each);

@@ -1,11 +1,11 @@
-//! Why there is no workplace.
+//! Errors of a workplace.
 
 use geometry::shape::{Aabb, ShapeError};
 use thiserror::Error;
 
 use super::{MAX_RECTANGLES, MIN_TOLERANCE};
 
-/// Why a workplace cannot be used; each text says what to change.
+/// Reason why a workplace is invalid; each text contains the remedy.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum WorkplaceError {
     /// The bounds are empty, reversed or not finite.
@@ -20,49 +20,49 @@ pub enum WorkplaceError {
          the workplace; enlarge the workplace or take a smaller robot"
     )]
     Radius {
-        /// Radius found (m).
+        /// Actual radius (m).
         radius: f64,
-        /// Radii must be below this (m).
+        /// Upper limit of radii (m).
         limit: f64,
     },
     /// The tolerance of the conversion is not a length.
     #[error("tolerance = {tolerance}: expected a finite number of at least {MIN_TOLERANCE} (m)")]
     Tolerance {
-        /// Tolerance found (m).
+        /// Actual tolerance (m).
         tolerance: f64,
     },
-    /// An obstacle is no shape: a value that is not finite, edges that cross, no inside.
+    /// An obstacle is not a valid shape: a value that is not finite, edges that cross, no inside.
     #[error("obstacles[{index}]: {source}")]
     Shape {
-        /// Which obstacle, from 0.
+        /// Index of the obstacle, from 0.
         index: usize,
-        /// What is wrong with it.
+        /// Error of the shape.
         source: ShapeError,
     },
     /// A piece of the map is not finite.
     #[error("piece {index} of the obstacles has coordinates that are not finite (m)")]
     NotFinite {
-        /// Which piece, from 0.
+        /// Index of the piece, from 0.
         index: usize,
     },
-    /// An obstacle has nothing to do with the workplace.
+    /// An obstacle lies outside the workplace.
     #[error(
         "obstacles[{index}] lies outside the workplace from ({}, {}) to ({}, {}): move it inside or \
          leave it out", .bounds.min.x, .bounds.min.y, .bounds.max.x, .bounds.max.y
     )]
     Outside {
-        /// Which obstacle, from 0.
+        /// Index of the obstacle, from 0.
         index: usize,
         /// The workplace (m).
         bounds: Aabb,
     },
-    /// An obstacle leaves nothing of the workplace.
+    /// An obstacle covers the whole workplace.
     #[error(
         "obstacles[{index}] covers all of the workplace: make the obstacle or the robot's radius \
          smaller, or the workplace larger"
     )]
     Covering {
-        /// Which obstacle, from 0.
+        /// Index of the obstacle, from 0.
         index: usize,
     },
     /// The obstacles become too many rectangles.
@@ -71,7 +71,7 @@ pub enum WorkplaceError {
          a larger tolerance"
     )]
     TooManyRectangles {
-        /// Tolerance found (m).
+        /// Actual tolerance (m).
         tolerance: f64,
     },
 }

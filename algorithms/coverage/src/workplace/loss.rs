@@ -1,25 +1,24 @@
-//! What the conversion of obstacles to rectangles costs.
+//! Loss of free space by the conversion of obstacles to rectangles.
 
 use geometry::shape::{Aabb, Convex};
 
-/// Least number of lines by which areas are measured.
+/// Minimum number of lines for the measurement of areas.
 const LINES: f64 = 1024.0;
 
-/// Free space for the robot's centre that is given up because obstacles became rectangles.
+/// Free space for the robot's centre that is lost because obstacles became rectangles.
 ///
 /// Measured against the obstacles themselves, grown by the same edge expansion (r on each side);
-/// exactly 0 if all of them are rectangles along the axes. Integrated over 1024 lines and more, so
-/// that the share is good to about 10⁻⁴.
+/// exactly 0 if all of them are axis-aligned rectangles. Integrated over at least 1024 lines, so
+/// that the share is exact to about 10⁻⁴.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct ConversionLoss {
-    /// Area given up (m²), ≥ 0.
+    /// Lost area (m²), ≥ 0.
     pub area: f64,
-    /// The same as a share of the free area that there would be without the conversion, from 0 to
-    /// 1; 1 if nothing is left.
+    /// The same as a share of the free area without the conversion, from 0 to 1; 1 if none is left.
     pub share: f64,
 }
 
-/// Compares pieces and the rectangles that stand for them within `free`.
+/// Compares pieces and the rectangles that represent them within `free`.
 pub(super) fn of_conversion(
     free: &Aabb,
     radius: f64,
@@ -30,7 +29,7 @@ pub(super) fn of_conversion(
         return ConversionLoss::default();
     }
     let boxes: Vec<Convex> = rectangles.iter().copied().map(Convex::Box).collect();
-    // Between the ends of rectangles, so that their own area comes out exactly.
+    // Between the ends of rectangles, so that their own area is exact.
     let ends = rectangles
         .iter()
         .flat_map(|r| [r.min.y - radius, r.max.y + radius]);
@@ -49,7 +48,8 @@ pub(super) fn of_conversion(
             let y = low + (f64::from(line) + 0.5) * thickness;
             let truly = blocked(free, radius, parts, y, &mut intervals);
             let blocked = blocked(free, radius, &boxes, y, &mut intervals);
-            // Rectangles contain what they stand for; less is rounding.
+            // Rectangles contain the obstacles that they represent; a negative difference is
+            // rounding.
             lost += (blocked - truly).max(0.0) * thickness;
             open += (free.max.x - free.min.x - truly) * thickness;
         }

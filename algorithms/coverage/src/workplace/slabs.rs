@@ -3,17 +3,17 @@
 use geometry::shape::{Aabb, Convex};
 use nalgebra::Point2;
 
-/// Halvings in the search for the thickest slab that will do.
+/// Halvings in the search for the maximum thickness of a slab.
 const HALVINGS: usize = 50;
 
-/// Appends rectangles that together contain a convex piece and of which no point is farther than
-/// `tolerance` (m) (≥ [`MIN_TOLERANCE`](super::MIN_TOLERANCE)) from it; a rectangle along the axes stays what it is. Stops early beyond `most`
-/// rectangles in `out`.
+/// Appends rectangles that together contain a convex piece and of which no point is farther than `tolerance`
+/// (m) (≥ [`MIN_TOLERANCE`](super::MIN_TOLERANCE)) from it; an axis-aligned rectangle stays unchanged. Stops
+/// early beyond `most` rectangles in `out`.
 ///
-/// The piece is cut across the axis that needs fewer cuts. Each slab is as thick as the tolerance
-/// allows: the distance from a convex piece is a convex function, so that its greatest value on a
-/// rectangle is at a corner, and it grows with the thickness. The thickness itself bounds it, so
-/// that every slab is at least as thick as the tolerance (but the last).
+/// The piece is cut across the axis that needs fewer cuts. Each slab is as thick as the tolerance allows: the
+/// distance from a convex piece is a convex function, so that its maximum on a rectangle is at a corner, and it
+/// grows with the thickness. The distance is at most the thickness, so that every slab is at least as thick as
+/// the tolerance (except the last).
 pub(super) fn cover(piece: &Convex, tolerance: f64, most: usize, out: &mut Vec<Aabb>) {
     let limit = most.saturating_sub(out.len());
     let lying = slabs(piece, 1, tolerance, limit);

@@ -63,7 +63,7 @@ fn the_loss_of_a_disc_is_the_area_of_its_slabs_beyond_it() {
         center: [5.0, 5.0],
         radius: 2.0,
     };
-    // A robot of no size: what is lost is the area of the slabs less that of the disc.
+    // A robot of radius 0: the lost area is the area of the slabs less that of the disc.
     let workplace = Workplace::new(square(), 0.0, core::slice::from_ref(&disc), 0.2).unwrap();
     let slabs: f64 = workplace
         .rectangles()

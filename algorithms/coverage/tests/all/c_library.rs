@@ -1,9 +1,9 @@
-//! Coverage by the Chebyshev map in floating point, from 0.1 and 0.2, as the C library of most Linux
-//! machines rounds it: figures known from an implementation that shares nothing with this one.
+//! Coverage by the Chebyshev map in floating point, from 0.1 and 0.2, with the rounding of the C
+//! library of most Linux machines: figures from an independent implementation.
 //!
-//! After some twenty steps the orbit is a matter of the last bits of cosine and arc cosine. Our own
+//! After some twenty steps the orbit depends on the last bits of cosine and arc cosine. Ours
 //! ([`chaotic_maps::ChebF64`]) are those of `libm`, the same on every machine; the known figures were
-//! taken with glibc's, which the standard library calls here.
+//! computed with glibc's, which the standard library calls here.
 
 #![expect(
     clippy::disallowed_methods,
@@ -13,14 +13,14 @@
 use metrics::coverage::{CELL_SIDES, CoverageDomain, Meter, Rectangle};
 use nalgebra::Point2;
 
-/// x after 1999 steps, if cosine and arc cosine are rounded as they were for the figures.
+/// x after 1999 steps with the rounding of cosine and arc cosine of the known figures.
 const FINGERPRINT: u64 = 0x3fe8_809c_de4d_dd14;
 
 fn step(x: f64) -> f64 {
     (6.0 * x.clamp(-1.0, 1.0).acos()).cos()
 }
 
-/// The points after one step and more.
+/// The points after at least one step.
 fn orbit(n: usize) -> Vec<[f64; 2]> {
     let mut state = [0.1_f64, 0.2_f64];
     (0..n)
@@ -45,7 +45,7 @@ fn check(rows: &[Row], emit: fn(f64) -> f64) {
             meter.goal(Point2::new(x, y));
         }
         let f = meter.figures();
-        // The lengths are known to the metre.
+        // The lengths are known to within a metre.
         assert!((f.length - length).abs() <= 0.6, "{n}: {}", f.length);
         let found = [f.goals[2], f.path[0], f.path[1], f.path[2], f.disc];
         for (rate, expected) in found.into_iter().zip(rates) {

@@ -32,7 +32,7 @@ fn thrifty() -> KeyedParams {
     }
 }
 
-/// How deep the straight leg gets into an obstacle at worst (m), looked at every few millimetres.
+/// Maximum depth of the straight leg in an obstacle (m), sampled every few millimetres.
 fn depth(workplace: &Workplace, from: Point2<f64>, to: Point2<f64>) -> f64 {
     let steps = ((to - from).norm() / 0.004).ceil().max(1.0) as usize;
     let points = (0..=steps).map(|step| from + (to - from) * (step as f64 / steps as f64));

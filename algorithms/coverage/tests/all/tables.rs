@@ -1,5 +1,5 @@
-//! Coverage of the Chebyshev paper's three workplaces by exact keys: figures known from an
-//! implementation that shares nothing with this one (rates to ± 2 cells, integers exactly).
+//! Coverage of the Chebyshev paper's three workplaces by exact keys: figures from an independent
+//! implementation (rates to ± 2 cells, integers exactly).
 
 use chaotic_maps::{AnySource, ChebP, Emission, Source};
 use coverage::decomposition::Decomposition;
@@ -72,7 +72,8 @@ fn the_open_workplace_is_covered_as_known() {
     }
 }
 
-/// Drives a route from (1, 8) with waiting transits; every leg must stay clear of the obstacles.
+/// Drives a route from (1, 8) with waiting transits; asserts that every leg stays clear of the
+/// obstacles.
 fn drive(
     workplace: &Workplace,
     decomposition: Decomposition,
@@ -180,8 +181,8 @@ fn case_2_is_covered_as_known() {
 
 #[test]
 fn the_papers_floating_point_orbit_covers_about_as_much_everywhere() {
-    // After 21 steps the orbit depends on the last bit of cosine and arc cosine. By the GNU C
-    // library's the lengths and disc rates are the second pair; these are this library's.
+    // After 21 steps the orbit depends on the last bit of cosine and arc cosine. With the GNU C
+    // library the lengths and disc rates are the second pair; these are this library's.
     let rows = [
         (Arcsine, 200, 935.902_7, (1_007.396_2, 0.7294)),
         (Arcsine, 2000, 10_168.008_1, (10_126.401_1, 0.9776)),

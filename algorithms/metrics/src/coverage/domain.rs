@@ -1,11 +1,11 @@
-//! Where a robot's centre may be.
+//! Free positions of a robot's centre.
 
 use nalgebra::Point2;
 use thiserror::Error;
 
 use super::TOLERANCE;
 
-/// Why coverage cannot be measured.
+/// Reason why coverage cannot be measured.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum CoverageError {
     /// A rectangle without an inside, or with a corner that is not finite.
@@ -14,33 +14,33 @@ pub enum CoverageError {
          the second", .rectangle.min.x, .rectangle.min.y, .rectangle.max.x, .rectangle.max.y
     )]
     Rectangle {
-        /// Which rectangle.
+        /// Name of the rectangle.
         what: &'static str,
         /// Its corners (m).
         rectangle: Rectangle,
     },
-    /// A robot that is larger than its workplace, or no robot.
+    /// The robot is larger than its workplace, or has no radius.
     #[error(
         "radius = {radius}: expected a number ≥ 0 and below {limit} (m), half the shorter side of \
          the workplace; enlarge the workplace or take a smaller robot"
     )]
     Radius {
-        /// Radius found (m).
+        /// Actual radius (m).
         radius: f64,
-        /// Radii must be below this (m).
+        /// Upper limit of radii (m).
         limit: f64,
     },
-    /// Cells that are no cells, or too many of them.
+    /// Invalid cells, or too many of them.
     #[error(
         "cell side = {side}: expected a number > 0 (m) that divides the workplace into at most \
          {MAX_CELLS} cells",
         MAX_CELLS = super::MAX_CELLS
     )]
     CellSide {
-        /// Side found (m).
+        /// Actual side (m).
         side: f64,
     },
-    /// Not one cell whose centre is free.
+    /// No cell has a free centre.
     #[error(
         "no centre of a cell of {side} m lies in free space: take smaller cells, a smaller robot or \
          fewer obstacles"
@@ -49,15 +49,15 @@ pub enum CoverageError {
         /// Side of the cells (m).
         side: f64,
     },
-    /// Points along a path that are no distance apart.
+    /// The distance between points of the path is not positive.
     #[error("step = {step}: expected a number > 0 (m), the distance between points of the path")]
     Step {
-        /// Step found (m).
+        /// Actual step (m).
         step: f64,
     },
 }
 
-/// A rectangle along the axes.
+/// An axis-aligned rectangle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rectangle {
     /// Corner with the smallest coordinates (m).
@@ -67,7 +67,7 @@ pub struct Rectangle {
 }
 
 impl Rectangle {
-    /// A rectangle between two corners (m), the first with the smaller coordinates.
+    /// Creates a rectangle from two corners (m), the first with the smaller coordinates.
     pub fn new(min: Point2<f64>, max: Point2<f64>) -> Self {
         Self { min, max }
     }
@@ -86,8 +86,8 @@ impl Rectangle {
     }
 }
 
-/// A workplace as the measure of coverage sees it: bounds, the robot's radius, and the rectangles
-/// that its centre must keep out of.
+/// The workplace of a measurement: bounds, the robot's radius, and the rectangles that its centre must
+/// avoid.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CoverageDomain {
     bounds: Rectangle,
@@ -96,7 +96,7 @@ pub struct CoverageDomain {
 }
 
 impl CoverageDomain {
-    /// The workplace within `bounds` (m) for a robot of `radius` (m); `inflated` are the obstacles
+    /// Creates the workplace within `bounds` (m) for a robot of `radius` (m); `inflated` are the obstacles
     /// with the radius added on every side.
     ///
     /// # Errors
@@ -134,7 +134,7 @@ impl CoverageDomain {
         self.radius
     }
 
-    /// What the robot's centre must keep out of (m).
+    /// The rectangles that the robot's centre must avoid (m).
     pub fn inflated(&self) -> &[Rectangle] {
         &self.inflated
     }

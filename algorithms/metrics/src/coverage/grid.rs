@@ -1,4 +1,4 @@
-//! The cells of a workplace, and which of them can be covered at all.
+//! The cells of a workplace, and the coverable ones among them.
 
 use nalgebra::Point2;
 
@@ -16,8 +16,8 @@ pub struct CellGrid {
 }
 
 impl CellGrid {
-    /// Cells of this side (m); those at the far borders may stick out. A cell is coverable if its
-    /// centre is free ([`CoverageDomain::is_free`]).
+    /// Creates cells of this side (m); those at the far borders may extend beyond the workplace. A
+    /// cell is coverable if its centre is free ([`CoverageDomain::is_free`]).
     ///
     /// # Errors
     /// [`CoverageError`] if there are too many cells or none is coverable.
@@ -53,22 +53,22 @@ impl CellGrid {
         self.side
     }
 
-    /// Columns, along x.
+    /// Number of columns, along x.
     pub fn columns(&self) -> usize {
         self.columns
     }
 
-    /// Rows, along y.
+    /// Number of rows, along y.
     pub fn rows(&self) -> usize {
         self.rows
     }
 
-    /// All cells, coverable or not.
+    /// Number of all cells, coverable or not.
     pub fn len(&self) -> usize {
         self.columns * self.rows
     }
 
-    /// Never: a grid has at least one cell.
+    /// Returns `true` if there are no cells (never).
     pub fn is_empty(&self) -> bool {
         false
     }
@@ -102,7 +102,7 @@ impl CellGrid {
         self.coverable.get(cell).copied().unwrap_or(false)
     }
 
-    /// Cells that can be covered, `M`; at least 1.
+    /// Number of coverable cells, `M`; at least 1.
     pub fn coverable(&self) -> usize {
         self.coverable_count
     }

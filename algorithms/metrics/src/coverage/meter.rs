@@ -1,35 +1,35 @@
-//! All rates of coverage of one path, kept while it grows.
+//! All coverage rates of one path, updated while it grows.
 
 use nalgebra::Point2;
 
 use super::{CellGrid, CoverageDomain, CoverageError, Swept, Visits};
 
-/// Sides of the cells by which goals and path are counted (m).
+/// Sides of the cells for goals and path (m).
 pub const CELL_SIDES: [f64; 3] = [0.1, 0.25, 0.5];
 
-/// Side of the cells by which the disc is counted (m).
+/// Side of the cells for the disc (m).
 pub const DISC_CELL_SIDE: f64 = 0.1;
 
-/// Subtracted from a number of steps before it is rounded up, so that whole ones stay.
+/// Subtracted from a number of steps before rounding up, so that integers stay unchanged.
 const WHOLE_STEPS: f64 = 1e-12;
 
-/// Covered cells out of those that can be.
+/// Ratio of covered to coverable cells.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Rate {
-    /// Coverable cells that are covered.
+    /// Number of covered coverable cells.
     pub covered: usize,
-    /// Coverable cells, ≥ 1.
+    /// Number of coverable cells, ≥ 1.
     pub coverable: usize,
 }
 
 impl Rate {
-    /// Share that is covered, from 0 to 1.
+    /// Covered share, from 0 to 1.
     pub fn share(self) -> f64 {
         self.covered as f64 / self.coverable as f64
     }
 }
 
-/// What a [`Meter`] has counted.
+/// Figures of a [`Meter`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Figures {
     /// Length of the path (m).
@@ -40,15 +40,15 @@ pub struct Figures {
     pub path: [Rate; 3],
     /// Cells of [`DISC_CELL_SIDE`] whose centres came within the robot's radius of the path.
     pub disc: Rate,
-    /// Standard deviation over mean of the points of the path per cell, for each of
-    /// [`CELL_SIDES`]; infinite before the first point.
+    /// Coefficient of variation (standard deviation over mean) of the points of the path per cell,
+    /// for each of [`CELL_SIDES`]; infinite before the first point.
     pub variation: [f64; 3],
 }
 
 /// Measures the coverage of a path that grows leg by leg.
 ///
 /// A leg counts by points at equal distances along it: `⌈d/step − 10⁻¹²⌉` parts (at least one); its
-/// start is the end of the leg before. The disc is swept along the leg itself.
+/// start is the end of the previous leg. The disc is swept along the leg itself.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Meter {
     step: f64,
@@ -60,11 +60,11 @@ pub struct Meter {
 }
 
 impl Meter {
-    /// Nothing driven yet; points of the path are at most `step` (m) apart (0.125 m in the
-    /// Chebyshev coverage paper, §4).
+    /// Creates a meter without a path; points of the path are at most `step` (m) apart (0.125 m in
+    /// the Chebyshev coverage paper, §4).
     ///
     /// # Errors
-    /// [`CoverageError`] if the step is not positive or no cell of some size can be covered.
+    /// [`CoverageError`] if the step is not positive or, for some cell size, no cell is coverable.
     pub fn new(domain: &CoverageDomain, step: f64) -> Result<Self, CoverageError> {
         let usable = step > 0.0 && step.is_finite();
         if !usable {
@@ -82,8 +82,8 @@ impl Meter {
         })
     }
 
-    /// Drives straight to a sub-goal (m); the first call is where the path starts, which counts as
-    /// a sub-goal too.
+    /// Drives straight to a sub-goal (m); the first call sets the start of the path, which counts
+    /// as a sub-goal too.
     pub fn goal(&mut self, p: Point2<f64>) {
         self.drive(p);
         self.mark_goal(p);
@@ -96,8 +96,8 @@ impl Meter {
         }
     }
 
-    /// Drives straight to a point (m) that is no sub-goal; the first call is where the path starts.
-    /// Points that are not finite are left out.
+    /// Drives straight to a point (m) that is not a sub-goal; the first call sets the start of the
+    /// path. Points that are not finite are left out.
     pub fn drive(&mut self, p: Point2<f64>) {
         if !(p.x.is_finite() && p.y.is_finite()) {
             return;
@@ -122,8 +122,8 @@ impl Meter {
         self.last = Some(p);
     }
 
-    /// Drives towards a sub-goal (m) until the path is `limit` (m) long; `true` if it got there
-    /// before that, which counts the sub-goal.
+    /// Drives towards a sub-goal (m) until the path is `limit` (m) long; returns `true` if the path
+    /// reached it before that, which counts the sub-goal.
     pub fn goal_within(&mut self, p: Point2<f64>, limit: f64) -> bool {
         let Some(from) = self.last else {
             self.goal(p);
@@ -152,7 +152,7 @@ impl Meter {
         self.length
     }
 
-    /// Where the path ends (m), once it has begun.
+    /// End of the path (m), once it has begun.
     pub fn last(&self) -> Option<Point2<f64>> {
         self.last
     }
@@ -167,12 +167,12 @@ impl Meter {
         &self.path
     }
 
-    /// What the disc has swept.
+    /// The area that the disc has swept.
     pub fn disc(&self) -> &Swept {
         &self.disc
     }
 
-    /// Everything counted so far.
+    /// All figures so far.
     pub fn figures(&self) -> Figures {
         let rates = |visits: &[Visits; 3]| {
             visits.each_ref().map(|v| Rate {

@@ -19,7 +19,7 @@ pub struct Lattice {
     rows: usize,
 }
 
-/// The lines of cells that are looked through.
+/// Orientation of the lines of cells.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Axis {
     /// Rows, along x.
@@ -28,7 +28,7 @@ pub enum Axis {
     Columns,
 }
 
-/// Cells of a row, or of a column, that are next to each other.
+/// Consecutive cells of a row or of a column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Span {
     /// The row or the column.
@@ -42,7 +42,8 @@ pub struct Span {
 }
 
 impl Lattice {
-    /// Cells of this side (m) by the centre of the first (m) and the numbers of columns and rows.
+    /// Creates cells of this side (m) from the centre of the first (m) and the numbers of columns
+    /// and rows.
     pub fn new(origin: Point2<f64>, side: f64, [columns, rows]: [usize; 2]) -> Self {
         Self {
             origin,
@@ -110,9 +111,9 @@ impl Lattice {
         }
     }
 
-    /// The cells whose centres lie between two offsets (m) from the first one's, first and last.
+    /// The first and last cell whose centres lie between two offsets (m) from the first centre.
     fn indices(&self, low: f64, high: f64, count: usize) -> Option<(usize, usize)> {
-        // Casts cut towards 0 and saturate, and cost far less than `floor` and `ceil`.
+        // Casts truncate towards 0 and saturate, and cost far less than `floor` and `ceil`.
         let low = low * self.per_metre;
         let cut = low as usize;
         let first = cut + usize::from((cut as f64) < low);
@@ -122,7 +123,7 @@ impl Lattice {
     }
 }
 
-/// What a disc sweeps on a straight leg.
+/// The area that a disc sweeps on a straight leg.
 struct Strip {
     start: Point2<f64>,
     end: Point2<f64>,
@@ -143,7 +144,7 @@ impl Strip {
         } else {
             [1.0, 0.0]
         };
-        // A level leg as one that rises too little to matter.
+        // A level leg is treated as one with a negligible slope.
         let level = along[1].abs() < 1e-12;
         let inverse = if level { 1e12 } else { 1.0 / along[1] };
         Self {
@@ -161,14 +162,14 @@ impl Strip {
         (a.min(b) - self.radius, a.max(b) + self.radius)
     }
 
-    /// Where the horizontal line at `y` within [`Strip::y_range`] runs through the strip (m).
+    /// The range of x of the strip on the horizontal line at `y` within [`Strip::y_range`] (m).
     fn x_range(&self, y: f64) -> (f64, f64) {
         let [ux, uy] = self.along;
         let half = self.radius * uy.abs();
         let lean = if self.inverse < 0.0 { -ux } else { ux } * self.radius;
         let rise = y - self.start.y;
-        // Where along the leg the disc's centre is when its rim meets the line farthest left, and
-        // farthest right.
+        // Positions of the disc's centre along the leg at which its rim meets the line farthest
+        // left, and farthest right.
         let (left, right) = ((rise - lean) * self.inverse, (rise + lean) * self.inverse);
         let middle = |part: f64| (0.0..=self.length).contains(&part);
         let low = if middle(left) {
@@ -186,7 +187,7 @@ impl Strip {
         (low, high)
     }
 
-    /// The middle and half the length of the part of the line at `y` in the disc at one end.
+    /// The middle and half the length of the line at `y` inside the disc at one end.
     fn at_end(&self, part: f64, y: f64) -> (f64, f64) {
         let end = if part < 0.0 { self.start } else { self.end };
         let rise = y - end.y;

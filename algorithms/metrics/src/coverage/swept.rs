@@ -1,4 +1,4 @@
-//! Which cells a disc has swept.
+//! The cells that a disc has swept.
 
 use nalgebra::Point2;
 
@@ -15,7 +15,7 @@ pub struct Swept {
 }
 
 impl Swept {
-    /// Nothing swept yet by a disc of `radius` (m).
+    /// Creates the cells without any sweep by a disc of `radius` (m).
     pub fn new(grid: CellGrid, radius: f64) -> Self {
         Self {
             reached: vec![false; grid.len()],
@@ -31,8 +31,7 @@ impl Swept {
         &self.grid
     }
 
-    /// Sweeps the disc straight from one point to another (m); does nothing for points that are
-    /// not finite.
+    /// Sweeps the disc straight from one point to another (m); ignores points that are not finite.
     pub fn sweep(&mut self, from: Point2<f64>, to: Point2<f64>) {
         if ![from.x, from.y, to.x, to.y].iter().all(|x| x.is_finite()) {
             return;
@@ -52,12 +51,12 @@ impl Swept {
         self.covered += covered;
     }
 
-    /// Per cell whether its centre has been swept.
+    /// Per cell, `true` if its centre has been swept.
     pub fn cells(&self) -> &[bool] {
         &self.reached
     }
 
-    /// Coverable cells that have been swept.
+    /// Number of swept coverable cells.
     pub fn covered(&self) -> usize {
         self.covered
     }

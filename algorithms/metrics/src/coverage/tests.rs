@@ -43,7 +43,7 @@ fn a_leg_counts_its_start_once_and_whole_numbers_of_steps() {
     meter.goal(Point2::new(2.0, 1.0));
     meter.goal(Point2::new(2.0, 1.0));
     let points: u32 = meter.path()[0].counts().iter().sum();
-    // The start, 8 points of the leg of a metre, 1 of the leg without length.
+    // The start, 8 points of the leg of a metre, 1 of the leg of length 0.
     assert_eq!(points, 10);
     assert_eq!(meter.length(), 1.0);
     let figures = meter.figures();
@@ -134,7 +134,7 @@ proptest! {
         }
         for cell in 0..grid.len() {
             let center = grid.center(cell);
-            // Nearest of many points along the legs: within 0.02 m of the nearest of all.
+            // Nearest of many points along the legs: within 0.02 m of the true nearest point.
             let near = points
                 .windows(2)
                 .flat_map(|leg| (0..=700).map(|i| leg[0] + (leg[1] - leg[0]) * (f64::from(i) / 700.0)))

@@ -1,4 +1,4 @@
-//! How often points lay in each cell.
+//! Number of points per cell.
 
 use nalgebra::Point2;
 
@@ -13,7 +13,7 @@ pub struct Visits {
 }
 
 impl Visits {
-    /// No points yet.
+    /// Creates the counts without points.
     pub fn new(grid: CellGrid) -> Self {
         Self {
             counts: vec![0; grid.len()],
@@ -42,7 +42,7 @@ impl Visits {
         &self.counts
     }
 
-    /// Coverable cells with at least one point.
+    /// Number of coverable cells with at least one point.
     pub fn covered(&self) -> usize {
         self.covered
     }
@@ -53,7 +53,7 @@ impl Visits {
     }
 
     /// Evenness: population standard deviation over mean of the points per coverable cell (the
-    /// coefficient of variation); 0 if all have as many, infinite while none has any.
+    /// coefficient of variation); 0 for equal counts, infinite without points.
     pub fn variation(&self) -> f64 {
         let cells = self.grid.coverable() as f64;
         let counts = || {

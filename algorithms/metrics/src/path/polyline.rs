@@ -10,7 +10,7 @@ pub struct Polyline<'a> {
 }
 
 impl<'a> Polyline<'a> {
-    /// A polyline through points (m); points may repeat.
+    /// Creates a polyline through points (m); points may repeat.
     pub fn new(points: &'a [Point2<f64>]) -> Self {
         let mut sum = 0.0;
         let mut covered = Vec::with_capacity(points.len());
@@ -35,7 +35,7 @@ impl<'a> Polyline<'a> {
             return None;
         }
         let wanted = share.clamp(0.0, 1.0) * self.length();
-        // The first point that lies at least that far along.
+        // The first point at or beyond that length.
         let next = self.covered.partition_point(|&covered| covered < wanted);
         let (Some(&end), Some(&reached)) = (self.points.get(next), self.covered.get(next)) else {
             return self.points.last().copied();
@@ -49,8 +49,8 @@ impl<'a> Polyline<'a> {
     }
 }
 
-/// The point after this share of the polyline's *segments*, whatever their lengths; linear within a
-/// segment. Shares below 0 and above 1 are the ends; `None` without points or for NaN.
+/// The point after this share of the polyline's *segments*, regardless of their lengths; linear
+/// within a segment. Shares below 0 and above 1 are the ends; `None` without points or for NaN.
 pub fn at_share_of_segments(points: &[Point2<f64>], share: f64) -> Option<Point2<f64>> {
     let segments = points.len().checked_sub(1)?;
     if share.is_nan() {

@@ -42,7 +42,7 @@ fn a_path_on_its_reference_strays_by_time_but_not_by_length() {
 fn a_detour_beside_the_reference_is_measured_by_hand() {
     let reference = points(&[(0.0, 0.0), (2.0, 0.0)]);
     let laps = [points(&[(0.0, 0.0), (1.0, 1.0), (2.0, 0.0)])];
-    // At half the way 1 m off, at its end 0.
+    // At half the path 1 m off, at its end 0.
     assert_eq!(mae_lap(&reference, &laps, 2), Some(0.5));
     assert_eq!(mae_time(&reference, &laps, 2), Some(0.5));
     assert_eq!(speed(&laps[0], 2.0), Some(2f64.sqrt()));
@@ -59,7 +59,7 @@ fn joint_laps_are_compared_with_as_many_laps_of_the_reference() {
 
 #[test]
 fn turns_wrap_and_fold() {
-    // Left by a right angle, then straight back, then on by 45 degrees to the left.
+    // Left by a right angle, then straight back, then left by 45 degrees.
     let path = points(&[(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (1.0, 0.0), (2.0, -1.0)]);
     let turns = Turns::of(&path);
     assert_eq!(turns.count, 3);

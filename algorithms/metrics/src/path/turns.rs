@@ -21,20 +21,20 @@ fn legs(path: &[Point2<f64>]) -> impl Iterator<Item = Vector2<f64>> + '_ {
 /// The turns of a path, each wrapped to [−π, π); counter-clockwise is positive.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Turns {
-    /// How many turns there are: one less than legs with a heading.
+    /// Number of turns: one less than legs with a heading.
     pub count: usize,
-    /// Mean turn, regardless of its direction (rad), in [0, π] (`MAA`); 0 without turns. Half a
-    /// right angle more than π/2 is a path that mostly goes back.
+    /// Mean turn, regardless of its direction (rad), in [0, π] (`MAA`); 0 without turns. A path
+    /// with π/4 more than π/2 mostly goes back.
     pub maa: f64,
-    /// Mean of each turn or of what it lacks to π, whichever is less (rad), in [0, π/2]
-    /// (`MAA_fold`). Headings taken as slopes give this; kept to compare with the paper.
+    /// Mean of min(turn, π − turn), regardless of direction (rad), in [0, π/2] (`MAA_fold`).
+    /// Headings taken as slopes give this value; for comparison with the paper.
     pub maa_fold: f64,
-    /// Least and greatest turn (rad) (`RA`); [0, 0] without turns.
+    /// Minimum and maximum turn (rad) (`RA`); [0, 0] without turns.
     pub range: [f64; 2],
 }
 
 impl Turns {
-    /// The turns of a path; legs no longer than 1e-12 m are passed over.
+    /// The turns of a path; legs no longer than 1e-12 m are skipped.
     pub fn of(path: &[Point2<f64>]) -> Self {
         let mut before: Option<Vector2<f64>> = None;
         let mut turns = Self {

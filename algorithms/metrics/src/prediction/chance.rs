@@ -1,7 +1,8 @@
-//! Errors of somebody who can only guess: medians for independent uniform goals. The ratio of an
-//! observer's median to them says how predictable a sequence of goals is: 1 is not at all.
+//! Errors of an observer that can only guess: medians for independent uniform goals. The ratio of
+//! an observer's median to them measures the predictability of a sequence of goals; 1 means
+//! unpredictable.
 
-/// Even number of intervals of the quadrature.
+/// Number of intervals of the quadrature; even.
 const INTERVALS: usize = 2000;
 
 /// Median distance of two independent points, uniform over a rectangle of these sides (m).
@@ -13,7 +14,7 @@ pub fn chance_median(width: f64, height: f64) -> f64 {
         return chance_median_along(w.max(h));
     }
     let (mut low, mut high) = (0.0, libm::hypot(w, h));
-    // Every step gives a bit.
+    // Every step gives one bit.
     for _ in 0..60 {
         let middle = 0.5 * (low + high);
         if within(middle, w, h) < 0.5 {

@@ -1,20 +1,20 @@
-//! The next goal by the most similar past one: what an observer can do who knows nothing of the
-//! method.
+//! Prediction of the next goal by the most similar past one: the best that an observer without
+//! knowledge of the method can do.
 
 use nalgebra::Point2;
 
 use super::statistics::ErrorStatistics;
 
-/// What of a goal is taken for its state.
+/// State of a goal for the prediction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum View {
-    /// Both coordinates together: right for a map of the plane.
+    /// Both coordinates together: suitable for a map of the plane.
     Plane,
-    /// Each coordinate for itself: right for one map per axis.
+    /// Each coordinate separately: suitable for one map per axis.
     PerAxis,
 }
 
-/// Goals so far, and the one that comes next if the past repeats itself.
+/// Goals so far, and the next goal if the past repeats.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NearestNeighbour {
     view: View,
@@ -22,7 +22,7 @@ pub struct NearestNeighbour {
 }
 
 impl NearestNeighbour {
-    /// Nothing observed yet.
+    /// Creates a predictor without observations.
     pub fn new(view: View) -> Self {
         Self {
             view,
@@ -30,33 +30,33 @@ impl NearestNeighbour {
         }
     }
 
-    /// Takes up the goal that came next.
+    /// Adds the goal that came next.
     pub fn observe(&mut self, goal: Point2<f64>) {
         self.goals.push(goal);
     }
 
-    /// Goals taken up.
+    /// Number of goals.
     pub fn len(&self) -> usize {
         self.goals.len()
     }
 
-    /// Returns `true` if none has been taken up.
+    /// Returns `true` if there are no goals.
     pub fn is_empty(&self) -> bool {
         self.goals.is_empty()
     }
 
-    /// The goals taken up, oldest first.
+    /// The goals, oldest first.
     pub fn goals(&self) -> &[Point2<f64>] {
         &self.goals
     }
 
-    /// The goal that followed the most similar one to the last; `None` with fewer than two goals.
-    /// Of equally similar ones the earliest counts.
+    /// The successor of the past goal most similar to the last one; `None` with fewer than two
+    /// goals. Of equally similar ones the earliest counts.
     pub fn predict(&self) -> Option<Point2<f64>> {
         self.after(*self.goals.last()?)
     }
 
-    /// The goal that followed the past one most similar to `goal`; `None` if none was followed.
+    /// The successor of the past goal most similar to `goal`; `None` if no goal has a successor.
     pub fn after(&self, goal: Point2<f64>) -> Option<Point2<f64>> {
         match self.view {
             View::Plane => self.follower(|past| (past - goal).norm_squared()),
@@ -81,17 +81,17 @@ impl NearestNeighbour {
     }
 }
 
-/// How well the goals after a stretch of history were predicted.
+/// Accuracy of predictions of the goals after a stretch of history.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct NextGoal {
     /// Distance of the predicted goal from the real one.
     pub plane: ErrorStatistics,
-    /// The same along x and y, the errors of both taken together.
+    /// The same along x and y, the errors of both combined.
     pub per_axis: ErrorStatistics,
 }
 
 /// Errors of next-goal prediction: `observed` goals are history, then every following goal is
-/// predicted from all before it. `None` if nothing is left to predict, or nothing to learn from.
+/// predicted from all before it. `None` if no goal remains to predict, or no history.
 pub fn next_goal_errors(goals: &[Point2<f64>], observed: usize, view: View) -> Option<NextGoal> {
     let history = goals.get(..observed)?;
     let mut neighbour = NearestNeighbour {
@@ -142,7 +142,8 @@ mod tests {
         for goal in [[0.0, 5.0], [1.0, 6.0], [2.0, 0.0], [3.0, 7.0]] {
             neighbour.observe(Point2::from(goal));
         }
-        // x is next to 1, whose follower has x = 2; y is next to 5, whose follower has y = 6.
+        // x is nearest to 1, whose successor has x = 2; y is nearest to 5, whose successor has y =
+        // 6.
         let after = neighbour.after(Point2::new(0.9, 4.9));
         assert_eq!(after, Some(Point2::new(2.0, 6.0)));
     }

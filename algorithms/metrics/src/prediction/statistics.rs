@@ -1,11 +1,11 @@
-//! Errors of predictions in a few numbers.
+//! Statistics of prediction errors.
 
-/// Errors in a few numbers. All are in the unit of the errors.
+/// Statistics of errors. All values are in the unit of the errors.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ErrorStatistics {
-    /// Errors that are finite numbers; the others count as predictions that were not made.
+    /// Number of finite errors; the others count as missing predictions.
     pub count: usize,
-    /// Predictions that were not made.
+    /// Number of missing predictions.
     pub missing: usize,
     /// Mean.
     pub mean: f64,
@@ -13,19 +13,19 @@ pub struct ErrorStatistics {
     pub median: f64,
     /// Root mean square.
     pub rms: f64,
-    /// What 10 % of the errors do not exceed.
+    /// 10 % quantile.
     pub q10: f64,
-    /// What 90 % of the errors do not exceed.
+    /// 90 % quantile.
     pub q90: f64,
-    /// Greatest error.
+    /// Maximum.
     pub max: f64,
 }
 
 impl ErrorStatistics {
-    /// Of errors in any order; `None` without a finite one.
+    /// Computes the statistics of errors in any order; `None` without a finite one.
     pub fn of(errors: &[f64]) -> Option<Self> {
         let mut finite: Vec<f64> = errors.iter().copied().filter(|e| e.is_finite()).collect();
-        // Sorted first: the sums do not depend on the order in which the errors came.
+        // Sorted first: the sums do not depend on the order of the errors.
         finite.sort_unstable_by(f64::total_cmp);
         let n = finite.len() as f64;
         let max = *finite.last()?;
@@ -42,8 +42,8 @@ impl ErrorStatistics {
     }
 }
 
-/// The quantile of a share (0 to 1) of ascending numbers, linear between neighbours; `None` of no
-/// numbers, or if the share is no share. (`statistics::quantile` is one of the numbers.)
+/// The quantile of a share (0 to 1) of ascending numbers, linear between neighbours; `None` without
+/// numbers, or if the share is out of range. (`statistics::quantile` is one of the numbers.)
 fn interpolated_quantile(ascending: &[f64], share: f64) -> Option<f64> {
     if !(0.0..=1.0).contains(&share) {
         return None;
@@ -54,7 +54,7 @@ fn interpolated_quantile(ascending: &[f64], share: f64) -> Option<f64> {
     Some(a + (at - low as f64) * (b - a))
 }
 
-/// Errors of predictions for several times ahead.
+/// Errors of predictions for several horizons.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ErrorsByHorizon {
     horizons: Vec<f64>,
@@ -62,7 +62,7 @@ pub struct ErrorsByHorizon {
 }
 
 impl ErrorsByHorizon {
-    /// For these times ahead (s).
+    /// Creates empty statistics for these horizons (s).
     pub fn new(horizons: &[f64]) -> Self {
         Self {
             horizons: horizons.to_vec(),
@@ -70,15 +70,15 @@ impl ErrorsByHorizon {
         }
     }
 
-    /// Takes up the error (m) of a prediction for the horizon with this index; one that is not
-    /// finite stands for a prediction that was not made. An index that does not exist is passed over.
+    /// Adds the error (m) of a prediction for the horizon with this index; an error that is not
+    /// finite counts as a missing prediction. An unknown index is ignored.
     pub fn add(&mut self, horizon: usize, error: f64) {
         if let Some(errors) = self.errors.get_mut(horizon) {
             errors.push(error);
         }
     }
 
-    /// Every horizon (s) with its statistics, `None` where no prediction was made.
+    /// Every horizon (s) with its statistics, `None` without predictions.
     pub fn statistics(&self) -> impl Iterator<Item = (f64, Option<ErrorStatistics>)> + '_ {
         let statistics = self.errors.iter().map(|e| ErrorStatistics::of(e));
         self.horizons.iter().copied().zip(statistics)

@@ -54,11 +54,11 @@ fn the_derivative_is_that_of_the_polynomial() {
 #[test]
 fn the_arcsine_transform_does_not_change_the_exponent() {
     let raw = |x: f64| libm::cos(6.0 * libm::acos(x.clamp(-1.0, 1.0)));
-    // The map conjugated by the transform: what the emitted points obey.
+    // The map conjugated by the transform: the map of the emitted points.
     let transformed = |u: f64| FRAC_2_PI * libm::asin(raw(libm::sin(u / FRAC_2_PI)));
     let exponent = lyapunov_from_pairs(transformed, FRAC_2_PI * libm::asin(0.1), 1e-7, 10_000);
     assert!((exponent - 1.791_759).abs() < 1e-4, "{exponent}");
-    // What the paper prints as the derivative gives 2.033 (and not the 3.2147 of its text).
+    // The derivative as printed gives 2.033 (and not the 3.2147 of the paper's text).
     let orbit = table_points("chebf64-raw", 10_000);
     let printed = lyapunov_from_derivatives(
         orbit
@@ -93,8 +93,8 @@ fn fed_back_the_transform_changes_the_map() {
 
 #[test]
 fn the_difference_of_the_axes_is_that_of_their_law() {
-    // Coverage paper, Table 1: 0.8309 and 0.8209 raw, 0.6830 and 0.6758 transformed. From f64 the
-    // values depend on the C library after 21 steps; what does not are the laws' limits.
+    // Coverage paper, Table 1: 0.8309 and 0.8209 raw, 0.6830 and 0.6758 transformed. After 21 steps
+    // the values from f64 depend on the C library; the limits of the distributions do not.
     let (raw_limit, uniform_limit) = (8.0 / (PI * PI), 2.0 / 3.0);
     for (n, raw_sd, uniform_sd) in [(2000, 0.0139, 0.0114), (10_000, 0.0057, 0.0047)] {
         let raw = mean_difference(table_points("chebf64-raw", n));
@@ -145,7 +145,7 @@ fn generators_that_should_be_uniform_are() {
         for axis in 0..2 {
             let samples: Vec<f64> = points.iter().map(|p| p[axis]).collect();
             assert!(chi_square_uniform(&samples, [0.0, 1.0], 50) < 93.0, "{key}");
-            // 2.2/√n is passed once in 10 000 times.
+            // 2.2/√n is exceeded once in 10 000 times.
             assert!(
                 ks_distance_uniform(&samples, [0.0, 1.0]) < 2.2 / 50_000_f64.sqrt(),
                 "{key}"
@@ -173,7 +173,7 @@ fn without_anything_to_measure_the_result_is_nan() {
     );
 }
 
-/// A number from 0 on, in fixed point: from the lowest limb to the one in front of the point.
+/// A non-negative number in fixed point: from the lowest limb to the integer part.
 #[derive(Clone, PartialEq)]
 struct Fixed(Vec<u64>);
 
@@ -194,7 +194,7 @@ impl Fixed {
         assert_eq!(carry, 0);
     }
 
-    /// Cut off behind the lowest limb.
+    /// Truncates below the lowest limb.
     fn divide(&mut self, divisor: u64) {
         let mut rest = 0;
         for limb in self.0.iter_mut().rev() {
@@ -212,7 +212,7 @@ impl Fixed {
         assert!(!carry);
     }
 
-    /// Takes the other away if there is as much; says whether there was.
+    /// Subtracts the other if it is not larger; returns `true` if it did.
     fn take(&mut self, other: &Self) -> bool {
         if self.0.iter().rev().lt(other.0.iter().rev()) {
             return false;
@@ -233,7 +233,7 @@ impl Fixed {
         self.0[self.0.len() - 3..].iter().fold(0.0, add)
     }
 
-    /// The arcsine of a ratio from 0 to a half, by its series.
+    /// The arcsine of a ratio from 0 to 1/2, by its series.
     fn arcsine(numerator: u64, denominator: u64, fraction: usize) -> Self {
         let mut power = Self::one(fraction);
         power.multiply(numerator);
@@ -241,7 +241,7 @@ impl Fixed {
         let mut total = power.clone();
         let mut k = 1;
         while !power.is_zero() {
-            // x^k · (1·3·…·(k − 2))/(2·4·…·(k − 1)), which over k is the term.
+            // x^k · (1·3·…·(k − 2))/(2·4·…·(k − 1)); divided by k it is the term.
             power.multiply(numerator * numerator * k);
             power.divide(denominator * denominator * (k + 1));
             k += 2;
@@ -253,16 +253,16 @@ impl Fixed {
     }
 }
 
-/// The sum of two limbs, and what is carried.
+/// The sum of two limbs, and the carry.
 fn sum(a: u64, b: u64, carry: bool) -> (u64, bool) {
     let sum = u128::from(a) + u128::from(b) + u128::from(carry);
     (sum as u64, sum >> 64 != 0)
 }
 
 /// Orbits of the Chebyshev map of degree 6 from `x_1 = digit/10`: `x_i = cos(6^(i−1) arccos x_1)`,
-/// with more digits of the angle than the steps take (2.585 bits each).
+/// with more digits of the angle than the steps consume (2.585 bits each).
 fn exact_orbits<const N: usize>(digits: [u64; N], n: usize) -> [Vec<f64>; N] {
-    // The series lose some units of the last limb: two limbs are spare.
+    // The series lose some units of the last limb: two extra limbs cover them.
     let fraction = n * 2585 / 64_000 + 5;
     let mut quarter = Fixed::arcsine(1, 2, fraction);
     quarter.multiply(3);

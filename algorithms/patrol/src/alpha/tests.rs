@@ -85,7 +85,7 @@ fn a_robot_too_slow_for_the_contour_is_told_the_least_time() {
     let awg = awg(&octagon(), 120.0, 1.0, Mode::default());
     let error = alpha_max(&awg, 0.4, 1, &mut catp()).unwrap_err();
     assert!(error.to_string().contains("at least 120.711 s"), "{error}");
-    // Fast enough for the way, but not for its corners.
+    // Fast enough for the path, but not for its corners.
     let mut robot = TurnThenDrive {
         v: 0.41,
         omega: 0.5,

@@ -1,34 +1,34 @@
-//! Why there is no zig-zag.
+//! Errors of a zig-zag.
 
 use thiserror::Error;
 
 use super::MAX_T_MAX;
 use crate::danger::DangerZoneError;
 
-/// Why a zig-zag cannot be made, and what to change.
+/// Reason why a zig-zag is impossible, with the remedy.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum AwgError {
-    /// A time that is none.
+    /// An invalid time.
     #[error("`t_max` is {value}, but must be a number above 0 and of at most {MAX_T_MAX} (s)")]
     TMax {
-        /// The time given (s).
+        /// Actual time (s).
         value: f64,
     },
-    /// A width that is none.
+    /// An invalid width.
     #[error(
         "`alpha` is {value}, but must be a finite number above 0 (m); leave it out to have it chosen"
     )]
     Alpha {
-        /// The width given (m).
+        /// Actual width (m).
         value: f64,
     },
-    /// A clock that does not run, or runs late.
+    /// A clock that stands still or is too slow.
     #[error("the tempo is {value}, but must be a number above 0 and of at most 1")]
     Tempo {
-        /// The tempo given.
+        /// Actual tempo.
         value: f64,
     },
-    /// A contour so short, or so long, for its time that its speed is no number.
+    /// A contour too short, or too long, for its time, so that the speed is not a number.
     #[error(
         "`contour` is {length} m long, which in `t_max` = {t_max} s is no speed that can be \
          computed with: give coordinates in metres and the time in seconds"
@@ -36,7 +36,7 @@ pub enum AwgError {
     Speed {
         /// Length of the contour (m).
         length: f64,
-        /// Time for it (s).
+        /// Time limit (s).
         t_max: f64,
     },
     /// A contour that is too long for the time, even without a zig-zag.
@@ -45,16 +45,16 @@ pub enum AwgError {
          the robot's {v_max} m/s: give it more time, a shorter contour or a faster robot"
     )]
     TooShort {
-        /// Time for a lap (s).
+        /// Time limit of a lap (s).
         t_max: f64,
         /// Length of the contour (m).
         length: f64,
-        /// Greatest speed of the robot (m/s).
+        /// Maximum speed of the robot (m/s).
         v_max: f64,
-        /// Least time that would do (s).
+        /// Minimum time (s).
         least: f64,
     },
-    /// A danger zone that is no area.
+    /// A danger zone without an area.
     #[error(transparent)]
     Zone(#[from] DangerZoneError),
 }

@@ -1,4 +1,4 @@
-//! Laps without end, waypoint by waypoint.
+//! Endless laps, waypoint by waypoint.
 
 use chaotic_maps::Source;
 use nalgebra::Point2;
@@ -6,9 +6,9 @@ use planner_view::waypoint::{Waypoint, WaypointKind};
 
 use super::{Awg, waypoint};
 
-/// All waypoints of a patrol, one after the other; never ends.
+/// All waypoints of a patrol in order; never ends.
 ///
-/// The first is the start of the contour, number 0. The generator goes on over segments and laps,
+/// The first is the start of the contour, number 0. The generator continues over segments and laps,
 /// so that no two laps are alike.
 #[derive(Debug, Clone)]
 pub struct Laps<S> {
@@ -16,7 +16,7 @@ pub struct Laps<S> {
     source: S,
     lap: u32,
     leg: usize,
-    /// Waypoints of the leg that have been given out.
+    /// Number of waypoints of the leg returned so far.
     given: u32,
     started: bool,
 }
@@ -33,7 +33,7 @@ impl<S: Source> Laps<S> {
         }
     }
 
-    /// What the waypoints come from.
+    /// The zig-zag that the waypoints come from.
     pub fn awg(&self) -> &Awg {
         &self.awg
     }
@@ -52,7 +52,7 @@ impl<S: Source> Laps<S> {
             self.leg = 0;
         }
         let Some(&leg) = self.awg.legs(self.lap).get(self.leg) else {
-            // A contour has a segment, and so has a lap a leg.
+            // A contour has at least one segment, and a lap at least one leg.
             return waypoint(0, self.lap, WaypointKind::Route, self.awg.start());
         };
         self.given += 1;
@@ -66,11 +66,11 @@ impl<S: Source> Laps<S> {
         waypoint
     }
 
-    /// The next waypoint that is not an additional one inside an obstacle that the robot knows
-    /// (paper, end of §4); those left out on the way are appended to `dropped`. The generator takes
-    /// their steps all the same, so that who has the key but not the map foresees the others.
+    /// The next waypoint that is not an additional one inside a known obstacle (paper, end of §4);
+    /// the skipped ones are appended to `dropped`. The generator takes their steps as well, so that
+    /// an ally with the key but without the map can compute the others.
     ///
-    /// `inside` tells whether a point (m) lies in an obstacle, enlarged as the robot wants it.
+    /// `inside` returns `true` for a point (m) in an obstacle, enlarged by the robot's clearance.
     pub fn next_outside(
         &mut self,
         inside: impl Fn(Point2<f64>) -> bool,
@@ -78,7 +78,7 @@ impl<S: Source> Laps<S> {
     ) -> Waypoint {
         loop {
             let waypoint = self.next_waypoint();
-            // Waypoints of the route are never left out, so that this ends.
+            // Waypoints of the route are never skipped, so the loop ends.
             if waypoint.kind != WaypointKind::Inserted || !inside(waypoint.point) {
                 return waypoint;
             }

@@ -1,18 +1,18 @@
-//! What the paper leaves open: how lengths round to numbers of waypoints, and which way the square
-//! of the generator's points lies.
+//! Choices that the paper leaves open: rounding of lengths to numbers of waypoints, and orientation
+//! of the square of the generator's points.
 
 use nalgebra::Vector2;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// How a segment's length, as a multiple of the patrol's speed, becomes a number of waypoints
+/// Conversion of a segment's length, as a multiple of the patrol's speed, to a number of waypoints
 /// (paper, Eq. 10).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Rounding {
     /// Downwards, as printed.
     Floor,
-    /// To the nearest, which makes a lap of `t_max` seconds have close to `t_max` waypoints.
+    /// To the nearest, so that a lap of `t_max` seconds has close to `t_max` waypoints.
     #[default]
     Nearest,
 }
@@ -26,15 +26,15 @@ impl Rounding {
     }
 }
 
-/// Which way the square lies on a segment (paper, Eq. 3).
+/// Orientation of the square on a segment (paper, Eq. 3).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Frame {
     /// Ahead of the robot, on every segment alike.
     #[default]
     Atan2,
-    /// By the segment's slope, as printed: behind the robot on segments that lead towards smaller x,
-    /// so that the same contour turned by 180° gives another zig-zag.
+    /// By the segment's slope, as printed: behind the robot on segments towards smaller x, so that
+    /// the same contour rotated by 180° gives another zig-zag.
     Atan,
 }
 
@@ -50,27 +50,27 @@ impl Frame {
 /// Both choices.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Mode {
-    /// How many waypoints.
+    /// Rounding of numbers of waypoints.
     pub rounding: Rounding,
-    /// Which way the square lies.
+    /// Orientation of the square.
     pub frame: Frame,
 }
 
-/// Choices with a name.
+/// Named choices.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Preset {
     /// The formulas as the paper prints them: floor, atan.
     Printed,
-    /// What fits the paper's figures best: nearest, atan.
+    /// The best fit to the paper's figures: nearest, atan.
     PaperFit,
-    /// What we recommend: nearest, atan2.
+    /// The recommended choices: nearest, atan2.
     #[default]
     Default,
 }
 
 impl Preset {
-    /// The choices behind the name.
+    /// The choices of the preset.
     pub fn mode(self) -> Mode {
         let (rounding, frame) = match self {
             Self::Printed => (Rounding::Floor, Frame::Atan),

@@ -47,7 +47,7 @@ pub(crate) fn catp() -> AnySource {
     source("catp:0.4,0.644")
 }
 
-/// Points by hand.
+/// Explicit points.
 struct Listed(Vec<[f64; 2]>);
 
 impl Source for Listed {
@@ -131,7 +131,7 @@ fn an_open_contour_is_walked_back_with_new_waypoints() {
     assert_eq!(route(0), [p[0], p[1], p[2]]);
     assert_eq!(route(1), [p[1], p[0]]);
     assert_eq!(route(2), [p[1], p[2]]);
-    // On the way back, too, every waypoint leads its nominal place by 0 … α.
+    // On the return, too, every waypoint is ahead of its nominal position by 0 … α.
     for (w, leg_end) in stream[17..22].iter().zip(1..) {
         let lead = (6.0 - f64::from(leg_end)) - w.point.y;
         assert!((0.0..0.8).contains(&lead), "{lead}");

@@ -151,7 +151,7 @@ proptest! {
         let zones = DangerZones(shapes);
         let contour = octagon();
         let stretches = zones.cut(&contour).unwrap();
-        // The same way: end to end, of the same length, through the same waypoints.
+        // The same path: end to end, of the same length, through the same waypoints.
         let total: f64 = stretches.iter().map(|s| s.segment.length).sum();
         prop_assert!((total - contour.length()).abs() < 1e-9);
         for pair in stretches.windows(2) {
@@ -170,7 +170,7 @@ proptest! {
             let Segment { from, to, along, length } = stretch.segment;
             prop_assert!(length > 0.0);
             prop_assert!((to - from - along * length).norm() < 1e-9);
-            // What is threatened is inside all along, the rest outside, but for slivers.
+            // Threatened stretches are inside everywhere, the rest outside, except for slivers.
             for share in [0.1, 0.3, 0.5, 0.7, 0.9] {
                 let p = from + along * (length * share);
                 if stretch.threatened {
@@ -179,7 +179,7 @@ proptest! {
                     prop_assert!(depth(p) >= -MIN_STRETCH, "{}", depth(p));
                 }
             }
-            // Where the threat begins or ends within a segment lies the border of a zone.
+            // A start or end of the threat within a segment lies on the border of a zone.
             for end in [from, to] {
                 if !contour.points().contains(&end) {
                     let off = parts.iter().map(|z| z.contact(end).distance.abs());

@@ -22,7 +22,7 @@ proptest! {
         let key = Key::from_seed(kind, seed);
         let contour = if closed { octagon() } else { open() };
         let awg = awg(&contour, 60.0, 1.3, Mode::default());
-        // The ally has the text of the key, nothing else of the robot's.
+        // The ally has only the text of the key.
         let ally: Key = key.to_string().parse().unwrap();
         let forecast = Forecast::new(awg.clone(), ally.source().unwrap());
         let driven: Vec<_> = awg.laps(key.source().unwrap()).take(400).collect();
@@ -42,9 +42,9 @@ fn a_waypoint_far_ahead_is_found_at_once() {
     let first = 1 + 1_000_000_000 * 120;
     assert_eq!(lap[0].number, first);
     assert_eq!(forecast.waypoint(first + 40).unwrap(), lap[40]);
-    // Someone with another key, one unit away, knows nothing.
-    let other_key = Forecast::new(awg, source("catp:3689348814741910314,5939851591734475604"));
-    let gap = other_key.waypoint(first + 40).unwrap().point - lap[40].point;
+    // An observer with another key, one unit away, cannot predict anything.
+    let stranger = Forecast::new(awg, source("catp:3689348814741910314,5939851591734475604"));
+    let gap = stranger.waypoint(first + 40).unwrap().point - lap[40].point;
     assert!(gap.norm() > 1e-3, "{gap}");
 }
 

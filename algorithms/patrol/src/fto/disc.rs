@@ -1,4 +1,4 @@
-//! A disc that is not there, and a range scan that shows it.
+//! A disc that does not exist, and a range scan that contains it.
 
 use geometry::math;
 use geometry::pose::Pose2;
@@ -15,8 +15,8 @@ pub struct Disc {
     pub radius: f64,
 }
 
-/// The scan with a disc in it: each beam that meets the disc before anything real ends there. The
-/// ranges are kept in `buffer`, whose contents do not matter.
+/// The scan with a disc in it: each beam that meets the disc before a real echo ends there. The
+/// ranges are stored in `buffer`, whose previous contents do not matter.
 ///
 /// Without a disc, with a disc out of reach or around the sensor itself, or with a pose that is not
 /// finite, the ranges are the real ones. A range never grows.

@@ -5,21 +5,21 @@ use parameters::{Parameters, ParamsError, above, between, each, require};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Parameters of [`Fto`](super::Fto). The defaults are the paper's where it gives any.
+/// Parameters of [`Fto`](super::Fto). The defaults are the paper's where it gives values.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct FtoParams {
     /// Key of a generator; the paper's logistic map if absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub key: Option<Key>,
-    /// Least and greatest time that one is there.
+    /// Minimum and maximum duration of an obstacle.
     #[schemars(transform = each(above(0).unit("s")))]
     pub active_s: [f64; 2],
     /// Radius of an obstacle.
     #[schemars(transform = above(0).unit("m"))]
     pub radius: f64,
-    /// Least distance at which one appears, as a share of the way from the robot's edge to the end
-    /// of its sensor's reach.
+    /// Minimum distance at which an obstacle appears, as a share of the distance from the robot's
+    /// edge to the end of its sensor's range.
     #[schemars(transform = between(0, 1))]
     pub nearest: f64,
 }

@@ -16,7 +16,7 @@ fn fto(params: &FtoParams) -> Fto {
     Fto::new(params).unwrap()
 }
 
-/// Times at which obstacles come and go, for a robot on the move.
+/// Times at which obstacles appear and disappear, for a moving robot.
 fn times(params: &FtoParams, end_s: f64) -> Vec<(f64, bool)> {
     let mut fto = fto(params);
     let mut shown = false;
@@ -37,7 +37,7 @@ fn times(params: &FtoParams, end_s: f64) -> Vec<(f64, bool)> {
 fn obstacles_come_and_go_at_the_times_of_the_logistic_map() {
     let changes = times(&FtoParams::default(), 60.0);
     let z = |k: usize| (0..k).fold(0.18, |z: f64, _| 3.99 * z * (1.0 - z));
-    // Gap, activity, side and distance; then the next gap.
+    // Gap, duration, side and distance; then the next gap.
     let first = 2.0 + 18.0 * z(1);
     let gone = first + 0.3 + 2.2 * z(2);
     let second = gone + 2.0 + 18.0 * z(5);
@@ -97,7 +97,7 @@ fn an_obstacle_that_the_robot_touches_or_that_hides_its_goal_is_withdrawn() {
         ..carrier(0.0)
     };
     assert_eq!(again.at(appears + 0.01, &hidden), None);
-    // Not even once the goal is another.
+    // Not even after the goal has changed.
     assert_eq!(again.at(appears + 0.02, &carrier(0.0)), None);
     assert_eq!(fto.at(appears + 0.01, &carrier(disc.center.x)), None);
     assert!(fto.at(f64::NAN, &carrier(0.0)).is_none());

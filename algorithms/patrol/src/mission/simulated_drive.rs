@@ -1,4 +1,4 @@
-//! Laps driven on simulated drive, without obstacles, to know how long they take.
+//! Laps driven in a simulated drive without obstacles, to measure their times.
 
 use geometry::math;
 use geometry::pose::Pose2;
@@ -10,21 +10,22 @@ use steering::waypoint_driver::lap_time;
 use super::Drive;
 use crate::alpha::LapTimes;
 
-/// Tick of the simulated drive drive (s). Not that of the run: the width must not depend on it.
+/// Tick of the simulated drive (s). It differs from the run's tick: the width must not depend on
+/// that.
 const TICK_S: f64 = 0.05;
 
-/// A robot that is driven through laps as the waypoint driver does it, on empty ground.
+/// A robot that the waypoint driver drives through laps in open space.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SimulatedDrive {
     limits: Limits,
     go_to: GoToParams,
-    /// Time that each waypoint costs beyond the ideal drive (s).
+    /// Additional time per waypoint, compared with the ideal drive (s).
     loss_s: f64,
 }
 
 impl SimulatedDrive {
-    /// A robot with these limits. Where it accelerates in finite time, each waypoint costs it a stop
-    /// and a start, of wheels and of turning, which is more than it loses.
+    /// Creates a robot with these limits. With finite accelerations, each waypoint costs it a stop
+    /// and a start, of wheels and of turning; this is more than it really loses.
     pub fn new(drive: &Drive, go_to: &GoToParams) -> Self {
         let time = |speed: f64, acceleration: Option<f64>| {
             acceleration.map_or(0.0, |acceleration| speed / acceleration)
@@ -46,7 +47,8 @@ impl LapTimes for SimulatedDrive {
             let (&start, rest) = lap.split_first()?;
             let towards =
                 |from: Point2<f64>, to: Point2<f64>| math::atan2(to.y - from.y, to.x - from.x);
-            // It arrives in the direction of the last leg, and sets out in that of the first one.
+            // The robot arrives in the direction of the last leg, and leaves in that of the first
+            // one.
             let first = rest.first().map_or(0.0, |&to| towards(start, to));
             let pose = Pose2::new(start.x, start.y, heading.unwrap_or(first));
             let time = lap_time(&pose, rest, &self.limits, &self.go_to, TICK_S).ok()?;

@@ -26,7 +26,7 @@ fn what_is_left_open_is_chosen_from_robot_and_seed() {
     assert_eq!(mission.key.kind(), KeyKind::Keyed);
     let alpha = mission.awg.params().alpha;
     assert!((0.5..1.8).contains(&alpha), "{alpha}");
-    // A robot that needs time to turn gets less.
+    // A robot with finite acceleration of turning gets a smaller width.
     let heavy = Drive {
         acceleration: Some(4.0),
         angular_acceleration: Some(40.0),
@@ -40,7 +40,7 @@ fn what_is_left_open_is_chosen_from_robot_and_seed() {
 fn laps_by_the_clock_end_before_the_time_is_over() {
     let go_to = GoToParams::default();
     let prepared = |params: MissionParams| params.prepare(&drive(1.0), &go_to, 7).unwrap();
-    // Sides of 6.5 s are rounded to 7 waypoints, which would be more than the time.
+    // Sides of 6.5 s are rounded to 7 waypoints, which would exceed the time.
     let square = MissionParams {
         contour: vec![[0.0, 0.0], [3.3, 0.0], [3.3, 3.3], [0.0, 3.3]],
         t_max: 26.4,

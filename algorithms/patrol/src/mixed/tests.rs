@@ -68,7 +68,7 @@ fn unreachable_waypoints_change_the_method_for_some_laps() {
     };
     let found = counts(&mut mixed, 7, 1, |_| false, on_the_left);
     let fictive: Vec<bool> = found.iter().map(|f| f.1).collect();
-    // Tried on lap 0, given up for four, tried again.
+    // Tried on lap 0, given up for four laps, tried again.
     assert_eq!(fictive, [false, true, true, true, true, false, true]);
 }
 
@@ -99,7 +99,7 @@ fn on_the_way_back_of_an_open_contour_a_leg_is_the_same_leg() {
             WaypointOutcome::Reached
         }
     };
-    // The first leg there is the second back.
+    // The first leg there is the second leg back.
     let found = counts(&mut mixed, 3, 1, |_| false, on_the_first);
     assert_eq!(found, [(20, false), (1, true), (20, false)]);
 }

@@ -1,11 +1,11 @@
-//! Finding the curve: sequential convex programming.
+//! Curve search by sequential convex programming.
 //!
 //! Each program minimises the energy ½∫|r'|² dτ, whose minimum over all curves is the shortest path
-//! driven evenly, subject to half-planes: at samples of τ near an obstacle, the curve stays behind
-//! the line that touches the grown obstacle where the last curve was nearest to it. Obstacles are
-//! convex, so that these half-planes keep away from all of them: where positions are linear in the
-//! variables, what a program accepts is free at its samples, and no trust region is needed. Between
-//! samples the curve may sag into a round obstacle by h²/8R; that much margin is kept.
+//! at constant speed, subject to half-planes: at samples of τ near an obstacle, the curve stays
+//! behind the line that touches the grown obstacle where the last curve was nearest to it. Obstacles
+//! are convex, so the half-planes keep the curve out of all of them. Where positions are linear in
+//! the variables, every solution of a program is free at its samples, and no trust region is needed.
+//! Between samples the curve may sag into a round obstacle by h²/8R; a margin of that size is kept.
 
 use geometry::shape::{Contact, Convex};
 use nalgebra::{Point2, Vector2};
@@ -17,54 +17,55 @@ use crate::curve::{Curve, Row};
 use crate::guide::Guide;
 use crate::obstacle_field::ObstacleField;
 
-/// Cost of a unit by which an obstacle is entered.
+/// Cost per unit of penetration of an obstacle.
 const SLACK_COST: f64 = 10.0;
-/// Most cost.
+/// Maximum of this cost.
 const MAX_SLACK_COST: f64 = 1e5;
-/// What is kept beside the sag (m).
+/// Margin in addition to the sag (m).
 const SAG_TOLERANCE: f64 = 3e-5;
-/// Most sag (m) between samples: at first, and once it is known about where the curve goes.
+/// Maximum sag (m) between samples: at first, and once the approximate curve is known.
 const SAG: [f64; 2] = [5e-4, 1e-4];
-/// Samples are not nearer to each other (m).
+/// Minimum distance of samples (m): at first, and once the approximate curve is known.
 const MIN_SPACING: [f64; 2] = [0.01, 0.006];
-/// Nor farther apart (m).
+/// Maximum distance of samples (m).
 const MAX_SPACING: f64 = 0.04;
-/// Depth in a grown obstacle, as a part of its size, from which on the nearest side may be the wrong
-/// one.
+/// Penetration of a grown obstacle, as a fraction of its size, above which the nearest side may be
+/// the wrong one.
 const DEEP_PENETRATION: f64 = 0.15;
-/// Margin per way from an end of the path.
+/// Growth of the margin per distance from an end of the path.
 const GROWTH: f64 = 0.05;
-/// Distance (m) from a grown obstacle within which the curve is held by it: at first, and once it
-/// is known about where it goes.
+/// Distance (m) from a grown obstacle within which its half-planes apply: at first, and once the
+/// approximate curve is known.
 const REACH: [f64; 2] = [0.15, 0.01];
-/// Distance (m) from the edge within which the curve is held by it.
+/// Distance (m) from the edge within which its half-planes apply.
 const EDGE_REACH: f64 = 0.2;
 /// Relative change of the cost that ends the iteration.
 const CONVERGED: f64 = 1e-4;
-/// Most programs of one iteration.
+/// Maximum number of programs of one iteration.
 const MAX_PROGRAMS: u32 = 25;
-/// Smallest speed at the ends as a part of the mean speed: the curve has a direction there.
+/// Minimum speed at the ends as a fraction of the mean speed, so that the curve has a direction
+/// there.
 const MIN_SPEED: f64 = 0.005;
 
 /// A search for a curve.
 pub struct CurveSearch<'a> {
     /// The obstacle field.
     pub obstacle_field: &'a ObstacleField,
-    /// The path to begin with.
+    /// Guide path.
     pub guide: &'a Guide,
     /// The coordinates.
     pub frame: Scaling,
     /// The curves.
     pub curve: &'a dyn Curve,
-    /// By obstacle: what the path stays away in addition (m).
+    /// Additional margin of the path per obstacle (m).
     pub margins: Vec<f64>,
-    /// Length (m) that no curve can be shorter than.
+    /// Lower bound on the length of all curves (m).
     pub shortest: f64,
-    /// A path that is known to be near the curve, if there is one.
+    /// A path known to be near the curve, if there is one.
     pub near: Option<&'a Guide>,
-    /// Programs solved.
+    /// Number of programs solved.
     pub programs: u32,
-    /// The only places at which obstacles are looked at, if not everywhere.
+    /// The only values of τ at which obstacles are tested; `None` for all.
     pub only_at: Option<Vec<f64>>,
     slack_cost: f64,
 }
@@ -73,12 +74,12 @@ pub struct CurveSearch<'a> {
 struct Hold {
     at: f64,
     plane: HalfPlane,
-    /// The obstacle, if it may be entered at a cost.
+    /// The obstacle, if penetration at a cost is allowed.
     obstacle: Option<usize>,
 }
 
 impl<'a> CurveSearch<'a> {
-    /// A search that has not begun.
+    /// Creates a search.
     pub fn new(
         obstacle_field: &'a ObstacleField,
         guide: &'a Guide,
@@ -99,9 +100,9 @@ impl<'a> CurveSearch<'a> {
         }
     }
 
-    /// Iterates from a curve (`None`: from the guide) until the cost stays, or the curve's length
-    /// is nearer to the shortest than this share; `None` if a program has no solution. `stop` ends
-    /// it early with what there is.
+    /// Iterates from a curve (`None`: from the guide) until the cost converges, or the curve's
+    /// length exceeds the shortest by less than this share; `None` if a program has no solution.
+    /// `stop` ends the search early with the current curve.
     pub fn run(
         &mut self,
         from: Option<Vec<f64>>,
@@ -170,9 +171,9 @@ impl<'a> CurveSearch<'a> {
             (0.0, 8.0 / 9.0),
             (0.774_596_669_241_483_4, 5.0 / 9.0),
         ];
-        // A curve that is no polynomial between breaks needs more of them.
-        // Three points see squares of velocities of degree 2 at most: a higher degree with few
-        // breaks could otherwise move between them at no cost.
+        // A curve that is not polynomial between breaks needs more points. Three points integrate
+        // squares of velocities of degree 2 at most: a higher degree with few breaks could otherwise
+        // oscillate between them at no cost.
         let fine = if self.curve.is_linear() && self.curve.degree() <= 3 {
             1.0
         } else {
@@ -191,8 +192,8 @@ impl<'a> CurveSearch<'a> {
         }
     }
 
-    /// The half-planes that hold the curve, as it is or, before there is one, as the guide is or the
-    /// path that is known to be near.
+    /// The half-planes for the curve, or, before there is a curve, for the guide or the path known
+    /// to be near.
     fn holds(&self, z: Option<&[f64]>) -> Vec<Hold> {
         let length = self.guide.length();
         let known = usize::from(z.is_some() || self.near.is_some());
@@ -205,7 +206,7 @@ impl<'a> CurveSearch<'a> {
             }
             None => self.near.unwrap_or(self.guide).at(at),
         };
-        // Positions on a coarse grid say which obstacles matter where.
+        // Positions on a coarse grid select the relevant obstacles for each stretch.
         let count = (length / MAX_SPACING).ceil().max(8.0) as usize;
         let grid: Vec<Point2<f64>> = (0..=count)
             .map(|i| place(i as f64 / count as f64))
@@ -247,13 +248,13 @@ impl<'a> CurveSearch<'a> {
         holds
     }
 
-    /// The half-plane that keeps the place `p` of the curve from an obstacle and a margin (m).
+    /// The half-plane that keeps the point `p` of the curve at a margin (m) from an obstacle.
     fn hold(&self, index: usize, at: f64, p: Point2<f64>, margin: f64) -> Hold {
         let obstacle = &self.obstacle_field.obstacles[index];
         let clearance = self.obstacle_field.clearance;
         let (p, contact) = self.outside(obstacle, p, at);
         let surface = surface(p, &contact);
-        // The ends may lie on the obstacle: the margin grows with the way from them.
+        // The ends may lie on the obstacle: the margin grows with the distance from them.
         let near = at.min(1.0 - at);
         let end = self.guide.at(if at < 0.5 { 0.0 } else { 1.0 });
         let height = (end - surface).dot(&contact.normal) - clearance;
@@ -266,8 +267,8 @@ impl<'a> CurveSearch<'a> {
         }
     }
 
-    /// The nearest side of an obstacle. Where a place lies deep inside, that may be the wrong one:
-    /// then the side on which the guide passes.
+    /// The nearest side of an obstacle. For a point deep inside it may be the wrong one; then the
+    /// side on which the guide passes.
     fn outside(&self, obstacle: &Convex, p: Point2<f64>, at: f64) -> (Point2<f64>, Contact) {
         let contact = obstacle.contact(p);
         let size = match obstacle {
@@ -308,8 +309,8 @@ impl<'a> CurveSearch<'a> {
         }
     }
 
-    /// The program around a curve; the variables after the curve's are how deep obstacles are
-    /// entered. Returns how many of these there are, too.
+    /// The program around a curve; the variables after the curve's are the penetrations of
+    /// obstacles. Also returns the number of these.
     fn program(&self, z: &[f64], holds: &[Hold], known: bool) -> (QuadraticProgram, usize) {
         let variables = self.curve.variables();
         let mut slack_of = vec![None; self.obstacle_field.obstacles.len()];
@@ -377,7 +378,7 @@ impl<'a> CurveSearch<'a> {
     }
 }
 
-/// The terms with every variable once, in order.
+/// Merges the terms so that every variable occurs once, in order.
 fn merged(terms: &mut Vec<(usize, Vector2<f64>)>) -> &[(usize, Vector2<f64>)] {
     terms.sort_by_key(|(var, _)| *var);
     terms.dedup_by(|b, a| {

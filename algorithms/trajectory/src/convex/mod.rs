@@ -1,7 +1,7 @@
 //! Sequential convex programming on curves.
 //!
 //! [`curve_search`] finds a curve among the obstacles by a few programs; [`quadratic_program`] states
-//! and solves one; [`obstacle_planes`] are its half-planes; [`scaling`] has their coordinates.
+//! and solves one; [`obstacle_planes`] are its half-planes; [`scaling`] defines their coordinates.
 
 pub mod curve_search;
 pub mod obstacle_planes;

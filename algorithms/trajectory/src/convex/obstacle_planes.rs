@@ -1,22 +1,22 @@
-//! Half-planes that keep a path out of grown obstacles, and what is done where it is in one.
+//! Half-planes that keep a path out of grown obstacles, and the correction of penetrations.
 
 use geometry::shape::Contact;
 use nalgebra::{Point2, Vector2};
 
 use crate::convex::scaling::Scaling;
 
-/// Depth (m) that is none.
+/// Depth (m) that counts as none.
 pub const NO_DEPTH: f64 = 2e-5;
 
-/// Growth of an obstacle beside the depth at which a path is in it (m).
+/// Growth of an obstacle in addition to the penetration (m).
 const REPAIR: f64 = 1e-4;
 
-/// A half-plane: the places with `normal` · place ≥ `line`.
+/// A half-plane: the points p with `normal` · p ≥ `line`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HalfPlane {
     /// Unit vector into the half-plane.
     pub normal: Vector2<f64>,
-    /// Place of the border along the normal, in the units of its frame.
+    /// Coordinate of the border along the normal, in the units of its frame.
     pub line: f64,
 }
 
@@ -36,13 +36,13 @@ impl HalfPlane {
     }
 }
 
-/// The point of the surface to which a contact of the place `p` belongs (m).
+/// The point of the surface that belongs to a contact of the point `p` (m).
 pub fn surface(p: Point2<f64>, contact: &Contact) -> Point2<f64> {
     p - contact.normal * contact.distance
 }
 
-/// Grows the margins (m) of the obstacles that a path is in, so that it stays out of them next
-/// time; returns the largest depth (m) that is one, or 0.
+/// Grows the margins (m) of the obstacles that a path penetrates, so that the next path avoids
+/// them; returns the largest relevant depth (m), or 0.
 pub fn grow_margins(depths: &[(usize, f64)], margins: &mut [f64]) -> f64 {
     let mut deepest: f64 = 0.0;
     for &(index, depth) in depths {

@@ -1,4 +1,4 @@
-//! Convex quadratic programs, put together row by row and solved by Clarabel.
+//! Convex quadratic programs, built row by row and solved by Clarabel.
 
 use clarabel::algebra::CscMatrix;
 use clarabel::solver::{
@@ -15,10 +15,10 @@ pub struct QuadraticProgram {
     at_most: Rows,
 }
 
-/// Linear conditions.
+/// Linear constraints.
 #[derive(Debug, Clone, PartialEq, Default)]
 struct Rows {
-    /// Where each row's terms begin and end, and its right side.
+    /// Begin and end of each row's terms, and its right side.
     rows: Vec<(usize, usize, f64)>,
     /// Variables and coefficients, row by row.
     terms: Vec<(usize, f64)>,
@@ -33,7 +33,7 @@ impl Rows {
 }
 
 impl QuadraticProgram {
-    /// A program of so many variables without costs or limits.
+    /// Creates a program with this number of variables, without costs or constraints.
     pub fn new(variables: usize) -> Self {
         Self {
             hessian: DMatrix::zeros(variables, variables),
@@ -56,17 +56,17 @@ impl QuadraticProgram {
         self.linear[i] += value;
     }
 
-    /// Demands Σ terms ≤ `bound`; every variable at most once.
+    /// Adds the constraint Σ terms ≤ `bound`; every variable at most once.
     pub fn at_most(&mut self, terms: impl IntoIterator<Item = (usize, f64)>, bound: f64) {
         self.at_most.push(terms, bound);
     }
 
-    /// Demands Σ terms = `value`; every variable at most once.
+    /// Adds the constraint Σ terms = `value`; every variable at most once.
     pub fn equal(&mut self, terms: impl IntoIterator<Item = (usize, f64)>, value: f64) {
         self.equal.push(terms, value);
     }
 
-    /// Solves it; `None` if the solver finds no solution.
+    /// Solves the program; `None` if the solver finds no solution.
     pub fn solve(&self) -> Option<Vec<f64>> {
         let n = self.linear.len();
         let costs = upper_triangle(&self.hessian);
@@ -75,7 +75,7 @@ impl QuadraticProgram {
             SupportedConeT::ZeroConeT(self.equal.rows.len()),
             SupportedConeT::NonnegativeConeT(self.at_most.rows.len()),
         ];
-        // These programs are well scaled: what Clarabel does for others costs a third of the time.
+        // These programs are well scaled: Clarabel's equilibration would cost a third of the time.
         for careful in [false, true] {
             let mut solver = DefaultSolver::new(
                 &costs,
@@ -97,7 +97,7 @@ impl QuadraticProgram {
         None
     }
 
-    /// All rows, those of equalities first, and their right sides.
+    /// All rows, equalities first, and their right sides.
     fn matrix(&self, n: usize) -> (CscMatrix<f64>, Vec<f64>) {
         let parts = [&self.equal, &self.at_most];
         let count: usize = parts.iter().map(|part| part.terms.len()).sum();

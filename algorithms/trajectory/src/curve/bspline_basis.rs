@@ -2,7 +2,7 @@
 //!
 //! Piegl and Tiller, *The NURBS Book* (2nd ed. 1997), algorithms A2.1 and A2.3.
 
-/// Highest degree.
+/// Maximum degree.
 pub const MAX_DEGREE: usize = 8;
 
 /// A clamped knot vector over [0, 1] and a degree.
@@ -13,7 +13,7 @@ pub struct Basis {
     knots: Vec<f64>,
 }
 
-/// Values of the basis functions that are not 0 at a place.
+/// Non-zero values of the basis functions at a parameter.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Values {
     /// Index of the first of them; there are degree + 1.
@@ -23,13 +23,14 @@ pub struct Values {
 }
 
 impl Basis {
-    /// The basis of this degree (1…8) with these breaks strictly between 0 and 1, ascending.
+    /// Creates the basis of this degree (1…8) with these breaks strictly between 0 and 1,
+    /// ascending.
     pub fn new(degree: usize, breaks: &[f64]) -> Self {
         let degree = degree.clamp(1, MAX_DEGREE);
         let mut knots = vec![0.0; degree + 1];
         let mut last = 0.0;
         for &at in breaks {
-            // Strictly ascending, whatever comes.
+            // Strictly ascending for every input.
             if at > last && at < 1.0 {
                 knots.push(at);
                 last = at;
@@ -39,7 +40,8 @@ impl Basis {
         Self { degree, knots }
     }
 
-    /// The basis of this degree with so many functions (more than the degree) and even breaks.
+    /// Creates the basis of this degree with this number of functions (more than the degree) and
+    /// even breaks.
     pub fn even(degree: usize, functions: usize) -> Self {
         let spans = functions.saturating_sub(degree).max(1);
         let breaks: Vec<f64> = (1..spans).map(|i| i as f64 / spans as f64).collect();
@@ -56,22 +58,22 @@ impl Basis {
         self.knots.len() - self.degree - 1
     }
 
-    /// Returns `true` if there are none: never.
+    /// Returns `true` if there are none (never).
     pub fn is_empty(&self) -> bool {
         false
     }
 
-    /// The places where polynomials meet, with both ends.
+    /// The parameters where polynomials meet, including both ends.
     pub fn breaks(&self) -> &[f64] {
         &self.knots[self.degree..self.knots.len() - self.degree]
     }
 
-    /// Where the support of a function ends.
+    /// End of the support of a function.
     pub fn support_end(&self, function: usize) -> f64 {
         self.knots[(function + self.degree + 1).min(self.knots.len() - 1)]
     }
 
-    /// Index of the span between breaks that holds a place of [0, 1].
+    /// Index of the span between breaks that contains a parameter of [0, 1].
     pub fn span(&self, at: f64) -> usize {
         let breaks = self.breaks();
         breaks
@@ -80,8 +82,8 @@ impl Basis {
             - 1
     }
 
-    /// The functions that are not 0 in a span, and their derivatives up to an order, at a place of
-    /// it (or beyond: the span's polynomials go on).
+    /// The non-zero functions of a span, and their derivatives up to an order, at a parameter in it
+    /// (or beyond: the span's polynomials are extrapolated).
     pub fn values(&self, span: usize, at: f64, order: usize) -> Values {
         let (p, u) = (self.degree, &self.knots);
         let i = span + p;

@@ -1,29 +1,29 @@
-//! Where a spline may bend: breaks around the arcs of the guide and after the start.
+//! Knot placement of splines: breaks around the arcs of the guide and after the start.
 
 use geometry::math;
 use navigation::tangent_graph::PathLeg;
 
 use crate::guide::Guide;
 
-/// Distances of the breaks after the start (and before the goal), in turning radii: how a robot
-/// that must begin in another heading than the guide's turns into it.
+/// Distances of the breaks after the start (and before the goal), in turning radii: a robot whose
+/// prescribed heading differs from the guide's turns into the guide there.
 const TURN_IN: [f64; 3] = [3.0, 8.0, 20.0];
-/// Shortest distance (m) that these are counted in.
+/// Minimum turning radius (m) for these distances.
 const MIN_TURN: f64 = 5e-3;
-/// Headings that differ by less (rad) need no breaks.
+/// Difference of headings (rad) below which no breaks are needed.
 const SAME_HEADING: f64 = 2e-3;
-/// Part of an arc's radius by which breaks lie before and behind its ends.
+/// Distance of breaks from the ends of an arc, before and behind them, as a fraction of its radius.
 const AROUND: f64 = 0.4;
-/// Part of the path's length that an arc's end may cost.
+/// Maximum cost of an arc's end, as a fraction of the path's length.
 const LOSS: f64 = 2e-5;
-/// Most turn (rad) of a long arc between two breaks.
+/// Maximum turn (rad) of a long arc between two breaks.
 const TURN: f64 = 1.0;
-/// Parts of the path in which there is at least one break.
+/// Number of equal parts of the path with at least one break each.
 const PARTS: f64 = 6.0;
 /// Kinks (rad) of the guide that count as arcs.
 const KINK: f64 = 1e-3;
 
-/// Headings (rad) that the path must begin and end with, if they are prescribed.
+/// Headings (rad) at the ends of the path, if prescribed.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Headings {
     /// At the start.
@@ -32,7 +32,7 @@ pub struct Headings {
     pub goal: Option<f64>,
 }
 
-/// The breaks of a spline along a guide, in parts of its length; at each `level` twice as many.
+/// The breaks of a spline along a guide, as fractions of its length; at each `level` twice as many.
 /// `turning` is the smallest radius (m) that the robot can drive at full speed.
 pub fn breaks(guide: &Guide, headings: Headings, turning: f64, level: u32) -> Vec<f64> {
     let length = guide.length();
@@ -63,7 +63,7 @@ pub fn breaks(guide: &Guide, headings: Headings, turning: f64, level: u32) -> Ve
         before = Some(leg.heading(1.0));
         let PathLeg::Arc(arc) = leg else { continue };
         let (a, b) = (s, s + leg.length());
-        // A spline rounds the step of the curvature off over d, which costs about d³ / 25 R².
+        // A spline rounds off the step of the curvature over d, which costs about d³ / 25 R².
         let little = LOSS * length * arc.radius * arc.radius * 25.0;
         let d = (AROUND * arc.radius).min(little.cbrt());
         if b - a <= 2.5 * d {
@@ -86,7 +86,7 @@ pub fn breaks(guide: &Guide, headings: Headings, turning: f64, level: u32) -> Ve
     all.iter().map(|s| s / length).collect()
 }
 
-/// With more breaks in gaps that are wider than `most`.
+/// Adds breaks in gaps that are wider than `most`.
 fn filled(at: &[f64], length: f64, most: f64) -> Vec<f64> {
     let mut all = Vec::with_capacity(at.len() + PARTS as usize);
     let mut before = 0.0;

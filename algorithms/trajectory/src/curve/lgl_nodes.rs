@@ -1,15 +1,15 @@
-//! Legendre–Gauss–Lobatto nodes: where the path control parameter of motion camouflage is free.
+//! Legendre–Gauss–Lobatto nodes of the path control parameter of motion camouflage.
 //!
 //! Fahroo and Ross, *Costate Estimation by a Legendre Pseudospectral Method* (2001): the N + 1 nodes
 //! are ±1 and the zeros of the derivative of the Legendre polynomial of degree N; the
-//! differentiation matrix takes values at the nodes to derivatives of their interpolant there.
+//! differentiation matrix maps values at the nodes to derivatives of their interpolant there.
 
 use nalgebra::DMatrix;
 
-/// Most nodes less one.
+/// Maximum N.
 pub const MAX_NODES: usize = 64;
 
-/// The nodes on [−1, 1] and what goes with them.
+/// The nodes on [−1, 1] with their weights.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Lgl {
     /// The nodes, ascending.
@@ -48,7 +48,7 @@ fn barycentric(nodes: &[f64]) -> Vec<f64> {
 }
 
 impl Lgl {
-    /// The N + 1 nodes, N from 1 to [`MAX_NODES`] (other numbers are taken to the nearest).
+    /// Computes the N + 1 nodes, N from 1 to [`MAX_NODES`] (other numbers are clamped).
     pub fn new(n: usize) -> Self {
         let n = n.clamp(1, MAX_NODES);
         let nf = n as f64;
@@ -114,7 +114,7 @@ impl Lgl {
         })
     }
 
-    /// The Lagrange polynomials of the nodes at a place of [−1, 1].
+    /// The Lagrange polynomials of the nodes at a point of [−1, 1].
     pub fn values(&self, at: f64) -> Vec<f64> {
         let mut values = Vec::with_capacity(self.nodes.len());
         let mut sum = 0.0;
@@ -135,7 +135,7 @@ impl Lgl {
         values
     }
 
-    /// The Lagrange polynomials of the nodes at a place of [−1, 1], and their derivatives there.
+    /// The Lagrange polynomials of the nodes at a point of [−1, 1], and their derivatives there.
     pub fn interpolation(&self, at: f64, differentiation: &DMatrix<f64>) -> [Vec<f64>; 2] {
         let values = self.values(at);
         // The derivative of a polynomial is the interpolant of its derivatives at the nodes.

@@ -1,4 +1,4 @@
-//! Local pursuit: the path heads for a virtual prey all the time.
+//! Local pursuit: the path always heads for a virtual prey.
 //!
 //! r' = ν̂ (rₚ − r) (Eq. 1–2 with Δ = 0, over τ = t / tf, so that ν̂ = ν tf has no dimension and
 //! tf drops out of the map), with the prey rₚ a B-spline of degree d and control points Pᵢ
@@ -6,10 +6,10 @@
 //!
 //! r = Σₖ (−1)^k rₚ^(k) / ν̂^k + A e^(−ν̂ τ),
 //!
-//! with A from continuity. So r = r₀ e^(−ν̂ τ) + Σᵢ φᵢ(τ) Pᵢ, linear in the control points. A
-//! φᵢ is a bump with a tail that decays like e^(−ν̂ τ); ψᵢ = φᵢ + cᵢ φᵢ₊₁ with the cᵢ that
-//! cancels the tails is 0 beyond the supports of both, which keeps the programs sparse. It only
-//! names the same curves otherwise: r = … + Σᵢ ψᵢ Qᵢ with Pᵢ = Qᵢ + cᵢ₋₁ Qᵢ₋₁.
+//! with A from continuity. So r = r₀ e^(−ν̂ τ) + Σᵢ φᵢ(τ) Pᵢ, linear in the control points. A φᵢ is
+//! a bump with a tail that decays like e^(−ν̂ τ); ψᵢ = φᵢ + cᵢ φᵢ₊₁ with the cᵢ that cancels the
+//! tails is 0 beyond the supports of both, which keeps the programs sparse. This is only another
+//! basis of the same curves: r = … + Σᵢ ψᵢ Qᵢ with Pᵢ = Qᵢ + cᵢ₋₁ Qᵢ₋₁.
 //!
 //! Boundary conditions: r'(0) = ν̂ (P₀ − r₀), so P₀ is on the ray of the start's heading (Eq. 13);
 //! r(1) is the goal, which determines the last control point, or, if the heading at the goal is
@@ -21,10 +21,11 @@ use nalgebra::Vector2;
 use super::{Curve, Ends, Row, Trace};
 use crate::curve::bspline_basis::{Basis, MAX_DEGREE, Values};
 
-/// ν̂. Larger, the path is nearly the prey's own; smaller, the prey runs far ahead.
+/// ν̂. With larger values the path is nearly the prey's own; with smaller ones the prey runs far
+/// ahead.
 pub const PURSUIT_RATE: f64 = 60.0;
 
-/// See the module.
+/// Curves that pursue a prey; see the module.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Pursuit {
     basis: Basis,
@@ -38,16 +39,16 @@ pub struct Pursuit {
     determined: usize,
     /// ψₑ(1).
     at_end: f64,
-    /// Variables that are no control points' coordinates.
+    /// Variables that are not coordinates of control points.
     rays: usize,
 }
 
-/// Amplitudes below this share of a bump are none.
+/// Share of a bump below which amplitudes count as 0.
 const NOTHING: f64 = 1e-13;
 
 impl Pursuit {
-    /// The curves that pursue preys over a basis of degree 2 or more; `None` if it has too few
-    /// functions for the conditions on the ends.
+    /// Creates the curves that pursue preys over a basis of degree 2 or more; `None` if it has too
+    /// few functions for the boundary conditions.
     pub fn new(basis: Basis, ends: Ends) -> Option<Self> {
         let n = basis.len();
         let determined = n - 1 - usize::from(ends.goal_heading.is_some());
@@ -70,7 +71,7 @@ impl Pursuit {
         let mut end = Vec::new();
         pursuit.bumps(1.0, 0, &mut end);
         let at_end = end.iter().find(|(i, _)| *i == determined)?.1;
-        // A prey whose last leg is far too short for the pursuit to follow.
+        // A prey whose last leg is far too short for the pursuit.
         if at_end.abs() < 1e-3 {
             return None;
         }
@@ -83,7 +84,7 @@ impl Pursuit {
         Some(pursuit)
     }
 
-    /// Finds the amplitudes span by span, then what cancels the tails.
+    /// Computes the amplitudes span by span, then the coefficients that cancel the tails.
     fn solve(&mut self) {
         let (n, degree) = (self.basis.len(), self.basis.degree());
         let breaks = self.basis.breaks().to_vec();
@@ -121,7 +122,7 @@ impl Pursuit {
             .map(|span| {
                 let after = breaks[span];
                 let amplitude = |i: usize| {
-                    // Beyond both supports the two cancel, but for rounding.
+                    // Beyond both supports the two cancel, except for rounding.
                     if i + 1 < n && self.mix[i] != 0.0 && self.basis.support_end(i + 1) <= after {
                         return 0.0;
                     }
@@ -136,7 +137,7 @@ impl Pursuit {
             .collect();
     }
 
-    /// The ψᵢ that are not 0 at τ, or their derivatives.
+    /// The non-zero ψᵢ at τ, or their derivatives.
     fn bumps(&self, at: f64, order: usize, found: &mut Vec<(usize, f64)>) {
         found.clear();
         let span = self.basis.span(at);
@@ -187,7 +188,7 @@ impl Pursuit {
             .collect()
     }
 
-    /// What the determined Q is made of besides the others.
+    /// The part of the determined Q that does not depend on the others.
     fn goal_pull(&self) -> Vector2<f64> {
         (self.ends.goal - self.ends.start * math::exp(-PURSUIT_RATE)) / self.at_end
     }
@@ -210,7 +211,8 @@ impl Pursuit {
                 row.value += self.ends.goal * c;
             }
             _ => {
-                // Before it among the free ones: all but the ray at the start and the determined.
+                // Position among the free ones: all except the ray at the start and the determined
+                // one.
                 let skipped = started + usize::from(i > self.determined);
                 let var = self.rays + 2 * (i - skipped);
                 put(var, Vector2::new(c, 0.0));
@@ -289,7 +291,7 @@ impl Curve for Pursuit {
                 sums
             })
         };
-        // What is left of the beginning of each span, which decays along it.
+        // The rest of the initial value of each span, which decays along it.
         let mut at = self.ends.start;
         let mut left = Vec::with_capacity(breaks.len() - 1);
         for (span, pair) in breaks.windows(2).enumerate() {

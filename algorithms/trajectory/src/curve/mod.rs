@@ -1,13 +1,13 @@
-//! The curves among which the methods look for the fastest: a position for every τ of [0, 1], as a
+//! The curves among which the methods search for the fastest: a position for every τ of [0, 1], as a
 //! function of some variables.
 //!
-//! - `motion_camouflage`: a B-spline, alone or hiding before a reference point ([`crate::Method::Bspline`],
+//! - `motion_camouflage`: a B-spline, alone or in front of a reference point ([`crate::Method::Bspline`],
 //!   [`crate::Method::Vmc`]).
-//! - `local_pursuit`: what pursues a prey on a B-spline ([`crate::Method::Lp`]).
+//! - `local_pursuit`: a curve that pursues a prey on a B-spline ([`crate::Method::Lp`]).
 //!
-//! The boundary conditions are eliminated (paper, step 3 of §3.1 and Eq. 13–14): whatever the
-//! variables are, the curve begins at the start and ends at the goal, and begins and ends in the
-//! headings asked for, as long as its speeds there ([`Curve::start_speed`]) are positive.
+//! The boundary conditions are eliminated (paper, step 3 of §3.1 and Eq. 13–14): for all variables, the
+//! curve begins at the start and ends at the goal, with the prescribed headings, as long as its speeds
+//! there ([`Curve::start_speed`]) are positive.
 
 pub mod bspline_basis;
 pub mod knot_placement;
@@ -20,20 +20,20 @@ pub use motion_camouflage::{Camouflage, Spline};
 
 use nalgebra::Vector2;
 
-/// What a curve must begin and end with.
+/// Boundary conditions of a curve.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ends {
-    /// Where it begins.
+    /// Start position.
     pub start: Vector2<f64>,
-    /// Where it ends.
+    /// Goal position.
     pub goal: Vector2<f64>,
-    /// Unit vector in which it begins; `None`: any.
+    /// Unit vector of the heading at the start; `None`: any.
     pub start_heading: Option<Vector2<f64>>,
-    /// Unit vector in which it ends; `None`: any.
+    /// Unit vector of the heading at the goal; `None`: any.
     pub goal_heading: Option<Vector2<f64>>,
 }
 
-/// A position or derivative of a curve, and how it changes with the variables.
+/// A position or derivative of a curve, with its derivatives by the variables.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Row {
     /// The value.
@@ -43,13 +43,13 @@ pub struct Row {
 }
 
 impl Row {
-    /// Forgets everything.
+    /// Resets value and terms.
     pub fn clear(&mut self) {
         self.value = Vector2::zeros();
         self.terms.clear();
     }
 
-    /// The linearisation's part that does not depend on the variables, at `z`.
+    /// The part of the linearisation at `z` that does not depend on the variables.
     pub fn constant(&self, z: &[f64]) -> Vector2<f64> {
         let moved = self.terms.iter().map(|&(var, term)| term * z[var]);
         self.value - moved.sum::<Vector2<f64>>()
@@ -73,37 +73,36 @@ pub trait Curve {
     /// Position (order 0) or velocity (order 1) at τ, linearised at the variables `z`.
     fn row(&self, at: f64, order: usize, z: &[f64], row: &mut Row);
 
-    /// The curve that the variables `z` stand for, for looking at many of its points.
+    /// The curve of the variables `z`, for evaluation at many points.
     fn trace(&self, z: &[f64]) -> Trace<'_>;
 
-    /// What it begins and ends with.
+    /// The boundary conditions.
     fn ends(&self) -> &Ends;
 
-    /// The variable that is the speed at the start in the direction asked for, if there is one: the
-    /// first of all.
+    /// The variable of the speed at the start in the prescribed direction, if there is one: the first of
+    /// all.
     fn start_speed(&self) -> Option<usize> {
         self.ends().start_heading.map(|_| 0)
     }
 
-    /// The variable that is the speed at the goal in the direction asked for, if there is one: the
-    /// next.
+    /// The variable of the speed at the goal in the prescribed direction, if there is one: the next.
     fn goal_speed(&self) -> Option<usize> {
         let before = usize::from(self.ends().start_heading.is_some());
         self.ends().goal_heading.map(|_| before)
     }
 
-    /// The places between which the curve is smooth, with 0 and 1.
+    /// The parameters between which the curve is smooth, including 0 and 1.
     fn breaks(&self) -> &[f64];
 
-    /// How many points control it.
+    /// Number of control points.
     fn control_points(&self) -> usize;
 
-    /// Adds to the Hessian what a variable's own cost is, row by row: (variable, weight).
+    /// Costs of single variables for the diagonal of the Hessian: (variable, weight).
     fn own_costs(&self) -> Vec<(usize, f64)> {
         Vec::new()
     }
 
-    /// Largest change of a variable in one step; infinite where the curve is linear in it.
+    /// Maximum change of a variable in one step; infinite where the curve is linear in it.
     fn step_bounds(&self) -> Vec<(usize, f64)> {
         Vec::new()
     }

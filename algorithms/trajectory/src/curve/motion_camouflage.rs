@@ -5,11 +5,10 @@
 //! (Eq. 20). Without it, ν = 1: the path is the prey's.
 //!
 //! Variables: the speed r'(0) in the start's heading, if that is prescribed, the same at the goal,
-//! the free control points, and μⱼ = (νⱼ − 1) |R − r₀| at the inner nodes: scaled so that a
-//! step of μ moves the path about as far whatever the reference point. ν is 1 at both ends (the
-//! paper's PCPs from the boundary conditions), so that the prey begins and ends with the path. The
-//! reference point stays where it is put: with the whole prey free, moving it adds no path that was
-//! not there before.
+//! the free control points, and μⱼ = (νⱼ − 1) |R − r₀| at the inner nodes, scaled so that a step of
+//! μ moves the path about equally far for every reference point. ν is 1 at both ends (the paper's
+//! PCPs from the boundary conditions), so that the prey begins and ends with the path. The
+//! reference point is fixed: with the whole prey free, moving it adds no new paths.
 
 use nalgebra::{DMatrix, DVector, Vector2};
 
@@ -17,7 +16,7 @@ use super::{Curve, Ends, Row, Trace};
 use crate::curve::bspline_basis::{Basis, Values};
 use crate::curve::lgl_nodes::Lgl;
 
-/// How the path hides.
+/// Parameters of motion camouflage.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Camouflage {
     lgl: Lgl,
@@ -25,17 +24,18 @@ pub struct Camouflage {
     reference: Vector2<f64>,
     /// Distance from the start to the reference point, > 0.
     scale: f64,
-    /// ν' by the inner nodes' μ at both ends.
+    /// Derivatives of ν' by the inner nodes' μ at both ends.
     slopes: [Vec<f64>; 2],
 }
 
-/// Cost of μ: it regularises what would else be determined twice, by the prey and by ν.
+/// Cost of μ: it regularises the redundancy of the prey and ν.
 const COST: f64 = 1e-2;
-/// Largest step of μ (length): the linearisation is good for so much.
+/// Maximum step of μ (length) for which the linearisation is valid.
 const STEP: f64 = 0.5;
 
 impl Camouflage {
-    /// Before a reference point, seen from the start; `None` if the two are (nearly) the same.
+    /// Creates camouflage in front of a reference point, seen from the start; `None` if the two are
+    /// (nearly) the same.
     pub fn new(nodes: usize, reference: Vector2<f64>, start: Vector2<f64>) -> Option<Self> {
         let scale = (reference - start).norm();
         if !(scale > 1e-3 && scale.is_finite()) {
@@ -87,12 +87,12 @@ impl Camouflage {
     }
 }
 
-/// Without the two ends.
+/// Returns the row without its two ends.
 fn inner(row: &[f64]) -> &[f64] {
     row.get(1..row.len() - 1).unwrap_or(&[])
 }
 
-/// See the module.
+/// B-spline curves; see the module.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Spline {
     basis: Basis,
@@ -105,8 +105,8 @@ pub struct Spline {
 }
 
 impl Spline {
-    /// The curves over a basis, which has at least as many functions as there are conditions on
-    /// the ends; `None` if it has not.
+    /// Creates the curves over a basis; `None` if it has fewer functions than there are boundary
+    /// conditions.
     pub fn new(basis: Basis, ends: Ends, camouflage: Option<Camouflage>) -> Option<Self> {
         let low = 1 + usize::from(ends.start_heading.is_some());
         let high = basis.len() - 1 - usize::from(ends.goal_heading.is_some());
@@ -181,7 +181,7 @@ impl Spline {
             return;
         }
         let [first_rate, last_rate] = self.end_rates();
-        // r'(0) = ν'(0) (P₀ − R) + rate (P₁ − P₀) shall be a·heading, and alike at the goal.
+        // r'(0) = ν'(0) (P₀ − R) + rate (P₁ − P₀) must be a·heading, and likewise at the goal.
         let (end, heading, rate, var, side) = match i {
             0 => (start, None, 0.0, 0, 0),
             _ if i == last => (goal, None, 0.0, 0, 0),

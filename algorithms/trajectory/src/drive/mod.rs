@@ -1,7 +1,7 @@
-//! From paths to trajectories.
+//! Conversion of paths to trajectories.
 //!
-//! [`sample_curve`] makes a curve dense, [`speed_profile`] drives along it as fast as the limits
-//! allow, [`turn_in_place`] turns on the spot; [`trajectory_builder`] joins these.
+//! [`sample_curve`] samples a curve densely, [`speed_profile`] drives along it as fast as the
+//! limits allow, [`turn_in_place`] turns on the spot; [`trajectory_builder`] joins these.
 //! [`shortest_path_plan`] drives the shortest path itself.
 
 pub mod sample_curve;

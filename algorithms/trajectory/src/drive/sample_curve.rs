@@ -1,4 +1,4 @@
-//! From a curve to a path that can be driven: dense enough points.
+//! Conversion of a curve to a drivable path of dense points.
 
 use geometry::math;
 use nalgebra::Vector2;
@@ -8,18 +8,18 @@ use crate::curve::{Curve, Trace};
 use crate::path_points::{self, PathPoint};
 use crate::problem::RobotLimits;
 
-/// Places in a span at which its curvature is looked at.
+/// Number of points per span at which its curvature is evaluated.
 const LOOKS: usize = 6;
-/// Largest difference between how a curve turns from point to point and how the curvatures at
-/// both say, relative to how far it could turn at most.
+/// Maximum difference between the turn of a curve from point to point and the turn by the
+/// curvatures at both, relative to the maximum possible turn.
 const MISMATCH: f64 = 3e-4;
-/// How often the way between two points is halved at most.
+/// Maximum number of times that the interval between two points is halved.
 const MAX_HALVES: usize = 16;
-/// Most points of a path before that: a curve that needs more writhes.
+/// Maximum number of points of a path before halving: a curve that needs more oscillates.
 const MAX_POINTS: usize = 20_000;
 
-/// The points of a curve, its first heading the representative nearest to `theta` (rad); `None` if
-/// the curve has a cusp.
+/// The points of a curve, with the representative of its first heading nearest to `theta` (rad);
+/// `None` if the curve has a cusp.
 pub fn path(
     curve: &dyn Curve,
     z: &[f64],
@@ -53,8 +53,8 @@ pub fn path(
             let turn = math::angle_difference(next.theta, a.theta);
             // The arc over the chord.
             let way = (next.at - a.at).norm() * (1.0 + turn * turn / 24.0);
-            // Whoever drives by the curvatures must turn as the curve does; between two points
-            // both speeds change linearly in time, so that the faster one counts for more.
+            // A robot that drives by the curvatures must turn as the curve does. Between two points
+            // both speeds change linearly in time, so that the faster one has more weight.
             let [v, w] = [a.kappa, next.kappa].map(|kappa| limits.speed_at(kappa));
             let told = (a.kappa * v + next.kappa * w) / (v + w) * way;
             if (told - turn).abs() > MISMATCH * way / turning + 1e-8 {
@@ -75,7 +75,7 @@ pub fn path(
     Some(points)
 }
 
-/// Where to look at a curve so that its points are dense enough for its curvature.
+/// Parameters at which the points of a curve are dense enough for its curvature.
 fn places(trace: &Trace<'_>, breaks: &[f64], frame: &Scaling) -> Vec<f64> {
     let mut places = Vec::new();
     for pair in breaks.windows(2) {
@@ -90,7 +90,7 @@ fn places(trace: &Trace<'_>, breaks: &[f64], frame: &Scaling) -> Vec<f64> {
                 )
             })
             .collect();
-        // Each part as dense as the more curved of its ends wants it.
+        // The density of each part follows from the more curved of its ends.
         for (i, ends) in looked.windows(2).enumerate() {
             let length = (ends[1].0 - ends[0].0).norm() * frame.unit();
             let spacing = path_points::spacing(ends[0].1.max(ends[1].1));

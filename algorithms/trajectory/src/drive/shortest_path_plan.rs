@@ -1,9 +1,10 @@
-//! The exact shortest path, driven: always there if there is a path, and the answer of last resort.
+//! A trajectory along the exact shortest path: it exists whenever a path exists, and is the
+//! fallback.
 //!
 //! The robot turns on the spot into the path, follows its straight legs and arcs, and turns on the
-//! spot into the heading asked for. Where ω cannot step (limited angular acceleration) it stops
+//! spot into the prescribed heading. Where ω cannot step (limited angular acceleration) it stops
 //! between a straight leg and an arc: slow, but within every limit. A robot that arrives with a
-//! speed it cannot shed at once first brakes, along the arc that it is on.
+//! speed that cannot step to 0 first brakes, along its current arc.
 
 use core::f64::consts::TAU;
 
@@ -21,14 +22,13 @@ use crate::path_points::{self, PathPoint};
 use crate::plan::PlanError;
 use crate::problem::{Problem, RobotLimits};
 
-/// Most that a robot may turn while it sheds its turning rate (rad): what spins on for longer is
-/// not waited for.
+/// Maximum turn of a robot while its turning rate fades (rad); above it there is no plan.
 const MAX_SPIN: f64 = 100.0;
-/// Speeds (m/s, rad/s) that count as standing.
+/// Speeds (m/s, rad/s) below which the robot stands.
 const STANDING: f64 = 1e-9;
 
-/// The trajectory along the shortest path; `guide` is that path, if the robot need not brake first
-/// (`None`: start and goal are the same place).
+/// The trajectory along the shortest path; `guide` is that path, if the robot does not brake first
+/// (`None`: start and goal are the same point).
 ///
 /// # Errors
 /// [`PlanError::Infeasible`] if the prescribed speeds cannot be kept, [`PlanError::NoPath`] if the
@@ -58,7 +58,8 @@ pub fn trajectory(
     Ok(trajectory)
 }
 
-/// Sheds the prescribed speeds that cannot step: where the robot stands then, if it had any.
+/// Brakes from the prescribed speeds that cannot step; returns the stop pose, if there was any
+/// speed.
 fn brake(
     problem: &Problem,
     obstacle_field: &ExactObstacleField,
@@ -92,8 +93,8 @@ fn brake(
             start.theta + 0.5 * omega * duration,
         )));
     }
-    // Both fade together, so that the path is an arc (straight on, if ω can step). An unlimited V
-    // would be shed at once and is not here.
+    // Both fade together, so that the path is an arc (straight, if ω can step). An unlimited V
+    // would step to 0 and does not occur here.
     let omega = if turns { omega } else { 0.0 };
     let length = 0.5 * v * duration;
     let kappa = omega / v;
@@ -124,7 +125,7 @@ fn brake(
     Ok(Some(Pose2::new(end.x, end.y, start.theta + kappa * length)))
 }
 
-/// The way ahead of a pose over a length (m) with a curvature (1/m).
+/// The leg ahead of a pose with a length (m) and a curvature (1/m).
 fn leg_ahead(pose: &Pose2, length: f64, kappa: f64) -> PathLeg {
     let from = pose.position();
     if (kappa * length).abs() < 1e-9 {
@@ -145,7 +146,7 @@ fn leg_ahead(pose: &Pose2, length: f64, kappa: f64) -> PathLeg {
     })
 }
 
-/// Follows the legs; joints are passed as the limits allow.
+/// Follows the legs; passes joints as the limits allow.
 fn follow(problem: &Problem, guide: &Guide, trajectory: &mut Trajectory) -> Result<(), PlanError> {
     let limits = &problem.limits;
     // Where ω cannot step, every leg is driven from rest to rest.
@@ -198,13 +199,13 @@ fn drive(
 fn end_speed(problem: &Problem) -> Option<f64> {
     let limits = &problem.limits;
     match problem.goal_heading {
-        // It turns on the spot there.
+        // The robot turns on the spot there.
         Some(_) if !limits.is_without_inertia() => Some(0.0),
         _ => problem.goal_speed.filter(|_| limits.acceleration.is_some()),
     }
 }
 
-/// Turns into the heading asked for and leaves with the speed asked for.
+/// Turns into the prescribed heading and ends with the prescribed speed.
 fn arrive(problem: &Problem, trajectory: &mut Trajectory) -> Result<(), PlanError> {
     trajectory.settle(problem.goal);
     if let Some(heading) = problem.goal_heading {

@@ -1,25 +1,25 @@
-//! The fastest way to drive along a given path.
+//! Time-optimal speeds along a given path.
 //!
-//! Without inertia every point is passed as fast as its curvature allows. With limits on the
+//! Without inertia the robot passes every point as fast as its curvature allows. With limits on the
 //! accelerations it is the time-optimal path parametrisation by reachability analysis (Pham and
 //! Pham, *A New Approach to Time-Optimal Path Parameterization Based on Reachability Analysis*,
-//! IEEE T-RO 2018): in terms of u = V² all limits between two neighbouring points are linear in
-//! their two values, so that going backwards gives the interval of u at each point from which the
-//! end can be reached, and going forwards the largest u within it.
+//! IEEE T-RO 2018). In terms of u = V² all limits between two neighbouring points are linear in
+//! their two values. The backward pass gives the interval of u at each point from which the end can
+//! be reached; the forward pass takes the largest u within it.
 
 use crate::path_points::PathPoint;
 use crate::problem::RobotLimits;
 
-/// Share of the accelerations that is used: the rest is for what linearisation leaves.
+/// Share of the accelerations that is used: the rest covers errors of the linearisation.
 const SHARE: f64 = 0.9995;
-/// Speeds below this (m/s) count as standing: time would not pass between two such points.
+/// Speeds (m/s) below this count as standing: the time between two such points would be infinite.
 const STANDING: f64 = 1e-9;
 
 /// Speeds (m/s) at the points of a path for driving along it in the shortest time; `None` if the
-/// prescribed speeds at its ends cannot be had. (What a robot without inertia does before and after
-/// the path is a step and no concern of it: its speeds are those of the curvatures.)
+/// prescribed speeds at its ends are impossible. (For a robot without inertia the changes before
+/// and after the path are steps; its speeds are those of the curvatures.)
 ///
-/// Points of the same `s` are a step of the curvature: passed standing if ω cannot step.
+/// Points of the same `s` are a step of the curvature: the robot must stand there if ω cannot step.
 pub fn speeds(
     points: &[PathPoint],
     limits: &RobotLimits,
@@ -43,7 +43,7 @@ pub fn speeds(
     let mut u = match start {
         Some(v) => {
             let u = v * v;
-            // A speed measured at the limit must fit in.
+            // A measured speed at the limit must be accepted.
             let slack = 1e-9 * (1.0 + high);
             (low - slack..=high + slack).contains(&u).then_some(u)?
         }
@@ -126,7 +126,7 @@ impl Step {
                 low = low.max(rest / q);
             }
         }
-        // Rounding may leave a hair between the two.
+        // Rounding may leave a small gap between the two.
         (high >= low - slack).then_some(high.max(0.0))
     }
 }

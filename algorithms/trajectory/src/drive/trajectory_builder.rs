@@ -1,4 +1,4 @@
-//! Putting a trajectory together from parts: turns on the spot and paths with speeds.
+//! Assembly of a trajectory from parts: turns on the spot and paths with speeds.
 
 use geometry::math;
 use geometry::pose::Pose2;
@@ -9,13 +9,13 @@ use crate::path_points::PathPoint;
 use crate::plan::Sample;
 use crate::problem::{Problem, RobotLimits};
 
-/// Largest turn (rad) between two samples on the spot.
+/// Maximum turn (rad) between two samples on the spot.
 const TURN_SPACING: f64 = 0.1;
 
-/// Speeds (m/s, rad/s) nearer than this are the same.
+/// Speeds (m/s, rad/s) that differ by less are equal.
 const SAME: f64 = 1e-9;
 
-/// A trajectory that grows at its end.
+/// A trajectory under construction.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Trajectory {
     samples: Vec<Sample>,
@@ -24,7 +24,8 @@ pub struct Trajectory {
 }
 
 impl Trajectory {
-    /// A robot that has not moved yet; its speeds are those of its first part.
+    /// Creates a trajectory of a robot that has not moved yet; its speeds are those of its first
+    /// part.
     pub fn at(start: &Pose2) -> Self {
         Self {
             samples: vec![Sample {
@@ -39,7 +40,7 @@ impl Trajectory {
         }
     }
 
-    /// What the samples, at least one, say.
+    /// Creates a trajectory from samples (at least one).
     pub fn from_samples(samples: Vec<Sample>) -> Self {
         let chords = samples
             .windows(2)
@@ -50,7 +51,7 @@ impl Trajectory {
         }
     }
 
-    /// The samples so far; at least one.
+    /// The samples so far (at least one).
     pub fn samples(&self) -> &[Sample] {
         &self.samples
     }
@@ -87,7 +88,7 @@ impl Trajectory {
         }
     }
 
-    /// Ends with these speeds (m/s, rad/s): after a step, if the last part ends with others.
+    /// Sets the final speeds (m/s, rad/s): by a step, if the last part ends with others.
     pub fn leave_with(&mut self, v: f64, omega: f64) {
         if let Some(&last) = self.samples.last()
             && differ((last.v, last.omega), (v, omega))
@@ -161,17 +162,18 @@ impl Trajectory {
         }
     }
 
-    /// Puts the end exactly onto the goal (m) and, if given, to its heading (rad): what rounding
-    /// leaves of the way there.
+    /// Sets the end exactly to the goal (m) and, if given, to its heading (rad), which removes
+    /// rounding errors.
     pub fn settle(&mut self, goal: Point2<f64>) {
         if let Some(last) = self.samples.last_mut() {
             (last.x, last.y) = (goal.x, goal.y);
         }
     }
 
-    /// Begins and ends with the speeds that a problem prescribes: by steps, where they differ.
+    /// Sets the initial and final speeds that a problem prescribes: by steps, where they differ.
     pub fn keep_ends(&mut self, problem: &Problem) {
-        // Where V steps and nobody asks for ω, ω is 0 if it can step, too: any V may have that.
+        // Where V steps and no ω is prescribed, ω is 0 if it can step, too: every V is compatible
+        // with that.
         let beside = |own: f64, asked: f64, omega: f64| {
             let steps = (own - asked).abs() > SAME && problem.limits.angular_acceleration.is_none();
             if steps { 0.0 } else { omega }
@@ -186,8 +188,8 @@ impl Trajectory {
         }
     }
 
-    /// A step of the speeds at the end, if they differ. The speeds of a single first sample are
-    /// replaced: the robot begins with these.
+    /// Appends a step of the speeds at the end, if they differ. The speeds of a single first sample
+    /// are replaced: the robot begins with these.
     fn step_to(&mut self, v: f64, omega: f64) {
         let only = self.samples.len() == 1;
         let Some(last) = self.samples.last_mut() else {

@@ -2,7 +2,7 @@
 
 use crate::problem::RobotLimits;
 
-/// Phases of a turn: how long (s) and towards which turning rate (rad/s), changed linearly.
+/// Phase of a turn: duration and turning rates, changed linearly.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Phase {
     /// Duration (s).
@@ -14,7 +14,7 @@ pub struct Phase {
 }
 
 /// The fastest turn by an angle (rad) on the spot from rest to rest: with limited angular
-/// acceleration a trapezoid of turning rates, else all of it at the highest.
+/// acceleration a trapezoid of turning rates, else constantly at the maximum.
 pub fn phases(limits: &RobotLimits, angle: f64) -> Vec<Phase> {
     let (size, sign) = (angle.abs(), angle.signum());
     let top = limits.top_turn_rate();

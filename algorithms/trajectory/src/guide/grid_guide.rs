@@ -1,9 +1,9 @@
-//! The paper's way to a first path: a wavefront on a grid, pulled taut.
+//! The paper's initial path: a wavefront on a grid, pulled taut.
 //!
 //! From the goal a wave spreads over the free cells of a grid (Batavia and Nourbakhsh, *Path Planning
-//! for the Cye Personal Robot*, IROS 2000); the way back down its times is an obstacle-free corridor.
-//! Its corners are then skipped wherever the straight line is free: what the paper does by
-//! optimising a B-spline in the corridor begins with less to undo.
+//! for the Cye Personal Robot*, IROS 2000); descent of its times gives an obstacle-free corridor.
+//! Corners of the corridor are then skipped wherever the straight line is free, so that the
+//! optimisation (in the paper, of a B-spline in the corridor) begins with fewer detours.
 
 use nalgebra::{Point2, Vector2};
 use pathfinding::directed::astar::astar;
@@ -13,14 +13,14 @@ use crate::obstacle_field::ExactObstacleField;
 
 /// Cells along the longer side of the bounds.
 const CELLS: f64 = 96.0;
-/// Costs of a step along the axes and of one across, in the ratio 1 : √2.
+/// Costs of a step along the axes and of a diagonal step, in the ratio 1 : √2.
 const STEPS: [u32; 2] = [70, 99];
-/// Most cells from start or goal to the next free one.
+/// Maximum distance from start or goal to the next free cell (cells).
 const ENTRY: i32 = 3;
 
 type Cell = (i32, i32);
 
-/// The grid: cells by their centres.
+/// The grid of cells, represented by their centres.
 struct Grid<'a> {
     obstacle_field: &'a ExactObstacleField,
     origin: Point2<f64>,
@@ -45,7 +45,7 @@ impl Grid<'_> {
         (0..self.width).contains(&col) && (0..self.height).contains(&row)
     }
 
-    /// The nearest cell that a point can get to straight.
+    /// The nearest cell that a straight line from a point reaches.
     fn entry(&self, p: Point2<f64>) -> Option<Cell> {
         let (col, row) = self.cell(p);
         let near = |a: &Cell, b: &Cell| {
@@ -65,7 +65,7 @@ impl Grid<'_> {
     }
 }
 
-/// The path that a wavefront finds; `None` if the grid is too coarse for any.
+/// The path of a wavefront; `None` if the grid is too coarse for any.
 pub fn guide(
     obstacle_field: &ExactObstacleField,
     start: Point2<f64>,
@@ -91,7 +91,7 @@ pub fn guide(
             .filter(|&(cell, _)| grid.is_inside(cell) && grid.is_free(from, grid.center(cell)));
         free.collect::<Vec<_>>()
     };
-    // The wave's time, which a path straight ahead can be no shorter than.
+    // The wave's time, a lower bound on the time of a straight path.
     let ahead = |&(col, row): &Cell| {
         let (dx, dy) = (col.abs_diff(last.0), row.abs_diff(last.1));
         dx.min(dy) * STEPS[1] + (dx.max(dy) - dx.min(dy)) * STEPS[0]
@@ -105,7 +105,7 @@ pub fn guide(
     Guide::through(&taut(&grid, &all))
 }
 
-/// The corners that are left when every corner that can be skipped is.
+/// The corners that remain when all unnecessary ones are skipped.
 fn taut(grid: &Grid<'_>, all: &[Point2<f64>]) -> Vec<Point2<f64>> {
     let mut kept = vec![all[0]];
     let mut at = 0;

@@ -1,4 +1,4 @@
-//! A path among the obstacles, piece by piece, from which a method starts.
+//! The initial path of a method among the obstacles, leg by leg.
 
 use geometry::math;
 use nalgebra::{Point2, Vector2};
@@ -8,12 +8,13 @@ use navigation::tangent_graph::PathLeg;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Guide {
     legs: Vec<PathLeg>,
-    /// Length of the path up to each leg (m), and of all of it.
+    /// Length of the path up to each leg (m), and the total length.
     along: Vec<f64>,
 }
 
 impl Guide {
-    /// A path of these legs, each beginning where the last ended; `None` if it has no length.
+    /// Creates a path of these legs, each beginning where the last ended; `None` if it has no
+    /// length.
     pub fn new(legs: Vec<PathLeg>) -> Option<Self> {
         let mut along = Vec::with_capacity(legs.len() + 1);
         let mut sum = 0.0;
@@ -25,7 +26,7 @@ impl Guide {
         (sum > 0.0).then_some(Self { legs, along })
     }
 
-    /// A path through these points (m); `None` if they are one.
+    /// Creates a path through these points (m); `None` if they coincide.
     pub fn through(points: &[Point2<f64>]) -> Option<Self> {
         let legs = points
             .windows(2)
@@ -48,13 +49,13 @@ impl Guide {
         self.along.iter().copied().zip(&self.legs)
     }
 
-    /// The point after a part of the length, 0 at the start and 1 at the end (m).
+    /// The point after a fraction of the length, 0 at the start and 1 at the end (m).
     pub fn at(&self, part: f64) -> Point2<f64> {
         let (leg, part) = self.find(part);
         leg.at(part)
     }
 
-    /// Unit vector of travel after a part of the length.
+    /// Unit vector of travel after a fraction of the length.
     pub fn heading(&self, part: f64) -> Vector2<f64> {
         let (leg, part) = self.find(part);
         leg.heading(part)

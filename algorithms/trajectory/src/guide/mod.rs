@@ -1,7 +1,7 @@
-//! Paths from which the methods start.
+//! Initial paths of the methods.
 //!
 //! A [`Guide`] is a path among the obstacles: the exact shortest one, that of a grid ([`grid_guide`]),
-//! or what is left of the last plan ([`previous_plan`]).
+//! or the rest of the last plan ([`previous_plan`]).
 
 pub mod grid_guide;
 mod guide_path;

@@ -1,4 +1,4 @@
-//! Starting from the plan that the robot has been following.
+//! Start from the plan that the robot has been following.
 
 use nalgebra::Point2;
 
@@ -8,22 +8,22 @@ use crate::path_points;
 use crate::plan::{Plan, Sample};
 use crate::problem::Problem;
 
-/// How far (m) start and goal may be from the old plan.
+/// Maximum distance (m) of start and goal from the old plan.
 const NEAR: f64 = 0.05;
-/// How deep (m) it may lead through obstacles: deeper, it may pass on the wrong side.
+/// Maximum penetration (m) of obstacles by the old plan: with more, it may pass on the wrong side.
 const MAX_PENETRATION: f64 = 0.03;
 
-/// What is left of a plan, from where it passes the start.
+/// The rest of a plan, from the point where it passes the start.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rest {
-    /// The trajectory, its time beginning at 0.
+    /// The trajectory; its time begins at 0.
     pub samples: Vec<Sample>,
     /// Its path.
     pub guide: Guide,
 }
 
-/// What is left of a plan, if it still leads from the problem's start to its goal past the obstacles
-/// that there are now.
+/// The rest of a plan, if it still leads from the problem's start to its goal past the current
+/// obstacles.
 pub fn rest(problem: &Problem, obstacle_field: &ObstacleField, plan: &Plan) -> Option<Rest> {
     let start = problem.start.position();
     let distance = |s: &Sample| (Point2::new(s.x, s.y) - start).norm();

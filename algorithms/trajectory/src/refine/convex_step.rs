@@ -17,17 +17,17 @@ const V: usize = 3;
 const OMEGA: usize = 4;
 const EACH: usize = 5;
 
-/// What a program yields.
+/// Result of a program.
 pub(super) struct Next {
     pub nodes: Vec<Node>,
     /// Duration (s).
     pub time: f64,
-    /// The merit, if everything were as linear as in the program.
+    /// Predicted merit, if the linearisation were exact.
     pub promised: f64,
 }
 
 impl Refinement<'_> {
-    /// What the program around the last nodes yields.
+    /// Solves the program around the last nodes.
     pub(super) fn improved(&self, trust: f64) -> Option<Next> {
         let count = self.nodes.len();
         let duration = EACH * count;
@@ -65,7 +65,7 @@ impl Refinement<'_> {
             Node {
                 at: Point2::new(at[X], at[Y]),
                 theta: at[THETA],
-                // What the solver leaves of the limit would be a robot that backs up.
+                // Errors of the solver beyond the limit would be a robot that reverses.
                 v: at[V].max(0.0),
                 omega: at[OMEGA],
             }
@@ -106,7 +106,7 @@ impl Refinement<'_> {
         }
     }
 
-    /// Each node is where the step from the last one leads.
+    /// Adds the motion: each node is the end of the step from the last one.
     fn add_motion(&self, program: &mut QuadraticProgram) {
         let steps = self.nodes.len() - 1;
         let duration = EACH * self.nodes.len();
@@ -142,7 +142,7 @@ impl Refinement<'_> {
         }
     }
 
-    /// Speeds, wheels and accelerations.
+    /// Adds the limits of speeds, wheels and accelerations.
     fn add_limits(&self, program: &mut QuadraticProgram) {
         let limits = &self.problem.limits;
         let count = self.nodes.len();
@@ -178,7 +178,7 @@ impl Refinement<'_> {
     fn add_ends(&self, program: &mut QuadraticProgram) {
         let problem = self.problem;
         let last = EACH * (self.nodes.len() - 1);
-        // A heading may be any of its representatives: the one that the search begins near.
+        // A heading may be any of its representatives: the one nearest to the last node is used.
         let near = self.nodes.last().map_or(0.0, |node| node.theta);
         let heading = problem
             .goal_heading
@@ -211,7 +211,7 @@ impl Refinement<'_> {
         }
     }
 
-    /// Nodes and the half-planes that keep them from the obstacles near them.
+    /// Nodes and the half-planes that keep them away from near obstacles.
     fn holds(&self) -> Vec<(usize, HalfPlane)> {
         let clearance = self.obstacle_field.clearance;
         let step = self.problem.limits.top_speed() * self.step_time();

@@ -1,12 +1,12 @@
-//! Trajectories of robots with inertia, made faster.
+//! Refinement of trajectories of robots with inertia.
 //!
-//! Where speeds cannot step, the shortest path is no longer the fastest, and how a path is driven
-//! decides where it should lead. From a first trajectory this searches on in the controls: at N + 1
+//! Where speeds cannot step, the shortest path is no longer the fastest, and the best path depends on
+//! the speeds along it. From a first trajectory this search continues in the controls: at N + 1
 //! nodes, evenly spaced in time, poses and speeds are free, and so is the duration. Between nodes
-//! both speeds change linearly (what the trajectory's samples mean anyway), so that all limits of
-//! speeds, wheels and accelerations are linear in the variables, exactly, between nodes as well; only
-//! the motion from node to node and the obstacles are linearised, around the last trajectory
-//! (direct multiple shooting by sequential convex programming).
+//! both speeds change linearly (as between samples of a trajectory), so that all limits of speeds,
+//! wheels and accelerations are linear in the variables, exactly, between nodes as well. Only the
+//! motion from node to node and the obstacles are linearised, around the last trajectory (direct
+//! multiple shooting by sequential convex programming).
 
 mod convex_step;
 mod step_dynamics;
@@ -20,37 +20,38 @@ use crate::plan::Sample;
 use crate::problem::Problem;
 use step_dynamics::Node;
 
-/// Least and most steps, and how long (s) one should be.
+/// Minimum and maximum number of steps, and their target duration (s).
 const STEPS: [f64; 2] = [24.0, 120.0];
 const STEP_TIME: f64 = 0.15;
-/// Most programs of a search.
+/// Maximum number of programs of a search.
 const MAX_PROGRAMS: u32 = 40;
-/// Largest change of a heading (rad) and (relative) of the duration in one program at first.
+/// Initial trust region: maximum change of a heading (rad) and (relative) of the duration in one
+/// program.
 const TRUST: f64 = 0.4;
-/// It never gets smaller.
+/// Minimum of the trust region.
 const MIN_TRUST: f64 = 1e-3;
 /// Relative change of the duration that ends the search.
 const CONVERGED: f64 = 1e-4;
-/// Difference (m) of poses from node to node that is none.
+/// Gap (m) of poses from node to node that counts as closed.
 const CLOSED: f64 = 2e-8;
-/// Cost (s) of a metre by which an obstacle is entered, or poses do not meet, in units of the time
+/// Cost (s) per metre of penetration of an obstacle, or of a gap between poses, in units of the time
 /// in which the robot covers it.
 const PENALTY: f64 = 20.0;
-/// Cost of a step's square, at first and at least: keeps programs with many solutions (a robot on
-/// open obstacle field can wiggle for nothing) from jumping between them.
+/// Cost of a step's square, initially and at least: it keeps programs with many solutions (in open
+/// space a robot can oscillate at no cost) from jumping between them.
 const PROXIMAL: [f64; 2] = [1e-2, 1e-4];
-/// Distance (m) from an obstacle, besides what is driven in a step, within which it is looked at.
+/// Distance (m) from an obstacle, in addition to the length of a step, within which it is considered.
 const REACH: f64 = 0.15;
-/// Cost of the turning rate's square, relative to its limit's, per second: of all fastest
-/// trajectories the calmest. It costs less than this share of the duration.
+/// Cost of the turning rate's square, relative to its limit's, per second: it selects the smoothest
+/// of the fastest trajectories. It costs less than this share of the duration.
 const CALM: f64 = 1e-4;
-/// Shares of the improvement that a program promises: below the first, the next one gets less
-/// freedom, above the second, more.
+/// Shares of the predicted improvement: below the first, the trust region shrinks; above the second,
+/// it grows.
 const KEPT: [f64; 2] = [0.3, 0.8];
-/// Most samples of a trajectory: with more of them its steps are too long for the search to see
-/// what lies between nodes.
+/// Maximum number of samples of a trajectory: with more, its steps are too long to detect obstacles
+/// between nodes.
 const MAX_SAMPLES: f64 = 2e5;
-/// Largest turn (rad) between two samples.
+/// Maximum turn (rad) between two samples.
 const TURN_SPACING: f64 = 0.05;
 
 /// A search for a faster trajectory.
@@ -60,9 +61,9 @@ pub struct Refinement<'a> {
     nodes: Vec<Node>,
     /// Duration (s).
     time: f64,
-    /// By obstacle: what the nodes stay away in addition (m).
+    /// Additional margin of the nodes per obstacle (m).
     margins: Vec<f64>,
-    /// Programs solved.
+    /// Number of programs solved.
     pub programs: u32,
     proximal: f64,
 }
@@ -93,11 +94,11 @@ impl<'a> Refinement<'a> {
         })
     }
 
-    /// Searches; the trajectory found, whether or not it is better than the first; `None` if none
-    /// is found that is free and without gaps.
+    /// Runs the search; returns the trajectory found, even if it is not better than the first; `None`
+    /// if none is found that is free and without gaps.
     pub fn run(&mut self, stop: &mut dyn FnMut() -> bool) -> Option<Vec<Sample>> {
         let mut trust = TRUST;
-        // The first trajectory need not keep ends and limits; whatever does is better.
+        // The first trajectory need not keep ends and limits; every trajectory that does is better.
         let mut merit = f64::INFINITY;
         while self.programs < MAX_PROGRAMS {
             if stop() {
@@ -105,7 +106,7 @@ impl<'a> Refinement<'a> {
             }
             self.programs += 1;
             let Some(next) = self.improved(trust) else {
-                // Nothing within reach closes the gaps.
+                // No step within the trust region closes the gaps.
                 trust *= 3.0;
                 if trust > 10.0 {
                     return None;
@@ -152,7 +153,7 @@ impl<'a> Refinement<'a> {
         self.samples()
     }
 
-    /// What turning costs (s).
+    /// Cost of turning (s).
     fn unrest(&self) -> f64 {
         let weight = CALM * self.step_time() / self.problem.limits.omega_max.powi(2);
         self.nodes
@@ -161,7 +162,7 @@ impl<'a> Refinement<'a> {
             .sum()
     }
 
-    /// Duration (s), plus what turning, gaps and depths cost.
+    /// Duration (s), plus the costs of turning, gaps and penetrations.
     fn merit(&self) -> f64 {
         let price = PENALTY / self.problem.limits.top_speed();
         let turn_price = PENALTY / self.problem.limits.top_turn_rate();
@@ -186,7 +187,7 @@ impl<'a> Refinement<'a> {
         sum
     }
 
-    /// Largest gap (m) between where a step leads and the next node.
+    /// Maximum gap (m) between the end of a step and the next node.
     fn gap(&self) -> f64 {
         let step_time = self.step_time();
         self.nodes.windows(2).fold(0.0, |most: f64, pair| {
@@ -203,14 +204,14 @@ impl<'a> Refinement<'a> {
         &self.nodes[1..self.nodes.len() - 1]
     }
 
-    /// Grows the obstacles that the way between nodes enters; how deep (m) it is at most.
+    /// Grows the obstacles that the path between nodes penetrates; returns the maximum depth (m).
     fn repair(&mut self) -> Option<f64> {
         let points = path_points::of_samples(&self.samples()?);
         let depths = self.obstacle_field.depths(&points);
         Some(grow_margins(&depths, &mut self.margins))
     }
 
-    /// The trajectory, sampled; `None` if that makes too many samples.
+    /// The sampled trajectory; `None` if it needs too many samples.
     fn samples(&self) -> Option<Vec<Sample>> {
         let step_time = self.step_time();
         let parts = |a: &Node, b: &Node| {

@@ -1,4 +1,4 @@
-//! How the robot moves in a step in which both speeds change linearly in time.
+//! Motion of the robot in a step in which both speeds change linearly in time.
 
 use geometry::math;
 use nalgebra::{Point2, Vector2};
@@ -23,7 +23,7 @@ pub struct Node {
     pub omega: f64,
 }
 
-/// The way of a step, and how it changes.
+/// The displacement of a step, with derivatives.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Step {
     /// Change of the position (m).
@@ -65,7 +65,7 @@ pub fn step(a: &Node, b: &Node, time: f64) -> Step {
     step
 }
 
-/// The node a part of the way (0…1) into a step.
+/// The node at a fraction (0…1) of a step.
 pub fn within(a: &Node, b: &Node, time: f64, part: f64) -> Node {
     let mut end = *b;
     end.v = a.v + (b.v - a.v) * part;

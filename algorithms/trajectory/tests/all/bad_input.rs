@@ -1,4 +1,4 @@
-//! What cannot be meant: refused by name, never answered wrongly.
+//! Invalid input: errors name the field, and there is never a wrong result.
 
 use geometry::shape::{Aabb, Convex};
 use nalgebra::Point2;
@@ -199,7 +199,7 @@ fn what_spins_or_rolls_for_ever_is_not_waited_for() {
     let mut far = rolling.clone();
     far.goal = Point2::new(1e6, 1e6);
     far.start_speed = None;
-    // So slow that a step of the search would last for hours.
+    // So slow that a step of the search would take hours.
     let mut slow = cluttered();
     slow.limits.v_max = 1e-5;
     slow.limits.acceleration = Some(1.0);

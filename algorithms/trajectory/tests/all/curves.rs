@@ -1,4 +1,4 @@
-//! What the families of curves promise, whatever their variables are.
+//! Properties of the families of curves for all variables.
 
 use geometry::math;
 use nalgebra::{DMatrix, Vector2};
@@ -38,7 +38,7 @@ fn families(ends: Ends) -> Vec<Box<dyn Curve>> {
     ]
 }
 
-/// Variables about 1, speeds at the ends positive.
+/// Variables of magnitude about 1, with positive speeds at the ends.
 fn variables(curve: &dyn Curve, numbers: &[f64]) -> Vec<f64> {
     let mut z: Vec<f64> = (0..curve.variables())
         .map(|i| numbers[i % numbers.len()])

@@ -6,7 +6,7 @@ use trajectory::{Method, PlanError, Problem, Wheels};
 
 use crate::problems::{board, cluttered, disc, faults, options, plan};
 
-/// A start at a distance from a grown disc right in the way.
+/// A start at a distance from a grown disc that blocks the straight path.
 fn at_disc(depth: f64) -> Problem {
     let mut problem = board();
     (problem.start.x, problem.start.y, problem.start.theta) = (1.0, 1.8, 0.4);
@@ -19,13 +19,14 @@ fn at_disc(depth: f64) -> Problem {
 
 #[test]
 fn a_start_on_the_border_of_an_obstacle_is_free() {
-    // Replanning makes this case: the old path runs along the border of what it passes.
+    // Replanning creates this case: the old path runs along the border of the obstacles that it
+    // passes.
     for depth in [0.0, 1e-12, -1e-12, 1e-8, -1e-8] {
         for method in Method::ALL {
             let problem = at_disc(depth);
             let plan = plan(&problem, &options(method)).unwrap();
             assert_eq!(faults(&problem, &plan), [""; 0], "{method:?} {depth}");
-            // Around the disc from where it is touched.
+            // Around the disc from the point of contact.
             assert!(
                 plan.lower_bound > 3.0 / 0.15 && plan.gap() < 0.012,
                 "{}",

@@ -22,7 +22,7 @@ fn every_method_keeps_the_accelerations() {
         let plan = plan(&problem, &options(method)).unwrap();
         assert_eq!(faults(&problem, &plan), [""; 0], "{method:?}");
         assert_eq!(plan.status, Status::Planned);
-        // The certain plan stops at every joint.
+        // The fallback plan stops at every joint.
         let most = if method == Method::Tangent { 1.0 } else { 0.1 };
         assert!(plan.gap() < most, "{method:?}: {}", plan.gap());
     }
@@ -34,7 +34,7 @@ fn straight_on_it_is_the_fastest_there_is() {
     problem.obstacles.clear();
     problem.goal = problem.start.position() + problem.start.forward() * 3.0;
     let plan = plan(&problem, &Options::default()).unwrap();
-    // 0.44 s to speed and back: 3 m at 0.22 m/s and 0.44 s more.
+    // 0.44 s to accelerate and brake: 3 m at 0.22 m/s and 0.44 s more.
     assert!((plan.lower_bound - (3.0 / 0.22 + 0.44)).abs() < 1e-9);
     assert!(plan.gap() < 1e-3, "{}", plan.gap());
     assert_eq!(faults(&problem, &plan), [""; 0]);
@@ -79,7 +79,7 @@ fn who_cannot_stop_any_more_has_no_plan() {
     problem.obstacles = vec![disc(0.5, 0.1, 0.2)];
     (problem.start.x, problem.start.y, problem.start.theta) = (0.22, 0.1, 0.0);
     problem.start_speed = Some(0.2);
-    // 4 cm to stop in, 5 mm to go.
+    // 4 cm for stopping, 5 mm to the goal.
     match plan(&problem, &Options::default()) {
         Err(PlanError::Infeasible(_)) => {}
         other => panic!("{other:?}"),
@@ -116,7 +116,7 @@ fn the_last_plan_shortens_the_search() {
     assert_eq!(faults(&next, &warm), [""; 0]);
     let cold = plan(&next, &Options::default()).unwrap();
     assert!(warm.final_time < 1.01 * cold.final_time);
-    // Nothing has changed on its way: it takes as long as the rest of the first.
+    // The path is unchanged: it takes as long as the rest of the first.
     assert!((warm.final_time + middle.t) < 1.005 * first.final_time);
 }
 

@@ -1,4 +1,4 @@
-//! The optimiser as a whole: problems in, plans out.
+//! The optimiser as a whole: from problems to plans.
 
 mod bad_input;
 mod curves;

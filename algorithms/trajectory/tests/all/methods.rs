@@ -135,7 +135,7 @@ fn control_points_and_degree_are_those_asked_for() {
         problem.obstacles.truncate(2);
         let plan = plan(&problem, &asked).unwrap();
         assert_eq!(plan.control_points, count as u32);
-        // Few points of a high degree must not writhe between the places where they are looked at.
+        // Few points of a high degree must not oscillate between the tested points.
         assert!(plan.gap() < 0.02, "{method:?}: {}", plan.gap());
         assert_eq!(faults(&problem, &plan), [""; 0]);
     }

@@ -1,4 +1,4 @@
-//! Problems for the other tests, and what every plan must be.
+//! Problems for the other tests, and properties of every plan.
 
 use geometry::pose::Pose2;
 use geometry::shape::{Aabb, Convex};
@@ -31,7 +31,7 @@ pub fn disc(x: f64, y: f64, radius: f64) -> Convex {
     Convex::disc(Point2::new(x, y), radius)
 }
 
-/// The board with discs and a box in the way.
+/// The board with discs and a box as obstacles.
 pub fn cluttered() -> Problem {
     Problem {
         obstacles: vec![
@@ -70,8 +70,8 @@ pub fn plan(problem: &Problem, options: &Options) -> Result<Plan, PlanError> {
     trajectory::plan(problem, options, None, &mut || false)
 }
 
-/// What the checker says about a plan for the problem as it was asked (the optimiser checks it on the
-/// obstacle field as it has settled it).
+/// Violations that the checker reports for a plan and the original problem (the optimiser checks the
+/// plan on its adjusted obstacle field).
 pub fn faults(problem: &Problem, plan: &Plan) -> Vec<String> {
     let Aabb { min, max } = problem.bounds;
     let contract = Contract {

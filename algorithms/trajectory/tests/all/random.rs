@@ -1,4 +1,4 @@
-//! Random problems: every answer is honest, and "no path" only where there is none.
+//! Random problems: every plan passes the check, and "no path" occurs only where there is none.
 
 use geometry::pose::Pose2;
 use geometry::shape::Convex;
@@ -72,7 +72,7 @@ fn problem() -> impl Strategy<Value = Problem> {
 fn check(problem: &Problem, method: Method) -> Result<(), TestCaseError> {
     match plan(problem, &options(method)) {
         Ok(plan) => {
-            // A start that was let out of an obstacle is in it.
+            // A start that was pushed out of an obstacle is inside it.
             let grown = Problem {
                 clearance: (problem.clearance - 0.006).max(0.0),
                 ..problem.clone()
@@ -94,7 +94,7 @@ fn check(problem: &Problem, method: Method) -> Result<(), TestCaseError> {
         Err(PlanError::Invalid(e)) => {
             prop_assert!(e.field == "start" || e.field == "goal", "{e}");
         }
-        // Too fast to stop, or to arrive as asked.
+        // Too fast to stop, or to arrive as prescribed.
         Err(PlanError::Infeasible(_)) => prop_assert!(!problem.limits.is_without_inertia()),
         Err(e) => prop_assert!(false, "{e}"),
     }

@@ -1,8 +1,8 @@
-//! Trajectories to judge, driven by an integrator of the tests' own (Runge–Kutta, tiny steps).
+//! Trajectories for the tests, driven by an integrator of the tests' own (Runge–Kutta, tiny steps).
 
 use trajectory_check::{Contract, Sample, Violation, check};
 
-/// Highest speed (m/s) and turning rate (rad/s) of the robot under test.
+/// Maximum speed (m/s) and turning rate (rad/s) of the robot under test.
 pub const V_MAX: f64 = 0.2;
 pub const OMEGA_MAX: f64 = 2.0;
 
@@ -10,11 +10,11 @@ pub const OMEGA_MAX: f64 = 2.0;
 const SAMPLING: f64 = 0.05;
 
 /// A stretch of controls that change linearly: duration (s), speeds (m/s) and turning rates (rad/s)
-/// at its two ends. Where one stretch does not begin as the one before ended, the controls step.
+/// at its two ends. Where a stretch does not begin as the previous one ended, the controls step.
 #[derive(Debug, Clone, Copy)]
 pub struct Stretch(pub f64, pub [f64; 2], pub [f64; 2]);
 
-/// Samples of the stretches driven one after the other from a pose.
+/// Samples of the stretches, driven in order from a pose.
 pub fn drive(start: [f64; 3], stretches: &[Stretch]) -> Vec<Sample> {
     let mut pose = start;
     let mut time = 0.0;
@@ -70,7 +70,7 @@ fn integrate(
     pose
 }
 
-/// The contract that samples fulfil as they are: their ends, the limits of the robot under test.
+/// The contract that samples fulfil: their ends, the limits of the robot under test.
 pub fn contract_of(samples: &[Sample]) -> Contract {
     let (first, last) = (samples[0], samples[samples.len() - 1]);
     Contract {
@@ -103,7 +103,7 @@ pub fn s_curve() -> Vec<Sample> {
     )
 }
 
-/// The contract of [`s_curve`], with accelerations limited as it keeps them.
+/// The contract of [`s_curve`], with the acceleration limits that it keeps.
 pub fn s_curve_contract() -> Contract {
     Contract {
         acceleration_max: Some(V_MAX),
@@ -117,8 +117,7 @@ pub fn finds(contract: &Contract, samples: &[Sample], kind: impl Fn(&Violation) 
     check(contract, samples).violations.iter().any(kind)
 }
 
-/// Asserts that a check finds the named kinds, and nothing else. (`,` between kinds at most; order
-/// as found.)
+/// Asserts that a check finds exactly the named kinds, in the order as found, separated by `,`.
 #[track_caller]
 pub fn assert_finds(contract: &Contract, samples: &[Sample], expected: &[&str]) {
     let report = check(contract, samples);

@@ -1,4 +1,4 @@
-//! No number of an honest trajectory can be forged.
+//! Changing any number of a valid trajectory makes it invalid.
 
 use proptest::prelude::*;
 use trajectory_check::{Violation, check};

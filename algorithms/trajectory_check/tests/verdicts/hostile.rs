@@ -1,4 +1,4 @@
-//! Junk is refused, without a panic.
+//! Invalid input is rejected, without a panic.
 
 use nalgebra::Point2;
 use proptest::prelude::*;
@@ -50,7 +50,7 @@ fn both_the_contract_and_the_samples_may_be_broken() {
     assert_finds(&contract, &[], &["Contract", "Empty"]);
 }
 
-/// Any bits at all, and numbers small enough to get past the first check.
+/// Arbitrary bits, and numbers small enough to pass the first check.
 fn number() -> impl Strategy<Value = f64> {
     prop_oneof![
         1 => any::<u64>().prop_map(f64::from_bits),
@@ -120,7 +120,7 @@ proptest! {
             samples.sort_by(|a, b| a.t.total_cmp(&b.t));
         }
         let report = check(&contract, &samples);
-        // Where samples are usable, so is every figure; text can be made of anything.
+        // Where samples are valid, so is every figure; every report has a text.
         let unfit = |v: &Violation| {
             matches!(v, Violation::Contract { .. } | Violation::NotFinite { .. } | Violation::Empty)
         };

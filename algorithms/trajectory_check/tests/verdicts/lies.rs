@@ -1,4 +1,4 @@
-//! Every kind of lie is caught, and named for what it is.
+//! Every kind of violation is found and named.
 
 use nalgebra::Point2;
 use trajectory_check::{Contract, Obstacle, Sample, Violation, WheelLimit, check};
@@ -58,7 +58,7 @@ fn wheels_too_fast_though_speed_and_turning_rate_are_not() {
 
 #[test]
 fn a_corner_cut_by_two_millimetres_between_samples() {
-    // Samples stand every centimetre; the disc of 7.5 mm lies between two of them.
+    // Samples are a centimetre apart; the disc of 7.5 mm lies between two of them.
     let samples = line();
     let mut contract = contract_of(&samples);
     contract.obstacles = disc(0.505, 0.0055, 0.0075);

@@ -1,4 +1,4 @@
-//! The verdicts of the checker on trajectories driven honestly, on every kind of lie, and on junk.
+//! Results of the checker on valid trajectories, on every kind of violation, and on invalid input.
 
 mod drive;
 mod forgeries;

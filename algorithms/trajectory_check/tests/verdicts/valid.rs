@@ -1,4 +1,4 @@
-//! What is true is accepted.
+//! Valid trajectories are accepted.
 
 use nalgebra::Point2;
 use proptest::prelude::*;
@@ -24,7 +24,7 @@ fn a_straight_line_at_full_speed() {
 
 #[test]
 fn a_turn_on_the_spot_and_then_an_arc() {
-    // More than a full turn, so that the heading of the goal is met modulo a turn only.
+    // More than a full turn, so that the heading matches that of the goal modulo a turn only.
     let turn = Stretch(4.0, [0.0; 2], [OMEGA_MAX; 2]);
     let arc = Stretch(3.0, [V_MAX; 2], [-1.5; 2]);
     let samples = drive([1.0, 2.0, -3.0], &[turn, arc]);
@@ -145,7 +145,7 @@ proptest! {
             .iter()
             .map(|s| (Point2::new(s.x, s.y) - center).norm() - radius)
             .fold(f64::INFINITY, f64::min);
-        // Half a spacing is the most that the nearest point can lie from a sample.
+        // The nearest point lies at most half a spacing from a sample.
         prop_assert!(report.min_clearance <= nearest + 1e-9);
         prop_assert!(report.min_clearance >= nearest - 0.0051);
     }

@@ -69,7 +69,7 @@ fn sub_goals_are_passed_on_arcs_without_contact() {
     for (number, report) in reports.iter().enumerate() {
         assert_eq!(report.outcome, WaypointOutcome::Reached, "{report:?}");
         assert_eq!(report.waypoint.number, number as u64);
-        // Arcs miss by 0.1 m at most, and the tracker strays by half of that.
+        // Arcs miss by 0.1 m at most, and the tracking error is half of that.
         assert!(report.closest < 0.15, "{report:?}");
     }
     assert!(clearance > 0.105, "{clearance}");
@@ -90,7 +90,7 @@ fn a_goal_that_takes_too_long_is_given_up() {
     let mut plan = CoveragePlan::new(decomposition, start, &PlanSpec::default(), source).unwrap();
     let mut driver = ArcDriver::new(&params, limits).unwrap();
     let mut reports = Vec::new();
-    // A robot that is held where it is.
+    // A robot that is held in place.
     let mut ticks = 0.0;
     while reports.is_empty() {
         let situation = Situation {
@@ -106,7 +106,7 @@ fn a_goal_that_takes_too_long_is_given_up() {
     }
     assert_eq!(reports[0].outcome, WaypointOutcome::TimedOut);
     let expected = (reports[0].waypoint.point - start).norm() / 0.22;
-    // Twice the way, which the arc at its end shortens, and twice half a turn.
+    // Twice the path, which the arc at its end shortens, and twice half a turn.
     let taken = ticks * DT;
     assert!(
         taken > 1.5 * expected && taken < 2.0 * expected + 4.0,

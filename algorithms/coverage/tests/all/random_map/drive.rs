@@ -1,4 +1,4 @@
-//! Plans driven on maps, and judged by the obstacles alone.
+//! Plans driven on maps, and checked against the obstacles alone.
 
 use chaotic_maps::{Key, KeyKind};
 use coverage::decomposition::Decomposition;
@@ -10,19 +10,19 @@ use coverage::workplace::Workplace;
 
 use super::RandomMaps;
 
-/// What driving a plan came to.
+/// Result of driving a plan.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Driven {
-    /// Legs driven.
+    /// Number of legs.
     pub legs: u64,
-    /// Points on legs where the robot's disc meets an obstacle or the border.
+    /// Number of points on legs where the robot's disc meets an obstacle or the border.
     pub collisions: u64,
-    /// Rectangles of the start's component without a sub-goal.
+    /// Number of rectangles of the start's component without a sub-goal.
     pub missed: u64,
 }
 
-/// Drives large loops from a random place in the first rectangle. Obstacles are judged at their own
-/// size, by the distance from points 0.05 m apart on the legs.
+/// Drives large loops from a random place in the first rectangle. The check uses obstacles at their
+/// own size, by the distance from points 0.05 m apart on the legs.
 pub fn drive(
     workplace: &Workplace,
     decomposition: &Decomposition,

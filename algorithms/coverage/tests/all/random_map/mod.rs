@@ -1,7 +1,7 @@
-//! Random workplaces, and what is known of them without the crate under test.
+//! Random workplaces, and their properties computed without the crate under test.
 //!
-//! A square of 10 m with rectangles of 0.5 to 3 m, a robot of 0.1 m: maps as hard as these make the
-//! printed decomposition of the Chebyshev coverage paper stall.
+//! A square of 10 m with rectangles of 0.5 to 3 m, a robot of 0.1 m: on such maps the printed
+//! decomposition of the Chebyshev coverage paper stalls.
 
 pub mod drive;
 
@@ -23,7 +23,7 @@ pub const RADIUS: f64 = 0.1;
 pub struct RandomMaps(ChaCha8Rng);
 
 impl RandomMaps {
-    /// The sequence that belongs to a seed.
+    /// Creates the sequence of a seed.
     pub fn new(seed: u64) -> Self {
         Self(ChaCha8Rng::seed_from_u64(seed))
     }
@@ -56,7 +56,8 @@ impl RandomMaps {
     }
 }
 
-/// Free area (m²) and components of the free space, counted over the cells between all borders.
+/// Free area (m²) and number of components of the free space, counted over the cells between all
+/// borders.
 pub fn free_components(workplace: &Workplace) -> (f64, usize) {
     let inner = workplace.inner();
     let lines = |axis: usize| {

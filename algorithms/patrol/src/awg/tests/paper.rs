@@ -1,5 +1,5 @@
-//! Values that anybody can compute again from the formulas: cases 1 and 2 with the key (0.4, 0.644),
-//! exact and in `f64`.
+//! Values that can be recomputed from the formulas: cases 1 and 2 with the key (0.4, 0.644), exact
+//! and in `f64`.
 
 use metrics::path::{PathMetrics, Turns, mae_joint, mae_lap, mae_time, speed};
 
@@ -146,7 +146,7 @@ fn numbers_of_waypoints_are_exact() {
     close(found.andc, 116.0 / 120.0, 1e-12);
 }
 
-/// The time in which the square is walked at the speed of case 1, 0.4024 m/s.
+/// The time of a lap of the square at the speed of case 1, 0.4024 m/s.
 fn square_time() -> f64 {
     square().length() / (octagon().length() / 120.0)
 }

@@ -1,4 +1,4 @@
-//! What holds for every key.
+//! Properties for all keys.
 
 use proptest::prelude::*;
 
@@ -8,8 +8,8 @@ fn key() -> impl Strategy<Value = Key> {
     any::<u64>().prop_map(|seed| Key::from_seed(chaotic_maps::KeyKind::Keyed, seed))
 }
 
-/// Coordinates of additional waypoints about their nominal place, in units of α: along the segment
-/// and to its left.
+/// Coordinates of additional waypoints relative to their nominal position, in units of α: along the
+/// segment and to its left.
 fn offsets(mode: Mode, segment: usize, laps: u32) -> Vec<(f64, f64)> {
     let awg = awg(&octagon(), 120.0, 1.7, mode);
     let mut generator = catp();
@@ -111,7 +111,7 @@ proptest! {
         let (sin, cos) = (geometry::math::sin(angle), geometry::math::cos(angle));
         let turn = |p: &Point2<f64>| Point2::new(cos * p.x - sin * p.y, sin * p.x + cos * p.y);
         let turned: Vec<_> = octagon().points().iter().map(turn).collect();
-        // The last corner again, not the first turned once more.
+        // The last corner again, not the first one rotated once more.
         let turned = Contour::closed(&turned).unwrap();
         let here = awg(&octagon(), 120.0, 1.7, Mode::default());
         let there = awg(&turned, 120.0, 1.7, Mode::default());
