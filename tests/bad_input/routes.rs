@@ -42,7 +42,7 @@ fn keys_that_are_none_or_make_no_secret() {
         ("catf64:0.5,0.25", "repeats after 3 steps | more digits"),
         ("catf64:1.0,0.25", "`x` of `catf64` is 1 | below 1"),
         ("catf64:NaN,0.25", "`x` of `catf64` is NaN | below 1"),
-        ("catp:1.5,0.3", "`1.5` is no decimal key | 0.644"),
+        ("catp:1.5,0.3", "`1.5` is not a decimal key | 0.644"),
         ("catp:0.4", "has two values | `0.4` has 1"),
         ("chebp:5,5", "equal or mirrored | change one of them"),
         (
@@ -56,8 +56,8 @@ fn keys_that_are_none_or_make_no_secret() {
         ),
         ("chebf64:2,0.3", "`x` of `chebf64` is 2 | between -1 and 1"),
         ("keyed:00", "64 hexadecimal digits | 2 characters"),
-        ("rot13:1,2", "`rot13` names no generator | catp, cat64"),
-        ("garbage", "`garbage` names no generator | kind:values"),
+        ("rot13:1,2", "`rot13` is not a generator | catp, cat64"),
+        ("garbage", "`garbage` is not a generator | kind:values"),
     ] {
         mission(
             &sandbox,
@@ -82,7 +82,7 @@ fn keys_that_are_none_or_make_no_secret() {
         );
     }
     let map = "processes.cover.params.map=arnold";
-    let words = "`arnold` names no generator | catp, cat64 | (processes.cover.params.map)";
+    let words = "`arnold` is not a generator | catp, cat64 | (processes.cover.params.map)";
     cover(&sandbox, "coverage_open", map, words);
     let secret = ["--set", "processes.cover.kind=keyed_coverage"];
     let public = "processes.cover.params.key=catp:0.4,0.644";
@@ -208,7 +208,7 @@ fn workplaces_that_no_robot_can_cover() {
         ),
         (
             format!("{block}half_extents=[20, 20]"),
-            "`block`  | covers all of the workplace | world.map.vector.obstacles[0])",
+            "`block`  | covers the whole workplace | world.map.vector.obstacles[0])",
         ),
         (
             format!(

@@ -45,7 +45,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_decimal_below_one_is_refused() {
+    fn text_other_than_a_decimal_below_one_is_refused() {
         for text in [
             "", "0", "0.", ".5", "1.5", "-0.5", "0.5e-1", "0,5", "0.4 ", "NaN",
         ] {

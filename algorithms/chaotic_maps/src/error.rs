@@ -12,7 +12,7 @@ pub(crate) const KINDS: &str = "catp, cat64, catf64, chebp, chebp-raw, chebf64, 
 pub enum KeyError {
     /// The text does not start with the name of a generator and a colon.
     #[error(
-        "`{found}` names no generator; write `kind:values` with one of the kinds {}",
+        "`{found}` is not a generator; write `kind:values` with one of the kinds {}",
         KINDS
     )]
     Kind {
@@ -20,7 +20,7 @@ pub enum KeyError {
         found: String,
     },
     /// An unknown name of a generator.
-    #[error("`{found}` names no generator; use one of {}", KINDS)]
+    #[error("`{found}` is not a generator; use one of {}", KINDS)]
     KindName {
         /// Actual text.
         found: String,
@@ -38,13 +38,13 @@ pub enum KeyError {
         count: usize,
     },
     /// Not a decimal of the form `0.ddd`.
-    #[error("`{found}` is no decimal key; write `0.` and digits, such as 0.644, or a whole number")]
+    #[error("`{found}` is not a decimal key; write `0.` and digits, such as 0.644, or a whole number")]
     Decimal {
         /// Actual text.
         found: String,
     },
     /// More digits than the exact conversion allows.
-    #[error("`{found}` has {digits} digits after the point; at most 19 are used, drop the others")]
+    #[error("`{found}` has {digits} digits after the point; the maximum is 19")]
     TooManyDigits {
         /// Actual text.
         found: String,
@@ -53,8 +53,7 @@ pub enum KeyError {
     },
     /// Not an integer in the range of 64 bits.
     #[error(
-        "`{found}` is no whole number from 0 to 2^64 - 1, which is what the state of `{kind}` is \
-         made of"
+        "`{found}` is not a whole number from 0 to 2^64 - 1, as the state of `{kind}` requires"
     )]
     Integer {
         /// Name of the generator.
@@ -63,7 +62,7 @@ pub enum KeyError {
         found: String,
     },
     /// Not a number.
-    #[error("`{found}` is no number; `{kind}` takes numbers such as 0.644")]
+    #[error("`{found}` is not a number; `{kind}` takes numbers such as 0.644")]
     Number {
         /// Name of the generator.
         kind: String,
@@ -73,7 +72,7 @@ pub enum KeyError {
     /// Not 64 hexadecimal digits.
     #[error(
         "the key of `keyed` must be 64 hexadecimal digits (32 bytes), but has {length} characters{}",
-        if *.length == 64 { ", some of which are no such digits" } else { "" }
+        if *.length == 64 { ", including other ones" } else { "" }
     )]
     Hex {
         /// Actual number of characters (the error does not contain the key itself: it is a secret).

@@ -37,7 +37,7 @@ pub enum TourError {
     /// An unknown rectangle.
     #[error(
         "route: there is no rectangle {rectangle}; the workplace is divided into rectangles 0 to \
-         {last}: name those"
+         {last}: use one of these"
     )]
     NoSuchRectangle {
         /// Actual index.

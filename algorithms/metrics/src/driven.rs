@@ -177,7 +177,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_finite_or_not_later_is_left_out() {
+    fn points_not_finite_or_not_later_are_left_out() {
         let mut track = Track::default();
         track.push(1.0, Point2::new(0.0, 0.0));
         track.push(1.0, Point2::new(1.0, 0.0));

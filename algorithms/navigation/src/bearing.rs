@@ -96,7 +96,7 @@ mod tests {
     }
 
     #[test]
-    fn a_point_at_oneself_or_at_infinity_has_no_bearing() {
+    fn a_point_at_the_robot_or_at_infinity_has_no_bearing() {
         let here = Point2::new(1.0, 1.0);
         assert!(Bearings::Straight.of(here, here).is_none());
         assert!(

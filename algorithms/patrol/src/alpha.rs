@@ -38,13 +38,13 @@ pub enum AlphaError {
     },
     /// There are no waypoints whose position depends on the width.
     #[error(
-        "no waypoint is put in anywhere, so that no `alpha` is too large: give `t_max` more \
-         seconds than the contour has segments, or move the danger zones onto the contour"
+        "there are no additional waypoints, so no `alpha` is too large: give `t_max` more seconds than \
+         the contour has segments, or move the danger zones onto the contour"
     )]
     NothingInserted,
     /// The robot is too slow even for a zig-zag of width 0.
     #[error(
-        "a lap takes the robot {lap_s:.3} s even with hardly any zig-zag, but `t_max` = {t_max} s \
+        "a lap takes the robot {lap_s:.3} s even with nearly no zig-zag, but `t_max` = {t_max} s \
          less the margin leaves {limit_s:.3} s: give it more time or a faster robot"
     )]
     TooSlow {
@@ -57,7 +57,7 @@ pub enum AlphaError {
     },
     /// The robot did not finish its laps.
     #[error(
-        "the robot does not finish its laps in the trial drive even with hardly any zig-zag: \
+        "the robot does not finish its laps in the simulated drive even with nearly no zig-zag: \
          check its limits and the tolerance at waypoints"
     )]
     NotFinished,

@@ -263,7 +263,7 @@ impl Awg {
         self.seconds_per_waypoint(leg) * leg.waypoints() as f64
     }
 
-    /// Time of a lap by the clock of the waypoints (s), the same for all laps.
+    /// Time of a lap on the waypoint clock (s), the same for all laps.
     pub fn lap_time(&self) -> f64 {
         self.forward.iter().map(|leg| self.leg_seconds(leg)).sum()
     }

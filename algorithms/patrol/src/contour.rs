@@ -60,8 +60,8 @@ impl Segment {
 pub enum ContourError {
     /// Too few waypoints.
     #[error(
-        "`contour` has {count} waypoint(s), but must have at least 2 different ones: add where the \
-         patrol leads"
+        "`contour` has {count} waypoint(s), but must have at least 2 different ones: add the \
+         points of the route"
     )]
     TooFew {
         /// Number of different ones.
@@ -79,7 +79,7 @@ pub enum ContourError {
     },
     /// Two consecutive waypoints at the same position.
     #[error(
-        "`contour[{index}]` is ({x}, {y}) like the waypoint before it, but must differ from it: \
+        "`contour[{index}]` is ({x}, {y}), the same as the waypoint before it: \
          remove one of the two"
     )]
     Repeated {
@@ -240,8 +240,7 @@ mod tests {
         let error = Contour::closed(&points(&[(0.0, 0.0), (1.0, 2.0), (1.0, 2.0)])).unwrap_err();
         assert_eq!(
             error.to_string(),
-            "`contour[2]` is (1, 2) like the waypoint before it, but must differ from it: remove \
-             one of the two"
+            "`contour[2]` is (1, 2), the same as the waypoint before it: remove one of the two"
         );
         let twice = points(&[(1.0, 1.0), (1.0, 1.0)]);
         assert!(matches!(
@@ -251,7 +250,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_that_are_none_are_named() {
+    fn coordinates_that_are_not_finite_are_named() {
         let error = Contour::open(&points(&[(0.0, 0.0), (f64::NAN, 1.0)])).unwrap_err();
         assert!(error.to_string().starts_with("`contour[1]` is (NaN, 1)"));
         let error = Contour::open(&points(&[(-1e308, 0.0), (1e308, 1.0)])).unwrap_err();

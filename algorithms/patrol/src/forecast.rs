@@ -1,8 +1,7 @@
-//! Forecast of a robot's position, for an ally that has the key and nobody else (cat-map patrol
-//! paper, §3.1 and §4).
+//! Forecast of a robot's position, for an ally that has the key (cat-map patrol paper, §3.1 and §4).
 //!
 //! Every waypoint is available at once, however far ahead, because the generators jump. There are two
-//! measures of progress. By the clock of the waypoints each additional one takes a second (or
+//! measures of progress. On the waypoint clock each additional one takes a second (or
 //! slightly less, so that laps end in time: [`Awg::with_tempo`]). By the distance driven, the
 //! forecast fits a robot at its own speed. The clock starts when the robot leaves the start of the
 //! contour. A robot that keeps to the clock is at the forecast position, except that a leg may be
@@ -34,8 +33,8 @@ pub enum ForecastError {
     },
     /// Too far ahead.
     #[error(
-        "that is too far ahead: {what} is beyond what can be computed (at most {most}); ask for an \
-         earlier time, or use a key of another kind"
+        "too far ahead: {what} is above the maximum of {most}; use an earlier time or a key of another \
+         kind"
     )]
     TooFar {
         /// The requested quantity.
@@ -83,7 +82,7 @@ impl Forecast {
         &self.awg
     }
 
-    /// Time of a lap by the clock of the waypoints (s), the same for all laps; [`Awg::lap_time`].
+    /// Time of a lap on the waypoint clock (s), the same for all laps; [`Awg::lap_time`].
     pub fn lap_time(&self) -> f64 {
         self.awg.lap_time()
     }
@@ -115,7 +114,7 @@ impl Forecast {
         Ok(waypoints)
     }
 
-    /// The position of the robot `t` (s) after it left the start of the contour, by the clock of the
+    /// The position of the robot `t` (s) after it left the start of the contour, on the clock of the
     /// waypoints ([`Awg::due_s`]).
     ///
     /// # Errors

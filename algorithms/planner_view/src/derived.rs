@@ -61,7 +61,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_thing_is_made_once_per_key_and_type_and_clones_share_it() {
+    fn a_value_is_made_once_per_key_and_type_and_clones_share_it() {
         let derived = Derived::default();
         let first = derived.get(1, || "one".to_owned());
         let again = derived.clone().get(1, || "never".to_owned());
@@ -73,14 +73,14 @@ mod tests {
     }
 
     #[test]
-    fn one_thing_may_be_made_of_another() {
+    fn a_value_may_derive_from_another() {
         let derived = Derived::default();
         let sum = derived.get("sum", || *derived.get("part", || 20) + 1);
         assert_eq!(*sum, 21);
     }
 
     #[test]
-    fn threads_get_the_same_thing() {
+    fn threads_get_the_same_value() {
         let derived = Derived::default();
         let things: Vec<Arc<u64>> = std::thread::scope(|scope| {
             let threads: Vec<_> = (0..4)

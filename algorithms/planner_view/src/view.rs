@@ -209,7 +209,7 @@ mod tests {
     }
 
     #[test]
-    fn robots_with_insane_numbers_and_retired_robots_are_not_there() {
+    fn invalid_and_retired_robots_are_left_out() {
         let robots = [
             robot(0, Team::Evader, true, f64::NAN),
             robot(1, Team::Evader, false, 1.0),

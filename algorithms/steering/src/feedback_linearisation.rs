@@ -36,9 +36,9 @@ const REVERSE_FRACTION: f64 = 0.1;
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct FeedbackParams {
-    /// Variant of the law. [`Fidelity::Ours`]: the inverse of the kinematics, with the field taken at the control point. A
-    /// command beyond the limits loses speed and keeps the wanted direction, and a robot turns at its
-    /// full rate towards what lies behind it.
+    /// Variant of the law. [`Fidelity::Ours`]: the inverse of the kinematics, with the field taken at
+    /// the control point. A command beyond the limits loses speed and keeps the desired direction, and
+    /// a robot turns at its full rate towards a target behind it.
     ///
     /// [`Fidelity::Published`]: a turning term proportional to the angle between heading and desired velocity
     /// is added, and only the cos θ part of ω is divided by ε, so that a robot driving along ±y turns 1/ε times
@@ -207,7 +207,7 @@ mod tests {
     }
 
     #[test]
-    fn the_papers_gain_depends_on_the_compass_and_ours_does_not() {
+    fn the_papers_gain_depends_on_the_heading_and_ours_does_not() {
         // The same sideways velocity seen from a robot heading along +x and along +y.
         let params = FeedbackParams {
             omega_cap: None,

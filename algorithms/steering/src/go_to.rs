@@ -176,7 +176,7 @@ mod tests {
     }
 
     #[test]
-    fn a_point_behind_costs_half_a_turn_and_the_way() {
+    fn a_point_behind_costs_half_a_turn_and_the_distance() {
         let (time, v) = drive(
             Pose2::default(),
             Point2::new(-4.0, 0.0),
@@ -214,7 +214,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_finite_stops_the_robot() {
+    fn input_that_is_not_finite_stops_the_robot() {
         let params = GoToParams::default();
         let nan = Point2::new(f64::NAN, 0.0);
         let there = Point2::new(1.0, 0.0);

@@ -33,8 +33,7 @@ pub struct TrackingParams {
     /// Increase of `look_ahead` per speed.
     #[schemars(transform = at_least(0).unit("s"))]
     pub look_ahead_time_s: f64,
-    /// Shortest look-ahead, at most `look_ahead`: for places where the way to a farther point is not
-    /// clear.
+    /// Minimum look-ahead, at most `look_ahead`; used where the path to a farther point is not clear.
     #[schemars(transform = above(0).unit("m"))]
     pub least_look_ahead: f64,
     /// Bearing of the target point above which the robot turns on the spot.

@@ -85,8 +85,8 @@ pub struct FilterParams {
     /// `true` if an unseen hypothesis that would drive into an obstacle turns away from it; `false` if it is
     /// ruled out, as in the paper: then hypotheses that hardly move outlive the others.
     pub turn_at_walls: bool,
-    /// Variant of the filter. [`Fidelity::Published`]: walks that stay at the ends of their ranges, equal weights before
-    /// snapping, and a belief that is given up only when no particle is possible.
+    /// Variant of the filter. [`Fidelity::Published`]: walks that stay at the ends of their ranges,
+    /// equal weights before snapping, and a belief that is rebuilt only when no particle is possible.
     pub fidelity: Fidelity,
 }
 

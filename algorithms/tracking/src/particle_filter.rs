@@ -119,12 +119,12 @@ impl ParticleFilter {
             };
             recover::around_measurement(&mut particles, space, &m, velocities, &mut rng);
         } else {
-            let no_observer = Watch::new(&crate::params::SensorParams::default());
+            let no_observers = Watch::new(&crate::params::SensorParams::default());
             let cells = &mut scratch.cells;
             recover::over_unseen(
                 &mut particles,
                 space,
-                &no_observer,
+                &no_observers,
                 None,
                 velocities,
                 cells,

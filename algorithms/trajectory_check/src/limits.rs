@@ -54,8 +54,8 @@ impl<'a> Limits<'a> {
         self.top_turn_rate = self.top_turn_rate.max(omega);
     }
 
-    /// Checks the speeds that follow from poses and times alone, whatever the controls. (A chord is
-    /// never longer than the path, nor a wrapped turn more than the turn: valid samples cannot
+    /// Checks the speeds that follow from poses and times alone, regardless of the controls. (A chord
+    /// is never longer than the path, nor a wrapped turn more than the turn: valid samples cannot
     /// fail.)
     pub fn poses(&mut self, a: &Sample, b: &Sample, findings: &mut Findings) {
         let (contract, rounding) = (self.contract, self.tolerances.rounding);

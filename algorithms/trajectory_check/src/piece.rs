@@ -184,7 +184,7 @@ mod tests {
     }
 
     /// The motion cut into 2¹⁰ pieces, each a straight step.
-    fn crumbs(piece: &Piece) -> Vec<Piece> {
+    fn fragments(piece: &Piece) -> Vec<Piece> {
         let mut pieces = vec![*piece];
         for _ in 0..10 {
             pieces = pieces.iter().flat_map(Piece::halves).collect();
@@ -212,7 +212,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn the_way_stays_within_its_deviation_of_the_chord(
+        fn the_path_stays_within_its_deviation_of_the_chord(
             v0 in -1.0..1.0_f64, v1 in -1.0..1.0_f64,
             w0 in -4.0..4.0_f64, w1 in -4.0..4.0_f64,
             dt in 0.01..2.0_f64,
@@ -221,8 +221,8 @@ mod tests {
             let (a, b) = (whole.start, whole.end());
             let chord = b - a;
             let length = chord.norm();
-            for crumb in crumbs(&whole) {
-                let offset = crumb.start - a;
+            for fragment in fragments(&whole) {
+                let offset = fragment.start - a;
                 let along = (offset.dot(&chord) / (length * length).max(1e-300)).clamp(0.0, 1.0);
                 let distance = (offset - chord * along).norm();
                 prop_assert!(distance <= whole.deviation() + 1e-7, "{distance}");
@@ -230,18 +230,18 @@ mod tests {
         }
 
         #[test]
-        fn a_piece_and_its_crumbs_agree(
+        fn a_piece_and_its_fragments_agree(
             v0 in -1.0..1.0_f64, v1 in -1.0..1.0_f64,
             w0 in -4.0..4.0_f64, w1 in -4.0..4.0_f64,
             dt in 0.01..1.0_f64,
         ) {
             let whole = piece([v0, v1], [w0, w1], dt);
-            let crumbs = crumbs(&whole);
-            let last = crumbs.last().unwrap();
+            let fragments = fragments(&whole);
+            let last = fragments.last().unwrap();
             let fastest = v0.abs().max(v1.abs());
             prop_assert!((last.end() - whole.end()).norm() < 1e-6 * fastest * dt);
             prop_assert!((last.heading + last.turn() - whole.heading - whole.turn()).abs() < 1e-9);
-            let way: f64 = crumbs.iter().map(Piece::way).sum();
+            let way: f64 = fragments.iter().map(Piece::way).sum();
             prop_assert!((way - whole.way()).abs() < 1e-9);
         }
     }

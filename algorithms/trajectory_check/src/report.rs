@@ -59,9 +59,9 @@ impl Report {
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if self.is_valid() {
-            return write!(f, "honest: {:.3} s, {:.3} m", self.duration, self.length);
+            return write!(f, "valid: {:.3} s, {:.3} m", self.duration, self.length);
         }
-        f.write_str("not honest")?;
+        f.write_str("not valid")?;
         for (k, violation) in self.violations.iter().enumerate() {
             write!(f, "{} {violation}", if k == 0 { ":" } else { ";" })?;
         }

@@ -153,7 +153,7 @@ fn polygon_fault(vertices: &[Point2<f64>]) -> Option<Violation> {
     .or_else(|| {
         fault(
             once,
-            "turning of a polygon [rad]",
+            "turn of a polygon (rad)",
             turning,
             "one full turn (convex)",
         )

@@ -26,8 +26,8 @@ pub enum BridgeError {
     },
     /// The rectangles are already joined.
     #[error(
-        "bridge between rectangles {} and {}: they are one or share a border, which has its bridge; \
-         leave this one out", .between[0], .between[1]
+        "bridge between rectangles {} and {}: they are the same or share a border, which has a bridge \
+         already; leave this one out", .between[0], .between[1]
     )]
     Joined {
         /// The rectangles.

@@ -11,8 +11,7 @@ const MAX_CANDIDATES: usize = 4096;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct KeyedParams {
-    /// Side of the cells in which coverage is remembered, at most the radius of the disc that the
-    /// robot covers.
+    /// Side of the cells of the coverage map; at most the radius of the disc that the robot covers.
     #[schemars(transform = above(0).unit("m"))]
     pub cell: f64,
     /// Number of orders drawn per sub-goal, of which the best is followed; 1.4 draws one or two,

@@ -40,7 +40,7 @@ fn most_of_the_empty_workplace_is_covered_within_800_m() {
 }
 
 #[test]
-fn who_knows_all_but_the_key_guesses_little_better_than_blindly() {
+fn an_observer_without_the_key_guesses_little_better_than_by_chance() {
     let mut planner = planner([11; 32]);
     let (mut informed, mut blind) = (Vec::new(), Vec::new());
     let mut from = START;

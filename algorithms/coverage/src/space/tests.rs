@@ -71,7 +71,7 @@ fn the_legs_between_rectangles_each_stay_in_one_that_is_free() {
 }
 
 #[test]
-fn what_another_component_contains_cannot_be_reached() {
+fn other_components_are_unreachable() {
     let bounds = Aabb {
         min: Point2::origin(),
         max: Point2::new(10.0, 10.0),

@@ -58,7 +58,7 @@ pub enum WorkplaceError {
     },
     /// An obstacle covers the whole workplace.
     #[error(
-        "obstacles[{index}] covers all of the workplace: make the obstacle or the robot's radius \
+        "obstacles[{index}] covers the whole workplace: make the obstacle or the robot's radius \
          smaller, or the workplace larger"
     )]
     Covering {

@@ -48,7 +48,7 @@ fn relative(found: f64, expected: f64) {
 #[test]
 fn the_open_workplace_is_covered_as_known() {
     let workplace = workplace(&[]);
-    // Length [m]; goals at 0.5 m; path at 0.1, 0.25 and 0.5 m; disc.
+    // Length (m); goals at 0.5 m; path at 0.1, 0.25 and 0.5 m; disc.
     let rows = [
         (
             Arcsine,

@@ -70,7 +70,7 @@ fn a_wait_is_ended_by_its_cap() {
 }
 
 #[test]
-fn loops_without_end_go_on() {
+fn endless_loops_continue() {
     let workplace = RandomMaps::new(9).next_map(3);
     let decomposition = Decomposition::new(&workplace).unwrap();
     let start = decomposition.rectangles()[0].center();

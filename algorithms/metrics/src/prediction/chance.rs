@@ -68,7 +68,7 @@ mod tests {
     }
 
     #[test]
-    fn a_thin_rectangle_is_a_line_and_nothing_is_nothing() {
+    fn a_thin_rectangle_is_a_line_and_invalid_sides_count_as_zero() {
         let thin = chance_median(3.0, 1e-6);
         assert!((thin - chance_median_along(3.0)).abs() < 1e-4, "{thin}");
         assert_eq!(chance_median(3.0, 0.0), chance_median_along(3.0));

@@ -118,7 +118,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_repeats_is_predicted_and_the_first_of_equals_counts() {
+    fn repetitions_are_predicted_and_the_first_of_equals_counts() {
         let cycle = [[0.0, 0.0], [1.0, 0.5], [0.3, 0.9]].map(Point2::from);
         let goals: Vec<_> = (0..12).map(|k| cycle[k % 3]).collect();
         for view in [View::Plane, View::PerAxis] {

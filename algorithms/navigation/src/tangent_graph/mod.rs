@@ -78,7 +78,7 @@ pub enum GraphError {
     #[error("radius = {0}: expected a number of at least {MIN_RADIUS} (m)")]
     Radius(f64),
     /// The map has too many corners.
-    #[error("the map has more than {MAX_SITES} corners and discs for a robot to bend around")]
+    #[error("the map has more than {MAX_SITES} corners and discs that paths may bend around")]
     TooManySites,
     /// The map has too many tangents.
     #[error("the map has more than {MAX_TANGENTS} lines of sight between corners and discs")]

@@ -208,7 +208,7 @@ proptest! {
     }
 
     #[test]
-    fn whatever_comes_in_verdicts_are_numbers_and_equal_bits_come_out(
+    fn any_input_gives_finite_and_reproducible_verdicts(
         numbers in prop::collection::vec(prop::num::f64::ANY, 12),
     ) {
         let runners: Vec<Runner> = numbers

@@ -16,7 +16,7 @@ fn route_finder(map: &PlannerMap) -> RouteFinder {
 }
 
 #[test]
-fn the_way_to_the_exit_has_the_length_of_the_street_grid() {
+fn the_path_to_the_exit_has_the_length_of_the_street_grid() {
     let map = Arena::city().map();
     let mut finder = route_finder(&map);
     let start = Point2::new(-4.5, 7.5);
@@ -28,7 +28,7 @@ fn the_way_to_the_exit_has_the_length_of_the_street_grid() {
 }
 
 #[test]
-fn every_point_of_a_way_has_room_for_the_robot() {
+fn every_point_of_a_path_has_room_for_the_robot() {
     let arena = Arena::city();
     let map = arena.map();
     let mut finder = route_finder(&map);
@@ -73,7 +73,7 @@ fn the_first_leg_can_be_driven_straight_and_the_legs_end_at_the_goal() {
 }
 
 #[test]
-fn a_threat_on_the_shortest_way_makes_it_go_round() {
+fn a_threat_on_the_shortest_path_causes_a_detour() {
     let map = Arena::city().map();
     let mut finder = route_finder(&map);
     let start = Point2::new(-7.5, 1.5);
@@ -107,7 +107,7 @@ fn a_threat_on_the_shortest_way_makes_it_go_round() {
 }
 
 #[test]
-fn the_way_out_leads_to_the_nearest_exit_and_sees_it_when_it_can() {
+fn the_escape_path_leads_to_the_nearest_exit() {
     let map = Arena::city().map();
     let mut finder = route_finder(&map);
     let (west, east) = (Point2::new(-7.5, -1.5), Point2::new(7.5, 1.5));
@@ -145,7 +145,7 @@ fn a_place_that_is_walled_off_is_measured_straight() {
 }
 
 #[test]
-fn hostile_points_and_maps_have_no_ways_and_do_not_panic() {
+fn invalid_points_and_maps_have_no_paths_and_do_not_panic() {
     let map = Arena::city().map();
     let mut finder = route_finder(&map);
     assert!(
@@ -181,7 +181,7 @@ fn hostile_points_and_maps_have_no_ways_and_do_not_panic() {
 }
 
 #[test]
-fn a_new_revision_of_the_map_changes_the_way() {
+fn a_new_revision_of_the_map_changes_the_path() {
     let mut arena = Arena::city();
     let map = arena.map();
     let mut finder = route_finder(&map);
@@ -224,7 +224,7 @@ fn a_line_of_sight_ends_at_the_first_block() {
 }
 
 #[test]
-fn ways_that_were_not_asked_for_are_unknown_until_they_are() {
+fn paths_are_unknown_until_they_are_requested() {
     let map = Arena::city().map();
     let mut finder = route_finder(&map);
     let start = Point2::new(-7.5, -7.5);
@@ -295,7 +295,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(24))]
 
     #[test]
-    fn planners_that_share_their_trees_get_the_answers_of_those_that_do_not(
+    fn sharing_trees_does_not_change_results(
         questions in prop::collection::vec((0..3_usize, question()), 1..25),
         elsewhere in prop::collection::vec(place(), 6),
         threat in place(),

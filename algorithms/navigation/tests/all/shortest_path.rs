@@ -56,7 +56,7 @@ fn check(space: &FreeSpace, radius: f64, path: &ShortestPath, ends: [Point2<f64>
 }
 
 #[test]
-fn the_way_out_of_the_city_has_its_known_length() {
+fn the_escape_path_of_the_city_has_its_known_length() {
     let space = city();
     for (radius, length) in [(RADIUS, 16.987), (0.0525, 16.780), (1e-6, 16.593)] {
         let graph = TangentGraph::new(&space, radius).unwrap();
@@ -126,7 +126,7 @@ fn lines_of_sight_and_ends_that_are_one_need_no_graph() {
 }
 
 #[test]
-fn what_cannot_be_reached_has_no_path() {
+fn unreachable_points_have_no_path() {
     let wall = |x: f64, y: f64, a: f64, b: f64| Convex::rectangle(Point2::new(x, y), [a, b], 0.0);
     // A closed court whose walls only touch, and one with a gap slightly too narrow.
     let gap = 2.0 * RADIUS - 1e-6;

@@ -84,7 +84,7 @@ const EXACT_LENGTHS: [(f64, f64, f64); 14] = [
 ];
 
 #[test]
-fn in_the_city_times_are_those_of_the_shortest_ways() {
+fn in_the_city_times_are_those_of_the_shortest_paths() {
     let wave = spread(&CITY, &[Source::new(Point2::new(-4.5, 7.5), 1.0, 0)]);
     let mut sum = 0.0;
     for (x, y, truth) in EXACT_LENGTHS {
@@ -131,7 +131,7 @@ fn a_slow_source_does_not_hold_up_a_fast_one_that_comes_through() {
 }
 
 #[test]
-fn what_is_within_reach_is_reached_at_once() {
+fn places_within_reach_are_reached_at_once() {
     let at = Point2::new(1.0, 2.0);
     let reaching = Source {
         reach: 0.5,
@@ -176,7 +176,7 @@ fn a_limited_wave_is_strictly_earlier_everywhere_and_never_earlier_than_a_free_o
 }
 
 #[test]
-fn a_way_leads_from_the_source_cell_by_cell_and_is_as_long_as_its_time() {
+fn a_path_leads_from_the_source_cell_by_cell_and_is_as_long_as_its_time() {
     let start = Point2::new(-4.5, 7.5);
     let wave = spread(&CITY, &[Source::new(start, 1.0, 0)]);
     let mut way = Vec::new();
@@ -208,7 +208,7 @@ fn a_way_leads_from_the_source_cell_by_cell_and_is_as_long_as_its_time() {
 }
 
 #[test]
-fn hostile_sources_and_maps_reach_nothing_and_do_not_panic() {
+fn invalid_sources_and_maps_reach_nothing_and_do_not_panic() {
     let somewhere = Point2::new(1.5, 1.5);
     let bad = [
         Source::new(Point2::new(f64::NAN, 0.0), 1.0, 0),

@@ -69,7 +69,7 @@ fn turning_then_driving_takes_the_time_of_both() {
 }
 
 #[test]
-fn a_closure_may_tell_the_time_of_laps() {
+fn a_closure_can_compute_lap_times() {
     let awg = awg(&octagon(), 120.0, 1.0, Mode::default());
     let mut robot = |laps: &[Vec<Point2<f64>>]| {
         let length = |lap: &Vec<_>| metrics::path::Polyline::new(lap).length();
@@ -81,7 +81,7 @@ fn a_closure_may_tell_the_time_of_laps() {
 }
 
 #[test]
-fn a_robot_too_slow_for_the_contour_is_told_the_least_time() {
+fn the_error_for_a_slow_robot_contains_the_minimum_time() {
     let awg = awg(&octagon(), 120.0, 1.0, Mode::default());
     let error = alpha_max(&awg, 0.4, 1, &mut catp()).unwrap_err();
     assert!(error.to_string().contains("at least 120.711 s"), "{error}");

@@ -16,7 +16,7 @@ pub enum AwgError {
     },
     /// An invalid width.
     #[error(
-        "`alpha` is {value}, but must be a finite number above 0 (m); leave it out to have it chosen"
+        "`alpha` is {value}, but must be a finite number above 0 (m); omit it for an automatic choice"
     )]
     Alpha {
         /// Actual width (m).
@@ -30,8 +30,8 @@ pub enum AwgError {
     },
     /// A contour too short, or too long, for its time, so that the speed is not a number.
     #[error(
-        "`contour` is {length} m long, which in `t_max` = {t_max} s is no speed that can be \
-         computed with: give coordinates in metres and the time in seconds"
+        "`contour` is {length} m long, which in `t_max` = {t_max} s gives an invalid speed: \
+         give coordinates in metres and the time in seconds"
     )]
     Speed {
         /// Length of the contour (m).

@@ -92,7 +92,7 @@ fn a_waypoint_follows_the_formula() {
 }
 
 #[test]
-fn laps_go_on_without_end_and_without_repeating() {
+fn laps_continue_forever_without_repetition() {
     let awg = awg(&octagon(), 120.0, 1.7, Mode::default());
     let stream: Vec<Waypoint> = awg.clone().laps(catp()).take(1 + 3 * 120).collect();
     assert_eq!(stream[0].point, Point2::new(5.0, 0.0));
@@ -191,7 +191,7 @@ fn values_out_of_range_are_refused_by_name() {
 }
 
 #[test]
-fn a_time_too_short_for_the_contour_says_the_least_that_does() {
+fn the_error_for_a_short_time_contains_the_minimum() {
     let awg = awg(&octagon(), 40.0, 1.0, Mode::default());
     let error = awg.check_speed(1.0).unwrap_err().to_string();
     assert!(error.contains("48.284 s"), "{error}");

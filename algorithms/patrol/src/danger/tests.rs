@@ -105,7 +105,7 @@ fn a_polygon_that_is_not_convex_counts_with_its_notch_left_out() {
 }
 
 #[test]
-fn a_zone_that_is_no_area_is_named() {
+fn a_zone_without_an_area_is_named() {
     let zones = DangerZones(vec![
         rectangle([0.0, 0.0], [1.0, 1.0]),
         rectangle([0.0, 0.0], [1.0, -1.0]),

@@ -14,7 +14,7 @@ fn open() -> Contour {
 
 proptest! {
     #[test]
-    fn an_ally_with_the_key_knows_every_waypoint(
+    fn an_ally_with_the_key_computes_every_waypoint(
         seed in any::<u64>(),
         kind in prop::sample::select(vec![KeyKind::CatP, KeyKind::Cat64, KeyKind::CatF64, KeyKind::Keyed]),
         closed in any::<bool>(),
@@ -43,8 +43,8 @@ fn a_waypoint_far_ahead_is_found_at_once() {
     assert_eq!(lap[0].number, first);
     assert_eq!(forecast.waypoint(first + 40).unwrap(), lap[40]);
     // An observer with another key, one unit away, cannot predict anything.
-    let stranger = Forecast::new(awg, source("catp:3689348814741910314,5939851591734475604"));
-    let gap = stranger.waypoint(first + 40).unwrap().point - lap[40].point;
+    let outsider = Forecast::new(awg, source("catp:3689348814741910314,5939851591734475604"));
+    let gap = outsider.waypoint(first + 40).unwrap().point - lap[40].point;
     assert!(gap.norm() > 1e-3, "{gap}");
 }
 
@@ -73,7 +73,7 @@ fn by_the_papers_clock_a_waypoint_is_reached_every_second() {
 }
 
 #[test]
-fn where_there_is_no_threat_the_clock_is_that_of_the_unprotected_patrol() {
+fn without_a_threat_the_clock_is_that_of_the_unprotected_patrol() {
     let zone = Shape::Rectangle {
         center: [0.0, 7.5],
         half_extents: [1.0, 1.0],
@@ -107,7 +107,7 @@ fn by_distance_the_robot_is_that_far_along_its_waypoints() {
 }
 
 #[test]
-fn what_cannot_be_predicted_is_refused() {
+fn invalid_and_distant_times_have_no_forecast() {
     let awg = awg(&octagon(), 120.0, 1.7, Mode::default());
     let forecast = Forecast::new(awg.clone(), catp());
     for t in [-1.0, f64::NAN, f64::INFINITY] {

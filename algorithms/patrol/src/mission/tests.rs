@@ -17,7 +17,7 @@ fn case_1() -> MissionParams {
 }
 
 #[test]
-fn what_is_left_open_is_chosen_from_robot_and_seed() {
+fn absent_parameters_follow_from_robot_and_seed() {
     let go_to = GoToParams::default();
     let made = |seed| case_1().prepare(&drive(1.0), &go_to, seed).unwrap();
     let mission = made(7);
@@ -37,7 +37,7 @@ fn what_is_left_open_is_chosen_from_robot_and_seed() {
 }
 
 #[test]
-fn laps_by_the_clock_end_before_the_time_is_over() {
+fn laps_on_the_waypoint_clock_end_in_time() {
     let go_to = GoToParams::default();
     let prepared = |params: MissionParams| params.prepare(&drive(1.0), &go_to, 7).unwrap();
     // Sides of 6.5 s are rounded to 7 waypoints, which would exceed the time.
@@ -57,7 +57,7 @@ fn laps_by_the_clock_end_before_the_time_is_over() {
 }
 
 #[test]
-fn what_is_given_is_taken() {
+fn given_parameters_are_kept() {
     let params: MissionParams = toml::from_str(
         "contour = [[0, 0], [8, 0], [8, 6]]\nclosed = false\nt_max = 30\nalpha = 0.7\n\
          key = 'catp:0.4,0.644'\npreset = 'printed'\n\
@@ -84,7 +84,7 @@ fn what_is_given_is_taken() {
 }
 
 #[test]
-fn a_patrol_that_cannot_be_says_what_to_change() {
+fn errors_of_a_patrol_contain_the_remedy() {
     let refused = |change: &dyn Fn(&mut MissionParams)| {
         let mut params = case_1();
         change(&mut params);
@@ -111,7 +111,7 @@ fn a_patrol_that_cannot_be_says_what_to_change() {
 }
 
 #[test]
-fn a_check_says_what_preparing_would() {
+fn check_and_prepare_agree() {
     let go_to = GoToParams::default();
     for (t_max, v_max) in [
         (120.0, 1.0),

@@ -88,7 +88,7 @@ fn the_waypoints_left_are_those_of_the_whole_zig_zag() {
 }
 
 #[test]
-fn on_the_way_back_of_an_open_contour_a_leg_is_the_same_leg() {
+fn on_the_return_of_an_open_contour_a_leg_is_the_same_leg() {
     let contour = Contour::open(&points(&[(0.0, 0.0), (10.0, 0.0), (10.0, 20.0)])).unwrap();
     let awg = awg(&contour, 30.0, 1.0, Mode::default());
     let mut mixed = MixedLaps::new(MixedParams::default(), awg.laps(catp())).unwrap();

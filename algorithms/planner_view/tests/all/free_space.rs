@@ -124,7 +124,7 @@ fn a_robot_that_touches_is_free_along_and_around() {
 }
 
 #[test]
-fn what_is_not_finite_is_not_free() {
+fn points_that_are_not_finite_are_not_free() {
     let space = space(vec![]);
     let (nowhere, here) = (Point2::new(f64::NAN, 0.0), Point2::origin());
     assert!(space.distance(nowhere).is_nan());

@@ -69,7 +69,7 @@ fn an_arriving_robot_slows_down_and_stops() {
 }
 
 #[test]
-fn what_lies_behind_is_turned_to_first() {
+fn a_robot_turns_first_to_a_path_behind_it() {
     let mut tracker = PathTracker::default();
     tracker.set_path(path(&[(0.0, 0.0), (-3.0, 0.1)]));
     let params = TrackingParams::default();

@@ -18,10 +18,10 @@ const MAX_SPEED: f64 = 6.0;
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct ObstacleParams {
-    /// Variant of the gradient. [`Fidelity::Ours`]: that of the plain blur, interpolated between cells; continuous,
-    /// bounded, and still pointing out of an obstacle from within it. [`Fidelity::Published`]: that of
-    /// the blur that is set to 0 in obstacles, constant within a cell; jumps from cell to cell, and
-    /// near a wall grows with the map's resolution.
+    /// Variant of the gradient. [`Fidelity::Ours`]: the gradient of the plain blur, interpolated
+    /// between cells; continuous, bounded, and still pointing outwards inside an obstacle.
+    /// [`Fidelity::Published`]: the gradient of the blur that is set to 0 in obstacles, constant within
+    /// a cell; it jumps from cell to cell, and near a wall grows with the map's resolution.
     pub fidelity: Fidelity,
     /// Clearance beyond the robot's radius below which the part of the summed field that points at the obstacle
     /// is removed; 0 to disable (the paper).

@@ -100,7 +100,7 @@ mod tests {
     }
 
     #[test]
-    fn the_paper_has_none_and_nan_times_push_nowhere() {
+    fn the_paper_preset_and_nan_times_give_no_push() {
         assert_eq!(
             Perturbation::new(PerturbationParams::paper(), 1).at(2.0),
             Vector2::zeros()

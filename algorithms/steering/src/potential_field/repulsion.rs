@@ -42,14 +42,14 @@ pub enum Falloff {
 pub struct RepulsionParams {
     /// Decrease with distance.
     pub falloff: Falloff,
-    /// Distance in which the fall-off is measured.
+    /// Reference distance of the decrease.
     #[schemars(transform = above(0).unit("m"))]
     pub reach: f64,
     /// Magnitude that the sum approaches but never exceeds.
     #[schemars(transform = above(0).unit("m/s"))]
     pub speed: f64,
-    /// Variant of the sum. [`Fidelity::Published`] multiplies it once more with the mean weight of the repulsors:
-    /// weights then count twice, and adding a weak repulsor weakens the others.
+    /// Variant of the sum. [`Fidelity::Published`] multiplies it again by the mean weight of the
+    /// repulsors: weights then count twice, and adding a weak repulsor weakens the others.
     pub fidelity: Fidelity,
 }
 

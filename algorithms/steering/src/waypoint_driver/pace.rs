@@ -20,7 +20,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn it_is_the_speed_that_is_needed_within_bounds() {
+    fn the_pace_is_the_required_speed_within_bounds() {
         assert_eq!(part(1.0, 4.0, 0.5), 0.5);
         assert_eq!(part(1.0, 1.0, 0.5), 1.0);
         assert_eq!(part(1e-9, 4.0, 0.5), MIN_PACE);

@@ -16,8 +16,8 @@ pub const MIN_TIME_S: f64 = 1.0;
 pub struct DriverParams {
     /// Driving to points; `go_to.arrived` is the tolerance of a waypoint.
     pub go_to: GoToParams,
-    /// Time allowed for a waypoint, as a multiple of what it takes without obstacles. The
-    /// cat-map patrol paper (§3) suggests 2.
+    /// Time limit of a waypoint, as a multiple of the time without obstacles. The cat-map patrol paper
+    /// (§3) suggests 2.
     #[schemars(transform = above(0))]
     pub time_limit_factor: f64,
     /// Time from a scan to the moment when its command can stop the robot. With a scan, the robot limits

@@ -40,7 +40,7 @@ fn run(params: &EvaderParams, body: &mut Kinematic, police: &[Pose2], seconds: f
 }
 
 #[test]
-fn unopposed_it_reaches_the_exit_from_everywhere_without_touching_a_wall() {
+fn without_pursuers_it_reaches_the_exit_from_everywhere_without_contact() {
     for start in street_starts() {
         let mut body = Kinematic::new(start.x, start.y, start.theta);
         let time = run(&EvaderParams::default(), &mut body, &[], 90.0);
@@ -50,7 +50,7 @@ fn unopposed_it_reaches_the_exit_from_everywhere_without_touching_a_wall() {
 }
 
 #[test]
-fn the_straight_field_of_the_paper_is_caught_in_local_minima_from_many_starts() {
+fn the_papers_straight_field_ends_in_local_minima_from_many_starts() {
     let starts = street_starts();
     let escaped = starts
         .iter()
@@ -64,7 +64,7 @@ fn the_straight_field_of_the_paper_is_caught_in_local_minima_from_many_starts() 
 }
 
 #[test]
-fn it_goes_round_a_pursuer_who_stands_in_the_street() {
+fn the_evader_avoids_a_pursuer_that_stands_in_the_street() {
     let mut body = Kinematic::new(-4.5, 1.5, 0.0);
     let police = [Pose2::new(0.0, 1.5, 0.0)];
     let time = run(&EvaderParams::default(), &mut body, &police, 90.0);
@@ -73,7 +73,7 @@ fn it_goes_round_a_pursuer_who_stands_in_the_street() {
 }
 
 #[test]
-fn it_flees_from_a_pursuer_close_behind_even_away_from_the_exit() {
+fn the_evader_flees_from_a_near_pursuer_even_away_from_the_exit() {
     let mut body = Kinematic::new(0.0, 1.5, 0.0);
     let police = [Pose2::new(0.6, 1.5, 0.0)];
     run(&EvaderParams::default(), &mut body, &police, 2.0);
@@ -99,7 +99,7 @@ fn equal_inputs_give_equal_bits() {
 }
 
 #[test]
-fn it_drives_round_a_body_that_blocks_the_middle_of_the_street() {
+fn the_evader_passes_a_body_that_blocks_the_middle_of_the_street() {
     let (arena, map) = &*CITY;
     let wreck = Pose2::new(0.0, 1.5, 0.0);
     let drive = |body_guard| {
@@ -129,7 +129,7 @@ fn it_drives_round_a_body_that_blocks_the_middle_of_the_street() {
 }
 
 #[test]
-fn it_stands_still_when_it_is_caught_or_unknown() {
+fn a_caught_or_unknown_evader_stands_still() {
     let (_, map) = &*CITY;
     let mut evader = Evader::new(EvaderParams::default(), limits(0.6), 1).unwrap();
     let mut caught = robot(0, Team::Evader, Pose2::new(1.5, 1.5, 0.0), 0.6);
@@ -148,7 +148,7 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 64, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
-    fn commands_are_finite_and_within_limits_whatever_it_sees(
+    fn commands_are_finite_and_within_limits_for_any_scan(
         numbers in prop::collection::vec(prop::num::f64::ANY, 32),
         tame in prop::collection::vec(-20.0_f64..20.0, 32),
         wild in any::<u32>(),

@@ -22,7 +22,7 @@ fn assert_near(got: Vector2<f64>, expected: (f64, f64), tolerance: f64) {
 }
 
 #[test]
-fn the_baddie_at_its_start() {
+fn the_field_of_the_evader_at_its_start() {
     let map = Arena::city().paper_map();
     let params = FeedbackParams::paper();
     let pose = Pose2::new(-4.5, 7.5, 0.0);
@@ -57,7 +57,7 @@ fn the_baddie_at_its_start() {
 }
 
 #[test]
-fn the_first_police_at_its_start() {
+fn the_field_of_the_first_pursuer_at_its_start() {
     let map = Arena::city().paper_map();
     let params = FeedbackParams::paper();
     let pose = Pose2::new(7.5, 4.5, PI);
@@ -93,7 +93,7 @@ fn the_first_police_at_its_start() {
 }
 
 #[test]
-fn a_police_alone_is_pushed_forward_by_itself_in_the_papers_code() {
+fn a_single_pursuer_repels_itself_in_the_papers_code() {
     let at = Point2::new(0.05, 0.0);
     let own = [Repulsor {
         at: Point2::new(0.0, 0.0),

@@ -80,7 +80,7 @@ fn the_belief_moves_on_along_the_heading_and_stops_at_walls() {
 }
 
 #[test]
-fn exact_sightings_are_taken_over_and_teach_the_heading() {
+fn exact_sightings_set_the_position_and_reveal_the_heading() {
     let space = Space::new(&room());
     let watch = watch_from(&space, &[]);
     for (seed, start, omega) in [
@@ -138,7 +138,7 @@ fn a_noisily_seen_target_is_tracked_better_than_it_is_measured() {
 /// The target drives behind the block. The belief keeps mass near it, clears the visible space, and
 /// finds it again.
 #[test]
-fn an_occluded_target_is_kept_in_mind_and_found_again() {
+fn the_belief_keeps_an_occluded_target_and_finds_it_again() {
     let space = Space::new(&room());
     let sensor = SensorParams::default();
     let observer = Pose2::new(3.0, 2.2, 0.0);
@@ -218,7 +218,7 @@ fn without_weight_a_sighting_rebuilds_the_belief_around_it() {
 fn without_weight_and_sighting_the_reachable_free_space_is_taken() {
     // The target hides in a dead end, which is then closed by a wall.
     let space = Space::new(&room());
-    let no_observer = watch_from(&space, &[]);
+    let no_observers = watch_from(&space, &[]);
     let start = Pose2::new(-3.0, 0.0, 0.0);
     let mut free = Grid {
         frame: *space.frame(),
@@ -235,7 +235,7 @@ fn without_weight_and_sighting_the_reachable_free_space_is_taken() {
         ..FilterParams::default()
     };
     let mut walled = ParticleFilter::new(&params, LIMITS, Some(start), &space, rng(1));
-    walled.update(&changed, &no_observer, &Sighting::default(), DT);
+    walled.update(&changed, &no_observers, &Sighting::default(), DT);
     assert_eq!(walled.rebuilt(), 1);
     let reach = 0.5 + 0.5 * DT + 0.05;
     for p in walled.particles() {
@@ -247,7 +247,7 @@ fn without_weight_and_sighting_the_reachable_free_space_is_taken() {
 }
 
 #[test]
-fn maps_without_any_free_cell_do_no_harm() {
+fn maps_without_any_free_cell_are_accepted() {
     let frame = GridFrame {
         width: 5,
         height: 5,

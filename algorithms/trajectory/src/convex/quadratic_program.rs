@@ -192,7 +192,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_is_no_solution() {
+    fn contradictory_constraints_have_no_solution() {
         let mut program = QuadraticProgram::new(1);
         program.add_quadratic(0, 0, 1.0);
         program.at_most([(0, 1.0)], -1.0);

@@ -23,7 +23,7 @@ pub(super) struct Next {
     /// Duration (s).
     pub time: f64,
     /// Predicted merit, if the linearisation were exact.
-    pub promised: f64,
+    pub predicted: f64,
 }
 
 impl Refinement<'_> {
@@ -81,7 +81,7 @@ impl Refinement<'_> {
         (time > 0.0).then_some(Next {
             nodes,
             time,
-            promised: time + unrest + price * depths,
+            predicted: time + unrest + price * depths,
         })
     }
 

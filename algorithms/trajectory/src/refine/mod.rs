@@ -117,7 +117,7 @@ impl<'a> Refinement<'a> {
             self.time = next.time;
             let found = self.merit();
             let kept = if merit.is_finite() {
-                (merit - found) / (merit - next.promised).max(1e-12)
+                (merit - found) / (merit - next.predicted).max(1e-12)
             } else {
                 1.0
             };

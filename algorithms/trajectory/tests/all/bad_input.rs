@@ -152,7 +152,7 @@ fn options_out_of_range_are_refused_by_name() {
 }
 
 #[test]
-fn a_reference_point_at_the_start_is_answered_all_the_same() {
+fn a_reference_point_at_the_start_still_gives_a_plan() {
     let options = Options {
         reference_point: Some(board().start.position()),
         ..options(Method::Vmc)
@@ -184,7 +184,7 @@ fn more_obstacles_than_allowed_are_refused() {
 }
 
 #[test]
-fn what_spins_or_rolls_for_ever_is_not_waited_for() {
+fn endless_spinning_or_rolling_is_infeasible() {
     // Found by fuzzing: a trajectory of 10¹⁷ samples.
     let mut spinning = cluttered();
     spinning.limits.omega_max = 1e6;

@@ -37,7 +37,7 @@ fn a_start_on_the_border_of_an_obstacle_is_free() {
 }
 
 #[test]
-fn a_start_inside_by_the_tracking_error_is_let_out() {
+fn a_start_inside_by_the_tracking_error_is_accepted() {
     let boxed = {
         let mut problem = at_disc(0.0);
         let edge = 1.0 + problem.clearance - 0.003;

@@ -29,7 +29,7 @@ fn every_method_keeps_the_accelerations() {
 }
 
 #[test]
-fn straight_on_it_is_the_fastest_there_is() {
+fn a_straight_motion_reaches_the_lower_bound() {
     let mut problem = driven();
     problem.obstacles.clear();
     problem.goal = problem.start.position() + problem.start.forward() * 3.0;
@@ -41,7 +41,7 @@ fn straight_on_it_is_the_fastest_there_is() {
 }
 
 #[test]
-fn a_search_in_the_controls_beats_the_curve_it_begins_with() {
+fn refinement_is_faster_than_its_initial_curve() {
     let problem = driven();
     let curve = Options {
         refine: false,
@@ -74,7 +74,7 @@ fn a_moving_start_goes_on_moving() {
 }
 
 #[test]
-fn who_cannot_stop_any_more_has_no_plan() {
+fn a_robot_that_cannot_stop_in_time_has_no_plan() {
     let mut problem = driven();
     problem.obstacles = vec![disc(0.5, 0.1, 0.2)];
     (problem.start.x, problem.start.y, problem.start.theta) = (0.22, 0.1, 0.0);
@@ -121,7 +121,7 @@ fn the_last_plan_shortens_the_search() {
 }
 
 #[test]
-fn a_short_way_is_a_plan_as_well() {
+fn a_short_path_has_a_plan() {
     for way in [1e-3, 0.01, 0.1] {
         let problem = Problem {
             goal: Point2::new(0.1 + way, 0.1),

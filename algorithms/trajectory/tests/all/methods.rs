@@ -66,7 +66,7 @@ fn without_obstacles_the_path_is_nearly_straight() {
 }
 
 #[test]
-fn a_start_behind_the_back_is_turned_out_of() {
+fn a_goal_behind_the_robot_begins_with_a_turn() {
     let mut problem = cluttered();
     problem.start.theta += core::f64::consts::PI;
     for method in Method::ALL {
@@ -142,7 +142,7 @@ fn control_points_and_degree_are_those_asked_for() {
 }
 
 #[test]
-fn a_stopped_search_has_the_certain_plan() {
+fn a_stopped_search_returns_the_fallback_plan() {
     let mut asked = 0;
     let found = trajectory::plan(&cluttered(), &options(Method::Vmc), None, &mut || {
         asked += 1;

@@ -128,7 +128,7 @@ proptest! {
             prop_assert!(!report.min_clearance.is_nan() && !report.deepest.is_nan());
             prop_assert!(!report.length.is_nan() && !report.drift.is_nan());
         }
-        prop_assert_eq!(report.is_valid(), report.to_string().starts_with("honest"));
+        prop_assert_eq!(report.is_valid(), report.to_string().starts_with("valid"));
     }
 
     #[test]

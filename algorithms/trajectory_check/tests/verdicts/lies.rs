@@ -26,7 +26,7 @@ fn one_per_cent_too_fast() {
 }
 
 #[test]
-fn one_per_cent_too_fast_and_silent_about_it() {
+fn one_per_cent_too_fast_with_false_controls() {
     let mut samples = drive([0.0; 3], &[Stretch(5.0, [1.01 * V_MAX; 2], [0.0; 2])]);
     for sample in &mut samples {
         sample.v = V_MAX;

@@ -282,7 +282,7 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 64, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
-    fn commands_are_finite_and_within_limits_whatever_it_sees(
+    fn commands_are_finite_and_within_limits_for_any_scan(
         numbers in prop::collection::vec(prop::num::f64::ANY, 32),
         tame in prop::collection::vec(-20.0_f64..20.0, 32),
         particles in prop::collection::vec(prop::array::uniform4(prop::num::f32::ANY), 0..20),

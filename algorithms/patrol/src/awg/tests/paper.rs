@@ -226,7 +226,7 @@ fn speeds_and_errors_of_figures_6_and_10() {
 }
 
 #[test]
-fn what_the_papers_key_gives_in_the_reading_that_fits_it() {
+fn the_papers_key_in_the_best_fitting_reading() {
     let mode = Preset::PaperFit.mode();
     let laps = paths(
         &awg(&octagon(), 120.0, 1.7, mode),

@@ -278,7 +278,7 @@ fn the_time_limit_waits_for_what_is_due_late() {
 }
 
 #[test]
-fn what_a_drive_can_do_is_filled_in_where_it_is_left_open() {
+fn drive_limits_replace_absent_parameters() {
     let given = DriverParams {
         braking: Some(0.4),
         ..DriverParams::default()
@@ -324,7 +324,7 @@ fn a_robot_that_does_not_move_gives_up() {
 }
 
 #[test]
-fn what_is_not_finite_stops_the_robot_and_changes_nothing() {
+fn input_that_is_not_finite_stops_the_robot_and_changes_nothing() {
     let limits = Limits::new(1.0, 0.0, 3.0).unwrap();
     let mut driver = WaypointDriver::new(DriverParams::default(), limits, 0.1).unwrap();
     let good = Situation {

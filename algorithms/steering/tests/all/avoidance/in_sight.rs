@@ -17,7 +17,7 @@ fn walls(is_there: impl Fn(f64) -> bool) -> Vec<f32> {
 }
 
 #[test]
-fn a_goal_that_is_in_sight_now_and_then_is_believed_in_a_number_of_times() {
+fn a_goal_visible_now_and_then_is_trusted_a_limited_number_of_times() {
     let mut bug = TangentBug::new(0.15).unwrap();
     let mut advise = |ranges: &[f32]| {
         let scan = ScanView {

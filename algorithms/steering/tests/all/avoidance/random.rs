@@ -82,7 +82,7 @@ fn the_robot_reaches_what_can_be_reached_and_reports_the_rest() {
 }
 
 #[test]
-fn wedges_are_left_as_they_were_entered() {
+fn the_robot_leaves_wedges() {
     // The tip of a wedge looks walled in, and a step outside it either wall may be the followed one.
     for seed in [2510, 2889, 5537, 6409, 7180] {
         assert_eq!(drive(seed, PATROL), Some(true), "world {seed}");
@@ -111,7 +111,7 @@ fn a_robot_whose_speeds_take_time_to_change_does_as_well() {
 }
 
 #[test]
-fn a_robot_that_sees_far_does_not_waver_between_a_boundary_and_the_way_off_it() {
+fn a_long_range_sensor_does_not_cause_oscillation_at_a_boundary() {
     let far = Machine {
         range: 3.5,
         ..PATROL

@@ -203,7 +203,7 @@ fn goals_behind_closed_walls_are_reported() {
 }
 
 #[test]
-fn a_robot_that_is_walled_in_says_so() {
+fn a_walled_in_robot_reports_it() {
     let cell = [
         (-0.3, -0.3),
         (-0.3, 0.3),
@@ -274,7 +274,7 @@ fn other_robots_and_sensors_come_through_as_well() {
 }
 
 #[test]
-fn what_cannot_be_used_is_refused_and_a_new_goal_begins_anew() {
+fn invalid_input_is_refused_and_a_new_goal_starts_a_new_search() {
     let scan = ScanView {
         angle_min: 0.0,
         angle_increment: FRAC_PI_2,
