@@ -51,7 +51,7 @@ const RARITY: f64 = 1.5;
 const LOOK_AHEAD: usize = 2;
 
 /// Number of consecutive idle legs after which the robot heads for a fresh cell.
-const PATIENCE: u32 = 4;
+const MAX_IDLE_LEGS: u32 = 4;
 
 /// Share of the fresh area below which the new part of a leg counts as idle: a random leg would do
 /// better.
@@ -203,7 +203,7 @@ impl KeyedCoverage {
 
     /// The sub-goal by the orders; `None` if there is no such leg or the last ones covered nothing.
     fn by_orders(&mut self, from: Point2<f64>) -> Option<Goal> {
-        if self.idle >= PATIENCE {
+        if self.idle >= MAX_IDLE_LEGS {
             return None;
         }
         let choice = Choice {

@@ -51,12 +51,12 @@ pub struct Carrier {
 
 /// Source of the numbers.
 #[derive(Debug, Clone)]
-enum Dice {
+enum NumberSource {
     Logistic(f64),
     Keyed(Box<AnySource>),
 }
 
-impl Dice {
+impl NumberSource {
     /// The next number, in [0, 1].
     fn next(&mut self) -> f64 {
         match self {
@@ -85,7 +85,7 @@ enum Phase {
 #[derive(Debug, Clone)]
 pub struct Fto {
     params: FtoParams,
-    dice: Dice,
+    numbers: NumberSource,
     phase: Phase,
 }
 
@@ -96,13 +96,13 @@ impl Fto {
     /// [`ParamsError`] naming the parameter that is out of range, or the invalid key.
     pub fn new(params: &FtoParams) -> Result<Self, ParamsError> {
         check(params)?;
-        let dice = match &params.key {
-            None => Dice::Logistic(Z0),
-            Some(key) => Dice::Keyed(Box::new(key.source()?)),
+        let numbers = match &params.key {
+            None => NumberSource::Logistic(Z0),
+            Some(key) => NumberSource::Keyed(Box::new(key.source()?)),
         };
         Ok(Self {
             params: params.clone(),
-            dice,
+            numbers,
             phase: Phase::New,
         })
     }
@@ -137,14 +137,14 @@ impl Fto {
 
     fn begin_gap(&mut self, from_s: f64) {
         let [low, high] = GAP_S;
-        self.phase = Phase::Gap(from_s + low + (high - low) * self.dice.next());
+        self.phase = Phase::Gap(from_s + low + (high - low) * self.numbers.next());
     }
 
     fn appear(&mut self, from_s: f64, carrier: &Carrier) {
         let [low, high] = self.params.active_s;
-        let until = from_s + low + (high - low) * self.dice.next();
-        let side = if self.dice.next() > 0.5 { 1.0 } else { -1.0 };
-        let share = self.params.nearest + (1.0 - self.params.nearest) * self.dice.next();
+        let until = from_s + low + (high - low) * self.numbers.next();
+        let side = if self.numbers.next() > 0.5 { 1.0 } else { -1.0 };
+        let share = self.params.nearest + (1.0 - self.params.nearest) * self.numbers.next();
         let near = carrier.radius + share * (carrier.reach - carrier.radius).max(0.0);
         let radius = self.params.radius;
         let heading = carrier.pose.theta;

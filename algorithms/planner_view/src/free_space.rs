@@ -28,7 +28,7 @@ const MAX_DRAWS: usize = 1 << 24;
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum FreeSpaceError {
     /// The bounds are empty, reversed or not finite.
-    #[error("bounds from ({}, {}) to ({}, {}): expected finite ones with an inside", .0.min.x, .0.min.y, .0.max.x, .0.max.y)]
+    #[error("bounds from ({}, {}) to ({}, {}): expected finite bounds with a positive area", .0.min.x, .0.min.y, .0.max.x, .0.max.y)]
     Bounds(Aabb),
     /// The side of the grid's cells is not usable.
     #[error(

@@ -18,7 +18,7 @@ use serde::{Deserialize, Serialize};
 use planner_view::limits::Limits;
 
 /// Distance (m) below which a point coincides with the robot's position.
-const HERE: f64 = 1e-9;
+const SAME_PLACE: f64 = 1e-9;
 
 /// Parameters of [`go_to`].
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -84,7 +84,7 @@ pub fn go_to(
     let offset = target - pose.position();
     let distance = offset.norm();
     // This form stops for NaN as well.
-    let usable = distance >= HERE && distance.is_finite() && dt > 0.0;
+    let usable = distance >= SAME_PLACE && distance.is_finite() && dt > 0.0;
     if !usable {
         return Twist2::STOP;
     }
@@ -114,7 +114,7 @@ pub fn go_to(
 fn passes(before: Vector2<f64>, after: Option<Vector2<f64>>, params: &GoToParams) -> bool {
     after.is_some_and(|after| {
         let turn = math::atan2(before.perp(&after), before.dot(&after));
-        after.norm() > HERE && turn.abs() <= params.pass_angle
+        after.norm() > SAME_PLACE && turn.abs() <= params.pass_angle
     })
 }
 

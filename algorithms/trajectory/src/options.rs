@@ -99,7 +99,7 @@ impl Options {
             return Err(ProblemError {
                 field: "reference_point".to_owned(),
                 value: format!("({}, {})", p.x, p.y),
-                expected: format!("coordinates of at most {MAX_NUMBER:e} (m) in size"),
+                expected: format!("coordinates of at most {MAX_NUMBER:e} (m) in magnitude"),
             });
         }
         Ok(())

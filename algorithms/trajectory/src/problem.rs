@@ -146,7 +146,7 @@ fn number(field: &str, value: f64) -> Result<(), ProblemError> {
     if value.abs() <= MAX_NUMBER {
         return Ok(());
     }
-    let expected = format!("a number of at most {MAX_NUMBER:e} in size");
+    let expected = format!("a number of at most {MAX_NUMBER:e} in magnitude");
     Err(ProblemError::new(
         field,
         format_args!("{value:e}"),
@@ -213,7 +213,7 @@ impl Problem {
         let turn = self.start_turn_rate.unwrap_or(0.0);
         number("start_turn_rate", turn)?;
         if turn.abs() > limits.top_turn_rate() {
-            let expected = format!("at most {} (rad/s) in size", limits.top_turn_rate());
+            let expected = format!("at most {} (rad/s) in magnitude", limits.top_turn_rate());
             return Err(ProblemError::new("start_turn_rate", turn, expected));
         }
         let wheels = |omega: f64| {
@@ -230,7 +230,7 @@ impl Problem {
             // A measured speed must be accepted despite rounding.
             let most = limits.v_max.min(wheels(omega)).max(0.0);
             if speed > most * (1.0 + 1e-9) {
-                let expected = format!("at most {most} (m/s), what the limits allow");
+                let expected = format!("at most {most} (m/s) by the limits");
                 return Err(ProblemError::new(field, speed, expected));
             }
         }
@@ -248,7 +248,7 @@ impl Problem {
         let size = self.bounds.max - self.bounds.min;
         if !(size.x > 0.0 && size.y > 0.0) {
             let value = format!("{} × {}", size.x, size.y);
-            return Err(ProblemError::new("bounds", value, "an inside"));
+            return Err(ProblemError::new("bounds", value, "a positive area"));
         }
         if self.obstacles.len() > MAX_OBSTACLES {
             let expected = format!("at most {MAX_OBSTACLES}");

@@ -49,7 +49,7 @@ pub fn plan(
     let way = exact.shortest(problem.start.position(), problem.goal)?;
     let shortest = way.length;
     if shortest > path_points::MAX_LENGTH {
-        return Err(PlanError::Infeasible("the way is longer than 2 km"));
+        return Err(PlanError::Infeasible("the path is longer than 2 km"));
     }
     let bound = lower_bound(problem, shortest);
     let guide = Guide::new(way.legs);
@@ -87,7 +87,7 @@ pub fn plan(
         Some(best) if tried.stopped => (best, options.method, Status::Deadline),
         Some(best) => (best, options.method, Status::Planned),
         None if options.method == Method::Tangent || guide.is_none() || options.fallbacks => {
-            let certain = certain(problem, &obstacle_field, &exact, guide.as_ref())?;
+            let fallback = fallback(problem, &obstacle_field, &exact, guide.as_ref())?;
             let status = match options.method {
                 Method::Tangent => Status::Planned,
                 // Without a path there is no curve to find.
@@ -95,7 +95,7 @@ pub fn plan(
                 _ if tried.stopped => Status::Deadline,
                 _ => Status::Fallback,
             };
-            (certain, Method::Tangent, status)
+            (fallback, Method::Tangent, status)
         }
         None if tried.stopped => return Err(PlanError::Stopped),
         None => return Err(PlanError::InvalidTrajectory),
@@ -239,7 +239,7 @@ fn variants(problem: &Problem) -> impl Iterator<Item = Variant> {
 }
 
 /// The checked trajectory along the exact shortest path.
-fn certain(
+fn fallback(
     problem: &Problem,
     obstacle_field: &ObstacleField,
     exact: &ExactObstacleField,

@@ -25,7 +25,7 @@ const MAX_COORDINATE: f64 = 1e6;
 pub enum ShapesMessageError {
     /// The bounds are empty, reversed or not finite.
     #[error(
-        "bounds from ({min_x}, {min_y}) to ({max_x}, {max_y}), expected finite ones with an inside"
+        "bounds from ({min_x}, {min_y}) to ({max_x}, {max_y}), expected finite bounds with a positive area"
     )]
     Bounds {
         /// Smallest x (m).

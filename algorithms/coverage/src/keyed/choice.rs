@@ -19,7 +19,7 @@ const STRIPS: usize = 4;
 
 /// Required new domain per metre of path, as a share of the maximum swept area; more makes shorter
 /// legs.
-const THRIFT: f64 = 0.65;
+const REQUIRED_GAIN: f64 = 0.65;
 
 /// Maximum distance of a sub-goal from the axis through the previous one, as a share of the
 /// workplace's side.
@@ -119,7 +119,7 @@ impl Choice<'_> {
     /// Required gain per metre of path (m²/m): it falls with the root of the remaining area, as the
     /// best leg's share of new domain does.
     fn cost(&self) -> f64 {
-        2.0 * self.radius * THRIFT * self.freshness.mean_worth().sqrt()
+        2.0 * self.radius * REQUIRED_GAIN * self.freshness.mean_worth().sqrt()
     }
 
     /// A random point that follows an order, regardless of obstacles.

@@ -94,7 +94,7 @@ fn unusable_workplaces_are_refused_with_what_to_change() {
     assert!(text.starts_with("obstacles[0] lies outside"), "{text}");
     assert!(text.ends_with("move it inside or leave it out"), "{text}");
     let text = refusal(0.1, &[rectangle([5.0, 5.0], [4.95, 4.95], 0.0)]);
-    assert!(text.contains("obstacles[0] covers all"), "{text}");
+    assert!(text.contains("obstacles[0] covers the whole"), "{text}");
     let bow_tie = [[1.0, 1.0], [3.0, 3.0], [3.0, 1.0], [1.0, 3.0]];
     let text = refusal(0.1, &[polygon(&bow_tie)]);
     assert!(

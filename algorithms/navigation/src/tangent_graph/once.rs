@@ -11,7 +11,7 @@ use super::{GraphError, Inner, MAX_SITES, MIN_RADIUS, ShortestPath, TangentGraph
 use planner_view::free_space::FreeSpace;
 
 /// Successive upper bounds on the length of the path, as multiples of the straight distance.
-const SUPPOSED: [f64; 4] = [1.01, 1.05, 1.2, 1.6];
+const LENGTH_BOUNDS: [f64; 4] = [1.01, 1.05, 1.2, 1.6];
 
 /// The shortest path of a disc of this radius (m) between two points (m); as
 /// [`TangentGraph::shortest`], but without the preparations that only pay for many queries.
@@ -41,7 +41,7 @@ pub fn shortest_once(
         let [a, b] = [from, to].map(|end| ((end - site.center).norm() - site.radius).max(0.0));
         a + b
     };
-    for most in SUPPOSED
+    for most in LENGTH_BOUNDS
         .map(|part| part * direct)
         .into_iter()
         .chain([f64::INFINITY])

@@ -143,7 +143,7 @@ impl Wave {
         let step = (medium.lattice().pitch() / speed) as f32;
         let slowness = (1.0 / speed) as f32;
         self.queue.reset(step);
-        self.sow(limit);
+        self.enter_seeds(limit);
         let nowhere = medium.nowhere();
         while let Some((time, place)) = self.queue.pop() {
             let at = place as usize;
@@ -178,7 +178,7 @@ impl Wave {
 
     /// Enters the seeds, the earliest first. Under a limit, a seed is entered only if the straight
     /// path to it is within the limit as well.
-    fn sow(&mut self, limit: Option<&[f32]>) {
+    fn enter_seeds(&mut self, limit: Option<&[f32]>) {
         // Stable: equal times keep the order of their sources.
         self.seeds.sort_by(|a, b| a.time.total_cmp(&b.time));
         for i in 0..self.seeds.len() {

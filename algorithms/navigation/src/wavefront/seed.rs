@@ -6,7 +6,7 @@ use super::medium::Medium;
 use planner_view::map::PlannerMap;
 
 /// Maximum distance (m) from a source at which a free cell is searched for, if none is visible from it.
-const LOST: f64 = 1.0;
+const SEARCH_RADIUS: f64 = 1.0;
 
 /// A robot from which a wave starts.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -118,7 +118,7 @@ pub(super) fn collect(medium: &Medium, map: &PlannerMap, source: &Source, seeds:
         }
     }
     if seeds.len() == before
-        && let Some(node) = lattice.nearest(source.at, source.reach + LOST)
+        && let Some(node) = lattice.nearest(source.at, source.reach + SEARCH_RADIUS)
         && let Some(point) = lattice.point(node)
     {
         let time = source.time_to((point - source.at).norm());

@@ -79,7 +79,7 @@ struct Leg {
     until_s: f64,
     closest: f64,
     /// Position and time at which the robot last had moved away from a place.
-    stirred: (Point2<f64>, f64),
+    last_moved: (Point2<f64>, f64),
 }
 
 /// Drives a robot through waypoints.
@@ -225,7 +225,7 @@ impl WaypointDriver {
                 _ => time_s + allowed,
             },
             closest: f64::INFINITY,
-            stirred: (situation.pose.position(), time_s),
+            last_moved: (situation.pose.position(), time_s),
         };
         let finite = point.x.is_finite() && point.y.is_finite();
         let inside = situation
@@ -326,7 +326,7 @@ impl Leg {
         let part = pace::part(distance, due_s - now, v_max);
         if part < 1.0 {
             // The robot is slow on purpose, not stuck.
-            self.stirred = (here, now);
+            self.last_moved = (here, now);
         }
         part
     }
@@ -349,10 +349,10 @@ impl Leg {
         if time_s >= self.until_s {
             return Some(WaypointOutcome::TimedOut);
         }
-        if (here - self.stirred.0).norm() > radius {
-            self.stirred = (here, time_s);
+        if (here - self.last_moved.0).norm() > radius {
+            self.last_moved = (here, time_s);
         }
-        (time_s - self.stirred.1 >= params.stuck_s).then_some(WaypointOutcome::Unreachable)
+        (time_s - self.last_moved.1 >= params.stuck_s).then_some(WaypointOutcome::Unreachable)
     }
 
     fn report(&self, outcome: WaypointOutcome, time_s: f64) -> WaypointReport {

@@ -9,7 +9,7 @@ use crate::path_points::{self, PathPoint};
 use crate::problem::RobotLimits;
 
 /// Number of points per span at which its curvature is evaluated.
-const LOOKS: usize = 6;
+const CURVATURE_POINTS: usize = 6;
 /// Maximum difference between the turn of a curve from point to point and the turn by the
 /// curvatures at both, relative to the maximum possible turn.
 const MISMATCH: f64 = 3e-4;
@@ -80,9 +80,9 @@ fn places(trace: &Trace<'_>, breaks: &[f64], frame: &Scaling) -> Vec<f64> {
     let mut places = Vec::new();
     for pair in breaks.windows(2) {
         let width = pair[1] - pair[0];
-        let looked: Vec<(Vector2<f64>, f64)> = (0..=LOOKS)
+        let looked: Vec<(Vector2<f64>, f64)> = (0..=CURVATURE_POINTS)
             .map(|i| {
-                let [r, velocity, acceleration] = trace(pair[0] + width * i as f64 / LOOKS as f64);
+                let [r, velocity, acceleration] = trace(pair[0] + width * i as f64 / CURVATURE_POINTS as f64);
                 let speed = velocity.norm().max(1e-9);
                 (
                     r,
@@ -95,8 +95,8 @@ fn places(trace: &Trace<'_>, breaks: &[f64], frame: &Scaling) -> Vec<f64> {
             let length = (ends[1].0 - ends[0].0).norm() * frame.unit();
             let spacing = path_points::spacing(ends[0].1.max(ends[1].1));
             let count = (1.05 * length / spacing).ceil().clamp(1.0, 4000.0);
-            let begin = pair[0] + width * i as f64 / LOOKS as f64;
-            let part = width / LOOKS as f64;
+            let begin = pair[0] + width * i as f64 / CURVATURE_POINTS as f64;
+            let part = width / CURVATURE_POINTS as f64;
             places.extend((1..=count as usize).map(|k| begin + part * k as f64 / count));
         }
     }

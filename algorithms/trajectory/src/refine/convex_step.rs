@@ -4,7 +4,7 @@ use geometry::math;
 use nalgebra::Point2;
 
 use super::step_dynamics::{self, Node};
-use super::{CALM, PENALTY, REACH, Refinement};
+use super::{TURNING_COST, PENALTY, REACH, Refinement};
 use crate::convex::obstacle_planes::{HalfPlane, surface};
 use crate::convex::quadratic_program::QuadraticProgram;
 use crate::convex::scaling::Scaling;
@@ -72,8 +72,8 @@ impl Refinement<'_> {
         };
         let nodes: Vec<Node> = (0..count).map(node).collect();
         let depths: f64 = z[duration + 1..].iter().map(|slack| slack.max(0.0)).sum();
-        let calm = CALM * self.step_time() / self.problem.limits.omega_max.powi(2);
-        let unrest: f64 = nodes
+        let calm = TURNING_COST * self.step_time() / self.problem.limits.omega_max.powi(2);
+        let turning_cost: f64 = nodes
             .iter()
             .map(|node| calm * node.omega * node.omega)
             .sum();
@@ -81,7 +81,7 @@ impl Refinement<'_> {
         (time > 0.0).then_some(Next {
             nodes,
             time,
-            predicted: time + unrest + price * depths,
+            predicted: time + turning_cost + price * depths,
         })
     }
 
@@ -101,7 +101,7 @@ impl Refinement<'_> {
                 program.add_quadratic(EACH * k + i, EACH * k + i, weight);
                 program.add_linear(EACH * k + i, -weight * value);
             }
-            let calm = CALM * self.step_time() / (limits.omega_max * limits.omega_max);
+            let calm = TURNING_COST * self.step_time() / (limits.omega_max * limits.omega_max);
             program.add_quadratic(EACH * k + OMEGA, EACH * k + OMEGA, 2.0 * calm);
         }
     }

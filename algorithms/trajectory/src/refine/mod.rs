@@ -44,7 +44,7 @@ const PROXIMAL: [f64; 2] = [1e-2, 1e-4];
 const REACH: f64 = 0.15;
 /// Cost of the turning rate's square, relative to its limit's, per second: it selects the smoothest
 /// of the fastest trajectories. It costs less than this share of the duration.
-const CALM: f64 = 1e-4;
+const TURNING_COST: f64 = 1e-4;
 /// Shares of the predicted improvement: below the first, the trust region shrinks; above the second,
 /// it grows.
 const KEPT: [f64; 2] = [0.3, 0.8];
@@ -154,8 +154,8 @@ impl<'a> Refinement<'a> {
     }
 
     /// Cost of turning (s).
-    fn unrest(&self) -> f64 {
-        let weight = CALM * self.step_time() / self.problem.limits.omega_max.powi(2);
+    fn turning_cost(&self) -> f64 {
+        let weight = TURNING_COST * self.step_time() / self.problem.limits.omega_max.powi(2);
         self.nodes
             .iter()
             .map(|node| weight * node.omega * node.omega)
@@ -166,7 +166,7 @@ impl<'a> Refinement<'a> {
     fn merit(&self) -> f64 {
         let price = PENALTY / self.problem.limits.top_speed();
         let turn_price = PENALTY / self.problem.limits.top_turn_rate();
-        let mut sum = self.time + self.unrest();
+        let mut sum = self.time + self.turning_cost();
         let step_time = self.step_time();
         for pair in self.nodes.windows(2) {
             let step = step_dynamics::step(&pair[0], &pair[1], step_time);

@@ -96,13 +96,13 @@ proptest! {
                     moved[1][var] += h;
                     let [low, high] = moved.map(|z| curve.trace(&z)(at)[order]);
                     let found = (high - low) / (2.0 * h);
-                    let told: Vector2<f64> = row
+                    let expected: Vector2<f64> = row
                         .terms
                         .iter()
                         .filter(|(v, _)| *v == var)
                         .map(|(_, term)| *term)
                         .sum();
-                    prop_assert!((found - told).norm() < 1e-5 * scale, "{order} {var} {found} {told}");
+                    prop_assert!((found - expected).norm() < 1e-5 * scale, "{order} {var} {found} {expected}");
                 }
             }
         }

@@ -16,17 +16,17 @@ proptest! {
         let mut forged = samples;
         let index = index.index(forged.len());
         let sample = &mut forged[index];
-        let lie = if up { amount } else { -amount };
+        let change = if up { amount } else { -amount };
         match field {
-            0 => sample.x += lie,
-            1 => sample.y += lie,
-            2 => sample.theta += lie,
-            3 => sample.v += lie,
-            4 => sample.omega += 10.0 * lie,
-            _ => sample.t += lie,
+            0 => sample.x += change,
+            1 => sample.y += change,
+            2 => sample.theta += change,
+            3 => sample.v += change,
+            4 => sample.omega += 10.0 * change,
+            _ => sample.t += change,
         }
         let report = check(&contract, &forged);
-        prop_assert!(!report.is_valid(), "{field} of {index} by {lie}");
+        prop_assert!(!report.is_valid(), "{field} of {index} by {change}");
     }
 
     #[test]

@@ -65,7 +65,7 @@ fn a_corner_cut_by_two_millimetres_between_samples() {
     let outside = samples
         .iter()
         .all(|s| libm::hypot(s.x - 0.505, s.y - 0.0055) > 0.0074);
-    assert!(outside, "the lie must not show at a sample");
+    assert!(outside, "no sample may be inside the disc");
     assert_finds(&contract, &samples, &["Penetration"]);
     let report = check(&contract, &samples);
     assert!((report.min_clearance + 0.002).abs() < 1e-6 && (report.deepest - 0.002).abs() < 1e-6);
