@@ -38,7 +38,9 @@ pub enum KeyError {
         count: usize,
     },
     /// Not a decimal of the form `0.ddd`.
-    #[error("`{found}` is not a decimal key; write `0.` and digits, such as 0.644, or a whole number")]
+    #[error(
+        "`{found}` is not a decimal key; write `0.` and digits, such as 0.644, or a whole number"
+    )]
     Decimal {
         /// Actual text.
         found: String,

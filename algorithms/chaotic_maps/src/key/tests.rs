@@ -123,14 +123,8 @@ fn text_that_is_no_key_is_refused_with_what_to_change() {
             "keyed:abc",
             "64 hexadecimal digits (32 bytes), but has 3 characters",
         ),
-        (
-            &format!("keyed:{}", "g".repeat(64)),
-            "including other ones",
-        ),
-        (
-            &format!("keyed:{}", "é".repeat(64)),
-            "including other ones",
-        ),
+        (&format!("keyed:{}", "g".repeat(64)), "including other ones"),
+        (&format!("keyed:{}", "é".repeat(64)), "including other ones"),
     ] {
         let error = text.parse::<Key>().unwrap_err().to_string();
         assert!(error.contains(message), "{text:?}: {error}");

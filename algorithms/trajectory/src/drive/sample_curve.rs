@@ -82,7 +82,8 @@ fn places(trace: &Trace<'_>, breaks: &[f64], frame: &Scaling) -> Vec<f64> {
         let width = pair[1] - pair[0];
         let looked: Vec<(Vector2<f64>, f64)> = (0..=CURVATURE_POINTS)
             .map(|i| {
-                let [r, velocity, acceleration] = trace(pair[0] + width * i as f64 / CURVATURE_POINTS as f64);
+                let [r, velocity, acceleration] =
+                    trace(pair[0] + width * i as f64 / CURVATURE_POINTS as f64);
                 let speed = velocity.norm().max(1e-9);
                 (
                     r,

@@ -4,7 +4,7 @@ use geometry::math;
 use nalgebra::Point2;
 
 use super::step_dynamics::{self, Node};
-use super::{TURNING_COST, PENALTY, REACH, Refinement};
+use super::{PENALTY, REACH, Refinement, TURNING_COST};
 use crate::convex::obstacle_planes::{HalfPlane, surface};
 use crate::convex::quadratic_program::QuadraticProgram;
 use crate::convex::scaling::Scaling;
