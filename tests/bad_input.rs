@@ -1,5 +1,5 @@
-//! Whatever is wrong with what a person asks for is said with its file, line, field, value and what
-//! was expected; nothing is started, nothing is written, and the exit code tells whose fault it was.
+//! Invalid input: the error names file, line, field, value and expectation; no process starts, no file is
+//! written, and the exit code distinguishes bad input from a failed run.
 
 #[path = "bad_input/failing_runs.rs"]
 mod failing_runs;
@@ -318,8 +318,8 @@ fn overrides_and_options_that_make_no_sense() {
             ],
         ),
         (
-            "robots.nobody.radius=1",
-            ["nobody", "--set", "= expected: "],
+            "robots.unknown.radius=1",
+            ["unknown", "--set", "= expected: "],
         ),
         (
             "run.dt=7",

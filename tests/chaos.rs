@@ -1,11 +1,12 @@
-//! Faults on purpose: a bounded number of seeded ones, and the promises of a run checked by the program's own
-//! `chaos`.
+//! Fault injection by `protean chaos`: a bounded number of seeded faults, after which it checks the guarantees of
+//! a run.
 
 use serde_json::Value as Json;
 
 use crate::support::Sandbox;
 
-/// Injects faults of these kinds into short missions with everybody in them; every promise held.
+/// Injects faults of these kinds into short missions with all kinds of robots, and asserts that every guarantee
+/// held.
 fn chaos(kinds: &str, faults: &str, more: &[&str]) -> Json {
     let sandbox = Sandbox::new();
     let words = ["chaos", "chase", "--json", "--fault-seed", "7"];

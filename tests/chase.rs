@@ -365,7 +365,7 @@ fn a_referee_judges_every_quarter_second_and_changes_no_game() {
     assert_eq!(sandbox.protean(again).json()["digest"], summary["digest"]);
     let (alone, without, _) = record(&sandbox, &[&["chase"][..], &short].concat());
     assert!(alone.get("escape_possible_fraction").is_none());
-    assert_eq!(without.states, history.states, "a referee steers nobody");
+    assert_eq!(without.states, history.states, "a referee steers no robot");
 }
 
 #[test]
@@ -481,7 +481,7 @@ fn a_shut_gate_is_waited_at_until_it_opens() {
 }
 
 #[test]
-fn by_the_clock_every_tick_is_there_and_nothing_is_lost() {
+fn in_real_time_the_log_holds_every_tick_and_no_message_is_lost() {
     let sandbox = Sandbox::new();
     let words = ["hello", "--real-time", "10", "--set", "rules.time_limit=10"];
     let (summary, history, log) = record(&sandbox, &words);

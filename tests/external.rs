@@ -16,8 +16,8 @@ fn file(path: &str) -> String {
     std::fs::read_to_string(path).unwrap()
 }
 
-/// Writes the scenario with the planner in Python into the sandbox; false, and a note that everybody
-/// sees, if this machine has no Python for it.
+/// Writes the scenario with the planner in Python into the sandbox; `false`, and a note on stderr, if
+/// this machine has no Python for it.
 fn prepare(sandbox: &Sandbox) -> bool {
     let python = match crate::support::python::interpreter() {
         Ok(python) => python,

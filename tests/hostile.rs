@@ -1,6 +1,6 @@
-//! Scenarios, maps and logs of strangers: what asks for too much is refused with the limit named
-//! before it is attempted, nothing leads out of the scenario's folder, nothing steers the terminal,
-//! and what a run leaves lying about is for its user only.
+//! Untrusted scenarios, maps and logs: requests above a limit are refused with the limit named, paths cannot
+//! leave the scenario's folder, text cannot control the terminal, and files of a run are readable by its user
+//! only.
 
 #[path = "hostile/access.rs"]
 mod access;

@@ -42,7 +42,7 @@ fn distributed(own: &Json) -> u64 {
     all
 }
 
-/// What holds for every run.
+/// Checks invariants of every measured run.
 #[track_caller]
 fn hangs_together(run: &Json, stages: &[&str]) {
     let rows = run["stages"].as_array().unwrap();
@@ -100,7 +100,7 @@ fn stamps(log: &Path) -> Vec<Stamp> {
 }
 
 #[test]
-fn a_mission_by_the_clock_is_measured_from_sense_to_act() {
+fn a_real_time_mission_is_measured_sense_to_act() {
     let sandbox = Sandbox::new();
     let words = [
         "latency",
@@ -186,7 +186,7 @@ fn a_recorded_log_says_what_its_stamps_say() {
     hangs_together(run, &lock_step);
     assert_eq!(
         run["deadlines"]["in_time"], 60,
-        "in lock-step nobody is late"
+        "in lock-step no command is late"
     );
     assert_eq!(
         (&run["period_us"], &run["tick_off_its_time"]),
@@ -194,7 +194,7 @@ fn a_recorded_log_says_what_its_stamps_say() {
     );
     assert_eq!(run["baselines"], Json::Array(Vec::new()));
     assert!(run["messages"]["robot/command"]["count"].as_u64().unwrap() >= 360);
-    // The whole is what the stamps say, counted by somebody else.
+    // The total equals that of the stamps, computed independently here.
     let commands = |tick| {
         stamps
             .iter()

@@ -109,7 +109,7 @@ fn ctrl_c_before_the_first_tick_ends_a_run_too() {
 }
 
 #[test]
-fn a_run_by_the_clock_ends_by_ctrl_c() {
+fn a_real_time_run_ends_by_ctrl_c() {
     let sandbox = Sandbox::new();
     let words = ["run", "hello", "--real-time", "--out", "run.mcap", "--json"];
     let running = sandbox.protean(words).start();
@@ -139,7 +139,7 @@ fn states_of_torn(path: &Path) -> usize {
 fn kill_the_orchestrator(sandbox: &Sandbox) -> String {
     let (running, run) = in_the_air(sandbox, &[], 50);
     assert!(sandbox.processes().len() >= 9, "{:?}", sandbox.processes());
-    // The log is flushed by the clock: fifty ticks may have passed before the first time.
+    // The log is flushed once per interval of wall time: fifty ticks may pass before the first flush.
     until("states in the log", SOON, || {
         (states_of_torn(&log(sandbox)) > 0).then_some(())
     });

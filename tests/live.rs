@@ -27,7 +27,7 @@ pub struct Watched<'a> {
     sandbox: &'a Sandbox,
     child: Child,
     url: String,
-    /// What else it says.
+    /// The rest of its output.
     output: Option<std::thread::JoinHandle<String>>,
 }
 
@@ -77,7 +77,7 @@ impl<'a> Watched<'a> {
         }
     }
 
-    /// What viewers connect to.
+    /// The address that viewers connect to.
     pub fn url(&self) -> &str {
         &self.url
     }
@@ -222,7 +222,7 @@ const SECOND: u64 = 1_000_000_000;
 
 const NOW: &str = "foxglove.sdk.v1";
 
-/// What tests call the subscription to a channel.
+/// The id that tests give to the subscription of a channel.
 fn subscription(channel: &Json) -> u32 {
     channel["id"].as_u64().unwrap() as u32 + 1000
 }
@@ -295,7 +295,7 @@ fn a_viewer_sees_what_the_log_holds_and_the_run_stays_the_same() {
         "perception/belief",
     ];
     viewer.subscribe(&channels, &topics);
-    // What nobody may ask for is not answered, and disturbs nothing.
+    // Requests that clients may not make get no answer and have no effect.
     viewer.say(&json!({ "op": "advertise", "channels": [{ "id": 1, "topic": "robot/command" }] }));
     viewer.say(&json!({ "op": "setParameters", "parameters": [] }));
     viewer.0.send(Message::binary(vec![1, 1, 0, 0, 0])).unwrap();
@@ -367,7 +367,7 @@ fn other_hosts_are_refused_and_viewers_of_all_versions_accepted() {
     }
     let mut old = Viewer::connect(&run.url, None, "foxglove.websocket.v1").unwrap();
     let (_, channels) = old.greeted();
-    // Who comes late gets the map, which was sent before the first tick.
+    // A late joiner gets the map, which was sent before the first tick.
     old.subscribe(&channels, &["/viewer/map"]);
     let subscription = subscription(&channels["/viewer/map"]);
     loop {
@@ -379,7 +379,7 @@ fn other_hosts_are_refused_and_viewers_of_all_versions_accepted() {
             None => panic!("no map"),
         }
     }
-    // Somebody who says nothing at all holds nobody up.
+    // A silent connection does not delay the others.
     let _silent = TcpStream::connect(run.address()).unwrap();
     let second = sandbox
         .protean(["run", "chase", "--quiet", "--out", "second.mcap", "--live"])

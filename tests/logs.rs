@@ -1,4 +1,4 @@
-//! What can be done with a log once it is there.
+//! Commands on existing logs.
 
 use crate::support::history::History;
 use crate::support::{Sandbox, python};
@@ -158,7 +158,7 @@ fn a_file_that_another_program_compressed_with_lz4_is_read() {
 fn what_is_not_a_log_or_cannot_be_done_is_refused() {
     let sandbox = Sandbox::new();
     sandbox.file("empty.mcap", "");
-    sandbox.file("text.mcap", "hello, everybody");
+    sandbox.file("text.mcap", "hello, world");
     let before = sandbox.files();
     for (name, words) in [
         ("nope.mcap", "No such file"),

@@ -1,5 +1,5 @@
-//! What missions promise beyond the chase: robots without a driver stop, visited area is accounted
-//! for.
+//! Guarantees of missions beyond the chase: robots without a driver stop, the visited area is
+//! measured.
 
 use std::collections::BTreeSet;
 

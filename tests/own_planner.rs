@@ -1,5 +1,4 @@
-//! A program of somebody else, whose crate stands outside the workspace, with a planner of its own beside those of
-//! Protean: `examples/own_planner`.
+//! A program built outside the workspace with one more planner than Protean: `examples/own_planner`.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;

@@ -1,4 +1,4 @@
-//! Patrols as runs of real processes: what they promise, seen in their logs alone.
+//! Patrols with real processes: their guarantees, checked on their logs alone.
 
 use crate::support::Sandbox;
 use crate::support::geometry::{between, to_segment};
@@ -24,15 +24,15 @@ fn off_contour(p: [f64; 2]) -> f64 {
     sides.fold(f64::INFINITY, f64::min)
 }
 
-/// What `protean patrol` prints in a process of its own.
+/// The output of `protean patrol`, run as a separate process.
 #[track_caller]
 fn ally(sandbox: &Sandbox, words: &[&str]) -> Json {
     let all = std::iter::once("patrol").chain(words.iter().copied());
     sandbox.protean(all).json()
 }
 
-/// Whether a waypoint of the log is the one that was predicted, to the bit.
-fn is_foretold(end: &Visit, waypoint: &Json) -> bool {
+/// Returns `true` if a waypoint of the log equals the predicted one bit for bit.
+fn is_predicted(end: &Visit, waypoint: &Json) -> bool {
     let same = |key: &str, value: f64| waypoint[key].as_f64().unwrap().to_bits() == value.to_bits();
     waypoint["number"] == end.number
         && waypoint["lap"] == end.lap
@@ -66,7 +66,7 @@ fn an_ally_with_the_key_predicts_the_octagon_and_no_other_key_does() {
     let waypoints = predicted["waypoints"].as_array().unwrap();
     assert!(ends.len() > 240 && waypoints.len() > ends.len());
     for (end, waypoint) in ends.iter().zip(waypoints) {
-        assert!(is_foretold(end, waypoint), "{end:?} {waypoint}");
+        assert!(is_predicted(end, waypoint), "{end:?} {waypoint}");
     }
     let numbers = ends.iter().step_by(50).map(|end| end.number.to_string());
     let numbers: Vec<String> = numbers.collect();
@@ -78,7 +78,7 @@ fn an_ally_with_the_key_predicts_the_octagon_and_no_other_key_does() {
     let one_by_one = one_by_one["waypoints"].as_array().unwrap();
     assert_eq!(one_by_one.len(), numbers.len());
     for (end, waypoint) in ends.iter().step_by(50).zip(one_by_one) {
-        assert!(is_foretold(end, waypoint), "{end:?} {waypoint}");
+        assert!(is_predicted(end, waypoint), "{end:?} {waypoint}");
     }
 
     // Without it, only the contour itself is known.
@@ -89,7 +89,7 @@ fn an_ally_with_the_key_predicts_the_octagon_and_no_other_key_does() {
         if end.kind == "route" {
             continue;
         }
-        assert!(!is_foretold(end, guess), "{end:?} {guess}");
+        assert!(!is_predicted(end, guess), "{end:?} {guess}");
         let at = ["x", "y"].map(|axis| guess[axis].as_f64().unwrap());
         inserted += 1;
         hits += u32::from(between(at, [end.x, end.y]) < 0.05);

@@ -58,7 +58,7 @@ const VIEWPOINTS: u32 = 1;
 const COP: u32 = 2;
 const THIEF: u32 = 3;
 
-/// What a planner answers.
+/// The outputs of a planner.
 struct Answers {
     commands: Subscriber<Commands>,
     plans: Subscriber<Plan>,

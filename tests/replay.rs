@@ -1,4 +1,4 @@
-//! Logs that are played again: to whoever listens, and to processes under test.
+//! Replay of logs: to subscribers, and to processes under test.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -32,7 +32,7 @@ fn logged(path: &Path, from: u64, to: u64) -> BTreeMap<String, Vec<Vec<u8>>> {
     messages
 }
 
-/// What a listener heard, sorted as logs are: publishers of a topic have no order among them.
+/// Received messages in the order of logs: publishers of one topic have no order among them.
 fn sorted(mut messages: BTreeMap<String, Vec<Vec<u8>>>) -> BTreeMap<String, Vec<Vec<u8>>> {
     let key = |data: &Vec<u8>| {
         let word = |at: usize| u64::from_le_bytes(data[4 + at..12 + at].try_into().unwrap());
@@ -61,7 +61,7 @@ fn assert_same(heard: &BTreeMap<String, Vec<Vec<u8>>>, expected: &BTreeMap<Strin
     }
 }
 
-/// Hears one topic of a run.
+/// A subscriber of one topic, without its type.
 trait TopicSubscriber {
     fn receive(&self, heard: &mut BTreeMap<String, Vec<Vec<u8>>>);
 }
@@ -76,7 +76,7 @@ impl<T: Topic> TopicSubscriber for Subscriber<T> {
     }
 }
 
-/// Somebody who has joined the run that a replay is.
+/// Subscribers of all topics of a replay.
 struct Listener {
     subscribers: Vec<Box<dyn TopicSubscriber>>,
     _bus: Bus,
@@ -108,8 +108,8 @@ impl Listener {
         }
     }
 
-    /// Listens to a replay that begins again and again: a whole pass of what is expected, from everybody
-    /// who says something. The first one may have begun before this listener came.
+    /// Receives from a looping replay until one whole pass has arrived from every publisher. The first pass
+    /// may have begun before the subscribers connected.
     fn listen(
         &self,
         replay: &mut Running<'_>,
@@ -150,7 +150,7 @@ fn source(data: &[u8]) -> u32 {
     u32::from_le_bytes(data[28..32].try_into().unwrap())
 }
 
-/// What a process said, parted where it begins again.
+/// The messages of a process, split where the replay begins again.
 fn passes(messages: &[Vec<u8>], of: u32) -> Vec<Vec<Vec<u8>>> {
     let sequence = |data: &[u8]| u64::from_le_bytes(data[20..28].try_into().unwrap());
     let (mut passes, mut last): (Vec<Vec<Vec<u8>>>, _) = (Vec::new(), None);
@@ -319,9 +319,9 @@ fn a_patrol_is_tested_against_its_log() {
     let sandbox = Sandbox::new();
     sandbox.record("patrol_square");
     let known = sandbox
-        .protean(["replay", "run.mcap", "--test", "nobody"])
+        .protean(["replay", "run.mcap", "--test", "unknown"])
         .run();
-    known.refused(2, &["error: --test nobody", "no process with this name"]);
+    known.refused(2, &["error: --test unknown", "no process with this name"]);
     let (_, names) = known.stderr.trim().rsplit_once("it has ").unwrap();
     let names: Vec<&str> = names.split(", ").collect();
     let (code, report) = test(&sandbox, &names, &[]);
@@ -337,7 +337,7 @@ fn a_patrol_is_tested_against_its_log() {
 fn what_cannot_be_played_or_tested_is_refused() {
     let sandbox = Sandbox::new();
     sandbox.file("empty.mcap", "");
-    sandbox.file("text.mcap", "hello, everybody");
+    sandbox.file("text.mcap", "hello, world");
     sandbox.record("chase_exact");
     let whole = std::fs::read(sandbox.path().join("run.mcap")).unwrap();
     sandbox.file("cut.mcap", &whole[..whole.len() / 2]);
@@ -388,7 +388,7 @@ fn what_cannot_be_played_or_tested_is_refused() {
         let outcome = words.iter().fold(call, Call::arg).run();
         outcome.refused(code, expected);
     }
-    // What is left of a log is played as far as it goes, and said to be a part.
+    // A truncated log is played to its end and reported as incomplete.
     let outcome = sandbox
         .protean(["replay", "cut.mcap", "--as-fast-as-possible"])
         .run();

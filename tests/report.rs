@@ -74,7 +74,7 @@ fn a_page_plays_the_mission_in_a_browser_and_shows_what_the_log_says() {
     let Some(found) = browse(&sandbox.path().join("run.html"), &steps) else {
         return;
     };
-    assert_eq!(found["errors"], json!([]), "complaints of the browser");
+    assert_eq!(found["errors"], json!([]), "errors of the browser");
     for request in found["requests"].as_array().unwrap() {
         let address = request.as_str().unwrap();
         let inside = address.starts_with("file://") && address.ends_with("run.html")
@@ -154,7 +154,7 @@ fn area(corners: &[[f64; 2]]) -> f64 {
     (cross.sum::<f64>() / 2.0).abs()
 }
 
-/// What viewers are shown as seen at the last picture up to a time: borders by the eyes' names.
+/// Visible regions in the last picture up to a time: borders by the names of the fields of view.
 fn seen_in_viewers(log: &Path, until_ns: u64) -> (u64, BTreeMap<String, Vec<[f64; 2]>>) {
     let bytes = std::fs::read(log).unwrap();
     let pictures = mcap::MessageStream::new(&bytes)

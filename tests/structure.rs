@@ -18,7 +18,7 @@ use std::path::Path;
 
 use checks::Rules;
 
-/// What the tree of this repository keeps to.
+/// The rules of this repository.
 const RULES: Rules = Rules {
     floors: &[
         // The wire, and what knows nothing of robots.

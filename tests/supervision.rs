@@ -1,5 +1,5 @@
 //! Processes that fail in the middle of a run: what the scenario says happens, the log says when, and
-//! nobody else is held up.
+//! no other process is delayed.
 
 #[path = "supervision/disk.rs"]
 mod disk;
@@ -25,7 +25,7 @@ use crate::support::programs::driven_by;
 use crate::support::sandbox::{Process, signal};
 use crate::support::{SOON, Sandbox, until, wait_for_tick};
 
-/// A chase of some thousand ticks that nobody wins, and what becomes of whom.
+/// Arguments of a chase of some thousand ticks without a winner, which reports all processes.
 const CHASE: [&str; 16] = [
     "run",
     "chase",
@@ -94,7 +94,7 @@ fn await_successor(sandbox: &Sandbox, page: &TickBarrier, victim: &Process, slot
     });
 }
 
-/// What became of a process.
+/// The entry of a process in the summary.
 #[track_caller]
 fn of<'j>(summary: &'j Json, name: &str) -> &'j Json {
     let processes = summary["processes"].as_array().unwrap();
@@ -123,7 +123,7 @@ fn finished(outcome: &Outcome) -> Json {
     summary
 }
 
-/// What a log with failures is compared with goes up to the first of them, which is named.
+/// Asserts that a log with failures is compared up to the first failure, and that this is named.
 #[track_caller]
 fn same_up_to(sandbox: &Sandbox, words: &[&str], same: &str, (name, tick): (&str, u64)) {
     let more = ["run.mcap", "--json", "--quiet"];
@@ -320,7 +320,7 @@ fn a_navigator_outlives_the_optimiser_and_asks_its_successor() {
     sandbox.assert_nothing_left();
 }
 
-/// Never becomes ready, complains, and has started another.
+/// Never becomes ready, writes to stderr, and starts another process.
 const NEVER_READY: &str = r#"
 command = ["/bin/sh", "-c", "echo 'still compiling' >&2; sleep 1000 & wait"]
 ready_timeout_s = 1.0"#;

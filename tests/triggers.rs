@@ -69,7 +69,7 @@ fn far_from_exit(robot: &Robot) -> f64 {
     math::hypot(robot.x - 3.5, robot.y - 0.5)
 }
 
-/// How much of its way it has made.
+/// Fraction of its path that it has driven.
 fn progress(robot: &Robot) -> f64 {
     1.0 - far_from_exit(robot) / 3.0
 }
@@ -95,7 +95,7 @@ fn expected(history: &History) -> Vec<(u64, u32, u8)> {
     ]
 }
 
-/// What the log says of the changes agrees with its states, in all of its topics.
+/// Asserts that the changes in the log agree with its states, in all topics.
 #[track_caller]
 fn shows_every_change_at_its_tick(history: &History) {
     let told: Vec<(u64, u32, u8)> = history
@@ -158,14 +158,14 @@ fn obstacles_come_when_the_robot_has_come_so_far_in_every_mode() {
     assert_eq!(in_process.states, history.states);
 
     let words = ["--real-time", "20", "--out", "clock.mcap"];
-    let (_, by_the_clock) = record(&sandbox, &words);
-    // How far it comes by the clock is the machine's affair; what comes of it is not.
+    let (_, real_time) = record(&sandbox, &words);
+    // In real time the number of ticks depends on the machine, the reactions to events do not.
     let first = |holds: &dyn Fn(&Robot) -> bool| {
-        let mut states = by_the_clock.states.iter();
+        let mut states = real_time.states.iter();
         states.find(|s| holds(&s.robots[0])).map(|s| s.tick)
     };
     let came = |id: u32| {
-        let mut changes = by_the_clock.obstacles.iter();
+        let mut changes = real_time.obstacles.iter();
         let change = changes.find(|c| (c.id, c.action) == (id, APPEAR));
         change.map(|c| c.tick)
     };

@@ -188,8 +188,7 @@ fn listed(topic: &str, schema: &str, count: &str) -> Json {
     json!({ "until": format!("/{text}/.test(document.body.innerText)") })
 }
 
-/// What a screenshot of all robots, buildings and the map has at least. Of the default chase there
-/// are 195 000 pixels of buildings and 80 000 of the map; without them, 1 and 4600.
+/// Minimum number of pixels of each kind in a screenshot of the whole default chase. There are 195 000 pixels of buildings and 80 000 of the map; without them, 1 and 4600.
 fn all_of_it() -> Json {
     json!({ "police": 30, "evader": 30, "building": 50_000, "map": 20_000 })
 }
@@ -248,7 +247,7 @@ fn a_log_opens_in_foxglove_studio_and_plays() {
         { "key": " " },
         { "eval": clock },
         drawn(),
-        // That panel has decoded ours, and none complains of the layout.
+        // That panel has decoded our messages, and no panel reports an error of the layout.
         { "eval": "/robots\\s*\\[\\]\\s*6 items/.test(document.body.innerText)" },
         { "eval": "/An error occurred|unknown panel/i.test(document.body.innerText)" },
     ]);

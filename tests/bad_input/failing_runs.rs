@@ -1,4 +1,4 @@
-//! What cannot be seen in the scenario: programs and files that fail when the run starts.
+//! Faults that a check of the scenario cannot find: programs and files that fail when the run starts.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -131,7 +131,7 @@ fn a_log_that_another_run_is_writing_is_left_alone() {
 }
 
 #[test]
-fn two_orchestrators_in_one_directory_do_not_disturb_each_other() {
+fn two_orchestrators_in_one_directory_run_independently() {
     let sandbox = Sandbox::new();
     let call = || {
         sandbox

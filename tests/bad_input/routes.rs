@@ -27,9 +27,9 @@ fn cover(sandbox: &Sandbox, scenario: &str, change: &str, words: &str) {
 fn call(sandbox: &Sandbox, words: &[&str], expected: &[&str]) {
     let outcome = sandbox.protean(words.iter().copied()).run();
     outcome.refused(2, expected);
-    let said_once =
+    let is_reported_once =
         outcome.stderr.starts_with("error: ") && !outcome.stderr.contains("error: error");
-    assert!(said_once, "{outcome}");
+    assert!(is_reported_once, "{outcome}");
 }
 
 #[test]
@@ -333,8 +333,8 @@ fn questions_to_planners_that_make_no_sense() {
         &["chase: no process of kind patrol_awg", "pursuer"],
     );
     predict(
-        &["--process", "nobody", "--at", "5"],
-        &["`nobody`", "patrol"],
+        &["--process", "unknown", "--at", "5"],
+        &["`unknown`", "patrol"],
     );
     call(
         &sandbox,

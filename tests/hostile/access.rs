@@ -8,14 +8,21 @@ use std::process::{Command, Stdio};
 use super::changed;
 use crate::support::{SOON, Sandbox, until};
 
-/// A user whom nothing belongs to.
-const NOBODY: &str = "65534";
+/// The id of a user that owns no file.
+const OTHER_USER: &str = "65534";
 
-/// Whether that user can read a file; `None`, and a note that everybody sees, if nobody here can ask.
+/// Returns `true` if that user can read a file; `None`, and a note on stderr, if the test cannot run as another
+/// user.
 fn others_can_read(path: &Path) -> Option<bool> {
     let ask = |path: &Path| {
         Command::new("setpriv")
-            .args(["--reuid", NOBODY, "--regid", NOBODY, "--clear-groups"])
+            .args([
+                "--reuid",
+                OTHER_USER,
+                "--regid",
+                OTHER_USER,
+                "--clear-groups",
+            ])
             .args(["head", "-c", "1"])
             .arg(path)
             .stdout(Stdio::null())
@@ -23,7 +30,7 @@ fn others_can_read(path: &Path) -> Option<bool> {
             .status()
             .is_ok_and(|status| status.success())
     };
-    // What everybody may read must be readable, or the question makes no sense.
+    // A world-readable file must be readable, otherwise the check is meaningless.
     if rustix::process::getuid().is_root() && ask(Path::new("/etc/passwd")) {
         return Some(ask(path));
     }

@@ -1,4 +1,4 @@
-//! What asks for too much.
+//! Inputs above a limit.
 
 use std::fmt::Write as _;
 

@@ -1,4 +1,4 @@
-//! What leads out of the scenario's folder, or to what is no file.
+//! Paths that leave the scenario's folder, and paths to things that are not files.
 
 use std::os::unix::fs::symlink;
 

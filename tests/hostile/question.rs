@@ -1,4 +1,4 @@
-//! Programs of a scenario start when somebody at a terminal says yes, and not otherwise.
+//! Confirmation at a terminal: programs of a scenario start only after the user answers yes.
 
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -29,10 +29,10 @@ fn asked(sandbox: &Sandbox, answer: &str) -> (Option<i32>, String) {
     });
     terminal.press(answer);
     let status = until("the end", SOON, || child.try_wait().unwrap());
-    // What was written last is there when the terminal is gone for everybody else.
+    // The last output is complete once all other ends of the terminal are closed.
     let Terminal { outside, inside } = terminal;
     drop(inside);
-    until("all that was said", SOON, || {
+    until("the whole output", SOON, || {
         (std::sync::Arc::strong_count(&heard) == 1).then_some(())
     });
     drop(outside);

@@ -1,4 +1,4 @@
-//! Words of strangers on the terminal and in pages, and programs that they would like to start.
+//! Untrusted text on the terminal and in pages, and untrusted commands in logs.
 
 use super::changed;
 use crate::support::Sandbox;
@@ -14,7 +14,7 @@ fn harmless(outcome: &Outcome) {
 }
 
 #[test]
-fn titles_topics_and_last_words_do_not_reach_the_terminal_as_they_are() {
+fn titles_topics_and_stderr_lines_are_escaped_on_the_terminal() {
     let sandbox = Sandbox::new();
     let evil = "\\u001b]0;owned\\u0007\\u009b31m\\u202e</script><script>alert(1)</script>\\\"'";
     let title = format!("title = \"{evil}\"");
@@ -65,7 +65,7 @@ fn titles_topics_and_last_words_do_not_reach_the_terminal_as_they_are() {
 }
 
 #[test]
-fn the_last_words_of_a_process_cannot_steer_the_terminal() {
+fn stderr_lines_of_a_process_cannot_control_the_terminal() {
     let sandbox = Sandbox::new();
     let text = changed(
         "kind = \"evader_potential\"",
@@ -87,7 +87,7 @@ fn no_command_starts_programs_of_a_scenario_or_of_a_log_unasked() {
     let command = format!("name = \"liar\"\ncommand = [\"/usr/bin/touch\", {mark:?}]");
     let evil = changed("kind = \"evader_potential\"", &command);
     sandbox.file("evil.toml", &evil);
-    // The log of a harmless run, whose scenario somebody has exchanged.
+    // The log of a harmless run with its scenario replaced.
     let named = "name = \"liar\"\nkind = \"evader_potential\"";
     sandbox.file("good.toml", changed("kind = \"evader_potential\"", named));
     let ran = sandbox
@@ -148,7 +148,7 @@ fn exchange_scenario(from: &std::path::Path, to: &std::path::Path, scenario: &st
     }
     for index in &summary.metadata_indexes {
         let mut metadata = mcap::read::metadata(&bytes, index).unwrap();
-        // Whoever exchanges the scenario takes its fingerprint out, too.
+        // An attacker would remove the scenario's hash as well.
         metadata.metadata.remove("scenario_blake3");
         writer.write_metadata(&metadata).unwrap();
     }

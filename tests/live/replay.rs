@@ -17,7 +17,7 @@ fn recorded(sandbox: &Sandbox) -> Log {
     Log::read(&sandbox.path().join("run.mcap"))
 }
 
-/// What is heard until the replay begins again, by subscription.
+/// Messages received until the replay begins again, by subscription.
 fn pass(viewer: &mut Viewer) -> BTreeMap<u32, Messages> {
     let (mut heard, mut now): (BTreeMap<u32, Messages>, _) = (BTreeMap::new(), 0);
     loop {
@@ -73,7 +73,7 @@ fn a_replay_shows_all_that_the_log_holds() {
 }
 
 #[test]
-fn a_replay_from_the_middle_shows_what_holds_there_and_begins_again() {
+fn a_replay_from_the_middle_sends_latched_messages_and_begins_again() {
     let sandbox = Sandbox::new();
     let log = recorded(&sandbox);
     let words = ["--start", "1", "--end", "2", "--loop", "--rate", "4"];

@@ -1,5 +1,5 @@
-//! Random pop-ups before robots with and without inertia: nobody touches anything that he could
-//! have stopped before.
+//! Random pop-ups before robots with and without inertia: no robot touches an obstacle for which it could
+//! have stopped.
 
 use std::path::Path;
 
@@ -16,7 +16,7 @@ const SPEED: f64 = 0.4;
 struct Popup {
     /// Way that the robot has made when it comes (m).
     travelled: f64,
-    /// Where it comes (m), and its radius (m).
+    /// Centre (m) and radius (m).
     at: [f64; 2],
     radius: f64,
 }
@@ -76,7 +76,7 @@ params = {{ {params} }}
 /// Code of the event that a robot stood where an obstacle came.
 const PUSHED: u32 = 10;
 
-/// Whether the robot could stop before everything that came, when it came.
+/// Returns `true` if the robot could stop before every obstacle that appeared.
 fn could_stop(history: &History, popups: &[Popup], acceleration: f64) -> bool {
     if history.events.iter().any(|event| event.kind == PUSHED) {
         return false;

@@ -225,7 +225,7 @@ fn a_request_that_names_the_plan_it_follows_begins_near_it() {
         answer(&mut client)
     };
     let cold = ask(0);
-    // A plan that nobody was given is none.
+    // An unknown plan id counts as none.
     let unknown = ask(1_000);
     assert_eq!(as_samples(&unknown.1), as_samples(&cold.1));
     let follows = header.stamp.sequence + 1;
@@ -238,7 +238,7 @@ fn a_request_that_names_the_plan_it_follows_begins_near_it() {
     assert_eq!(as_samples(&ask(follows).1), as_samples(&warm.1));
 }
 
-/// What makes a request one to be refused.
+/// A change that makes a request invalid.
 type Change = fn(&mut PlanRequest, &mut Vec<ShapePoint>);
 
 #[test]

@@ -1,4 +1,4 @@
-//! How processes end, and what keeps them from beginning.
+//! Exits of processes, and errors that prevent their start.
 
 use runtime::lockstep::{Phase, SlotState};
 use rustix::process::Signal;
@@ -54,7 +54,7 @@ fn every_process_ends_when_told_or_orphaned_in_the_air() {
             assert_eq!(rig.state(), SlotState::Stopped, "simulator, {how}");
             continue;
         }
-        // The game is not over because its world ends: nobody may take it for that.
+        // The end of the simulator is not the end of the game and must not be reported as such.
         assert_eq!(status.code(), Some(1), "simulator, {how}: {words}");
         assert!(words.contains("in the middle of the run"), "{words}");
         assert_eq!(rig.state(), SlotState::Failed, "simulator, {how}");
@@ -74,5 +74,5 @@ fn configurations_that_cannot_be_used_are_named() {
     call("pursuer").refused(1, &["process configuration process.json", "No such file"]);
     sandbox.file("process.json", "{ \"run\": 3 }");
     call("pursuer").refused(1, &["process configuration process.json", "line 1"]);
-    call("nobody").refused(2, &["no process of kind \"nobody\""]);
+    call("unknown").refused(2, &["no process of kind \"unknown\""]);
 }

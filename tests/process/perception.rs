@@ -28,7 +28,10 @@ fn perception_tells_what_is_seen_and_believed_at_every_tick() {
         );
         if tick >= 40 {
             assert_eq!(message.elements().len(), 0);
-            assert!(beliefs.receive().unwrap().is_none(), "about nobody");
+            assert!(
+                beliefs.receive().unwrap().is_none(),
+                "no belief without opponents"
+            );
             continue;
         }
         let [seen] = message.elements() else {

@@ -9,7 +9,7 @@ use runtime::lockstep::SlotState;
 use super::{Answers, COP, ROOM, THIEF, VIEWPOINTS, planner, room_with_scanner, send_map};
 use crate::support::rig::{Rig, World};
 
-/// What makes a belief one to be rejected.
+/// A change that makes a belief invalid.
 type Hostile = fn(&mut BeliefHeader, &mut Vec<Particle>);
 
 /// A belief that the thief is at a place.
@@ -79,7 +79,7 @@ fn hostile_beliefs_are_rejected_and_counted() {
         world.tick(&rig, tick);
         answers.take(&rig, tick, COP, 0);
     }
-    // Not wrong in itself: nobody is anywhere.
+    // Valid: a belief without particles.
     let (header, _) = belief(&world, 5, 0.5, 1.0);
     beliefs.send(header, &[]).unwrap();
     world.tick(&rig, 5);
@@ -161,7 +161,7 @@ fn wild_but_finite_states_are_answered_within_the_limits() {
                 }
             }
         }
-        // Two robots in one place, and codes that nobody knows.
+        // Two robots in one place, and unknown codes.
         world.robots.clone_from(&sound);
         world.robots[1].x = world.robots[0].x;
         world.robots[1].y = world.robots[0].y;

@@ -49,7 +49,7 @@ impl Drivers {
             match self.members[0].wait_tick(tick) {
                 TickWait::Tick(_) => break,
                 TickWait::Idle => {}
-                TickWait::Stop => panic!("nobody stops this run"),
+                TickWait::Stop => panic!("the run was stopped"),
             }
         }
         let state = self.states.receive().unwrap().expect("a state");
@@ -133,7 +133,7 @@ fn the_simulator_obeys_the_driver_of_a_robot_only() {
     assert_eq!(
         at(&robots, 0),
         at(&before, 0),
-        "nobody who drives it said anything"
+        "no driver of it sent a command"
     );
     assert_eq!((robots[0].v, robots[0].fail_safe), (0.0, 1));
     assert_eq!(
@@ -180,7 +180,7 @@ fn the_simulator_obeys_the_driver_of_a_robot_only() {
     assert!(named(&events, "invalid_command").is_empty(), "{events:?}");
     drivers.rig.rejected(4);
 
-    // Out of its mind: nobody is asked to be that fast. The robot stops, and that is told.
+    // Absurd commands: the robot stops, and the simulator reports it.
     for (tick, [v, omega]) in (4..).zip([
         [1e300, -1e300],
         [f64::NEG_INFINITY, 0.0],

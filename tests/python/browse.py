@@ -2,11 +2,11 @@
 
 usage: browse.py CHROMIUM PAGE < JSON list of steps
 
-A step is {"eval": JavaScript} (a promise is waited for), {"until": JavaScript} (tried until it gives
+A step is {"eval": JavaScript} (a JavaScript Promise is awaited), {"until": JavaScript} (tried until it gives
 something true), {"key": name}, {"shot": file.png}, {"colours": JavaScript} (what the function makes of the
 red, green, blue and alpha bytes of a screenshot), {"until_colours": JavaScript, "least": {key: n}} (until
 these numbers of it are that large) or {"dark": true}. Prints {"answers": [...], "errors": [...], "requests": [...]}: what the scripts gave,
-whatever the console complained of, and every address that was asked for.
+the errors of the console, and every address that was asked for.
 """
 
 import base64

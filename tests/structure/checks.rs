@@ -8,7 +8,7 @@ use super::graph::{Arrows, cycles};
 use super::manifests::{Package, packages};
 use super::sources::{self, Sources, Use};
 
-/// What a tree has to keep to.
+/// The rules of a source tree.
 #[derive(Debug, Clone, Copy)]
 pub struct Rules {
     /// Crates by floor, bottom up: a crate depends on crates of lower floors only. `folder/*` are the crates of a
@@ -33,7 +33,7 @@ pub struct Fault {
     pub file: PathBuf,
     /// From 1.
     pub line: usize,
-    /// What stands there and which rule forbids it.
+    /// The offending text and the rule that forbids it.
     pub message: String,
 }
 
@@ -203,7 +203,7 @@ fn long_files(root: &Path, folder: &Path, rules: &Rules) -> Vec<Fault> {
     faults
 }
 
-/// What is wrong within a crate: its size, and cycles between the modules below its root.
+/// Faults within a crate: its size, and cycles between its modules.
 fn in_package(root: &Path, package: &Package, rules: &Rules) -> Vec<Fault> {
     let mut faults = Vec::new();
     let mut lines = 0;

@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
-/// Arrows from each node, each with what is said of it.
+/// Edges from each node, each with its label.
 pub type Arrows<T> = BTreeMap<String, BTreeMap<String, T>>;
 
 /// A shortest cycle through each node that is on one and on none of the cycles before; the first node is

@@ -66,7 +66,7 @@ fn workspace(files: &[(&str, &str)]) -> tempfile::TempDir {
     tree
 }
 
-/// What the checks say of the workspace with these files.
+/// Faults that the checks find in a workspace of these files.
 fn faults(files: &[(&str, &str)]) -> Vec<String> {
     let tree = workspace(files);
     let faults = check(tree.path(), &RULES);

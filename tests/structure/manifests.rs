@@ -11,7 +11,7 @@ pub struct Package {
     pub name: String,
     /// Its folder, relative to the root of the workspace.
     pub folder: PathBuf,
-    /// What its library and programs are built with; dependencies of tests are not here.
+    /// Dependencies of its library and programs, without those of tests.
     pub dependencies: Vec<Dependency>,
 }
 

@@ -56,7 +56,7 @@ pub fn read(root: &Path) -> Result<Sources, String> {
 /// A file while it is read.
 struct File<'a> {
     path: &'a Path,
-    /// Where the files of its child modules are.
+    /// The folder of its child modules.
     children: &'a Path,
     /// Lines of items for tests.
     test_lines: usize,
@@ -206,7 +206,7 @@ impl Sources {
     }
 }
 
-/// Where a path goes from the root: one that begins with anything but `crate` is of the module itself or of its
+/// Resolves a path from the root: a path that does not begin with `crate` is relative to the module or its
 /// parents; `None` above the root.
 fn absolute(module: &[String], first: &str, rest: Vec<String>) -> Option<Vec<String>> {
     let mut rest = rest.into_iter().peekable();
@@ -285,7 +285,7 @@ fn branches(group: &Group, path: &[String]) -> Vec<(Vec<String>, String)> {
     found
 }
 
-/// Whether an attribute is `#[cfg(test)]`, alone or with more that must hold.
+/// Returns `true` if an attribute is `#[cfg(test)]`, alone or within `all`.
 fn is_test_only(attribute: &Group) -> bool {
     let text = attribute.stream().to_string().replace(' ', "");
     text == "cfg(test)" || text.starts_with("cfg(all(test,")

@@ -24,7 +24,7 @@ fn a_log_whose_directory_vanishes_ends_the_run() {
 }
 
 /// Runs a script of the shell where mounting is allowed, in the sandbox's directory; `None`, and a
-/// note that everybody sees, if this machine does not allow it anywhere.
+/// note on stderr, if this machine does not allow it.
 pub(super) fn where_one_can_mount(sandbox: &Sandbox, script: &str) -> Option<std::process::Output> {
     let outcome = Command::new("unshare")
         .args(["--map-root-user", "--mount", "sh", "-c", script])
@@ -46,9 +46,9 @@ pub(super) fn where_one_can_mount(sandbox: &Sandbox, script: &str) -> Option<std
 }
 
 #[test]
-fn a_directory_that_cannot_be_written_to_is_told_at_once() {
+fn a_directory_that_cannot_be_written_to_is_reported_at_once() {
     let sandbox = Sandbox::new();
-    // Nobody can make files there, not even root.
+    // No user can create files there, not even root.
     let words = ["run", "hello", "--out", "/proc/run.mcap"];
     let outcome = sandbox.protean(words).run();
     outcome.refused(

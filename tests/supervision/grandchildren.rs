@@ -1,4 +1,4 @@
-//! What an external program has started: it ends with the program's run, also in a session of its own.
+//! Descendants of an external program: they end with its run, also in sessions of their own.
 
 use rustix::process::Signal;
 
@@ -13,7 +13,7 @@ const SCATTERED: &str = r#"command = ["/bin/sh", "-c", "setsid sleep TIME & sets
 /// A run whose program has started others.
 struct Scattered<'a> {
     orchestrator: Running<'a>,
-    /// What they sleep for; nobody else sleeps so long.
+    /// Their argument, by which they are recognised: no other process sleeps that long.
     time: String,
 }
 
@@ -92,7 +92,7 @@ fn children_that_the_orchestrator_had_before_are_left_alone() {
     let sandbox = Sandbox::new();
     let time = format!("2000.{}04", std::process::id());
     let lines = r#"command = ["false"]"#;
-    sandbox.file("false.toml", driven_by("nobody", lines));
+    sandbox.file("false.toml", driven_by("driver", lines));
     let words = ["run", "false.toml", "--allow-external", "--quiet"];
     let script = "sleep \"$0\" & exec \"$@\"";
     let call = sandbox.protean(words).through("sh", &["-c", script, &time]);
@@ -104,5 +104,5 @@ fn children_that_the_orchestrator_had_before_are_left_alone() {
     end_sleeping(&time);
     let outcome = running.finish();
     assert_eq!(left, 1, "{outcome}");
-    outcome.refused(1, &["error: process nobody ended with exit code 1"]);
+    outcome.refused(1, &["error: process driver ended with exit code 1"]);
 }

@@ -1,4 +1,4 @@
-//! An orchestrator that is killed: nobody survives it, and its log lacks a second at most.
+//! A killed orchestrator: none of its processes survives it, and its log lacks at most one second.
 
 use std::collections::BTreeSet;
 use std::ops::Range;
@@ -11,7 +11,7 @@ use crate::support::history::History;
 use crate::support::sandbox::{signal, stop};
 use crate::support::{SOON, Sandbox, python, until, wait_for_tick};
 
-/// What a killed orchestrator may cost.
+/// Longest part of the log that a killed orchestrator may lose.
 const LOST: Duration = Duration::from_secs(1);
 
 const LONG: [&str; 5] = ["run", "chase", "--set", "run.dt=0.0005", "--quiet"];
@@ -40,7 +40,7 @@ fn a_killed_orchestrator_costs_the_log_a_second_at_most_and_recover_makes_it_who
 }
 
 #[test]
-fn by_the_clock_it_costs_no_more_however_slow_the_clock_is() {
+fn in_real_time_it_costs_no_more_however_slow_the_clock_is() {
     // A tick a second, and the last two wait for those that follow.
     let slow = ["run", "hello", "--real-time", "0.05", "--quiet"];
     costs_a_second_at_most(&slow, 4, 2200..4200);
@@ -92,7 +92,7 @@ fn costs_a_second_at_most(words: &[&str], kills: u32, after_ms: Range<u64>) {
     sandbox.assert_nothing_left();
 }
 
-/// What can be saved of the log of a run if its orchestrator is killed now.
+/// Recovers the log of a run as if its orchestrator were killed now.
 fn save(sandbox: &Sandbox, log: &str) -> History {
     let words = ["recover", log, "--out", "saved.mcap", "--force"];
     let recovered = sandbox.protean(words).run();
@@ -100,7 +100,7 @@ fn save(sandbox: &Sandbox, log: &str) -> History {
     History::read(&sandbox.path().join("saved.mcap"))
 }
 
-/// What becomes of a run whose world has stood still.
+/// The end of a run whose world has stood still.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Then {
     GoesOn,
@@ -111,7 +111,7 @@ enum Then {
 #[test]
 fn the_tick_in_which_the_world_stands_still_is_in_the_log_before_it_ends() {
     let sandbox = Sandbox::new();
-    // 80 000 ticks: a run that waits for nobody to look at it.
+    // 80 000 ticks: the run does not end before the test has looked at it.
     let words = [
         "run",
         "hello",
@@ -141,7 +141,7 @@ fn the_tick_in_which_the_world_stands_still_is_in_the_log_before_it_ends() {
         let page = TickBarrier::open(&Sandbox::prefix(&run)).unwrap();
         let planner = sandbox.process("evader_potential");
         stop(planner.pid);
-        // Its seat is the one behind the simulator's.
+        // Its slot is the one after the simulator's.
         until("a tick that it owes", SOON, || {
             (page.ticks_done(1) < page.ticks_posted()).then_some(())
         });
@@ -155,7 +155,7 @@ fn the_tick_in_which_the_world_stands_still_is_in_the_log_before_it_ends() {
             assert_eq!(state.tick, tick, "once each");
         }
         assert_eq!(history.states.len() as u64, posted);
-        // It was stopped before its turn was over, and had said what it had to say or not.
+        // It was stopped within its step, before or after it sent its command.
         let commands = history.commands.len() as u64;
         assert!((posted - 1..=posted).contains(&commands), "{commands}");
         if then == Then::IsKilled {
@@ -195,7 +195,7 @@ fn the_tick_in_which_the_world_stands_still_is_in_the_log_before_it_ends() {
 }
 
 #[test]
-fn by_the_clock_the_last_ticks_of_a_world_that_stands_still_are_in_the_log_too() {
+fn in_real_time_the_last_ticks_of_a_world_that_stands_still_are_in_the_log_too() {
     let sandbox = Sandbox::new();
     let words = ["run", "hello", "--quiet", "--real-time", "1"];
     let running = sandbox
@@ -216,7 +216,7 @@ fn by_the_clock_the_last_ticks_of_a_world_that_stands_still_are_in_the_log_too()
     running.signal(Signal::KILL);
     running.finish();
     sandbox.protean(["clean"]).json();
-    // Who plans by what was posted last may have said so meanwhile.
+    // Planners may have answered the last posted tick meanwhile.
     assert_eq!(save(&sandbox, "run.mcap").states, history.states);
     sandbox.assert_nothing_left();
 }

@@ -1,5 +1,5 @@
-//! Shared memory that is full, as containers have little of it, and other things that a system may keep
-//! short: nobody is killed without a word, and nothing is left.
+//! Full shared memory, which is small in containers, and other scarce resources: no process is killed without
+//! an error message, and nothing is left behind.
 
 use std::fs::File;
 use std::io::Write as _;
@@ -12,7 +12,7 @@ use crate::support::{SOON, Sandbox, until};
 
 use super::disk::{ENDLESS, where_one_can_mount};
 
-/// What is said when there is too little.
+/// Beginning of the error message.
 const FULL: &str = "error: shared memory is full: ";
 
 /// With shared memory of its own of this size; `None` where this machine does not allow that.

@@ -1,4 +1,4 @@
-//! What an orchestrator is started with, and what is done to it from there, is its own business to cope with.
+//! Environments of the orchestrator: it works with any descriptors, signals and files that it inherits.
 
 use std::collections::BTreeSet;
 
@@ -46,7 +46,7 @@ fn a_program_that_is_replaced_in_the_middle_of_its_run_starts_itself_again() {
     super::replace(&sandbox, &run, "pursuer_police_1", 2);
     running.signal(Signal::INT);
     let outcome = running.finish();
-    // Somebody was away for a while.
+    // A process failed and was restarted.
     assert_eq!(outcome.code, Some(3), "{outcome}");
     assert!(
         outcome.stderr.contains("pursuer_police_1 is back"),

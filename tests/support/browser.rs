@@ -19,8 +19,8 @@ const BROWSERS: [&str; 4] = [
 /// Exit code of `studio.py` where Studio cannot be had.
 const CANNOT: i32 = 75;
 
-/// Opens a page and takes these steps (see `python/browse.py`); `None`, and a note that everybody
-/// sees, if this machine has no browser.
+/// Opens a page and takes these steps (see `python/browse.py`); `None`, and a note on stderr, if
+/// this machine has no browser.
 pub fn browse(page: &Path, steps: &Json) -> Option<Json> {
     let what = format!("opening {} in a browser", page.display());
     run(&what, "browse.py", steps, |command| command.arg(page))

@@ -17,8 +17,8 @@ use super::sandbox::{Sandbox, signal};
 /// Longest that any call may take.
 const LIMIT: Duration = Duration::from_secs(900);
 
-/// What a run must go on with however slow the machine is: unoptimised, a first plan may take
-/// longer than the ten seconds after which a process counts as hung.
+/// A hang timeout for slow machines: without optimisation, a first plan may take longer than the default of
+/// ten seconds.
 pub const PATIENCE: &str = "run.hang_timeout_s=200";
 
 /// The program about to be called.
@@ -67,7 +67,7 @@ impl<'a> Call<'a> {
         self
     }
 
-    /// With at most this much address space (1024 bytes): whoever asks for more gets none, and says so.
+    /// Limits the address space (KiB): larger allocations fail, and the program reports it.
     pub fn with_memory(self, kib: &str) -> Self {
         self.through("sh", &["-c", "ulimit -v \"$0\" && exec \"$@\"", kib])
     }
@@ -194,7 +194,7 @@ impl Running<'_> {
         rustix::process::pidfd_send_signal(&self.pidfd, signal).unwrap();
     }
 
-    /// Whether it still runs.
+    /// Returns `true` while it runs.
     pub fn is_alive(&mut self) -> bool {
         self.child.try_wait().unwrap().is_none()
     }
@@ -232,7 +232,7 @@ impl Drop for Running<'_> {
     }
 }
 
-/// Whether a process has ended by this time.
+/// Waits for the end of a process; `false` if the deadline passes first.
 pub fn wait(pidfd: &OwnedFd, deadline: Instant) -> bool {
     loop {
         let left = deadline.saturating_duration_since(Instant::now());
@@ -249,7 +249,7 @@ pub fn wait(pidfd: &OwnedFd, deadline: Instant) -> bool {
     }
 }
 
-/// What a call amounted to.
+/// The result of a call.
 #[derive(Debug, Clone)]
 pub struct Outcome {
     /// Exit code; none if a signal ended it.

@@ -1,5 +1,5 @@
-//! A log as plain values, whoever read it: the `mcap` crate with this project's own message types,
-//! or the ecosystem's Python packages with nothing but what stands in the log.
+//! A log as plain values, read by the `mcap` crate with this project's message types, or by Python packages
+//! with the log alone.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -34,7 +34,7 @@ pub struct History {
     pub counts: BTreeMap<String, (u64, u64)>,
 }
 
-/// Where, when and by whom a message was sent.
+/// Topic, time and source of a message.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 pub struct Message {
     pub topic: String,
@@ -380,7 +380,7 @@ fn stamp<T: Topic>(bytes: &[u8]) -> Result<Stamp, String> {
     decode::<T>(bytes).map(|(header, _)| *header.stamp())
 }
 
-/// What stands in a log beside the messages: the metadata record, and the attachments by name.
+/// The rest of a log beside its messages: the metadata record, and the attachments by name.
 pub fn manifest(path: &Path) -> (BTreeMap<String, String>, BTreeMap<String, String>) {
     let bytes = std::fs::read(path).unwrap();
     let (mut metadata, mut attachments) = (BTreeMap::new(), BTreeMap::new());

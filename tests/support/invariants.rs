@@ -1,4 +1,4 @@
-//! What must hold in every log of a chase, whatever the seed.
+//! Invariants of every log of a chase, for all seeds.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -11,7 +11,7 @@ use super::history::{Event, History, Message, Robot, State, scenario};
 
 /// Slack of comparisons of lengths and speeds, far below anything that is driven.
 const EPSILON: f64 = 1e-9;
-/// How deep in a wall a body may be for the arithmetic's sake (m).
+/// Depth in a wall that counts as rounding (m).
 const PENETRATION: f64 = 1e-6;
 
 const POLICE: u8 = 1;
@@ -45,7 +45,7 @@ pub struct Game {
     /// Centres and radii (m).
     pub exits: Vec<([f64; 2], f64)>,
     pub time_limit_s: f64,
-    /// Whether a perception process follows the evaders.
+    /// `true` if a perception process tracks the evaders.
     pub perception: bool,
 }
 

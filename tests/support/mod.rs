@@ -1,4 +1,4 @@
-//! What the end-to-end tests share: the real program in a sandbox of its own.
+//! Support of the end-to-end tests: the real program in its own sandbox.
 
 // Every test binary uses a part of this.
 #![allow(dead_code)]
@@ -24,7 +24,7 @@ pub use sandbox::Sandbox;
 /// The path of the program under test.
 pub const PROTEAN: &str = env!("CARGO_BIN_EXE_protean_under_test");
 
-/// How long anything may take that is not a whole run.
+/// Timeout of everything but whole runs.
 pub const SOON: Duration = Duration::from_secs(300);
 
 /// Looks every millisecond until `done` has a value.

@@ -15,7 +15,7 @@ use super::skipped;
 pub struct PythonLog {
     #[serde(flatten)]
     pub history: History,
-    /// What viewers are told of the robots' places: log time, frame, x, y.
+    /// Positions of the robots for viewers: log time, frame, x, y.
     pub transforms: Vec<(u64, String, f64, f64)>,
 }
 
@@ -41,13 +41,13 @@ pub fn prepare(environment: &[&str]) -> Result<PathBuf, String> {
     }
 }
 
-/// Reads a log with Python; `None`, and a note that everybody sees, if this machine cannot.
+/// Reads a log with Python; `None`, and a note on stderr, if this machine cannot.
 pub fn read(log: &Path) -> Option<PythonLog> {
     call("read_log.py", log)
 }
 
-/// Lets a script in `tests/python` do something with a log; what it prints. `None`, and a note that
-/// everybody sees, if this machine has no Python for it.
+/// Runs a script of `tests/python` on a log and returns its output; `None`, and a note on stderr, if this
+/// machine has no Python for it.
 pub fn call<T: DeserializeOwned>(script: &str, log: &Path) -> Option<T> {
     let python = match interpreter() {
         Ok(python) => python,

@@ -1,5 +1,5 @@
-//! One real process, with the test in the place of everybody else: it creates the services and the
-//! tick barrier as the orchestrator does, and says what the others would.
+//! One real process, with the test in place of all others: the rig creates the services and the tick barrier
+//! as the orchestrator does, and sends what the other processes would.
 
 use std::io::Read as _;
 use std::os::fd::OwnedFd;
@@ -42,7 +42,7 @@ pub struct Rig {
     _directory: tempfile::TempDir,
 }
 
-/// What a run has on this machine, wiped when it is dropped: also when a rig fails half-built.
+/// The shared memory of a run, removed on drop: also if a rig fails half-built.
 struct Wiped(RunSpace);
 
 impl Drop for Wiped {
@@ -204,7 +204,7 @@ impl Rig {
         assert_eq!(told, messages);
     }
 
-    /// How the process stands at its end, once that comes.
+    /// State of the process in its slot.
     pub fn state(&self) -> SlotState {
         self.barrier().state(self.slot)
     }
@@ -360,7 +360,7 @@ impl World {
         self.states.send(self.header(tick), robots).unwrap();
     }
 
-    /// Gives everybody the turn and waits until they have taken it; false if somebody died instead.
+    /// Posts a tick and waits until all members have done it; `false` if the process ended instead.
     #[track_caller]
     pub fn turn(&self, rig: &Rig, tick: u64) -> bool {
         self.leader.post(tick);
@@ -369,7 +369,7 @@ impl World {
             match self.leader.wait(tick) {
                 TickEnd::Complete => return true,
                 TickEnd::Idle if !rig.state().is_alive() => return false,
-                TickEnd::Stop => panic!("nobody stops this run"),
+                TickEnd::Stop => panic!("the run was stopped"),
                 TickEnd::Idle => assert!(Instant::now() < deadline, "no answer to tick {tick}"),
             }
         }

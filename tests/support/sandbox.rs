@@ -158,7 +158,7 @@ impl Sandbox {
             .collect()
     }
 
-    /// What the runs of this sandbox have in shared memory now.
+    /// Files in shared memory of the runs of this sandbox.
     pub fn shared_memory(&self) -> Vec<PathBuf> {
         let runs = self.runs();
         std::fs::read_dir("/dev/shm")
@@ -263,7 +263,7 @@ fn sleepers(time: &str) -> Vec<u32> {
         .collect()
 }
 
-/// How many `sleep`s there are with this argument.
+/// Number of `sleep` processes with this argument.
 pub fn sleeping(time: &str) -> usize {
     sleepers(time).len()
 }

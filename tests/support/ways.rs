@@ -1,5 +1,5 @@
-//! What a robot that visits waypoints did, by the log alone: poses of `world/state` and the ends of
-//! waypoints of `robot/waypoint`.
+//! Drives between waypoints, from the log alone: poses of `world/state` and waypoint ends of
+//! `robot/waypoint`.
 
 use std::path::{Path, PathBuf};
 
@@ -13,7 +13,7 @@ use super::invariants::{standing_obstacles, the_summary_says_what_the_log_holds}
 /// Slack for the arithmetic of lengths (m) and times (s).
 pub const EPSILON: f64 = 1e-9;
 
-/// How far a robot strays from its arcs where it cannot turn fast enough (m).
+/// Deviation of a robot from its arcs where it cannot turn fast enough (m).
 const STRAYING: f64 = 0.1;
 
 /// A finished run with one robot.
@@ -67,7 +67,7 @@ impl Drive {
         &named.unwrap()["params"]
     }
 
-    /// Where the robot was at every tick.
+    /// Position of the robot at every tick (m).
     pub fn track(&self) -> Vec<[f64; 2]> {
         let states = &self.history.states;
         states
@@ -80,12 +80,12 @@ impl Drive {
         (time_s / self.dt).round() as usize
     }
 
-    /// What the summary says of the robot's waypoints.
+    /// The robot's waypoints in the summary.
     pub fn told(&self) -> &Json {
         &self.summary["robots"][0]["waypoints"]
     }
 
-    /// How many waypoints ended so.
+    /// Number of waypoints with this outcome.
     pub fn count(&self, outcome: &str) -> usize {
         let all = self.history.waypoints.iter();
         all.filter(|end| end.outcome == outcome).count()

@@ -30,7 +30,7 @@ pub fn with_log(bytes: &[u8], read: impl FnOnce(&Path)) {
     });
 }
 
-/// Nobody looks on.
+/// Progress of reading a file that is not shown.
 pub fn watch() -> ReadProgress {
     ReadProgress::new(std::sync::Arc::default(), true)
 }

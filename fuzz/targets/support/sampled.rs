@@ -1,9 +1,9 @@
-//! What is too slow to be done with every input.
+//! The choice of inputs for checks that are too slow for every input.
 
 use std::hash::Hasher as _;
 
-/// Whether this input is the one of `of` with which the slow part is done too. It follows from the
-/// bytes alone, so that an input does the same whenever it comes.
+/// Returns `true` for one input of `of`, for which the slow part runs too. It depends on the bytes
+/// alone, so that an input always gets the same checks.
 pub fn is_chosen(bytes: &[u8], of: u64) -> bool {
     let mut hasher = std::hash::DefaultHasher::new();
     hasher.write(bytes);

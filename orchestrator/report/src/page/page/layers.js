@@ -50,16 +50,16 @@ function drawGround(t) {
   paint.setLineDash([]);
 }
 
-/** What the eyes of the run see at a time: their polygons, with the teams of their robots. */
+/** What the fields of view of the run show at a time: their polygons, with the teams of their robots. */
 function sightAt(t) {
   const { edges } = groundAt(t);
   if (edges.length > MOST_EDGES) return [];
-  return facts.eyes.map((eye) => {
-    const state = eye.robot === undefined ? { x: eye.point[0], y: eye.point[1], theta: 0, status: 0, present: true }
-      : robotBetween(eye.robot, t);
+  return facts.eyes.map((view) => {
+    const state = view.robot === undefined ? { x: view.point[0], y: view.point[1], theta: 0, status: 0, present: true }
+      : robotBetween(view.robot, t);
     const looks = state.status === 0 && state.present;
-    const team = eye.robot === undefined ? 'neutral' : facts.robots[eye.robot].team;
-    return { name: eye.name, team, corners: looks ? seenFrom(state, eye, edges) : [] };
+    const team = view.robot === undefined ? 'neutral' : facts.robots[view.robot].team;
+    return { name: view.name, team, corners: looks ? seenFrom(state, view, edges) : [] };
   }).filter(({ corners }) => corners.length > 2);
 }
 

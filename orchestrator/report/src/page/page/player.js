@@ -214,7 +214,7 @@ window.protean = {
     }
     return found;
   },
-  /** What the eyes of the run see at a time [s]: polygons by name. */
+  /** What the fields of view of the run show at a time [s]: polygons by name. */
   sightAt: (t) => Object.fromEntries(sightAt(t).map(({ name, corners }) => [name, corners])),
   seek: (t) => player.seek(t), play: () => player.play(), pause: () => player.pause(),
   get t() { return player.t; },
