@@ -240,7 +240,7 @@ fn maps_that_are_missing_broken_or_enormous() {
         with_map("room.yaml"),
         &[
             "room.pgm",
-            "truncated: 3 pixels of 80 × 60 = 4800 promised by the header",
+            "truncated: 3 pixels of 80 × 60 = 4800 declared in the header",
             "--> small.toml:5:7 (world.map)",
         ],
     );

@@ -10,9 +10,9 @@ use rustix::pty::OpenptFlags;
 
 /// Both ends of a terminal.
 pub struct Terminal {
-    /// Where keys are pressed.
+    /// The side of the keyboard.
     pub outside: OwnedFd,
-    /// What programs see.
+    /// The side of the programs.
     pub inside: OwnedFd,
 }
 

@@ -50,7 +50,7 @@ pub enum PgmError {
         height: u64,
     },
     /// The file ends before its last pixel.
-    #[error("truncated: {found} pixels of {width} × {height} = {expected} promised by the header")]
+    #[error("truncated: {found} pixels of {width} × {height} = {expected} declared in the header")]
     Truncated {
         /// Pixels that are there.
         found: usize,
@@ -305,7 +305,7 @@ mod tests {
         assert!(message(b"P5\n1 1 65536\n").starts_with("header: maxval = 65536"));
         assert_eq!(
             message(b"P5\n2 2 255\nabc"),
-            "truncated: 3 pixels of 2 × 2 = 4 promised by the header"
+            "truncated: 3 pixels of 2 × 2 = 4 declared in the header"
         );
         assert!(message(b"P2\n2 1 9\n1 x").starts_with("pixel 1: x: expected a number in [0, 9]"));
         assert!(message(b"P2\n2 1 9\n1 10").starts_with("pixel 1: 10"));

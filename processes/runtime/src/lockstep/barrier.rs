@@ -300,7 +300,7 @@ impl TickBarrier {
 
 impl core::fmt::Debug for TickBarrier {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        f.debug_struct("TurnPage")
+        f.debug_struct("TickBarrier")
             .field("path", &self.path)
             .field("phase", &self.phase())
             .field("ticks_posted", &self.ticks_posted())

@@ -57,7 +57,7 @@ function groundAt(t) {
 }
 
 /** Most edges with which lines of sight are drawn. */
-const MOST_EDGES = 3000;
+const MAX_EDGES = 3000;
 
 /** What can be seen from a place within a range and a field of view (none: all): corners of a polygon. */
 function seenFrom({ x, y, theta }, { range, field_of_view: opening }, edges) {

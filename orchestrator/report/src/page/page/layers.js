@@ -53,7 +53,7 @@ function drawGround(t) {
 /** What the fields of view of the run show at a time: their polygons, with the teams of their robots. */
 function sightAt(t) {
   const { edges } = groundAt(t);
-  if (edges.length > MOST_EDGES) return [];
+  if (edges.length > MAX_EDGES) return [];
   return facts.eyes.map((view) => {
     const state = view.robot === undefined ? { x: view.point[0], y: view.point[1], theta: 0, status: 0, present: true }
       : robotBetween(view.robot, t);
