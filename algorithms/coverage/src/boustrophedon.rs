@@ -45,7 +45,7 @@ pub struct Boustrophedon {
     /// Stack of rectangles to drive, the next one last.
     open: Vec<usize>,
     seen: BTreeSet<usize>,
-    way: VecDeque<(Point2<f64>, Aabb, WaypointKind)>,
+    path: VecDeque<(Point2<f64>, Aabb, WaypointKind)>,
     counter: Counter,
 }
 
@@ -74,7 +74,7 @@ impl Boustrophedon {
             spacing,
             open: vec![home],
             seen: BTreeSet::new(),
-            way: VecDeque::new(),
+            path: VecDeque::new(),
             counter: Counter::default(),
         })
     }
@@ -125,10 +125,10 @@ impl Boustrophedon {
         let legs = self.space.legs(home, rectangle, first, || 0.5);
         let transit = legs.len().saturating_sub(1);
         let there = legs.into_iter().take(transit);
-        self.way
+        self.path
             .extend(there.map(|(to, within)| (to, within, WaypointKind::Transit)));
         let lanes = corners.into_iter().map(|to| (to, r, WaypointKind::SubGoal));
-        self.way.extend(lanes);
+        self.path.extend(lanes);
     }
 }
 
@@ -141,24 +141,24 @@ impl GoalSource for Boustrophedon {
             let to = self.space.nearest(from);
             return Some(self.counter.goal(WaypointKind::Transit, to, None));
         }
-        if self.way.is_empty() {
+        if self.path.is_empty() {
             let home = self.space.member_at(from);
             let rectangle = self.next_rectangle()?;
             self.plan(from, home, rectangle);
         }
-        let &(to, within, kind) = self.way.front()?;
+        let &(to, within, kind) = self.path.front()?;
         if !within.contains(from) {
             // The robot is elsewhere because a goal was skipped: back into the rectangle of this
             // leg.
             let (home, there) = (self.space.member_at(from), self.space.member_at(to));
             let back = self.space.legs(home, there, to, || 0.5);
-            self.way.pop_front();
+            self.path.pop_front();
             for (point, rectangle) in back.into_iter().rev() {
-                self.way
+                self.path
                     .push_front((point, rectangle, WaypointKind::Transit));
             }
         }
-        let (to, within, kind) = self.way.pop_front().unwrap_or((to, within, kind));
+        let (to, within, kind) = self.path.pop_front().unwrap_or((to, within, kind));
         Some(self.counter.goal(kind, to, Some(within)))
     }
 }

@@ -137,7 +137,7 @@ impl Space {
 
     /// The rectangles on a path of fewest borders from one rectangle to another, both included;
     /// only the last one if there is no path.
-    pub fn way(&self, from: usize, to: usize) -> Vec<usize> {
+    pub fn path(&self, from: usize, to: usize) -> Vec<usize> {
         let count = self.decomposition.rectangles().len();
         // The next rectangle towards `to`, by a search from there.
         let mut next = vec![usize::MAX; count];
@@ -153,17 +153,17 @@ impl Space {
                 }
             }
         }
-        let mut way = vec![];
+        let mut path = vec![];
         let mut at = from;
         while let Some(&following) = next.get(at)
             && following != usize::MAX
             && at != to
         {
-            way.push(at);
+            path.push(at);
             at = following;
         }
-        way.push(to);
-        way
+        path.push(to);
+        path
     }
 
     /// Legs from a point in rectangle `from` to `goal` (m) in rectangle `to`, each within one free
@@ -176,10 +176,10 @@ impl Space {
         goal: Point2<f64>,
         mut unit: impl FnMut() -> f64,
     ) -> Vec<(Point2<f64>, Aabb)> {
-        let way = self.way(from, to);
+        let path = self.path(from, to);
         let all = self.decomposition.rectangles();
-        let mut legs = Vec::with_capacity(2 * way.len());
-        for pair in way.windows(2) {
+        let mut legs = Vec::with_capacity(2 * path.len());
+        for pair in path.windows(2) {
             let &[a, b] = pair else { continue };
             let (Some(before), Some(behind), Some(bridge)) =
                 (all.get(a), all.get(b), self.decomposition.bridge(a, b))
@@ -191,7 +191,7 @@ impl Space {
             legs.push((inside(before), *before));
             legs.push((inside(behind), across));
         }
-        if let Some(last) = way.last().and_then(|&r| all.get(r)) {
+        if let Some(last) = path.last().and_then(|&r| all.get(r)) {
             legs.push((clamp(last, goal), *last));
         }
         legs

@@ -21,7 +21,7 @@ pub struct Wander {
     pub(crate) draws: Draws,
     pub(crate) counter: Counter,
     /// Remaining legs, each with the rectangle that contains it.
-    way: VecDeque<(Point2<f64>, Aabb)>,
+    path: VecDeque<(Point2<f64>, Aabb)>,
 }
 
 /// Consequence of the robot's position, before any draw.
@@ -44,7 +44,7 @@ impl Wander {
             space,
             draws: Draws::new(key),
             counter: Counter::default(),
-            way: VecDeque::new(),
+            path: VecDeque::new(),
         }
     }
 
@@ -52,7 +52,7 @@ impl Wander {
     pub(crate) fn moved(self, space: Space) -> Self {
         Self {
             space,
-            way: VecDeque::new(),
+            path: VecDeque::new(),
             ..self
         }
     }
@@ -61,7 +61,7 @@ impl Wander {
     pub(crate) fn with_key(&self, key: [u8; 32]) -> Self {
         let mut other = self.clone();
         other.draws = Draws::new(key);
-        other.way.clear();
+        other.path.clear();
         other
     }
 
@@ -71,7 +71,7 @@ impl Wander {
             return Standing::Nowhere;
         }
         if !self.space.contains(from) {
-            self.way.clear();
+            self.path.clear();
             let to = self.space.nearest(from);
             return Standing::Outside(self.counter.goal(WaypointKind::Transit, to, None));
         }
@@ -89,7 +89,7 @@ impl Wander {
     ) -> Option<Goal> {
         let first = self.space.member_at(from);
         let draws = &mut self.draws;
-        self.way = self.space.legs(first, last, to, || draws.unit()).into();
+        self.path = self.space.legs(first, last, to, || draws.unit()).into();
         self.next_leg(from)
     }
 
@@ -99,13 +99,13 @@ impl Wander {
     }
 
     fn next_leg(&mut self, from: Point2<f64>) -> Option<Goal> {
-        let (to, within) = self.way.pop_front()?;
+        let (to, within) = self.path.pop_front()?;
         if !within.contains(from) {
             // The robot is elsewhere because a goal was skipped.
-            self.way.clear();
+            self.path.clear();
             return None;
         }
-        let kind = if self.way.is_empty() {
+        let kind = if self.path.is_empty() {
             WaypointKind::SubGoal
         } else {
             WaypointKind::Transit

@@ -324,8 +324,8 @@ impl LapFamily {
         let mut sum = 0.0;
         for lap in &self.laps {
             for pair in lap.windows(2) {
-                let way = pair[1].0 - pair[0].0;
-                sum += (way + (pair[1].1 - pair[0].1) * alpha).norm();
+                let offset = pair[1].0 - pair[0].0;
+                sum += (offset + (pair[1].1 - pair[0].1) * alpha).norm();
             }
         }
         sum / self.laps.len() as f64

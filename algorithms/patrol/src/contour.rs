@@ -33,12 +33,12 @@ impl Segment {
     /// The segment between two different points; `None` if they are the same or not finite, or so far apart
     /// that their distance is not finite.
     pub fn between(from: Point2<f64>, to: Point2<f64>) -> Option<Self> {
-        let way = to - from;
-        let length = way.norm();
+        let offset = to - from;
+        let length = offset.norm();
         (length > 0.0 && length.is_finite()).then(|| Self {
             from,
             to,
-            along: way / length,
+            along: offset / length,
             length,
         })
     }

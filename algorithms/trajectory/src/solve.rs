@@ -46,13 +46,13 @@ pub fn plan(
     options.validate()?;
     let obstacle_field = ObstacleField::new(problem)?;
     let exact = obstacle_field.exact()?;
-    let way = exact.shortest(problem.start.position(), problem.goal)?;
-    let shortest = way.length;
+    let path = exact.shortest(problem.start.position(), problem.goal)?;
+    let shortest = path.length;
     if shortest > path_points::MAX_LENGTH {
         return Err(PlanError::Infeasible("the path is longer than 2 km"));
     }
     let bound = lower_bound(problem, shortest);
-    let guide = Guide::new(way.legs);
+    let guide = Guide::new(path.legs);
     // Where the grid is too coarse for a wave to pass, the exact path is used.
     let coarse = match options.guess {
         Guess::Wavefront => grid_guide::guide(&exact, problem.start.position(), problem.goal),

@@ -139,13 +139,18 @@ impl<'a> Walk<'a> {
         findings.at_most(Violation::Heading, a.t, turned_off, most_turned_off);
 
         let chord = (b.position() - a.position()).norm();
-        let way = piece.way();
-        findings.at_most(Violation::Spacing, a.t, chord.max(way), spacing + rounding);
+        let length = piece.length();
+        findings.at_most(
+            Violation::Spacing,
+            a.t,
+            chord.max(length),
+            spacing + rounding,
+        );
 
         self.led_to += rotated(displacement, self.led_heading);
         self.led_heading += piece.turn();
         let figures = &mut self.figures;
-        figures.length += way;
+        figures.length += length;
         figures.drift = figures.drift.max((self.led_to - b.position()).norm());
 
         let followed = off <= most_off;

@@ -63,7 +63,7 @@ impl Piece {
     }
 
     /// Length of the path (m), forwards and backwards alike.
-    pub fn way(&self) -> f64 {
+    pub fn length(&self) -> f64 {
         let [a, b] = self.speed;
         if self.reverses() {
             // Two triangles, before and after the reversal.
@@ -198,13 +198,13 @@ mod tests {
         let (sin, cos) = libm::sincos(1.5);
         let expected = 0.4 * Vector2::new(sin, 1.0 - cos);
         assert!((arc.displacement() - expected).norm() < 1e-8);
-        assert!((arc.deviation() - arc.way() * arc.turn() / 8.0).abs() < 1e-12);
+        assert!((arc.deviation() - arc.length() * arc.turn() / 8.0).abs() < 1e-12);
     }
 
     #[test]
     fn reversing_counts_the_way_both_ways() {
         let there_and_back = piece([0.3, -0.1], [0.0, 0.0], 4.0);
-        assert!((there_and_back.way() - 0.5).abs() < 1e-12);
+        assert!((there_and_back.length() - 0.5).abs() < 1e-12);
         assert!((there_and_back.displacement().x - 0.4).abs() < 1e-12);
         // It overshoots its end by 5 cm.
         assert!(there_and_back.deviation() >= 0.05);
@@ -241,8 +241,8 @@ mod tests {
             let fastest = v0.abs().max(v1.abs());
             prop_assert!((last.end() - whole.end()).norm() < 1e-6 * fastest * dt);
             prop_assert!((last.heading + last.turn() - whole.heading - whole.turn()).abs() < 1e-9);
-            let way: f64 = fragments.iter().map(Piece::way).sum();
-            prop_assert!((way - whole.way()).abs() < 1e-9);
+            let length: f64 = fragments.iter().map(Piece::length).sum();
+            prop_assert!((length - whole.length()).abs() < 1e-9);
         }
     }
 }

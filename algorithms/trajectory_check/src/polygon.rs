@@ -49,12 +49,12 @@ impl ConvexPolygon {
             return depth;
         }
         // Disjoint: the shortest connection touches a corner of one or an end of the other.
-        let way = segment(a, b);
+        let line = segment(a, b);
         self.edges.iter().fold(f64::INFINITY, |least, edge| {
             least
-                .min(to_point(&way, edge.segment.a))
-                .min(to_point(&edge.segment, way.a))
-                .min(to_point(&edge.segment, way.b))
+                .min(to_point(&line, edge.segment.a))
+                .min(to_point(&edge.segment, line.a))
+                .min(to_point(&edge.segment, line.b))
         })
     }
 

@@ -18,7 +18,7 @@ pub struct Arena {
 struct Exit {
     nodes: Vec<u32>,
     /// Length of the shortest path to the exit from each node (m), as the time of a wave of 1 m/s.
-    way: Wave,
+    path: Wave,
 }
 
 impl Arena {
@@ -36,9 +36,9 @@ impl Arena {
                     .filter_map(|&node| lattice.point(node as usize))
                     .map(|at| Source::new(at, 1.0, 0))
                     .collect();
-                let mut way = Wave::default();
-                way.spread(&medium, map, &sources, None);
-                Exit { nodes, way }
+                let mut path = Wave::default();
+                path.spread(&medium, map, &sources, None);
+                Exit { nodes, path }
             })
             .collect();
         Self { medium, exits }
@@ -66,7 +66,7 @@ impl Arena {
 
     /// The shortest paths to an exit, as a wave of 1 m/s from it: its times are lengths (m).
     pub fn way_to(&self, exit: usize) -> Option<&Wave> {
-        self.exits.get(exit).map(|exit| &exit.way)
+        self.exits.get(exit).map(|exit| &exit.path)
     }
 }
 

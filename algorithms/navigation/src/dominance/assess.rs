@@ -199,11 +199,11 @@ fn verdict(arena: &Arena, police: &Wave, safe: &Wave, race: impl Fn(usize) -> f6
 /// evader cannot reach the exit.
 fn race(arena: &Arena, exit: usize, police: &[Runner], evader: &Runner, capture: f64) -> f64 {
     let lattice = arena.lattice();
-    let Some(way) = arena.way_to(exit) else {
+    let Some(path) = arena.way_to(exit) else {
         return f64::NEG_INFINITY;
     };
     let time = |runner: &Runner, reach: f64| {
-        let left = (way.time_at(lattice, runner.at) - reach).max(0.0);
+        let left = (path.time_at(lattice, runner.at) - reach).max(0.0);
         // A robot at the exit needs no speed.
         if left > 0.0 { left / runner.speed } else { 0.0 }
     };

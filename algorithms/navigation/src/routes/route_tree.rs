@@ -227,7 +227,7 @@ impl RouteTree {
             return Some(known as usize);
         }
         // Gates are inherited from the root, so the gates of nodes nearer the root are computed first.
-        let mut way = vec![node];
+        let mut path = vec![node];
         let mut next = self.parent(node);
         let mut gate = None;
         while let Some(before) = next {
@@ -235,12 +235,12 @@ impl RouteTree {
             if gate.is_some() {
                 break;
             }
-            way.push(before);
+            path.push(before);
             next = self.parent(before);
         }
         let sight = (SIGHT * 1000.0) as u32;
         let mut parent = next;
-        for &node in way.iter().rev() {
+        for &node in path.iter().rev() {
             let found = match (parent, gate) {
                 (Some(parent), Some(inherited)) => {
                     // The path is visible up to this node if it is visible up to the parent, and this node
@@ -373,19 +373,19 @@ impl Routes<'_> {
         self.tree.cost(self.known(to)?)
     }
 
-    /// Writes the path from the root to a point into `way`, root first, as points (m) with the distance
+    /// Writes the path from the root to a point into `path`, root first, as points (m) with the distance
     /// travelled to each (m); leaves it empty if no path is known.
-    pub fn way_to(&self, to: Point2<f64>, way: &mut Vec<(Point2<f64>, f64)>) {
-        way.clear();
+    pub fn way_to(&self, to: Point2<f64>, path: &mut Vec<(Point2<f64>, f64)>) {
+        path.clear();
         let mut next = self.known(to);
         while let Some(node) = next {
             let (Some(point), Some(length)) = (self.grid.point(node), self.tree.length(node))
             else {
                 break;
             };
-            way.push((point, length));
+            path.push((point, length));
             next = self.tree.parent(node);
         }
-        way.reverse();
+        path.reverse();
     }
 }

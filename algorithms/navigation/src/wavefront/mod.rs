@@ -16,9 +16,9 @@ mod bends;
 mod lattice;
 mod march;
 mod medium;
+mod path;
 mod queue;
 mod seed;
-mod way;
 
 pub use lattice::Lattice;
 pub use march::Wave;

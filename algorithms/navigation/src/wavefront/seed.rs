@@ -46,12 +46,12 @@ impl Source {
     }
 
     fn time_to(&self, distance: f64) -> f64 {
-        let way = distance - self.reach;
-        if way <= 0.0 {
+        let distance_left = distance - self.reach;
+        if distance_left <= 0.0 {
             self.delay
         } else {
             // Infinite for a source without speed.
-            self.delay + way / self.speed
+            self.delay + distance_left / self.speed
         }
     }
 }

@@ -35,10 +35,10 @@ fn every_point_of_a_path_has_room_for_the_robot() {
     let routes = finder
         .routes(&map, 0, Point2::new(-4.5, 7.5), [EXIT])
         .unwrap();
-    let mut way = Vec::new();
-    routes.way_to(EXIT, &mut way);
-    assert!(way.len() > 40);
-    for pair in way.windows(2) {
+    let mut path = Vec::new();
+    routes.way_to(EXIT, &mut path);
+    assert!(path.len() > 40);
+    for pair in path.windows(2) {
         let ((a, before), (b, after)) = (pair[0], pair[1]);
         assert!(after > before);
         for step in 0..=4 {
@@ -78,10 +78,10 @@ fn a_threat_on_the_shortest_path_causes_a_detour() {
     let mut finder = route_finder(&map);
     let start = Point2::new(-7.5, 1.5);
     let goal = Point2::new(7.5, 1.5);
-    let mut way = Vec::new();
+    let mut path = Vec::new();
     let routes = finder.routes(&map, 0, start, [goal]).unwrap();
-    routes.way_to(goal, &mut way);
-    let direct = way.last().unwrap().1;
+    routes.way_to(goal, &mut path);
+    let direct = path.last().unwrap().1;
     let police = Point2::new(0.0, 1.5);
     let threats = [Threat {
         at: police,
@@ -232,9 +232,9 @@ fn paths_are_unknown_until_they_are_requested() {
     let routes = finder.routes(&map, 0, start, [near]).unwrap();
     assert!(routes.distance_to(near).is_some());
     assert!(routes.distance_to(EXIT).is_none());
-    let mut way = vec![(EXIT, 0.0)];
-    routes.way_to(EXIT, &mut way);
-    assert!(way.is_empty());
+    let mut path = vec![(EXIT, 0.0)];
+    routes.way_to(EXIT, &mut path);
+    assert!(path.is_empty());
     let later = finder
         .routes(&map, 0, start, [EXIT])
         .unwrap()
@@ -277,12 +277,12 @@ fn answer(
         finder.lengths(map, *slot, point(root), targets.clone())
     };
     let routes = routes.unwrap();
-    let mut way = Vec::new();
+    let mut path = Vec::new();
     let mut text = String::new();
     for to in targets.chain(elsewhere.iter().copied()) {
-        routes.way_to(to, &mut way);
+        routes.way_to(to, &mut path);
         text += &format!(
-            "{:?} {:?} {:?} {way:?}\n",
+            "{:?} {:?} {:?} {path:?}\n",
             routes.leg_to(to),
             routes.distance_to(to),
             routes.cost_of(to)

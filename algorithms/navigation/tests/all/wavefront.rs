@@ -179,32 +179,32 @@ fn a_limited_wave_is_strictly_earlier_everywhere_and_never_earlier_than_a_free_o
 fn a_path_leads_from_the_source_cell_by_cell_and_is_as_long_as_its_time() {
     let start = Point2::new(-4.5, 7.5);
     let wave = spread(&CITY, &[Source::new(start, 1.0, 0)]);
-    let mut way = Vec::new();
+    let mut path = Vec::new();
     for goal in [EXIT, Point2::new(7.5, -7.5), Point2::new(-4.5, 6.9)] {
         let goal = CITY.1.lattice().node_at(goal).unwrap();
-        wave.way_to(CITY.1.lattice(), goal, &mut way);
-        assert_eq!(way.last(), Some(&goal));
-        assert!((point(&CITY, way[0]) - start).norm() < CITY.1.lattice().pitch());
+        wave.way_to(CITY.1.lattice(), goal, &mut path);
+        assert_eq!(path.last(), Some(&goal));
+        assert!((point(&CITY, path[0]) - start).norm() < CITY.1.lattice().pitch());
         let step = |pair: &[usize]| (point(&CITY, pair[1]) - point(&CITY, pair[0])).norm();
         assert!(
-            way.windows(2)
+            path.windows(2)
                 .all(|pair| step(pair) < 1.5 * CITY.1.lattice().pitch())
         );
         assert!(
-            way.windows(2)
+            path.windows(2)
                 .all(|pair| wave.time(pair[0]) < wave.time(pair[1]))
         );
         // Eight directions make a straight path up to 8 % longer, alternating steepest descent slightly
         // more.
-        let length: f64 = way.windows(2).map(step).sum();
+        let length: f64 = path.windows(2).map(step).sum();
         let truth = f64::from(wave.time(goal));
         assert!(
             (0.95..1.16).contains(&((length + 0.1) / truth)),
             "{length} {truth}"
         );
     }
-    wave.way_to(CITY.1.lattice(), usize::MAX, &mut way);
-    assert!(way.is_empty());
+    wave.way_to(CITY.1.lattice(), usize::MAX, &mut path);
+    assert!(path.is_empty());
 }
 
 #[test]

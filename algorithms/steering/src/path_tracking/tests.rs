@@ -50,11 +50,11 @@ fn an_arriving_robot_slows_down_and_stops() {
         arrival_deceleration: Some(0.2),
         ..TrackingParams::default()
     };
-    let way = path(&[(0.0, 0.0), (2.0, 0.0)]);
-    let (_, time) = drive(&way, Pose2::default(), &params);
+    let straight = path(&[(0.0, 0.0), (2.0, 0.0)]);
+    let (_, time) = drive(&straight, Pose2::default(), &params);
     assert!(time.is_some());
     let mut tracker = PathTracker::default();
-    tracker.set_path(way);
+    tracker.set_path(straight);
     let near = Pose2::new(1.9, 0.0, 0.0);
     tracker.progress = 1.9;
     let slow = tracker

@@ -119,8 +119,8 @@ impl Follow {
                 self.decided = Some((view.here, end.unit));
                 Some(end.unit)
             });
-            let way = unit.map(|unit| unit * view.free_towards(unit));
-            return Following::Enclosed(view.here + way.unwrap_or_default());
+            let step = unit.map(|unit| unit * view.free_towards(unit));
+            return Following::Enclosed(view.here + step.unwrap_or_default());
         }
         let Some(end) = gap else {
             return Following::Lost;

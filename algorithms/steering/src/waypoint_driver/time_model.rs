@@ -65,7 +65,7 @@ pub fn lap_time(
                     "dt",
                     &dt,
                     "a tick in which a robot with these limits can steer to every point, \
-                     and long enough for the way to end within ten million of them",
+                     and long enough for the path to end within ten million of them",
                 ));
             }
             let command = go_to(&pose, point, next, limits, params, dt);

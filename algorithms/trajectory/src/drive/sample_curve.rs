@@ -52,12 +52,12 @@ pub fn path(
             let (before, a) = &last;
             let turn = math::angle_difference(next.theta, a.theta);
             // The arc over the chord.
-            let way = (next.at - a.at).norm() * (1.0 + turn * turn / 24.0);
+            let distance = (next.at - a.at).norm() * (1.0 + turn * turn / 24.0);
             // A robot that drives by the curvatures must turn as the curve does. Between two points
             // both speeds change linearly in time, so that the faster one has more weight.
             let [v, w] = [a.kappa, next.kappa].map(|kappa| limits.speed_at(kappa));
-            let told = (a.kappa * v + next.kappa * w) / (v + w) * way;
-            if (told - turn).abs() > MISMATCH * way / turning + 1e-8 {
+            let expected = (a.kappa * v + next.kappa * w) / (v + w) * distance;
+            if (expected - turn).abs() > MISMATCH * distance / turning + 1e-8 {
                 if ahead.len() >= MAX_HALVES || points.len() >= MAX_POINTS {
                     return None;
                 }
@@ -66,7 +66,7 @@ pub fn path(
                 ahead.push((middle, point(middle)?));
                 continue;
             }
-            next.s = a.s + way;
+            next.s = a.s + distance;
             next.theta = a.theta + turn;
             points.push(next);
             last = (at, next);

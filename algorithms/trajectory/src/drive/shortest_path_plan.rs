@@ -189,7 +189,7 @@ fn drive(
         return Ok(());
     }
     let speeds = speed_profile::speeds(points, limits, start, end).ok_or(PlanError::Infeasible(
-        "the speed asked for at the goal cannot be had on the way there",
+        "the prescribed speed at the goal is impossible on the path to it",
     ))?;
     trajectory.drive(points, &speeds);
     Ok(())
@@ -219,7 +219,7 @@ fn arrive(problem: &Problem, trajectory: &mut Trajectory) -> Result<(), PlanErro
             .is_some_and(|speed| (arrives - speed).abs() > 1e-6)
     {
         return Err(PlanError::Infeasible(
-            "the robot cannot arrive with the speed and the heading asked for",
+            "the robot cannot arrive with the prescribed speed and heading",
         ));
     }
     Ok(())

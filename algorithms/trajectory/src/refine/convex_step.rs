@@ -127,7 +127,10 @@ impl Refinement<'_> {
                 let known: f64 = by.iter().map(|(_, slope, at)| slope * at).sum();
                 let terms = [(j + axis, 1.0), (i + axis, -1.0)];
                 let slopes = by.iter().map(|&(var, slope, _)| (var, -slope));
-                program.equal(terms.into_iter().chain(slopes), step.way[axis] - known);
+                program.equal(
+                    terms.into_iter().chain(slopes),
+                    step.displacement[axis] - known,
+                );
             }
             // θ₁ − θ₀ = (ω₀ + ω₁) h / 2.
             let (rate, half) = (0.5 * (a.omega + b.omega) * per_step, 0.5 * step_time);

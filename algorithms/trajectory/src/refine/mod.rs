@@ -170,7 +170,7 @@ impl<'a> Refinement<'a> {
         let step_time = self.step_time();
         for pair in self.nodes.windows(2) {
             let step = step_dynamics::step(&pair[0], &pair[1], step_time);
-            let gap = pair[1].at - pair[0].at - step.way;
+            let gap = pair[1].at - pair[0].at - step.displacement;
             let turn = pair[1].theta - pair[0].theta - step.turn;
             sum += price * (gap.x.abs() + gap.y.abs()) + turn_price * turn.abs();
         }
@@ -192,7 +192,7 @@ impl<'a> Refinement<'a> {
         let step_time = self.step_time();
         self.nodes.windows(2).fold(0.0, |most: f64, pair| {
             let step = step_dynamics::step(&pair[0], &pair[1], step_time);
-            most.max((pair[1].at - pair[0].at - step.way).norm())
+            most.max((pair[1].at - pair[0].at - step.displacement).norm())
         })
     }
 
@@ -215,9 +215,12 @@ impl<'a> Refinement<'a> {
     fn samples(&self) -> Option<Vec<Sample>> {
         let step_time = self.step_time();
         let parts = |a: &Node, b: &Node| {
-            let way = a.v.max(b.v) * step_time;
+            let distance = a.v.max(b.v) * step_time;
             let turn = a.omega.abs().max(b.omega.abs()) * step_time;
-            (way / SPACING).max(turn / TURN_SPACING).ceil().max(1.0)
+            (distance / SPACING)
+                .max(turn / TURN_SPACING)
+                .ceil()
+                .max(1.0)
         };
         let all: f64 = self
             .nodes

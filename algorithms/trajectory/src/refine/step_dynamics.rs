@@ -27,7 +27,7 @@ pub struct Node {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Step {
     /// Change of the position (m).
-    pub way: Vector2<f64>,
+    pub displacement: Vector2<f64>,
     /// Its derivatives by the heading at the beginning, the two speeds, the two turning rates, and
     /// the duration.
     pub by_theta: Vector2<f64>,
@@ -41,7 +41,7 @@ pub struct Step {
 /// The step from one node's pose and speeds to another's speeds in a time (s).
 pub fn step(a: &Node, b: &Node, time: f64) -> Step {
     let mut step = Step {
-        way: Vector2::zeros(),
+        displacement: Vector2::zeros(),
         by_theta: Vector2::zeros(),
         by_v: [Vector2::zeros(); 2],
         by_omega: [Vector2::zeros(); 2],
@@ -54,7 +54,7 @@ pub fn step(a: &Node, b: &Node, time: f64) -> Step {
         let (sin, cos) = math::sincos(a.theta + turned * time);
         let along = Vector2::new(cos, sin) * weight;
         let across = Vector2::new(-sin, cos) * (weight * v);
-        step.way += along * (v * time);
+        step.displacement += along * (v * time);
         step.by_theta += across * time;
         step.by_v[0] += along * ((1.0 - s) * time);
         step.by_v[1] += along * (s * time);
@@ -71,7 +71,7 @@ pub fn within(a: &Node, b: &Node, time: f64, part: f64) -> Node {
     end.v = a.v + (b.v - a.v) * part;
     end.omega = a.omega + (b.omega - a.omega) * part;
     let step = step(a, &end, time * part);
-    end.at = a.at + step.way;
+    end.at = a.at + step.displacement;
     end.theta = a.theta + step.turn;
     end
 }
@@ -94,7 +94,7 @@ mod tests {
         let (a, b) = (node(0.4, 0.5, 1.0), node(0.0, 0.5, 1.0));
         let step = step(&a, &b, 0.5);
         let arc = |angle: f64| Vector2::new(math::sin(angle), -math::cos(angle)) * 0.5;
-        assert!((step.way - (arc(0.9) - arc(0.4))).norm() < 1e-8);
+        assert!((step.displacement - (arc(0.9) - arc(0.4))).norm() < 1e-8);
         assert!((step.turn - 0.5).abs() < 1e-15);
     }
 
@@ -117,16 +117,16 @@ mod tests {
                         &b,
                         time,
                     )
-                    .way
+                    .displacement
                 }),
             ),
             (
                 exact.by_v[0],
-                difference(&|d| step(&Node { v: a.v + d, ..a }, &b, time).way),
+                difference(&|d| step(&Node { v: a.v + d, ..a }, &b, time).displacement),
             ),
             (
                 exact.by_v[1],
-                difference(&|d| step(&a, &Node { v: b.v + d, ..b }, time).way),
+                difference(&|d| step(&a, &Node { v: b.v + d, ..b }, time).displacement),
             ),
             (
                 exact.by_omega[0],
@@ -139,7 +139,7 @@ mod tests {
                         &b,
                         time,
                     )
-                    .way
+                    .displacement
                 }),
             ),
             (
@@ -153,10 +153,13 @@ mod tests {
                         },
                         time,
                     )
-                    .way
+                    .displacement
                 }),
             ),
-            (exact.by_time, difference(&|d| step(&a, &b, time + d).way)),
+            (
+                exact.by_time,
+                difference(&|d| step(&a, &b, time + d).displacement),
+            ),
         ];
         for (found, want) in cases {
             assert!((found - want).norm() < 1e-8, "{found} {want}");

@@ -122,15 +122,15 @@ fn the_last_plan_shortens_the_search() {
 
 #[test]
 fn a_short_path_has_a_plan() {
-    for way in [1e-3, 0.01, 0.1] {
+    for distance in [1e-3, 0.01, 0.1] {
         let problem = Problem {
-            goal: Point2::new(0.1 + way, 0.1),
+            goal: Point2::new(0.1 + distance, 0.1),
             obstacles: Vec::new(),
             goal_heading: Some(-1.0),
             ..driven()
         };
         let plan = plan(&problem, &Options::default()).unwrap();
-        assert_eq!(faults(&problem, &plan), [""; 0], "{way}");
+        assert_eq!(faults(&problem, &plan), [""; 0], "{distance}");
     }
     let _ = board();
 }

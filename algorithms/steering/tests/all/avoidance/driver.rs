@@ -218,23 +218,23 @@ fn on_time(run: &mut Run, waypoints: &[Waypoint], start_s: f64) -> f64 {
 
 #[test]
 fn a_robot_with_time_to_spare_slows_down_and_arrives_when_it_is_due() {
-    let ways = [0.8, 1.6, 0.3, 1.2, 1.9, 0.1, 1.0];
+    let distances = [0.8, 1.6, 0.3, 1.2, 1.9, 0.1, 1.0];
     let mut x = -4.0;
     let mut waypoints = Vec::new();
-    for (number, way) in (0..).zip(ways) {
-        x += way;
+    for (number, distance) in (0..).zip(distances) {
+        x += distance;
         waypoints.push(inserted(number, x, 0.0));
     }
     let mut robot = run(vec![], DriverParams::default());
     let slowest = on_time(&mut robot, &waypoints, 0.0);
     // The robot does not stand still to wait.
     assert!((0.02..0.1).contains(&slowest), "{slowest}");
-    assert_eq!(robot.reports.len(), ways.len());
-    for (report, way) in robot.reports.iter().zip(ways) {
+    assert_eq!(robot.reports.len(), distances.len());
+    for (report, distance) in robot.reports.iter().zip(distances) {
         assert_eq!(report.outcome, Reached);
         let due = 2.0 * (report.waypoint.number + 1) as f64;
         // The robot has arrived when it is within the tolerance.
-        let early = 2.0 * 0.05 / way + 2.0 * DT;
+        let early = 2.0 * 0.05 / distance + 2.0 * DT;
         let late = report.ended_s - due;
         assert!((-early..=DT).contains(&late), "{late} {report:?}");
     }
@@ -392,8 +392,8 @@ fn the_lap_time_is_the_time_the_driver_needs() {
     let mut bound = 0.0;
     for &point in &lap {
         bound += time_without_obstacles(&pose, point, &limits, &params.go_to);
-        let way = point - pose.position();
-        pose = Pose2::new(point.x, point.y, geometry::math::atan2(way.y, way.x));
+        let leg = point - pose.position();
+        pose = Pose2::new(point.x, point.y, geometry::math::atan2(leg.y, leg.x));
     }
     assert!(told > 31.0 && told < bound + 0.5, "{told} {bound}");
 }

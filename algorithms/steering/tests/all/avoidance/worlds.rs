@@ -57,8 +57,11 @@ fn walls(points: &[(f64, f64)], angle: f64) -> Vec<Convex> {
 
 #[test]
 fn open_ground_is_crossed_straight() {
-    let way = check(vec![], p(-5.0, -5.0), p(5.0, 4.0), Reached);
-    assert!(way < 1.02 * (p(-5.0, -5.0) - p(5.0, 4.0)).norm(), "{way}");
+    let distance = check(vec![], p(-5.0, -5.0), p(5.0, 4.0), Reached);
+    assert!(
+        distance < 1.02 * (p(-5.0, -5.0) - p(5.0, 4.0)).norm(),
+        "{distance}"
+    );
 }
 
 #[test]
@@ -66,10 +69,10 @@ fn convex_obstacles_are_gone_around_by_a_short_way() {
     for offset in [-0.7, -0.3, 0.0, 0.05, 0.6] {
         for size in [0.05, 0.4, 1.0] {
             let disc = Convex::disc(p(0.0, offset * size), size);
-            let way = check(vec![disc], p(-4.0, 0.0), p(4.0, 0.0), Reached);
+            let distance = check(vec![disc], p(-4.0, 0.0), p(4.0, 0.0), Reached);
             assert!(
-                way < 8.0 + 4.5 * (size + 0.2),
-                "disc {size} at {offset}: {way}"
+                distance < 8.0 + 4.5 * (size + 0.2),
+                "disc {size} at {offset}: {distance}"
             );
             let block = Convex::rectangle(p(0.0, offset * size), [size, size], 0.3);
             check(vec![block], p(-4.0, 0.0), p(4.0, 0.0), Reached);
@@ -211,8 +214,8 @@ fn a_walled_in_robot_reports_it() {
         (0.3, -0.3),
         (-0.3, -0.3),
     ];
-    let way = check(walls(&cell, 0.2), p(0.0, 0.0), p(4.0, 1.0), Unreachable);
-    assert!(way < 5.0, "{way}");
+    let distance = check(walls(&cell, 0.2), p(0.0, 0.0), p(4.0, 1.0), Unreachable);
+    assert!(distance < 5.0, "{distance}");
 }
 
 #[test]

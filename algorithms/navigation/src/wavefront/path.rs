@@ -17,17 +17,17 @@ const STEPS: [(i64, i64); 8] = [
 
 impl Wave {
     /// The nodes on the path from a source of the wave to a node, the node included, cell by cell.
-    /// `way` is cleared first, and stays empty if the wave does not reach the node.
+    /// `path` is cleared first, and stays empty if the wave does not reach the node.
     ///
     /// From every cell the path goes back to the neighbour with the earliest time relative to the
     /// distance between them (of equal ones, the lowest number): steepest descent of the arrival
     /// times, whose only minima are the sources.
-    pub fn way_to(&self, lattice: &Lattice, node: usize, way: &mut Vec<usize>) {
-        way.clear();
+    pub fn way_to(&self, lattice: &Lattice, node: usize, path: &mut Vec<usize>) {
+        path.clear();
         let mut at = node;
         let mut time = self.time(at);
         while time.is_finite() {
-            way.push(at);
+            path.push(at);
             let mut best: Option<(f32, usize, f32)> = None;
             for (dx, dy) in STEPS {
                 let reached = |dx: i64, dy: i64| {
@@ -64,6 +64,6 @@ impl Wave {
             at = next;
             time = earlier;
         }
-        way.reverse();
+        path.reverse();
     }
 }
