@@ -96,7 +96,7 @@ fn a_scenario_that_asks_for_too_much_is_refused_with_the_limit_named() {
 #[test]
 fn texts_that_would_fill_the_memory_are_refused_before_they_are_parsed() {
     let sandbox = Sandbox::new();
-    let much = ["too much in one text", "at most 2200000 words and signs"];
+    let much = ["too many tokens in one text", "at most 2200000 tokens"];
     for (text, words) in [
         (format!("a = [{}]", "1,".repeat(1_200_000)), &much[..]),
         ("[[a]]\n".repeat(500_000), &much),

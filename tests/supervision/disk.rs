@@ -18,7 +18,8 @@ fn a_log_whose_directory_vanishes_ends_the_run() {
     let run = sandbox.next_run(&BTreeSet::new());
     wait_for_tick(&run, 50);
     std::fs::remove_dir_all(sandbox.path().join("gone")).unwrap();
-    let words = ["error: cannot write the log gone/run.mcap: it was removed, or its directory was"];
+    let words =
+        ["error: cannot write the log gone/run.mcap: the file or its directory was removed"];
     running.finish().refused(1, &words);
     sandbox.assert_nothing_left();
 }

@@ -1,4 +1,4 @@
-//! A `serde` deserializer over [`Node`]s whose errors say where they happened.
+//! A `serde` deserializer over [`Node`]s whose errors contain their place.
 
 use std::fmt;
 use std::mem::take;
@@ -16,41 +16,41 @@ use super::node::{Entry, Node, Value};
 use super::path::{FieldPath, Step};
 use super::source::Origin;
 
-/// Why a value could not be read into its type.
+/// Reason why a value cannot be read into its type.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum ReadFault {
-    /// The table has a key that the type does not know.
+    /// The table has a key that the type does not define.
     UnknownKey {
         /// The key.
         key: String,
         /// The keys of the type.
         known: Vec<String>,
     },
-    /// A word that is not among the choices.
+    /// A word that is not one of the choices.
     UnknownChoice {
         /// The word.
         found: String,
         /// The choices.
         known: Vec<String>,
     },
-    /// A key that must be there is not.
+    /// A required key is missing.
     Missing {
         /// The key.
         key: String,
     },
     /// A value of the wrong type.
     Type {
-        /// The type found, in words.
+        /// Name of the type found.
         found: String,
-        /// The type expected, in words.
+        /// Name of the type expected.
         expected: String,
     },
-    /// A value of the right type that the type refuses.
+    /// A value of the right type that is out of range.
     Range {
-        /// What is allowed.
+        /// Description of the allowed values.
         expected: String,
     },
-    /// Any other complaint of the type.
+    /// Any other error of the type.
     Other(String),
 }
 
@@ -59,16 +59,16 @@ pub enum ReadFault {
 #[error("{}: {:?}", .0.path, .0.fault)]
 pub struct ReadError(Box<ReadProblem>);
 
-/// What a [`ReadError`] says.
+/// Contents of a [`ReadError`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct ReadProblem {
-    /// Path of the value below the node that was read.
+    /// Path of the value, relative to the node that was read.
     pub path: FieldPath,
-    /// Where the value was written.
+    /// Place of the value in the text.
     pub origin: Origin,
-    /// The value, shortened, if there is one to show.
+    /// The value, shortened, if there is one.
     pub value: Option<String>,
-    /// What is wrong.
+    /// Reason.
     pub fault: ReadFault,
     located: bool,
 }
@@ -82,7 +82,7 @@ impl Deref for ReadError {
 }
 
 impl ReadError {
-    /// A complaint about the node that was read.
+    /// Creates an error about the node that was read.
     pub fn new(fault: ReadFault) -> Self {
         Self(Box::new(ReadProblem {
             path: FieldPath::default(),
@@ -93,7 +93,7 @@ impl ReadError {
         }))
     }
 
-    /// Places an error that has no place yet at a node (or at the node's entry that it names).
+    /// Sets the place of an error that has none: the node, or the entry of the node that the error names.
     fn at(mut self, node: &Node) -> Self {
         let ReadProblem {
             path,
@@ -125,7 +125,7 @@ impl ReadError {
         self
     }
 
-    /// Places an error about a key of a table.
+    /// Sets the place of an error about a key of a table.
     fn at_key(mut self, entry: &Entry) -> Self {
         let ReadProblem {
             path,
@@ -202,7 +202,7 @@ impl de::Error for ReadError {
     }
 
     fn duplicate_field(key: &'static str) -> Self {
-        Self::new(ReadFault::Other(format!("key `{key}` stands twice")))
+        Self::new(ReadFault::Other(format!("duplicate key `{key}`")))
     }
 }
 
@@ -210,7 +210,7 @@ fn owned(list: &[&str]) -> Vec<String> {
     list.iter().map(|&s| s.to_owned()).collect()
 }
 
-/// What `serde` expected, in the words of somebody who writes TOML.
+/// Translates the types that `serde` expects into terms of TOML.
 fn readable(expected: &str) -> String {
     match expected {
         "f64" | "f32" => "a number",
@@ -248,7 +248,7 @@ impl IntoDeserializer<'_, ReadError> for &Node {
     }
 }
 
-/// The deserializer of one node.
+/// Deserializer of one node.
 pub struct NodeReader<N>(pub N);
 
 impl<'de> de::Deserializer<'de> for NodeReader<&Node> {
@@ -259,7 +259,7 @@ impl<'de> de::Deserializer<'de> for NodeReader<&Node> {
         match &node.value {
             Value::Bool(v) => visitor.visit_bool(*v),
             Value::Int(v) => visitor.visit_i64(*v),
-            // No quantity of a scenario is without bounds, and a NaN passes every comparison.
+            // Every quantity of a scenario is finite; NaN would pass range checks.
             Value::Float(v) if !v.is_finite() => Err(ReadError::new(ReadFault::Range {
                 expected: "a finite number".to_owned(),
             })),
@@ -382,7 +382,7 @@ impl<'de> MapAccess<'de> for Entries<'_> {
     fn next_value_seed<V: DeserializeSeed<'de>>(&mut self, seed: V) -> Result<V::Value, ReadError> {
         let entry = self
             .current
-            .ok_or_else(|| ReadError::custom("value asked for before its key"))?;
+            .ok_or_else(|| ReadError::custom("value requested before its key"))?;
         seed.deserialize(NodeReader(&entry.node))
             .map_err(|e| e.at(&entry.node).under(Step::Key(entry.key.clone())))
     }
@@ -415,7 +415,7 @@ impl<'de> VariantAccess<'de> for NodeReader<&Entry> {
         match self.0.node.as_table() {
             Some(table) if table.entries.is_empty() => Ok(()),
             _ => Err(ReadError::new(ReadFault::Range {
-                expected: "nothing inside".to_owned(),
+                expected: "a variant without contents".to_owned(),
             })
             .at_key(self.0)),
         }

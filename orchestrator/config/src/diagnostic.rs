@@ -1,11 +1,11 @@
-//! Problems of a scenario, each with its place, and how they are shown.
+//! Problems of a scenario with their places, and their text.
 
 use std::fmt;
 
 use serde::Serialize;
 use thiserror::Error;
 
-/// What kind of problem a [`Diagnostic`] reports.
+/// Kind of problem that a [`Diagnostic`] reports.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Code {
@@ -13,69 +13,69 @@ pub enum Code {
     Syntax,
     /// A key that does not exist.
     UnknownKey,
-    /// A key that must be there and is not.
+    /// A required key is missing.
     MissingKey,
     /// A value of the wrong type.
     WrongType,
-    /// A value of the right type that is not allowed.
+    /// A value of the right type that is out of range.
     OutOfRange,
-    /// A name (robot, process kind, preset, obstacle …) that nothing has.
+    /// A name (of a robot, process kind, preset, obstacle …) that does not exist.
     UnknownName,
-    /// A name that two things have.
+    /// A duplicate name.
     Duplicate,
-    /// Things that cannot be where they are.
+    /// An impossible position.
     Geometry,
-    /// A part that another part needs is missing or stands twice.
+    /// A part that another part requires is missing or duplicated.
     Requirement,
-    /// A file that cannot be read, or must not be.
+    /// A file that cannot or must not be read.
     File,
-    /// More than the stated maximum.
+    /// A limit is exceeded.
     Limit,
-    /// A `--set` argument that cannot be understood.
+    /// An invalid `--set` argument.
     Override,
 }
 
-/// A position in a text, with the line that stands there.
+/// A position in a text, with its line.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Place {
     /// Name of the file, or `--set …` for an override.
     pub file: String,
-    /// Whether the text is a `--set` argument.
+    /// `true` if the text is a `--set` argument.
     pub is_override: bool,
     /// Line, from 1.
     pub line: usize,
     /// Column in characters, from 1.
     pub column: usize,
-    /// Number of characters concerned, within the line.
+    /// Number of marked characters, within the line.
     pub length: usize,
-    /// The line (a long one is cut).
+    /// The line, shortened if long.
     pub snippet: String,
     /// Column in characters, from 0, within `snippet`.
     pub marker: usize,
 }
 
-/// One problem: what, where, which value, what was expected, what might help.
+/// One problem: message, place, value, expectation and help.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Error)]
 #[error("{}", self.render())]
 pub struct Diagnostic {
     /// Kind of the problem.
     pub code: Code,
-    /// What is wrong, in one sentence.
+    /// Description of the problem in one sentence.
     pub message: String,
-    /// Where it is written, if it is written anywhere.
+    /// Place in a text, if there is one.
     pub place: Option<Place>,
     /// Dotted path of the field as `--set` takes it; empty for the whole file.
     pub field: String,
-    /// The offending value as written.
+    /// The invalid value as written.
     pub value: Option<String>,
-    /// What is allowed.
+    /// Description of the allowed values.
     pub expected: Option<String>,
-    /// What to do about it.
+    /// Suggested correction.
     pub help: Option<String>,
 }
 
 impl Diagnostic {
-    /// A problem without a place yet.
+    /// Creates a problem without a place.
     pub fn new(code: Code, message: impl Into<String>) -> Self {
         Self {
             code,
@@ -88,35 +88,35 @@ impl Diagnostic {
         }
     }
 
-    /// With the place where it is written.
+    /// Sets the place.
     #[must_use]
     pub fn at(mut self, place: Option<Place>) -> Self {
         self.place = place;
         self
     }
 
-    /// With the dotted path of the field.
+    /// Sets the dotted path of the field.
     #[must_use]
     pub fn field(mut self, field: impl fmt::Display) -> Self {
         self.field = field.to_string();
         self
     }
 
-    /// With the offending value.
+    /// Sets the invalid value.
     #[must_use]
     pub fn value(mut self, value: impl fmt::Display) -> Self {
         self.value = Some(value.to_string());
         self
     }
 
-    /// With what is allowed.
+    /// Sets the description of the allowed values.
     #[must_use]
     pub fn expected(mut self, expected: impl Into<String>) -> Self {
         self.expected = Some(expected.into());
         self
     }
 
-    /// With what to do about it.
+    /// Sets the suggested correction.
     #[must_use]
     pub fn help(mut self, help: impl Into<String>) -> Self {
         self.help = Some(help.into());
@@ -167,7 +167,7 @@ impl Diagnostic {
     }
 }
 
-/// At most this many problems are kept; one broken line can cause many.
+/// Maximum number of problems that are kept; one broken line can cause many.
 const MAX_SHOWN: usize = 40;
 
 /// All problems found in a scenario, in the order of the text.
@@ -179,7 +179,7 @@ pub struct Diagnostics {
 }
 
 impl Diagnostics {
-    /// Adds a problem (the same one only once; beyond 40 they are only counted).
+    /// Adds a problem, unless an equal one is listed; problems beyond the maximum are only counted.
     pub fn push(&mut self, problem: Diagnostic) {
         if self.list.contains(&problem) {
             return;
@@ -191,25 +191,25 @@ impl Diagnostics {
         }
     }
 
-    /// Whether there is no problem.
+    /// Returns `true` without problems.
     pub fn is_empty(&self) -> bool {
         self.list.is_empty()
     }
 
-    /// Number of problems, shown or not.
+    /// Returns the number of problems, including those not kept.
     pub fn len(&self) -> usize {
         self.list.len() + self.dropped
     }
 
-    /// The problems.
+    /// Returns the kept problems.
     pub fn iter(&self) -> impl Iterator<Item = &Diagnostic> {
         self.list.iter()
     }
 
-    /// `value` if there is no problem, otherwise the problems, sorted by their place.
+    /// Returns `value` without problems, else the problems sorted by place.
     ///
     /// # Errors
-    /// The problems themselves.
+    /// The problems.
     pub fn into_result<T>(self, value: T) -> Result<T, Self> {
         if self.is_empty() {
             Ok(value)
@@ -218,17 +218,17 @@ impl Diagnostics {
         }
     }
 
-    /// Adds a problem if there is none: for a failure whose cause was not reported.
+    /// Adds a problem if there is none, for a failure without a reported cause.
     pub fn push_if_empty(&mut self, problem: impl FnOnce() -> Diagnostic) {
         if self.is_empty() {
             self.push(problem());
         }
     }
 
-    /// The problems in the order of the text.
+    /// Sorts the problems by their place in the text.
     #[must_use]
     pub fn sorted(mut self) -> Self {
-        // Problems of the file first, by line; then of overrides; then those without a place.
+        // Order: problems of files by line, of overrides, without a place.
         self.list.sort_by_key(|d| match &d.place {
             Some(p) if !p.is_override => (0, p.line, p.column),
             Some(p) => (1, p.line, p.column),
@@ -285,7 +285,7 @@ mod tests {
     }
 
     #[test]
-    fn an_override_is_named_instead_of_a_line() {
+    fn an_override_is_shown_instead_of_a_line() {
         let p = Place {
             file: "--set".into(),
             is_override: true,

@@ -1,8 +1,8 @@
-//! TOML that remembers where every value came from, so that every error can point at it.
+//! TOML values with the place of every value, so that errors point at it.
 //!
-//! Nothing here knows what a scenario is: texts are parsed into [`Node`]s with an [`Origin`], read
-//! into typed values by a `serde` deserializer that reports *where* it failed ([`fn@read`]), and
-//! problems are collected in [`Diagnostics`].
+//! The crate is independent of scenarios: it parses texts into [`Node`]s with an [`Origin`], reads them into
+//! typed values with a `serde` deserializer that reports places of errors ([`fn@read`]), and collects
+//! problems in [`Diagnostics`].
 
 #![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
 #![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]

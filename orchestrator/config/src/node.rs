@@ -1,4 +1,4 @@
-//! A TOML value that knows where it was written.
+//! A TOML value with its place.
 
 use std::fmt::Write;
 
@@ -12,7 +12,7 @@ use super::source::Origin;
 pub struct Node {
     /// The value.
     pub value: Value,
-    /// Where it was written.
+    /// Place of the value.
     pub origin: Origin,
 }
 
@@ -21,9 +21,9 @@ pub struct Node {
 pub enum Value {
     /// `true`, `false`.
     Bool(bool),
-    /// A whole number.
+    /// An integer.
     Int(i64),
-    /// Any other number.
+    /// A floating-point number.
     Float(f64),
     /// Text.
     Str(String),
@@ -40,7 +40,7 @@ pub enum Value {
 pub struct Entry {
     /// The key.
     pub key: String,
-    /// Where the key was written.
+    /// Place of the key.
     pub origin: Origin,
     /// The value.
     pub node: Node,
@@ -54,17 +54,17 @@ pub struct Table {
 }
 
 impl Table {
-    /// The entry with this key.
+    /// Returns the entry with this key.
     pub fn entry(&self, key: &str) -> Option<&Entry> {
         self.entries.iter().find(|e| e.key == key)
     }
 
-    /// The value of this key.
+    /// Returns the value of this key.
     pub fn get(&self, key: &str) -> Option<&Node> {
         self.entry(key).map(|e| &e.node)
     }
 
-    /// The value of this key, to change it.
+    /// Returns the value of this key, mutable.
     pub fn get_mut(&mut self, key: &str) -> Option<&mut Node> {
         self.entries
             .iter_mut()
@@ -87,13 +87,13 @@ impl Table {
         }
     }
 
-    /// Takes a key out.
+    /// Removes a key and returns its value.
     pub fn remove(&mut self, key: &str) -> Option<Node> {
         let index = self.entries.iter().position(|e| e.key == key)?;
         Some(self.entries.remove(index).node)
     }
 
-    /// Lays `over` upon this table: tables are merged key by key, everything else is replaced.
+    /// Merges `over` into this table: tables key by key; other values are replaced.
     pub fn overlay(&mut self, over: &Self) {
         for entry in &over.entries {
             match (
@@ -108,7 +108,7 @@ impl Table {
 }
 
 impl Node {
-    /// An empty table.
+    /// Creates an empty table.
     pub fn empty_table(origin: Origin) -> Self {
         Self {
             value: Value::Table(Table::default()),
@@ -116,7 +116,7 @@ impl Node {
         }
     }
 
-    /// Text that was written nowhere.
+    /// Creates text without a place.
     pub fn implied_str(text: &str) -> Self {
         Self {
             value: Value::Str(text.to_owned()),
@@ -124,7 +124,7 @@ impl Node {
         }
     }
 
-    /// The table, if it is one.
+    /// Returns the table, if the value is one.
     pub fn as_table(&self) -> Option<&Table> {
         if let Value::Table(table) = &self.value {
             Some(table)
@@ -133,7 +133,7 @@ impl Node {
         }
     }
 
-    /// The table, if it is one, to change it.
+    /// Returns the table, if the value is one, mutable.
     pub fn as_table_mut(&mut self) -> Option<&mut Table> {
         if let Value::Table(table) = &mut self.value {
             Some(table)
@@ -142,7 +142,7 @@ impl Node {
         }
     }
 
-    /// The elements, if it is an array.
+    /// Returns the elements, if the value is an array.
     pub fn as_array(&self) -> Option<&[Self]> {
         if let Value::Array(list) = &self.value {
             Some(list)
@@ -151,7 +151,7 @@ impl Node {
         }
     }
 
-    /// The text, if it is text.
+    /// Returns the text, if the value is text.
     pub fn as_str(&self) -> Option<&str> {
         if let Value::Str(text) = &self.value {
             Some(text)
@@ -160,19 +160,19 @@ impl Node {
         }
     }
 
-    /// The value of a key, if this is a table that has it.
+    /// Returns the value of a key, if this is a table with that key.
     pub fn get(&self, key: &str) -> Option<&Self> {
         self.as_table()?.get(key)
     }
 
-    /// What this goes by as an element of an array: its `name`, else its `kind`.
+    /// Returns the label of an element of an array: its `name`, else its `kind`.
     pub fn label(&self) -> Option<&str> {
         self.get("name")
             .or_else(|| self.get("kind"))
             .and_then(Self::as_str)
     }
 
-    /// The step that leads from an array to its element `index`: by its label if it has one.
+    /// Returns the path step to element `index` of an array: by label if the element has one.
     pub fn element_step(&self, index: usize) -> Step {
         match self.label() {
             Some(name) if !name.is_empty() => Step::Named(index, name.to_owned()),
@@ -180,7 +180,7 @@ impl Node {
         }
     }
 
-    /// The value at a path below this one.
+    /// Returns the value at a path below this one.
     pub fn at(&self, path: &FieldPath) -> Option<&Self> {
         path.0.iter().try_fold(self, |node, step| match step {
             Step::Key(key) => node.get(key),
@@ -188,7 +188,7 @@ impl Node {
         })
     }
 
-    /// The value at a path below this one, or as deep as the path can be followed.
+    /// Returns the value at a path below this one, or the deepest existing value along the path.
     pub fn follow(&self, path: &FieldPath) -> &Self {
         let mut node = self;
         for step in &path.0 {
@@ -204,7 +204,7 @@ impl Node {
         node
     }
 
-    /// The place of the deepest value along a path that is written somewhere.
+    /// Returns the place of the deepest value along a path that has one.
     pub fn origin_along(&self, path: &FieldPath) -> Origin {
         let mut node = self;
         let mut origin = self.origin;
@@ -222,7 +222,7 @@ impl Node {
         origin
     }
 
-    /// The type in a reader's words.
+    /// Returns the name of the type for messages.
     pub fn type_name(&self) -> &'static str {
         match self.value {
             Value::Bool(_) => "true/false",
@@ -235,7 +235,7 @@ impl Node {
         }
     }
 
-    /// The value as TOML on one line, cut after about 60 characters.
+    /// Renders the value as TOML on one line, cut after about 60 characters.
     pub fn render_short(&self) -> String {
         const WIDTH: usize = 60;
         let mut out = String::new();
@@ -294,8 +294,8 @@ impl Node {
         }
     }
 
-    /// The tree of a JSON value; `null`s are left out, since TOML has none. Numbers beyond the
-    /// range of `i64` become floats.
+    /// Converts a JSON value. Leaves out `null`, which TOML does not have; converts numbers beyond the range
+    /// of `i64` to floats.
     pub fn from_json(json: &Json) -> Option<Self> {
         let value = match json {
             Json::Null => return None,
@@ -323,7 +323,7 @@ impl Node {
     }
 }
 
-/// A float as TOML writes it: always with a point, an exponent or a name.
+/// Renders a float as TOML: always with a point, an exponent or a name.
 pub fn render_float(v: f64) -> String {
     if v.is_nan() {
         "nan".to_owned()
@@ -348,7 +348,7 @@ mod tests {
             .as_table_mut()
             .unwrap()
             .overlay(above.as_table().unwrap());
-        // A table keeps the order in which its keys came; the new one comes last.
+        // A table keeps the order of its keys; the new key is last.
         assert_eq!(
             below.render_short(),
             "{ a = 1, l = [9], t = { x = 1, y = 3 }, b = true }"
@@ -364,7 +364,7 @@ mod tests {
     }
 
     #[test]
-    fn floats_are_written_so_that_they_stay_floats() {
+    fn rendered_floats_parse_as_floats() {
         assert_eq!(render_float(1.0), "1.0");
         assert_eq!(render_float(-0.0), "-0.0");
         assert_eq!(render_float(f64::NEG_INFINITY), "-inf");

@@ -1,4 +1,4 @@
-//! From text to [`Node`]s.
+//! Parser of TOML texts into [`Node`]s.
 
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
@@ -8,20 +8,18 @@ use super::diagnostic::{Code, Diagnostic, Diagnostics};
 use super::node::{Entry, Node, Table, Value};
 use super::source::{Origin, Sources};
 
-/// More dots than this in one key are refused: every dot is a level of nesting, and a tree is walked
-/// by recursion.
+/// Maximum number of dots in one key: every dot is a level of nesting, and trees are walked by recursion.
 const MAX_KEY_DOTS: usize = 16;
-/// Most words and signs of a text, without white space and comments: every value takes a few hundred
-/// bytes while it is looked at, however short it is. A map of 65 536 obstacles has room, and one of a
-/// million runs of cells.
+/// Maximum number of tokens of a text, without white space and comments: the parser takes a few hundred bytes
+/// for each. A map of 65 536 obstacles is below the maximum, as is one of a million runs of cells.
 const MAX_TOKENS: usize = 2_200_000;
-/// Most syntax errors that are looked at: finding the place of each takes a walk through the text.
+/// Maximum number of reported syntax errors: finding the place of each takes a pass through the text.
 const MAX_ERRORS: usize = 100;
-/// Tables and arrays nested deeper than this are refused.
+/// Maximum nesting of tables and arrays.
 const MAX_DEPTH: usize = 64;
 
-/// Parses one of the texts as a TOML document; syntax errors are all reported, and what could be
-/// read is returned (`None` if nothing can be trusted).
+/// Parses one of the texts as a TOML document. Reports all syntax errors; returns the valid part (`None` if
+/// the text is unusable).
 pub fn parse_document(
     sources: &Sources,
     source: usize,
@@ -44,7 +42,7 @@ pub fn parse_document(
     Some(converter.table(root.get_ref(), &span, 0, problems))
 }
 
-/// Parses the part of a text from `offset` on as one TOML value.
+/// Parses a text from `offset` on as one TOML value.
 ///
 /// # Errors
 /// The message of the first syntax error.
@@ -74,7 +72,7 @@ pub fn parse_value(sources: &Sources, source: usize, offset: usize) -> Result<No
     Err(problems)
 }
 
-/// The text that one quoted TOML string stands for; `None` if it is not one.
+/// Returns the value of a quoted TOML string; `None` if it is not one.
 pub fn parse_string(quoted: &str) -> Option<String> {
     DeValue::parse(quoted)
         .ok()?
@@ -107,7 +105,7 @@ fn report(
     }
 }
 
-/// The parser's messages end in ", expected …" where it knows what should stand there.
+/// Splits a message of the parser at ", expected …".
 fn split_expectation(message: &str) -> (&str, Option<&str>) {
     match message.split_once(", expected ") {
         Some((what, expected)) => (what, Some(expected)),
@@ -115,7 +113,7 @@ fn split_expectation(message: &str) -> (&str, Option<&str>) {
     }
 }
 
-/// Refuses keys of many dots and texts of very many values before the parser builds a tree of them.
+/// Refuses keys with too many dots and texts with too many tokens before the parser builds a tree.
 fn check_amount(
     sources: &Sources,
     source: usize,
@@ -142,8 +140,8 @@ fn check_amount(
             let expected = format!("at most {MAX_KEY_DOTS} dots in a key");
             ("key with too many dots", expected)
         } else if tokens > MAX_TOKENS {
-            let expected = format!("at most {MAX_TOKENS} words and signs in a text");
-            ("too much in one text", expected)
+            let expected = format!("at most {MAX_TOKENS} tokens in a text");
+            ("too many tokens in one text", expected)
         } else {
             continue;
         };
@@ -166,7 +164,7 @@ fn check_amount(
 struct Converter<'a> {
     sources: &'a Sources,
     source: usize,
-    /// Position of the parsed text inside the source.
+    /// Position of the parsed text inside the source (bytes).
     offset: usize,
 }
 
@@ -272,7 +270,7 @@ impl Converter<'_> {
                 });
             }
         }
-        // The parser may sort keys; positions restore the order of the text.
+        // The parser may sort keys; sorting by position restores the order of the text.
         entries.sort_by_key(|e| match e.origin {
             Origin::Text { start, .. } => start,
             Origin::Implied => 0,
@@ -341,7 +339,7 @@ mod tests {
     }
 
     #[test]
-    fn nesting_is_limited_before_the_stack_is() {
+    fn nesting_is_limited_before_the_stack_overflows() {
         let dots = format!("{}a = 1", "a.".repeat(100_000));
         assert!(
             parse(&dots)

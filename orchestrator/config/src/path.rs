@@ -9,24 +9,23 @@ pub enum Step {
     Key(String),
     /// An element of an array, from 0.
     Index(usize),
-    /// An element of an array of tables, known by its `name`; the index is kept for look-ups.
+    /// An element of an array of tables, named by its `name`; the index serves look-ups.
     Named(usize, String),
 }
 
-/// Where a value stands in the tree of tables and arrays.
+/// Path of a value in the tree of tables and arrays.
 ///
-/// Shown as `robots.police_1.limits.v_max`; an element without a name by its index, `events[0]`.
+/// Its text is `robots.police_1.limits.v_max`; elements without a name are shown by index, `events[0]`.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct FieldPath(pub Vec<Step>);
 
 impl FieldPath {
-    /// The path of one top-level key.
+    /// Creates the path of a top-level key.
     pub fn key(key: &str) -> Self {
         Self(vec![Step::Key(key.to_owned())])
     }
 
-    /// The path that a dotted field means, such as `exits[0].circle.radius`; text that is not one
-    /// becomes a single key.
+    /// Parses a dotted field such as `exits[0].circle.radius`; invalid text becomes a single key.
     pub fn parse(field: &str) -> Self {
         let mut steps = Vec::new();
         for part in field.split('.') {
@@ -47,13 +46,13 @@ impl FieldPath {
         Self(steps)
     }
 
-    /// This path and one key more.
+    /// Returns this path extended by a key.
     #[must_use]
     pub fn then(&self, key: &str) -> Self {
         self.step(Step::Key(key.to_owned()))
     }
 
-    /// This path and one step more.
+    /// Returns this path extended by a step.
     #[must_use]
     pub fn step(&self, step: Step) -> Self {
         let mut steps = self.0.clone();
@@ -61,7 +60,7 @@ impl FieldPath {
         Self(steps)
     }
 
-    /// This path followed by another.
+    /// Returns this path followed by another.
     #[must_use]
     pub fn join(&self, rest: &Self) -> Self {
         Self(self.0.iter().chain(&rest.0).cloned().collect())
@@ -89,7 +88,7 @@ impl fmt::Display for FieldPath {
     }
 }
 
-/// Whether a key may be written in TOML without quotes.
+/// Returns `true` if TOML allows the key without quotes.
 pub fn is_bare(key: &str) -> bool {
     !key.is_empty()
         && key

@@ -1,4 +1,4 @@
-//! Reading typed values from nodes, reporting as many problems at once as can be told apart.
+//! Reader of typed values from nodes, which reports all independent problems.
 
 use serde::de::DeserializeOwned;
 
@@ -9,27 +9,27 @@ use super::path::{FieldPath, Step};
 use super::source::Sources;
 use super::suggest::{list_choices, nearest};
 
-/// Reads a node into a type; the first problem ends it.
+/// Reads a node into a type; stops at the first problem.
 ///
 /// # Errors
-/// Where and why the node does not fit the type.
+/// Place of and reason for the mismatch between node and type.
 pub fn read_once<T: DeserializeOwned>(node: &Node) -> Result<T, ReadError> {
     T::deserialize(NodeReader(node))
 }
 
-/// Reads a node into a type and reports every problem that can be told apart, by leaving out what
-/// was wrong and trying again. `path` is the node's own path.
+/// Reads a node into a type and reports every independent problem, by removing each invalid value and reading
+/// again. `path` is the path of the node.
 pub fn read<T: DeserializeOwned>(
     sources: &Sources,
     node: &Node,
     path: &FieldPath,
     problems: &mut Diagnostics,
 ) -> Option<T> {
-    /// A table with more wrong keys than this is not worth listing further.
+    /// Maximum number of problems reported for one node.
     const MAX_TRIES: usize = 16;
     let mut left: Option<Node> = None;
     let mut removed: Vec<FieldPath> = Vec::new();
-    // Keys that are missing because what was removed, or misspelt, was meant to be them.
+    // Keys whose absence follows from a problem that was already reported, such as a misspelt key.
     let mut explained: Vec<FieldPath> = Vec::new();
     for _ in 0..MAX_TRIES {
         let error = match read_once::<T>(left.as_ref().unwrap_or(node)) {
@@ -63,7 +63,7 @@ pub fn read<T: DeserializeOwned>(
     None
 }
 
-/// The path up to its last key: what can be taken out of a tree without moving its neighbours.
+/// Returns the path up to its last key: an entry that can be removed without shifting array elements.
 fn entry_path(path: &FieldPath) -> FieldPath {
     let end = path
         .0
@@ -91,7 +91,7 @@ fn remove(node: &mut Node, path: &FieldPath) -> bool {
         .is_some_and(|t| t.remove(last).is_some())
 }
 
-/// A read error as a problem with place, field, value and expectation.
+/// Converts a read error to a problem with place, field, value and expectation.
 pub fn describe(sources: &Sources, error: &ReadError, base: &FieldPath) -> Diagnostic {
     let field = base.join(&error.path);
     let place = sources.place(error.origin);
@@ -140,7 +140,7 @@ pub fn describe(sources: &Sources, error: &ReadError, base: &FieldPath) -> Diagn
     }
 }
 
-/// Adds the choices and the nearest of them.
+/// Adds the choices, and suggests the nearest one.
 pub fn suggest<S: AsRef<str>>(
     problem: Diagnostic,
     word: &str,
@@ -154,7 +154,7 @@ pub fn suggest<S: AsRef<str>>(
     }
 }
 
-/// A problem at a path of a tree: with the place and value that stand there, if any do.
+/// Creates a problem at a path of a tree, with the place and value there, if they exist.
 pub fn problem_at(
     sources: &Sources,
     root: &Node,
@@ -225,7 +225,7 @@ mod tests {
     }
 
     #[test]
-    fn whole_numbers_stand_for_floats_and_nested_things_are_read() {
+    fn integers_are_read_as_floats_and_nested_values_are_read() {
         let text = "mode = 'spin'\nat = [1, 2.5]\nlimits.v_max = 3\n[[shapes]]\nshape = 'circle'\nradius = 1";
         assert_eq!(
             attempt(text).unwrap(),
@@ -267,7 +267,7 @@ mod tests {
     }
 
     #[test]
-    fn arrays_of_the_wrong_length_and_numbers_without_end_are_refused() {
+    fn arrays_of_the_wrong_length_and_numbers_that_are_not_finite_are_refused() {
         let all = attempt("mode = 'block'\nat = [1, 2, 3]").unwrap_err();
         assert!(all.contains("an array of 2 values"), "{all}");
         let all = attempt("mode = 'block'\nat = [1]").unwrap_err();

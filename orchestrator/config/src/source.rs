@@ -1,8 +1,8 @@
-//! The texts of a scenario (file, map, overrides) and positions inside them.
+//! Texts of a scenario (file, map, overrides) and positions in them.
 
 use super::diagnostic::Place;
 
-/// What a text is, which decides how a position in it is named.
+/// Kind of a text; it determines how positions in it are written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SourceKind {
     /// A file: positions are `name:line:column`.
@@ -11,10 +11,10 @@ pub enum SourceKind {
     Override,
 }
 
-/// Where a value was written.
+/// Place of a value.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Origin {
-    /// Nowhere: a default or a preset.
+    /// No text: a default or a preset.
     #[default]
     Implied,
     /// A range of bytes of one of the [`Sources`].
@@ -41,11 +41,11 @@ pub struct Sources {
     list: Vec<Source>,
 }
 
-/// Snippets longer than this many characters are cut around the position.
+/// Maximum length of a snippet (characters); longer lines are cut around the position.
 const SNIPPET_WIDTH: usize = 110;
 
 impl Sources {
-    /// Adds a text; the result is its index in [`Origin::Text`].
+    /// Adds a text; returns its index in [`Origin::Text`].
     pub fn add(&mut self, kind: SourceKind, name: &str, text: &str) -> usize {
         self.list.push(Source {
             kind,
@@ -55,12 +55,12 @@ impl Sources {
         self.list.len() - 1
     }
 
-    /// The text with this index.
+    /// Returns the text with this index.
     pub fn text(&self, source: usize) -> Option<&str> {
         self.list.get(source).map(|s| s.text.as_str())
     }
 
-    /// Line, column and the line's text of an origin; `None` for an implied one.
+    /// Returns line, column and text of the line of an origin; `None` for [`Origin::Implied`].
     pub fn place(&self, origin: Origin) -> Option<Place> {
         let Origin::Text { source, start, end } = origin else {
             return None;
@@ -86,7 +86,7 @@ impl Sources {
     }
 }
 
-/// The greatest character boundary of `text` that is not after `index`.
+/// Returns the last character boundary of `text` at or before `index`.
 fn floor_boundary(text: &str, index: usize) -> usize {
     let mut index = index.min(text.len());
     while !text.is_char_boundary(index) {
@@ -95,7 +95,7 @@ fn floor_boundary(text: &str, index: usize) -> usize {
     index
 }
 
-/// The line, or the part of a long line around a column (0-based), and the column within it.
+/// Returns the line, or the part of a long line around a column (from 0), and the column within it.
 fn cut(line: &str, column: usize) -> (String, usize) {
     let line = line.trim_end_matches('\r');
     if line.chars().count() <= SNIPPET_WIDTH {

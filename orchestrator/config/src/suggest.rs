@@ -1,6 +1,6 @@
-//! "Did you mean …?"
+//! Suggestions for misspelt words.
 
-/// The candidate most like `word`, if any is like it enough to be what was meant.
+/// Returns the candidate most similar to `word`, if it is similar enough.
 pub fn nearest<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let lower = word.to_lowercase();
     let mut best: Option<(f64, &str)> = None;
@@ -18,7 +18,7 @@ pub fn nearest<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) ->
     best.filter(|b| b.0 >= 0.75).map(|b| b.1)
 }
 
-/// "`a`, `b` or `c`", at most twelve of them.
+/// Formats choices as "`a`, `b` or `c`", at most twelve.
 pub fn list_choices<S: AsRef<str>>(choices: &[S]) -> String {
     const MAX: usize = 12;
     let mut shown: Vec<String> = choices
@@ -41,7 +41,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_nearest_word_is_found_and_nonsense_is_not() {
+    fn only_similar_words_are_suggested() {
         let kinds = [
             "perception",
             "pursuer",

@@ -1,12 +1,12 @@
-//! From [`Node`]s to text.
+//! Writer of [`Node`]s as TOML.
 
 use std::fmt::Write;
 
 use super::node::{Node, Table, Value, render_float};
 use super::path::is_bare;
 
-/// The tree as a TOML document: `[tables]` and `[[arrays of tables]]` on lines of their own,
-/// everything inside an array element inline. A node that is not a table gives an empty document.
+/// Renders the tree as a TOML document: `[tables]` and `[[arrays of tables]]` on separate lines, contents of
+/// array elements inline. Returns an empty document if the node is not a table.
 pub fn write_document(root: &Node) -> String {
     let mut out = String::new();
     if let Some(table) = root.as_table() {
@@ -66,7 +66,7 @@ fn has_own_lines(node: &Node) -> bool {
     }
 }
 
-/// The value as TOML on one line.
+/// Renders the value as TOML on one line.
 pub fn write_value(node: &Node) -> String {
     match &node.value {
         Value::Bool(v) => v.to_string(),
@@ -98,7 +98,7 @@ fn render_key(key: &str) -> String {
     }
 }
 
-/// A TOML basic string.
+/// Renders a TOML basic string.
 fn quoted(text: &str) -> String {
     let mut out = String::with_capacity(text.len() + 2);
     out.push('"');

@@ -1,13 +1,13 @@
-//! Writing SVG.
+//! Writer of SVG documents.
 
 use core::fmt::{self, Write as _};
 
-/// Fonts that every system has one of.
+/// Font family: at least one of these fonts exists on every system.
 const FONTS: &str = "system-ui,-apple-system,'Segoe UI',Helvetica,Arial,'DejaVu Sans',sans-serif";
 
-/// Width of an average letter at a font size of 1, in the wider of these fonts.
+/// Mean width of a letter relative to the font size, in the widest of these fonts.
 const LETTER: f64 = 0.58;
-/// The same in bold.
+/// The same for bold text.
 const BOLD_LETTER: f64 = 0.66;
 
 /// An SVG document being written; all coordinates are in pixels, y down.
@@ -15,23 +15,23 @@ pub struct Canvas {
     text: String,
 }
 
-/// How a text stands.
+/// Style of a text.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Style {
     /// Font size (px).
     pub size: f64,
     /// Colour.
     pub color: &'static str,
-    /// Whether it is bold.
+    /// `true` for bold text.
     pub bold: bool,
-    /// `start`, `middle` or `end`.
+    /// Text anchor: `start`, `middle` or `end`.
     pub anchor: &'static str,
-    /// Whether it has a rim in the paper's colour, to be read on anything.
+    /// `true` for an outline in the background colour, which keeps the text legible on any background.
     pub halo: bool,
 }
 
 impl Canvas {
-    /// A document of this size (px) with a title for those who cannot see it.
+    /// Creates a document of this size (px), with title and description for screen readers.
     pub fn new(width: f64, height: f64, title: &str, description: &str) -> Self {
         let mut canvas = Self {
             text: String::new(),
@@ -47,13 +47,13 @@ impl Canvas {
         canvas
     }
 
-    /// Adds SVG text as it is.
+    /// Appends SVG markup without escaping.
     pub fn add(&mut self, text: fmt::Arguments<'_>) {
         // Writing to a String cannot fail.
         let _ = self.text.write_fmt(text);
     }
 
-    /// Writes a line of text with its base line at this point (px).
+    /// Writes a line of text with its baseline at this point (px).
     pub fn label(&mut self, x: f64, y: f64, style: &Style, text: &str) {
         let halo = if style.halo {
             " stroke=\"#ffffff\" stroke-width=\"3.5\" stroke-linejoin=\"round\" \
@@ -78,24 +78,24 @@ impl Canvas {
         ));
     }
 
-    /// Ends the document.
+    /// Ends the document and returns it.
     pub fn finish(mut self) -> String {
         self.text.push_str("</svg>\n");
         self.text
     }
 }
 
-/// About how wide a text is (px); exact widths depend on the reader's fonts.
+/// Estimates the width of a text (px); exact widths depend on the fonts of the viewer.
 pub(crate) fn text_width(text: &str, size: f64) -> f64 {
     text.chars().count() as f64 * size * LETTER
 }
 
-/// The same of a bold text.
+/// Estimates the width of a bold text (px).
 pub fn bold_width(text: &str, size: f64) -> f64 {
     text.chars().count() as f64 * size * BOLD_LETTER
 }
 
-/// Breaks a text into lines of at most this width (px) where it has spaces.
+/// Breaks a text at spaces into lines of at most this width (px).
 pub fn wrap(text: &str, size: f64, width: f64) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     for word in text.split_whitespace() {
@@ -118,7 +118,7 @@ pub struct Num(pub f64);
 
 impl fmt::Display for Num {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        // What is not finite was kept out when the log was read; a zero is still valid SVG.
+        // Callers pass finite numbers; for others a zero keeps the SVG valid.
         let tenths = if self.0.is_finite() {
             (self.0 * 10.0).round() as i64
         } else {
@@ -134,7 +134,8 @@ impl fmt::Display for Num {
     }
 }
 
-/// Text as XML has it: markup characters escaped, characters that XML cannot hold replaced.
+/// Escapes text for XML: markup characters become entities, characters that XML cannot represent are
+/// replaced.
 pub(crate) fn escape(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for c in text.chars() {
@@ -172,7 +173,7 @@ mod tests {
     }
 
     #[test]
-    fn markup_and_control_characters_are_harmless() {
+    fn markup_and_control_characters_are_escaped() {
         assert_eq!(
             escape("a<b>&\"c\"\n\u{1}"),
             "a&lt;b&gt;&amp;&quot;c&quot; \u{fffd}"

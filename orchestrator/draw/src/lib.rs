@@ -1,5 +1,5 @@
-//! Drawings as SVG: the page to draw on ([`canvas`]), the colours of everything that is drawn
-//! ([`palette`]) and charts of measured points ([`figures`]).
+//! Drawings as SVG: the canvas ([`canvas`]), the colours of all drawings ([`palette`]) and charts of measured
+//! points ([`figures`]).
 //!
 //! ```
 //! use draw::figures::{Chart, Point, Series, draw};

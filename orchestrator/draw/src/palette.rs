@@ -1,18 +1,18 @@
-//! Colours that people with any colour vision tell apart (Okabe and Ito's palette), as SVG writes them.
+//! Colours that are distinguishable with any colour vision (Okabe and Ito's palette), as `#rrggbb`.
 
 use sim_backend::team::Team;
 
-/// The paper.
+/// Background.
 pub const PAPER: &str = "#ffffff";
-/// Walls and blocks: light enough to write on.
+/// Walls and blocks: light enough for text on top.
 pub const WALL: &str = "#cfd4db";
-/// Outlines of walls, the frame.
+/// Outlines of walls and of the frame.
 pub const EDGE: &str = "#9aa3ae";
 /// Text.
 pub const INK: &str = "#1f2430";
-/// Text that matters less.
+/// Secondary text.
 pub const FAINT_INK: &str = "#5b6472";
-/// Obstacles that came during the run: orange.
+/// Obstacles that appeared during the run: orange.
 pub const OBSTACLE: &str = "#e69f00";
 /// Exits: bluish green.
 pub const EXIT: &str = "#009e73";
@@ -20,14 +20,14 @@ pub const EXIT: &str = "#009e73";
 pub const POLICE: &str = "#0072b2";
 /// Evaders: vermilion.
 pub const EVADER: &str = "#d55e00";
-/// Robots of no side: bluish green.
+/// Neutral robots: bluish green.
 pub const NEUTRAL: &str = "#009e73";
 /// Particles of a belief: reddish purple.
 pub const BELIEF: &str = "#cc79a7";
-/// Names of beliefs: the same, dark enough to read.
+/// Names of beliefs: the same hue, dark enough for text.
 pub const BELIEF_INK: &str = "#8f3d6c";
 
-/// The colour of a team's robot that is out of the game: paler.
+/// Returns the paler colour of a robot that is out of the game.
 pub fn out_of_play(team: &str) -> &'static str {
     match team {
         POLICE => "#80b8d8",
@@ -36,7 +36,7 @@ pub fn out_of_play(team: &str) -> &'static str {
     }
 }
 
-/// Colour of a team: police blue, evaders vermilion, others bluish green.
+/// Returns the colour of a team: police blue, evaders vermilion, others bluish green.
 pub fn team(team: Team) -> &'static str {
     match team {
         Team::Police => POLICE,
@@ -45,7 +45,7 @@ pub fn team(team: Team) -> &'static str {
     }
 }
 
-/// The parts of a colour `#rrggbb`: red, green, blue.
+/// Returns red, green and blue of a colour `#rrggbb`.
 pub const fn rgb(color: &str) -> [u8; 3] {
     let digits = color.as_bytes();
     [pair(digits, 1), pair(digits, 3), pair(digits, 5)]
@@ -67,7 +67,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_colour_has_the_parts_that_its_digits_say() {
+    fn a_colour_has_the_components_of_its_digits() {
         assert_eq!(rgb("#0072b2"), [0, 114, 178]);
         assert_eq!(rgb("#ffffff"), [255, 255, 255]);
     }

@@ -283,6 +283,6 @@ fn command(folder: &Path, verb: &str) -> Command {
         .arg(verb)
         .env("XDG_RUNTIME_DIR", folder.join("rt"))
         .stdin(Stdio::null());
-    descriptors::leave_behind(&mut command);
+    descriptors::inherit_only_standard_streams(&mut command);
     command
 }

@@ -8,7 +8,7 @@ use mcap_log::MessageHeader;
 use mcap_log::ReadProgress;
 use mcap_log::Topics;
 use mcap_log::known;
-use mcap_log::output::{FILTERED, Output, no_longer_whole};
+use mcap_log::output::{FILTERED, Output, mark_incomplete};
 use mcap_log::reader::{Channel, Item, Reader};
 use mcap_log::states::{States, is_latched};
 use mcap_log::{DerivedError, LogReadError};
@@ -77,7 +77,7 @@ pub fn filter(
             Item::Channel(channel) => part.channel(&channel, output)?,
             Item::Message(header, data) => part.message(header, data, output)?,
             Item::Attachment(header, data) => output.attachment(&header, data)?,
-            Item::Metadata(record) => output.metadata(&no_longer_whole(record))?,
+            Item::Metadata(record) => output.metadata(&mark_incomplete(record))?,
         }
     }
     options

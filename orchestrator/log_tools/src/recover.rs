@@ -5,7 +5,7 @@ use std::path::Path;
 use mcap_log::Condition;
 use mcap_log::DerivedError;
 use mcap_log::ReadProgress;
-use mcap_log::output::{Output, RECOVERED, no_longer_whole};
+use mcap_log::output::{Output, RECOVERED, mark_incomplete};
 use mcap_log::reader::{Item, Reader};
 use serde::Serialize;
 
@@ -87,7 +87,7 @@ pub fn recover(
         let result = if source.data {
             result
         } else {
-            no_longer_whole(result)
+            mark_incomplete(result)
         };
         output.metadata(&result)?;
     }

@@ -1,25 +1,25 @@
-//! In what condition a log is.
+//! Condition of a log file.
 
 use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-/// Most faults that are described; more are only counted.
+/// Maximum number of described faults; further ones are only counted.
 const MAX_FAULTS: usize = 64;
 
-/// Something that is wrong with a file, and what of it could not be read.
+/// A fault of a file.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Fault {
-    /// Where in the file (bytes).
+    /// Offset in the file (bytes).
     pub at: u64,
-    /// What is wrong, for people.
+    /// Description of the fault.
     pub what: String,
 }
 
 /// Chunks with the same compression.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
 pub struct Chunks {
-    /// How many.
+    /// Number of chunks.
     pub count: u64,
     /// Their size in the file (bytes).
     pub compressed_bytes: u64,
@@ -27,41 +27,41 @@ pub struct Chunks {
     pub uncompressed_bytes: u64,
 }
 
-/// In what condition a file is that has been read to its end.
+/// Condition of a file that has been read to its end.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]
 #[expect(
     clippy::struct_excessive_bools,
-    reason = "each says of another part of the file whether it is there"
+    reason = "each describes a different part of the file"
 )]
 pub struct Condition {
     /// Size of the file (bytes).
     pub file_bytes: u64,
-    /// Whether the file ends as an MCAP file does.
+    /// `true` if the file ends with the closing magic bytes.
     pub complete: bool,
-    /// Whether all its data are there and hold: only the summary can be missing.
+    /// `true` if the data section is complete and valid; the summary can be missing.
     pub data: bool,
-    /// Whether it has a summary.
+    /// `true` if the file has a summary.
     pub summary: bool,
-    /// Whether every chunk is in its index.
+    /// `true` if the index lists every chunk.
     pub index: bool,
-    /// Where the first record begins that is not whole, if the file ends in the middle (bytes).
+    /// Offset of the first incomplete record, if the file is truncated (bytes).
     pub cut_at: Option<u64>,
-    /// Messages that the file says it holds; only in a summary.
+    /// Number of messages according to the summary, if there is one.
     pub claimed_messages: Option<u64>,
-    /// Chunks by compression; the empty name stands for none.
+    /// Chunks by compression; the empty name means uncompressed.
     pub chunks: BTreeMap<String, Chunks>,
-    /// Chunks that could not be read, or whose checksum does not fit.
+    /// Number of chunks that could not be read or have a wrong checksum.
     pub chunks_lost: u64,
-    /// Chunks without a checksum.
+    /// Number of chunks without a checksum.
     pub chunks_unchecked: u64,
-    /// What is wrong.
+    /// Descriptions of the faults.
     pub faults: Vec<Fault>,
-    /// Faults that the list leaves out because it is full.
+    /// Number of faults that are not described because the list is full.
     pub faults_omitted: u64,
 }
 
 impl Condition {
-    /// Whether everything that was ever written could be read.
+    /// Returns `true` if the whole file could be read.
     pub fn is_whole(&self) -> bool {
         self.complete && self.faults.is_empty()
     }
@@ -75,12 +75,12 @@ impl Condition {
         }
     }
 
-    /// What the data section held is all there, if it ends here.
+    /// Sets `data` at the end of the data section, if nothing before is missing.
     pub(super) fn data_end(&mut self) {
         self.data = self.faults.is_empty();
     }
 
-    /// What is missing or wrong, a line each, for people.
+    /// Returns a line for each fault.
     pub fn lines(&self) -> Vec<String> {
         let mut lines: Vec<String> = self
             .faults

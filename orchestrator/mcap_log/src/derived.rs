@@ -1,4 +1,4 @@
-//! Files that are made from a log, which they never replace.
+//! Files made from a log; they never replace the log.
 
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
@@ -7,38 +7,38 @@ use platform::atomic_file::{AtomicFile, Existing, Readers};
 
 use crate::LogReadError;
 
-/// Why a file could not be made from a log.
+/// Error of making a file from a log.
 #[derive(Debug, thiserror::Error)]
 pub enum DerivedError {
     /// The log cannot be read.
     #[error(transparent)]
     Log(#[from] LogReadError),
-    /// The result's file is there already.
+    /// The output file exists already.
     #[error("{} exists already; choose another name with --out or overwrite it with --force", path.display())]
     Exists {
         /// The file or directory.
         path: PathBuf,
     },
-    /// The result would replace the log.
+    /// The output would replace the log.
     #[error("{} is the log itself; choose another name with --out", path.display())]
     IsTheLog {
         /// The log.
         path: PathBuf,
     },
-    /// The result could not be written; what was at its place before is untouched.
+    /// The output could not be written; a file that existed before is unchanged.
     #[error("cannot write {}: {source}", path.display())]
     Write {
         /// The file.
         path: PathBuf,
-        /// What the operating system or the writer said.
+        /// Error of the operating system or of the writer.
         source: io::Error,
     },
 }
 
-/// An empty file that is to stand at `path` and is made from `log`.
+/// Creates an empty file for `path`, to be filled with data made from `log`.
 ///
 /// # Errors
-/// [`DerivedError::IsTheLog`]; [`DerivedError::Exists`] without `force` if there is a file already;
+/// [`DerivedError::IsTheLog`]; [`DerivedError::Exists`] without `force` if the file exists;
 /// [`DerivedError::Write`].
 pub fn create(
     path: &Path,
@@ -54,7 +54,7 @@ pub fn create(
     AtomicFile::create(path, Existing::of_force(force), readers).map_err(failed(path))
 }
 
-/// Writes a file that is made from `log`, whole or not at all.
+/// Writes a file made from `log`, completely or not at all.
 ///
 /// # Errors
 /// As [`create`].
@@ -70,7 +70,7 @@ pub fn write(
     file.commit().map_err(failed(path))
 }
 
-/// The error of a file that cannot be written.
+/// Returns the constructor of the error of a file that cannot be written.
 pub fn failed(path: &Path) -> impl Fn(io::Error) -> DerivedError {
     let path = path.to_owned();
     move |source| {
@@ -90,11 +90,11 @@ mod tests {
     use super::*;
 
     fn save(text: &str, path: &Path, log: &Path, force: bool) -> Result<(), DerivedError> {
-        write(text.as_bytes(), path, log, force, Readers::Anybody)
+        write(text.as_bytes(), path, log, force, Readers::All)
     }
 
     #[test]
-    fn an_existing_file_is_replaced_only_by_force_and_the_log_never() {
+    fn an_existing_file_is_replaced_only_with_force_and_the_log_never() {
         let folder = tempfile::tempdir().unwrap();
         let (log, path) = (folder.path().join("a.mcap"), folder.path().join("a.svg"));
         fs::write(&log, "log").unwrap();
@@ -110,13 +110,13 @@ mod tests {
     }
 
     #[test]
-    fn nothing_is_left_when_the_file_cannot_be_written() {
+    fn a_failed_write_leaves_no_file() {
         let folder = tempfile::tempdir().unwrap();
         let log = folder.path().join("a.mcap");
         let missing = folder.path().join("no/such/a.svg");
         let error = save("svg", &missing, &log, false).unwrap_err();
         assert!(matches!(error, DerivedError::Write { .. }), "{error}");
-        // A folder stands where the file should go.
+        // A directory exists at the path of the file.
         let taken = folder.path().join("taken");
         fs::create_dir(&taken).unwrap();
         assert!(save("svg", &taken, &log, true).is_err());

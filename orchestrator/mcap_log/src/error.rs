@@ -1,9 +1,9 @@
-//! Why a log cannot be read.
+//! Errors of reading a log.
 
 use std::io;
 use std::path::PathBuf;
 
-/// Why a log, or the wanted part of it, could not be read.
+/// Error of reading a log or the requested part of it.
 #[derive(Debug, thiserror::Error)]
 pub enum LogReadError {
     /// The log is missing or may not be read.
@@ -11,29 +11,29 @@ pub enum LogReadError {
     Open {
         /// The log.
         path: PathBuf,
-        /// What the operating system said.
+        /// Error of the operating system.
         source: io::Error,
     },
-    /// The file does not begin like an MCAP file.
+    /// The file does not begin with the MCAP magic bytes.
     #[error("{} is not an MCAP file{}", path.display(), if *empty { ": it is empty" } else { "" })]
     NotMcap {
         /// The file.
         path: PathBuf,
-        /// Whether there is nothing in it.
+        /// `true` if the file is empty.
         empty: bool,
     },
     /// An MCAP file of another program.
     #[error(
-        "{} holds no {missing}: it is not a log of protean, or its beginning is lost",
+        "{} has no {missing}: it is not a Protean log, or its beginning is lost",
         path.display()
     )]
     Foreign {
         /// The file.
         path: PathBuf,
-        /// What every log of ours has.
+        /// The missing part that every Protean log has.
         missing: &'static str,
     },
-    /// The log was recorded by a version whose messages look different.
+    /// The log was recorded by a version with another message layout.
     #[error(
         "{}: messages of {topic} have the layout {found}, expected {expected}: the log was \
          recorded by another version of protean{}; use that version",
@@ -43,47 +43,47 @@ pub enum LogReadError {
     Layout {
         /// The log.
         path: PathBuf,
-        /// The version that the log names, or nothing.
+        /// Version in the log; empty if absent.
         version: String,
         /// The topic.
         topic: String,
-        /// Fingerprint in the log.
+        /// Layout hash in the log.
         found: String,
-        /// Fingerprint of this version.
+        /// Layout hash of this version.
         expected: String,
     },
-    /// The log cannot be executed again.
+    /// The run of the log cannot be executed again.
     #[error("{}: {reason}", path.display())]
     NotRepeatable {
         /// The log.
         path: PathBuf,
-        /// Why not, and what to do.
+        /// Reason and remedy.
         reason: String,
     },
-    /// A file would have to hold more than memory allows.
+    /// A part of the log exceeds its memory limit.
     #[error("{}: {what}: more than {limit} bytes", path.display())]
     TooLarge {
         /// The log.
         path: PathBuf,
-        /// What is so large.
+        /// Description of the part.
         what: &'static str,
         /// The limit (bytes).
         limit: usize,
     },
-    /// A name on the command line fits no topic.
+    /// A name on the command line matches no topic.
     #[error("{option} {wanted}: no topic of the log has this name; it has {known}")]
     Topic {
         /// The option.
         option: &'static str,
-        /// What was asked for.
+        /// Requested name.
         wanted: String,
-        /// What there is.
+        /// Topics of the log.
         known: String,
     },
-    /// An argument makes no sense.
+    /// Invalid argument.
     #[error("{0}")]
     Argument(String),
-    /// Ctrl-C.
+    /// The user interrupted the command (Ctrl-C).
     #[error("interrupted; nothing was written")]
     Interrupted,
 }

@@ -1,7 +1,7 @@
-//! The fields of MCAP records, read without believing a length in them.
+//! Parser of the fields of MCAP records, which checks every length.
 //!
 //! (The parser of the `mcap` crate (0.26) panics on an attachment that is shorter than its fields, and
-//! allocates what a string claims to be long.)
+//! allocates the declared length of a string.)
 
 use std::collections::BTreeMap;
 
@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 pub struct Fields<'a>(pub &'a [u8]);
 
 impl<'a> Fields<'a> {
-    /// The next bytes; `None` if there are fewer.
+    /// Returns the next bytes; `None` if there are fewer.
     pub fn bytes(&mut self, count: usize) -> Option<&'a [u8]> {
         let (bytes, rest) = self.0.split_at_checked(count)?;
         self.0 = rest;
@@ -25,18 +25,18 @@ impl<'a> Fields<'a> {
         Some(u32::from_le_bytes(self.bytes(4)?.try_into().ok()?))
     }
 
-    /// The next integer of 64 bits.
+    /// Returns the next 64-bit integer.
     pub fn u64(&mut self) -> Option<u64> {
         Some(u64::from_le_bytes(self.bytes(8)?.try_into().ok()?))
     }
 
-    /// A string behind its length.
+    /// Returns the next string, prefixed by its length.
     pub fn text(&mut self) -> Option<String> {
         let length = self.u32()? as usize;
         String::from_utf8(self.bytes(length)?.to_vec()).ok()
     }
 
-    /// A map of strings behind its length in bytes.
+    /// Returns the next map of strings, prefixed by its length in bytes.
     pub(super) fn map(&mut self) -> Option<BTreeMap<String, String>> {
         let length = self.u32()? as usize;
         let mut entries = Fields(self.bytes(length)?);

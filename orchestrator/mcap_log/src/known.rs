@@ -1,4 +1,4 @@
-//! What is known of our own topics.
+//! Layouts of the project's topics.
 
 use std::path::Path;
 use std::sync::LazyLock;
@@ -12,19 +12,19 @@ use super::reader::Channel;
 use super::ros2::Schema;
 use crate::LogReadError;
 
-/// Bytes in front of a message's first field: the encapsulation of CDR.
+/// Size of the CDR encapsulation header before the first field of a message (bytes).
 pub const ENCAPSULATION: usize = 4;
 
 /// The layout of a topic's messages in this version.
 #[derive(Debug)]
 pub struct Layout {
-    /// Its fingerprint.
+    /// Layout hash.
     pub(crate) hash: String,
-    /// The fields of its messages.
+    /// Fields of its messages.
     pub schema: Option<Schema>,
 }
 
-/// The layout of a topic.
+/// Returns the layout of a topic.
 pub fn layout(topic: TopicId) -> &'static Layout {
     static ALL: LazyLock<Vec<Layout>> = LazyLock::new(|| {
         let layout = |topic: &TopicId| Layout {
@@ -36,17 +36,18 @@ pub fn layout(topic: TopicId) -> &'static Layout {
     &ALL[topic.rank()]
 }
 
-/// The topic of a channel whose messages have the layout of this version; they begin with a [`Stamp`].
+/// Returns the topic of a channel whose messages have the layout of this version; they begin with a
+/// [`Stamp`].
 pub fn topic_of(channel: &Channel) -> Option<TopicId> {
     let hash = channel.metadata.get("schema_hash")?;
     TopicId::from_name(&channel.topic).filter(|topic| layout(*topic).hash == *hash)
 }
 
-/// Checks that the messages of a channel, of one of our topics, have the layout of this version.
-/// `version` is the one that the log names, or empty.
+/// Checks that the messages of a channel of a project topic have the layout of this version. `version` is the
+/// version in the log, or empty.
 ///
 /// # Errors
-/// [`LogReadError::Layout`] if the log names another layout, [`LogReadError::Foreign`] if it names none.
+/// [`LogReadError::Layout`] if the log has another layout hash, [`LogReadError::Foreign`] if it has none.
 pub fn check_layout(log: &Path, channel: &Channel, version: &str) -> Result<(), LogReadError> {
     if topic_of(channel).is_some() {
         return Ok(());
@@ -60,8 +61,8 @@ pub fn check_layout(log: &Path, channel: &Channel, version: &str) -> Result<(), 
     Err(other_layout(log, &channel.topic, found, version))
 }
 
-/// The error of a topic that looks different in this version: its layout in the log is `found`. `version`
-/// is the one that the log names, or empty.
+/// Returns the error of a topic that has another layout in this version: `found` in the log. `version` is the
+/// version in the log, or empty.
 pub(crate) fn other_layout(log: &Path, topic: &str, found: &str, version: &str) -> LogReadError {
     let expected = TopicId::from_name(topic).map_or("no such topic", |known| &layout(known).hash);
     LogReadError::Layout {
@@ -73,7 +74,7 @@ pub(crate) fn other_layout(log: &Path, topic: &str, found: &str, version: &str) 
     }
 }
 
-/// The stamp of a message of such a channel.
+/// Returns the stamp of a message of such a channel.
 pub fn stamp(data: &[u8]) -> Option<Stamp> {
     let (stamp, _) = Stamp::read_from_prefix(data.get(ENCAPSULATION..)?).ok()?;
     Some(stamp)

@@ -1,9 +1,8 @@
 //! Logs as MCAP files: the writer of a run's log ([`LogWriter`]), the reader of any log ([`reader`]), and
 //! parts of logs in new files ([`output`]).
 //!
-//! The reader goes from the beginning of a log to its end, believes no length in it, keeps no more in memory
-//! than a chunk, and goes as far as a damaged or foreign file allows; what could not be read is in the
-//! [`Condition`].
+//! The reader reads a log from beginning to end, checks every length, keeps at most one chunk in memory, and
+//! reads damaged or foreign files as far as possible; the [`Condition`] lists what could not be read.
 //!
 //! ```
 //! use std::collections::BTreeMap;
@@ -57,7 +56,7 @@ mod writer;
 pub use condition::{Chunks, Condition, Fault};
 pub use derived::DerivedError;
 pub use error::LogReadError;
-/// Records of MCAP, as the reader hands them out.
+/// MCAP records that the reader returns.
 pub use mcap::records::{AttachmentHeader, MessageHeader, Metadata};
 pub use newest_state::newest_state;
 pub use origin::Origin;
@@ -68,7 +67,7 @@ pub use writer::{
     LogWriteError, LogWriter, Manifest, ManifestFile,
 };
 
-/// Nanoseconds in seconds.
+/// Converts nanoseconds to seconds.
 pub fn seconds(nanoseconds: u64) -> f64 {
     nanoseconds as f64 * 1e-9
 }

@@ -1,4 +1,4 @@
-//! How far the world of a log went.
+//! Newest world state of a log.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -10,10 +10,10 @@ use super::reader::{Item, Reader};
 use crate::LogReadError;
 use crate::ReadProgress;
 
-/// Tick of the newest world state in a log; `None` if there is none.
+/// Returns the tick of the newest world state in a log; `None` if there is none.
 ///
 /// # Errors
-/// [`LogReadError`] if the log cannot be read at all; damaged ones are read as far as they go.
+/// [`LogReadError`] if the log cannot be read at all; a damaged log is read as far as possible.
 pub fn newest_state(
     log: &Path,
     read_progress: &mut ReadProgress,

@@ -1,4 +1,4 @@
-//! The run that a log comes from, as its head says.
+//! Manifest and scenario at the head of a log.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -10,14 +10,14 @@ use super::reader::Channel;
 /// Manifest and scenario of a log.
 #[derive(Debug, Default)]
 pub struct Origin {
-    /// What the log says of its run, by name.
+    /// Metadata of the run, by name.
     pub manifest: BTreeMap<String, String>,
-    /// The scenario as it was run, as TOML.
+    /// The resolved scenario, as TOML.
     pub scenario: Option<Vec<u8>>,
 }
 
 impl Origin {
-    /// Both must be there.
+    /// Checks that manifest and scenario exist.
     ///
     /// # Errors
     /// The manifest or the scenario is missing: [`LogReadError`].
@@ -31,7 +31,7 @@ impl Origin {
         Err(LogReadError::Foreign { path, missing })
     }
 
-    /// Whether a channel of ours is that of this version.
+    /// Checks that the channel of a project topic has the layout of this version.
     ///
     /// # Errors
     /// The channel is of another version: [`LogReadError`].
@@ -45,7 +45,7 @@ impl Origin {
         }
     }
 
-    /// A topic looks different in this version.
+    /// Returns the error of a topic that has another layout in this version.
     pub fn layout(&self, log: &Path, topic: &str, found: &str) -> LogReadError {
         let version = self.manifest.get("version");
         known::other_layout(log, topic, found, version.map_or("", String::as_str))

@@ -1,4 +1,4 @@
-//! A new log made of parts of another.
+//! A new log made from parts of another one.
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -13,15 +13,14 @@ use super::derived::{self, DerivedError};
 use super::reader::{Channel, Schema};
 use crate::{Compression, LogOptions};
 
-/// Writes the same records as the log that they come from, with the same numbers, in new chunks
-/// with checksums and an index.
+/// Writer of records of another log, with the same ids, in new chunks with checksums and an index.
 pub struct Output {
     writer: mcap::Writer<BufWriter<AtomicFile>>,
     path: PathBuf,
 }
 
 impl Output {
-    /// See [`derived::create`]; `profile` is that of the log.
+    /// Creates the file; see [`derived::create`]. `profile` is that of the log.
     ///
     /// # Errors
     /// The file cannot be written: [`DerivedError`].
@@ -54,7 +53,7 @@ impl Output {
         })
     }
 
-    /// Writes a schema under its number.
+    /// Writes a schema with its id.
     ///
     /// # Errors
     /// The file cannot be written.
@@ -68,7 +67,7 @@ impl Output {
         self.check(added.map(drop))
     }
 
-    /// Writes a channel under its number.
+    /// Writes a channel with its id.
     ///
     /// # Errors
     /// The file cannot be written.
@@ -120,7 +119,7 @@ impl Output {
         self.check(written)
     }
 
-    /// Names and values under a name.
+    /// Writes a metadata record of names and values.
     ///
     /// # Errors
     /// The file cannot be written: [`DerivedError`].
@@ -137,7 +136,7 @@ impl Output {
         self.metadata(&Metadata { name, metadata })
     }
 
-    /// Ends the log, puts it in its place and says how large it is (bytes).
+    /// Ends the log, moves it to its path and returns its size (bytes).
     ///
     /// # Errors
     /// The file cannot be written: [`DerivedError`].
@@ -166,9 +165,8 @@ fn failed(path: &Path, error: McapError) -> DerivedError {
     })
 }
 
-/// The result of a run in a log that no longer holds all of it: the digest is that of the run, not
-/// of these messages, and is called so.
-pub fn no_longer_whole(mut metadata: Metadata) -> Metadata {
+/// Renames the digest in the result of a run, for a log that no longer contains all messages of the run.
+pub fn mark_incomplete(mut metadata: Metadata) -> Metadata {
     if metadata.name == RESULT
         && let Some(digest) = metadata.metadata.remove("digest")
     {
@@ -177,13 +175,13 @@ pub fn no_longer_whole(mut metadata: Metadata) -> Metadata {
     metadata
 }
 
-/// Name of the metadata with the manifest.
+/// Name of the metadata record with the manifest.
 pub const MANIFEST: &str = "protean";
-/// Name of the metadata with the result of a run.
+/// Name of the metadata record with the result of a run.
 pub const RESULT: &str = "protean.result";
-/// What the digest is called in a log that does not hold the whole run.
+/// Key of the digest in a log that does not contain the whole run.
 pub const RUN_DIGEST: &str = "run_digest";
-/// Name of the metadata with which a cut log says so.
+/// Name of the metadata record of a filtered log.
 pub const FILTERED: &str = "protean.filter";
-/// Name of the metadata with which a repaired log says so.
+/// Name of the metadata record of a recovered log.
 pub const RECOVERED: &str = "protean.recovered";

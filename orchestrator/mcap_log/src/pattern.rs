@@ -1,32 +1,32 @@
-//! Names of topics on the command line.
+//! Topic patterns of the command line.
 
 use crate::LogReadError;
 
-/// Which topics are wanted: `world/state`, or with `*` for any letters, `/viewer/*`.
+/// Selection of topics by patterns: `world/state`, or with `*` for any characters, `/viewer/*`.
 #[derive(Debug, Clone, Default)]
 pub struct Topics {
-    /// If not empty, only these.
+    /// Topics to include; empty for all.
     pub only: Vec<String>,
-    /// Without these.
+    /// Topics to exclude.
     pub without: Vec<String>,
 }
 
 impl Topics {
-    /// Whether a topic is wanted.
+    /// Returns `true` if the topic is selected.
     pub fn take(&self, topic: &str) -> bool {
         let any = |patterns: &[String]| patterns.iter().any(|pattern| fits(pattern, topic));
         (self.only.is_empty() || any(&self.only)) && !any(&self.without)
     }
 
-    /// Whether a topic is asked for by its whole name.
+    /// Returns `true` if a pattern is the full name of the topic.
     pub fn names(&self, topic: &str) -> bool {
         self.only.iter().any(|pattern| pattern == topic)
     }
 
-    /// Every name must be that of a topic.
+    /// Checks that every pattern matches a topic.
     ///
     /// # Errors
-    /// A name is not that of a topic: [`LogReadError`].
+    /// A pattern matches no topic: [`LogReadError`].
     pub fn check<'a>(
         &self,
         known: &(impl Iterator<Item = &'a str> + Clone),
@@ -53,7 +53,7 @@ impl Topics {
     }
 }
 
-/// Whether a name fits a pattern in which `*` stands for any letters.
+/// Returns `true` if a name matches a pattern in which `*` stands for any characters.
 fn fits(pattern: &str, name: &str) -> bool {
     let mut parts = pattern.split('*');
     let Some(mut rest) = parts.next().and_then(|first| name.strip_prefix(first)) else {
@@ -80,7 +80,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_star_stands_for_any_letters() {
+    fn a_star_matches_any_characters() {
         for (pattern, name, expected) in [
             ("world/state", "world/state", true),
             ("world/state", "world/states", false),

@@ -1,4 +1,4 @@
-//! What a long command shows, and how it is interrupted.
+//! Progress and interruption of long commands.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -7,22 +7,22 @@ use platform::progress::Progress;
 
 use crate::LogReadError;
 
-/// Files below this size are read before anybody looks (bytes).
-const LONG: u64 = 32 << 20;
+/// Size from which progress is shown (bytes); smaller files are read at once.
+const PROGRESS_BYTES: u64 = 32 << 20;
 const MEGABYTE: u64 = 1_000_000;
 
-/// Told how far a file has been read.
+/// Progress of reading a file.
 #[derive(Default)]
 pub struct ReadProgress {
-    /// Set from outside (Ctrl-C) to give up.
+    /// Set by a signal handler (Ctrl-C) to stop reading.
     pub interrupted: Arc<AtomicBool>,
-    /// Whether nothing is shown.
+    /// `true` to show nothing.
     pub quiet: bool,
     shown: Option<(Progress, u64)>,
 }
 
 impl ReadProgress {
-    /// Shows progress unless `quiet`, and gives up when `interrupted` is set.
+    /// Shows progress unless `quiet`, and stops when `interrupted` is set.
     pub fn new(interrupted: Arc<AtomicBool>, quiet: bool) -> Self {
         Self {
             interrupted,
@@ -31,16 +31,16 @@ impl ReadProgress {
         }
     }
 
-    /// A file of this size is about to be read.
+    /// Begins a file of this size (bytes).
     pub fn begin(&mut self, bytes: u64) {
         self.end();
-        if bytes >= LONG && !self.quiet {
+        if bytes >= PROGRESS_BYTES && !self.quiet {
             let total = (bytes / MEGABYTE) as usize;
             self.shown = Some((Progress::new(total, 0, false, "MB"), 0));
         }
     }
 
-    /// It has been read up to here.
+    /// Reports the offset up to which the file has been read (bytes).
     ///
     /// # Errors
     /// The command was interrupted: [`LogReadError::Interrupted`].
@@ -58,7 +58,7 @@ impl ReadProgress {
         Ok(())
     }
 
-    /// Shows nothing any more.
+    /// Removes the progress bar.
     pub fn end(&mut self) {
         if let Some((progress, _)) = self.shown.take() {
             progress.finish();

@@ -1,7 +1,7 @@
-//! The messages of a log from any time on.
+//! Messages of a log from any time on.
 //!
-//! With the index at the end of the file a start takes the same time anywhere in it; without one
-//! (the run was killed) everything before the start is read. Memory holds a chunk, and what lasts.
+//! With the index at the end of the file, a seek takes constant time; without it (the run was killed) the
+//! source reads everything before the start. Memory contains one chunk and the latched messages.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -18,49 +18,49 @@ use crate::Origin;
 use crate::ReadProgress;
 use crate::Topics;
 
-/// Chunks that are looked through for the last words of every sender of a topic that several send.
+/// Number of chunks that are searched for the last message of every sender of a topic with several senders.
 const LOOK_BACK: u32 = 32;
 
-/// Messages that are looked at beforehand for who speaks.
+/// Number of first messages that are read to find the senders.
 const FIRST_MESSAGES: usize = 4096;
-/// Bytes of messages after which that ends.
+/// Maximum size of these messages (bytes).
 const FIRST_MESSAGES_BYTES: usize = 8 << 20;
 
-/// Most bytes that the messages of one time may take.
+/// Maximum size of the messages of one tick (bytes).
 const TICK_LIMIT: usize = 512 << 20;
 
-/// Behind the magic number at the beginning of a file.
+/// Offset of the first record, after the magic bytes (bytes).
 const BEGINNING: u64 = 8;
 
-/// In place of the rank of what only viewers get.
+/// Rank of messages for viewers only.
 const FOR_VIEWERS: usize = usize::MAX;
 
-/// A message that is played.
+/// A message of a selected channel.
 #[derive(Debug, Default, Clone, PartialEq, Eq)]
 pub struct Logged {
     /// Log time (ns).
     pub time: u64,
-    /// Place of its topic in [`ipc_types::topics::NAMES`]; beyond their end for viewers' pictures.
+    /// Index of its topic in [`ipc_types::topics::NAMES`]; beyond the end for viewer messages.
     pub rank: usize,
-    /// Its channel in the log.
+    /// Id of its channel in the log.
     pub channel: u16,
-    /// As it is in the log: CDR, or of viewers' pictures protobuf.
+    /// Bytes in the log: CDR, or protobuf for viewer messages.
     pub data: Vec<u8>,
 }
 
 impl Logged {
-    /// Index of the process that sent it.
+    /// Returns the index of the process that sent it.
     pub fn sender(&self) -> u32 {
         known::stamp(&self.data).map_or(0, |stamp| stamp.source)
     }
 
-    /// Whether it is of one of our topics, and no picture for viewers.
+    /// Returns `true` for a message of a project topic, `false` for a viewer message.
     pub fn is_ours(&self) -> bool {
         self.rank != FOR_VIEWERS
     }
 }
 
-/// A channel that is played.
+/// A selected channel.
 #[derive(Debug, Clone, Copy)]
 struct Played {
     rank: usize,
@@ -69,7 +69,7 @@ struct Played {
 }
 
 impl Played {
-    /// Who sent a message of the channel; viewers' pictures all come from the recorder.
+    /// Returns the sender of a message; the recorder sends all viewer messages.
     fn sender(&self, data: &[u8]) -> u32 {
         if self.rank == FOR_VIEWERS {
             return 0;
@@ -78,26 +78,26 @@ impl Played {
     }
 }
 
-/// See the module's text.
+/// Messages of a log from any time on; see the [module](self).
 pub struct Source {
     reader: Reader<'static>,
     origin: Origin,
     topics: Topics,
-    /// Whether viewers' pictures are wanted too.
+    /// `true` to include viewer messages.
     pictures: bool,
     index: Option<Vec<ChunkPlace>>,
     played: BTreeMap<u16, Played>,
-    /// The first message from the start on, which was read to find it.
+    /// First message after the start, read ahead by the seek.
     ahead: Option<Logged>,
-    /// Log time before which messages are handed out (ns).
+    /// Exclusive end of the log time of returned messages (ns).
     before: u64,
-    /// Behind this place of the file there is none before `before`.
+    /// Offset in the file after which no message is earlier than `before` (bytes).
     end: u64,
 }
 
 impl Source {
-    /// Opens a log of ours of which these topics are wanted, up to log time `before` (ns); viewers'
-    /// pictures only if `pictures` says so.
+    /// Opens a Protean log for these topics, up to log time `before` (ns); includes viewer messages if
+    /// `pictures` is set.
     ///
     /// # Errors
     /// The log cannot be read: [`LogReadError`].
@@ -134,44 +134,44 @@ impl Source {
         Ok(source)
     }
 
-    /// The run that the log comes from.
+    /// Returns manifest and scenario of the log.
     pub fn origin(&self) -> &Origin {
         &self.origin
     }
 
-    /// The file.
+    /// Returns the path of the file.
     pub fn path(&self) -> &Path {
         self.reader.path()
     }
 
-    /// Its size (bytes).
+    /// Returns the size of the file (bytes).
     pub fn length(&self) -> u64 {
         self.reader.condition().file_bytes
     }
 
-    /// Where in the file it stands (bytes).
+    /// Returns the read position in the file (bytes).
     pub fn at(&self) -> u64 {
         self.reader.at()
     }
 
-    /// Whether the file has an index.
+    /// Returns `true` if the file has an index.
     pub fn has_index(&self) -> bool {
         self.index.is_some()
     }
 
-    /// The channels that are played, as far as they are known.
+    /// Returns the selected channels that are known so far.
     pub fn channels(&self) -> impl Iterator<Item = (u16, &Rc<Channel>, Option<Rc<Schema>>)> {
         let played = |channel: &&Rc<Channel>| self.played.contains_key(&channel.id);
         let channels = self.reader.channels().filter(played);
         channels.map(|channel| (channel.id, channel, self.reader.schema(channel.schema_id)))
     }
 
-    /// What is wrong with what was read of the file.
+    /// Returns the faults of the part that has been read.
     pub fn faults(&self) -> Vec<String> {
         self.reader.condition().lines()
     }
 
-    /// What stands before the first message.
+    /// Reads the records before the first message.
     fn read_head(&mut self) -> Result<(), LogReadError> {
         while let Some(item) = self.reader.next()? {
             match item {
@@ -188,7 +188,7 @@ impl Source {
         self.origin.check(self.reader.path())
     }
 
-    /// Plays a channel if it is one of ours and wanted; one of ours must look as it does here.
+    /// Selects a channel if it is requested; the layout of a project topic must be that of this version.
     fn take_up(&mut self, channel: &Channel) -> Result<(), LogReadError> {
         if channel.topic.starts_with("/viewer/") {
             if self.pictures && self.topics.take(&channel.topic) {
@@ -215,8 +215,8 @@ impl Source {
         Ok(())
     }
 
-    /// Goes to the first message from log time `from` on; what lasts from before it is returned,
-    /// the oldest first.
+    /// Seeks to the first message at or after log time `from` (ns); returns the latched messages from before,
+    /// oldest first.
     ///
     /// # Errors
     /// The log cannot be read: [`LogReadError`].
@@ -272,8 +272,8 @@ impl Source {
             .collect())
     }
 
-    /// Finds the last message before `from` of every channel and sender that lasts, in the chunks
-    /// before the start.
+    /// Finds the last latched message before `from` of every channel and sender, in the chunks before the
+    /// start.
     fn look_back(
         &mut self,
         before: &[ChunkPlace],
@@ -292,7 +292,7 @@ impl Source {
                 continue;
             }
             let mut here = States::default();
-            let mut seen = BTreeSet::new();
+            let mut channels = BTreeSet::new();
             let path = self.reader.path().to_owned();
             self.reader.jump(chunk.at);
             while self.reader.next()?.is_some() && self.reader.at() == chunk.at {
@@ -302,11 +302,11 @@ impl Source {
                     && let Some(played) = self.played.get(&header.channel_id)
                 {
                     let source = played.sender(data);
-                    seen.insert(header.channel_id);
+                    channels.insert(header.channel_id);
                     here.keep(&path, source, header, data)?;
                 }
             }
-            for channel in seen {
+            for channel in channels {
                 if let Some((one_sender, looked)) = wanted.get_mut(&channel) {
                     *looked += 1;
                     if *one_sender || *looked >= LOOK_BACK {
@@ -319,8 +319,8 @@ impl Source {
         Ok(())
     }
 
-    /// Goes to the next message that is played; `None` at the end. Its header is returned, its bytes
-    /// are the reader's last message.
+    /// Advances to the next selected message and returns its header; `None` at the end. The reader keeps its
+    /// bytes as last message.
     fn advance(&mut self) -> Result<Option<(MessageHeader, Played)>, LogReadError> {
         while self.reader.at() <= self.end {
             match self.reader.next()? {
@@ -337,12 +337,12 @@ impl Source {
         Ok(None)
     }
 
-    /// The bytes of the message that [`Source::advance`] went to.
+    /// Returns the bytes of the message that [`Source::advance`] reached.
     fn bytes(&self) -> &[u8] {
         self.reader.last_message().map_or(&[], |(_, data)| data)
     }
 
-    /// Everything of the next time, in place of what `into` holds; false at the end.
+    /// Replaces the contents of `into` by all messages of the next log time; returns `false` at the end.
     ///
     /// # Errors
     /// The log cannot be read: [`LogReadError`].
@@ -377,8 +377,8 @@ impl Source {
         Ok(count > 0)
     }
 
-    /// Goes to the beginning and visits topic and sender of the first messages. Whoever speaks in a
-    /// run speaks there, with few exceptions.
+    /// Seeks to the beginning and visits topic and sender of the first messages. With few exceptions, every
+    /// sender of a run is among them.
     ///
     /// # Errors
     /// The log cannot be read, or `visit` fails.
@@ -402,7 +402,7 @@ impl Source {
         Ok(())
     }
 
-    /// The next message; false at the end.
+    /// Reads the next message; returns `false` at the end.
     fn next(&mut self, into: &mut Logged) -> Result<bool, LogReadError> {
         if let Some(ahead) = self.ahead.take() {
             *into = ahead;

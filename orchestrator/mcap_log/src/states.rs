@@ -1,4 +1,4 @@
-//! What lasts: the last message of every topic that describes a state, before some time.
+//! Latched messages: the last message of every latched topic before a time.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -8,12 +8,12 @@ use mcap::records::MessageHeader;
 
 use crate::LogReadError;
 
-/// Most states that are kept.
+/// Maximum number of kept messages.
 const MAX_STATES: usize = 4096;
-/// Most bytes that they may take.
+/// Maximum size of kept messages (bytes).
 const STATES_LIMIT: usize = 512 << 20;
 
-/// The newest state of every channel and sender.
+/// The last latched message of every channel and sender.
 #[derive(Default)]
 pub struct States {
     last: BTreeMap<(u16, u32), (MessageHeader, Vec<u8>)>,
@@ -21,10 +21,10 @@ pub struct States {
 }
 
 impl States {
-    /// Keeps a message in place of the one before it.
+    /// Keeps a message in place of the previous one.
     ///
     /// # Errors
-    /// What is kept exceeds the memory that a log may take: [`LogReadError`].
+    /// The kept messages exceed the limits: [`LogReadError`].
     pub fn keep(
         &mut self,
         path: &Path,
@@ -50,10 +50,10 @@ impl States {
         Ok(())
     }
 
-    /// Adds those of `older` whose channel and sender have none here.
+    /// Adds the messages of `older` whose channel and sender have none here.
     ///
     /// # Errors
-    /// What is kept exceeds the memory that a log may take: [`LogReadError`].
+    /// The kept messages exceed the limits: [`LogReadError`].
     pub fn fill_from(&mut self, path: &Path, older: Self) -> Result<(), LogReadError> {
         for ((channel, source), (header, data)) in older.last {
             if !self.last.contains_key(&(channel, source)) {
@@ -63,12 +63,12 @@ impl States {
         Ok(())
     }
 
-    /// The channels that have a state.
+    /// Returns the channels that have a kept message.
     pub fn channels(&self) -> impl Iterator<Item = u16> + '_ {
         self.last.keys().map(|(channel, _)| *channel)
     }
 
-    /// Hands out all of them, in the order in which they were; none are left.
+    /// Removes and returns all messages, in their original order.
     pub fn take(&mut self) -> Vec<(MessageHeader, Vec<u8>)> {
         self.bytes = 0;
         let mut last: Vec<_> = core::mem::take(&mut self.last).into_values().collect();
@@ -77,14 +77,14 @@ impl States {
     }
 }
 
-/// Whether the last message of a channel still holds until the next: our topics that late joiners
-/// get, what our viewers are shown, and what ROS 2 calls transient local.
+/// Returns `true` for a latched channel: project topics with history, viewer topics, and transient-local
+/// topics of ROS 2.
 pub fn is_latched(topic: &str, metadata: &BTreeMap<String, String>) -> bool {
     if let Some(topic) = TopicId::from_name(topic) {
         return topic.facts().latched;
     }
     if let Some(view) = topic.strip_prefix("/viewer/") {
-        // Every message but a line of the log is a whole picture.
+        // Every viewer message except a log line is a complete state.
         return view != "log";
     }
     let qos = metadata.get("offered_qos_profiles");

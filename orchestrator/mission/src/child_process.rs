@@ -105,7 +105,7 @@ impl RunningProcess {
             .stderr(Stdio::piped())
             // Ctrl-C in a terminal is for the orchestrator, which then ends the run in order.
             .process_group(0);
-        descriptors::leave_behind(&mut command);
+        descriptors::inherit_only_standard_streams(&mut command);
         die_with_this_thread(&mut command);
         let mut child = command.spawn().map_err(failed("cannot be started"))?;
         let pid = Pid::from_child(&child);

@@ -47,7 +47,7 @@ pub(super) fn create(
     };
     let mut writer = create_log(scenario, &run, plan, log)?;
     if let Some(mirror) = mirror {
-        writer.mirror_to(mirror);
+        writer.set_observer(mirror);
     }
     let viewer = ViewerOptions {
         rate_hz: scenario.log.viewer_rate_hz,

@@ -1,4 +1,4 @@
-//! Files that are there whole or not at all.
+//! Files that are written completely or not at all.
 
 use std::fs::Permissions;
 use std::io::{self, Seek, SeekFrom, Write};
@@ -7,33 +7,33 @@ use std::path::{Path, PathBuf};
 
 use tempfile::NamedTempFile;
 
-/// What a file that takes its place does with one that is there.
+/// The action for a file that exists already at the path.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Existing {
-    /// It stays: the new one is an error.
+    /// Keep it and report an error.
     Keep,
-    /// It is replaced.
+    /// Replace it.
     Replace,
 }
 
 impl Existing {
-    /// [`Existing::Replace`] with `--force`.
+    /// Returns [`Existing::Replace`] if `force` is set, else [`Existing::Keep`].
     pub fn of_force(force: bool) -> Self {
         if force { Self::Replace } else { Self::Keep }
     }
 }
 
-/// Who may read a new file.
+/// Read permission of a new file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Readers {
-    /// This user only: the scenario in a log holds the keys of its patrols.
+    /// The owner only: the scenario in a log contains the keys of its patrols.
     Owner,
-    /// Those whom the user's umask lets.
-    Anybody,
+    /// All users that the umask permits.
+    All,
 }
 
-/// A file that takes its place when it is complete; until then, and if it never is, what was there
-/// stays. What is written is in a temporary file beside it.
+/// A file that appears at its path when it is committed. Until then the data are in a temporary file beside
+/// it, and an existing file stays unchanged.
 #[derive(Debug)]
 pub struct AtomicFile {
     path: PathBuf,
@@ -42,21 +42,21 @@ pub struct AtomicFile {
 }
 
 impl AtomicFile {
-    /// An empty file that is to stand at `path`, in a folder that is there.
+    /// Creates an empty file for `path`, whose directory must exist.
     ///
     /// # Errors
-    /// [`io::ErrorKind::AlreadyExists`] if a file is there that is to be kept; what the system said if
-    /// the folder cannot be written.
+    /// [`io::ErrorKind::AlreadyExists`] if a file exists that is to be kept; the error of the operating
+    /// system if the directory is not writable.
     pub fn create(path: &Path, existing: Existing, readers: Readers) -> io::Result<Self> {
         if existing == Existing::Keep && path.symlink_metadata().is_ok() {
             return Err(io::ErrorKind::AlreadyExists.into());
         }
         let file = tempfile::Builder::new()
             .prefix(".protean-")
-            // The system takes away what the user's umask forbids.
+            // The operating system applies the umask.
             .permissions(Permissions::from_mode(match readers {
                 Readers::Owner => 0o600,
-                Readers::Anybody => 0o666,
+                Readers::All => 0o666,
             }))
             .tempfile_in(folder_of(path))?;
         Ok(Self {
@@ -66,15 +66,15 @@ impl AtomicFile {
         })
     }
 
-    /// Bytes written so far.
+    /// Returns the number of bytes written so far.
     ///
     /// # Errors
-    /// What the system said.
+    /// The error of the operating system.
     pub fn size(&self) -> io::Result<u64> {
         Ok(self.file.as_file().metadata()?.len())
     }
 
-    /// Puts the complete file in its place in one step.
+    /// Moves the complete file to its path atomically.
     ///
     /// # Errors
     /// As [`AtomicFile::create`].
@@ -111,24 +111,24 @@ fn folder_of(path: &Path) -> &Path {
     }
 }
 
-/// Why a file could not be written; what was at its place before is untouched.
+/// Error of [`save`]; a file that existed before is unchanged.
 #[derive(Debug, thiserror::Error)]
 #[error("cannot write {}: {source}", path.display())]
 pub struct SaveError {
     /// The file.
     pub path: PathBuf,
-    /// What the operating system said.
+    /// Error of the operating system.
     pub source: io::Error,
 }
 
-/// Writes a file in place of what may be there. Folders that are missing are made.
+/// Writes a file, replacing an existing one. Creates missing directories.
 ///
 /// # Errors
 /// [`SaveError`].
 pub fn save(bytes: &[u8], path: &Path) -> Result<(), SaveError> {
     let write = || {
         std::fs::create_dir_all(folder_of(path))?;
-        let mut file = AtomicFile::create(path, Existing::Replace, Readers::Anybody)?;
+        let mut file = AtomicFile::create(path, Existing::Replace, Readers::All)?;
         file.write_all(bytes)?;
         file.commit()
     };
@@ -152,7 +152,7 @@ mod tests {
     }
 
     #[test]
-    fn a_file_is_there_when_it_is_committed_and_not_before() {
+    fn a_file_appears_when_it_is_committed_and_not_before() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a");
         let create = |existing| AtomicFile::create(&path, existing, Readers::Owner);
@@ -170,14 +170,14 @@ mod tests {
         file.write_all(b"two").unwrap();
         drop(file);
         assert_eq!(fs::read(&path).unwrap(), b"one", "never committed");
-        assert_eq!(names(folder.path()), ["a"], "nothing beside");
+        assert_eq!(names(folder.path()), ["a"], "no temporary file is left");
     }
 
     #[test]
-    fn a_file_that_came_meanwhile_is_kept() {
+    fn a_file_created_meanwhile_is_kept() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a");
-        let file = AtomicFile::create(&path, Existing::Keep, Readers::Anybody).unwrap();
+        let file = AtomicFile::create(&path, Existing::Keep, Readers::All).unwrap();
         fs::write(&path, "theirs").unwrap();
         let refused = file.commit().unwrap_err();
         assert_eq!(refused.kind(), io::ErrorKind::AlreadyExists);
@@ -185,22 +185,26 @@ mod tests {
     }
 
     #[test]
-    fn folders_are_made_and_files_replaced() {
+    fn directories_are_created_and_files_replaced() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a/b/c.txt");
         save(b"one", &path).unwrap();
         save(b"two", &path).unwrap();
         assert_eq!(fs::read(&path).unwrap(), b"two");
-        assert_eq!(names(path.parent().unwrap()), ["c.txt"], "nothing beside");
+        assert_eq!(
+            names(path.parent().unwrap()),
+            ["c.txt"],
+            "no temporary file is left"
+        );
     }
 
     #[test]
-    fn what_cannot_be_written_is_named() {
+    fn an_error_names_the_file() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("taken");
         fs::create_dir(&path).unwrap();
         let error = save(b"x", &path).unwrap_err();
         assert!(error.to_string().contains("taken"), "{error}");
-        assert_eq!(names(folder.path()), ["taken"], "nothing beside");
+        assert_eq!(names(folder.path()), ["taken"], "no temporary file is left");
     }
 }

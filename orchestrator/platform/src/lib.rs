@@ -1,4 +1,4 @@
-//! What the program needs of the operating system: files, processes, signals and the terminal.
+//! Functions of the operating system: files, processes, signals and the terminal.
 
 #![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
 #![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]

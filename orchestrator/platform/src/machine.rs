@@ -1,11 +1,11 @@
-//! The machine that this program runs on.
+//! Description of the machine.
 
-/// How many threads this machine can run at once, 1 if that is not known.
+/// Returns the number of threads that this machine runs in parallel; 1 if unknown.
 pub fn processors() -> usize {
     std::thread::available_parallelism().map_or(1, usize::from)
 }
 
-/// The machine in a line: system, processors, their model.
+/// Returns the machine in one line: operating system, number and model of processors.
 pub fn machine() -> String {
     let uname = rustix::system::uname();
     let processors = std::thread::available_parallelism().map_or(0, usize::from);

@@ -4,7 +4,7 @@ use std::ffi::{OsStr, OsString};
 
 use procfs::process::{Process, all_processes};
 
-/// A process as `/proc/PID/stat` shows it.
+/// Contents of `/proc/PID/stat`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Stat {
     /// Process id.
@@ -25,24 +25,24 @@ impl Stat {
         })
     }
 
-    /// Whether it is stopped by a signal or by a debugger.
+    /// Returns `true` if a signal or a debugger has stopped the process.
     pub fn is_stopped(&self) -> bool {
         matches!(self.state, 'T' | 't')
     }
 }
 
-/// All processes of the machine; those that end meanwhile are left out.
+/// Returns all processes of the machine, without those that end meanwhile.
 pub fn all() -> impl Iterator<Item = Stat> {
     let processes = all_processes().into_iter().flatten().flatten();
     processes.filter_map(|process| Stat::of(&process))
 }
 
-/// The process with this id, if there is one.
+/// Returns the process with this id, if it exists.
 pub fn stat(pid: i32) -> Option<Stat> {
     Stat::of(&Process::new(pid).ok()?)
 }
 
-/// A variable of the environment that a process was started with; `None` also for a process that has ended or
+/// Returns a variable of the environment that a process was started with; `None` if the process has ended or
 /// belongs to another user.
 pub fn variable(pid: i32, name: &str) -> Option<OsString> {
     let environment = Process::new(pid).ok()?.environ().ok()?;
@@ -69,7 +69,7 @@ mod tests {
         let parent = i32::try_from(std::process::id()).unwrap();
         let found = all().find(|stat| stat.pid == pid).unwrap();
         assert_eq!(found.parent, parent);
-        // Between fork and exec it still has its parent's environment.
+        // Between fork and exec the child still has the environment of its parent.
         while variable(pid, "PROC_TEST").is_none() {
             std::thread::yield_now();
         }

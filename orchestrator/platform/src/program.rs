@@ -1,5 +1,5 @@
-//! This program, to be started again.
+//! The path of the running program.
 
-/// Path that executes the program that is running, also when its file has been replaced or removed since
-/// (by an update, or a build in the middle of a sweep).
+/// Path that executes the running program, even if its file has been replaced or removed since (by an update,
+/// or by a build during a sweep).
 pub const THIS: &str = "/proc/self/exe";

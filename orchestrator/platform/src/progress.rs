@@ -7,11 +7,11 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use crate::eprintln;
 
-/// How often a plain line is written when stderr is not a terminal.
+/// Interval of progress lines if stderr is not a terminal.
 const PLAIN_EVERY: Duration = Duration::from_secs(10);
 
-/// A bar on standard error up to `length`, with this template; hidden if standard error is no terminal,
-/// or `quiet`.
+/// Returns a progress bar on stderr up to `length` with this template; hidden if stderr is not a terminal or
+/// if `quiet`.
 pub fn bar(length: Option<u64>, template: &str, quiet: bool) -> ProgressBar {
     let bar = match length {
         Some(length) => ProgressBar::new(length),
@@ -22,14 +22,14 @@ pub fn bar(length: Option<u64>, template: &str, quiet: bool) -> ProgressBar {
     } else {
         ProgressDrawTarget::stderr_with_hz(10)
     });
-    // A template that does not parse would only cost the bar its looks.
+    // With an invalid template the bar keeps its default style.
     if let Ok(style) = ProgressStyle::with_template(template) {
         bar.set_style(style);
     }
     bar
 }
 
-/// A bar on a terminal, now and then a line elsewhere, over things of one unit.
+/// Progress over items of one unit: a bar on a terminal, otherwise a line at intervals.
 pub struct Progress {
     bar: ProgressBar,
     plain: bool,
@@ -39,17 +39,17 @@ pub struct Progress {
     total: usize,
     done: usize,
     failed: usize,
-    /// What there are so many of.
+    /// Name of the items, plural.
     unit: &'static str,
 }
 
 impl Progress {
-    /// Progress over `total` of a unit; `known` are done already.
+    /// Starts progress over `total` items, of which `known` are done already.
     pub fn new(total: usize, known: usize, quiet: bool, unit: &'static str) -> Self {
         let terminal = std::io::stderr().is_terminal();
         let bar = bar(Some(total as u64), "{bar:30} {pos}/{len}  {msg}", quiet);
         if known > 0 && !quiet {
-            eprintln!("{known} {unit} are done already");
+            eprintln!("{known} {unit} already done");
         }
         let now = Instant::now();
         Self {
@@ -65,7 +65,7 @@ impl Progress {
         }
     }
 
-    /// A mission is over; `words` say how it failed.
+    /// Counts an item as done; `words` returns the description of a failure.
     pub fn done(&mut self, failed: bool, words: impl FnOnce() -> String) {
         self.done += 1;
         self.failed += usize::from(failed);
@@ -81,12 +81,12 @@ impl Progress {
         }
     }
 
-    /// Says something beside the bar.
+    /// Prints a line above the bar.
     pub fn say(&self, words: &str) {
         if self.bar.is_hidden() {
             eprintln!("{words}");
         } else {
-            self.bar.println(crate::terminal::harmless(words));
+            self.bar.println(crate::terminal::escape_controls(words));
         }
     }
 
@@ -100,13 +100,13 @@ impl Progress {
         format!("{rate:.1} {}/s, {} left{failed}", self.unit, duration(left))
     }
 
-    /// Takes the bar away.
+    /// Removes the bar.
     pub fn finish(&self) {
         self.bar.finish_and_clear();
     }
 }
 
-/// `2 h 05 min`, `3 min 20 s`, `7 s`.
+/// Formats a duration: `2 h 05 min`, `3 min 20 s`, `7 s`.
 fn duration(seconds: f64) -> String {
     let s = seconds.ceil() as u64;
     match (s / 3600, s / 60 % 60, s % 60) {
@@ -121,7 +121,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn times_are_told_in_the_units_that_matter() {
+    fn durations_are_formatted_in_at_most_two_units() {
         assert_eq!(duration(6.2), "7 s");
         assert_eq!(duration(200.0), "3 min 20 s");
         assert_eq!(duration(7500.0), "2 h 05 min");

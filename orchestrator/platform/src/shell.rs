@@ -1,6 +1,6 @@
-//! Words for a shell.
+//! Quoting for a shell.
 
-/// The word as a POSIX shell reads it back: quoted if it must be.
+/// Quotes a word for a POSIX shell, if necessary.
 pub fn quote(word: &str) -> String {
     let plain = |c: char| c.is_ascii_alphanumeric() || "_-./,:=+@%".contains(c);
     if !word.is_empty() && word.chars().all(plain) {
@@ -10,7 +10,7 @@ pub fn quote(word: &str) -> String {
     }
 }
 
-/// A command line of these words.
+/// Returns a command line of these words.
 pub fn line<'a>(words: impl IntoIterator<Item = &'a str>) -> String {
     words.into_iter().map(quote).collect::<Vec<_>>().join(" ")
 }
@@ -22,7 +22,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn plain_words_stay_plain() {
+    fn plain_words_are_not_quoted() {
         assert_eq!(
             line(["run", "--set", "a.b=1.5", "x y", "it's", ""]),
             r"run --set a.b=1.5 'x y' 'it'\''s' ''"

@@ -1,4 +1,4 @@
-//! Signals that end the program in order.
+//! Signals that end the program in an orderly way.
 
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -10,7 +10,7 @@ use signal_hook::flag;
 /// second. A terminal that is closed (SIGHUP, which often comes twice) only ever sets the flag.
 ///
 /// # Errors
-/// What the system says.
+/// The error of the operating system.
 pub fn interrupt(interrupted: &Arc<AtomicBool>) -> std::io::Result<()> {
     for signal in [SIGINT, SIGTERM, SIGQUIT] {
         flag::register_conditional_shutdown(signal, 128 + signal, Arc::clone(interrupted))?;

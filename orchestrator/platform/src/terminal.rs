@@ -1,31 +1,30 @@
-//! What is written to a terminal cannot steer it.
+//! Output to a terminal without control characters.
 //!
-//! Titles of scenarios, topics of logs and the last words of processes may come from a stranger, and
-//! a terminal obeys what it is told between the lines: it moves the cursor over what was said before,
-//! changes its title, fills the clipboard. Characters that do such things are shown by their numbers.
+//! Titles of scenarios, topics of logs and stderr of processes are untrusted input. Control characters in
+//! them could move the cursor, overwrite earlier output, change the title or fill the clipboard. They are
+//! therefore written as escapes.
 //!
-//! The program writes to stderr by the [`eprintln!`](crate::eprintln) of this crate, which a file that
-//! needs it imports by name.
+//! Code that writes to stderr imports the [`eprintln!`](crate::eprintln) macro of this crate by name.
 
 use std::borrow::Cow;
 
-/// Whether a terminal takes a character for more than a letter: control characters but the end of a
-/// line and tabulators, and those that change the direction of writing.
-fn steers(c: char) -> bool {
+/// Returns `true` if a character controls the terminal: control characters except line feed and tabulator,
+/// and characters that change the writing direction.
+fn is_control(c: char) -> bool {
     (c.is_control() && c != '\n' && c != '\t')
         || matches!(c, '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
 }
 
-/// The text with every character that would steer a terminal as `\u001b`. JSON and TOML read that as
-/// the character that it stands for.
+/// Escapes every character that controls a terminal, as `\u001b`. JSON and TOML read the escape as the
+/// character.
 #[must_use]
-pub fn harmless(text: &str) -> Cow<'_, str> {
-    if !text.contains(steers) {
+pub fn escape_controls(text: &str) -> Cow<'_, str> {
+    if !text.contains(is_control) {
         return Cow::Borrowed(text);
     }
     let mut shown = String::with_capacity(text.len() + 16);
     for c in text.chars() {
-        if steers(c) {
+        if is_control(c) {
             shown.push_str(&format!("\\u{:04x}", u32::from(c)));
         } else {
             shown.push(c);
@@ -34,8 +33,7 @@ pub fn harmless(text: &str) -> Cow<'_, str> {
     Cow::Owned(shown)
 }
 
-/// As the standard library's, of text that cannot steer a terminal. A stderr that is gone is no
-/// reason to stop.
+/// Prints to stderr as the standard macro does, with control characters escaped. Ignores a closed stderr.
 #[macro_export]
 macro_rules! eprintln {
     ($($word:tt)*) => {{
@@ -44,7 +42,7 @@ macro_rules! eprintln {
         let _ = writeln!(
             std::io::stderr().lock(),
             "{}",
-            $crate::terminal::harmless(&text)
+            $crate::terminal::escape_controls(&text)
         );
     }};
 }
@@ -56,7 +54,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_steers_a_terminal_is_shown_by_its_number() {
+    fn control_characters_are_escaped() {
         for (text, shown) in [
             ("title\u{1b}]0;x\u{7}", "title\\u001b]0;x\\u0007"),
             ("\u{9b}31m", "\\u009b31m"),
@@ -64,18 +62,18 @@ mod tests {
             ("abc\u{202e}txt", "abc\\u202etxt"),
             ("line\n\ttab — naïve ✓", "line\n\ttab — naïve ✓"),
         ] {
-            assert_eq!(harmless(text), shown);
+            assert_eq!(escape_controls(text), shown);
         }
-        assert!(matches!(harmless("plain"), Cow::Borrowed(_)));
+        assert!(matches!(escape_controls("plain"), Cow::Borrowed(_)));
     }
 
     proptest! {
         #[test]
-        fn nothing_that_steers_gets_through_and_json_still_says_the_same(text in any::<String>()) {
-            let shown = harmless(&text);
-            prop_assert!(!shown.contains(steers));
+        fn no_control_character_remains_and_json_is_equivalent(text in any::<String>()) {
+            let shown = escape_controls(&text);
+            prop_assert!(!shown.contains(is_control));
             let json = serde_json::to_string(&text).unwrap();
-            let read: String = serde_json::from_str(&harmless(&json)).unwrap();
+            let read: String = serde_json::from_str(&escape_controls(&json)).unwrap();
             prop_assert_eq!(read, text);
         }
     }

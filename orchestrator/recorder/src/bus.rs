@@ -1,4 +1,4 @@
-//! From the bus into the recording.
+//! Subscriber of all topics, which feeds the recording.
 
 use std::time::{Duration, Instant};
 
@@ -11,27 +11,27 @@ use super::recording::Recording;
 use super::summary::Summary;
 use super::wakeup::Wakeup;
 
-/// Longest sleep between two looks at the bus. Messages gather meanwhile, so that the recorder is
-/// woken per batch and not per tick; a wakeup wakes it earlier when the simulator is about to be
-/// held back.
-const NAP: Duration = Duration::from_millis(10);
+/// Maximum sleep between two drains of the bus. Messages accumulate meanwhile, so that the recorder wakes up
+/// per batch and not per tick; a wakeup ends the sleep early if the simulator is about to wait for the
+/// recorder.
+const MAX_SLEEP: Duration = Duration::from_millis(10);
 
-/// Most messages taken from one topic before the others get their turn.
-const TURN: usize = 16_384;
+/// Maximum number of messages taken from one topic before the next topic.
+const MAX_BATCH: usize = 16_384;
 
-/// Records every topic of a run.
+/// Recorder of every topic of a run.
 ///
-/// The ports of the bus belong to one thread: open the recorder on the thread that runs it.
+/// The ports of the bus are bound to one thread: open the recorder on the thread that runs it.
 pub struct Recorder {
     taps: Vec<Box<dyn AnySubscriber>>,
-    /// Whether messages stay as they are sent: those of one thread.
+    /// `true` if sent messages are immutable, as in a run in one thread.
     in_place: bool,
     recording: Recording,
 }
 
 impl Recorder {
-    /// Subscribes to every topic; the services must exist. (The recording comes from outside so
-    /// that a log that cannot be created is reported before anything is started.)
+    /// Subscribes to every topic; the services must exist. (The caller creates the recording, so that it
+    /// reports a log that cannot be created before it starts processes.)
     ///
     /// # Errors
     /// [`RecorderError::Subscribe`].
@@ -53,7 +53,7 @@ impl Recorder {
         })
     }
 
-    /// Connects to all publishers that exist by now (part of the run's handshake).
+    /// Connects to all existing publishers (part of the start-up of the run).
     ///
     /// # Errors
     /// [`RecorderError::Receive`].
@@ -64,10 +64,10 @@ impl Recorder {
             .map_err(RecorderError::from)
     }
 
-    /// Records until the wakeup says that the run has ended.
+    /// Records until the wakeup reports the end of the run.
     ///
     /// # Errors
-    /// [`RecorderError`]; what was written before stays readable.
+    /// [`RecorderError`]; the log stays readable up to the last flush.
     pub fn run(
         mut self,
         wakeup: &dyn Wakeup,
@@ -75,8 +75,8 @@ impl Recorder {
     ) -> Result<Summary, RecorderError> {
         let mut recorded = None;
         loop {
-            // What the wakeup says must be known before the buffers are looked at: then every
-            // message that it speaks of is in them.
+            // The wakeup is read before the buffers, so that the buffers contain every message that it
+            // announces.
             let ended = wakeup.ended();
             let completed = wakeup.completed_tick();
             let calls = wakeup.calls();
@@ -97,14 +97,13 @@ impl Recorder {
             }
             self.recording.flush_if_due()?;
             if empty {
-                wakeup.wait(NAP);
+                wakeup.wait(MAX_SLEEP);
             }
         }
         Ok(self.recording.finish(observer)?)
     }
 
-    /// Takes what is there and writes all ticks up to `completed`: for runs in one thread, which
-    /// know themselves when a tick is complete.
+    /// Takes all sent messages and writes all ticks up to `completed`, for runs in one thread.
     ///
     /// # Errors
     /// As [`Recorder::run`].
@@ -118,7 +117,7 @@ impl Recorder {
         Ok(self.recording.flush_if_due()?)
     }
 
-    /// Ends the log of a run that was recorded with [`Recorder::take`].
+    /// Ends the recording of a run recorded with [`Recorder::take`].
     ///
     /// # Errors
     /// As [`Recorder::run`].
@@ -127,7 +126,7 @@ impl Recorder {
         Ok(self.recording.finish(observer)?)
     }
 
-    /// Takes what is there; `false` if there may be more.
+    /// Takes sent messages; returns `false` if there may be more.
     fn drain(&mut self) -> Result<bool, ReceiveError> {
         let mut empty = true;
         for tap in &self.taps {
@@ -145,10 +144,10 @@ impl core::fmt::Debug for Recorder {
     }
 }
 
-/// A subscriber without its type.
+/// A subscriber of any topic.
 trait AnySubscriber {
     fn connect(&self) -> Result<(), ReceiveError>;
-    /// Takes messages; `false` if there may be more.
+    /// Takes messages; returns `false` if there may be more.
     fn drain(&self, recording: &mut Recording, in_place: bool) -> Result<bool, ReceiveError>;
 }
 
@@ -158,7 +157,7 @@ impl<T: Topic> AnySubscriber for Subscriber<T> {
     }
 
     fn drain(&self, recording: &mut Recording, in_place: bool) -> Result<bool, ReceiveError> {
-        for _ in 0..TURN {
+        for _ in 0..MAX_BATCH {
             match self.receive()? {
                 Some(message) => recording.receive(&message, in_place),
                 None => return Ok(true),

@@ -1,11 +1,11 @@
-//! What a message must satisfy to be believed. Whatever it says, it is logged.
+//! Checks of messages. Messages that fail are logged, but not used.
 
 use std::sync::LazyLock;
 
 use ipc_types::message::{Descriptor, FieldKind};
 use ipc_types::topics::{Arity, TopicFacts, TopicId};
 
-/// Finds numbers that are not finite in the bytes of a topic's messages.
+/// Check for numbers that are not finite in the bytes of a topic's messages.
 #[derive(Debug)]
 pub(super) struct Finite {
     header: Vec<Float>,
@@ -14,7 +14,7 @@ pub(super) struct Finite {
     element_bytes: usize,
 }
 
-/// Bits of a number that decide whether it is finite.
+/// A floating-point field: its position and the bits that show whether it is finite.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct Float {
     offset: usize,
@@ -24,19 +24,20 @@ struct Float {
 
 #[derive(Debug)]
 enum Elements {
-    /// Nothing but `float32`: the particles, the bulk of all traffic, in one pass over the bytes.
+    /// Elements of `float32` only, such as particles, most of the traffic: checked in one pass over the
+    /// bytes.
     Floats { may_be_infinite: bool },
-    /// Anything else, field by field.
+    /// Other elements, checked field by field.
     Fields(Vec<Float>),
 }
 
-/// Whether a message with this many elements has a CDR form that readers can decode.
+/// Returns `true` if readers can decode the CDR form of a message with this many elements.
 pub(super) fn is_decodable(topic: TopicId, elements: usize) -> bool {
     topic.facts().arity == Arity::Many || elements == 1
 }
 
 impl Finite {
-    /// What the messages of a topic are checked by.
+    /// Returns the check for the messages of a topic.
     pub(super) fn of(topic: TopicId) -> &'static Self {
         static ALL: LazyLock<Vec<Finite>> = LazyLock::new(|| {
             let topics = TopicId::ALL.iter();
@@ -67,13 +68,15 @@ impl Finite {
         }
     }
 
-    /// Whether all numbers are what they may be.
-    pub(super) fn holds(&self, header: &[u8], elements: &[u8]) -> bool {
+    /// Returns `true` if all numbers are valid.
+    pub(super) fn is_valid(&self, header: &[u8], elements: &[u8]) -> bool {
         let fields_hold =
-            |fields: &[Float], bytes: &[u8]| fields.iter().all(|float| float.holds(bytes));
+            |fields: &[Float], bytes: &[u8]| fields.iter().all(|float| float.is_valid(bytes));
         fields_hold(&self.header, header)
             && match &self.element {
-                Elements::Floats { may_be_infinite } => floats_hold(elements, *may_be_infinite),
+                Elements::Floats { may_be_infinite } => {
+                    floats_are_valid(elements, *may_be_infinite)
+                }
                 Elements::Fields(fields) => {
                     fields.is_empty()
                         || elements
@@ -85,7 +88,7 @@ impl Finite {
 }
 
 fn collect(topic: &TopicFacts, descriptor: &Descriptor, base: usize, floats: &mut Vec<Float>) {
-    // A plain number as element has no fields.
+    // Elements that are plain numbers have no fields.
     if descriptor.fields.is_empty() && descriptor.name.starts_with("float") {
         floats.push(Float {
             offset: base,
@@ -117,7 +120,7 @@ fn collect(topic: &TopicFacts, descriptor: &Descriptor, base: usize, floats: &mu
 }
 
 impl Float {
-    fn holds(self, bytes: &[u8]) -> bool {
+    fn is_valid(self, bytes: &[u8]) -> bool {
         let number = if self.double {
             bytes
                 .get(self.offset..self.offset + 8)
@@ -133,9 +136,9 @@ impl Float {
     }
 }
 
-/// Whether a run of little-endian `float32` has no forbidden value; without branches, so that the
-/// compiler can do several at a time.
-fn floats_hold(bytes: &[u8], may_be_infinite: bool) -> bool {
+/// Returns `true` if a sequence of little-endian `float32` contains no invalid value; without branches, so
+/// that the compiler vectorises it.
+fn floats_are_valid(bytes: &[u8], may_be_infinite: bool) -> bool {
     const MAGNITUDE: u32 = 0x7fff_ffff;
     const INFINITY: u32 = 0x7f80_0000;
     let limit = if may_be_infinite {
@@ -160,16 +163,16 @@ mod tests {
 
     use super::Finite;
 
-    fn holds<T: Topic>(header: &T::Header, elements: &[T::Element]) -> bool {
-        Finite::of(T::ID).holds(header.as_bytes(), elements.as_bytes())
+    fn is_valid<T: Topic>(header: &T::Header, elements: &[T::Element]) -> bool {
+        Finite::of(T::ID).is_valid(header.as_bytes(), elements.as_bytes())
     }
 
     #[test]
-    fn a_number_that_is_not_finite_is_found_wherever_it_stands() {
+    fn a_number_that_is_not_finite_is_found_at_every_position() {
         let header = PlainHeader::default();
-        assert!(holds::<Commands>(&header, &[Command::default()]));
+        assert!(is_valid::<Commands>(&header, &[Command::default()]));
         for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
-            assert!(!holds::<Commands>(
+            assert!(!is_valid::<Commands>(
                 &header,
                 &[Command {
                     omega: bad,
@@ -184,41 +187,44 @@ mod tests {
             theta: 3.0,
             weight: 0.1,
         }; 50];
-        assert!(holds::<Belief>(&belief, &particles));
+        assert!(is_valid::<Belief>(&belief, &particles));
         particles[37].theta = f32::NAN;
-        assert!(!holds::<Belief>(&belief, &particles));
+        assert!(!is_valid::<Belief>(&belief, &particles));
         particles[37].theta = f32::NEG_INFINITY;
-        assert!(!holds::<Belief>(&belief, &particles));
+        assert!(!is_valid::<Belief>(&belief, &particles));
         let bad = BeliefHeader {
             covariance_yy: f64::NAN,
             ..belief
         };
-        assert!(!holds::<Belief>(&bad, &[]));
+        assert!(!is_valid::<Belief>(&bad, &[]));
     }
 
     #[test]
-    fn infinity_is_allowed_where_it_means_something_and_nan_is_not() {
+    fn infinity_is_allowed_in_some_fields_and_nan_in_none() {
         let header = PlainHeader::default();
-        assert!(holds::<Sightings>(
+        assert!(is_valid::<Sightings>(
             &header,
             &[Sighting {
                 sigma: f64::INFINITY,
                 ..Sighting::default()
             }]
         ));
-        assert!(!holds::<Sightings>(
+        assert!(!is_valid::<Sightings>(
             &header,
             &[Sighting {
                 sigma: f64::NAN,
                 ..Sighting::default()
             }]
         ));
-        assert!(holds::<Scan>(&ScanHeader::default(), &[1.0, f32::INFINITY]));
-        assert!(!holds::<Scan>(&ScanHeader::default(), &[1.0, f32::NAN]));
+        assert!(is_valid::<Scan>(
+            &ScanHeader::default(),
+            &[1.0, f32::INFINITY]
+        ));
+        assert!(!is_valid::<Scan>(&ScanHeader::default(), &[1.0, f32::NAN]));
         let unlimited = ScanHeader {
             range_max: f64::INFINITY,
             ..ScanHeader::default()
         };
-        assert!(!holds::<Scan>(&unlimited, &[]));
+        assert!(!is_valid::<Scan>(&unlimited, &[]));
     }
 }

@@ -1,4 +1,4 @@
-//! The area visited, over a run.
+//! Coverage of a run.
 
 use ipc_types::consumer::{Consumer, LoggedMessage};
 use ipc_types::messages::world::CoverageState;
@@ -6,10 +6,10 @@ use ipc_types::topics::{Coverage, TopicId};
 
 use super::summary::{CoverageByWay, CoverageOutcome, OutcomePart, Summary};
 
-/// Ways at which coverage is noted (m).
-const WAYS: [f64; 4] = [250.0, 500.0, 1000.0, 2000.0];
+/// Path lengths at which coverage is recorded (m).
+const PATH_LENGTHS: [f64; 4] = [250.0, 500.0, 1000.0, 2000.0];
 
-/// The area visited, as last reported.
+/// Last reported coverage.
 #[derive(Debug, Default)]
 pub(super) struct Covered(Option<CoverageOutcome>);
 
@@ -38,7 +38,7 @@ impl Covered {
             Some(before) => (before.by_way, (before.way_m, before.coverable_fraction)),
             None => (Vec::new(), (0.0, 0.0)),
         };
-        for way_m in WAYS {
+        for way_m in PATH_LENGTHS {
             if from.0 < way_m && way_m <= report.way {
                 let part = (way_m - from.0) / (report.way - from.0);
                 let coverable_fraction = from.1 + part * (report.coverable_fraction - from.1);

@@ -1,4 +1,4 @@
-//! Channels of a log beside those of the topics, made from the messages, such as those for viewers.
+//! Derived channels of a log, such as those for viewers, whose messages are made from those of the topics.
 
 use core::fmt::Display;
 use std::collections::BTreeMap;
@@ -7,18 +7,18 @@ use std::ops::Range;
 use ipc_types::consumer::Consumer;
 use mcap_log::{ChannelId, ChannelSpec, LogWriteError, LogWriter};
 
-/// Makes messages of derived channels from those of the run.
+/// Generator of the messages of derived channels.
 ///
-/// It gets the messages that the log gets and the checks have not rejected, in the order of the log;
-/// what is ready is written after each of them, at the end of each tick and at the end of the run.
+/// It receives all logged messages that passed the checks, in the order of the log. Its output is written
+/// after each of them, at the end of each tick and at the end of the run.
 pub trait DerivedTopics: Consumer + Send {
-    /// The channels; a channel is named by its place in this list.
+    /// Returns the channels; the index in this list identifies a channel.
     fn channels(&self) -> &[DerivedChannel];
 
-    /// What is ready to be written.
+    /// Returns the messages to be written.
     fn ready(&mut self) -> &mut DerivedMessages;
 
-    /// The last message of the run has been handed out.
+    /// Ends the run: no message follows.
     fn finish(&mut self);
 }
 
@@ -29,11 +29,11 @@ pub struct DerivedChannel {
     pub topic: String,
     /// Name of the schema.
     pub schema_name: String,
-    /// `protobuf`, …
+    /// Encoding: `protobuf`, …
     pub schema_encoding: String,
-    /// The schema itself.
+    /// Definition of the schema.
     pub schema: Vec<u8>,
-    /// `protobuf`, …
+    /// Encoding: `protobuf`, …
     pub message_encoding: String,
 }
 
@@ -42,7 +42,7 @@ pub struct DerivedChannel {
 pub struct DerivedMessages {
     bytes: Vec<u8>,
     messages: Vec<DerivedMessage>,
-    /// The first message that could not be encoded: its channel, and why.
+    /// Channel and error of the first message that could not be encoded.
     failure: Option<(usize, String)>,
 }
 
@@ -91,7 +91,7 @@ struct Channel {
 }
 
 impl DerivedLog {
-    /// Adds the channels to a log, and what is ready before the first message of the run.
+    /// Adds the channels to a log, and the messages before the first message of the run.
     pub(super) fn new(
         derived: Box<dyn DerivedTopics>,
         log: &mut LogWriter,
@@ -114,7 +114,7 @@ impl DerivedLog {
         Ok(this)
     }
 
-    /// Hands on what happens in the run, and writes what comes of it.
+    /// Passes an event of the run to the generator and writes its output.
     pub(super) fn update(
         &mut self,
         log: &mut LogWriter,

@@ -1,19 +1,18 @@
-//! The fingerprint of a run's simulated history.
+//! Digest of the simulated history of a run.
 
 use ipc_types::topics::TopicId;
 
 use super::parts::Parts;
 
-/// Messages are gathered to exactly this size before they are hashed: BLAKE3 is fastest on many of
-/// its chunks of 1024 bytes at once, and takes many at once only where a power of two of them ends.
+/// Size of the buffer before the hash (bytes): BLAKE3 is fastest on many chunks of 1024 bytes at once, which
+/// must end at a power of two.
 const BUFFER_BYTES: usize = 16 * 1024;
 
-/// Hashes messages apart by topic and source, in the order in which each source sent them, so that
-/// the result depends on nothing but what was said: not on how messages of different sources
-/// interleave, not on batches, cores or clocks.
+/// Digest with a separate hash for each topic and source, over messages in the order of sending. The result
+/// does not depend on the interleaving of sources, on batches, cores or clocks.
 #[derive(Debug, Default)]
 pub(super) struct Digest {
-    /// In the order in which they began.
+    /// Streams in order of their first message.
     streams: Vec<Stream>,
 }
 
@@ -27,11 +26,11 @@ struct Stream {
 }
 
 impl Digest {
-    /// Takes up the next message of a source.
+    /// Adds the next message of a source.
     ///
-    /// The clocks at the end of the stamp are left out.
+    /// Excludes the clock readings at the end of the stamp.
     pub(super) fn update(&mut self, topic: TopicId, source: u32, message: &Parts<'_>) {
-        // A run has a dozen or two: looking through them costs less than a map does.
+        // A run has one or two dozen streams: a linear search is faster than a map.
         let known = self
             .streams
             .iter()
@@ -45,15 +44,15 @@ impl Digest {
             return;
         };
         stream.messages += 1;
-        // The length keeps two messages apart from one that looks like both.
+        // The length distinguishes two messages from one with the same bytes.
         stream.push(&(message.history_len() as u64).to_le_bytes());
         for bytes in message.without_clocks() {
             stream.push(bytes);
         }
     }
 
-    /// Begins a source's stream with its first message, given by the state of the hash behind it
-    /// ([`Digest::beginning`]); false if the source has sent something before.
+    /// Begins the stream of a source with the hash state after its first message ([`Digest::beginning`]);
+    /// returns `false` if the stream exists.
     pub(super) fn begin(&mut self, topic: TopicId, source: u32, hasher: &blake3::Hasher) -> bool {
         let mut streams = self.streams.iter();
         if streams.any(|stream| stream.source == source && stream.topic == topic) {
@@ -65,7 +64,7 @@ impl Digest {
         true
     }
 
-    /// The state of the hash behind a source's first message, if it has sent nothing else.
+    /// Returns the hash state after the first message of a source, if it is the only one.
     pub(super) fn beginning(&mut self, topic: TopicId, source: u32) -> Option<blake3::Hasher> {
         let mut streams = self.streams.iter_mut();
         let stream = streams.find(|stream| stream.source == source && stream.topic == topic)?;
@@ -76,7 +75,7 @@ impl Digest {
         Some(stream.hasher.clone())
     }
 
-    /// The fingerprint of everything so far, as 64 hexadecimal digits.
+    /// Returns the digest of all messages so far, as 64 hexadecimal digits.
     pub(super) fn finish(&mut self) -> String {
         self.streams
             .sort_unstable_by_key(|stream| (stream.topic.name(), stream.source));
@@ -170,7 +169,7 @@ mod tests {
     }
 
     #[test]
-    fn clocks_do_not_count_and_everything_else_does() {
+    fn the_digest_covers_everything_except_clock_readings() {
         let one = digest(&[(0, message(1, 0, 2.0, 100, 1))]);
         assert_eq!(one, digest(&[(0, message(1, 0, 2.0, 999, 1))]));
         assert_ne!(one, digest(&[(0, message(2, 0, 2.0, 100, 1))]));
@@ -181,14 +180,14 @@ mod tests {
     }
 
     #[test]
-    fn the_number_of_messages_counts_even_when_the_bytes_are_the_same() {
+    fn the_digest_covers_the_number_of_messages() {
         let message = message(1, 0, 2.0, 0, 1);
         let twice = [(0, message.clone()), (0, message.clone())];
         assert_ne!(digest(&twice), digest(&twice[..1]));
     }
 
     #[test]
-    fn a_stream_that_is_begun_for_it_gives_the_same_digest() {
+    fn a_stream_begun_with_a_known_hash_state_gives_the_same_digest() {
         let messages = [message(0, 5, 1.0, 3, 700), message(1, 5, 2.0, 4, 2)];
         let parts =
             [(0, 700), (1, 2)].map(|(i, n)| Parts::of_cdr(TopicId::WorldState, &messages[i], n));
@@ -206,7 +205,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn interleaving_of_sources_does_not_count(
+        fn interleaving_of_sources_does_not_matter(
             order in proptest::collection::vec(0_u32..4, 1..60), robots in 1_usize..400,
         ) {
             let mut next = [0_u64; 4];

@@ -1,26 +1,26 @@
-//! How a topic's history begins, kept for other runs.
+//! Cache of digest prefixes, shared by runs.
 //!
-//! The map is by far the largest message of a short run, and in a sweep it is always the same: it
-//! need be checked and fingerprinted once.
+//! The map is the largest message of a short run, and in a sweep it is always the same: it is checked and
+//! hashed only once.
 
 use std::any::Any;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use super::parts::Parts;
 
-/// Most maps that are kept; beyond it the one that came first goes.
+/// Maximum number of maps; beyond it the oldest is removed.
 const MAX_MAPS: usize = 16;
 
-/// The first messages of runs in this process, with the state of the fingerprint behind them.
+/// First messages of runs in this process, with the hash state after them.
 ///
-/// Only messages whose elements are shared in memory are known again, by the place of their elements:
-/// two messages with the same elements and the same header are the same bytes.
+/// The cache identifies messages with shared elements by the address of the elements: two messages with the
+/// same elements and the same header have the same bytes.
 #[derive(Debug, Default)]
 pub struct DigestPrefixes {
     known: Mutex<Vec<Arc<DigestPrefix>>>,
 }
 
-/// A message that passed the checks, and the state of its stream's hash behind it.
+/// A message that passed the checks, and the hash state after it.
 #[derive(Debug)]
 pub(super) struct DigestPrefix {
     /// An `Arc<[E]>`.
@@ -30,7 +30,7 @@ pub(super) struct DigestPrefix {
 }
 
 impl DigestPrefixes {
-    /// What is known of a message with these elements.
+    /// Returns the entry of a message with these elements.
     pub(super) fn find<E: Send + Sync + 'static>(
         &self,
         elements: &Arc<[E]>,
@@ -45,7 +45,7 @@ impl DigestPrefixes {
         known.iter().find(|known| is_the_same(known)).cloned()
     }
 
-    /// Keeps a message that passed the checks, with the state of its stream's hash behind it.
+    /// Adds a message that passed the checks, with the hash state after it.
     pub(super) fn keep<E: Send + Sync + 'static>(
         &self,
         elements: &Arc<[E]>,
@@ -65,7 +65,7 @@ impl DigestPrefixes {
     }
 }
 
-/// What of the header enters the fingerprint.
+/// Returns the part of the header that the digest covers.
 fn header(message: &Parts<'_>) -> Vec<u8> {
     let [stamp, rest, _, _] = message.without_clocks();
     [stamp, rest].concat()

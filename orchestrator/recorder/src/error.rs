@@ -3,10 +3,10 @@
 use ipc_types::bus::{BusError, ReceiveError};
 use mcap_log::LogWriteError;
 
-/// Why a run could not be recorded.
+/// Error of recording a run.
 #[derive(Debug, thiserror::Error)]
 pub enum RecorderError {
-    /// The log failed.
+    /// The log could not be written.
     #[error(transparent)]
     Log(#[from] LogWriteError),
     /// A topic could not be opened.

@@ -1,4 +1,4 @@
-//! What happened in the world, over a run.
+//! Events of the world over a run.
 
 use ipc_types::consumer::{Consumer, LoggedMessage};
 use ipc_types::messages::world::WorldEvent;
@@ -7,7 +7,7 @@ use ipc_types::topics::{TopicId, WorldEvents};
 use super::run_info::RobotInfo;
 use super::summary::{EventEntry, OutcomePart, Summary};
 
-/// Maximum number of events that a summary lists; the log has all.
+/// Maximum number of events in a summary; the log contains all.
 const MAX_EVENTS: usize = 100_000;
 
 /// The events so far.
@@ -19,7 +19,7 @@ pub(super) struct EventList {
 }
 
 impl EventList {
-    /// In a run with these robots.
+    /// Creates the list for a run with these robots.
     pub(super) fn new(robots: &[RobotInfo]) -> Self {
         Self {
             robots: robots.iter().map(|robot| robot.name.clone()).collect(),

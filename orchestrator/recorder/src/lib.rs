@@ -1,15 +1,13 @@
-//! The recorder: every message of a run, losslessly, in one MCAP file that the tools people have
-//! can open, and what the run amounted to.
+//! Recorder: writes every message of a run losslessly to one MCAP file that common tools open, and summarises
+//! the run.
 //!
-//! * [`Recorder`] drains the bus on a thread of its own and drives a [`Recording`];
-//! * [`Recording`] checks, counts and fingerprints messages, and hands them on in their order: to the
-//!   outcome of the run, to the log, to an observer. A run without a log has the same, but for the
-//!   log;
-//! * [`mcap_log::LogWriter`] is the MCAP file; [`Wakeup`] is the seam to the run.
+//! * [`Recorder`] drains the bus on its own thread and drives a [`Recording`];
+//! * [`Recording`] checks, counts and hashes messages, and passes them in order to the summary, the log and
+//!   an observer; the log is optional;
+//! * [`mcap_log::LogWriter`] writes the MCAP file; [`Wakeup`] is the interface to the run.
 //!
-//! Lossless topics are ROS 2 CDR whose body is the message's bytes (`ipc_types::cdr`); beside them
-//! stand the channels that [`DerivedTopics`] makes from the messages, such as those for viewers. Log
-//! time is simulated time.
+//! Topics are encoded as ROS 2 CDR whose body consists of the bytes of the message (`ipc_types::cdr`).
+//! [`DerivedTopics`] adds derived channels, such as those for viewers. Log time is simulated time.
 
 #![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
 #![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
@@ -42,7 +40,7 @@ mod wakeup;
 #[cfg(test)]
 mod tests;
 
-// Tests of other crates include the made-up run of these.
+// Tests of other crates include the test run of this crate.
 #[cfg(test)]
 extern crate self as recorder;
 

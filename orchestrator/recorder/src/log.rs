@@ -1,4 +1,4 @@
-//! The log of a run: every message on its own topic, and beside it the derived channels.
+//! Log of a run: topics and derived channels.
 
 use std::collections::BTreeMap;
 
@@ -10,13 +10,13 @@ use mcap_log::{ChannelId, ChannelSpec, LogWriteError, LogWriter};
 use super::derived::{DerivedLog, DerivedTopics};
 use super::summary::{Summary, TopicCount};
 
-/// Writes messages in the order in which they come.
+/// Writer of messages in the order of arrival.
 pub(super) struct Log {
     writer: LogWriter,
-    /// By the rank of their topics.
+    /// Channels by rank of their topic.
     channels: Vec<ChannelId>,
     derived: Option<DerivedLog>,
-    /// Time of the present tick (simulated ns).
+    /// Time of the current tick (simulated ns).
     time_ns: u64,
 }
 
@@ -40,8 +40,8 @@ impl Log {
         let derived = derived
             .map(|derived| DerivedLog::new(derived, &mut writer))
             .transpose()?;
-        // No flush here: a chunk that holds schemas and channels alone has no message index, and
-        // Foxglove Studio opens no file with such a chunk.
+        // No flush here: a chunk with only schemas and channels has no message index, and Foxglove Studio
+        // does not open files with such a chunk.
         Ok(Self {
             writer,
             channels,
@@ -50,7 +50,7 @@ impl Log {
         })
     }
 
-    /// Writes a message, and what is derived from it if the checks have not rejected it.
+    /// Writes a message, and the messages derived from it if it passed the checks.
     pub(super) fn message(
         &mut self,
         message: &LoggedMessage<'_>,
@@ -64,7 +64,7 @@ impl Log {
             return Ok(());
         };
         let stamp = &message.stamp;
-        // The counter of the channel has 32 bits; the stamp has all 64.
+        // MCAP sequence numbers have 32 bits; the stamp contains all 64.
         let sequence = stamp.sequence as u32;
         self.writer.write(
             *channel,
@@ -83,7 +83,7 @@ impl Log {
         }
     }
 
-    /// Every message of the present tick has been written.
+    /// Ends the current tick after its last message.
     pub(super) fn end_of_tick(&mut self) -> Result<(), LogWriteError> {
         match &mut self.derived {
             Some(derived) => derived.update(&mut self.writer, |d| d.end_of_tick(&mut ())),
@@ -95,7 +95,7 @@ impl Log {
         self.writer.flush_if_due()
     }
 
-    /// Writes how the run ended, closes the file, and says in the summary what it holds.
+    /// Writes the result of the run, closes the file, and enters its totals into the summary.
     pub(super) fn finish(mut self, summary: &mut Summary) -> Result<(), LogWriteError> {
         self.end_of_tick()?;
         if let Some(derived) = &mut self.derived {
@@ -120,7 +120,7 @@ impl Log {
     }
 }
 
-/// Size, alignment and fingerprint of a topic's messages, so that a replay can refuse a mismatch.
+/// Returns size, alignment and layout hash of a topic's messages, so that a replay can refuse a mismatch.
 fn metadata(topic: TopicId) -> BTreeMap<String, String> {
     let facts = topic.facts();
     let (header, element) = (&facts.header, &facts.element);
@@ -137,10 +137,10 @@ fn metadata(topic: TopicId) -> BTreeMap<String, String> {
     .into()
 }
 
-/// The end of a run as the last metadata record of its log.
+/// Returns the result of a run for the last metadata record of its log.
 fn result_entries(summary: &Summary) -> BTreeMap<String, String> {
-    // These structures have string keys and finite numbers only; should one ever not encode, the
-    // log is worth more than the entry.
+    // These structures have string keys and finite numbers only; an encoding error would omit the entry and
+    // keep the log.
     let json = |result: serde_json::Result<String>| result.unwrap_or_default();
     let coverage = summary
         .coverage

@@ -1,5 +1,4 @@
-//! What is noted of every message, whoever delivers it: whether it holds, how many there were, the
-//! fingerprint of them all.
+//! Audit of all messages: checks, counts and digest.
 
 use std::collections::BTreeSet;
 
@@ -15,16 +14,16 @@ use super::run_info::ProcessInfo;
 use super::sequence::Sequences;
 use super::summary::TopicCount;
 
-/// A tick this far beyond the newest world state is not believed: its message would wait for ever.
+/// Maximum distance of a tick from the newest world state; a message for a later tick would never be written.
 const MAX_TICKS_AHEAD: u64 = 1024;
 
-/// Stands for every source that is not a process of the run.
+/// Source of messages that come from no process of the run.
 const UNKNOWN_SOURCE: u32 = u32::MAX;
 
-/// Checks, counts and fingerprints messages.
+/// Checks, counts and hashes messages.
 #[derive(Debug)]
 pub(super) struct MessageAudit {
-    /// By the rank of their topics.
+    /// Statistics by rank of the topic.
     accounts: Vec<TopicStats>,
     digest: Digest,
     sources: BTreeSet<u32>,
@@ -33,24 +32,24 @@ pub(super) struct MessageAudit {
     newest: Option<u64>,
 }
 
-/// What is known of a topic's messages.
+/// Statistics of a topic.
 #[derive(Debug, Default)]
 struct TopicStats {
     sequences: Sequences,
     count: TopicCount,
 }
 
-/// What is to be thought of a message.
+/// Result of the checks of a message.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Verdict {
-    /// It passed all checks.
-    pub(super) holds: bool,
-    /// Its tick can be believed.
+    /// `true` if it passed all checks.
+    pub(super) is_valid: bool,
+    /// `true` if its tick is plausible.
     pub(super) plausible: bool,
 }
 
 impl MessageAudit {
-    /// For a run of these processes, with this much simulated time between two ticks (ns).
+    /// Creates the audit of a run with these processes and this simulated time between two ticks (ns).
     pub(super) fn new(processes: &[ProcessInfo], tick_period_ns: u64) -> Self {
         Self {
             accounts: TopicId::ALL.iter().map(|_| TopicStats::default()).collect(),
@@ -61,7 +60,7 @@ impl MessageAudit {
         }
     }
 
-    /// Enters a message. One that is known from another run is not looked through again.
+    /// Adds a message. A message known from another run is not checked again.
     pub(super) fn enter(
         &mut self,
         topic: TopicId,
@@ -73,11 +72,11 @@ impl MessageAudit {
         let simulated = topic.facts().simulated;
         let known = self.sources.contains(&stamp.source);
         let source = if known { stamp.source } else { UNKNOWN_SOURCE };
-        // Obstacle events are announced: all but those that a robot brings about come before the
-        // first tick.
+        // Obstacle events are sent in advance: all except those that a robot triggers arrive before the first
+        // tick.
         let farthest = self.newest.unwrap_or(0).saturating_add(MAX_TICKS_AHEAD);
         let plausible = topic == TopicId::ObstacleEvents || stamp.tick <= farthest;
-        let holds = known
+        let is_valid = known
             && plausible
             && (!simulated || on_time(stamp, self.tick_period_ns))
             && (beginning.is_some() || well_formed(topic, message));
@@ -86,7 +85,7 @@ impl MessageAudit {
             count.messages += 1;
             count.bytes += message.cdr_len() as u64;
         }
-        count.rejected += u64::from(!holds);
+        count.rejected += u64::from(!is_valid);
         if known {
             let missing = account.sequences.missing(source, stamp.sequence);
             count.gaps = count.gaps.saturating_add(missing);
@@ -96,14 +95,17 @@ impl MessageAudit {
         if simulated && !is_begun {
             self.digest.update(topic, source, message);
         }
-        if topic == TopicId::WorldState && holds {
+        if topic == TopicId::WorldState && is_valid {
             self.newest = self.newest.max(Some(stamp.tick));
         }
-        Verdict { holds, plausible }
+        Verdict {
+            is_valid,
+            plausible,
+        }
     }
 
-    /// The state of the fingerprint behind the first message of a process, if it has sent nothing
-    /// else of the topic.
+    /// Returns the hash state after the first message of a process, if it has sent no other message of the
+    /// topic.
     pub(super) fn beginning(&mut self, topic: TopicId, source: u32) -> Option<blake3::Hasher> {
         self.digest.beginning(topic, source)
     }
@@ -113,24 +115,24 @@ impl MessageAudit {
         self.newest
     }
 
-    /// Every topic's name and what came in of it.
+    /// Returns the name and the counts of every topic.
     pub(super) fn counts(&self) -> impl Iterator<Item = (&'static str, TopicCount)> + '_ {
         let topics = TopicId::ALL.iter().map(|topic| topic.name());
         topics.zip(self.accounts.iter().map(|account| account.count))
     }
 
-    /// The fingerprint of everything so far, as 64 hexadecimal digits.
+    /// Returns the digest of all messages so far, as 64 hexadecimal digits.
     pub(super) fn digest(&mut self) -> String {
         self.digest.finish()
     }
 }
 
-/// Whether the simulated time is that of the tick.
+/// Returns `true` if the simulated time is that of the tick.
 fn on_time(stamp: &Stamp, tick_period_ns: u64) -> bool {
     stamp.tick.checked_mul(tick_period_ns) == Some(stamp.time_ns)
 }
 
-/// Whether a message has as many elements as it should, and only numbers that make sense.
+/// Returns `true` if a message has a valid number of elements and only valid numbers.
 fn well_formed(topic: TopicId, message: &Parts<'_>) -> bool {
     use ipc_types::messages::world::MapHeader;
 
@@ -145,5 +147,5 @@ fn well_formed(topic: TopicId, message: &Parts<'_>) -> bool {
             return false;
         }
     }
-    Finite::of(topic).holds(message.header, message.elements)
+    Finite::of(topic).is_valid(message.header, message.elements)
 }

@@ -1,4 +1,4 @@
-//! Which processes failed during a run, and when they were away.
+//! Failures and outages of processes over a run.
 
 use std::collections::BTreeMap;
 
@@ -77,13 +77,13 @@ impl Outages {
         }
     }
 
-    /// All of them; the run ended at tick `end`.
+    /// Returns all outcomes; the run ended at tick `end`.
     fn outcomes(self, end: u64) -> Vec<ProcessOutcome> {
         let absent = |outcome: &ProcessOutcome| {
             let mut from = 0;
             let mut absent = 0;
             for outage in &outcome.outages {
-                // A start that failed leaves a process away that was away already.
+                // A failed restart extends the outage of the process.
                 let back = outage.back_tick.unwrap_or(end);
                 absent += back.saturating_sub(outage.left_tick.max(from));
                 from = from.max(back);

@@ -1,4 +1,4 @@
-//! The parts of which the summary of a run is made.
+//! Parts of the summary of a run.
 
 use ipc_types::consumer::Consumers;
 
@@ -12,14 +12,14 @@ use super::summary::OutcomePart;
 use super::verdicts::VerdictTotals;
 use super::visits::AllVisits;
 
-/// The parts of a run's outcome, before its first tick.
+/// Creates the parts of the summary of a run.
 pub(super) fn parts(
     robots: &[RobotInfo],
     processes: &[ProcessInfo],
     tick_period_ns: u64,
 ) -> Consumers<dyn OutcomePart> {
     Consumers::new(vec![
-        // First: the others complete the entries that it makes.
+        // First, because the other parts complete the entries that it creates.
         Box::new(Robots::new(robots, tick_period_ns)),
         Box::new(EventList::new(robots)),
         Box::new(Covered::default()),

@@ -1,13 +1,13 @@
-//! A message as the bytes of its CDR form, in pieces wherever they lie.
+//! A message as slices of its CDR form.
 
 use ipc_types::cdr::SequenceHead;
 use ipc_types::stamp::Stamp;
 use ipc_types::topics::TopicId;
 
-/// Bytes of the encapsulation header.
+/// Size of the encapsulation header (bytes).
 const ENCAPSULATION: usize = 4;
 
-/// The pieces of a message behind its encapsulation header.
+/// Slices of a message after its encapsulation header.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Parts<'a> {
     /// User header.
@@ -16,12 +16,12 @@ pub(super) struct Parts<'a> {
     pub(super) head: &'a [u8],
     /// Elements.
     pub(super) elements: &'a [u8],
-    /// How many elements.
+    /// Number of elements.
     pub(super) count: usize,
 }
 
 impl<'a> Parts<'a> {
-    /// Of a message with `count` elements in its CDR form.
+    /// Returns the slices of a message with `count` elements in its CDR form.
     pub(super) fn of_cdr(topic: TopicId, bytes: &'a [u8], count: usize) -> Self {
         let facts = topic.facts();
         let body = bytes.get(ENCAPSULATION..).unwrap_or_default();
@@ -36,7 +36,7 @@ impl<'a> Parts<'a> {
         }
     }
 
-    /// Of a message in memory.
+    /// Returns the slices of a message in memory.
     pub(super) fn new(
         header: &'a [u8],
         head: &'a SequenceHead,
@@ -51,20 +51,20 @@ impl<'a> Parts<'a> {
         }
     }
 
-    /// Bytes of the CDR form.
+    /// Returns the size of the CDR form (bytes).
     pub(super) fn cdr_len(&self) -> usize {
         ENCAPSULATION + self.header.len() + self.head.len() + self.elements.len()
     }
 
-    /// The length that the fingerprint knows a message by: as if stamps had the clocks that they had
-    /// when fingerprints began, so that a clock more or less is not another history.
+    /// Returns the length that enters the digest: with the clock fields of the first version of stamps, so
+    /// that additional clock fields do not change digests.
     pub(super) fn history_len(&self) -> usize {
         const CLOCKS: usize = size_of::<Stamp>() - Stamp::SIMULATED_BYTES;
         const CLOCKS_AT_FIRST: usize = 3 * size_of::<u64>();
         self.cdr_len().saturating_sub(CLOCKS) + CLOCKS_AT_FIRST
     }
 
-    /// The pieces that belong to the simulated history, in order.
+    /// Returns the slices that belong to the simulated history, in order.
     pub(super) fn without_clocks(&self) -> [&'a [u8]; 4] {
         [
             self.header

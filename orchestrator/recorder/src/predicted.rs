@@ -1,4 +1,4 @@
-//! How well observers predicted where robots would be, over a run.
+//! Accuracy of the predictions of observers over a run.
 
 use std::collections::BTreeMap;
 
@@ -9,20 +9,19 @@ use metrics::prediction::ErrorStatistics;
 
 use super::summary::{OutcomePart, PredictionOutcome, Summary};
 
-/// Most errors that are kept per method and time ahead; what comes later is in the log only.
+/// Maximum number of errors per method and horizon; later errors are only in the log.
 const MAX_ERRORS: usize = 1_000_000;
 
-/// The predictions of one method for one time ahead so far.
+/// Predictions of one method for one horizon.
 #[derive(Debug, Default)]
 struct Series {
     errors: Vec<f64>,
     goals_observed: u32,
-    /// When the key was first known (s), and the goals made out by then.
+    /// Time at which the key was first known (s), and the number of goals observed by then.
     recovered: Option<(f64, u32)>,
 }
 
-/// All predictions so far, by observer, robot, method and the bits of the time ahead, which sort as
-/// the times do.
+/// All predictions, by observer, robot, method and the bits of the horizon, which sort in numerical order.
 #[derive(Debug, Default)]
 pub(super) struct Predicted(BTreeMap<(u32, u32, u8, u64), Series>);
 
@@ -47,7 +46,7 @@ impl OutcomePart for Predicted {
 }
 
 impl Predicted {
-    /// Takes up a prediction of an observer at a moment (s).
+    /// Adds a prediction of an observer at a time (s).
     fn add(&mut self, observer: u32, time_s: f64, prediction: &Prediction) {
         let key = (
             observer,
@@ -65,7 +64,7 @@ impl Predicted {
         }
     }
 
-    /// What it amounts to, for robots of these names; `None` without an observer.
+    /// Returns the outcomes for robots with these names; `None` without an observer.
     fn outcomes(&self, robots: &[&str]) -> Option<Vec<PredictionOutcome>> {
         let outcomes: Vec<_> = self
             .0
@@ -111,7 +110,7 @@ mod tests {
     }
 
     #[test]
-    fn errors_are_counted_by_method_and_time_ahead_and_the_key_when_first_known() {
+    fn errors_are_counted_by_method_and_horizon_and_the_key_when_first_known() {
         let mut predicted = Predicted::default();
         let names = ["a", "b"];
         assert_eq!(predicted.outcomes(&names), None);
@@ -126,7 +125,7 @@ mod tests {
         predicted.add(3, 1.0, &prediction(5, 2.0, None, false));
         predicted.add(3, 2.0, &prediction(5, 2.0, Some(0.1), true));
         predicted.add(3, 3.0, &prediction(5, 2.0, Some(0.3), true));
-        // A robot that does not exist is none.
+        // A robot that does not exist is ignored.
         let unknown = Prediction {
             robot: 9,
             ..prediction(0, 0.5, None, false)

@@ -1,4 +1,4 @@
-//! The recording of a run, whoever delivers the messages.
+//! Recording of a run, independent of the source of messages.
 
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -24,38 +24,37 @@ use super::reorder_buffer::{Entry, ReorderBuffer};
 use super::run_info::RunInfo;
 use super::summary::{OutcomePart, Summary, TopicCount};
 
-/// How long a tick that began waits for its messages before what there is of it is written: in real
-/// time, where nothing says that a tick is complete, and when the world stands still within one.
+/// Maximum wait for the messages of a tick before the available ones are written: in real time, where no
+/// barrier marks a tick as complete, and when the world stops within a tick.
 const MAX_WAIT: Duration = Duration::from_millis(250);
 
-/// Checks, counts and fingerprints the messages of a run as they come, puts them in order, and hands
-/// them to their consumers: the outcome, the observer and, if there is one, the log.
+/// Checks, counts, hashes and sorts the messages of a run, and passes them to the consumers: the summary, the
+/// observer and the optional log.
 ///
-/// Messages may be pushed in any order that keeps the order of each source; the log, the digest
-/// and the summary do not depend on how those of different sources interleave.
+/// Messages may be pushed in any order that keeps the order of each source. Log, digest and summary do not
+/// depend on the interleaving of sources.
 pub struct Recording {
     audit: MessageAudit,
     latencies: Chain,
     reorder_buffer: ReorderBuffer,
-    /// Ticks that began, and when that was seen; those of the last [`MAX_WAIT`], in order.
+    /// Ticks that began within the last [`MAX_WAIT`], with the time of detection, in order.
     begun: VecDeque<(Instant, u64)>,
     output: Output,
-    /// The first messages of other runs in this process.
+    /// Digest prefixes of other runs in this process.
     digest_prefixes: Arc<DigestPrefixes>,
 }
 
-/// What gets the messages in their order.
+/// Consumers of the ordered messages.
 struct Output {
     outcome: Consumers<dyn OutcomePart>,
     log: Option<Log>,
     tick_period_ns: u64,
-    /// The newest tick that was written, perhaps in part.
+    /// Newest tick that was written, at least in part.
     tick: u64,
 }
 
 impl Recording {
-    /// Comes to the summary alone, without a log. `digest_prefixes` is what other runs in this process know
-    /// of their maps.
+    /// Creates a recording without a log. `digest_prefixes` contains the maps of other runs in this process.
     pub fn new(run: &RunInfo, digest_prefixes: Arc<DigestPrefixes>) -> Self {
         let (processes, tick_period_ns) = (&run.processes, run.tick_period_ns);
         Self {
@@ -73,10 +72,10 @@ impl Recording {
         }
     }
 
-    /// Writes everything into an empty log as well, with the channels that are derived from it.
+    /// Adds an empty log, with derived channels.
     ///
     /// # Errors
-    /// [`LogWriteError`] names the file.
+    /// [`LogWriteError`].
     pub fn with_log(
         mut self,
         log: LogWriter,
@@ -86,8 +85,7 @@ impl Recording {
         Ok(self)
     }
 
-    /// Takes a message. `in_place`: nothing can write to the message any more, so that it is copied
-    /// only if it is needed later.
+    /// Adds a message. `in_place`: the message is immutable and is copied only if it is needed later.
     pub(super) fn receive<T: Topic>(&mut self, message: &Received<T>, in_place: bool) {
         let (header, elements) = (message.header(), message.elements());
         if !in_place || self.output.wants(T::ID) {
@@ -109,21 +107,21 @@ impl Recording {
         let known = self.digest_prefixes.find(shared, &parts);
         let verdict = self.audit.enter(T::ID, stamp, &parts, known.as_deref());
         if known.is_none()
-            && verdict.holds
+            && verdict.is_valid
             && let Some(hasher) = self.audit.beginning(T::ID, stamp.source)
         {
             self.digest_prefixes.keep(shared, &parts, hasher);
         }
     }
 
-    /// Takes a copy of a message.
+    /// Adds a copy of a message.
     pub fn push<T: Topic>(&mut self, header: &T::Header, elements: &[T::Element]) {
         let (newest, stamp) = (self.audit.newest().unwrap_or(0), *header.stamp());
-        // From here on only the copy counts: a hostile sender could still write to the original.
+        // From here on only the copy is used: a malicious sender could still write to the original.
         let bytes = self.reorder_buffer.copy::<T>(header, elements);
         let parts = Parts::of_cdr(T::ID, bytes, elements.len());
         let verdict = self.audit.enter(T::ID, &stamp, &parts, None);
-        if verdict.holds && T::ID.facts().timed {
+        if verdict.is_valid && T::ID.facts().timed {
             let message = LoggedMessage {
                 topic: T::ID,
                 stamp,
@@ -133,18 +131,19 @@ impl Recording {
             self.latencies.message(&message, &mut ());
         }
         if is_decodable(T::ID, elements.len()) && self.output.wants(T::ID) {
-            // Who speaks outside of simulated history may do so late: about a tick that is written.
+            // Messages outside the simulated history may be late, for a tick that is already written.
             let is_late = !T::ID.facts().simulated && stamp.tick < self.output.tick;
             let tick = if is_late || !verdict.plausible {
                 newest
             } else {
                 stamp.tick
             };
-            self.reorder_buffer.keep(tick, T::ID, stamp, !verdict.holds);
+            self.reorder_buffer
+                .keep(tick, T::ID, stamp, !verdict.is_valid);
         }
     }
 
-    /// Bytes of messages whose tick has not been written yet.
+    /// Returns the size of messages whose tick has not been written yet (bytes).
     pub fn waiting_bytes(&self) -> usize {
         self.reorder_buffer.waiting_bytes()
     }
@@ -152,7 +151,7 @@ impl Recording {
     /// Writes the messages of all ticks up to `completed`, in order.
     ///
     /// # Errors
-    /// [`LogWriteError`]; the recording is then at its end.
+    /// [`LogWriteError`]; the recording must not be used afterwards.
     pub fn advance(
         &mut self,
         completed: u64,
@@ -162,13 +161,12 @@ impl Recording {
         self.output.end_of_tick()
     }
 
-    /// Writes what is ready, in order: the messages of the ticks up to `completed`, all of which have
-    /// been sent, and of those that began `MAX_WAIT` before `now`. What comes of such a tick
-    /// later is written at the next look. Before the first world state nothing is ready, so that it
-    /// comes first.
+    /// Writes complete ticks, in order: those up to `completed`, whose messages have all been sent, and those
+    /// that began [`MAX_WAIT`] before `now`. Later messages of such a tick are written at the next call.
+    /// Nothing is written before the first world state, which thus comes first.
     ///
     /// # Errors
-    /// [`LogWriteError`]; the recording is then at its end.
+    /// [`LogWriteError`]; the recording must not be used afterwards.
     pub fn write_ready(
         &mut self,
         completed: Option<u64>,
@@ -182,14 +180,14 @@ impl Recording {
         }
         let waited = |at: Instant| now.saturating_duration_since(at) >= MAX_WAIT;
         let due = self.begun.partition_point(|&(at, _)| waited(at));
-        // The last of them stays, so that it is not taken for a new one.
+        // The last of them is kept, so that it is not detected as new.
         self.begun.drain(..due.saturating_sub(1));
         let due = self.begun.front().filter(|&&(at, _)| waited(at));
         let Some(last) = completed.max(due.map(|&(_, tick)| tick)) else {
             return Ok(());
         };
         self.write(last, observer)?;
-        // The picture of a tick that is not complete waits for the rest of it.
+        // The end of an incomplete tick is not reported yet.
         if completed >= Some(last) {
             self.output.end_of_tick()?;
         }
@@ -204,7 +202,7 @@ impl Recording {
         })
     }
 
-    /// Hands what was written to the operating system if the last time is long enough ago.
+    /// Flushes the log if the last flush is long enough ago.
     ///
     /// # Errors
     /// [`LogWriteError::Write`].
@@ -215,14 +213,14 @@ impl Recording {
         }
     }
 
-    /// Writes what still waits, ends the log and says what the run amounted to.
+    /// Writes pending messages, ends the log and returns the summary.
     ///
     /// # Errors
-    /// [`LogWriteError`]; what was written before stays readable.
+    /// [`LogWriteError`]; the log stays readable up to the last flush.
     pub fn finish(mut self, observer: &mut dyn Consumer) -> Result<Summary, LogWriteError> {
         let (output, newest) = (&mut self.output, self.audit.newest().unwrap_or(0));
         self.reorder_buffer.take(None, |entry, bytes| {
-            // Announced for a time that never came: kept, but neither shown nor at that time.
+            // Messages for a time after the end are logged, but not shown, and at the time of the end.
             let too_late = entry.tick > newest && entry.topic.facts().simulated;
             let mut entry = *entry;
             entry.tick = entry.tick.min(newest);
@@ -253,7 +251,7 @@ impl Recording {
 }
 
 impl Output {
-    /// Whether messages of this topic go to anything but the audit and the latencies.
+    /// Returns `true` if messages of this topic have consumers beside the audit and the latencies.
     fn wants(&self, topic: TopicId) -> bool {
         self.log.is_some() || self.outcome.take(topic)
     }

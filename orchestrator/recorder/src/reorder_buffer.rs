@@ -1,49 +1,48 @@
-//! Messages between their arrival and their place in the log.
+//! Buffer that puts arriving messages in the order of the log.
 
 use ipc_types::cdr;
 use ipc_types::stamp::Stamp;
 use ipc_types::topics::{Topic, TopicId};
 
-/// A message that waits for its turn.
+/// A pending message.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Entry {
-    /// Tick at which it is written; its stamp's unless that is not to be believed.
+    /// Tick at which it is written: the tick of its stamp, if plausible.
     pub(super) tick: u64,
     /// Its topic.
     pub(super) topic: TopicId,
-    /// The simulated part of its stamp, and the clocks.
+    /// Its stamp.
     pub(super) stamp: Stamp,
-    /// Whether it failed the checks.
+    /// `true` if it failed the checks.
     pub(super) rejected: bool,
-    /// Order of arrival, to keep the order of what is otherwise equal.
+    /// Order of arrival, which orders entries that are otherwise equal.
     arrival: u64,
     start: usize,
     len: usize,
 }
 
-/// Holds messages, in their CDR form, until their tick is written, and hands them out ordered by
-/// tick, topic, source and sequence: the same order in every run, however they arrived.
+/// Reorder buffer of messages in their CDR form. It returns the messages of written ticks ordered by tick,
+/// topic, source and sequence, independent of their arrival.
 #[derive(Debug, Default)]
 pub(super) struct ReorderBuffer {
     entries: Vec<Entry>,
     bytes: Vec<u8>,
-    /// Bytes of the messages that are held; behind them stands one that was copied.
+    /// Size of the pending messages (bytes); a copied message may follow them.
     kept: usize,
-    /// Takes over what stays when the rest is handed out; swapped with `bytes`.
+    /// Receives the remaining messages when others are taken; swapped with `bytes`.
     spare: Vec<u8>,
     arrivals: u64,
 }
 
 impl ReorderBuffer {
-    /// Copies a message out of shared memory; returns its CDR form, which is held if [`ReorderBuffer::keep`]
-    /// follows.
+    /// Copies a message from shared memory and returns its CDR form; [`ReorderBuffer::keep`] keeps it.
     pub(super) fn copy<T: Topic>(&mut self, header: &T::Header, elements: &[T::Element]) -> &[u8] {
         self.bytes.truncate(self.kept);
         cdr::encode::<T>(header, elements, &mut self.bytes);
         &self.bytes[self.kept..]
     }
 
-    /// Holds the message that was copied last.
+    /// Keeps the message that was copied last.
     pub(super) fn keep(&mut self, tick: u64, topic: TopicId, stamp: Stamp, rejected: bool) {
         self.entries.push(Entry {
             tick,
@@ -58,10 +57,11 @@ impl ReorderBuffer {
         self.kept = self.bytes.len();
     }
 
-    /// Hands out, in order, the messages of all ticks up to `last` (of all if `None`).
+    /// Passes the messages of all ticks up to `last` (of all if `None`) to `take`, in order, and removes
+    /// them.
     ///
     /// # Errors
-    /// The first error of `take`; what was not handed out then is gone.
+    /// The first error of `take`; the remaining messages are lost.
     pub(super) fn take<E>(
         &mut self,
         last: Option<u64>,
@@ -93,7 +93,7 @@ impl ReorderBuffer {
         result
     }
 
-    /// Bytes of the messages that wait.
+    /// Returns the size of the pending messages (bytes).
     pub(super) fn waiting_bytes(&self) -> usize {
         self.kept
     }
@@ -153,7 +153,7 @@ mod tests {
     }
 
     #[test]
-    fn complete_ticks_are_handed_out_in_order_and_the_rest_waits() {
+    fn complete_ticks_are_taken_in_order_and_the_rest_stays() {
         let mut reorder_buffer = ReorderBuffer::default();
         for (topic, tick, source, sequence) in [
             (7, 2, 3, 0),
@@ -197,7 +197,7 @@ mod tests {
             for &(tick, topic, source) in &arrival[..cut] {
                 push(&mut reorder_buffer, topic, tick, source, tick);
             }
-            // Complete is only what nothing earlier can follow.
+            // A tick is complete if no earlier message can follow.
             let completed = arrival[cut..].iter().map(|k| k.0).min();
             let mut out = match completed {
                 Some(0) => Vec::new(),

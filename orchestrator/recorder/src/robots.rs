@@ -1,4 +1,4 @@
-//! What became of the robots, over a run.
+//! Outcomes of the robots over a run.
 
 use ipc_types::consumer::{Consumer, LoggedMessage};
 use ipc_types::messages::world::RobotState;
@@ -7,7 +7,7 @@ use ipc_types::topics::{TopicId, WorldState};
 use super::run_info::RobotInfo;
 use super::summary::{OutcomePart, RobotOutcome, Summary, seconds, status_name, team_name};
 
-/// The robots so far.
+/// Outcomes of the robots so far.
 #[derive(Debug)]
 pub(super) struct Robots {
     tick: u64,
@@ -18,18 +18,19 @@ pub(super) struct Robots {
 #[derive(Debug, Clone)]
 struct Robot {
     name: String,
-    /// Its last state.
+    /// Last state.
     state: RobotState,
-    /// When its status changed last (s).
+    /// Time of the last change of status (s).
     decided_s: f64,
-    /// How often it was stopped for want of a command.
+    /// Number of fail-safe stops.
     stops: u32,
-    /// How many ticks it stood stopped for want of a command.
+    /// Number of ticks in fail-safe stops.
     stopped: u64,
 }
 
 impl Robots {
-    /// Before the first tick; `tick_period_ns` is the simulated time between two ticks.
+    /// Creates the outcomes before the first tick; `tick_period_ns` is the simulated time between two ticks
+    /// (ns).
     pub(super) fn new(robots: &[RobotInfo], tick_period_ns: u64) -> Self {
         let robots = robots.iter().map(|robot| Robot {
             name: robot.name.clone(),

@@ -1,18 +1,17 @@
-//! Losses, seen in the sequence numbers.
+//! Detection of losses by sequence numbers.
 
 use std::collections::BTreeMap;
 
-/// Expects the messages of every source of one topic to be numbered without gaps from 0.
+/// Sequence numbers of one topic; those of every source count from 0 without gaps.
 #[derive(Debug, Default)]
 pub(super) struct Sequences {
     next: BTreeMap<u32, u64>,
 }
 
 impl Sequences {
-    /// How many messages of the source are missing before this one.
+    /// Returns the number of messages of the source that are missing before this one.
     ///
-    /// A number that was expected earlier is not a loss: the source was restarted and counts from
-    /// the beginning again.
+    /// A smaller number than expected is not a loss: the source was restarted and counts from 0 again.
     pub(super) fn missing(&mut self, source: u32, sequence: u64) -> u64 {
         let next = self.next.entry(source).or_insert(0);
         let missing = sequence.saturating_sub(*next);

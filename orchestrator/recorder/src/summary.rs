@@ -1,4 +1,4 @@
-//! What a run amounted to.
+//! Summary of a run.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -7,118 +7,113 @@ use ipc_types::consumer::Consumer;
 use serde::{Deserialize, Serialize};
 use statistics::Percentiles;
 
-/// What a run amounted to, as `protean run --json` prints it (design §10).
+/// Summary of a run, as `protean run --json` prints it.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Summary {
-    /// Fingerprint of the simulated history, 64 hexadecimal digits.
+    /// Digest of the simulated history, 64 hexadecimal digits.
     pub digest: String,
     /// Last tick of the world.
     pub ticks: u64,
     /// Simulated time of that tick (s).
     pub sim_time_s: f64,
-    /// What became of every robot, by its index.
+    /// Outcomes of the robots, by index.
     pub robots: Vec<RobotOutcome>,
-    /// Share of the verdicts on all evaders that said "escape possible"; absent unless a referee
-    /// ran.
+    /// Share of the verdicts "escape possible" on all evaders; absent unless a referee ran.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub escape_possible_fraction: Option<f64>,
-    /// Time from which on no evader could be sure of an escape any more (s); absent unless a referee
-    /// ran and that came about.
+    /// Time from which on no evader had a guaranteed escape (s); absent without a referee or such a time.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub escape_impossible_from_s: Option<f64>,
-    /// What happened, in order.
+    /// Events, in order.
     pub events: Vec<EventEntry>,
-    /// Events that the list leaves out because it is full.
+    /// Number of events omitted because the list is full.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub events_omitted: u64,
-    /// The area visited, if the rules account for it: as last reported.
+    /// Last reported coverage, if the rules account for it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub coverage: Option<CoverageOutcome>,
-    /// How well observers predicted where robots would be, by observer, robot, method and time ahead;
-    /// absent unless one ran.
+    /// Accuracy of predictions, by observer, robot, method and horizon; absent unless an observer ran.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub predictions: Option<Vec<PredictionOutcome>>,
-    /// The processes that failed, by their index; absent if none did.
+    /// Processes that failed, by index; absent if none failed.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub processes: Vec<ProcessOutcome>,
-    /// Every channel of the log that holds messages.
+    /// Counts of every channel of the log that contains messages.
     pub topics: BTreeMap<String, TopicCount>,
     /// Latencies by name (µs).
     pub latency_us: BTreeMap<String, Percentiles>,
-    /// The log; empty if there is none because nothing happened.
+    /// Path of the log; empty without a log.
     pub log: PathBuf,
-    /// Its size (bytes).
+    /// Size of the log (bytes).
     pub log_bytes: u64,
 }
 
-/// Makes a part of the summary of the messages that passed the checks.
+/// A part of the summary, made from the messages that passed the checks.
 pub(super) trait OutcomePart: Consumer + Send {
-    /// Enters what it found.
+    /// Enters the result into the summary.
     fn finish(self: Box<Self>, summary: &mut Summary);
 }
 
-/// What became of a robot.
+/// Outcome of a robot.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct RobotOutcome {
-    /// Its name.
+    /// Name.
     pub name: String,
     /// `neutral`, `police` or `evader`.
     pub team: String,
     /// `active`, `caught`, `escaped`, `timed_out`, `goal_reached` or `disabled`.
     pub outcome: String,
-    /// When that was decided, or the end of the run for an active one (s).
+    /// Time of the outcome, or of the end of the run for an active robot (s).
     pub time_s: f64,
     /// Path length driven (m).
     pub distance_m: f64,
-    /// Contact episodes.
+    /// Number of contact episodes.
     pub contacts: u32,
-    /// Times it was stopped for want of a fresh command.
+    /// Number of fail-safe stops (no fresh command).
     #[serde(default)]
     pub fail_safe_stops: u32,
-    /// Ticks that it was stopped for, for want of a valid one.
+    /// Number of ticks in fail-safe stops.
     #[serde(default)]
     pub fail_safe_ticks: u64,
-    /// Share of the verdicts on this evader that said "escape possible"; absent unless a referee
-    /// judged it.
+    /// Share of the verdicts "escape possible" on this evader; absent unless a referee judged it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub escape_possible_fraction: Option<f64>,
-    /// Time from which on it could not be sure of an escape any more (s); absent if it escaped, or
-    /// could have in the end.
+    /// Time from which on it had no guaranteed escape (s); absent if it escaped or had one at the end.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub escape_impossible_from_s: Option<f64>,
-    /// What became of its waypoints; absent unless its planner visits waypoints.
+    /// Outcome of its waypoints; absent unless its planner visits waypoints.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub waypoints: Option<WaypointOutcome>,
 }
 
-/// What became of a robot's waypoints.
+/// Outcome of the waypoints of a robot.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct WaypointOutcome {
-    /// Waypoints that the robot reached.
+    /// Number of waypoints reached.
     pub reached: u64,
-    /// Left out, because they lay inside an obstacle that the robot knows.
+    /// Number of waypoints left out because they are inside an obstacle that the robot knows.
     pub inside_obstacle: u64,
-    /// Left out, because they were not reached in the time allowed.
+    /// Number of waypoints left out because they were not reached in time.
     pub timed_out: u64,
-    /// Left out, because no way leads there.
+    /// Number of waypoints left out because they are unreachable.
     pub unreachable: u64,
-    /// Greatest distance that a robot's centre kept from a waypoint that counts as reached (m).
+    /// Maximum distance of the robot's centre from a waypoint that counts as reached (m).
     pub farthest_m: f64,
-    /// Laps, from the first waypoint of the route to the last.
+    /// Number of laps, from the first waypoint of the route to the last.
     pub laps: u32,
-    /// Longest time that one of them took (s).
+    /// Maximum duration of a lap (s).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub longest_lap_s: Option<f64>,
-    /// The laps through all their waypoints, those put in included; absent without a lap.
+    /// Figures of the planned laps, through all waypoints including inserted ones; absent without a lap.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub planned: Option<LapFigures>,
-    /// The laps as the robot drove them; absent without a lap.
+    /// Figures of the driven laps; absent without a lap.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub driven: Option<LapFigures>,
 }
 
 impl WaypointOutcome {
-    /// Waypoints left out, of all that ended, 0…1; 0 if there are none.
+    /// Returns the share of waypoints left out, 0 to 1; 0 without waypoints.
     pub fn left_out_share(&self) -> f64 {
         let left_out = self.inside_obstacle + self.timed_out + self.unreachable;
         let all = left_out + self.reached;
@@ -130,14 +125,14 @@ impl WaypointOutcome {
     }
 }
 
-/// What laps are like: means over the laps.
+/// Figures of laps: means over the laps.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct LapFigures {
     /// Length (m).
     pub length_m: f64,
-    /// Mean distance from where a robot would be that kept to the route, at equal times (MAE) (m).
+    /// Mean distance from a robot that follows the route exactly, at equal times (MAE) (m).
     pub mae_m: f64,
-    /// Changes of direction in a lap.
+    /// Number of changes of direction in a lap.
     pub turns: f64,
     /// Mean change of direction (MAA), in [0, π] (rad).
     pub maa: f64,
@@ -145,12 +140,12 @@ pub struct LapFigures {
     pub maa_fold: f64,
 }
 
-/// The area visited.
+/// Coverage.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct CoverageOutcome {
-    /// Visited part of the free area, 0…1.
+    /// Visited share of the free area, 0 to 1.
     pub fraction: f64,
-    /// Visited part of the area that the robots can visit at all, 0…1.
+    /// Visited share of the coverable area, 0 to 1.
     pub coverable_fraction: f64,
     /// Free area (m²).
     pub free_m2: f64,
@@ -158,42 +153,41 @@ pub struct CoverageOutcome {
     pub visited_m2: f64,
     /// Mean time since the last visit over the coverable area (s).
     pub mean_idleness_s: f64,
-    /// Longest that any coverable place has waited for a visit (s).
+    /// Maximum time since the last visit over the coverable area (s).
     pub worst_idleness_s: f64,
-    /// Standard deviation of the visits of a coverable cell, divided by their mean.
+    /// Coefficient of variation of the visits per coverable cell.
     pub unevenness: f64,
-    /// Way driven by the robots that count, together (m).
+    /// Total path length of the counted robots (m).
     pub way_m: f64,
-    /// What part of the area that the robots can visit had been visited when that way had become
-    /// 250, 500, 1000 and 2000 m; as far as the run came.
+    /// Coverage at a path length of 250, 500, 1000 and 2000 m, as far as reached.
     pub by_way: Vec<CoverageByWay>,
 }
 
-/// The area visited along a way.
+/// Coverage at a path length.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct CoverageByWay {
-    /// The way (m).
+    /// Path length (m).
     pub way_m: f64,
-    /// Visited part of the area that can be visited, 0…1; between two reports, the straight line.
+    /// Visited share of the coverable area, 0 to 1; interpolated linearly between reports.
     pub coverable_fraction: f64,
 }
 
-/// How well one method predicted where one robot would be, for one time ahead.
+/// Accuracy of one method for one robot and one horizon.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct PredictionOutcome {
     /// Index of the observer's process.
     pub observer: u32,
     /// Name of the robot.
     pub robot: String,
-    /// Name of the method: `Prediction::METHODS`.
+    /// Name of the method, of `Prediction::METHODS`.
     pub method: String,
-    /// How far ahead (s).
+    /// Prediction horizon (s).
     pub horizon_s: f64,
-    /// Predictions that came due.
+    /// Number of evaluated predictions.
     pub predictions: u64,
-    /// Times at which the method could not say.
+    /// Number of times without a prediction.
     pub without: u64,
-    /// Mean error (m); absent without a prediction, like the others.
+    /// Mean error (m); absent without a prediction, like the other errors.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub mean_m: Option<f64>,
     /// Median error (m).
@@ -202,92 +196,95 @@ pub struct PredictionOutcome {
     /// Root mean square error (m).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rms_m: Option<f64>,
-    /// Goals that the method made out.
+    /// Number of goals that the method observed.
     pub goals_observed: u32,
-    /// When it first knew the key (s); absent if it never did.
+    /// Time at which it first knew the key (s); absent if it never did.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub key_recovered_s: Option<f64>,
-    /// Goals that it had made out by then.
+    /// Number of goals observed by then.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub key_recovered_after: Option<u32>,
 }
 
-/// What became of a process that failed.
+/// Outcome of a process that failed.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ProcessOutcome {
-    /// Its name.
+    /// Name.
     pub name: String,
-    /// How often it was started again and came back.
+    /// Number of successful restarts.
     pub restarts: u32,
-    /// Ticks that were done without it.
+    /// Number of ticks without it.
     pub ticks_absent: u64,
-    /// Whether it was not started again after the last failure.
+    /// `true` if it was not restarted after the last failure.
     pub given_up: bool,
-    /// Every failure, in order.
+    /// Outages, in order.
     pub outages: Vec<Outage>,
 }
 
-/// A time without a process.
+/// An outage of a process.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Outage {
-    /// The first tick that it did not do.
+    /// First tick without the process.
     pub left_tick: u64,
     /// Simulated time of that tick (s).
     pub left_time_s: f64,
-    /// Why: `was ended by signal 9`.
+    /// Reason, such as `was ended by signal 9`.
     pub reason: String,
-    /// The first tick that it did again; absent if it never came back.
+    /// First tick with the process again; absent if it did not return.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub back_tick: Option<u64>,
 }
 
-/// One event.
+/// An event.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct EventEntry {
-    /// When (s).
+    /// Time (s).
     pub time_s: f64,
-    /// What: `WorldEvent::NAMES`.
+    /// Kind, of `WorldEvent::NAMES`.
     pub kind: String,
-    /// Name of the robot it happened to.
+    /// Name of the robot, if the event has one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub robot: Option<String>,
-    /// The other robot's index, the obstacle's id or the exit's index, by kind.
+    /// Index of the other robot, id of the obstacle or index of the exit, depending on the kind.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub other: Option<u32>,
-    /// Where, x (m).
+    /// x coordinate (m).
     pub x: f64,
-    /// Where, y (m).
+    /// y coordinate (m).
     pub y: f64,
-    /// By kind; 0 when it has none.
+    /// Value, depending on the kind; 0 if it has none.
     pub value: f64,
 }
 
-/// How much was recorded of a topic.
+/// Counts of a topic.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct TopicCount {
-    /// Messages in the log.
+    /// Number of messages in the log.
     pub messages: u64,
-    /// Their bytes, uncompressed.
+    /// Size of these messages, uncompressed (bytes).
     pub bytes: u64,
-    /// Messages that are missing by the sequence numbers.
+    /// Number of messages missing by sequence numbers.
     pub gaps: u64,
-    /// Messages that failed the checks. They are in the log all the same, but for those with a number
-    /// of elements that no reader could decode.
+    /// Number of messages that failed the checks. The log contains them, except those with a number of
+    /// elements that readers cannot decode.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub rejected: u64,
 }
 
-#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde wants a reference")]
+#[expect(
+    clippy::trivially_copy_pass_by_ref,
+    reason = "serde requires a reference"
+)]
 fn is_zero(n: &u64) -> bool {
     *n == 0
 }
 
-/// Simulated nanoseconds as seconds.
+/// Converts simulated nanoseconds to seconds.
 pub(super) fn seconds(ns: u64) -> f64 {
     ns as f64 / 1e9
 }
 
-/// Name of a team's code in `RobotState`.
+/// Returns the name of a team code of `RobotState`.
 pub fn team_name(team: u8) -> &'static str {
     ["neutral", "police", "evader"]
         .get(usize::from(team))
@@ -295,7 +292,7 @@ pub fn team_name(team: u8) -> &'static str {
         .unwrap_or("unknown")
 }
 
-/// Name of a status code in `RobotState`.
+/// Returns the name of a status code of `RobotState`.
 pub fn status_name(status: u8) -> &'static str {
     [
         "active",

@@ -1,16 +1,16 @@
-//! What a referee said of the robots, over a run.
+//! Verdicts of a referee over a run.
 
 use ipc_types::consumer::{Consumer, LoggedMessage};
 use ipc_types::topics::{TopicId, Verdicts};
 
 use super::summary::{OutcomePart, Summary};
 
-/// The verdicts on all robots so far.
+/// Verdicts on all robots.
 #[derive(Debug)]
 pub(super) struct VerdictTotals(Vec<RobotVerdicts>);
 
 impl VerdictTotals {
-    /// Of so many robots.
+    /// Creates the totals for this many robots.
     pub(super) fn new(robots: usize) -> Self {
         Self(vec![RobotVerdicts::default(); robots])
     }
@@ -34,7 +34,7 @@ impl Consumer for VerdictTotals {
 
 impl OutcomePart for VerdictTotals {
     fn finish(self: Box<Self>, summary: &mut Summary) {
-        // The last of them decides; one that could escape, or did, leaves none.
+        // The latest time counts; a robot that escaped or could escape at the end leaves none.
         let mut last = Some(f64::NEG_INFINITY);
         for (robot, verdicts) in summary.robots.iter_mut().zip(&self.0) {
             robot.escape_possible_fraction = verdicts.fraction();
@@ -55,17 +55,17 @@ impl OutcomePart for VerdictTotals {
     }
 }
 
-/// The verdicts on one robot so far.
+/// Verdicts on one robot.
 #[derive(Debug, Clone, Copy, Default)]
 struct RobotVerdicts {
     verdicts: u64,
     possible: u64,
-    /// Time of the first of the verdicts "not possible" since the last other one (s).
+    /// Time of the first verdict "not possible" after the last "possible" (s).
     impossible_from: Option<f64>,
 }
 
 impl RobotVerdicts {
-    /// Takes up a verdict of a moment (s).
+    /// Adds a verdict at a time (s).
     fn add(&mut self, time_s: f64, possible: bool) {
         self.verdicts += 1;
         if possible {
@@ -76,7 +76,7 @@ impl RobotVerdicts {
         }
     }
 
-    /// The verdicts on both.
+    /// Returns the verdicts on both robots.
     fn and(self, other: &Self) -> Self {
         Self {
             verdicts: self.verdicts + other.verdicts,
@@ -85,7 +85,7 @@ impl RobotVerdicts {
         }
     }
 
-    /// Share of the verdicts that said "possible"; `None` without any.
+    /// Returns the share of verdicts "possible"; `None` without verdicts.
     fn fraction(&self) -> Option<f64> {
         (self.verdicts > 0).then(|| self.possible as f64 / self.verdicts as f64)
     }
@@ -122,7 +122,7 @@ mod tests {
                 judge(time_s, verdict(robot, possible));
             }
         }
-        // A robot that does not exist changes nothing.
+        // A robot that does not exist is ignored.
         judge(1.0, verdict(99, true));
         let robots = robots.iter().map(|&(status, _)| RobotOutcome {
             outcome: status_name(status).to_owned(),
@@ -137,7 +137,7 @@ mod tests {
     }
 
     #[test]
-    fn escapes_become_impossible_with_the_last_verdict_that_is_not_taken_back() {
+    fn escapes_become_impossible_with_the_last_verdict_that_is_not_reversed() {
         let lost = [
             (0.0, true),
             (1.0, false),
@@ -153,14 +153,14 @@ mod tests {
         let both = summary(&[(1, &lost), (0, &sure)]);
         assert_eq!(both.escape_possible_fraction, Some(3.0 / 7.0));
         assert_eq!(both.escape_impossible_from_s, None);
-        // One that got away was not stopped, whatever was said last.
+        // A robot that escaped counts as such, regardless of the last verdict.
         let lucky = summary(&[(2, &lost)]);
         assert_eq!(lucky.robots[0].escape_impossible_from_s, None);
         assert_eq!(lucky.escape_impossible_from_s, None);
     }
 
     #[test]
-    fn without_a_referee_there_is_nothing_to_say() {
+    fn without_a_referee_the_summary_has_no_verdicts() {
         let summary = summary(&[(0, &[])]);
         assert_eq!(summary.escape_possible_fraction, None);
         let json = serde_json::to_string(&summary).unwrap();

@@ -1,5 +1,5 @@
-//! What became of a robot's waypoints, over a run: how many were reached, how long laps took, how
-//! far the way strayed from the route and how it turned.
+//! Waypoints of robots over a run: counts, durations of laps, deviation of the path from the route, and
+//! changes of direction.
 
 use ipc_types::consumer::{Consumer, LoggedMessage};
 use ipc_types::messages::robot::WaypointEnd;
@@ -11,26 +11,26 @@ use nalgebra::Point2;
 use super::run_info::RobotInfo;
 use super::summary::{LapFigures, OutcomePart, Summary, WaypointOutcome};
 
-/// Most waypoints, and most places of a robot, that are kept; what comes later is in the log only.
+/// Maximum number of kept waypoints and of kept positions of a robot; later ones are only in the log.
 const MAX_POINTS: usize = 4_000_000;
 
-/// A lap that has been completed.
+/// A completed lap.
 #[derive(Debug)]
 struct Lap {
     began_s: f64,
     ended_s: f64,
-    /// The place where it begins, and its waypoints of the route.
+    /// Start point and waypoints of the route.
     route: Vec<Point2<f64>>,
-    /// The same with the waypoints between them.
+    /// Start point, waypoints of the route and inserted waypoints.
     way: Vec<Point2<f64>>,
 }
 
-/// The waypoints of all robots so far.
+/// Waypoints of all robots.
 #[derive(Debug)]
 pub(super) struct AllVisits(Vec<Visits>);
 
 impl AllVisits {
-    /// Of these robots.
+    /// Creates the collector for these robots.
     pub(super) fn new(robots: &[RobotInfo]) -> Self {
         let visits = robots
             .iter()
@@ -70,11 +70,11 @@ impl OutcomePart for AllVisits {
     }
 }
 
-/// The waypoints of a robot so far.
+/// Waypoints of a robot.
 #[derive(Debug)]
 struct Visits {
-    /// Whether the way is kept. Not by the waypoints that have come: they may come before or after
-    /// the state of their tick.
+    /// `true` to keep the path. Does not follow from received waypoints, which may arrive before or after the
+    /// state of their tick.
     keeps_track: bool,
     counts: [u64; WaypointEnd::OUTCOMES.len()],
     farthest: f64,
@@ -84,19 +84,19 @@ struct Visits {
     waypoints: usize,
 }
 
-/// The lap under way.
+/// The current lap.
 #[derive(Debug)]
 struct Open {
     lap: u32,
     began_s: f64,
     route: Vec<Point2<f64>>,
     way: Vec<Point2<f64>>,
-    /// When the last waypoint of the route ended (s), and how many points of the way came up to it.
+    /// Time at which the last waypoint of the route ended (s), and number of path points up to it.
     closed: Option<(f64, usize)>,
 }
 
 impl Visits {
-    /// Of a robot that visits waypoints, or that does not.
+    /// Creates the collector for a robot; `visits_waypoints` is `true` if it may visit waypoints.
     fn new(visits_waypoints: bool) -> Self {
         Self {
             keeps_track: visits_waypoints,
@@ -109,14 +109,14 @@ impl Visits {
         }
     }
 
-    /// Takes up where the robot is at a time (s).
+    /// Adds the position of the robot at a time (s).
     fn state(&mut self, time_s: f64, at: Point2<f64>) {
         if self.keeps_track && self.track.points().len() < MAX_POINTS {
             self.track.push(time_s, at);
         }
     }
 
-    /// Takes up a waypoint that ended.
+    /// Adds a waypoint that ended.
     fn add(&mut self, end: &WaypointEnd) {
         if let Some(count) = self.counts.get_mut(usize::from(end.outcome)) {
             *count += 1;
@@ -131,7 +131,7 @@ impl Visits {
         let at = Point2::new(end.x, end.y);
         let of_the_route = end.kind == 0;
         let Some(open) = &mut self.open else {
-            // The way to the first waypoint belongs to no lap.
+            // The path to the first waypoint belongs to no lap.
             self.open = Some(Open::from(end.lap, end.ended_s, at));
             return;
         };
@@ -147,7 +147,7 @@ impl Visits {
             let done = core::mem::replace(open, next);
             self.laps.extend(done.lap());
         }
-        // One inside an obstacle was never on the way.
+        // A waypoint inside an obstacle is not part of the planned path.
         if end.outcome != 1 {
             open.way.push(at);
         }
@@ -157,10 +157,10 @@ impl Visits {
         }
     }
 
-    /// What became of the waypoints; `None` if there were none.
+    /// Returns the outcome of the waypoints; `None` without waypoints.
     fn finish(mut self) -> Option<WaypointOutcome> {
         let open = self.open.take()?;
-        // The last lap is whole if it has come to where it began or to where the first one ended.
+        // The last lap is complete if it reached its start or the end of the first lap.
         let last = open.route.last().copied();
         let ends = [
             open.route.first().copied(),
@@ -204,7 +204,7 @@ impl Open {
         }
     }
 
-    /// The lap up to its last waypoint of the route; `None` if it has come to none.
+    /// Returns the lap up to its last waypoint of the route; `None` without one.
     fn lap(mut self) -> Option<Lap> {
         let (ended_s, points) = self.closed?;
         self.way.truncate(points);
@@ -247,7 +247,7 @@ impl LapFigures {
         }
     }
 
-    /// Mean over the laps that have figures.
+    /// Returns the mean over the laps that have figures.
     fn mean(laps: &[Option<Self>]) -> Option<Self> {
         let known: Vec<&Self> = laps.iter().flatten().collect();
         let mean = |part: fn(&Self) -> f64| {
@@ -267,7 +267,7 @@ impl LapFigures {
 mod tests {
     use super::*;
 
-    /// Waypoints of laps around a square, each side with a point beside its middle.
+    /// Returns the waypoints of laps around a square; each side has a point beside its middle.
     fn laps(count: u32) -> Vec<WaypointEnd> {
         let corners = [[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0]];
         let mut ends = vec![end(0, 0, [0.0, 0.0], 0.0)];
@@ -302,7 +302,7 @@ mod tests {
             visits.state(end.ended_s, Point2::new(end.x, end.y));
             visits.add(end);
         }
-        // In another order, as when a state is late.
+        // In another order, as with a late state.
         let mut late = Visits::new(true);
         for end in ends {
             late.add(end);
@@ -330,7 +330,7 @@ mod tests {
         assert_eq!(outcome.farthest_m, 0.05);
         let (planned, driven) = (outcome.planned.unwrap(), outcome.driven.unwrap());
         assert_eq!(planned.turns, 7.0);
-        // The robot was at every waypoint at the time at which it ended.
+        // The robot was at every waypoint when it ended.
         assert!((planned.length_m - driven.length_m).abs() < 1e-9);
         assert!(
             (planned.mae_m - driven.mae_m).abs() < 1e-9,
@@ -347,7 +347,7 @@ mod tests {
     }
 
     #[test]
-    fn what_was_left_out_is_counted_and_not_on_the_way() {
+    fn omitted_waypoints_are_counted_and_not_part_of_the_path() {
         let mut ends = laps(2);
         ends[3].outcome = 1;
         ends[3].closest = f64::INFINITY;

@@ -1,31 +1,31 @@
-//! What the recorder needs of the run.
+//! Interface of the recorder to the run.
 
 use std::time::Duration;
 
-/// The recorder's side of the machinery that drives a run.
+/// Synchronisation of the recorder with the run.
 pub trait Wakeup {
-    /// Sleeps until the time is over; returns earlier when the run ended or when the simulator is
-    /// about to be held back because too much is unrecorded. (To return at every tick is correct,
-    /// but wakes the recorder's thread, and perhaps another core, per tick instead of per batch.)
+    /// Sleeps for `timeout`; returns earlier if the run ends or if the simulator is about to wait because too
+    /// many messages are unrecorded. (Returning at every tick is correct, but wakes the recorder thread per
+    /// tick instead of per batch.)
     fn wait(&self, timeout: Duration);
 
-    /// The last complete tick: every message of it and of those before has been sent. `None`
-    /// before the first, and in real time, where nothing says so.
+    /// Returns the last complete tick: all its messages and those of earlier ticks have been sent. `None`
+    /// before the first one and in real time, where ticks are not marked as complete.
     fn completed_tick(&self) -> Option<u64>;
 
-    /// Tells the simulator that everything up to this complete tick is in the log (back-pressure).
+    /// Reports to the simulator that the log contains everything up to this complete tick (back-pressure).
     fn recorded(&self, tick: u64);
 
-    /// How often somebody has asked the recorder to take what has been sent by then.
+    /// Returns the number of requests so far to take all sent messages.
     fn calls(&self) -> u64 {
         0
     }
 
-    /// Tells those who asked, the last of them by this call, that it has been taken.
+    /// Reports that the requests up to number `calls` are done.
     fn answer(&self, calls: u64) {
         let _ = calls;
     }
 
-    /// Whether no message will be sent any more that is not in the buffers already.
+    /// Returns `true` if all messages of the run have been sent.
     fn ended(&self) -> bool;
 }

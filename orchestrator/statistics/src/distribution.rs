@@ -1,17 +1,17 @@
-//! How times are distributed: counts in a histogram of three digits, in memory that does not grow.
+//! Distributions of times: histograms with three significant digits, in constant memory.
 
 use std::collections::BTreeMap;
 
 use hdrhistogram::Histogram;
 use serde::{Deserialize, Serialize};
 
-/// Longest time that is told apart (ns); longer ones count as this.
+/// Maximum time of the histogram (ns); longer times count as this one.
 const MAX_TIME_NS: u64 = 3_600_000_000_000;
 
-/// Percentiles of a time.
+/// Percentiles of a measured time.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct Percentiles {
-    /// How often it was measured.
+    /// Number of measurements.
     pub count: u64,
     /// Median (µs).
     pub p50: f64,
@@ -19,41 +19,40 @@ pub struct Percentiles {
     pub p90: f64,
     /// 99th percentile (µs).
     pub p99: f64,
-    /// 99.9th percentile (µs); 0 in results of versions that did not say it.
+    /// 99.9th percentile (µs); 0 in results of versions without it.
     #[serde(default)]
     pub p999: f64,
-    /// Largest (µs).
+    /// Maximum (µs).
     pub max: f64,
-    /// Jitter (µs): the mean of |difference to the measurement before|; 0 in results of versions
-    /// that did not say it.
+    /// Jitter (µs): mean of |difference to the previous measurement|; 0 in results of versions without it.
     #[serde(default)]
     pub jitter: f64,
 }
 
-/// Counts on a logarithmic axis.
+/// Histogram on a logarithmic axis.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]
 pub struct LogHistogram {
-    /// The first part begins at ten to the power of this divided by the parts per decade (ns).
+    /// Index of the first bin: it begins at 10^(`first` / bins per decade) (ns).
     pub first: u32,
-    /// Counts by part.
+    /// Counts by bin.
     pub counts: Vec<u64>,
 }
 
-/// Times that were measured.
+/// Distribution of measured times.
 #[derive(Debug, Clone)]
 pub struct Distribution {
     histogram: Histogram<u64>,
-    /// Exactly, while the histogram knows three digits.
+    /// Exact, unlike the histogram.
     max: u64,
     last: Option<u64>,
-    /// Sum of all |differences to the one before|.
+    /// Sum of all |differences to the previous measurement|.
     moved: u64,
 }
 
 impl Distribution {
-    /// An empty one; `None` never happens with the constant bounds, and costs the caller nothing.
+    /// Returns an empty distribution; never `None`, because the bounds are constant and valid.
     pub fn new() -> Option<Self> {
-        // Three digits from 1 ns; grows to what is recorded, up to an hour.
+        // Three digits from 1 ns; grows with the recorded values, up to an hour.
         let mut histogram = Histogram::new_with_bounds(1, 60_000_000_000, 3).ok()?;
         histogram.auto(true);
         Some(Self {
@@ -64,9 +63,9 @@ impl Distribution {
         })
     }
 
-    /// A measurement (ns).
+    /// Records a measurement (ns).
     pub fn record(&mut self, ns: u64) {
-        // Grows to the value; nothing above an hour is left to refuse.
+        // Cannot fail: the histogram grows, and the value is at most the maximum.
         let _ = self.histogram.record(ns.min(MAX_TIME_NS));
         self.max = self.max.max(ns);
         if let Some(last) = self.last.replace(ns) {
@@ -74,17 +73,17 @@ impl Distribution {
         }
     }
 
-    /// How many were recorded.
+    /// Returns the number of measurements.
     pub fn count(&self) -> u64 {
         self.histogram.len()
     }
 
-    /// The value below which a share of them lies (µs).
+    /// Returns the quantile for a share of the measurements (µs).
     pub fn at(&self, share: f64) -> f64 {
         microseconds(self.histogram.value_at_quantile(share).min(self.max))
     }
 
-    /// What it amounts to.
+    /// Returns the percentiles.
     pub fn percentiles(&self) -> Percentiles {
         let pairs = self.count().saturating_sub(1).max(1);
         Percentiles {
@@ -98,8 +97,8 @@ impl Distribution {
         }
     }
 
-    /// How many lay in which part of the range: `per_decade` parts of equal width on a logarithmic
-    /// axis, from the one with the first count to the one with the last.
+    /// Returns a histogram with `per_decade` bins of equal width on a logarithmic axis, from the first to the
+    /// last bin that is not empty.
     pub fn log_histogram(&self, per_decade: u32) -> LogHistogram {
         let part = |ns: u64| {
             let decades = geometry::math::ln(ns.max(1) as f64) / core::f64::consts::LN_10;
@@ -118,8 +117,8 @@ impl Distribution {
         LogHistogram { first, counts }
     }
 
-    /// Points of the cumulative distribution: time (µs) and the share that took at most that long,
-    /// one per value that the histogram tells apart.
+    /// Returns the points of the cumulative distribution: time (µs) and the share of measurements that are at
+    /// most that long, for every bin of the histogram.
     pub fn shares(&self) -> Vec<(f64, f64)> {
         let all = self.count().max(1) as f64;
         let mut below = 0;
@@ -139,7 +138,7 @@ impl Distribution {
 pub struct Distributions(BTreeMap<String, Distribution>);
 
 impl Distributions {
-    /// A measurement (ns) of the one with this name.
+    /// Records a measurement (ns) in the distribution with this name.
     pub fn record(&mut self, name: &str, ns: u64) {
         if let Some(known) = self.0.get_mut(name) {
             known.record(ns);
@@ -149,18 +148,18 @@ impl Distributions {
         }
     }
 
-    /// All of them, by name.
+    /// Returns all distributions, by name.
     pub fn iter(&self) -> impl Iterator<Item = (&String, &Distribution)> {
         self.0.iter()
     }
 
-    /// The one with this name.
+    /// Returns the distribution with this name.
     pub fn get(&self, name: &str) -> Option<&Distribution> {
         self.0.get(name)
     }
 }
 
-/// Nanoseconds below 2^53 are exact as f64.
+/// Converts nanoseconds to microseconds; exact below 2^53 ns.
 fn microseconds(ns: u64) -> f64 {
     ns as f64 / 1e3
 }
@@ -188,14 +187,14 @@ mod tests {
     }
 
     #[test]
-    fn what_older_versions_did_not_say_is_nothing() {
+    fn figures_missing_in_older_results_are_zero() {
         let text = r#"{"count":1,"p50":1.0,"p90":1.0,"p99":1.0,"max":1.0}"#;
         let percentiles: Percentiles = serde_json::from_str(text).unwrap();
         assert_eq!((percentiles.p999, percentiles.jitter), (0.0, 0.0));
     }
 
     #[test]
-    fn times_beyond_the_range_count_as_its_end() {
+    fn times_above_the_maximum_count_as_the_maximum() {
         let far = of(&[u64::MAX, 1]);
         assert_eq!(far.count(), 2);
         assert!(far.at(0.9) >= 3.5e9);

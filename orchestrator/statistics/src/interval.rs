@@ -1,39 +1,39 @@
-//! A range of values.
+//! A closed interval.
 
 use serde::{Deserialize, Serialize};
 
-/// A range of values, both ends included; `low` ≤ `high`.
+/// A closed interval; `low` ≤ `high`.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Interval {
-    /// Its lower end.
+    /// Lower bound.
     pub low: f64,
-    /// Its upper end.
+    /// Upper bound.
     pub high: f64,
 }
 
 impl Interval {
-    /// All shares: what is known of one without any data.
+    /// The interval of all shares, for a share without data.
     pub const UNIT: Self = Self {
         low: 0.0,
         high: 1.0,
     };
 
-    /// Whether a value lies in it.
+    /// Returns `true` if the interval contains the value.
     pub fn contains(&self, value: f64) -> bool {
         self.low <= value && value <= self.high
     }
 
-    /// Whether all of it lies in another.
+    /// Returns `true` if the interval lies within another one.
     pub fn is_within(&self, other: &Self) -> bool {
         other.low <= self.low && self.high <= other.high
     }
 
-    /// Whether the two have a value in common.
+    /// Returns `true` if the intervals overlap.
     pub fn meets(&self, other: &Self) -> bool {
         self.low <= other.high && other.low <= self.high
     }
 
-    /// Its length.
+    /// Returns the width of the interval.
     pub fn width(&self) -> f64 {
         self.high - self.low
     }

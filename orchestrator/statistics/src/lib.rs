@@ -1,12 +1,11 @@
-//! Intervals of shares and means.
+//! Confidence intervals of shares and means.
 //!
-//! Outcomes of the evaders of one game are not independent of each other: who hunts one of them lets
-//! the other go. A [`Sample`] therefore remembers games, and its interval counts as many outcomes as
-//! there would have to be independent ones ([`Sample::effective_size`]). [`wilson()`] works on plain
-//! counts.
+//! Outcomes of the evaders of one game are not independent: a pursuer that chases one evader lets another one
+//! escape. A [`Sample`] therefore keeps outcomes by game, and its interval uses the number of independent
+//! outcomes that carry the same information ([`Sample::effective_size`]). [`wilson()`] works on plain counts.
 //!
-//! Elementary functions are the project's own ([`geometry::math`]), and sums are over integers or
-//! in a fixed order: the same results give the same figures everywhere.
+//! Elementary functions come from [`geometry::math`], and sums are over integers or in a fixed order, so that
+//! the same results give the same figures on every machine.
 
 #![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
 #![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]

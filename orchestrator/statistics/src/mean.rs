@@ -6,19 +6,19 @@ use geometry::math::{atan, cos, sin};
 
 use super::interval::Interval;
 
-/// The mean of independent values, and how sure it is.
+/// Mean of independent values, with its standard error.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Mean {
     /// Number of values.
     pub count: usize,
-    /// Their mean.
+    /// Mean.
     pub value: f64,
-    /// Its standard error; infinite for a single value.
+    /// Standard error of the mean; infinite for a single value.
     pub error: f64,
 }
 
 impl Mean {
-    /// The mean of some values; `None` without any, or if one is not finite.
+    /// Computes the mean of values; `None` without values, or if one is not finite.
     pub fn of(values: &[f64]) -> Option<Self> {
         if values.is_empty() || !values.iter().all(|v| v.is_finite()) {
             return None;
@@ -39,7 +39,7 @@ impl Mean {
         })
     }
 
-    /// Its 95 % interval (Student's t); everything for a single value.
+    /// Returns the 95 % confidence interval (Student's t); unbounded for a single value.
     pub fn interval(&self) -> Interval {
         let half = match self.count {
             0 | 1 => f64::INFINITY,
@@ -52,10 +52,9 @@ impl Mean {
     }
 }
 
-/// The value that Student's t with so many degrees of freedom stays within, to either side, with a
-/// chance of 95 %.
+/// Returns the two-sided 95 % quantile of Student's t with `freedom` degrees of freedom.
 fn student_95(freedom: usize) -> f64 {
-    // The normal distribution's beyond: the difference is in the fourth digit.
+    // Above 2000 the quantile differs only in the fourth digit.
     let freedom = freedom.min(2000);
     let (mut low, mut high) = (0.0, 1000.0);
     loop {
@@ -71,14 +70,14 @@ fn student_95(freedom: usize) -> f64 {
     }
 }
 
-/// Chance that Student's t lies within ±`t`.
+/// Returns the probability that Student's t lies within ±`t`.
 ///
 /// Source: M. Abramowitz and I. Stegun, *Handbook of Mathematical Functions*, 26.7.3 and 26.7.4.
 fn within(t: f64, freedom: usize) -> f64 {
     let theta = atan(t / (freedom as f64).sqrt());
     let (sine, cosine) = (sin(theta), cos(theta));
     let odd = freedom % 2 == 1;
-    // The terms' powers of the cosine: 1, 3, 5 … or 0, 2, 4 …, up to freedom − 2.
+    // Powers of the cosine in the terms: 1, 3, 5 … or 0, 2, 4 …, up to freedom − 2.
     let mut term = if odd { cosine } else { 1.0 };
     let mut power = usize::from(odd);
     let mut sum = 0.0;
@@ -123,7 +122,7 @@ mod tests {
     }
 
     #[test]
-    fn a_mean_knows_its_error() {
+    fn a_mean_has_the_expected_error() {
         let mean = Mean::of(&[1.0, 2.0, 3.0, 4.0]).unwrap();
         assert_eq!((mean.count, mean.value), (4, 2.5));
         assert!((mean.error - 0.645_497_22).abs() < 1e-8);

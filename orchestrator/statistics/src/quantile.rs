@@ -1,7 +1,7 @@
-//! Quantiles of a list.
+//! Quantiles of sorted values.
 
-/// The value below which this share of values in ascending order lies: the least of them that has
-/// at least this share at or below it.
+/// Returns the smallest of the ascending values that has at least this share of the values at or below it;
+/// `None` without values.
 pub fn quantile(ascending: &[f64], share: f64) -> Option<f64> {
     let rank = (share * ascending.len() as f64).ceil() as usize;
     ascending

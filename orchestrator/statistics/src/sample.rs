@@ -1,12 +1,12 @@
-//! Outcomes that come in groups.
+//! Outcomes in groups (cluster samples).
 
 use super::interval::Interval;
 use super::wilson::wilson_at;
 
-/// Outcomes of many that come in groups: evaders that escaped, of the evaders of each game.
+/// Outcomes in groups, such as the escapes among the evaders of each game.
 ///
-/// Members of one group may depend on each other; groups do not. Kept as sums of whole numbers, so
-/// that neither the order of the groups nor how they were put together matters.
+/// Members of one group may depend on each other; groups are independent. The sample keeps integer sums, so
+/// that the order of groups and of merges does not matter.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Sample {
     groups: u64,
@@ -18,7 +18,7 @@ pub struct Sample {
 }
 
 impl Sample {
-    /// Adds a group. One without members changes nothing; more hits than members count as all.
+    /// Adds a group. A group without members changes nothing; more hits than members count as `members`.
     pub fn add(&mut self, hits: u32, members: u32) {
         if members == 0 {
             return;
@@ -34,7 +34,7 @@ impl Sample {
         });
     }
 
-    /// Both samples as one.
+    /// Returns the union of both samples.
     #[must_use]
     pub fn with(&self, other: &Self) -> Self {
         Self {
@@ -47,32 +47,32 @@ impl Sample {
         }
     }
 
-    /// Number of groups (games).
+    /// Returns the number of groups (games).
     pub fn groups(&self) -> u64 {
         self.groups
     }
 
-    /// Number of hits (escaped evaders).
+    /// Returns the number of hits (escaped evaders).
     pub fn hits(&self) -> u64 {
         self.hits
     }
 
-    /// Number of members of all groups together (evaders).
+    /// Returns the number of members of all groups (evaders).
     pub fn members(&self) -> u64 {
         self.members
     }
 
-    /// Hits of all members, 0 to 1; `None` without members.
+    /// Returns the share of hits among all members, 0 to 1; `None` without members.
     pub fn share(&self) -> Option<f64> {
         (self.members > 0).then(|| self.hits as f64 / self.members as f64)
     }
 
-    /// How many independent outcomes would say as much as these, at most [`members`](Self::members):
-    /// the members divided by the design effect, the ratio of the variance of the share between
-    /// groups (linearised ratio estimator) to that of independent outcomes.
+    /// Returns the effective sample size, at most [`members`](Self::members): the members divided by the
+    /// design effect, the ratio of the variance of the share between groups (linearised ratio estimator) to
+    /// that of independent outcomes.
     ///
-    /// Where all outcomes are equal nothing can be learned about their dependence: then each group
-    /// counts as one outcome.
+    /// If all outcomes are equal, their dependence cannot be estimated; then each group counts as one
+    /// outcome.
     ///
     /// Source: W. G. Cochran, *Sampling Techniques*, §9A.1, §11.8; J. N. K. Rao and A. J. Scott, *A
     /// simple method for the analysis of clustered binary data*, Biometrics 48 (1992); the bound by
@@ -82,7 +82,7 @@ impl Sample {
             return 0.0;
         };
         let members = self.members as f64;
-        // Each group as one outcome, weighted by its members (Kish).
+        // Each group counts as one outcome, weighted by its members (Kish).
         let wholly_dependent = members * members / self.members_squared as f64;
         let independent = share * (1.0 - share);
         if independent <= 0.0 || self.groups < 2 {
@@ -96,8 +96,8 @@ impl Sample {
         members / design_effect.max(1.0)
     }
 
-    /// Interval of the share, `z` standard errors to either side: Wilson's with the
-    /// [effective size](Self::effective_size).
+    /// Returns the interval of the share, `z` standard errors to either side: Wilson's with the [effective
+    /// size](Self::effective_size).
     ///
     /// Source: C. Franco et al., *Comparative study of confidence intervals for proportions in
     /// complex sample surveys*, J. Surv. Stat. Methodol. 7 (2019).
@@ -107,7 +107,7 @@ impl Sample {
 }
 
 impl FromIterator<(u32, u32)> for Sample {
-    /// Groups as (hits, members).
+    /// Collects groups given as (hits, members).
     fn from_iter<T: IntoIterator<Item = (u32, u32)>>(groups: T) -> Self {
         let mut sample = Self::default();
         for (hits, members) in groups {
@@ -125,9 +125,9 @@ mod tests {
     use super::*;
 
     #[test]
-    fn twins_count_once() {
-        // Both evaders of a game always fare alike: as many outcomes as games (less the loss of one
-        // degree of freedom).
+    fn equal_members_of_a_group_count_once() {
+        // Both evaders of a game always have the same outcome: as many outcomes as games (less the loss of
+        // one degree of freedom).
         let sample: Sample = (0..100)
             .map(|i| if i < 30 { (2, 2) } else { (0, 2) })
             .collect();
@@ -137,8 +137,8 @@ mod tests {
     }
 
     #[test]
-    fn opposites_count_no_more_than_they_are() {
-        // One of two escapes in every game: the share has no spread at all between games.
+    fn the_effective_size_is_at_most_the_members() {
+        // One of two evaders escapes in every game: the share does not vary between games.
         let sample: Sample = (0..50).map(|_| (1, 2)).collect();
         assert_eq!(sample.effective_size(), 100.0);
         assert_eq!(sample.interval(Z95), wilson(50, 100));
@@ -181,7 +181,7 @@ mod tests {
         }
 
         #[test]
-        fn the_interval_holds_the_share_and_is_never_too_narrow(groups in groups()) {
+        fn the_interval_contains_the_share_and_is_never_too_narrow(groups in groups()) {
             let sample: Sample = groups.into_iter().collect();
             let (interval, naive) = (sample.interval(Z95), wilson(sample.hits(), sample.members()));
             prop_assert!(interval.contains(sample.share().unwrap()));

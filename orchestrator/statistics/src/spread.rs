@@ -1,18 +1,18 @@
 //! Medians and ratios.
 
-/// The middle and the ends of repeated measurements.
+/// Median and range of repeated measurements.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Spread {
-    /// The median.
+    /// Median.
     pub median: f64,
-    /// The smallest.
+    /// Minimum.
     pub min: f64,
-    /// The largest.
+    /// Maximum.
     pub max: f64,
 }
 
 impl Spread {
-    /// Of some values; `None` without any. NaN counts as larger than everything.
+    /// Computes the spread of values; `None` without values. NaN counts as larger than every number.
     pub fn of(values: impl IntoIterator<Item = f64>) -> Option<Self> {
         let mut sorted: Vec<f64> = values.into_iter().collect();
         sorted.sort_by(f64::total_cmp);
@@ -25,7 +25,7 @@ impl Spread {
     }
 }
 
-/// The median of sorted values: the mean of the two in the middle of an even number.
+/// Returns the median of sorted values: of an even number, the mean of the middle two.
 fn middle(sorted: &[f64]) -> Option<f64> {
     let upper = *sorted.get(sorted.len() / 2)?;
     if sorted.len() % 2 == 1 {
@@ -35,10 +35,10 @@ fn middle(sorted: &[f64]) -> Option<f64> {
     Some(f64::midpoint(lower, upper))
 }
 
-/// The spread of the ratios `ours / baseline`, pair by pair.
+/// Returns the spread of the ratios `ours / baseline` of each pair.
 ///
-/// Each pair was measured back to back, so that whatever else the machine did at the time is in
-/// both; the median over pairs is then robust against the pairs in which it was not.
+/// The values of a pair are measured one after the other, so that other load on the machine affects both. The
+/// median over pairs is robust against pairs in which it affects only one.
 pub fn paired_ratio(ours: &[f64], baseline: &[f64]) -> Option<Spread> {
     Spread::of(
         ours.iter()
@@ -64,7 +64,7 @@ mod tests {
 
     #[test]
     fn ratios_are_taken_pair_by_pair() {
-        // The machine was ten times slower during the second pair: the ratio is not.
+        // The machine was ten times slower during the second pair, which does not change its ratio.
         let ratio = paired_ratio(&[80.0, 8.0, 90.0], &[100.0, 10.0, 100.0]).unwrap();
         assert!((ratio.median - 0.8).abs() < 1e-12 && (ratio.max - 0.9).abs() < 1e-12);
         assert_eq!(paired_ratio(&[1.0], &[0.0]), None, "no baseline, no ratio");

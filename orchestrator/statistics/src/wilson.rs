@@ -2,12 +2,12 @@
 
 use super::interval::Interval;
 
-/// Standard errors to either side that hold 95 % of a normal distribution.
+/// Number of standard errors to either side that contain 95 % of a normal distribution.
 pub const Z95: f64 = 1.959_963_984_540_054;
 
-/// Wilson's 95 % interval for the chance behind `hits` of `of` independent outcomes.
+/// Returns Wilson's 95 % interval for the probability, given `hits` of `of` independent outcomes.
 ///
-/// Everything from 0 to 1 without outcomes; more hits than outcomes count as all of them.
+/// 0 to 1 without outcomes; more hits than outcomes count as `of`.
 ///
 /// Source: E. B. Wilson, *Probable inference, the law of succession, and statistical inference*,
 /// J. Am. Stat. Assoc. 22 (1927).
@@ -21,7 +21,7 @@ pub fn wilson(hits: u64, of: u64) -> Interval {
     wilson_at(hits as f64 / of.max(1) as f64, of as f64, Z95)
 }
 
-/// The same for a share of 0 to 1 of `n` outcomes, which need not be whole numbers (see
+/// Returns the same interval for a share (0 to 1) of `n` outcomes, which need not be an integer (see
 /// [`Sample`](super::Sample)), `z` standard errors to either side.
 pub fn wilson_at(share: f64, n: f64, z: f64) -> Interval {
     if n.is_nan() || n <= 0.0 || !share.is_finite() || !z.is_finite() {
@@ -31,7 +31,7 @@ pub fn wilson_at(share: f64, n: f64, z: f64) -> Interval {
     let zz = z * z / n;
     let centre = (share + zz / 2.0) / (1.0 + zz);
     let half = (share * (1.0 - share) * zz + zz * zz / 4.0).sqrt() / (1.0 + zz);
-    // The ends are exact where the formula would be so but for rounding, and never exclude the share.
+    // The bounds are exact at 0 and 1, without rounding errors, and never exclude the share.
     let low = if share <= 0.0 { 0.0 } else { centre - half };
     let high = if share >= 1.0 { 1.0 } else { centre + half };
     Interval {
@@ -47,7 +47,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn ten_games_say_as_little_as_they_do() {
+    fn intervals_of_ten_games_are_wide() {
         for (hits, low, high) in [
             (0, 0.0, 0.28),
             (1, 0.02, 0.40),
@@ -65,7 +65,7 @@ mod tests {
     }
 
     #[test]
-    fn published_examples_are_met() {
+    fn published_examples_are_reproduced() {
         // R. G. Newcombe, *Two-sided confidence intervals for the single proportion*, Stat. Med. 17
         // (1998), table I, method 3.
         for (hits, of, low, high) in [
@@ -87,7 +87,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_is_known_without_data() {
+    fn without_data_the_interval_is_0_to_1() {
         assert_eq!(wilson(0, 0), Interval::UNIT);
         assert_eq!(wilson_at(0.5, f64::NAN, Z95), Interval::UNIT);
         assert_eq!(wilson_at(f64::NAN, 10.0, Z95), Interval::UNIT);
@@ -96,7 +96,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn it_holds_the_share_and_is_symmetric(of in 1_u64..5000, part in 0.0..=1.0_f64) {
+        fn it_contains_the_share_and_is_symmetric(of in 1_u64..5000, part in 0.0..=1.0_f64) {
             let hits = (part * of as f64).round() as u64;
             let (a, b) = (wilson(hits, of), wilson(of - hits, of));
             prop_assert!(a.contains(hits as f64 / of as f64));

@@ -127,7 +127,7 @@ pub(super) fn replace_with(
     path: &Path,
     write: impl FnOnce(AtomicFile) -> io::Result<AtomicFile>,
 ) -> Result<(), SweepError> {
-    AtomicFile::create(path, Existing::Replace, Readers::Anybody)
+    AtomicFile::create(path, Existing::Replace, Readers::All)
         .and_then(write)
         .and_then(AtomicFile::commit)
         .map_err(SweepError::io(path, "cannot be written"))

@@ -1,4 +1,4 @@
-//! Tables as text.
+//! Tables as CSV.
 
 use std::fmt::Write as _;
 use std::io::{self, BufWriter, Write};
@@ -7,7 +7,7 @@ use super::{Cell, Column, Rows};
 
 pub struct CsvRows<W: Write> {
     writer: csv::Writer<BufWriter<W>>,
-    /// Scratch.
+    /// Buffer for the text of a cell.
     text: String,
 }
 
@@ -26,7 +26,7 @@ impl<W: Write> Rows<W> for CsvRows<W> {
     fn row(&mut self, cells: &[Cell]) -> io::Result<()> {
         for cell in cells {
             self.text.clear();
-            // A write to a String cannot fail.
+            // Writing to a String cannot fail.
             let _ = write!(self.text, "{cell}");
             self.writer.write_field(&self.text)?;
         }

@@ -1,5 +1,5 @@
-//! Tables with a type for every column, as CSV or Apache Parquet (results of sweeps, messages of
-//! logs), and tables on a terminal.
+//! Tables with typed columns, as CSV or Apache Parquet (results of sweeps, messages of logs), and tables on a
+//! terminal.
 
 #![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
 #![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
@@ -12,20 +12,21 @@ use std::io::{self, Write};
 
 use comfy_table::{CellAlignment, LineStyle, Table, TableStyle};
 
-/// The form of a table.
+/// File format of a table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Format {
-    /// Text, a line for every row.
+    /// CSV: a line for every row.
     Csv,
-    /// Apache Parquet, with a type for every column.
+    /// Apache Parquet, with typed columns.
     Parquet,
 }
 
-/// One rule below the header, none elsewhere.
+/// Table style with one rule, below the header.
 const STYLE: TableStyle =
     TableStyle::new().header_separator(LineStyle::none().fill('─').junction('─'));
 
-/// Returns a table for the terminal with these columns: the first `texts` of them aligned left, the others right.
+/// Returns a table for a terminal with these columns: the first `texts` columns are left-aligned, the others
+/// right-aligned.
 pub fn for_terminal<'a>(header: impl IntoIterator<Item = &'a str>, texts: usize) -> Table {
     let mut table = Table::new();
     table.load_style(STYLE).set_header(header);
@@ -60,34 +61,34 @@ pub struct Column {
 }
 
 impl Column {
-    /// A column of that name and type.
+    /// Returns a column with this name and type.
     pub fn new(name: impl Into<String>, kind: Type) -> Self {
         let name = name.into();
         Self { name, kind }
     }
 }
 
-/// A value of a table: of the type of its column, or none.
+/// A cell of a table: a value of the type of its column, or empty.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Cell {
     /// No value.
     Empty,
-    /// Of [`Type::Bool`].
+    /// Value of [`Type::Bool`].
     Bool(bool),
-    /// Of [`Type::Int`].
+    /// Value of [`Type::Int`].
     Int(i64),
-    /// Of [`Type::UInt`].
+    /// Value of [`Type::UInt`].
     UInt(u64),
-    /// Of [`Type::F32`].
+    /// Value of [`Type::F32`].
     F32(f32),
-    /// Of [`Type::F64`].
+    /// Value of [`Type::F64`].
     F64(f64),
-    /// Of [`Type::Text`].
+    /// Value of [`Type::Text`].
     Text(String),
 }
 
 impl fmt::Display for Cell {
-    /// The shortest text that reads back to the same value.
+    /// Writes the shortest text that reads back to the same value.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Empty => Ok(()),
@@ -101,22 +102,22 @@ impl fmt::Display for Cell {
     }
 }
 
-/// Takes rows of a table.
+/// Writer of the rows of a table.
 pub trait Rows<W> {
-    /// Takes a row: a cell for every column.
+    /// Writes a row: a cell for every column.
     ///
     /// # Errors
     /// The file cannot be written, or a cell is not of the type of its column.
     fn row(&mut self, cells: &[Cell]) -> io::Result<()>;
 
-    /// Writes what is left.
+    /// Writes buffered rows and ends the table.
     ///
     /// # Errors
     /// The file cannot be written.
     fn finish(self: Box<Self>) -> io::Result<W>;
 }
 
-/// Begins a table with these columns.
+/// Creates the writer of a table with these columns.
 ///
 /// # Errors
 /// The file cannot be written.

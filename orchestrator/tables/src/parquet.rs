@@ -14,13 +14,13 @@ use parquet::schema::types::Type as Node;
 
 use super::{Cell, Column, Rows, Type};
 
-/// Cells that are kept before they are written.
+/// Maximum number of buffered cells; then they are written.
 const MAX_CELLS: usize = 1 << 18;
 
 pub struct ParquetRows<W: Write + Send> {
     writer: SerializedFileWriter<W>,
     kinds: Vec<Type>,
-    /// The cells that are not written yet, by column.
+    /// Buffered cells, by column.
     cells: Vec<Vec<Cell>>,
     rows: usize,
 }
@@ -118,7 +118,7 @@ fn write_column(
         }),
         Type::Int | Type::UInt => batch::<Int64Type>(column, &levels, cells, |cell| match cell {
             Cell::Int(v) => Some(*v),
-            // The type of the column says that there is no sign.
+            // The type of the column is unsigned.
             Cell::UInt(v) => Some(v.cast_signed()),
             _ => None,
         }),

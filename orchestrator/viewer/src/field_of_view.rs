@@ -1,9 +1,9 @@
-//! Fields of view: what viewers draw as seen from a robot or a place.
+//! Fields of view of robots or fixed points, for viewers.
 
 use geometry::visibility::polygon::SightLimits;
 use serde::Serialize;
 
-/// A field of view, which viewers draw as the polygon of what is seen in it.
+/// A field of view; viewers draw the visible area as a polygon.
 ///
 /// In JSON its origin is the key `robot` or `point`.
 ///
@@ -20,20 +20,20 @@ use serde::Serialize;
 /// ```
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct FieldOfView {
-    /// What viewers call it; unique.
+    /// Unique name in viewers.
     pub name: String,
-    /// Where its apex is.
+    /// Apex.
     #[serde(flatten)]
     pub origin: ViewOrigin,
-    /// Largest distance (m); unlimited if absent.
+    /// Maximum distance (m); unlimited if absent.
     pub range: Option<f64>,
-    /// Full opening angle around the robot's heading (rad); all round if absent.
+    /// Full opening angle around the robot's heading (rad); 2π if absent.
     #[serde(rename = "field_of_view")]
     pub angle: Option<f64>,
 }
 
 impl FieldOfView {
-    /// Its range and angle.
+    /// Returns range and angle.
     pub fn limits(&self) -> SightLimits {
         SightLimits {
             range: self.range,
@@ -46,8 +46,8 @@ impl FieldOfView {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ViewOrigin {
-    /// A robot, by its index: as long as it plays.
+    /// A robot, by index, while it is active.
     Robot(u32),
-    /// A fixed place (m).
+    /// A fixed point (m).
     Point([f64; 2]),
 }

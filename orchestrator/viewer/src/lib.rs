@@ -1,8 +1,8 @@
-//! What viewers (Foxglove, Lichtblick, Rerun) show of a run.
+//! Visualisation of a run in viewers (Foxglove, Lichtblick, Rerun).
 //!
 //! * `topics`: the `/viewer/…` topics, which [`viewer_topics`] derives from the messages of a run: a
 //!   [`recorder::Recording`] writes them into the log;
-//! * `live`: [`LiveServer`], which sends what goes into the log to viewers while the run goes on.
+//! * `live`: [`LiveServer`], which sends logged messages to viewers during the run.
 
 #![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
 #![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]

@@ -1,4 +1,4 @@
-//! The frame that points stand in.
+//! Axes, grid and frame of a chart.
 
 use super::chart::{Chart, Scale, Unit, number};
 use super::drawing::{Drawing, Shape, Step};
@@ -6,14 +6,14 @@ use super::ticks::Ticks;
 use crate::canvas::{Style, text_width};
 use crate::palette;
 
-/// Lines of the grid: fainter than everything else.
+/// Colour of grid lines, the faintest of the chart.
 const GRID: &str = "#e3e6ea";
-/// Font size of what stands at ticks (px).
+/// Font size of tick labels (px).
 const TICK: f64 = 13.0;
-/// Font size of an axis' text (px).
+/// Font size of axis labels (px).
 const LABEL: f64 = 14.5;
 
-/// The axes of a chart, and where they lie on the page.
+/// The axes of a chart and their area of the page.
 pub(super) struct Axes {
     x: Ticks,
     y: Ticks,
@@ -24,7 +24,7 @@ pub(super) struct Axes {
 }
 
 impl Axes {
-    /// Axes for the points of a chart, in an area of the page: left, top, right, bottom (px).
+    /// Creates axes for the points of a chart, in an area of the page: left, top, right, bottom (px).
     pub(super) fn new(chart: &Chart, area: [f64; 4]) -> Self {
         Self {
             x: horizontal(chart),
@@ -35,14 +35,14 @@ impl Axes {
         }
     }
 
-    /// Room that the numbers at the vertical axis need (px).
+    /// Returns the width of the tick labels of the vertical axis (px).
     pub(super) fn room(chart: &Chart) -> f64 {
         let widths = vertical(chart).values.into_iter();
         let widths = widths.map(|v| text_width(&tick_text(chart.unit, v), TICK));
         widths.fold(0.0, f64::max)
     }
 
-    /// Where values lie on the page (px).
+    /// Returns the position of a point on the page (px).
     pub(super) fn place(&self, x: f64, y: f64) -> [f64; 2] {
         let [left, top, right, bottom] = self.area;
         let part = |v: f64, ticks: &Ticks| (v - ticks.low) / (ticks.high - ticks.low);
@@ -52,14 +52,14 @@ impl Axes {
         ]
     }
 
-    /// The smallest distance of two different values of the horizontal axis (px).
+    /// Returns the minimum distance of two different values of the horizontal axis (px).
     pub(super) fn spacing(&self) -> f64 {
         let pairs = self.x.values.iter().zip(self.x.values.iter().skip(1));
         let gaps = pairs.map(|(a, b)| self.place(*b, 0.0)[0] - self.place(*a, 0.0)[0]);
         gaps.fold(f64::INFINITY, f64::min)
     }
 
-    /// Draws grid, frame, numbers and texts.
+    /// Draws grid, frame, tick labels and axis labels.
     pub(super) fn draw(&self, chart: &Chart, drawing: &mut Drawing) {
         let [left, top, right, bottom] = self.area;
         let tick = Style {
@@ -79,7 +79,7 @@ impl Axes {
             ..tick
         };
         let mut written = f64::NEG_INFINITY;
-        // Long numbers with nothing but zeros between them need more room to be kept apart.
+        // Long numbers need more space between them.
         let apart = if self.x_scale == Scale::Linear {
             3.0
         } else {
@@ -92,7 +92,7 @@ impl Axes {
                 Some(name) => name.clone(),
                 None => number(value),
             };
-            // What would run into its neighbour is left out.
+            // Labels that would overlap are left out.
             let half = text_width(&text, TICK) / 2.0;
             if x - half >= written {
                 drawing.text(x, bottom + 20.0, middle, &text);
@@ -123,7 +123,7 @@ impl Axes {
     }
 }
 
-/// Ticks stand where there are points, if they are few; else at round numbers.
+/// Returns ticks at the values of the points if they are few, else at round numbers.
 fn horizontal(chart: &Chart) -> Ticks {
     if !chart.x_names.is_empty() {
         let places = 0..chart.x_names.len() as u32;
@@ -146,7 +146,7 @@ fn horizontal(chart: &Chart) -> Ticks {
     }
 }
 
-/// Ticks at powers of ten around all values; the ends are exponents.
+/// Returns ticks at powers of ten around all values; `low` and `high` are exponents.
 fn decades(values: impl Iterator<Item = f64>) -> Ticks {
     let ends = (f64::INFINITY, f64::NEG_INFINITY);
     let (low, high) = values.fold(ends, |(low, high), value| {

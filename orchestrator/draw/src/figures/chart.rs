@@ -1,46 +1,46 @@
-//! What is to be seen in a chart.
+//! Contents of a chart.
 
 /// A chart: curves over one quantity.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Chart {
     /// Heading.
     pub title: String,
-    /// What else is to be said at once: conditions, numbers of games. One line or two.
+    /// Conditions of the measurement, such as the number of games; one or two lines.
     pub subtitle: String,
-    /// Text along the horizontal axis, with its unit.
+    /// Label of the horizontal axis, with its unit.
     pub x_label: String,
-    /// Names of the places 0, 1, 2 … on the horizontal axis, if what stands there are not numbers.
+    /// Category names of the values 0, 1, 2 … of the horizontal axis; empty for numbers.
     pub x_names: Vec<String>,
-    /// How the horizontal axis is divided.
+    /// Scale of the horizontal axis.
     pub x_scale: Scale,
-    /// Whether points have no marks: curves of so many points that lines say it all.
+    /// `true` for curves without marks, for curves of many points.
     pub lines_only: bool,
-    /// Text along the vertical axis, with its unit.
+    /// Label of the vertical axis, with its unit.
     pub y_label: String,
-    /// How the vertical axis is divided; shares are always in equal steps.
+    /// Scale of the vertical axis; always linear for shares.
     pub y_scale: Scale,
-    /// How the vertical axis is divided.
+    /// Unit of the vertical axis.
     pub unit: Unit,
     /// The curves, in the order of the legend.
     pub series: Vec<Series>,
-    /// What the hollow marks are; nothing is said if there are none.
+    /// Legend of the hollow marks; ignored without reference points.
     pub reference: String,
-    /// What the bars at the points are; 95 % intervals if nothing is said.
+    /// Legend of the bars at the points; empty for `95 % interval`.
     pub interval: String,
 }
 
-/// How an axis is divided.
+/// Scale of an axis.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum Scale {
-    /// Equal steps.
+    /// Linear.
     #[default]
     Linear,
-    /// Powers of ten; what is not positive has no place there.
+    /// Logarithmic; values that are not positive are left out.
     Logarithmic,
 }
 
 impl Scale {
-    /// Where a value lies.
+    /// Returns the coordinate of a value on the axis.
     pub(super) fn place(self, value: f64) -> f64 {
         match self {
             Self::Linear => value,
@@ -48,52 +48,51 @@ impl Scale {
         }
     }
 
-    /// Whether a value has a place.
+    /// Returns `true` if the axis can show the value.
     fn has(self, value: f64) -> bool {
         self == Self::Linear || value >= MIN_LOG_VALUE
     }
 }
 
-/// How values are shown.
+/// Format of values.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum Unit {
-    /// Shares of 0 to 1, written as per cent.
+    /// Shares of 0 to 1, written in per cent.
     #[default]
     Share,
-    /// Any numbers.
+    /// Plain numbers.
     Number,
 }
 
 /// One curve.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Series {
-    /// Its name in the legend.
+    /// Name in the legend.
     pub name: String,
-    /// Its points; they are joined in the order of their x. What is not finite, or beyond 10¹⁰⁰,
-    /// is left out.
+    /// Points, joined in the order of x. Values that are not finite or exceed 10¹⁰⁰ are left out.
     pub points: Vec<Point>,
-    /// Points of others for comparison, drawn hollow and not joined.
+    /// Published points for comparison, drawn as hollow marks and not joined.
     pub reference: Vec<Point>,
 }
 
-/// Smallest number that is drawn on a logarithmic axis.
+/// Minimum value on a logarithmic axis.
 const MIN_LOG_VALUE: f64 = 1e-100;
-/// Largest number that is drawn.
+/// Maximum magnitude of a value.
 const MAX_VALUE: f64 = 1e100;
 
 /// One point of a curve.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Point {
-    /// On the horizontal axis: a number, or an index of [`Chart::x_names`].
+    /// Value on the horizontal axis: a number, or an index of [`Chart::x_names`].
     pub x: f64,
-    /// On the vertical axis; a share is 0 to 1.
+    /// Value on the vertical axis; a share is 0 to 1.
     pub y: f64,
-    /// The ends of its interval, if it has one.
+    /// Bounds of its interval, if it has one.
     pub interval: Option<(f64, f64)>,
 }
 
 impl Point {
-    /// Whether it can be drawn: its numbers are finite, and not so large that sums of them are not.
+    /// Returns `true` if its values are finite and within the range of the axes.
     pub(super) fn can_be_drawn(&self, chart: &Chart) -> bool {
         let (low, high) = self.interval.unwrap_or((self.y, self.y));
         [self.x, self.y, low, high]
@@ -103,7 +102,7 @@ impl Point {
             && [self.y, low, high].iter().all(|v| chart.y_scale.has(*v))
     }
 
-    /// The lowest and highest value that belong to it.
+    /// Returns the lowest and the highest value of the point and its interval.
     pub(super) fn reach(&self) -> (f64, f64) {
         match self.interval {
             Some((low, high)) => (low.min(self.y), high.max(self.y)),
@@ -113,7 +112,7 @@ impl Point {
 }
 
 impl Chart {
-    /// All points that can be drawn, those for comparison included.
+    /// Returns all points that can be drawn, reference points included.
     pub(super) fn points(&self) -> impl Iterator<Item = &Point> {
         let of = |s| {
             let s: &Series = s;
@@ -125,14 +124,14 @@ impl Chart {
             .filter(|p| p.can_be_drawn(self))
     }
 
-    /// Whether anything is compared with.
+    /// Returns `true` if the chart has reference points.
     pub(super) fn has_reference(&self) -> bool {
         self.series.iter().any(|s| !s.reference.is_empty())
     }
 }
 
 impl Unit {
-    /// A value in words: `63.5 %`, `12.25`.
+    /// Formats a value: `63.5 %`, `12.25`.
     pub(super) fn text(self, value: f64) -> String {
         match self {
             Self::Share => format!("{:.1} %", 100.0 * value),
@@ -141,7 +140,7 @@ impl Unit {
     }
 }
 
-/// A number with at most four digits after the point, without zeros at its end.
+/// Formats a number with at most four decimals, without trailing zeros.
 pub(super) fn number(value: f64) -> String {
     let text = format!("{value:.4}");
     let text = text.trim_end_matches('0').trim_end_matches('.');

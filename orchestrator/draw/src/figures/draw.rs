@@ -1,4 +1,4 @@
-//! The page.
+//! Layout of a chart on a page.
 
 use super::axes::Axes;
 use super::chart::Chart;
@@ -10,18 +10,18 @@ use crate::palette;
 
 /// Width of the page (px).
 const WIDTH: f64 = 860.0;
-/// Height of the frame (px).
+/// Height of the frame of the axes (px).
 const FRAME: f64 = 380.0;
-/// Room at the edges of the page (px).
+/// Margin of the page (px).
 const MARGIN: f64 = 22.0;
 /// Width of the legend (px).
 const LEGEND: f64 = 200.0;
 /// Font size of the heading (px).
 const TITLE: f64 = 19.0;
-/// Font size of the line below (px).
+/// Font size of the subtitle (px).
 const SUBTITLE: f64 = 13.5;
 
-/// Arranges a chart on a page, the same for the same chart. The paper is white in every viewer.
+/// Draws a chart; the same chart gives the same drawing. The background is always white.
 pub fn draw(chart: &Chart) -> Drawing {
     let subtitle = wrap(&chart.subtitle, SUBTITLE, WIDTH - 2.0 * MARGIN);
     let top = MARGIN + TITLE + 18.0 * subtitle.len() as f64 + 16.0;

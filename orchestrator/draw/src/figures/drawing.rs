@@ -1,8 +1,8 @@
-//! A drawing: lines, areas and texts on a page, as SVG.
+//! Shapes and texts on a page, as SVG.
 
 use crate::canvas::{Canvas, Num, Style, escape};
 
-/// Lines, areas and texts on a page; all coordinates are in pixels, y down.
+/// A page with shapes and texts; all coordinates are in pixels, y down.
 pub struct Drawing {
     /// Width of the page (px).
     pub(super) width: f64,
@@ -11,34 +11,34 @@ pub struct Drawing {
     canvas: Canvas,
 }
 
-/// An outline, filled or drawn or both.
+/// An outline, filled, stroked or both.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(super) struct Shape {
     pub(super) outline: Vec<Step>,
-    /// Colour inside, `#rrggbb`.
+    /// Fill colour, `#rrggbb`.
     pub(super) fill: Option<&'static str>,
-    /// Colour and width (px) of the line.
+    /// Colour and width (px) of the stroke.
     pub(super) line: Option<(&'static str, f64)>,
-    /// Lengths of dashes and gaps (px); empty for a whole line.
+    /// Lengths of dashes and gaps (px); empty for a solid line.
     pub(super) dash: &'static [f32],
-    /// 0 for invisible to 1; 0 counts as 1.
+    /// Opacity, 0 to 1; 0 counts as 1.
     pub(super) opacity: f64,
-    /// Text shown for it when pointed at.
+    /// Tooltip.
     pub(super) hint: String,
 }
 
-/// A piece of an outline.
+/// A segment of an outline.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Step {
     Move(f64, f64),
     Line(f64, f64),
-    /// A whole circle by its centre and radius.
+    /// A full circle: centre and radius.
     Circle(f64, f64, f64),
     Close,
 }
 
 impl Drawing {
-    /// An empty page of this size (px), with words for those who cannot see it.
+    /// Creates an empty page of this size (px), with title and description for screen readers.
     pub(super) fn new(width: f64, height: f64, title: &str, description: &str) -> Self {
         Self {
             width,
@@ -47,13 +47,13 @@ impl Drawing {
         }
     }
 
-    /// Everything drawn until [`end`](Self::end) belongs together.
+    /// Begins a group, which [`end`](Self::end) closes.
     pub(super) fn begin(&mut self, name: &str) {
         self.canvas
             .add(format_args!("<g><title>{}</title>\n", escape(name)));
     }
 
-    /// Ends what [`begin`](Self::begin) began.
+    /// Ends the group that [`begin`](Self::begin) began.
     pub(super) fn end(&mut self) {
         self.canvas.add(format_args!("</g>\n"));
     }
@@ -72,12 +72,12 @@ impl Drawing {
         });
     }
 
-    /// Writes a line of text with its base line at this point.
+    /// Writes a line of text with its baseline at this point.
     pub(super) fn text(&mut self, x: f64, y: f64, style: Style, text: &str) {
         self.canvas.label(x, y, &style, text);
     }
 
-    /// Writes a line of text upwards.
+    /// Writes a line of text, rotated to read upwards.
     pub(super) fn upright(&mut self, x: f64, y: f64, style: Style, text: &str) {
         self.canvas.add(format_args!(
             "<g transform=\"translate({} {}) rotate(-90)\">",
@@ -88,7 +88,7 @@ impl Drawing {
         self.canvas.add(format_args!("</g>\n"));
     }
 
-    /// The drawing as an SVG document.
+    /// Returns the drawing as an SVG document.
     pub fn svg(self) -> String {
         self.canvas.finish()
     }

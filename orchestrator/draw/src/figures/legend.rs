@@ -1,4 +1,4 @@
-//! Which curve is which.
+//! Legend of a chart.
 
 use super::chart::Chart;
 use super::drawing::{Drawing, Shape, Step};
@@ -8,16 +8,16 @@ use crate::palette;
 
 /// Font size (px).
 const SIZE: f64 = 14.0;
-/// Font size of what is label beside (px).
+/// Font size of explanations (px).
 const SMALL: f64 = 12.5;
-/// Distance of two lines of a row (px).
+/// Distance between two lines of a row (px).
 const LINE: f64 = 18.0;
 /// Space between two rows (px).
 const BETWEEN: f64 = 9.0;
-/// Space for the sign at the left (px).
+/// Width of the symbol at the left (px).
 const SIGN: f64 = 38.0;
 
-/// A row of the legend: a curve, or the explanation of a sign.
+/// A row of the legend: a curve, or the explanation of a symbol.
 struct Row {
     sign: Sign,
     lines: Vec<String>,
@@ -36,7 +36,7 @@ pub(super) struct Legend {
 }
 
 impl Legend {
-    /// The rows for what there is in a chart, in lines of at most this width (px).
+    /// Creates the rows for a chart, in lines of at most this width (px).
     pub(super) fn of(chart: &Chart, width: f64) -> Self {
         let lines = |text: &str, size: f64| wrap(text, size, width - SIGN);
         let mut rows: Vec<Row> = chart
@@ -59,7 +59,7 @@ impl Legend {
                 lines: lines(
                     match chart.interval.as_str() {
                         "" => "95 % interval",
-                        label => label,
+                        interval => interval,
                     },
                     SMALL,
                 ),
@@ -77,12 +77,12 @@ impl Legend {
         }
     }
 
-    /// Height of all rows (px).
+    /// Returns the height of all rows (px).
     pub(super) fn height(&self) -> f64 {
         self.rows.iter().map(Row::height).sum()
     }
 
-    /// Draws it with its upper left corner here (px).
+    /// Draws the legend with its upper left corner at this point (px).
     pub(super) fn draw(&self, drawing: &mut Drawing, left: f64, top: f64) {
         let mut y = top;
         for row in &self.rows {

@@ -1,16 +1,16 @@
-//! Colours, marks and dashes that keep curves apart, for any colour vision and in print.
+//! Colours, marks and dashes that distinguish curves, also in print and with colour-vision deficiency.
 
 use super::drawing::{Drawing, Shape, Step};
 use crate::palette;
 
-/// Okabe and Ito's palette without its yellow, which white paper swallows.
+/// Okabe and Ito's palette without yellow, which has too little contrast on white.
 const COLORS: [&str; 6] = [
     "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9",
 ];
-/// Dashes, one kind for each round through the colours.
+/// Dash patterns, one for each cycle through the colours.
 const DASHES: [&[f32]; 4] = [&[], &[7.0, 4.0], &[2.0, 3.0], &[9.0, 3.0, 2.0, 3.0]];
 
-/// How a curve looks.
+/// Style of a curve.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Look {
     pub(super) color: &'static str,
@@ -18,11 +18,11 @@ pub(super) struct Look {
     mark: usize,
 }
 
-/// Half the width of a mark (px).
+/// Half width of a mark (px).
 pub(super) const MARK: f64 = 5.0;
 
 impl Look {
-    /// The look of the curve with this number.
+    /// Returns the style of the curve with this index.
     pub(super) fn of(index: usize) -> Self {
         Self {
             color: COLORS
@@ -33,14 +33,14 @@ impl Look {
                 .get(index / COLORS.len() % DASHES.len())
                 .copied()
                 .unwrap_or_default(),
-            // Seven marks and six colours: the same pair comes again after forty-two curves.
+            // Seven marks and six colours: a pair repeats after 42 curves.
             mark: index % 7,
         }
     }
 
-    /// Draws the curve's mark, with a text for who points at it.
+    /// Draws the mark of the curve, with a tooltip.
     pub(super) fn mark(&self, drawing: &mut Drawing, at: [f64; 2], hollow: bool, hint: String) {
-        // Larger, so that it is seen around a mark of ours at the same place.
+        // Larger, so that it is visible around a filled mark at the same point.
         let size = if hollow { MARK * 1.3 } else { MARK };
         let corners = |corners: &[(f64, f64)]| {
             let mut outline: Vec<Step> = Vec::new();
@@ -67,7 +67,7 @@ impl Look {
         let (fill, line) = if hollow {
             (palette::PAPER, (self.color, 2.0))
         } else {
-            // A rim of paper keeps marks apart that lie on each other.
+            // An outline in the background colour separates overlapping marks.
             (self.color, (palette::PAPER, 1.0))
         };
         drawing.shape(&Shape {
@@ -85,7 +85,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn no_two_of_the_first_curves_look_alike() {
+    fn the_first_curves_have_different_styles() {
         let looks: Vec<Look> = (0..24).map(Look::of).collect();
         for (i, a) in looks.iter().enumerate() {
             assert!(looks.iter().skip(i + 1).all(|b| a != b), "{i}");

@@ -1,7 +1,7 @@
-//! Charts: measured points with their intervals, joined to curves, beside published ones; as SVG.
+//! Charts as SVG: measured points with intervals, joined to curves, and published points for comparison.
 //!
-//! * a [`Chart`] says what is to be seen, in numbers and words;
-//! * [`fn@draw`] arranges it on a page, as a pure function;
+//! * a [`Chart`] contains the data and texts;
+//! * [`fn@draw`] lays it out on a page, as a pure function;
 //! * a [`Drawing`] is an SVG document ([`Drawing::svg`]).
 
 mod axes;

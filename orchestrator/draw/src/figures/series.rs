@@ -1,17 +1,17 @@
-//! The curves.
+//! Curves of a chart.
 
 use super::axes::Axes;
 use super::chart::{Chart, Point, Series, Unit, number};
 use super::drawing::{Drawing, Shape, Step};
 use super::marks::{Look, MARK};
 
-/// Distance between the marks of two curves at the same place (px).
+/// Maximum distance between the marks of two curves at the same value (px).
 const APART: f64 = 5.0;
 
-/// Draws all curves: first what lies below, last the marks.
+/// Draws all curves, marks on top.
 pub(super) fn draw(chart: &Chart, axes: &Axes, drawing: &mut Drawing) {
     let count = chart.series.len();
-    // Beside each other at every value, as far as there is room.
+    // Marks of different curves at the same value stand side by side, if the spacing allows.
     let room = axes.spacing() * 0.6 / count.max(1) as f64;
     let apart = APART.min(room);
     let curves: Vec<Curve> = chart
@@ -51,13 +51,13 @@ fn drawable(points: &[Point], chart: &Chart) -> Vec<Point> {
     points
 }
 
-/// One curve and where it stands.
+/// One curve and its offset.
 struct Curve<'a> {
     chart: &'a Chart,
     series: &'a Series,
     axes: &'a Axes,
     look: Look,
-    /// How far it is moved aside (px).
+    /// Horizontal offset (px).
     shift: f64,
     points: Vec<Point>,
 }
@@ -68,7 +68,7 @@ impl Curve<'_> {
         [px + self.shift, py]
     }
 
-    /// Whether its points are joined: places with names have no order.
+    /// Returns `true` if the points are joined; categories have no order and are not.
     fn joined(&self) -> bool {
         self.chart.x_names.is_empty()
     }
@@ -112,7 +112,7 @@ impl Curve<'_> {
                 self.bar(drawing, point.x, low, high);
             }
         }
-        // What others measured stands above our bars and below our marks.
+        // Reference points are drawn above the bars and below the marks.
         for point in drawable(&self.series.reference, self.chart) {
             if let Some((low, high)) = point.interval {
                 let (top, bottom) = (self.place(point.x, high), self.place(point.x, low));
@@ -151,7 +151,7 @@ impl Curve<'_> {
         });
     }
 
-    /// What a point says: `RRT*, 1.5: 63.0 % (58.1 % … 67.6 %)`.
+    /// Returns the tooltip of a point: `RRT*, 1.5: 63.0 % (58.1 % … 67.6 %)`.
     fn hint(&self, point: &Point, name: &str) -> String {
         let x = match self.chart.x_names.get(point.x.max(0.0) as usize) {
             Some(name) => name.clone(),

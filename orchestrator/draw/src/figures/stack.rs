@@ -1,4 +1,4 @@
-//! Bars that are put together of parts.
+//! Stacked bars.
 
 use super::drawing::{Drawing, Shape, Step};
 use super::marks::Look;
@@ -14,14 +14,14 @@ const TEXT: f64 = 13.0;
 const TITLE: f64 = 19.0;
 const ROW: f64 = 21.0;
 
-/// Bars, one below the other, of the same parts.
+/// Horizontal stacked bars with the same parts.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Stack {
     /// Heading.
     pub title: String,
-    /// What else is to be said at once.
+    /// Subtitle.
     pub subtitle: String,
-    /// Text along the axis, with its unit.
+    /// Label of the axis, with its unit.
     pub label: String,
     /// Names of the parts.
     pub parts: Vec<String>,
@@ -32,14 +32,14 @@ pub struct Stack {
 /// One bar.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Bar {
-    /// Its name.
+    /// Name.
     pub name: String,
-    /// Lengths of its parts; what is not finite or positive is left out.
+    /// Lengths of its parts; values that are not finite and positive are left out.
     pub parts: Vec<f64>,
 }
 
 impl Stack {
-    /// Arranges it on a page.
+    /// Draws the bars on a page.
     pub fn draw(&self) -> Drawing {
         let style = Style {
             size: TEXT,
@@ -134,7 +134,7 @@ fn is_drawn(length: f64) -> bool {
     length.is_finite() && length > 0.0
 }
 
-/// A part from left and top to right and bottom.
+/// Draws a part; `sides` are left, top, right and bottom (px).
 fn rectangle(drawing: &mut Drawing, sides: [f64; 4], index: usize, hint: String) {
     let [left, top, right, bottom] = sides;
     drawing.shape(&Shape {
@@ -147,7 +147,7 @@ fn rectangle(drawing: &mut Drawing, sides: [f64; 4], index: usize, hint: String)
         ],
         fill: Some(Look::of(index).color),
         line: Some((palette::PAPER, 0.75)),
-        // The second round through the colours is paler.
+        // The second cycle through the colours is paler.
         opacity: if index < 6 { 1.0 } else { 0.45 },
         hint,
         ..Shape::default()
@@ -159,7 +159,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_part_is_drawn_and_nonsense_is_not() {
+    fn every_valid_part_is_drawn() {
         let stack = Stack {
             title: "a < b".into(),
             parts: vec!["one".into(), "two".into(), "three".into()],

@@ -1,4 +1,4 @@
-//! Charts as a whole.
+//! Tests of whole charts.
 
 use proptest::prelude::*;
 use roxmltree::Document;
@@ -45,7 +45,7 @@ fn chart() -> Chart {
     }
 }
 
-/// The paths in the group of this name.
+/// Returns the paths in the group of this name.
 fn group<'a>(svg: &'a Document<'a>, name: &str) -> Vec<roxmltree::Node<'a, 'a>> {
     let title = |n: &roxmltree::Node<'_, '_>| {
         n.children()
@@ -62,7 +62,7 @@ fn group<'a>(svg: &'a Document<'a>, name: &str) -> Vec<roxmltree::Node<'a, 'a>> 
 }
 
 #[test]
-fn the_svg_holds_every_curve_with_its_points() {
+fn the_svg_contains_every_curve_with_its_points() {
     let text = draw(&chart()).svg();
     let svg = Document::parse(&text).unwrap();
     let texts: Vec<_> = svg.descendants().filter_map(|n| n.text()).collect();
@@ -87,7 +87,7 @@ fn the_svg_holds_every_curve_with_its_points() {
 }
 
 #[test]
-fn higher_values_stand_higher_and_larger_ones_farther_right() {
+fn larger_values_are_farther_up_and_right() {
     let text = draw(&chart()).svg();
     let svg = Document::parse(&text).unwrap();
     let line = group(&svg, "RRT*")[0].attribute("d").unwrap();
@@ -102,7 +102,7 @@ fn higher_values_stand_higher_and_larger_ones_farther_right() {
 }
 
 #[test]
-fn places_with_names_are_not_joined() {
+fn categories_are_not_joined() {
     let mut chart = chart();
     chart.x_names = vec!["exact".to_owned(), "particle filter".to_owned()];
     for series in &mut chart.series {
@@ -117,7 +117,7 @@ fn places_with_names_are_not_joined() {
 }
 
 #[test]
-fn a_chart_without_points_says_so() {
+fn a_chart_without_points_shows_no_results() {
     for chart in [
         Chart::default(),
         Chart {
@@ -131,7 +131,7 @@ fn a_chart_without_points_says_so() {
 }
 
 #[test]
-fn the_same_chart_is_the_same_file() {
+fn the_same_chart_gives_the_same_file() {
     assert_eq!(draw(&chart()).svg(), draw(&chart()).svg());
 }
 
@@ -176,7 +176,7 @@ fn logarithmic_axes_are_divided_by_powers_of_ten() {
         lines_only: true,
         series: vec![Series {
             name: "curve".into(),
-            // What is not positive has no place.
+            // Values that are not positive are left out.
             points: vec![
                 point(3.0, 20.0),
                 point(2_000.0, 70.0),

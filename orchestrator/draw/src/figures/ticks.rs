@@ -1,22 +1,23 @@
-//! Where an axis is divided.
+//! Ticks of an axis.
 
-/// Round values that divide an axis.
+/// Ticks of an axis at round values.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Ticks {
-    /// Lower end of the axis: the first tick, or below it.
+    /// Lower end of the axis, at most the first tick.
     pub(super) low: f64,
-    /// Upper end.
+    /// Upper end of the axis, at least the last tick.
     pub(super) high: f64,
-    /// The values, ascending.
+    /// Values of the ticks, ascending.
     pub(super) values: Vec<f64>,
 }
 
-/// Values beyond are not told apart: their differences could not be computed.
+/// Maximum magnitude of values; differences of larger ones overflow.
 const MAX_MAGNITUDE: f64 = 1e150;
 
 impl Ticks {
-    /// Some `count` steps of 1, 2, 2.5 or 5 times a power of ten over the values, whose ends are
-    /// moved out to the next step. Not finite or equal ends give an axis around what is finite.
+    /// Returns about `count` steps of 1, 2, 2.5 or 5 times a power of ten that cover the values; the ends are
+    /// rounded outwards to the next step. Ends that are not finite or equal give an axis around the finite
+    /// one.
     pub(super) fn over(low: f64, high: f64, count: f64) -> Self {
         let finite = |v: f64, other: f64| {
             let v = if v.is_finite() { v } else { other };
@@ -30,7 +31,7 @@ impl Ticks {
             (low - room, low + room)
         };
         let step = step((high - low) / count);
-        // A step that divides the ends exactly may miss them by rounding.
+        // The margin absorbs rounding errors of steps that divide the ends exactly.
         let (first, last) = ((low / step + 1e-9).floor(), (high / step - 1e-9).ceil());
         let values: Vec<f64> = (0..=(last - first).clamp(0.0, 1000.0) as u32)
             .map(|i| (first + f64::from(i)) * step)
@@ -42,7 +43,7 @@ impl Ticks {
         }
     }
 
-    /// These values, with a little room beyond the outer ones.
+    /// Returns ticks at these values, with a margin beyond the outer ones.
     pub(super) fn at(mut values: Vec<f64>) -> Self {
         for value in &mut values {
             *value = value.clamp(-MAX_MAGNITUDE, MAX_MAGNITUDE);
@@ -62,7 +63,7 @@ impl Ticks {
     }
 }
 
-/// The smallest round number that is not below `least`, which is positive.
+/// Returns the smallest round number that is at least `least`, which is positive.
 fn step(least: f64) -> f64 {
     let least = least.max(1e-100);
     let mut power = 1.0;
@@ -103,7 +104,7 @@ mod tests {
     }
 
     #[test]
-    fn odd_ranges_have_an_axis() {
+    fn degenerate_ranges_have_an_axis() {
         for (low, high) in [
             (3.0, 3.0),
             (0.0, 0.0),

@@ -232,7 +232,7 @@ impl Export<'_> {
 impl Open {
     fn begin(&mut self, log: &Path, options: &ExportOptions) -> Result<(), DerivedError> {
         let path = &self.table.file;
-        let file = derived::create(path, log, options.force, Readers::Anybody)?;
+        let file = derived::create(path, log, options.force, Readers::All)?;
         let rows = tables::begin(options.format, file, self.layout.columns());
         self.sink = Some(rows.map_err(derived::failed(path))?);
         Ok(())

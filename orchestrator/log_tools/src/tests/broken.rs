@@ -150,34 +150,40 @@ fn absurd_sizes_and_unknown_compressions_are_passed_over_and_named() {
     // Behind the header, before everything else.
     let header = 8 + 9 + u64::from_le_bytes(good[9..17].try_into().unwrap()) as usize;
     for (bad, words) in [
-        (chunk(u64::MAX, "zstd", 4, b"data"), "claims"),
-        (chunk(1 << 40, "", 4, b"data"), "claims"),
+        (chunk(u64::MAX, "zstd", 4, b"data"), "declares"),
+        (chunk(1 << 40, "", 4, b"data"), "declares"),
         (chunk(100, "", u64::MAX, b"data"), "contradict"),
-        (chunk(100, "", 4, b"data"), "less or more"),
-        (chunk(2, "", 4, b"data"), "less or more"),
-        (chunk(100, "zstd", 4, b"data"), "does not decompress"),
+        (
+            chunk(100, "", 4, b"data"),
+            "differ from the declared length",
+        ),
+        (chunk(2, "", 4, b"data"), "differ from the declared length"),
+        (chunk(100, "zstd", 4, b"data"), "cannot be decompressed"),
         (
             chunk(100, "lz4", 12, b"not a frame!"),
-            "does not decompress",
+            "cannot be decompressed",
         ),
-        (chunk(100, "lzo", 4, b"data"), "`lzo`, which is not known"),
+        (
+            chunk(100, "lzo", 4, b"data"),
+            "`lzo`, which is not supported",
+        ),
         (
             chunk(100, &"x".repeat(500), 4, b"data"),
             "header of this chunk",
         ),
         (record(6, b"short"), "header of this chunk"),
-        (record(9, b"short"), "an attachment makes no sense"),
-        (record(9, &[0; 32]), "an attachment makes no sense"),
+        (record(9, b"short"), "an attachment is invalid"),
+        (record(9, &[0; 32]), "an attachment is invalid"),
         (
             record(3, &[1, 0, 255, 255, 255, 255]),
-            "a schema makes no sense",
+            "a schema is invalid",
         ),
         (
             record(4, &[9, 0, 77, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0]),
-            "schema 77, which is not",
+            "schema 77, which is missing",
         ),
-        (record(5, &[9; 30]), "channel 2313, which is not there"),
-        (record(12, &[255; 40]), "a metadata record makes no sense"),
+        (record(5, &[9; 30]), "channel 2313, which is missing"),
+        (record(12, &[255; 40]), "a metadata record is invalid"),
     ] {
         let mut bytes = good.clone();
         bytes.splice(header..header, bad);
@@ -203,7 +209,7 @@ fn a_chunk_that_would_fill_memory_when_decompressed_is_refused() {
     let (read, condition) = ours(&file(&folder, "bomb.mcap", &bytes));
     assert!(read.is_empty());
     assert!(
-        condition.lines()[0].contains("less or more"),
+        condition.lines()[0].contains("differ from the declared length"),
         "{condition:?}"
     );
 }

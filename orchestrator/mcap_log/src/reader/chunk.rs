@@ -1,4 +1,4 @@
-//! Chunks: taken into memory, checked, decompressed, and read record by record.
+//! Reader of chunks: loads, checks and decompresses a chunk, and reads its records.
 
 use std::fs::File;
 use std::io::{self, BufReader, Read};
@@ -13,22 +13,22 @@ use super::limits::LIMIT;
 use super::record::PREFIX;
 use crate::LogReadError;
 
-/// Bytes of a chunk record before the name of its compression.
+/// Size of a chunk record before the name of its compression (bytes).
 const CHUNK_FIXED: usize = 32;
-/// Longest name of a compression.
+/// Maximum length of the name of a compression (bytes).
 const COMPRESSION_NAME: usize = 64;
 
 /// The chunk that is being read.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct OpenChunk {
-    /// How far its contents have been read.
+    /// Offset of the next record in its contents (bytes).
     next: usize,
-    /// Where it stands in the file.
+    /// Offset in the file (bytes).
     pub(super) at: u64,
 }
 
 impl Reader<'_> {
-    /// The next record of the open chunk; `None` behind its last.
+    /// Returns the next record of the open chunk; `None` after the last one.
     pub(super) fn next_in_chunk(&mut self) -> Result<Option<ItemLocation>, LogReadError> {
         let Some(mut chunk) = self.chunk else {
             return Ok(None);
@@ -42,7 +42,7 @@ impl Reader<'_> {
         let Some((opcode, length)) = prefix.filter(|(_, length)| *length <= fields.0.len()) else {
             if !rest.is_empty() {
                 self.condition
-                    .fault(chunk.at, "a record in this chunk runs past its end");
+                    .fault(chunk.at, "a record in this chunk extends beyond its end");
             }
             self.chunk = None;
             self.buffer.clear();
@@ -54,7 +54,7 @@ impl Reader<'_> {
         self.record(opcode, body..body + length, chunk.at)
     }
 
-    /// Reads a chunk into the buffer, if it holds.
+    /// Reads a chunk into the buffer, if it is valid.
     pub(super) fn chunk(&mut self, at: u64, record: u64) -> Result<(), LogReadError> {
         self.chunks += 1;
         let mut head = vec![0; (CHUNK_FIXED + COMPRESSION_NAME + 8).min(record as usize)];
@@ -73,17 +73,17 @@ impl Reader<'_> {
         let header = read();
         let start = at + PREFIX + (head.len() - fields.0.len()) as u64;
         let Some((uncompressed, crc, compression, compressed)) = header else {
-            self.lose_chunk(at, "the header of this chunk makes no sense");
+            self.lose_chunk(at, "the header of this chunk is invalid");
             return Ok(());
         };
         let there = (at + PREFIX + record).saturating_sub(start);
         if compressed > there {
-            self.lose_chunk(at, "the lengths of this chunk contradict each other");
+            self.lose_chunk(at, "the lengths in this chunk contradict each other");
             return Ok(());
         }
         if uncompressed > LIMIT as u64 {
             let what = format!(
-                "this chunk claims {uncompressed} bytes: more than {LIMIT} are not read at once"
+                "this chunk declares {uncompressed} bytes, more than the maximum of {LIMIT}"
             );
             self.lose_chunk(at, &what);
             return Ok(());
@@ -94,7 +94,7 @@ impl Reader<'_> {
             end: start + compressed,
         };
         self.buffer.clear();
-        // One byte more than there should be tells that there is more.
+        // One byte more than declared, to detect longer contents.
         let read = match compression.as_str() {
             "" => data.take(uncompressed + 1).read_to_end(&mut self.buffer),
             "zstd" => zstd::Decoder::with_buffer(BufReader::new(data))
@@ -105,7 +105,7 @@ impl Reader<'_> {
             other => {
                 let shown: String = other.chars().take(20).collect();
                 let what = format!(
-                    "this chunk is compressed with `{shown}`, which is not known here (zstd, lz4 \
+                    "this chunk is compressed with `{shown}`, which is not supported (zstd, lz4 \
                      and none are); `mcap compress --compression zstd` converts it"
                 );
                 self.lose_chunk(at, &what);
@@ -113,15 +113,18 @@ impl Reader<'_> {
             }
         };
         if let Err(error) = read {
-            self.lose_chunk(at, &format!("this chunk does not decompress: {error}"));
+            self.lose_chunk(at, &format!("this chunk cannot be decompressed: {error}"));
             return Ok(());
         } else if self.buffer.len() as u64 != uncompressed {
-            self.lose_chunk(at, "this chunk holds less or more than it says");
+            self.lose_chunk(
+                at,
+                "the contents of this chunk differ from the declared length",
+            );
             return Ok(());
         } else if crc == 0 {
             self.condition.chunks_unchecked += 1;
         } else if crc32fast::hash(&self.buffer) != crc {
-            self.lose_chunk(at, "the checksum of this chunk does not fit");
+            self.lose_chunk(at, "the checksum of this chunk does not match");
             return Ok(());
         }
         let of_kind = self.condition.chunks.entry(compression).or_default();
@@ -140,7 +143,7 @@ impl Reader<'_> {
     }
 }
 
-/// A part of a file, read from front to back.
+/// A range of a file, read sequentially.
 struct Part<'a> {
     file: &'a File,
     next: u64,

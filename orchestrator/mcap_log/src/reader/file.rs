@@ -1,4 +1,4 @@
-//! The file from its first record to its end mark, or to where it ends instead.
+//! Reader of the records of a file up to the closing magic bytes or the end of the file.
 
 use std::os::unix::fs::FileExt as _;
 
@@ -11,7 +11,7 @@ use super::record::{PREFIX, name_of};
 use crate::LogReadError;
 
 impl Reader<'_> {
-    /// The next record of the file; `None` if it is nothing to hand out.
+    /// Reads the next record of the file; returns `None` if it contains no item.
     pub(super) fn next_in_file(&mut self) -> Result<Option<ItemLocation>, LogReadError> {
         let at = self.next;
         if let Some(read_progress) = &mut self.read_progress {
@@ -20,7 +20,7 @@ impl Reader<'_> {
         let mut prefix = [0; PREFIX as usize];
         if self.length.saturating_sub(at) < PREFIX {
             let what = if at >= self.length {
-                "the data: there is no end mark"
+                "the data: the closing magic bytes are missing"
             } else {
                 "a record"
             };
@@ -38,7 +38,7 @@ impl Reader<'_> {
             self.condition.fault(
                 at,
                 format!(
-                    "no record begins here: {} bytes are lost",
+                    "this is not a record: {} bytes are lost",
                     available + PREFIX
                 ),
             );
@@ -55,7 +55,7 @@ impl Reader<'_> {
             self.chunk(at, length)?;
             return Ok(None);
         }
-        // Indexes are made anew or counted only.
+        // Indexes are only counted, or built anew.
         if matches!(
             opcode,
             op::MESSAGE_INDEX | op::ATTACHMENT_INDEX | op::METADATA_INDEX
@@ -64,7 +64,7 @@ impl Reader<'_> {
         }
         if length > LIMIT as u64 {
             let what = format!(
-                "{} of {length} bytes is passed over: more than {LIMIT} are not read at once",
+                "{} of {length} bytes is skipped: the maximum is {LIMIT} bytes",
                 name_of(opcode)
             );
             self.condition.fault(at, what);
@@ -78,7 +78,7 @@ impl Reader<'_> {
         self.record(opcode, 0..length as usize, at)
     }
 
-    /// Behind the footer stands the end mark, and nothing else.
+    /// Checks that the closing magic bytes follow the footer and end the file.
     pub(super) fn footer(&mut self, summary_start: u64) {
         let mut magic = [0; 8];
         let ends = self.length.saturating_sub(self.next) == 8
@@ -90,14 +90,14 @@ impl Reader<'_> {
         if ends {
             self.condition.complete = true;
         } else if self.length.saturating_sub(self.next) < 8 {
-            self.cut(self.next, "the end mark");
+            self.cut(self.next, "the closing magic bytes");
         } else {
-            let what = "what stands behind the footer is not the end mark of an MCAP file";
+            let what = "the closing magic bytes do not follow the footer";
             self.condition.fault(self.next, what);
         }
     }
 
-    /// The file ends in the middle of something that begins here.
+    /// Records that the file ends in the middle of the part that begins at `at`.
     pub(super) fn cut(&mut self, at: u64, what: &str) {
         self.condition.cut_at = Some(at);
         self.condition.fault(
@@ -111,7 +111,7 @@ impl Reader<'_> {
         self.done = true;
     }
 
-    /// Checks the checksum over the whole data section, if there is one: call it at the end.
+    /// Verifies the checksum of the whole data section, if there is one. Call it at the end.
     ///
     /// # Errors
     /// The log cannot be read: [`LogReadError`].
@@ -140,7 +140,7 @@ impl Reader<'_> {
             self.condition.data = false;
             self.condition.fault(
                 end,
-                "the checksum of the data section does not fit: something in it has changed",
+                "the checksum of the data section does not match: the data have changed",
             );
         }
         Ok(())

@@ -1,4 +1,4 @@
-//! The index at the end of a file, which says where its chunks are.
+//! Index of the chunks at the end of a file.
 
 use std::collections::BTreeSet;
 use std::os::unix::fs::FileExt as _;
@@ -11,16 +11,16 @@ use super::limits::DESCRIPTIONS_LIMIT;
 use super::record::PREFIX;
 use crate::LogReadError;
 
-/// What the index says of a chunk.
+/// Index entry of a chunk.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ChunkPlace {
-    /// Where it stands in the file.
+    /// Offset in the file (bytes).
     pub at: u64,
-    /// Log time of its first message.
+    /// Log time of its first message (ns).
     pub start: u64,
-    /// Log time of its last message.
+    /// Log time of its last message (ns).
     pub end: u64,
-    /// The channels of its messages; nothing if the file does not say.
+    /// Channels of its messages; empty if unknown.
     channels: BTreeSet<u16>,
 }
 
@@ -44,15 +44,15 @@ impl ChunkPlace {
         })
     }
 
-    /// Whether it may hold messages of this channel.
+    /// Returns `true` if the chunk may contain messages of this channel.
     pub fn may_hold(&self, channel: u16) -> bool {
         self.channels.is_empty() || self.channels.contains(&channel)
     }
 }
 
 impl Reader<'_> {
-    /// Reads the index at the end of the file, and takes up the schemas and channels in it; `None`
-    /// if there is none that holds. What is read next stays what it was, but for an open chunk.
+    /// Reads the index at the end of the file, with its schemas and channels; returns `None` if there is no
+    /// valid one. Keeps the read position, but discards an open chunk.
     ///
     /// # Errors
     /// The log cannot be read: [`LogReadError`].
@@ -64,7 +64,7 @@ impl Reader<'_> {
     }
 
     fn read_index(&mut self) -> Result<Option<Vec<ChunkPlace>>, LogReadError> {
-        // Footer and end mark.
+        // Footer and closing magic bytes.
         let mut tail = [0; PREFIX as usize + 20 + 8];
         let Some(footer) = self.length.checked_sub(tail.len() as u64) else {
             return Ok(None);
@@ -92,7 +92,7 @@ impl Reader<'_> {
         self.file
             .read_exact_at(&mut summary, start)
             .map_err(|e| self.failed(e))?;
-        // The checksum covers the footer too, up to itself.
+        // The checksum covers the footer up to the checksum itself.
         let mut hasher = crc32fast::Hasher::new();
         hasher.update(&summary);
         hasher.update(tail.get(..PREFIX as usize + 16).unwrap_or_default());

@@ -1,4 +1,4 @@
-//! What a log is made of, as it is handed out.
+//! Items of a log that the reader returns.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -11,7 +11,7 @@ use mcap::records::{AttachmentHeader, MessageHeader, Metadata};
 pub struct Schema {
     /// Its name.
     pub name: String,
-    /// How the definition is written: `ros2msg`, `protobuf`.
+    /// Encoding of the definition: `ros2msg`, `protobuf`.
     pub encoding: String,
     /// The definition.
     pub data: Vec<u8>,
@@ -20,19 +20,19 @@ pub struct Schema {
 /// A channel of a log.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Channel {
-    /// Its number in the log.
+    /// Id in the log.
     pub id: u16,
-    /// Number of its schema; 0 for none.
+    /// Id of its schema; 0 for none.
     pub schema_id: u16,
     /// Its topic.
     pub topic: String,
-    /// How its messages are written: `cdr`, `protobuf`.
+    /// Encoding of its messages: `cdr`, `protobuf`.
     pub message_encoding: String,
-    /// What the log says of it, by name.
+    /// Metadata of the channel, by name.
     pub metadata: BTreeMap<String, String>,
 }
 
-/// What comes next in a log.
+/// Item of a log.
 #[derive(Debug)]
 pub enum Item<'a> {
     /// The file's header.
@@ -42,19 +42,19 @@ pub enum Item<'a> {
         /// The program that wrote the file.
         library: String,
     },
-    /// A schema that was not known before.
+    /// A new schema.
     Schema(u16, Rc<Schema>),
-    /// A channel that was not known before.
+    /// A new channel.
     Channel(Rc<Channel>),
     /// A message of a known channel.
     Message(MessageHeader, &'a [u8]),
-    /// A file within the file.
+    /// An attached file.
     Attachment(AttachmentHeader, &'a [u8]),
-    /// Names and values.
+    /// A metadata record.
     Metadata(Metadata),
 }
 
-/// Where the bytes of an item stand.
+/// Location of the bytes of an item.
 #[derive(Debug)]
 pub(super) enum ItemLocation {
     Header(String, String),

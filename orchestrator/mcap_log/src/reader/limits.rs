@@ -1,7 +1,6 @@
-//! How much of a log is taken into memory at once, whatever it claims.
+//! Memory limits of the reader.
 
-/// Longest record or chunk that is read (bytes): the largest map that a scenario may have, and a
-/// little.
+/// Maximum size of a record or chunk (bytes): slightly more than the largest map of a scenario.
 pub(super) const LIMIT: usize = 384 << 20;
-/// Most bytes that the descriptions of channels and schemas may take together.
+/// Maximum total size of the descriptions of channels and schemas (bytes).
 pub(super) const DESCRIPTIONS_LIMIT: usize = 64 << 20;

@@ -1,12 +1,11 @@
-//! Reads a log record by record, as far as it goes.
+//! Reader of the records of a log.
 //!
-//! No length in the file is believed: memory follows from what is really there and is bounded by
-//! `limits`. Checksums of chunks are checked before their messages are handed out. What cannot be
-//! read is noted in the [`Condition`] and passed over; a file that ends in the middle is read to
-//! its last whole record. A chunk that the file ends in is not read: no checksum covers its part.
+//! The reader checks every length in the file; `limits` bound its memory. It verifies the checksum of a chunk
+//! before it returns the messages. It lists what it cannot read in the [`Condition`] and skips it. It reads a
+//! truncated file up to its last complete record, but not a truncated chunk, whose part no checksum covers.
 //!
-//! `file` goes from record to record and to the end, `chunk` through what is compressed, `record`
-//! tells what a record means, `index` finds chunks without reading what is before them.
+//! `file` reads the records of the file, `chunk` those of a compressed chunk; `record` parses a record;
+//! `index` finds chunks without reading the file up to them.
 
 mod chunk;
 mod file;
@@ -33,21 +32,21 @@ use crate::Condition;
 use crate::LogReadError;
 use crate::ReadProgress;
 
-/// See the module's text.
+/// Reader of a log; see the [module](self).
 pub struct Reader<'w> {
     path: PathBuf,
     file: File,
     length: u64,
     next: u64,
-    /// A record, or the contents of the chunk.
+    /// The current record, or the contents of the current chunk.
     buffer: Vec<u8>,
     chunk: Option<OpenChunk>,
-    /// The message that was handed out last.
+    /// The message that was returned last.
     last: Option<(MessageHeader, Range<usize>)>,
     schemas: BTreeMap<u16, Rc<Schema>>,
     channels: BTreeMap<u16, Rc<Channel>>,
     descriptions: usize,
-    /// Where the data section ends and its checksum.
+    /// End of the data section (bytes) and its checksum.
     data_end: Option<(u64, u32)>,
     indexed_chunks: u64,
     chunks: u64,
@@ -57,7 +56,7 @@ pub struct Reader<'w> {
 }
 
 impl<'w> Reader<'w> {
-    /// Opens a log.
+    /// Opens a log, from the first record.
     ///
     /// # Errors
     /// The log cannot be read: [`LogReadError`].
@@ -69,7 +68,7 @@ impl<'w> Reader<'w> {
             path: path.to_owned(),
             source,
         };
-        // Look before opening: opening a FIFO would block.
+        // Checked before opening: opening a FIFO would block.
         if !path.metadata().map_err(failed)?.is_file() {
             return Err(failed(io::Error::other("not a regular file")));
         }
@@ -111,27 +110,27 @@ impl<'w> Reader<'w> {
         })
     }
 
-    /// The file.
+    /// Returns the path of the file.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// The channels that were met so far.
+    /// Returns the channels read so far.
     pub fn channels(&self) -> impl Iterator<Item = &Rc<Channel>> + Clone {
         self.channels.values()
     }
 
-    /// The schema of that number, if it was met already.
+    /// Returns the schema with this id, if it has been read.
     pub fn schema(&self, id: u16) -> Option<Rc<Schema>> {
         self.schemas.get(&id).cloned()
     }
 
-    /// In what condition the log is, as far as it has been read.
+    /// Returns the condition of the part that has been read.
     pub fn condition(&self) -> &Condition {
         &self.condition
     }
 
-    /// The next item; `None` at the end.
+    /// Returns the next item; `None` at the end.
     ///
     /// # Errors
     /// The log cannot be read: [`LogReadError`].
@@ -169,18 +168,18 @@ impl<'w> Reader<'w> {
         }))
     }
 
-    /// The item that came last, if it was a message.
+    /// Returns the last item, if it was a message.
     pub fn last_message(&self) -> Option<(MessageHeader, &[u8])> {
         let (header, range) = self.last.clone()?;
         Some((header, self.buffer.get(range)?))
     }
 
-    /// Where the record stands, or the chunk, that is read next or is being read.
+    /// Returns the offset of the record that is read next, or of the open chunk (bytes).
     pub fn at(&self) -> u64 {
         self.chunk.map_or(self.next, |chunk| chunk.at)
     }
 
-    /// Goes on with the record that begins at this byte of the file.
+    /// Continues with the record at this offset of the file (bytes).
     pub fn jump(&mut self, at: u64) {
         self.next = at;
         self.chunk = None;

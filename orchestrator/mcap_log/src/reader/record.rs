@@ -1,4 +1,4 @@
-//! Single records: what they mean, and whether they make sense.
+//! Parser of single records.
 
 use std::ops::Range;
 use std::rc::Rc;
@@ -11,18 +11,18 @@ use super::item::{Channel, ItemLocation, Schema};
 use super::limits::DESCRIPTIONS_LIMIT;
 use crate::LogReadError;
 
-/// Opcode and length in front of every record (bytes).
+/// Size of opcode and length before every record (bytes).
 pub(super) const PREFIX: u64 = 9;
 
 impl Reader<'_> {
-    /// Takes up a record whose bytes stand in the buffer.
+    /// Parses the record in the buffer.
     pub(super) fn record(
         &mut self,
         opcode: u8,
         place: Range<usize>,
         at: u64,
     ) -> Result<Option<ItemLocation>, LogReadError> {
-        // The buffer is put back below: nothing is copied.
+        // The buffer is restored below: nothing is copied.
         let buffer = core::mem::take(&mut self.buffer);
         let body = buffer.get(place.clone()).unwrap_or_default();
         let found = match opcode {
@@ -32,7 +32,7 @@ impl Reader<'_> {
         };
         self.buffer = buffer;
         Ok(found?.unwrap_or_else(|()| {
-            let what = format!("{} makes no sense and is passed over", name_of(opcode));
+            let what = format!("{} is invalid and skipped", name_of(opcode));
             self.condition.fault(at, what);
             None
         }))
@@ -62,7 +62,7 @@ impl Reader<'_> {
         match self.schemas.get(&id) {
             Some(known) if **known == schema => Ok(Ok(None)),
             Some(_) => {
-                let what = format!("schema {id} is defined again, otherwise: passed over");
+                let what = format!("schema {id} is redefined with other contents: skipped");
                 self.condition.fault(at, what);
                 Ok(Ok(None))
             }
@@ -98,7 +98,7 @@ impl Reader<'_> {
             Some(known) if **known == channel => Ok(Ok(None)),
             Some(known) => {
                 let what = format!(
-                    "channel {id} ({}) is defined again, as {}: passed over",
+                    "channel {id} ({}) is redefined as {}: skipped",
                     known.topic, channel.topic
                 );
                 self.condition.fault(at, what);
@@ -106,7 +106,7 @@ impl Reader<'_> {
             }
             None if schema_id != 0 && !self.schemas.contains_key(&schema_id) => {
                 let what = format!(
-                    "channel {id} ({}) has schema {schema_id}, which is not there: passed over",
+                    "channel {id} ({}) has schema {schema_id}, which is missing: skipped",
                     channel.topic
                 );
                 self.condition.fault(at, what);
@@ -154,7 +154,7 @@ impl Reader<'_> {
                 let header = read().ok_or(())?;
                 if !self.channels.contains_key(&header.channel_id) {
                     let what = format!(
-                        "a message of channel {}, which is not there: passed over",
+                        "a message of channel {}, which is missing: skipped",
                         header.channel_id
                     );
                     self.condition.fault(at, what);
@@ -200,8 +200,8 @@ impl Reader<'_> {
     }
 }
 
-/// The header of an attachment, and where in the record its bytes are; `None` if the record makes no
-/// sense or its checksum does not fit.
+/// Parses an attachment: returns its header and the range of its bytes in the record; `None` if the record is
+/// invalid or its checksum does not match.
 pub(crate) fn attachment(body: &[u8]) -> Option<(AttachmentHeader, Range<usize>)> {
     let mut fields = Fields(body);
     let header = AttachmentHeader {
@@ -218,7 +218,7 @@ pub(crate) fn attachment(body: &[u8]) -> Option<(AttachmentHeader, Range<usize>)
     (crc == 0 || crc == crc32fast::hash(covered)).then_some((header, start..start + length))
 }
 
-/// What a record is called in messages.
+/// Returns the name of a record in messages.
 pub(super) fn name_of(opcode: u8) -> &'static str {
     match opcode {
         op::HEADER => "the header",

@@ -1,30 +1,30 @@
-//! Reads the fields of a message.
+//! Decoder of the fields of a CDR message.
 
 use tables::Cell;
 
 use super::schema::{Count, Field, Kind, Number};
 
-/// Bytes before the first field.
+/// Size of the encapsulation header (bytes).
 const ENCAPSULATION: usize = 4;
 
-/// Why a message cannot be decoded.
+/// Error of decoding a message.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum DecodeError {
-    /// The encapsulation is another one.
-    #[error("its encoding {0:02x?} is not plain CDR")]
+    /// The encapsulation is not plain CDR.
+    #[error("encoding {0:02x?} is not plain CDR")]
     Encapsulation([u8; 4]),
-    /// The bytes end too early.
-    #[error("it ends in the middle of `{0}`")]
+    /// The message is too short.
+    #[error("the message ends in the middle of `{0}`")]
     Short(String),
     /// Text is not UTF-8.
     #[error("`{0}` is not UTF-8")]
     Text(String),
-    /// A length is beyond the message.
-    #[error("`{0}` claims more elements than the message has bytes")]
+    /// A length exceeds the message.
+    #[error("`{0}` declares more elements than the message has bytes")]
     Count(String),
 }
 
-/// Walks through the bytes of a message.
+/// Sequential decoder of a message.
 #[derive(Debug, Clone, Copy)]
 pub struct Cdr<'a> {
     body: &'a [u8],
@@ -33,10 +33,10 @@ pub struct Cdr<'a> {
 }
 
 impl<'a> Cdr<'a> {
-    /// Of a message with its encapsulation header.
+    /// Creates the decoder of a message with its encapsulation header.
     ///
     /// # Errors
-    /// The bytes are no message of this schema: [`DecodeError`].
+    /// The bytes are not a message of this schema: [`DecodeError`].
     pub fn new(bytes: &'a [u8]) -> Result<Self, DecodeError> {
         let short = || DecodeError::Short("the encapsulation header".to_owned());
         let (head, body) = bytes.split_first_chunk::<4>().ok_or_else(short)?;
@@ -60,7 +60,7 @@ impl<'a> Cdr<'a> {
         Ok(bytes)
     }
 
-    /// Where the value that was read last ends, in bytes of the message.
+    /// Returns the end of the value that was read last, as offset in the message (bytes).
     pub fn end(&self) -> usize {
         ENCAPSULATION + self.at
     }
@@ -69,10 +69,10 @@ impl<'a> Cdr<'a> {
         self.at = self.at.next_multiple_of(size);
     }
 
-    /// The next number.
+    /// Returns the next number.
     ///
     /// # Errors
-    /// The bytes are no message of this schema: [`DecodeError`].
+    /// The bytes are not a message of this schema: [`DecodeError`].
     pub fn number(&mut self, kind: Number, name: &str) -> Result<Cell, DecodeError> {
         let size = kind.size();
         self.align(size);
@@ -99,10 +99,10 @@ impl<'a> Cdr<'a> {
         })
     }
 
-    /// The next text.
+    /// Returns the next text.
     ///
     /// # Errors
-    /// The bytes are no message of this schema: [`DecodeError`].
+    /// The bytes are not a message of this schema: [`DecodeError`].
     pub fn text(&mut self, name: &str) -> Result<Cell, DecodeError> {
         let Cell::UInt(length) = self.number(Number::U32, name)? else {
             return Ok(Cell::Empty);
@@ -113,10 +113,10 @@ impl<'a> Cdr<'a> {
         Ok(Cell::Text(text.to_owned()))
     }
 
-    /// How many elements of this field follow; no more than there can be.
+    /// Returns the number of elements of this field that follow; at most as many as the message can contain.
     ///
     /// # Errors
-    /// The bytes are no message of this schema: [`DecodeError`].
+    /// The bytes are not a message of this schema: [`DecodeError`].
     pub fn count(&mut self, field: &Field) -> Result<usize, DecodeError> {
         let count = match field.count {
             Count::One => 1,
@@ -126,17 +126,17 @@ impl<'a> Cdr<'a> {
                 _ => 0,
             },
         };
-        // An element without fields has no bytes at all; nobody has many of them.
+        // An element without fields takes no bytes; no valid message has many of them.
         if count > self.body.len() - self.at.min(self.body.len()) && count > 1 {
             return Err(DecodeError::Count(field.name.clone()));
         }
         Ok(count)
     }
 
-    /// Visits every value of one element of a field, with its name and where it ends.
+    /// Visits every value of one element of a field, with its name and end offset (bytes).
     ///
     /// # Errors
-    /// The bytes are no message of this schema: [`DecodeError`].
+    /// The bytes are not a message of this schema: [`DecodeError`].
     pub fn element(
         &mut self,
         kind: &Kind,
@@ -161,10 +161,10 @@ impl<'a> Cdr<'a> {
         Ok(())
     }
 
-    /// Visits every value of a field, with its name, `robots[3].x`, and where it ends.
+    /// Visits every value of a field, with its name, such as `robots[3].x`, and end offset (bytes).
     ///
     /// # Errors
-    /// The bytes are no message of this schema: [`DecodeError`].
+    /// The bytes are not a message of this schema: [`DecodeError`].
     pub fn field(
         &mut self,
         field: &Field,
@@ -180,10 +180,10 @@ impl<'a> Cdr<'a> {
         Ok(())
     }
 
-    /// Passes over one element.
+    /// Skips one element.
     ///
     /// # Errors
-    /// The bytes are no message of this schema: [`DecodeError`].
+    /// The bytes are not a message of this schema: [`DecodeError`].
     pub fn skip(&mut self, kind: &Kind, name: &str) -> Result<(), DecodeError> {
         match kind {
             Kind::Number(number) => {
@@ -203,10 +203,10 @@ impl<'a> Cdr<'a> {
     }
 }
 
-/// The field of a message that ends behind this byte of its encoded form, and its value.
+/// Returns the field that contains this byte of an encoded message, and its value.
 ///
 /// # Errors
-/// The bytes are no message of this schema: [`DecodeError`].
+/// The bytes are not a message of this schema: [`DecodeError`].
 pub fn field_at(
     fields: &[Field],
     bytes: &[u8],

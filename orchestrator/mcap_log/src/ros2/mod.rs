@@ -1,5 +1,4 @@
-//! Messages in ROS 2 CDR, decoded by the schema in the log and nothing else: ours and those of
-//! ROS 2.
+//! Decoder of ROS 2 CDR messages, of this project or of ROS 2, by the schema in the log only.
 
 mod decode;
 mod schema;

@@ -1,21 +1,21 @@
-//! The message definitions of ROS 2 (`ros2msg`).
+//! Parser of ROS 2 message definitions (`ros2msg`).
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// Deepest nesting of messages.
+/// Maximum nesting of messages.
 const MAX_NESTING: usize = 16;
-/// Most fields of a definition with everything that is nested in it.
+/// Maximum number of fields of a definition, nested messages included.
 const MAX_FIELDS: usize = 4096;
-/// Longest definition (bytes).
+/// Maximum length of a definition (bytes).
 const MAX_DEFINITION_BYTES: usize = 4 << 20;
 
-/// Why a schema cannot be used.
+/// Error of parsing a schema.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("its schema: {0}")]
+#[error("invalid schema: {0}")]
 pub struct SchemaError(pub String);
 
-/// A number, or what travels like one.
+/// A primitive type of fixed size.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Number {
     /// `bool`
@@ -43,7 +43,7 @@ pub enum Number {
 }
 
 impl Number {
-    /// Size and alignment (bytes).
+    /// Returns size and alignment (bytes).
     pub fn size(self) -> usize {
         match self {
             Self::Bool | Self::U8 | Self::I8 => 1,
@@ -71,7 +71,7 @@ impl Number {
     }
 }
 
-/// What a field is.
+/// Type of a field.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Kind {
     /// A number.
@@ -82,14 +82,14 @@ pub enum Kind {
     Message(Arc<[Field]>),
 }
 
-/// How many of it.
+/// Number of elements of a field.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Count {
     /// One.
     One,
     /// An array of this length.
     Fixed(usize),
-    /// A sequence, which says its length.
+    /// A sequence, prefixed by its length.
     Many,
 }
 
@@ -104,19 +104,19 @@ pub struct Field {
     pub count: Count,
 }
 
-/// A message definition with everything nested in it.
+/// A message definition with its nested messages.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Schema {
-    /// The fields of the message, in their order.
+    /// Fields of the message, in order.
     pub fields: Arc<[Field]>,
 }
 
 impl Schema {
-    /// Reads a definition: the fields of the message, then behind lines of `=` those of the
-    /// messages in it.
+    /// Parses a definition: the fields of the message, then those of nested messages, separated by lines of
+    /// `=`.
     ///
     /// # Errors
-    /// [`SchemaError`] says what is not understood.
+    /// [`SchemaError`] describes the invalid part.
     pub fn parse(text: &[u8]) -> Result<Self, SchemaError> {
         if text.len() > MAX_DEFINITION_BYTES {
             return Err(SchemaError(format!(
@@ -154,7 +154,7 @@ impl Schema {
 struct Parser<'a> {
     sections: BTreeMap<String, &'a [&'a str]>,
     done: BTreeMap<String, (Arc<[Field]>, usize)>,
-    /// Fields so far, every use of a nested message counted.
+    /// Number of fields so far, counting every use of a nested message.
     fields: usize,
 }
 
@@ -165,7 +165,7 @@ impl Parser<'_> {
         }
         let mut fields = Vec::new();
         for line in lines {
-            // A constant's text may contain a `#`, but then it is a constant.
+            // The text of a constant may contain a `#`; constants are skipped anyway.
             let line = line.split('#').next().unwrap_or_default().trim();
             let mut words = line.split_whitespace();
             let (Some(kind), Some(name)) = (words.next(), words.next()) else {
@@ -193,9 +193,9 @@ impl Parser<'_> {
                 }
             };
             let kind = self.kind(kind, depth)?;
-            // As many elements as there are bytes are believed, in every list in a list: each must
-            // take some.
-            if count != Count::One && is_nothing(&kind) {
+            // The decoder limits the number of elements by the number of bytes, also in nested lists: every
+            // element must take at least one byte.
+            if count != Count::One && is_zero_size(&kind) {
                 let what = format!("`{line}`: a list of messages without fields");
                 return Err(SchemaError(what));
             }
@@ -219,7 +219,7 @@ impl Parser<'_> {
         let key = if self.sections.contains_key(&name) || name.contains('/') {
             name.clone()
         } else {
-            // A name without its package.
+            // A name without package.
             let end = format!("/{name}");
             let found = self.sections.keys().find(|key| key.ends_with(&end));
             found.cloned().unwrap_or_else(|| name.clone())
@@ -242,22 +242,22 @@ impl Parser<'_> {
     }
 }
 
-/// Whether a value takes no bytes at all.
-fn is_nothing(kind: &Kind) -> bool {
+/// Returns `true` if a value takes no bytes.
+fn is_zero_size(kind: &Kind) -> bool {
     match kind {
         Kind::Number(_) | Kind::Text => false,
         Kind::Message(fields) => fields
             .iter()
-            .all(|field| field.count == Count::Fixed(0) || is_nothing_once(field)),
+            .all(|field| field.count == Count::Fixed(0) || is_zero_size_field(field)),
     }
 }
 
-/// A list has a length, at least.
-fn is_nothing_once(field: &Field) -> bool {
-    field.count != Count::Many && is_nothing(&field.kind)
+/// Returns `true` if the field takes no bytes; a sequence has at least its length.
+fn is_zero_size_field(field: &Field) -> bool {
+    field.count != Count::Many && is_zero_size(&field.kind)
 }
 
-/// `pkg/msg/Name` is also called `pkg/Name`.
+/// Shortens `pkg/msg/Name` to `pkg/Name`.
 fn short(name: &str) -> String {
     name.replacen("/msg/", "/", 1)
 }
@@ -277,7 +277,7 @@ mod tests {
                 "{error}"
             );
         }
-        // A length and a single empty message are something else.
+        // Sequences with a length and single empty messages are allowed.
         for text in [
             "A[9] a\n===\nMSG: p/A\nuint8[] bytes\n",
             "Nothing one\n===\nMSG: a/Nothing\n",

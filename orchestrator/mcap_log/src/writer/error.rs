@@ -1,13 +1,13 @@
-//! Why a run's log cannot be written.
+//! Errors of writing the log of a run.
 
 use std::io;
 use std::path::PathBuf;
 
-/// Why the log of a run could not be created or written.
+/// Error of creating or writing the log of a run.
 #[derive(Debug, thiserror::Error)]
 pub enum LogWriteError {
-    /// The file is there already and overwriting was not asked for.
-    #[error("{path} exists already; choose another name or ask for it to be overwritten")]
+    /// The file exists already and may not be overwritten.
+    #[error("{path} exists already; choose another name or allow it to be overwritten")]
     Exists {
         /// The file.
         path: PathBuf,
@@ -29,17 +29,17 @@ pub enum LogWriteError {
     Create {
         /// The file.
         path: PathBuf,
-        /// What the operating system said.
+        /// Error of the operating system.
         source: io::Error,
     },
-    /// A write failed; what was written up to the last flush stays readable.
+    /// A write failed; the log stays readable up to the last flush.
     #[error("cannot write the log {path}: {source} (it stays readable up to {readable} bytes)")]
     Write {
         /// The file.
         path: PathBuf,
-        /// Bytes of complete records that the file was cut back to.
+        /// Length of the complete records to which the file was truncated (bytes).
         readable: u64,
-        /// What the operating system or the MCAP writer said.
+        /// Error of the operating system or of the MCAP writer.
         source: io::Error,
     },
     /// A viewer message could not be encoded.
@@ -49,7 +49,7 @@ pub enum LogWriteError {
         path: PathBuf,
         /// The viewer topic.
         topic: String,
-        /// What the encoder said.
+        /// Error of the encoder.
         reason: String,
     },
 }

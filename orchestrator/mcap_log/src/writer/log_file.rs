@@ -1,5 +1,4 @@
-//! The file below the MCAP writer: exclusive, locked, buffered, and cut back to whole records when
-//! a write fails.
+//! The file below the MCAP writer: locked, buffered, and truncated to complete records when a write fails.
 
 use std::fs::{File, OpenOptions, Permissions};
 use std::io::{self, Seek, SeekFrom, Write};
@@ -13,16 +12,16 @@ use rustix::fs::{FlockOperation, flock};
 use crate::LogWriteError;
 use crate::writer::storage::Storage;
 
-/// Small records (message indexes, headers) are gathered up to this size before they are written.
+/// Size of the write buffer for small records such as message indexes and headers (bytes).
 const BUFFER_BYTES: usize = 64 * 1024;
 
-/// Permissions of a log: the scenario in it holds the keys of its patrols.
+/// Permissions of a log: the scenario in it contains the keys of its patrols.
 const PRIVATE: u32 = 0o600;
 
-/// Creates the file of a log and locks it for as long as it is open.
+/// Creates the file of a log and locks it while it is open.
 ///
-/// Without `force` the file must not exist. With `force` an existing regular file that no other
-/// run has locked is emptied.
+/// Without `force` the file must not exist. With `force` it truncates an existing regular file that no other
+/// run has locked.
 pub(super) fn create(path: &Path, force: bool) -> Result<File, LogWriteError> {
     let failed = |source| LogWriteError::Create {
         path: path.to_owned(),
@@ -33,7 +32,7 @@ pub(super) fn create(path: &Path, force: bool) -> Result<File, LogWriteError> {
     match options.clone().create_new(true).open(path) {
         Ok(file) => lock(path, file),
         Err(e) if e.kind() == io::ErrorKind::AlreadyExists => {
-            // Look before opening: opening a FIFO would block.
+            // Checked before opening: opening a FIFO would block.
             if !path.metadata().map_err(failed)?.is_file() {
                 return Err(LogWriteError::NotAFile {
                     path: path.to_owned(),
@@ -63,26 +62,26 @@ fn lock(path: &Path, file: File) -> Result<File, LogWriteError> {
     }
 }
 
-/// The byte stream that the MCAP writer writes to.
+/// Byte stream that the MCAP writer writes to.
 ///
-/// `flush` marks a boundary between records. When a write fails (disk full), the file is cut back
-/// to the last boundary, so that readers find whole records only; every later write fails too.
+/// `flush` marks a boundary between records. When a write fails (disk full), the file is truncated to the
+/// last boundary, so that readers find complete records only; every later write fails too.
 pub(super) struct LogFile {
     storage: Box<dyn Storage>,
     buffer: Vec<u8>,
-    /// Bytes handed in so far; the MCAP writer asks for it to fill its indexes.
+    /// Bytes received so far; the MCAP writer queries it for its indexes.
     position: u64,
-    /// Length of the file up to the last boundary, shared with [`Readable`].
+    /// Length of the file up to the last boundary (bytes), shared with [`Readable`].
     boundary: Arc<AtomicU64>,
     failed: bool,
 }
 
-/// How much of the file consists of whole records, for those who do not own the stream.
+/// Length of the complete records of the file, readable without owning the stream.
 #[derive(Debug, Clone)]
 pub(super) struct Readable(Arc<AtomicU64>);
 
 impl Readable {
-    /// Bytes of whole records.
+    /// Returns the length of the complete records (bytes).
     pub(super) fn bytes(&self) -> u64 {
         self.0.load(Ordering::Relaxed)
     }
@@ -99,12 +98,12 @@ impl LogFile {
         }
     }
 
-    /// A view on how much of the file is readable.
+    /// Returns a handle on the readable length of the file.
     pub(super) fn readable(&self) -> Readable {
         Readable(Arc::clone(&self.boundary))
     }
 
-    /// Waits until everything that was flushed is on the disk.
+    /// Waits until all flushed data are on the disk.
     pub(super) fn sync(&mut self) -> io::Result<()> {
         self.storage.sync()
     }
@@ -119,8 +118,8 @@ impl LogFile {
         if result.is_err() {
             self.failed = true;
             self.buffer.clear();
-            // The first error is the one to report; a file that cannot be cut keeps a partial
-            // record, which readers report after the last whole one.
+            // The first error is reported; a file that cannot be truncated keeps a partial record, which
+            // readers report after the last complete one.
             let _ = self.storage.cut(self.boundary.load(Ordering::Relaxed));
         }
         result
@@ -156,13 +155,13 @@ impl Write for LogFile {
 }
 
 impl Seek for LogFile {
-    /// Tells the position; the MCAP writer is told not to seek.
+    /// Returns the position; the MCAP writer is configured not to seek.
     fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
         match to {
             SeekFrom::Current(0) => Ok(self.position),
             _ => Err(io::Error::new(
                 io::ErrorKind::Unsupported,
-                "a log is only appended to",
+                "a log can only be appended to",
             )),
         }
     }

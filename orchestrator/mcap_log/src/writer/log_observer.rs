@@ -1,13 +1,13 @@
-//! Somebody who gets what goes into a log.
+//! Observer of the messages written to a log.
 
 use super::channel::ChannelSpec;
 
-/// Gets what goes into a log, as it goes in and in its order. Runs on the recorder's thread: be
-/// quick.
+/// Receives channels and messages as they are written to a log, in order. It runs on the thread of the
+/// recorder and must not block.
 pub trait LogObserver: Send {
-    /// A channel was added; the first is channel 0, the next channel 1, and so on.
+    /// Receives a new channel; channels are numbered from 0.
     fn channel(&mut self, spec: &ChannelSpec<'_>);
 
-    /// A message was written, at this time of the log (simulated ns).
+    /// Receives a message with its log time (simulated ns).
     fn message(&mut self, channel: usize, log_time: u64, data: &[u8]);
 }

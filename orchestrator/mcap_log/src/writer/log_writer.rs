@@ -1,4 +1,4 @@
-//! The MCAP file of a run.
+//! Writer of the MCAP file of a run.
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -15,33 +15,33 @@ use crate::LogObserver;
 use crate::LogWriteError;
 use crate::writer::storage::Storage;
 
-/// How the chunks of a log are compressed.
+/// Compression of the chunks of a log.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Compression {
-    /// Not at all: cheapest to write, largest file.
+    /// No compression: fastest, largest file.
     None,
-    /// Zstandard at this level, −7 (fastest) to 19 (smallest); 0 is taken as its default, 3.
+    /// Zstandard at this level, −7 (fastest) to 19 (smallest); 0 means the default level, 3.
     Zstd(i32),
 }
 
-/// How a log is written.
+/// Options of a log writer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct LogOptions {
     /// Compression of the chunks.
     pub compression: Compression,
     /// Uncompressed size at which a chunk is closed (bytes).
     pub chunk_bytes: u64,
-    /// Wall time after which an open chunk is closed and handed to the operating system: a killed
-    /// recorder loses no more than this.
+    /// Wall-clock time after which an open chunk is closed and written to the operating system: the maximum
+    /// loss of a killed recorder.
     pub flush_every: Duration,
-    /// Whether an existing file is overwritten.
+    /// `true` to overwrite an existing file.
     pub force: bool,
 }
 
 impl Default for LogOptions {
-    /// Zstandard level −3 in chunks of half a megabyte, flushed every 100 ms: measured to cost two
-    /// fifths of the default level's time on traffic that is mostly particles, for a file 8 %
-    /// larger (see `benches/recorder.rs`).
+    /// Returns Zstandard level −3, chunks of 0.5 MB and flushes every 100 ms. On traffic that is mostly
+    /// particles this level takes 40 % of the time of the default level, for a file 8 % larger (see
+    /// `benches/recorder.rs`).
     fn default() -> Self {
         Self {
             compression: Compression::Zstd(-3),
@@ -52,12 +52,12 @@ impl Default for LogOptions {
     }
 }
 
-/// What stands at the head of a log, before the first message.
+/// Head of a log, before the first message.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Manifest {
-    /// Version, seed, scenario hash, host, processor… as metadata record `protean`.
+    /// Version, seed, scenario hash, host, processor …, written as metadata record `protean`.
     pub entries: BTreeMap<String, String>,
-    /// The scenario, the maps: everything needed to execute the run again.
+    /// Scenario and maps: everything needed to execute the run again.
     pub attachments: Vec<ManifestFile>,
 }
 
@@ -76,18 +76,18 @@ pub struct ManifestFile {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub struct ChannelId(usize);
 
-/// How much a channel holds.
+/// Totals of a channel.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ChannelTotals {
     /// Name of the topic.
     pub topic: String,
     /// Messages written.
     pub messages: u64,
-    /// Bytes of these messages, uncompressed and without the file's own records.
+    /// Size of these messages, uncompressed and without MCAP record headers (bytes).
     pub bytes: u64,
 }
 
-/// How much a finished log holds.
+/// Totals of a finished log.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct LogTotals {
     /// The channels, in the order in which they were added.
@@ -102,11 +102,11 @@ struct Channel {
     last_log_time: u64,
 }
 
-/// Writes the MCAP file of a run.
+/// Writer of the MCAP file of a run.
 ///
-/// The file is chunked, compressed, indexed and checksummed; it is the caller's alone (created
-/// anew, locked while open). Chunks are gathered in memory and handed to the operating system
-/// whole, so that what is in the file can be read at any moment by any MCAP reader.
+/// The file is chunked, compressed, indexed, checksummed, newly created and locked while open. Chunks are
+/// collected in memory and written to the operating system as a whole, so that any MCAP reader can read the
+/// file at any moment.
 pub struct LogWriter {
     writer: mcap::Writer<LogFile>,
     readable: Readable,
@@ -124,8 +124,9 @@ impl LogWriter {
     /// Creates the file and writes the manifest.
     ///
     /// # Errors
-    /// [`LogWriteError::Exists`], [`LogWriteError::InUse`], [`LogWriteError::NotAFile`] or [`LogWriteError::Create`]
-    /// if the file cannot be had, [`LogWriteError::Write`] if it cannot be written.
+    /// [`LogWriteError::Exists`], [`LogWriteError::InUse`], [`LogWriteError::NotAFile`] or
+    /// [`LogWriteError::Create`] if the file cannot be created, [`LogWriteError::Write`] if it cannot be
+    /// written.
     pub fn create(
         path: &Path,
         options: &LogOptions,
@@ -149,14 +150,14 @@ impl LogWriter {
         let readable = file.readable();
         let writer = WriteOptions::new()
             .compression(compression)
-            // The crate hands the bits of this number to zstd as a signed one: negative levels,
-            // the fastest, go through.
+            // The crate passes the bits of this number to zstd as a signed integer, so that negative levels
+            // work.
             .compression_level(level.cast_unsigned())
-            // Workers would keep everything back until the chunk ends, and cost a third core.
+            // Worker threads would delay output until the chunk ends, and use a third core.
             .compression_threads(0)
             .profile("")
             .library(concat!("protean/", env!("CARGO_PKG_VERSION")))
-            // `LogWriter` closes the chunks, so that every one ends at a boundary of `LogFile`.
+            // `LogWriter` closes the chunks, so that every chunk ends at a boundary of `LogFile`.
             .chunk_size(None)
             .disable_seeking(true)
             .create(file)
@@ -180,13 +181,13 @@ impl LogWriter {
         Ok(log)
     }
 
-    /// The file.
+    /// Returns the path of the file.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// Lets somebody have everything that is added and written from now on.
-    pub fn mirror_to(&mut self, log_observer: Box<dyn LogObserver>) {
+    /// Sets the observer of all channels and messages from now on.
+    pub fn set_observer(&mut self, log_observer: Box<dyn LogObserver>) {
         self.log_observer = Some(log_observer);
     }
 
@@ -222,9 +223,8 @@ impl LogWriter {
 
     /// Writes one message.
     ///
-    /// Times are simulated (ns). Within a channel `log_time` never goes back: an earlier one is
-    /// raised to that of the message before; `publish_time` is written as given. An id of another
-    /// log writes nothing.
+    /// Times are simulated (ns). Within a channel `log_time` never decreases: an earlier time is raised to
+    /// that of the previous message; `publish_time` is written as given. An id of another log writes nothing.
     ///
     /// # Errors
     /// [`LogWriteError::Write`].
@@ -262,7 +262,7 @@ impl LogWriter {
         }
     }
 
-    /// Closes the open chunk if it is older than the options allow. Call it at least that often.
+    /// Closes the open chunk if it is older than `flush_every`. Call it at least that often.
     ///
     /// # Errors
     /// [`LogWriteError::Write`].
@@ -273,7 +273,7 @@ impl LogWriter {
         Ok(())
     }
 
-    /// Closes the open chunk and hands everything to the operating system.
+    /// Closes the open chunk and writes all data to the operating system.
     ///
     /// # Errors
     /// [`LogWriteError::Write`].
@@ -312,7 +312,7 @@ impl LogWriter {
         self.check(result)
     }
 
-    /// Writes the summary section, waits until the file is on the disk, and says what it holds.
+    /// Writes the summary section, waits until the file is on the disk, and returns its totals.
     ///
     /// # Errors
     /// [`LogWriteError::Write`]; the file then stays readable without its summary.

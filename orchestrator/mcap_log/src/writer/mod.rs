@@ -1,4 +1,4 @@
-//! The log of a run while it is written.
+//! Writer of the log of a run.
 
 mod channel;
 mod error;

@@ -1,27 +1,27 @@
-//! What files that grow are written to: the disk, or in tests one that fills up.
+//! Storage of growing files: the disk, or in tests a disk of limited size.
 
 use std::fs::File;
 use std::io::{self, Seek as _, SeekFrom, Write as _};
 use std::os::unix::fs::MetadataExt as _;
 
-/// Bytes that are appended, and cut back when an append fails half-way.
+/// Storage with append and truncate.
 pub(crate) trait Storage: Send {
     /// Appends all bytes.
     fn append(&mut self, bytes: &[u8]) -> io::Result<()>;
-    /// Cuts the file to this length (bytes); what is appended next goes there.
+    /// Truncates the file to this length (bytes); the next append continues there.
     fn cut(&mut self, length: u64) -> io::Result<()>;
-    /// Waits until everything is on the disk.
+    /// Waits until all data are on the disk.
     fn sync(&mut self) -> io::Result<()>;
 }
 
 impl Storage for File {
     fn append(&mut self, bytes: &[u8]) -> io::Result<()> {
-        // Bytes would go on into a file that nobody can find again.
+        // Writes to a deleted file would be lost.
         if self.metadata()?.nlink() == 0 {
-            let gone = "it was removed, or its directory was";
+            let gone = "the file or its directory was removed";
             return Err(io::Error::new(io::ErrorKind::NotFound, gone));
         }
-        // Two writes would only happen when the first was cut short, by a full disk say.
+        // A second write happens only after a short one, for example on a full disk.
         self.write_all(bytes)
     }
     fn cut(&mut self, length: u64) -> io::Result<()> {
@@ -39,7 +39,7 @@ pub(crate) mod tests {
 
     use super::*;
 
-    /// A disk with room for so many bytes.
+    /// A disk of limited size.
     #[derive(Debug, Clone)]
     pub(crate) struct SmallDisk {
         pub contents: Arc<Mutex<Vec<u8>>>,
@@ -73,7 +73,7 @@ pub(crate) mod tests {
     }
 
     #[test]
-    fn what_is_appended_after_a_cut_stands_where_it_was_cut() {
+    fn an_append_after_a_truncation_continues_there() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("log");
         let mut file = File::create_new(&path).unwrap();
@@ -84,6 +84,6 @@ pub(crate) mod tests {
         storage.sync().unwrap();
         assert_eq!(std::fs::read(&path).unwrap(), b"whole next");
         std::fs::remove_file(&path).unwrap();
-        assert!(file.append(b"more").is_err(), "nobody would ever see it");
+        assert!(file.append(b"more").is_err(), "the file is deleted");
     }
 }

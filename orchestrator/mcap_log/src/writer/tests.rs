@@ -1,4 +1,4 @@
-//! Which files a log takes, and what is left when the disk is full.
+//! Tests of existing files and full disks.
 
 use std::collections::BTreeMap;
 use std::io;
@@ -33,7 +33,7 @@ fn an_existing_file_is_kept_unless_forced() {
 }
 
 #[test]
-fn a_file_that_is_being_written_is_never_taken() {
+fn a_file_that_another_run_writes_is_refused() {
     let directory = tempfile::tempdir().unwrap();
     let path = directory.path().join("run.mcap");
     let log = create(&path, false).unwrap();
@@ -53,7 +53,7 @@ fn a_file_that_is_being_written_is_never_taken() {
 }
 
 #[test]
-fn behind_a_link_the_file_is_overwritten_and_not_the_link() {
+fn the_target_of_a_link_is_overwritten_and_not_the_link() {
     let directory = tempfile::tempdir().unwrap();
     let (file, link) = (
         directory.path().join("file.mcap"),
@@ -67,7 +67,7 @@ fn behind_a_link_the_file_is_overwritten_and_not_the_link() {
 }
 
 #[test]
-fn what_cannot_be_a_log_is_named() {
+fn an_error_names_the_path() {
     let directory = tempfile::tempdir().unwrap();
     for force in [false, true] {
         let error = create(directory.path(), force).unwrap_err();
@@ -82,7 +82,7 @@ fn what_cannot_be_a_log_is_named() {
 }
 
 #[test]
-fn on_a_full_disk_everything_up_to_the_last_whole_chunk_stays_readable() {
+fn on_a_full_disk_all_complete_chunks_stay_readable() {
     for room in [2_000, 30_000, 100_001, 100_002, 150_000] {
         let disk = SmallDisk::new(room);
         let contents = Arc::clone(&disk.contents);
@@ -137,7 +137,7 @@ fn on_a_full_disk_everything_up_to_the_last_whole_chunk_stays_readable() {
         let options = mcap::read::Options::IgnoreEndMagic.into();
         let stream = mcap::MessageStream::new_with_options(&contents, options).unwrap();
         let read = stream.map_while(Result::ok).count() as u32;
-        // A chunk holds 20 messages; all but the one that did not fit are there.
+        // A chunk contains 20 messages; all chunks except the one that did not fit are readable.
         assert_eq!(read, written / 20 * 20, "room for {room}");
     }
 }

@@ -8,7 +8,7 @@ use std::process::ExitCode;
 
 use log_tools::{CatOptions, cat};
 use platform::eprintln;
-use platform::terminal::harmless;
+use platform::terminal::escape_controls;
 
 use super::logs::{self, PartArgs};
 use super::output::EXIT_FAILED;
@@ -56,7 +56,7 @@ pub fn run(args: CatArgs) -> ExitCode {
         let mut out = BufWriter::new(io::stdout().lock());
         let mut written = Ok(());
         let condition = cat(&args.log, &options, watch, |line| {
-            written = writeln!(out, "{}", harmless(line));
+            written = writeln!(out, "{}", escape_controls(line));
             match written {
                 Ok(()) => ControlFlow::Continue(()),
                 Err(_) => ControlFlow::Break(()),

@@ -111,7 +111,7 @@ fn measure(
     let beside = log.clone().or_else(|| args.log.clone()).unwrap_or_default();
     let json = to_file
         .map(|out| {
-            let file = derived::create(out, &beside, args.force.force, Readers::Anybody)?;
+            let file = derived::create(out, &beside, args.force.force, Readers::All)?;
             Ok((out, file))
         })
         .transpose()

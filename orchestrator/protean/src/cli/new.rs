@@ -105,7 +105,7 @@ fn write_file(path: &Path, text: &str, existing: Existing) -> io::Result<()> {
     if let Some(folder) = path.parent() {
         fs::create_dir_all(folder)?;
     }
-    let mut file = AtomicFile::create(path, existing, Readers::Anybody)?;
+    let mut file = AtomicFile::create(path, existing, Readers::All)?;
     file.write_all(text.as_bytes())?;
     file.commit()
 }

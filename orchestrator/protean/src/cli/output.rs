@@ -31,7 +31,7 @@ pub(super) fn print(text: &str) {
     use std::io::{ErrorKind, Write as _};
     let mut out = std::io::stdout().lock();
     let written =
-        writeln!(out, "{}", platform::terminal::harmless(text)).and_then(|()| out.flush());
+        writeln!(out, "{}", platform::terminal::escape_controls(text)).and_then(|()| out.flush());
     if let Err(error) = written
         && error.kind() != ErrorKind::BrokenPipe
         && !RESULT_LOST.swap(true, Ordering::Relaxed)

@@ -41,7 +41,7 @@ pub(super) fn run(args: &PictureArgs) -> ExitCode {
         let out = out.unwrap_or_else(|| log.with_extension("svg"));
         let (trace, condition) = RunTrace::read(log, args.at, watch)?;
         let (svg, force) = (draw(&trace), args.force.force);
-        derived::write(svg.as_bytes(), &out, log, force, Readers::Anybody)?;
+        derived::write(svg.as_bytes(), &out, log, force, Readers::All)?;
         print(&out.display().to_string());
         Ok(logs::of_condition(log, &condition))
     })

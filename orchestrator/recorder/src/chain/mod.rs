@@ -1,11 +1,11 @@
-//! From the state of the world to the commands for it, tick by tick: how long messages were on their
-//! way, how long processes took, and which of them were waited for.
+//! Latencies of ticks, from the state of the world to the commands: transport times, computing times, and the
+//! critical path.
 //!
-//! A *step* is the time between taking up the last input and sending (`sent − received` of one
-//! stamp, the longest of a process's messages for one tick). A *hop* is the time between the
-//! sending of the last input and its being taken up (`received` of the output minus `sent` of the
-//! input, both for the same tick). *Sense to act* is the time from the beginning of a state until the
-//! simulator has taken up the last command for it; `stages` divides it.
+//! A *step* is the time from receiving the last input to sending (`sent − received` of one stamp; the maximum
+//! over the messages of a process for one tick). A *hop* is the time from sending the last input to receiving
+//! it (`received` of the output minus `sent` of the input, both for the same tick). *Sense-to-act* is the
+//! time from the beginning of a state until the simulator has received the last command for it; `stages`
+//! divides it.
 
 mod stages;
 #[cfg(test)]
@@ -24,55 +24,55 @@ use statistics::{Distribution, Distributions, Percentiles};
 
 use super::run_info::ProcessInfo;
 
-/// Ticks that are kept while what belongs to them comes in: more than the recorder lags behind.
+/// Number of ticks whose stamps are kept; more than the lag of the recorder.
 const WINDOW: u64 = 512;
 
-/// Measures the ticks of a run from the stamps of its messages, which come in about their order.
+/// Measures the ticks of a run from the stamps of its messages, which arrive approximately in order.
 #[derive(Debug)]
 pub struct Chain {
-    /// By their index.
+    /// Processes by index.
     processes: BTreeMap<u32, Process>,
     ticks: BTreeMap<u64, Tick>,
-    /// Emptied, to be used again.
+    /// Empty buffers for reuse.
     spare: Vec<Vec<Output>>,
     /// Hops and steps by name.
     pub hops: Distributions,
-    /// Times of stages by name, if details are wanted, and of the whole.
+    /// Times of stages by name, if details are requested, and the sum.
     pub stages: Distributions,
-    /// What the command `latency` tells besides.
+    /// Details of the command `latency`.
     pub detail: Option<Detail>,
 }
 
-/// A process, and what its measurements are called.
+/// A process and the names of its measurements.
 #[derive(Debug)]
 struct Process {
     kind: String,
     reads_beliefs: bool,
     step: String,
-    /// By the process that the input came from.
+    /// Names of hops, by the process that sent the input.
     hops: BTreeMap<u32, String>,
 }
 
-/// What was sent for one tick.
+/// Stamps of the messages of one tick.
 #[derive(Debug, Default)]
 struct Tick {
     state: Option<Stamp>,
-    /// The last.
+    /// The last belief.
     belief: Option<Stamp>,
     outputs: Vec<Output>,
 }
 
-/// What one process sent for a tick.
+/// Stamps of the messages of one process for a tick.
 #[derive(Debug)]
 struct Output {
     source: u32,
-    /// Longest time from the input to one of its messages (ns); `None` if clocks are missing.
+    /// Maximum time from the input to one of its messages (ns); `None` if clock readings are missing.
     step_ns: Option<u64>,
-    /// Its first state, sighting, belief or command.
+    /// First state, sighting, belief or command.
     first: Option<Stamp>,
-    /// When the last of these was sent (ns).
+    /// Send time of the last of these (ns).
     last_sent_ns: u64,
-    /// Its last command.
+    /// Last command.
     command: Option<Stamp>,
 }
 
@@ -87,7 +87,7 @@ impl Consumer for Chain {
 }
 
 impl Chain {
-    /// The topics whose messages are sent in answer to the input of their tick.
+    /// Returns the topics whose messages answer the input of their tick.
     pub fn timed() -> &'static [TopicId] {
         static TIMED: LazyLock<Vec<TopicId>> = LazyLock::new(|| {
             let topics = TopicId::ALL.iter().copied();
@@ -96,7 +96,7 @@ impl Chain {
         &TIMED
     }
 
-    /// Of a run with these processes.
+    /// Creates the measurement of a run with these processes.
     pub fn new(processes: &[ProcessInfo]) -> Self {
         let processes = processes.iter().map(|p| {
             let process = Process {
@@ -117,17 +117,17 @@ impl Chain {
         }
     }
 
-    /// Measures turns, stages and answers too; `period_ns`: wall-clock time between two ticks in real
-    /// time, `None` in lock-step.
+    /// Adds details: turns, stages and answers. `period_ns` is the wall-clock time between two ticks in real
+    /// time (ns), `None` in lock-step.
     #[must_use]
     pub fn with_detail(mut self, period_ns: Option<u64>) -> Self {
         self.detail = Some(Detail::new(period_ns));
         self
     }
 
-    /// Takes up the stamp of a message of a timed topic.
+    /// Adds the stamp of a message of a timed topic.
     fn take(&mut self, topic: TopicId, stamp: &Stamp) {
-        // No clock runs in a run in one thread.
+        // Runs in one thread have no clock readings.
         if stamp.sent_ns == 0 || !self.processes.contains_key(&stamp.source) {
             return;
         }
@@ -151,21 +151,20 @@ impl Chain {
         }
     }
 
-    /// Measures the ticks that are still kept. The last was not answered any more: of it there are
-    /// hops and steps only.
+    /// Measures the remaining ticks. The last tick has no answer, only hops and steps.
     pub fn settle(&mut self) {
         while !self.ticks.is_empty() {
             self.settle_first();
         }
     }
 
-    /// Hops, steps and the whole, by name; complete after [`Chain::settle`].
+    /// Returns hops, steps and sense-to-act by name; complete after [`Chain::settle`].
     pub fn latencies(&self) -> impl Iterator<Item = (&String, &Distribution)> {
         let whole = self.stages.iter().filter(|(name, _)| *name == WHOLE);
         self.hops.iter().chain(whole)
     }
 
-    /// What [`Chain::latencies`] amount to (µs), at the end of the run.
+    /// Returns the percentiles of [`Chain::latencies`] (µs) at the end of the run.
     pub(crate) fn percentiles(&mut self) -> BTreeMap<String, Percentiles> {
         self.settle();
         self.latencies()
@@ -211,7 +210,7 @@ impl Chain {
         }
     }
 
-    /// A message was taken up, and answered by another one.
+    /// Measures the hop of a message that another message answers.
     fn hop(&mut self, sent: &Stamp, answer: &Stamp) {
         let Some(duration) = since(sent.sent_ns, answer.received_ns) else {
             return;
@@ -260,7 +259,7 @@ impl Tick {
             TopicId::Belief if later(self.belief) => self.belief = Some(*stamp),
             TopicId::Commands if later(output.command) => output.command = Some(*stamp),
             TopicId::Sightings | TopicId::Belief | TopicId::Commands => {}
-            // Steps only.
+            // Other processes have steps only.
             _ => return,
         }
         let earlier = |than: Stamp| stamp.sent_ns < than.sent_ns;
@@ -270,7 +269,7 @@ impl Tick {
         output.last_sent_ns = output.last_sent_ns.max(stamp.sent_ns);
     }
 
-    /// What a process goes by in this tick; nothing for the simulator, which makes the state.
+    /// Returns the input of a process in this tick; `None` for the simulator, which sends the state.
     fn input(&self, process: &Process, source: u32) -> Option<Stamp> {
         let state = self.state.filter(|state| state.source != source)?;
         let belief = self.belief.filter(|_| process.reads_beliefs);
@@ -278,8 +277,8 @@ impl Tick {
     }
 }
 
-/// Nanoseconds between two readings of the clock; `None` if one is missing or they are swapped
-/// (the input was not what the process waited for).
+/// Returns the nanoseconds between two clock readings; `None` if one is missing or they are in reverse order
+/// (the process did not wait for this input).
 fn since(earlier: u64, later: u64) -> Option<u64> {
     if earlier == 0 {
         None

@@ -1,30 +1,30 @@
 //! The stages of a tick.
 //!
-//! Of every tick the *last* command is followed back to the state: the command of a process that goes
-//! by beliefs if there is one, then through perception. The boundaries of the stages are readings of
-//! one clock, each stage ends where the next begins, so that the stages of a tick add up to the whole.
+//! The *last* command of every tick is traced back to the state: the command of a process that reads beliefs
+//! if there is one, then through perception. Each stage ends where the next one begins, by one clock, so that
+//! the stages add up to sense-to-act.
 
 use ipc_types::stamp::Stamp;
 use statistics::Distributions;
 
 use super::{Chain, Output, Tick, since};
 
-/// A piece of the way from state to act.
+/// A stage of sense-to-act.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Stage {
     /// The simulator writes scans, map and state.
     Publish,
-    /// The state is on its way to perception, which wakes up and takes it.
+    /// Transport of the state to perception, wake-up included.
     ToPerception,
     /// Perception computes and writes its beliefs.
     Perception,
-    /// The beliefs (without perception: the state) are on their way to the planner.
+    /// Transport of the beliefs (without perception: of the state) to the planner.
     ToPlanner,
     /// The planner computes and writes the command.
     Planner,
-    /// In real time: the command lies there until the tick ends.
+    /// In real time: the command waits until the tick ends.
     Wait,
-    /// The command is on its way to the simulator, which wakes up and takes it.
+    /// Transport of the command to the simulator, wake-up included.
     ToSimulator,
 }
 
@@ -40,7 +40,7 @@ impl Stage {
         Self::ToSimulator,
     ];
 
-    /// What it is called in reports.
+    /// Returns the name in reports.
     pub fn name(self) -> &'static str {
         match self {
             Self::Publish => "state is published",
@@ -54,60 +54,60 @@ impl Stage {
     }
 }
 
-/// Name of the whole: the sum of all stages.
+/// Name of the sum of all stages.
 pub const WHOLE: &str = "sense to act";
-/// Name of the part before the wait: until the command has been sent.
+/// Name of the time until the command has been sent.
 pub const REACTION: &str = "sense to command";
 
-/// How one tick went.
+/// Stages of one tick.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Passage {
     /// The tick.
     pub tick: u64,
-    /// Times of the stages, in the order of [`Stage::ALL`] (ns); 0 for those that it had not.
+    /// Times of the stages, in the order of [`Stage::ALL`] (ns); 0 for absent stages.
     pub stages: [u64; 7],
-    /// From the state's beginning to the last command's being taken up (ns).
+    /// Time from the beginning of the state until the simulator received the last command (ns).
     pub whole_ns: u64,
-    /// From the state's beginning to the last command's being sent (ns).
+    /// Time from the beginning of the state until the last command was sent (ns).
     pub reaction_ns: u64,
-    /// Ticks after the one that it was for at which the command was taken up: 0 if in time.
+    /// Delay of the last command (ticks); 0 if in time.
     pub late_ticks: u64,
 }
 
-/// Counts of ticks by how they ended.
+/// Counts of ticks by outcome.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Answers {
-    /// States of the world.
+    /// Number of world states.
     pub ticks: u64,
-    /// Ticks whose commands were all taken up at their end.
+    /// Ticks whose commands were all received in time.
     pub in_time: u64,
-    /// Ticks whose last command was taken up at the end of a later one: deadline misses.
+    /// Ticks whose last command was received in a later tick: deadline misses.
     pub late: u64,
-    /// Ticks that nobody has answered with a command: planners were still busy with an earlier one.
+    /// Ticks without a command: planners were still busy with an earlier tick.
     pub unanswered: u64,
-    /// Answered ticks whose planner did not have the beliefs of the tick.
+    /// Answered ticks whose planner had not received the beliefs of the tick.
     pub without_beliefs: u64,
 }
 
 /// Name of the jitter of ticks.
 pub const TICK_JITTER: &str = "tick off its time";
 
-/// Passages that are kept one by one.
+/// Maximum number of kept passages.
 const MAX_PASSAGES: usize = 200_000;
 
-/// What is told of a log beside its hops and steps.
+/// Details of a log beside hops and steps.
 #[derive(Debug, Default)]
 pub struct Detail {
-    /// Time between two ticks by the clock on the wall (ns); none in lock-step.
+    /// Wall-clock time between two ticks (ns); `None` in lock-step.
     period_ns: Option<u64>,
     last_state: Option<Stamp>,
-    /// How ticks were answered.
+    /// Outcomes of ticks.
     pub answers: Answers,
-    /// Parts of every process's turn, by names such as `pursuer wakes up`.
+    /// Parts of the turn of every process, by names such as `pursuer wakes up`.
     pub turns: Distributions,
     /// |time between two states − period|; in real time only.
     pub period: Distributions,
-    /// Every tick that could be followed.
+    /// Every tick that could be traced.
     pub passages: Vec<Passage>,
 }
 
@@ -119,7 +119,7 @@ impl Detail {
         }
     }
 
-    /// A state came: how far the time since the one before is from the period.
+    /// Records the deviation of the time between two states from the period.
     pub(super) fn ticked(&mut self, state: &Stamp) {
         if let Some(before) = self.last_state.replace(*state)
             && let Some(period_ns) = self.period_ns
@@ -131,7 +131,7 @@ impl Detail {
         }
     }
 
-    /// The parts of a process's turn: awake, input taken, computed, written.
+    /// Records the parts of a turn: wake-up, input, computing, output.
     fn turn(&mut self, kind: &str, input: Option<&Stamp>, first: &Stamp, last_sent_ns: u64) {
         let woken = input.map_or(0, |input| input.sent_ns);
         for (part, from, to) in [
@@ -148,7 +148,7 @@ impl Detail {
 }
 
 impl Chain {
-    /// Follows a tick that has a state, and is not the last.
+    /// Traces a tick that has a state and is not the last.
     pub(super) fn measure_stages(&mut self, number: u64, tick: &Tick, state: &Stamp) {
         if let Some(detail) = &mut self.detail {
             detail.answers.ticks += 1;
@@ -175,7 +175,7 @@ impl Chain {
             match act {
                 Some((at, _)) if at == number + 1 => detail.answers.in_time += 1,
                 Some(_) => detail.answers.late += 1,
-                // The run ended before.
+                // The run ended earlier.
                 None => {}
             }
         }
@@ -216,8 +216,8 @@ impl Chain {
         self.processes.get(&source).is_some_and(|p| p.reads_beliefs)
     }
 
-    /// The last command of a tick (of those that go by beliefs, if there are any) and the beliefs
-    /// that it could have known.
+    /// Returns the last command of a tick (of processes that read beliefs, if there are any) and the beliefs
+    /// that were available for it.
     fn critical(&self, tick: &Tick) -> Option<(Stamp, Option<Stamp>)> {
         let last = |by_beliefs: bool| {
             tick.outputs
@@ -233,7 +233,7 @@ impl Chain {
         Some((planner, belief))
     }
 
-    /// The state before which the simulator took a command up.
+    /// Returns tick and stamp of the state before which the simulator received a command.
     fn taken(&self, command: &Stamp) -> Option<(u64, Stamp)> {
         self.ticks
             .range(command.tick + 1..)
@@ -242,8 +242,7 @@ impl Chain {
     }
 }
 
-/// Stages between readings of the clock that follow each other; `None` if they do not, or one is
-/// missing.
+/// Returns the stages between ascending clock readings; `None` if they are not ascending or one is missing.
 fn stages(
     state: &Stamp,
     belief: Option<&Stamp>,
@@ -255,7 +254,7 @@ fn stages(
         Some(belief) => (belief.received_ns, belief.sent_ns),
         None => (state.sent_ns, state.sent_ns),
     };
-    // In lock-step the simulator sleeps until the last command is there: all of it is the way.
+    // In lock-step the simulator sleeps until the last command arrives: the whole time is transport.
     let woken = if real_time {
         act.begun_ns
             .clamp(planner.sent_ns, act.received_ns.max(planner.sent_ns))

@@ -1,4 +1,4 @@
-//! Hops, steps and stages of ticks.
+//! Tests of hops, steps and stages.
 
 use super::*;
 
@@ -44,7 +44,7 @@ fn state(tick: u64, begun: u64, received: u64) -> Stamp {
     }
 }
 
-/// Tick 0 with everybody; the pursuer's command is sent at this time after the origin.
+/// Adds tick 0 with all processes; the pursuer sends its command at this time after the origin.
 fn chase(chain: &mut Chain, command: u64) {
     let at = |after: u64| PERIOD + after;
     chain.take(TopicId::WorldState, &state(0, 0, 0));
@@ -113,10 +113,10 @@ fn in_lock_step_the_simulator_does_not_wait_for_a_clock() {
 }
 
 #[test]
-fn a_command_that_comes_after_its_tick_is_late_and_found_where_it_was_taken() {
+fn a_command_after_its_tick_is_late_and_traced_to_the_tick_that_received_it() {
     let mut chain = Chain::new(&processes()).with_detail(Some(PERIOD));
     chase(&mut chain, PERIOD + 100);
-    // The first turn took the evader's command, the second the pursuer's.
+    // The simulator received the evader's command in the first turn, the pursuer's in the second.
     chain.take(TopicId::WorldState, &state(1, 2 * PERIOD - 60, PERIOD + 97));
     chain.take(
         TopicId::WorldState,
@@ -126,14 +126,14 @@ fn a_command_that_comes_after_its_tick_is_late_and_found_where_it_was_taken() {
     assert_eq!(
         (answers.late, answers.unanswered),
         (1, 1),
-        "nobody answered tick 1"
+        "tick 1 has no answer"
     );
     assert_eq!((passages[0].late_ticks, passages[0].tick), (1, 0));
     assert_eq!(passages[0].stages.iter().sum::<u64>(), passages[0].whole_ns);
 }
 
 #[test]
-fn a_planner_without_the_beliefs_of_the_tick_is_followed_to_the_state() {
+fn a_planner_without_the_beliefs_of_the_tick_is_traced_to_the_state() {
     let mut chain = Chain::new(&processes()).with_detail(Some(PERIOD));
     let at = |after: u64| PERIOD + after;
     chain.take(TopicId::WorldState, &state(0, 0, 0));
@@ -156,7 +156,7 @@ fn a_planner_without_the_beliefs_of_the_tick_is_followed_to_the_state() {
 }
 
 #[test]
-fn clocks_that_are_missing_make_no_stages() {
+fn missing_clock_readings_give_no_stages() {
     let mut chain = Chain::new(&processes()).with_detail(Some(PERIOD));
     chain.take(TopicId::WorldState, &state(0, 0, 0));
     chain.take(TopicId::Commands, &stamp(0, EVADER, [0, 0, 0, PERIOD + 50]));
@@ -166,12 +166,12 @@ fn clocks_that_are_missing_make_no_stages() {
     assert_eq!((answers.in_time, passages.len()), (1, 0));
 }
 
-/// As `stamp`, with the clocks of a message that was computed at once.
+/// Returns `stamp` with the clock readings of a message that was computed at once.
 fn output(tick: u64, source: u32, received_ns: u64, sent_ns: u64) -> Stamp {
     stamp(tick, source, [0, received_ns, received_ns, sent_ns])
 }
 
-fn stamped(tick: u64, received_ns: u64, sent_ns: u64) -> Stamp {
+fn sent_state(tick: u64, received_ns: u64, sent_ns: u64) -> Stamp {
     Stamp {
         origin_ns: sent_ns,
         ..output(tick, SIMULATOR, received_ns, sent_ns)
@@ -189,7 +189,7 @@ fn only(measured: &BTreeMap<String, Percentiles>, name: &str) -> (u64, f64) {
 fn a_tick_with_beliefs_is_measured_hop_by_hop() {
     let mut chain = Chain::new(&processes());
     let base = 1_000_000;
-    chain.take(TopicId::WorldState, &stamped(5, base - 700, base));
+    chain.take(TopicId::WorldState, &sent_state(5, base - 700, base));
     chain.take(
         TopicId::Sightings,
         &output(5, PERCEPTION, base + 1_000, base + 4_000),
@@ -212,7 +212,7 @@ fn a_tick_with_beliefs_is_measured_hop_by_hop() {
     );
     chain.take(
         TopicId::WorldState,
-        &stamped(6, base + 12_000, base + 12_500),
+        &sent_state(6, base + 12_000, base + 12_500),
     );
     let measured = chain.percentiles();
     assert_eq!(only(&measured, "simulator to perception"), (1, 1.0));
@@ -229,7 +229,7 @@ fn a_tick_with_beliefs_is_measured_hop_by_hop() {
 #[test]
 fn without_beliefs_pursuers_answer_the_state() {
     let mut chain = Chain::new(&processes());
-    chain.take(TopicId::WorldState, &stamped(0, 0, 1_000));
+    chain.take(TopicId::WorldState, &sent_state(0, 0, 1_000));
     chain.take(TopicId::Commands, &output(0, PURSUER, 3_000, 4_000));
     let measured = chain.percentiles();
     assert_eq!(only(&measured, "simulator to pursuer"), (1, 2.0));
@@ -237,9 +237,9 @@ fn without_beliefs_pursuers_answer_the_state() {
 }
 
 #[test]
-fn clocks_that_are_missing_or_swapped_measure_nothing() {
+fn missing_or_reversed_clock_readings_are_ignored() {
     let mut chain = Chain::new(&processes());
-    chain.take(TopicId::WorldState, &stamped(3, 0, 5_000));
+    chain.take(TopicId::WorldState, &sent_state(3, 0, 5_000));
     chain.take(TopicId::Commands, &output(3, EVADER, 4_000, 0));
     chain.take(TopicId::Commands, &output(9, EVADER, 4_000, 5_000));
     chain.take(TopicId::Commands, &output(3, 77, 6_000, 7_000));
@@ -251,10 +251,13 @@ fn clocks_that_are_missing_or_swapped_measure_nothing() {
 fn late_messages_of_a_tick_that_is_still_kept_count() {
     let mut chain = Chain::new(&processes());
     for tick in 0..WINDOW {
-        chain.take(TopicId::WorldState, &stamped(tick, 0, 1_000 * (tick + 1)));
+        chain.take(
+            TopicId::WorldState,
+            &sent_state(tick, 0, 1_000 * (tick + 1)),
+        );
     }
     chain.take(TopicId::Commands, &output(2, EVADER, 3_500, 3_600));
-    chain.take(TopicId::WorldState, &stamped(WINDOW, 0, 1_000_000));
+    chain.take(TopicId::WorldState, &sent_state(WINDOW, 0, 1_000_000));
     chain.take(TopicId::Commands, &output(0, EVADER, 1_500, 1_600));
     let measured = chain.percentiles();
     assert_eq!(only(&measured, "simulator to evader"), (1, 0.5));

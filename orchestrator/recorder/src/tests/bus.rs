@@ -1,4 +1,4 @@
-//! From real shared memory into the log.
+//! Tests of recording from shared memory.
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::Duration;
@@ -13,7 +13,7 @@ use mcap_log::LogOptions;
 use super::made_up::{FIRST_ROBOT, PERCEPTION, ROBOTS, SIMULATOR, Sent, recording, run};
 use crate::{Recorder, Wakeup};
 
-/// A run space that is wiped when the test ends, also by a panic.
+/// A run space that is removed at the end of the test, also on a panic.
 struct Space(RunSpace, tempfile::TempDir);
 
 impl Drop for Space {
@@ -32,7 +32,7 @@ impl TopicVisitor for Create<'_> {
     }
 }
 
-/// The clock of a run.
+/// The time mode of a run.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Clock {
     LockStep,
@@ -137,7 +137,8 @@ fn record(clock: Clock, name: &str) -> crate::Summary {
             let tick = sent.stamp().tick;
             match &sent {
                 Sent::State(header, robots) => {
-                    // All of the tick before was sent; wait while the recorder is too far behind.
+                    // All messages of the previous tick have been sent; wait while the recorder lags too far
+                    // behind.
                     turns.completed.store(tick, Ordering::Release);
                     let behind =
                         || tick > turns.recorded.load(Ordering::Acquire) + RECORDER_TICKS / 2;
@@ -179,7 +180,7 @@ fn check(summary: &crate::Summary) {
 }
 
 #[test]
-fn nothing_is_lost_between_shared_memory_and_the_log_and_two_runs_are_one() {
+fn no_message_is_lost_and_two_runs_give_the_same_log() {
     let first = record(Clock::LockStep, "a");
     let second = record(Clock::LockStep, "b");
     check(&first);
@@ -188,6 +189,6 @@ fn nothing_is_lost_between_shared_memory_and_the_log_and_two_runs_are_one() {
 }
 
 #[test]
-fn in_real_time_nothing_waits_for_the_log_and_it_is_complete_at_the_end() {
+fn in_real_time_processes_do_not_wait_for_the_log_and_it_is_complete() {
     check(&record(Clock::RealTime, "c"));
 }

@@ -1,4 +1,4 @@
-//! Derived channels: their messages stand in the log behind what they are made from.
+//! Tests of derived channels: their messages follow their sources in the log.
 
 use ipc_types::consumer::{Consumer, LoggedMessage};
 use ipc_types::messages::robot::Command;
@@ -19,7 +19,7 @@ struct Count {
     ready: DerivedMessages,
     time_ns: u64,
     commands: u8,
-    /// A message that has so many commands cannot be encoded.
+    /// Number of commands from which a message cannot be encoded.
     most: u8,
 }
 
@@ -86,7 +86,7 @@ fn derived_messages_follow_their_tick_are_numbered_and_counted() {
     let path = directory.path().join("run.mcap");
     let mut recording = recording(&path, &LogOptions::default(), Some(Count::new(u8::MAX)));
     for mut sent in run(TICKS, 1) {
-        // A command that the checks reject is in the log, but nothing is derived from it.
+        // A rejected command is in the log, but has no derived message.
         if let super::made_up::Sent::Command(_, commands) = &mut sent
             && commands[0].robot == 0
         {

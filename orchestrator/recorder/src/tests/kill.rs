@@ -1,4 +1,4 @@
-//! A recorder that is killed leaves everything up to its last flush.
+//! Test of a killed recorder: the log is readable up to the last flush.
 
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -8,13 +8,13 @@ use mcap_log::LogOptions;
 
 use super::made_up::{recording, run};
 
-/// Names the log for the process that dies.
+/// Environment variable with the path of the log, for the process that is killed.
 const VICTIM: &str = "PROTEAN_TEST_RECORDER_VICTIM";
 
-/// Ticks that are flushed before the process dies.
+/// Number of ticks that are flushed before the process is killed.
 const FLUSHED: u64 = 30;
 
-/// Not a test by itself: the process that dies, started by the test below.
+/// Not a test itself: the process that is killed, started by the test below.
 #[test]
 fn victim() {
     let Some(path) = std::env::var_os(VICTIM) else {
@@ -36,7 +36,7 @@ fn victim() {
 }
 
 #[test]
-fn what_was_flushed_survives_the_process() {
+fn flushed_messages_survive_the_process() {
     let directory = tempfile::tempdir().unwrap();
     let path = directory.path().join("run.mcap");
     let status = Command::new(std::env::current_exe().unwrap())
@@ -46,7 +46,7 @@ fn what_was_flushed_survives_the_process() {
         .stderr(Stdio::null())
         .status()
         .unwrap();
-    assert!(!status.success(), "the victim died");
+    assert!(!status.success(), "the process is killed");
     let bytes = std::fs::read(&path).unwrap();
     let options = mcap::read::Options::IgnoreEndMagic | mcap::read::Options::ValidateChunkCrcs;
     let stream = mcap::MessageStream::new_with_options(&bytes, options).unwrap();
@@ -56,7 +56,7 @@ fn what_was_flushed_survives_the_process() {
         .filter(|sent| sent.stamp().tick < FLUSHED)
         .count();
     assert_eq!(read, sent);
-    // The dead process's lock died with it.
+    // The lock ended with the process.
     let again = LogOptions {
         force: true,
         ..LogOptions::default()

@@ -1,4 +1,4 @@
-//! A made-up run: messages of every topic, and the log of them. Tests of other crates include this file.
+//! A synthetic run with messages of every topic, and its log. Tests of other crates include this file.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -29,7 +29,7 @@ pub const PERCEPTION: u32 = 2;
 pub const FIRST_ROBOT: u32 = 3;
 pub const ROBOTS: u32 = 3;
 
-/// One message of any topic, ready to be recorded.
+/// A message of any topic.
 #[derive(Clone)]
 pub enum Sent {
     State(WorldHeader, Vec<RobotState>),
@@ -100,8 +100,8 @@ impl Sent {
     }
 }
 
-/// A run of a few robots with every topic, in the order in which the log holds it. The clocks
-/// start at `clock`.
+/// Returns the messages of a run with a few robots and every topic, in the order of the log. Clock readings
+/// start at `clock` (ns).
 #[expect(clippy::too_many_lines, reason = "one topic after the other")]
 pub fn run(ticks: u64, clock: u64) -> Vec<Sent> {
     let mut sent = Vec::new();
@@ -327,7 +327,7 @@ pub fn run(ticks: u64, clock: u64) -> Vec<Sent> {
     sent
 }
 
-/// The processes and robots of the run.
+/// Returns processes and robots of the run.
 pub fn run_info() -> RunInfo {
     let kinds = [
         "orchestrator",
@@ -359,7 +359,7 @@ pub fn run_info() -> RunInfo {
     }
 }
 
-/// A recording of the run into a new log.
+/// Creates a recording of the run with a new log.
 pub fn recording(
     path: &Path,
     options: &LogOptions,
@@ -378,7 +378,7 @@ pub fn recording(
     recording.with_log(log, derived).unwrap()
 }
 
-/// Records a run of so many ticks, in chunks of this size (bytes); `change` may change what is said.
+/// Records a run of this many ticks, in chunks of this size (bytes); `change` may change the messages.
 pub fn record_run(
     path: &Path,
     ticks: u64,

@@ -1,4 +1,4 @@
-//! The recorder as a whole, with made-up runs.
+//! Tests of the whole recorder with synthetic runs.
 
 mod bus;
 mod derived;
@@ -6,6 +6,6 @@ mod kill;
 mod round_trip;
 mod unknown_sources;
 
-// Each crate that includes it uses parts of it.
+// Each including crate uses a part.
 #[allow(dead_code)]
 mod made_up;

@@ -1,5 +1,5 @@
-//! What is recorded is in the file, once, in order, and readable by the crate's own readers with
-//! all checksums on.
+//! Tests of complete logs: every message is in the file once, in order, and readable with all checksums
+//! verified.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -18,10 +18,10 @@ use proptest::prelude::*;
 use super::made_up::{PERIOD_NS, Sent, recording, run, run_info};
 use crate::{Recording, Summary};
 
-/// A message as read: topic, sequence, log time, publish time, bytes.
+/// A message read from a log: topic, sequence, log time, publish time, bytes.
 pub(super) type Read = (String, u32, u64, u64, Vec<u8>);
 
-/// All messages of a finished log in file order, every checksum checked.
+/// Returns all messages of a finished log in file order; verifies every checksum.
 pub(super) fn read(path: &Path) -> Vec<Read> {
     let options = LinearReaderOptions::default()
         .with_validate_chunk_crcs(true)
@@ -48,7 +48,7 @@ fn record(path: &Path, sent: &[Sent], batch: usize) -> Summary {
         for message in batch {
             message.push(&mut recording);
         }
-        // The messages come in order of ticks: what is older than the newest tick is complete.
+        // Messages are ordered by tick: ticks before the newest are complete.
         let newest = batch.last().unwrap().stamp().tick;
         if let Some(completed) = newest.checked_sub(1) {
             recording.advance(completed, &mut ()).unwrap();
@@ -99,7 +99,7 @@ fn every_message_is_in_the_log_once_in_order_and_counted() {
         .collect();
     assert_eq!(
         in_summary, counted,
-        "the summary counts what is in the file"
+        "the summary counts the messages in the file"
     );
     assert!(
         topics::NAMES
@@ -118,7 +118,7 @@ fn every_message_is_in_the_log_once_in_order_and_counted() {
 }
 
 #[test]
-fn what_was_announced_for_later_than_the_end_does_not_extend_the_log() {
+fn messages_for_times_after_the_end_do_not_extend_the_log() {
     let directory = tempfile::tempdir().unwrap();
     let path = directory.path().join("run.mcap");
     let mut sent = run(6, 1);
@@ -154,7 +154,7 @@ fn the_file_describes_itself() {
     let summary = record(&path, &run(4, 1), 100);
     let bytes = std::fs::read(&path).unwrap();
 
-    // The manifest stands before all messages.
+    // The manifest precedes all messages.
     let records: Vec<u8> = mcap::read::LinearReader::new(&bytes)
         .unwrap()
         .map(|r| r.unwrap().opcode())
@@ -189,7 +189,7 @@ fn the_file_describes_itself() {
 }
 
 #[test]
-fn the_summary_tells_the_outcome_the_events_and_the_latencies() {
+fn the_summary_contains_outcomes_events_and_latencies() {
     let directory = tempfile::tempdir().unwrap();
     let path = directory.path().join("run.mcap");
     let summary = record(&path, &run(12, 1_000), 3);
@@ -221,7 +221,7 @@ fn the_summary_tells_the_outcome_the_events_and_the_latencies() {
         (event.robot.as_deref(), event.other),
         (Some("baddie_1"), Some(0))
     );
-    // Perception sends at 25 µs; the pursuers, who wait for it, take it up at 30 and 40 µs.
+    // Perception sends at 25 µs; the pursuers, which wait for it, receive it at 30 and 40 µs.
     let hop = &summary.latency_us["perception to pursuer"];
     assert_eq!((hop.count, hop.max), (24, 15.0));
     assert_eq!(summary.latency_us["simulator to evader"].count, 12);
@@ -233,7 +233,7 @@ fn the_summary_tells_the_outcome_the_events_and_the_latencies() {
 }
 
 #[test]
-fn observers_see_events_when_their_tick_is_written() {
+fn observers_receive_events_when_their_tick_is_written() {
     #[derive(Default)]
     struct Seen(Vec<String>);
     impl Consumer for Seen {
@@ -292,8 +292,8 @@ proptest! {
         let sent = run(8, 1_000);
         let reference = record(&paths[0], &sent, 1000);
 
-        // The same run with other clocks, each source's messages kept in order but interleaved
-        // with the others' at random; all of a tick before any of the next but one.
+        // The same run with other clock readings and a random interleaving that keeps the order of each
+        // source; all messages of a tick precede those of the next tick but one.
         let mut rest: BTreeMap<u32, std::collections::VecDeque<Sent>> = BTreeMap::new();
         for message in run(8, clock) {
             rest.entry(message.stamp().source).or_default().push_back(message);

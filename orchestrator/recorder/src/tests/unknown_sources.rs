@@ -1,4 +1,4 @@
-//! Messages that are not to be believed are counted, and in the log if readers can decode them.
+//! Tests of invalid messages: they are counted, and logged if readers can decode them.
 
 use ipc_types::messages::robot::Command;
 use ipc_types::stamp::{PlainHeader, Stamp};
@@ -21,7 +21,7 @@ fn with(extra: &[Sent]) -> (Summary, Vec<(String, u64, Vec<u8>)>) {
         sent.push(&mut recording);
     }
     recording.advance(5, &mut ()).unwrap();
-    assert_eq!(recording.waiting_bytes(), 0, "nothing waits for ever");
+    assert_eq!(recording.waiting_bytes(), 0, "no message stays pending");
     let summary = recording.finish(&mut ()).unwrap();
     let messages = read(&path).into_iter().map(|m| (m.0, m.2, m.4)).collect();
     (summary, messages)
@@ -43,16 +43,19 @@ fn command(change: impl FnOnce(&mut Stamp, &mut Vec<Command>)) -> Sent {
 }
 
 #[test]
-fn nonsense_is_logged_and_counted_as_rejected() {
-    let honest = with(&[]).0;
+fn invalid_messages_are_logged_and_counted_as_rejected() {
+    let expected = with(&[]).0;
     for (what, sent) in [
         ("not a number", command(|_, c| c[0].v = f64::NAN)),
         ("another time", command(|stamp, _| stamp.time_ns += 1)),
         (
-            "a tick beyond reach",
+            "a tick too far ahead",
             command(|stamp, _| stamp.tick = u64::MAX),
         ),
-        ("a stranger", command(|stamp, _| stamp.source = 4_000)),
+        (
+            "an unknown source",
+            command(|stamp, _| stamp.source = 4_000),
+        ),
     ] {
         let (summary, messages) = with(&[sent]);
         let count = summary.topics[Commands::NAME];
@@ -64,11 +67,11 @@ fn nonsense_is_logged_and_counted_as_rejected() {
         );
         assert!(
             messages.iter().all(|m| m.1 <= 5 * PERIOD_NS),
-            "{what} does not stretch time"
+            "{what} does not extend the run"
         );
         assert_ne!(
-            summary.digest, honest.digest,
-            "{what} is part of what was said"
+            summary.digest, expected.digest,
+            "{what} is part of the digest"
         );
     }
 }

@@ -1,4 +1,4 @@
-//! Between the recorder, which must never wait, and the viewers, which may be slow.
+//! Broadcaster between the recorder, which must not wait, and viewers, which may be slow.
 
 use std::collections::{BTreeMap, VecDeque};
 use std::os::fd::OwnedFd;
@@ -11,23 +11,23 @@ use serde_json::Value as Json;
 
 use super::wire::{self, Subscription};
 
-/// Bytes that may wait for a viewer; beyond them the oldest messages are left out.
+/// Maximum size of the queue of a viewer (bytes); beyond it the oldest messages are dropped.
 const QUEUE_BYTES: usize = 32 << 20;
 
-/// What viewers got.
+/// Totals of the messages to viewers.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
 pub struct LiveTotals {
-    /// Viewers that connected.
+    /// Number of viewers that connected.
     pub viewers: u64,
-    /// Messages that were handed to their connections.
+    /// Number of messages written to connections.
     pub messages: u64,
-    /// Messages that were left out because a viewer did not keep up.
+    /// Number of messages dropped because a viewer was too slow.
     pub left_out: u64,
-    /// Viewers that were cut off because they took nothing any more.
+    /// Number of viewers disconnected because they stopped reading.
     pub cut_off: u64,
 }
 
-/// Everything that is there to see, and everybody who looks.
+/// Broadcaster: the channels and the connected viewers.
 #[derive(Debug, Default)]
 pub struct Broadcaster {
     state: Mutex<State>,
@@ -44,45 +44,45 @@ struct State {
 
 #[derive(Debug)]
 struct Channel {
-    /// As it is announced.
+    /// Announcement of the channel.
     announced: Json,
-    /// Whether its last message holds until the next, so that late viewers get it.
+    /// `true` if the channel is latched: late viewers get its last message.
     latched: bool,
     last: Option<(u64, Arc<[u8]>)>,
 }
 
 #[derive(Debug)]
 struct Viewer {
-    /// What it calls its subscription to a channel.
+    /// Subscription ids of the viewer, by channel.
     subscriptions: BTreeMap<usize, u32>,
     queue: VecDeque<Frame>,
     queued_bytes: usize,
-    /// Written when something is queued.
+    /// Event descriptor, written when a message is queued.
     wake: Arc<OwnedFd>,
 }
 
-/// What is to be sent to a viewer.
+/// A frame to send to a viewer.
 #[derive(Debug)]
 pub(super) enum Frame {
     /// A text.
     Text(String),
-    /// How late it is (simulated ns).
+    /// Current time (simulated ns).
     Time(u64),
     /// A message.
     Message {
-        /// As the viewer calls it.
+        /// Subscription id of the viewer.
         subscription: u32,
-        /// Its channel.
+        /// Index of the channel.
         channel: usize,
-        /// Its time (simulated ns).
+        /// Log time (simulated ns).
         time_ns: u64,
-        /// Its bytes, shared by all viewers.
+        /// Payload, shared by all viewers.
         data: Arc<[u8]>,
     },
 }
 
 impl Frame {
-    /// About what it takes on the way.
+    /// Returns the approximate size on the wire (bytes).
     fn bytes(&self) -> usize {
         16 + match self {
             Self::Text(text) => text.len(),
@@ -94,17 +94,17 @@ impl Frame {
 
 impl Broadcaster {
     fn lock(&self) -> MutexGuard<'_, State> {
-        // Nothing in here can be left half done by a panic that would matter to viewers.
+        // A panic leaves no state inconsistent that matters to viewers.
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// The end that takes what goes into the log.
+    /// Returns the handle that receives logged messages.
     pub fn tap(self: &Arc<Self>) -> BroadcastHandle {
         BroadcastHandle(Arc::clone(self))
     }
 
-    /// Adds a viewer, to whom everything is announced; `wake` is written when there is something to
-    /// send. `None` once all is over.
+    /// Adds a viewer and announces all channels to it; `wake` is written when a frame is queued. Returns the
+    /// id of the viewer; `None` after the end.
     pub(super) fn join(&self, session: &str, wake: Arc<OwnedFd>) -> Option<u64> {
         let mut state = self.lock();
         if state.closed {
@@ -126,14 +126,14 @@ impl Broadcaster {
         Some(id)
     }
 
-    /// A viewer has gone, or was cut off.
+    /// Removes a viewer, which left or was disconnected (`cut_off`).
     pub(super) fn leave(&self, viewer: u64, cut_off: bool) {
         let mut state = self.lock();
         state.totals.cut_off += u64::from(cut_off);
         state.viewers.remove(&viewer);
     }
 
-    /// Gives a viewer the messages of these channels from now on, and what holds on them now.
+    /// Subscribes a viewer to channels; queues their latched messages.
     pub(super) fn subscribe(&self, viewer: u64, subscriptions: &[Subscription]) {
         let mut state = self.lock();
         let State {
@@ -169,7 +169,7 @@ impl Broadcaster {
         }
     }
 
-    /// Takes what waits for a viewer, up to about this many bytes.
+    /// Takes queued frames of a viewer, up to about this size (bytes).
     pub(super) fn take(&self, viewer: u64, bytes: usize) -> Vec<Frame> {
         let mut state = self.lock();
         let Some(viewer) = state.viewers.get_mut(&viewer) else {
@@ -188,26 +188,26 @@ impl Broadcaster {
         taken
     }
 
-    /// Whether all is over: what waits is still to be sent, and nothing comes any more.
+    /// Returns `true` after the end: queued frames are still sent, new ones do not follow.
     pub(super) fn is_closed(&self) -> bool {
         self.lock().closed
     }
 
-    /// Says that all is over.
+    /// Marks the end.
     pub(super) fn close(&self) {
         let mut state = self.lock();
         state.closed = true;
         state.viewers.values().for_each(Viewer::wake);
     }
 
-    /// What viewers got so far.
+    /// Returns the totals so far.
     pub fn totals(&self) -> LiveTotals {
         self.lock().totals
     }
 }
 
 impl State {
-    /// Goes on at another time: what held does not any more.
+    /// Continues at another time; discards latched messages.
     fn jump(&mut self, time_ns: u64) {
         self.time_ns = time_ns;
         self.channels
@@ -263,12 +263,11 @@ impl Viewer {
     }
 
     fn wake(&self) {
-        // A counter that is full already wakes as well.
+        // A full counter also wakes the reader.
         let _ = rustix::io::write(&*self.wake, &1_u64.to_ne_bytes());
     }
 
-    /// Leaves out the oldest messages while too much waits, but never what still holds; says how
-    /// many.
+    /// Drops the oldest messages while the queue is too long, except latched ones; returns their number.
     fn shorten(&mut self, channels: &[Channel]) -> u64 {
         let mut left_out = 0;
         if self.queued_bytes <= QUEUE_BYTES {
@@ -293,13 +292,13 @@ impl Viewer {
     }
 }
 
-/// Takes what goes into the log.
+/// Handle that receives logged messages.
 #[derive(Debug)]
 pub struct BroadcastHandle(Arc<Broadcaster>);
 
 impl BroadcastHandle {
-    /// What is shown goes on at another time (simulated ns), which may be an earlier one. What held
-    /// until now does so no longer: what holds there is to be output next.
+    /// Continues at another time (simulated ns), which may be earlier. Discards latched messages; the caller
+    /// sends those of the new time next.
     pub fn jump(&mut self, time_ns: u64) {
         self.0.lock().jump(time_ns);
     }
@@ -308,7 +307,7 @@ impl BroadcastHandle {
 impl LogObserver for BroadcastHandle {
     fn channel(&mut self, spec: &ChannelSpec<'_>) {
         let mut state = self.0.lock();
-        // A log holds no more than 65 535 channels.
+        // A log contains at most 65 535 channels.
         let announced = wire::channel(state.channels.len() as u32, spec);
         let text = wire::advertise(std::slice::from_ref(&announced));
         state.channels.push(Channel {
@@ -378,7 +377,7 @@ mod tests {
     }
 
     #[test]
-    fn late_viewers_get_what_holds_and_no_old_news() {
+    fn late_viewers_get_latched_messages_only() {
         let (broadcaster, mut tap) = broadcaster();
         tap.message(0, 5, b"old map");
         tap.message(0, 6, b"map");
@@ -397,12 +396,12 @@ mod tests {
             [(11, 8, b"more news".to_vec())]
         );
         broadcaster.unsubscribe(viewer, &[11]);
-        tap.message(1, 9, b"nobody hears");
+        tap.message(1, 9, b"unsubscribed");
         assert_eq!(messages(&broadcaster, viewer), []);
     }
 
     #[test]
-    fn a_jump_sets_the_clock_back_and_late_viewers_get_what_holds_there() {
+    fn a_jump_sets_the_clock_back_and_late_viewers_get_the_messages_latched_there() {
         let (broadcaster, mut tap) = broadcaster();
         let early = join(&broadcaster);
         subscribe(&broadcaster, early);
@@ -412,10 +411,13 @@ mod tests {
         tap.jump(3);
         let late = join(&broadcaster);
         subscribe(&broadcaster, late);
-        let told = broadcaster.take(late, usize::MAX);
+        let frames = broadcaster.take(late, usize::MAX);
         assert!(
-            matches!(&told[..], [Frame::Text(_), Frame::Time(3), Frame::Text(_)]),
-            "{told:?}"
+            matches!(
+                &frames[..],
+                [Frame::Text(_), Frame::Time(3), Frame::Text(_)]
+            ),
+            "{frames:?}"
         );
         tap.message(0, 2, b"older map");
         tap.message(1, 4, b"old news");
@@ -424,7 +426,7 @@ mod tests {
             Frame::Time(time_ns) | Frame::Message { time_ns, .. } => *time_ns,
             Frame::Text(_) => u64::MAX,
         });
-        // The clock, what holds there, the clock, what comes.
+        // Time, latched messages, time, new messages.
         assert_eq!(times.collect::<Vec<_>>(), [3, 2, 4, 4]);
         assert_eq!(
             messages(&broadcaster, late),
@@ -436,27 +438,27 @@ mod tests {
     }
 
     #[test]
-    fn a_slow_viewer_misses_old_messages_that_are_counted_but_not_what_holds() {
+    fn a_slow_viewer_loses_the_oldest_messages_but_no_latched_ones() {
         let (broadcaster, mut tap) = broadcaster();
         let [slow, fast] = [join(&broadcaster), join(&broadcaster)];
         subscribe(&broadcaster, slow);
         subscribe(&broadcaster, fast);
         tap.message(0, 1, b"map");
         let large = vec![0; 1 << 20];
-        let mut heard = 0;
+        let mut received = 0;
         for time_ns in 2..102 {
             tap.message(1, time_ns, &large);
-            heard += messages(&broadcaster, fast).len() as u64;
+            received += messages(&broadcaster, fast).len() as u64;
         }
-        assert_eq!(heard, 101, "the fast one misses nothing");
+        assert_eq!(received, 101, "the fast viewer loses no message");
         let got = messages(&broadcaster, slow);
         assert_eq!(got[0], (10, 1, b"map".to_vec()));
         let last = got.last().unwrap();
-        assert_eq!((last.0, last.1), (11, 101), "the newest are kept");
+        assert_eq!((last.0, last.1), (11, 101), "the newest messages are kept");
         let totals = broadcaster.totals();
         assert_eq!(totals.left_out, 101 - got.len() as u64);
         assert!(totals.left_out >= 100 - 32, "{totals:?}");
-        assert_eq!(totals.messages, heard + got.len() as u64);
+        assert_eq!(totals.messages, received + got.len() as u64);
         assert_eq!(broadcaster.lock().viewers[&slow].queued_bytes, 0);
     }
 

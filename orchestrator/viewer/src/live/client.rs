@@ -1,4 +1,4 @@
-//! One viewer and the thread that serves it.
+//! Connection of one viewer, on its own thread.
 
 use std::io;
 use std::net::TcpStream;
@@ -16,31 +16,31 @@ use super::broadcaster::{Broadcaster, Frame};
 use super::handshake::{self, Token};
 use super::wire;
 
-/// Time for the handshake.
+/// Timeout of the handshake.
 const HANDSHAKE_WITHIN: Duration = Duration::from_secs(5);
-/// Time in which a viewer may take the rest when the run has ended.
+/// Timeout for sending queued messages after the end of the run.
 const END_WITHIN: Duration = Duration::from_secs(2);
-/// How often the thread looks up without being woken.
+/// Maximum sleep of the thread without an event.
 const POLL_INTERVAL: Duration = Duration::from_millis(200);
-/// Bytes that are handed to the connection at once.
+/// Maximum size of a batch written to the connection (bytes).
 const BATCH_BYTES: usize = 256 << 10;
-/// Longest message that a viewer may send: subscriptions to thousands of topics.
+/// Maximum size of a message of a viewer (bytes): subscriptions to thousands of topics.
 const REQUEST_BYTES: usize = 1 << 20;
 
-/// What all connections have in common.
+/// State shared by all connections.
 #[derive(Debug, Clone)]
 pub(super) struct ServerState {
-    /// Where what is to be sent comes from.
+    /// Source of the frames.
     pub(super) broadcaster: Arc<Broadcaster>,
-    /// What lets viewers in.
+    /// Token that authorises viewers.
     pub(super) token: Token,
-    /// What they call this server.
+    /// Session id of the server.
     pub(super) session: String,
-    /// A viewer that takes nothing for so long is cut off.
-    pub(super) patience: Duration,
+    /// Time without reading after which a viewer is disconnected.
+    pub(super) stall_timeout: Duration,
 }
 
-/// Serves one connection to its end; the stream does not block.
+/// Serves one connection until it ends; the stream must be non-blocking.
 pub(super) fn serve(server_state: &ServerState, stream: TcpStream, wake: OwnedFd) {
     let broadcaster = &*server_state.broadcaster;
     let Some(socket) = handshake(broadcaster, &server_state.token, stream) else {
@@ -52,7 +52,7 @@ pub(super) fn serve(server_state: &ServerState, stream: TcpStream, wake: OwnedFd
     };
     let mut client = Client {
         broadcaster,
-        patience: server_state.patience,
+        stall_timeout: server_state.stall_timeout,
         id,
         socket,
         wake,
@@ -62,11 +62,11 @@ pub(super) fn serve(server_state: &ServerState, stream: TcpStream, wake: OwnedFd
     broadcaster.leave(id, stalled);
 }
 
-/// Why a connection ended.
+/// Reason for the end of a connection.
 enum End {
-    /// The viewer went, or the run ended.
+    /// The viewer disconnected, or the run ended.
     Done,
-    /// The viewer took nothing any more.
+    /// The viewer stopped reading.
     Stalled,
 }
 
@@ -76,7 +76,7 @@ fn handshake(
     stream: TcpStream,
 ) -> Option<WebSocket<TcpStream>> {
     let deadline = Instant::now() + HANDSHAKE_WITHIN;
-    #[expect(clippy::result_large_err, reason = "the library's own signature")]
+    #[expect(clippy::result_large_err, reason = "signature of the library")]
     let judge = |request: &Request, response: Response| -> Result<Response, ErrorResponse> {
         handshake::answer(token, request, response)
     };
@@ -87,13 +87,13 @@ fn handshake(
     loop {
         match result {
             Ok(socket) => return Some(socket),
-            // Refused, with a reason that was sent; or not a viewer at all.
+            // Refused, with a reason in the response; or not a WebSocket client.
             Err(HandshakeError::Failure(_)) => return None,
             Err(HandshakeError::Interrupted(half)) => {
                 if Instant::now() >= deadline || broadcaster.is_closed() {
                     return None;
                 }
-                // Answers are short enough for every buffer: what is missing is the question.
+                // Responses fit every buffer: the request is incomplete.
                 let stream = half.get_ref().get_ref();
                 wait(&mut [PollFd::new(stream, PollFlags::IN)]).ok()?;
                 result = half.handshake();
@@ -104,11 +104,11 @@ fn handshake(
 
 struct Client<'a> {
     broadcaster: &'a Broadcaster,
-    patience: Duration,
+    stall_timeout: Duration,
     id: u64,
     socket: WebSocket<TcpStream>,
     wake: Arc<OwnedFd>,
-    /// Since when the connection has not taken what it was given.
+    /// Time since which written data are unsent.
     unsent_since: Option<Instant>,
 }
 
@@ -120,12 +120,12 @@ impl Client<'_> {
             if self.broadcaster.is_closed() {
                 let since = *last_call.get_or_insert_with(Instant::now);
                 if idle || since.elapsed() >= END_WITHIN {
-                    return self.say_goodbye(since + END_WITHIN);
+                    return self.close(since + END_WITHIN);
                 }
             }
             if self
                 .unsent_since
-                .is_some_and(|since| since.elapsed() >= self.patience)
+                .is_some_and(|since| since.elapsed() >= self.stall_timeout)
             {
                 return Ok(End::Stalled);
             }
@@ -134,7 +134,7 @@ impl Client<'_> {
         }
     }
 
-    /// Sends what waits; false if the connection takes no more now.
+    /// Sends queued frames; returns `false` if the connection accepts no more data now.
     fn send(&mut self) -> Result<bool, Error> {
         loop {
             if self.unsent_since.is_some() && !self.flush()? {
@@ -155,14 +155,14 @@ impl Client<'_> {
                         ..
                     } => Message::binary(wire::message(subscription, time_ns, &data)),
                 };
-                // What the connection does not take now it keeps.
+                // The socket buffers data that the connection does not accept now.
                 unless_full(self.socket.write(message))?;
             }
             self.unsent_since = Some(Instant::now());
         }
     }
 
-    /// Whether everything has gone out.
+    /// Flushes the connection; returns `true` if all data have been sent.
     fn flush(&mut self) -> Result<bool, Error> {
         let flushed = unless_full(self.socket.flush())?;
         if flushed {
@@ -171,7 +171,7 @@ impl Client<'_> {
         Ok(flushed)
     }
 
-    /// Takes up what the viewer asks for, and leaves aside whatever else it says.
+    /// Handles requests of the viewer; ignores other messages.
     fn receive(&mut self) -> Result<(), Error> {
         loop {
             let message = match self.socket.read() {
@@ -193,7 +193,7 @@ impl Client<'_> {
         }
     }
 
-    /// Until the viewer says or takes something, or something is to be sent.
+    /// Waits until the viewer sends or reads data, or a frame is queued.
     fn wait(&self) -> io::Result<()> {
         let mut events = PollFlags::IN;
         if self.unsent_since.is_some() {
@@ -204,25 +204,25 @@ impl Client<'_> {
             PollFd::new(self.socket.get_ref(), events),
             PollFd::from_borrowed_fd(wake, PollFlags::IN),
         ])?;
-        // Empty already if nobody woke us.
+        // The counter is empty if the wake-up had another cause.
         let _ = rustix::io::read(&*self.wake, &mut [0; 8]);
         Ok(())
     }
 
-    /// Closes the connection as the protocol wants it, but waits for no answer beyond the deadline.
-    fn say_goodbye(&mut self, deadline: Instant) -> Result<End, Error> {
+    /// Closes the connection according to the protocol; waits for the answer until the deadline.
+    fn close(&mut self, deadline: Instant) -> Result<End, Error> {
         unless_full(self.socket.close(None))?;
         while Instant::now() < deadline {
             self.flush()?;
             self.wait()?;
-            // Ends with an error: the connection is closed.
+            // Returns an error when the connection is closed.
             self.receive()?;
         }
         Ok(End::Done)
     }
 }
 
-/// False if the connection takes no more now.
+/// Returns `false` if the connection accepts no more data now.
 fn unless_full(result: Result<(), Error>) -> Result<bool, Error> {
     match result {
         Ok(()) => Ok(true),
@@ -231,7 +231,7 @@ fn unless_full(result: Result<(), Error>) -> Result<bool, Error> {
     }
 }
 
-/// Until something happens, or [`POLL_INTERVAL`] is over.
+/// Waits for an event, at most for [`POLL_INTERVAL`].
 fn wait(fds: &mut [PollFd<'_>]) -> io::Result<()> {
     let timeout = Timespec {
         tv_sec: 0,

@@ -1,27 +1,27 @@
-//! Why a run cannot be shown live.
+//! Errors of the live server.
 
 use std::io;
 
-/// Why viewers cannot be served.
+/// Error of serving viewers.
 #[derive(Debug, thiserror::Error)]
 pub enum LiveError {
-    /// The port cannot be had.
+    /// The port is not available.
     #[error(
         "cannot serve live viewers on 127.0.0.1:{port}: {source}; choose another port (0 for any \
          that is free)"
     )]
     Listen {
-        /// The port that was asked for.
+        /// Requested port.
         port: u16,
-        /// What the system output.
+        /// Error of the operating system.
         source: io::Error,
     },
-    /// The system refused something else.
+    /// Another operation failed.
     #[error("cannot serve live viewers: {what}: {source}")]
     System {
-        /// What was attempted.
+        /// Failed operation.
         what: &'static str,
-        /// What the system output.
+        /// Error of the operating system.
         source: io::Error,
     },
 }

@@ -1,8 +1,8 @@
-//! Who comes in: viewers on this machine that were told the address by whoever started the run.
+//! Handshake of viewers: a token in the address authorises connections from this machine.
 //!
-//! Every page of the web can open a `WebSocket` to a loopback port, and so can every user of this
-//! machine. The token in the address keeps both out; the origin is looked at besides, so that a page
-//! of the web stays outside even if the address got known.
+//! Every web page and every user of this machine can open a `WebSocket` to a loopback port. The token in the
+//! address keeps both out. The server checks the origin in addition, so that a web page is refused even if
+//! the address is known.
 
 use std::fs::File;
 use std::io::{self, Read as _};
@@ -14,42 +14,42 @@ use tungstenite::http::header::{
 };
 use tungstenite::http::{StatusCode, Uri};
 
-/// What viewers call the protocol: today's name, and the one of Foxglove Studio up to version 1.
+/// Names of the protocol: the current one, and that of Foxglove Studio up to version 1.
 const PROTOCOLS: [&str; 2] = ["foxglove.sdk.v1", "foxglove.websocket.v1"];
 
-/// Viewers in the web that connect to servers on the user's own machine.
+/// Origins of web viewers that connect to servers on the user's machine.
 const KNOWN_ORIGINS: [&str; 1] = ["https://app.foxglove.dev"];
 
-/// Random bytes of a token.
+/// Number of random bytes of a token.
 const TOKEN_BYTES: usize = 16;
 
-/// The secret part of the address.
+/// Secret part of the address.
 #[derive(Debug, Clone)]
 pub(super) struct Token(String);
 
 impl Token {
-    /// A new one.
+    /// Creates a random token.
     pub(super) fn random() -> io::Result<Self> {
         let mut bytes = [0; TOKEN_BYTES];
         File::open("/dev/urandom")?.read_exact(&mut bytes)?;
         Ok(Self(HEXLOWER.encode(&bytes)))
     }
 
-    /// As it stands in the address.
+    /// Returns the text in the address.
     pub(super) fn text(&self) -> &str {
         &self.0
     }
 
-    /// Whether this path is the one with the token.
-    fn opens(&self, path: &str) -> bool {
+    /// Returns `true` if the path contains the token.
+    fn matches_path(&self, path: &str) -> bool {
         let path = path.strip_prefix('/').unwrap_or(path);
         let path = path.strip_suffix('/').unwrap_or(path);
-        // Hashes compare in constant time: how long it takes tells nothing of the token.
+        // Hashes compare in constant time, so that the duration reveals no information about the token.
         blake3::hash(path.as_bytes()) == blake3::hash(self.0.as_bytes())
     }
 }
 
-/// Why somebody stays outside.
+/// Reason for refusing a connection.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Refusal {
     Token,
@@ -62,15 +62,12 @@ impl Refusal {
         let (status, words) = match self {
             Self::Token => (
                 StatusCode::FORBIDDEN,
-                "the address lacks the token: use the one that the run has printed\n",
+                "the address has no valid token: use the address that the run prints\n",
             ),
-            Self::Origin => (
-                StatusCode::FORBIDDEN,
-                "pages of this origin may not look on\n",
-            ),
+            Self::Origin => (StatusCode::FORBIDDEN, "this origin is not allowed\n"),
             Self::Protocol => (
                 StatusCode::BAD_REQUEST,
-                "this is a WebSocket server for viewers that speak foxglove.sdk.v1\n",
+                "this server requires the WebSocket subprotocol foxglove.sdk.v1\n",
             ),
         };
         let mut response = ErrorResponse::new(Some(words.to_owned()));
@@ -80,13 +77,14 @@ impl Refusal {
 }
 
 /// Answers a handshake.
-#[expect(clippy::result_large_err, reason = "the library's own signature")]
+#[expect(clippy::result_large_err, reason = "signature of the library")]
 pub(super) fn answer(
     token: &Token,
     request: &Request,
     mut response: Response,
 ) -> Result<Response, ErrorResponse> {
-    let protocol = judge(token, request.uri(), request.headers()).map_err(Refusal::response)?;
+    let protocol =
+        choose_protocol(token, request.uri(), request.headers()).map_err(Refusal::response)?;
     let chosen = HeaderValue::from_static(protocol);
     response
         .headers_mut()
@@ -94,12 +92,12 @@ pub(super) fn answer(
     Ok(response)
 }
 
-/// The protocol to speak with somebody, or why he stays outside.
-fn judge(token: &Token, uri: &Uri, headers: &HeaderMap) -> Result<&'static str, Refusal> {
-    if !token.opens(uri.path()) {
+/// Returns the protocol for a connection, or the reason for refusing it.
+fn choose_protocol(token: &Token, uri: &Uri, headers: &HeaderMap) -> Result<&'static str, Refusal> {
+    if !token.matches_path(uri.path()) {
         return Err(Refusal::Token);
     }
-    if !texts(headers, &ORIGIN).all(|origin| origin.is_some_and(may_look_on)) {
+    if !texts(headers, &ORIGIN).all(|origin| origin.is_some_and(is_allowed_origin)) {
         return Err(Refusal::Origin);
     }
     let offered = texts(headers, &SEC_WEBSOCKET_PROTOCOL)
@@ -111,7 +109,7 @@ fn judge(token: &Token, uri: &Uri, headers: &HeaderMap) -> Result<&'static str, 
     ours.ok_or(Refusal::Protocol)
 }
 
-/// The values of a header; `None` for one that is not text.
+/// Returns the values of a header; `None` for a value that is not text.
 fn texts<'a>(
     headers: &'a HeaderMap,
     name: &HeaderName,
@@ -119,9 +117,9 @@ fn texts<'a>(
     headers.get_all(name).into_iter().map(|v| v.to_str().ok())
 }
 
-/// Whether a page of this origin may connect: programs on this machine (`file://`, and `null` for
-/// what has no origin), pages that this machine serves itself, and viewers that are known.
-fn may_look_on(origin: &str) -> bool {
+/// Returns `true` if the origin is allowed: programs on this machine (`file://`, and `null` without an
+/// origin), pages served by this machine, and known viewers.
+fn is_allowed_origin(origin: &str) -> bool {
     if matches!(origin, "null" | "file://") || KNOWN_ORIGINS.contains(&origin) {
         return true;
     }
@@ -145,11 +143,11 @@ mod tests {
         }
         headers.insert(SEC_WEBSOCKET_PROTOCOL, protocol.parse().unwrap());
         let token = Token("secret".to_owned());
-        judge(&token, &path.parse().unwrap(), &headers)
+        choose_protocol(&token, &path.parse().unwrap(), &headers)
     }
 
     #[test]
-    fn only_the_address_with_the_token_opens() {
+    fn only_the_address_with_the_token_is_accepted() {
         let now = "foxglove.sdk.v1";
         assert_eq!(judged("/secret", None, now), Ok(now));
         assert_eq!(judged("/secret/?x=1", None, now), Ok(now));
@@ -167,7 +165,7 @@ mod tests {
     }
 
     #[test]
-    fn pages_of_the_web_stay_outside_and_viewers_do_not() {
+    fn web_pages_are_refused_and_viewers_accepted() {
         let now = "foxglove.sdk.v1";
         for origin in [
             "null",
@@ -200,7 +198,7 @@ mod tests {
     }
 
     #[test]
-    fn both_names_of_the_protocol_are_understood_and_the_new_one_preferred() {
+    fn both_names_of_the_protocol_are_accepted_and_the_current_one_preferred() {
         let spoken = |offered| judged("/secret", None, offered);
         assert_eq!(spoken("foxglove.websocket.v1"), Ok("foxglove.websocket.v1"));
         assert_eq!(
@@ -212,7 +210,7 @@ mod tests {
     }
 
     #[test]
-    fn tokens_are_long_and_never_the_same() {
+    fn tokens_are_long_and_different() {
         let [a, b] = [Token::random().unwrap(), Token::random().unwrap()];
         assert_eq!(a.text().len(), 2 * TOKEN_BYTES);
         assert_ne!(a.text(), b.text());

@@ -1,7 +1,7 @@
 //! Live viewers, over the Foxglove `WebSocket` protocol.
 //!
 //! * [`LiveServer`] listens on the loopback address and serves all viewers that connect;
-//! * the tap of its [`Broadcaster`] mirrors a log: same topics, same schemas, same bytes, same times;
+//! * the handle of its [`Broadcaster`] observes a log: same topics, schemas, bytes and times;
 //! * `handshake` accepts or refuses connections, `wire` is the protocol, `client` one viewer and its thread.
 //!
 //! The server only sends. It offers the capability `time` and nothing else, so that a viewer can
@@ -9,9 +9,9 @@
 //! a viewer sends besides subscriptions. The run never waits for a viewer: the server leaves messages
 //! out for a viewer that cannot keep up, counts them, and disconnects a viewer that takes nothing.
 //!
-//! The `foxglove` crate has a server too. It accepts every connection to the port, every page of
-//! the web in a browser on this machine included; a proxy in front of it would leave its own port
-//! open. So the handshake is ours, and the messages are that crate's.
+//! The `foxglove` crate also has a server, but it accepts every connection to the port, including those of
+//! web pages in a browser on this machine; a proxy in front of it would leave its port open. The project
+//! therefore implements the handshake, and uses the messages of that crate.
 
 mod broadcaster;
 mod client;

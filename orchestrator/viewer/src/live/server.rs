@@ -1,4 +1,4 @@
-//! The port and its threads.
+//! Live server: the port and its threads.
 
 use std::io;
 use std::net::{Ipv4Addr, SocketAddr, TcpListener};
@@ -14,64 +14,64 @@ use super::client::{self, ServerState};
 use super::error::LiveError;
 use super::handshake::Token;
 
-/// Most connections at a time.
+/// Maximum number of simultaneous connections.
 const CONNECTIONS: usize = 32;
-/// A viewer that takes nothing for so long is cut off, unless something else is output.
-const PATIENCE: Duration = Duration::from_secs(10);
-/// How long nobody is let in when the system could not accept a connection: it has no descriptors
-/// left, for instance, and will have at once only if somebody goes.
-const CLOSED_FOR: Timespec = Timespec {
+/// Default time without reading after which a viewer is disconnected.
+const STALL_TIMEOUT: Duration = Duration::from_secs(10);
+/// Pause after the operating system failed to accept a connection, for example without free descriptors,
+/// which become available only when a viewer disconnects.
+const ACCEPT_RETRY: Timespec = Timespec {
     tv_sec: 0,
     tv_nsec: 50_000_000,
 };
 
-/// Serves viewers on the loopback address until it is finished or dropped.
+/// Server for viewers on the loopback address, until finished or dropped.
 #[derive(Debug)]
 pub struct LiveServer {
     broadcaster: Arc<Broadcaster>,
     address: SocketAddr,
     token: Token,
-    /// Readable when all is over.
+    /// Event descriptor, readable after the end.
     end: Arc<OwnedFd>,
     thread: Option<JoinHandle<()>>,
 }
 
 impl LiveServer {
-    /// Listens on this port of 127.0.0.1; 0 is any that is free.
+    /// Listens on this port of 127.0.0.1; 0 selects a free port.
     ///
     /// # Errors
-    /// [`LiveError`] if the port cannot be had.
+    /// [`LiveError`] if the port is not available.
     pub fn start(port: u16) -> Result<Self, LiveError> {
-        Self::with_patience(port, PATIENCE)
+        Self::with_stall_timeout(port, STALL_TIMEOUT)
     }
 
-    /// The same, cutting off viewers that take nothing for so long.
+    /// Listens with this time without reading after which a viewer is disconnected.
     ///
     /// # Errors
     /// As [`LiveServer::start`].
-    pub fn with_patience(port: u16, patience: Duration) -> Result<Self, LiveError> {
+    pub fn with_stall_timeout(port: u16, stall_timeout: Duration) -> Result<Self, LiveError> {
         let listen = |source| LiveError::Listen { port, source };
         let system = |what| move |source| LiveError::System { what, source };
-        let token = Token::random().map_err(system("no random numbers"))?;
-        let session = Token::random().map_err(system("no random numbers"))?;
+        let token = Token::random().map_err(system("cannot read random numbers"))?;
+        let session = Token::random().map_err(system("cannot read random numbers"))?;
         let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, port)).map_err(listen)?;
         listener.set_nonblocking(true).map_err(listen)?;
         let address = listener.local_addr().map_err(listen)?;
-        let end = Arc::new(wake_up().map_err(system("no event"))?);
+        let end = Arc::new(wake_up().map_err(system("cannot create an event descriptor"))?);
         let broadcaster = Arc::new(Broadcaster::default());
         let handshake = Acceptor {
             server_state: ServerState {
                 broadcaster: Arc::clone(&broadcaster),
                 token: token.clone(),
                 session: session.text().to_owned(),
-                patience,
+                stall_timeout,
             },
             end: Arc::clone(&end),
         };
         let thread = std::thread::Builder::new()
             .name("live".into())
-            .spawn(move || handshake.keep(&listener))
-            .map_err(system("no thread"))?;
+            .spawn(move || handshake.run(&listener))
+            .map_err(system("cannot start a thread"))?;
         Ok(Self {
             broadcaster,
             address,
@@ -81,22 +81,22 @@ impl LiveServer {
         })
     }
 
-    /// What a viewer is to connect to. Whoever knows it may look on.
+    /// Returns the address for viewers; it contains the token that authorises them.
     pub fn url(&self) -> String {
         format!("ws://{}/{}", self.address, self.token.text())
     }
 
-    /// The end that takes what goes into the log.
+    /// Returns the handle that receives logged messages.
     pub fn tap(&self) -> BroadcastHandle {
         self.broadcaster.tap()
     }
 
-    /// What viewers got so far.
+    /// Returns the totals so far.
     pub fn totals(&self) -> LiveTotals {
         self.broadcaster.totals()
     }
 
-    /// Sends what still waits, says good-bye to everybody, and says what they got.
+    /// Sends queued messages, closes all connections and returns the totals.
     pub fn finish(mut self) -> LiveTotals {
         self.stop();
         self.broadcaster.totals()
@@ -121,44 +121,46 @@ fn wake_up() -> io::Result<OwnedFd> {
     Ok(eventfd(0, EventfdFlags::CLOEXEC | EventfdFlags::NONBLOCK)?)
 }
 
-/// What the thread that accepts connections has.
+/// State of the thread that accepts connections.
 struct Acceptor {
     server_state: ServerState,
     end: Arc<OwnedFd>,
 }
 
-/// Who was at the handshake.
+/// Result of accepting a connection.
 enum ConnectionAttempt {
+    /// A viewer connected; its thread.
     Viewer(JoinHandle<()>),
-    Nobody,
-    /// Somebody whom the system does not let in now.
-    Stuck,
+    /// No connection is pending.
+    NonePending,
+    /// The operating system cannot accept a connection now.
+    Failed,
 }
 
 impl Acceptor {
-    /// Lets people in until all is over and everybody has gone.
-    fn keep(&self, listener: &TcpListener) {
+    /// Accepts connections until the end, and until all viewers have disconnected.
+    fn run(&self, listener: &TcpListener) {
         let mut threads: Vec<JoinHandle<()>> = Vec::new();
-        let mut stuck = false;
+        let mut failed = false;
         while !self.server_state.broadcaster.is_closed() {
             let mut fds = [
                 PollFd::new(&*self.end, PollFlags::IN),
                 PollFd::new(listener, PollFlags::IN),
             ];
-            // Who waits at a handshake that is stuck would wake it again and again.
-            let (wanted, limit) = if stuck {
-                (1, Some(&CLOSED_FOR))
+            // A pending connection that cannot be accepted would wake the thread repeatedly.
+            let (wanted, limit) = if failed {
+                (1, Some(&ACCEPT_RETRY))
             } else {
                 (2, None)
             };
-            // Nothing but an interruption can happen to it.
+            // The only possible error is an interruption.
             let _ = poll(&mut fds[..wanted], limit);
             threads.retain(|thread| !thread.is_finished());
-            stuck = loop {
-                match self.admit(listener, threads.len()) {
+            failed = loop {
+                match self.accept(listener, threads.len()) {
                     ConnectionAttempt::Viewer(thread) => threads.push(thread),
-                    ConnectionAttempt::Nobody => break false,
-                    ConnectionAttempt::Stuck => break true,
+                    ConnectionAttempt::NonePending => break false,
+                    ConnectionAttempt::Failed => break true,
                 }
             };
         }
@@ -167,16 +169,16 @@ impl Acceptor {
         }
     }
 
-    /// Starts a thread for the next connection, if there is one. One too many is closed at once.
-    fn admit(&self, listener: &TcpListener, there: usize) -> ConnectionAttempt {
+    /// Starts a thread for the next connection, if there is one. Closes connections beyond the maximum.
+    fn accept(&self, listener: &TcpListener, there: usize) -> ConnectionAttempt {
         loop {
             let (stream, _) = match listener.accept() {
                 Ok(accepted) => accepted,
                 Err(e) if e.kind() == io::ErrorKind::ConnectionAborted => continue,
                 Err(e) if e.kind() == io::ErrorKind::WouldBlock => {
-                    return ConnectionAttempt::Nobody;
+                    return ConnectionAttempt::NonePending;
                 }
-                Err(_) => return ConnectionAttempt::Stuck,
+                Err(_) => return ConnectionAttempt::Failed,
             };
             if there >= CONNECTIONS
                 || stream.set_nonblocking(true).is_err()
@@ -209,10 +211,10 @@ mod tests {
 
     use super::*;
 
-    /// Longest that anything here may take.
+    /// Timeout of the tests.
     const LIMIT: Duration = Duration::from_secs(60);
 
-    /// A viewer that subscribes to the first channel, and is not read from.
+    /// Returns a viewer that has subscribed to the first channel and does not read.
     fn viewer(server: &LiveServer) -> WebSocket<TcpStream> {
         let mut request = server.url().into_client_request().unwrap();
         let protocol = "foxglove.sdk.v1".parse().unwrap();
@@ -227,7 +229,7 @@ mod tests {
         socket
     }
 
-    /// Sends a megabyte again and again until the totals say so.
+    /// Sends messages of 1 MB until the totals satisfy `enough`.
     fn send_until(server: &LiveServer, enough: impl Fn(LiveTotals) -> bool) -> LiveTotals {
         let mut tap = server.tap();
         let large = vec![0; 1 << 20];
@@ -245,8 +247,8 @@ mod tests {
         }
     }
 
-    fn server(patience: Duration) -> LiveServer {
-        let server = LiveServer::with_patience(0, patience).unwrap();
+    fn server(stall_timeout: Duration) -> LiveServer {
+        let server = LiveServer::with_stall_timeout(0, stall_timeout).unwrap();
         server.tap().channel(&ChannelSpec {
             topic: "/viewer/log",
             schema_name: "Thing",
@@ -259,16 +261,16 @@ mod tests {
     }
 
     #[test]
-    fn who_takes_nothing_is_cut_off_when_the_patience_is_over() {
-        // No patience at all: as soon as the connection is full.
+    fn a_viewer_that_does_not_read_is_disconnected_after_the_timeout() {
+        // Timeout of zero: as soon as the connection is full.
         let server = server(Duration::ZERO);
         let mut silent = viewer(&server);
         let totals = send_until(&server, |totals| totals.cut_off > 0);
         assert_eq!((totals.viewers, totals.cut_off), (1, 1));
-        // What was on its way may be read, and then nothing any more, while the server goes on.
+        // Messages in transit can be read; then the connection ends while the server continues.
         let end = loop {
             match silent.read() {
-                Ok(Message::Close(_)) => panic!("cut off, not told good-bye"),
+                Ok(Message::Close(_)) => panic!("disconnected, not closed"),
                 Ok(_) => {}
                 Err(end) => break end,
             }
@@ -280,7 +282,7 @@ mod tests {
     }
 
     #[test]
-    fn who_takes_nothing_misses_messages_as_long_as_there_is_patience() {
+    fn a_viewer_that_does_not_read_loses_messages_before_the_timeout() {
         let server = server(Duration::from_secs(3600));
         let silent = viewer(&server);
         let totals = send_until(&server, |totals| totals.left_out > 0);

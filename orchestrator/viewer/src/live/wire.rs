@@ -1,21 +1,20 @@
-//! The Foxglove `WebSocket` protocol, as far as a server that only sends needs it.
+//! The part of the Foxglove `WebSocket` protocol that a send-only server needs.
 
 use data_encoding::BASE64;
 use mcap_log::ChannelSpec;
 use serde::Deserialize;
 use serde_json::{Value as Json, json};
 
-/// Binary messages of the server begin with one of these.
+/// Opcodes of binary server messages.
 const MESSAGE_DATA: u8 = 1;
 const TIME: u8 = 2;
 
-/// The first words to a viewer.
+/// Returns the `serverInfo` message, the first to a viewer.
 pub(super) fn server_info(session: &str) -> String {
     json!({
         "op": "serverInfo",
         "name": concat!("protean ", env!("CARGO_PKG_VERSION")),
-        // The clock of the run, and no means to touch it: nothing to publish to, no parameters, no
-        // services, no control of the playback.
+        // Time only: no client publishing, parameters, services or playback control.
         "capabilities": ["time"],
         "supportedEncodings": [],
         "metadata": {},
@@ -24,10 +23,10 @@ pub(super) fn server_info(session: &str) -> String {
     .to_string()
 }
 
-/// A channel as viewers are told of it.
+/// Returns the announcement of a channel.
 pub(super) fn channel(id: u32, spec: &ChannelSpec<'_>) -> Json {
     let schema = match spec.schema_encoding {
-        // Schemas that are no text travel as Base64.
+        // Binary schemas are encoded as Base64.
         "protobuf" | "flatbuffer" => BASE64.encode(spec.schema),
         _ => String::from_utf8_lossy(spec.schema).into_owned(),
     };
@@ -41,12 +40,12 @@ pub(super) fn channel(id: u32, spec: &ChannelSpec<'_>) -> Json {
     })
 }
 
-/// The announcement of channels.
+/// Returns the `advertise` message of channels.
 pub(super) fn advertise(channels: &[Json]) -> String {
     json!({ "op": "advertise", "channels": channels }).to_string()
 }
 
-/// A message of a subscription; `time_ns` is simulated.
+/// Returns a message of a subscription; `time_ns` is simulated time (ns).
 pub(super) fn message(subscription: u32, time_ns: u64, data: &[u8]) -> Vec<u8> {
     let mut bytes = Vec::with_capacity(13 + data.len());
     bytes.push(MESSAGE_DATA);
@@ -56,26 +55,26 @@ pub(super) fn message(subscription: u32, time_ns: u64, data: &[u8]) -> Vec<u8> {
     bytes
 }
 
-/// How late it is in the run (simulated ns).
+/// Returns the `time` message (simulated ns).
 pub(super) fn time(time_ns: u64) -> Vec<u8> {
     let mut bytes = vec![TIME];
     bytes.extend_from_slice(&time_ns.to_le_bytes());
     bytes
 }
 
-/// What a viewer can ask for.
+/// A request of a viewer.
 #[derive(Debug, PartialEq, Eq, Deserialize)]
 #[serde(tag = "op", rename_all = "camelCase")]
 pub(super) enum Request {
-    /// Messages of these channels.
+    /// Subscribe to channels.
     Subscribe {
-        /// Which, and what the viewer calls them.
+        /// Channels and subscription ids.
         subscriptions: Vec<Subscription>,
     },
-    /// No more messages of these subscriptions.
+    /// End subscriptions.
     #[serde(rename_all = "camelCase")]
     Unsubscribe {
-        /// As the viewer calls them.
+        /// Subscription ids.
         subscription_ids: Vec<u32>,
     },
 }
@@ -84,13 +83,13 @@ pub(super) enum Request {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub(super) struct Subscription {
-    /// What the viewer calls it.
+    /// Id chosen by the viewer.
     pub(super) id: u32,
-    /// The channel.
+    /// Id of the channel.
     pub(super) channel_id: u32,
 }
 
-/// What a viewer's text asks for; `None` for anything that this server does not do.
+/// Parses a text message of a viewer; returns `None` for unsupported requests.
 pub(super) fn request(text: &str) -> Option<Request> {
     serde_json::from_str(text).ok()
 }
@@ -100,7 +99,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn subscriptions_are_understood_and_everything_else_is_not() {
+    fn subscriptions_are_parsed_and_other_requests_ignored() {
         let subscription = Subscription {
             id: 7,
             channel_id: 3,
@@ -130,7 +129,7 @@ mod tests {
     }
 
     #[test]
-    fn the_bytes_are_those_of_the_protocol() {
+    fn messages_have_the_bytes_of_the_protocol() {
         assert_eq!(
             message(0x0102, 0x0304, b"xy"),
             [1, 2, 1, 0, 0, 4, 3, 0, 0, 0, 0, 0, 0, b'x', b'y']

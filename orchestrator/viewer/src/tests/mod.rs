@@ -1,9 +1,9 @@
-//! The viewer topics of a made-up run, as they are in its log.
+//! Tests of the viewer topics of a synthetic run, in its log.
 
 mod pictures;
 mod python;
 
-// It has more than these tests use.
+// Contains more than these tests use.
 #[allow(dead_code)]
 #[path = "../../../recorder/src/tests/made_up.rs"]
 mod made_up;
@@ -17,7 +17,7 @@ use recorder::{Recording, Summary};
 use self::made_up::{Sent, run_info};
 use crate::{FieldOfView, ViewOrigin, ViewerOptions, viewer_topics};
 
-/// What viewers get to see of the run.
+/// Returns the options of the viewer topics.
 fn options() -> ViewerOptions {
     ViewerOptions {
         obstacles: vec![ObstacleEvent {
@@ -36,13 +36,13 @@ fn options() -> ViewerOptions {
     }
 }
 
-/// A recording of the run with these viewer topics.
+/// Creates a recording of the run with these viewer topics.
 fn recording(path: &Path, options: &ViewerOptions) -> Recording {
     let topics = viewer_topics(&run_info(), options);
     made_up::recording(path, &LogOptions::default(), topics)
 }
 
-/// Records messages, which come in order of their ticks, in batches of this size.
+/// Records messages, which are ordered by tick, in batches of this size.
 fn record(path: &Path, options: &ViewerOptions, sent: &[Sent], batch: usize) -> Summary {
     let mut recording = recording(path, options);
     for batch in sent.chunks(batch) {

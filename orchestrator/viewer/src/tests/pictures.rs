@@ -1,4 +1,4 @@
-//! When topics are drawn, and in which schemas.
+//! Tests of times and schemas of viewer messages.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -7,10 +7,10 @@ use super::made_up::{PERIOD_NS, run};
 use super::{options, record};
 use crate::ViewerOptions;
 
-/// A message as read: topic, sequence, log time, bytes.
+/// A message read from a log: topic, sequence, log time, bytes.
 type Read = (String, u32, u64, Vec<u8>);
 
-/// The messages of the viewer topics in a log, in file order.
+/// Returns the messages of the viewer topics in a log, in file order.
 fn read(path: &Path) -> Vec<Read> {
     let bytes = std::fs::read(path).unwrap();
     let messages = mcap::MessageStream::new(&bytes).unwrap();
@@ -27,7 +27,7 @@ fn read(path: &Path) -> Vec<Read> {
 }
 
 #[test]
-fn topics_are_in_the_schemas_of_the_viewers() {
+fn topics_have_the_schemas_of_the_viewers() {
     let directory = tempfile::tempdir().unwrap();
     let path = directory.path().join("run.mcap");
     record(&path, &options(), &run(4, 1), 100);
@@ -50,7 +50,7 @@ fn topics_are_in_the_schemas_of_the_viewers() {
 }
 
 #[test]
-fn pictures_keep_their_rate_and_never_miss_the_first_the_last_or_an_event() {
+fn pictures_keep_their_rate_and_include_the_first_the_last_and_every_event() {
     let directory = tempfile::tempdir().unwrap();
     let path = directory.path().join("run.mcap");
     // 20 ticks per second, 10 pictures: even ticks, and 5 for the event, and 11 for the end.
@@ -65,13 +65,13 @@ fn pictures_keep_their_rate_and_never_miss_the_first_the_last_or_an_event() {
     assert_eq!(times("/viewer/scene"), [0, 2, 4, 5, 6, 8, 10, 11]);
     assert_eq!(times("/viewer/tf"), times("/viewer/scene"));
     assert_eq!(times("/viewer/particles/baddie_1"), times("/viewer/scene"));
-    // Five per second at most, but for the event and the end.
+    // At most five per second, except for the event and the end.
     assert_eq!(times("/viewer/visibility"), [0, 4, 5, 8, 11]);
     assert_eq!(times("/viewer/map"), [0]);
     assert_eq!(times("/viewer/obstacles"), [0, 3]);
     assert_eq!(times("/viewer/log"), [5]);
 
-    // What lasts comes again after two seconds, with the picture that is due then.
+    // Latched topics are repeated after two seconds, with the next picture.
     let path = directory.path().join("long.mcap");
     record(&path, &options(), &run(100, 1), 5);
     let times = |topic: &str| -> Vec<u64> {

@@ -1,4 +1,4 @@
-//! The log as the ecosystem's own packages see it: lossless and viewer topics.
+//! Test of reading a log with the Python packages of MCAP and ROS: lossless and viewer topics.
 
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
@@ -7,17 +7,16 @@ use std::process::Command;
 use super::made_up::run;
 use super::{options, record};
 
-/// The interpreter with the readers, or why there is none.
+/// Returns the interpreter with the readers, or the reason why it is missing.
 fn python() -> Result<PathBuf, String> {
     let script =
         Path::new(env!("CARGO_MANIFEST_DIR")).join("../../ipc_types/tests/python/prepare.py");
-    // Beside `deps`, where the test itself lies: what Cargo calls `CARGO_TARGET_TMPDIR` for
-    // integration tests.
+    // Beside `deps`, the directory of the test: `CARGO_TARGET_TMPDIR` of integration tests.
     let test = std::env::current_exe().map_err(|e| e.to_string())?;
     let target = test
         .ancestors()
         .nth(3)
-        .ok_or("the test lies in no target directory")?;
+        .ok_or("the test is not in a target directory")?;
     let output = Command::new("python3")
         .arg(script)
         .arg(target.join("tmp"))
@@ -36,7 +35,7 @@ fn python_decodes_every_message_of_the_log() {
     let python = match python() {
         Ok(python) => python,
         Err(reason) => {
-            // Past the test harness, which swallows what tests print.
+            // Written to stderr directly, because the test harness captures output.
             let note = format!("\nSKIPPED: python_decodes_every_message_of_the_log: {reason}\n");
             std::io::stderr().write_all(note.as_bytes()).unwrap();
             return;
@@ -72,7 +71,7 @@ fn python_decodes_every_message_of_the_log() {
         "unsorted 0",
         "particles 40 780.0",
         "frames police_1 police_2 baddie_1 map/centre",
-        "said baddie_1 was caught by police_1",
+        "log baddie_1 was caught by police_1",
         "entities police_1 police_2 baddie_1",
     ] {
         assert!(

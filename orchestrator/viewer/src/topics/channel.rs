@@ -1,11 +1,11 @@
-//! A channel of messages in a viewers' schema.
+//! A channel of messages in a schema of the viewers.
 
 use core::marker::PhantomData;
 
 use foxglove::Encode;
 use recorder::{DerivedChannel, DerivedMessages};
 
-/// Encodes messages of one type for one channel of the log.
+/// Encoder of messages of one type for one channel of the log.
 #[derive(Debug)]
 pub(super) struct ViewerChannel<M> {
     place: usize,
@@ -31,7 +31,7 @@ impl<M: Encode> ViewerChannel<M> {
         }
     }
 
-    /// Adds a message to what is written; returns its length (bytes).
+    /// Adds a message to the output; returns its length (bytes).
     pub(super) fn write(&self, out: &mut DerivedMessages, time_ns: u64, message: &M) -> usize {
         out.push(self.place, time_ns, |bytes| message.encode(bytes))
     }

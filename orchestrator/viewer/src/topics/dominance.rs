@@ -1,4 +1,4 @@
-//! Who reaches what first, as coloured cells over the map.
+//! Dominance regions of the teams, as coloured cells over the map.
 
 use foxglove::messages::Grid;
 use ipc_types::consumer::{Consumer, LoggedMessage};
@@ -10,12 +10,12 @@ use super::grid::{self, GridPlace};
 use super::palette;
 use super::picture::Picture;
 
-/// Margin beyond which a cell is coloured no stronger (s).
+/// Margin at which the opacity is maximal (s).
 const STRONG: f32 = 10.0;
-/// Weakest and strongest opacity.
+/// Minimum and maximum opacity (0 to 255).
 const ALPHA: (f32, f32) = (30.0, 120.0);
 
-/// `/viewer/dominance`, whenever a referee says it.
+/// `/viewer/dominance`, for every message of a referee.
 pub(super) struct DominanceTopic(ViewerChannel<Grid>);
 
 impl DominanceTopic {
@@ -38,9 +38,9 @@ impl Consumer<Picture> for DominanceTopic {
     }
 }
 
-/// Draws dominance: cells that evaders reach safely in their colour, the pursuers' in theirs, the
-/// stronger the greater the margin; cells that an evader would reach first, but not safely, in pale
-/// orange. `None` if the header and the number of cells do not belong together.
+/// Draws dominance regions: cells that a team reaches first are in its colour, with opacity increasing with
+/// the margin; cells that an evader reaches first, but not safely, are pale orange. Returns `None` if the
+/// number of cells differs from the header.
 fn draw(
     header: &DominanceHeader,
     time_ns: u64,
@@ -51,7 +51,7 @@ fn draw(
     }
     let mut data = Vec::with_capacity(cells.len() * grid::CELL_BYTES);
     for cell in cells {
-        // `min` takes the other of a NaN; a cast of a float saturates.
+        // `min` ignores NaN; a cast of a float saturates.
         let strength = cell.margin.abs().min(STRONG) / STRONG;
         let alpha = (ALPHA.0 + (ALPHA.1 - ALPHA.0) * strength) as u8;
         let ([red, green, blue], alpha) = match cell.owner {
@@ -83,7 +83,7 @@ mod tests {
     }
 
     #[test]
-    fn sides_have_their_colours_and_margins_their_strength() {
+    fn teams_set_the_colour_and_margins_the_opacity() {
         let header = DominanceHeader {
             width: 5,
             height: 1,

@@ -5,25 +5,25 @@ use foxglove::messages::{Grid, Vector2};
 
 use super::primitives::{MAP_FRAME, packed_fields, pose, timestamp};
 
-/// Bytes of a cell: red, green, blue, alpha.
+/// Size of a cell (bytes): red, green, blue, alpha.
 pub(super) const CELL_BYTES: usize = 4;
 
-/// Whether that many cells are those of a grid of this size, which has some.
+/// Returns `true` if the grid is not empty and has this many cells.
 pub(super) fn fits(width: u32, height: u32, cells: usize) -> bool {
     cells > 0 && u64::from(width) * u64::from(height) == cells as u64
 }
 
-/// Where the cells of a grid lie.
+/// Position and size of a grid.
 pub(super) struct GridPlace {
     /// Outer corner of the first cell (m).
     pub(super) origin: [f64; 2],
     /// Side of a cell (m).
     pub(super) resolution: f64,
-    /// Columns.
+    /// Number of columns.
     pub(super) width: u32,
 }
 
-/// Cells of red, green, blue and alpha bytes; `None` if a row has more bytes than can be said.
+/// Creates a grid of red, green, blue and alpha bytes; returns `None` if the size of a row overflows.
 pub(super) fn coloured(place: &GridPlace, time_ns: u64, data: Vec<u8>) -> Option<Grid> {
     let row_stride = place.width.checked_mul(CELL_BYTES as u32)?;
     Some(Grid {

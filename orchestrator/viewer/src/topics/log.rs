@@ -1,4 +1,4 @@
-//! Events in words, and what processes write.
+//! Events and stderr of processes as log lines.
 
 use foxglove::messages::{Log, log};
 use ipc_types::consumer::{Consumer, LoggedMessage};
@@ -54,7 +54,7 @@ impl Consumer<Picture> for LogTopic {
     }
 }
 
-/// An event as a log line.
+/// Returns an event as a log line.
 fn message(event: &WorldEvent, robots: &[RobotInfo], time_ns: u64) -> Log {
     let level = match WorldEvent::name_of(event.kind) {
         "invalid_command" | "missing_command" => log::Level::Warning,
@@ -70,22 +70,19 @@ fn message(event: &WorldEvent, robots: &[RobotInfo], time_ns: u64) -> Log {
     }
 }
 
-/// What became of a process as a log line.
+/// Returns a process event as a log line.
 fn process_event(event: &ProcessEvent, processes: &[ProcessInfo], time_ns: u64) -> Log {
     let name = process_name(event.process, processes);
     let tick = event.tick;
     let (level, message) = match event.kind {
         ProcessEvent::LEFT => (
             log::Level::Error,
-            format!("{name} left at tick {tick}: it {}", event.reason_text()),
+            format!("{name} failed at tick {tick}: it {}", event.reason_text()),
         ),
-        ProcessEvent::BACK => (
-            log::Level::Info,
-            format!("{name} is back from tick {tick} on"),
-        ),
+        ProcessEvent::BACK => (log::Level::Info, format!("{name} is back at tick {tick}")),
         _ => (
             log::Level::Error,
-            format!("{name} is not started again; {}", event.reason_text()),
+            format!("{name} is not restarted: {}", event.reason_text()),
         ),
     };
     Log {
@@ -97,11 +94,11 @@ fn process_event(event: &ProcessEvent, processes: &[ProcessInfo], time_ns: u64) 
     }
 }
 
-/// What a process wrote to stderr as a log line.
+/// Returns a line of stderr of a process as a log line.
 fn process_log(header: &LogHeader, text: &[u8], processes: &[ProcessInfo], time_ns: u64) -> Log {
     Log {
         timestamp: Some(timestamp(time_ns)),
-        // The viewers' levels are those of the message.
+        // The levels of viewers equal those of the message.
         level: i32::try_from(header.level).unwrap_or_default(),
         message: String::from_utf8_lossy(text).into_owned(),
         name: process_name(header.process, processes),
@@ -117,7 +114,7 @@ fn process_name(index: u32, processes: &[ProcessInfo]) -> String {
     }
 }
 
-/// An event as a sentence.
+/// Returns an event as a sentence.
 fn sentence(event: &WorldEvent, robots: &[RobotInfo]) -> String {
     let name = |index: u32| match robots.get(index as usize) {
         Some(robot) => robot.name.clone(),
@@ -130,13 +127,13 @@ fn sentence(event: &WorldEvent, robots: &[RobotInfo]) -> String {
         "captured" if event.other == WorldEvent::NONE => format!("{robot} was caught"),
         "captured" => format!("{robot} was caught by {other}"),
         "escaped" => format!("{robot} escaped"),
-        "timed_out" if has_robot => format!("{robot} ran out of time"),
-        "timed_out" => "time is over".to_owned(),
+        "timed_out" if has_robot => format!("{robot} reached the time limit"),
+        "timed_out" => "the time limit is reached".to_owned(),
         "goal_reached" => format!("{robot} reached its goal"),
         "contact_begin" => format!("{robot} touches {other}"),
         "contact_end" => format!("{robot} no longer touches {other}"),
-        "invalid_command" => format!("{robot} got a command that is not valid and stops"),
-        "missing_command" => format!("{robot} got no command and stops"),
+        "invalid_command" => format!("{robot} received an invalid command and stops"),
+        "missing_command" => format!("{robot} received no command and stops"),
         "obstacle" => format!("obstacle {} changed", event.other),
         "game_over" => "the game is over".to_owned(),
         other if has_robot => format!("{robot}: {}", other.replace('_', " ")),

@@ -5,18 +5,18 @@ use ipc_types::consumer::{Consumer, LoggedMessage};
 use ipc_types::messages::world::{MapCell, MapHeader};
 use ipc_types::topics::{TopicId, WorldMap};
 
-use super::again::Again;
 use super::channel::ViewerChannel;
 use super::grid::{self, GridPlace};
 use super::palette;
 use super::picture::Picture;
 use super::primitives::timestamp;
+use super::repetition::Repetition;
 
-/// `/viewer/map`, at every revision, and again now and then.
+/// `/viewer/map`, at every revision, and repeated.
 pub(super) struct MapTopic {
     channel: ViewerChannel<Grid>,
     grid: Option<Grid>,
-    again: Again,
+    repetition: Repetition,
 }
 
 impl MapTopic {
@@ -24,7 +24,7 @@ impl MapTopic {
         Self {
             channel: picture.add_channel("/viewer/map"),
             grid: None,
-            again: Again::default(),
+            repetition: Repetition::default(),
         }
     }
 
@@ -32,7 +32,7 @@ impl MapTopic {
         if let Some(grid) = &mut self.grid {
             grid.timestamp = Some(timestamp(time_ns));
             let bytes = self.channel.write(&mut picture.ready, time_ns, grid);
-            self.again.drawn(time_ns, bytes);
+            self.repetition.drawn(time_ns, bytes);
         }
     }
 }
@@ -52,14 +52,14 @@ impl Consumer<Picture> for MapTopic {
     }
 
     fn end_of_tick(&mut self, picture: &mut Picture) {
-        if self.again.is_due(picture.now_ns()) {
+        if self.repetition.is_due(picture.now_ns()) {
             self.draw(picture.now_ns(), picture);
         }
     }
 }
 
-/// Draws a map: obstacles dark, free cells the whiter the farther obstacles are (by the blurred
-/// map). `None` if the header and the number of cells do not belong together.
+/// Draws a map: obstacles are dark; free cells are lighter with distance from obstacles (by the blurred map).
+/// Returns `None` if the number of cells differs from the header.
 fn draw(
     header: &MapHeader,
     time_ns: u64,
@@ -74,7 +74,7 @@ fn draw(
             palette::WALL_GREY
         } else {
             let edge = f32::from(palette::EDGE_GREY);
-            // A cast of a float saturates, also for what is not a number.
+            // A cast of a float saturates, also for NaN.
             (edge + (255.0 - edge) * cell.blurred.clamp(0.0, 1.0)) as u8
         };
         data.extend_from_slice(&[grey, grey, grey, u8::MAX]);
@@ -92,7 +92,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn cells_are_coloured_by_row_and_a_lying_header_draws_nothing() {
+    fn cells_are_coloured_by_row_and_a_wrong_header_draws_nothing() {
         let header = MapHeader {
             width: 2,
             height: 1,

@@ -1,12 +1,10 @@
 //! The `/viewer/…` topics: a run in the standard schemas of the viewers (Foxglove, Lichtblick, Rerun),
 //! beside the lossless topics.
 //!
-//! The topics draw a tick when it is complete, at most `rate_hz` times per simulated second, and
-//! always the first and the last state and every tick at which something happened. Every message is
-//! a whole picture of its topic, so that a viewer that jumps in time shows the right thing from the
-//! one message before. What seldom changes is drawn again now and then (see `again`).
+//! The topics draw complete ticks, at most `rate_hz` times per simulated second, and always the first and the
+//! last state and every tick with an event. Every message is a complete picture of its topic, so that after a
+//! seek one message is sufficient. Pictures that seldom change are repeated (see `repetition`).
 
-mod again;
 mod channel;
 mod dominance;
 mod grid;
@@ -17,6 +15,7 @@ mod palette;
 mod picture;
 mod points;
 mod primitives;
+mod repetition;
 mod robot_lines;
 mod robots;
 mod sight;
@@ -31,8 +30,8 @@ use recorder::{DerivedChannel, DerivedMessages, DerivedTopics, RunInfo};
 use self::picture::Picture;
 use crate::field_of_view::FieldOfView;
 
-/// The viewer topics of a run. Each is a consumer that draws messages when they come, or their tick at
-/// its end; adding one is a file and a line here. The order is that of the channels in the log.
+/// Creates the viewer topics of a run, in the order of the channels in the log. Each one is a consumer that
+/// draws messages on arrival or at the end of their tick; a new topic takes a file and a line here.
 fn topics(run: &RunInfo, options: &ViewerOptions, picture: &mut Picture) -> Vec<Box<Topic>> {
     vec![
         Box::new(robots::RobotsTopic::new(options.trail_s, picture)),
@@ -55,16 +54,16 @@ fn topics(run: &RunInfo, options: &ViewerOptions, picture: &mut Picture) -> Vec<
 
 type Topic = dyn Consumer<Picture> + Send;
 
-/// What viewers get to see.
+/// Options of the viewer topics.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ViewerOptions {
     /// Pictures per simulated second; 0 for no viewer topics at all.
     pub rate_hz: f64,
-    /// How long a robot's trail stays visible (simulated s); 0 for none.
+    /// Duration of a robot's trail (simulated s); 0 for none.
     pub trail_s: f64,
-    /// Obstacles that stand from the beginning.
+    /// Obstacles that exist from the beginning.
     pub obstacles: Vec<ObstacleEvent>,
-    /// What is drawn as seen.
+    /// Fields of view to draw.
     pub fields_of_view: Vec<FieldOfView>,
 }
 
@@ -79,7 +78,7 @@ impl Default for ViewerOptions {
     }
 }
 
-/// The viewer topics of a run before its first tick; `None` if no viewer topics are wanted.
+/// Creates the viewer topics of a run; returns `None` if the rate is 0.
 ///
 /// ```
 /// use viewer::{ViewerOptions, viewer_topics};
@@ -108,7 +107,7 @@ pub fn viewer_topics(run: &RunInfo, options: &ViewerOptions) -> Option<Box<dyn D
     }))
 }
 
-/// All viewer topics of a run, over one picture.
+/// All viewer topics of a run, with their shared picture.
 struct ViewerTopics {
     takes: Vec<TopicId>,
     topics: Consumers<Topic>,
@@ -125,7 +124,7 @@ impl Consumer for ViewerTopics {
         self.topics.message(message, &mut self.picture);
     }
 
-    /// Draws the tick if it is due or wanted.
+    /// Draws the tick if it is due or required.
     fn end_of_tick(&mut self, (): &mut ()) {
         if self.picture.begin_drawing() {
             self.topics.end_of_tick(&mut self.picture);

@@ -1,4 +1,4 @@
-//! Obstacles that come and go.
+//! Obstacles that appear and disappear.
 
 use std::collections::BTreeMap;
 
@@ -11,38 +11,38 @@ use ipc_types::consumer::{Consumer, LoggedMessage};
 use ipc_types::messages::world::ObstacleEvent;
 use ipc_types::topics::{ObstacleEvents, TopicId};
 
-use super::again::Again;
 use super::channel::ViewerChannel;
 use super::palette;
 use super::picture::Picture;
 use super::primitives::{deletion, entity, pose};
+use super::repetition::Repetition;
 
 /// Codes of `ObstacleEvent::action`.
 const DISAPPEAR: u8 = 1;
 
-/// How high obstacles are drawn (m): below plans, so that ways across them are seen.
+/// Height of obstacles (m): below plans, so that paths across them are visible.
 const HEIGHT: f64 = 0.05;
 
 /// Width of a polygon's outline (pixels).
 const OUTLINE_PIXELS: f64 = 3.0;
 
-/// `/viewer/obstacles`, whenever one of them changes, and again now and then.
+/// `/viewer/obstacles`, at every change, and repeated.
 pub(super) struct ObstaclesTopic {
     channel: ViewerChannel<SceneUpdate>,
     obstacles: Obstacles,
-    again: Again,
+    repetition: Repetition,
 }
 
 impl ObstaclesTopic {
-    /// `standing` are the obstacles that stand from the beginning.
+    /// Creates the topic; `standing` are the obstacles that exist from the beginning.
     pub(super) fn new(standing: &[ObstacleEvent], picture: &mut Picture) -> Self {
         let mut topic = Self {
             channel: picture.add_channel("/viewer/obstacles"),
             obstacles: Obstacles::default(),
-            again: Again::default(),
+            repetition: Repetition::default(),
         };
         for obstacle in standing {
-            topic.obstacles.stands(obstacle);
+            topic.obstacles.add_standing(obstacle);
         }
         if !standing.is_empty() {
             topic.draw(0, picture);
@@ -53,7 +53,7 @@ impl ObstaclesTopic {
     fn draw(&mut self, time_ns: u64, picture: &mut Picture) {
         let update = self.obstacles.draw(time_ns);
         let bytes = self.channel.write(&mut picture.ready, time_ns, &update);
-        self.again.drawn(time_ns, bytes);
+        self.repetition.drawn(time_ns, bytes);
     }
 }
 
@@ -72,28 +72,28 @@ impl Consumer<Picture> for ObstaclesTopic {
     }
 
     fn end_of_tick(&mut self, picture: &mut Picture) {
-        if self.again.is_due(picture.now_ns()) {
+        if self.repetition.is_due(picture.now_ns()) {
             self.draw(picture.now_ns(), picture);
         }
     }
 }
 
-/// The obstacles that stand now.
+/// Current obstacles.
 #[derive(Debug, Default)]
 struct Obstacles {
-    /// With their colours.
+    /// Obstacles with their colours, by id.
     standing: BTreeMap<u32, (ObstacleEvent, Color)>,
     gone: Vec<u32>,
 }
 
 impl Obstacles {
-    /// Takes up an obstacle that stands from the beginning.
-    fn stands(&mut self, obstacle: &ObstacleEvent) {
+    /// Adds an obstacle that exists from the beginning.
+    fn add_standing(&mut self, obstacle: &ObstacleEvent) {
         let entry = (*obstacle, palette::BUILDING);
         self.standing.insert(obstacle.id, entry);
     }
 
-    /// Takes up a change.
+    /// Applies a change.
     fn apply(&mut self, event: &ObstacleEvent) {
         if event.action == DISAPPEAR {
             self.standing.remove(&event.id);
@@ -103,7 +103,7 @@ impl Obstacles {
         }
     }
 
-    /// All obstacles that stand, and the deletion of those that have gone.
+    /// Returns all current obstacles, and deletions of removed ones.
     fn draw(&mut self, time_ns: u64) -> SceneUpdate {
         let id = |id: u32| format!("obstacle {id}");
         let deletions = self
@@ -175,12 +175,12 @@ fn draw(event: &ObstacleEvent, color: Color, mut entity: SceneEntity) -> SceneEn
     entity
 }
 
-/// A point at the height of obstacles.
+/// Returns a point at the height of obstacles.
 fn top(x: f64, y: f64) -> Point3 {
     Point3 { x, y, z: HEIGHT }
 }
 
-/// The triangles that make up a polygon, three points each; none if it is not a simple one.
+/// Triangulates a polygon; returns three points per triangle, none if the polygon is not simple.
 fn triangles(vertices: Vec<[f64; 2]>) -> Vec<Point3> {
     let parts = Shape::Polygon { vertices }.parts().unwrap_or_default();
     let mut points = Vec::new();
@@ -189,7 +189,7 @@ fn triangles(vertices: Vec<[f64; 2]>) -> Vec<Point3> {
         let Some((first, others)) = corners.split_first() else {
             continue;
         };
-        // Convex: a fan.
+        // A convex polygon is a fan.
         for pair in others.windows(2) {
             points.extend([first, &pair[0], &pair[1]].map(|p| top(p.x, p.y)));
         }
@@ -251,7 +251,7 @@ mod tests {
         assert_eq!(
             update.entities[1].lines[0].points.len(),
             16,
-            "no more than there are"
+            "only existing obstacles"
         );
         obstacles.apply(&ObstacleEvent {
             action: DISAPPEAR,

@@ -3,13 +3,13 @@
 use draw::palette;
 use foxglove::messages::Color;
 
-/// Colour of the obstacles that come and go: orange.
+/// Colour of obstacles that appear and disappear: orange.
 pub(super) const OBSTACLE: Color = color(palette::rgb(palette::OBSTACLE), 0.85);
-/// Colour of the obstacles that stand from the beginning: grey, as on the map.
+/// Colour of obstacles that exist from the beginning: grey, as on the map.
 pub(super) const BUILDING: Color = color([105, 112, 122], 1.0);
 /// Colour of lines of sight: reddish purple.
 pub(super) const SIGHT: Color = color(palette::rgb(palette::BELIEF), 1.0);
-/// Opacity of what is seen, and of its border: what lies below shows.
+/// Opacity of visible areas and of their borders; lower layers stay visible.
 pub(super) const SEEN: (f64, f64) = (0.1, 0.4);
 /// Colour of names and headings: black.
 pub(super) const INK: Color = color([0, 0, 0], 1.0);
@@ -22,7 +22,7 @@ pub(super) const EDGE_GREY: u8 = 200;
 pub(super) const POLICE: [u8; 3] = palette::rgb(palette::POLICE);
 /// Evaders: vermilion.
 pub(super) const EVADER: [u8; 3] = palette::rgb(palette::EVADER);
-/// Places that evaders could be cut off from: orange.
+/// Cells that evaders reach first, but not safely: orange.
 pub(super) const CUT_OFF: [u8; 3] = palette::rgb(palette::OBSTACLE);
 
 const fn color([r, g, b]: [u8; 3], a: f64) -> Color {
@@ -34,8 +34,8 @@ const fn color([r, g, b]: [u8; 3], a: f64) -> Color {
     }
 }
 
-/// Colour of a team by its code in `RobotState`: police blue, evaders vermilion, others bluish
-/// green; paler once a robot is out of the game.
+/// Returns the colour of a team by its code in `RobotState`: police blue, evaders vermilion, others bluish
+/// green; paler for a robot that is out of the game.
 pub(super) fn team(team: u8, active: bool) -> Color {
     let alpha = if active { 1.0 } else { 0.35 };
     match team {

@@ -1,4 +1,4 @@
-//! The present tick as all viewer topics see it, and where they draw.
+//! State of the current tick, shared by all viewer topics, and their output.
 
 use foxglove::Encode;
 use ipc_types::consumer::LoggedMessage;
@@ -8,18 +8,18 @@ use recorder::{DerivedChannel, DerivedMessages, RobotInfo};
 
 use super::channel::ViewerChannel;
 
-/// The present tick as all viewer topics see it, and where they draw.
+/// State of the current tick, shared by all viewer topics, and their output.
 #[derive(Debug)]
 pub(super) struct Picture {
     pub(super) robots: Vec<RobotInfo>,
-    /// The newest states of the robots.
+    /// Newest states of the robots.
     pub(super) states: Vec<RobotState>,
     /// Time of these states (simulated ns); `None` before the first.
     time_ns: Option<u64>,
-    /// Whether the tick must be drawn even if no picture is due.
+    /// `true` if the tick must be drawn even if no picture is due.
     pub(super) wanted: bool,
     drawn: bool,
-    /// Time from which the next picture is due (simulated ns).
+    /// Time at which the next picture is due (simulated ns).
     due_ns: u64,
     period_ns: u64,
     pub(super) channels: Vec<DerivedChannel>,
@@ -27,10 +27,10 @@ pub(super) struct Picture {
 }
 
 impl Picture {
-    /// The topics that it follows.
+    /// Topics that update the picture.
     pub(super) const TAKES: [TopicId; 2] = [TopicId::WorldState, TopicId::WorldEvents];
 
-    /// Before the first tick, at this rate (Hz, simulated), > 0.
+    /// Creates the picture before the first tick; `rate_hz` is the rate (Hz, simulated), > 0.
     pub(super) fn new(robots: &[RobotInfo], rate_hz: f64) -> Self {
         Self {
             robots: robots.to_vec(),
@@ -46,7 +46,7 @@ impl Picture {
         }
     }
 
-    /// Takes up the state and the events of a tick.
+    /// Updates the picture with the state and the events of a tick.
     pub(super) fn message(&mut self, message: &LoggedMessage<'_>) {
         if let Some((header, robots)) = message.view::<WorldState>() {
             // A new tick begins with this state.
@@ -58,17 +58,17 @@ impl Picture {
             self.wanted = is_first || is_last;
             self.drawn = false;
         }
-        // A tick at which something happens is drawn.
+        // Ticks with events are drawn.
         let events = message.view::<WorldEvents>();
         self.wanted |= events.is_some_and(|(_, events)| events.len() > 0) && self.time_ns.is_some();
     }
 
-    /// Whether the present tick will be drawn, so that what belongs to it is worth decoding.
+    /// Returns `true` if the current tick will be drawn and its messages need decoding.
     pub(super) fn is_drawing(&self, time_ns: u64) -> bool {
         time_ns >= self.due_ns || self.wanted
     }
 
-    /// Whether the topics draw the tick now, at its end.
+    /// Begins drawing at the end of a tick; returns `true` if the topics draw it.
     pub(super) fn begin_drawing(&mut self) -> bool {
         let Some(time_ns) = self.time_ns else {
             return false;
@@ -78,13 +78,13 @@ impl Picture {
         }
         self.drawn = true;
         if time_ns >= self.due_ns {
-            // On the grid of the rate: pictures of all topics fall on the same ticks.
+            // Multiples of the period: pictures of all topics are on the same ticks.
             self.due_ns = (time_ns / self.period_ns + 1).saturating_mul(self.period_ns);
         }
         true
     }
 
-    /// Time of the states (simulated ns).
+    /// Returns the time of the states (simulated ns).
     pub(super) fn now_ns(&self) -> u64 {
         self.time_ns.unwrap_or(0)
     }
@@ -94,7 +94,7 @@ impl Picture {
         ViewerChannel::add(&mut self.channels, topic)
     }
 
-    /// A channel for every robot: `/viewer/PREFIX/NAME`.
+    /// Adds a channel for every robot: `/viewer/PREFIX/NAME`.
     pub(super) fn add_channels<M: Encode>(&mut self, prefix: &str) -> Vec<ViewerChannel<M>> {
         let names = self.robots.iter().map(|robot| robot.name.clone());
         let topics: Vec<String> = names

@@ -68,8 +68,8 @@ impl Consumer<Picture> for ScansTopic {
     }
 }
 
-/// A belief as a cloud of points; the particles' bytes are taken as they are, and all of their
-/// fields can be used for colouring.
+/// Returns a belief as a point cloud with the unchanged bytes of the particles; all fields can be used for
+/// colouring.
 fn cloud(time_ns: u64, particles: &[u8]) -> PointCloud {
     const { assert!(size_of::<Particle>() == 16) };
     let descriptor = Particle::DESCRIPTOR;
@@ -92,7 +92,7 @@ fn cloud(time_ns: u64, particles: &[u8]) -> PointCloud {
     }
 }
 
-/// A range scan in its robot's frame.
+/// Returns a range scan in the frame of its robot.
 fn scan(
     header: &ScanHeader,
     time_ns: u64,

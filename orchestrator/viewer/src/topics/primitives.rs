@@ -1,4 +1,4 @@
-//! What the messages of several topics are made of.
+//! Primitives shared by several topics.
 
 use foxglove::messages::packed_element_field::NumericType;
 use foxglove::messages::{
@@ -7,17 +7,17 @@ use foxglove::messages::{
 };
 use geometry::math::sincos;
 
-/// Frame in which everything stands.
+/// Frame of all entities.
 pub(super) const MAP_FRAME: &str = "map";
 
-/// Simulated time as viewers want it.
+/// Converts simulated time (ns) to the timestamp of viewers.
 pub(super) fn timestamp(time_ns: u64) -> Timestamp {
     // A run of more than 136 years ends at the largest time.
     let seconds = u32::try_from(time_ns / 1_000_000_000).unwrap_or(u32::MAX);
     Timestamp::new(seconds, (time_ns % 1_000_000_000) as u32)
 }
 
-/// Rotation about the vertical axis.
+/// Returns a rotation about the vertical axis (rad).
 pub(super) fn yaw(theta: f64) -> Quaternion {
     let (sin, cos) = sincos(theta / 2.0);
     Quaternion {
@@ -28,7 +28,7 @@ pub(super) fn yaw(theta: f64) -> Quaternion {
     }
 }
 
-/// Pose in the plane, lifted by `z`.
+/// Returns a pose in the plane at height `z` (m).
 pub(super) fn pose(x: f64, y: f64, z: f64, theta: f64) -> Pose {
     Pose {
         position: Some(Vector3 { x, y, z }),
@@ -36,7 +36,7 @@ pub(super) fn pose(x: f64, y: f64, z: f64, theta: f64) -> Pose {
     }
 }
 
-/// An entity in the map's frame without anything in it.
+/// Returns an empty entity in the map frame.
 pub(super) fn entity(id: String, time_ns: u64) -> SceneEntity {
     SceneEntity {
         timestamp: Some(timestamp(time_ns)),
@@ -46,7 +46,7 @@ pub(super) fn entity(id: String, time_ns: u64) -> SceneEntity {
     }
 }
 
-/// The deletion of an entity.
+/// Returns the deletion of an entity.
 pub(super) fn deletion(id: String, time_ns: u64) -> SceneEntityDeletion {
     SceneEntityDeletion {
         timestamp: Some(timestamp(time_ns)),
@@ -55,7 +55,7 @@ pub(super) fn deletion(id: String, time_ns: u64) -> SceneEntityDeletion {
     }
 }
 
-/// The fields of packed elements, each with its name and offset (bytes), all of one type.
+/// Returns the fields of packed elements, each with name and offset (bytes), all of one type.
 pub(super) fn packed_fields(kind: NumericType, fields: &[(&str, u32)]) -> Vec<PackedElementField> {
     let field = |&(name, offset): &(&str, u32)| PackedElementField {
         name: name.to_owned(),

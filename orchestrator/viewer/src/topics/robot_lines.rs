@@ -1,5 +1,4 @@
-//! What planners think, as lines: where the robots mean to go, and the trees in which they search
-//! for their ways.
+//! Planned paths and search trees of planners, as lines.
 
 use foxglove::messages::{Color, LinePrimitive, Point3, SceneEntity, SceneUpdate, line_primitive};
 use ipc_types::consumer::{Consumer, LoggedMessage};
@@ -8,16 +7,16 @@ use ipc_types::messages::world::RobotState;
 use ipc_types::topics::{Plan, TopicId, Tree};
 use recorder::RobotInfo;
 
-use super::again::Again;
 use super::channel::ViewerChannel;
 use super::palette;
 use super::picture::Picture;
 use super::primitives::{deletion, entity, pose};
+use super::repetition::Repetition;
 
-/// How lines are drawn.
+/// Style of lines.
 #[derive(Debug)]
 struct Style {
-    /// First word of what viewers list, before the robot's name.
+    /// First word of entity ids, before the robot's name.
     what: &'static str,
     kind: line_primitive::Type,
     /// Width (pixels).
@@ -44,7 +43,7 @@ const TREE: Style = Style {
     height: 0.06,
 };
 
-/// `/viewer/plan` or `/viewer/tree`: the newest of every robot, in the picture of its tick.
+/// `/viewer/plan` or `/viewer/tree`: the newest plan or tree of every robot, drawn with its tick.
 pub(super) struct LinesTopic {
     takes: [TopicId; 1],
     channel: ViewerChannel<SceneUpdate>,
@@ -52,7 +51,7 @@ pub(super) struct LinesTopic {
 }
 
 impl LinesTopic {
-    /// Where the robots mean to go.
+    /// Creates the topic of planned paths.
     pub(super) fn plans(picture: &mut Picture) -> Self {
         Self {
             takes: [TopicId::Plan],
@@ -61,7 +60,7 @@ impl LinesTopic {
         }
     }
 
-    /// The trees in which they search.
+    /// Creates the topic of search trees.
     pub(super) fn trees(picture: &mut Picture) -> Self {
         Self {
             takes: [TopicId::Tree],
@@ -95,33 +94,32 @@ impl Consumer<Picture> for LinesTopic {
     }
 }
 
-/// The last plan of every robot, or the last tree.
+/// Last plan, or last tree, of every robot.
 #[derive(Debug)]
 struct RobotLines {
     style: &'static Style,
     lines: Vec<Lines>,
-    again: Again,
+    repetition: Repetition,
 }
 
 #[derive(Debug, Clone, Default)]
 struct Lines {
     points: Vec<Point3>,
-    /// Whether they go on from where the robot is: places without times, where the robot is not among
-    /// them.
+    /// `true` if the lines begin at the robot: paths without times do not contain its position.
     from_robot: bool,
-    /// Whether viewers show it.
+    /// `true` if viewers show it.
     shown: bool,
-    /// Whether it changed since it was drawn.
+    /// `true` if it changed since the last drawing.
     changed: bool,
 }
 
 impl RobotLines {
-    /// Plans of this many robots.
+    /// Creates plans for this many robots.
     fn plans(robots: usize) -> Self {
         Self::new(&PLAN, robots)
     }
 
-    /// Trees of this many robots.
+    /// Creates trees for this many robots.
     fn trees(robots: usize) -> Self {
         Self::new(&TREE, robots)
     }
@@ -130,7 +128,7 @@ impl RobotLines {
         Self {
             style,
             lines: vec![Lines::default(); robots],
-            again: Again::default(),
+            repetition: Repetition::default(),
         }
     }
 
@@ -159,8 +157,7 @@ impl RobotLines {
         }
     }
 
-    /// The lines of all robots that still play, if any changed since the last picture, or if it is
-    /// due again.
+    /// Returns the lines of all active robots, if any changed since the last picture or a repetition is due.
     fn draw(
         &mut self,
         robots: &[RobotInfo],
@@ -168,7 +165,7 @@ impl RobotLines {
         time_ns: u64,
     ) -> Option<SceneUpdate> {
         let style = self.style;
-        let again = self.again.is_due(time_ns);
+        let repetition = self.repetition.is_due(time_ns);
         let mut update = SceneUpdate::default();
         let mut changed = false;
         for state in states {
@@ -206,16 +203,16 @@ impl RobotLines {
             } else if lines.shown {
                 update.deletions.push(deletion(id, time_ns));
             }
-            changed |= lines.changed || wanted != lines.shown || (again && wanted);
+            changed |= lines.changed || wanted != lines.shown || (repetition && wanted);
             lines.shown = wanted;
             lines.changed = false;
         }
         changed.then_some(update)
     }
 
-    /// They were drawn, in that many bytes.
+    /// Records a drawing of this size (bytes).
     fn drawn(&mut self, time_ns: u64, bytes: usize) {
-        self.again.drawn(time_ns, bytes);
+        self.repetition.drawn(time_ns, bytes);
     }
 }
 
@@ -223,7 +220,7 @@ impl RobotLines {
 mod tests {
     use super::*;
 
-    /// Draws what `set` gives: now and then, as `points` points, until the robot is out.
+    /// Checks that lines from `set` are drawn with `points` points, repeated, and removed with the robot.
     fn drawn_until_out(
         mut lines: RobotLines,
         set: impl Fn(&mut RobotLines),
@@ -243,7 +240,7 @@ mod tests {
         assert_eq!(update.entities[0].lines[0].points.len(), points);
         lines.drawn(1, 100);
         assert!(lines.draw(&robots, &[state], 2).is_none());
-        // After a while once more: viewers may have lost it.
+        // Repeated later: viewers may have lost it.
         let update = lines.draw(&robots, &[state], 2_000_000_001).unwrap();
         assert_eq!(update.entities[0].lines[0].points.len(), points);
         lines.drawn(2_000_000_001, 100);
@@ -254,7 +251,7 @@ mod tests {
     }
 
     #[test]
-    fn a_tree_is_drawn_now_and_then_and_goes_with_its_robot() {
+    fn a_tree_is_repeated_and_removed_with_its_robot() {
         let edges = || [TreeEdge::default(); 3].into_iter();
         drawn_until_out(
             RobotLines::trees(1),
@@ -265,8 +262,8 @@ mod tests {
     }
 
     #[test]
-    fn a_plan_is_drawn_now_and_then_and_goes_with_its_robot() {
-        // Without times it begins where the robot is; with times it says itself where that is.
+    fn a_plan_is_repeated_and_removed_with_its_robot() {
+        // A plan without times is extended by the position of the robot; a plan with times contains it.
         for (time_s, points) in [(0.0, 4), (0.1, 3)] {
             let point = PlanPoint {
                 time_s,

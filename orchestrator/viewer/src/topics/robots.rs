@@ -1,4 +1,4 @@
-//! The robots: a disc with a heading arrow and a name each, their trails, their frames.
+//! Robots: discs with heading arrows and names, trails and frames.
 
 use foxglove::messages::{
     ArrowPrimitive, Color, CylinderPrimitive, Duration, FrameTransform, FrameTransforms,
@@ -15,19 +15,19 @@ use super::picture::Picture;
 use super::primitives::{MAP_FRAME, entity, pose, timestamp, yaw};
 use super::{grid, palette};
 
-/// Frame in the middle of the map, for viewers to look at: no robot is called so.
+/// Frame in the middle of the map, as target of cameras; robot names cannot contain `/`.
 const CENTRE_FRAME: &str = "map/centre";
 
-/// Code of a robot that still plays.
+/// Status code of an active robot.
 const ACTIVE: u8 = 0;
 
-/// Height of names above the ground (m): above obstacles.
+/// Height of names (m): above obstacles.
 const NAME_HEIGHT: f64 = 0.5;
 
-/// How far behind a robot's edge its name stands (m).
+/// Distance of a name from the edge of its robot (m).
 const NAME_GAP: f64 = 0.45;
 
-/// Height of the text of names (pixels).
+/// Font size of names (pixels).
 const FONT_PIXELS: f64 = 14.0;
 
 /// Width of trails (pixels).
@@ -45,7 +45,7 @@ pub(super) struct RobotsTopic {
 }
 
 impl RobotsTopic {
-    /// `trail_s` is how long a robot's trail stays visible (simulated s).
+    /// Creates the topics; `trail_s` is the duration of trails (simulated s).
     pub(super) fn new(trail_s: f64, picture: &mut Picture) -> Self {
         Self {
             scene: picture.add_channel("/viewer/scene"),
@@ -92,14 +92,14 @@ impl Consumer<Picture> for RobotsTopic {
     }
 }
 
-/// Where the robots were in the last picture.
+/// Positions of the robots in the last picture.
 #[derive(Debug, Default)]
 struct Trail {
     last: Vec<Option<(f64, f64)>>,
     pictures: u64,
 }
 
-/// The robots of a state and the next piece of their trails.
+/// Draws the robots of a state and the next segment of their trails.
 fn draw(
     robots: &[RobotInfo],
     states: &[RobotState],
@@ -182,7 +182,7 @@ fn robot(info: &RobotInfo, state: &RobotState, time_ns: u64) -> SceneEntity {
 }
 
 impl Trail {
-    /// The way of all robots since the last picture, as one entity that vanishes by itself.
+    /// Returns the paths of all robots since the last picture, as one entity with a lifetime.
     fn extend(
         &mut self,
         robots: usize,
@@ -191,7 +191,7 @@ impl Trail {
         trail_s: f64,
     ) -> Option<SceneEntity> {
         self.last.resize(robots, None);
-        // One list of lines per team's colour.
+        // One list of lines per colour.
         let mut lines: Vec<(u8, Vec<Point3>)> = Vec::new();
         for state in states {
             let Some(last) = self.last.get_mut(state.robot as usize) else {
@@ -234,7 +234,7 @@ impl Trail {
     }
 }
 
-/// Where the robots are that stand in the world, for viewers that draw no scenes.
+/// Returns the poses of the robots, for viewers that do not draw scenes.
 fn poses(states: &[RobotState], time_ns: u64) -> PosesInFrame {
     let present = states.iter().filter(|state| state.present != 0);
     PosesInFrame {
@@ -246,7 +246,7 @@ fn poses(states: &[RobotState], time_ns: u64) -> PosesInFrame {
     }
 }
 
-/// One frame per robot, and one in the middle of the map.
+/// Returns a frame per robot and one in the middle of the map.
 fn transforms(
     robots: &[RobotInfo],
     states: &[RobotState],

@@ -1,4 +1,4 @@
-//! Who sees whom, as lines.
+//! Lines of sight between robots.
 
 use foxglove::messages::{Color, LinePrimitive, Point3, SceneEntity, SceneUpdate, line_primitive};
 use ipc_types::consumer::{Consumer, LoggedMessage};
@@ -11,13 +11,13 @@ use super::palette;
 use super::picture::Picture;
 use super::primitives::{deletion, entity, pose};
 
-/// What viewers list.
+/// Id of the entity.
 const ID: &str = "sight";
 /// Width of a line (pixels).
 const PIXELS: f64 = 1.5;
 /// Height of the lines (m): above plans.
 const HEIGHT: f64 = 0.08;
-/// Opacity of a view that is hardly one.
+/// Opacity of the weakest sighting.
 const FAINT: f64 = 0.2;
 
 /// `/viewer/sight`.
@@ -54,7 +54,7 @@ impl Consumer<Picture> for SightTopic {
     }
 }
 
-/// The sightings of the present tick.
+/// Sightings of the current tick.
 #[derive(Debug, Default)]
 struct Sight {
     sightings: Vec<Sighting>,
@@ -68,8 +68,8 @@ impl Sight {
         self.sightings.extend(sightings.filter(|s| s.seen != 0));
     }
 
-    /// A line from every robot that is seen to the one that sees it best, the stronger the better
-    /// the view; nothing if there was none and is none.
+    /// Returns a line from every seen robot to the robot that sees it best, with opacity by quality; `None`
+    /// if there are no lines to draw or remove.
     fn draw(&mut self, states: &[RobotState], time_ns: u64) -> Option<SceneUpdate> {
         let place = |robot: u32| {
             let state = states.iter().find(|state| state.robot == robot)?;
@@ -119,14 +119,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn lines_of_sight_go_from_the_observer_to_the_seen_and_vanish_with_the_view() {
+    fn lines_of_sight_connect_observer_and_target_and_end_with_the_sighting() {
         let states = [(0, 1.0), (1, 5.0)].map(|(robot, x)| RobotState {
             robot,
             x,
             ..RobotState::default()
         });
         let mut sight = Sight::default();
-        assert!(sight.draw(&states, 0).is_none(), "nobody sees anybody");
+        assert!(sight.draw(&states, 0).is_none(), "no sightings");
         let seen = Sighting {
             robot: 1,
             observer: 0,
@@ -134,11 +134,11 @@ mod tests {
             seen: 1,
             ..Sighting::default()
         };
-        let unseen = Sighting {
+        let unobserved = Sighting {
             observer: u32::MAX,
             ..seen
         };
-        sight.set([seen, unseen].into_iter());
+        sight.set([seen, unobserved].into_iter());
         let update = sight.draw(&states, 1).unwrap();
         let line = &update.entities[0].lines[0];
         assert_eq!(

@@ -1,7 +1,7 @@
-//! What is seen in the fields of view of the run, as polygons.
+//! Visible areas of the fields of view, as polygons.
 //!
-//! They follow from the map and the robots' poses, so that they are drawn here and no process has
-//! to send them: the run is the same with and without.
+//! The recorder computes them from the map and the poses of the robots; processes do not send them, so that
+//! the run does not depend on them.
 
 use foxglove::messages::{
     Color, LinePrimitive, Point3, SceneEntity, SceneUpdate, TriangleListPrimitive, line_primitive,
@@ -21,14 +21,13 @@ use super::primitives::{deletion, entity, pose};
 use super::{grid, palette};
 use crate::field_of_view::{FieldOfView, ViewOrigin};
 
-/// Least time between two pictures (simulated ns): polygons are large, and robots slow.
+/// Minimum time between two pictures (simulated ns): polygons are large, and robots slow.
 const PERIOD_NS: u64 = 200_000_000;
 /// Height of the polygons (m): above the map and trails, below obstacles.
 const HEIGHT: f64 = 0.02;
 /// Width of the border (pixels).
 const PIXELS: f64 = 1.0;
-/// Corners are rounded to this part of a metre: a power of two, so that most bits of a coordinate
-/// are 0 and cost nothing in a log.
+/// Resolution of corners (1/m): a power of two, so that most bits of a coordinate are 0 and compress well.
 const PARTS_OF_A_METRE: f64 = 1024.0;
 
 /// `/viewer/visibility`.
@@ -67,7 +66,7 @@ impl Consumer<Picture> for VisibilityTopic {
     }
 }
 
-/// The fields of view and what limits them.
+/// Fields of view and their walls.
 #[derive(Debug)]
 struct Visibility {
     fields: Vec<DrawnField>,
@@ -78,10 +77,9 @@ struct Visibility {
 #[derive(Debug)]
 struct DrawnField {
     field: FieldOfView,
-    /// Whether viewers show a polygon of it.
+    /// `true` if viewers show its polygon.
     shown: bool,
-    /// What was seen last and from where: the same again from most fixed places, and from robots that
-    /// wait.
+    /// Last viewpoint and visible area, reused for fixed points and waiting robots.
     last: Option<(Viewpoint, Vec<Point2<f64>>)>,
 }
 
@@ -94,7 +92,7 @@ impl DrawnField {
         }
     }
 
-    /// The border of what is seen from a pose.
+    /// Returns the border of the visible area of a pose.
     fn seen(&mut self, at: Pose2, walls: &Walls) -> &[Point2<f64>] {
         let viewpoint = Viewpoint {
             position: at.position(),
@@ -116,7 +114,7 @@ impl Visibility {
         }
     }
 
-    /// Takes up a map, whose number of cells is that of the header.
+    /// Sets the map; the number of cells must be that of the header.
     fn map(&mut self, header: &MapHeader, cells: impl Iterator<Item = MapCell>) {
         if self.fields.is_empty() {
             return;
@@ -136,8 +134,8 @@ impl Visibility {
         }
     }
 
-    /// What is seen now, if it is time for a picture or one is wanted; nothing if there is nothing to
-    /// show or to take away.
+    /// Draws the visible areas if a picture is due or `wanted`; returns `None` if there are no polygons to
+    /// show or remove.
     fn draw(&mut self, states: &[RobotState], time_ns: u64, wanted: bool) -> Option<SceneUpdate> {
         let walls = self.walls.as_ref()?;
         if time_ns < self.due_ns && !wanted {
@@ -169,8 +167,8 @@ impl Visibility {
     }
 }
 
-/// Where the apex of a field of view is, and the team in whose colour it is drawn; nowhere once its
-/// robot is out.
+/// Returns the apex of a field of view and the team whose colour it has; `None` if its robot is out of the
+/// game.
 fn apex(field: &FieldOfView, states: &[RobotState]) -> Option<(Pose2, u8)> {
     match field.origin {
         ViewOrigin::Point([x, y]) => Some((Pose2::new(x, y, 0.0), Team::Neutral as u8)),
@@ -182,7 +180,7 @@ fn apex(field: &FieldOfView, states: &[RobotState]) -> Option<(Pose2, u8)> {
     }
 }
 
-/// The area as a fan of triangles around the apex, and its border.
+/// Returns the area as a fan of triangles around the apex, and its border.
 fn polygon(
     apex: Point2<f64>,
     seen: &[Point2<f64>],
@@ -195,7 +193,7 @@ fn polygon(
         y: round(p.y),
         z: HEIGHT,
     };
-    // Border first, then the apex: the border is written twice with the same bytes, which compress.
+    // Border first, then the apex: the border is written twice with the same bytes, which compress well.
     let mut points: Vec<Point3> = seen.iter().map(point).collect();
     let apex_at = points.len() as u32;
     points.push(point(&apex));
@@ -238,7 +236,7 @@ fn polygon(
 mod tests {
     use super::*;
 
-    /// Two rooms of 2 m by 2 m with a wall of a cell between them.
+    /// Returns two rooms of 2 m by 2 m, separated by a wall of one cell.
     fn rooms() -> (MapHeader, Vec<MapCell>) {
         let header = MapHeader {
             width: 9,
@@ -272,7 +270,7 @@ mod tests {
     }
 
     #[test]
-    fn the_own_room_is_seen_and_the_other_is_not_until_the_robot_is_out() {
+    fn only_the_own_room_is_visible_until_the_robot_is_out() {
         let (header, cells) = rooms();
         let mut visibility = Visibility::new(vec![field(ViewOrigin::Robot(3), None)]);
         let mut state = RobotState {
@@ -287,9 +285,9 @@ mod tests {
         let update = visibility.draw(&[state], 0, false).unwrap();
         let triangles = &update.entities[0].triangles[0];
         assert!((area(triangles) - 4.0).abs() < 0.01, "{triangles:?}");
-        // The corners, and where the border begins.
+        // The corners, and the first one again.
         assert_eq!(update.entities[0].lines[0].points.len(), 5);
-        // Not more often than it is due, but when something happens.
+        // Only when due, or at an event.
         assert!(visibility.draw(&[state], 1, false).is_none());
         assert!(visibility.draw(&[state], 2, true).is_some());
         state.status = 1;
@@ -299,7 +297,7 @@ mod tests {
     }
 
     #[test]
-    fn a_pop_up_in_the_room_hides_what_is_behind_it() {
+    fn a_new_obstacle_hides_the_area_behind_it() {
         let (header, mut cells) = rooms();
         let origin = ViewOrigin::Point([0.25, 0.25]);
         let mut visibility = Visibility::new(vec![field(origin, None)]);
@@ -317,7 +315,7 @@ mod tests {
     }
 
     #[test]
-    fn a_field_of_view_closes_over_its_apex() {
+    fn the_border_of_a_field_of_view_includes_its_apex() {
         let (header, cells) = rooms();
         let mut ahead = field(
             ViewOrigin::Point([1.0, 1.0]),

@@ -1,4 +1,4 @@
-//! The outlines of everything solid as points, for viewers that draw neither grids nor scenes.
+//! Outlines of obstacles as points, for viewers that draw neither grids nor scenes.
 
 use foxglove::messages::PointCloud;
 use foxglove::messages::packed_element_field::NumericType;
@@ -11,7 +11,7 @@ use super::grid;
 use super::picture::Picture;
 use super::primitives::{MAP_FRAME, packed_fields, pose, timestamp};
 
-/// Bytes of a point: x, y, z as `f32`.
+/// Size of a point (bytes): x, y, z as `f32`.
 const STRIDE: u32 = 12;
 
 /// `/viewer/walls`, at every revision of the map.
@@ -38,8 +38,8 @@ impl Consumer<Picture> for WallsTopic {
     }
 }
 
-/// The centres of the occupied cells that have a free neighbour. The number of cells must be that
-/// of the header.
+/// Returns the centres of the occupied cells that have a free neighbour. The number of cells must be that of
+/// the header.
 fn draw(
     header: &MapHeader,
     time_ns: u64,
@@ -81,7 +81,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn only_the_outline_of_what_is_solid_is_drawn() {
+    fn only_the_outline_of_obstacles_is_drawn() {
         let header = MapHeader {
             width: 5,
             height: 5,
@@ -89,7 +89,7 @@ mod tests {
             origin_x: -1.0,
             ..MapHeader::default()
         };
-        // A solid block of three by three in the middle: eight around, one inside.
+        // A block of 3 × 3 cells in the middle: eight at the edge, one inside.
         let cells = (0..25).map(|i| MapCell {
             occupied: u8::from((1..4).contains(&(i % 5)) && (1..4).contains(&(i / 5))),
             ..MapCell::default()

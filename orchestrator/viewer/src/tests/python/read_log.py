@@ -1,4 +1,4 @@
-"""Reads a whole log with the ecosystem's packages, checksums on, every message decoded.
+"""Reads a whole log with the Python packages, verifies checksums and decodes every message.
 
 usage: read_log.py LOG.mcap
 Standard output: one line per topic: `topic encoding messages`, then `unsorted N`, then the
@@ -30,5 +30,5 @@ xs = [struct.unpack_from("<f", cloud.data, i + fields["x"])[0]
       for i in range(0, len(cloud.data), cloud.point_stride)]
 print("particles", len(xs), sum(xs))
 print("frames", *[t.child_frame_id for t in first["/viewer/tf"].transforms])
-print("said", first["/viewer/log"].message)
+print("log", first["/viewer/log"].message)
 print("entities", *[e.id for e in first["/viewer/scene"].entities])
