@@ -134,9 +134,9 @@ pub struct Fillet {
     pub arc: Arc,
 }
 
-/// The arc of at most `radius` (m), passing the corner by at most `most_miss` (m), that replaces the
-/// corner at `b` on the path from `a` over `b` to `c` (m); the legs run in the rectangles `first`
-/// and `second`. `None` if there is no corner or no room.
+/// The arc of at most `radius` (m), passing the corner by at most `most_miss` (m), that replaces
+/// the corner at `b` on the path from `a` over `b` to `c` (m). The legs run in the rectangles
+/// `first` and `second`. `None` if there is no corner or no room.
 pub fn fillet(
     [a, b, c]: [Point2<f64>; 3],
     first: &Aabb,

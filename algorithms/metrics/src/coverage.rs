@@ -1,7 +1,7 @@
 //! Coverage of a workplace by a path: rate and evenness.
 //!
 //! The workplace is divided into square cells of side `g`. A cell counts if its centre is a free
-//! position of the robot's centre ([`CellGrid`]); the coverage rate is `C = covered / coverable`
+//! position of the robot's centre ([`CellGrid`]). The coverage rate is `C = covered / coverable`
 //! cells, as in the literature on chaotic path planners (Volos et al.; Fallahi and Leung). There
 //! are three criteria for a covered cell:
 //!

@@ -70,7 +70,7 @@ pub fn chebyshev_derivative(k: f64, x: f64) -> f64 {
 /// "Derivative after the arcsine transform" as the Chebyshev coverage paper prints it (Eq. 7):
 /// `2k·sin(k·acos x) / (π·√(1 − cos²(k·acos x))·√(1 − x²))`.
 ///
-/// It mixes two coordinates (the transformed image by the untransformed argument), so that its mean
+/// It mixes two coordinates (the transformed image by the untransformed argument). So its mean
 /// logarithm, `ln(4k/π)`, is not an exponent of any map; the exponent of the transformed map is
 /// still `ln k`. For comparison only.
 pub fn chebyshev_derivative_as_printed(k: f64, x: f64) -> f64 {

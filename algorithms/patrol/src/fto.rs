@@ -9,7 +9,7 @@
 //!   of its sensor, half a radius to the left for z > ½, to the right otherwise.
 //!
 //! The disc is added to the robot's range scan ([`merged`]), so that every method that avoids real
-//! obstacles avoids it too, and sees both at once: a fictive obstacle never drives the robot into a
+//! obstacles avoids it too and sees both at once. A fictive obstacle never drives the robot into a
 //! real one. An observer that knows the logistic map predicts it from two values; a key of another
 //! kind can be used instead.
 

@@ -24,7 +24,7 @@ pub use simulated_drive::SimulatedDrive;
 const LAYOUT_ALPHA: f64 = 1.0;
 
 /// Time (s) by which a lap on the waypoint clock is shorter than `t_max`, at most half of the
-/// margin: with waypoints about a second apart, the ends of laps are late or early by up to 1.5 s.
+/// margin. With waypoints about a second apart, the ends of laps are late or early by up to 1.5 s.
 const CLOCK_RESERVE_S: f64 = 2.0;
 
 /// Parameters of a patrol.

@@ -62,9 +62,9 @@ pub struct PlannerMap {
 }
 
 impl PlannerMap {
-    /// Creates a map from its blurred free space (value 1 in the open, 0 in obstacles), the
-    /// distance from each cell's centre to the nearest obstacle (m) (≤ 0 inside one) and its
-    /// revision, which changes whenever an obstacle does.
+    /// Creates a map from its blurred free space (value 1 in the open, 0 in obstacles), its
+    /// clearance and its revision. The clearance is the distance from each cell's centre to the
+    /// nearest obstacle (m) (≤ 0 inside one); the revision changes whenever an obstacle does.
     ///
     /// Clearances that are NaN count as blocked.
     ///

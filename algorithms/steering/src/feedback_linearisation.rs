@@ -1,8 +1,9 @@
 //! Feedback linearisation: control of a point ahead of the axle, which can move in any direction.
 //!
-//! A differential-drive robot at heading θ cannot move sideways, but the point at distance ε ahead of its axle
-//! can: with forward speed u and turning rate ω it moves with u·(cos θ, sin θ) + ε·ω·(−sin θ, cos θ). Solved
-//! for (u, ω) this gives the control that moves the point with a desired velocity (chasing-game paper, §I-A):
+//! A differential-drive robot at heading θ cannot move sideways, but the point at distance ε ahead
+//! of its axle can. With forward speed u and turning rate ω it moves with u·(cos θ, sin θ) +
+//! ε·ω·(−sin θ, cos θ). Solved for (u, ω) this gives the control that moves the point with a
+//! desired velocity (chasing-game paper, §I-A):
 //!
 //! ```text
 //! u = vx cos θ + vy sin θ        ω = (−vx sin θ + vy cos θ) / ε
@@ -40,10 +41,11 @@ pub struct FeedbackParams {
     /// the control point. A command beyond the limits loses speed and keeps the desired direction, and
     /// a robot turns at its full rate towards a target behind it.
     ///
-    /// [`Fidelity::Published`]: a turning term proportional to the angle between heading and desired velocity
-    /// is added, and only the cos θ part of ω is divided by ε, so that a robot driving along ±y turns 1/ε times
-    /// more weakly than one driving along ±x. The field is taken at a third of ε. Forward speed and turning
-    /// rate are clipped separately, so that the robot leaves the desired direction in tight turns.
+    /// [`Fidelity::Published`]: a turning term proportional to the angle between heading and
+    /// desired velocity is added. Only the cos θ part of ω is divided by ε, so that a robot driving
+    /// along ±y turns 1/ε times more weakly than one driving along ±x. The field is taken at a
+    /// third of ε. Forward speed and turning rate are clipped separately, so that the robot leaves
+    /// the desired direction in tight turns.
     pub fidelity: Fidelity,
     /// Maximum turning rate when lower than the robot's own limit; absent: the robot's.
     #[schemars(transform = above(0).unit("rad/s"))]

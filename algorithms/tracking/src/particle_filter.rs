@@ -9,9 +9,9 @@
 //! 4. opponent seen with σ below 0.01 m: as case 2 with a width of a fraction of a step, then all
 //!    particles take the measured position.
 //!
-//! If no weight is left (or the mean likelihood is below `LOST_BELOW`), the belief is rebuilt: around
-//! the measurement if there is one, else uniformly over unseen free space that the opponent can have
-//! reached since it was last seen, else over all free space.
+//! If no weight is left (or the mean likelihood is below `LOST_BELOW`), the belief is rebuilt:
+//! around the measurement if there is one, else uniformly over free space. Unseen space that the
+//! opponent can have reached since it was last seen takes precedence over all free space.
 //!
 //! Random numbers come from one ChaCha8 stream per filter, and every sum has a fixed order: the same
 //! inputs give the same bits on every machine.

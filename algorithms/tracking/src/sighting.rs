@@ -45,9 +45,9 @@ impl Sighting {
     }
 }
 
-/// Simulates the sensor (chasing-game paper, section III.C): with V the best visibility over all
-/// observers, unseen for V below a threshold, exact above another, and in between Gaussian noise of
-/// standard deviation g·(1/V − 1) on x and y.
+/// Simulates the sensor (chasing-game paper, section III.C): V is the best visibility over all
+/// observers. The opponent is unseen for V below a threshold and measured exactly above another. In
+/// between, x and y have Gaussian noise of standard deviation g·(1/V − 1).
 ///
 /// The result contains only the measured quantities of the true pose. Noise is drawn by the
 /// Box–Muller transform.

@@ -8,10 +8,9 @@ use geometry::math;
 /// has this length (m).
 ///
 /// The robot must cover at least the shortest path. So it needs at least as long as a point on a
-/// line that covers that distance with the same speed limit, acceleration limit and prescribed
-/// speeds at the ends (turns on the path only cost more). Where both headings are prescribed, it
-/// needs at least as long as a turn from one to the other on the spot. Without acceleration limits
-/// this is L*/Vmax.
+/// line that covers that distance with the same limits and prescribed speeds (turns on the path
+/// only cost more). Where both headings are prescribed, it needs at least as long as a turn from
+/// one to the other on the spot. Without acceleration limits this is L*/Vmax.
 pub fn lower_bound(problem: &Problem, shortest: f64) -> f64 {
     let limits = &problem.limits;
     let straight = straight(limits, shortest, problem.start_speed, problem.goal_speed);

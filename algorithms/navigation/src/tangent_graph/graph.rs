@@ -1,9 +1,9 @@
 //! The graph: tracks around the sites, and the tangents between them.
 //!
-//! A *track* is a site travelled in one of its two turns; positions on it are angles from its start.
-//! A *vertex* is the position on a track where a tangent departs. From there a path either takes the
-//! tangent, lands on another track and goes on along it to the next departure, or stays on its own
-//! track to the next departure: at most two continuations.
+//! A *track* is a site travelled in one of its two turns; positions on it are angles from its
+//! start. A *vertex* is the position on a track where a tangent departs. From there a path has at
+//! most two continuations. It takes the tangent, lands on another track and follows it to the next
+//! departure, or it stays on its own track to the next departure.
 
 use core::f64::consts::TAU;
 

@@ -1,6 +1,6 @@
 //! Exact shortest paths of a disc robot among convex pieces.
 //!
-//! A disc of radius r moves among pieces as its centre moves among the pieces grown by r, which are
+//! A disc of radius r moves among pieces as its centre moves among the pieces grown by r. These are
 //! bounded by straight lines and arcs: of radius r about the corners of polygons, of radius R + r
 //! about the centres of discs. A shortest path is a taut string between them: straight segments
 //! that touch arcs at both ends, and stretches of these arcs, without kinks. (Laumond 1987,

@@ -146,11 +146,12 @@ impl Cell {
     ///
     /// Let p see the touching point t of a corner v: all of p t is at least the robot's radius r
     /// from any piece. The point of p v at the same part λ of the way is λ r nearer at most, hence
-    /// outside of the piece. So p cannot see t if p v goes through a piece. The points that a convex
-    /// piece hides from v are a convex set (a point behind it stays behind it when moved away from
-    /// v, and between two such points the lines to v sweep over chords of the piece); so it hides
-    /// the whole cell if it hides its corners. For a disc, v is any point of the disc itself, and
-    /// the same holds with the roles exchanged: the corners of a square around it stand for all.
+    /// outside of the piece. So p cannot see t if p v goes through a piece. The points that a
+    /// convex piece hides from v are a convex set: a point behind it stays behind it when moved
+    /// away from v, and between two such points the lines to v sweep over chords of the piece. So
+    /// it hides the whole cell if it hides its corners. For a disc, v is any point of the disc
+    /// itself, and the same holds with the roles exchanged: the corners of a square around it stand
+    /// for all.
     fn is_hidden(&self, space: &FreeSpace, site: &Site) -> bool {
         let half = site.core;
         let targets: &[Vector2<f64>] = if half > 0.0 {

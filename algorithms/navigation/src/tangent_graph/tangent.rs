@@ -50,9 +50,9 @@ pub(super) fn between(
 }
 
 /// The two segments from a point to a circle: their length (m), and the unit vectors from the
-/// centre to where they touch, for the one that joins counter-clockwise and the one that joins
-/// clockwise. A point on the circle, or inside it by no more than `slack` (m), is its own touching
-/// point; `None` further inside.
+/// centre to the touching points; first the one that joins counter-clockwise, then the one that
+/// joins clockwise. A point on the circle, or inside it by no more than `slack` (m), is its own
+/// touching point; `None` further inside.
 ///
 /// As [`between`] with a first radius of 0: the touching point lies in the direction `−i s u`.
 #[inline]

@@ -133,11 +133,10 @@ impl Towards {
     /// for points that are not finite. Made for heuristics and pruning; the first
     /// question of a cell takes as long as a [`Self::distance`].
     ///
-    /// Admissible because within a cell of which every point is free, the straight line between
-    /// any two points is a path, so that their distances to the goal differ by at most its length:
-    /// `d(p) ≥ d(c) − |p − c|` with the exact distance of the centre `c`. In a cell with points
-    /// that are not free (it may lie on both sides of a wall), the straight line to the goal is
-    /// the bound.
+    /// The bound is admissible: in a cell whose points are all free, the straight line between any
+    /// two points is a path. So their distances to the goal differ by at most its length: `d(p) ≥
+    /// d(c) − |p − c|` with the exact distance of the centre `c`. In a cell with points that are
+    /// not free (it may lie on both sides of a wall), the straight line to the goal is the bound.
     #[inline]
     pub fn lower_bound(&self, p: Point2<f64>) -> f64 {
         let line = (self.goal - p).norm();

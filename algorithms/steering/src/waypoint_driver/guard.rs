@@ -1,6 +1,6 @@
 //! Speed limit: the robot can always stop before the obstacles that it sees.
 //!
-//! The robot follows a command for the reaction time and then stops, with the ramps of its drive: a
+//! The robot follows a command for the reaction time and then stops, with the ramps of its drive. A
 //! turning rate that lags makes the path wider than the arc of the command, and a braking robot
 //! still moves. If no tested path is clear, the robot stops at once by the stop that was clear
 //! before (dynamic window, Fox, Burgard and Thrun 1997).

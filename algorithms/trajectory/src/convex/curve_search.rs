@@ -1,11 +1,12 @@
 //! Curve search by sequential convex programming.
 //!
 //! Each program minimises the energy ½∫|r'|² dτ, whose minimum over all curves is the shortest path
-//! at constant speed, subject to half-planes: at samples of τ near an obstacle, the curve stays
-//! behind the line that touches the grown obstacle where the last curve was nearest to it. Obstacles
-//! are convex, so the half-planes keep the curve out of all of them. Where positions are linear in
-//! the variables, every solution of a program is free at its samples, and no trust region is needed.
-//! Between samples the curve may sag into a round obstacle by h²/8R; a margin of that size is kept.
+//! at constant speed. Its constraints are half-planes: at samples of τ near an obstacle, the curve
+//! stays behind the line that touches the grown obstacle where the last curve was nearest to it.
+//! Obstacles are convex, so the half-planes keep the curve out of all of them. Where positions are
+//! linear in the variables, every solution of a program is free at its samples, and no trust region
+//! is needed. Between samples the curve may sag into a round obstacle by h²/8R; a margin of that
+//! size is kept.
 
 use geometry::shape::{Contact, Convex};
 use nalgebra::{Point2, Vector2};

@@ -12,8 +12,8 @@
 //! basis of the same curves: r = … + Σᵢ ψᵢ Qᵢ with Pᵢ = Qᵢ + cᵢ₋₁ Qᵢ₋₁.
 //!
 //! Boundary conditions: r'(0) = ν̂ (P₀ − r₀), so P₀ is on the ray of the start's heading (Eq. 13);
-//! r(1) is the goal, which determines the last control point, or, if the heading at the goal is
-//! prescribed and puts the last one on its ray, the last but one.
+//! r(1) is the goal, which determines the last control point. A prescribed heading at the goal puts
+//! the last one on its ray; then r(1) determines the last but one.
 
 use geometry::math;
 use nalgebra::Vector2;

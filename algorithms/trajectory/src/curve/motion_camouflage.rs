@@ -5,8 +5,8 @@
 //! (Eq. 20). Without it, ν = 1: the path is the prey's.
 //!
 //! Variables: the speed r'(0) in the start's heading, if that is prescribed, the same at the goal,
-//! the free control points, and μⱼ = (νⱼ − 1) |R − r₀| at the inner nodes, scaled so that a step of
-//! μ moves the path about equally far for every reference point. ν is 1 at both ends (the paper's
+//! the free control points, and μⱼ = (νⱼ − 1) |R − r₀| at the inner nodes. The scale of μ makes a
+//! step move the path about equally far for every reference point. ν is 1 at both ends (the paper's
 //! PCPs from the boundary conditions), so that the prey begins and ends with the path. The
 //! reference point is fixed: with the whole prey free, moving it adds no new paths.
 
