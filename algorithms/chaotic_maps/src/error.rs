@@ -74,7 +74,7 @@ pub enum KeyError {
     /// Not 64 hexadecimal digits.
     #[error(
         "the key of `keyed` must be 64 hexadecimal digits (32 bytes), but has {length} characters{}",
-        if *.length == 64 { ", including other ones" } else { "" }
+        if *.length == 64 { ", some of which are not hexadecimal digits" } else { "" }
     )]
     Hex {
         /// Actual number of characters (the error does not contain the key itself: it is a secret).

@@ -113,7 +113,7 @@ fn text_that_is_no_key_is_refused_with_what_to_change() {
         ("catp:-1,2", "`-1` is not a whole number"),
         (
             "catp:0.12345678901234567890,2",
-            "20 digits after the point; at most 19",
+            "20 digits after the point; the maximum is 19",
         ),
         ("cat64:0.4,1", "`0.4` is not a whole number"),
         ("chebp:0.4,0.5", "`0.4` is not a whole number"),
@@ -123,8 +123,14 @@ fn text_that_is_no_key_is_refused_with_what_to_change() {
             "keyed:abc",
             "64 hexadecimal digits (32 bytes), but has 3 characters",
         ),
-        (&format!("keyed:{}", "g".repeat(64)), "including other ones"),
-        (&format!("keyed:{}", "é".repeat(64)), "including other ones"),
+        (
+            &format!("keyed:{}", "g".repeat(64)),
+            "some of which are not hexadecimal digits",
+        ),
+        (
+            &format!("keyed:{}", "é".repeat(64)),
+            "some of which are not hexadecimal digits",
+        ),
     ] {
         let error = text.parse::<Key>().unwrap_err().to_string();
         assert!(error.contains(message), "{text:?}: {error}");
