@@ -208,7 +208,7 @@ fn the_digest_follows_from_scenario_and_seed_whatever_the_machine_does() {
     sandbox.assert_nothing_left();
 }
 
-/// The digest computed anew from a log: by topic and source the messages in their order, each by
+/// The digest, computed from a log: by topic and source the messages in their order, each by
 /// its length, the simulated part of its stamp, and what stands behind the stamp.
 fn digest_of_log(log: &Path) -> String {
     const STAMP: usize = 72;

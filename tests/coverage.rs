@@ -1,4 +1,4 @@
-//! Coverage as runs of real processes: sub-goals as planned, free space kept, area counted anew.
+//! Coverage with real processes: sub-goals as planned, robots in free space, area recomputed from the log.
 
 use crate::support::Sandbox;
 use crate::support::geometry::{Walls, between, to_segment};
@@ -114,7 +114,7 @@ fn goals_are_as_planned(sandbox: &Sandbox, drive: &Drive, scenario: &str, set: &
     }
 }
 
-/// The area that the summary tells is the area that the poses have swept.
+/// Asserts that the area in the summary is the area that the poses have swept.
 #[track_caller]
 fn area_is_as_driven(drive: &Drive) {
     let told = &drive.summary["coverage"];

@@ -1,4 +1,4 @@
-//! A planner that is not ours: the example in Python takes part in the lock-step by events.
+//! An external planner: the example in Python takes part in lock-step by events.
 
 use std::collections::BTreeSet;
 use std::path::Path;

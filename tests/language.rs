@@ -27,7 +27,7 @@ const EXEMPT: &[&str] = &[
     "fuzz/corpus/",
 ];
 
-/// First words of a doc comment that tell of a question instead of the item.
+/// First words of a doc comment that ask a question instead of describing the item.
 const QUESTIONS: &[&str] = &[
     "What", "How", "Whether", "Who", "Whose", "Where", "When", "Which", "Why",
 ];

@@ -1,4 +1,4 @@
-//! `protean latency`: what it measures hangs together, whatever the machine is doing.
+//! `protean latency`: its figures are consistent at any load of the machine.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -143,7 +143,7 @@ fn a_real_time_mission_is_measured_sense_to_act() {
             assert!(turns.contains(name.as_str()), "{name}: {turns:?}");
         }
     }
-    // The same log says the same once more.
+    // The same log gives the same figures again.
     let again = sandbox
         .protean(["latency", "--of", "kept.mcap"])
         .arg("--json=-")

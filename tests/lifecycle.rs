@@ -11,7 +11,7 @@ use crate::support::sandbox::signal;
 use crate::support::{SOON, Sandbox, python, until, wait_for_tick};
 use rustix::process::Signal;
 
-/// A chase whose ticks are so short that it goes on until it is told to end.
+/// A chase with ticks so short that it lasts until it is ended.
 const LONG: [&str; 5] = ["run", "chase", "--set", "run.dt=0.0005", "--out"];
 
 /// Starts a chase and waits until this many ticks have been posted; returns the run's name.
@@ -193,7 +193,7 @@ fn the_next_run_cleans_up_after_a_killed_orchestrator() {
     assert!(states_of_torn(&log(&sandbox)) > 0);
 }
 
-/// Never answers and has started another in a session of its own.
+/// Never answers and has started another process in its own session.
 const STUBBORN: &str = r#"command = ["/bin/sh", "-c", "setsid sleep 1000 & wait"]"#;
 
 #[test]

@@ -396,7 +396,7 @@ fn other_hosts_are_refused_and_viewers_of_all_versions_accepted() {
     assert!(!sandbox.path().join("second.mcap").exists());
     run.interrupt();
     let address = run.address().to_owned();
-    // All are told good-bye.
+    // All connections are closed in order.
     while old.receive().is_some() {}
     let (code, output) = run.finish();
     assert_eq!(code, Some(3), "{output}");

@@ -190,7 +190,7 @@ fn zig_zag_fictive_obstacles_and_their_mixture_get_around_a_square_of_obstacles(
     assert!(put_in(&mixed) > 0);
     for drive in [&awg, &informed, &fictive, &mixed] {
         assert!(!drive.lap_times().is_empty(), "once around");
-        // Once seen, the map makes no difference to who does not use it.
+        // The map makes no difference to predictors that do not use it.
         let corners = drive.history.waypoints.iter().filter(|e| e.kind == "route");
         assert!(corners.clone().count() >= 5 && corners.clone().all(|e| e.outcome == "reached"));
     }

@@ -13,7 +13,7 @@ use serde_json::Value as Json;
 use crate::support::call::{Call, Running};
 use crate::support::{SOON, Sandbox, until};
 
-/// Messages of our topics from a time on (ns), but for what the replay says itself, by topic in the
+/// Messages of our topics from a time on (ns), without those of the replay itself, by topic in the
 /// order in which they are.
 fn logged(path: &Path, from: u64, to: u64) -> BTreeMap<String, Vec<Vec<u8>>> {
     let bytes = std::fs::read(path).unwrap();

@@ -21,7 +21,7 @@ use checks::Rules;
 /// The rules of this repository.
 const RULES: Rules = Rules {
     floors: &[
-        // The wire, and what knows nothing of robots.
+        // Messages, and crates without robots.
         &[
             "config",
             "ipc_types",

@@ -1,4 +1,4 @@
-//! Processes that fail in the middle of a run: what the scenario says happens, the log says when, and
+//! Processes that fail during a run: the policy of the scenario is applied, the log holds the events, and
 //! no other process is delayed.
 
 #[path = "supervision/disk.rs"]
@@ -68,7 +68,7 @@ fn log(sandbox: &Sandbox) -> PathBuf {
     sandbox.path().join("run.mcap")
 }
 
-/// Ends a process of the run in the middle of whatever it does.
+/// Kills a process of the run.
 fn kill(sandbox: &Sandbox, name: &str) {
     signal(sandbox.process(name).pid, Signal::KILL);
 }
@@ -81,7 +81,7 @@ fn replace(sandbox: &Sandbox, run: &str, name: &str, slot: usize) {
     await_successor(sandbox, &page, &victim, slot);
 }
 
-/// Waits until the successor of a process takes part, and the log tells.
+/// Waits until the successor of a process takes part, and the log has the event.
 fn await_successor(sandbox: &Sandbox, page: &TickBarrier, victim: &Process, slot: usize) {
     until("its successor", SOON, || {
         let now = sandbox.processes();
@@ -178,7 +178,7 @@ fn in_lock_step_a_run_goes_on_without_those_that_were_killed_and_their_robots_st
         assert!(!state.robots[0].fail_safe);
     }
     assert_eq!(summary["robots"][1]["fail_safe_stops"], 1);
-    // Commands and beliefs say the same: one for every tick up to then, and perhaps the one after
+    // Commands and beliefs agree: one for every tick up to then, and perhaps the one after
     // which it was killed.
     for (topic, source, left) in [
         ("robot/command", 3, pursuer),
@@ -250,7 +250,7 @@ fn in_real_time_those_that_fail_are_replaced_or_done_without() {
     });
     let page = TickBarrier::open(&Sandbox::prefix(&run)).unwrap();
     await_successor(&sandbox, &page, &pursuer, 2);
-    // Others learn what they need of the map and of the world again.
+    // The successors receive the map and the state of the world again.
     replace(&sandbox, &run, "perception", 1);
     replace(&sandbox, &run, "pursuer_police_2", 3);
     wait_for_tick(&run, page.ticks_posted() + 100);
@@ -358,7 +358,7 @@ fn a_program_may_write_whatever_it_likes() {
     sandbox.assert_nothing_left();
 }
 
-/// Says what it has open that goes on to whom it starts: not the folder that is looked into.
+/// Lists the descriptors that its children inherit, without that of the listed folder.
 const CURIOUS: &str = r#"command = ["/bin/sh", "-c", '''
     for fd in /proc/$$/fd/*; do test -e "$fd" && echo "open: ${fd##*/}" >&2; done; exit 3
 ''']"#;

@@ -1,4 +1,4 @@
-//! Experiments from the command to the table: whatever happens on the way, however many missions
+//! Experiments from the command to the table: with any faults on the way, however many missions
 //! run at once and however they are shared out, the table is the same.
 
 #[path = "sweep/engines.rs"]

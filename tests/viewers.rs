@@ -182,7 +182,7 @@ fn the_layout_shows_the_whole_map_of_any_log() {
     }
 }
 
-/// Waits until the table of topics says this of one; `.+` for any number of messages.
+/// Waits until the table of topics shows this for a topic; `.+` for any number of messages.
 fn listed(topic: &str, schema: &str, count: &str) -> Json {
     let text = format!("{}\\s+{schema}\\s+{count}\\s", topic.replace('/', "\\/"));
     json!({ "until": format!("/{text}/.test(document.body.innerText)") })
@@ -225,7 +225,7 @@ fn a_log_opens_in_foxglove_studio_and_plays() {
             _ => format!("{},{:03}", messages / 1000, messages % 1000),
         }
     };
-    // The panel of raw messages says it.
+    // The panel of raw messages shows it.
     let clock = "Number(/@ (\\d+\\.\\d+) sec/.exec(document.body.innerText)?.[1])";
     let steps = json!([
         listed("/viewer/scene", "foxglove.SceneUpdate", &count("/viewer/scene")),

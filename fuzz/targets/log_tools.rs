@@ -1,4 +1,5 @@
-//! Any bytes as a log from which others are made; the first byte says how. What was made is whole.
+//! Arbitrary bytes as input of commands that write logs; the first byte selects the command. The output is a
+//! complete log.
 #![no_main]
 
 mod support;

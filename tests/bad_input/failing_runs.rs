@@ -101,7 +101,7 @@ fn a_runtime_directory_that_is_not_there_is_named() {
 #[test]
 fn a_log_that_another_run_is_writing_is_left_alone() {
     let sandbox = Sandbox::new();
-    // Some 100 000 ticks: long enough to be in the air until it is told to land.
+    // About 100 000 ticks: the run lasts until the test ends it.
     let words = [
         "run",
         "hello",

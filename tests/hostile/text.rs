@@ -51,7 +51,7 @@ fn titles_topics_and_stderr_lines_are_escaped_on_the_terminal() {
         assert_eq!(outcome.code, Some(0), "{call:?}: {outcome}");
         harmless(&outcome);
     }
-    // What was printed says what was meant.
+    // The printed text is readable.
     let printed = sandbox.protean(["check", "evil.toml", "--print"]).run();
     sandbox.file("again.toml", &printed.stdout);
     let again = sandbox.protean(["check", "again.toml", "--print"]).run();

@@ -31,7 +31,7 @@ struct Navigator {
     server: Option<Server<OptimiserPlan>>,
 }
 
-/// A navigator in the air, and who shall answer it.
+/// A running navigator, and the server that answers it.
 fn navigator(is_served: bool) -> Navigator {
     let mut rig = Rig::new(ROOM, "navigator");
     let server = is_served.then(|| rig.bus.server(1, 16).unwrap());

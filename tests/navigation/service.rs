@@ -132,7 +132,7 @@ fn answer(client: &mut OptimiserClient) -> PlanAnswer {
     answer.expect("something was asked")
 }
 
-/// An answer is a plan of what was asked, and keeps what it must by the check of its own.
+/// Asserts that an answer is a plan of the request, and valid by the trajectory check.
 #[track_caller]
 fn is_valid(request: &PlanRequest, points: &[ShapePoint], answer: &PlanAnswer) {
     let (header, samples) = answer;
@@ -195,7 +195,7 @@ fn two_clients_at_once_get_their_own_valid_plans() {
         is_valid(&of_a, &points, &first);
         assert!(first.0.solve_ns > 0);
         assert_eq!(first.0.stamp.source, rig.plan.launches[1].config.index);
-        // What it knows of earlier requests makes no difference.
+        // Earlier requests make no difference.
         a.ask(of_a, &points).unwrap();
         let again = answer(&mut a);
         assert_eq!(as_samples(&again.1), as_samples(&first.1));
@@ -289,7 +289,7 @@ fn what_makes_no_sense_is_refused_by_its_name_and_counted() {
     assert_eq!(answer(&mut client).0.status, PlanResponse::NO_PATH);
     client.ask(request(0), &obstacles()).unwrap();
     is_valid(&request(0), &obstacles(), &answer(&mut client));
-    // It takes its turns all the while, and says then what it has refused.
+    // It does its ticks meanwhile, and reports then what it has refused.
     for tick in 0..3 {
         world.tick(&rig, tick);
     }

@@ -11,7 +11,7 @@ use crate::support::rig::Rig;
 /// Tells a process to end.
 type Tell = fn(&mut Rig);
 
-/// Ways in which a process is told to end, and the exit code that follows.
+/// Ways to end a process, and the exit code that follows.
 const ENDINGS: [(&str, Tell); 3] = [
     ("phase", |rig| rig.monitor.set_phase(Phase::Stop)),
     ("SIGTERM", |rig| rig.process.signal(Signal::TERM)),

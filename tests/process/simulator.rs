@@ -79,7 +79,7 @@ fn named<'a>(events: &'a [WorldEvent], name: &str) -> Vec<&'a WorldEvent> {
 }
 
 #[test]
-#[expect(clippy::too_many_lines, reason = "one story, told tick by tick")]
+#[expect(clippy::too_many_lines, reason = "one sequence, tick by tick")]
 fn the_simulator_obeys_the_driver_of_a_robot_only() {
     let rig = Rig::new(ROOM, "simulator");
     let cop = rig.publisher::<Commands>(COP, 1);

@@ -34,7 +34,7 @@ pub struct Dependency {
 /// The members of the workspace at `root`, in the order of their folders' names.
 ///
 /// # Panics
-/// If a manifest cannot be read or says nothing that is known here.
+/// If a manifest cannot be read or has unknown contents.
 pub fn packages(root: &Path) -> Vec<Package> {
     let manifest = std::fs::read_to_string(root.join("Cargo.toml")).unwrap();
     let manifest: toml::Table = manifest.parse().unwrap();
@@ -92,7 +92,7 @@ fn parse(folder: PathBuf, text: &str) -> Package {
     package
 }
 
-/// The package that a dependency under a name of its own stands for.
+/// The package of a dependency that is renamed.
 fn package_of<'a>(dependency: &'a DeValue<'_>) -> Option<&'a str> {
     dependency.as_table()?.get("package")?.get_ref().as_str()
 }

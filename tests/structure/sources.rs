@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use proc_macro2::token_stream::IntoIter;
 use proc_macro2::{Delimiter, Group, Spacing, TokenStream, TokenTree};
 
-/// The sources of a library or program but for its tests, from the file of its root on.
+/// The sources of a library or program without its tests, from its root file on.
 #[derive(Debug, Default)]
 pub struct Sources {
     /// Lines, comments and blank ones included, without those of items and files that are compiled

@@ -1,4 +1,4 @@
-//! Logs that cannot go on: the run says so at once, ends in order, and keeps what is there.
+//! Logs that cannot be written: the run reports it at once, ends in order, and keeps the written part.
 
 use std::collections::BTreeSet;
 use std::process::Command;

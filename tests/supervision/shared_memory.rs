@@ -15,7 +15,7 @@ use super::disk::{ENDLESS, where_one_can_mount};
 /// Beginning of the error message.
 const FULL: &str = "error: shared memory is full: ";
 
-/// With shared memory of its own of this size; `None` where this machine does not allow that.
+/// Runs with separate shared memory of this size; `None` where this machine does not allow that.
 fn with_shared_memory<'a>(sandbox: &Sandbox, call: Call<'a>, size: &str) -> Option<Call<'a>> {
     where_one_can_mount(sandbox, "mount -t tmpfs none /dev/shm")?;
     let script = "mount -t tmpfs -o size=\"$0\" none /dev/shm && exec \"$@\"";
@@ -23,7 +23,7 @@ fn with_shared_memory<'a>(sandbox: &Sandbox, call: Call<'a>, size: &str) -> Opti
     Some(call.through("unshare", &words))
 }
 
-/// The shared memory of one who runs with its own.
+/// The separate shared memory of such a run.
 struct Inside(File);
 
 impl Inside {

@@ -72,7 +72,7 @@ impl<'a> Call<'a> {
         self.through("sh", &["-c", "ulimit -v \"$0\" && exec \"$@\"", kib])
     }
 
-    /// With at most so many files open: at first (`-S`), or whatever it does (`-H`).
+    /// Limits the number of open files: the soft limit (`-S`) or the hard limit (`-H`).
     pub fn with_open_files(self, kind: &str, count: &str) -> Self {
         let script = "ulimit -S -n \"$1\" && ulimit \"$0\" -n \"$1\" && shift && exec \"$@\"";
         self.through("sh", &["-c", script, kind, count])
@@ -269,7 +269,7 @@ impl Outcome {
         }
     }
 
-    /// Asserts the exit code, that stdout is empty, and that stderr says all of this, in order.
+    /// Asserts the exit code, that stdout is empty, and that stderr contains these texts in order.
     #[track_caller]
     pub fn refused(&self, code: i32, words: &[&str]) {
         assert_eq!(self.code, Some(code), "{self}");

@@ -161,7 +161,7 @@ impl History {
         Self::try_read(path).unwrap()
     }
 
-    /// As [`History::read`]; says what is wrong with the log.
+    /// As [`History::read`]; returns an error if the log is faulty.
     pub fn try_read(path: &Path) -> Result<Self, String> {
         let options = LinearReaderOptions::default()
             .with_validate_chunk_crcs(true)

@@ -248,7 +248,7 @@ impl Game {
         }
     }
 
-    /// Speeds as told, as commanded, and as driven from pose to pose.
+    /// Speeds as reported, as commanded, and as driven from pose to pose.
     #[track_caller]
     pub fn no_robot_is_too_fast(&self, history: &History) {
         let within = |value: f64, most: f64| value.is_finite() && value.abs() <= most + EPSILON;

@@ -38,7 +38,7 @@ pub struct Rig {
     slot: usize,
     _services: Vec<TopicHolder>,
     space: Wiped,
-    // Dropped last: the run's root lies in it.
+    // Dropped last: it contains the root of the run.
     _directory: tempfile::TempDir,
 }
 
@@ -194,7 +194,7 @@ impl Rig {
         self.newest.get()
     }
 
-    /// Waits until the process says that it has rejected this many messages, and no more.
+    /// Waits until the process reports exactly this many rejected messages.
     #[track_caller]
     pub fn rejected(&self, messages: u64) {
         let told = until("the count of rejected messages", SOON, || {
@@ -266,7 +266,7 @@ pub struct World {
     pub maps: Publisher<WorldMap>,
     pub shapes: Publisher<WorldShapes>,
     leader: BarrierLeader,
-    /// The robots as the next state says.
+    /// The robots of the next state.
     pub robots: Vec<RobotState>,
     period_ns: u64,
     cells: usize,
