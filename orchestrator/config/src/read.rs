@@ -29,7 +29,7 @@ pub fn read<T: DeserializeOwned>(
     const MAX_TRIES: usize = 16;
     let mut left: Option<Node> = None;
     let mut removed: Vec<FieldPath> = Vec::new();
-    // Keys whose absence follows from a problem that was already reported, such as a misspelt key.
+    // Keys that are missing because of a problem that was already reported, such as a misspelt key.
     let mut explained: Vec<FieldPath> = Vec::new();
     for _ in 0..MAX_TRIES {
         let error = match read_once::<T>(left.as_ref().unwrap_or(node)) {
