@@ -27,7 +27,7 @@ const FIRST_MESSAGES: usize = 4096;
 const FIRST_MESSAGES_BYTES: usize = 8 << 20;
 
 /// Maximum size of the messages of one tick (bytes).
-const TICK_LIMIT: usize = 512 << 20;
+const MAX_TICK_BYTES: usize = 512 << 20;
 
 /// Offset of the first record, after the magic bytes (bytes).
 const BEGINNING: u64 = 8;
@@ -364,11 +364,11 @@ impl Source {
                 break;
             }
             bytes += message.data.len();
-            if bytes > TICK_LIMIT {
+            if bytes > MAX_TICK_BYTES {
                 return Err(LogReadError::TooLarge {
                     path: self.reader.path().to_owned(),
                     what: "the messages of one tick",
-                    limit: TICK_LIMIT,
+                    limit: MAX_TICK_BYTES,
                 });
             }
             count += 1;

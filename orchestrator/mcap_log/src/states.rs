@@ -11,7 +11,7 @@ use crate::LogReadError;
 /// Maximum number of kept messages.
 const MAX_STATES: usize = 4096;
 /// Maximum size of kept messages (bytes).
-const STATES_LIMIT: usize = 512 << 20;
+const MAX_STATE_BYTES: usize = 512 << 20;
 
 /// The last latched message of every channel and sender.
 #[derive(Default)]
@@ -40,11 +40,11 @@ impl States {
         if let Some((_, old)) = self.last.insert(key, (header, data.to_vec())) {
             self.bytes -= old.len();
         }
-        if self.bytes > STATES_LIMIT {
+        if self.bytes > MAX_STATE_BYTES {
             return Err(LogReadError::TooLarge {
                 path: path.to_owned(),
                 what: "the states at the start",
-                limit: STATES_LIMIT,
+                limit: MAX_STATE_BYTES,
             });
         }
         Ok(())

@@ -7,7 +7,7 @@ use signal_hook::consts::{SIGHUP, SIGINT, SIGQUIT, SIGTERM};
 use signal_hook::flag;
 
 /// Sets the flag at the first Ctrl-C (SIGINT), SIGTERM or Ctrl-\ (SIGQUIT), and ends the program at the
-/// second. A terminal that is closed (SIGHUP, which often comes twice) only ever sets the flag.
+/// second. A terminal that is closed (SIGHUP, which often comes twice) only sets the flag.
 ///
 /// # Errors
 /// The error of the operating system.

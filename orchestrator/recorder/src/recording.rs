@@ -163,7 +163,7 @@ impl Recording {
 
     /// Writes complete ticks, in order: those up to `completed`, whose messages have all been sent, and those
     /// that began [`MAX_WAIT`] before `now`. Later messages of such a tick are written at the next call.
-    /// Nothing is written before the first world state, which thus comes first.
+    /// Writing begins with the first world state.
     ///
     /// # Errors
     /// [`LogWriteError`]; the recording must not be used afterwards.
@@ -220,7 +220,7 @@ impl Recording {
     pub fn finish(mut self, observer: &mut dyn Consumer) -> Result<Summary, LogWriteError> {
         let (output, newest) = (&mut self.output, self.audit.newest().unwrap_or(0));
         self.reorder_buffer.take(None, |entry, bytes| {
-            // Messages for a time after the end are logged, but not shown, and at the time of the end.
+            // Messages for a time after the end are logged with the time of the end, but not shown.
             let too_late = entry.tick > newest && entry.topic.facts().simulated;
             let mut entry = *entry;
             entry.tick = entry.tick.min(newest);

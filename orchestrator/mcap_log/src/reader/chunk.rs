@@ -9,14 +9,14 @@ use lz4_flex::frame::FrameDecoder;
 use super::super::fields::Fields;
 use super::Reader;
 use super::item::ItemLocation;
-use super::limits::LIMIT;
+use super::limits::MAX_RECORD_BYTES;
 use super::record::PREFIX;
 use crate::LogReadError;
 
 /// Size of a chunk record before the name of its compression (bytes).
 const CHUNK_FIXED: usize = 32;
 /// Maximum length of the name of a compression (bytes).
-const COMPRESSION_NAME: usize = 64;
+const MAX_COMPRESSION_NAME: usize = 64;
 
 /// The chunk that is being read.
 #[derive(Debug, Clone, Copy)]
@@ -57,7 +57,7 @@ impl Reader<'_> {
     /// Reads a chunk into the buffer, if it is valid.
     pub(super) fn chunk(&mut self, at: u64, record: u64) -> Result<(), LogReadError> {
         self.chunks += 1;
-        let mut head = vec![0; (CHUNK_FIXED + COMPRESSION_NAME + 8).min(record as usize)];
+        let mut head = vec![0; (CHUNK_FIXED + MAX_COMPRESSION_NAME + 8).min(record as usize)];
         self.file
             .read_exact_at(&mut head, at + PREFIX)
             .map_err(|e| self.failed(e))?;
@@ -81,9 +81,9 @@ impl Reader<'_> {
             self.lose_chunk(at, "the lengths in this chunk contradict each other");
             return Ok(());
         }
-        if uncompressed > LIMIT as u64 {
+        if uncompressed > MAX_RECORD_BYTES as u64 {
             let what = format!(
-                "this chunk declares {uncompressed} bytes, more than the maximum of {LIMIT}"
+                "this chunk declares {uncompressed} bytes, more than the maximum of {MAX_RECORD_BYTES}"
             );
             self.lose_chunk(at, &what);
             return Ok(());

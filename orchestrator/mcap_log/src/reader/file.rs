@@ -6,7 +6,7 @@ use mcap::records::op;
 
 use super::Reader;
 use super::item::ItemLocation;
-use super::limits::LIMIT;
+use super::limits::MAX_RECORD_BYTES;
 use super::record::{PREFIX, name_of};
 use crate::LogReadError;
 
@@ -62,9 +62,9 @@ impl Reader<'_> {
         ) {
             return Ok(None);
         }
-        if length > LIMIT as u64 {
+        if length > MAX_RECORD_BYTES as u64 {
             let what = format!(
-                "{} of {length} bytes is skipped: the maximum is {LIMIT} bytes",
+                "{} of {length} bytes is skipped: the maximum is {MAX_RECORD_BYTES} bytes",
                 name_of(opcode)
             );
             self.condition.fault(at, what);

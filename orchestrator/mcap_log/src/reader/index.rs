@@ -7,7 +7,7 @@ use mcap::records::op;
 
 use super::super::fields::Fields;
 use super::Reader;
-use super::limits::DESCRIPTIONS_LIMIT;
+use super::limits::MAX_DESCRIPTION_BYTES;
 use super::record::PREFIX;
 use crate::LogReadError;
 
@@ -85,7 +85,7 @@ impl Reader<'_> {
         let Some((start, crc)) = read() else {
             return Ok(None);
         };
-        if start < 8 || start >= footer || footer - start > DESCRIPTIONS_LIMIT as u64 {
+        if start < 8 || start >= footer || footer - start > MAX_DESCRIPTION_BYTES as u64 {
             return Ok(None);
         }
         let mut summary = vec![0; (footer - start) as usize];

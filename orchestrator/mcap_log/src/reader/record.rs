@@ -8,7 +8,7 @@ use mcap::records::{AttachmentHeader, MessageHeader, Metadata, op};
 use super::super::fields::Fields;
 use super::Reader;
 use super::item::{Channel, ItemLocation, Schema};
-use super::limits::DESCRIPTIONS_LIMIT;
+use super::limits::MAX_DESCRIPTION_BYTES;
 use crate::LogReadError;
 
 /// Size of opcode and length before every record (bytes).
@@ -123,11 +123,11 @@ impl Reader<'_> {
 
     fn describe(&mut self, bytes: usize) -> Result<(), LogReadError> {
         self.descriptions += bytes;
-        if self.descriptions > DESCRIPTIONS_LIMIT {
+        if self.descriptions > MAX_DESCRIPTION_BYTES {
             return Err(LogReadError::TooLarge {
                 path: self.path.clone(),
                 what: "the descriptions of its channels",
-                limit: DESCRIPTIONS_LIMIT,
+                limit: MAX_DESCRIPTION_BYTES,
             });
         }
         Ok(())

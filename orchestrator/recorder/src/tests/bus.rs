@@ -39,7 +39,7 @@ enum Clock {
     RealTime,
 }
 
-/// A wakeup between two threads; 0 stands for "no tick yet".
+/// A wakeup between two threads; 0 means "no tick yet".
 struct Turns {
     clock: Clock,
     completed: AtomicU64,

@@ -12,7 +12,7 @@ use serde_json::Value as Json;
 use super::wire::{self, Subscription};
 
 /// Maximum size of the queue of a viewer (bytes); beyond it the oldest messages are dropped.
-const QUEUE_BYTES: usize = 32 << 20;
+const MAX_QUEUE_BYTES: usize = 32 << 20;
 
 /// Totals of the messages to viewers.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
@@ -94,7 +94,7 @@ impl Frame {
 
 impl Broadcaster {
     fn lock(&self) -> MutexGuard<'_, State> {
-        // A panic leaves no state inconsistent that matters to viewers.
+        // A panic while the lock is held leaves the state usable for viewers.
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
@@ -270,10 +270,10 @@ impl Viewer {
     /// Drops the oldest messages while the queue is too long, except latched ones; returns their number.
     fn shorten(&mut self, channels: &[Channel]) -> u64 {
         let mut left_out = 0;
-        if self.queued_bytes <= QUEUE_BYTES {
+        if self.queued_bytes <= MAX_QUEUE_BYTES {
             return left_out;
         }
-        let (wanted, mut waiting) = (QUEUE_BYTES / 2, self.queued_bytes);
+        let (wanted, mut waiting) = (MAX_QUEUE_BYTES / 2, self.queued_bytes);
         self.queue.retain(|frame| {
             let Frame::Message { channel, data, .. } = frame else {
                 return true;

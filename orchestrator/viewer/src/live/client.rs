@@ -17,15 +17,15 @@ use super::handshake::{self, Token};
 use super::wire;
 
 /// Timeout of the handshake.
-const HANDSHAKE_WITHIN: Duration = Duration::from_secs(5);
+const HANDSHAKE_TIMEOUT: Duration = Duration::from_secs(5);
 /// Timeout for sending queued messages after the end of the run.
-const END_WITHIN: Duration = Duration::from_secs(2);
+const END_TIMEOUT: Duration = Duration::from_secs(2);
 /// Maximum sleep of the thread without an event.
 const POLL_INTERVAL: Duration = Duration::from_millis(200);
 /// Maximum size of a batch written to the connection (bytes).
-const BATCH_BYTES: usize = 256 << 10;
+const MAX_BATCH_BYTES: usize = 256 << 10;
 /// Maximum size of a message of a viewer (bytes): subscriptions to thousands of topics.
-const REQUEST_BYTES: usize = 1 << 20;
+const MAX_REQUEST_BYTES: usize = 1 << 20;
 
 /// State shared by all connections.
 #[derive(Debug, Clone)]
@@ -75,14 +75,14 @@ fn handshake(
     token: &Token,
     stream: TcpStream,
 ) -> Option<WebSocket<TcpStream>> {
-    let deadline = Instant::now() + HANDSHAKE_WITHIN;
+    let deadline = Instant::now() + HANDSHAKE_TIMEOUT;
     #[expect(clippy::result_large_err, reason = "signature of the library")]
     let judge = |request: &Request, response: Response| -> Result<Response, ErrorResponse> {
         handshake::answer(token, request, response)
     };
     let config = WebSocketConfig::default()
-        .max_message_size(Some(REQUEST_BYTES))
-        .max_frame_size(Some(REQUEST_BYTES));
+        .max_message_size(Some(MAX_REQUEST_BYTES))
+        .max_frame_size(Some(MAX_REQUEST_BYTES));
     let mut result = accept_hdr_with_config(stream, judge, Some(config));
     loop {
         match result {
@@ -119,8 +119,8 @@ impl Client<'_> {
             let idle = self.send()?;
             if self.broadcaster.is_closed() {
                 let since = *last_call.get_or_insert_with(Instant::now);
-                if idle || since.elapsed() >= END_WITHIN {
-                    return self.close(since + END_WITHIN);
+                if idle || since.elapsed() >= END_TIMEOUT {
+                    return self.close(since + END_TIMEOUT);
                 }
             }
             if self
@@ -140,7 +140,7 @@ impl Client<'_> {
             if self.unsent_since.is_some() && !self.flush()? {
                 return Ok(false);
             }
-            let frames = self.broadcaster.take(self.id, BATCH_BYTES);
+            let frames = self.broadcaster.take(self.id, MAX_BATCH_BYTES);
             if frames.is_empty() {
                 return Ok(true);
             }

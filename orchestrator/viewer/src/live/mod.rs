@@ -2,12 +2,13 @@
 //!
 //! * [`LiveServer`] listens on the loopback address and serves all viewers that connect;
 //! * the handle of its [`Broadcaster`] observes a log: same topics, schemas, bytes and times;
-//! * `handshake` accepts or refuses connections, `wire` is the protocol, `client` one viewer and its thread.
+//! * `handshake` accepts or refuses connections, `wire` encodes the protocol, `client` serves one viewer on
+//!   its thread.
 //!
-//! The server only sends. It offers the capability `time` and nothing else, so that a viewer can
-//! neither publish nor change parameters, call services or move the time; the server ignores whatever
-//! a viewer sends besides subscriptions. The run never waits for a viewer: the server leaves messages
-//! out for a viewer that cannot keep up, counts them, and disconnects a viewer that takes nothing.
+//! The server only sends. It offers the capability `time` only, so that a viewer can neither publish nor
+//! change parameters, call services or set the time; the server ignores all messages of viewers except
+//! subscriptions. The run never waits for a viewer: the server drops messages for a slow viewer, counts them,
+//! and disconnects a viewer that does not read.
 //!
 //! The `foxglove` crate also has a server, but it accepts every connection to the port, including those of
 //! web pages in a browser on this machine; a proxy in front of it would leave its port open. The project

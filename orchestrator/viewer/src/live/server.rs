@@ -15,7 +15,7 @@ use super::error::LiveError;
 use super::handshake::Token;
 
 /// Maximum number of simultaneous connections.
-const CONNECTIONS: usize = 32;
+const MAX_CONNECTIONS: usize = 32;
 /// Default time without reading after which a viewer is disconnected.
 const STALL_TIMEOUT: Duration = Duration::from_secs(10);
 /// Pause after the operating system failed to accept a connection, for example without free descriptors,
@@ -180,7 +180,7 @@ impl Acceptor {
                 }
                 Err(_) => return ConnectionAttempt::Failed,
             };
-            if there >= CONNECTIONS
+            if there >= MAX_CONNECTIONS
                 || stream.set_nonblocking(true).is_err()
                 || stream.set_nodelay(true).is_err()
             {
