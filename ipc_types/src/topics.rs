@@ -12,7 +12,7 @@ use crate::messages::perception::{BeliefHeader, Particle, Sighting};
 use crate::messages::process::{LogHeader, ProcessEvent, ProcessStatus, RunControl};
 use crate::messages::referee::{DominanceCell, DominanceHeader, Verdict};
 use crate::messages::robot::{
-    Battery, Command, PlanHeader, PlanPoint, ScanHeader, TreeEdge, TreeHeader, WaypointEnd,
+    Command, PlanHeader, PlanPoint, ScanHeader, TreeEdge, TreeHeader, WaypointEnd,
 };
 use crate::messages::world::{
     CoverageState, MapCell, MapHeader, ObstacleEvent, RobotState, ShapePoint, ShapesHeader,
@@ -304,11 +304,6 @@ topics! {
         // Infinite: a waypoint that was left out before the robot set out for it.
         may_be_infinite ["closest"],
         qos |s| per_tick s.robots, publishers s.processes, subscribers s.readers();
-    /// What is left in the battery of one robot: simulator → all.
-    Batteries = "robot/battery": One, "battery", PlainHeader, Battery,
-        simulated true, latched false, timed true,
-        may_be_infinite [],
-        qos |s| per_tick s.robots, publishers 1, subscribers s.readers();
     /// Who can still escape: referee → all.
     Verdicts = "world/verdict": Many, "verdicts", PlainHeader, Verdict,
         simulated true, latched true, timed true,

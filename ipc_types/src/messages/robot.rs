@@ -96,12 +96,4 @@ impl WaypointEnd {
         ["reached", "inside_obstacle", "timed_out", "unreachable"];
 }
 
-message! {
-    /// What is left in the battery of one robot, in `robot/battery`.
-    pub struct Battery = "protean/Battery" {
-        charge: f32 = "part of the full charge, 0 to 1",
-        robot: u32 = "index of the robot",
-    }
-}
-
 headers!(ScanHeader, PlanHeader, TreeHeader);

@@ -12,7 +12,6 @@ use evader_braitenberg::process::BraitenbergPlanner;
 use evader_potential::process::PotentialPlanner;
 use evader_reach_avoid::process::ReachAvoidPlanner;
 use evader_rrt_star::process::RrtStarPlanner;
-use evader_straight::process::StraightPlanner;
 use navigator::process::NavigatorPlanner;
 use observer::process::ObserverProcess;
 use optimiser::process::OptimiserProcess;
@@ -35,7 +34,6 @@ pub static KINDS: &[Kind] = &[
     planner::<PotentialPlanner>(),
     planner::<ReachAvoidPlanner>(),
     planner::<RrtStarPlanner>(),
-    planner::<StraightPlanner>(),
     Kind::of::<OptimiserProcess>(),
     planner::<NavigatorPlanner>(),
     planner::<PatrolAwgPlanner>(),

@@ -169,9 +169,6 @@ impl Record for Row {
         ResultColumn::float("first_capture_s", |r| r.first_capture_s),
         ResultColumn::float("first_escape_s", |r| r.first_escape_s),
         ResultColumn::int("contacts", |r| count(r, r.contacts)),
-        ResultColumn::float("contacts_per_s", |r| {
-            (r.sim_time_s > 0.0).then(|| f64::from(r.contacts) / r.sim_time_s)
-        }),
         ResultColumn::float("evader_distance_m", |r| known(r, r.evader_distance_m)),
         ResultColumn::float("evader_mean_speed", |r| r.evader_mean_speed),
         ResultColumn::int("ticks", |r| known(r, r.ticks)),

@@ -3,17 +3,13 @@
 use foxglove::messages::{Log, log};
 use ipc_types::consumer::{Consumer, LoggedMessage};
 use ipc_types::messages::process::{LogHeader, ProcessEvent};
-use ipc_types::messages::robot::Battery;
 use ipc_types::messages::world::WorldEvent;
-use ipc_types::topics::{Batteries, ProcessEvents, ProcessLog, TopicId, WorldEvents};
+use ipc_types::topics::{ProcessEvents, ProcessLog, TopicId, WorldEvents};
 use recorder::{ProcessInfo, RobotInfo};
 
 use super::channel::ViewerChannel;
 use super::picture::Picture;
 use super::primitives::timestamp;
-
-/// Charge below which a battery is low, 0 to 1.
-const LOW_CHARGE: f32 = 0.2;
 
 /// `/viewer/log`.
 pub(super) struct LogTopic {
@@ -34,7 +30,6 @@ impl Consumer<Picture> for LogTopic {
     fn topics(&self) -> &[TopicId] {
         &[
             TopicId::WorldEvents,
-            TopicId::Batteries,
             TopicId::ProcessEvents,
             TopicId::ProcessLog,
         ]
@@ -45,9 +40,6 @@ impl Consumer<Picture> for LogTopic {
         let mut lines = Vec::new();
         if let Some((_, events)) = logged.view::<WorldEvents>() {
             lines.extend(events.map(|event| message(&event, &picture.robots, time_ns)));
-        }
-        if let Some((_, batteries)) = logged.view::<Batteries>() {
-            lines.extend(batteries.filter_map(|b| low_battery(&b, &picture.robots, time_ns)));
         }
         if let Some((_, events)) = logged.view::<ProcessEvents>() {
             lines.extend(events.map(|event| process_event(&event, processes, time_ns)));
@@ -76,22 +68,6 @@ fn message(event: &WorldEvent, robots: &[RobotInfo], time_ns: u64) -> Log {
         name: "world".to_owned(),
         ..Log::default()
     }
-}
-
-/// Returns a warning if the battery is low.
-fn low_battery(battery: &Battery, robots: &[RobotInfo], time_ns: u64) -> Option<Log> {
-    let robot = robots.get(battery.robot as usize)?;
-    (battery.charge < LOW_CHARGE).then(|| Log {
-        timestamp: Some(timestamp(time_ns)),
-        level: log::Level::Warning as i32,
-        message: format!(
-            "{}: {:.0} % charge left",
-            robot.name,
-            100.0 * battery.charge
-        ),
-        name: "world".to_owned(),
-        ..Log::default()
-    })
 }
 
 /// Returns a process event as a log line.
