@@ -59,7 +59,7 @@ fn what_is_left_of_a_truncated_log_is_recovered_and_read_by_python() {
     for words in [
         "INCOMPLETE",
         "ends in the middle",
-        "the run did not come to its end",
+        "the run did not reach its end",
     ] {
         assert!(info.stdout.contains(words), "{words}: {info}");
     }

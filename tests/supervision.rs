@@ -332,7 +332,7 @@ fn a_program_that_never_becomes_ready_is_named_with_its_words_and_takes_its_own_
     let words = ["run", "slow.toml", "--allow-external", "--quiet"];
     let outcome = sandbox.protean(words).run();
     let words = [
-        "error: process slow was not ready within 1s; it said last:",
+        "error: process slow was not ready within 1s; its last output:",
         "still compiling",
     ];
     outcome.refused(1, &words);
@@ -353,7 +353,7 @@ fn a_program_may_write_whatever_it_likes() {
     let line = format!("{} …\n", "\u{fffd}".repeat(2048));
     let ended = "error: process noisy ended with exit code 3";
     let echoed = format!("[noisy] {line}[noisy] after it\n");
-    outcome.refused(1, &[&echoed, ended, "said last", &line, "after it"]);
+    outcome.refused(1, &[&echoed, ended, "last output", &line, "after it"]);
     assert!(outcome.stderr.len() < 20_000, "{}", outcome.stderr.len());
     sandbox.assert_nothing_left();
 }

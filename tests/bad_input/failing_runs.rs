@@ -42,7 +42,7 @@ fn a_process_that_ends_at_once_is_named() {
         1,
         &[
             "process liar ended with exit code 7",
-            "said last",
+            "last output",
             "no such planner",
         ],
     );

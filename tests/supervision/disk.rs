@@ -61,7 +61,7 @@ fn a_directory_that_cannot_be_written_to_is_reported_at_once() {
     for (words, path) in [
         ("--out run.mcap", "create the log run.mcap"),
         ("--out older.mcap --force", "create the log older.mcap"),
-        ("", "make the directory logs"),
+        ("", "create the directory logs"),
     ] {
         let script = format!(
             "mkdir -p disk && mount -t tmpfs none disk && echo precious > disk/older.mcap \

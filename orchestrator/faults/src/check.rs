@@ -9,7 +9,7 @@ use serde_json::Value as Json;
 use super::faulty_run::{self, Baseline, Ended, Mission};
 use super::{ChaosError, FaultKind, Outcome};
 use log_tools::{LogInfo, recover};
-use mission::child_process::exit_words;
+use mission::child_process::describe_exit;
 use scenario::ResolvedScenario;
 use scenario::spec::Mode;
 
@@ -91,7 +91,7 @@ impl Check<'_> {
             Some(3) if self.is_real_time => {}
             None if is_killed => {}
             _ => {
-                let (how, words) = (exit_words(status), ended.stderr.trim());
+                let (how, words) = (describe_exit(status), ended.stderr.trim());
                 self.broke(format!("the orchestrator {how}: {words}"));
             }
         }

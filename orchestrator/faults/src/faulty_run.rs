@@ -16,7 +16,7 @@ use tempfile::TempDir;
 
 use super::{ChaosError, FaultKind, Outcome};
 use mission::CONFIG_VARIABLE;
-use mission::child_process::exit_words;
+use mission::child_process::describe_exit;
 use scenario::ResolvedScenario;
 use scenario::spec::Mode;
 
@@ -50,7 +50,7 @@ impl Baseline {
             let digest = (!is_real_time).then_some(digest);
             return Ok(Self { lasted_s, digest });
         }
-        let how = ended.status.map_or("did not end".to_owned(), exit_words);
+        let how = ended.status.map_or("did not end".to_owned(), describe_exit);
         let words = ended.stderr;
         Err(ChaosError::Baseline(format!("{how}: {words}")))
     }

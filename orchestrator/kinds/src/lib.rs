@@ -24,7 +24,7 @@ use referee::process::RefereeProcess;
 use scenario::kind::Kind;
 use scenario::{Loader, ResolvedScenario};
 
-/// The kinds of this program, in the order in which they are listed.
+/// Kinds of processes of this program, in the order of listings.
 pub static KINDS: &[Kind] = &[
     Kind::of::<PerceptionProcess>(),
     Kind::of::<RefereeProcess>(),
@@ -45,15 +45,15 @@ pub static KINDS: &[Kind] = &[
     planner::<UniformPlanner>(),
 ];
 
-/// The kind of the processes that steer robots by a planner.
+/// Returns the kind of the processes that steer robots with a planner.
 pub const fn planner<P: Planner>() -> Kind {
     Kind::of::<PlannerProcess<P>>()
 }
 
-/// Loads a scenario with the kinds of this program; its files must lie in its folder.
+/// Loads a scenario with the kinds of this program; its files must be in its folder.
 ///
 /// # Errors
-/// As [`Loader::load`].
+/// See [`Loader::load`].
 pub fn load(
     target: &str,
     overrides: &[String],

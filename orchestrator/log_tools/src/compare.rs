@@ -1,5 +1,5 @@
-//! Two simulated histories of a run, message by message: that in a log, and that of the run, or of some
-//! of its processes, done again.
+//! Comparison of two simulated histories message by message: that of a log, and that of the repeated run or of some of
+//! its processes.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -23,44 +23,44 @@ pub struct Difference {
     pub tick: u64,
     /// Time of the tick (s).
     pub time_s: f64,
-    /// Index of the process that sent it.
+    /// Index of the sender.
     pub source: u32,
-    /// The field, e.g. `robots[2].x`; empty if one of the histories has no such message.
+    /// Field, e.g. `robots[2].x`; empty if one of the histories lacks the message.
     pub field: String,
-    /// Its value in the log; empty if there is none.
+    /// Value in the log; empty if absent.
     pub logged: String,
-    /// Its value now; empty if there is none.
+    /// Value in the new run; empty if absent.
     pub again: String,
-    /// How many messages of the topic differ, are missing or are too many.
+    /// Number of messages of the topic that differ, are missing or are extra.
     pub messages: u64,
 }
 
-/// How the messages of a topic compare.
+/// Comparison of the messages of a topic.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct TopicComparison {
-    /// Messages in the log.
+    /// Number of messages in the log.
     pub recorded: u64,
-    /// Messages now.
+    /// Number of messages in the new run.
     pub now: u64,
-    /// Messages that are the same, clocks apart.
+    /// Number of equal messages, except for clocks.
     pub equal: u64,
-    /// The first difference; absent if there is none.
+    /// First difference; absent if there is none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub first: Option<Difference>,
-    /// By how much fields differ, if only some processes are compared.
+    /// Deviations by field, if only some processes are compared.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub fields: BTreeMap<String, Deviation>,
 }
 
-/// How two histories compare.
+/// Comparison of two histories.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct Comparison {
-    /// The topics on which something was message, then or now.
+    /// Topics with messages in either history.
     pub topics: BTreeMap<&'static str, TopicComparison>,
-    /// Last tick of which the log has a message.
+    /// Last tick with a message in the log.
     #[serde(skip)]
     pub last_tick: u64,
-    /// Whose messages are compared; everybody's if not message.
+    /// Senders whose messages are compared; `None` for all.
     #[serde(skip)]
     sources: Option<BTreeSet<u32>>,
 }
@@ -75,7 +75,7 @@ struct SimulatedMessage<'a> {
 }
 
 impl Comparison {
-    /// A comparison of what these processes say.
+    /// Creates a comparison of the messages of these processes.
     pub fn of(sources: BTreeSet<u32>) -> Self {
         Self {
             sources: Some(sources),
@@ -83,26 +83,26 @@ impl Comparison {
         }
     }
 
-    /// Messages that are the same.
+    /// Returns the number of equal messages.
     pub fn equal(&self) -> u64 {
         self.topics.values().map(|topic| topic.equal).sum()
     }
 
-    /// The first difference of every topic that has one.
+    /// Returns the first difference of every topic that has one.
     pub fn differences(&self) -> impl Iterator<Item = (&'static str, &Difference)> {
         let topics = self.topics.iter();
         topics.filter_map(|(topic, found)| Some((*topic, found.first.as_ref()?)))
     }
 
-    /// Where the two part: the earliest difference.
+    /// Returns the earliest difference.
     pub fn first(&self) -> Option<(&'static str, &Difference)> {
-        // Of several at one tick the world's comes last: it is what it was told.
+        // Of several topics at one tick, the world comes last: it depends on the others.
         self.differences()
             .min_by_key(|(topic, d)| (d.tick, topic.starts_with("world/")))
     }
 
-    /// Takes up all messages of one time; with `may_lack` the log ends within it, so that what only the
-    /// other has is no difference.
+    /// Adds all messages of one time. With `may_lack` the log ends within this time, so that messages missing in it are
+    /// not differences.
     pub fn add(&mut self, logged: &[Logged], again: &[Logged], may_lack: bool) {
         let (logged, again) = (self.history(logged), self.history(again));
         let keys: BTreeSet<_> = logged.keys().chain(again.keys()).copied().collect();
@@ -110,7 +110,7 @@ impl Comparison {
             let Some(&id) = TopicId::ALL.get(key.0) else {
                 continue;
             };
-            let of = |message: &BTreeMap<_, Vec<_>>| message.get(&key).cloned().unwrap_or_default();
+            let of = |history: &BTreeMap<_, Vec<_>>| history.get(&key).cloned().unwrap_or_default();
             let (logged, again): (Vec<SimulatedMessage<'_>>, Vec<_>) = (of(&logged), of(&again));
             let last = logged.last().map_or(0, |message| message.stamp.tick);
             self.last_tick = self.last_tick.max(last);
@@ -127,7 +127,7 @@ impl Comparison {
         }
     }
 
-    /// Those of these messages that are compared, by topic and sender.
+    /// Returns the compared messages by topic and sender.
     fn history<'m>(
         &self,
         messages: &'m [Logged],
@@ -142,7 +142,7 @@ impl Comparison {
             };
             let mut sources = self.sources.iter();
             let is_wanted = sources.all(|sources| sources.contains(&stamp.source));
-            // What was announced for a time that never came is kept in a log at its end.
+            // A message scheduled for a time after the end is stored at the end of a log.
             if is_wanted && stamp.time_ns <= time {
                 let of_sender = history.entry((message.rank, stamp.source)).or_default();
                 of_sender.push(SimulatedMessage { time, stamp, data });
@@ -153,7 +153,7 @@ impl Comparison {
 }
 
 impl TopicComparison {
-    /// Takes up two messages that take the same place; one of them may be missing.
+    /// Adds two messages with the same position; one of them may be missing.
     fn add(
         &mut self,
         topic: TopicId,
@@ -171,7 +171,7 @@ impl TopicComparison {
                     return;
                 };
                 if let Some(schema) = known::layout(topic).schema.as_ref().filter(|_| with_fields) {
-                    // What is not of the schema has no fields; that it differs is told all the same.
+                    // A message that does not fit the schema has no fields, but still counts as different.
                     let _ = add_deviations(schema, stamp.tick, x.data, y.data, &mut self.fields);
                 }
                 Some(at)
@@ -182,7 +182,7 @@ impl TopicComparison {
             first.messages += 1;
             return;
         }
-        // The field in question, and its value.
+        // Name and value of the field.
         let value = |message: Option<&SimulatedMessage<'_>>| match (message, at) {
             (None, _) => None,
             (Some(message), None) => {
@@ -219,11 +219,11 @@ impl TopicComparison {
     }
 }
 
-/// Compares the simulated history in a log with that of the same run done again, up to log time `before`
-/// (ns). Of a log that does not reach to the end of its run (`cut`), what is there is compared.
+/// Compares the simulated history in a log with that of the same run, repeated, up to log time `before` (ns). If the
+/// log does not reach the end of its run (`cut`), only its part is compared.
 ///
 /// # Errors
-/// [`LogReadError`]: one of them cannot be read, or goes back in time.
+/// [`LogReadError`] if a log is unreadable or its times are not in order.
 pub fn compare(
     log: &Path,
     again: &Path,
@@ -248,36 +248,33 @@ pub fn compare(
             (None, Some(one)) if !cut => one.time,
             (None, _) => break,
         };
-        let (mut logged, mut message) = (Vec::new(), Vec::new());
-        for (from, to, source) in [
-            (&mut x, &mut logged, &mut a),
-            (&mut y, &mut message, &mut b),
-        ] {
+        let (mut logged, mut again) = (Vec::new(), Vec::new());
+        for (from, to, source) in [(&mut x, &mut logged, &mut a), (&mut y, &mut again, &mut b)] {
             if from.first().is_some_and(|first| first.time == time) {
                 *to = std::mem::replace(from, next(source, time)?);
             }
         }
         // The last tick of a log that was cut may be incomplete.
-        comparison.add(&logged, &message, cut && x.is_empty());
+        comparison.add(&logged, &again, cut && x.is_empty());
     }
     watch.end();
     Ok(comparison)
 }
 
-/// Everything of the next time, which is not before this one; nothing at the end.
+/// Returns all messages of the next time, which must not precede `time`; none at the end.
 fn next(source: &mut Source, time: u64) -> Result<Vec<Logged>, LogReadError> {
     let mut messages = Vec::new();
     source.tick(&mut messages)?;
     if messages.first().is_some_and(|first| first.time < time) {
         return Err(LogReadError::NotRepeatable {
             path: source.path().to_owned(),
-            reason: "its messages are not in the order of their times".to_owned(),
+            reason: "its messages are not in order of time".to_owned(),
         });
     }
     Ok(messages)
 }
 
-/// The first byte in which two messages differ, clocks apart.
+/// Returns the first byte in which two messages differ, except for clocks.
 fn first_difference(a: &[u8], b: &[u8]) -> Option<usize> {
     let differ = a
         .iter()

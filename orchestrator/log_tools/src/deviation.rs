@@ -1,4 +1,4 @@
-//! By how much two messages of a topic differ, field by field.
+//! Deviation of two messages of a topic, field by field.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -9,20 +9,20 @@ use mcap_log::ros2::{Cdr, Count, DecodeError, Field, Kind, Schema};
 use serde::Serialize;
 use tables::Cell;
 
-/// The clocks of the stamp, in the bytes of a message.
+/// Bytes of the stamp's clocks in a message.
 pub(super) const CLOCKS: Range<usize> =
     ENCAPSULATION + Stamp::SIMULATED_BYTES..ENCAPSULATION + size_of::<Stamp>();
 
-/// By how much a field differs, in all messages of a topic.
+/// Deviation of a field over all messages of a topic.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct Deviation {
-    /// How many values differ.
+    /// Number of values that differ.
     pub values: u64,
-    /// First tick at which one does.
+    /// First tick with a difference.
     pub first_tick: u64,
-    /// Greatest difference, of those that are numbers.
+    /// Maximum difference of numeric values.
     pub max: f64,
-    /// Mean of the differences, where there is one.
+    /// Mean of the non-zero differences.
     pub mean: f64,
     #[serde(skip)]
     sum: f64,
@@ -46,11 +46,11 @@ impl Deviation {
     }
 }
 
-/// Adds the differences between two messages in their CDR form, clocks apart; elements that only one of
-/// them has are left out.
+/// Adds the differences between two messages in CDR form, except for clocks; ignores elements that only one message
+/// has.
 ///
 /// # Errors
-/// [`DecodeError`] if one of them is not a message of this schema.
+/// [`DecodeError`] if one of them does not fit the schema.
 pub(super) fn add_deviations(
     schema: &Schema,
     tick: u64,
@@ -63,7 +63,7 @@ pub(super) fn add_deviations(
     pair.walk(&schema.fields, "")
 }
 
-/// Two messages that are walked through side by side.
+/// Two messages read side by side.
 struct Pair<'a> {
     tick: u64,
     a: Cdr<'a>,
@@ -116,7 +116,7 @@ impl Pair<'_> {
     }
 }
 
-/// Whether two numbers have the same bits.
+/// Returns `true` if two numbers have the same bits.
 fn is_same(a: &Cell, b: &Cell) -> bool {
     match (a, b) {
         (Cell::F32(a), Cell::F32(b)) => a.to_bits() == b.to_bits(),
@@ -164,7 +164,7 @@ mod tests {
     }
 
     #[test]
-    fn differences_are_summed_up_by_field_and_clocks_are_none() {
+    fn differences_are_summed_by_field_without_clocks() {
         let schema = Schema::parse(schema::ros2msg(TopicId::Belief).as_bytes()).unwrap();
         let mut fields = BTreeMap::new();
         let mut compare = |tick, a: &[u8], b: &[u8]| {

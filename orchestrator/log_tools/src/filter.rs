@@ -1,4 +1,4 @@
-//! A log with a part of another's time and topics.
+//! Extraction of a part of a log by time and topics.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -16,43 +16,41 @@ use serde::Serialize;
 
 use crate::time_span::TimeSpan;
 
-/// What is kept of a log.
+/// Options of a filter.
 #[derive(Debug, Clone, Default)]
 pub struct FilterOptions {
-    /// From this time on (s): simulated time in logs of ours, else since the first message.
+    /// Start of the part (s): simulated time in Protean logs, else relative to the first message.
     pub start_s: Option<f64>,
-    /// Up to and with this time (s).
+    /// End of the part, included (s).
     pub end_s: Option<f64>,
-    /// Which topics.
+    /// Selected topics.
     pub topics: Topics,
-    /// Whether an existing file may be overwritten.
+    /// `true` if an existing file may be overwritten.
     pub force: bool,
 }
 
-/// What was kept.
+/// Result of a filter.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Filtered {
-    /// Messages in the new log, those from before its start included.
+    /// Number of messages in the new log, including those from before its start.
     pub messages: u64,
-    /// Messages from before the start, written at the start: the state of the world then.
+    /// Number of messages from before the start, written at the start: the states that held then.
     pub restored: u64,
-    /// States that stand in the log behind the first message that was kept, although they are
-    /// older: they are left out.
+    /// Number of omitted states: they follow the first message of the part in the log, but are older.
     pub late_states: u64,
-    /// Topics with messages in the new log.
+    /// Number of topics with messages in the new log.
     pub topics: usize,
     /// Size of the new log (bytes).
     pub bytes: u64,
-    /// In what condition the old one is.
+    /// Condition of the source log.
     pub source: Condition,
 }
 
-/// Writes the messages of some topics and some time into a new log, with everything else that
-/// the log holds, and with the last message of every topic that describes a lasting state from
-/// before the start.
+/// Writes the selected topics and time of a log into a new log, with all other contents. The last message before the
+/// start of every topic that describes a lasting state is written at the start.
 ///
 /// # Errors
-/// [`DerivedError`]; then there is no new log.
+/// [`DerivedError`]; then no new log is written.
 pub fn filter(
     log: &Path,
     out: &Path,
@@ -90,27 +88,27 @@ pub fn filter(
     part.finish(output, reader.condition().clone())
 }
 
-/// The part of a log that is kept, while the log is read.
+/// The selected part, while the log is read.
 struct Part<'a> {
     log: &'a Path,
     options: &'a FilterOptions,
     span: TimeSpan,
-    /// The channels that are kept.
+    /// Selected channels.
     channels: BTreeMap<u16, KeptChannel>,
-    /// The states before the start.
+    /// States before the start.
     states: States,
-    /// Whether a message has been written.
+    /// `true` once a message has been written.
     begun: bool,
     with_messages: BTreeSet<u16>,
     count: Filtered,
 }
 
-/// What decides about the messages of a channel.
+/// Properties of a selected channel.
 #[derive(Clone, Copy)]
 struct KeptChannel {
-    /// Whether its last message describes a lasting state.
+    /// `true` if its last message describes a lasting state.
     is_state: bool,
-    /// Whether its messages bear our stamp.
+    /// `true` if its messages have Protean's stamp.
     is_stamped: bool,
 }
 
@@ -210,7 +208,7 @@ impl<'a> Part<'a> {
     }
 }
 
-/// Writes the states at the start, in the order in which they were.
+/// Writes the states at the start, in their original order.
 fn restore(states: &mut States, from: u64, output: &mut Output) -> Result<u64, DerivedError> {
     let last = states.take();
     for (header, data) in &last {

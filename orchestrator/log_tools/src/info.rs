@@ -1,4 +1,4 @@
-//! What a log holds and in what condition it is.
+//! Contents and condition of a log.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -14,105 +14,105 @@ use serde::Serialize;
 
 use recorder::RobotOutcome;
 
-/// Most senders of one topic whose numbers are followed.
+/// Maximum number of senders of a topic whose sequence numbers are checked.
 const MAX_SOURCES: usize = 4096;
 
-/// What a log holds.
+/// Contents and condition of a log.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct LogInfo {
-    /// The file.
+    /// Path of the file.
     pub log: PathBuf,
-    /// Whether it is one of ours.
+    /// `true` if it is a Protean log.
     pub ours: bool,
-    /// What wrote it, as it says itself.
+    /// Library that wrote it, as stated in the file.
     pub library: String,
-    /// Its profile.
+    /// MCAP profile.
     pub profile: String,
-    /// The scenario; absent in logs of others.
+    /// Name of the scenario; absent in other logs.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub scenario: Option<String>,
-    /// The seed.
+    /// Seed of the run.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub seed: Option<u64>,
     /// `lock_step` or `real_time`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mode: Option<String>,
-    /// The version that recorded it.
+    /// Version that recorded it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub version: Option<String>,
-    /// The machine that recorded it.
+    /// Machine that recorded it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub machine: Option<String>,
-    /// Fingerprint of the simulated history in this log; absent if the run was killed, or the log
-    /// does not hold all of it.
+    /// Digest of the simulated history in this log; absent if the run was killed or the log does not contain the whole
+    /// history.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub digest: Option<String>,
-    /// Fingerprint of the run of which this log holds a part.
+    /// Digest of the run of which this log contains a part.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub run_digest: Option<String>,
     /// Last tick of the world.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ticks: Option<u64>,
-    /// What became of the robots; empty if the log does not say.
+    /// Outcomes of the robots; empty if the log does not contain them.
     pub robots: Vec<RobotOutcome>,
-    /// How the log was cut from another; empty if it was not.
+    /// Parameters of the filter that made the log; empty if it is not a part of another log.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub filtered: BTreeMap<String, String>,
-    /// How the log was repaired; empty if it was not.
+    /// Record of the repair; empty if the log was not repaired.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub recovered: BTreeMap<String, String>,
-    /// Least log time (s): simulated time in logs of ours, else usually since 1970.
+    /// Minimum log time (s): simulated time in Protean logs, else usually since 1970.
     pub start_s: f64,
-    /// Greatest log time (s).
+    /// Maximum log time (s).
     pub end_s: f64,
-    /// The time between.
+    /// Time between them (s).
     pub duration_s: f64,
-    /// Messages.
+    /// Number of messages.
     pub messages: u64,
-    /// Messages before which one with a later log time stands in the same channel.
+    /// Number of messages that follow one with a later log time in the same channel.
     pub unsorted: u64,
     /// The topics, by name.
     pub topics: BTreeMap<String, TopicInfo>,
-    /// Names and sizes (bytes) of the attachments.
+    /// Names and sizes of the attachments (bytes).
     pub attachments: Vec<(String, u64)>,
     /// Names of the metadata records.
     pub metadata: Vec<String>,
-    /// In what condition the file is.
+    /// Condition of the file.
     pub condition: Condition,
 }
 
-/// What a log holds of a topic.
+/// Contents of a topic.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct TopicInfo {
-    /// Name of its schema; empty for none.
+    /// Name of its schema; empty without a schema.
     pub schema: String,
-    /// How its messages are encoded.
+    /// Encoding of its messages.
     pub encoding: String,
-    /// Messages.
+    /// Number of messages.
     pub messages: u64,
-    /// Their bytes.
+    /// Size of the messages (bytes).
     pub bytes: u64,
-    /// First log time (s); absent without messages, as are the next three.
+    /// First log time (s); absent without messages, as are the next three fields.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub first_s: Option<f64>,
     /// Last log time (s).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub last_s: Option<f64>,
-    /// Messages per second between these; absent if they are the same.
+    /// Messages per second between these times; absent if they are equal.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rate_hz: Option<f64>,
-    /// Longest time between two messages (s).
+    /// Maximum time between two messages (s).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub longest_pause_s: Option<f64>,
-    /// Messages that are missing by the numbers of their senders; absent if they are not numbered.
+    /// Number of messages missing by their sequence numbers; absent if they have none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub gaps: Option<u64>,
-    /// The same by sender; only those that miss some.
+    /// Missing messages by sender, for senders that miss some.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub gaps_by_source: BTreeMap<u32, u64>,
 }
 
-/// What is known of a channel so far.
+/// Statistics of a channel so far.
 #[derive(Debug, Default)]
 struct ChannelStats {
     info: TopicInfo,
@@ -121,11 +121,11 @@ struct ChannelStats {
     last: u64,
     pause: u64,
     unsorted: u64,
-    /// The next number that each sender should use.
+    /// Next expected sequence number of each sender.
     next: BTreeMap<u32, u64>,
-    /// The first number of each sender, if it is not 0.
+    /// First sequence number of each sender, if it is not 0.
     begins: BTreeMap<u32, u64>,
-    /// Whether any number is not 0.
+    /// `true` if some sequence number is not 0.
     numbered: bool,
 }
 
@@ -149,7 +149,7 @@ impl ChannelStats {
         };
         self.numbered |= sequence != 0 || self.stamped;
         let full = self.next.len() >= MAX_SOURCES;
-        // A log of somebody else, or a part of one, may begin with any number.
+        // Another program's log, or a part of a log, may begin with any number.
         let next = match self.next.get_mut(&source) {
             Some(next) => next,
             None if full => return,
@@ -168,7 +168,7 @@ impl ChannelStats {
         }
     }
 
-    /// Of a log from the beginning of the run on, or of a part.
+    /// Completes the statistics; `from_the_beginning` is `true` for a log that starts with its run.
     fn finish(mut self, from_the_beginning: bool) -> TopicInfo {
         let info = &mut self.info;
         if from_the_beginning && self.stamped {
@@ -197,11 +197,10 @@ impl ChannelStats {
 }
 
 impl LogInfo {
-    /// Reads a log from its beginning to its end and checks every checksum in it.
+    /// Reads a log to its end and verifies every checksum.
     ///
     /// # Errors
-    /// [`LogReadError`] if it cannot be read or is not an MCAP file. Whatever else is wrong with it is
-    /// in [`LogInfo::condition`].
+    /// [`LogReadError`] if it is unreadable or not an MCAP file. All other faults are in [`LogInfo::condition`].
     pub fn read(path: &Path, watch: &mut ReadProgress) -> Result<Self, LogReadError> {
         let mut reader = Reader::open(path, Some(watch))?;
         let Contents {
@@ -227,7 +226,7 @@ impl LogInfo {
         let mut topics: BTreeMap<String, TopicInfo> = BTreeMap::new();
         for (id, topic) in channels {
             if let Some(tally) = tallies.remove(&id) {
-                // Other tools write several channels with one topic.
+                // Other programs write several channels with one topic.
                 let name = if topics.contains_key(&topic) {
                     format!("{topic} (channel {id})")
                 } else {
@@ -270,13 +269,13 @@ impl LogInfo {
     }
 }
 
-/// What the records of a log hold, in the order of the log.
+/// Contents of the records of a log, in the order of the log.
 #[derive(Default)]
 struct Contents {
     profile: String,
     library: String,
     tallies: BTreeMap<u16, ChannelStats>,
-    /// Our metadata, by name.
+    /// Protean's metadata records, by name.
     records: BTreeMap<String, BTreeMap<String, String>>,
     /// Names of all metadata.
     metadata: Vec<String>,
@@ -310,7 +309,7 @@ impl Contents {
                 Item::Channel(channel) => {
                     let schema = reader.schema(channel.schema_id);
                     let schema = schema.map(|s| s.name.clone()).unwrap_or_default();
-                    let tally = new_tally(&channel, schema);
+                    let tally = new_stats(&channel, schema);
                     contents.tallies.insert(channel.id, tally);
                 }
             }
@@ -319,7 +318,7 @@ impl Contents {
     }
 }
 
-fn new_tally(channel: &Channel, schema: String) -> ChannelStats {
+fn new_stats(channel: &Channel, schema: String) -> ChannelStats {
     ChannelStats {
         stamped: known::topic_of(channel).is_some(),
         info: TopicInfo {

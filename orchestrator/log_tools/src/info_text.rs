@@ -1,10 +1,10 @@
-//! What a log holds, for people.
+//! Description of a log as text.
 
 use tables::for_terminal;
 
 use super::info::LogInfo;
 
-/// The summary for people.
+/// Returns the summary as text.
 pub fn text(info: &LogInfo) -> String {
     let mut text = head(info);
     let header = [
@@ -59,8 +59,7 @@ fn head(info: &LogInfo) -> String {
         (Some(scenario), Some(seed)) => format!("{scenario} (seed {seed})"),
         (Some(scenario), None) => scenario.clone(),
         _ if info.ours => "a log of protean".to_owned(),
-        _ => "an MCAP file of another program: scenario, seed, digest and outcome are not known"
-            .to_owned(),
+        _ => "not a Protean log (no scenario, seed or digest)".to_owned(),
     };
     text += &format!(
         ": {:.2} s, from {:.2} to {:.2} s\n",
@@ -81,7 +80,7 @@ fn head(info: &LogInfo) -> String {
             "digest",
             &format!("{digest} (of the run, not of this part of it)"),
         ),
-        _ if info.ours => line("digest", "none: the run did not come to its end"),
+        _ if info.ours => line("digest", "none: the run did not reach its end"),
         _ => {}
     }
     let list = |map: &std::collections::BTreeMap<String, String>| {
@@ -137,7 +136,7 @@ fn condition(info: &LogInfo) -> String {
     );
     if info.unsorted > 0 {
         text += &format!(
-            "order     {} messages stand behind a later one of their topic\n",
+            "order     {} messages follow a later one of their topic\n",
             info.unsorted
         );
     }
@@ -148,9 +147,9 @@ fn condition(info: &LogInfo) -> String {
         has(c.index)
     );
     if c.is_whole() {
-        text += "condition whole: every checksum fits\n";
+        text += "condition complete: every checksum is correct\n";
     } else {
-        text += "condition NOT WHOLE: `protean recover` makes a log of what is left\n";
+        text += "condition INCOMPLETE: `protean recover` makes a log of the readable part\n";
         for line in c.lines() {
             text += &format!("          {line}\n");
         }

@@ -1,4 +1,4 @@
-//! A log that can be opened, from one that ends in the middle or is damaged.
+//! Repair of a log that is truncated or damaged.
 
 use std::path::Path;
 
@@ -9,31 +9,30 @@ use mcap_log::output::{Output, RECOVERED, mark_incomplete};
 use mcap_log::reader::{Item, Reader};
 use serde::Serialize;
 
-/// What was saved of a log, and what was not.
+/// Result of a repair.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Recovered {
-    /// Messages in the new log.
+    /// Number of messages in the new log.
     pub messages: u64,
-    /// Messages that the old log says it held beyond these; absent if it does not say.
+    /// Number of messages that the old log claims beyond these; absent if it has no such claim.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub lost: Option<u64>,
-    /// Attachments in the new log.
+    /// Number of attachments in the new log.
     pub attachments: u64,
-    /// Metadata records in the new log, without the one that tells of the repair.
+    /// Number of metadata records in the new log, without the record of the repair.
     pub metadata: u64,
     /// Time of the last message (s).
     pub end_s: f64,
     /// Size of the new log (bytes).
     pub bytes: u64,
-    /// What was wrong with the old one.
+    /// Condition of the old log.
     pub source: Condition,
 }
 
-/// Writes everything that can be read of a log into a new one, in the same order, with an index and
-/// a summary.
+/// Writes all readable records of a log into a new log, in the same order, with an index and a summary.
 ///
 /// # Errors
-/// [`DerivedError`]; then there is no new log.
+/// [`DerivedError`]; then no new log is written.
 pub fn recover(
     log: &Path,
     out: &Path,
@@ -43,7 +42,7 @@ pub fn recover(
     let mut reader = Reader::open(log, Some(watch))?;
     let mut output: Option<Output> = None;
     let (mut messages, mut attachments, mut metadata, mut end_ns) = (0, 0, 0, 0);
-    // The result comes last, when it is known whether anything is missing.
+    // The result record comes last, when it is known whether messages are missing.
     let mut results = Vec::new();
     while let Some(item) = reader.next()? {
         let output = match (&mut output, &item) {

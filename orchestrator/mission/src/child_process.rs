@@ -1,4 +1,4 @@
-//! One process of a run: started, watched, killed.
+//! One process of a run: starting, observing and killing it.
 
 use std::os::fd::{AsFd as _, BorrowedFd, OwnedFd};
 use std::os::unix::process::{CommandExt as _, ExitStatusExt as _};
@@ -14,35 +14,35 @@ use rustix::process::{Pid, PidfdFlags, Signal, WaitId, WaitIdOptions};
 use super::orphans::{self, CONFIG_VARIABLE};
 use super::stderr_lines::{StderrLine, StderrLines};
 
-/// Time for the system to end a process that was killed.
-const KILL_WITHIN: Duration = Duration::from_secs(5);
+/// Maximum time for the system to end a killed process.
+const KILL_TIMEOUT: Duration = Duration::from_secs(5);
 
-/// Why a process cannot be started or watched.
+/// Error of starting or observing a process.
 #[derive(Debug, thiserror::Error)]
 #[error("process {name}: {what}: {source}")]
 pub struct ChildError {
     /// Name of the process.
     pub name: String,
-    /// What was attempted.
+    /// Failed operation.
     pub what: &'static str,
-    /// What the system said.
+    /// Error of the system.
     pub source: std::io::Error,
 }
 
 impl ChildError {
-    /// What follows the name of the process.
-    pub(super) fn of_it(&self) -> String {
+    /// Returns the message without the name of the process.
+    pub(super) fn reason(&self) -> String {
         format!("{}: {}", self.what, self.source)
     }
 }
 
-/// How a process is executed.
+/// Program that a process executes.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Executable {
-    /// One of our own kinds: this program executes itself.
+    /// One of Protean's own kinds: this program executes itself.
     Kind(String),
-    /// An external program, not of ours, with its arguments; the configuration's path is in the
-    /// environment variable `PROTEAN_CONFIG`.
+    /// An external program with its arguments. The environment variable `PROTEAN_CONFIG` contains the path of
+    /// its configuration.
     Command(Vec<String>),
 }
 
@@ -53,21 +53,21 @@ pub struct RunningProcess {
     pub name: String,
     /// Index in the run.
     pub slot: usize,
-    /// The end of its stdin is what tells the process that the orchestrator is gone.
+    /// The child process. It detects the end of the orchestrator by the end of its stdin.
     child: Child,
     pidfd: OwnedFd,
-    /// Configuration of an external program, by which processes that it has started are found.
+    /// Configuration of an external program, which identifies the processes that it has started.
     external: Option<PathBuf>,
     stderr: Option<StderrLines>,
-    /// How it ended.
+    /// Exit status, once the process has ended.
     pub exit: Option<ExitStatus>,
 }
 
 impl RunningProcess {
-    /// Starts a process of the run, whose configuration lies at `config`.
+    /// Starts a process of the run with the configuration at `config`.
     ///
-    /// `echo` shows its stderr on ours, each line with the name of the process before it; `lines` gets every line
-    /// as long as it has room.
+    /// With `echo`, its stderr appears on this program's stderr, each line after the name of the process. `lines`
+    /// receives every line while it has room.
     ///
     /// # Errors
     /// [`ChildError`] names the process and the reason.
@@ -91,7 +91,7 @@ impl RunningProcess {
                 command
             }
             Executable::Command(words) => {
-                orphans::adopt().map_err(failed("cannot be watched"))?;
+                orphans::become_subreaper().map_err(failed("cannot be observed"))?;
                 let mut words = words.iter();
                 let mut command = Command::new(words.next().map_or("", |program| program));
                 command.args(words);
@@ -103,7 +103,7 @@ impl RunningProcess {
             .stdin(Stdio::piped())
             .stdout(Stdio::null())
             .stderr(Stdio::piped())
-            // Ctrl-C in a terminal is for the orchestrator, which then ends the run in order.
+            // In a terminal, Ctrl-C goes to the orchestrator only, which then ends the run in order.
             .process_group(0);
         descriptors::inherit_only_standard_streams(&mut command);
         die_with_this_thread(&mut command);
@@ -114,7 +114,7 @@ impl RunningProcess {
             Err(error) => {
                 let _ = child.kill();
                 let _ = child.wait();
-                return Err(failed("cannot be watched")(error.into()));
+                return Err(failed("cannot be observed")(error.into()));
             }
         };
         let stderr = child.stderr.take();
@@ -130,7 +130,7 @@ impl RunningProcess {
         })
     }
 
-    /// Takes note if it has ended; true the first time.
+    /// Records the end of the process. Returns `true` the first time after it has ended.
     pub fn check_exit(&mut self) -> bool {
         if self.exit.is_some() {
             return false;
@@ -138,14 +138,14 @@ impl RunningProcess {
         if !self.has_ended() {
             return false;
         }
-        // Before it is reaped: until then nobody else can have its group. What it started and left
-        // behind ends with it.
+        // Must run before the process is reaped: until then no other process can have its group. The kill ends
+        // all processes that it started.
         let _ = rustix::process::kill_process_group(Pid::from_child(&self.child), Signal::KILL);
         match self.child.try_wait() {
             Ok(Some(status)) => {
                 self.exit = Some(status);
                 if let Some(config) = &self.external {
-                    // Also what has left the group.
+                    // Includes processes outside the group.
                     orphans::kill_with_config(config);
                 }
                 if let Some(stderr) = &mut self.stderr {
@@ -157,21 +157,21 @@ impl RunningProcess {
         }
     }
 
-    /// Whether it has ended and waits to be reaped.
+    /// Returns `true` if it has ended and is not reaped yet.
     fn has_ended(&self) -> bool {
         let options = WaitIdOptions::EXITED | WaitIdOptions::NOHANG | WaitIdOptions::NOWAIT;
         match rustix::process::waitid(WaitId::PidFd(self.pidfd.as_fd()), options) {
             Ok(status) => status.is_some(),
-            // Whatever that is, `try_wait` knows.
+            // `try_wait` determines the actual state.
             Err(_) => true,
         }
     }
 
-    /// Ends it at once, also when it is stopped; true if that was to be noted now (see
+    /// Kills the process, also when it is stopped. Returns `true` if this call recorded its end (see
     /// [`RunningProcess::check_exit`]).
     pub fn kill(&mut self) -> bool {
         self.signal(Signal::KILL);
-        let deadline = Instant::now() + KILL_WITHIN;
+        let deadline = Instant::now() + KILL_TIMEOUT;
         while self.exit.is_none() && Instant::now() < deadline {
             if self.check_exit() {
                 return true;
@@ -181,25 +181,25 @@ impl RunningProcess {
         false
     }
 
-    /// Whether it stands still by SIGSTOP or under a debugger.
+    /// Returns `true` if SIGSTOP or a debugger has stopped it.
     pub fn is_stopped(&self) -> bool {
         proc::stat(self.child.id().cast_signed()).is_some_and(|stat| stat.is_stopped())
     }
 
-    /// The last lines it wrote to stderr.
-    pub fn last_words(&self) -> Vec<String> {
+    /// Returns the last lines that it wrote to stderr.
+    pub fn last_lines(&self) -> Vec<String> {
         self.stderr
             .as_ref()
             .map(StderrLines::last)
             .unwrap_or_default()
     }
 
-    /// Readable when it has ended; `None` once that is noted.
+    /// Returns a descriptor that is readable when the process has ended; `None` once the end is recorded.
     pub(super) fn end(&self) -> Option<BorrowedFd<'_>> {
         self.exit.is_none().then(|| self.pidfd.as_fd())
     }
 
-    /// Sends it a signal, unless its end is noted.
+    /// Sends the process a signal, unless its end is recorded.
     pub(super) fn signal(&self, signal: Signal) {
         if self.exit.is_some() {
             return;
@@ -208,7 +208,7 @@ impl RunningProcess {
     }
 }
 
-/// Sleeps until one of these is readable, at most for `timeout`.
+/// Sleeps until one of these is readable, for `timeout` at most.
 pub(super) fn sleep_until_readable<'a>(
     fds: impl IntoIterator<Item = BorrowedFd<'a>>,
     timeout: Duration,
@@ -218,12 +218,12 @@ pub(super) fn sleep_until_readable<'a>(
         .map(|fd| PollFd::from_borrowed_fd(fd, PollFlags::IN))
         .collect();
     let timeout = Timespec::try_from(timeout).unwrap_or_default();
-    // Woken by a signal or failed: the caller looks anyway.
+    // After a signal or an error, the caller checks the processes in any case.
     let _ = rustix::event::poll(&mut fds, Some(&timeout));
 }
 
-/// How a process ended, in words.
-pub fn exit_words(status: ExitStatus) -> String {
+/// Describes an exit status in words.
+pub fn describe_exit(status: ExitStatus) -> String {
     match (status.code(), status.signal()) {
         (Some(code), _) => format!("ended with exit code {code}"),
         (None, Some(signal)) => format!("was ended by signal {signal}"),
@@ -231,25 +231,24 @@ pub fn exit_words(status: ExitStatus) -> String {
     }
 }
 
-/// Has a process killed, also when it is stopped, as soon as the thread that starts it ends, however that goes.
+/// Makes the system kill a process, also a stopped one, as soon as the thread that started it ends for any reason.
 #[expect(
     unsafe_code,
-    reason = "the child must ask for it between fork and exec"
+    reason = "the child must request it between fork and exec"
 )]
 fn die_with_this_thread(command: &mut Command) {
     let parent = rustix::process::getpid();
     let ask = move || {
         rustix::process::set_parent_process_death_signal(Some(Signal::KILL))?;
-        // The parent can have ended before that.
+        // The parent may have ended before the request.
         if rustix::process::getppid() == Some(parent) {
             Ok(())
         } else {
             Err(std::io::Error::from(std::io::ErrorKind::BrokenPipe))
         }
     };
-    // SAFETY: between fork and exec only two system calls are made, which are safe after a fork of
-    // a program with threads: no lock is taken and no memory allocated (an error without a text
-    // needs none).
+    // SAFETY: between fork and exec only two system calls are made. Both are safe after a fork of a program
+    // with threads: they take no lock and allocate no memory (an error without a text needs none).
     unsafe {
         command.pre_exec(ask);
     }

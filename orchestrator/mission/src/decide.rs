@@ -1,6 +1,6 @@
-//! Decisions about the processes of a run: an event goes in, the actions to take come out, in their order.
+//! Decisions about the processes of a run: maps an event to an ordered list of actions.
 //!
-//! Nothing here waits, asks the system or reads a clock: the executor sees what happens and takes the actions.
+//! This module does not wait, call the system or read a clock. The executor detects events and takes the actions.
 
 mod process;
 #[cfg(test)]
@@ -11,50 +11,50 @@ use std::time::{Duration, Instant};
 
 use ipc_types::messages::process::ProcessEvent;
 
-use self::process::{Process, Standing};
+use self::process::{Participation, Process};
 pub(super) use self::timeouts::{Observation, StartStep};
 use super::error::MissionError;
 use super::plan::Launch;
 use scenario::OnFailure;
 
-/// Restarts of a process in one run; its next failure ends the run.
+/// Maximum number of restarts of a process in one run; the next failure ends the run.
 const MAX_RESTARTS: u32 = 5;
 /// Real time between the failure of a process and its restart.
-const RESTART_AFTER: Duration = Duration::from_millis(500);
+const RESTART_DELAY: Duration = Duration::from_millis(500);
 
-/// Something that happened to a process.
+/// Event of a process.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) enum Event {
-    /// It has ended, by itself or by [`Action::Kill`]; how, in words.
+    /// The process has ended, by itself or by [`Action::Kill`]; contains the description.
     Ended(String),
-    /// It does not answer, and the others wait for it or do without.
+    /// The process does not answer.
     Silent,
     /// It was not ready in time.
     NotReady,
-    /// It can be started again.
-    Due,
-    /// It could not be started again; why, in words.
+    /// The time of its restart has come.
+    RestartDue,
+    /// Its restart failed; contains the reason.
     NotStarted(String),
-    /// It was started again and takes part.
-    Back,
+    /// The process was restarted and takes part again.
+    Rejoined,
 }
 
-/// A failure of a process.
+/// Failure of a process.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) enum Failure {
-    /// It ended; how, in words.
+    /// It ended; contains the description.
     Exited(String),
     /// It did not answer for this long.
     Hung(Duration),
     /// It was not ready within this time.
     NotReady(Duration),
-    /// It could not be started again; why, in words.
+    /// Its restart failed; contains the reason.
     NotStarted(String),
 }
 
 impl Failure {
-    /// What happened to the process, as what follows its name.
-    fn words(&self) -> String {
+    /// Describes the failure in the words that follow the name of the process.
+    fn describe(&self) -> String {
         match self {
             Self::Exited(how) | Self::NotStarted(how) => how.clone(),
             Self::Hung(waited) => format!("did not answer for {waited:?} and was killed"),
@@ -62,45 +62,45 @@ impl Failure {
         }
     }
 
-    /// The error of a run that ends because of it.
+    /// Returns the error of a run that this failure ends.
     pub(super) fn into_error(
         self,
         name: String,
         tick: u64,
         when: String,
-        last_words: Vec<String>,
+        last_lines: Vec<String>,
     ) -> MissionError {
         match self {
             Self::Exited(how) | Self::NotStarted(how) => MissionError::Exited {
                 name,
                 how,
                 when,
-                last_words,
+                last_lines,
             },
             Self::Hung(waited) => MissionError::Hung {
                 name,
                 tick,
                 waited,
-                last_words,
+                last_lines,
             },
             Self::NotReady(waited) => MissionError::NotReady {
                 name,
                 waited,
-                last_words,
+                last_lines,
             },
         }
     }
 }
 
-/// The time at which an event is decided about.
+/// Time and progress at which an event is handled.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Moment {
     /// Real time.
     pub(super) now: Instant,
     /// Ticks that the simulator has posted.
     pub(super) posted: u64,
-    /// Ticks that the process of the event has done. After its end nobody gets past the tick that it owes until
-    /// it is marked dead.
+    /// Ticks that the process of the event has done. After its end, no process proceeds past the tick that it
+    /// owes until it is marked dead.
     pub(super) done: u64,
 }
 
@@ -110,46 +110,46 @@ impl Moment {
     }
 }
 
-/// What is to be done about a process.
+/// Action on a process.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) enum Action {
-    /// Kill it; [`Event::Ended`] follows.
+    /// Kill the process; [`Event::Ended`] follows.
     Kill,
-    /// Stop the world: it must not go on without the process.
+    /// Stop the world: it must not continue without the process.
     Stop,
-    /// Let the recorder take what the process has sent, then free what it holds on the bus. A sender with a full
-    /// buffer towards it waits until then.
+    /// Let the recorder receive all messages that the process has sent, then free its bus resources. A sender
+    /// with a full buffer towards it waits until then.
     FreeDead,
-    /// Take it out of the count of those that are waited for.
+    /// Exclude it from the barrier, so that no process waits for it.
     MarkDead,
-    /// Start it again in its place; what its predecessor held must be free.
+    /// Start it again in its slot; the resources of its predecessor must be free.
     Restart,
-    /// Say so in the log.
-    Tell {
+    /// Write a process event to the log.
+    Log {
         /// Kind of a [`ProcessEvent`].
         kind: u32,
-        /// The tick that it is about.
+        /// Tick of the event.
         tick: u64,
-        /// Failures of the process so far, this one included.
+        /// Number of failures of the process, including this one.
         failures: u32,
-        /// Why, in words.
+        /// Reason, in words.
         reason: String,
     },
-    /// Warn the user: what follows the name of the process.
+    /// Warn the user; contains the words that follow the name of the process.
     Warn(String),
-    /// End the run because of it.
+    /// End the run because of the process.
     End {
-        /// How it failed.
+        /// Failure of the process.
         failure: Failure,
         /// The last tick that was posted.
         tick: u64,
-        /// When, in words.
+        /// Time of the failure, in words.
         when: String,
     },
 }
 
-/// Processes of a run and what has happened to them. They are known by their place in the list that they were
-/// made of.
+/// States of the processes of a run, and of its supervision. A process is identified by its index in the list of
+/// launches.
 #[derive(Debug)]
 pub(super) struct State {
     in_lock_step: bool,
@@ -158,11 +158,11 @@ pub(super) struct State {
     has_begun: bool,
     last_posted: u64,
     last_progress: Instant,
-    has_lost: bool,
+    has_failures: bool,
 }
 
 impl State {
-    /// The state of these processes before time begins.
+    /// Creates the state of these processes before the first tick.
     pub(super) fn new(launches: &[Launch], in_lock_step: bool, hang_timeout: Duration) -> Self {
         let now = Instant::now();
         let processes = launches.iter();
@@ -175,11 +175,11 @@ impl State {
             has_begun: false,
             last_posted: 0,
             last_progress: now,
-            has_lost: false,
+            has_failures: false,
         }
     }
 
-    /// Time begins.
+    /// Starts to measure time, at the first tick.
     pub(super) fn begin(&mut self, now: Instant) {
         self.has_begun = true;
         self.last_progress = now;
@@ -188,36 +188,36 @@ impl State {
         }
     }
 
-    /// Whether a process has failed and the run went on.
-    pub(super) fn has_lost(&self) -> bool {
-        self.has_lost
+    /// Returns `true` if a process has failed and the run continued.
+    pub(super) fn has_failures(&self) -> bool {
+        self.has_failures
     }
 
-    /// Whether a process is to come back.
-    pub(super) fn is_expecting(&self) -> bool {
+    /// Returns `true` if a process is being restarted.
+    pub(super) fn is_restarting(&self) -> bool {
         let mut all = self.processes.iter();
         all.any(|p| {
             matches!(
-                p.standing,
-                Standing::Away { .. } | Standing::Starting { .. }
+                p.participation,
+                Participation::Failed { .. } | Participation::Starting { .. }
             )
         })
     }
 
-    /// Time that a process has to become ready.
+    /// Returns the time within which a process must become ready.
     fn ready_timeout(&self, index: usize) -> Duration {
         self.processes[index].ready_timeout
     }
 
-    /// Decides what to do about an event of a process.
+    /// Decides which actions an event of a process requires.
     pub(super) fn decide(&mut self, index: usize, event: Event, at: Moment) -> Vec<Action> {
         let ready_timeout = self.ready_timeout(index);
         let has_left = matches!(
-            self.processes[index].standing,
-            Standing::Away { .. } | Standing::Gone
+            self.processes[index].participation,
+            Participation::Failed { .. } | Participation::GivenUp
         );
         match event {
-            // It was given up before, and took its time to end.
+            // The process was given up before it ended.
             Event::Ended(_) if has_left => Vec::new(),
             Event::Ended(how) => {
                 let failure = self.processes[index].killed_for.take();
@@ -240,18 +240,18 @@ impl State {
                     self.fail(index, failure, false, at)
                 }
             }
-            Event::Due => {
+            Event::RestartDue => {
                 let until = at.now + ready_timeout;
-                self.processes[index].standing = Standing::Starting { until };
+                self.processes[index].participation = Participation::Starting { until };
                 vec![Action::FreeDead, Action::Restart]
             }
-            Event::Back => {
+            Event::Rejoined => {
                 let process = &mut self.processes[index];
-                process.standing = Standing::Present;
+                process.participation = Participation::Active;
                 (process.done, process.since) = (at.done, at.now);
                 vec![
-                    process.tell(ProcessEvent::BACK, at.posted, ""),
-                    Action::Warn(format!("is back from tick {} on", at.posted)),
+                    process.log_event(ProcessEvent::BACK, at.posted, ""),
+                    Action::Warn(format!("rejoined the run at tick {}", at.posted)),
                 ]
             }
         }
@@ -262,7 +262,7 @@ impl State {
         vec![Action::Kill]
     }
 
-    /// Reaction to the next failure of a process.
+    /// Returns the reaction to the next failure of a process.
     fn policy(&self, index: usize) -> OnFailure {
         let process = &self.processes[index];
         match process.on_failure {
@@ -281,18 +281,18 @@ impl State {
         } else {
             at.tick()
         };
-        let words = failure.words();
+        let words = failure.describe();
         let mut actions = Vec::new();
         if self.has_begun {
-            actions.push(process.tell(ProcessEvent::LEFT, left, &words));
+            actions.push(process.log_event(ProcessEvent::LEFT, left, &words));
         }
         if !self.has_begun || policy == OnFailure::Abort {
             if is_dead {
-                // Stopped first: nobody waits for the dead, and the world must not go on without.
+                // Stop first: no process waits for a dead one, and the world must not continue without it.
                 actions.extend([Action::Stop, Action::MarkDead, Action::FreeDead]);
             }
             let when = if self.has_begun {
-                format!("at tick {}{}", at.tick(), after(restarts))
+                format!("at tick {}{}", at.tick(), restart_count(restarts))
             } else {
                 "before it was ready".to_owned()
             };
@@ -304,33 +304,33 @@ impl State {
             });
             return actions;
         }
-        self.has_lost = true;
-        // Before it is marked: a sender with a full buffer towards it must not go on waiting.
+        self.has_failures = true;
+        // Must precede the mark: a sender with a full buffer towards it must not keep waiting.
         actions.push(Action::FreeDead);
-        let what_follows = if policy == OnFailure::Restart {
-            process.standing = Standing::Away {
-                due: at.now + RESTART_AFTER,
+        let reaction = if policy == OnFailure::Restart {
+            process.participation = Participation::Failed {
+                due: at.now + RESTART_DELAY,
             };
             let failures = process.failures;
             format!("it is started again, restart {failures} of {MAX_RESTARTS}")
         } else {
-            process.standing = Standing::Gone;
-            let so = if process.drives_robots {
-                "its robots stand still"
+            process.participation = Participation::GivenUp;
+            let consequence = if process.drives_robots {
+                "its robots stop"
             } else {
-                "the run goes on without it"
+                "the run continues without it"
             };
-            actions.push(process.tell(ProcessEvent::GIVEN_UP, left, so));
-            so.to_owned()
+            actions.push(process.log_event(ProcessEvent::GIVEN_UP, left, consequence));
+            consequence.to_owned()
         };
-        let warning = format!("{words} at tick {left}; {what_follows}");
+        let warning = format!("{words} at tick {left}; {reaction}");
         actions.extend([Action::Warn(warning), Action::MarkDead]);
         actions
     }
 }
 
-/// How often a process had been restarted, in words.
-fn after(restarts: u32) -> String {
+/// Describes in words how often a process was restarted.
+fn restart_count(restarts: u32) -> String {
     match restarts {
         0 => String::new(),
         1 => " after one restart".to_owned(),

@@ -1,4 +1,4 @@
-//! Why a run failed.
+//! Errors of a run.
 
 use std::time::Duration;
 
@@ -14,13 +14,13 @@ use super::run_directory::RunDirectoryError;
 use super::shm_usage::ShmFull;
 use recorder::RecorderError;
 
-/// Why a run failed.
+/// Error of a run.
 #[derive(Debug, thiserror::Error)]
 pub enum MissionError {
-    /// The run's directory cannot be had.
+    /// The run's directory cannot be created.
     #[error("run directory: {0}")]
     Space(#[from] RunDirectoryError),
-    /// The processes have no room for what they say.
+    /// Shared memory lacks room for the messages of the processes.
     #[error(transparent)]
     Room(#[from] ShmFull),
     /// The scenario cannot be launched.
@@ -53,46 +53,46 @@ pub enum MissionError {
     /// A system call failed.
     #[error("{what}: {source}")]
     System {
-        /// What was attempted.
+        /// Failed operation.
         what: String,
-        /// What the system said.
+        /// Error of the system.
         source: std::io::Error,
     },
-    /// A process ended before its time.
-    #[error("process {name} {how} {when}{words}", words = quoted(last_words))]
+    /// A process ended before the end of the run.
+    #[error("process {name} {how} {when}{words}", words = quoted(last_lines))]
     Exited {
         /// Name of the process.
         name: String,
-        /// Its exit status in words.
+        /// Exit status in words.
         how: String,
-        /// `before it was ready`, `at tick 17`.
+        /// Time of the end: `before it was ready`, `at tick 17`.
         when: String,
-        /// What it wrote to stderr last.
-        last_words: Vec<String>,
+        /// Last lines that it wrote to stderr.
+        last_lines: Vec<String>,
     },
     /// A process did not become ready.
-    #[error("process {name} was not ready within {waited:?}{words}", words = quoted(last_words))]
+    #[error("process {name} was not ready within {waited:?}{words}", words = quoted(last_lines))]
     NotReady {
         /// Name of the process.
         name: String,
-        /// How long it was waited for.
+        /// Time that the orchestrator waited.
         waited: Duration,
-        /// What it wrote to stderr last.
-        last_words: Vec<String>,
+        /// Last lines that it wrote to stderr.
+        last_lines: Vec<String>,
     },
-    /// A process is alive but no longer answers.
-    #[error("process {name} did not answer for {waited:?} at tick {tick}{words}", words = quoted(last_words))]
+    /// A process is alive but does not answer.
+    #[error("process {name} did not answer for {waited:?} at tick {tick}{words}", words = quoted(last_lines))]
     Hung {
         /// Name of the process.
         name: String,
-        /// The tick it owes.
+        /// Tick that it owes.
         tick: u64,
-        /// How long it was waited for.
+        /// Time that the orchestrator waited.
         waited: Duration,
-        /// What it wrote to stderr last.
-        last_words: Vec<String>,
+        /// Last lines that it wrote to stderr.
+        last_lines: Vec<String>,
     },
-    /// A run in one process cannot be had, or failed.
+    /// A run in one process is impossible or failed.
     #[error(transparent)]
     InProcess(#[from] InProcessError),
     /// The recorder's thread ended by a panic.
@@ -100,44 +100,44 @@ pub enum MissionError {
     RecorderLost,
 }
 
-/// Why a run in one process cannot be had, or failed.
+/// Error of a run in one process.
 #[derive(Debug, thiserror::Error)]
 pub enum InProcessError {
-    /// Time passes by the clock.
-    #[error("run.mode = \"real_time\": a run in one process knows \"lock_step\" only")]
+    /// The scenario has real-time mode.
+    #[error("run.mode = \"real_time\": a run in one process supports \"lock_step\" only")]
     RealTime,
-    /// A process is a program of the user's.
+    /// A process is an external program.
     #[error(
-        "processes.{name}.command: a program of its own cannot run inside this one; run it as \
+        "processes.{name}.command: an external program cannot run inside this one; run it as \
          processes, or give {name} a `kind`"
     )]
     External {
         /// Name of the process.
         name: String,
     },
-    /// The plan begins with another process than the simulator.
+    /// The plan does not begin with the simulator.
     #[error("the run has no simulator")]
     NoSimulator,
-    /// Processes need each other's output of the same tick.
+    /// Processes need each other's messages of the same tick.
     #[error("processes {} wait for each other", names.join(", "))]
     Circular {
-        /// Their names.
+        /// Names of the processes.
         names: Vec<String>,
     },
     /// A process failed.
     #[error("process {name} failed {when}: {source}")]
     Process {
-        /// Its name.
+        /// Name of the process.
         name: String,
-        /// `before the first tick`, `at tick 17`.
+        /// Time of the failure: `before the first tick`, `at tick 17`.
         when: String,
-        /// Why.
+        /// Cause.
         source: ProcessError,
     },
     /// A process panicked: a bug in Protean.
     #[error("a process of the run panicked: {message}")]
     Panicked {
-        /// What the panic said.
+        /// Message of the panic.
         message: String,
     },
 }
@@ -146,7 +146,7 @@ fn quoted(lines: &[String]) -> String {
     if lines.is_empty() {
         return String::new();
     }
-    let mut text = String::from("; it said last:");
+    let mut text = String::from("; its last output:");
     for line in lines {
         text.push_str("\n    ");
         text.push_str(line);

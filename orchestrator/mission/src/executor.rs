@@ -1,4 +1,4 @@
-//! Effects on the processes of a run: looks at them, and takes the actions that are decided about them.
+//! Execution of the supervisor's actions, and observation of the processes.
 
 use std::os::fd::BorrowedFd;
 use std::sync::Arc;
@@ -17,24 +17,24 @@ use super::process_log::ProcessEventLog;
 use super::resources::RunResources;
 use super::shm_usage;
 
-/// Processes of a run and everything that acts on them. They are known by their place among their launches.
+/// Processes of a run and the resources that control them. A process is identified by its index among the launches.
 pub(super) struct Executor<'a> {
     resources: &'a RunResources,
     launches: &'a [Launch],
     monitor: BarrierMonitor,
     bridge: Option<ExternalBridge>,
     processes: ProcessGroup,
-    /// Where events and lines go, if anywhere.
+    /// Destination of process events and output lines, if any.
     pub(super) log: Option<ProcessEventLog>,
-    /// Whether the lines of the processes are shown.
+    /// `true` to show the output lines of the processes.
     echo: bool,
 }
 
 impl<'a> Executor<'a> {
-    /// Gives each of these processes its slot at the barrier.
+    /// Assigns each of these processes its slot at the barrier.
     ///
     /// # Errors
-    /// [`MissionError`] if the turns of external programs cannot be bridged.
+    /// [`MissionError`] if the external bridge cannot be started.
     pub(super) fn new(
         resources: &'a RunResources,
         launches: &'a [Launch],
@@ -86,45 +86,45 @@ impl<'a> Executor<'a> {
         )
     }
 
-    /// Moves the run on.
+    /// Moves the run to its next phase.
     pub(super) fn enter(&self, phase: Phase) {
         self.monitor.set_phase(phase);
     }
 
-    /// The processes as they are now.
-    pub(super) fn see(&self) -> Vec<Observation> {
+    /// Observes the current state of the processes.
+    pub(super) fn observe(&self) -> Vec<Observation> {
         let barrier = self.monitor.barrier();
         let bridge = self.bridge.as_ref();
-        let see = |process: &RunningProcess| Observation {
+        let observe = |process: &RunningProcess| Observation {
             state: barrier.state(process.slot),
             done: barrier.ticks_done(process.slot),
             is_vacant: bridge.is_none_or(|bridge| bridge.is_vacant(process.slot)),
         };
-        self.processes.iter().map(see).collect()
+        self.processes.iter().map(observe).collect()
     }
 
-    /// The processes that have ended since the last look. What all have written by now goes to the log.
-    pub(super) fn ends(&mut self) -> Vec<(usize, Event)> {
+    /// Returns the processes that have ended since the last call, and forwards all output lines to the log.
+    pub(super) fn take_exits(&mut self) -> Vec<(usize, Event)> {
         self.forward_lines();
         let ended = |(index, process): (usize, &mut RunningProcess)| {
             let has_ended = process.check_exit();
-            has_ended.then(|| (index, Event::Ended(how_it_ended(process))))
+            has_ended.then(|| (index, Event::Ended(describe_end(process))))
         };
         let processes = self.processes.iter_mut().enumerate();
         processes.filter_map(ended).collect()
     }
 
-    /// Whether a process stands still by a signal or under a debugger.
+    /// Returns `true` if a signal or a debugger has stopped a process.
     pub(super) fn is_stopped(&self, index: usize) -> bool {
         self.processes[index].is_stopped()
     }
 
-    /// Ticks that have been posted.
+    /// Returns the number of posted ticks.
     pub(super) fn ticks_posted(&self) -> u64 {
         self.monitor.barrier().ticks_posted()
     }
 
-    /// Now, as a process sees it.
+    /// Returns the current time and the progress of a process.
     pub(super) fn moment(&self, index: usize) -> Moment {
         let barrier = self.monitor.barrier();
         Moment {
@@ -134,12 +134,12 @@ impl<'a> Executor<'a> {
         }
     }
 
-    /// Sleeps until a process has ended or `wake` is readable, at most for `timeout`.
+    /// Sleeps until a process has ended or `wake` is readable, for `timeout` at most.
     pub(super) fn sleep(&self, wake: Option<BorrowedFd<'_>>, timeout: Duration) {
         self.processes.sleep(wake, timeout);
     }
 
-    /// Takes an action about a process; the event that follows from it at once.
+    /// Takes an action on a process. Returns the event that it causes, if any.
     ///
     /// # Errors
     /// [`Action::End`] is the error that ends the run.
@@ -152,7 +152,7 @@ impl<'a> Executor<'a> {
         match action {
             Action::Kill => {
                 process.kill();
-                return Ok(Some(Event::Ended(how_it_ended(process))));
+                return Ok(Some(Event::Ended(describe_end(process))));
             }
             Action::Stop => self.monitor.set_phase(Phase::Stop),
             Action::FreeDead => {
@@ -166,10 +166,10 @@ impl<'a> Executor<'a> {
                 self.monitor.reset_slot(process.slot);
                 match self.launch(index) {
                     Ok(process) => self.processes[index] = process,
-                    Err(error) => return Ok(Some(Event::NotStarted(error.of_it()))),
+                    Err(error) => return Ok(Some(Event::NotStarted(error.reason()))),
                 }
             }
-            Action::Tell {
+            Action::Log {
                 kind,
                 tick,
                 failures,
@@ -193,14 +193,14 @@ impl<'a> Executor<'a> {
                 tick,
                 when,
             } => {
-                let (name, last_words) = (process.name.clone(), process.last_words());
-                return Err(failure.into_error(name, tick, when, last_words));
+                let (name, last_lines) = (process.name.clone(), process.last_lines());
+                return Err(failure.into_error(name, tick, when, last_lines));
             }
         }
         Ok(None)
     }
 
-    /// Ends all processes, and hands on what they wrote last.
+    /// Ends all processes and forwards their last output lines.
     pub(super) fn stop(&mut self) {
         self.monitor.set_phase(Phase::Stop);
         for name in self.processes.end() {
@@ -220,13 +220,13 @@ impl<'a> Executor<'a> {
         }
     }
 
-    /// The last tick that was posted.
+    /// Returns the last posted tick.
     fn tick(&self) -> u64 {
         self.ticks_posted().saturating_sub(1)
     }
 }
 
-fn how_it_ended(process: &RunningProcess) -> String {
+fn describe_end(process: &RunningProcess) -> String {
     process
         .exit
         .map_or_else(|| "ended".into(), shm_usage::explain_exit)

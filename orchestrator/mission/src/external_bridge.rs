@@ -1,11 +1,9 @@
-//! Turns for processes that do not know the tick barrier: executables of the user's, in any language
-//! that iceoryx2 speaks.
+//! Bridge between the tick barrier and external programs, in any language that iceoryx2 supports.
 //!
-//! A thread per such process waits at the tick barrier in its place and passes the turn on through two
-//! events: [`TURN_EVENT`] with the process's index says "your turn", the process answers each with
-//! [`DONE_EVENT`] and its index. The first answer comes unasked (ports open), the second answers
-//! the turn in which it connects its ports; then there is a turn per tick. [`END_OF_TURNS`] added to
-//! the index says that there are no more.
+//! One thread per external process waits at the tick barrier in its place and forwards each turn through two
+//! events. [`TURN_EVENT`] with the process's index starts a turn; the process answers each with [`DONE_EVENT`] and
+//! its index. It sends the first answer without a turn, when its ports are open. The second one answers the turn in
+//! which it connects its ports. After that, each tick is one turn. [`END_OF_TURNS`] added to the index marks the end.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -21,24 +19,24 @@ use super::child_process::Executable;
 use super::error::MissionError;
 use super::plan::Launch;
 
-/// How long what a process said last is waited for. (No time at all would be for ever.)
+/// Time to wait for answers left over from a process that has ended. (Zero would wait without limit.)
 const DRAIN: Duration = Duration::from_millis(1);
-/// How often a thread without a process looks whether one has come.
-const SOON: Duration = Duration::from_millis(5);
+/// Interval at which a thread without a process checks for a new one.
+const SUCCESSOR_POLL_INTERVAL: Duration = Duration::from_millis(5);
 
-/// The threads that take turns for others.
+/// Threads that wait at the barrier for external processes.
 #[derive(Debug)]
 pub struct ExternalBridge {
     threads: Vec<JoinHandle<Result<(), MissionError>>>,
     stop: Arc<AtomicBool>,
-    /// The slots whose processes are gone, as far as their threads have noticed.
+    /// Slots of the bridge, each with `true` once its thread has detected the end of its process.
     vacant: Vec<(usize, Arc<AtomicBool>)>,
-    /// Held while the bridge stands.
+    /// Topics of the two events, which exist as long as the bridge.
     events: Vec<TopicHolder>,
 }
 
 impl ExternalBridge {
-    /// Takes a slot for every external process among these. Call before they are started.
+    /// Assigns a slot to every external process among these. Must be called before they are started.
     ///
     /// # Errors
     /// [`MissionError`] if the events cannot be created.
@@ -79,7 +77,7 @@ impl ExternalBridge {
             let thread = std::thread::Builder::new()
                 .name(format!("bridge-{}", config.index))
                 .spawn(move || {
-                    // Ports belong to the thread that opened them.
+                    // Ports belong to the thread that opens them.
                     let bus = Bus::join(&space, options, "bridge")?;
                     let member = ExternalMember::open(&config, &bus, barrier, stop, vacant)?;
                     let _ = tell.send(());
@@ -90,14 +88,14 @@ impl ExternalBridge {
                     source,
                 })?;
             bridge.threads.push(thread);
-            // The listener must stand before its process can notify.
+            // The listener must exist before its process can notify.
             let _ = opened.recv();
         }
         Ok(bridge)
     }
 
-    /// Whether nobody waits for the process of a slot any more, so that its successor can be
-    /// started; always so for slots that are not the bridge's.
+    /// Returns `true` if no thread waits for the process of a slot, so that a successor can be started; always
+    /// `true` for slots outside the bridge.
     pub fn is_vacant(&self, slot: usize) -> bool {
         let mut members = self.vacant.iter();
         members
@@ -105,7 +103,7 @@ impl ExternalBridge {
             .is_none_or(|(_, vacant)| vacant.load(Ordering::SeqCst))
     }
 
-    /// Ends all threads; the run has reached [`Phase::Stop`].
+    /// Ends all threads; the run must have reached [`Phase::Stop`].
     ///
     /// # Errors
     /// The first failure of a thread.
@@ -124,7 +122,7 @@ impl ExternalBridge {
     }
 }
 
-/// One external process's place at the barrier.
+/// Place of one external process at the barrier.
 struct ExternalMember {
     member: BarrierMember,
     barrier: Arc<TickBarrier>,
@@ -160,8 +158,8 @@ impl ExternalMember {
         })
     }
 
-    /// Whether the process whose turns these were is gone.
-    fn is_lost(&self) -> bool {
+    /// Returns `true` if the process of this slot is dead.
+    fn is_dead(&self) -> bool {
         self.barrier.state(self.index) == SlotState::Dead
     }
 
@@ -169,7 +167,7 @@ impl ExternalMember {
         self.stop.load(Ordering::SeqCst) || self.barrier.phase() == Phase::Stop
     }
 
-    /// Waits for the process's answer; false if the run stops first.
+    /// Waits for the process's answer. Returns `false` if the run stops first.
     fn answered(&self) -> Result<bool, MissionError> {
         loop {
             let mut answered = false;
@@ -178,7 +176,7 @@ impl ExternalMember {
             if answered {
                 return Ok(true);
             }
-            if self.stopping() || self.is_lost() {
+            if self.stopping() || self.is_dead() {
                 return Ok(false);
             }
         }
@@ -189,14 +187,14 @@ impl ExternalMember {
         while result.is_ok() && self.wait_for_successor()? {
             result = self.take_turns();
         }
-        // The process may be gone already; then nobody hears it.
+        // If the process has ended, the event has no listener.
         let _ = self.turn.notify(self.index + END_OF_TURNS);
         result
     }
 
-    /// Waits for the process that takes the slot after one that is gone; false if the run stops.
+    /// Waits for the successor of a process that has ended. Returns `false` if the run stops.
     fn wait_for_successor(&self) -> Result<bool, MissionError> {
-        // What the last one said is not for the next one's turns.
+        // Answers of the predecessor must not count for turns of the successor.
         self.done.wait(DRAIN, |_| {})?;
         self.vacant.store(true, Ordering::SeqCst);
         loop {
@@ -207,8 +205,8 @@ impl ExternalMember {
                 self.vacant.store(false, Ordering::SeqCst);
                 return Ok(true);
             }
-            // Its first answer waits at the listener.
-            std::thread::park_timeout(SOON);
+            // Its first answer stays at the listener.
+            std::thread::park_timeout(SUCCESSOR_POLL_INTERVAL);
         }
     }
 
@@ -228,12 +226,12 @@ impl ExternalMember {
         if !self.answered()? {
             return Ok(());
         }
-        let on = || !self.stopping() && !self.is_lost();
+        let on = || !self.stopping() && !self.is_dead();
         if joins_late && !self.member.join(on) {
             return Ok(());
         }
         self.member.set_state(SlotState::Connected);
-        // Whatever the process does with the map, it does in its first turn.
+        // The process does all its preparation in its first turn.
         if self
             .member
             .wait_for_phase(Phase::Prepare, || !self.stopping())
@@ -246,7 +244,7 @@ impl ExternalMember {
             0
         };
         loop {
-            if self.is_lost() {
+            if self.is_dead() {
                 return Ok(());
             }
             let turn = match self.clock {

@@ -1,4 +1,4 @@
-//! The fields of view of a run, which viewers and reports draw.
+//! The fields of view of a run, drawn by viewers and reports.
 
 use geometry::visibility::polygon::SightLimits;
 use runtime::kind::ViewSpec;
@@ -7,7 +7,7 @@ use sim_backend::spec::RobotSpec;
 use sim_backend::team::Team;
 use viewer::{FieldOfView, ViewOrigin};
 
-/// The fields of view of a scenario's processes.
+/// Returns the fields of view of a scenario's processes.
 pub fn of_scenario(scenario: &ResolvedScenario) -> Vec<FieldOfView> {
     let robots = &scenario.world.robots;
     let lookouts = scenario.processes.iter().filter_map(|process| {
@@ -17,8 +17,8 @@ pub fn of_scenario(scenario: &ResolvedScenario) -> Vec<FieldOfView> {
     fields_of_view(robots, lookouts)
 }
 
-/// The fields of view of these processes, each with its name. Without any, the Police are drawn as if
-/// they saw all round and without limits.
+/// Returns the fields of view of these processes, each with a name. If no process has one, the Police have an
+/// unlimited view in all directions.
 pub fn fields_of_view<'a>(
     robots: &[RobotSpec],
     lookouts: impl IntoIterator<Item = (&'a str, ViewSpec)>,
@@ -31,7 +31,7 @@ pub fn fields_of_view<'a>(
         let same = |field: &FieldOfView| {
             field.origin == origin && field.range == range && field.angle == angle
         };
-        // What is seen twice from one place is drawn once.
+        // Equal fields of one place are drawn once.
         if !fields.iter().any(same) {
             fields.push(FieldOfView {
                 name: format!("seen by {from}{by}"),
@@ -106,7 +106,7 @@ mod tests {
     }
 
     #[test]
-    fn an_observer_looks_from_its_places_and_not_at_all_if_it_is_told_everything() {
+    fn an_observer_has_viewpoints_unless_it_has_exact_positions() {
         assert_eq!(names("patrol_square", &[]), [""; 0]);
         let places = "processes.observer.params.from_points=[[1.0, 0.5], [1.0, 0.5]]";
         assert_eq!(

@@ -1,4 +1,4 @@
-//! One process of a run: what it is, what it is told, and how it is supervised.
+//! One process of a run: its program, configuration and supervision.
 
 use runtime::config::{ProcessConfig, RunConfig, document};
 use runtime::kind::{Need, Product};
@@ -11,10 +11,10 @@ use super::obstacle_schedule;
 use scenario::kind::ConfiguredKind;
 use scenario::{Program, ResolvedScenario, Supervision};
 
-/// What a process is in its run, with its parameters.
+/// Role of a process in its run, with its parameters.
 #[derive(Debug, Clone)]
 pub enum Role {
-    /// The world, which leads the loop of the others.
+    /// The simulator of the world, which leads the tick barrier.
     Simulator(Box<SimulatorParams>),
     /// A process of the scenario.
     Process(Program),
@@ -23,18 +23,18 @@ pub enum Role {
 /// One process to be started.
 #[derive(Debug, Clone)]
 pub struct Launch {
-    /// What it is.
+    /// Role of the process.
     pub role: Role,
-    /// What it is told beside its parameters.
+    /// Configuration beside its parameters.
     pub config: ProcessConfig,
-    /// Whether other processes wait for it.
+    /// `true` if other processes wait for it.
     pub watched: bool,
-    /// How it is looked after.
+    /// Supervision of the process.
     pub supervision: Supervision,
 }
 
 impl Launch {
-    /// Its kind, if it is one that scenarios name.
+    /// Returns its kind, if it is a kind of scenarios.
     pub fn kind(&self) -> Option<&ConfiguredKind> {
         match &self.role {
             Role::Simulator(_) => None,
@@ -42,12 +42,12 @@ impl Launch {
         }
     }
 
-    /// Whether it makes something for others; of a program of the user's that is not known.
+    /// Returns `true` if it makes this product for others; always `false` for an external program.
     pub fn makes(&self, product: Product) -> bool {
         self.kind().is_some_and(|kind| kind.kind().makes(product))
     }
 
-    /// What is executed.
+    /// Returns the program to execute.
     pub fn executable(&self) -> Executable {
         match &self.role {
             Role::Process(Program::Command { words, .. }) => Executable::Command(words.clone()),
@@ -58,7 +58,7 @@ impl Launch {
     }
 }
 
-/// As the process reads it from its configuration.
+/// Writes the configuration as the process reads it.
 impl Serialize for Launch {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         match &self.role {
@@ -70,7 +70,7 @@ impl Serialize for Launch {
     }
 }
 
-/// The processes of a scenario in their order, the simulator first.
+/// Returns the processes of a scenario in their order; the simulator comes first.
 ///
 /// # Errors
 /// [`ObstacleMessageError`] if a change of an obstacle does not fit its message.
@@ -86,7 +86,7 @@ pub(super) fn launches(
     let mut launches = vec![simulator(scenario, run)?];
     launches.extend(processes().map(|(process, index)| {
         let kind = process.program.kind();
-        // What a program of the user's reads is not known: it gets its turn when everything is there.
+        // The inputs of an external program are unknown: it steps after all possible inputs.
         let needs_belief = kind.is_none_or(|kind| kind.needs(Need::Belief));
         Launch {
             role: Role::Process(process.program.clone()),
@@ -137,7 +137,7 @@ fn simulator(scenario: &ResolvedScenario, run: &RunConfig) -> Result<Launch, Obs
             upstream: Vec::new(),
         },
         watched: false,
-        // Without the world there is no run.
+        // A run needs its simulator.
         supervision: Supervision {
             ready_timeout_s: scenario.run.ready_timeout_s,
             ..Supervision::default()

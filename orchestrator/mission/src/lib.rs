@@ -1,12 +1,12 @@
-//! One run, from the resolved scenario to the summary: processes are started, supervised, recorded and ended, and
-//! nothing is left behind.
+//! Execution of one run, from the resolved scenario to the summary: starts, supervises, records and ends its
+//! processes, and removes all its resources.
 //!
-//! * [`plan`], `launch`, `obstacle_schedule`: what every process is told;
-//! * [`run_directory`], `resources`, `shm_usage`, `orphans`: what a run uses, and what is found of others;
+//! * [`plan`], `launch`, `obstacle_schedule`: configuration of every process;
+//! * [`run_directory`], `resources`, `shm_usage`, `orphans`: resources of a run, and of abandoned runs;
 //! * [`child_process`], `stderr_lines`, [`process_group`], `external_bridge`: processes and their turns;
-//! * `supervisor`, `decide`, `executor`, `process_log`: what happens to them, and what is done about it;
+//! * `supervisor`, `decide`, `executor`, `process_log`: events of processes and the reactions;
 //! * `recording`, [`fields_of_view`], `recorder_thread`, `progress`, [`report`]: log, display and summary;
-//! * `run`: a run whose processes are processes of the system; [`in_process`]: one in a thread of this process.
+//! * `run`: a run with operating-system processes; [`in_process`]: a run in one thread of this process.
 
 #![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
 #![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]

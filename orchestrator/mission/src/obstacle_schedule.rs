@@ -6,16 +6,16 @@ use simulator::event_schedule::{Due, PlannedChange};
 
 use scenario::{EventSpec, Moment};
 
-/// A change of an obstacle whose tick is known beforehand.
+/// A change of an obstacle at a tick known in advance.
 #[derive(Debug, Clone)]
 pub struct ScheduledChange {
-    /// Tick at whose start it is applied.
+    /// Tick at whose start the change is applied.
     pub tick: u64,
     /// The change.
     pub event: ObstacleEvent,
 }
 
-/// The changes whose ticks are known beforehand, by tick.
+/// Returns the changes at ticks known in advance, by tick.
 pub(super) fn scheduled(
     events: &[EventSpec],
     tick_period_ns: u64,
@@ -36,14 +36,14 @@ pub(super) fn scheduled(
         .collect()
 }
 
-/// The first tick at or after a time (s).
+/// Returns the first tick at or after a time (s).
 fn first_tick(time_s: f64, tick_period_ns: u64) -> u64 {
     (time_s * 1e9 / tick_period_ns as f64 - 1e-9)
         .ceil()
         .max(0.0) as u64
 }
 
-/// The event schedule of the simulator: all changes of the obstacles that wait for a robot with one of theirs.
+/// Returns the simulator's event schedule: all changes of obstacles with a change that waits for a robot.
 pub(super) fn event_schedule(
     events: &[EventSpec],
     tick_period_ns: u64,
@@ -53,7 +53,7 @@ pub(super) fn event_schedule(
         .filter(|event| event.in_turn)
         .filter_map(|event| Some((event, event.change()?)))
         .map(|(event, change)| {
-            // It must fit its message when its time comes.
+            // The change must fit its message when it happens.
             obstacle::to_message(&change)?;
             Ok(PlannedChange {
                 obstacle: event.obstacle.clone(),
@@ -88,7 +88,7 @@ mod tests {
     }
 
     #[test]
-    fn events_come_at_the_first_tick_at_or_after_their_time() {
+    fn events_happen_at_the_first_tick_at_or_after_their_time() {
         let ticks = |dt: &str| -> Vec<u64> {
             let dt = format!("run.dt={dt}");
             plan(&[&dt])
@@ -106,7 +106,7 @@ mod tests {
         let when = "{ robot = \"evader_1\", within = 0.8, of = [4.5, 3.0] }";
         let plan = plan(&[
             "run.dt=0.3",
-            // The third event goes by what a robot does instead of its time.
+            // The third event waits for a condition of a robot instead of a time.
             &format!(
                 "events.2={{ when = {when}, after_s = 1.0, action = \"move\", obstacle = \
                      \"road_works\", shape = {{ circle = {{ center = [4.5, 3.0], radius = 0.4 }} }} }}"

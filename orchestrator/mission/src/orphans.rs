@@ -1,11 +1,10 @@
-//! Processes that outlive the process that started them: found by their environment or their parent, and
+//! Orphans: processes that outlive their parent. They are identified by their environment or their parent, and
 //! killed.
 //!
-//! Every process of a run is told the place of its configuration by an environment variable, which
-//! whatever it starts inherits: it names the run, also when the orchestrator is gone. An external program can
-//! besides start processes with another environment. The orchestrator is therefore a "child subreaper": it
-//! becomes the parent of every process below it whose own parent ends, and kills its last children when its
-//! last run ends.
+//! Every process of a run has an environment variable with the path of its configuration, and all its descendants
+//! inherit it. The variable identifies the run, also after the end of the orchestrator. An external program can start
+//! processes with another environment. The orchestrator is therefore a "child subreaper": it becomes the parent of
+//! every descendant whose own parent ends, and kills its last children when its last run ends.
 
 use std::os::fd::{AsFd as _, OwnedFd};
 use std::path::{Path, PathBuf};
@@ -19,20 +18,20 @@ use rustix::process::{
     set_child_subreaper, waitid,
 };
 
-/// Environment variable that tells every process of a run where its configuration lies.
+/// Environment variable with the path of a process's configuration.
 pub const CONFIG_VARIABLE: &str = "PROTEAN_CONFIG";
 
-/// Most searches for processes that still live.
-const SEARCHES: u32 = 16;
-/// Time for processes that were killed to be gone. What the system does not end by then (a process of
-/// another user, one in the middle of a broken device) is not waited for.
-const GONE_WITHIN: Duration = Duration::from_secs(2);
+/// Maximum number of searches for living processes.
+const MAX_SEARCHES: u32 = 16;
+/// Maximum time until killed processes are gone. A process that the system does not end by then (of another user,
+/// or in an operation of a broken device) is ignored.
+const EXIT_TIMEOUT: Duration = Duration::from_secs(2);
 
-/// The runs of this process, and whether it is the parent of their orphans.
+/// Runs of this process, and its children if it is a subreaper.
 struct Runs {
     /// Runs that may have processes.
     running: u32,
-    /// Children that this process had when it became a subreaper; absent before that. They are not killed.
+    /// Children that this process had when it became a subreaper; `None` before that. They are not killed.
     before: Option<Vec<i32>>,
 }
 
@@ -50,11 +49,11 @@ pub(super) fn begin_run() {
     runs().running += 1;
 }
 
-/// Makes this process the parent of all orphans below it. Call before an external program is started.
+/// Makes this process the parent of all orphans below it. Must be called before an external program is started.
 ///
 /// # Errors
-/// What the system says.
-pub(super) fn adopt() -> std::io::Result<()> {
+/// The error of the system.
+pub(super) fn become_subreaper() -> std::io::Result<()> {
     let mut runs = runs();
     if runs.before.is_none() {
         set_child_subreaper(Some(getpid()))?;
@@ -63,7 +62,7 @@ pub(super) fn adopt() -> std::io::Result<()> {
     Ok(())
 }
 
-/// Kills what external programs of a run have left behind, once the processes of the run have ended.
+/// Kills the orphans of a run's external programs, after the processes of the run have ended.
 pub(super) fn end_run(root: &Path) {
     let mut runs = runs();
     runs.running = runs.running.saturating_sub(1);
@@ -71,9 +70,9 @@ pub(super) fn end_run(root: &Path) {
         return;
     };
     kill_run(root);
-    // Children without the variable can be any run's. The lock keeps others from starting some meanwhile.
+    // Children without the variable may belong to any run. The lock prevents other runs from starting meanwhile.
     if runs.running == 0 {
-        let deadline = Instant::now() + GONE_WITHIN;
+        let deadline = Instant::now() + EXIT_TIMEOUT;
         kill_until_none(deadline, || {
             let mut children = children();
             children.retain(|pid| !before.contains(pid));
@@ -82,24 +81,24 @@ pub(super) fn end_run(root: &Path) {
     }
 }
 
-/// Kills every process of a run that still lives; their ids.
+/// Kills every living process of a run and returns their ids.
 pub(super) fn kill_run(root: &Path) -> Vec<u32> {
     kill_all(|config| config.parent() == Some(root))
 }
 
-/// Kills every process that was given the configuration with this path.
+/// Kills every process with this configuration.
 pub(super) fn kill_with_config(config: &Path) {
     kill_all(|its| its == config);
 }
 
-/// Kills every process whose configuration is one of these; their ids, sorted.
+/// Kills every process whose configuration satisfies `is_wanted`; returns their ids, sorted.
 fn kill_all(is_wanted: impl Fn(&Path) -> bool) -> Vec<u32> {
     let is_wanted = |pid: i32| {
         proc::variable(pid, CONFIG_VARIABLE).is_some_and(|its| is_wanted(&PathBuf::from(its)))
     };
     let mut killed = Vec::new();
-    // One that was just starting another may have escaped the first search.
-    for _ in 0..SEARCHES {
+    // A process that is starting another may have hidden it from the first search.
+    for _ in 0..MAX_SEARCHES {
         let found: Vec<i32> = proc::all()
             .map(|stat| stat.pid)
             .filter(|pid| !killed.contains(pid) && is_wanted(*pid))
@@ -109,7 +108,7 @@ fn kill_all(is_wanted: impl Fn(&Path) -> bool) -> Vec<u32> {
         }
         let mut ends = Vec::new();
         for pid in found {
-            // Asked once more now that its number cannot become another's.
+            // Checked again: the descriptor prevents the reuse of the id.
             if let Some(end) = open(pid).filter(|_| is_wanted(pid))
                 && pidfd_send_signal(&end, Signal::KILL).is_ok()
             {
@@ -117,14 +116,14 @@ fn kill_all(is_wanted: impl Fn(&Path) -> bool) -> Vec<u32> {
                 ends.push(end);
             }
         }
-        await_ends(&ends, Instant::now() + GONE_WITHIN);
+        await_ends(&ends, Instant::now() + EXIT_TIMEOUT);
     }
     let mut killed: Vec<u32> = killed.into_iter().map(i32::unsigned_abs).collect();
     killed.sort_unstable();
     killed
 }
 
-/// Kills processes until none is found: the children of one that was killed are found next.
+/// Kills processes until none is found: each search finds the children of the killed processes.
 fn kill_until_none(deadline: Instant, find: impl Fn() -> Vec<i32>) {
     loop {
         let ends: Vec<OwnedFd> = find().into_iter().filter_map(open).collect();
@@ -142,19 +141,19 @@ fn open(pid: i32) -> Option<OwnedFd> {
     pidfd_open(Pid::from_raw(pid)?, PidfdFlags::empty()).ok()
 }
 
-/// Waits until processes that were killed are gone, and reaps those that are children of this process.
+/// Waits until killed processes have ended, and reaps the children of this process among them.
 fn await_ends(ends: &[OwnedFd], deadline: Instant) {
     for end in ends {
         let left = deadline.saturating_duration_since(Instant::now());
         let left = Timespec::try_from(left).unwrap_or_default();
-        // A signal only shortens this.
+        // A signal only shortens the wait.
         let _ = poll(&mut [PollFd::new(end, PollFlags::IN)], Some(&left));
         let options = WaitIdOptions::EXITED | WaitIdOptions::NOHANG;
         let _ = waitid(WaitId::PidFd(end.as_fd()), options);
     }
 }
 
-/// The children of this process, those that have ended included.
+/// Returns the children of this process, including those that have ended.
 fn children() -> Vec<i32> {
     let this = getpid().as_raw_nonzero().get();
     let all = proc::all();

@@ -1,4 +1,4 @@
-//! From a resolved scenario to what every process of the run is told.
+//! Conversion of a resolved scenario into the configuration of every process of the run.
 
 use std::path::{Path, PathBuf};
 
@@ -21,17 +21,17 @@ use super::{launch, obstacle_schedule};
 use scenario::spec::{self, Mode};
 use scenario::{Program, ResolvedScenario};
 
-/// Most bytes that the beliefs waiting for the recorder may take in shared memory.
-const RECORDER_MEMORY: usize = 256 << 20;
-/// Ticks that the recorder may lag behind when messages are small.
-const RECORDER_TICKS: usize = 256;
-/// Real seconds that the recorder may lag behind in real time.
-const RECORDER_SECONDS: f64 = 2.0;
+/// Maximum size of the beliefs that wait for the recorder in shared memory (bytes).
+const MAX_RECORDER_MEMORY: usize = 256 << 20;
+/// Maximum lag of the recorder for small messages (ticks).
+const MAX_RECORDER_TICKS: usize = 256;
+/// Maximum lag of the recorder in real-time mode (s of real time).
+const MAX_RECORDER_SECONDS: f64 = 2.0;
 
-/// Why a scenario cannot be launched.
+/// Error of planning a run.
 #[derive(Debug, thiserror::Error)]
 pub enum PlanError {
-    /// The map cannot be built. The scenario was checked: only a changed file can cause it.
+    /// The map cannot be built. The scenario was checked, so that only a changed file can be the cause.
     #[error(transparent)]
     Map(#[from] geometry::map::MapError),
     /// An obstacle event does not fit its message.
@@ -39,24 +39,22 @@ pub enum PlanError {
     Obstacle(#[from] ObstacleMessageError),
 }
 
-/// Everything that a run needs to start.
+/// Complete input of a run's start.
 #[derive(Debug, Clone)]
 pub struct Plan {
-    /// What all processes share.
+    /// Configuration that all processes share.
     pub run: RunConfig,
-    /// The processes; the index in this list is the process's index in the run. The simulator is
-    /// the first.
+    /// The processes; the index in this list is the process's index in the run. The simulator is first.
     pub launches: Vec<Launch>,
-    /// The obstacle changes whose ticks are known, by tick; the others are on the simulator's
-    /// event schedule.
+    /// Obstacle changes at known ticks, by tick; the others are on the simulator's event schedule.
     pub obstacle_changes: Vec<ScheduledChange>,
-    /// The obstacles that stand from the beginning, for viewers.
+    /// Obstacles at the start of the run, for viewers.
     pub standing: Vec<ObstacleEvent>,
 }
 
 impl Plan {
-    /// Has the world keep to a pace in lock-step (simulated s/s).
-    pub fn keep_pace(&mut self, pace: f64) {
+    /// Limits the speed of the world in lock-step (simulated s/s).
+    pub fn limit_pace(&mut self, pace: f64) {
         if let Some(simulator) = self.launches.first_mut() {
             simulator.config.run.pace = Some(pace);
         }
@@ -65,7 +63,7 @@ impl Plan {
     /// Plans a run of the scenario in a directory.
     ///
     /// # Errors
-    /// [`PlanError`] if map or events cannot be told to the processes.
+    /// [`PlanError`] if the map is invalid or an event does not fit its message.
     pub fn new(
         scenario: &ResolvedScenario,
         root: &Path,
@@ -80,7 +78,7 @@ impl Plan {
             ..run_config(scenario, &map)
         };
         let obstacle_changes = obstacle_schedule::scheduled(&scenario.events, run.tick_period_ns)?;
-        // A standing polygon with more corners than a message holds is drawn by the map alone.
+        // A polygon with more corners than a message can contain is drawn by the map alone.
         let standing = map
             .obstacles()
             .iter()
@@ -101,10 +99,10 @@ impl Plan {
         })
     }
 
-    /// Sends the obstacle changes whose ticks are known beforehand.
+    /// Sends the obstacle changes at ticks known in advance.
     ///
     /// # Errors
-    /// [`SendError`] if the bus refuses.
+    /// [`SendError`] if the bus refuses a message.
     pub(crate) fn send_obstacle_changes(
         &self,
         obstacles: &Publisher<ObstacleEvents>,
@@ -118,7 +116,7 @@ impl Plan {
         Ok(())
     }
 
-    /// The simulator with its parameters, and the processes that follow it.
+    /// Returns the simulator with its parameters, and the other processes.
     pub fn split_simulator(&self) -> Option<(&Launch, &SimulatorParams, &[Launch])> {
         let (leader, followers) = self.launches.split_first()?;
         match &leader.role {
@@ -127,18 +125,18 @@ impl Plan {
         }
     }
 
-    /// Index under which the orchestrator itself sends.
+    /// Returns the index of the orchestrator as a sender.
     pub fn orchestrator_index(&self) -> u32 {
         self.launches.len() as u32
     }
 
-    /// Whether the run has somebody who makes plans on request.
+    /// Returns `true` if a process of the run makes plans on request.
     pub fn serves_plans(&self) -> bool {
         self.launches.iter().any(|l| l.makes(Product::Plans))
     }
 
-    /// Whether the robot with this index may visit waypoints: by the kind of its process; a program
-    /// of the user's own may.
+    /// Returns `true` if the robot with this index may visit waypoints. The kind of its process decides; an external
+    /// program may.
     pub fn visits_waypoints(&self, robot: u32) -> bool {
         let mut drivers = self
             .launches
@@ -147,7 +145,7 @@ impl Plan {
         drivers.any(|launch| launch.kind().is_none() || launch.makes(Product::Waypoints))
     }
 
-    /// Whether the beliefs of a tick are input of a process.
+    /// Returns `true` if the beliefs of a tick are input of a process.
     pub fn reads_beliefs(&self, index: usize) -> bool {
         self.launches
             .get(index)
@@ -155,7 +153,7 @@ impl Plan {
     }
 }
 
-/// What all processes of a run of this scenario share, but for its place.
+/// Returns the configuration that all processes of a run of this scenario share, except its directory.
 fn run_config(scenario: &ResolvedScenario, map: &WorldMap) -> RunConfig {
     let particles = scenario.processes.iter().map(|p| match &p.program {
         Program::Kind(kind) => kind.belief_particles(),
@@ -199,7 +197,7 @@ fn run_config(scenario: &ResolvedScenario, map: &WorldMap) -> RunConfig {
     }
 }
 
-/// Particles per belief that the parameters of a program of the user's ask for.
+/// Returns the number of particles per belief that the parameters of an external program request.
 fn particles(params: &Json) -> usize {
     params
         .pointer("/filter/particles")
@@ -210,19 +208,19 @@ fn particles(params: &Json) -> usize {
 
 fn recorder_ticks(clock: Clock, scenario: &ResolvedScenario, particles: usize) -> usize {
     let per_tick = scenario.world.robots.len().max(1) * particles * 16;
-    let fitting = RECORDER_MEMORY
+    let fitting = MAX_RECORDER_MEMORY
         .checked_div(per_tick)
-        .unwrap_or(RECORDER_TICKS);
+        .unwrap_or(MAX_RECORDER_TICKS);
     match clock {
-        Clock::LockStep => fitting.clamp(8, RECORDER_TICKS),
+        Clock::LockStep => fitting.clamp(8, MAX_RECORDER_TICKS),
         Clock::RealTime { factor, .. } => {
-            let ticks = RECORDER_SECONDS * factor / scenario.run.dt;
+            let ticks = MAX_RECORDER_SECONDS * factor / scenario.run.dt;
             fitting.clamp(8, (ticks as usize).clamp(64, 4096))
         }
     }
 }
 
-/// The first processor that this process may use.
+/// Returns the first processor that this process may use.
 fn first_processor() -> u32 {
     rustix::thread::sched_getaffinity(None).map_or(0, |set| {
         (0..rustix::thread::CpuSet::MAX_CPU)
@@ -243,7 +241,7 @@ mod tests {
     }
 
     #[test]
-    fn the_simulator_comes_first_and_knows_who_drives_whom() {
+    fn the_simulator_comes_first_with_the_driver_of_each_robot() {
         let plan = plan("chase", &[]);
         assert_eq!(plan.launches[0].config.kind, "simulator");
         let Role::Simulator(params) = &plan.launches[0].role else {
@@ -262,7 +260,7 @@ mod tests {
     #[test]
     fn every_process_that_a_scenario_may_have_gets_a_slot() {
         use runtime::lockstep::TickBarrier;
-        let prefix = format!("protean_seats{}_", std::process::id());
+        let prefix = format!("protean_slots{}_", std::process::id());
         let barrier = TickBarrier::create(&prefix, spec::MAX_PROCESSES + 1);
         let path = TickBarrier::path_for(&prefix);
         let found = barrier.map(|barrier| barrier.processes());
@@ -271,7 +269,7 @@ mod tests {
     }
 
     #[test]
-    fn pursuers_that_go_by_beliefs_wait_for_perception_and_others_do_not() {
+    fn only_pursuers_that_use_beliefs_wait_for_perception() {
         let by_belief = plan("chase", &[]);
         for launch in &by_belief.launches {
             let waits = launch.config.kind == "pursuer";
@@ -296,7 +294,7 @@ mod tests {
             let set = format!("processes.perception.params.filter.particles={n}");
             plan("chase", &[&set]).run.recorder_ticks
         };
-        assert_eq!(ticks(400), RECORDER_TICKS as u32);
+        assert_eq!(ticks(400), MAX_RECORDER_TICKS as u32);
         assert_eq!(ticks(1_000_000), 8);
     }
 }

@@ -1,4 +1,4 @@
-//! Running processes of one run: awaited together, ended together.
+//! The running processes of one run, awaited and ended together.
 
 use std::fs::OpenOptions;
 use std::io::Write as _;
@@ -13,37 +13,37 @@ use serde::Serialize;
 
 use super::child_process::{ChildError, Executable, RunningProcess, sleep_until_readable};
 
-/// Time that processes have to end by themselves.
-const END_WITHIN: Duration = Duration::from_secs(3);
-/// Time that they have to end after SIGTERM.
-const TERM_WITHIN: Duration = Duration::from_secs(1);
-/// Time for the system to end those that are killed.
-const KILL_WITHIN: Duration = Duration::from_secs(3);
-/// Time between two looks at what is awaited.
-const LOOK: Duration = Duration::from_millis(1);
+/// Maximum time for processes to end by themselves.
+const END_TIMEOUT: Duration = Duration::from_secs(3);
+/// Maximum time for processes to end after SIGTERM.
+const TERM_TIMEOUT: Duration = Duration::from_secs(1);
+/// Maximum time for the system to end killed processes.
+const KILL_TIMEOUT: Duration = Duration::from_secs(3);
+/// Interval between two checks of an awaited condition.
+const POLL_INTERVAL: Duration = Duration::from_millis(1);
 
-/// Processes of a run, in the order in which they were started; they are ended when this is dropped.
+/// Processes of a run, in the order of their start. Dropping the group ends them.
 #[derive(Debug, Default)]
 pub struct ProcessGroup(Vec<RunningProcess>);
 
-/// Why what was awaited of a group did not come.
+/// Error of waiting for a group.
 #[derive(Debug, thiserror::Error)]
 pub enum AwaitError {
-    /// A process ended before.
-    #[error("{name} ended: {}", last_words.join(" / "))]
+    /// A process ended before the awaited condition.
+    #[error("{name} ended: {}", last_lines.join(" / "))]
     Ended {
-        /// Its name.
+        /// Name of the process.
         name: String,
-        /// What it wrote to stderr last.
-        last_words: Vec<String>,
+        /// Last lines that it wrote to stderr.
+        last_lines: Vec<String>,
     },
-    /// It took too long.
+    /// The time limit has passed.
     #[error("the processes are not ready within {0:?}")]
     TooSlow(Duration),
 }
 
 impl ProcessGroup {
-    /// Writes the configuration of a process below `root` and starts it in the next slot, its stderr shown.
+    /// Writes the configuration of a process below `root` and starts it in the next slot, with its stderr shown.
     ///
     /// # Errors
     /// [`ChildError`] names the process and the reason.
@@ -67,10 +67,10 @@ impl ProcessGroup {
         self.0.push(process);
     }
 
-    /// Fails if a process has ended since the last look.
+    /// Fails if a process has ended since the last check.
     ///
     /// # Errors
-    /// [`AwaitError::Ended`] names it.
+    /// [`AwaitError::Ended`] contains its name.
     pub fn check(&mut self) -> Result<(), AwaitError> {
         let ended = self.0.iter_mut().find_map(|process| {
             let has_ended = process.check_exit();
@@ -79,12 +79,12 @@ impl ProcessGroup {
         ended.map_or(Ok(()), |process| {
             Err(AwaitError::Ended {
                 name: process.name.clone(),
-                last_words: process.last_words(),
+                last_lines: process.last_lines(),
             })
         })
     }
 
-    /// Waits until `done`.
+    /// Waits until `done` returns `true`.
     ///
     /// # Errors
     /// [`AwaitError`] if a process ends before, or it takes longer than `limit`.
@@ -99,25 +99,25 @@ impl ProcessGroup {
             if Instant::now() > deadline {
                 return Err(AwaitError::TooSlow(limit));
             }
-            std::thread::sleep(LOOK);
+            std::thread::sleep(POLL_INTERVAL);
         }
         Ok(())
     }
 
-    /// Sleeps until a process has ended or `wake` is readable, at most for `timeout`.
+    /// Sleeps until a process has ended or `wake` is readable, for `timeout` at most.
     pub(super) fn sleep(&self, wake: Option<BorrowedFd<'_>>, timeout: Duration) {
         let ends = self.0.iter().filter_map(RunningProcess::end);
         sleep_until_readable(ends.chain(wake), timeout);
     }
 
-    /// Ends all processes: waits for them to end by themselves, then asks with SIGTERM, then kills. Returns
-    /// the names of those that had to be killed.
+    /// Ends all processes: waits for them to end by themselves, then sends SIGTERM, then kills them. Returns the
+    /// names of the killed ones.
     pub(super) fn end(&mut self) -> Vec<String> {
         let mut killed = Vec::new();
         for (signal, time) in [
-            (None, END_WITHIN),
-            (Some(Signal::TERM), TERM_WITHIN),
-            (Some(Signal::KILL), KILL_WITHIN),
+            (None, END_TIMEOUT),
+            (Some(Signal::TERM), TERM_TIMEOUT),
+            (Some(Signal::KILL), KILL_TIMEOUT),
         ] {
             for process in &mut self.0 {
                 process.check_exit();
@@ -132,7 +132,7 @@ impl ProcessGroup {
             }
             self.wait_for_ends(Instant::now() + time);
         }
-        // Their stdin closes now: while it is open a process knows that the orchestrator is there.
+        // This closes their stdin, whose end tells a process that the orchestrator has ended.
         self.0.clear();
         killed
     }
@@ -171,7 +171,7 @@ impl Drop for ProcessGroup {
     }
 }
 
-/// Writes the configuration of a process, for the current user only.
+/// Writes the configuration of a process, readable by the current user only.
 ///
 /// # Errors
 /// [`ChildError`] names the process and the reason.
@@ -192,12 +192,13 @@ pub fn write_config(
     };
     write().map_err(|source| ChildError {
         name: name.to_owned(),
-        what: "cannot be given its configuration",
+        what: "cannot get its configuration",
         source,
     })
 }
 
-/// Where the configuration of a process lies. Process names may hold anything: the slot makes the name of the file.
+/// Returns the path of a process's configuration. The file name contains the slot, since process names may contain
+/// any character.
 pub(super) fn config_path(root: &Path, slot: usize) -> PathBuf {
     root.join(format!("process-{slot}.json"))
 }

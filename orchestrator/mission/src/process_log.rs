@@ -1,4 +1,4 @@
-//! Messages of the supervisor for the log: which processes left and came back, and what all of them wrote to stderr.
+//! Messages of the supervisor for the log: exits and restarts of processes, and their stderr.
 
 use std::sync::Arc;
 use std::sync::mpsc::{self, Receiver, SyncSender};
@@ -12,17 +12,17 @@ use ipc_types::topics::{ProcessEvents, ProcessLog};
 use super::error::MissionError;
 use super::recorder_thread::DrainRequests;
 use super::resources::RunResources;
-use super::stderr_lines::{StderrLine, TEXT_BYTES};
+use super::stderr_lines::{MAX_TEXT_BYTES, StderrLine};
 
-/// Lines that may wait for the supervisor's next look.
+/// Maximum number of lines that wait for the next check of the supervisor.
 const MAX_WAITING: usize = 4096;
-/// Most lines that are sent at one look, so that a process that writes without end does not keep the supervisor from
-/// the others.
+/// Maximum number of lines sent in one check, so that a process that writes without end does not delay the
+/// supervision of the others.
 const MAX_AT_ONCE: usize = 1024;
-/// Longest wait for a subscriber without room before a line is left out.
-const PATIENCE: Duration = Duration::from_millis(100);
+/// Maximum wait for a subscriber without room; after that the line is dropped.
+const MAX_WAIT: Duration = Duration::from_millis(100);
 
-/// The publishers of process events and lines, and the recorder that takes them.
+/// Publishers of process events and lines, and access to the recorder.
 pub(super) struct ProcessEventLog {
     events: Publisher<ProcessEvents>,
     lines: Publisher<ProcessLog>,
@@ -33,23 +33,23 @@ pub(super) struct ProcessEventLog {
 }
 
 impl ProcessEventLog {
-    /// Opens the topics; `recorder` is to take what a process has sent before it is cleaned up.
+    /// Opens the topics. `recorder` receives all messages of a process before its resources are freed.
     ///
     /// # Errors
-    /// [`MissionError`] if they cannot be opened.
+    /// [`MissionError`] if the topics cannot be opened.
     pub(super) fn open(
         resources: &RunResources,
         recorder: Arc<DrainRequests>,
     ) -> Result<Self, MissionError> {
         let (bus, plan) = (&resources.bus, &resources.plan);
         let options = |capacity: usize| PublisherOptions {
-            patience: PATIENCE,
+            patience: MAX_WAIT,
             ..PublisherOptions::new(plan.orchestrator_index(), capacity)
         };
         let (line_sender, line_receiver) = mpsc::sync_channel(MAX_WAITING);
         Ok(Self {
             events: bus.publisher(options(1))?,
-            lines: bus.publisher(options(TEXT_BYTES))?,
+            lines: bus.publisher(options(MAX_TEXT_BYTES))?,
             line_receiver,
             line_sender,
             recorder,
@@ -63,12 +63,12 @@ impl ProcessEventLog {
         Ok(self.lines.update_connections()?)
     }
 
-    /// The sender for the lines of the processes.
+    /// Returns the sender for the output lines of the processes.
     pub(super) fn line_sender(&self) -> SyncSender<StderrLine> {
         self.line_sender.clone()
     }
 
-    /// Lets the recorder take what has been sent.
+    /// Lets the recorder receive all messages sent so far.
     pub(super) fn drain(&self) {
         self.recorder.drain();
     }
@@ -81,7 +81,7 @@ impl ProcessEventLog {
         }
     }
 
-    /// Sends the lines that came, in tick `tick`.
+    /// Sends the received lines in tick `tick`.
     pub(super) fn forward_lines(&self, tick: u64) {
         for line in self.line_receiver.try_iter().take(MAX_AT_ONCE) {
             let header = LogHeader {
@@ -89,13 +89,12 @@ impl ProcessEventLog {
                 process: line.slot as u32,
                 level: level_of(&line.text),
             };
-            // A log that lacks a line is no reason to end a run, and a recorder that has failed
-            // ends it by itself.
+            // A missing line in the log does not justify ending the run. A failed recorder ends the run itself.
             let _ = self.lines.send(header, line.text.as_bytes());
         }
     }
 
-    /// Sends an event of a process, in tick `now`.
+    /// Sends an event of a process in tick `now`.
     pub(super) fn publish_event(&self, now: u64, event: ProcessEvent) {
         let stamp = self.stamp(now);
         if let Err(error) = self.events.send(PlainHeader { stamp }, &[event]) {
@@ -104,7 +103,7 @@ impl ProcessEventLog {
     }
 }
 
-/// How severe a line is, by its first word as our own processes write it.
+/// Returns the severity of a line, by the first word as Protean's processes write it.
 fn level_of(line: &str) -> u32 {
     match line.split_whitespace().next().unwrap_or_default() {
         "TRACE" | "DEBUG" => 1,
@@ -121,7 +120,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn levels_are_those_of_our_own_processes_lines() {
+    fn levels_follow_the_first_word_of_a_line() {
         assert_eq!(level_of(" WARN the map has too many pieces"), 3);
         assert_eq!(level_of("ERROR it is the turn of tick 3"), 4);
         assert_eq!(level_of("thread 'main' panicked at src/x.rs:3:1:"), 4);

@@ -1,4 +1,4 @@
-//! What a person sees while a run goes on: a line that moves on a terminal, plain lines elsewhere.
+//! Progress display of a run: a progress bar on a terminal, plain lines elsewhere.
 
 use std::io::IsTerminal as _;
 use std::time::{Duration, Instant};
@@ -10,10 +10,10 @@ use ipc_types::topics::{TopicId, WorldEvents};
 use platform::eprintln;
 use platform::progress;
 
-/// How often a plain line is written when stderr is not a terminal.
-const PLAIN_EVERY: Duration = Duration::from_secs(5);
+/// Interval between plain lines if stderr is not a terminal.
+const PLAIN_INTERVAL: Duration = Duration::from_secs(5);
 
-/// Shows how far a run is.
+/// Display of a run's progress.
 #[derive(Debug)]
 pub struct Progress {
     bar: ProgressBar,
@@ -23,7 +23,7 @@ pub struct Progress {
 }
 
 impl Progress {
-    /// Progress towards the time limit (s), if there is one; `quiet` shows nothing.
+    /// Creates the display up to the time limit (s), if there is one; `quiet` shows nothing.
     pub fn new(limit_s: Option<f64>, quiet: bool) -> Self {
         let terminal = std::io::stderr().is_terminal();
         let limit = limit_s.filter(|limit| limit.is_finite());
@@ -38,7 +38,7 @@ impl Progress {
         }
     }
 
-    /// A handle that writes events above the bar, for the recorder's thread.
+    /// Returns a printer for the recorder's thread that writes events above the bar.
     pub fn events(&self, robots: Vec<String>, quiet: bool) -> EventPrinter {
         EventPrinter {
             bar: self.bar.clone(),
@@ -54,19 +54,19 @@ impl Progress {
         self.bar.set_position((time_s * 1e3) as u64);
         self.bar
             .set_message(format!("t = {time_s:.1} s  ({factor:.0}x real time)"));
-        if self.plain && self.last_plain.elapsed() >= PLAIN_EVERY {
+        if self.plain && self.last_plain.elapsed() >= PLAIN_INTERVAL {
             self.last_plain = Instant::now();
             eprintln!("t = {time_s:.1} s  ({factor:.0}x real time)");
         }
     }
 
-    /// Takes the bar away.
+    /// Removes the bar.
     pub fn finish(&self) {
         self.bar.finish_and_clear();
     }
 }
 
-/// Writes what happens as it is recorded.
+/// Printer of events as they are recorded.
 #[derive(Debug)]
 pub struct EventPrinter {
     bar: ProgressBar,
@@ -80,8 +80,8 @@ impl EventPrinter {
         self.robots.get(robot as usize).map_or("?", String::as_str)
     }
 
-    /// The event in words; `None` for those that only fill the screen.
-    fn words(&self, event: &WorldEvent) -> Option<String> {
+    /// Describes an event in words; `None` for events that are too frequent to show.
+    fn describe(&self, event: &WorldEvent) -> Option<String> {
         let robot = self.name(event.robot);
         Some(match WorldEvent::name_of(event.kind) {
             "captured" => format!("{robot} caught by {}", self.name(event.other)),
@@ -117,7 +117,7 @@ impl Consumer for EventPrinter {
 
 impl EventPrinter {
     fn print(&self, time_s: f64, event: &WorldEvent) {
-        if let Some(words) = self.words(event) {
+        if let Some(words) = self.describe(event) {
             let line = format!("{time_s:8.2} s  {words}");
             if self.plain {
                 eprintln!("{line}");

@@ -1,4 +1,4 @@
-//! The recorder of a run in a thread of its own, which sleeps at the tick barrier until there is something to record.
+//! The recorder of a run in its own thread, which sleeps at the tick barrier until there are messages to record.
 
 use std::os::fd::OwnedFd;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -15,42 +15,44 @@ use super::progress::EventPrinter;
 use super::resources::RunResources;
 use recorder::{Recorder, RecorderError, Recording, Summary, Wakeup};
 
-/// Requests to the recorder to take what has been sent, out of its turn. It sleeps for many ticks, and what a dead
-/// process has sent goes when the process is cleaned up, unless the recorder has connected to it before.
+/// Requests to the recorder to receive all messages immediately. The recorder sleeps for many ticks. The messages
+/// of a dead process are lost when its resources are freed, unless the recorder has connected to it before.
 #[derive(Debug, Default)]
 pub(super) struct DrainRequests {
     asked: AtomicU64,
     answered: AtomicU64,
-    /// Whether the recorder is at work.
+    /// `true` while the recorder receives messages.
     open: AtomicBool,
 }
 
 impl DrainRequests {
-    /// Longest wait for the recorder, which may be writing to a slow disk.
-    const PATIENCE: Duration = Duration::from_secs(5);
-    /// Time between two looks for its answer.
-    const LOOK: Duration = Duration::from_micros(200);
+    /// Maximum wait for the recorder, which may be writing to a slow disk.
+    const MAX_WAIT: Duration = Duration::from_secs(5);
+    /// Interval between two checks for its answer.
+    const POLL_INTERVAL: Duration = Duration::from_micros(200);
 
-    /// Returns when the recorder has taken everything that had been sent before, or when it is not at work.
+    /// Returns when the recorder has received all messages sent before, or when it does not run.
     pub(super) fn drain(&self) {
         let call = self.asked.fetch_add(1, Ordering::SeqCst) + 1;
-        let deadline = Instant::now() + Self::PATIENCE;
+        let deadline = Instant::now() + Self::MAX_WAIT;
         while self.answered.load(Ordering::SeqCst) < call && self.open.load(Ordering::SeqCst) {
             if Instant::now() >= deadline {
-                tracing::warn!("the recorder does not answer: last words of a process may be lost");
+                tracing::warn!(
+                    "the recorder does not answer: the last messages of a process may be lost"
+                );
                 return;
             }
-            std::thread::park_timeout(Self::LOOK);
+            std::thread::park_timeout(Self::POLL_INTERVAL);
         }
     }
 
-    /// The recorder begins, or ends, to take what is sent.
+    /// Marks the start or the end of the time in which the recorder receives messages.
     fn open(&self, open: bool) {
         self.open.store(open, Ordering::SeqCst);
     }
 }
 
-/// Lets the recorder sleep until there is something to record, and hold the simulator back.
+/// Wakeup of the recorder when there are messages to record; also makes the simulator wait for it.
 #[derive(Debug, Clone)]
 struct BarrierWakeup {
     monitor: BarrierMonitor,
@@ -60,7 +62,7 @@ struct BarrierWakeup {
 }
 
 impl BarrierWakeup {
-    /// A wakeup over the barrier; `ended` is set once no process of the run sends any more.
+    /// Creates a wakeup over the barrier; `ended` is set once no process of the run sends messages.
     fn new(
         monitor: BarrierMonitor,
         clock: Clock,
@@ -84,8 +86,8 @@ impl Wakeup for BarrierWakeup {
         if self.clock != Clock::LockStep
             && let Some(tick) = self.monitor.completed_tick()
         {
-            // In real time nothing waits for the log: the recorder is woken for what it has not
-            // taken, not for what is not written.
+            // In real-time mode no process waits for the log: the recorder wakes for messages that it has not received,
+            // not for messages that are not written.
             self.monitor.recorded(tick);
         }
         self.monitor.wait_for_records(timeout);
@@ -120,14 +122,14 @@ pub(super) struct RecorderThread {
     thread: JoinHandle<Result<Summary, RecorderError>>,
     connect: mpsc::Sender<()>,
     connected: mpsc::Receiver<()>,
-    /// Set once nobody sends any more.
+    /// Set once no process sends messages.
     ended: Arc<AtomicBool>,
-    /// Readable when the thread has ended.
+    /// Descriptor that is readable when the thread has ended.
     pub(super) wake: OwnedFd,
 }
 
 impl RecorderThread {
-    /// Starts the thread, which answers `requests`; returns once its subscriptions stand.
+    /// Starts the thread, which answers `requests`; returns once its subscriptions exist.
     ///
     /// # Errors
     /// [`MissionError`] if the system refuses.
@@ -157,14 +159,14 @@ impl RecorderThread {
         let thread = std::thread::Builder::new()
             .name("recorder".into())
             .spawn(move || {
-                // Closed when the thread ends, however it ends: that wakes the supervisor.
+                // The end of the thread for any reason closes it, which wakes the supervisor.
                 let _wake = ended_end;
-                // The ports of the bus belong to the thread that opened them.
+                // Ports of the bus belong to the thread that opens them.
                 let bus =
                     Bus::join(&space, bus_options, "recorder").map_err(RecorderError::Subscribe)?;
                 let recorder = Recorder::open(&bus, recording)?;
                 let _ = tell.send(());
-                // Both channels end when the run ends before it began.
+                // Both channels close if the run ends before its first tick.
                 if do_connect.recv().is_ok() {
                     recorder.update_connections()?;
                 }
@@ -182,26 +184,26 @@ impl RecorderThread {
             ended,
             wake,
         };
-        // Its subscriptions must stand before anybody sends.
+        // Its subscriptions must exist before the first message is sent.
         let _ = recorder.connected.recv();
         Ok(recorder)
     }
 
-    /// Whether the thread has ended; why is in its result.
+    /// Returns `true` if the thread has ended; its result contains the cause.
     pub(super) fn is_finished(&self) -> bool {
         self.thread.is_finished()
     }
 
-    /// Connects to all publishers, which exist by now.
+    /// Connects to all publishers, which must exist.
     pub(super) fn connect(&self) {
         let _ = self.connect.send(());
         let _ = self.connected.recv();
     }
 
-    /// Says that nobody sends any more, and waits for the summary.
+    /// Marks the end of all messages and waits for the summary.
     ///
     /// # Errors
-    /// What the recorder failed with.
+    /// The error of the recorder.
     pub(super) fn finish(self) -> Result<Summary, MissionError> {
         self.ended.store(true, Ordering::SeqCst);
         drop(self.connect);
@@ -226,7 +228,7 @@ mod tests {
             scope.spawn(|| {
                 while requests.open.load(Ordering::SeqCst) {
                     let asked = requests.asked.load(Ordering::SeqCst);
-                    // The look.
+                    // The check of the thread that requests.
                     if called.load(Ordering::SeqCst) {
                         seen.fetch_add(1, Ordering::SeqCst);
                     }
@@ -235,10 +237,10 @@ mod tests {
             });
             called.store(true, Ordering::SeqCst);
             requests.drain();
-            assert!(seen.load(Ordering::SeqCst) > 0, "answered without a look");
+            assert!(seen.load(Ordering::SeqCst) > 0, "answered without a check");
             requests.open(false);
         });
-        // A recorder that has ended is not waited for.
+        // A request to a recorder that has ended returns at once.
         requests.drain();
     }
 }

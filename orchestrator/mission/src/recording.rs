@@ -1,4 +1,4 @@
-//! The recording of a run: its log, and what stands at its head.
+//! The recording of a run: its log and the metadata of the log.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -17,19 +17,19 @@ use scenario::ResolvedScenario;
 use scenario::spec;
 use viewer::{ViewerOptions, viewer_topics};
 
-/// Directory of logs without a name of their own.
+/// Directory of logs without a given path.
 const DIRECTORY: &str = "logs";
 
-/// The file that a log is written to.
+/// File of a log.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct LogFile<'a> {
-    /// Its path; a free one in `logs/` if not said.
+    /// Path of the log; `None` selects a free path in `logs/`.
     pub(super) path: Option<&'a Path>,
-    /// Whether it may be overwritten.
+    /// `true` if the file may be overwritten.
     pub(super) force: bool,
 }
 
-/// Begins to record a run, into a log if one is wanted; the mirror gets what goes into the log.
+/// Starts recording a run, into a log if requested; the observer gets each message that is written to the log.
 ///
 /// # Errors
 /// [`MissionError`] if the log cannot be created.
@@ -58,8 +58,8 @@ pub(super) fn create(
     Ok(recording.with_log(writer, viewer_topics(&run, &viewer))?)
 }
 
-/// Creates the log. Without a name of its own it takes the first free one, also when another run
-/// takes names at the same time.
+/// Creates the log. Without a given path it takes the first free one, also if another run selects a path at the
+/// same time.
 fn create_log(
     scenario: &ResolvedScenario,
     run: &RunInfo,
@@ -80,13 +80,13 @@ fn create_log(
             Some(path) => path.to_owned(),
             None => free_path(&scenario.name, scenario.run.seed).map_err(|source| {
                 MissionError::System {
-                    what: "cannot make the directory logs".into(),
+                    what: "cannot create the directory logs".into(),
                     source,
                 }
             })?,
         };
         match LogWriter::create(&path, &options, &manifest) {
-            // Another run took the name at the same moment: take the next.
+            // Another run took the path at the same moment: try the next one.
             Err(LogWriteError::Exists { .. } | LogWriteError::InUse { .. })
                 if log.path.is_none() => {}
             result => return Ok(result?),
@@ -94,10 +94,10 @@ fn create_log(
     }
 }
 
-/// A path in `logs/` that nothing has yet: `<scenario>-<seed>.mcap`, or with a number behind.
+/// Returns a free path in `logs/`: `<scenario>-<seed>.mcap`, or with a number appended.
 ///
-/// Two runs may choose the same name at the same moment; the recorder creates the file exclusively
-/// and the loser asks again.
+/// Two runs may select the same path at the same moment. The recorder creates the file exclusively, and the other
+/// run tries again.
 fn free_path(scenario: &str, seed: u64) -> std::io::Result<PathBuf> {
     std::fs::create_dir_all(DIRECTORY)?;
     let stem = format!("{scenario}-{seed}");
@@ -114,7 +114,7 @@ fn free_path(scenario: &str, seed: u64) -> std::io::Result<PathBuf> {
         .ok_or_else(|| std::io::ErrorKind::AlreadyExists.into())
 }
 
-/// What stands at the head of the log.
+/// Returns the metadata of the log.
 fn manifest(scenario: &ResolvedScenario, run: &RunInfo, plan: &Plan) -> Manifest {
     let toml = scenario.to_toml();
     let entries = BTreeMap::from([
@@ -153,7 +153,7 @@ fn manifest(scenario: &ResolvedScenario, run: &RunInfo, plan: &Plan) -> Manifest
     }
 }
 
-/// The run as the recorder knows it.
+/// Returns the description of the run for the recorder.
 fn run_info(plan: &Plan) -> RunInfo {
     RunInfo {
         processes: processes(plan),
@@ -162,7 +162,7 @@ fn run_info(plan: &Plan) -> RunInfo {
     }
 }
 
-/// All that send: the processes and the orchestrator.
+/// Returns all senders: the processes and the orchestrator.
 pub fn processes(plan: &Plan) -> Vec<ProcessInfo> {
     let mut processes: Vec<ProcessInfo> = plan
         .launches
@@ -184,7 +184,7 @@ pub fn processes(plan: &Plan) -> Vec<ProcessInfo> {
     processes
 }
 
-/// The robots as the recorder knows them.
+/// Returns the robots for the recorder.
 pub fn robots(plan: &Plan) -> Vec<RobotInfo> {
     let robots = plan.run.robots.iter().zip(0..);
     robots

@@ -1,28 +1,28 @@
-//! The report of a run that has ended.
+//! The report of a completed run.
 
 use viewer::LiveTotals;
 
 use recorder::Summary;
 use scenario::spec::Mode;
 
-/// How a run went.
+/// Result of a run.
 #[derive(Debug, Clone)]
 pub struct MissionReport {
-    /// What the log holds.
+    /// Summary of the log.
     pub summary: Summary,
-    /// Real time from the first tick to the last (s).
+    /// Real time from the first tick to the last one (s).
     pub wall_time_s: f64,
     /// Real time from the call to the first tick (s).
     pub start_up_s: f64,
-    /// Whether it was ended from outside.
+    /// `true` if the caller ended the run.
     pub interrupted: bool,
-    /// Whether a process failed and the run went on.
-    pub has_lost: bool,
-    /// What live viewers got, if they were served.
+    /// `true` if a process failed and the run continued.
+    pub has_failures: bool,
+    /// Totals of the live viewers, if the run served any.
     pub live: Option<LiveTotals>,
 }
 
-/// Name of a mode in logs.
+/// Returns the name of a mode in logs.
 pub fn mode_name(mode: Mode) -> &'static str {
     match mode {
         Mode::LockStep => "lock_step",

@@ -1,4 +1,4 @@
-//! Resources that the processes of a run share: directory, bus, topics and tick barrier.
+//! Shared resources of the processes of a run: directory, bus, topics and tick barrier.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -15,16 +15,16 @@ use super::run_directory::{self, RunDirectory};
 use super::shm_usage;
 use scenario::ResolvedScenario;
 
-/// The shared resources of a run; they are removed when this is dropped.
+/// Shared resources of a run. Dropping them removes them.
 pub struct RunResources {
-    /// What the processes are to do.
+    /// Plan of the run.
     pub plan: Plan,
-    /// The orchestrator's connection to the topics.
+    /// Connection of the orchestrator to the topics.
     pub bus: Bus,
-    /// The barrier by which the processes take turns.
+    /// Tick barrier of the processes.
     pub barrier: Arc<TickBarrier>,
     topics: Vec<TopicHolder>,
-    // Last: nothing of the run may be in use when it is wiped.
+    // Must be last: all resources of the run must be closed before it is removed.
     directory: RunDirectory,
 }
 
@@ -38,8 +38,8 @@ impl RunResources {
         log_level: &str,
         bus: impl FnOnce(BusOptions) -> BusOptions,
     ) -> Result<Self, MissionError> {
-        // What a killed orchestrator left behind goes now; a failure to do so concerns this run only
-        // if it cannot have a directory of its own, which is said below.
+        // Removes the remains of killed orchestrators. A failure matters only if this run gets no directory, which
+        // `create` reports.
         let _ = run_directory::clean();
         shm_usage::check_start()?;
         let directory = RunDirectory::create()?;
@@ -57,12 +57,12 @@ impl RunResources {
         })
     }
 
-    /// The directory of the run.
+    /// Returns the directory of the run.
     pub fn root(&self) -> &Path {
         self.directory.space().root()
     }
 
-    /// Whether any process listens to a topic of the run.
+    /// Returns `true` if a process outside the run subscribes to a topic of the run.
     pub fn has_listeners(&self) -> bool {
         self.topics.iter().any(|topic| topic.listeners() > 0)
     }

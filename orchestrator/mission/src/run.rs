@@ -25,34 +25,34 @@ use super::shm_usage;
 use super::supervisor::Supervisor;
 use scenario::ResolvedScenario;
 
-/// How a run is done.
+/// Options of a run.
 #[derive(Debug, Clone, Default)]
 pub struct MissionOptions {
-    /// Where the log goes; `logs/<scenario>-<seed>.mcap` if not said.
+    /// Path of the log; default `logs/<scenario>-<seed>.mcap`.
     pub out: Option<PathBuf>,
-    /// Whether an existing log may be overwritten.
+    /// `true` if an existing log may be overwritten.
     pub force: bool,
-    /// Whether no log is kept: the summary is the same, but for its log.
+    /// `true` to write no log; the summary is the same except the path of the log.
     pub without_log: bool,
-    /// Whether nothing but errors is shown.
+    /// `true` to show errors only.
     pub quiet: bool,
-    /// Least severe level that the processes log.
+    /// Minimum severity of the processes' log lines.
     pub log_level: String,
-    /// Port on which live viewers are served, if they are; 0 is any that is free. There must be a
-    /// log: viewers see what goes into it.
+    /// Port of the live server, if requested; 0 selects a free port. It needs a log, since viewers get the messages
+    /// that are written to the log.
     pub live: Option<u16>,
-    /// Simulated seconds per second that a run in lock-step keeps to; as fast as it can without.
-    /// Its history stays the same.
+    /// Maximum speed of a run in lock-step (simulated s/s); without it the run is as fast as possible. Its history
+    /// stays the same.
     pub pace: Option<f64>,
-    /// Set from outside (Ctrl-C) to end the run in order.
+    /// Set by the caller (Ctrl-C) to end the run in order.
     pub interrupted: Arc<AtomicBool>,
 }
 
 /// Runs a scenario to its end.
 ///
 /// # Errors
-/// [`MissionError`]; the log holds everything up to then, and no process, shared memory or
-/// directory of the run remains.
+/// [`MissionError`]. The log contains all messages up to the error. No process, shared memory or directory of the
+/// run remains.
 ///
 /// ```no_run
 /// use mission::{MissionOptions, run};
@@ -76,15 +76,15 @@ pub fn run(
     };
     let live = options.live.map(LiveServer::start).transpose()?;
     if let Some(live) = &live {
-        // Shown however quiet the run is: without it nobody can look.
+        // Shown also in quiet mode, since viewers need the address.
         eprintln!("live: {}", live.url());
     }
     let mut resources = RunResources::create(scenario, log_level, |bus| bus)?;
     if let Some(pace) = options.pace {
-        resources.plan.keep_pace(pace);
+        resources.plan.limit_pace(pace);
     }
     let mirror = live.as_ref().map(|live| Box::new(live.tap()) as _);
-    // Maps in shared memory are never known from another run.
+    // A map in shared memory never has digest prefixes of another run.
     let log = (!options.without_log).then_some(LogFile {
         path: options.out.as_deref(),
         force: options.force,
@@ -116,15 +116,15 @@ pub fn run(
     supervisor.stop();
     active.progress.finish();
     let recorded = recorder.finish();
-    let has_lost = supervisor.has_lost();
-    // Kept until the recorder has taken what it said last.
+    let has_failures = supervisor.has_failures();
+    // Dropped only after the recorder has received its last messages.
     drop(supervisor);
     drop(resources);
     let live = live.map(LiveServer::finish);
-    // A failed recorder is the cause rather than the consequence of anything else.
+    // A failure of the recorder is the cause of other failures, not their consequence.
     let mut summary = recorded?;
     if first_tick.is_none() && !options.without_log {
-        // Nothing happened: a log without a tick would only look like a run.
+        // No tick has happened: remove the empty log.
         let _ = std::fs::remove_file(&summary.log);
         summary.log = PathBuf::new();
     }
@@ -132,28 +132,28 @@ pub fn run(
         summary,
         wall_time_s,
         start_up_s,
-        interrupted: ended? == Ended::Interrupted,
-        has_lost,
+        interrupted: ended? == EndCause::Interrupted,
+        has_failures,
         live,
     })
 }
 
-/// Time without progress after which a process counts as hung: a tick that is not due is no silence.
+/// Returns the time without progress after which a process counts as hung; it includes the wait for a due tick.
 fn hang_timeout(scenario: &ResolvedScenario, pace: Option<f64>) -> Duration {
     let ticks_s = pace.map_or(0.0, |pace| 2.0 * scenario.run.dt / pace);
     Duration::from_secs_f64(scenario.run.hang_timeout_s + ticks_s)
 }
 
-/// Why a run ends, if nothing fails.
+/// Cause of the end of a run without failures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Ended {
-    /// The game is over, or the recorder has ended: why is in its result.
+enum EndCause {
+    /// The game is over, or the recorder has ended; its result contains the cause.
     Over,
-    /// From outside.
+    /// The caller interrupted the run.
     Interrupted,
 }
 
-/// A run that goes on.
+/// A run in progress.
 struct ActiveRun<'a> {
     resources: &'a RunResources,
     interrupted: &'a AtomicBool,
@@ -164,21 +164,21 @@ struct ActiveRun<'a> {
 }
 
 impl ActiveRun<'_> {
-    /// From the first process to the end of the game.
-    fn execute(&mut self, supervisor: &mut Supervisor<'_>) -> Result<Ended, MissionError> {
+    /// Executes the run from the start of its processes to the end of the game.
+    fn execute(&mut self, supervisor: &mut Supervisor<'_>) -> Result<EndCause, MissionError> {
         let (bus, plan) = (&self.resources.bus, &self.resources.plan);
         let options = PublisherOptions::new(plan.orchestrator_index(), 1);
         let control: Publisher<Control> = bus.publisher(options)?;
         let obstacles: Publisher<ObstacleEvents> = bus.publisher(options)?;
         if !supervisor.start(self.interrupted)? || !supervisor.connect(self.interrupted)? {
-            return Ok(Ended::Interrupted);
+            return Ok(EndCause::Interrupted);
         }
         control.update_connections()?;
         obstacles.update_connections()?;
         self.recorder.connect();
         plan.send_obstacle_changes(&obstacles)?;
         if !supervisor.prepare(self.interrupted)? {
-            return Ok(Ended::Interrupted);
+            return Ok(EndCause::Interrupted);
         }
         let rate = match plan.run.clock {
             Clock::LockStep => 0.0,
@@ -199,8 +199,8 @@ impl ActiveRun<'_> {
         self.supervise(supervisor)
     }
 
-    /// Watches the run until the game is over, the run is interrupted, or something fails.
-    fn supervise(&mut self, supervisor: &mut Supervisor<'_>) -> Result<Ended, MissionError> {
+    /// Supervises the run until the game is over, the run is interrupted, or a process fails.
+    fn supervise(&mut self, supervisor: &mut Supervisor<'_>) -> Result<EndCause, MissionError> {
         let barrier = &self.resources.barrier;
         loop {
             let ticks = barrier.ticks_posted();
@@ -208,13 +208,13 @@ impl ActiveRun<'_> {
             let tick_period = self.resources.plan.run.tick_period();
             self.progress.at(ticks as f64 * tick_period);
             if over || self.recorder.is_finished() {
-                return Ok(Ended::Over);
+                return Ok(EndCause::Over);
             }
-            // First: a process that has died of it is not to blame.
+            // Checked first: full shared memory is then the cause of a process's end.
             shm_usage::check()?;
-            supervisor.attend()?;
+            supervisor.handle_events()?;
             if self.interrupted.load(Ordering::SeqCst) {
-                return Ok(Ended::Interrupted);
+                return Ok(EndCause::Interrupted);
             }
             supervisor.sleep(self.recorder.wake.as_fd());
         }

@@ -1,10 +1,10 @@
-//! Directories of the runs of this user: made for a run, wiped at its end, or found when the orchestrator is
-//! gone.
+//! Directories of the runs of this user: created for a run, and removed at its end or, after the end of its
+//! orchestrator, by a later run.
 //!
-//! Every run has a directory below `$XDG_RUNTIME_DIR/protean` (or `/dev/shm/protean-<uid>`) with a random name,
-//! mode 0700, and a lock file in it that its orchestrator keeps locked: the lock ends with the
-//! orchestrator, however that ends. The name is also the run's prefix in shared memory. The directory is made
-//! under another name and renamed once it is locked, so that a run without a lock is always an abandoned one.
+//! Every run has a directory below `$XDG_RUNTIME_DIR/protean` (or `/dev/shm/protean-<uid>`) with a random name and
+//! mode 0700. Its orchestrator keeps a lock file in it locked; the lock ends with the orchestrator in every case. The
+//! name is also the run's prefix in shared memory. The directory is created under another name and renamed once it
+//! is locked, so that a run without a lock is always an abandoned one.
 
 use std::fs::{DirBuilder, File, OpenOptions, Permissions};
 use std::io::ErrorKind;
@@ -18,56 +18,56 @@ use super::orphans;
 
 /// File that the orchestrator of a run keeps locked.
 const LOCK: &str = "lock";
-/// DigestPrefix of the names of directories of runs.
+/// Prefix of the directory names of runs.
 const RUN: &str = "r";
-/// DigestPrefix of the names of directories that are being made.
+/// Prefix of the names of directories under construction.
 const NEW: &str = "tmp-";
-/// Attempts to make a directory, each of which may meet a `clean` that takes it for abandoned.
-const ATTEMPTS: u32 = 100;
+/// Maximum number of attempts to create a directory, since `clean` may remove an unlocked one.
+const MAX_ATTEMPTS: u32 = 100;
 
-/// Why a run directory cannot be made.
+/// Error of creating a run directory.
 #[derive(Debug, thiserror::Error)]
 pub enum RunDirectoryError {
-    /// The system refuses.
+    /// A system call failed.
     #[error("{path}: {source}")]
     Io {
-        /// The file or directory.
+        /// File or directory.
         path: PathBuf,
-        /// What the system said.
+        /// Error of the system.
         source: std::io::Error,
     },
-    /// Another user can look into the runs.
+    /// Another user can read the directories of runs.
     #[error(
-        "{path}: owned by user {owner} with mode {mode:03o}, expected this user ({user}) and 700 so that no \
-         other can look into its runs"
+        "{path}: owned by user {owner} with mode {mode:03o}, expected this user ({user}) and 700 so that no other \
+         user can read its runs"
     )]
     Open {
-        /// The directory.
+        /// Directory.
         path: PathBuf,
-        /// Its owner.
+        /// Owner of the directory.
         owner: u32,
-        /// Its permissions.
+        /// Permissions of the directory.
         mode: u32,
-        /// This user.
+        /// Current user.
         user: u32,
     },
-    /// Somebody else could put another directory in place of that of the runs.
+    /// Another user could replace the directory of the runs.
     #[error(
         "{path}: owned by user {owner} with mode {mode:04o}, expected a directory of this user \
-         ({user}) or of the system in which nobody else can rename what is ours; set \
+         ({user}) or of the system in which no other user can rename its files; set \
          XDG_RUNTIME_DIR to one"
     )]
     Unsafe {
-        /// The directory above.
+        /// Parent directory.
         path: PathBuf,
-        /// Its owner.
+        /// Owner of the directory.
         owner: u32,
-        /// Its permissions.
+        /// Permissions of the directory.
         mode: u32,
-        /// This user.
+        /// Current user.
         user: u32,
     },
-    /// The name does not do.
+    /// The name is invalid.
     #[error(transparent)]
     Name(#[from] BusError),
 }
@@ -77,13 +77,13 @@ fn io(path: &Path) -> impl FnOnce(std::io::Error) -> RunDirectoryError {
     move |source| RunDirectoryError::Io { path, source }
 }
 
-/// The directory below which this user's runs live.
+/// Returns the directory that contains the directories of this user's runs.
 pub(crate) fn base() -> PathBuf {
     match std::env::var_os("XDG_RUNTIME_DIR") {
-        // A long runtime directory leaves no room for socket names (see `RunSpace`).
+        // A longer runtime directory leaves no room for socket names (see `RunSpace`).
         Some(dir) if !dir.is_empty() && dir.len() <= 36 => Path::new(&dir).join("protean"),
-        // In memory like the messages themselves: on a disk making and wiping the files of a run
-        // takes longer than starting its processes. It has the sticky bit that `/tmp` has.
+        // In memory, like the messages: on a disk, creating and removing the files of a run takes longer than starting
+        // its processes. `/dev/shm` has the sticky bit, like `/tmp`.
         _ => PathBuf::from(format!(
             "/dev/shm/protean-{}",
             rustix::process::getuid().as_raw()
@@ -91,7 +91,7 @@ pub(crate) fn base() -> PathBuf {
     }
 }
 
-/// Makes the directory if it is missing.
+/// Creates the directory if it is missing.
 fn make_private(path: &Path) -> Result<(), RunDirectoryError> {
     match DirBuilder::new().mode(0o700).create(path) {
         Err(e) if e.kind() != std::io::ErrorKind::AlreadyExists => Err(io(path)(e)),
@@ -99,7 +99,7 @@ fn make_private(path: &Path) -> Result<(), RunDirectoryError> {
     }
 }
 
-/// Makes sure that no other user can look into the runs.
+/// Checks that no other user can read the directories of runs.
 fn check_owner(path: &Path) -> Result<(), RunDirectoryError> {
     let user = rustix::process::getuid().as_raw();
     let found = path.symlink_metadata().map_err(io(path))?;
@@ -115,8 +115,8 @@ fn check_owner(path: &Path) -> Result<(), RunDirectoryError> {
     })
 }
 
-/// In the directory above only this user and the system may rename: it is theirs, and either others
-/// cannot write there or its sticky bit keeps them from what is not theirs.
+/// Checks that only this user and the system can rename files in the parent directory: it belongs to one of them,
+/// and others cannot write there, or its sticky bit protects files of this user.
 fn check_above(path: &Path) -> Result<(), RunDirectoryError> {
     let user = rustix::process::getuid().as_raw();
     let above = match path.parent() {
@@ -137,8 +137,8 @@ fn check_above(path: &Path) -> Result<(), RunDirectoryError> {
     })
 }
 
-/// The directory of one run. Dropped, it kills what is left of the run's processes and removes the
-/// directory and the run's shared memory.
+/// The directory of one run. Dropping it kills the remaining processes of the run and removes the directory and the
+/// run's shared memory.
 #[derive(Debug)]
 pub struct RunDirectory {
     space: RunSpace,
@@ -146,7 +146,7 @@ pub struct RunDirectory {
 }
 
 impl RunDirectory {
-    /// Makes a directory for a new run.
+    /// Creates a directory for a new run.
     ///
     /// # Errors
     /// [`RunDirectoryError`] if the system refuses.
@@ -161,9 +161,9 @@ impl RunDirectory {
         let mut attempts = 1;
         loop {
             match Self::try_create(base) {
-                // A `clean` came between making and locking it.
+                // A `clean` removed it before it was locked.
                 Err(RunDirectoryError::Io { source, .. })
-                    if attempts < ATTEMPTS
+                    if attempts < MAX_ATTEMPTS
                         && matches!(source.kind(), ErrorKind::NotFound | ErrorKind::WouldBlock) =>
                 {
                     attempts += 1;
@@ -177,7 +177,7 @@ impl RunDirectory {
         let new = tempfile::Builder::new()
             .prefix(NEW)
             .rand_bytes(8)
-            // Left to itself `tempfile` lets in whom the umask lets in.
+            // By default, `tempfile` gives the permissions of the umask.
             .permissions(Permissions::from_mode(0o700))
             .tempdir_in(base)
             .map_err(io(base))?;
@@ -193,13 +193,13 @@ impl RunDirectory {
         let root = base.join(name.to_string_lossy().replace(NEW, RUN));
         let space = run_space(&root)?;
         std::fs::rename(new.path(), &root).map_err(io(&root))?;
-        // It has another name now and is no longer temporary.
+        // It has another name now and is not temporary.
         let _ = new.keep();
         orphans::begin_run();
         Ok(Self { space, _lock: lock })
     }
 
-    /// Root and prefix of the run.
+    /// Returns the root and the prefix of the run.
     pub fn space(&self) -> &RunSpace {
         &self.space
     }
@@ -225,35 +225,35 @@ fn run_space(root: &Path) -> Result<RunSpace, BusError> {
     RunSpace::new(root, format!("protean_{name}_"))
 }
 
-/// A run directory as `clean` finds it.
+/// A run directory found by `clean`.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum FoundDirectory {
-    /// Its orchestrator lives: left alone.
+    /// Its orchestrator is alive; it was not changed.
     Alive(PathBuf),
-    /// Its orchestrator was gone; everything of it has been removed.
+    /// Its orchestrator had ended; the run was removed.
     Removed {
-        /// Its directory.
+        /// Directory of the run.
         root: PathBuf,
-        /// Processes of it that still lived and were killed.
+        /// Living processes of the run, which were killed.
         killed: Vec<u32>,
     },
-    /// Its orchestrator was gone, but something could not be removed.
+    /// Its orchestrator had ended, but some part could not be removed.
     Failed(PathBuf, String),
 }
 
-/// Removes every run of this user whose orchestrator is gone: processes, shared memory, files.
+/// Removes every run of this user whose orchestrator has ended: processes, shared memory and files.
 ///
 /// # Errors
-/// [`RunDirectoryError`] if the base directory cannot be used; what cannot be removed is in the result.
+/// [`RunDirectoryError`] if the base directory is unusable; the result contains parts that could not be removed.
 pub fn clean() -> Result<Vec<FoundDirectory>, RunDirectoryError> {
     clean_below(&base())
 }
 
-/// As [`clean`], of the runs in one directory.
+/// Does the same as [`clean`] for the runs in one directory.
 fn clean_below(base: &Path) -> Result<Vec<FoundDirectory>, RunDirectoryError> {
     check_above(base)?;
     let entries = match std::fs::read_dir(base) {
-        // No run has ever begun.
+        // No run has started yet.
         Err(e) if e.kind() == ErrorKind::NotFound => return Ok(Vec::new()),
         entries => entries.map_err(io(base))?,
     };
@@ -267,13 +267,13 @@ fn clean_below(base: &Path) -> Result<Vec<FoundDirectory>, RunDirectoryError> {
     Ok(roots.into_iter().filter_map(clean_one).collect())
 }
 
-/// Cleans a directory if its orchestrator is gone; `None` for one that is no run (yet), or no more.
+/// Cleans a directory if its orchestrator has ended. Returns `None` if it is not a run, or not any more.
 fn clean_one(root: PathBuf) -> Option<FoundDirectory> {
     let name = root.file_name()?.to_string_lossy();
     if name.starts_with(NEW) {
         match lock_of(&root) {
             Lock::Held => {}
-            // Only if it is empty: its owner may be about to lock it, and makes another then.
+            // Removed only if empty: its owner may be about to lock it, and then creates another one.
             Lock::Missing => drop(std::fs::remove_dir(&root)),
             Lock::Taken(_lock) => drop(std::fs::remove_dir_all(&root)),
         }
@@ -287,7 +287,7 @@ fn clean_one(root: PathBuf) -> Option<FoundDirectory> {
         return Some(FoundDirectory::Alive(root));
     }
     if !root.is_dir() {
-        // It ended in order just now.
+        // The run ended in order at this moment.
         return None;
     }
     let killed = orphans::kill_run(&root);
@@ -300,13 +300,13 @@ fn clean_one(root: PathBuf) -> Option<FoundDirectory> {
     })
 }
 
-/// The lock in a directory.
+/// State of the lock in a directory.
 enum Lock {
-    /// Its orchestrator lives, or the lock cannot be asked for: nothing may be touched.
+    /// Its orchestrator is alive, or the lock is unreadable: the run must not be changed.
     Held,
-    /// It was free and is held now.
+    /// It was free, and this process holds it now.
     Taken(File),
-    /// There is none.
+    /// The lock file does not exist.
     Missing,
 }
 

@@ -1,50 +1,50 @@
-//! Shared memory that is left for messages. Where it is full, a process that writes to it is killed (SIGBUS).
+//! Free shared memory. Where it is full, the system kills a process that writes to it (SIGBUS).
 //!
-//! iceoryx2 (0.10) reserves addresses, and pages only as they are written to, so that it is not
-//! known beforehand what a run will take: 2 MB for a robot or two, half a gigabyte for sixty, but containers
-//! often have 64 MB. Therefore a run that finds too little does not begin, one that uses up what there is
-//! ends while it can end in order, and a process that is killed all the same is told from others.
+//! iceoryx2 (0.10) reserves addresses, but takes pages only when they are written to. The need of a run is therefore
+//! unknown in advance: 2 MB for one or two robots, 500 MB for sixty; containers often have 64 MB. A run does not start
+//! with too little free memory, and ends in order while some memory is left. If a process is killed by SIGBUS, the
+//! error contains the reason.
 
 use std::os::unix::process::ExitStatusExt as _;
 use std::process::ExitStatus;
 
 use super::child_process;
 
-/// Where iceoryx2 puts what is shared.
+/// Directory in which iceoryx2 places shared memory.
 const SHARED_MEMORY: &str = "/dev/shm";
-/// What must be free as long as processes are being started, each of which takes some: more than all
-/// that the orchestrator itself makes, and than a few of them take from one look to the next (bytes).
+/// Minimum of free memory while processes are being started (bytes): more than the orchestrator itself takes, and
+/// than a few processes take between two checks.
 const MIN_FREE_TO_START: u64 = 4 << 20;
-/// What must stay free: more than small runs take up from one look to the next (bytes).
+/// Minimum of free memory during a run (bytes): more than small runs take between two checks.
 const MIN_FREE_TO_GO_ON: u64 = 1 << 20;
-/// Signal to a process that writes where no memory is left.
+/// Signal to a process that writes to shared memory without a free page.
 const SIGBUS: i32 = signal_hook::consts::SIGBUS;
 
-/// Shared memory that is full, or nearly.
+/// Error of shared memory that is full or nearly full.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "shared memory is full: {free}, expected at least {needed:.1} MB; make room there, make it larger \
+    "shared memory is full: {free}, expected at least {needed:.1} MB; free some, enlarge it \
      (`docker run --shm-size`, `mount -o remount,size=`), or run fewer robots or missions at once",
     needed = megabytes(*needed)
 )]
 pub struct ShmFull {
     free: ShmUsage,
-    /// (bytes)
+    /// Required free memory (bytes).
     needed: u64,
 }
 
-/// Use of shared memory.
+/// Usage of shared memory.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct ShmUsage {
-    /// What may still be taken (bytes).
+    /// Free memory (bytes).
     free: u64,
-    /// All of it (bytes).
+    /// Total memory (bytes).
     total: u64,
 }
 
 impl ShmUsage {
-    /// The present one; `None` if there is no limit or no shared memory, which the bus reports.
-    fn look() -> Option<Self> {
+    /// Measures the current usage; `None` without a limit, or without shared memory, which the bus reports.
+    fn measure() -> Option<Self> {
         let found = rustix::fs::statvfs(SHARED_MEMORY).ok()?;
         let usage = Self {
             free: found.f_bavail.saturating_mul(found.f_frsize),
@@ -75,23 +75,23 @@ fn megabytes(bytes: u64) -> f64 {
     bytes as f64 * 1e-6
 }
 
-/// Whether another process may be started.
+/// Checks that there is memory to start a process.
 pub(crate) fn check_start() -> Result<(), ShmFull> {
-    ShmUsage::look().map_or(Ok(()), |usage| usage.has(MIN_FREE_TO_START))
+    ShmUsage::measure().map_or(Ok(()), |usage| usage.has(MIN_FREE_TO_START))
 }
 
-/// Whether a run may go on.
+/// Checks that there is memory to continue a run.
 pub(super) fn check() -> Result<(), ShmFull> {
-    ShmUsage::look().map_or(Ok(()), |usage| usage.has(MIN_FREE_TO_GO_ON))
+    ShmUsage::measure().map_or(Ok(()), |usage| usage.has(MIN_FREE_TO_GO_ON))
 }
 
-/// How a process ended, in words, with the reason if shared memory is it.
+/// Describes an exit in words, with the reason if shared memory is full.
 pub(super) fn explain_exit(status: ExitStatus) -> String {
-    words(status, ShmUsage::look)
+    describe(status, ShmUsage::measure)
 }
 
-fn words(status: ExitStatus, look: impl FnOnce() -> Option<ShmUsage>) -> String {
-    let words = child_process::exit_words(status);
+fn describe(status: ExitStatus, look: impl FnOnce() -> Option<ShmUsage>) -> String {
+    let words = child_process::describe_exit(status);
     if status.signal() != Some(SIGBUS) {
         return words;
     }
@@ -110,7 +110,7 @@ mod tests {
     const MIB: u64 = 1 << 20;
 
     #[test]
-    fn what_is_missing_is_told() {
+    fn the_error_contains_free_and_required_memory() {
         let usage = ShmUsage {
             free: 3 * MIB,
             total: 64 * MIB,
@@ -123,7 +123,7 @@ mod tests {
     }
 
     #[test]
-    fn a_process_killed_for_want_of_memory_is_told_from_others() {
+    fn an_exit_by_full_shared_memory_has_its_reason() {
         let full = || {
             Some(ShmUsage {
                 free: 4096,
@@ -138,15 +138,15 @@ mod tests {
         };
         let signal = |number| ExitStatus::from_raw(number);
         assert_eq!(
-            words(signal(SIGBUS), full),
+            describe(signal(SIGBUS), full),
             "was ended by signal 7 (SIGBUS: shared memory is full, 0.0 of 8.4 MB are free in /dev/shm)"
         );
         for look in [wide(), None] {
-            let words = words(signal(SIGBUS), || look);
+            let words = describe(signal(SIGBUS), || look);
             assert_eq!(words, "was ended by signal 7 (SIGBUS)");
         }
-        assert_eq!(words(signal(9), full), "was ended by signal 9");
+        assert_eq!(describe(signal(9), full), "was ended by signal 9");
         let exited = ExitStatus::from_raw(3 << 8);
-        assert_eq!(words(exited, full), "ended with exit code 3");
+        assert_eq!(describe(exited, full), "ended with exit code 3");
     }
 }

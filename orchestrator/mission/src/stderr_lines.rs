@@ -1,4 +1,4 @@
-//! The lines that a process writes to stderr: read, shown, kept and handed on.
+//! The lines that a process writes to stderr: read, shown, stored and forwarded.
 
 use std::collections::VecDeque;
 use std::io::{BufRead, BufReader, Read as _};
@@ -9,37 +9,36 @@ use std::time::Duration;
 
 use platform::eprintln;
 
-/// Lines of a process that are kept, to be shown if it fails.
-const KEPT_LINES: usize = 20;
-/// Time for the last lines of a process that has ended to arrive.
-const LAST_LINES_WITHIN: Duration = Duration::from_millis(500);
-/// Most bytes of a line that are kept, its end included.
-const LINE_BYTES: u64 = 2048;
-/// Most bytes of a line as it is handed on: what is not UTF-8 takes three bytes for one, and a mark says that
-/// something was left out.
-pub(super) const TEXT_BYTES: usize = LINE_BYTES as usize * 3 + 64;
+/// Number of last lines of a process that are stored, to be shown if it fails.
+const MAX_STORED_LINES: usize = 20;
+/// Maximum time until the last lines of a process that has ended arrive.
+const LAST_LINES_TIMEOUT: Duration = Duration::from_millis(500);
+/// Maximum length of a stored line, including its end (bytes).
+const MAX_LINE_BYTES: u64 = 2048;
+/// Maximum length of a forwarded line (bytes): a byte that is not UTF-8 becomes three bytes, and a mark shows that
+/// the line was cut.
+pub(super) const MAX_TEXT_BYTES: usize = MAX_LINE_BYTES as usize * 3 + 64;
 
 /// A line that a process wrote to stderr.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct StderrLine {
     /// Index of the process in the run.
     pub slot: usize,
-    /// What it wrote, without the end of the line.
+    /// Text without the end of the line.
     pub text: String,
 }
 
-/// The newest lines of a process, which a thread reads.
+/// The last lines of a process, read by a thread.
 #[derive(Debug)]
 pub(super) struct StderrLines {
     kept: Arc<Mutex<VecDeque<String>>>,
-    /// Ends when every process that could write to this stderr is gone.
+    /// Closed when every process that could write to this stderr has ended.
     reader: Option<Receiver<()>>,
 }
 
 impl StderrLines {
-    /// Starts to read the stderr of a process. `echo` shows every line on ours, with the name of the process
-    /// before it; `lines` gets them as long as it has room: a process that writes without end must not stop
-    /// the others.
+    /// Starts to read the stderr of a process. `echo` shows every line on this program's stderr after the name of the
+    /// process. `lines` receives lines while it has room: a process that writes without end must not block the others.
     pub(super) fn read(
         stderr: ChildStderr,
         name: &str,
@@ -64,7 +63,7 @@ impl StderrLines {
                         let _ = lines.try_send(StderrLine { slot, text });
                     }
                     if let Ok(mut kept) = to.lock() {
-                        if kept.len() == KEPT_LINES {
+                        if kept.len() == MAX_STORED_LINES {
                             kept.pop_front();
                         }
                         kept.push_back(line);
@@ -77,15 +76,15 @@ impl StderrLines {
         }
     }
 
-    /// Waits for the last lines of a process that has ended: its end of the pipe is closed. One that it has
-    /// handed to a process outside its group may stay open.
+    /// Waits for the last lines of a process that has ended, until its end of the pipe is closed. A process outside its
+    /// group may keep the pipe open.
     pub(super) fn finish(&mut self) {
         if let Some(reader) = self.reader.take() {
-            let _ = reader.recv_timeout(LAST_LINES_WITHIN);
+            let _ = reader.recv_timeout(LAST_LINES_TIMEOUT);
         }
     }
 
-    /// The newest lines, the oldest first.
+    /// Returns the stored lines; the oldest comes first.
     pub(super) fn last(&self) -> Vec<String> {
         let kept = self.kept.lock();
         kept.map(|kept| kept.iter().cloned().collect())
@@ -93,12 +92,15 @@ impl StderrLines {
     }
 }
 
-/// The next line; `None` at the end. Of one that is longer than [`LINE_BYTES`] the beginning is kept, and the
-/// rest, however long, is read and left out. Bytes that are not UTF-8 are replaced.
+/// Reads the next line; `None` at the end. Keeps the beginning of a line longer than [`MAX_LINE_BYTES`] and drops the
+/// rest. Replaces bytes that are not UTF-8.
 fn next_line(from: &mut impl BufRead) -> Option<String> {
     let mut line = Vec::new();
-    // A pipe that cannot be read is at its end.
-    let length = from.take(LINE_BYTES).read_until(b'\n', &mut line).ok()?;
+    // An unreadable pipe counts as ended.
+    let length = from
+        .take(MAX_LINE_BYTES)
+        .read_until(b'\n', &mut line)
+        .ok()?;
     if length == 0 {
         return None;
     }
@@ -121,7 +123,7 @@ mod tests {
     }
 
     #[test]
-    fn lines_are_what_stands_between_their_ends() {
+    fn lines_are_split_at_their_ends() {
         assert_eq!(lines(b""), [] as [&str; 0]);
         assert_eq!(lines(b"\n"), [""]);
         assert_eq!(lines(b"one\n\ntwo"), ["one", "", "two"]);
@@ -129,8 +131,8 @@ mod tests {
     }
 
     #[test]
-    fn of_a_long_line_the_beginning_is_kept() {
-        let most = LINE_BYTES as usize;
+    fn a_long_line_is_cut() {
+        let most = MAX_LINE_BYTES as usize;
         let mut text = vec![b'x'; most - 1];
         text.push(b'\n');
         assert_eq!(lines(&text), ["x".repeat(most - 1)]);
@@ -147,13 +149,13 @@ mod tests {
         #[test]
         fn every_line_fits_and_none_is_lost(
             text in prop::collection::vec(
-                prop_oneof![8 => any::<u8>(), 1 => Just(b'\n')], 0..3 * LINE_BYTES as usize
+                prop_oneof![8 => any::<u8>(), 1 => Just(b'\n')], 0..3 * MAX_LINE_BYTES as usize
             ),
         ) {
             let found = lines(&text);
             let expected = text.split_inclusive(|&byte| byte == b'\n').count();
             prop_assert_eq!(found.len(), expected);
-            prop_assert!(found.iter().all(|line| line.len() <= TEXT_BYTES));
+            prop_assert!(found.iter().all(|line| line.len() <= MAX_TEXT_BYTES));
         }
     }
 }

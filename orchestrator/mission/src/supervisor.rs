@@ -1,5 +1,4 @@
-//! Supervision of the processes of a run: what happens to them goes to `decide`, and the actions from there to
-//! `executor`.
+//! Supervision of the processes of a run: passes their events to `decide`, and the resulting actions to `executor`.
 
 use std::os::fd::BorrowedFd;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -16,24 +15,23 @@ use super::process_log::ProcessEventLog;
 use super::resources::RunResources;
 use super::shm_usage;
 
-/// Time between two looks while a process is awaited, at the start or after a failure. Processes say how far they
-/// are on the barrier; a few milliseconds are nothing against what starting a process takes.
+/// Interval between two checks while a process is awaited, at the start or after a failure. Processes publish their
+/// progress at the barrier; a few milliseconds are short compared with the start of a process.
 const SHORT_POLL_INTERVAL: Duration = Duration::from_millis(2);
-/// Time between two looks at other times. The end of a process wakes at once.
+/// Interval between two checks at other times. The end of a process wakes the supervisor at once.
 const POLL_INTERVAL: Duration = Duration::from_millis(10);
 
-/// Processes of a run: started, supervised, and stopped at the latest when this is dropped.
+/// Supervisor of the processes of a run: starts, observes and stops them, at the latest when it is dropped.
 pub struct Supervisor<'a> {
     executor: Executor<'a>,
     state: State,
 }
 
 impl<'a> Supervisor<'a> {
-    /// Takes up these processes of the run, each of which gets its slot at the barrier; with `echo` their stderr is
-    /// shown.
+    /// Assigns each of these processes its slot at the barrier; with `echo`, their stderr is shown.
     ///
     /// # Errors
-    /// [`MissionError`] if the turns of external programs cannot be bridged.
+    /// [`MissionError`] if the external bridge cannot be started.
     pub fn new(
         resources: &'a RunResources,
         launches: &'a [Launch],
@@ -47,13 +45,13 @@ impl<'a> Supervisor<'a> {
         })
     }
 
-    /// Has what happens to the processes and what they write go to the log.
+    /// Sends the events and output lines of the processes to the log.
     pub(super) fn with_log(mut self, log: ProcessEventLog) -> Self {
         self.executor.log = Some(log);
         self
     }
 
-    /// Starts all processes and waits until their ports are open; false if `interrupted` before.
+    /// Starts all processes and waits until their ports are open. Returns `false` if `interrupted` before.
     ///
     /// # Errors
     /// [`MissionError`] names the process that cannot be started.
@@ -62,7 +60,7 @@ impl<'a> Supervisor<'a> {
         self.reach(SlotState::Ready, interrupted)
     }
 
-    /// Has the processes connect their ports and waits until they have; false if `interrupted` before.
+    /// Lets the processes connect their ports and waits until they have. Returns `false` if `interrupted` before.
     ///
     /// # Errors
     /// [`MissionError`] names the process that fails or takes too long.
@@ -75,7 +73,7 @@ impl<'a> Supervisor<'a> {
         Ok(connected)
     }
 
-    /// Has the processes build what they need of the map, which has been sent, and waits until they have; false
+    /// Lets the processes build their data of the map, which has been sent, and waits until they have. Returns `false`
     /// if `interrupted` before.
     ///
     /// # Errors
@@ -85,53 +83,55 @@ impl<'a> Supervisor<'a> {
         self.reach(SlotState::Prepared, interrupted)
     }
 
-    /// Lets time begin.
+    /// Starts the first tick.
     pub fn begin(&mut self) {
         self.state.begin(Instant::now());
         self.executor.enter(Phase::Run);
     }
 
-    /// Waits until every process is at least this far in the start; false if `interrupted` before.
+    /// Waits until every process is in this state or a later one. Returns `false` if `interrupted` before.
     fn reach(&mut self, wanted: SlotState, interrupted: &AtomicBool) -> Result<bool, MissionError> {
         let start = Instant::now();
         loop {
-            let seen = self.executor.see();
-            // First: a process that has died of it is not to blame.
+            let seen = self.executor.observe();
+            // Checked first: full shared memory is then the cause of a process's end.
             shm_usage::check_start()?;
             self.check_ends()?;
             match self.state.start_step(wanted, start.elapsed(), &seen) {
                 StartStep::Done => return Ok(true),
                 _ if interrupted.load(Ordering::SeqCst) => return Ok(false),
-                StartStep::Late(index) => self.happened(index, Event::NotReady)?,
+                StartStep::Late(index) => self.handle(index, Event::NotReady)?,
                 StartStep::Waiting => {}
             }
             self.executor.sleep(None, SHORT_POLL_INTERVAL);
         }
     }
 
-    /// Deals with the processes that have ended.
+    /// Handles the processes that have ended.
     fn check_ends(&mut self) -> Result<(), MissionError> {
-        let ends = self.executor.ends();
+        let ends = self.executor.take_exits();
         ends.into_iter()
-            .try_for_each(|(index, end)| self.happened(index, end))
+            .try_for_each(|(index, end)| self.handle(index, end))
     }
 
-    /// Deals with everything that has happened to the processes since time began.
+    /// Handles all events of the processes since the last call.
     ///
     /// # Errors
     /// [`MissionError`] if one of them ends the run.
-    pub fn attend(&mut self) -> Result<(), MissionError> {
+    pub fn handle_events(&mut self) -> Result<(), MissionError> {
         self.check_ends()?;
-        let (seen, posted) = (self.executor.see(), self.executor.ticks_posted());
+        let (seen, posted) = (self.executor.observe(), self.executor.ticks_posted());
         let is_stopped = |index| self.executor.is_stopped(index);
-        let events = self.state.look(Instant::now(), posted, &seen, is_stopped);
+        let events = self
+            .state
+            .timed_events(Instant::now(), posted, &seen, is_stopped);
         events
             .into_iter()
-            .try_for_each(|(index, event)| self.happened(index, event))
+            .try_for_each(|(index, event)| self.handle(index, event))
     }
 
-    /// Decides about an event and takes the actions, and those about what follows from them.
-    fn happened(&mut self, index: usize, event: Event) -> Result<(), MissionError> {
+    /// Decides about an event, takes the actions, and handles the events that they cause.
+    fn handle(&mut self, index: usize, event: Event) -> Result<(), MissionError> {
         let mut next = Some(event);
         while let Some(event) = next.take() {
             let moment = self.executor.moment(index);
@@ -144,9 +144,9 @@ impl<'a> Supervisor<'a> {
         Ok(())
     }
 
-    /// Sleeps until it is time to look at the processes again, one has ended, or `wake` is readable.
+    /// Sleeps until the next check is due, a process has ended, or `wake` is readable.
     pub(super) fn sleep(&self, wake: BorrowedFd<'_>) {
-        let is_awaited = self.state.is_expecting();
+        let is_awaited = self.state.is_restarting();
         let poll_interval = if is_awaited {
             SHORT_POLL_INTERVAL
         } else {
@@ -155,12 +155,12 @@ impl<'a> Supervisor<'a> {
         self.executor.sleep(Some(wake), poll_interval);
     }
 
-    /// Whether a process has failed and the run went on.
-    pub(super) fn has_lost(&self) -> bool {
-        self.state.has_lost()
+    /// Returns `true` if a process has failed and the run continued.
+    pub(super) fn has_failures(&self) -> bool {
+        self.state.has_failures()
     }
 
-    /// Ends all processes, and hands on what they wrote last.
+    /// Ends all processes and forwards their last output lines.
     pub fn stop(&mut self) {
         self.executor.stop();
     }

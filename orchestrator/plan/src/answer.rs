@@ -1,4 +1,4 @@
-//! One problem, planned and judged.
+//! Planning of one problem and the check of its plan.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -11,28 +11,28 @@ use super::field::FieldError;
 use super::instance::Instance;
 use super::options::PlanOptions;
 
-/// How the planning of a problem ended.
+/// Result of planning a problem.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Outcome {
-    /// A plan by the method asked for.
+    /// A plan by the requested method.
     Planned,
-    /// A plan: the exact shortest path, for the method found nothing that passed its check.
+    /// A plan along the exact shortest path, since the method found none that passes its check.
     Fallback,
-    /// There is no path from the start to the goal: a right answer.
+    /// There is no path from the start to the goal; a valid answer.
     NoPath,
-    /// There are paths, but none on which the prescribed speeds can be kept: a right answer.
+    /// There are paths, but the prescribed speeds are impossible on all of them; a valid answer.
     Infeasible,
-    /// The method found no trajectory that passes the check, and nothing else was to be tried.
+    /// The method found no trajectory that passes the check, and fallbacks are disabled or failed.
     InvalidTrajectory,
-    /// The instance is not one.
+    /// The instance is invalid.
     Invalid,
-    /// The planner broke down.
+    /// The planner panicked.
     Failed,
 }
 
 impl Outcome {
-    /// All of them.
+    /// All outcomes.
     pub const ALL: [Self; 7] = [
         Self::Planned,
         Self::Fallback,
@@ -43,7 +43,7 @@ impl Outcome {
         Self::Failed,
     ];
 
-    /// Its name in results.
+    /// Returns its name in results.
     pub fn name(self) -> &'static str {
         match self {
             Self::Planned => "planned",
@@ -57,49 +57,49 @@ impl Outcome {
     }
 }
 
-/// What came of one problem: a line of the results. Lengths in pixels of the instance.
+/// Result of one problem: a line of the results. Lengths are in pixels of the instance.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Answer {
     /// Name of the instance.
     pub id: String,
-    /// How it ended.
+    /// Outcome of the planning.
     pub status: Outcome,
-    /// Whether the plan keeps everything that the instance asks for; `None` without a plan.
+    /// `true` if the plan meets all conditions of the instance; `None` without a plan.
     pub honest: Option<bool>,
     /// Duration of the plan (s).
     pub t_s: Option<f64>,
-    /// No plan can be shorter than this (s).
+    /// Lower bound of the duration of any plan (s).
     pub lower_bound_s: Option<f64>,
-    /// How much longer than that the plan is, relative to it.
+    /// Excess of the plan's duration over the lower bound, relative to the bound.
     pub gap: Option<f64>,
-    /// CPU time of the thread that planned (ms): of the quickest of all repetitions.
+    /// CPU time of the planning thread (ms): minimum of all repetitions.
     pub cpu_ms: Option<f64>,
-    /// Smallest distance of the path from a grown obstacle (px); `None` without obstacles.
+    /// Minimum distance of the path from a grown obstacle (px); `None` without obstacles.
     pub min_clearance: Option<f64>,
-    /// The method that made the plan.
+    /// Method that made the plan.
     pub method: Method,
-    /// Convex programs solved.
+    /// Number of convex programs solved.
     pub iterations: Option<u32>,
-    /// Degrees of freedom of the curve; 0 for one without.
+    /// Degrees of freedom of the curve; 0 for a plan without one.
     pub control_points: Option<u32>,
     /// Length of the path (px).
     pub length: Option<f64>,
-    /// Why there is no plan, or what is wrong with it.
+    /// Reason for the lack of a plan, or fault of the plan.
     pub error: Option<String>,
-    /// The plan: time (s), place (px), heading (rad), speed (px/s), turning rate (rad/s).
+    /// Samples of the plan: time (s), position (px), heading (rad), speed (px/s), turning rate (rad/s).
     #[serde(skip_serializing_if = "Option::is_none", serialize_with = "samples")]
     pub samples: Option<Vec<Sample>>,
 }
 
-/// Samples as lists of numbers.
-#[expect(clippy::ref_option, reason = "what serde calls it with")]
+/// Writes samples as lists of numbers.
+#[expect(clippy::ref_option, reason = "required by serde")]
 fn samples<S: Serializer>(samples: &Option<Vec<Sample>>, to: S) -> Result<S::Ok, S::Error> {
     let lists = samples.iter().flatten();
     to.collect_seq(lists.map(|s| [s.t, s.x, s.y, s.theta, s.v, s.omega]))
 }
 
 impl Answer {
-    /// There is no plan.
+    /// Creates an answer without a plan.
     fn without_plan(id: &str, method: Method, status: Outcome, error: String) -> Self {
         Self {
             id: id.to_owned(),
@@ -119,18 +119,17 @@ impl Answer {
         }
     }
 
-    /// The instance is not one.
+    /// Creates the answer to an invalid instance.
     pub fn invalid(id: &str, method: Method, error: &FieldError) -> Self {
         Self::without_plan(id, method, Outcome::Invalid, error.to_string())
     }
 
-    /// Whether it is an answer that the instance has: anything but one to an invalid instance, and
-    /// a breakdown.
+    /// Returns `true` if this is a result of a valid instance, and not of a panic.
     pub fn is_answer(&self) -> bool {
         !matches!(self.status, Outcome::Invalid | Outcome::Failed)
     }
 
-    /// A plan, judged against the instance.
+    /// Creates the answer of a plan, checked against the instance.
     fn of(instance: &Instance, plan: &Plan) -> Self {
         let k = instance.scale();
         let report = trajectory_check::check(&instance.contract(), &plan.samples);
@@ -164,14 +163,14 @@ impl Answer {
     }
 }
 
-/// CPU time of this thread (ms).
+/// Returns the CPU time of this thread (ms).
 fn cpu_ms() -> f64 {
     let now = clock_gettime(ClockId::ThreadCPUTime);
     now.tv_sec as f64 * 1e3 + now.tv_nsec as f64 * 1e-6
 }
 
-/// Plans a problem, `repeat` times for the sake of its CPU time, and judges the plan; `None` if it
-/// was interrupted.
+/// Plans a problem `repeat` times, to measure its CPU time, and checks the plan. Returns `None` if it was
+/// interrupted.
 pub fn solve(
     instance: &Instance,
     options: &PlanOptions,
@@ -184,7 +183,7 @@ pub fn solve(
     for _ in 0..repeat.max(1) {
         let begin = cpu_ms();
         let mut stop = || interrupted.load(Ordering::Relaxed);
-        // One problem must not take the others with it.
+        // A panic in one problem must not end the others.
         let planned = catch_unwind(AssertUnwindSafe(|| {
             trajectory::plan(&problem, &scaled, None, &mut stop)
         }));

@@ -1,4 +1,4 @@
-//! Many problems, several at once.
+//! Planning of many problems in parallel.
 
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc;
@@ -7,22 +7,22 @@ use super::answer::{Answer, solve};
 use super::file::Element;
 use super::options::PlanOptions;
 
-/// How problems are planned.
+/// Settings for planning many problems.
 #[derive(Debug, Clone)]
 pub struct Settings {
-    /// How plans are made.
+    /// Options of the planner.
     pub options: PlanOptions,
-    /// Problems at once, > 0.
+    /// Number of problems planned in parallel, > 0.
     pub jobs: usize,
-    /// How often each is planned, for the sake of its CPU time, > 0.
+    /// Number of repetitions of each problem, to measure its CPU time, > 0.
     pub repeat: u32,
 }
 
-/// Plans all of them; `done` is told of each with its index as soon as it is over. Those that are
-/// at work when `interrupted` is set are given up, and no other is begun.
+/// Plans all problems. Calls `done` with the index and the answer of each as soon as it is complete. When
+/// `interrupted` is set, it abandons the current problems and starts no more.
 ///
 /// # Errors
-/// A thread could not be started; `done` has been told of what came before.
+/// A thread could not be started; `done` was called for the problems before.
 pub fn solve_all(
     elements: &[Element],
     settings: &Settings,
@@ -30,7 +30,7 @@ pub fn solve_all(
     mut done: impl FnMut(usize, Answer),
 ) -> std::io::Result<()> {
     let next = AtomicUsize::new(0);
-    let work = |tell: &mpsc::Sender<(usize, Answer)>| {
+    let work = |answers: &mpsc::Sender<(usize, Answer)>| {
         while !interrupted.load(Ordering::Relaxed) {
             let index = next.fetch_add(1, Ordering::Relaxed);
             let Some(element) = elements.get(index) else {
@@ -44,22 +44,22 @@ pub fn solve_all(
                 }
             };
             let Some(answer) = answer else { return };
-            if tell.send((index, answer)).is_err() {
+            if answers.send((index, answer)).is_err() {
                 return;
             }
         }
     };
-    let (tell, told) = mpsc::channel();
+    let (answers, received) = mpsc::channel();
     std::thread::scope(|scope| {
         let work = &work;
         for worker in 0..settings.jobs.clamp(1, elements.len().max(1)) {
-            let tell = tell.clone();
+            let answers = answers.clone();
             std::thread::Builder::new()
                 .name(format!("plan-{worker}"))
-                .spawn_scoped(scope, move || work(&tell))?;
+                .spawn_scoped(scope, move || work(&answers))?;
         }
-        drop(tell);
-        for (index, answer) in told {
+        drop(answers);
+        for (index, answer) in received {
             done(index, answer);
         }
         Ok(())

@@ -1,24 +1,24 @@
-//! The fields of an instance, read one by one, each with its unit and range.
+//! The fields of an instance, each read with its unit and range.
 
 use trajectory::problem::{MAX_NUMBER, MAX_OBSTACLES};
 
 use super::instance::{Body, Instance};
 use super::loose::Loose;
 
-/// Most corners of a polygon.
+/// Maximum number of corners of a polygon.
 pub const MAX_CORNERS: usize = 1024;
-/// Largest coordinate (px), speed (px/s) or size of any kind; in metres it is limited as well.
+/// Maximum magnitude of a coordinate (px), speed (px/s) or size; the value in metres has its own limit.
 const MAX_PIXELS: f64 = 1e9;
 
-/// What is wrong with an instance.
+/// An invalid field of an instance.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("{field} = {value}: expected {expected}")]
 pub struct FieldError {
-    /// The field, as `obstacles[3].r`.
+    /// Path of the field, as `obstacles[3].r`.
     pub field: String,
-    /// What is there.
+    /// Value of the field.
     pub value: String,
-    /// What should be.
+    /// Description of a valid value.
     pub expected: String,
 }
 
@@ -36,7 +36,7 @@ impl FieldError {
     }
 }
 
-/// Which numbers a field takes.
+/// Range of a numeric field.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Range {
     Any,
@@ -62,7 +62,7 @@ impl Range {
     }
 }
 
-/// A number where one must be.
+/// Reads a required number.
 fn number(value: Option<&Loose>, field: &str, range: Range, unit: &str) -> Result<f64, FieldError> {
     let expected = || format!("{} ({unit})", range.words());
     let number = match value {
@@ -80,7 +80,7 @@ fn number(value: Option<&Loose>, field: &str, range: Range, unit: &str) -> Resul
     Ok(number)
 }
 
-/// A number where one may be.
+/// Reads an optional number.
 fn optional(from: &Loose, key: &str, range: Range, unit: &str) -> Result<Option<f64>, FieldError> {
     let value = from.get(key);
     value
@@ -88,10 +88,10 @@ fn optional(from: &Loose, key: &str, range: Range, unit: &str) -> Result<Option<
         .transpose()
 }
 
-/// Reads an instance; `id` is its name, which has been read already.
+/// Reads an instance; `id` is its name, which the caller has read.
 ///
 /// # Errors
-/// [`FieldError`] names the first field that is wrong.
+/// [`FieldError`] for the first invalid field.
 pub fn read_instance(id: &str, from: &Loose) -> Result<Instance, FieldError> {
     use Range::{Any, NotNegative, Positive};
     let get = |key: &str, range, unit| number(from.get(key), key, range, unit);
@@ -129,7 +129,7 @@ pub fn read_instance(id: &str, from: &Loose) -> Result<Instance, FieldError> {
     Ok(instance)
 }
 
-/// The ranges that hold in metres.
+/// Checks the ranges in metres.
 fn in_metres(instance: &Instance) -> Result<(), FieldError> {
     instance.problem().validate().map_err(|error| FieldError {
         field: error.field,
@@ -231,13 +231,13 @@ fn polygon(field: &str, value: &Loose) -> Result<Body, FieldError> {
         let at = |k: usize| number(pair.get(k), &format!("{field}[{k}]"), Range::Any, "px");
         corners.push([at(0)?, at(1)?]);
     }
-    let convex = "the corners of a convex polygon with an inside, one way round";
+    let convex = "the corners of a convex polygon with an area > 0, in order";
     counter_clockwise(corners)
         .map(Body::Polygon)
         .ok_or_else(|| FieldError::new(field, value_count(*count), convex))
 }
 
-/// The corners of a convex polygon the other way round if need be; `None` if they are of none.
+/// Returns the corners of a convex polygon in counter-clockwise order; `None` if it is not one.
 fn counter_clockwise(mut corners: Vec<[f64; 2]>) -> Option<Vec<[f64; 2]>> {
     corners.dedup();
     while corners.len() > 1 && corners.first() == corners.last() {
@@ -263,7 +263,7 @@ fn counter_clockwise(mut corners: Vec<[f64; 2]>) -> Option<Vec<[f64; 2]>> {
         let (a, b) = (edge(i), edge(i + 1));
         turn(i) == 0.0 && a[0] * b[0] + a[1] * b[1] < 0.0
     };
-    // A polygon that turns one way only may still go round twice: then its edges turn by 4π.
+    // The edges of a polygon that winds around twice turn in one direction by 4π.
     let angle = |e: [f64; 2]| geometry::math::atan2(e[1], e[0]);
     let total: f64 = (0..n)
         .map(|i| geometry::math::angle_difference(angle(edge(i + 1)), angle(edge(i))))

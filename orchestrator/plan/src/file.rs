@@ -8,86 +8,86 @@ use super::field::{FieldError, read_instance};
 use super::instance::Instance;
 use super::loose::Loose;
 
-/// Largest file that is read (bytes).
+/// Maximum size of a file (bytes).
 pub const MAX_FILE: u64 = 64 << 20;
-/// Most characters of an id.
+/// Maximum length of an id (characters).
 pub const MAX_ID: usize = 200;
 
 /// An element of a file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Element {
-    /// Its name.
+    /// Id of the instance.
     pub id: String,
-    /// The instance, or what is wrong with it.
+    /// The instance, or its fault.
     pub instance: Result<Instance, FieldError>,
 }
 
-/// Why a file is of no use.
+/// Error of a file.
 #[derive(Debug, thiserror::Error)]
 #[error("{}: {problem}", path.display())]
 pub struct FileError {
-    /// The file.
+    /// Path of the file.
     pub path: PathBuf,
-    /// What is wrong with it.
+    /// Problem of the file.
     pub problem: FileProblem,
 }
 
-/// What is wrong with a file as a whole.
+/// Problem of a whole file.
 #[derive(Debug, thiserror::Error)]
 pub enum FileProblem {
-    /// It cannot be read.
+    /// The file is unreadable.
     #[error("cannot be read: {0}")]
     Read(#[from] std::io::Error),
-    /// It is no file, but a directory or a device.
+    /// It is a directory or a device.
     #[error("not a regular file; expected a JSON array of instances")]
     NotAFile,
-    /// It is larger than anything that is meant.
-    #[error("larger than {} MiB; expected a JSON array of instances, in several files if need be", MAX_FILE >> 20)]
+    /// It is larger than [`MAX_FILE`].
+    #[error("larger than {} MiB; expected a JSON array of instances, split over several files", MAX_FILE >> 20)]
     TooLarge,
-    /// It is not JSON.
+    /// It is not valid JSON.
     #[error("not JSON: {0}; expected an array of instances")]
     Json(#[from] serde_json::Error),
-    /// It is JSON of another form.
+    /// It is JSON, but not an array of instances.
     #[error("{found}; expected an array of at least one instance")]
     NotInstances {
-        /// What it is.
+        /// Description of the contents.
         found: String,
     },
     /// An element is not an instance.
     #[error("element {index} is {found}; expected an instance, an object")]
     NotAnObject {
-        /// Its number, from 0.
+        /// Index of the element, from 0.
         index: usize,
-        /// What it is.
+        /// Description of the element.
         found: String,
     },
-    /// An element has no name.
+    /// An element has no valid id.
     #[error("element {index}: id = {found}; expected a text of 1 to {MAX_ID} characters")]
     Nameless {
-        /// Its number, from 0.
+        /// Index of the element, from 0.
         index: usize,
-        /// What is there.
+        /// Value of the id.
         found: String,
     },
-    /// Two elements have the same name.
+    /// Two elements have the same id.
     #[error("elements {first} and {second} have the same id {id:?}; expected different ones")]
     Duplicate {
-        /// The name.
+        /// Id of both.
         id: String,
-        /// Number of the first.
+        /// Index of the first element.
         first: usize,
-        /// Number of the second.
+        /// Index of the second element.
         second: usize,
     },
 }
 
-/// Reads a file. What is wrong with single instances is said at these; the others can be used.
+/// Reads a file. Each invalid instance has its own error; the others are usable.
 ///
 /// # Errors
-/// [`FileError`] if nothing of it can.
+/// [`FileError`] if the whole file is unusable.
 pub fn read(path: &Path) -> Result<Vec<Element>, FileError> {
     let read = || -> Result<Vec<Element>, FileProblem> {
-        // Look before opening: opening a FIFO would block.
+        // Check before opening: opening a FIFO would block.
         if !path.metadata()?.is_file() {
             return Err(FileProblem::NotAFile);
         }
@@ -105,12 +105,12 @@ pub fn read(path: &Path) -> Result<Vec<Element>, FileError> {
 /// Reads the text of a file.
 ///
 /// # Errors
-/// [`FileProblem`].
+/// [`FileProblem`] if the whole text is unusable.
 pub fn parse(bytes: &[u8]) -> Result<Vec<Element>, FileProblem> {
     if bytes.len() as u64 > MAX_FILE {
         return Err(FileProblem::TooLarge);
     }
-    // Not as one `Loose`, which keeps only so many elements of a list.
+    // Not as one `Loose`, which limits the number of stored elements.
     let start = bytes.iter().find(|b| !b.is_ascii_whitespace());
     if start != Some(&b'[') {
         let json: Loose = serde_json::from_slice(bytes)?;

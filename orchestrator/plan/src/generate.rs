@@ -1,7 +1,7 @@
-//! Problems made up from seeds: the random ones of the published Monte-Carlo study and experiments.
+//! Generation of problems from seeds, for the published Monte-Carlo study and for experiments.
 //!
-//! A seed and a recipe give one problem, always the same. Draws come in a fixed order, so that
-//! recipes that differ in one range give problems that differ in little else.
+//! A seed and a recipe always give the same problem. The order of the draws is fixed, so that recipes that differ in
+//! one range give similar problems.
 
 use core::f64::consts::TAU;
 use core::fmt::Display;
@@ -18,30 +18,30 @@ use trajectory::{PlanError, lower_bound};
 
 use super::instance::{Body, Instance};
 
-/// Stream of the random numbers, besides those of missions.
+/// Random stream of this generator, different from those of missions.
 const STREAM: u64 = 0x706c_616e;
 /// Size of a pixel (cm).
 const CM_PER_PX: f64 = 0.75;
-/// Largest speed, 15 cm/s (px/s).
+/// Maximum speed, 15 cm/s (px/s).
 const V_MAX: f64 = 20.0;
-/// Largest turning rate (rad/s).
+/// Maximum turning rate (rad/s).
 const OMEGA_MAX: f64 = 16.0;
-/// Distance that the robot's centre keeps from obstacles (px).
+/// Minimum distance of the robot's centre from obstacles (px).
 const BUFFER: f64 = 10.0;
-/// How far beyond that start and goal are clear (px).
+/// Additional clearance of start and goal (px).
 const CLEAR: f64 = 2.0;
-/// The board (px).
+/// Width and height of the board (px).
 const BOARD: [f64; 2] = [640.0, 480.0];
-/// How far starts and goals that may be anywhere are from the board's edge (px).
+/// Minimum distance of free starts and goals from the board's edge (px).
 const EDGE: f64 = 10.0;
-/// Least distance between such a start and goal (px).
+/// Minimum distance between a free start and its goal (px).
 const FAR: f64 = 560.0;
-/// How much of the first path has been driven when more obstacles appear.
+/// Share of the first path that has been driven when more obstacles appear.
 const DRIVEN: f64 = 0.36;
-/// Places that are tried for something before it is left out.
+/// Maximum number of places tried for an object before it is omitted.
 const TRIES: usize = 1000;
 
-/// What kind of problem.
+/// Kind of a problem.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Kind {
@@ -50,7 +50,7 @@ pub enum Kind {
     Corner,
     /// Between two places far apart among discs of one size (§ 4.4, first group).
     Anywhere,
-    /// On from 36 % of the way of such a problem, where two more discs appear on the path and near
+    /// Continuation after 36 % of the path of such a problem, where two more discs appear on the path and near
     /// it (§ 4.4, second group).
     PopUp,
 }
@@ -59,15 +59,15 @@ pub enum Kind {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Recipe {
-    /// Kind of problem.
+    /// Kind of the problems.
     pub kind: Kind,
-    /// Least and greatest number of discs (of `pop_up`: of those that are known).
+    /// Minimum and maximum number of discs (for `pop_up`, of the known ones).
     #[schemars(transform = each(at_least(0).at_most(1000)))]
     pub obstacles: [u32; 2],
-    /// Least and greatest radius of a disc.
+    /// Minimum and maximum radius of a disc.
     #[schemars(transform = each(between(0, 200).unit("px")))]
     pub radius: [f64; 2],
-    /// Least and greatest heading at the start: in the board's frame for `corner`, off the straight
+    /// Minimum and maximum heading at the start: in the board's frame for `corner`, relative to the straight
     /// line to the goal otherwise.
     #[schemars(transform = each(between(-360, 360).unit("°")))]
     pub angle: [f64; 2],
@@ -98,13 +98,13 @@ impl Parameters for Recipe {
     }
 }
 
-/// The recipes that have a name.
+/// Names of the predefined recipes.
 pub const NAMES: [&str; 9] = [
     "base", "ang0_90", "obs1_10", "obs30_40", "rad20_30", "dense", "t3", "t4a", "t4b",
 ];
 
 impl Recipe {
-    /// The recipe with a name of [`NAMES`].
+    /// Returns the recipe with a name of [`NAMES`].
     pub fn by_name(name: &str) -> Option<Self> {
         let base = Self::default();
         let anywhere = |kind, obstacles| Self {
@@ -143,9 +143,9 @@ impl Recipe {
         })
     }
 
-    /// The problem that belongs to a seed.
+    /// Returns the problem of a seed.
     pub fn instance(&self, id: String, seed: u64) -> Instance {
-        // A first board that has no path is no errand on which anything could pop up.
+        // Obstacles cannot appear on a board without a path.
         let mut found = None;
         for attempt in 0..16 {
             let mut draw = Draw(Stream::new(seed, STREAM, attempt));
@@ -176,7 +176,7 @@ impl Recipe {
         let mut instance = board([start[0], start[1], heading], goal);
         let count = draw.count(self.obstacles);
         for _ in 0..count {
-            // Size before place, and one draw of it only: a larger disc is another disc there.
+            // The size is drawn before the place and only once: a larger disc is another disc at the same place.
             let r = draw.within(self.radius[0], self.radius[1]);
             add_disc(&mut instance, r, || {
                 [draw.within(0.0, BOARD[0]), draw.within(0.0, BOARD[1])]
@@ -192,7 +192,7 @@ impl Recipe {
                 draw.within(EDGE, BOARD[1] - EDGE),
             ]
         };
-        // From left to right if no two places are far enough apart, which does not come to pass.
+        // From left to right if no two places are far enough apart, which does not happen in practice.
         let mut ends = ([EDGE, 240.0], [BOARD[0] - EDGE, 240.0]);
         for _ in 0..TRIES {
             let pair = (place(draw), place(draw));
@@ -216,7 +216,7 @@ impl Recipe {
     }
 }
 
-/// Numbers from a seed.
+/// Random numbers of a seed.
 struct Draw(Stream);
 
 impl Draw {
@@ -235,7 +235,7 @@ fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
     (dx * dx + dy * dy).sqrt()
 }
 
-/// A problem on the board with nothing in the way.
+/// Returns a problem on the board without obstacles.
 fn board(start: [f64; 3], goal: [f64; 2]) -> Instance {
     Instance {
         id: String::new(),
@@ -257,7 +257,7 @@ fn board(start: [f64; 3], goal: [f64; 2]) -> Instance {
     }
 }
 
-/// Adds a disc at the first place that leaves start and goal clear; none if there is no such place.
+/// Adds a disc at the first place with clear start and goal; adds none if there is no such place.
 fn add_disc(instance: &mut Instance, r: f64, mut place: impl FnMut() -> [f64; 2]) {
     let [x, y, _] = instance.start;
     for _ in 0..TRIES {
@@ -271,7 +271,7 @@ fn add_disc(instance: &mut Instance, r: f64, mut place: impl FnMut() -> [f64; 2]
     }
 }
 
-/// A problem on from where its robot is after a part of its way, with two more discs.
+/// Returns the problem that continues where the robot has driven a part of its path, with two more discs.
 fn pop_up(known: Instance, path: &ShortestPath, draw: &mut Draw) -> Instance {
     let k = known.scale();
     let at = |part: f64| {
@@ -314,19 +314,19 @@ fn pop_up(known: Instance, path: &ShortestPath, draw: &mut Draw) -> Instance {
     instance
 }
 
-/// What is known of a problem before it is planned.
+/// Reference values of a problem, known before it is planned.
 #[derive(Debug, Clone)]
 pub struct Reference {
-    /// The shortest path (m).
+    /// Shortest path (m).
     pub path: ShortestPath,
-    /// No trajectory can be shorter than this (s).
+    /// Lower bound of the duration of any trajectory (s).
     pub lower_bound: f64,
 }
 
-/// The shortest path of a problem.
+/// Computes the shortest path of a problem and the lower bound.
 ///
 /// # Errors
-/// [`PlanError`]: there is none, or the problem cannot be meant so.
+/// [`PlanError`] if there is no path or the problem is invalid.
 pub fn reference(instance: &Instance) -> Result<Reference, PlanError> {
     let problem = instance.problem();
     problem.validate()?;
@@ -336,7 +336,7 @@ pub fn reference(instance: &Instance) -> Result<Reference, PlanError> {
     Ok(Reference { path, lower_bound })
 }
 
-/// An instance as files hold it, with the length of the shortest path and the bound that follows.
+/// Writes an instance as in files, with the length of the shortest path and the lower bound.
 pub fn with_reference(instance: &Instance) -> Json {
     let reference = match reference(instance) {
         Ok(found) => json!({

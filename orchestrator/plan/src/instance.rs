@@ -1,4 +1,4 @@
-//! A planning problem as files hold it: lengths in pixels of a picture of known scale.
+//! A planning problem as in files: lengths are in pixels of a picture of known scale.
 
 use geometry::pose::Pose2;
 use geometry::shape::{Aabb, Convex};
@@ -8,69 +8,69 @@ use trajectory::problem::MIN_CLEARANCE;
 use trajectory::{Problem, RobotLimits, Wheels};
 use trajectory_check::{Contract, Obstacle, WheelLimit};
 
-/// How deep (m) a start may lie in a grown obstacle: as deep as the check of plans allows.
+/// Maximum depth (m) of a start in a grown obstacle: the tolerance of the check of plans.
 pub const START_TOLERANCE: f64 = 1e-3;
 
-/// What the robot must not touch.
+/// An obstacle.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Body {
     /// A disc.
     Disc {
-        /// Its centre (px).
+        /// x of the centre (px).
         x: f64,
-        /// Its centre (px).
+        /// y of the centre (px).
         y: f64,
-        /// Its radius (px), ≥ 0.
+        /// Radius (px), ≥ 0.
         r: f64,
     },
-    /// A convex polygon: its corners (px), counter-clockwise.
+    /// A convex polygon with its corners (px), counter-clockwise.
     Polygon(Vec<[f64; 2]>),
 }
 
-/// A planning problem. What is `None` is free, or not limited.
+/// A planning problem. A quantity that is `None` is free or unlimited.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Instance {
-    /// Its name, the only one of its file.
+    /// Name, unique in its file.
     pub id: String,
     /// Size of a pixel (cm), > 0.
     pub cm_per_px: f64,
-    /// Largest speed (px/s), > 0.
+    /// Maximum speed (px/s), > 0.
     pub v_max: f64,
-    /// Largest turning rate (rad/s), > 0.
+    /// Maximum turning rate (rad/s), > 0.
     pub omega_max: f64,
-    /// Distance that the robot's centre keeps from obstacles (px), ≥ 0.
+    /// Minimum distance of the robot's centre from obstacles (px), ≥ 0.
     pub buffer: f64,
-    /// Where its centre may be: least and greatest x and y (px), in the order x, y, x, y.
+    /// Bounds of its centre (px): minimum x, minimum y, maximum x, maximum y.
     pub bounds: [f64; 4],
-    /// Where it starts: x (px), y (px), heading (rad).
+    /// Start: x (px), y (px), heading (rad).
     pub start: [f64; 3],
     /// Speed at the start (px/s).
     pub start_speed: Option<f64>,
     /// Turning rate at the start (rad/s).
     pub start_turn_rate: Option<f64>,
-    /// Where it goes: x (px), y (px).
+    /// Goal: x (px), y (px).
     pub goal: [f64; 2],
-    /// Heading there (rad).
+    /// Heading at the goal (rad).
     pub goal_heading: Option<f64>,
-    /// Speed there (px/s).
+    /// Speed at the goal (px/s).
     pub goal_speed: Option<f64>,
-    /// Largest speed of a wheel (px/s) and distance between the wheels (px).
+    /// Maximum speed of a wheel (px/s) and distance between the wheels (px).
     pub wheels: Option<[f64; 2]>,
-    /// Largest change of the speed (px/s²).
+    /// Maximum acceleration (px/s²).
     pub acceleration: Option<f64>,
-    /// Largest change of the turning rate (rad/s²).
+    /// Maximum angular acceleration (rad/s²).
     pub angular_acceleration: Option<f64>,
-    /// What is in the way.
+    /// Obstacles.
     pub obstacles: Vec<Body>,
 }
 
 impl Instance {
-    /// Metres per pixel.
+    /// Returns the size of a pixel (m).
     pub fn scale(&self) -> f64 {
         self.cm_per_px / 100.0
     }
 
-    /// The problem in SI units, as the optimiser takes it.
+    /// Converts the problem to SI units for the optimiser.
     pub fn problem(&self) -> Problem {
         let k = self.scale();
         let [x, y, theta] = self.start;
@@ -112,7 +112,7 @@ impl Instance {
         }
     }
 
-    /// What a plan must keep (SI): the problem as it was given, whatever the optimiser makes of it.
+    /// Returns the conditions that a plan must meet (SI units), from the problem as given and not from the optimiser.
     pub fn contract(&self) -> Contract {
         let k = self.scale();
         let [x, y, theta] = self.start;
@@ -154,7 +154,7 @@ impl Instance {
         }
     }
 
-    /// The instance as files hold it.
+    /// Writes the instance as in files.
     pub fn to_json(&self) -> Json {
         let obstacles: Vec<Json> = self
             .obstacles

@@ -1,8 +1,7 @@
 //! Minimum-time plans of many problems: `protean plan`.
 //!
-//! [`file::read`] reads problems from a file, [`generate`] makes them up from seeds, [`solve`]
-//! plans one of them and has the plan checked against the problem as it was given, and
-//! [`batch::solve_all`] does so for many of them at once.
+//! [`file::read`] reads problems from a file; [`generate`] generates them from seeds. [`solve`] plans one problem and
+//! checks the plan against the problem as given; [`batch::solve_all`] does so for many problems in parallel.
 
 #![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
 #![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]

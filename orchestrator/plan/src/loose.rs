@@ -1,13 +1,13 @@
-//! JSON of unknown form, of which no more is kept than can be meant.
+//! JSON of unknown form, stored with limits on its size.
 
 use core::fmt;
 
 use serde::de::{Deserialize, Deserializer, Error, IgnoredAny, MapAccess, SeqAccess, Visitor};
 use trajectory::problem::MAX_OBSTACLES;
 
-/// Most elements of a list that are kept: one more than any may have.
+/// Maximum number of stored elements of a list: one more than the permitted maximum.
 const KEPT: usize = MAX_OBSTACLES + 1;
-/// Most characters of a text that are shown.
+/// Maximum length of a text in messages (characters).
 const SHOWN: usize = 60;
 
 /// A JSON value.
@@ -21,14 +21,14 @@ pub enum Loose {
     Number(f64),
     /// Text.
     Text(String),
-    /// A list: its first elements, and how many there are.
+    /// A list: its first elements and its length.
     List(Vec<Loose>, usize),
-    /// An object: its entries, in their order.
+    /// An object with its entries in order.
     Object(Vec<(String, Loose)>),
 }
 
 impl Loose {
-    /// The entry of an object; `None` if there is none, or it is `null`, or this is no object.
+    /// Returns an entry of an object; `None` if it is absent or `null`, or if this is not an object.
     pub fn get(&self, key: &str) -> Option<&Self> {
         let Self::Object(entries) = self else {
             return None;
@@ -38,7 +38,7 @@ impl Loose {
     }
 }
 
-/// What stands there, shortened.
+/// Shows the value, shortened.
 impl fmt::Display for Loose {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -116,15 +116,15 @@ impl<'de> Visitor<'de> for LooseVisitor {
     fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Loose, A::Error> {
         let mut entries: Vec<(String, Loose)> = Vec::new();
         while let Some(key) = map.next_key::<String>()? {
-            // Who writes thousands of names means nothing that is read here.
+            // No valid instance has so many keys.
             if entries.len() >= 64 {
                 map.next_value::<IgnoredAny>()?;
                 continue;
             }
             if entries.iter().any(|(name, _)| *name == key) {
-                return Err(A::Error::custom(format_args!("`{key}` is there twice")));
+                return Err(A::Error::custom(format_args!("`{key}` occurs twice")));
             }
-            // What instances carry along for others: results of theirs, perhaps large.
+            // Instances may contain results of other programs, perhaps large.
             if key == "results" || key == "samples" {
                 map.next_value::<IgnoredAny>()?;
                 continue;

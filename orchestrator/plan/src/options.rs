@@ -1,4 +1,4 @@
-//! How plans shall be made, with lengths in pixels.
+//! Options of the planner, with lengths in pixels.
 
 use nalgebra::Point2;
 use parameters::{Parameters, ParamsError, between, each};
@@ -14,13 +14,13 @@ use trajectory::{Method, Options, ProblemError};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct PlanOptions {
-    /// The method.
+    /// Method of the optimiser.
     pub method: Method,
-    /// Path that the search starts from.
+    /// Initial path of the optimisation.
     pub guess: Guess,
-    /// Places along the curve where obstacles are looked at.
+    /// Points of the curve at which obstacles are checked.
     pub constraints: Constraints,
-    /// Whether other ways are tried where the curve asked for is of no use.
+    /// `true` to try other methods if the requested one finds no valid trajectory.
     pub fallbacks: bool,
     /// Degree of the B-spline; the method's own if absent.
     #[schemars(transform = between(2, MAX_DEGREE))]
@@ -28,7 +28,7 @@ pub struct PlanOptions {
     /// Number of its control points, more than `degree`; as many as the path needs if absent.
     #[schemars(transform = between(3, MAX_CONTROL_POINTS))]
     pub control_points: Option<usize>,
-    /// N of the N + 1 Legendre–Gauss–Lobatto nodes; 15 if absent.
+    /// Number N, for N + 1 Legendre–Gauss–Lobatto nodes; 15 if absent.
     #[schemars(transform = between(2, MAX_NODES))]
     pub nodes: Option<usize>,
     /// Reference point of `vmc`, x and y; far beyond the lower corner of the board if absent.
@@ -52,7 +52,7 @@ impl Default for PlanOptions {
 }
 
 impl PlanOptions {
-    /// The options as the optimiser takes them, for pixels of this size (m).
+    /// Converts the options for the optimiser, for pixels of this size (m).
     pub fn scaled(&self, metres_per_px: f64) -> Options {
         let default = Options::default();
         Options {
@@ -70,10 +70,10 @@ impl PlanOptions {
         }
     }
 
-    /// Checks what does not depend on the instance.
+    /// Checks the options that do not depend on the instance.
     ///
     /// # Errors
-    /// [`ProblemError`] names the first option that is out of range.
+    /// [`ProblemError`] for the first option that is out of range.
     pub fn validate(&self) -> Result<(), ProblemError> {
         self.scaled(1.0).validate()
     }

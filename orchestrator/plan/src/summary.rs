@@ -1,27 +1,27 @@
-//! What many plans amount to.
+//! Summary of many plans.
 
 use statistics::quantile;
 use tables::for_terminal;
 
 use super::answer::{Answer, Outcome};
 
-/// What many plans amount to.
+/// Summary of many plans.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Summary {
-    /// Problems that were answered.
+    /// Number of answered problems.
     pub answered: usize,
-    /// How they ended, in the order of [`Outcome::ALL`].
+    /// Number of answers by outcome, in the order of [`Outcome::ALL`].
     pub outcomes: [usize; Outcome::ALL.len()],
-    /// Plans that keep everything.
+    /// Number of plans that pass the check.
     pub honest: usize,
-    /// CPU times of honest plans (ms), ascending once sorted.
+    /// CPU times of plans that pass the check (ms); sorted in [`Summary::text`].
     cpu_ms: Vec<f64>,
-    /// Gaps of honest plans.
+    /// Gaps of plans that pass the check.
     gaps: Vec<f64>,
 }
 
 impl Summary {
-    /// Counts an answer.
+    /// Adds an answer.
     pub fn add(&mut self, answer: &Answer) {
         self.answered += 1;
         let place = Outcome::ALL.iter().position(|&o| o == answer.status);
@@ -35,14 +35,14 @@ impl Summary {
         }
     }
 
-    /// How many ended so.
+    /// Returns the number of answers with this outcome.
     pub fn count(&self, outcome: Outcome) -> usize {
         let place = Outcome::ALL.iter().position(|&o| o == outcome);
         let count = place.and_then(|i| self.outcomes.get(i));
         count.copied().unwrap_or_default()
     }
 
-    /// The table for people; `name` is what was planned, and how.
+    /// Returns the table as text; `name` is the name of the problems and the method.
     pub fn text(&mut self, name: [&str; 2]) -> String {
         self.cpu_ms.sort_by(f64::total_cmp);
         self.gaps.sort_by(f64::total_cmp);

@@ -22,7 +22,7 @@ fn read_one(json: &Json) -> Result<Instance, FieldError> {
     parse(&text).unwrap().remove(0).instance
 }
 
-/// With a field changed; `path` as a JSON pointer.
+/// Returns the instance with a changed field; `path` is a JSON pointer.
 fn changed(path: &str, value: Json) -> Json {
     let mut json = good();
     let (parent, key) = path.rsplit_once('/').unwrap();
@@ -38,7 +38,7 @@ fn changed(path: &str, value: Json) -> Json {
 }
 
 #[test]
-fn an_instance_is_read_in_its_units_and_handed_on_in_metres() {
+fn an_instance_is_read_in_its_units_and_converted_to_metres() {
     let instance = read_one(&good()).unwrap();
     assert_eq!(instance.goal, [600.5, 400.0]);
     assert_eq!(instance.start_speed, None);
@@ -46,12 +46,12 @@ fn an_instance_is_read_in_its_units_and_handed_on_in_metres() {
     assert!((problem.limits.v_max - 0.15).abs() < 1e-15);
     assert!((problem.goal.x - 4.50375).abs() < 1e-12);
     assert_eq!(instance.contract().clearance, 0.075);
-    // What is written is read back as the same.
+    // Reading a written instance gives the same instance.
     assert_eq!(read_one(&instance.to_json()).unwrap(), instance);
 }
 
 #[test]
-fn everything_that_may_be_there_is_read() {
+fn every_optional_field_is_read() {
     let mut json = good();
     for (key, value) in [
         ("start_speed", 5.0),
@@ -65,7 +65,7 @@ fn everything_that_may_be_there_is_read() {
         json[key] = json!(value);
     }
     json["goal"]["theta"] = json!(1.5);
-    // Clockwise, and turned round.
+    // Clockwise, and reversed.
     json["obstacles"] = json!([{ "polygon": [[100, 100], [100, 150], [150, 100]] }]);
     let instance = read_one(&json).unwrap();
     assert_eq!(instance.wheels, Some([25.0, 12.0]));
@@ -204,7 +204,7 @@ fn what_is_wrong_is_named_with_field_value_and_expectation() {
 }
 
 #[test]
-fn files_that_are_no_files_of_instances_are_refused_as_a_whole() {
+fn files_without_instances_are_refused_as_a_whole() {
     let twice = serde_json::to_string(&[good(), good()]).unwrap();
     let mut nameless = good();
     nameless["id"] = json!("");
@@ -232,7 +232,7 @@ fn files_that_are_no_files_of_instances_are_refused_as_a_whole() {
     assert!(parse(&[0xff, 0xfe, b'[']).is_err());
 }
 
-/// A million obstacles are counted, not kept.
+/// A million obstacles are counted but not stored.
 #[test]
 fn a_million_obstacles_are_refused_with_the_limit() {
     let mut text = serde_json::to_string(&[changed("/obstacles", json!([]))]).unwrap();
@@ -265,7 +265,7 @@ fn the_same_seed_gives_the_same_instance_within_its_ranges() {
                 };
                 assert!((recipe.radius[0]..=recipe.radius[1]).contains(r));
             }
-            // Read back, it is the same: every instance is a valid one.
+            // Reading it back gives the same: every instance is valid.
             assert_eq!(read_one(&with_reference(&instance)).unwrap(), instance);
         }
     }
@@ -275,7 +275,7 @@ fn the_same_seed_gives_the_same_instance_within_its_ranges() {
 }
 
 #[test]
-fn a_pop_up_stands_in_the_way_of_the_first_path() {
+fn a_pop_up_obstacle_blocks_the_first_path() {
     let (known, later) = (
         Recipe::by_name("t4a").unwrap(),
         Recipe::by_name("t4b").unwrap(),
@@ -294,7 +294,7 @@ fn a_pop_up_stands_in_the_way_of_the_first_path() {
 }
 
 #[test]
-fn a_plan_is_judged_by_the_instance_as_it_was_given() {
+fn a_plan_is_checked_against_the_instance_as_given() {
     let instance = read_one(&good()).unwrap();
     let go = AtomicBool::new(false);
     for name in ["bspline", "lp", "vmc", "tangent"] {
@@ -316,7 +316,7 @@ fn a_plan_is_judged_by_the_instance_as_it_was_given() {
 }
 
 #[test]
-fn answers_without_a_plan_say_why() {
+fn answers_without_a_plan_contain_the_reason() {
     let go = AtomicBool::new(false);
     let solved = |json: &Json| {
         let instance = read_one(json).unwrap();

@@ -1,13 +1,13 @@
-//! Errors of doing a run once more.
+//! Errors of replaying or repeating a run.
 
 use mcap_log::LogReadError;
 
 use mission::MissionError;
 
-/// Why a run could not be done once more from its log.
+/// Error of replaying or repeating a run from its log.
 #[derive(Debug, thiserror::Error)]
 pub enum ReplayError {
-    /// The log cannot be read, or cannot be done once more.
+    /// The log is unreadable or unsuitable.
     #[error(transparent)]
     Log(#[from] LogReadError),
     /// The run failed.

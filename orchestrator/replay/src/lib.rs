@@ -1,5 +1,5 @@
-//! The run of a log once more: [`replay()`] sends its messages to any subscriber, [`verify()`] to processes under
-//! test, and [`rerun()`] plays its scenario again; the latter two compare the result with the log.
+//! Repetition of a recorded run: [`replay()`] sends the messages of a log to any subscriber, [`verify()`] sends them to
+//! processes under test, and [`rerun()`] executes its scenario again. The latter two compare the result with the log.
 
 #![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
 #![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
@@ -30,8 +30,8 @@ use mission::MissionError;
 use mission::resources::RunResources;
 use scenario::ResolvedScenario;
 
-/// Creates the resources of a run that is replayed. A subscriber without room holds the publisher back, also where
-/// the run itself would have dropped messages.
+/// Creates the resources of a replayed run. A subscriber without room blocks the publisher, also where the run itself
+/// would have dropped messages.
 fn create_resources(scenario: &ResolvedScenario) -> Result<RunResources, MissionError> {
     RunResources::create(scenario, "warn", |bus| BusOptions {
         overflow: false,

@@ -1,4 +1,4 @@
-//! A replay, shown live to viewers as a run is.
+//! Live server of a replay, which viewers see as a run.
 
 use std::collections::BTreeMap;
 
@@ -7,16 +7,16 @@ use mcap_log::{ChannelSpec, LogObserver as _};
 use platform::eprintln;
 use viewer::{BroadcastHandle, LiveError, LiveServer, LiveTotals};
 
-/// Serves what is played: the topics of the log under their schemas, byte for byte.
+/// Server of the replayed messages: the topics of the log with their schemas, byte for byte.
 pub(super) struct LiveReplay {
     server: LiveServer,
     tap: BroadcastHandle,
-    /// What viewers know a channel of the log as.
+    /// Index of each channel of the log at the live server.
     channels: BTreeMap<u16, usize>,
 }
 
 impl LiveReplay {
-    /// Listens on this port, and says where on stderr.
+    /// Listens on this port and prints the address to stderr.
     pub(super) fn start(port: u16, source: &Source) -> Result<Self, LiveError> {
         let server = LiveServer::start(port)?;
         let mut live_replay = Self {
@@ -25,13 +25,13 @@ impl LiveReplay {
             channels: BTreeMap::new(),
         };
         live_replay.announce(source);
-        // Shown however quiet the replay is: without it nobody can look.
+        // Shown also in quiet mode, since viewers need the address.
         eprintln!("live: {}", live_replay.server.url());
         Ok(live_replay)
     }
 
-    /// Tells viewers of the channels that are known by now; those of a log without an index are
-    /// found on the way.
+    /// Announces the channels found so far to viewers. In a log without an index, channels are found while it is
+    /// read.
     fn announce(&mut self, source: &Source) {
         for (id, channel, schema) in source.channels() {
             let next = self.channels.len();
@@ -49,12 +49,12 @@ impl LiveReplay {
         }
     }
 
-    /// The replay goes on at another time (ns): what held does not any more.
+    /// Continues the replay at another time (ns); latched messages become invalid.
     pub(super) fn jump(&mut self, time: u64) {
         self.tap.jump(time);
     }
 
-    /// Shows a message.
+    /// Sends a message to the viewers.
     pub(super) fn show(&mut self, source: &Source, message: &Logged) {
         if !self.channels.contains_key(&message.channel) {
             self.announce(source);
@@ -64,7 +64,7 @@ impl LiveReplay {
         }
     }
 
-    /// Sends the rest and says good-bye; what viewers got.
+    /// Sends the remaining messages, closes all connections, and returns the totals.
     pub(super) fn finish(self) -> LiveTotals {
         self.server.finish()
     }

@@ -1,4 +1,4 @@
-//! The scenario in a log, as a run can be made of it once more.
+//! The scenario of a log, prepared for another run.
 
 use std::path::Path;
 
@@ -9,11 +9,11 @@ use scenario::kind::Kind;
 use scenario::spec::Mode;
 use scenario::{Loader, ResolvedScenario};
 
-/// The scenario as it was run, with these changes; one in real time only if `so` is empty,
-/// which else says what follows from that. `kinds` are those of this program.
+/// Returns the scenario of the run with these changes. A scenario in real time is refused unless `so` is empty; `so`
+/// is the consequence in the error message. `kinds` are the kinds of this program.
 ///
 /// # Errors
-/// The scenario of the log cannot be read, or is refused: [`LogReadError`].
+/// [`LogReadError`] if the scenario of the log is unreadable or refused.
 pub fn scenario_of(
     origin: &Origin,
     log: &Path,
@@ -31,10 +31,10 @@ pub fn scenario_of(
     if let Some(expected) = origin.manifest.get("scenario_blake3")
         && *expected != blake3::hash(text).to_hex().as_str()
     {
-        return refuse("the scenario in it is not the one that was run".to_owned());
+        return refuse("its scenario is not the one of the run".to_owned());
     }
     let Ok(text) = str::from_utf8(text) else {
-        return refuse("the scenario in it is not text".to_owned());
+        return refuse("its scenario is not text".to_owned());
     };
     let loader = Loader::new(kinds);
     let load =
@@ -43,9 +43,9 @@ pub fn scenario_of(
         Ok(scenario) => scenario,
         Err(problems) => {
             return refuse(format!(
-                "the scenario in it is not one for this version of protean{}:\n{problems}",
+                "its scenario is not valid for this version of protean{}:\n{problems}",
                 match origin.manifest.get("version") {
-                    Some(version) => format!(" (it is of {version})"),
+                    Some(version) => format!(" (it is from version {version})"),
                     None => String::new(),
                 }
             ));
@@ -53,7 +53,7 @@ pub fn scenario_of(
     };
     if scenario.run.mode == Mode::RealTime && !so.is_empty() {
         return refuse(format!(
-            "it was recorded in real time: what the processes heard depended on the clock, so \
+            "it was recorded in real time: the messages that processes received depended on the clock, so \
              that {so}"
         ));
     }
@@ -63,7 +63,7 @@ pub fn scenario_of(
     load(changes).map_err(|problems| LogReadError::Argument(format!("--set:\n{problems}")))
 }
 
-/// Programs that are not ours are started only if somebody has looked at them.
+/// Refuses external programs that the user has not permitted.
 pub(super) fn refuse_external(
     log: &Path,
     scenario: &ResolvedScenario,
@@ -82,7 +82,7 @@ pub(super) fn refuse_external(
     Err(LogReadError::NotRepeatable {
         path: log.to_owned(),
         reason: format!(
-            "its scenario starts programs that are not Protean's own; look at them and add \
+            "its scenario starts external programs; check them and add \
              --allow-external:{}",
             external.concat()
         ),

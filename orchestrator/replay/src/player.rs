@@ -1,4 +1,4 @@
-//! Plays a log.
+//! Replay of a log.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -31,23 +31,21 @@ use mission::resources::RunResources;
 use scenario::ResolvedScenario;
 use scenario::kind::Kind;
 
-/// How long those who listen get to connect to somebody who speaks up late.
-const INTRODUCTION: Duration = Duration::from_millis(10);
-/// How long the ports stay open behind the last message for those who listen, so that they can take
-/// it.
+/// Time for subscribers to connect to a publisher that starts late.
+const CONNECT_TIME: Duration = Duration::from_millis(10);
+/// Maximum time for which the ports stay open after the last message, so that subscribers can receive it.
 const LINGER: Duration = Duration::from_millis(250);
-/// Time between two looks whether there is still a subscriber.
-const LINGER_LOOK: Duration = Duration::from_millis(1);
-/// How often those who came late are connected, and those who died are removed.
+/// Interval between two checks for remaining subscribers.
+const LINGER_POLL_INTERVAL: Duration = Duration::from_millis(1);
+/// Interval at which late joiners are connected and dead subscribers are removed.
 const POLL_INTERVAL: Duration = Duration::from_millis(50);
-/// The command of `run/control` with which a replay ends.
+/// Command of `run/control` that ends a replay.
 const STOP: u32 = 4;
 
-/// Sends the messages of a log once more, as a run of its own that others can join.
+/// Sends the messages of a log again, as a run that other processes can join.
 ///
 /// # Errors
-/// [`ReplayError`]: the log cannot be read or is none of ours, or a reader holds the replay back for
-/// too long.
+/// [`ReplayError`] if the log is unreadable or not a Protean log, or if a subscriber blocks the replay for too long.
 pub fn replay(
     log: &Path,
     kinds: &[Kind],
@@ -72,11 +70,11 @@ pub fn replay(
     let scenario = scenario_of(source.origin(), log, &[], "", kinds)?;
     if !source.has_index() && !options.quiet {
         eprintln!(
-            "note: {} has no index: it is read from its beginning; `protean recover` makes one",
+            "note: {} has no index: it is read from its beginning; `protean recover` adds an index",
             log.display()
         );
     }
-    // A sleep ends when it should, not up to 50 µs later.
+    // Sleeps then end on time, not up to 50 µs later.
     let _ = rustix::thread::set_current_timer_slack(std::num::NonZeroU64::new(1));
     let mut player = Player::open(&mut source, &scenario, options, watch)?;
     let replay_report = player.play(from, start, watch);
@@ -95,15 +93,15 @@ struct Player<'a> {
     monitor: BarrierMonitor,
     leader: BarrierLeader,
     live_replay: Option<LiveReplay>,
-    /// A log time, and when it is or was due.
+    /// A log time, and the time at which it is or was due.
     anchor: (u64, Instant),
-    /// Tick and log time of now.
+    /// Current tick and log time.
     now: (u64, u64),
     last_poll: Instant,
     report: Replayed,
     by_rank: Vec<u64>,
     first: Option<Instant>,
-    // Last: it is wiped when everything else is gone.
+    // Must be last: all other fields must be closed before it is removed.
     resources: RunResources,
 }
 
@@ -133,7 +131,7 @@ impl<'a> Player<'a> {
             .publisher(PublisherOptions::new(orchestrator, 1))
             .map_err(MissionError::from)?;
         let mut publishers = TopicPublishers::new();
-        // Whoever speaks at the beginning has a port before anybody comes to listen.
+        // The first senders have ports before the first subscriber connects.
         source.visit_senders(watch, &mut |rank, sender| {
             if NAMES.get(rank) != Some(&Control::NAME) {
                 publishers.open(&resources.bus, rank, sender)?;
@@ -167,7 +165,7 @@ impl<'a> Player<'a> {
         })
     }
 
-    /// Plays from log time `from` on, once or again and again; `start` is when the replay was asked for.
+    /// Plays from log time `from` on, once or repeatedly; `start` is the time of the request.
     fn play(
         &mut self,
         from: u64,
@@ -186,10 +184,10 @@ impl<'a> Player<'a> {
                 live_replay.jump(from);
             }
             for message in &lasting {
-                self.report.restored += u64::from(self.say(message)?);
+                self.report.restored += u64::from(self.send(message)?);
             }
             self.anchor = (from, Instant::now());
-            self.tell(RunControl::START)?;
+            self.publish_control(RunControl::START)?;
             if !self.play_on(watch)? {
                 self.report.interrupted = true;
                 break;
@@ -202,12 +200,12 @@ impl<'a> Player<'a> {
         self.report.wall_time_s = self
             .first
             .map_or(0.0, |first| first.elapsed().as_secs_f64());
-        self.tell(STOP)
+        self.publish_control(STOP)
     }
 
-    /// Plays from where the source stands to its end; false if interrupted.
+    /// Plays from the source's position to its end. Returns `false` if interrupted.
     fn play_on(&mut self, watch: &ReadProgress) -> Result<bool, ReplayError> {
-        // Read whole before it is due: what is in a chunk takes its time.
+        // A tick is read completely before it is due, since reading a chunk takes time.
         let mut tick = Vec::new();
         while self.source.tick(&mut tick)? {
             let Some(first) = tick.first() else { break };
@@ -216,12 +214,12 @@ impl<'a> Player<'a> {
                 return Ok(false);
             }
             self.report.ticks += 1;
-            // Where only viewers get something, no tick passes.
+            // Messages for viewers only do not advance the tick.
             let ours = tick.iter().find(|message| message.is_ours());
             let stamp = ours.and_then(|message| known::stamp(&message.data));
             self.now = (stamp.map_or(self.now.0, |stamp| stamp.tick), time);
             for message in &tick {
-                self.say(message)?;
+                self.send(message)?;
             }
             if let Some(stamp) = stamp {
                 self.leader.post_without_waiting(stamp.tick);
@@ -230,11 +228,11 @@ impl<'a> Player<'a> {
         Ok(true)
     }
 
-    /// Waits until the messages of a time are due, and looks after the listeners meanwhile; false if
+    /// Waits until the messages of a time are due, and connects and removes subscribers meanwhile. Returns `false` if
     /// interrupted.
     fn wait(&mut self, time: u64, watch: &ReadProgress) -> Result<bool, ReplayError> {
         let after = time.saturating_sub(self.anchor.0) as f64 * 1e-9 / self.options.rate;
-        // A log may claim to last longer than clocks go.
+        // A log may contain times beyond the range of the clock.
         let after = Duration::try_from_secs_f64(after.min(1e9)).unwrap_or_default();
         let due = self.anchor.1 + after;
         loop {
@@ -244,7 +242,7 @@ impl<'a> Player<'a> {
             let now = Instant::now();
             if now.saturating_duration_since(self.last_poll) >= POLL_INTERVAL {
                 self.last_poll = now;
-                self.look_after_listeners()?;
+                self.update_subscribers()?;
             }
             let left = due.saturating_duration_since(now);
             if left.is_zero() {
@@ -254,9 +252,9 @@ impl<'a> Player<'a> {
         }
     }
 
-    /// Connects those who came late, who get what lasts, and removes those who died: a sender with a
-    /// full buffer towards one of them would wait.
-    fn look_after_listeners(&self) -> Result<(), ReplayError> {
+    /// Connects late joiners, which receive latched messages, and removes dead subscribers: a sender with a full buffer
+    /// towards a dead one would wait.
+    fn update_subscribers(&self) -> Result<(), ReplayError> {
         self.resources.bus.clean_up_dead();
         self.publishers.connect().map_err(MissionError::from)?;
         let connected = self.control.update_connections();
@@ -264,8 +262,8 @@ impl<'a> Player<'a> {
         Ok(())
     }
 
-    /// Says what the replay does, in `run/control`.
-    fn tell(&mut self, command: u32) -> Result<(), ReplayError> {
+    /// Publishes the state of the replay in `run/control`.
+    fn publish_control(&mut self, command: u32) -> Result<(), ReplayError> {
         let mut header = PlainHeader::default();
         (header.stamp.tick, header.stamp.time_ns) = self.now;
         let rate = self.options.rate;
@@ -280,9 +278,9 @@ impl<'a> Player<'a> {
         Ok(())
     }
 
-    /// Shows a message to viewers, and sends it; false if it is for viewers only, is none, or is what
-    /// the replay says itself.
-    fn say(&mut self, message: &Logged) -> Result<bool, ReplayError> {
+    /// Sends a message to viewers and subscribers. Returns `false` if it is for viewers only, is invalid, or is a
+    /// message that the replay itself sends.
+    fn send(&mut self, message: &Logged) -> Result<bool, ReplayError> {
         if let Some(live_replay) = &mut self.live_replay {
             live_replay.show(self.source, message);
         }
@@ -294,7 +292,7 @@ impl<'a> Player<'a> {
             .publishers
             .open(&self.resources.bus, message.rank, sender)?
         {
-            self.linger(INTRODUCTION);
+            self.linger(CONNECT_TIME);
         }
         if !self.publishers.publish(message)? {
             self.report.malformed += 1;
@@ -309,16 +307,16 @@ impl<'a> Player<'a> {
         Ok(true)
     }
 
-    /// Gives subscribers this long, if there are any: whether they have taken what was sent, or are connected to
-    /// its publisher, only they know.
+    /// Waits up to `limit` for subscribers, if there are any. The replay cannot detect whether they have received all
+    /// messages, or have connected to a new publisher.
     fn linger(&self, limit: Duration) {
         let deadline = Instant::now() + limit;
         while self.resources.has_listeners() && Instant::now() < deadline {
-            std::thread::park_timeout(LINGER_LOOK);
+            std::thread::park_timeout(LINGER_POLL_INTERVAL);
         }
     }
 
-    /// Ends the run; what was played.
+    /// Ends the run and returns the report.
     fn end(mut self) -> Replayed {
         self.linger(LINGER);
         self.monitor.set_phase(Phase::Stop);
@@ -334,7 +332,7 @@ impl<'a> Player<'a> {
     }
 }
 
-/// What a process is told that joins the replay: time passes without waiting for it.
+/// Returns the configuration of a process that joins the replay: ticks pass without waiting for it.
 fn joining(launch: &Launch, rate: f64) -> Launch {
     let mut launch = launch.clone();
     launch.config.run.clock = Clock::RealTime {

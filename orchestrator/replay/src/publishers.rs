@@ -1,4 +1,4 @@
-//! Publishers of the messages in a log: one for every topic and process that sent on it.
+//! Publishers of the messages in a log: one for each topic and sender.
 
 use std::collections::BTreeMap;
 
@@ -10,18 +10,18 @@ use mcap_log::source::Logged;
 
 use mission::MissionError;
 
-/// The publishers of a topic.
+/// Publishers of one topic.
 trait Publish {
-    /// Opens a publisher for a process; true if there was none.
+    /// Opens a publisher for a process. Returns `true` if it did not exist.
     fn open(&mut self, bus: &Bus, source: u32) -> Result<bool, BusError>;
-    /// Sends a message, byte for byte; false if it is not one of the topic.
+    /// Sends a message, byte for byte. Returns `false` if it is not a message of the topic.
     fn publish(&mut self, data: &[u8]) -> Result<bool, SendError>;
     /// Connects to new subscribers, which get latched messages.
     fn connect(&self) -> Result<(), SendError>;
 }
 
 struct OfTopic<T: Topic> {
-    /// By the index of the process.
+    /// Publishers by the index of the process.
     ports: BTreeMap<u32, Publisher<T>>,
     elements: Vec<T::Element>,
 }
@@ -53,9 +53,9 @@ impl<T: Topic> Publish for OfTopic<T> {
     }
 }
 
-/// The publishers of all topics.
+/// Publishers of all topics.
 pub(super) struct TopicPublishers {
-    /// By the place of their topics in [`ipc_types::topics::NAMES`].
+    /// Publishers in the order of their topics in [`ipc_types::topics::NAMES`].
     topics: Vec<Box<dyn Publish>>,
 }
 
@@ -77,7 +77,7 @@ impl TopicPublishers {
         Self { topics: collect.0 }
     }
 
-    /// Opens the publisher of a topic for a process; true if it was not open.
+    /// Opens the publisher of a topic for a process. Returns `true` if it was not open.
     pub(super) fn open(
         &mut self,
         bus: &Bus,
@@ -90,7 +90,7 @@ impl TopicPublishers {
         }
     }
 
-    /// Sends a message; its publisher must be open. False if it is not one of its topic.
+    /// Sends a message; its publisher must be open. Returns `false` if it is not a message of its topic.
     pub(super) fn publish(&mut self, message: &Logged) -> Result<bool, MissionError> {
         match self.topics.get_mut(message.rank) {
             Some(topic) => Ok(topic.publish(&message.data)?),

@@ -1,4 +1,4 @@
-//! What a log says of its run as a whole, for those who do it again.
+//! The whole run in a log, for its repetition.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -16,14 +16,14 @@ use mcap_log::reader::{Item, Reader};
 use serde::Serialize;
 use zerocopy::FromBytes as _;
 
-/// A process that left its run.
+/// Exit of a process during its run.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct ProcessExit {
-    /// Its name.
+    /// Name of the process.
     pub process: String,
-    /// The first tick that it did not do.
+    /// First tick that it did not complete.
     pub tick: u64,
-    /// Why.
+    /// Reason.
     pub reason: String,
 }
 
@@ -31,24 +31,24 @@ pub struct ProcessExit {
 #[derive(Debug, Default)]
 pub(super) struct Recorded {
     pub(super) origin: Origin,
-    /// The log's own summary of it.
+    /// Summary of the run in the log.
     pub(super) result: BTreeMap<String, String>,
-    /// Whether the log was cut from another.
+    /// `true` if the log is a part of another log.
     pub(super) filtered: bool,
-    /// Whether the last state of the world is that of its end.
+    /// `true` if the last state of the world is that of the end of the run.
     pub(super) over: bool,
-    /// Whether nothing of the file's data is missing.
+    /// `true` if no data of the file is missing.
     pub(super) whole: bool,
-    /// The first process of interest that failed. What came of it depends on when it happened within its
-    /// tick, which no log says: from that tick on nothing is compared.
+    /// First relevant process that failed. The effects depend on the moment within its tick, which the log does not
+    /// contain; the comparison therefore ends before that tick.
     pub(super) left: Option<ProcessExit>,
 }
 
 impl Recorded {
-    /// Reads a log to its end; `of_interest` says whose failures count, by name.
+    /// Reads a log to its end; `of_interest` selects the processes whose failures count, by name.
     ///
     /// # Errors
-    /// [`LogReadError`]: the log cannot be read, is none of ours, or one of another version.
+    /// [`LogReadError`] if the log is unreadable, not a Protean log, or from another version.
     pub(super) fn read(
         log: &Path,
         of_interest: impl Fn(&str) -> bool,
@@ -93,7 +93,7 @@ impl Recorded {
         }
         recorded.whole = reader.condition().data;
         recorded.origin.check(log)?;
-        // A version that knew fewer topics would have said less.
+        // A version with fewer topics recorded fewer messages.
         if !recorded.filtered
             && !topics.is_empty()
             && let Some(topic) = TopicId::ALL
@@ -127,7 +127,7 @@ impl Recorded {
         }
     }
 
-    /// Log time up to which it is compared (ns).
+    /// Returns the log time up to which messages are compared (ns).
     pub(super) fn compared_before(&self) -> u64 {
         let period = self.origin.manifest.get("tick_period_ns");
         let period_ns: u64 = period.and_then(|text| text.parse().ok()).unwrap_or(1);
@@ -135,7 +135,7 @@ impl Recorded {
         left.map_or(u64::MAX, |left| left.tick.saturating_mul(period_ns))
     }
 
-    /// The version that recorded it, if it is another than this.
+    /// Returns the version that recorded the log, if it differs from this one.
     pub(super) fn other_version(&self) -> Option<String> {
         let version = self.origin.manifest.get("version");
         version

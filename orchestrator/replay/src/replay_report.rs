@@ -1,4 +1,4 @@
-//! How a log is to be played, and how it was.
+//! Options and report of a replay.
 
 use std::collections::BTreeMap;
 
@@ -6,22 +6,22 @@ use mcap_log::Topics;
 use serde::Serialize;
 use viewer::LiveTotals;
 
-/// How a log is played.
+/// Options of a replay.
 #[derive(Debug, Clone)]
 pub struct ReplayOptions {
-    /// Times as fast as recorded, > 0; infinite: as fast as possible.
+    /// Speed relative to the recording, > 0; infinite for as fast as possible.
     pub rate: f64,
-    /// From this simulated time on (s).
+    /// Start of the replayed time (s).
     pub start_s: Option<f64>,
-    /// Up to and with this simulated time (s).
+    /// End of the replayed time, included (s).
     pub end_s: Option<f64>,
-    /// Whether it begins again at its end, until somebody ends it.
+    /// `true` to start again at the end until interrupted.
     pub again: bool,
-    /// Which topics.
+    /// Replayed topics.
     pub topics: Topics,
-    /// Port on which live viewers are served, if they are; 0 is any that is free.
+    /// Port of the live server, if requested; 0 selects a free port.
     pub live: Option<u16>,
-    /// Whether nothing is shown.
+    /// `true` to show nothing.
     pub quiet: bool,
 }
 
@@ -39,37 +39,37 @@ impl Default for ReplayOptions {
     }
 }
 
-/// What was played.
+/// Report of a replay.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct Replayed {
-    /// The scenario.
+    /// Name of the scenario.
     pub scenario: String,
-    /// Messages that were sent, those from before the start included.
+    /// Messages sent, including those from before the start.
     pub messages: u64,
-    /// Messages from before the start: what lasted.
+    /// Messages from before the start with states that still held.
     pub restored: u64,
-    /// Messages that could not be decoded: they are left out.
+    /// Messages that could not be decoded and were omitted.
     pub malformed: u64,
-    /// Bytes of the messages.
+    /// Size of the messages (bytes).
     pub bytes: u64,
-    /// Different times among them.
+    /// Number of different times of the messages.
     pub ticks: u64,
-    /// How often it was played to its end.
+    /// Number of complete replays.
     pub times: u64,
     /// Real time from the opening of the log to the first message (s).
     pub start_up_s: f64,
-    /// The part of it that the way to the start took (s).
+    /// Part of `start_up_s` for the search of the start (s).
     pub seek_s: f64,
     /// Real time from the first message to the last (s).
     pub wall_time_s: f64,
-    /// What live viewers got, if they were served.
+    /// Totals of the live viewers, if the replay served any.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub live: Option<LiveTotals>,
-    /// Messages by topic.
+    /// Number of messages by topic.
     pub topics: BTreeMap<String, u64>,
-    /// Whether it was ended before its end.
+    /// `true` if it was interrupted.
     pub interrupted: bool,
-    /// What was wrong with the file.
+    /// Faults of the file.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub faults: Vec<String>,
 }

@@ -1,4 +1,4 @@
-//! The run in a log, done again.
+//! Repetition of the run in a log.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -19,42 +19,42 @@ use mission::{self, MissionError, MissionOptions, MissionReport};
 use scenario::ResolvedScenario;
 use scenario::kind::Kind;
 
-/// How a run is done again.
+/// Options of a repetition.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct RerunOptions {
-    /// Whether all in one process.
+    /// `true` to run all processes in this process.
     pub in_process: bool,
-    /// Whether programs that are not ours may be started.
+    /// `true` if external programs may be started.
     pub allow_external: bool,
 }
 
-/// What came of doing a run again.
+/// Result of repeating a run.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Rerun {
-    /// The scenario.
+    /// Name of the scenario.
     pub scenario: String,
-    /// The seed.
+    /// Seed of the run.
     pub seed: u64,
-    /// The version that recorded the log, if it is another.
+    /// Version that recorded the log, if it differs from this one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub recorded_by: Option<String>,
-    /// Fingerprint of the run in the log; absent if the run did not come to its end.
+    /// Digest of the run in the log; absent if the run did not reach its end.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub digest_logged: Option<String>,
-    /// Fingerprint of the new run.
+    /// Digest of the new run.
     pub digest: String,
-    /// The first process that failed in the run of the log: from its tick on nothing is compared.
+    /// First process that failed in the recorded run; the comparison ends before its tick.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub left: Option<ProcessExit>,
-    /// Whether the log holds the whole run, without a failure.
+    /// `true` if the log contains the whole run, without a failure.
     pub whole: bool,
-    /// Whether the two runs are the same, as far as the log goes.
+    /// `true` if the two runs are identical, up to the end of the log.
     pub same: bool,
     /// Last tick of the new run.
     pub ticks: u64,
-    /// Real time that it took (s).
+    /// Real time of the new run (s).
     pub wall_time_s: f64,
-    /// Their messages; absent for a log that was cut from another.
+    /// Comparison of the messages; absent for a log that is a part of another one.
     #[serde(
         skip_serializing_if = "Option::is_none",
         serialize_with = "differences_only"
@@ -62,8 +62,8 @@ pub struct Rerun {
     pub comparison: Option<Comparison>,
 }
 
-/// Of a whole run, how many messages are equal and where topics differ first.
-#[expect(clippy::ref_option, reason = "serde hands out the field")]
+/// Writes the number of equal messages and the first difference of each topic.
+#[expect(clippy::ref_option, reason = "required by serde")]
 fn differences_only<S: Serializer>(
     comparison: &Option<Comparison>,
     serializer: S,
@@ -82,10 +82,10 @@ fn differences_only<S: Serializer>(
     summary.serialize(serializer)
 }
 
-/// Does the run in a log again, from the scenario in it and with these kinds of processes, and compares.
+/// Repeats the run in a log from its scenario with these kinds of processes, and compares the messages.
 ///
 /// # Errors
-/// [`ReplayError`]: the log cannot be read, or its run cannot be done again.
+/// [`ReplayError`] if the log is unreadable or its run cannot be repeated.
 pub fn rerun(
     log: &Path,
     kinds: &[Kind],
@@ -97,14 +97,14 @@ pub fn rerun(
         &recorded.origin,
         log,
         &[],
-        "it cannot be done again the same; runs in lock-step can",
+        "it cannot be repeated identically; runs in lock-step can",
         kinds,
     )?;
     refuse_external(log, &scenario, options.allow_external)?;
-    // Nobody looks at it.
+    // The repetition has no viewers.
     scenario.log.viewer_rate_hz = 0.0;
     let folder = tempfile::tempdir().map_err(|source| MissionError::System {
-        what: "cannot make a temporary directory".into(),
+        what: "cannot create a temporary directory".into(),
         source,
     })?;
     let again = folder.path().join("again.mcap");
@@ -113,12 +113,12 @@ pub fn rerun(
         return Err(LogReadError::Interrupted.into());
     }
     let digest = report.summary.digest;
-    let has_lost = recorded.left.is_some();
+    let has_failures = recorded.left.is_some();
     let ended =
-        recorded.over && recorded.result.contains_key("digest") && recorded.whole && !has_lost;
+        recorded.over && recorded.result.contains_key("digest") && recorded.whole && !has_failures;
     let (digest_logged, comparison) = if recorded.filtered {
         let digest = recorded.result.get(RUN_DIGEST);
-        (digest.filter(|_| !has_lost), None)
+        (digest.filter(|_| !has_failures), None)
     } else {
         let before = recorded.compared_before();
         let comparison = compare(log, &again, before, !ended, watch)?;

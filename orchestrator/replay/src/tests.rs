@@ -1,4 +1,4 @@
-//! The same run twice.
+//! Comparison of a run with itself.
 
 use std::path::Path;
 
@@ -15,7 +15,7 @@ use viewer::{ViewerOptions, viewer_topics};
 
 use self::support::{rewrite, small, watch};
 
-// Each crate that includes them uses parts of them.
+// Each including crate uses only parts of them.
 #[allow(dead_code)]
 #[path = "../../recorder/src/tests/made_up.rs"]
 mod made_up;
@@ -23,7 +23,7 @@ mod made_up;
 #[path = "../../log_tools/src/tests/support.rs"]
 mod support;
 
-/// Records the made-up run, with viewer topics.
+/// Records the test run, with viewer topics.
 fn record_run(path: &Path, ticks: u64, chunk_bytes: u64, change: impl Fn(&mut Command, u64)) {
     let topics = viewer_topics(&made_up::run_info(), &ViewerOptions::default());
     made_up::record_run(path, ticks, chunk_bytes, topics, change);
@@ -61,7 +61,7 @@ fn the_first_difference_of_every_topic_is_named() {
         ("0.2", "-0.5")
     );
     assert_eq!(differs.equal() + 5, same.equal());
-    // Up to the tick in which they part they are the same.
+    // They are identical up to the tick in which they differ.
     let time = |tick| (first.time_s * 1e9 / 3.0).round() as u64 * tick;
     let before = twice("a", "c", time(3));
     assert!(
@@ -70,7 +70,7 @@ fn the_first_difference_of_every_topic_is_named() {
     );
     assert_eq!(before.last_tick, 2);
     assert_eq!(twice("a", "c", 0), Comparison::default());
-    // Messages that only one of them has. The last state of a short run says that it is over.
+    // Messages in only one of them. The last state of a short run marks its end.
     for (a, b) in [("a", "d"), ("d", "a")] {
         let differs = twice(a, b, u64::MAX);
         let topic = |name: &str| differs.topics[name].first.clone().unwrap();
@@ -96,7 +96,7 @@ fn play(path: &Path) -> String {
 }
 
 #[test]
-fn a_run_done_again_is_proved_the_same_and_a_changed_log_is_found_out() {
+fn a_repeated_run_is_identical_and_a_changed_log_is_detected() {
     let folder = tempfile::tempdir().unwrap();
     let (log, other) = (folder.path().join("a.mcap"), folder.path().join("b.mcap"));
     let digest = play(&log);
@@ -109,7 +109,7 @@ fn a_run_done_again_is_proved_the_same_and_a_changed_log_is_found_out() {
     let equal = done.comparison.unwrap().equal();
     assert!(equal > 100);
 
-    // One bit of one message.
+    // One bit of one message differs.
     let mut seen = 0;
     rewrite(
         &log,
@@ -131,7 +131,7 @@ fn a_run_done_again_is_proved_the_same_and_a_changed_log_is_found_out() {
     let (topic, first) = comparison.first().unwrap();
     assert_eq!((topic, first.field.as_str()), ("robot/command", "v"));
 
-    // A digest that is not that of the messages.
+    // A digest that does not belong to the messages.
     let wrong = |record: &mut mcap::records::Metadata| {
         if let Some(digest) = record.metadata.get_mut("digest") {
             *digest = "0".repeat(64);
@@ -143,11 +143,11 @@ fn a_run_done_again_is_proved_the_same_and_a_changed_log_is_found_out() {
 }
 
 #[test]
-fn a_log_that_was_cut_short_is_compared_as_far_as_it_goes() {
+fn a_truncated_log_is_compared_up_to_its_end() {
     let folder = tempfile::tempdir().unwrap();
     let (log, cut) = (folder.path().join("a.mcap"), folder.path().join("cut.mcap"));
     play(&log);
-    // Killed in the middle of a tick: no more messages, no result, no summary.
+    // Killed within a tick: no further messages, no result, no summary.
     let total = support::theirs(&log).len();
     let (mut seen, short) = (0, folder.path().join("short.mcap"));
     let keep = |_: &_, _: &mut Vec<u8>| {
@@ -172,7 +172,7 @@ fn a_log_that_was_cut_short_is_compared_as_far_as_it_goes() {
 }
 
 #[test]
-fn runs_that_cannot_be_done_again_are_refused_with_the_reason() {
+fn runs_that_cannot_be_repeated_are_refused_with_the_reason() {
     let folder = tempfile::tempdir().unwrap();
     let (log, other) = (folder.path().join("a.mcap"), folder.path().join("b.mcap"));
     play(&log);
@@ -197,7 +197,7 @@ fn runs_that_cannot_be_done_again_are_refused_with_the_reason() {
         |_| {},
         |t| replaced(t, "seed = 3", "seed = 4"),
     );
-    refused("not the one that was run");
+    refused("not the one of the run");
     rewrite(
         &log,
         &other,
@@ -229,7 +229,7 @@ fn runs_that_cannot_be_done_again_are_refused_with_the_reason() {
     ));
     std::fs::remove_file(&other).unwrap();
     record_run(&other, 2, 4_000, |_, _| {});
-    refused("the scenario in it is not one for this version");
+    refused("its scenario is not valid for this version");
 }
 
 #[test]

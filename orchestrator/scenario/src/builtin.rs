@@ -1,11 +1,11 @@
-//! Scenarios and maps that are part of the program, so that it works from any folder.
+//! Scenarios and maps compiled into the program, so that it works from any folder.
 
 /// A built-in scenario.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Builtin {
-    /// What `protean run` takes.
+    /// Name to pass to `protean run`.
     pub name: &'static str,
-    /// The scenario's text.
+    /// Text of the scenario (TOML).
     pub text: &'static str,
 }
 
@@ -17,10 +17,10 @@ impl Builtin {
     }
 }
 
-/// The scenario that runs when none is named.
+/// Name of the default scenario.
 pub const DEFAULT: &str = "chase";
 
-/// All built-in scenarios, the default first.
+/// All built-in scenarios; the default comes first.
 pub const SCENARIOS: [Builtin; 17] = [
     Builtin {
         name: "chase",
@@ -92,7 +92,7 @@ pub const SCENARIOS: [Builtin; 17] = [
     },
 ];
 
-/// Paths as the scenarios write them, and the maps' texts.
+/// Built-in maps: path as scenarios write it, and text.
 const MAPS: [(&str, &str); 2] = [
     (
         "maps/city.toml",
@@ -104,24 +104,24 @@ const MAPS: [(&str, &str); 2] = [
     ),
 ];
 
-/// The built-in scenario with this name (`chase`, or `chase.toml`).
+/// Returns the built-in scenario with this name (`chase` or `chase.toml`).
 pub fn scenario(name: &str) -> Option<Builtin> {
     let name = name.strip_suffix(".toml").unwrap_or(name);
     SCENARIOS.into_iter().find(|s| s.name == name)
 }
 
-/// The built-in map at this path (`maps/city.toml`).
+/// Returns the built-in map at this path (`maps/city.toml`).
 pub fn map(path: &str) -> Option<&'static str> {
     let path = path.strip_prefix("./").unwrap_or(path);
     MAPS.iter().find(|m| m.0 == path).map(|m| m.1)
 }
 
-/// The paths of the built-in maps.
+/// Returns the paths of the built-in maps.
 pub fn map_names() -> Vec<&'static str> {
     MAPS.iter().map(|m| m.0).collect()
 }
 
-/// What `map = "builtin:…"` takes.
+/// Returns the names that `map = "builtin:…"` accepts.
 pub fn map_stems() -> Vec<&'static str> {
     let stem = |path: &'static str| path.strip_prefix("maps/")?.strip_suffix(".toml");
     MAPS.iter().filter_map(|m| stem(m.0)).collect()

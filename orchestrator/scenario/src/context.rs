@@ -1,4 +1,4 @@
-//! What every part of the resolution needs: the texts, the tree, and somewhere to complain.
+//! State that every part of the resolution shares: the texts, the tree and the diagnostics.
 
 use config::{Code, Diagnostic, Diagnostics, FieldPath, Node, Origin, Sources, problem_at, read};
 use parameters::{Fault, Parameters, ParamsError, faults};
@@ -8,19 +8,19 @@ use super::kind::Kind;
 
 /// The scenario being resolved.
 pub struct Context<'a> {
-    /// The texts that it was read from.
+    /// Texts that the scenario was read from.
     pub sources: Sources,
-    /// Its tree, overrides applied.
+    /// Tree of the scenario, with the overrides applied.
     pub root: Node,
-    /// The kinds of processes that there are.
+    /// Available kinds of processes.
     pub kinds: &'a [Kind],
-    /// What was found wrong.
+    /// Problems found so far.
     pub problems: Diagnostics,
 }
 
 impl Context<'_> {
-    /// The elements of a top-level array of tables (`[[robots]]`) with their paths. Something else
-    /// in its place is reported.
+    /// Returns the elements of a top-level array of tables (`[[robots]]`) with their paths. Reports a value
+    /// of another type.
     pub fn blocks(&mut self, key: &str) -> Vec<(FieldPath, Node)> {
         let path = FieldPath::key(key);
         let Some(node) = self.root.get(key) else {
@@ -37,12 +37,12 @@ impl Context<'_> {
         Vec::new()
     }
 
-    /// Reads a node; everything wrong with it is reported.
+    /// Reads a node and reports everything wrong with it.
     pub fn read<T: DeserializeOwned>(&mut self, node: &Node, path: &FieldPath) -> Option<T> {
         read(&self.sources, node, path, &mut self.problems)
     }
 
-    /// Reads and checks a top-level table; an absent one is its default.
+    /// Reads and checks a top-level table; an absent table has its defaults.
     pub fn section<T: Parameters + Default>(&mut self, key: &str) -> Option<T> {
         if self.root.get(key).is_none() {
             return Some(T::default());
@@ -54,7 +54,7 @@ impl Context<'_> {
         Some(value)
     }
 
-    /// Checks ranges and relations of a top-level table; its path stands in the messages.
+    /// Checks ranges and relations of a top-level table; messages contain its path.
     pub fn check_section<T: Parameters>(&mut self, key: &str, value: &T) {
         for fault in faults(value) {
             let root = self.root.clone();
@@ -62,7 +62,7 @@ impl Context<'_> {
         }
     }
 
-    /// A problem at a field below a node with this path.
+    /// Adds a problem at a field below the node with this path.
     pub fn problem(
         &self,
         node: &Node,
@@ -79,13 +79,13 @@ impl Context<'_> {
         problem_at(&self.sources, node, &below, code, message).field(base.join(&below))
     }
 
-    /// Reports a value that a type's own check refused.
+    /// Reports a value that the check of its type refused.
     pub fn refuse(&mut self, node: &Node, base: &FieldPath, found: ParamsError) {
         self.problems
             .push(refusal(&self.sources, node, base, found));
     }
 
-    /// Checks ranges and relations of a value that a node says; whether they hold.
+    /// Checks ranges and relations of a value read from a node. Returns `true` if all hold.
     pub fn check<T: Parameters>(&mut self, node: &Node, base: &FieldPath, value: &T) -> bool {
         let faults = faults(value);
         let holds = faults.is_empty();
@@ -95,7 +95,7 @@ impl Context<'_> {
         holds
     }
 
-    /// A problem at a node as a whole, shown at its first line.
+    /// Adds a problem at a whole node, shown at the node's first line.
     pub fn block_problem(
         &self,
         origin: Origin,

@@ -1,4 +1,4 @@
-//! A scenario as written, before anything is filled in or checked.
+//! A scenario as written, before defaults are filled in and values are checked.
 
 use config::{Code, Diagnostic, Diagnostics, FieldPath, Node, Sources};
 
@@ -11,9 +11,9 @@ use super::resolve::resolve;
 use super::resolved::ResolvedScenario;
 use super::template::{MapCache, Template};
 
-/// A scenario's text with the overrides applied so far.
+/// Text of a scenario with the overrides applied so far.
 ///
-/// It can be copied, so that many variants of a scenario are read from disk and parsed once.
+/// Cloning a draft avoids reading and parsing a scenario again for each of its variants.
 #[derive(Clone)]
 pub struct Draft<'k> {
     pub(super) sources: Sources,
@@ -25,10 +25,10 @@ pub struct Draft<'k> {
 }
 
 impl Draft<'_> {
-    /// Applies one `key=value`; `label` says in errors where it comes from (`--set`).
+    /// Applies one `key=value`; errors name its origin by `label` (`--set`).
     ///
-    /// The result is the place that was changed, the same however an element of an array was
-    /// named. `None`: something is wrong with it, which [`Draft::resolve`] will report.
+    /// Returns the path of the changed value, with elements of arrays by index. Returns `None` after an
+    /// error, which [`Draft::resolve`] reports.
     pub fn apply(&mut self, label: &str, argument: &str) -> Option<FieldPath> {
         overrides::apply(
             &mut self.root,
@@ -49,26 +49,26 @@ impl Draft<'_> {
         }
     }
 
-    /// What is written at a key, as `--set` takes it: `None` if nothing is, or it is not a key.
+    /// Returns the value at a key in the form of `--set`; `None` if the key is invalid or has no value.
     pub fn find(&self, key: &str) -> Option<&Node> {
         overrides::find(&self.root, key)
     }
 
-    /// What has been found wrong so far.
+    /// Returns the problems found so far.
     pub fn problems(&self) -> &Diagnostics {
         &self.problems
     }
 
-    /// Fills in what is not written, and checks everything.
+    /// Fills in the defaults and checks everything.
     ///
     /// # Errors
-    /// Everything that is wrong, each with its place.
+    /// All problems, each with its place.
     pub fn resolve(self) -> Result<ResolvedScenario, Diagnostics> {
         Ok(self.resolve_all()?.0)
     }
 
-    /// As [`Draft::resolve`], for many runs that differ in nothing but their seed. What the
-    /// scenario says of the seed does not matter.
+    /// Does the same as [`Draft::resolve`] for many runs that differ only in their seed. The seed of the
+    /// scenario is ignored.
     ///
     /// # Errors
     /// As [`Draft::resolve`].

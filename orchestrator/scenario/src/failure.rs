@@ -11,9 +11,9 @@ use super::spec::{Mode, OnFailure, ProcessBlock, RunSpec, ready_timeout};
 /// Supervision of a process.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Supervision {
-    /// Reaction to its failure.
+    /// Reaction to a failure of the process.
     pub on_failure: OnFailure,
-    /// Real time that it has to become ready, at the start and after every restart.
+    /// Real time within which it must become ready, at the start and after every restart.
     #[schemars(transform = ready_timeout())]
     pub ready_timeout_s: f64,
 }
@@ -29,7 +29,7 @@ impl Default for Supervision {
     }
 }
 
-/// Reads the supervision of a process. Everything wrong is reported.
+/// Reads the supervision of a process and reports all problems.
 pub(super) fn read(
     ctx: &mut Context<'_>,
     node: &Node,
@@ -45,7 +45,7 @@ pub(super) fn read(
     ctx.check(node, path, &supervision);
     if supervision.on_failure == OnFailure::Restart && run.mode == Mode::LockStep {
         let field = "on_failure";
-        let message = "in lock-step nothing waits for a process that is started again";
+        let message = "lock-step mode cannot restart a process";
         let problem = ctx
             .problem(node, path, field, Code::Requirement, message)
             .expected("\"abort\" or \"continue\", or run.mode = \"real_time\" (--real-time)");

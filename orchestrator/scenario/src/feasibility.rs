@@ -1,4 +1,4 @@
-//! Whether the robots can be where they start and go where they shall.
+//! Checks that the starts of all robots are free and that their goals and the exits are reachable.
 
 use std::sync::Arc;
 
@@ -14,8 +14,8 @@ use super::context::Context;
 use super::jitter::{self, MAX_DRAWS, Placement};
 use super::robots::Robot;
 
-/// Checks that every robot stands free, draws the displaced starts, and checks that exits and goals
-/// can be reached; everything wrong is reported. The result are the starts.
+/// Checks that every robot starts in free space, draws the displaced starts, and checks that exits and
+/// goals are reachable. Reports all problems and returns the starts.
 pub fn resolve(
     ctx: &mut Context<'_>,
     map: &MapSpec,
@@ -45,7 +45,7 @@ pub fn resolve(
         Err(index) => {
             let robot = robots.get(index)?;
             let message = format!(
-                "robot `{}` stood free in none of {MAX_DRAWS} drawn starts",
+                "robot `{}` has no free start in {MAX_DRAWS} draws",
                 robot.spec.name
             );
             let problem = ctx
@@ -69,7 +69,7 @@ pub fn resolve(
     Some(starts)
 }
 
-/// What the drawn starts follow from.
+/// Returns the inputs of drawing the starts.
 pub fn placements(robots: &[Robot]) -> Vec<Placement> {
     robots
         .iter()
@@ -81,7 +81,7 @@ pub fn placements(robots: &[Robot]) -> Vec<Placement> {
         .collect()
 }
 
-/// The world has the last word: whatever it would refuse is reported here, before anything starts.
+/// Reports everything that the world would refuse, before any process starts.
 fn check_world(
     ctx: &mut Context<'_>,
     world_map: &WorldMap,
@@ -95,7 +95,7 @@ fn check_world(
         spec.start = start;
         spec
     });
-    // The world map is made already; the specification's map is not looked at.
+    // The world map exists already, so that the map of the specification is not used.
     let map = MapSpec::Vector(VectorMap::empty([0.0; 2], [1.0; 2], 1.0));
     let spec = WorldSpec {
         map,
@@ -188,7 +188,7 @@ fn check_overlaps(ctx: &mut Context<'_>, robots: &[Robot]) -> bool {
     fine
 }
 
-/// Every exit can be reached by some evader (if there are any).
+/// Checks that some evader can reach every exit, if there are evaders.
 fn check_exits(ctx: &mut Context<'_>, world_map: &WorldMap, robots: &[Robot], rules: &RulesSpec) {
     let evaders: Vec<&Robot> = robots
         .iter()
@@ -236,7 +236,7 @@ fn check_exits(ctx: &mut Context<'_>, world_map: &WorldMap, robots: &[Robot], ru
     }
 }
 
-/// Every robot can reach its goal.
+/// Checks that every robot can reach its goal.
 fn check_goals(ctx: &mut Context<'_>, world_map: &WorldMap, robots: &[Robot]) {
     for robot in robots {
         let Some(goal) = robot.spec.goal else {
@@ -259,8 +259,8 @@ fn check_goals(ctx: &mut Context<'_>, world_map: &WorldMap, robots: &[Robot]) {
     }
 }
 
-/// The cells that a disc of this radius (m) can pass. A cell within one cell's diagonal of fitting
-/// counts as fitting, so that the grid never closes a gap that is open.
+/// Returns the cells that a disc of this radius (m) can pass. A cell counts as passable within one cell's
+/// diagonal, so that the grid never closes a gap that is open.
 fn passages(world_map: &WorldMap, radius: f64) -> Arc<Passages> {
     let enough = (radius - world_map.frame().resolution * core::f64::consts::FRAC_1_SQRT_2) as f32;
     world_map.shapes().passages(f64::from(enough))

@@ -1,41 +1,41 @@
-//! Where the files that a scenario names come from, and which it may not name.
+//! Access to the files that a scenario refers to, and its restrictions.
 
 use std::fs;
 use std::path::{Component, Path, PathBuf};
 
 use super::builtin;
 
-/// Where relative paths of a scenario lead.
+/// Base of the relative paths of a scenario.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Base {
     /// A folder on disk.
     Folder {
         /// The folder of the scenario file.
         folder: PathBuf,
-        /// Whether paths may lead out of it.
+        /// `true` if paths may lead out of the folder.
         allow_outside: bool,
     },
-    /// The files built into the program.
+    /// The files compiled into the program.
     Builtin,
-    /// Nowhere: the scenario must be complete in itself (as one stored in a log is).
+    /// No files: the scenario must be self-contained, as one stored in a log is.
     Nothing,
 }
 
 /// A file of a scenario.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Found {
-    /// On disk, checked to exist and to be where it may be.
+    /// On disk; it exists and its place is permitted.
     Disk(PathBuf),
-    /// Built in.
+    /// Compiled into the program.
     Text(&'static str),
 }
 
-/// Why a path of a scenario was refused: what is wrong and what was expected.
+/// Reason why a path of a scenario is refused.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Refused {
-    /// What is wrong.
+    /// Description of the problem.
     pub message: String,
-    /// What was expected.
+    /// Description of a valid value.
     pub expected: String,
 }
 
@@ -47,11 +47,11 @@ fn refused<T>(message: impl Into<String>, expected: impl Into<String>) -> Result
 }
 
 impl Base {
-    /// The file that a path in the scenario means.
+    /// Finds the file that a path in the scenario refers to.
     ///
     /// # Errors
-    /// The path leads out of the scenario's folder (by itself or by a symbolic link) although it
-    /// may not, or nothing that can be read as a file is there.
+    /// The path leads out of the scenario's folder (directly or by a symbolic link) without permission, or
+    /// it is not a readable file.
     pub fn find(&self, path: &str) -> Result<Found, Refused> {
         let (folder, allow_outside) = match self {
             Self::Nothing => {
@@ -114,7 +114,7 @@ impl Base {
 /// Reads a text file of at most `max` bytes.
 ///
 /// # Errors
-/// It cannot be read, is larger, or is not UTF-8.
+/// The file is unreadable, is larger than `max`, or is not UTF-8.
 pub fn read_text(path: &Path, max: u64) -> Result<String, Refused> {
     use std::io::Read;
     let shown = path.display();

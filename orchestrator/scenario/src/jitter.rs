@@ -10,10 +10,10 @@ use rand_chacha::rand_core::{Rng, SeedableRng};
 
 use super::spec::{Distribution, StartJitter};
 
-/// A robot is drawn at most this often until it stands free.
+/// Maximum number of draws for one robot until its start is free.
 pub const MAX_DRAWS: usize = 200;
 
-/// Keeps start jitter apart from everything else that is drawn from the run's seed.
+/// Domain of the start jitter, which separates it from other uses of the run's seed.
 const DOMAIN: u64 = 0x7374_6172_745f_6a69;
 
 /// A robot to be placed.
@@ -27,13 +27,13 @@ pub struct Placement {
     pub jitter: Option<StartJitter>,
 }
 
-/// Draws the poses of all robots: those without jitter stay, the others are displaced, in order,
-/// and drawn again while they touch a wall (`is_free` says no for centre and radius (m)) or a robot
-/// that stands already. Each robot draws from its own stream, so that a robot more at the end does
-/// not move the others.
+/// Draws the poses of all robots. Robots without jitter keep their start. The others are displaced in
+/// order, and drawn again while they touch a wall (`is_free` returns `false` for centre and radius (m)) or
+/// a robot placed before. Each robot has its own random stream, so that an added robot at the end does not
+/// move the others.
 ///
 /// # Errors
-/// The index of the first robot that stood free in none of [`MAX_DRAWS`] draws.
+/// The index of the first robot without a free start in [`MAX_DRAWS`] draws.
 pub fn place(
     robots: &[Placement],
     seed: u64,
@@ -79,12 +79,12 @@ fn displaced(start: Pose2, jitter: &StartJitter, rng: &mut ChaCha8Rng) -> Pose2 
     Pose2::new(start.x + dx, start.y + dy, start.theta + dtheta)
 }
 
-/// A number in [−1, 1], or a standard normal one cut at ±3.
+/// Draws a number in [−1, 1], or a standard normal one cut off at ±3.
 fn deviate(distribution: Distribution, rng: &mut ChaCha8Rng) -> f64 {
     match distribution {
         Distribution::Uniform => 2.0 * unit(rng) - 1.0,
         Distribution::Normal => {
-            // Box and Muller's transform; 1 − u lies in (0, 1], so that the logarithm is finite.
+            // Box–Muller transform; 1 − u lies in (0, 1], so that the logarithm is finite.
             let radius = (-2.0 * math::ln(1.0 - unit(rng))).sqrt();
             let (sin, _) = math::sincos(TAU * unit(rng));
             (radius * sin).clamp(-3.0, 3.0)
@@ -92,7 +92,7 @@ fn deviate(distribution: Distribution, rng: &mut ChaCha8Rng) -> f64 {
     }
 }
 
-/// A number in [0, 1) with 53 random bits.
+/// Draws a number in [0, 1) with 53 random bits.
 fn unit(rng: &mut ChaCha8Rng) -> f64 {
     (rng.next_u64() >> 11) as f64 * (1.0 / (1u64 << 53) as f64)
 }
@@ -157,8 +157,8 @@ mod tests {
     }
 
     #[test]
-    fn robots_are_drawn_again_until_they_stand_free() {
-        // Two robots on one spot, with room to step aside; a wall at x < 0.
+    fn robots_are_drawn_again_until_their_start_is_free() {
+        // Two robots at the same place, with room around them; a wall at x < 0.
         let robots = [robot(0.0, 0.4), robot(0.0, 0.4), robot(0.3, 0.0)];
         for seed in 0..50 {
             let at = place(&robots, seed, |p, r| p.x - r >= 0.0).unwrap();
@@ -173,7 +173,7 @@ mod tests {
     }
 
     #[test]
-    fn a_robot_without_room_is_named() {
+    fn a_robot_without_a_free_start_is_reported() {
         let robots = [robot(0.0, 0.0), robot(0.0, 0.01)];
         assert_eq!(place(&robots, 1, |_, _| true), Err(1));
     }

@@ -1,4 +1,4 @@
-//! Kinds of processes without their types: what scenarios, runs and commands work with.
+//! Kinds of processes with their types erased, for scenarios, runs and commands.
 
 use core::any::Any;
 use core::fmt;
@@ -15,14 +15,14 @@ use schemars::{Schema, SchemaGenerator};
 use serde_json::Value as Json;
 use sim_backend::spec::RobotSpec;
 
-/// A kind of process, as one element of the list of a program's kinds.
+/// A kind of process: one element of a program's list of kinds.
 #[derive(Clone, Copy)]
 pub struct Kind {
     /// The name that scenarios use (`kind = "…"`).
     pub name: &'static str,
-    /// What it does, in one line.
+    /// Description in one line.
     pub summary: &'static str,
-    /// Whether it commands robots (and then must be given some).
+    /// `true` if it commands robots; its processes then need at least one robot.
     pub drives_robots: bool,
     makes: &'static [Product],
     read: fn(&Node) -> Result<ConfiguredKind, ParamsProblem>,
@@ -32,7 +32,7 @@ pub struct Kind {
 }
 
 impl Kind {
-    /// The kind that a type implements.
+    /// Returns the kind that a type implements.
     pub const fn of<K: ProcessKind>() -> Self {
         Self {
             name: K::NAME,
@@ -46,30 +46,30 @@ impl Kind {
         }
     }
 
-    /// Whether it makes something for others.
+    /// Returns `true` if it makes this product for other processes.
     pub fn makes(&self, product: Product) -> bool {
         self.makes.contains(&product)
     }
 
-    /// The schema of its parameters.
+    /// Returns the schema of its parameters.
     pub fn schema(&self, generator: &mut SchemaGenerator) -> Schema {
         (self.schema)(generator)
     }
 
-    /// Reads and checks parameters; those that are not given have their defaults.
+    /// Reads and checks parameters; absent ones have their defaults.
     ///
     /// # Errors
-    /// The first parameter that cannot be read, or all that are refused.
+    /// The first unreadable parameter, or all refused parameters.
     pub fn read(&self, params: &Node) -> Result<ConfiguredKind, ParamsProblem> {
         (self.read)(params)
     }
 
-    /// The sets of parameters that `params.preset` names.
+    /// Returns the named sets of parameters that `params.preset` accepts.
     pub fn presets(&self) -> Vec<(&'static str, ConfiguredKind)> {
         (self.presets)()
     }
 
-    /// Runs a process of this kind with the configuration in a file to its end.
+    /// Runs a process of this kind with the configuration in a file until it ends.
     pub fn run(&self, config: &Path) -> ExitCode {
         (self.run)(config)
     }
@@ -81,17 +81,17 @@ impl fmt::Debug for Kind {
     }
 }
 
-/// The kind with this name.
+/// Returns the kind with this name.
 pub fn find<'k>(kinds: &'k [Kind], name: &str) -> Option<&'k Kind> {
     kinds.iter().find(|k| k.name == name)
 }
 
-/// Why the parameters of a process are refused.
+/// Reason why the parameters of a process are refused.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ParamsProblem {
     /// They do not fit their type.
     Read(ReadError),
-    /// The check of the kind refuses them.
+    /// The kind's check refuses them.
     Faults(Vec<ParamsError>),
     /// They cannot be written as JSON.
     Write(String),
@@ -112,50 +112,50 @@ fn presets<K: ProcessKind>() -> Vec<(&'static str, ConfiguredKind)> {
     K::presets().into_iter().map(configured).collect()
 }
 
-/// A kind of process with the parameters of one of its processes, complete and of their own type.
+/// A kind of process with the complete, typed parameters of one process.
 #[derive(Debug, Clone)]
 pub struct ConfiguredKind(Arc<dyn Configured>);
 
 impl ConfiguredKind {
-    /// A kind with parameters.
+    /// Creates a kind with parameters.
     pub fn new<K: ProcessKind>(params: K::Params) -> Self {
         Self(Arc::new(Typed::<K> { params }))
     }
 
-    /// The kind.
+    /// Returns the kind.
     pub fn kind(&self) -> Kind {
         self.0.kind()
     }
 
-    /// The parameters, if they are of this type.
+    /// Returns the parameters if they have type `P`.
     pub fn params<P: 'static>(&self) -> Option<&P> {
         self.0.params().downcast_ref()
     }
 
-    /// The parameters as JSON.
+    /// Returns the parameters as JSON.
     pub fn json(&self) -> Json {
         self.0.json()
     }
 
-    /// As [`ProcessKind::needs`].
+    /// See [`ProcessKind::needs`].
     pub fn needs(&self, need: Need) -> bool {
         self.0.needs().contains(&need)
     }
 
-    /// As [`ProcessKind::belief_particles`].
+    /// See [`ProcessKind::belief_particles`].
     pub fn belief_particles(&self) -> usize {
         self.0.belief_particles()
     }
 
-    /// As [`ProcessKind::lookout`].
+    /// See [`ProcessKind::lookout`].
     pub fn lookout(&self, given: &[usize], robots: &[RobotSpec]) -> Option<ViewSpec> {
         self.0.lookout(given, robots)
     }
 
-    /// As [`ProcessKind::check_task`].
+    /// See [`ProcessKind::check_task`].
     ///
     /// # Errors
-    /// What does not fit.
+    /// The first mismatch between task and parameters.
     pub fn check_task(&self, task: &Task<'_>) -> Result<(), TaskFault> {
         self.0.check_task(task)
     }
@@ -163,7 +163,7 @@ impl ConfiguredKind {
     /// Opens a process in this thread.
     ///
     /// # Errors
-    /// As [`runtime::kind::open`].
+    /// See [`runtime::kind::open`].
     pub fn open(
         &self,
         config: &ProcessConfig,
@@ -179,7 +179,7 @@ impl PartialEq for ConfiguredKind {
     }
 }
 
-/// [`ConfiguredKind`] for one type.
+/// Interface of [`ConfiguredKind`] without its type of parameters.
 trait Configured: fmt::Debug + Send + Sync {
     fn kind(&self) -> Kind;
     fn params(&self) -> &dyn Any;
@@ -217,7 +217,7 @@ impl<K: ProcessKind> Configured for Typed<K> {
     }
 
     fn json(&self) -> Json {
-        // That they have a JSON form was checked when they were read.
+        // Reading them checked that they have a JSON form.
         serde_json::to_value(&self.params).unwrap_or(Json::Null)
     }
 

@@ -1,14 +1,14 @@
-//! Missions: one TOML file says everything.
+//! Scenarios: one TOML file describes a whole mission.
 //!
 //! [`Loader`] turns the path of a scenario, or the name of a built-in one, into a
-//! [`ResolvedScenario`]: teams and defaults inherited, `--set` overrides applied, the map read and
-//! written out, starts drawn, parameters of every process typed and complete, everything checked.
-//! What is wrong comes back as [`Diagnostics`](config::Diagnostics), each with file, line, field,
-//! value and what was expected. [`ResolvedScenario::to_toml`] writes the whole into one text that
-//! loads to the same, which is what a log stores.
+//! [`ResolvedScenario`]. It applies teams, defaults and `--set` overrides, reads the map and writes it
+//! out, draws the starts, completes the typed parameters of every process, and checks everything.
+//! Problems are [`Diagnostics`](config::Diagnostics), each with file, line, field, value and expected
+//! value. [`ResolvedScenario::to_toml`] writes a self-contained text that loads to the same scenario; logs
+//! store this text.
 //!
-//! A new kind of process is one implementation of [`runtime::ProcessKind`] and one line in
-//! the list of a program's kinds.
+//! A new kind of process is one implementation of [`runtime::ProcessKind`] and one entry in a program's
+//! list of kinds.
 
 #![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
 #![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]

@@ -1,4 +1,4 @@
-//! From a path or a name to a [`ResolvedScenario`].
+//! Loading a [`ResolvedScenario`] from a path or a name.
 
 use std::path::{Path, PathBuf};
 
@@ -12,10 +12,10 @@ use super::files::{Base, read_text};
 use super::kind::Kind;
 use super::resolved::ResolvedScenario;
 
-/// Largest scenario file that is read (bytes); one with its map written out is far smaller.
+/// Maximum size of a scenario file (bytes); a file that contains its map is far smaller.
 const MAX_SCENARIO: u64 = 64 << 20;
 
-/// Loads scenarios.
+/// Loader of scenarios.
 ///
 /// ```
 /// use scenario::Loader;
@@ -31,7 +31,7 @@ pub struct Loader<'k> {
 }
 
 impl<'k> Loader<'k> {
-    /// A loader that knows these kinds of processes.
+    /// Creates a loader for these kinds of processes.
     pub fn new(kinds: &'k [Kind]) -> Self {
         Self {
             kinds,
@@ -39,7 +39,7 @@ impl<'k> Loader<'k> {
         }
     }
 
-    /// Whether the scenario's files may lie outside its folder.
+    /// Permits files of the scenario outside its folder.
     #[must_use]
     pub fn allow_outside(self, allow_outside: bool) -> Self {
         Self {
@@ -54,7 +54,7 @@ impl<'k> Loader<'k> {
     /// `key=value` arguments, applied in order, and `seed` is applied last.
     ///
     /// # Errors
-    /// Everything that is wrong with it, each with its place.
+    /// All problems of the scenario, each with its place.
     pub fn load(
         &self,
         target: &str,
@@ -66,11 +66,10 @@ impl<'k> Loader<'k> {
         draft.resolve()
     }
 
-    /// Reads a scenario without resolving it yet: what several runs with different overrides and
-    /// seeds have in common.
+    /// Reads a scenario without resolving it, for several runs with different overrides and seeds.
     ///
     /// # Errors
-    /// It cannot be read, or is not TOML.
+    /// The scenario is unreadable or is not TOML.
     pub fn draft(&self, target: &str) -> Result<Draft<'k>, Diagnostics> {
         let path = Path::new(target);
         let is_bare_name = !target.contains(['/', '.']);
@@ -110,8 +109,8 @@ impl<'k> Loader<'k> {
         self.draft_text(target, &text, &base)
     }
 
-    /// Loads the text of a scenario; `file` is what errors call it, and paths in it lead where
-    /// `base` says ([`Base::Nothing`] for one that comes from a log).
+    /// Loads the text of a scenario. Errors contain `file` as its name; its paths are relative to `base`
+    /// ([`Base::Nothing`] for one from a log).
     ///
     /// # Errors
     /// As [`Loader::load`].
@@ -151,18 +150,18 @@ impl<'k> Loader<'k> {
     }
 }
 
-/// A built-in scenario as `protean list` shows it.
+/// A built-in scenario in the list of `protean list`.
 #[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
 pub struct Listed {
-    /// What `protean run` takes.
+    /// Name to pass to `protean run`.
     pub name: String,
-    /// Its title.
+    /// Title.
     pub title: String,
-    /// First line of its description.
+    /// First line of the description.
     pub summary: String,
 }
 
-/// The built-in scenarios, the default first.
+/// Lists the built-in scenarios; the default comes first.
 pub fn list() -> Vec<Listed> {
     builtin::SCENARIOS
         .iter()

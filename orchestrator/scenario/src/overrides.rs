@@ -1,4 +1,4 @@
-//! `--set key=value`: changing values of a scenario from the command line.
+//! `--set key=value`: overrides of values of a scenario from the command line.
 
 use config::{
     Code, Diagnostic, Diagnostics, Entry, FieldPath, Node, Origin, SourceKind, Sources, Step,
@@ -8,13 +8,13 @@ use toml_parser::lexer::TokenKind;
 
 /// Applies one `key=value` to the tree of a scenario.
 ///
-/// The key is a dotted path (`run.seed`, `rules.exits[0].circle.radius`); an element of an array of
-/// tables is named by its index or by its `name` (`robots.police_1.limits.v_max`; a process without
-/// a name by its `kind`). The value is TOML; what is not TOML and does not look like it is text, so
-/// that `run.mode=real_time` needs no quotes. An index `[+]` behind an array adds an element to it.
-/// `label` names the argument in errors (`--set`).
+/// The key is a dotted path (`run.seed`, `rules.exits[0].circle.radius`). An element of an array of
+/// tables is selected by its index or by its `name` (`robots.police_1.limits.v_max`; a process without a
+/// name by its `kind`). The index `[+]` appends an element to an array. The value is TOML; a value that is
+/// neither TOML nor similar to it is text, so that `run.mode=real_time` needs no quotes. Errors name the
+/// argument by `label` (`--set`).
 ///
-/// The result is the path of what was set, with elements by their index; `None` if nothing was.
+/// Returns the path of the changed value, with elements by their index; `None` if no value changed.
 pub fn apply(
     root: &mut Node,
     sources: &mut Sources,
@@ -39,7 +39,7 @@ pub fn apply(
     }
 }
 
-/// What stands at a key of the same form as [`apply`] takes; `None` if nothing does.
+/// Returns the value at a key in the form that [`apply`] accepts; `None` if it has no value.
 pub fn find<'a>(root: &'a Node, key: &str) -> Option<&'a Node> {
     let steps = key_steps(0, key)?;
     steps.iter().try_fold(root, |node, KeyStep { step, .. }| {
@@ -51,10 +51,10 @@ pub fn find<'a>(root: &'a Node, key: &str) -> Option<&'a Node> {
     })
 }
 
-/// The index that stands for `[+]`: no array is as long.
+/// Index for `[+]`; greater than any length of an array.
 const APPEND: usize = usize::MAX;
 
-/// One step of the key with its place in the argument.
+/// One step of the key with its position in the argument.
 struct KeyStep {
     step: Step,
     origin: Origin,
@@ -118,13 +118,13 @@ fn read(
     Ok((steps, node))
 }
 
-/// Text that is meant as text: it starts like no other TOML value and stays on one line.
+/// Returns `true` for text without quotes: one line that does not start like another TOML value.
 fn is_word(text: &str) -> bool {
     let starts_plain = !text.starts_with(['"', '\'', '[', '{', '#']);
     starts_plain && !text.contains(['\n', '\r', '"', '#']) && !text.contains(char::is_control)
 }
 
-/// Position of the first `=` outside quotes.
+/// Returns the position of the first `=` outside quotes.
 fn key_end(argument: &str) -> Option<usize> {
     let mut quote = None;
     for (i, c) in argument.char_indices() {
@@ -138,7 +138,7 @@ fn key_end(argument: &str) -> Option<usize> {
     None
 }
 
-/// The steps of a dotted key with quoted parts and `[index]`es; `None` if it is not one.
+/// Returns the steps of a dotted key with quoted parts and `[index]`es; `None` if it is invalid.
 fn key_steps(source: usize, key: &str) -> Option<Vec<KeyStep>> {
     #[derive(PartialEq)]
     enum Want {
@@ -298,7 +298,7 @@ fn step_text(step: &Step) -> String {
     }
 }
 
-/// The table's value of a key, an empty table if there is none.
+/// Returns the table's value for a key; inserts an empty table if it is absent.
 fn child<'a>(table: &'a mut Table, key: &str, origin: Origin) -> &'a mut Node {
     let index = table
         .entries
@@ -316,7 +316,7 @@ fn child<'a>(table: &'a mut Table, key: &str, origin: Origin) -> &'a mut Node {
     &mut table.entries[index].node
 }
 
-/// The index of the element that a step means, by name or number.
+/// Returns the index of the element that a step selects by name or number.
 fn element(list: &[Node], step: &Step) -> Option<usize> {
     match step {
         Step::Index(index) | Step::Named(index, _) => Some(*index),

@@ -1,4 +1,4 @@
-//! A whole scenario from its text: every part by its own reader, then what holds between the parts.
+//! Resolution of a whole scenario: each part by its own reader, then the relations between the parts.
 
 use config::{Code, Diagnostic, FieldPath};
 use geometry::map::MapSpec;
@@ -22,24 +22,24 @@ use super::{events, feasibility, processes, robots, world};
 #[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub(super) struct TopLevel {
-    /// Short name, used for the log's name; the file's name if absent.
+    /// Short name, used for the log's name; default: the file's name.
     pub name: Option<String>,
-    /// One line for people; the name if absent.
+    /// Title in one line; the name if absent.
     pub title: Option<String>,
-    /// Some lines for people.
+    /// Description in some lines.
     pub description: Option<String>,
-    /// Time, chance and pace.
+    /// Time, randomness and pace.
     #[schemars(with = "Option<RunSpec>")]
     pub run: Option<IgnoredAny>,
     /// The map. Required.
     #[schemars(with = "Option<WorldBlock>")]
     pub world: Option<IgnoredAny>,
-    /// Capture, exits, end; a world without a game if absent.
+    /// Capture, exits and end of the run; without them, a world without a game.
     #[schemars(with = "Option<RulesSpec>")]
     pub rules: Option<IgnoredAny>,
-    /// What all robots share.
+    /// Values that all robots share.
     pub defaults: Option<Defaults>,
-    /// What the robots of a team share.
+    /// Values that the robots of a team share.
     pub teams: Option<Teams>,
     /// The robots, 1 to 64.
     #[schemars(with = "Option<Vec<RobotBlock>>")]
@@ -47,17 +47,17 @@ pub(super) struct TopLevel {
     /// The processes that drive them: every robot has one.
     #[schemars(with = "Option<Vec<ProcessBlock>>")]
     pub processes: Option<Vec<IgnoredAny>>,
-    /// Obstacles that come, go and move, at most 10 000 events.
+    /// Changes of obstacles, at most 10 000 events.
     #[schemars(with = "Option<Vec<EventBlock>>")]
     pub events: Option<Vec<IgnoredAny>>,
-    /// What is recorded and how.
+    /// Contents and format of the log.
     #[schemars(with = "Option<LogSpec>")]
     pub log: Option<IgnoredAny>,
 }
 
-/// Reads every part, so that all problems show, then puts the parts together.
+/// Reads every part, so that all problems are reported, then joins the parts.
 ///
-/// Beside the scenario stands what its drawn starts follow from.
+/// Returns the inputs of drawing the starts beside the scenario.
 pub(super) fn resolve(
     ctx: &mut Context<'_>,
     base: &Base,
@@ -108,7 +108,7 @@ pub(super) fn resolve(
     Some((scenario, placements))
 }
 
-/// The time limit must come within a lifetime, and the log of it fit on a disk.
+/// Checks the time limit of the run, in ticks.
 fn check_ticks(ctx: &mut Context<'_>, run: &RunSpec, rules: &RulesSpec) {
     let Some(limit) = rules.time_limit.filter(|limit| *limit / run.dt > MAX_TICKS) else {
         return;
@@ -126,7 +126,7 @@ fn check_ticks(ctx: &mut Context<'_>, run: &RunSpec, rules: &RulesSpec) {
     ctx.problems.push(problem);
 }
 
-/// Something must be able to end the run.
+/// Checks that some condition can end the run.
 fn check_end(ctx: &mut Context<'_>, map: &MapSpec, robots: &[Robot], rules: &RulesSpec) {
     let map_exits = match map {
         MapSpec::Vector(map) => !map.exits.is_empty(),
@@ -140,7 +140,7 @@ fn check_end(ctx: &mut Context<'_>, map: &MapSpec, robots: &[Robot], rules: &Rul
         return;
     }
     let path = FieldPath::key("rules").then("time_limit");
-    let problem = Diagnostic::new(Code::Requirement, "nothing ever ends this run")
+    let problem = Diagnostic::new(Code::Requirement, "this run has no end condition")
         .at(ctx.sources.place(ctx.root.origin_along(&path)))
         .field(&path)
         .expected("a time limit, a robot with a goal, or evaders that can escape or be caught")

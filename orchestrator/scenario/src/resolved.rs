@@ -1,4 +1,4 @@
-//! A scenario with everything filled in: what a run is a function of.
+//! A scenario with all values filled in: the complete input of a run.
 
 use config::{Node, write_document};
 use platform::shell::quote;
@@ -11,12 +11,12 @@ use super::failure::Supervision;
 use super::kind::ConfiguredKind;
 use super::spec::{LogSpec, RunSpec};
 
-/// What a process is.
+/// Program of a process.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Program {
     /// A kind of this program, with its parameters.
     Kind(ConfiguredKind),
-    /// An executable of the user's.
+    /// An external executable.
     Command {
         /// Its path and arguments.
         words: Vec<String>,
@@ -26,21 +26,21 @@ pub enum Program {
 }
 
 impl ProcessSpec {
-    /// Whether it makes something for others; of a command that is not known.
+    /// Returns `true` if it makes this product for others; always `false` for a command.
     pub fn makes(&self, product: Product) -> bool {
         let kind = self.program.kind();
         kind.is_some_and(|kind| kind.kind().makes(product))
     }
 
-    /// Whether another part of the scenario must provide something; of a command that is not known.
+    /// Returns `true` if another part of the scenario must meet this need; always `false` for a command.
     pub fn needs(&self, need: Need) -> bool {
         self.program.kind().is_some_and(|kind| kind.needs(need))
     }
 }
 
 impl Program {
-    /// The command line of a program that is not ours, as a person shall judge it: quoted as for a
-    /// shell, and on one line whatever it holds. `None` for one of ours.
+    /// Returns the command line of an external program for review by the user: quoted as for a shell, always
+    /// on one line. Returns `None` for a kind of this program.
     pub fn command_line(&self) -> Option<String> {
         let Self::Command { words, .. } = self else {
             return None;
@@ -55,7 +55,7 @@ impl Program {
         Some(words.iter().map(shown).collect::<Vec<_>>().join(" "))
     }
 
-    /// The kind, if it is one of this program.
+    /// Returns the kind, if it is one of this program.
     pub fn kind(&self) -> Option<&ConfiguredKind> {
         match self {
             Self::Kind(kind) => Some(kind),
@@ -63,12 +63,12 @@ impl Program {
         }
     }
 
-    /// The name of the kind, if it is one of this program.
+    /// Returns the name of the kind, if it is one of this program.
     pub fn kind_name(&self) -> Option<&'static str> {
         self.kind().map(|kind| kind.kind().name)
     }
 
-    /// The parameters as JSON.
+    /// Returns the parameters as JSON.
     pub fn params(&self) -> Json {
         match self {
             Self::Kind(kind) => kind.json(),
@@ -77,61 +77,61 @@ impl Program {
     }
 }
 
-/// One process of the run (the simulator is always there and not listed).
+/// One process of the run. The simulator always runs and is not listed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ProcessSpec {
     /// Unique name.
     pub name: String,
-    /// What is executed, with which parameters.
+    /// Program and its parameters.
     pub program: Program,
     /// Indices (into [`WorldSpec::robots`]) of the robots that it commands; sorted.
     pub robots: Vec<usize>,
-    /// How it is looked after.
+    /// Supervision of the process.
     pub supervision: Supervision,
 }
 
-/// A scenario as it runs: presets, teams, defaults, overrides, map and start jitter applied.
+/// A scenario ready to run, with presets, teams, defaults, overrides, map and start jitter applied.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ResolvedScenario {
-    /// Short name, from the file's name unless the file says otherwise.
+    /// Short name; default: the name of the file.
     pub name: String,
-    /// One line for people.
+    /// Title in one line.
     pub title: String,
-    /// Some lines for people.
+    /// Description in some lines.
     pub description: String,
-    /// Time, chance, waiting.
+    /// Time, randomness and timeouts.
     pub run: RunSpec,
-    /// Map (written out), robots where they start, rules, seed.
+    /// Map (written out), robots at their starts, rules and seed.
     pub world: WorldSpec,
     /// Standard deviation of the Gaussian blur of the map that planners and visibility use (m).
     pub blur_sigma: f64,
-    /// The processes in the order in which they are started: first those that others wait for.
+    /// Processes in the order of their start: those that others wait for come first.
     pub processes: Vec<ProcessSpec>,
-    /// Changes of the obstacles: by time those whose times are known, then in their order those of
+    /// Changes of the obstacles: first those with known times, by time; then, in order, those of
     /// obstacles with a change that waits for a robot.
     pub events: Vec<EventSpec>,
-    /// What is recorded.
+    /// Contents and format of the log.
     pub log: LogSpec,
 }
 
 impl ResolvedScenario {
-    /// The rules of the game.
+    /// Returns the rules of the game.
     pub fn rules(&self) -> &RulesSpec {
         &self.world.rules
     }
 
-    /// Whether running it executes programs that are not ours.
+    /// Returns `true` if a run executes external programs.
     pub fn uses_external_commands(&self) -> bool {
         self.external_commands().next().is_some()
     }
 
-    /// The processes that are not ours.
+    /// Returns the processes that run external programs.
     pub fn external_commands(&self) -> impl Iterator<Item = &ProcessSpec> {
         self.processes.iter().filter(|p| p.program.kind().is_none())
     }
 
-    /// The scenario as a TOML file that is complete in itself and loads to the same
-    /// [`ResolvedScenario`]: the map is written out, the starts are the drawn ones.
+    /// Writes the scenario as a self-contained TOML file that loads to the same [`ResolvedScenario`]: it
+    /// contains the map and the drawn starts.
     pub fn to_toml(&self) -> String {
         let robot_name = |&i: &usize| {
             self.world
@@ -188,7 +188,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_command_line_is_one_line_from_which_its_words_can_be_told() {
+    fn a_command_line_is_one_line_with_separable_words() {
         let line = |words: &[&str]| {
             Program::Command {
                 words: words.iter().map(|&w| w.to_owned()).collect(),

@@ -1,4 +1,4 @@
-//! `[[robots]]`, with what they inherit from their team and from the defaults.
+//! `[[robots]]`, with the values inherited from their team and from the defaults.
 
 use config::{Code, FieldPath, Node, Value};
 use geometry::pose::Pose2;
@@ -11,21 +11,21 @@ use super::spec::{Defaults, MAX_ROBOTS, RobotBlock, StartJitter, Teams};
 
 /// A robot as read, before its start is drawn.
 pub struct Robot {
-    /// Everything but the displacement; the start is the nominal one.
+    /// Specification with the nominal start, before displacement.
     pub spec: RobotSpec,
     /// Displacement of the start.
     pub jitter: Option<StartJitter>,
-    /// What the robot is made of, inheritance applied, with the places of its values.
+    /// Tree of the robot with inheritance applied and the places of its values.
     pub node: Node,
-    /// Where the robot stands in the scenario.
+    /// Path of the robot in the scenario.
     pub path: FieldPath,
 }
 
-/// Longest name of a robot or process.
+/// Maximum length of the name of a robot or process (bytes).
 pub const MAX_NAME: usize = 48;
 
-/// Reports a name that is empty, long, or made of other characters than messages, file names and
-/// process tables all take.
+/// Reports a name that is empty, too long, or has characters that messages, file names or process tables
+/// do not permit.
 pub fn check_name(ctx: &mut Context<'_>, node: &Node, path: &FieldPath, name: &str) -> bool {
     let allowed = |b: u8| b.is_ascii_alphanumeric() || b == b'_' || b == b'-';
     if !name.is_empty() && name.len() <= MAX_NAME && name.bytes().all(allowed) {
@@ -41,7 +41,7 @@ pub fn check_name(ctx: &mut Context<'_>, node: &Node, path: &FieldPath, name: &s
     false
 }
 
-/// Reads all robots; everything wrong is reported. `None` if some robot could not be read.
+/// Reads all robots and reports all problems. Returns `None` if some robot is unreadable.
 pub fn resolve(ctx: &mut Context<'_>) -> Option<Vec<Robot>> {
     check_inherited(ctx);
     let blocks = ctx.blocks("robots");
@@ -86,7 +86,7 @@ pub fn resolve(ctx: &mut Context<'_>) -> Option<Vec<Robot>> {
     complete.then_some(robots)
 }
 
-/// Reports what is wrong in `[defaults]` and `[teams]` themselves, also if no robot inherits it.
+/// Reports faults in `[defaults]` and `[teams]`, also in values that no robot inherits.
 fn check_inherited(ctx: &mut Context<'_>) {
     let paths = ["defaults", "teams"].map(FieldPath::key);
     let [defaults, teams] = paths.each_ref().map(|path| ctx.root.at(path).cloned());
@@ -118,7 +118,7 @@ fn check_inherited(ctx: &mut Context<'_>) {
     }
 }
 
-/// The robot's own keys over its team's over the defaults.
+/// Merges the robot's own keys over its team's keys over the defaults.
 fn inherit(ctx: &Context<'_>, robot: &Node) -> Node {
     let defaults = ctx.root.get("defaults").and_then(|n| n.get("robot"));
     let team = robot
@@ -216,7 +216,7 @@ fn check_unique(ctx: &mut Context<'_>, others: &[Robot], robot: &Robot) -> bool 
             Code::Duplicate,
             format!("two robots are called `{name}`{line}"),
         )
-        .expected("a name of its own for every robot");
+        .expected("a unique name for every robot");
     ctx.problems.push(problem);
     false
 }

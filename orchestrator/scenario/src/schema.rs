@@ -1,4 +1,4 @@
-//! The declarations of scenario files: as a JSON Schema for editors, and as tables for the reference.
+//! Declarations of scenario files: a JSON Schema for editors, and tables for the reference.
 
 use geometry::map::{CellMap, VectorMap};
 use geometry::region::Region;
@@ -14,8 +14,8 @@ use super::resolve::TopLevel;
 use super::spec::{LogSpec, ProcessBlock, RobotBlock, RunSpec};
 use super::world::WorldBlock;
 
-/// The schema of a scenario file whose processes are of these kinds: `params` of a process has the
-/// keys of its `kind`.
+/// Returns the schema of a scenario file with these kinds of processes: the keys of `params` depend on
+/// `kind`.
 pub fn schema(kinds: &[Kind]) -> Schema {
     let mut generator = schema_generator();
     let cases: Vec<Json> = kinds
@@ -41,10 +41,10 @@ pub fn schema(kinds: &[Kind]) -> Schema {
     schema
 }
 
-/// What `params` may be for one kind.
+/// Returns the schema of `params` for one kind.
 fn case(kind: Kind, generator: &mut SchemaGenerator) -> Json {
     let mut params = kind.schema(generator).to_value();
-    // The kind's own schema is referred to from other kinds, which have other presets.
+    // Other kinds, with other presets, refer to the kind's own schema.
     let reference = params.get("$ref").and_then(Json::as_str);
     if let Some(name) = reference.and_then(|r| r.strip_prefix("#/definitions/"))
         && let Some(definition) = generator.definitions().get(name)
@@ -55,7 +55,7 @@ fn case(kind: Kind, generator: &mut SchemaGenerator) -> Json {
     if !presets.is_empty()
         && let Some(properties) = params.get_mut("properties").and_then(Json::as_object_mut)
     {
-        let description = "Values that are taken where nothing else is said.";
+        let description = "Named set of default values.";
         properties.insert(
             "preset".into(),
             json!({ "description": description, "enum": presets }),
@@ -67,7 +67,7 @@ fn case(kind: Kind, generator: &mut SchemaGenerator) -> Json {
     })
 }
 
-/// The keys of a scenario file as tables in Markdown.
+/// Returns the keys of a scenario file as tables in Markdown.
 pub fn reference() -> String {
     let mut reference = Reference::default();
     reference.section::<TopLevel>("Top level");
@@ -87,7 +87,7 @@ pub fn reference() -> String {
     reference.markdown()
 }
 
-/// The parameters of kinds of processes as tables in Markdown.
+/// Returns the parameters of kinds of processes as tables in Markdown.
 pub fn parameters(kinds: &[Kind]) -> String {
     let mut reference = Reference::default();
     for kind in kinds {

@@ -1,4 +1,4 @@
-//! Tables of a scenario file as written, beside the world's own (`sim_backend::spec`).
+//! Tables of a scenario file as written, except those of the world (`sim_backend::spec`).
 
 use core::f64::consts::PI;
 
@@ -12,29 +12,29 @@ use serde::{Deserialize, Serialize};
 use sim_backend::spec::{ActuatorSpec, LimitsSpec, OdometrySpec, Preset, ScanSpec};
 use sim_backend::team::Team;
 
-/// Most robots in one scenario.
+/// Maximum number of robots in a scenario.
 pub const MAX_ROBOTS: usize = 64;
-/// Most processes in one scenario, the simulator not counted: every one has a seat at the tick barrier.
+/// Maximum number of processes in a scenario, without the simulator; each has a slot at the tick barrier.
 pub const MAX_PROCESSES: usize = 63;
-/// Most cells of the map's grid.
+/// Maximum number of cells of the map's grid.
 pub const MAX_CELLS: usize = 25_000_000;
-/// Most ticks up to the time limit of a run.
+/// Maximum number of ticks up to the time limit of a run.
 pub const MAX_TICKS: f64 = 1e8;
-/// Most events in one scenario.
+/// Maximum number of events in a scenario.
 pub const MAX_EVENTS: usize = 10_000;
 
-/// Time, chance, and how the processes wait for each other.
+/// Time, randomness, and synchronisation of the processes.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct RunSpec {
-    /// Simulated length of one tick.
+    /// Simulated duration of one tick.
     #[schemars(transform = between(1e-4, 1.0).unit("s"))]
     pub dt: f64,
-    /// Seed of everything random: noise, start jitter, planners. `--seed` overrides it.
+    /// Seed of all randomness: noise, start jitter and planners. `--seed` overrides it.
     pub seed: u64,
     /// Pace of the run; `--real-time` sets it.
     pub mode: Mode,
-    /// In real time: simulated seconds per second.
+    /// Ratio of simulated time to real time, in real-time mode.
     #[schemars(transform = between(1e-3, 1e3))]
     pub real_time_factor: f64,
     /// Cores on which the processes may run.
@@ -42,17 +42,17 @@ pub struct RunSpec {
     /// Wall-clock time without an answer after which a process counts as hung.
     #[schemars(transform = between(0.1, 3600.0).unit("s"))]
     pub hang_timeout_s: f64,
-    /// Wall-clock time that the simulator, and every process that does not say otherwise, has to
-    /// become ready.
+    /// Wall-clock time within which the simulator, and every process without its own value, must become
+    /// ready.
     #[schemars(transform = ready_timeout())]
     pub ready_timeout_s: f64,
-    /// In real time: age, in simulated time, beyond which a robot's command is no longer obeyed and
-    /// the robot stops.
+    /// In real-time mode: maximum age of a robot's command, in simulated time. The robot stops without a
+    /// younger command.
     #[schemars(transform = between(1e-3, 60.0).unit("s"))]
     pub command_deadline_s: f64,
 }
 
-/// Range of the time that a process has to become ready.
+/// Returns the range of the time within which a process must become ready.
 pub(super) fn ready_timeout() -> Bounds {
     between(0.1, 3600.0).unit("s")
 }
@@ -74,35 +74,35 @@ impl Default for RunSpec {
     }
 }
 
-/// Who sets the pace of a run.
+/// Pace of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Mode {
-    /// Every process answers every tick; the run is as fast as they are, and reproducible.
+    /// Every process answers every tick; the run is as fast as the processes, and reproducible.
     #[default]
     LockStep,
-    /// The clock; late answers are dropped and counted.
+    /// Ticks follow the clock; late answers are dropped and counted.
     RealTime,
 }
 
-/// On which cores the processes of a run may be.
+/// Cores on which the processes of a run execute.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Pin {
-    /// Wherever the system puts them.
+    /// Any core.
     #[default]
     None,
-    /// All on one core: the cheapest way to take turns.
+    /// One core for all processes, which makes switching between them cheapest.
     OneCore,
 }
 
-/// What is recorded, and how.
+/// Contents and format of the log.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct LogSpec {
     /// Compression of the chunks.
     pub compression: Compression,
-    /// Pictures per simulated second for viewers; 0 leaves viewer topics out.
+    /// Frames per simulated second for viewers; 0 omits the viewer topics.
     #[schemars(transform = between(0, 1000).unit("Hz"))]
     pub viewer_rate_hz: f64,
 }
@@ -125,7 +125,7 @@ pub enum Compression {
     /// Zstandard.
     #[default]
     Zstd,
-    /// None: larger, and readable by everything.
+    /// No compression: larger, and readable by every program.
     None,
 }
 
@@ -133,16 +133,16 @@ pub enum Compression {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct StartJitter {
-    /// Displacement along x: the largest one, or the standard deviation.
+    /// Displacement along x: its maximum, or its standard deviation.
     #[schemars(transform = between(0, 100).unit("m"))]
     pub x: f64,
-    /// The same along y.
+    /// Displacement along y, as for x.
     #[schemars(transform = between(0, 100).unit("m"))]
     pub y: f64,
-    /// The same of the heading.
+    /// Displacement of the heading, as for x.
     #[schemars(transform = between(0.0, PI).unit("rad"))]
     pub theta: f64,
-    /// Distribution, which says what the three numbers mean.
+    /// Distribution, which defines the meaning of the three values.
     pub distribution: Distribution,
 }
 
@@ -170,44 +170,44 @@ pub enum Distribution {
     Normal,
 }
 
-/// Reaction to a process that exits, is killed, breaks the protocol or no longer answers.
+/// Reaction to a process that exits, is killed, violates the protocol or does not answer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum OnFailure {
-    /// The run ends, and fails.
+    /// The run ends and fails.
     #[default]
     Abort,
-    /// In real time: it is started again and rejoins the run; its robots stand still meanwhile.
+    /// In real-time mode: the process is started again and rejoins the run; its robots stop meanwhile.
     Restart,
-    /// The run goes on without it; the robots that it drove stand still.
+    /// The run continues without the process; its robots stop.
     Continue,
 }
 
-/// How the robots of one `[[processes]]` block are shared out.
+/// Distribution of the robots of one `[[processes]]` block over processes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub(super) enum Grouping {
-    /// A process of its own for each robot.
+    /// One process for each robot.
     #[default]
     OnePerRobot,
-    /// One process that drives them all.
+    /// One process for all robots.
     Together,
 }
 
-/// One robot, what a team's robots share (`[teams.…]`), or what all share (`[defaults.robot]`). All
-/// keys are optional, since each of the three may give them.
+/// One robot, the values that a team's robots share (`[teams.…]`), or the values that all robots share
+/// (`[defaults.robot]`). All keys are optional, since each of the three may contain them.
 #[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub(super) struct RobotBlock {
     /// Unique name, 1 to 48 of a–z, A–Z, 0–9, `_`, `-`. Required; not inherited.
     pub name: Option<String>,
-    /// The side that it is on. Required.
+    /// Team of the robot. Required.
     pub team: Option<Team>,
     /// Pose at time 0, free of walls and other robots. Required; not inherited.
     pub start: Option<Pose2>,
     /// Random displacement of the start; none if absent.
     pub start_jitter: Option<StartJitter>,
-    /// The robot whose body and limits are taken where nothing else is said;
+    /// Robot model that supplies the body and limits where no other value is given;
     /// `"turtlebot3_burger"` if absent.
     pub preset: Option<Preset>,
     /// Radius of the disc that the robot occupies; the preset's if absent.
@@ -218,13 +218,13 @@ pub(super) struct RobotBlock {
     pub wheel_separation: Option<f64>,
     /// Limits that differ from the preset's.
     pub limits: LimitsSpec,
-    /// How the drive departs from its commands; exact by default.
+    /// Deviation of the drive from its commands; exact by default.
     pub actuator: ActuatorSpec,
     /// Range scanner, `{}` for all defaults; none if absent.
     pub scan: Option<ScanSpec>,
     /// Noise of the wheel odometry; exact if absent.
     pub odometry: Option<OdometrySpec>,
-    /// Region where the robot shall arrive: it is done when its centre is inside.
+    /// Region that the robot shall reach; its centre must be inside.
     pub goal: Option<Region>,
 }
 
@@ -232,12 +232,12 @@ pub(super) struct RobotBlock {
 #[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub(super) struct ProcessBlock {
-    /// Unique name, characters as for robots. If absent, the kind; with the robot's name behind it
-    /// where the block becomes several processes.
+    /// Unique name, characters as for robots. If absent, the kind, followed by the robot's name where the
+    /// block becomes several processes.
     pub name: Option<String>,
     /// Kind of process, one of `protean list`; this or `command`.
     pub kind: Option<String>,
-    /// A program of your own and its arguments; runs only with `--allow-external`.
+    /// An external program and its arguments; runs only with `--allow-external`.
     pub command: Option<Vec<String>>,
     /// Names of the robots that it drives; this or `team`.
     pub robots: Option<Vec<String>>,
@@ -245,19 +245,19 @@ pub(super) struct ProcessBlock {
     pub team: Option<Team>,
     /// Number of processes for the robots; `"one_per_robot"` if absent.
     pub grouping: Option<Grouping>,
-    /// Reaction to its failure; `"abort"` if absent.
+    /// Reaction to a failure of the process; `"abort"` if absent.
     pub on_failure: Option<OnFailure>,
-    /// Wall-clock time that it has to become ready, at the start and after a restart;
+    /// Wall-clock time within which it must become ready, at the start and after a restart;
     /// `run.ready_timeout_s` if absent.
     #[schemars(transform = ready_timeout())]
     pub ready_timeout_s: Option<f64>,
-    /// Parameters of the kind; of a `command`, whatever the program understands.
+    /// Parameters of the kind; for a `command`, any parameters of the program.
     #[serde(rename = "params")]
     #[schemars(with = "Option<serde_json::Map<String, serde_json::Value>>")]
     pub _params: Option<IgnoredAny>,
 }
 
-/// What robots have where nothing else is said.
+/// Default values of robots.
 #[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub(super) struct Defaults {
@@ -265,7 +265,7 @@ pub(super) struct Defaults {
     pub robot: Option<RobotBlock>,
 }
 
-/// What the robots of each team share.
+/// Values that the robots of each team share.
 #[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub(super) struct Teams {

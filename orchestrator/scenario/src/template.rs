@@ -1,4 +1,4 @@
-//! A scenario without its seed.
+//! A scenario without a seed.
 
 use std::sync::Arc;
 
@@ -8,8 +8,8 @@ use geometry::map::{MapSpec, WorldMap};
 use super::jitter::{self, MAX_DRAWS, Placement};
 use super::resolved::ResolvedScenario;
 
-/// Everything that the runs of a scenario with different seeds have in common. To give it a seed
-/// costs far less than to resolve the scenario again, and comes to the same.
+/// The common part of the runs of a scenario with different seeds. Setting a seed is far cheaper than
+/// resolving the scenario again, and has the same result.
 #[derive(Debug, Clone)]
 pub struct Template {
     scenario: ResolvedScenario,
@@ -18,12 +18,12 @@ pub struct Template {
     world_map: Option<Arc<WorldMap>>,
 }
 
-/// Maps that templates share.
+/// Cache of maps that templates share.
 #[derive(Debug, Default)]
 pub struct MapCache(Vec<(MapSpec, Arc<WorldMap>)>);
 
 impl MapCache {
-    /// The map, made once.
+    /// Returns the map, built once.
     fn of(&mut self, spec: &MapSpec) -> Result<Arc<WorldMap>, geometry::map::MapError> {
         if let Some((_, world_map)) = self.0.iter().find(|(known, _)| known == spec) {
             return Ok(Arc::clone(world_map));
@@ -49,15 +49,15 @@ impl Template {
         })
     }
 
-    /// The scenario with seed 0.
+    /// Returns the scenario with seed 0.
     pub fn scenario(&self) -> &ResolvedScenario {
         &self.scenario
     }
 
-    /// The scenario with a seed below 2^63.
+    /// Returns the scenario with a seed below 2^63.
     ///
     /// # Errors
-    /// A robot found no room among the starts that were drawn.
+    /// A robot has no free start among the draws.
     pub fn with_seed(&self, seed: u64) -> Result<ResolvedScenario, Diagnostics> {
         let mut scenario = self.scenario.clone();
         scenario.run.seed = seed;
@@ -76,7 +76,7 @@ impl Template {
                 .map_or("", |r| r.name.as_str());
             Diagnostic::new(
                 Code::Geometry,
-                format!("robot `{name}` stood free in none of {MAX_DRAWS} drawn starts"),
+                format!("robot `{name}` has no free start in {MAX_DRAWS} draws"),
             )
             .field(format!("robots.{name}.start_jitter"))
             .value(format!("seed {seed}"))

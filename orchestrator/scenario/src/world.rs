@@ -1,4 +1,4 @@
-//! `[world]`: the map, read from wherever it is and written out.
+//! `[world]`: the map, read from any source and written out.
 
 use std::path::Path;
 
@@ -16,12 +16,12 @@ use super::context::Context;
 use super::files::{Base, Found, Refused, read_text};
 use super::spec::MAX_CELLS;
 
-/// Largest vector map that is read (bytes).
+/// Maximum size of a vector map's file (bytes).
 const MAX_MAP_FILE: u64 = 64 << 20;
-/// Prefix of the name of a map that is part of the program.
+/// Prefix of the name of a built-in map.
 const BUILTIN: &str = "builtin:";
 
-/// The map, and the quantities computed from it.
+/// The map, and the settings of the quantities computed from it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub(super) struct WorldBlock {
@@ -29,10 +29,10 @@ pub(super) struct WorldBlock {
     #[serde(rename = "map", skip_serializing)]
     #[schemars(with = "Option<MapSpec>")]
     _map: Option<IgnoredAny>,
-    /// Side of the grid's cells, instead of what a vector map says; at most 25 million cells.
+    /// Side of the grid's cells; overrides the value of a vector map; at most 25 million cells.
     #[schemars(transform = above(0).at_most(MAX_COORDINATE).unit("m"))]
     resolution: Option<f64>,
-    /// Standard deviation of the map's Gaussian blur: how softly walls repel and how sharply
+    /// Standard deviation of the map's Gaussian blur, which sets how softly walls repel and how sharply
     /// corners hide.
     #[schemars(transform = between(0, 10).unit("m"))]
     blur_sigma: f64,
@@ -42,7 +42,7 @@ impl Parameters for WorldBlock {}
 
 impl Default for WorldBlock {
     fn default() -> Self {
-        // The chasing game's three cells of 6.3 cm.
+        // Three cells of 6.3 cm, as in the chasing game.
         Self {
             _map: None,
             resolution: None,
@@ -51,15 +51,15 @@ impl Default for WorldBlock {
     }
 }
 
-/// What `[world]` says: the map, written out, and the blur's σ (m).
+/// Contents of `[world]`.
 pub struct MapSetup {
-    /// Never [`MapSpec::File`].
+    /// The map, written out; never [`MapSpec::File`].
     pub map: MapSpec,
     /// Standard deviation of the map's Gaussian blur (m).
     pub blur_sigma: f64,
 }
 
-/// Reads `[world]` and the map; everything wrong is reported.
+/// Reads `[world]` and the map, and reports all problems.
 pub fn resolve(ctx: &mut Context<'_>, base: &Base) -> Option<MapSetup> {
     let world = FieldPath::key("world");
     let Some(node) = ctx.root.get("world").cloned() else {
@@ -104,7 +104,7 @@ pub fn resolve(ctx: &mut Context<'_>, base: &Base) -> Option<MapSetup> {
     };
     if let Some(resolution) = block.resolution {
         let MapSpec::Vector(vectors) = &mut map else {
-            let message = "this map is made of cells and has a resolution of its own";
+            let message = "a grid map has its own resolution";
             let problem = ctx
                 .problem(&node, &world, "resolution", Code::Requirement, message)
                 .expected("no resolution beside a grid map");
@@ -124,7 +124,7 @@ pub fn resolve(ctx: &mut Context<'_>, base: &Base) -> Option<MapSetup> {
     })
 }
 
-/// Refuses a grid of more than [`MAX_CELLS`] cells.
+/// Reports a grid of more than [`MAX_CELLS`] cells.
 fn check_size(ctx: &mut Context<'_>, node: &Node, map: &MapSpec) -> Option<()> {
     let frame = match map {
         MapSpec::Vector(map) => map.frame().ok()?,
@@ -150,7 +150,7 @@ fn check_size(ctx: &mut Context<'_>, node: &Node, map: &MapSpec) -> Option<()> {
     None
 }
 
-/// Reads the file that `map = "…"` names.
+/// Reads the file of `map = "…"`.
 fn load(
     ctx: &mut Context<'_>,
     base: &Base,
@@ -182,7 +182,7 @@ fn load(
                 )),
                 _ => None,
             };
-            return complain(ctx, node, path, e, help);
+            return report(ctx, node, path, e, help);
         }
     };
     match found {
@@ -195,7 +195,7 @@ fn load(
             match extension.to_ascii_lowercase().as_str() {
                 "toml" => match read_text(&real, MAX_MAP_FILE) {
                     Ok(text) => parse_vectors(ctx, file, &text),
-                    Err(e) => complain(ctx, node, path, e, None),
+                    Err(e) => report(ctx, node, path, e, None),
                 },
                 "yaml" | "yml" => load_ros(ctx, base, node, path, &real, file, unknown),
                 _ => {
@@ -204,14 +204,14 @@ fn load(
                         expected: "a file ending in .toml (vectors) or .yaml (ROS map_server)"
                             .to_owned(),
                     };
-                    complain(ctx, node, path, refused, None)
+                    report(ctx, node, path, refused, None)
                 }
             }
         }
     }
 }
 
-fn complain(
+fn report(
     ctx: &mut Context<'_>,
     node: &Node,
     path: &FieldPath,
@@ -249,33 +249,33 @@ fn load_ros(
     };
     let ros = match RosMap::read(real) {
         Ok(ros) => ros,
-        Err(e) => return complain(ctx, node, path, file_error(e.to_string()), None),
+        Err(e) => return report(ctx, node, path, file_error(e.to_string()), None),
     };
-    // The image stands beside the YAML, and is bound to the scenario's folder like every file.
+    // The image path is relative to the YAML and restricted to the scenario's folder, like every file.
     let image = Path::new(file)
         .parent()
         .unwrap_or(Path::new(""))
         .join(&ros.image);
     let image = match base.find(&image.to_string_lossy()) {
         Ok(Found::Disk(image)) => image,
-        // A YAML file on a disk has no image in the program.
+        // The program contains no image for a YAML file on a disk.
         Ok(Found::Text(_)) => return None,
         Err(e) => {
             let refused = Refused {
                 message: format!("image of {file}: {}", e.message),
                 ..e
             };
-            return complain(ctx, node, path, refused, None);
+            return report(ctx, node, path, refused, None);
         }
     };
-    // What was checked is what is read: the YAML may be a link, beside whose target stands another.
+    // The checked file is the one that is read: the YAML may be a link to another folder.
     match ros.load_image(&image, unknown) {
         Ok(cells) => Some(MapSpec::Cells(cells)),
-        Err(e) => complain(ctx, node, path, file_error(e.to_string()), None),
+        Err(e) => report(ctx, node, path, file_error(e.to_string()), None),
     }
 }
 
-/// Reads the text of a vector map; problems point into it.
+/// Reads the text of a vector map; problems contain positions in it.
 fn parse_vectors(ctx: &mut Context<'_>, name: &str, text: &str) -> Option<MapSpec> {
     let source = ctx.sources.add(SourceKind::File, name, text);
     let node = parse_document(&ctx.sources, source, &mut ctx.problems)?;
@@ -316,7 +316,7 @@ fn check_vectors(ctx: &mut Context<'_>, node: &Node, path: &FieldPath, map: &Vec
     false
 }
 
-/// A shape's complaint as a field and what was expected.
+/// Converts a shape's error into a field and its expected value.
 pub fn shape_problem(e: ShapeError) -> ParamsError {
     match e {
         ShapeError::Field(e) => e,

@@ -1,11 +1,11 @@
-//! The scenarios that come with the program.
+//! The built-in scenarios.
 
 use scenario::{Loader, builtin, list};
 
 use crate::{KINDS, load};
 
 #[test]
-fn every_built_in_scenario_loads_and_writes_itself_out() {
+fn every_built_in_scenario_loads_and_can_be_written() {
     for scenario in builtin::SCENARIOS {
         let s = load(scenario.name, &[], None).unwrap_or_else(|e| panic!("{}: {e}", scenario.name));
         assert_eq!(s.name, scenario.name);
@@ -24,7 +24,7 @@ fn every_built_in_scenario_loads_and_writes_itself_out() {
 }
 
 #[test]
-fn the_world_takes_every_built_in_scenario_and_its_events() {
+fn the_world_accepts_every_built_in_scenario_and_its_events() {
     for scenario in builtin::SCENARIOS {
         let s = load(scenario.name, &[], None).unwrap();
         let mut world = sim_backend::world::World::new(s.world.clone())
@@ -77,7 +77,7 @@ fn the_chase_is_the_papers_set_up() {
     let speeds: Vec<f64> = s.world.robots.iter().map(|r| r.model().v_max).collect();
     assert_eq!(speeds, [0.3, 0.3, 0.3, 0.3, 0.45, 0.45]);
     assert_eq!(s.rules().capture.unwrap().radius, 0.3);
-    // One process per robot, and one that perceives.
+    // One process per robot, and one for perception.
     assert_eq!(s.processes.len(), 7);
     assert_eq!(s.processes[0].name, "perception");
     assert_eq!(s.processes[1].name, "pursuer_police_1");

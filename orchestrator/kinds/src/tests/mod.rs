@@ -24,7 +24,7 @@ fn every_kind_has_valid_defaults_and_presets_and_is_found_by_its_name() {
             "{}",
             kind.name
         );
-        // A patrol must say where.
+        // A patrol needs a contour.
         let least = match kind.name {
             "patrol_awg" | "patrol_fto" => {
                 json!({ "mission": { "contour": [[0.0, 0.0], [4.0, 0.0], [4.0, 3.0]] } })

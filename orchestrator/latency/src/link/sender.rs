@@ -305,7 +305,7 @@ impl Receiver {
 /// The failure of the receiver to do something.
 fn failed(what: &'static str, error: AwaitError) -> LinkError {
     match error {
-        AwaitError::Ended { last_words, .. } => LinkError::Receiver(last_words.join(" / ")),
+        AwaitError::Ended { last_lines, .. } => LinkError::Receiver(last_lines.join(" / ")),
         AwaitError::TooSlow(limit) => LinkError::TooSlow { what, limit },
     }
 }

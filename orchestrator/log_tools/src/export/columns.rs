@@ -1,4 +1,4 @@
-//! From the fields of a message to rows of a table.
+//! Conversion of the fields of a message to rows of a table.
 
 use std::io;
 
@@ -7,26 +7,26 @@ use tables::{Cell, Column, Type};
 
 use crate::message_json::{bytes, is_bytes, json};
 
-/// Most columns of a table.
+/// Maximum number of columns of a table.
 const MAX_COLUMNS: usize = 2048;
-/// Longest array of numbers, and of messages, that has a column for every number.
+/// Maximum length of an array of numbers or messages with one column for each number.
 const MAX_ARRAY_NUMBERS: usize = 64;
 const MAX_ARRAY_MESSAGES: usize = 16;
 
-/// How the messages of a topic become rows.
+/// Mapping of a topic's messages to rows.
 #[derive(Debug)]
 pub(super) struct Layout {
     before: Vec<Field>,
-    /// The sequence whose elements have a row each.
+    /// Sequence with one row per element.
     elements: Option<Field>,
     after: Vec<Field>,
     columns: Vec<Column>,
-    /// Columns of an element.
+    /// Number of columns of an element.
     element_columns: usize,
 }
 
 impl Layout {
-    /// The first sequence of the message that is not of bytes is the one with the rows.
+    /// Creates the layout. The rows are the elements of the message's first sequence that does not consist of bytes.
     pub(super) fn new(schema: &Schema) -> Result<Self, SchemaError> {
         let many = |field: &Field| field.count == Count::Many && !is_bytes(field);
         let at = schema.fields.iter().position(many);
@@ -60,8 +60,8 @@ impl Layout {
         &self.columns
     }
 
-    /// Hands out the rows of a message, each beginning with the cells in `first`; a message with
-    /// no elements has one row without them. A message that cannot be decoded has none.
+    /// Passes on the rows of a message, each beginning with the cells in `first`. A message without elements has one
+    /// row; a message that cannot be decoded has none.
     pub(super) fn rows(
         &self,
         first: &[Cell],
@@ -77,7 +77,7 @@ impl Layout {
             return Ok(take(&row));
         };
         let count = cdr.count(field)?;
-        // Once to the fields behind the elements, then over them.
+        // First pass: find the fields after the elements. Second pass: write the elements.
         let mut elements = cdr;
         for _ in 0..count {
             cdr.skip(&field.kind, &field.name)?;
@@ -102,10 +102,10 @@ impl Layout {
     }
 }
 
-/// How a field is laid out.
+/// Form of a field in a table.
 enum Form {
     One,
-    /// A column, or several, for each of so many.
+    /// One or several columns for each of this many elements.
     Each(usize),
     /// Bytes in one column.
     Bytes,

@@ -1,4 +1,4 @@
-//! The messages of a log as tables: a file for every topic.
+//! Export of the messages of a log as tables, one file for each topic.
 
 mod columns;
 
@@ -19,51 +19,51 @@ use tables::{self, Cell, Format, Rows};
 use self::columns::Layout;
 use crate::message_json::schema_of;
 
-/// Most tables that are written at once: each is an open file.
+/// Maximum number of tables; each is an open file.
 const MAX_TABLES: usize = 500;
 
-/// Which tables are written, and how.
+/// Options of an export.
 #[derive(Debug, Clone)]
 pub struct ExportOptions {
-    /// Their form.
+    /// Format of the tables.
     pub format: Format,
-    /// Which topics.
+    /// Exported topics.
     pub topics: Topics,
-    /// Whether tables that are there may be overwritten.
+    /// `true` if existing tables may be overwritten.
     pub force: bool,
 }
 
 /// One table.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Table {
-    /// Its file.
+    /// Path of the file.
     pub file: PathBuf,
-    /// Messages in it.
+    /// Number of messages in it.
     pub messages: u64,
-    /// Its rows.
+    /// Number of rows.
     pub rows: u64,
-    /// Messages that do not have the form that their schema says: they are left out.
+    /// Number of messages that do not fit their schema and were omitted.
     pub undecodable: u64,
 }
 
-/// What was written.
+/// Result of an export.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Exported {
     /// The tables, by topic.
     pub tables: BTreeMap<String, Table>,
-    /// Topics with messages that have no table, and why.
+    /// Topics that have messages but no table, with the reason.
     pub skipped: BTreeMap<String, String>,
-    /// In what condition the log is.
+    /// Condition of the log.
     pub source: Condition,
 }
 
-/// What becomes of a channel.
+/// Treatment of a channel.
 enum Fate {
-    /// It is not wanted.
+    /// The topic is not selected.
     Ignored,
-    /// There is no table of it: its topic and the reason, until its first message.
+    /// The topic has no table; contains topic and reason until the first message.
     Skipped(Option<(String, String)>),
-    /// It has a table, perhaps with its first message.
+    /// The topic has a table, perhaps with its first message.
     Table(Box<Open>),
 }
 
@@ -75,11 +75,11 @@ struct Open {
     table: Table,
 }
 
-/// Writes a table for every topic of ROS 2 messages into a directory: a row for every element of
-/// every message, with the fields of the message before those of the element.
+/// Writes a table for every topic of ROS 2 messages into a directory. Each element of each message is a row, with the
+/// fields of the message before those of the element.
 ///
 /// # Errors
-/// [`DerivedError`]; then there are no tables.
+/// [`DerivedError`]; then no table is written.
 pub fn export(
     log: &Path,
     out: &Path,
@@ -115,21 +115,21 @@ pub fn export(
     Ok(exported)
 }
 
-/// The tables of a log, while the log is read.
+/// Export in progress, while the log is read.
 struct Export<'a> {
     log: &'a Path,
     out: &'a Path,
     options: &'a ExportOptions,
     channels: BTreeMap<u16, Fate>,
-    /// Topics with messages that become no table, and the reasons.
+    /// Topics with messages but no table, with the reasons.
     skipped: BTreeMap<String, String>,
     names: BTreeMap<String, u16>,
-    /// How many tables have been begun.
+    /// Number of tables begun.
     tables: usize,
 }
 
 impl Export<'_> {
-    /// Decides what becomes of the messages of a channel.
+    /// Selects the treatment of a channel.
     fn channel(
         &mut self,
         channel: &Channel,
@@ -171,7 +171,7 @@ impl Export<'_> {
         Ok(())
     }
 
-    /// Adds a message to the table of its channel, which the first message begins.
+    /// Adds a message to the table of its channel; the first message creates the table.
     fn message(
         &mut self,
         header: &mcap_log::MessageHeader,
@@ -199,7 +199,7 @@ impl Export<'_> {
         }
     }
 
-    /// Completes all tables and puts them in their places.
+    /// Completes all tables and moves them to their final paths.
     fn finish(self, source: Condition) -> Result<Exported, DerivedError> {
         let mut tables = BTreeMap::new();
         let mut finished = Vec::new();
@@ -217,7 +217,7 @@ impl Export<'_> {
                 tables.insert(name, open.table);
             }
         }
-        // All are complete: only now do they take their places.
+        // Tables move to their final paths only when all are complete.
         for (path, file) in finished {
             file.commit().map_err(derived::failed(&path))?;
         }
@@ -272,7 +272,7 @@ fn layout(channel: &Channel, schema: Option<&mcap_log::reader::Schema>) -> Resul
     Layout::new(&schema_of(channel, schema)?).map_err(|error| error.to_string())
 }
 
-/// `world/state` is in `world.state.csv`; a name that was taken gets the channel's number.
+/// Returns the file name: `world/state` becomes `world.state.csv`; a name in use gets the channel's number.
 fn file_name(channel: &Channel, extension: &str, names: &mut BTreeMap<String, u16>) -> String {
     let safe = |c: char| match c {
         '/' => '.',
@@ -296,7 +296,7 @@ fn file_name(channel: &Channel, extension: &str, names: &mut BTreeMap<String, u1
     format!("{name}.{extension}")
 }
 
-/// The directory of the tables; one that was made for them goes if there are none.
+/// Directory of the tables; removed again if it was created for them and stays empty.
 struct Folder<'a> {
     path: &'a Path,
     made: bool,
@@ -331,7 +331,7 @@ impl<'a> Folder<'a> {
 impl Drop for Folder<'_> {
     fn drop(&mut self) {
         if self.made {
-            // Only if it is empty: the tables in it have been removed, or are not ours.
+            // Removes only an empty directory: other files in it belong to the user.
             let _ = fs::remove_dir(self.path);
         }
     }

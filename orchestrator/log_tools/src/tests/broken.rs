@@ -1,4 +1,4 @@
-//! Files that end in the middle, are damaged, or lie about their sizes.
+//! Files that are truncated or damaged, or that contain wrong sizes.
 
 use std::io::Read as _;
 
@@ -11,11 +11,11 @@ use super::support::{file, ours, small, theirs, watch};
 use crate::{LogInfo, recover};
 
 fn zstd() -> WriteOptions {
-    // As our recorder writes, and as the crate does by default.
+    // Written by the project's recorder, and with the defaults of the crate.
     WriteOptions::new().compression(Some(Compression::Zstd))
 }
 
-/// Where the chunks of a whole file end, and how many messages there are up to there.
+/// Returns the ends of the chunks of a whole file, each with the number of messages before it.
 fn chunk_ends(bytes: &[u8]) -> Vec<(u64, usize)> {
     let summary = mcap::Summary::read(bytes).unwrap().unwrap();
     let mut indexes = summary.chunk_indexes.clone();
@@ -31,7 +31,7 @@ fn chunk_ends(bytes: &[u8]) -> Vec<(u64, usize)> {
 }
 
 #[test]
-fn a_log_cut_at_any_byte_keeps_every_whole_chunk_and_invents_nothing() {
+fn a_log_cut_at_any_byte_keeps_exactly_its_whole_chunks() {
     let folder = tempfile::tempdir().unwrap();
     for options in [
         zstd().disable_seeking(true),
@@ -60,7 +60,7 @@ fn a_log_cut_at_any_byte_keeps_every_whole_chunk_and_invents_nothing() {
             let kept = ends.iter().filter(|(end, _)| *end <= length as u64);
             let kept = kept.map(|(_, messages)| *messages).max().unwrap_or(0);
             assert!(read.len() >= kept, "{length}: {} of {kept}", read.len());
-            // Every so often the new file itself: each is synced to the disk.
+            // The new file is written only sometimes, since each is synced to the disk.
             if length.is_multiple_of(41) {
                 let out = folder.path().join("out.mcap");
                 let done = recover(&cut, &out, true, &mut watch()).unwrap();
@@ -76,7 +76,7 @@ fn a_log_cut_at_any_byte_keeps_every_whole_chunk_and_invents_nothing() {
 }
 
 #[test]
-fn a_run_that_was_cut_short_says_so_and_has_no_digest() {
+fn a_truncated_run_is_reported_and_has_no_digest() {
     let folder = tempfile::tempdir().unwrap();
     let log = folder.path().join("run.mcap");
     let summary = record_run(&log, 12);
@@ -97,7 +97,7 @@ fn a_run_that_was_cut_short_says_so_and_has_no_digest() {
     assert_eq!((whole.start_s, whole.end_s), (0.0, 0.55));
 
     let bytes = std::fs::read(&log).unwrap();
-    // Without the end of the summary nothing is lost.
+    // Without the end of the summary, no message is lost.
     let cut = file(&folder, "cut.mcap", &bytes[..bytes.len() - 100]);
     let info = LogInfo::read(&cut, &mut watch()).unwrap();
     assert!(info.condition.data && !info.condition.complete && !info.condition.index);
@@ -115,8 +115,8 @@ fn a_run_that_was_cut_short_says_so_and_has_no_digest() {
     assert!(info.messages > 0 && info.messages < whole.messages);
     let text = crate::info_text(&info);
     for words in [
-        "the run did not come to its end",
-        "NOT WHOLE",
+        "the run did not reach its end",
+        "INCOMPLETE",
         "protean recover",
     ] {
         assert!(text.contains(words), "{text}");
@@ -144,10 +144,10 @@ fn record(opcode: u8, body: &[u8]) -> Vec<u8> {
 }
 
 #[test]
-fn absurd_sizes_and_unknown_compressions_are_passed_over_and_named() {
+fn invalid_sizes_and_unknown_compressions_are_skipped_and_reported() {
     let folder = tempfile::tempdir().unwrap();
     let good = small(zstd(), 2, 3);
-    // Behind the header, before everything else.
+    // After the header, before all other records.
     let header = 8 + 9 + u64::from_le_bytes(good[9..17].try_into().unwrap()) as usize;
     for (bad, words) in [
         (chunk(u64::MAX, "zstd", 4, b"data"), "declares"),
@@ -193,7 +193,7 @@ fn absurd_sizes_and_unknown_compressions_are_passed_over_and_named() {
         let lines = condition.lines().join("\n");
         assert!(lines.contains(words), "{words}: {lines}");
     }
-    // A record that claims more than there is cannot be told from the end of the file.
+    // A record with a length beyond the end is indistinguishable from a truncated file.
     let mut bytes = good[..header].to_vec();
     bytes.extend_from_slice(&[5, 255, 255, 255, 255, 255, 255, 255, 127, 1, 2, 3]);
     let (read, condition) = ours(&file(&folder, "long.mcap", &bytes));
@@ -268,7 +268,7 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 300, ..ProptestConfig::default() })]
 
     #[test]
-    fn a_changed_byte_never_makes_a_message_that_was_not_there(
+    fn a_changed_byte_never_creates_a_message(
         at in 8_usize..2000,
         change in 1_u8..=255,
         compressed in any::<bool>(),
@@ -287,9 +287,9 @@ proptest! {
     }
 }
 
-/// Found by fuzzing: the chunk claims to go on behind the end of the file, and holds a footer.
+/// Found by fuzzing: a chunk with a length beyond the end of the file that contains a footer.
 #[test]
-fn a_footer_in_a_chunk_that_the_file_ends_in_is_not_its_end() {
+fn a_footer_inside_a_truncated_chunk_is_not_the_end() {
     let folder = tempfile::tempdir().unwrap();
     let mut inner = vec![mcap::records::op::FOOTER];
     inner.extend(20_u64.to_le_bytes());

@@ -30,7 +30,7 @@ float64 x
 float32[2] size
 ";
 
-/// The message that the schema says: (x, size) for every point.
+/// Reads the message of the schema: (x, size) for every point.
 fn encode(points: &[(f64, [f32; 2])]) -> Vec<u8> {
     let mut body = Vec::new();
     let align = |body: &mut Vec<u8>, to: usize| {
@@ -61,7 +61,7 @@ fn encode(points: &[(f64, [f32; 2])]) -> Vec<u8> {
     [&[0, 1, 0, 0], body.as_slice()].concat()
 }
 
-/// A file with messages of ROS 2, not in the order of their times, one of them broken.
+/// A file with ROS 2 messages that are not in order of time; one of them is broken.
 fn foreign() -> Vec<u8> {
     let mut disk = std::io::Cursor::new(Vec::new());
     let mut writer = WriteOptions::new()

@@ -13,8 +13,8 @@ fn record(opcode: u8, body: &[u8]) -> Vec<u8> {
     [&[opcode], &(body.len() as u64).to_le_bytes()[..], body].concat()
 }
 
-/// The data section of a file without compression with lz4 instead, and an end without a summary;
-/// where its last chunk begins too.
+/// Returns the data section of an uncompressed file compressed with lz4, with an end without a summary, and the start
+/// of its last chunk.
 fn with_lz4(plain: &[u8]) -> (Vec<u8>, usize) {
     let mut bytes = mcap::MAGIC.to_vec();
     let mut last_chunk = 0;
@@ -69,14 +69,14 @@ fn chunks_of_lz4_are_read_and_their_checksums_are_checked() {
         (3, 0)
     );
 
-    // A byte of what is compressed changes: the chunk is lost, and it alone.
+    // One changed byte of the compressed data loses only its chunk.
     let mut changed = bytes.clone();
     changed[last + 120] ^= 1;
     let (read, condition) = ours(&file(&folder, "changed.mcap", &changed));
     assert_eq!(read, expected[..80]);
     assert_eq!(condition.chunks_lost, 1, "{condition:?}");
 
-    // A chunk that claims less than comes out of it.
+    // A chunk whose stated size is less than its contents.
     let mut less = bytes.clone();
     less[last + 9 + 16] -= 1;
     let (read, condition) = ours(&file(&folder, "less.mcap", &less));

@@ -7,7 +7,7 @@ mod parts;
 mod still;
 mod tables;
 
-// Each crate that includes them uses parts of them.
+// Each including crate uses only parts of them.
 #[allow(dead_code)]
 #[path = "../../../recorder/src/tests/made_up.rs"]
 mod made_up;
@@ -19,12 +19,12 @@ use std::path::Path;
 use recorder::{DerivedTopics, Summary};
 use viewer::{ViewerOptions, viewer_topics};
 
-/// The viewer topics of the made-up run.
+/// Viewer topics of the test run.
 fn pictures() -> Option<Box<dyn DerivedTopics>> {
     viewer_topics(&made_up::run_info(), &ViewerOptions::default())
 }
 
-/// Records the made-up run, with viewer topics, for so many ticks.
+/// Records the test run, with viewer topics, for this many ticks.
 fn record_run(path: &Path, ticks: u64) -> Summary {
     made_up::record_run(path, ticks, 4_000, pictures(), |_, _| {})
 }

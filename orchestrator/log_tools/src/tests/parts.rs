@@ -29,7 +29,7 @@ fn a_part_begins_with_the_last_states_from_before_it() {
     let inside: Vec<_> = all.iter().filter(|m| (from..=to).contains(&m.2)).collect();
     let restored = done.restored as usize;
     assert_eq!(read[restored..].iter().collect::<Vec<_>>(), inside);
-    // Each with the bytes and the number of the last before the start.
+    // Each with the bytes and the number of the last message before the start.
     let mut last: BTreeMap<&str, &super::support::Read> = BTreeMap::new();
     for message in all.iter().filter(|m| m.2 < from) {
         last.insert(&message.0, message);
@@ -130,7 +130,7 @@ fn topics_are_chosen_by_name_and_a_wrong_name_is_refused() {
 }
 
 #[test]
-fn times_in_files_of_others_begin_with_their_first_message() {
+fn times_in_other_files_begin_with_their_first_message() {
     let folder = tempfile::tempdir().unwrap();
     let log = file(&folder, "a.mcap", &small(WriteOptions::new(), 3, 4));
     let out = folder.path().join("part.mcap");

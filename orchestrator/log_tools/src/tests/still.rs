@@ -1,5 +1,5 @@
-//! A world that stands still within a tick, and one that goes by the clock: what has been sent is
-//! written a quarter of a second after its tick began, once.
+//! A world that stops within a tick, and one in real time: received messages are written once, a quarter of a second
+//! after their tick began.
 
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -13,14 +13,14 @@ use super::{pictures, record_run};
 use crate::{LogInfo, recover};
 
 const TICKS: u64 = 9;
-/// The tick in which the world stands still.
+/// Tick in which the world stops.
 const STILL: u64 = 6;
 
 fn is_command(sent: &Sent) -> bool {
     matches!(sent, Sent::Command(..))
 }
 
-/// The messages of a log in which chunks are closed at every look, but for those of viewers.
+/// Returns the messages of a log whose chunks close at every check, except those for viewers.
 fn lossless(path: &Path) -> Vec<Read> {
     let out = path.with_extension("saved");
     let mut watch = ReadProgress::new(std::sync::Arc::default(), true);
@@ -40,7 +40,7 @@ fn create(path: &Path) -> Recording {
     recording(path, &options, pictures())
 }
 
-/// Writes what is ready and hands it to the operating system.
+/// Writes the ready messages and passes them to the operating system.
 fn look(recording: &mut Recording, completed: Option<u64>, now: Instant) {
     recording.write_ready(completed, now, &mut ()).unwrap();
     recording.flush_if_due().unwrap();
@@ -72,17 +72,17 @@ fn a_tick_that_does_not_end_is_written_after_a_quarter_of_a_second_and_every_mes
         }
         look(&mut recording, completed, ms(250));
         let sent = run(TICKS, 1);
-        let sent_count = |s: &&Sent| {
+        let is_written = |s: &&Sent| {
             let tick = s.stamp().tick;
             tick < still || (tick == still && !is_command(s))
         };
-        let sent_count = sent.iter().filter(sent_count).count();
-        assert_eq!(lossless(&path).len(), sent_count, "{still}");
-        // What comes later is there at the next look.
+        let message_count = sent.iter().filter(is_written).count();
+        assert_eq!(lossless(&path).len(), message_count, "{still}");
+        // Later messages are present at the next check.
         let (command, rest) = rest.split_first().unwrap();
         command.push(&mut recording);
         look(&mut recording, completed, ms(251));
-        assert_eq!(lossless(&path).len(), sent_count + 1, "{still}");
+        assert_eq!(lossless(&path).len(), message_count + 1, "{still}");
 
         for sent in rest {
             sent.push(&mut recording);
@@ -136,7 +136,7 @@ fn in_real_time_ticks_are_written_when_they_are_old_however_many_follow() {
             if let Sent::State(..) = &sent {
                 let ms = |ms| start + Duration::from_millis(ms);
                 let now = ms(tick * period_ms);
-                // The tick before is over: no more comes of it.
+                // The previous tick is over: it has no more messages.
                 look(
                     &mut recording,
                     None,

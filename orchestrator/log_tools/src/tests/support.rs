@@ -1,4 +1,4 @@
-//! Small logs, and what is in a log. Tests of other crates include this file.
+//! Small logs, and the contents of logs. Tests of other crates include this file.
 
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
@@ -14,7 +14,7 @@ use tempfile::TempDir;
 /// A message: topic, sequence, log time, bytes.
 pub type Read = (String, u32, u64, Vec<u8>);
 
-/// What our reader makes of a file.
+/// Reads a file with the project's reader.
 pub fn ours(path: &Path) -> (Vec<Read>, Condition) {
     let mut reader = Reader::open(path, None).unwrap();
     let mut messages = Vec::new();
@@ -35,7 +35,7 @@ pub fn ours(path: &Path) -> (Vec<Read>, Condition) {
     (messages, reader.condition().clone())
 }
 
-/// What the crate's reader makes of a whole file, every checksum checked.
+/// Reads a whole file with the crate's reader, which checks every checksum.
 pub fn theirs(path: &Path) -> Vec<Read> {
     let options = LinearReaderOptions::default()
         .with_validate_chunk_crcs(true)
@@ -56,8 +56,8 @@ pub fn theirs(path: &Path) -> Vec<Read> {
         .collect()
 }
 
-/// The bytes of a small file of another program: two channels, some messages per chunk, an
-/// attachment, a metadata record.
+/// Returns the bytes of a small file of another program: two channels, some messages per chunk, an attachment, a
+/// metadata record.
 pub fn small(options: WriteOptions, chunks: u32, per_chunk: u32) -> Vec<u8> {
     let mut file = std::io::Cursor::new(Vec::new());
     let mut writer = options

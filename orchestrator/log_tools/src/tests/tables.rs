@@ -44,7 +44,7 @@ fn exported(folder: &Path) -> Exported {
 }
 
 #[test]
-fn every_topic_of_ours_is_a_table_with_a_row_for_every_element() {
+fn every_protean_topic_is_a_table_with_a_row_for_every_element() {
     let folder = tempfile::tempdir().unwrap();
     let done = exported(folder.path());
     let messages = theirs(&folder.path().join("run.mcap"));
@@ -90,7 +90,7 @@ fn every_topic_of_ours_is_a_table_with_a_row_for_every_element() {
 }
 
 #[test]
-fn tables_are_written_where_nothing_is_lost() {
+fn a_refused_export_leaves_no_files() {
     let folder = tempfile::tempdir().unwrap();
     exported(folder.path());
     let (log, out) = (folder.path().join("run.mcap"), folder.path().join("tables"));
@@ -116,7 +116,7 @@ fn tables_are_written_where_nothing_is_lost() {
 }
 
 #[test]
-fn parquet_holds_what_the_text_says() {
+fn parquet_and_text_have_the_same_values() {
     use parquet::file::reader::{FileReader as _, SerializedFileReader};
     use parquet::record::Field;
     let folder = tempfile::tempdir().unwrap();

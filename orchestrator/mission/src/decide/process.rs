@@ -1,4 +1,4 @@
-//! A process as its decisions need it.
+//! Supervision state of one process.
 
 use std::time::{Duration, Instant};
 
@@ -7,48 +7,48 @@ use runtime::kind::Product;
 use super::{Action, Failure, OnFailure};
 use crate::plan::Launch;
 
-/// A process as it is supervised.
+/// A supervised process.
 #[derive(Debug)]
 pub(super) struct Process {
     pub(super) is_simulator: bool,
     pub(super) on_failure: OnFailure,
     pub(super) ready_timeout: Duration,
-    /// Processes of the list whose messages of a tick it waits for.
+    /// Indices of the processes whose messages of a tick it waits for.
     pub(super) upstream: Vec<usize>,
     pub(super) makes_plans: bool,
     pub(super) drives_robots: bool,
-    pub(super) standing: Standing,
+    pub(super) participation: Participation,
     pub(super) failures: u32,
-    /// Why it is being killed.
+    /// Failure for which it is being killed.
     pub(super) killed_for: Option<Failure>,
-    /// Ticks done when more of them were last found.
+    /// Ticks done at the last sign of progress.
     pub(super) done: u64,
-    /// When that was.
+    /// Time of the last sign of progress.
     pub(super) since: Instant,
 }
 
-/// Part of a process in the run.
+/// Participation of a process in the run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Standing {
-    /// It takes part.
-    Present,
-    /// It is to be started again at this time.
-    Away { due: Instant },
-    /// It has been started again and must be ready by then.
+pub(super) enum Participation {
+    /// The process takes part.
+    Active,
+    /// It is to be restarted at this time.
+    Failed { due: Instant },
+    /// It has been restarted and must be ready by this time.
     Starting { until: Instant },
-    /// It does not come back.
-    Gone,
+    /// It has failed and stays ended.
+    GivenUp,
 }
 
 impl Process {
-    /// A process that takes part, one of these.
+    /// Creates a process, one of `all`, that takes part.
     pub(super) fn new(launch: &Launch, all: &[Launch], now: Instant) -> Self {
         let config = &launch.config;
         let is_simulator = config.index == 0;
         let position = |up: &u32| all.iter().position(|launch| launch.config.index == *up);
         Self {
             is_simulator,
-            // Without the world there is no run.
+            // A run needs its simulator.
             on_failure: if is_simulator {
                 OnFailure::Abort
             } else {
@@ -58,7 +58,7 @@ impl Process {
             upstream: config.upstream.iter().filter_map(position).collect(),
             makes_plans: launch.makes(Product::Plans),
             drives_robots: !config.robots.is_empty(),
-            standing: Standing::Present,
+            participation: Participation::Active,
             failures: 0,
             killed_for: None,
             done: 0,
@@ -66,9 +66,10 @@ impl Process {
         }
     }
 
-    /// The action that tells the log of it; `kind` is one of [`ProcessEvent`](ipc_types::messages::process::ProcessEvent).
-    pub(super) fn tell(&self, kind: u32, tick: u64, reason: &str) -> Action {
-        Action::Tell {
+    /// Returns the action that logs an event of it; `kind` is one of
+    /// [`ProcessEvent`](ipc_types::messages::process::ProcessEvent).
+    pub(super) fn log_event(&self, kind: u32, tick: u64, reason: &str) -> Action {
+        Action::Log {
             kind,
             tick,
             failures: self.failures,

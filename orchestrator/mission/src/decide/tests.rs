@@ -12,7 +12,7 @@ fn process(on_failure: OnFailure) -> Process {
         upstream: Vec::new(),
         makes_plans: false,
         drives_robots: true,
-        standing: Standing::Present,
+        participation: Participation::Active,
         failures: 0,
         killed_for: None,
         done: 0,
@@ -37,13 +37,13 @@ fn state(in_lock_step: bool, on_failure: OnFailure) -> State {
         has_begun: false,
         last_posted: 0,
         last_progress: Instant::now(),
-        has_lost: false,
+        has_failures: false,
     };
     state.begin(Instant::now());
     state
 }
 
-/// With 8 ticks posted, of which the process has done 5.
+/// A moment with 8 posted ticks, of which the process has done 5.
 fn at(now: Instant) -> Moment {
     Moment {
         now,
@@ -56,7 +56,7 @@ fn ended() -> Event {
     Event::Ended("ended with exit code 3".into())
 }
 
-/// The actions in short.
+/// Returns the actions in short form.
 fn short(actions: &[Action]) -> String {
     let words = actions.iter().map(|action| match action {
         Action::Kill => "kill",
@@ -64,7 +64,7 @@ fn short(actions: &[Action]) -> String {
         Action::FreeDead => "free",
         Action::MarkDead => "mark",
         Action::Restart => "restart",
-        Action::Tell { kind, .. } => match *kind {
+        Action::Log { kind, .. } => match *kind {
             ProcessEvent::LEFT => "left",
             ProcessEvent::GIVEN_UP => "given-up",
             _ => "back",
@@ -95,8 +95,8 @@ fn a_failure_leads_to_these_actions_in_this_order() {
         (Restart, 1, Event::NotReady, "kill"),
         (Restart, 1, not_started.clone(), restarted),
         (Restart, 5, not_started, aborted),
-        (Restart, 1, Event::Due, "free restart"),
-        (Restart, 1, Event::Back, "back warn"),
+        (Restart, 1, Event::RestartDue, "free restart"),
+        (Restart, 1, Event::Rejoined, "back warn"),
     ] {
         let mut state = state(false, policy);
         state.processes[1].failures = failures;
@@ -104,12 +104,12 @@ fn a_failure_leads_to_these_actions_in_this_order() {
         assert_eq!(short(&actions), expected, "{policy:?} {failures} {event:?}");
         let goes_on = !expected.ends_with("end");
         let is_failure = expected.starts_with("left");
-        assert_eq!(state.has_lost(), goes_on && is_failure);
+        assert_eq!(state.has_failures(), goes_on && is_failure);
     }
 }
 
 #[test]
-fn before_time_begins_every_failure_ends_the_run() {
+fn before_the_first_tick_every_failure_ends_the_run() {
     for (event, expected) in [(ended(), "stop mark free end"), (Event::NotReady, "end")] {
         let mut state = state(false, OnFailure::Restart);
         state.has_begun = false;
@@ -131,14 +131,14 @@ fn a_process_that_was_killed_is_named_with_the_reason_for_that() {
         let mut state = state(false, OnFailure::Continue);
         assert_eq!(state.decide(1, event, at(Instant::now())), [Action::Kill]);
         let actions = state.decide(1, ended(), at(Instant::now()));
-        let left = Action::Tell {
+        let left = Action::Log {
             kind: ProcessEvent::LEFT,
             tick: 7,
             failures: 1,
             reason: reason.into(),
         };
         assert_eq!(actions[0], left);
-        // Its end may be seen once more.
+        // Its end may be detected again.
         assert_eq!(state.decide(1, ended(), at(Instant::now())), []);
     }
 }
@@ -150,7 +150,7 @@ fn a_process_leaves_at_the_tick_that_it_owes_and_the_world_at_its_last() {
         state.processes[slot].failures = 2;
         let actions = state.decide(slot, ended(), at(Instant::now()));
         assert!(
-            matches!(actions[0], Action::Tell { tick: left, .. } if left == tick),
+            matches!(actions[0], Action::Log { tick: left, .. } if left == tick),
             "{actions:?}"
         );
         let Some(Action::End { when, .. }) = actions.last() else {
@@ -160,7 +160,7 @@ fn a_process_leaves_at_the_tick_that_it_owes_and_the_world_at_its_last() {
     }
 }
 
-/// Processes that take part and have done so many ticks, the simulator first.
+/// Processes that take part and have done this many ticks; the simulator comes first.
 fn seen(done: [u64; 4]) -> [Observation; 4] {
     done.map(|done| Observation {
         state: SlotState::Prepared,
@@ -170,43 +170,51 @@ fn seen(done: [u64; 4]) -> [Observation; 4] {
 }
 
 #[test]
-fn in_lock_step_the_process_that_holds_up_the_others_is_named() {
+fn in_lock_step_the_blocking_process_is_reported() {
     let never = |_: usize| false;
-    let culprit = |done: [u64; 4], planner: usize, stopped: usize| {
+    let blocking_process = |done: [u64; 4], planner: usize, stopped: usize| {
         let mut state = state(true, OnFailure::Abort);
-        // The third waits for what the first says.
+        // The third process waits for messages of the first one.
         state.processes[3].upstream = vec![1];
         state.processes[planner].makes_plans = true;
         let start = state.last_progress;
         let seen = seen(done);
-        assert_eq!(state.look(start, 8, &seen, never), []);
-        assert_eq!(state.look(start + TIMEOUT / 2, 8, &seen, never), []);
-        let events = state.look(start + TIMEOUT, 8, &seen, |slot| slot == stopped);
-        assert_eq!(state.look(start + TIMEOUT, 8, &seen, never), []);
+        assert_eq!(state.timed_events(start, 8, &seen, never), []);
+        assert_eq!(state.timed_events(start + TIMEOUT / 2, 8, &seen, never), []);
+        let events = state.timed_events(start + TIMEOUT, 8, &seen, |slot| slot == stopped);
+        assert_eq!(state.timed_events(start + TIMEOUT, 8, &seen, never), []);
         let [(slot, Event::Silent)] = events[..] else {
             panic!("{events:?}");
         };
         slot
     };
-    assert_eq!(culprit([0, 8, 8, 8], 0, 0), 0, "all have done theirs");
-    assert_eq!(culprit([0, 8, 7, 8], 0, 0), 2);
-    assert_eq!(culprit([0, 7, 8, 7], 0, 0), 1, "the other waits for it");
-    assert_eq!(culprit([0, 8, 8, 7], 0, 0), 3);
     assert_eq!(
-        culprit([0, 7, 7, 7], 2, 0),
+        blocking_process([0, 8, 8, 8], 0, 0),
+        0,
+        "all have done theirs"
+    );
+    assert_eq!(blocking_process([0, 8, 7, 8], 0, 0), 2);
+    assert_eq!(
+        blocking_process([0, 7, 8, 7], 0, 0),
+        1,
+        "the other waits for it"
+    );
+    assert_eq!(blocking_process([0, 8, 8, 7], 0, 0), 3);
+    assert_eq!(
+        blocking_process([0, 7, 7, 7], 2, 0),
         2,
         "others may wait for its plans"
     );
-    assert_eq!(culprit([0, 7, 7, 7], 2, 3), 3, "it stands still");
+    assert_eq!(blocking_process([0, 7, 7, 7], 2, 3), 3, "it is stopped");
 }
 
 #[test]
-fn in_real_time_each_process_that_does_nothing_is_named() {
+fn in_real_time_each_process_without_progress_is_reported() {
     let mut state = state(false, OnFailure::Restart);
     let start = state.last_progress;
     let half = TIMEOUT / 2;
     let look = |state: &mut State, now: Instant, posted: u64, done: [u64; 4]| {
-        let events = state.look(now, posted, &seen(done), |_| false);
+        let events = state.timed_events(now, posted, &seen(done), |_| false);
         let slots = events.into_iter().map(|(slot, event)| {
             assert_eq!(event, Event::Silent);
             slot
@@ -223,22 +231,22 @@ fn in_real_time_each_process_that_does_nothing_is_named() {
         look(&mut state, start + TIMEOUT, 3, [0, 3, 1, 1]),
         [] as [usize; 0]
     );
-    // The world itself.
+    // The simulator.
     let later = start + TIMEOUT + TIMEOUT;
     assert_eq!(look(&mut state, later, 3, [0, 3, 3, 3]), [0]);
 }
 
 #[test]
-fn a_restart_waits_for_its_time_and_a_vacant_place_and_has_its_own_timeout() {
+fn a_restart_waits_for_its_delay_and_a_vacant_slot_and_has_a_timeout() {
     let mut state = state(false, OnFailure::Restart);
     let now = state.last_progress;
     state.decide(1, ended(), at(now));
-    assert!(state.is_expecting());
+    assert!(state.is_restarting());
     let mut seen = seen([8; 4]);
     seen[1].state = SlotState::Starting;
-    let due = now + RESTART_AFTER;
+    let due = now + RESTART_DELAY;
     let look = |state: &mut State, now: Instant, seen: &[Observation]| {
-        let events = state.look(now, 8, seen, |_| false);
+        let events = state.timed_events(now, 8, seen, |_| false);
         events
             .into_iter()
             .map(|(slot, event)| {
@@ -251,8 +259,8 @@ fn a_restart_waits_for_its_time_and_a_vacant_place_and_has_its_own_timeout() {
     seen[1].is_vacant = false;
     assert_eq!(look(&mut state, due, &seen), []);
     seen[1].is_vacant = true;
-    assert_eq!(look(&mut state, due, &seen), [Event::Due]);
-    state.decide(1, Event::Due, at(due));
+    assert_eq!(look(&mut state, due, &seen), [Event::RestartDue]);
+    state.decide(1, Event::RestartDue, at(due));
     assert_eq!(look(&mut state, due, &seen), []);
     let late = due + state.ready_timeout(1);
     state.last_progress = late;
@@ -262,14 +270,14 @@ fn a_restart_waits_for_its_time_and_a_vacant_place_and_has_its_own_timeout() {
         .for_each(|process| process.since = late);
     assert_eq!(look(&mut state, late, &seen), [Event::NotReady]);
     seen[1].state = SlotState::Prepared;
-    assert_eq!(look(&mut state, late, &seen), [Event::Back]);
-    state.decide(1, Event::Back, at(late));
-    assert!(!state.is_expecting());
+    assert_eq!(look(&mut state, late, &seen), [Event::Rejoined]);
+    state.decide(1, Event::Rejoined, at(late));
+    assert!(!state.is_restarting());
     assert_eq!(look(&mut state, late, &seen), []);
 }
 
 #[test]
-fn a_step_of_the_start_waits_for_the_first_process_behind_as_long_as_that_has_time() {
+fn a_start_step_waits_for_the_first_incomplete_process_until_its_timeout() {
     use SlotState::{Connected, Dead, Prepared, Ready, Starting, Stopped};
     let state = state(true, OnFailure::Abort);
     let timeout = state.ready_timeout(2);
@@ -281,7 +289,7 @@ fn a_step_of_the_start_waits_for_the_first_process_behind_as_long_as_that_has_ti
         (Connected, Connected, false),
         (Prepared, Connected, true),
         (Prepared, Prepared, false),
-        // Its end is another event.
+        // Its end is a separate event.
         (Prepared, Stopped, false),
         (Prepared, Dead, false),
     ] {

@@ -1,36 +1,36 @@
-//! Events that come with time: silence, restarts that are due or done, timeouts.
+//! Events caused by the passing of time: hangs, due or completed restarts, and timeouts.
 
 use std::time::{Duration, Instant};
 
 use runtime::lockstep::SlotState;
 
-use super::{Event, Process, Standing, State};
+use super::{Event, Participation, Process, State};
 
-/// A process as it is seen from outside.
+/// Observed state of a process.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Observation {
-    /// What the barrier says of it.
+    /// State of its slot at the barrier.
     pub(crate) state: SlotState,
     /// Ticks that it has done.
     pub(crate) done: u64,
-    /// Whether nothing of its predecessor keeps it from being started.
+    /// `true` if no resource of its predecessor prevents its start.
     pub(crate) is_vacant: bool,
 }
 
 /// Progress of the processes in a step of their start.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum StartStep {
-    /// All have done it.
+    /// All processes have completed it.
     Done,
-    /// At least one has not, and still has time.
+    /// At least one process has not completed it and still has time.
     Waiting,
-    /// This one has not, and its time is over.
+    /// The process with this index exceeded its time.
     Late(usize),
 }
 
 impl State {
-    /// Progress of the step of the start that leads to `wanted` and has taken this long; the first process that has
-    /// not done it counts.
+    /// Returns the progress of the start step that leads to `wanted` and has taken this long. The first process
+    /// that has not completed it counts.
     pub(crate) fn start_step(
         &self,
         wanted: SlotState,
@@ -51,9 +51,9 @@ impl State {
         }
     }
 
-    /// What has happened by `now`, with `posted` ticks, besides the ends of processes; `is_stopped` tells whether a
-    /// process stands still by a signal.
-    pub(crate) fn look(
+    /// Returns the events up to `now` and tick `posted`, except the ends of processes. `is_stopped` returns
+    /// `true` for a process stopped by a signal.
+    pub(crate) fn timed_events(
         &mut self,
         now: Instant,
         posted: u64,
@@ -62,15 +62,15 @@ impl State {
     ) -> Vec<(usize, Event)> {
         let mut events = Vec::new();
         for (index, (process, seen)) in self.processes.iter().zip(seen).enumerate() {
-            match process.standing {
-                Standing::Starting { .. } if seen.state == SlotState::Prepared => {
-                    events.push((index, Event::Back));
+            match process.participation {
+                Participation::Starting { .. } if seen.state == SlotState::Prepared => {
+                    events.push((index, Event::Rejoined));
                 }
-                Standing::Starting { until } if now >= until => {
+                Participation::Starting { until } if now >= until => {
                     events.push((index, Event::NotReady));
                 }
-                Standing::Away { due } if now >= due && seen.is_vacant => {
-                    events.push((index, Event::Due));
+                Participation::Failed { due } if now >= due && seen.is_vacant => {
+                    events.push((index, Event::RestartDue));
                 }
                 _ => {}
             }
@@ -80,7 +80,7 @@ impl State {
         events
     }
 
-    /// The processes that do nothing, each once per hang timeout.
+    /// Returns the processes without progress, each once per hang timeout.
     fn silent(
         &mut self,
         now: Instant,
@@ -94,7 +94,7 @@ impl State {
             self.last_progress = now;
             let owing = self.in_lock_step.then(|| {
                 let tick = posted.saturating_sub(1);
-                self.culprit(tick, seen, is_stopped)
+                self.blocking_process(tick, seen, is_stopped)
             });
             let simulator = || self.processes.iter().position(|p| p.is_simulator);
             return owing.flatten().or_else(simulator).into_iter().collect();
@@ -102,10 +102,11 @@ impl State {
         if self.in_lock_step {
             return Vec::new();
         }
-        // In real time the world goes on without those that do not answer.
+        // In real-time mode the world continues without processes that do not answer.
         let mut silent = Vec::new();
         for (index, (process, seen)) in self.processes.iter_mut().zip(seen).enumerate() {
-            let is_present = process.standing == Standing::Present && seen.state.takes_part();
+            let is_present =
+                process.participation == Participation::Active && seen.state.takes_part();
             if process.is_simulator || !is_present {
                 continue;
             }
@@ -119,9 +120,9 @@ impl State {
         silent
     }
 
-    /// The process that owes the tick for which all others wait: rather one that stands still or that others
-    /// wait for than one that may be waiting itself.
-    fn culprit(
+    /// Returns the process for which all others wait in this tick. A stopped process, or one that others wait for,
+    /// takes precedence over one that may be waiting itself.
+    fn blocking_process(
         &self,
         tick: u64,
         seen: &[Observation],

@@ -1,13 +1,12 @@
-//! A run in one thread of this process: for sweeps of very many runs.
+//! A run in one thread of this process, for sweeps of very many runs.
 //!
-//! The same code as in processes of their own, over a bus in memory, takes its turns in the order
-//! of lock-step: the simulator publishes the state of a tick, everybody steps after those it waits
-//! for, the simulator takes the commands and steps the world. What is said is the same to the bit:
-//! digest, outcome and metrics are those of the run with processes. There are no clocks, so there
-//! are no latencies; a crash is not contained; and there are no programs of the user's own.
+//! It executes the code of the separate processes over a bus in memory, in the order of lock-step. The simulator
+//! publishes the state of a tick; every process steps after those it waits for; the simulator takes the commands and
+//! steps the world. All messages are identical: digest, outcome and metrics are those of a run with processes. There
+//! are no clocks and therefore no latencies. A crash is not contained, and external programs cannot run.
 //!
-//! Runs do not share anything but what [`InProcessOptions::cache`] keeps of their maps, so that
-//! each may have a thread of its own.
+//! Runs share only the data of their maps in [`InProcessOptions::cache`], so that each run may have its own
+//! thread.
 
 mod processes;
 
@@ -34,27 +33,26 @@ use recorder::{DigestPrefixes, Recorder};
 use scenario::ResolvedScenario;
 use scenario::spec::Mode;
 
-/// Ticks between two looks at the progress.
-const SHOW_EVERY: u64 = 256;
+/// Ticks between two updates of the progress display.
+const DISPLAY_INTERVAL: u64 = 256;
 
-/// How a run in one process is done.
+/// Options of a run in one process.
 #[derive(Debug, Clone, Default)]
 pub struct InProcessOptions {
-    /// Where the log goes; no log is written if not said.
+    /// Path of the log; `None` writes no log.
     pub out: Option<PathBuf>,
-    /// Whether an existing log may be overwritten.
+    /// `true` if an existing log may be overwritten.
     pub force: bool,
-    /// Whether to show how far the run is and what happens.
+    /// `true` to show progress and events.
     pub show: bool,
-    /// Set from outside (Ctrl-C) to end the run in order.
+    /// Set by the caller (Ctrl-C) to end the run in order.
     pub interrupted: Arc<AtomicBool>,
-    /// What runs keep for each other; give the same one to all runs of a sweep, whatever their
-    /// scenarios and threads.
+    /// Data that runs share; pass the same cache to all runs of a sweep, in any scenario and thread.
     pub cache: Arc<Cache>,
 }
 
-/// Data that runs in one process share, because it depends on their maps alone and costs more than a run: share
-/// one between all runs of a sweep. Results do not depend on it.
+/// Data that runs in one process share, because it depends only on their maps and takes longer to compute than a
+/// run. Results do not depend on it.
 #[derive(Debug, Default)]
 pub struct Cache {
     maps: Arc<Maps>,
@@ -62,12 +60,12 @@ pub struct Cache {
 }
 
 impl Cache {
-    /// Messages of the maps, as the recorder knows them.
+    /// Returns the digest prefixes of the maps' messages, for the recorder.
     fn digest_prefixes(&self) -> Arc<DigestPrefixes> {
         Arc::clone(&self.digest_prefixes)
     }
 
-    /// The maps, as the processes of a run find them on their bus.
+    /// Returns the maps as the processes of a run find them on their bus.
     fn commons(&self) -> Arc<dyn Any + Send + Sync> {
         Arc::clone(&self.maps) as Arc<dyn Any + Send + Sync>
     }
@@ -76,8 +74,8 @@ impl Cache {
 /// Runs a scenario to its end in this thread.
 ///
 /// # Errors
-/// [`MissionError::InProcess`] if time passes by the clock, a process is a program of the user's
-/// own, or a process fails; others as of [`mission::run`](fn@crate::run).
+/// [`MissionError::InProcess`] if the scenario has real-time mode or an external program, or if a process fails;
+/// others as for [`mission::run`](fn@crate::run).
 ///
 /// ```
 /// use mission::in_process::{InProcessOptions, run};
@@ -99,14 +97,14 @@ pub fn run(
         let name = process.name.clone();
         return Err(InProcessError::External { name }.into());
     }
-    // With processes a panic ends one of them, and the run says which; here it must not end a
-    // whole sweep. Nothing of the run outlives it but the cache, which holds finished things only.
+    // In a run with processes, a panic ends one of them, and the run reports which. Here it must not end a whole
+    // sweep. Only the cache outlives the run, and it contains only complete values.
     catch_unwind(AssertUnwindSafe(|| execute(scenario, options))).unwrap_or_else(|panic| {
         let text = panic
             .downcast_ref::<String>()
             .map(String::as_str)
             .or_else(|| panic.downcast_ref::<&str>().copied());
-        let message = text.unwrap_or("without words").to_owned();
+        let message = text.unwrap_or("no message").to_owned();
         Err(InProcessError::Panicked { message }.into())
     })
 }
@@ -118,7 +116,7 @@ fn execute(
     let start = Instant::now();
     let plan = Plan::new(scenario, Path::new(""), "", "warn")?;
     let bus = Bus::local(plan.run.bus_options(), Some(options.cache.commons()));
-    // The recorder's subscriptions must stand before anybody sends.
+    // The recorder's subscriptions must exist before the first message is sent.
     let log = options.out.as_deref().map(|path| LogFile {
         path: Some(path),
         force: options.force,
@@ -141,7 +139,7 @@ fn execute(
         match &mut show {
             Some(show) => {
                 recorder.take(tick, &mut show.events)?;
-                if tick.is_multiple_of(SHOW_EVERY) {
+                if tick.is_multiple_of(DISPLAY_INTERVAL) {
                     show.progress.at(tick as f64 * plan.run.tick_period());
                 }
             }
@@ -167,12 +165,12 @@ fn execute(
         wall_time_s,
         start_up_s: (first_tick - start).as_secs_f64(),
         interrupted,
-        has_lost: false,
+        has_failures: false,
         live: None,
     })
 }
 
-/// What a person sees meanwhile.
+/// Display of a run's progress.
 struct ProgressDisplay {
     progress: Progress,
     events: EventPrinter,
@@ -198,7 +196,7 @@ mod tests {
     }
 
     #[test]
-    fn runs_in_several_threads_share_a_cache_and_are_the_runs_that_have_their_own() {
+    fn runs_that_share_a_cache_equal_runs_without() {
         let alone: Vec<String> = (1..=4)
             .map(|seed| {
                 let report = run(&game(seed), &InProcessOptions::default()).unwrap();
@@ -207,7 +205,7 @@ mod tests {
             })
             .collect();
         let options = InProcessOptions::default();
-        // Twice: the second time everything is in the cache.
+        // The second pass finds everything in the cache.
         for _ in 0..2 {
             let together: Vec<String> = std::thread::scope(|scope| {
                 let threads: Vec<_> = (1..=4)
@@ -233,7 +231,7 @@ mod tests {
     }
 
     #[test]
-    fn real_time_and_programs_of_the_users_own_are_refused_with_their_field() {
+    fn real_time_and_external_programs_are_refused_with_their_field() {
         let mut scenario = game(1);
         scenario.run.mode = Mode::RealTime;
         let error = run(&scenario, &InProcessOptions::default()).unwrap_err();

@@ -13,7 +13,7 @@ struct LocalProcess {
     process: Box<dyn Process>,
 }
 
-/// Processes that follow the simulator, in the order in which they take their turns.
+/// Processes other than the simulator, in the order in which they step.
 pub struct LocalProcesses {
     processes: Vec<LocalProcess>,
 }
@@ -31,7 +31,7 @@ impl LocalProcesses {
         Ok(Self { processes })
     }
 
-    /// Connects all of them.
+    /// Connects all processes.
     ///
     /// # Errors
     /// [`InProcessError`] names the process that fails.
@@ -39,7 +39,7 @@ impl LocalProcesses {
         self.each(None, |process| process.connect())
     }
 
-    /// Lets all of them build what they need of the map.
+    /// Lets all processes build their data of the map.
     ///
     /// # Errors
     /// [`InProcessError`] names the process that fails.
@@ -47,7 +47,7 @@ impl LocalProcesses {
         self.each(None, |process| process.prepare())
     }
 
-    /// Gives all of them the turn of a tick.
+    /// Steps all processes in a tick.
     ///
     /// # Errors
     /// [`InProcessError`] names the process that fails.
@@ -66,7 +66,7 @@ impl LocalProcesses {
     }
 }
 
-/// The simulator and the processes that follow it.
+/// The simulator and the other processes.
 pub(super) struct LocalRun {
     leader: String,
     simulator: Simulator,
@@ -95,18 +95,18 @@ impl LocalRun {
         connected.map_err(|source| failed(&self.leader, None, source))
     }
 
-    /// Lets all processes build what they need of the map.
+    /// Lets all processes build their data of the map.
     pub(super) fn prepare(&mut self) -> Result<(), InProcessError> {
         self.followers.prepare()
     }
 
-    /// The present tick.
+    /// Returns the current tick.
     pub(super) fn tick(&self) -> u64 {
         self.simulator.tick()
     }
 
-    /// Does the present tick, but for the world's step: state out, the turns of the others, commands
-    /// in. True if the game is over; then the tick is the last, without turns.
+    /// Executes the current tick except the step of the world: publishes the state, steps the processes, and takes
+    /// the commands. Returns `true` if the game is over; this last tick has no steps of processes.
     pub(super) fn turn(&mut self) -> Result<bool, InProcessError> {
         let tick = self.simulator.tick();
         let lead = |source| failed(&self.leader, Some(tick), source);
@@ -144,8 +144,8 @@ fn open_process(launch: &Launch, bus: &Bus) -> Result<LocalProcess, InProcessErr
     Ok(LocalProcess { name, process })
 }
 
-/// The followers in an order in which every process comes after those whose output of the same tick it needs;
-/// otherwise as they stand in the plan.
+/// Sorts the followers so that every process comes after those whose messages of the same tick it needs; otherwise
+/// keeps the order of the plan.
 fn order(followers: &[Launch]) -> Result<Vec<&Launch>, InProcessError> {
     let mut waiting: Vec<&Launch> = followers.iter().collect();
     let mut ordered: Vec<&Launch> = Vec::with_capacity(waiting.len());
@@ -179,7 +179,7 @@ mod tests {
     #[test]
     fn every_process_comes_after_those_it_waits_for() {
         let mut launches = followers("chase");
-        // The worst order: who provides comes last.
+        // The worst order: providers come last.
         launches.sort_by_key(|launch| launch.watched);
         let ordered = order(&launches).unwrap();
         assert_eq!(ordered.len(), launches.len());
@@ -191,7 +191,7 @@ mod tests {
     }
 
     #[test]
-    fn who_waits_for_itself_is_named() {
+    fn a_process_that_waits_for_itself_is_reported() {
         let mut launches = followers("chase");
         let index = launches[0].config.index;
         launches[0].config.upstream = vec![index];

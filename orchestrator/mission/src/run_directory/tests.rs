@@ -40,7 +40,7 @@ fn only_a_lock_that_is_free_or_missing_means_that_a_run_is_abandoned() {
         std::fs::create_dir(&root).unwrap();
         root
     };
-    // A lock that cannot be opened, like one when there are too many open files.
+    // An unreadable lock, as with too many open files.
     let unknown = root("r1");
     std::fs::create_dir(unknown.join(LOCK)).unwrap();
     let free = root("r2");
@@ -64,7 +64,7 @@ fn only_a_lock_that_is_free_or_missing_means_that_a_run_is_abandoned() {
 }
 
 #[test]
-fn runs_are_made_while_others_clean() {
+fn runs_can_be_created_while_others_clean() {
     use std::sync::atomic::{AtomicBool, Ordering};
     let directory = tempfile::tempdir().unwrap();
     let base = directory.path().join("protean");

@@ -1,4 +1,4 @@
-//! The sub-goals of a coverage, and what they would cover.
+//! The sub-goals of a coverage, and the coverage that they achieve.
 
 use ::coverage::goal::{Goal, GoalSource};
 use ::coverage::tour::Tour;
@@ -16,22 +16,22 @@ use super::patrol::kind_name;
 use super::{RouteError, Router};
 use scenario::ResolvedScenario;
 
-/// Distance between two points of the path that are looked at for coverage (m): the robot's step in
-/// the Chebyshev coverage paper.
+/// Distance between the points of the path at which coverage is computed (m): the robot's step in the
+/// Chebyshev coverage paper.
 const STEP: f64 = 0.125;
 
-/// How much of a coverage is planned.
+/// Length of the planned coverage.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Extent {
     /// This many large loops.
     Loops(u32),
     /// This many sub-goals.
     Goals(u64),
-    /// A way of this length (m).
+    /// A path of this length (m).
     Way(f64),
 }
 
-/// Most sub-goals that are planned.
+/// Maximum number of planned sub-goals.
 const MAX_GOALS: u64 = 10_000_000;
 
 /// A planned coverage.
@@ -43,18 +43,18 @@ pub struct Planned {
     pub robot: String,
     /// The workplace and its free rectangles.
     pub site: Site,
-    /// The order in which a large loop visits them; `None` for planners without large loops.
+    /// Order in which a large loop visits them; `None` for planners without large loops.
     pub tour: Option<Tour>,
     /// The sub-goals.
     pub goals: Vec<Goal>,
-    /// What driving to them straight covers; `None` if nothing can be covered.
+    /// Coverage of driving straight to the sub-goals; `None` if no area can be covered.
     pub figures: Option<Figures>,
 }
 
-/// A kind of coverage planner: its name, and how it plans.
+/// A kind of coverage planner: its name, and its planning function.
 type Kind = (&'static str, fn(&Order<'_>) -> Result<Planned, RouteError>);
 
-/// The kinds, as scenarios name them.
+/// Kinds with their names in scenarios.
 const KINDS: [Kind; 5] = [
     ("coverage_chebyshev", chebyshev),
     ("keyed_coverage", any::<Keyed>),
@@ -63,7 +63,7 @@ const KINDS: [Kind; 5] = [
     ("coverage_uniform", any::<Uniform>),
 ];
 
-/// What is to be planned.
+/// Planning task.
 struct Order<'s> {
     scenario: &'s ResolvedScenario,
     router: Router<'s>,
@@ -73,7 +73,7 @@ struct Order<'s> {
 /// Plans the coverage of a scenario.
 ///
 /// # Errors
-/// [`RouteError`].
+/// [`RouteError`] if the scenario has no suitable process, or its planner refuses.
 pub fn plan(
     scenario: &ResolvedScenario,
     process: Option<&str>,
@@ -133,7 +133,7 @@ impl Order<'_> {
         parameters::check(params).map_err(|e| refused(&e))?;
         let follow = D::follow(params);
         let site = self.site(&follow)?;
-        // What the robot's body covers; the margin is for its drive only.
+        // Area that the robot's body covers; the margin is for its drive only.
         let bare = FollowParams {
             margin: 0.0,
             ..follow
@@ -153,7 +153,7 @@ impl Order<'_> {
         })
     }
 
-    /// The sub-goals up to the extent asked for.
+    /// Returns the sub-goals up to the requested extent.
     fn take(
         &self,
         start: Point2<f64>,
@@ -192,7 +192,7 @@ impl Order<'_> {
 }
 
 impl Planned {
-    /// All of it, as JSON.
+    /// Returns the result as JSON.
     pub fn json(&self) -> Json {
         let decomposition = &self.site.decomposition;
         let loss = self.site.workplace.loss();
@@ -236,7 +236,7 @@ impl Planned {
         })
     }
 
-    /// A summary for people.
+    /// Describes the result in text.
     pub fn text(&self) -> String {
         let decomposition = &self.site.decomposition;
         let mut text = format!(
@@ -282,7 +282,7 @@ impl Planned {
             let unreachable = decomposition.unreachable_from(start);
             if unreachable.components > 0 {
                 text += &format!(
-                    "out of reach: {:.3} m2 in {} parts\n",
+                    "unreachable: {:.3} m2 in {} parts\n",
                     unreachable.area, unreachable.components
                 );
             }
@@ -290,7 +290,7 @@ impl Planned {
         text += &format!("sub-goals {}\n", self.goals.len());
         if let Some(f) = &self.figures {
             text += &format!(
-                "covered  {:.4} by the robot's disc, {:.1} m of way\n",
+                "covered  {:.4} by the robot's disc, {:.1} m of path\n",
                 f.disc.share(),
                 f.length
             );

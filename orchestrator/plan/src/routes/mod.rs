@@ -1,5 +1,5 @@
-//! What planners of waypoints would do, without a robot that does it: the laps of a patrol, where it
-//! will be, the sub-goals of a coverage.
+//! Routes that waypoint planners would produce, without a run: the laps of a patrol, its predicted positions, and the
+//! sub-goals of a coverage.
 
 pub mod coverage;
 pub mod patrol;
@@ -9,49 +9,49 @@ use thiserror::Error;
 
 use scenario::{ProcessSpec, ResolvedScenario};
 
-/// Why there is nothing to say of a scenario's routes.
+/// Error of planning the routes of a scenario.
 #[derive(Debug, Error)]
 pub enum RouteError {
-    /// No process of the kinds wanted.
+    /// The scenario has no process of the wanted kinds.
     #[error("{scenario}: no process of kind {wanted}; it has {found}")]
     NoProcess {
         /// Name of the scenario.
         scenario: String,
-        /// The kinds that would do.
+        /// Suitable kinds.
         wanted: String,
-        /// The kinds that there are.
+        /// Kinds in the scenario.
         found: String,
     },
-    /// No process of this name among those that would do.
+    /// No process of a suitable kind has this name.
     #[error("{scenario}: `{name}` is none of its processes of kind {wanted}: {found}")]
     NotNamed {
         /// Name of the scenario.
         scenario: String,
-        /// The name asked for.
+        /// Requested name.
         name: String,
-        /// The kinds that would do.
+        /// Suitable kinds.
         wanted: String,
-        /// The names that there are.
+        /// Names of the suitable processes.
         found: String,
     },
-    /// Several would do.
+    /// Several processes are suitable.
     #[error(
         "{scenario} has several processes of kind {wanted}: name one of {found} with --process"
     )]
     Several {
         /// Name of the scenario.
         scenario: String,
-        /// The kinds that would do.
+        /// Suitable kinds.
         wanted: String,
-        /// Their names.
+        /// Names of the suitable processes.
         found: String,
     },
-    /// The process cannot do what its parameters say.
+    /// The process cannot plan with its parameters.
     #[error("{process}: {reason}")]
     Refused {
         /// Name of the process.
         process: String,
-        /// What does not do, and what would.
+        /// Cause, with the valid values.
         reason: String,
     },
 }
@@ -59,19 +59,19 @@ pub enum RouteError {
 /// A process that plans a route, and the first robot that it drives.
 #[derive(Debug, Clone, Copy)]
 pub struct Router<'s> {
-    /// The process.
+    /// Process of the planner.
     pub process: &'s ProcessSpec,
-    /// Its kind.
+    /// Kind of the process.
     pub kind: &'s str,
-    /// The robot.
+    /// First robot that it drives.
     pub robot: &'s RobotSpec,
 }
 
 impl<'s> Router<'s> {
-    /// The scenario's only process of one of these kinds, or the one of this name.
+    /// Finds the scenario's only process of one of these kinds, or the process with this name.
     ///
     /// # Errors
-    /// [`RouteError`] if there is none, or no telling which.
+    /// [`RouteError`] if there is none, or several without a name.
     pub fn find(
         scenario: &'s ResolvedScenario,
         kinds: &[&str],
@@ -135,12 +135,12 @@ impl<'s> Router<'s> {
         })
     }
 
-    /// The seed that the process gives the planner of this robot.
+    /// Returns the seed that the process gives the planner of this robot.
     fn seed(&self, scenario: &ResolvedScenario) -> u64 {
         planner::planner_seed(scenario.run.seed, self.kind, &self.robot.name)
     }
 
-    /// The parameters of the process.
+    /// Returns the parameters of the process.
     fn params<P: 'static>(&self) -> Result<&'s P, RouteError> {
         let kind = self.process.program.kind();
         let params = kind.and_then(|kind| kind.params());

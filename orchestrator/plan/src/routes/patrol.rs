@@ -1,4 +1,4 @@
-//! The laps of a patrol, and where an ally with the key knows it to be.
+//! The laps of a patrol, and the positions that an ally with the key predicts.
 
 use ::patrol::forecast::{Forecast, Predicted};
 use ::patrol::mission::{Drive, Mission};
@@ -12,10 +12,10 @@ use serde_json::{Value as Json, json};
 use super::{RouteError, Router};
 use scenario::ResolvedScenario;
 
-/// Kinds that patrol along a zig-zag.
+/// Kinds that patrol along a zig-zag path.
 const KINDS: [&str; 1] = ["patrol_awg"];
 
-/// A patrol, everything chosen.
+/// A patrol with all its parameters.
 #[derive(Debug)]
 pub struct Patrol {
     /// Name of its process.
@@ -27,10 +27,10 @@ pub struct Patrol {
 }
 
 impl Patrol {
-    /// The patrol of a scenario; `key` takes the place of its own.
+    /// Creates the patrol of a scenario; `key` replaces its own key.
     ///
     /// # Errors
-    /// [`RouteError`].
+    /// [`RouteError`] if the scenario has no suitable process, or its planner refuses.
     pub fn of(
         scenario: &ResolvedScenario,
         process: Option<&str>,
@@ -56,41 +56,41 @@ impl Patrol {
         })
     }
 
-    /// Width of its zig-zag (m).
+    /// Returns the width of its zig-zag (m).
     pub fn alpha(&self) -> f64 {
         self.mission.awg.params().alpha
     }
 
-    /// Time ordered for a lap (s).
+    /// Returns the maximum time of a lap (s).
     pub fn t_max(&self) -> f64 {
         self.mission.awg.params().t_max
     }
 
-    /// Its key.
+    /// Returns its key.
     pub fn key(&self) -> &Key {
         &self.mission.key
     }
 
-    /// Where it is at a time after it set out (s), by the clock of its waypoints.
+    /// Predicts its position at a time after its start (s), by the schedule of its waypoints.
     ///
     /// # Errors
-    /// [`RouteError::Refused`] for a time that is none or too far ahead.
+    /// [`RouteError::Refused`] for an invalid time or one too far ahead.
     pub fn at(&self, time_s: f64) -> Result<Predicted, RouteError> {
         self.forecast.at_time(time_s).map_err(|e| self.refused(&e))
     }
 
-    /// A waypoint by its number.
+    /// Returns a waypoint by its number.
     ///
     /// # Errors
-    /// [`RouteError::Refused`] for one too far ahead.
+    /// [`RouteError::Refused`] for a number too far ahead.
     pub fn waypoint(&self, number: u64) -> Result<Waypoint, RouteError> {
         self.forecast.waypoint(number).map_err(|e| self.refused(&e))
     }
 
-    /// The first laps, and what they measure.
+    /// Returns the first laps with their metrics.
     ///
     /// # Errors
-    /// [`RouteError::Refused`] if the generator has no such laps.
+    /// [`RouteError::Refused`] if the generator cannot produce these laps.
     pub fn laps(&self, count: u32) -> Result<Laps, RouteError> {
         let start = self.waypoint(0)?;
         let mut waypoints = vec![start];
@@ -100,7 +100,7 @@ impl Patrol {
             let lap = self.forecast.lap(lap).map_err(|e| self.refused(&e))?;
             let mut path = vec![first];
             path.extend(lap.iter().map(|waypoint| waypoint.point));
-            // Laps back along an open contour are measured the way the contour runs.
+            // Return laps along an open contour are measured in the direction of the contour.
             if self.mission.contour.is_reversed_in(paths.len() as u32) {
                 path.reverse();
             }
@@ -118,7 +118,7 @@ impl Patrol {
         }
     }
 
-    /// What it is, as JSON.
+    /// Describes the patrol as JSON.
     pub fn json(&self) -> Json {
         let awg = &self.mission.awg;
         json!({
@@ -138,14 +138,14 @@ impl Patrol {
 /// Laps of a patrol.
 #[derive(Debug)]
 pub struct Laps {
-    /// Their waypoints, the start first.
+    /// Waypoints; the start comes first.
     pub waypoints: Vec<Waypoint>,
-    /// What they measure; `None` without laps.
+    /// Metrics; `None` without laps.
     pub metrics: Option<PathMetrics>,
 }
 
 impl Laps {
-    /// The metrics by the names that the papers have for them.
+    /// Returns the metrics by their names in the papers.
     pub fn metrics_json(&self) -> Json {
         let Some(m) = &self.metrics else {
             return Json::Null;
@@ -169,7 +169,7 @@ impl Laps {
     }
 }
 
-/// A waypoint as JSON.
+/// Writes a waypoint as JSON.
 pub fn waypoint_json(waypoint: &Waypoint) -> Json {
     json!({
         "number": waypoint.number,
@@ -180,7 +180,7 @@ pub fn waypoint_json(waypoint: &Waypoint) -> Json {
     })
 }
 
-/// Name of a kind of waypoints, as in messages.
+/// Returns the name of a kind of waypoints, as in messages.
 pub fn kind_name(kind: WaypointKind) -> &'static str {
     match kind {
         WaypointKind::Route => "route",

@@ -14,7 +14,7 @@ fn scenario(name: &str, set: &[&str]) -> ResolvedScenario {
 
 #[test]
 fn laps_of_the_octagon_are_those_of_the_papers_formulas() {
-    // Public reference values of the preset `default`, with the key of the paper in exact arithmetic.
+    // Published reference values of the preset `default`, with the key of the paper in exact arithmetic.
     let octagon = scenario(
         "patrol_octagon",
         &[
@@ -41,7 +41,7 @@ fn laps_of_the_octagon_are_those_of_the_papers_formulas() {
 }
 
 #[test]
-fn an_ally_with_the_key_knows_what_one_without_it_does_not() {
+fn only_an_ally_with_the_key_predicts_the_path() {
     let octagon = scenario(
         "patrol_octagon",
         &["processes.patrol.params.mission.alpha=1.0"],
@@ -88,7 +88,7 @@ fn the_first_case_of_coverage_has_its_four_rectangles_and_covers_what_the_refere
 }
 
 #[test]
-fn a_coverage_is_planned_as_far_as_asked() {
+fn a_coverage_is_planned_up_to_the_requested_extent() {
     let open = scenario("coverage_open", &[]);
     let goals = plan(&open, Some("cover"), Extent::Goals(17)).unwrap().goals;
     assert_eq!(goals.len(), 17);
@@ -98,7 +98,7 @@ fn a_coverage_is_planned_as_far_as_asked() {
 }
 
 #[test]
-fn refusals_say_which_processes_there_are() {
+fn refusals_list_the_processes() {
     let chase = scenario("chase", &[]);
     let error = Patrol::of(&chase, None, None).unwrap_err().to_string();
     assert!(

@@ -46,7 +46,7 @@ pub fn run(kinds: &[Kind], target: &str, args: &RunArgs) -> ExitCode {
                 print(&run_summary::text(&scenario, &report));
             }
             let lost = report.summary.topics.values().any(|topic| topic.gaps > 0);
-            if report.interrupted || report.has_lost || lost {
+            if report.interrupted || report.has_failures || lost {
                 ExitCode::from(EXIT_PARTIAL)
             } else {
                 ExitCode::SUCCESS

@@ -8,10 +8,10 @@ use ipc_types::stamp::Header as _;
 use ipc_types::topics::{Topic, TopicVisitor, for_each_topic};
 use mcap_log::source::Logged;
 
-/// The subscriber of a topic.
+/// Subscriber of a topic.
 trait Take {
     fn connect(&self) -> Result<(), ReceiveError>;
-    /// Takes the new messages of these processes, with their sequence numbers.
+    /// Receives the new messages of these processes, with their sequence numbers.
     fn take(
         &self,
         of: &BTreeSet<u32>,
@@ -43,7 +43,7 @@ impl<T: Topic> Take for Subscriber<T> {
 
 /// Subscribers of all topics of the simulated history.
 pub(super) struct OutputCapture {
-    /// With the places of their topics in [`ipc_types::topics::NAMES`].
+    /// Subscribers with the indices of their topics in [`ipc_types::topics::NAMES`].
     topics: Vec<(usize, Box<dyn Take>)>,
 }
 
@@ -72,7 +72,7 @@ impl OutputCapture {
             .try_for_each(|(_, topic)| topic.connect())
     }
 
-    /// The new messages of these processes, in the order of their sequence numbers, as of this log time.
+    /// Returns the new messages of these processes, in the order of their sequence numbers, with this log time.
     pub(super) fn take(&self, of: &BTreeSet<u32>, time: u64) -> Result<Vec<Logged>, ReceiveError> {
         let mut taken = Vec::new();
         for (rank, topic) in &self.topics {

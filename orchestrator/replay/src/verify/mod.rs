@@ -1,8 +1,8 @@
-//! Processes of a recorded run, one or several, against what they heard then.
+//! Verification of one or several processes of a recorded run against the messages that they received.
 //!
-//! Everybody who is not under test says in each tick what the log says; those under test take their
-//! turns as in the run: when the world and those they wait for have spoken. What others say of a
-//! tick comes after their turn, because in the run nobody could count on hearing it earlier.
+//! In each tick, this module publishes the logged messages of the processes that are not under test. The processes
+//! under test step as in the run: after the messages of the world and of the processes that they wait for. Other
+//! messages of a tick follow their step, because in the run they were not guaranteed to arrive before it.
 
 mod capture;
 mod processes;
@@ -34,69 +34,69 @@ use mission::plan::Plan;
 use mission::supervisor::Supervisor;
 use scenario::kind::Kind;
 
-/// What is under test, and how.
+/// Options of a verification.
 #[derive(Debug, Clone, Default)]
 pub struct VerifyOptions {
     /// Names of the processes under test.
     pub processes: Vec<String>,
-    /// Changes to the scenario in the log, as `--set` takes them.
+    /// Changes to the scenario in the log, in the form of `--set`.
     pub changes: Vec<String>,
-    /// Up to and with this simulated time (s).
+    /// End of the tested time, included (s).
     pub end_s: Option<f64>,
-    /// Whether in this process.
+    /// `true` to run the processes inside this one.
     pub in_process: bool,
-    /// Whether programs that are not ours may be started.
+    /// `true` if external programs may be started.
     pub allow_external: bool,
-    /// Whether what the processes say on stderr is kept back.
+    /// `true` to hide the stderr of the processes.
     pub quiet: bool,
 }
 
-/// How the processes compare with themselves in the log.
+/// Result of a verification.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct Verified {
-    /// The scenario.
+    /// Name of the scenario.
     pub scenario: String,
     /// The processes under test.
     pub processes: Vec<String>,
-    /// Those that were started too, because what they answer is in no log.
+    /// Processes that were also started, because their answers are not logged.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub helpers: Vec<String>,
-    /// The version that recorded the log, if it is another.
+    /// Version that recorded the log, if it differs from this one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub recorded_by: Option<String>,
-    /// What was changed.
+    /// Changes to the scenario.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub changes: Vec<String>,
-    /// Ticks that were done.
+    /// Number of ticks executed.
     pub ticks: u64,
-    /// Whether every message is the same.
+    /// `true` if every message is identical.
     pub identical: bool,
-    /// Whether the log holds all that was asked for.
+    /// `true` if the log contains all requested ticks.
     pub whole: bool,
-    /// The first of them that failed in the run of the log: only what was said before is compared.
+    /// First process under test that failed in the recorded run; only messages before it are compared.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub left: Option<ProcessExit>,
-    /// What they said, then and now.
+    /// Comparison of the messages of the log and of the test.
     #[serde(flatten)]
     pub comparison: Comparison,
     /// Real time from the first tick to the last (s).
     pub wall_time_s: f64,
-    /// What was wrong with the file.
+    /// Faults of the file.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub faults: Vec<String>,
 }
 
 impl Verified {
-    /// The earliest difference, and its topic.
+    /// Returns the earliest difference and its topic.
     pub fn first(&self) -> Option<(&'static str, &Difference)> {
         self.comparison.first()
     }
 }
 
-/// Runs processes of the run in a log against what they heard, and compares what they say.
+/// Runs processes of a recorded run with the messages that they received, and compares the messages that they send.
 ///
 /// # Errors
-/// [`ReplayError`]: the log cannot be read, the processes cannot be under test against it, or one fails.
+/// [`ReplayError`] if the log is unreadable, the processes cannot be tested with it, or one fails.
 pub fn verify(
     log: &Path,
     kinds: &[Kind],
@@ -115,7 +115,7 @@ pub fn verify(
         &recorded.origin,
         log,
         &options.changes,
-        "a process cannot be given the same once more; `protean replay` without --test plays it",
+        "a process cannot receive the same again; `protean replay` without --test plays it",
         kinds,
     )?;
     let before = to.saturating_add(1).min(recorded.compared_before());

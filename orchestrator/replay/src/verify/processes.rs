@@ -1,4 +1,4 @@
-//! The processes under test: real ones, or members of this process.
+//! The processes under test: separate processes, or members of this process.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -12,13 +12,13 @@ use mission::in_process::LocalProcesses;
 use mission::resources::RunResources;
 use mission::supervisor::Supervisor;
 
-/// Processes that are given turns.
+/// Processes that execute ticks on request.
 pub(super) trait ProcessesUnderTest {
-    /// Connects their ports.
+    /// Lets them connect their ports.
     fn connect(&mut self) -> Result<(), ReplayError>;
-    /// Lets them build what they need of the map, which has been sent.
+    /// Lets them build their data of the map, which has been sent.
     fn prepare(&mut self) -> Result<(), ReplayError>;
-    /// Gives them the turn of a tick and waits until it is done.
+    /// Lets them step in a tick and waits until they have.
     fn turn(&mut self, tick: u64) -> Result<(), ReplayError>;
 }
 
@@ -36,7 +36,7 @@ impl ProcessesUnderTest for LocalProcesses {
     }
 }
 
-/// Processes of their own, whose turns this process posts in place of the simulator.
+/// Separate processes; this process posts the ticks in place of the simulator.
 pub(super) struct Processes<'a> {
     supervisor: Supervisor<'a>,
     leader: BarrierLeader,
@@ -77,7 +77,7 @@ impl ProcessesUnderTest for Processes<'_> {
             match self.leader.wait(tick) {
                 TickEnd::Complete => return Ok(()),
                 TickEnd::Stop => return Err(LogReadError::Interrupted.into()),
-                TickEnd::Idle => self.supervisor.attend()?,
+                TickEnd::Idle => self.supervisor.handle_events()?,
             }
             if self.interrupted.load(Ordering::SeqCst) {
                 return Err(LogReadError::Interrupted.into());
@@ -86,7 +86,7 @@ impl ProcessesUnderTest for Processes<'_> {
     }
 }
 
-/// The error of a step that was interrupted.
+/// Returns the error of an interrupted step.
 fn or_interrupted(done: Result<bool, MissionError>) -> Result<(), ReplayError> {
     if done? {
         Ok(())

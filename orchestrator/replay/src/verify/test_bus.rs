@@ -1,4 +1,4 @@
-//! The turns of the processes under test, tick by tick, and what they say in them.
+//! The steps of the processes under test, tick by tick, and the messages that they send.
 
 use std::time::Instant;
 
@@ -29,7 +29,7 @@ struct Moment {
 }
 
 impl Moment {
-    /// The state of the world, if it is there.
+    /// Returns the state of the world, if the messages contain it.
     fn state(&self) -> Option<WorldHeader> {
         let state = self
             .messages
@@ -50,7 +50,7 @@ pub(super) struct TestBus<'a> {
 }
 
 impl<'a> TestBus<'a> {
-    /// Opens the ports of everybody who is not under test, and of who listens to those who are.
+    /// Opens the publishers of all processes that are not under test, and the subscribers to those under test.
     pub(super) fn open(
         bus: &'a Bus,
         plan: &Plan,
@@ -72,7 +72,7 @@ impl<'a> TestBus<'a> {
         Ok(test_bus)
     }
 
-    /// Opens the port that a sender needs; false if it is not played.
+    /// Opens the port that a sender needs. Returns `false` if its messages are not sent.
     fn open_port(&mut self, rank: usize, sender: u32) -> Result<bool, ReplayError> {
         if self.test_selection.is_silent(sender) || NAMES.get(rank) == Some(&Control::NAME) {
             return Ok(false);
@@ -81,16 +81,16 @@ impl<'a> TestBus<'a> {
         Ok(true)
     }
 
-    fn say(&mut self, message: &Logged) -> Result<(), ReplayError> {
+    fn send(&mut self, message: &Logged) -> Result<(), ReplayError> {
         if !self.open_port(message.rank, message.sender())? {
             return Ok(());
         }
-        // What is no message of its topic nobody could take up then.
+        // An invalid message had no effect in the run either.
         self.publishers.publish(message)?;
         Ok(())
     }
 
-    /// Everything of the next tick.
+    /// Returns all messages of the next tick.
     fn next(&self, source: &mut Source) -> Result<Option<Moment>, ReplayError> {
         let mut messages = Vec::new();
         source.tick(&mut messages)?;
@@ -114,13 +114,13 @@ impl<'a> TestBus<'a> {
         self.capture.connect().map_err(MissionError::from)?;
         let mut comparison = Comparison::of(self.test_selection.senders.clone());
         let mut moment = self.next(source)?;
-        // Everybody builds what it needs of the map before time starts.
+        // All processes build their data of the map before the first tick.
         if let Some(first) = &mut moment {
             for name in [WorldMap::NAME, WorldShapes::NAME] {
                 let mut messages = first.messages.iter();
                 if let Some(at) = messages.position(|m| NAMES.get(m.rank) == Some(&name)) {
                     let message = first.messages.remove(at);
-                    self.say(&message)?;
+                    self.send(&message)?;
                 }
             }
         }
@@ -136,8 +136,8 @@ impl<'a> TestBus<'a> {
                 return Err(LogReadError::NotRepeatable {
                     path: source.path().to_owned(),
                     reason: format!(
-                        "the state of the world at tick {} is not in it: a log that was cut or \
-                         damaged cannot be a test's",
+                        "it does not contain the state of the world at tick {}: a log that was cut or \
+                         damaged is unsuitable for a test",
                         done.ticks
                     ),
                 }
@@ -148,21 +148,21 @@ impl<'a> TestBus<'a> {
             for message in &now.messages {
                 let sender = message.sender();
                 if self.test_selection.before.contains(&sender) {
-                    self.say(message)?;
+                    self.send(message)?;
                 }
             }
             if !over {
                 processes.turn(now.tick)?;
             }
             done.ticks += 1;
-            // The last tick of a log that was cut may lack something.
+            // The last tick of a log that was cut may be incomplete.
             let captured = self.capture.take(&self.test_selection.senders, now.time);
             let captured = captured.map_err(MissionError::from)?;
             comparison.add(&now.messages, &captured, moment.is_none() && !over);
             for message in &now.messages {
                 let sender = message.sender();
                 if !self.test_selection.before.contains(&sender) {
-                    self.say(message)?;
+                    self.send(message)?;
                 }
             }
         }

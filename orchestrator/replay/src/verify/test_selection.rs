@@ -1,4 +1,4 @@
-//! Who is under test, whom they need, and who speaks before them.
+//! Selection of the processes under test, of the processes that they need, and of the senders before their step.
 
 use std::collections::BTreeSet;
 
@@ -11,13 +11,13 @@ use crate::ReplayError;
 use mission::plan::{Launch, Plan, Role};
 use scenario::{OnFailure, Program};
 
-/// Who is under test.
+/// Selection of the processes of a test.
 pub(super) struct TestSelection {
     pub(super) launches: Vec<Launch>,
     pub(super) helpers: Vec<String>,
-    /// Whose words are compared.
+    /// Senders whose messages are compared.
     pub(super) senders: BTreeSet<u32>,
-    /// Who speaks before the turn: the world, and whom they wait for.
+    /// Senders whose messages precede the step: the world, and the processes that those under test wait for.
     pub(super) before: BTreeSet<u32>,
 }
 
@@ -38,7 +38,7 @@ impl TestSelection {
             |launch: &Launch| launch.kind().is_some_and(|kind| kind.needs(Need::Plans));
         let mut helpers = Vec::new();
         if launches.iter().any(needs_plans) {
-            // Requests and answers are in no log.
+            // Requests and answers are not logged.
             for launch in &plan.launches {
                 if launch.makes(Product::Plans) && !senders.contains(&launch.config.index) {
                     helpers.push(launch.config.name.clone());
@@ -51,11 +51,11 @@ impl TestSelection {
             .flat_map(|launch| launch.config.upstream.iter().copied())
             .collect();
         before.extend([0, plan.orchestrator_index()]);
-        // In the order of the run, each once.
+        // In the order of the run, without duplicates.
         launches.sort_by_key(|launch| launch.config.index);
         launches.dedup_by_key(|launch| launch.config.index);
         for launch in &mut launches {
-            // What the others say without it is in no log.
+            // The messages of the others after its failure are not in the log.
             launch.supervision.on_failure = OnFailure::Abort;
         }
         Ok(Self {
@@ -66,14 +66,14 @@ impl TestSelection {
         })
     }
 
-    /// Whose words of the log are not said: theirs, and those of whoever else was started.
+    /// Returns `true` for a sender whose logged messages are not sent, because it is running.
     pub(super) fn is_silent(&self, source: u32) -> bool {
         let mut launches = self.launches.iter();
         launches.any(|launch| launch.config.index == source)
     }
 }
 
-/// Whether the log is of a run with the processes, robots and ticks of this plan.
+/// Checks that the log is from a run with the processes, robots and ticks of this plan.
 fn check_same_parties(plan: &Plan, origin: &Origin) -> Result<(), LogReadError> {
     let processes = plan.launches.iter().map(|l| l.config.name.as_str());
     let processes: Vec<&str> = processes.chain(["orchestrator"]).collect();
@@ -87,15 +87,15 @@ fn check_same_parties(plan: &Plan, origin: &Origin) -> Result<(), LogReadError> 
             && *then != now
         {
             return Err(LogReadError::Argument(format!(
-                "--set: the {key} of the log are {then}, with the changes they are {now}: what is in \
-                 the log is not for them"
+                "--set: the {key} of the log are {then}, with the changes they are {now}: the messages of \
+                 the log do not fit them"
             )));
         }
     }
     Ok(())
 }
 
-/// How a process to test is started.
+/// Returns the launch of a process under test.
 fn launch_of<'p>(
     plan: &'p Plan,
     name: &str,
@@ -120,7 +120,7 @@ fn launch_of<'p>(
     {
         let line = program.command_line();
         return Err(refuse(format!(
-            "it is a program that is not Protean's own; look at it and add --allow-external: {}",
+            "it is an external program; check it and add --allow-external: {}",
             line.unwrap_or_default()
         )));
     }

@@ -1,15 +1,15 @@
-//! Which obstacles stand, as the events go by.
+//! The obstacles present after each event, in the order of the events.
 
 use config::{Code, list_choices, nearest};
 use geometry::map::MapSpec;
 
 use super::{Action, EventSpec, Moment};
 
-/// How the order of events comes about that nobody knows the times of.
-const IN_TURN: &str =
+/// Order of the events of an obstacle whose times are not known in advance.
+const ORDERED: &str =
     "the changes of an obstacle that has a `when` happen in the order of the file";
 
-/// Which obstacles stand, as the events go by.
+/// Obstacles present after the events so far.
 pub(super) struct History {
     known: Vec<Known>,
     next: u32,
@@ -19,12 +19,12 @@ pub(super) struct History {
 struct Known {
     name: String,
     id: u32,
-    stands: bool,
-    /// Latest time of its events so far that happen in turn (s).
+    is_present: bool,
+    /// Latest time of its ordered events so far (s).
     latest_s: f64,
 }
 
-/// Why an event cannot happen.
+/// Reason why an event is impossible.
 pub(super) struct Impossible {
     pub(super) field: &'static str,
     pub(super) code: Code,
@@ -46,7 +46,7 @@ impl History {
             .map(|(i, o)| Known {
                 name: o.name.clone(),
                 id: i as u32,
-                stands: true,
+                is_present: true,
                 latest_s: 0.0,
             })
             .collect();
@@ -56,7 +56,7 @@ impl History {
         }
     }
 
-    /// Takes up the next event: the number of its obstacle.
+    /// Applies the next event and returns the id of its obstacle.
     pub(super) fn apply(&mut self, event: &EventSpec) -> Result<u32, Impossible> {
         let found = self.known.iter_mut().find(|k| k.name == event.obstacle);
         let in_turn_at = match event.moment {
@@ -70,66 +70,66 @@ impl History {
                 self.known.push(Known {
                     name: event.obstacle.clone(),
                     id,
-                    stands: true,
+                    is_present: true,
                     latest_s: in_turn_at.unwrap_or(0.0),
                 });
                 Ok(id)
             }
-            (action, Some(known)) if known.stands != (action == Action::Appear) => {
+            (action, Some(known)) if known.is_present != (action == Action::Appear) => {
                 if let Some(time_s) = in_turn_at {
                     if time_s < known.latest_s {
                         return Err(too_early(event, time_s, known.latest_s));
                     }
                     known.latest_s = time_s;
                 }
-                known.stands = action != Action::Disappear;
+                known.is_present = action != Action::Disappear;
                 Ok(known.id)
             }
             (Action::Appear, Some(_)) => Err(Impossible {
                 field: "obstacle",
                 code: Code::Duplicate,
                 message: format!(
-                    "obstacle `{}` appears {}, but it stands already",
+                    "obstacle `{}` appears {}, but it is present already",
                     event.obstacle,
-                    then(event)
+                    describe_time(event)
                 ),
-                expected: Some("the name of an obstacle that does not stand at that time".into()),
-                help: event.in_turn.then(|| IN_TURN.to_owned()),
+                expected: Some("the name of an obstacle that is not present at that time".into()),
+                help: event.in_turn.then(|| ORDERED.to_owned()),
             }),
             (Action::Disappear | Action::Move, _) => Err(self.missing(event)),
         }
     }
 
-    /// Something shall happen to an obstacle that does not stand.
+    /// Returns the error for an event whose obstacle is not present.
     fn missing(&self, event: &EventSpec) -> Impossible {
         let name = &event.obstacle;
-        // What comes at a time could be gone or not when something comes in turn.
+        // The order of timed events and ordered events is unknown, so that either may be listed.
         let choices: Vec<&str> = self
             .known
             .iter()
-            .filter(|k| k.stands || (event.in_turn && k.name != *name))
+            .filter(|k| k.is_present || (event.in_turn && k.name != *name))
             .map(|k| k.name.as_str())
             .collect();
         let near = nearest(name, choices.iter().copied());
-        let meant = near.map(|near| format!("did you mean `{near}`?"));
-        // A name that has stood before is not misspelt.
-        let has_stood = self.known.iter().any(|k| k.name == *name);
-        let help = match meant {
-            Some(meant) if !(event.in_turn && has_stood) => Some(meant),
-            _ => event.in_turn.then(|| IN_TURN.to_owned()),
+        let suggestion = near.map(|near| format!("did you mean `{near}`?"));
+        // A name that was present before is not a misspelling.
+        let was_present = self.known.iter().any(|k| k.name == *name);
+        let help = match suggestion {
+            Some(suggestion) if !(event.in_turn && was_present) => Some(suggestion),
+            _ => event.in_turn.then(|| ORDERED.to_owned()),
         };
         Impossible {
             field: "obstacle",
             code: Code::UnknownName,
-            message: format!("no obstacle `{name}` stands {}", then(event)),
+            message: format!("no obstacle `{name}` is present {}", describe_time(event)),
             expected: Some(list_choices(&choices)),
             help,
         }
     }
 }
 
-/// When an event happens, in words.
-fn then(event: &EventSpec) -> String {
+/// Describes the time of an event in words.
+fn describe_time(event: &EventSpec) -> String {
     match event.moment {
         Moment::At { time_s } if !event.in_turn => format!("at {time_s} s"),
         _ => "after the events before this one".to_owned(),
@@ -141,10 +141,10 @@ fn too_early(event: &EventSpec, time_s: f64, latest_s: f64) -> Impossible {
         field: "time_s",
         code: Code::Requirement,
         message: format!(
-            "obstacle `{}` changes at {time_s} s, behind a change at {latest_s} s",
+            "obstacle `{}` changes at {time_s} s, after a change at {latest_s} s",
             event.obstacle
         ),
         expected: Some(format!("a time of at least {latest_s} (s)")),
-        help: Some(IN_TURN.to_owned()),
+        help: Some(ORDERED.to_owned()),
     }
 }

@@ -1,4 +1,4 @@
-//! `[[events]]`: obstacles that appear, disappear and move while the game runs.
+//! `[[events]]`: obstacles that appear, disappear and move during a run.
 
 mod history;
 mod moment;
@@ -21,37 +21,37 @@ use super::context::Context;
 use super::robots::Robot;
 use super::spec::MAX_EVENTS;
 
-/// Most corners of a polygon that appears during a run (its message has a fixed size).
+/// Maximum number of corners of a polygon of an event (its message has a fixed size).
 pub const MAX_EVENT_VERTICES: usize = 16;
 
-/// What happens to the obstacle of an event.
+/// Change of the obstacle of an event.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Action {
-    /// It comes to be.
+    /// The obstacle is added.
     Appear,
-    /// It ceases to be.
+    /// The obstacle is removed.
     Disappear,
-    /// It takes another place or shape.
+    /// The obstacle gets another place or shape.
     Move,
 }
 
 /// One change of the obstacles.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct EventSpec {
-    /// When it happens.
+    /// Time or condition of the event.
     #[serde(flatten)]
     pub moment: Moment,
-    /// What happens.
+    /// Change of the obstacle.
     pub action: Action,
     /// Name of the obstacle: one of the map's, or one that appears.
     pub obstacle: String,
-    /// Its number: the map's obstacles have theirs, those that appear get the next ones in the
+    /// Id of the obstacle. Obstacles of the map keep theirs; those that appear get the next ids in the
     /// order of their first appearance.
     #[serde(skip)]
     pub id: u32,
-    /// Whether some event of the same obstacle waits for a robot. Nobody knows beforehand when the
-    /// changes of such an obstacle happen, only in what order.
+    /// `true` if an event of the same obstacle waits for a robot. The times of the obstacle's changes are
+    /// then unknown in advance; only their order is known.
     #[serde(skip)]
     pub in_turn: bool,
     /// Its new shape and place; absent if it disappears.
@@ -60,8 +60,8 @@ pub struct EventSpec {
 }
 
 impl EventSpec {
-    /// The change as the world takes it; `None` if the shape is missing that the action needs
-    /// (no event of a resolved scenario).
+    /// Returns the change for the world; `None` if the shape that the action needs is missing (never in a
+    /// resolved scenario).
     pub fn change(&self) -> Option<ObstacleChange> {
         let id = ObstacleId(self.id);
         Some(match self.action {
@@ -78,10 +78,10 @@ impl EventSpec {
     }
 }
 
-/// Reads all events and checks them against the robots, the map's obstacles and each other;
-/// everything wrong is reported (of the order of events nothing, if there is no map).
+/// Reads all events, checks them against the robots, the map's obstacles and each other, and reports
+/// all problems. Without a map, the order of events is not checked.
 ///
-/// Obstacles whose events all have a time come first, by time; then those with an event that waits
+/// Sorts obstacles whose events all have a time first, by time; then obstacles with an event that waits
 /// for a robot, in the order of the file.
 pub fn resolve(
     ctx: &mut Context<'_>,
@@ -98,7 +98,7 @@ pub fn resolve(
         return Vec::new();
     }
     let mut read: Vec<(EventSpec, FieldPath, Node)> = Vec::with_capacity(blocks.len());
-    // What happens to these is not known.
+    // The changes of these obstacles are unknown.
     let mut unread: BTreeSet<String> = BTreeSet::new();
     for (path, node) in blocks {
         if let Some(event) = read::event(ctx, &node, &path, map, robots) {
@@ -107,7 +107,7 @@ pub fn resolve(
             unread.insert(name.to_owned());
         }
     }
-    // Without the map nobody knows what stands; its own problems are reported.
+    // Without the map, the obstacles are unknown; the problems of the map are reported already.
     let Some(map) = map else { return Vec::new() };
     let waiting: BTreeSet<String> = read
         .iter()
@@ -121,7 +121,7 @@ pub fn resolve(
         Moment::At { time_s } if !event.in_turn => (false, time_s),
         _ => (true, 0.0),
     };
-    // Stable: events of one time happen in the order of the file.
+    // A stable sort keeps events of the same time in the order of the file.
     read.sort_by(|(a, ..), (b, ..)| {
         let (a, b) = (key(a), key(b));
         a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))

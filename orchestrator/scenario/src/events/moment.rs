@@ -1,4 +1,4 @@
-//! When an event happens: at a time, or when a robot has come so far.
+//! Time of an event: a fixed time, or the time at which a robot meets a condition.
 
 use config::{Code, FieldPath, Node, list_choices, nearest};
 use geometry::extent::MAX_COORDINATE;
@@ -12,37 +12,37 @@ use sim_backend::spec::Condition;
 use crate::context::Context;
 use crate::robots::Robot;
 
-/// Latest time and longest delay (s).
+/// Maximum time and delay (s).
 pub(super) const MAX_TIME_S: f64 = 1e9;
 
-/// When an event happens.
+/// Time or condition of an event.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
 pub enum Moment {
-    /// At a time.
+    /// At a fixed time.
     At {
         /// Simulated time (s), ≥ 0.
         time_s: f64,
     },
-    /// When something has become true of a robot.
+    /// Relative to the time at which a robot meets a condition.
     When {
-        /// Of which robot, and what.
+        /// The robot and its condition.
         when: Trigger,
-        /// Simulated time between that and the event (s), ≥ 0.
+        /// Simulated time between the condition and the event (s), ≥ 0.
         #[serde(default)]
         after_s: f64,
     },
 }
 
-/// What an event waits for.
+/// Condition that an event waits for.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Trigger {
     /// Name of the robot.
     pub robot: String,
-    /// Its index among the robots.
+    /// Index of the robot.
     #[serde(skip)]
     pub index: usize,
-    /// What must become true of it.
+    /// Condition that the robot must meet.
     #[serde(flatten)]
     pub condition: Condition,
 }
@@ -53,16 +53,16 @@ pub struct Trigger {
 pub(crate) struct WhenBlock {
     /// Name of the robot.
     robot: String,
-    /// Way that its centre has covered, as `distance` in `world/state` counts it.
+    /// Distance that its centre has travelled, as `distance` in `world/state` counts it.
     #[serde(default)]
     #[schemars(transform = at_least(0).at_most(MAX_COORDINATE).unit("m"))]
     travelled: Option<f64>,
-    /// Share of the straight distance from its start to the centre of its goal by which it has come
-    /// nearer. Only for a robot with a `goal`.
+    /// Share of the straight distance from its start to the centre of its goal that it has covered. Only
+    /// for a robot with a `goal`.
     #[serde(default)]
     #[schemars(transform = between(0, 1))]
     progress: Option<f64>,
-    /// Largest distance of its centre from the point `of`; some place of the map must be as near.
+    /// Maximum distance of its centre from the point `of`; some place of the map must be as near.
     #[serde(default)]
     #[schemars(transform = above(0).at_most(MAX_COORDINATE).unit("m"))]
     within: Option<f64>,
@@ -72,7 +72,7 @@ pub(crate) struct WhenBlock {
     of: Option<[f64; 2]>,
 }
 
-/// The moment that an event's keys name; everything wrong is reported.
+/// Returns the time or condition that an event's keys state; reports all problems.
 pub(super) fn resolve(
     ctx: &mut Context<'_>,
     node: &Node,
@@ -81,22 +81,22 @@ pub(super) fn resolve(
     map: Option<&MapSpec>,
     robots: Option<&[Robot]>,
 ) -> Option<Moment> {
-    let mut say = EventProblems { ctx, node, path };
+    let mut problems = EventProblems { ctx, node, path };
     match (time_s, when) {
         (Some(time_s), None) => {
             if after_s.is_some() {
                 let message = "`after_s` delays an event with `when`, not one with `time_s`";
-                return say.no("after_s", Code::Requirement, message, "a later `time_s`");
+                return problems.report("after_s", Code::Requirement, message, "a later `time_s`");
             }
             Some(Moment::At { time_s })
         }
         (None, Some(block)) => {
             let after_s = after_s.unwrap_or(0.0);
-            let condition = block.condition(&mut say);
-            let index = say.robot(&block.robot, robots);
+            let condition = block.condition(&mut problems);
+            let index = problems.robot(&block.robot, robots);
             let condition = condition?;
             let robot = robots?.get(index?)?;
-            say.possible(&condition, robot, map)?;
+            problems.check_possible(&condition, robot, map)?;
             let when = Trigger {
                 robot: block.robot,
                 index: index?,
@@ -106,19 +106,19 @@ pub(super) fn resolve(
         }
         (Some(_), Some(_)) => {
             let message = "an event with both `time_s` and `when`";
-            say.no("when", Code::Requirement, message, "one of them")
+            problems.report("when", Code::Requirement, message, "one of them")
         }
         (None, None) => {
-            let message = "neither `time_s` nor `when` says when the event happens";
+            let message = "neither `time_s` nor `when` defines the time of the event";
             let expected = "time_s = 10.0 (s), or when = { robot = \"…\", travelled = 1.5 } (m)";
-            say.no("time_s", Code::MissingKey, message, expected)
+            problems.report("time_s", Code::MissingKey, message, expected)
         }
     }
 }
 
 impl WhenBlock {
-    /// The one condition that is written.
-    fn condition(&self, say: &mut EventProblems<'_, '_>) -> Option<Condition> {
+    /// Returns the one condition that is written.
+    fn condition(&self, problems: &mut EventProblems<'_, '_>) -> Option<Condition> {
         const ONE: &str =
             "`travelled` (m), `progress` (0 to 1), or `within` (m) together with `of`";
         let Self {
@@ -139,12 +139,12 @@ impl WhenBlock {
             let message = format!("`when` has two conditions, `{first}` and `{second}`");
             let field = format!("when.{second}");
             let expected = format!("one of {ONE}");
-            return say.no(&field, Code::Requirement, &message, &expected);
+            return problems.report(&field, Code::Requirement, &message, &expected);
         }
         if of.is_some() && within.is_none() {
             let expected = "within = 0.8 (m) beside it";
             let message = "`of` is the point that a robot comes `within` a distance of";
-            return say.no("when.of", Code::Requirement, message, expected);
+            return problems.report("when.of", Code::Requirement, message, expected);
         }
         let condition = if let Some(travelled) = travelled {
             Condition::Travelled { travelled }
@@ -154,17 +154,17 @@ impl WhenBlock {
             let Some(of) = of else {
                 let message = "missing key `of`";
                 let expected = "of = [x, y], the point that the robot comes near (m)";
-                return say.no("when.of", Code::MissingKey, message, expected);
+                return problems.report("when.of", Code::MissingKey, message, expected);
             };
             Condition::Within { within, of }
         } else {
-            return say.no("when", Code::MissingKey, "`when` has no condition", ONE);
+            return problems.report("when", Code::MissingKey, "`when` has no condition", ONE);
         };
         Some(condition)
     }
 }
 
-/// Where to say what is wrong with one event.
+/// Reporter of the problems of one event.
 struct EventProblems<'a, 'c> {
     ctx: &'a mut Context<'c>,
     node: &'a Node,
@@ -172,8 +172,8 @@ struct EventProblems<'a, 'c> {
 }
 
 impl EventProblems<'_, '_> {
-    /// Reports a problem; there is no result then.
-    fn no<T>(&mut self, field: &str, code: Code, message: &str, expected: &str) -> Option<T> {
+    /// Reports a problem and returns `None`.
+    fn report<T>(&mut self, field: &str, code: Code, message: &str, expected: &str) -> Option<T> {
         let problem = self
             .ctx
             .problem(self.node, self.path, field, code, message)
@@ -182,7 +182,7 @@ impl EventProblems<'_, '_> {
         None
     }
 
-    /// The index of a robot; nothing is reported of robots that are wrong themselves.
+    /// Returns the index of a robot; reports nothing about robots that have errors themselves.
     fn robot(&mut self, name: &str, robots: Option<&[Robot]>) -> Option<usize> {
         let robots = robots?;
         let found = robots.iter().position(|r| r.spec.name == name);
@@ -206,8 +206,8 @@ impl EventProblems<'_, '_> {
         found
     }
 
-    /// Checks that the condition can become true of the robot at all.
-    fn possible(
+    /// Checks that the robot can meet the condition.
+    fn check_possible(
         &mut self,
         condition: &Condition,
         robot: &Robot,
@@ -220,12 +220,12 @@ impl EventProblems<'_, '_> {
                 let Some(goal) = &robot.spec.goal else {
                     let message = format!("robot `{name}` has no goal to make progress to");
                     let expected = "a robot with a `goal`, or `travelled` or `within` instead";
-                    return self.no("when.progress", Code::Requirement, &message, expected);
+                    return self.report("when.progress", Code::Requirement, &message, expected);
                 };
                 if goal.center() == robot.spec.start.position() {
                     let message = format!("robot `{name}` starts at the centre of its goal");
-                    let expected = "a robot with some way to go";
-                    return self.no("when.progress", Code::Geometry, &message, expected);
+                    let expected = "a robot with a distance between its start and its goal";
+                    return self.report("when.progress", Code::Geometry, &message, expected);
                 }
                 Some(())
             }
@@ -243,7 +243,7 @@ impl EventProblems<'_, '_> {
                         "a point in or near x = {} to {}, y = {} to {} (m)",
                         min[0], max[0], min[1], max[1]
                     );
-                    self.no("when.of", Code::Geometry, &message, &expected)
+                    self.report("when.of", Code::Geometry, &message, &expected)
                 }
                 None => Some(()),
             },
@@ -251,7 +251,7 @@ impl EventProblems<'_, '_> {
     }
 }
 
-/// Smallest and largest x and y of a map (m), if it is written out.
+/// Returns the smallest and largest x and y of a map (m), if it is written out.
 fn bounds(map: &MapSpec) -> Option<[[f64; 2]; 2]> {
     match map {
         MapSpec::Vector(map) => Some([map.bounds.min, map.bounds.max]),

@@ -1,4 +1,4 @@
-//! One `[[events]]` block by itself.
+//! Reading one `[[events]]` block.
 
 use config::{Code, FieldPath, Node};
 use geometry::map::MapSpec;
@@ -17,18 +17,18 @@ use crate::world::shape_problem;
 #[derive(Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct EventBlock {
-    /// Simulated time of the event: it happens at the first tick at or after it. This or `when`.
+    /// Simulated time of the event, which happens at the first tick at or after it. This or `when`.
     #[serde(default)]
     #[schemars(transform = between(0.0, MAX_TIME_S).unit("s"))]
     time_s: Option<f64>,
-    /// What a robot must have done for the event to happen.
+    /// Condition of a robot that triggers the event.
     #[serde(default)]
     when: Option<WhenBlock>,
-    /// With `when`: simulated time from then to the event; 0 if absent.
+    /// With `when`: simulated time from the condition to the event; 0 if absent.
     #[serde(default)]
     #[schemars(transform = between(0.0, MAX_TIME_S).unit("s"))]
     after_s: Option<f64>,
-    /// What happens to the obstacle.
+    /// Change of the obstacle.
     action: Action,
     /// Name of the obstacle: one of the map's, or one that appears.
     obstacle: String,
@@ -40,7 +40,7 @@ pub(crate) struct EventBlock {
 
 impl Parameters for EventBlock {}
 
-/// Reads one event; everything wrong with it is reported.
+/// Reads one event and reports everything wrong with it.
 pub(super) fn event(
     ctx: &mut Context<'_>,
     node: &Node,
@@ -59,7 +59,7 @@ pub(super) fn event(
         shape,
     } = block;
     let moment = moment::resolve(ctx, node, path, (time_s, when, after_s), map, robots);
-    let mut complain = |ctx: &mut Context<'_>, field: &str, code, message: &str, expected: &str| {
+    let mut report = |ctx: &mut Context<'_>, field: &str, code, message: &str, expected: &str| {
         let problem = ctx
             .problem(node, path, field, code, message)
             .expected(expected);
@@ -67,7 +67,7 @@ pub(super) fn event(
         fine = false;
     };
     if obstacle.is_empty() {
-        complain(
+        report(
             ctx,
             "obstacle",
             Code::OutOfRange,
@@ -78,12 +78,12 @@ pub(super) fn event(
     match (action, &shape) {
         (Action::Disappear, Some(_)) => {
             let message = "an obstacle that disappears has no shape";
-            complain(ctx, "shape", Code::Requirement, message, "no `shape`");
+            report(ctx, "shape", Code::Requirement, message, "no `shape`");
         }
         (Action::Appear | Action::Move, None) => {
             let expected =
                 "shape = { circle = { … } }, { rectangle = { … } } or { polygon = { … } }";
-            complain(
+            report(
                 ctx,
                 "shape",
                 Code::MissingKey,
@@ -94,7 +94,7 @@ pub(super) fn event(
         (_, Some(Shape::Polygon { vertices })) if vertices.len() > MAX_EVENT_VERTICES => {
             let expected = format!("at most {MAX_EVENT_VERTICES} vertices");
             let message = "too many vertices for an obstacle of an event";
-            complain(
+            report(
                 ctx,
                 "shape.polygon.vertices",
                 Code::Limit,

@@ -1,4 +1,4 @@
-//! `--set` and what it does.
+//! `--set` and its effects.
 
 use config::parse_document;
 use proptest::prelude::*;
@@ -97,7 +97,7 @@ fn the_place_is_the_same_however_an_element_is_named() {
 }
 
 #[test]
-fn what_is_written_can_be_looked_up() {
+fn values_are_found_by_key() {
     let (node, _) = tree();
     let found = |key: &str| find(&node, key).map(Node::render_short);
     assert_eq!(found("robots.police_1.start.y").as_deref(), Some("2"));
@@ -130,7 +130,7 @@ fn bare_words_are_text_and_everything_else_is_toml() {
 }
 
 #[test]
-fn what_cannot_be_set_is_named() {
+fn invalid_overrides_are_reported() {
     for (argument, wants) in [
         (
             "run.seed",

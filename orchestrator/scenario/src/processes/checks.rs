@@ -1,4 +1,4 @@
-//! Whether the processes fit each other and the robots.
+//! Checks that the processes fit each other and the robots.
 
 use config::Code;
 use runtime::kind::{Need, Product};
@@ -7,15 +7,15 @@ use super::read::Read;
 use crate::context::Context;
 use crate::robots::Robot;
 
-/// Names that the run itself uses.
+/// Names of the run's own processes.
 const RESERVED: [&str; 3] = ["simulator", "orchestrator", "recorder"];
 
-/// Every process has a name of its own.
+/// Checks that every process has a unique name.
 pub fn check_names(ctx: &mut Context<'_>, read: &[Read]) {
     for (i, r) in read.iter().enumerate() {
         let name = &r.spec.name;
         if RESERVED.contains(&name.as_str()) {
-            let message = format!("`{name}` is a name of the run's own");
+            let message = format!("`{name}` is reserved");
             let problem = ctx
                 .block_problem(r.origin, &r.path.then("name"), Code::Duplicate, message)
                 .expected("another name");
@@ -24,13 +24,13 @@ pub fn check_names(ctx: &mut Context<'_>, read: &[Read]) {
             let message = format!("two processes are called `{name}`");
             let problem = ctx
                 .block_problem(r.origin, &r.path.then("name"), Code::Duplicate, message)
-                .expected("a name of its own for every process (`name = \"…\"`)");
+                .expected("a unique name for every process (`name = \"…\"`)");
             ctx.problems.push(problem);
         }
     }
 }
 
-/// Every robot is driven by exactly one process.
+/// Checks that exactly one process drives every robot.
 pub fn check_drivers(ctx: &mut Context<'_>, read: &[Read], robots: &[Robot]) {
     for (i, robot) in robots.iter().enumerate() {
         let name = &robot.spec.name;
@@ -64,15 +64,15 @@ pub fn check_drivers(ctx: &mut Context<'_>, read: &[Read], robots: &[Robot]) {
     }
 }
 
-/// Something that one process makes for others.
+/// A product that one process makes for others.
 struct Provision {
     need: Need,
-    /// What provides it.
+    /// Kind of the product.
     product: Product,
-    /// Two processes …
+    /// End of the message "two processes …".
     both: &'static str,
-    /// A process …, but no process provides them.
-    goes_by: &'static str,
+    /// Part of the message "process … …, but no process provides them".
+    uses: &'static str,
 }
 
 const PROVISIONS: [Provision; 2] = [
@@ -80,17 +80,17 @@ const PROVISIONS: [Provision; 2] = [
         need: Need::Belief,
         product: Product::Beliefs,
         both: "publish beliefs",
-        goes_by: "goes by beliefs",
+        uses: "uses beliefs",
     },
     Provision {
         need: Need::Plans,
         product: Product::Plans,
         both: "make plans",
-        goes_by: "asks for plans",
+        uses: "asks for plans",
     },
 ];
 
-/// What a process needs is there.
+/// Checks that the needs of every process are met.
 pub fn check_needs(ctx: &mut Context<'_>, read: &[Read], robots: &[Robot]) {
     for provision in &PROVISIONS {
         check_provision(ctx, read, provision);
@@ -99,7 +99,7 @@ pub fn check_needs(ctx: &mut Context<'_>, read: &[Read], robots: &[Robot]) {
     check_robots(ctx, read, robots, &GOAL);
 }
 
-/// What is needed of other processes is made, and by one only.
+/// Checks that one process at most makes each product, and that every needed product has one.
 fn check_provision(ctx: &mut Context<'_>, read: &[Read], provision: &Provision) {
     let providers: Vec<&Read> = read
         .iter()
@@ -124,7 +124,7 @@ fn check_provision(ctx: &mut Context<'_>, read: &[Read], provision: &Provision) 
         if r.spec.needs(provision.need) {
             let message = format!(
                 "process `{}` {}, but no process provides them",
-                r.spec.name, provision.goes_by
+                r.spec.name, provision.uses
             );
             let problem = ctx
                 .block_problem(r.origin, &r.path, Code::Requirement, message)
@@ -134,13 +134,13 @@ fn check_provision(ctx: &mut Context<'_>, read: &[Read], provision: &Provision) 
     }
 }
 
-/// Something that robots must have for who drives them.
+/// Equipment of a robot that the process driving it needs.
 struct Equipment {
     need: Need,
-    /// The key of the robot that gives it.
+    /// Key of the robot that adds it.
     key: &'static str,
     is_there: fn(&Robot) -> bool,
-    /// Robot … has no range scanner, but process … steers by it.
+    /// Parts of the message "robot … has no range scanner, but process … steers by it".
     lacks: [&'static str; 2],
     expected: &'static str,
     help: &'static str,
@@ -164,7 +164,7 @@ const GOAL: Equipment = Equipment {
     help: "goal = { circle = { center = [x, y], radius = 0.1 } }",
 };
 
-/// Whoever needs a piece of equipment drives robots that have it.
+/// Checks that a process that needs equipment drives robots that have it.
 fn check_robots(ctx: &mut Context<'_>, read: &[Read], robots: &[Robot], equipment: &Equipment) {
     let [thing, use_of_it] = equipment.lacks;
     for r in read {

@@ -1,4 +1,4 @@
-//! `[[processes]]`: who runs, and who drives which robot.
+//! `[[processes]]`: the processes of a run and the robots that each drives.
 
 mod checks;
 mod read;
@@ -15,8 +15,8 @@ use super::spec::{MAX_PROCESSES, RunSpec};
 use checks::{check_drivers, check_names, check_needs};
 use read::Read;
 
-/// Reads all processes, checks that every robot is driven by exactly one, and that it can do on this
-/// map what its process is told to; everything wrong is reported.
+/// Reads all processes, checks that every robot is driven by exactly one, and that each process can do
+/// its task on this map. Reports all problems.
 pub fn resolve(
     ctx: &mut Context<'_>,
     robots: Option<&[Robot]>,
@@ -37,7 +37,7 @@ pub fn resolve(
         ctx.problems.push(problem);
     }
     check_names(ctx, &read);
-    // A process that could not be read might have driven the robots that now seem idle.
+    // A process that is unreadable may drive the robots without a driver.
     if ctx.problems.len() == before
         && let Some(robots) = robots
     {
@@ -47,7 +47,7 @@ pub fn resolve(
             tasks::check(ctx, map, robots, &read, run.seed);
         }
     }
-    // Those that others wait for come first; otherwise the order of the file.
+    // Processes that others wait for come first; otherwise the order of the file holds.
     read.sort_by_key(|r| !r.spec.makes(Product::Beliefs));
     read.into_iter().map(|r| r.spec).collect()
 }

@@ -1,4 +1,4 @@
-//! One `[[processes]]` block by itself.
+//! Reading one `[[processes]]` block.
 
 use config::{Code, FieldPath, Node, Origin, Step, describe, suggest};
 use sim_backend::team::Team;
@@ -10,17 +10,17 @@ use crate::resolved::{ProcessSpec, Program};
 use crate::robots::{Robot, check_name};
 use crate::spec::{Grouping, ProcessBlock, RunSpec};
 
-/// A process as read, with its place for complaints.
+/// A process as read, with its place for error messages.
 pub struct Read {
     /// The process.
     pub spec: ProcessSpec,
-    /// Where its block is written.
+    /// Position of its block in the text.
     pub origin: Origin,
     /// The path of its block.
     pub path: FieldPath,
 }
 
-/// Reads the processes of a block, one or one for each robot; everything wrong is reported.
+/// Reads the processes of a block, one or one for each robot, and reports all problems.
 pub fn block(
     ctx: &mut Context<'_>,
     node: &Node,
@@ -48,7 +48,7 @@ pub fn block(
             (Program::Kind(configured), Some(kind))
         }
         Named::Command(words) => {
-            // The user's own program reads its parameters.
+            // The external program interprets its parameters.
             let Some(params) = params_of(ctx, node, path) else {
                 return;
             };
@@ -91,7 +91,7 @@ pub fn block(
     }
 }
 
-/// What a block says is executed.
+/// Program that a block names.
 enum Named<'k> {
     Kind(&'k Kind),
     Command(Vec<String>),
@@ -148,7 +148,9 @@ fn read_program<'k>(
                 Code::Requirement,
                 "both `kind` and `command`",
             )
-            .expected("one of them: `kind` for a process of ours, `command` for one of yours"),
+            .expected(
+                "one of them: `kind` for a built-in process, `command` for an external program",
+            ),
         (None, None) => ctx
             .block_problem(
                 node.origin,
@@ -156,13 +158,15 @@ fn read_program<'k>(
                 Code::MissingKey,
                 "a process without `kind`",
             )
-            .expected("kind = \"…\" for a process of ours, or command = [\"…\"] for one of yours"),
+            .expected(
+                "kind = \"…\" for a built-in process, or command = [\"…\"] for an external program",
+            ),
     };
     ctx.problems.push(problem);
     None
 }
 
-/// The table of parameters of a block; an absent one is empty.
+/// Returns the table of parameters of a block; an absent table is empty.
 fn params_of(ctx: &mut Context<'_>, node: &Node, path: &FieldPath) -> Option<Node> {
     let path = path.then("params");
     let empty = Node::empty_table(node.origin);
@@ -190,7 +194,7 @@ fn read_params(
     match kind.read(params) {
         Ok(configured) => return Some(configured),
         Err(ParamsProblem::Read(_)) => {
-            // Reported in full, one by one, by leaving out what is wrong and trying again.
+            // Every fault is found by leaving out the faulty key and reading again.
             let mut left = params.clone();
             report_all(ctx, kind, &mut left, &path);
         }
@@ -207,7 +211,7 @@ fn read_params(
     None
 }
 
-/// The parameters with `preset = "…"` replaced by what it stands for, under the other keys.
+/// Returns the parameters with `preset = "…"` replaced by its values; other keys take precedence.
 fn apply_preset(
     ctx: &mut Context<'_>,
     params: &Node,
@@ -235,7 +239,7 @@ fn apply_preset(
     Some(merged)
 }
 
-/// Reports every key of `params` that its kind cannot read.
+/// Reports every key of `params` that the kind cannot read.
 fn report_all(ctx: &mut Context<'_>, kind: &Kind, left: &mut Node, path: &FieldPath) {
     while let Err(ParamsProblem::Read(error)) = kind.read(left) {
         let problem = describe(&ctx.sources, &error, path);
@@ -249,7 +253,7 @@ fn report_all(ctx: &mut Context<'_>, kind: &Kind, left: &mut Node, path: &FieldP
     }
 }
 
-/// The indices of the robots that a block drives.
+/// Returns the indices of the robots that a block drives.
 fn read_robots(
     ctx: &mut Context<'_>,
     node: &Node,
@@ -323,7 +327,7 @@ fn named_robots(
         let field = format!("robots[{i}]");
         match robots.iter().position(|r| r.spec.name == *name) {
             Some(index) if driven.contains(&index) => {
-                let message = format!("robot `{name}` stands twice in the list");
+                let message = format!("robot `{name}` occurs twice in the list");
                 let problem = ctx.problem(node, path, &field, Code::Duplicate, message);
                 ctx.problems.push(problem);
                 fine = false;

@@ -1,5 +1,5 @@
-//! Whether processes can do what they are told, with these robots on this map: what neither of the
-//! three shows by itself, and what would otherwise only be seen when the run starts.
+//! Checks that each process can do its task with its robots on this map. Only the combination of the three
+//! shows these faults, which would otherwise appear when the run starts.
 
 use config::{Code, FieldPath, Step};
 use geometry::map::{MapSpec, WorldMap};
@@ -9,9 +9,9 @@ use super::read::Read;
 use crate::context::Context;
 use crate::robots::Robot;
 
-/// Reports what does not fit, the first thing of every process.
+/// Reports the first mismatch of every process.
 pub fn check(ctx: &mut Context<'_>, map: &MapSpec, robots: &[Robot], read: &[Read], seed: u64) {
-    // A map that cannot be made is reported with the robots' places.
+    // An invalid map is reported with the robots' places.
     let Ok(world_map) = WorldMap::recent(map) else {
         return;
     };

@@ -1,4 +1,4 @@
-//! Mistakes in events that wait for robots.
+//! Errors of events that wait for robots.
 
 use super::*;
 
@@ -8,7 +8,7 @@ fn refused_when(lines: &str, wants: &[&str]) {
     refused("time_s = 5.0", lines, wants);
 }
 
-/// What the small scenario with these events behind its own says.
+/// Returns the errors of the small scenario with these events appended.
 #[track_caller]
 fn refused_with(events: &str, wants: &[&str]) {
     let text = format!("{GOOD}{events}");
@@ -26,7 +26,7 @@ fn gate(moment: &str, action: &str) -> String {
 const LATER: &str = "when = { robot = \"cop\", travelled = 1.0 }";
 
 #[test]
-fn an_event_has_one_moment() {
+fn an_event_has_one_time_or_condition() {
     refused_when(
         "",
         &[
@@ -66,7 +66,7 @@ fn an_event_has_one_moment() {
 }
 
 #[test]
-fn a_condition_is_about_a_robot_that_there_is() {
+fn a_condition_needs_an_existing_robot() {
     refused_when(
         "when = { travelled = 1.0 }",
         &["missing key `robot`", "(events[0].when.robot)"],
@@ -167,7 +167,7 @@ fn the_values_of_conditions_are_checked() {
 }
 
 #[test]
-fn progress_needs_a_goal_and_a_way_to_it() {
+fn progress_needs_a_goal_away_from_the_start() {
     let progress = "when = { robot = \"cop\", progress = 0.36 }";
     refused_when(
         progress,
@@ -202,11 +202,11 @@ fn progress_needs_a_goal_and_a_way_to_it() {
 }
 
 #[test]
-fn what_waits_for_a_robot_must_follow_from_the_events_before_it() {
+fn an_ordered_event_must_fit_the_events_before_it() {
     refused_with(
         &gate(LATER, "disappear"),
         &[
-            "no obstacle `gate` stands after the events before this one",
+            "no obstacle `gate` is present after the events before this one",
             "small.toml:47:12 (events[2].obstacle)",
             "`wall` or `block`",
             "happen in the order of the file",
@@ -214,22 +214,22 @@ fn what_waits_for_a_robot_must_follow_from_the_events_before_it() {
     );
     refused_with(
         &gate(LATER, "move").replace("\"gate\"", "\"wal\""),
-        &["no obstacle `wal` stands", "did you mean `wall`?"],
+        &["no obstacle `wal` is present", "did you mean `wall`?"],
     );
     let twice = gate(LATER, "appear").repeat(2);
     refused_with(
         &twice,
         &[
-            "obstacle `gate` appears after the events before this one, but it stands already",
+            "obstacle `gate` appears after the events before this one, but it is present already",
             "(events[3].obstacle)",
         ],
     );
-    // At a time, but of an obstacle that waits: in the order of the file.
+    // At a fixed time, but of an obstacle that waits: the order of the file holds.
     let behind = gate("time_s = 9.0", "disappear") + &gate(LATER, "appear");
     refused_with(
         &behind,
         &[
-            "no obstacle `gate` stands after the events before this one",
+            "no obstacle `gate` is present after the events before this one",
             "(events[2].obstacle)",
             "in the order of the file",
         ],
@@ -240,7 +240,7 @@ fn what_waits_for_a_robot_must_follow_from_the_events_before_it() {
     refused_with(
         &back,
         &[
-            "obstacle `gate` changes at 0 s, behind a change at 9 s",
+            "obstacle `gate` changes at 0 s, after a change at 9 s",
             "(events[4].time_s)",
             "a time of at least 9 (s)",
         ],
@@ -253,10 +253,10 @@ fn what_waits_for_a_robot_must_follow_from_the_events_before_it() {
 }
 
 #[test]
-fn one_mistake_is_not_reported_as_two() {
-    let broken = gate("when = { robot = \"nobody\", travelled = 1.0 }", "appear")
+fn an_error_is_reported_once() {
+    let broken = gate("when = { robot = \"absent\", travelled = 1.0 }", "appear")
         + &gate("time_s = 9.0", "disappear");
     let error = load(&format!("{GOOD}{broken}")).unwrap_err();
-    contains(&error, &["no robot is called `nobody`"]);
+    contains(&error, &["no robot is called `absent`"]);
     assert!(!error.contains("no obstacle `gate`"), "{error}");
 }

@@ -1,9 +1,9 @@
-//! Every mistake is answered with its file, line, field, value and what was expected.
+//! Every error contains file, line, field, value and expected value.
 
 use super::*;
 
 #[test]
-fn a_broken_line_shows_itself() {
+fn a_syntax_error_contains_its_line() {
     refused(
         "seed = 5",
         "seed = ",
@@ -153,7 +153,7 @@ fn numbers_out_of_range_are_refused_with_their_limits() {
 }
 
 #[test]
-fn robots_must_be_there_once_each_and_have_what_they_need() {
+fn robots_have_unique_names_and_required_keys() {
     let without = &GOOD[..GOOD.find("[[robots]]").unwrap()];
     contains(
         &load(without).unwrap_err(),
@@ -217,7 +217,7 @@ fn robots_must_be_there_once_each_and_have_what_they_need() {
 }
 
 #[test]
-fn robots_must_stand_free_and_apart() {
+fn robots_start_in_free_space_and_apart() {
     refused(
         "x = -3.0, y = 0.0",
         "x = 0.0, y = 0.5",
@@ -258,7 +258,7 @@ fn robots_must_stand_free_and_apart() {
     contains(
         &load(&tight).unwrap_err(),
         &[
-            "robot `thief` stood free in none of 200 drawn starts",
+            "robot `thief` has no free start in 200 draws",
             "(robots.thief.start_jitter)",
         ],
     );

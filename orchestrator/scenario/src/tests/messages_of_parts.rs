@@ -1,4 +1,4 @@
-//! Mistakes between the parts of a scenario: processes, events, maps, overrides.
+//! Errors between the parts of a scenario: processes, events, maps, overrides.
 
 use super::*;
 
@@ -37,7 +37,7 @@ fn process_kinds_are_known_or_the_nearest_is_suggested() {
     refused(
         "kind = \"perception\"",
         "kind = \"perception\"\nname = \"simulator\"",
-        &["`simulator` is a name of the run's own"],
+        &["`simulator` is reserved"],
     );
     refused(
         "kind = \"perception\"",
@@ -57,7 +57,7 @@ fn process_kinds_are_known_or_the_nearest_is_suggested() {
 }
 
 #[test]
-fn what_becomes_of_a_failure_must_fit_the_run() {
+fn the_reaction_to_a_failure_must_fit_the_mode() {
     let pursuer = |keys: &str| format!("kind = \"pursuer\"\n{keys}");
     for (keys, words) in [
         (
@@ -98,7 +98,7 @@ fn every_robot_is_driven_by_exactly_one_process() {
     refused(
         "robots = [\"cop\"]",
         "robots = [\"cop\", \"cop\"]",
-        &["robot `cop` stands twice"],
+        &["robot `cop` occurs twice"],
     );
     refused(
         "[[processes]]\nkind = \"pursuer\"\nrobots = [\"cop\"]\n",
@@ -132,13 +132,13 @@ fn every_robot_is_driven_by_exactly_one_process() {
 }
 
 #[test]
-fn what_a_process_needs_must_be_there() {
+fn the_needs_of_a_process_must_be_met() {
     let block = "[[processes]]\nkind = \"perception\"\nparams = { particles = 200 }\n";
     refused(
         block,
         "",
         &[
-            "process `pursuer` goes by beliefs, but no process provides them",
+            "process `pursuer` uses beliefs, but no process provides them",
             "kind = \"perception\"",
         ],
     );
@@ -185,7 +185,7 @@ fn events_must_be_possible() {
         "obstacle = \"wall\"",
         "obstacle = \"wal\"",
         &[
-            "no obstacle `wal` stands at 5 s",
+            "no obstacle `wal` is present at 5 s",
             "(events[0].obstacle)",
             "`wall` or `block`",
             "did you mean `wall`?",
@@ -194,7 +194,7 @@ fn events_must_be_possible() {
     refused(
         "obstacle = \"block\"",
         "obstacle = \"wall\"",
-        &["obstacle `wall` appears at 2.5 s, but it stands already"],
+        &["obstacle `wall` appears at 2.5 s, but it is present already"],
     );
     refused(
         "shape = { circle = { center = [1.0, -1.0], radius = 0.2 } }",
@@ -239,7 +239,7 @@ fn logs_and_ends_are_checked() {
     contains(
         &load(&endless).unwrap_err(),
         &[
-            "nothing ever ends this run",
+            "this run has no end condition",
             "(rules.time_limit)",
             "rules.time_limit = 60.0 (s)",
         ],

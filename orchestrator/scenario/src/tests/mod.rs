@@ -52,7 +52,7 @@ impl Parameters for Params {
     }
 }
 
-/// Kinds like the real ones, but with parameters of our own. They cannot run.
+/// Kinds like the real ones, but with other parameters. They cannot run.
 macro_rules! kinds {
     ($($type:ident $name:literal { $($of_it:tt)* })+) => {
         $(
@@ -128,7 +128,7 @@ kinds! {
     }
 }
 
-/// A small scenario in which nothing is wrong.
+/// A small scenario without errors.
 const GOOD: &str = r#"title = "Small"
 [run]
 seed = 5
@@ -185,13 +185,13 @@ fn load(text: &str) -> Result<ResolvedScenario, String> {
     load_with(text, &[])
 }
 
-/// The small scenario with one part replaced (which must be there).
+/// Returns the small scenario with one part replaced; the part must be present.
 fn changed(from: &str, to: &str) -> String {
     assert!(GOOD.contains(from), "{from:?} is not in the scenario");
     GOOD.replacen(from, to, 1)
 }
 
-/// What loading the changed scenario says, which must contain every one of `wants`.
+/// Returns the errors of loading the changed scenario, which must contain every one of `wants`.
 #[track_caller]
 fn refused(from: &str, to: &str, wants: &[&str]) {
     contains(

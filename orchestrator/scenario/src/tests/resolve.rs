@@ -1,4 +1,4 @@
-//! What a scenario becomes.
+//! Resolved scenarios.
 
 use geometry::map::{MapSpec, ObstacleChange, ObstacleId};
 use sim_backend::spec::Condition;
@@ -114,7 +114,7 @@ fn events_are_sorted_and_numbered_after_the_maps_obstacles() {
     );
 }
 
-/// Events of two obstacles that wait for robots, and one at a time that waits for its turn.
+/// Events of two obstacles that wait for robots, and one timed event that follows in their order.
 const WAITING: &str = r#"
 [[events]]
 when = { robot = "thief", travelled = 1.5 }
@@ -140,7 +140,7 @@ fn events_that_wait_for_robots_come_last_in_the_order_of_the_file() {
     let told: Vec<_> = s.events.iter().map(told).collect();
     let expected = [
         ("wall", 0, false),
-        // At a time, but who knows when it goes.
+        // At a fixed time, but of an obstacle whose other events wait for robots.
         ("block", 1, true),
         ("gate", 2, true),
         ("gate", 2, true),
@@ -183,7 +183,7 @@ fn the_start_is_drawn_from_the_seed() {
 }
 
 #[test]
-fn what_is_written_out_loads_to_the_same() {
+fn a_written_scenario_loads_to_the_same() {
     let commands = changed(
         "kind = \"evader_potential\"",
         "command = [\"a b\", \"\\\"c\\\\\"]\nname = \"x\"",
@@ -214,7 +214,7 @@ fn what_is_written_out_loads_to_the_same() {
 }
 
 #[test]
-fn overrides_change_what_they_name() {
+fn overrides_change_the_value_of_their_key() {
     let s = load_with(
         GOOD,
         &[
@@ -234,7 +234,7 @@ fn overrides_change_what_they_name() {
 }
 
 #[test]
-fn a_process_that_does_not_say_how_long_its_start_may_take_has_the_time_of_the_run() {
+fn the_ready_timeout_of_a_process_defaults_to_that_of_the_run() {
     let text = changed(
         "kind = \"pursuer\"",
         "kind = \"pursuer\"\nready_timeout_s = 3.0",
@@ -256,7 +256,7 @@ fn a_process_that_does_not_say_how_long_its_start_may_take_has_the_time_of_the_r
 }
 
 #[test]
-fn files_are_found_beside_the_scenario_and_nowhere_else() {
+fn files_are_found_only_in_the_folder_of_the_scenario() {
     let dir = tempfile::tempdir().unwrap();
     let write = |name: &str, text: &str| std::fs::write(dir.path().join(name), text).unwrap();
     let with_map = |map: &str| {
@@ -345,7 +345,7 @@ fn files_are_found_beside_the_scenario_and_nowhere_else() {
 }
 
 #[test]
-fn scenarios_that_are_not_there_are_answered_with_those_that_are() {
+fn an_unknown_scenario_is_refused_with_the_known_names() {
     let e = Loader::new(&[])
         .load("chse", &[], None)
         .unwrap_err()
