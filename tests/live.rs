@@ -321,7 +321,7 @@ fn a_viewer_sees_what_the_log_holds_and_the_run_stays_the_same() {
     let (code, output) = run.finish();
     assert_eq!(code, Some(0), "{output}");
     assert!(output.contains("live: 1 viewers"), "{output}");
-    assert!(output.contains(", 0 left out"), "{output}");
+    assert!(output.contains(", 0 dropped"), "{output}");
     assert_eq!(now, 6_000_000_000, "to the end");
     let log = Log::read(&sandbox.path().join("run.mcap"));
     for topic in topics {
@@ -426,7 +426,7 @@ fn a_viewer_that_takes_nothing_does_not_hold_the_run_up() {
     assert_eq!(code, Some(0), "{output}");
     assert!(output.contains("live: 1 viewers"), "{output}");
     // It misses messages; where the run takes long enough for that, it is cut off before.
-    let nothing = " 0 left out for those who did not keep up, 0 cut off";
+    let nothing = " 0 dropped for slow viewers, 0 viewers disconnected";
     assert!(!output.contains(nothing), "{output}");
     drop(viewer);
     sandbox.assert_nothing_left();

@@ -1,7 +1,5 @@
 //! The figures, for people (a table) and for programs (JSON).
 
-use comfy_table::presets::UTF8_HORIZONTAL_ONLY;
-use comfy_table::{CellAlignment, Table};
 use latency::load;
 use platform::machine::machine;
 use serde_json::{Value as Json, json};
@@ -184,15 +182,10 @@ impl Report {
 
     /// The table for people.
     pub fn text(&self) -> String {
-        let mut table = Table::new();
-        table.load_style(UTF8_HORIZONTAL_ONLY).set_header([
+        let header = [
             "item", "figure", "median", "min", "max", "unit", "baseline", "ratio", "goal",
-        ]);
-        for column in [2, 3, 4, 7] {
-            if let Some(column) = table.column_mut(column) {
-                column.set_cell_alignment(CellAlignment::Right);
-            }
-        }
+        ];
+        let mut table = tables::for_terminal(header, 2);
         for figure in &self.figures {
             let ends = figure.value.min < figure.value.max;
             let end = |value: f64| {

@@ -64,7 +64,7 @@ fn a_replay_shows_all_that_the_log_holds() {
     let (code, output) = replay.finish();
     assert_eq!(code, Some(3), "{output}");
     assert!(output.contains("live: 1 viewers, "), "{output}");
-    assert!(output.contains(", 0 left out for those who"), "{output}");
+    assert!(output.contains(", 0 dropped for slow viewers"), "{output}");
     for topic in topics {
         let heard = &heard[&subscription(&channels[topic])];
         assert!(*heard == log.messages[topic], "{topic}: {}", heard.len());

@@ -11,10 +11,10 @@ pub fn text(info: &LogInfo) -> String {
         "topic",
         "messages",
         "bytes",
-        "rate [Hz]",
-        "first [s]",
-        "last [s]",
-        "longest pause [s]",
+        "rate (Hz)",
+        "first (s)",
+        "last (s)",
+        "longest pause (s)",
         "lost",
     ];
     let mut table = for_terminal(header, 1);
@@ -38,7 +38,7 @@ pub fn text(info: &LogInfo) -> String {
     let without = info.topics.values().filter(|topic| topic.messages == 0);
     let without = without.count();
     if without > 0 {
-        text += &format!("and {without} topics without messages\n");
+        text += &format!("{without} topics have no messages\n");
     }
     for (name, topic) in &info.topics {
         if topic.gaps_by_source.len() > 1 || topic.gaps.is_some_and(|gaps| gaps > 0) {
@@ -58,7 +58,7 @@ fn head(info: &LogInfo) -> String {
     let mut text = match (&info.scenario, info.seed) {
         (Some(scenario), Some(seed)) => format!("{scenario} (seed {seed})"),
         (Some(scenario), None) => scenario.clone(),
-        _ if info.ours => "a log of protean".to_owned(),
+        _ if info.ours => "Protean log".to_owned(),
         _ => "not a Protean log (no scenario, seed or digest)".to_owned(),
     };
     text += &format!(
@@ -70,7 +70,7 @@ fn head(info: &LogInfo) -> String {
             text += &format!("{name:<10}{value}\n");
         }
     };
-    line("written by", &format!(" {}", info.library));
+    line("library", &info.library);
     line("profile", &info.profile);
     line("mode", info.mode.as_deref().unwrap_or_default());
     line("machine", info.machine.as_deref().unwrap_or_default());
@@ -78,7 +78,7 @@ fn head(info: &LogInfo) -> String {
         (Some(digest), _) => line("digest", digest),
         (None, Some(digest)) => line(
             "digest",
-            &format!("{digest} (of the run, not of this part of it)"),
+            &format!("{digest} (of the whole run, not of this part)"),
         ),
         _ if info.ours => line("digest", "none: the run did not reach its end"),
         _ => {}
@@ -113,7 +113,7 @@ fn condition(info: &LogInfo) -> String {
                 name
             };
             format!(
-                "{} {name} ({:.2} MB for {:.2} MB)",
+                "{} {name} ({:.2} MB, uncompressed {:.2} MB)",
                 chunks.count,
                 chunks.compressed_bytes as f64 * 1e-6,
                 chunks.uncompressed_bytes as f64 * 1e-6

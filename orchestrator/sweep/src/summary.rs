@@ -169,7 +169,7 @@ pub fn text(results: &Results, report: Option<&RunReport>) -> String {
         "chance",
         "95 % interval",
         "by game",
-        "time [s]",
+        "time (s)",
     ];
     let mut table = cell_table(&manifest.parameters, &columns);
     for summary in cells(results) {
@@ -196,10 +196,7 @@ pub fn text(results: &Results, report: Option<&RunReport>) -> String {
     text += &pace(report, "missions");
     let failures = failures(results);
     if !failures.is_empty() {
-        text += &format!(
-            "\n{} missions failed; to see one fail again:\n",
-            failures.len()
-        );
+        text += &format!("\n{} missions failed; to repeat one:\n", failures.len());
         for (mission, row) in failures.iter().take(SHOWN) {
             let reason = row.error.lines().next().unwrap_or_default();
             text += &format!(
@@ -211,7 +208,7 @@ pub fn text(results: &Results, report: Option<&RunReport>) -> String {
         if failures.len() > SHOWN {
             text += &format!("  … and {} more, see results.csv\n", failures.len() - SHOWN);
         }
-        text += "--retry-failed carries them out again\n";
+        text += "--retry-failed runs them again\n";
     }
     let missing = missing(results, report);
     if !missing.is_empty() {

@@ -116,7 +116,7 @@ fn unknown_facts_are_reported() {
     );
     let text = crate::info_text(&info);
     assert!(
-        text.contains("another program") && text.contains("are not known"),
+        text.contains("not a Protean log (no scenario, seed or digest)"),
         "{text}"
     );
 }

@@ -3,7 +3,7 @@
 use clap::Command;
 
 /// The commands by heading, in the order of the help.
-pub(super) const HEADINGS: [(&str, &[&str]); 6] = [
+pub(crate) const HEADINGS: [(&str, &[&str]); 6] = [
     ("Missions", &["run", "check", "new", "list"]),
     (
         "Logs",

@@ -44,6 +44,8 @@ use platform::eprintln;
 use scenario::kind::{Kind, find};
 
 use common::JsonArg;
+#[cfg(test)]
+pub(crate) use help::HEADINGS;
 use output::EXIT_INVALID;
 use run_args::{DEFAULT_SCENARIO, RunArgs};
 

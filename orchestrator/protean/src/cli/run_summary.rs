@@ -68,13 +68,13 @@ fn robots_table(s: &Summary) -> Table {
         "robot",
         "team",
         "outcome",
-        "time [s]",
-        "distance [m]",
+        "time (s)",
+        "distance (m)",
         "contacts",
     ];
     let judged = s.escape_possible_fraction.is_some();
     if judged {
-        header.extend(["escape possible", "impossible from [s]"]);
+        header.extend(["escape possible", "impossible from (s)"]);
     }
     let mut robots = table(&header);
     for r in &s.robots {
@@ -103,8 +103,8 @@ fn robots_table(s: &Summary) -> Table {
 fn waypoints_text(robot: &RobotOutcome, w: &WaypointOutcome) -> String {
     let left_out = [
         (w.inside_obstacle, "inside obstacles"),
-        (w.timed_out, "too late"),
-        (w.unreachable, "out of reach"),
+        (w.timed_out, "timed out"),
+        (w.unreachable, "unreachable"),
     ];
     let reasons: Vec<String> = left_out
         .iter()
@@ -112,7 +112,7 @@ fn waypoints_text(robot: &RobotOutcome, w: &WaypointOutcome) -> String {
         .map(|(count, why)| format!("{count} {why}"))
         .collect();
     let mut text = format!(
-        "waypoints {}: {} reached within {:.2} m, {} left out{}",
+        "waypoints {}: {} reached within {:.2} m, {} skipped{}",
         robot.name,
         w.reached,
         w.farthest_m,
@@ -124,12 +124,12 @@ fn waypoints_text(robot: &RobotOutcome, w: &WaypointOutcome) -> String {
         },
     );
     if let Some(longest) = w.longest_lap_s {
-        text += &format!("; {} laps, the longest {longest:.1} s", w.laps);
+        text += &format!("; {} laps, longest {longest:.1} s", w.laps);
     }
     text.push('\n');
     let lap = |what: &str, f: &LapFigures| {
         format!(
-            "          a lap {what}: {:.1} m, MAE {:.2} m, {:.0} turns of {:.2} rad\n",
+            "          lap {what}: {:.1} m, MAE {:.2} m, {:.0} turns of {:.2} rad\n",
             f.length_m, f.mae_m, f.turns, f.maa,
         )
     };
@@ -144,7 +144,7 @@ fn waypoints_text(robot: &RobotOutcome, w: &WaypointOutcome) -> String {
 /// What became of a process that failed, for people.
 fn failures_text(process: &ProcessOutcome) -> String {
     let mut text = format!(
-        "failed    {}: {} times, away for {} ticks{}\n",
+        "failed    {}: {} times, absent for {} ticks{}\n",
         process.name,
         process.outages.len(),
         process.ticks_absent,
@@ -152,8 +152,8 @@ fn failures_text(process: &ProcessOutcome) -> String {
     );
     for outage in &process.outages {
         let back = match outage.back_tick {
-            Some(tick) => format!("back at tick {tick}"),
-            None => "not back".to_owned(),
+            Some(tick) => format!("restarted at tick {tick}"),
+            None => "not restarted".to_owned(),
         };
         text += &format!(
             "          {:.2} s, tick {}: {}; {back}\n",
@@ -168,12 +168,12 @@ fn predictions_table(predictions: &[PredictionOutcome]) -> Table {
     let mut ahead: Vec<f64> = predictions.iter().map(|p| p.horizon_s).collect();
     ahead.sort_by(f64::total_cmp);
     ahead.dedup();
-    let columns: Vec<String> = ahead.iter().map(|s| format!("{s} s ahead [m]")).collect();
-    let mut header = vec!["predicted", "by"];
+    let columns: Vec<String> = ahead.iter().map(|s| format!("{s} s ahead (m)")).collect();
+    let mut header = vec!["robot", "predicted by"];
     header.extend(columns.iter().map(String::as_str));
     let keys = predictions.iter().any(|p| p.key_recovered_s.is_some());
     if keys {
-        header.push("key known");
+        header.push("key recovered");
     }
     let mut found = table(&header);
     let same = |a: &PredictionOutcome, b: &PredictionOutcome| {
@@ -204,7 +204,7 @@ fn predictions_table(predictions: &[PredictionOutcome]) -> Table {
 pub(super) fn text(scenario: &ResolvedScenario, report: &MissionReport) -> String {
     let s = &report.summary;
     let robots = robots_table(s);
-    let mut latency = table(&["hop", "p50 [us]", "p90 [us]", "p99 [us]", "max [us]"]);
+    let mut latency = table(&["hop", "p50 (us)", "p90 (us)", "p99 (us)", "max (us)"]);
     for (hop, p) in &s.latency_us {
         let cell = |value: f64| format!("{value:.1}");
         latency.add_row([
@@ -239,14 +239,14 @@ pub(super) fn text(scenario: &ResolvedScenario, report: &MissionReport) -> Strin
     }
     let stops: u32 = s.robots.iter().map(|r| r.fail_safe_stops).sum();
     if stops > 0 {
-        text += &format!("stopped   {stops} times for want of a command\n");
+        text += &format!("fail-safe stops: {stops} (no fresh command)\n");
     }
     for process in &s.processes {
         text += &failures_text(process);
     }
     if let Some(coverage) = &s.coverage {
         text += &format!(
-            "coverage  {:.1} % of {:.1} m2 free, {:.1} % of what can be reached, by {:.0} m of way\n",
+            "coverage  {:.1} % of {:.1} m2 free area, {:.1} % of the coverable area, path length {:.0} m\n",
             100.0 * coverage.fraction,
             coverage.free_m2,
             100.0 * coverage.coverable_fraction,
@@ -269,7 +269,7 @@ pub(super) fn text(scenario: &ResolvedScenario, report: &MissionReport) -> Strin
     text += &format!("\ndigest    {}\n", s.digest);
     if s.log.as_os_str().is_empty() {
         text += if s.ticks == 0 {
-            "log       none: it ended before the first tick"
+            "log       none (the run ended before the first tick)"
         } else {
             "log       none"
         };

@@ -61,3 +61,11 @@ fn the_reference_of_scenarios_is_what_the_code_declares() {
     let tables = scenario::schema::reference();
     compare("scenario.md", "Keys of scenario files", text, &tables);
 }
+
+#[test]
+fn the_reference_of_commands_is_the_definition_of_the_command_line() {
+    let text = "Results go to stdout, progress and diagnostics to stderr. With `--json`, stdout is one JSON object \
+                (`plan`: one object per line). [Output and exit codes](output.md) describes the exit codes and the \
+                summary of a run. Without a command, `protean` runs `run chase` with the options of `run`.";
+    compare("cli.md", "Command line", text, &super::cli::commands());
+}

@@ -77,7 +77,7 @@ pub fn text(results: &PlanResults, report: Option<&RunReport>) -> String {
         "no path",
         "failed",
         "95 % interval",
-        "time [s]",
+        "time (s)",
         "gap [%] median / p95 / max",
         "CPU [ms] median / p99",
     ];
@@ -114,7 +114,7 @@ pub fn text(results: &PlanResults, report: Option<&RunReport>) -> String {
         );
     }
     if !broken.is_empty() {
-        text += "\n--retry-failed carries them out again\n";
+        text += "\n--retry-failed runs them again\n";
     }
     let missing = missing(results, report).len();
     if missing > 0 {
