@@ -162,7 +162,7 @@ impl Recording {
     }
 
     /// Writes complete ticks, in order: those up to `completed`, whose messages have all been sent, and those
-    /// that began [`MAX_WAIT`] before `now`. Later messages of such a tick are written at the next call.
+    /// that began `MAX_WAIT` before `now`. Later messages of such a tick are written at the next call.
     /// Writing begins with the first world state.
     ///
     /// # Errors

@@ -24,7 +24,7 @@ struct Count {
 }
 
 impl Count {
-    fn new(most: u8) -> Box<Self> {
+    fn new(most: u8) -> Self {
         let channel = DerivedChannel {
             topic: TOPIC.to_owned(),
             schema_name: "Count".to_owned(),
@@ -32,11 +32,11 @@ impl Count {
             schema: b"{}".to_vec(),
             message_encoding: "json".to_owned(),
         };
-        Box::new(Self {
+        Self {
             channels: vec![channel],
             most,
             ..Self::default()
-        })
+        }
     }
 }
 
@@ -84,7 +84,11 @@ impl DerivedTopics for Count {
 fn derived_messages_follow_their_tick_are_numbered_and_counted() {
     let directory = tempfile::tempdir().unwrap();
     let path = directory.path().join("run.mcap");
-    let mut recording = recording(&path, &LogOptions::default(), Some(Count::new(u8::MAX)));
+    let mut recording = recording(
+        &path,
+        &LogOptions::default(),
+        Some(Box::new(Count::new(u8::MAX))),
+    );
     for mut sent in run(TICKS, 1) {
         // A rejected command is in the log, but has no derived message.
         if let super::made_up::Sent::Command(_, commands) = &mut sent
@@ -128,7 +132,7 @@ fn derived_messages_follow_their_tick_are_numbered_and_counted() {
 fn a_derived_message_that_cannot_be_encoded_is_an_error_that_names_its_topic() {
     let directory = tempfile::tempdir().unwrap();
     let path = directory.path().join("run.mcap");
-    let mut recording = recording(&path, &LogOptions::default(), Some(Count::new(1)));
+    let mut recording = recording(&path, &LogOptions::default(), Some(Box::new(Count::new(1))));
     for sent in run(TICKS, 1) {
         sent.push(&mut recording);
     }
