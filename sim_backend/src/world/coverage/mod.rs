@@ -65,7 +65,7 @@ pub struct CoverageFigures {
     /// How evenly the coverable cells are visited: standard deviation of their visits, divided by
     /// the mean; 0 before any visit.
     pub unevenness: f64,
-    /// SweptPath driven by the counted robots together (m).
+    /// Path length driven by the counted robots together (m).
     pub way: f64,
     /// Mean time since the last visit over the coverable cells (s); since the start for those not
     /// visited yet.
@@ -128,7 +128,7 @@ pub struct Coverage {
     coverable: usize,
     covered: usize,
     visits: u64,
-    /// SweptPath driven by the counted robots together (m).
+    /// Path length driven by the counted robots together (m).
     way: f64,
     /// Longest gap between two visits of a coverable cell (ns).
     worst_gap_ns: u64,
