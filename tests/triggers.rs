@@ -209,8 +209,7 @@ shape.rectangle = { center = [0.45, 0.5], half_extents = [0.05, 0.05] }
 fn a_change_that_must_wait_for_another_is_named() {
     let sandbox = Sandbox::new();
     sandbox.file("room.toml", ROOM);
-    let words =
-        "obstacle `crate` is to move, but an event before that has not happened yet: it waits";
+    let words = "obstacle `crate` waits to move: an earlier event has not happened yet";
     let outcome = sandbox.protean(["run", "room.toml"]).run();
     assert_eq!(outcome.code, Some(0), "{outcome}");
     assert_eq!(outcome.stderr.matches(words).count(), 1, "{outcome}");

@@ -1,5 +1,5 @@
-//! Baselines of coverage: [`Boustrophedon`] is the most efficient and hides nothing,
-//! [`RandomBounce`] is what cleaning robots do, [`Uniform`] hides the most.
+//! Baselines of coverage: [`Boustrophedon`] is the most efficient and the most predictable,
+//! [`RandomBounce`] is the method of cleaning robots, [`Uniform`] is the least predictable.
 
 pub mod params;
 
@@ -17,13 +17,13 @@ use coverage::wander::{Rule, Wanderer};
 
 pub use params::{BoustrophedonParams, RandomParams};
 
-/// The boustrophedon in its process.
+/// Process of the boustrophedon planner.
 pub type BoustrophedonPlanner = Follower<Boustrophedon>;
 
-/// Random bounce in its process.
+/// Process of the random-bounce planner.
 pub type RandomBouncePlanner = Follower<RandomBounce>;
 
-/// Independent uniform sub-goals in their process.
+/// Process of the planner with independent uniform sub-goals.
 pub type UniformPlanner = Follower<Uniform>;
 
 /// Parallel lanes.
@@ -52,7 +52,7 @@ impl Design for Boustrophedon {
         let made = if let Some(before) = before {
             before.moved(workplace, parts, site.start)
         } else {
-            // Legs keep the margin; what is covered is covered by the body.
+            // Legs keep the margin; the body covers the area.
             let disc = workplace.radius() - params.follow.margin;
             Self::Goals::new(workplace, parts, site.start, disc)
         };
@@ -60,11 +60,11 @@ impl Design for Boustrophedon {
     }
 }
 
-/// A planner that draws its sub-goals by a rule and remembers nothing.
+/// Planner that draws its sub-goals by a rule without memory.
 #[derive(Debug)]
 pub struct Memoryless<R>(PhantomData<R>);
 
-/// Straight to the next wall, then on at a random angle.
+/// Straight to the next wall, then away at a random angle.
 pub type RandomBounce = Memoryless<Bouncing>;
 
 /// Independent uniform sub-goals.

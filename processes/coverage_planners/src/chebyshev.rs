@@ -17,7 +17,7 @@ use nalgebra::Point2;
 
 pub use params::ChebyshevParams;
 
-/// The chaotic coverage planner in its process.
+/// Process of the chaotic coverage planner.
 pub type ChebyshevPlanner = Follower<Chebyshev>;
 
 /// Sub-goals from a chaotic map or a keyed stream, rectangle after rectangle.
@@ -25,10 +25,10 @@ pub type ChebyshevPlanner = Follower<Chebyshev>;
 pub struct Chebyshev;
 
 impl Chebyshev {
-    /// The free space of a site with the bridges that the parameters add.
+    /// Returns the free space of a site with the bridges of the parameters.
     ///
     /// # Errors
-    /// A text that names the bridge that does not do.
+    /// A text that names the invalid bridge.
     pub fn lay_out(params: &ChebyshevParams, site: &Site) -> Result<Decomposition, String> {
         let mut decomposition = site.decomposition.clone();
         for bridge in &params.bridges {

@@ -1,4 +1,4 @@
-//! Whether a robot can cover a map.
+//! Check that a robot can cover a map.
 
 use coverage::sub_goals::site::Site;
 use coverage::workplace::{Workplace, WorkplaceError};
@@ -36,7 +36,7 @@ pub(crate) fn check_task<D: Design>(
         .map_err(|message| TaskFault::param(field_of(&message), &message))
 }
 
-/// The parameter that a refusal is about.
+/// Parameter named by a rejection.
 fn field_of(message: &str) -> &str {
     let first = message.split(|c: char| !c.is_alphanumeric()).next();
     match first.unwrap_or_default() {

@@ -1,4 +1,4 @@
-//! What a coverage planner says of itself.
+//! Trait of coverage planners.
 
 use core::fmt::Debug;
 use parameters::Parameters;
@@ -7,26 +7,26 @@ use coverage::goal::GoalSource;
 use coverage::sub_goals::params::FollowParams;
 use coverage::sub_goals::site::Site;
 
-/// A kind of coverage planner: how to make its sub-goals. The process does the rest.
+/// Kind of coverage planner: the construction of its sub-goals. The process is common to all.
 pub trait Design: 'static {
-    /// The name of its kind, which scenarios use (`kind = "…"`).
+    /// Name of its kind, which scenarios use (`kind = "…"`).
     const NAME: &'static str;
-    /// What it does, in one line.
+    /// One-line description.
     const SUMMARY: &'static str;
 
-    /// Its parameters. All of them have defaults.
+    /// Parameters. All of them have defaults.
     type Params: Parameters + Default + Clone + PartialEq + Debug + Send + Sync;
     /// Its sub-goals.
     type Goals: GoalSource;
 
-    /// The parameters that all kinds share.
+    /// Parameters that all kinds share.
     fn follow(params: &Self::Params) -> FollowParams;
 
-    /// The sub-goals for a site; `seed` is the robot's own. `before` are those for the site that it
-    /// replaces, if the map has changed: secrets and numbers go on from there.
+    /// Returns the sub-goals for a site; `seed` is the robot's own. `before` are those for the site
+    /// that it replaces, if the map has changed: secrets and numbers continue from them.
     ///
     /// # Errors
-    /// A text that says what does not fit the site.
+    /// A text that names the fault of the site.
     fn goals(
         params: &Self::Params,
         site: &Site,

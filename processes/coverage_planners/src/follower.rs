@@ -1,5 +1,5 @@
-//! Wires planners of sub-goals to their topics: state and map in; command, plan and what became of
-//! the sub-goals out.
+//! Process of planners of sub-goals. Inputs: state and map. Outputs: command, plan and the results
+//! of the sub-goals.
 
 use coverage::goal::{Goal, GoalSource};
 use geometry::pose::Pose2;
@@ -22,14 +22,14 @@ use coverage::sub_goals::site::Site;
 use crate::check::check_task;
 use crate::design::Design;
 
-/// How the robot is driven.
+/// Method of driving.
 #[derive(Debug)]
 enum Drive {
     Linear(Box<WaypointDriver>),
     Arc(Box<ArcDriver>),
 }
 
-/// A planner of sub-goals of some design, and the robot that drives to them.
+/// Planner of sub-goals of some design, and the driver of its robot.
 pub struct Follower<D: Design> {
     params: D::Params,
     follow: FollowParams,
@@ -38,18 +38,18 @@ pub struct Follower<D: Design> {
     seed: u64,
     drive: Drive,
     goals: Option<D::Goals>,
-    /// Revision of the map that the goals are for.
+    /// Revision of the map for which the goals were made.
     revision: Option<u64>,
-    /// Where the last goal is, at which the next leg begins (m).
+    /// Last goal, at which the next leg begins (m).
     last: Option<Point2<f64>>,
-    /// Where the robot was a tick ago (m).
+    /// Position of the robot one tick ago (m).
     before: Option<Point2<f64>>,
     reports: Vec<WaypointReport>,
     failure: Option<ProcessError>,
 }
 
 impl<D: Design> Follower<D> {
-    /// Its sub-goals from now on; `None` before it knows a map.
+    /// Returns its sub-goals from now on; `None` before the first map.
     pub fn goals(&mut self) -> Option<&mut D::Goals> {
         self.goals.as_mut()
     }
@@ -78,7 +78,7 @@ impl<D: Design> Follower<D> {
         self.revision = Some(map.revision());
         let made = site(map, self.radius, &self.follow, here).and_then(|site| {
             if !first {
-                // What was taken up is for a workplace that there is no more.
+                // The current sub-goal belongs to the old workplace.
                 self.drive = Self::driver(&self.follow, self.limits, self.radius)?;
             }
             report(&site);
@@ -105,7 +105,7 @@ impl<D: Design> Planner for Follower<D> {
 
     const WAYPOINTS: usize = 64;
 
-    /// A scan is of use where there is one, but it can do without.
+    /// It uses a scan if there is one, but does not need it.
     fn needs(_: &D::Params) -> Vec<Need> {
         Vec::new()
     }
@@ -207,7 +207,7 @@ impl<D: Design> Planner for Follower<D> {
     }
 }
 
-/// The workplace of a robot: the arena of its map.
+/// Returns the workplace of a robot: the arena of its map.
 fn site(
     map: &PlannerMap,
     radius: f64,
@@ -226,13 +226,13 @@ fn site(
     )
 }
 
-/// Says what of a workplace will not be covered.
+/// Logs the parts of a workplace that will not be covered.
 fn report(site: &Site) {
     let decomposition = &site.decomposition;
     let loss = site.workplace.loss();
     if loss.area > 0.0 {
         tracing::info!(
-            "obstacles as {} rectangles: {:.3} m² of free space given up ({:.2} %)",
+            "obstacles as {} rectangles: {:.3} m² of free space lost ({:.2} %)",
             site.workplace.rectangles().len(),
             loss.area,
             100.0 * loss.share,

@@ -1,5 +1,5 @@
-//! Covers a workplace fast, by sub-goals that an observer who knows the method but not the key does
-//! not predict ([`coverage::keyed`]).
+//! Covers a workplace fast, by sub-goals that an observer without the key cannot predict, even with
+//! knowledge of the method ([`coverage::keyed`]).
 
 pub mod params;
 
@@ -12,7 +12,7 @@ use coverage::sub_goals::site::Site;
 
 pub use params::KeyedCoverageParams;
 
-/// The keyed coverage planner in its process.
+/// Process of the keyed coverage planner.
 pub type KeyedCoveragePlanner = Follower<Keyed>;
 
 /// Sub-goals of [`KeyedCoverage`].
@@ -42,7 +42,7 @@ impl Design for Keyed {
             before.moved(workplace, parts, site.start)
         } else {
             let key = Key::secret(params.key, seed).map_err(|e| e.to_string())?;
-            // Legs keep the margin; what is covered is covered by the body.
+            // Legs keep the margin; the body covers the area.
             let disc = workplace.radius() - params.follow.margin;
             KeyedCoverage::new(
                 workplace,

@@ -1,8 +1,8 @@
-//! The coverage planners, each in processes of its own.
+//! The coverage planners, one process each.
 //!
-//! [`chebyshev`] covers by chaotic sub-goals (Chebyshev coverage paper), [`keyed`] fast and by
-//! sub-goals that only its key predicts; [`baselines`] are what both are compared with. Each makes
-//! its sub-goals by [`coverage`]; the process of all is [`follower::Follower`].
+//! [`chebyshev`] covers by chaotic sub-goals (Chebyshev coverage paper); [`keyed`] covers fast, by
+//! sub-goals that only its key predicts; [`baselines`] are for comparison. Each makes its sub-goals
+//! with [`coverage`]; [`follower::Follower`] is their common process.
 
 #![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
 #![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
@@ -24,7 +24,7 @@ pub use baselines::{
 pub use chebyshev::{Chebyshev, ChebyshevParams, ChebyshevPlanner};
 pub use keyed::{Keyed, KeyedCoverageParams, KeyedCoveragePlanner};
 
-/// Refuses keys of generators that keep no secret.
+/// Rejects keys of generators that are not secret.
 fn require_secret(key: Option<Key>) -> Result<(), ParamsError> {
     let expected = "`keyed:` and 64 hexadecimal digits: no other generator is secret";
     match key {

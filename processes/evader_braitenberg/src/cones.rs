@@ -5,10 +5,10 @@ use core::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 use geometry::math;
 use planner_view::view::ScanView;
 
-/// Ranges below this (m) are taken as this: the vehicle divides by them.
+/// Lower bound of ranges (m): the vehicle divides by them.
 const MIN_RANGE: f64 = 1.0e-3;
 
-/// The reading of each cone (m); `None` where the scan has no usable beam.
+/// Reading of each cone (m); `None` where the scan has no usable beam.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Cones {
     /// Straight ahead.
@@ -26,8 +26,8 @@ pub struct Cones {
 /// Reads the cones of a scan.
 ///
 /// A cone is `width` (rad) wide; its reading is the given percentile (in [0, 1], with linear
-/// interpolation between beams) of its beams' ranges. A scan so coarse that no beam lies in a cone
-/// is read at the beam next to the cone's axis, if that is less than one beam's spacing off.
+/// interpolation between beams) of its beams' ranges. If a scan is so coarse that no beam lies in a
+/// cone, the reading is that of the beam next to the cone's axis, within one beam spacing.
 ///
 /// Following REP-117, +∞ (nothing in reach) reads as the longest range, −∞ (too close) as the
 /// shortest; NaN beams do not count. `scratch` is working memory.
@@ -58,7 +58,7 @@ fn reading(
 ) -> Option<f64> {
     scratch.clear();
     let mut nearest: Option<(f64, f64)> = None;
-    // Tolerates the rounding of beam angles that are meant to lie on the cone's edge.
+    // Tolerates rounding errors of beam angles on the cone's edge.
     let half = 0.5 * width + 1e-6;
     for (beam, &range) in scan.ranges.iter().enumerate() {
         let Some(range) = usable(range, scan) else {
@@ -86,7 +86,7 @@ fn reading(
 }
 
 fn usable(range: f32, scan: &ScanView<'_>) -> Option<f64> {
-    // `max` and `min` put both infinities in their place and pass NaN by, hence the test.
+    // `max` and `min` clamp both infinities but ignore NaN, hence the test.
     (!range.is_nan()).then(|| {
         let shortest = if scan.range_min.is_finite() {
             scan.range_min

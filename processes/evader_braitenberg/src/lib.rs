@@ -1,9 +1,9 @@
 //! Evader driven by a Braitenberg vehicle on its range scan.
 //!
-//! Five cones of the scan are wired straight to forward speed and turning rate, after V. Braitenberg
-//! and the chasing-game paper (§I-B, §III-E). There is no goal, no map and no notion of Police: an
-//! exit is found by chance or not at all. [`cones`] reads the scan, [`vehicle`] wires it; the
-//! paper's exact formula is [`BraitenbergParams::paper`].
+//! Five cones of the scan directly control forward speed and turning rate, after V. Braitenberg and
+//! the chasing-game paper (§I-B, §III-E). There is no goal, no map and no model of the Police: an
+//! exit is found by chance or not at all. [`cones`] reads the scan, [`vehicle`] computes the
+//! speeds; the paper's exact formula is [`BraitenbergParams::paper`].
 
 #![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
 #![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]

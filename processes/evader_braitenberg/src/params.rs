@@ -4,15 +4,15 @@ use parameters::{Fidelity, Parameters, above, between};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// How the product of the front cones becomes a speed.
+/// Function from the product of the front cones to a speed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum SpeedGain {
-    /// Divided by its value in the middle of an open street 1 m wide, so that the robot
-    /// drives there at its highest speed.
+    /// Divided by its value in the middle of an open street 1 m wide, so that the robot drives
+    /// there at its highest speed.
     #[default]
     Normalised,
-    /// As it is (the paper's experiments): at most 13 % of the highest speed in a 1 m street.
+    /// Unchanged (the paper's experiments): at most 13 % of the highest speed in a 1 m street.
     Paper,
 }
 
@@ -20,17 +20,17 @@ pub enum SpeedGain {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct BraitenbergParams {
-    /// How the product of the front cones becomes a speed.
+    /// Function from the product of the front cones to a speed.
     pub speed_gain: SpeedGain,
     /// Turning rate at full asymmetry.
     #[schemars(transform = above(0).unit("rad/s"))]
     pub turn_gain: f64,
-    /// Backward speed allowed, as a fraction of the highest forward speed.
+    /// Maximum backward speed, as a fraction of the highest forward speed.
     #[schemars(transform = between(0, 1))]
     pub reverse_fraction: f64,
-    /// Variant of the vehicle. [`Fidelity::Ours`]: it turns on the spot when it is blocked ahead. With the bare
-    /// formula of [`Fidelity::Published`] a robot that faces a wall squarely neither drives nor turns,
-    /// for ever.
+    /// Variant of the vehicle. [`Fidelity::Ours`]: it turns on the spot when it is blocked ahead.
+    /// With the unmodified formula of [`Fidelity::Published`] a robot that faces a wall squarely
+    /// stops for ever.
     pub fidelity: Fidelity,
 }
 
@@ -48,7 +48,7 @@ impl Default for BraitenbergParams {
 impl Parameters for BraitenbergParams {}
 
 impl BraitenbergParams {
-    /// The values of the chasing-game paper's experiments.
+    /// Returns the values of the chasing-game paper's experiments.
     pub fn paper() -> Self {
         Self {
             speed_gain: SpeedGain::Paper,

@@ -1,4 +1,4 @@
-//! Wires [`Braitenberg`] to its topics: state and scan in, command out.
+//! Connects [`Braitenberg`] to its topics: state and scan in, command out.
 
 use planner::{Planner, PlannerInputs, limits};
 use planner_view::map::PlannerMap;
@@ -8,13 +8,13 @@ use runtime::config::RobotInfo;
 
 use crate::{Braitenberg, BraitenbergParams};
 
-/// One evader in its process.
+/// Process of one evader.
 #[derive(Debug)]
 pub struct BraitenbergPlanner(Braitenberg);
 
 impl Planner for BraitenbergPlanner {
     const NAME: &'static str = "evader_braitenberg";
-    const SUMMARY: &'static str = "flees by its range scan alone, away from what is near";
+    const SUMMARY: &'static str = "flees by its range scan alone, away from near obstacles";
 
     type Params = BraitenbergParams;
 

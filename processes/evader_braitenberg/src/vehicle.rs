@@ -1,4 +1,4 @@
-//! The wiring from cones to motion.
+//! Computation of speeds from the cones.
 
 use geometry::math;
 use geometry::pose::Twist2;
@@ -10,7 +10,7 @@ use planner_view::view::View;
 use crate::cones::{Cones, read};
 use crate::params::{BraitenbergParams, SpeedGain};
 
-/// Added to the diagonal readings in the speed's formula (m) (the paper's experiments).
+/// Offset of the diagonal readings in the speed's formula (m) (the paper's experiments).
 const DIAGONAL_OFFSET: f64 = 0.05;
 /// Weight of the diagonal cones in the turning rate (m).
 const DIAGONAL_WEIGHT: f64 = 5.0;
@@ -18,8 +18,7 @@ const DIAGONAL_WEIGHT: f64 = 5.0;
 const SIDE_WEIGHT: f64 = 1.0;
 /// Width of the street in which the normalised speed is the highest (m).
 const STREET_WIDTH: f64 = 1.0;
-/// Free range ahead at which the normalised speed is the highest (m), or the sensor's own longest range
-/// if that is less.
+/// Free range ahead at which the normalised speed is the highest (m), at most the sensor's range.
 const OPEN_RANGE: f64 = 3.0;
 /// Range ahead at which the vehicle stops (m).
 const STOP_RANGE: f64 = 0.4;
@@ -27,8 +26,8 @@ const STOP_RANGE: f64 = 0.4;
 const CONE_WIDTH_DEGREES: f64 = 10.0;
 /// Share of a cone's beams that may be shorter than its reading.
 const PERCENTILE: f64 = 0.1;
-/// Range ahead below which the vehicle counts as blocked (m); above [`STOP_RANGE`], which it would only
-/// approach ever more slowly.
+/// Range ahead below which the vehicle counts as blocked (m); above [`STOP_RANGE`], which it would
+/// only approach ever more slowly.
 const BLOCKED_RANGE: f64 = 0.5;
 /// Range ahead above which it no longer counts as blocked (m).
 const RELEASED_RANGE: f64 = 0.9;
@@ -36,23 +35,23 @@ const RELEASED_RANGE: f64 = 0.9;
 /// to its preferred side.
 const UNDECIDED: f64 = 0.1;
 
-/// A Braitenberg vehicle.
+/// Braitenberg vehicle.
 ///
-/// Its only state is the side it turns to while it is blocked, so that it does not swing to and fro.
+/// Its only state is the side it turns to while it is blocked, so that it does not oscillate.
 #[derive(Debug, Clone)]
 pub struct Braitenberg {
     params: BraitenbergParams,
     limits: Limits,
     /// +1 to turn left, −1 to turn right when both sides are equal.
     preferred: f64,
-    /// The side it is turning to, while blocked.
+    /// Side it turns to, while blocked.
     turning: Option<f64>,
     scratch: Vec<f64>,
 }
 
 impl Braitenberg {
-    /// A vehicle for a robot with these limits. The seed decides to which side it turns when it
-    /// faces a wall squarely (even: left).
+    /// Returns a vehicle for a robot with these limits. The seed decides the side to which it turns
+    /// when it faces a wall squarely (even: left).
     ///
     /// # Errors
     /// [`ParamsError`] if a parameter is out of range.
@@ -68,10 +67,10 @@ impl Braitenberg {
         })
     }
 
-    /// What the robot `view.me` does in this tick: a function of its scan alone.
+    /// Returns the command of the robot `view.me` for this tick: a function of its scan alone.
     ///
-    /// It stands still when it is not listed or no longer takes part, and when its scan does not
-    /// show what lies ahead.
+    /// It stands still if it is not listed or no longer takes part, and if its scan does not cover
+    /// the view ahead.
     pub fn command(&mut self, view: &View<'_>) -> Steering {
         if view.own().is_none_or(|own| !own.active) {
             return Steering::stop();
@@ -103,7 +102,7 @@ impl Braitenberg {
             SpeedGain::Normalised => {
                 // The diagonals of a street meet its walls at √2 times half its width.
                 let diagonal = STREET_WIDTH * core::f64::consts::FRAC_1_SQRT_2;
-                // A sensor that sees no further than the stopping range cannot drive at all.
+                // A sensor with a range below the stopping range cannot drive at all.
                 let nominal = self::drive(open.max(STOP_RANGE + 0.1), diagonal, diagonal);
                 product / nominal
             }
@@ -118,7 +117,7 @@ impl Braitenberg {
         ))
     }
 
-    /// The side to turn to, if the robot is blocked ahead.
+    /// Returns the side to turn to, if the robot is blocked ahead.
     fn blocked(&mut self, ranges: &Ranges) -> Option<f64> {
         if self.params.fidelity.is_published() || ranges.front > RELEASED_RANGE {
             self.turning = None;
@@ -140,7 +139,7 @@ fn squash(x: f64) -> f64 {
     math::tanh(x / 2.0)
 }
 
-/// The paper's speed as a fraction of the highest, in (−1, 1).
+/// Returns the paper's speed as a fraction of the highest, in (−1, 1).
 fn drive(front: f64, front_left: f64, front_right: f64) -> f64 {
     squash(front - STOP_RANGE)
         * squash(front_left + DIAGONAL_OFFSET)
@@ -159,7 +158,7 @@ struct Ranges {
 
 impl Ranges {
     /// Fills gaps: a missing side reads as the other side, two missing sides as open, a missing
-    /// front as the nearer diagonal. `None` if nothing is known of what lies ahead.
+    /// front as the nearer diagonal. `None` if there is no reading ahead.
     fn complete(cones: &Cones, open: f64) -> Option<Self> {
         let pair = |left: Option<f64>, right: Option<f64>| match (left, right) {
             (Some(left), Some(right)) => (left, right),
@@ -256,7 +255,7 @@ mod tests {
                 .omega,
             -2.0
         );
-        // A clearly freer side wins over the preference, and is kept until the way is free.
+        // A clearly freer side overrides the preference, and is kept until the way is free.
         let mut ours = vehicle(BraitenbergParams::default(), 0);
         let freer_right = Ranges { right: 3.0, ..wall };
         assert_eq!(ours.wire(&freer_right, 3.0).omega, -2.0);

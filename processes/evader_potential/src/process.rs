@@ -1,4 +1,4 @@
-//! Wires [`Evader`] to its topics: state and map in, command and plan out.
+//! Connects [`Evader`] to its topics: state and map in, command and plan out.
 
 use planner::{Planner, PlannerInputs, limits};
 use planner_view::map::PlannerMap;
@@ -8,7 +8,7 @@ use runtime::config::RobotInfo;
 
 use crate::{Evader, EvaderParams};
 
-/// One evader in its process.
+/// Process of one evader.
 #[derive(Debug)]
 pub struct PotentialPlanner(Evader);
 

@@ -1,4 +1,4 @@
-//! One evader.
+//! Controller of one evader.
 
 use geometry::region::Region;
 use nalgebra::Point2;
@@ -15,13 +15,12 @@ use steering::potential_field::{Body, Goal, attraction, compose, obstacle};
 
 use crate::params::ReachAvoidParams;
 
-/// Distance within which a place to flee to is looked for when no place is safe (m).
+/// Radius of the search for a place to flee to when no place is safe (m).
 const NEAR: f64 = 2.0;
 
-/// Goes where no pursuer can stop it.
+/// Drives to places that it reaches before any pursuer.
 ///
-/// Everything but caches of the map, and the place that it is heading for, is a function of the
-/// view.
+/// Apart from caches of the map and its current destination, it is a function of the view.
 #[derive(Debug, Clone)]
 pub struct Evader {
     params: ReachAvoidParams,
@@ -32,14 +31,14 @@ pub struct Evader {
     dominance: Dominance,
     police: Vec<Runner>,
     planned_in: Option<i64>,
-    /// The node that it is heading for.
+    /// Destination node.
     goal: Option<usize>,
-    /// The nodes on the way there.
+    /// Nodes of the path there.
     way: Vec<usize>,
 }
 
 impl Evader {
-    /// An evader for a robot with these limits.
+    /// Returns an evader for a robot with these limits.
     ///
     /// # Errors
     /// [`ParamsError`] if a parameter is out of range.
@@ -59,15 +58,15 @@ impl Evader {
         })
     }
 
-    /// Takes note of where evaders get away, and within which distance Police catch them (m).
+    /// Sets the exits of evaders and the capture distance of the Police (m).
     pub fn rules(&mut self, exits: &[Region], capture_radius: f64) {
         self.exits = exits.to_vec();
         self.capture = capture_radius;
         self.arena = None;
     }
 
-    /// Lays out a new map for a robot of this radius (m). [`Evader::command`] does it too if it has
-    /// not been done; here it does not cost time in a tick.
+    /// Prepares a new map for a robot of this radius (m) before the next tick. Otherwise
+    /// [`Evader::command`] does it within a tick.
     pub fn prepare(&mut self, map: &PlannerMap, radius: f64) {
         let known = |(revision, arena): &(u64, Arena)| {
             *revision == map.revision() && arena.lattice().radius().to_bits() == radius.to_bits()
@@ -81,8 +80,8 @@ impl Evader {
         }
     }
 
-    /// What the robot `view.me` does in this tick. It stands still when it is not listed or no
-    /// longer takes part.
+    /// Returns the command of the robot `view.me` for this tick. It stands still if it is not
+    /// listed or no longer takes part.
     pub fn command(&mut self, map: &PlannerMap, view: &View<'_>) -> Steering {
         let Some(own) = view.own().filter(|own| own.active) else {
             return Steering::stop();
@@ -120,7 +119,7 @@ impl Evader {
         }
     }
 
-    /// Chooses the place to go to, and the way there.
+    /// Chooses the destination and the path to it.
     fn plan(&mut self, map: &PlannerMap, view: &View<'_>, own: &RobotView) {
         let Some((_, arena)) = &self.arena else {
             return;
@@ -158,7 +157,7 @@ impl Evader {
         }
     }
 
-    /// The furthest point of the way to which it can go straight and safely.
+    /// Returns the furthest point of the path that it can drive to straight and safely.
     fn waypoint(&self, map: &PlannerMap, own: &RobotView) -> Option<Point2<f64>> {
         let lattice = self.arena.as_ref().map(|(_, arena)| arena.lattice())?;
         let safe = self.dominance.safe(0)?;
@@ -172,14 +171,14 @@ impl Evader {
         let goes_straight = |to: Point2<f64>| {
             let line = to - here;
             let steps = (line.norm() / lattice.pitch()).ceil().max(1.0);
-            // What is near has been left behind since the plan was made.
+            // The first points may lie behind the robot since the plan was made.
             map.line_is_clear(here, to, radius)
                 && (2..=steps as u32).all(|i| is_safe(here + line * (f64::from(i) / steps)))
         };
         let in_sight = |to: &Point2<f64>| (to - here).norm() <= self.params.sight;
         let points = || self.way.iter().filter_map(|&node| lattice.point(node));
         let furthest = points().rev().find(|to| in_sight(to) && goes_straight(*to));
-        // Too near to a wall to go straight anywhere: along the way, a little ahead.
+        // Too near to a wall for a straight drive: along the path, a little ahead.
         let ahead = || {
             let near = points()
                 .enumerate()
@@ -190,14 +189,15 @@ impl Evader {
     }
 }
 
-/// What a place is worth (s) that is reached `margin` (s) before any pursuer and lies `way_out` (m)
-/// from the nearest exit, to an evader of this speed (m/s): its margin up to
-/// [`ReachAvoidParams::enough_s`], less [`ReachAvoidParams::exit_weight`] times the time to the exit.
+/// Returns the worth (s) of a place to an evader of this speed (m/s). The evader reaches the place
+/// `margin` (s) before any pursuer; the nearest exit is `way_out` (m) away. The worth is the margin
+/// up to [`ReachAvoidParams::enough_s`], less [`ReachAvoidParams::exit_weight`] times the time to
+/// the exit.
 pub fn worth(margin: f64, way_out: f64, speed: f64, params: &ReachAvoidParams) -> f64 {
     margin.min(params.enough_s) - params.exit_weight * way_out / speed
 }
 
-/// The place in an exit that it safely reaches with the most time to spare.
+/// Returns the place in an exit that it safely reaches with the most time to spare.
 fn best_exit(arena: &Arena, dominance: &Dominance) -> Option<usize> {
     let safe = dominance.safe(0)?;
     let mut best: Option<(f32, usize)> = None;
@@ -212,8 +212,8 @@ fn best_exit(arena: &Arena, dominance: &Dominance) -> Option<usize> {
     best.map(|(_, node)| node)
 }
 
-/// The place that it safely reaches and that is worth most; the one before, if that is hardly worth
-/// less.
+/// Returns the place of the highest worth that it safely reaches; the last one, if it is worth
+/// hardly less.
 fn best_place(
     arena: &Arena,
     dominance: &Dominance,
@@ -245,8 +245,8 @@ fn best_place(
     Some(before.filter(keeps).unwrap_or(node))
 }
 
-/// When nothing is safe: of the places near by that it can go to straight, the one that it has the
-/// most time at before a pursuer comes.
+/// Returns the place to flee to if no place is safe: of the near places on a straight free line,
+/// the one with the most time before a pursuer comes.
 fn farthest_from_police(
     map: &PlannerMap,
     arena: &Arena,

@@ -1,10 +1,10 @@
-//! Evader that plays a reach–avoid game against pursuers at their best.
+//! Evader that plays a reach–avoid game against optimal pursuers.
 //!
-//! Several times a second it asks which places it reaches before any pursuer could
-//! (`navigation::dominance`: dynamic programming on the grid). If an exit is among them it goes there:
-//! nobody can stop it. If not, it goes to the place among them that is worth most
-//! ([`evader::worth`]): near the exit, but with time to spare, so that pursuers who come for it leave
-//! the exit to it.
+//! Several times a second it computes the places that it reaches before any pursuer could
+//! (`navigation::dominance`: dynamic programming on the grid). If an exit is among them it drives
+//! there: no pursuer can stop it. If not, it drives to the place of the highest worth
+//! ([`evader::worth`]): near the exit, but with time to spare, so that pursuers that approach it
+//! leave the exit open.
 
 #![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
 #![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]

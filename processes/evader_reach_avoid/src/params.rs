@@ -14,35 +14,35 @@ pub struct ReachAvoidParams {
     /// Time between two plans.
     #[schemars(transform = above(0).unit("s"))]
     pub period_s: f64,
-    /// Its own speed in its plans, as a fraction of its top speed: below 1, since plans
-    /// know nothing of the time that turning takes.
+    /// Its own speed in its plans, as a fraction of its top speed: below 1, since plans ignore the
+    /// time that turning takes.
     #[schemars(transform = above(0).at_most(1))]
     pub speed_fraction: f64,
     /// Distance beyond the capture radius that its plans keep from where pursuers could be.
     #[schemars(transform = at_least(0).unit("m"))]
     pub keep_away: f64,
-    /// Without a safe way out: time by which it wants to be anywhere before the pursuers;
-    /// more is worth no more.
+    /// Without a safe way out: maximum useful lead over the pursuers at a place.
     #[schemars(transform = at_least(0).unit("s"))]
     pub enough_s: f64,
-    /// Without a safe way out: seconds of that time that it gives for being a second's drive nearer
-    /// to the exit.
+    /// Without a safe way out: lead (s) that it gives up for being a second's drive nearer to the
+    /// exit.
     #[schemars(transform = at_least(0))]
     pub exit_weight: f64,
-    /// Largest distance along its way to the point that it heads for.
+    /// Largest distance along its path to the point that it heads for.
     #[schemars(transform = above(0).unit("m"))]
     pub sight: f64,
-    /// Distance kept from obstacles beyond the robot's radius where the way is cut short at corners.
+    /// Distance kept from obstacles beyond the robot's radius where the path is cut short at
+    /// corners.
     #[schemars(transform = at_least(0).unit("m"))]
     pub margin: f64,
-    /// How finely plans are computed.
+    /// Resolution of the plans.
     pub dominance: DominanceParams,
     /// Repulsion from obstacles.
     pub obstacle: ObstacleParams,
     /// Gap to another body at which it begins to turn aside to pass it; 0 for never.
     #[schemars(transform = at_least(0).unit("m"))]
     pub body_guard: f64,
-    /// From field to command.
+    /// Conversion of the field to a command.
     pub feedback: FeedbackParams,
 }
 

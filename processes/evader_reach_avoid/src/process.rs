@@ -1,4 +1,4 @@
-//! Wires [`Evader`] to its topics: state and map in, command and plan out.
+//! Connects [`Evader`] to its topics: state and map in, command and plan out.
 
 use geometry::region::Region;
 use planner::{Planner, PlannerInputs, limits};
@@ -9,14 +9,14 @@ use runtime::config::RobotInfo;
 
 use crate::{Evader, ReachAvoidParams};
 
-/// One evader in its process.
+/// Process of one evader.
 #[derive(Debug)]
 pub struct ReachAvoidPlanner(Evader);
 
 impl Planner for ReachAvoidPlanner {
     const NAME: &'static str = "evader_reach_avoid";
     const SUMMARY: &'static str =
-        "flees by ways on which no pursuer can stop it, or to where it has most time";
+        "flees along paths on which no pursuer can stop it, or to the place with the most time";
 
     type Params = ReachAvoidParams;
 

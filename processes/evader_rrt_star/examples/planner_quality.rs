@@ -1,7 +1,7 @@
-//! How fast the search comes near the shortest ways: `planner_quality [SEEDS [BUDGET_MS]]`.
+//! Convergence of the search to the shortest paths: `planner_quality [SEEDS [BUDGET_MS]]`.
 //!
-//! One line per improvement, `planner,query,seed,cpu_ms,cost`, as `benchmarks/ompl_baseline` writes
-//! them too, after the exact optima as `optimum,query,,,cost`.
+//! It prints one line per improvement, `planner,query,seed,cpu_ms,cost`, like
+//! `benchmarks/ompl_baseline`, after the exact optima as `optimum,query,,,cost`.
 
 #[path = "../tests/support/mod.rs"]
 mod support;
@@ -27,7 +27,7 @@ const QUERIES: [[f64; 4]; 3] = [
     [1.5, -6.0, -6.0, 4.5],
 ];
 
-/// Iterations between two looks at the clock.
+/// Iterations between two readings of the clock.
 const BETWEEN_LOOKS: u32 = 20;
 
 /// CPU time of the process (ms).

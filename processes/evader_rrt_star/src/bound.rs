@@ -1,14 +1,14 @@
-//! Lower bounds on the lengths of ways.
+//! Lower bounds on the lengths of paths.
 
 use std::sync::Arc;
 
 use nalgebra::Point2;
 use navigation::tangent_graph::Towards;
 
-/// How far it is at least from the start to a place, and from there to the nearest goal.
+/// Lower bounds of the distance from the start to a place, and from there to the nearest goal.
 ///
-/// Straight lines bound every way from below; the ways from a place to a goal are bounded better
-/// by the shortest way among the obstacles, where that is known.
+/// Straight lines bound every path from below. The shortest path among the obstacles, where it is
+/// known, is a better bound of paths from a place to a goal.
 #[derive(Debug, Clone, Default)]
 pub struct Bound {
     start: Point2<f64>,
@@ -26,8 +26,8 @@ impl Bound {
         }
     }
 
-    /// Bounds by the shortest ways to these goals for a robot that is no larger than the one that
-    /// plans.
+    /// Returns bounds by the shortest paths to these goals for a robot that is no larger than the
+    /// planning one.
     pub fn along_streets(start: Point2<f64>, goals: &[Arc<Towards>]) -> Self {
         Self {
             start,
@@ -36,12 +36,12 @@ impl Bound {
         }
     }
 
-    /// Least length of a way from the start to a place (m).
+    /// Returns the minimum length of a path from the start to a place (m).
     pub fn from_start(&self, p: Point2<f64>) -> f64 {
         (p - self.start).norm()
     }
 
-    /// Least length of a way from a place to a goal (m); infinite without a goal.
+    /// Returns the minimum length of a path from a place to a goal (m); infinite without a goal.
     pub fn to_goal(&self, p: Point2<f64>) -> f64 {
         if self.along_streets.is_empty() {
             return self.straight_to_goal(p);
@@ -59,10 +59,10 @@ impl Bound {
             .fold(f64::INFINITY, f64::min)
     }
 
-    /// Whether a way over this place could be shorter than `best` (m).
-    pub fn can_beat(&self, p: Point2<f64>, best: f64) -> bool {
+    /// Returns `true` if a path over this place could be shorter than `best` (m).
+    pub fn can_improve(&self, p: Point2<f64>, best: f64) -> bool {
         let from_start = self.from_start(p);
-        // The cheap look first.
+        // The cheap test first.
         from_start + self.straight_to_goal(p) < best && from_start + self.to_goal(p) < best
     }
 }

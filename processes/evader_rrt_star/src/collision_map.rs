@@ -1,4 +1,4 @@
-//! What a planner prepares of a map for a robot.
+//! Data that a planner derives from a map for a robot.
 
 use std::sync::Arc;
 
@@ -9,47 +9,47 @@ use planner_view::free_space::FreeSpace;
 use crate::motion::segment_distance;
 use crate::sampler::FreeSampler;
 
-/// Steps by which a place is moved out of obstacles.
+/// Maximum number of steps by which a place is moved out of obstacles.
 const PUSHES: u32 = 16;
 
-/// Distance by which an exit's centre may be moved to where the robot fits (m); where that is not
+/// Maximum distance by which an exit's centre may be moved to a free place (m); if that is not
 /// enough, the exit is left out.
 pub const GOAL_TOLERANCE: f64 = 0.3;
 
-/// How much farther than necessary a place is moved (m).
+/// Extra distance by which a place is moved (m).
 const SLACK: f64 = 1e-6;
 
-/// A robot that stands in the way, as a disc.
+/// Robot that blocks the way, as a disc.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Body {
     /// Its centre (m).
     pub at: Point2<f64>,
-    /// Distance between its centre and one's own at which they touch (m).
+    /// Distance between its centre and that of the planning robot at contact (m).
     pub reach: f64,
 }
 
 impl Body {
-    /// Whether a way that comes as near as `distance` (m) to the body and begins at `from` passes
-    /// it. Who touches it already may go on, but not nearer.
+    /// Returns `true` if a path that comes as near as `distance` (m) to the body and begins at
+    /// `from` passes it. A robot in contact may continue, but not come nearer.
     pub fn lets_pass(&self, from: Point2<f64>, distance: f64) -> bool {
         distance >= self.reach.min((from - self.at).norm())
     }
 }
 
-/// A map for a robot of one size.
+/// Map for a robot of one size.
 #[derive(Debug, Clone)]
 pub struct CollisionMap {
     /// The free space.
     pub space: FreeSpace,
-    /// Where samples are drawn from.
+    /// Sampler of free places.
     pub sampler: FreeSampler,
     /// Radius for which it is made (m).
     pub radius: f64,
     /// Revision of the map.
     pub revision: u64,
-    /// The shortest ways, if the map is not too large for them.
+    /// Graph of the shortest paths, if the map is small enough.
     graph: Option<TangentGraph>,
-    /// The goals so far, and the shortest ways to each.
+    /// Goals so far, and the shortest paths to each.
     towards: Vec<Arc<Towards>>,
 }
 
@@ -66,7 +66,8 @@ impl CollisionMap {
         }
     }
 
-    /// The shortest ways to these goals (m), found once for each; empty where they are not known.
+    /// Returns the shortest paths to these goals (m), computed once for each; empty if they are not
+    /// known.
     pub fn towards(&mut self, goals: &[Point2<f64>]) -> Vec<Arc<Towards>> {
         let Some(graph) = &self.graph else {
             return Vec::new();
@@ -84,12 +85,13 @@ impl CollisionMap {
             .collect()
     }
 
-    /// Whether it is made for this map and radius.
+    /// Returns `true` if it was made for this map and radius.
     pub fn is_of(&self, radius: f64, revision: u64) -> bool {
         self.radius == radius && self.revision == revision
     }
 
-    /// Whether a robot of this radius (m) can go straight between two points, past these bodies.
+    /// Returns `true` if a robot of this radius (m) can drive straight between two points, past
+    /// these bodies.
     pub fn is_free_line(
         &self,
         from: Point2<f64>,
@@ -103,9 +105,8 @@ impl CollisionMap {
                 .all(|body| body.lets_pass(from, segment_distance(from, to, body.at)))
     }
 
-    /// A free place as near as can be: the place itself, or where it comes to when it is pushed
-    /// away from the surfaces that it is too near to. `None` if that leads nowhere within `most`
-    /// (m).
+    /// Returns the nearest free place: the place itself, or its position after it is pushed away
+    /// from the surfaces that it is too near to. `None` if there is none within `most` (m).
     pub fn free_place(&self, p: Point2<f64>, most: f64) -> Option<Point2<f64>> {
         let mut at = p;
         for _ in 0..PUSHES {

@@ -1,4 +1,4 @@
-//! What an edge of the tree costs.
+//! Costs of the edges of the tree.
 
 use nalgebra::Point2;
 
@@ -8,42 +8,42 @@ use crate::params::{Algorithm, CostKind, CostParams};
 /// Distance of a pursuer at which the danger is 1 (m).
 const SCALE: f64 = 4.0;
 
-/// Time after which a pursuer is not taken to come any nearer (s).
+/// Time after which a pursuer is assumed not to come nearer (s).
 const HORIZON_S: f64 = 5.0;
 
-/// Distance between two looks along an edge (m).
+/// Distance between two samples along an edge (m).
 const STEP: f64 = 0.5;
 
-/// Most places at which the time-aware cost looks along one edge.
+/// Maximum number of samples of the time-aware cost along one edge.
 const MAX_LOOKS: f64 = 32.0;
 
-/// A pursuer as the cost sees it.
+/// Pursuer, as input of the cost.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pursuer {
-    /// Where it is (m).
+    /// Position (m).
     pub at: Point2<f64>,
     /// Its highest speed (m/s).
     pub v_max: f64,
 }
 
-/// The cost of edges in one situation.
+/// Cost of edges in one situation.
 ///
-/// Every edge costs at least its length, which makes the way's remaining length an admissible
+/// Every edge costs at least its length, which makes the path's remaining length an admissible
 /// heuristic.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CostModel {
     params: CostParams,
-    /// Pursuers nearer than this count as this far (m).
+    /// Minimum distance of pursuers in the cost (m): nearer ones count as this far.
     closest: f64,
     /// Speed of the evader (m/s).
     own_speed: f64,
     pursuers: Vec<Pursuer>,
-    /// The highest speed of all pursuers if it is the same (m/s).
+    /// Highest speed of all pursuers if it is the same (m/s).
     one_speed: Option<f64>,
 }
 
 impl CostModel {
-    /// The costs for an evader with this search and speed (m/s) among no pursuers.
+    /// Returns the costs for an evader with this search and speed (m/s) without pursuers.
     pub fn new(params: CostParams, algorithm: Algorithm, own_speed: f64) -> Self {
         Self {
             params,
@@ -54,7 +54,7 @@ impl CostModel {
         }
     }
 
-    /// Sets the pursuers; those that are not finite are left out.
+    /// Sets the pursuers; non-finite ones are ignored.
     pub fn set_pursuers(&mut self, pursuers: impl Iterator<Item = Pursuer>) {
         self.pursuers.clear();
         if self.params.kind != CostKind::Length {
@@ -69,18 +69,18 @@ impl CostModel {
             .filter(|&v_max| self.pursuers.iter().all(|p| p.v_max == v_max));
     }
 
-    /// Whether an edge's cost depends on nothing but the edge.
+    /// Returns `true` if an edge's cost depends on nothing but the edge.
     pub fn is_static(&self) -> bool {
         self.params.kind != CostKind::TimeAware || self.pursuers.is_empty()
     }
 
-    /// Whether edges cost their length and nothing else.
+    /// Returns `true` if the cost of an edge is its length.
     pub fn is_length(&self) -> bool {
         self.pursuers.is_empty()
     }
 
-    /// What it costs (m) to go from one point to another by this link, after a way of length
-    /// `before` (m). At least the link's length.
+    /// Returns the cost (m) of this link from one point to another, after a path of length `before`
+    /// (m). It is at least the link's length.
     pub fn edge(&self, from: Point2<f64>, to: Point2<f64>, link: &Link, before: f64) -> f64 {
         if self.pursuers.is_empty() {
             return link.length;
@@ -104,7 +104,7 @@ impl CostModel {
         ratio * ratio * ratio
     }
 
-    /// Distance (m) from a point to the nearest place where a pursuer can be that has driven for
+    /// Returns the distance (m) from a point to the nearest place that a pursuer can reach in
     /// `reach` seconds; negative within.
     fn margin(&self, at: Point2<f64>, reach: f64) -> f64 {
         if let Some(v_max) = self.one_speed {
@@ -141,15 +141,15 @@ impl CostModel {
     }
 }
 
-/// How often a way of this many steps is looked at: rounded up, from 1 to [`MAX_LOOKS`]. (`ceil` is
-/// a call on the oldest x86-64.)
+/// Returns the number of samples along a path of this many steps: rounded up, from 1 to
+/// [`MAX_LOOKS`]. (`ceil` is a call on the oldest x86-64.)
 fn looks(steps: f64) -> f64 {
     let whole = f64::from(steps as u32);
     let up = if whole < steps { whole + 1.0 } else { whole };
     up.clamp(1.0, MAX_LOOKS)
 }
 
-/// From the middle of the chord to the middle of the way; an arc is near enough to the parabola
+/// From the middle of the chord to the middle of the path; an arc is near enough to the parabola
 /// through its middle for a danger that varies over metres.
 fn bulge(from: Point2<f64>, to: Point2<f64>, link: &Link) -> nalgebra::Vector2<f64> {
     match &link.leg {
@@ -220,7 +220,7 @@ mod tests {
         };
         let model = model(params, &[(4.0, 0.0)]);
         let cost = line(&model, Point2::new(0.0, 0.0), Point2::new(0.0, 1e-3), 7.0);
-        // Danger 1 at 4 m: a metre of way costs a metre more.
+        // Danger 1 at 4 m: a metre of path costs a metre more.
         assert!((cost - 2e-3).abs() < 1e-8, "{cost}");
     }
 
@@ -257,7 +257,7 @@ mod tests {
     }
 
     #[test]
-    fn pursuers_that_are_no_numbers_are_not_there() {
+    fn nan_pursuers_are_ignored() {
         let model = model(
             CostParams::paper(),
             &[(f64::NAN, 0.0), (f64::INFINITY, 1.0)],

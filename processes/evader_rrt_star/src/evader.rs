@@ -1,4 +1,4 @@
-//! One evader: when it plans, what it does meanwhile, and how it follows its plans.
+//! Controller of one evader: when it plans, its motion meanwhile, and the follower of its plans.
 
 use geometry::pose::Pose2;
 use nalgebra::Point2;
@@ -22,19 +22,19 @@ use crate::replan::{is_threatened, papers_safety};
 use crate::route::Route;
 use crate::tree::NONE;
 
-/// Distance by which a start that touches an obstacle may be moved to be free (m).
+/// Maximum distance by which a start in contact may be moved to be free (m).
 const MAX_PUSH: f64 = 1.0;
 
-/// Times nearer than this are the same (s).
+/// Tolerance of times (s).
 const SAME_TIME: f64 = 1e-9;
 
-/// How far the straight pieces by which arcs are drawn may lie beside them (m).
+/// Maximum distance between arcs and the straight pieces that draw them (m).
 const CHORD: f64 = 0.003;
 
-/// A robot slower than this stands in the way (m/s).
+/// Speed below which a robot counts as an obstacle (m/s).
 const STANDING: f64 = 0.02;
 
-/// The paper's measure of safety below which its rule plans anew.
+/// Threshold of the paper's measure of safety below which its rule replans.
 const PAPER_THRESHOLD: f64 = 1.5;
 
 /// Distance from the exit within which the paper's rule plans at every chance (m).
@@ -44,7 +44,7 @@ const PAPER_NEAR_EXIT: f64 = 0.3;
 /// next (m).
 const WAYPOINT_REACHED: f64 = 0.3;
 
-/// Edges of a tree that are shown, at most.
+/// Maximum number of edges of a shown tree.
 pub const SHOWN_EDGES: usize = 512;
 
 /// An edge of a tree, drawn.
@@ -56,11 +56,11 @@ pub struct ShownEdge {
     pub to: Point2<f64>,
     /// Cost from the root to the child (m).
     pub cost: f64,
-    /// Whether it belongs to the way that was chosen.
+    /// `true` if it belongs to the chosen path.
     pub on_path: bool,
 }
 
-/// A plan that has been made, but is not known to the robot yet.
+/// A plan that has been computed but is not in force yet.
 #[derive(Debug, Clone)]
 struct Pending {
     due_s: f64,
@@ -81,18 +81,18 @@ pub struct RrtStarEvader {
     flight: Evader,
     /// The map with the margin, and without.
     grounds: [Option<CollisionMap>; 2],
-    /// Whether the last plan found no way with the margin.
+    /// `true` if the last plan found no path with the margin.
     is_tight: bool,
-    /// What the last plan was made for: revision of the map, and the bodies.
+    /// Inputs of the last plan: revision of the map, and the bodies.
     planned_for: (u64, Vec<Body>),
-    /// What the route was last found free for.
+    /// Inputs of the last check that found the route free.
     route_checked: (u64, Vec<Body>),
     route: Option<Route>,
     tracker: PathTracker,
     /// Next point of the route, for the potential field.
     next: usize,
     pending: Option<Pending>,
-    /// When the last plan was begun, and when the paper's rule last looked (s).
+    /// Start of the last plan, and the last check of the paper's rule (s).
     begun_s: Option<f64>,
     looked_s: f64,
     off_path: f64,
@@ -101,7 +101,7 @@ pub struct RrtStarEvader {
 }
 
 impl RrtStarEvader {
-    /// An evader for a robot with these limits; everything random follows from the seed.
+    /// Returns an evader for a robot with these limits; all random values follow from the seed.
     ///
     /// # Errors
     /// [`ParamsError`] if a parameter is out of range.
@@ -133,8 +133,8 @@ impl RrtStarEvader {
         })
     }
 
-    /// Prepares a new map for a robot of this radius (m). [`Self::command`] does it too if it has
-    /// not been done; here it does not cost time in a tick.
+    /// Prepares a new map for a robot of this radius (m) before the next tick. Otherwise
+    /// [`Self::command`] does it within a tick.
     pub fn prepare(&mut self, map: &PlannerMap, radius: f64) {
         self.flight.prepare(map, radius);
         if let Some(space) = map.space() {
@@ -147,21 +147,21 @@ impl RrtStarEvader {
         self.route.as_ref()
     }
 
-    /// How far along the route it is (m).
+    /// Returns the progress along the route (m).
     pub fn progress(&self) -> f64 {
         self.tracker.progress()
     }
 
-    /// The tree of the plan that it follows, each tree once; `None` if there is no new one.
+    /// Returns the tree of the followed plan, each tree once; `None` if there is no new one.
     pub fn take_tree(&mut self) -> Option<&[ShownEdge]> {
         core::mem::take(&mut self.tree_is_new).then_some(&self.tree[..])
     }
 
-    /// What the robot `view.me` does in this tick.
+    /// Returns the command of the robot `view.me` for this tick.
     ///
-    /// It stands still when it is not listed or no longer takes part. Without a way to an exit it
-    /// goes as far towards one as it found a way, and otherwise flees by its potential field; so it
-    /// does where the map's exact geometry is not known.
+    /// It stands still if it is not listed or no longer takes part. Without a path to an exit it
+    /// drives as far towards one as it found a path, and otherwise flees by its potential field. It
+    /// also flees so where the map's exact geometry is not known.
     pub fn command(&mut self, map: &PlannerMap, view: &View<'_>) -> Steering {
         let Some(own) = view.own().filter(|own| own.active) else {
             self.route = None;
@@ -218,14 +218,15 @@ impl RrtStarEvader {
         }
     }
 
-    /// The map as the next plan takes it.
+    /// Returns the map for the next plan.
     fn collision_map(&self) -> Option<&CollisionMap> {
         let [wide, tight] = &self.grounds;
         let collision_map = if self.is_tight { tight } else { wide };
         collision_map.as_ref()
     }
 
-    /// The exits, each moved to where the robot can be; those that cannot be are left out.
+    /// Returns the exits, each moved to a place that the robot can reach; exits without one are
+    /// left out.
     fn goals(&self, view: &View<'_>) -> Vec<Point2<f64>> {
         let Some(collision_map) = self.collision_map() else {
             return Vec::new();
@@ -235,7 +236,7 @@ impl RrtStarEvader {
             .collect()
     }
 
-    /// Takes up the plan that is due.
+    /// Starts to follow the plan that is due.
     fn take_up(&mut self, time_s: f64) {
         let is_due = |pending: &Pending| pending.due_s <= time_s + SAME_TIME;
         let Some(pending) = self.pending.take_if(|pending| is_due(pending)) else {
@@ -247,7 +248,7 @@ impl RrtStarEvader {
         let Some(route) = pending.route else {
             return;
         };
-        // A way that ends somewhere is no match for one that leads out.
+        // A path that ends elsewhere does not replace one to an exit.
         if route.is_complete || !complete_before {
             self.tracker.set_path(route.path.clone());
             self.next = 1;
@@ -257,7 +258,7 @@ impl RrtStarEvader {
         }
     }
 
-    /// Drops a route that obstacles have come onto.
+    /// Drops a route that new obstacles block.
     fn drop_blocked(&mut self, own: &RobotView, revision: u64) {
         let (Some(route), Some(collision_map)) = (&self.route, self.collision_map()) else {
             return;
@@ -272,7 +273,7 @@ impl RrtStarEvader {
             .points()
             .windows(2)
             .zip(route.path.along().windows(2));
-        // The robot's own radius: the margin is for plans.
+        // The robot's own radius: the margin applies to plans only.
         let is_free = ahead
             .filter(|(_, along)| along.last().is_some_and(|&end| end > progress))
             .all(|(points, _)| match points {
@@ -356,7 +357,7 @@ impl RrtStarEvader {
         let mut towards = collision_map.towards(goals);
         let mut goals = goals.to_vec();
         if !towards.is_empty() {
-            // What cannot be reached at all is not searched for.
+            // Unreachable goals are not searched for.
             towards.retain(|goal| goal.distance(place).is_some());
             goals = towards.iter().map(|goal| goal.goal()).collect();
         }
@@ -378,8 +379,8 @@ impl RrtStarEvader {
             self.planning.plan(&task)
         };
         self.planned_for = now;
-        // With the margin some gap may be too narrow: the next plan goes without, and the one
-        // after that with it again.
+        // The margin may close a gap: the next plan does without it, and the one after that uses it
+        // again.
         let is_complete = route.as_ref().is_some_and(|route| route.is_complete);
         self.is_tight = !is_complete && !self.is_tight && self.params.margin > 0.0;
         self.pending = Some(Pending {
@@ -393,7 +394,7 @@ impl RrtStarEvader {
         });
     }
 
-    /// Where the robot will be after some seconds (s), if it follows its route.
+    /// Returns the pose of the robot after some seconds (s), if it follows its route.
     fn pose_in(&self, seconds: f64, own: &RobotView) -> Pose2 {
         let route = self.route.as_ref().filter(|_| seconds > 0.0);
         let is_followed = self.params.follower == Follower::PurePursuit
@@ -405,7 +406,7 @@ impl RrtStarEvader {
             .unwrap_or(own.pose)
     }
 
-    /// The edges of the tree that are cheapest to reach, and those of the way.
+    /// Returns the edges of the tree with the lowest costs, and those of the path.
     fn shown_tree(&self) -> Vec<ShownEdge> {
         let tree = self.planning.tree();
         let mut edges: Vec<ShownEdge> = (0..tree.len() as u32)
@@ -420,7 +421,7 @@ impl RrtStarEvader {
                 }
             })
             .collect();
-        // A parent is cheaper than its children: what is left is a tree.
+        // A parent is cheaper than its children: the remaining edges form a tree.
         edges.sort_by(|a, b| b.on_path.cmp(&a.on_path).then(a.cost.total_cmp(&b.cost)));
         edges.truncate(SHOWN_EDGES);
         edges

@@ -1,4 +1,4 @@
-//! Following a route.
+//! Followers of a route.
 
 use geometry::math;
 use geometry::pose::{Pose2, Twist2};
@@ -26,7 +26,7 @@ pub fn pursue(
     space: &FreeSpace,
     radius: f64,
 ) -> Option<Tracking> {
-    // Where the robot has come nearer to a wall than it should, it may go on as near.
+    // A robot that is nearer to a wall than the margin may continue at that distance.
     let radius = radius.min(space.distance(pose.position())).max(0.0);
     let arcs = Arcs {
         min_radius: 1e-6,
@@ -40,7 +40,7 @@ pub fn pursue(
         let forward = pose.forward();
         let bearing = math::atan2(forward.perp(&offset), forward.dot(&offset));
         if bearing.abs() > params.turn_on_spot {
-            // It will turn first, and then drive about straight.
+            // It will turn first, and then drive almost straight.
             return space.segment_is_free(from, to, radius);
         }
         distance == 0.0
@@ -51,7 +51,7 @@ pub fn pursue(
 }
 
 /// The paper's follower: the field at the control point towards one point of the path, with
-/// obstacles and fellow evaders, but not the Police, in it.
+/// obstacles and other evaders, but without the Police.
 pub fn by_field(
     map: &PlannerMap,
     view: &View<'_>,

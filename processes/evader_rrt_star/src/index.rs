@@ -1,43 +1,44 @@
 //! Nearest and near neighbours among points in the plane: a grid of buckets.
 //!
-//! The grid is laid anew, finer, whenever the number of points has quadrupled, so that a bucket
-//! holds a point or two whatever their number. `benches/planning.rs` has it beside a look at every
-//! point (`near_1500`).
+//! The grid is rebuilt with finer cells whenever the number of points has quadrupled, so that a
+//! bucket contains a point or two on average. `benches/planning.rs` compares it with a linear
+//! search (`near_1500`).
 
 use geometry::shape::Aabb;
 use nalgebra::Point2;
 
 const NONE: u32 = u32::MAX;
 
-/// Most buckets along a side.
+/// Maximum number of buckets along a side.
 const MAX_SIDE: usize = 512;
 
-/// A growing set of points; a point's number is its place in the order of insertion.
+/// Growing set of points; a point's number is its place in the order of insertion.
 #[derive(Debug, Clone)]
 pub struct BucketIndex {
     bounds: Aabb,
     columns: usize,
     rows: usize,
-    /// Buckets per metre, each way.
+    /// Buckets per metre in each direction.
     per_metre: (f64, f64),
     heads: Vec<u32>,
     next: Vec<u32>,
     at: Vec<Point2<f64>>,
-    /// Number of points at which the grid is laid anew.
+    /// Number of points at which the grid is rebuilt.
     full: usize,
 }
 
-/// A point that was found, and how far it is.
+/// Found point and its distance.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Near {
     /// The point's number.
     pub node: u32,
-    /// Its distance from the place asked for (m).
+    /// Distance from the query place (m).
     pub distance: f64,
 }
 
 impl BucketIndex {
-    /// No points yet. Points outside `bounds` (m) may be inserted too; they are found more slowly.
+    /// Returns an index without points. Points outside `bounds` (m) may be inserted, too; queries
+    /// for them are slower.
     pub fn new(bounds: Aabb) -> Self {
         let mut index = Self {
             bounds,
@@ -53,7 +54,7 @@ impl BucketIndex {
         index
     }
 
-    /// Forgets all points; keeps the memory.
+    /// Removes all points; keeps the memory.
     pub fn clear(&mut self) {
         self.next.clear();
         self.at.clear();
@@ -65,12 +66,12 @@ impl BucketIndex {
         self.at.len()
     }
 
-    /// Whether there are no points.
+    /// Returns `true` if there are no points.
     pub fn is_empty(&self) -> bool {
         self.at.is_empty()
     }
 
-    /// Adds a point (m). One that is not finite takes a number, but is never found.
+    /// Adds a point (m). A non-finite one takes a number, but is never found.
     pub fn insert(&mut self, p: Point2<f64>) {
         self.at.push(p);
         self.next.push(NONE);
@@ -109,7 +110,7 @@ impl BucketIndex {
         self.link(node as usize);
     }
 
-    /// The points within `radius` (m) of `p`, in the order of the buckets.
+    /// Returns the points within `radius` (m) of `p`, in the order of the buckets.
     pub fn near(&self, p: Point2<f64>, radius: f64, found: &mut Vec<Near>) {
         found.clear();
         let grow = nalgebra::Vector2::new(radius, radius);
@@ -131,7 +132,7 @@ impl BucketIndex {
         }
     }
 
-    /// The point nearest to `p`; of several the one found first. `None` without points.
+    /// Returns the point nearest to `p`; of several the one found first. `None` without points.
     pub fn nearest(&self, p: Point2<f64>) -> Option<Near> {
         let (column, row) = self.bucket_of(p);
         // Width of the narrower side of a bucket: points in ring k are at least (k − 1) widths off.
@@ -186,10 +187,11 @@ impl BucketIndex {
         }
     }
 
-    /// The bucket of a place; of the nearest one for places outside. NaN falls into the first.
+    /// Returns the bucket of a place; of the nearest one for places outside. NaN falls into the
+    /// first.
     fn bucket_of(&self, p: Point2<f64>) -> (usize, usize) {
         let offset = p - self.bounds.min;
-        // A cast saturates: what is below 0 becomes 0.
+        // A cast saturates: values below 0 become 0.
         let column = (offset.x * self.per_metre.0) as usize;
         let row = (offset.y * self.per_metre.1) as usize;
         (column.min(self.columns - 1), row.min(self.rows - 1))
@@ -208,7 +210,7 @@ impl BucketIndex {
         }
     }
 
-    /// Lays the grid for the present number of points.
+    /// Rebuilds the grid for the present number of points.
     fn lay(&mut self) {
         let size = self.bounds.max - self.bounds.min;
         let (width, height) = (size.x.max(1e-9), size.y.max(1e-9));
@@ -287,7 +289,7 @@ mod tests {
     }
 
     #[test]
-    fn places_that_are_no_numbers_do_no_harm() {
+    fn nan_places_are_ignored() {
         let mut index = BucketIndex::new(bounds());
         index.insert(Point2::new(f64::NAN, 1.0));
         index.insert(Point2::new(1.0, 1.0));

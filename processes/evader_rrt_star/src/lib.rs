@@ -1,9 +1,9 @@
-//! Evader that plans its way to an exit with RRT*.
+//! Evader that plans its path to an exit with RRT*.
 //!
-//! [`search`] grows the tree; [`motion`] has its two primitives, [`cost`] what edges cost,
-//! [`bound`] and [`sampler`] where samples are worth drawing, [`index`] who is near. [`evader`]
-//! decides when to plan, waits for its plans as long as they take in simulated time, and follows
-//! them. The chasing-game paper's planner (§III-G) is [`RrtStarParams::paper`].
+//! [`search`] grows the tree with the two primitives of [`motion`], the edge costs of [`cost`], the
+//! bounds and samples of [`bound`] and [`sampler`], and the neighbours of [`index`]. [`evader`]
+//! decides when to plan, delays its plans by their simulated computing time, and follows them. The
+//! chasing-game paper's planner (§III-G) is [`RrtStarParams::paper`].
 
 #![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
 #![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]

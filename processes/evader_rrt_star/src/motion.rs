@@ -1,11 +1,11 @@
-//! How the robot gets from a node of the tree to a point: the motion primitives.
+//! Motion primitives from a node of the tree to a point.
 
 use geometry::math;
 use geometry::pose::Pose2;
 use nalgebra::{Point2, Vector2};
 use planner_view::free_space::{Arc, FreeSpace};
 
-/// Arcs that bend less than this (rad) are straight lines to any precision that matters.
+/// Bend below which arcs count as straight lines (rad).
 const STRAIGHT: f64 = 1e-7;
 
 /// The shape of an edge.
@@ -17,7 +17,7 @@ pub enum Leg {
     Arc(Arc),
 }
 
-/// A way from a pose to a point.
+/// Link from a pose to a point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Link {
     /// Its length (m).
@@ -29,7 +29,7 @@ pub struct Link {
 }
 
 impl Link {
-    /// A straight way; the heading at its end is the one at its start, which no one asks for.
+    /// Returns a straight link. The heading at its end is that at its start; it is not used.
     pub const fn line(length: f64) -> Self {
         Self {
             length,
@@ -38,8 +38,8 @@ impl Link {
         }
     }
 
-    /// Whether a robot of this radius (m) can go this way between two points without touching
-    /// anything.
+    /// Returns `true` if a robot of this radius (m) can drive this link between two points without
+    /// contact.
     pub fn is_free(
         &self,
         space: &FreeSpace,
@@ -53,7 +53,7 @@ impl Link {
         }
     }
 
-    /// Distance (m) from a point to the way between two points.
+    /// Returns the distance (m) from a point to the link between two points.
     pub fn distance_to(&self, from: Point2<f64>, to: Point2<f64>, p: Point2<f64>) -> f64 {
         match &self.leg {
             Leg::Line => segment_distance(from, to, p),
@@ -73,7 +73,7 @@ impl Link {
     }
 }
 
-/// Distance (m) from a point to a segment.
+/// Returns the distance (m) from a point to a segment.
 pub fn segment_distance(from: Point2<f64>, to: Point2<f64>, p: Point2<f64>) -> f64 {
     let (line, offset) = (to - from, p - from);
     let squared = line.norm_squared();
@@ -85,16 +85,17 @@ pub fn segment_distance(from: Point2<f64>, to: Point2<f64>, p: Point2<f64>) -> f
     (offset - line * t).norm()
 }
 
-/// A motion primitive: the rule by which nodes are joined.
+/// Motion primitive: the rule by which nodes are joined.
 pub trait Motion {
-    /// Whether the way to a node depends on the heading at its start. Then giving a node another
-    /// parent changes the ways to all nodes behind it.
+    /// `true` if the path to a node depends on the heading at its start. A new parent of a node
+    /// then changes the paths to all its descendants.
     const HAS_HEADING: bool;
 
-    /// The way from a pose to a point at this distance (m); `None` if the primitive has none.
+    /// Returns the link from a pose to a point at this distance (m); `None` if the primitive has
+    /// none.
     fn link(&self, from: &Pose2, to: Point2<f64>, distance: f64) -> Option<Link>;
 
-    /// The way out of the pose at which the robot stands.
+    /// Returns the link from the robot's present pose.
     fn link_from_start(&self, from: &Pose2, to: Point2<f64>, distance: f64) -> Option<Link> {
         self.link(from, to, distance)
     }
@@ -115,16 +116,16 @@ impl Motion for Straight {
 /// Circular arcs: from every pose the one circle that leaves along the heading and passes through
 /// the point (the chasing-game paper's first planner, §III-G).
 ///
-/// With the point at distance ℓ under the bearing α, the curvature is 2 sin α / ℓ, the length
-/// ℓ α / sin α, and the robot arrives turned by 2α.
+/// With the point at distance ℓ under the bearing α, the curvature is 2 sin α / ℓ, the length ℓ α /
+/// sin α, and the robot arrives turned by 2α.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Arcs {
     /// Smallest turning radius (m), > 0.
     pub min_radius: f64,
-    /// Largest bearing of the point from the heading (rad), in (0, π/2]: half of the largest turn
+    /// Maximum bearing of the point from the heading (rad), in (0, π/2]: half of the largest turn
     /// within one arc.
     pub max_bearing: f64,
-    /// Whether the robot may turn on the spot before it sets off; its first leg is straight then.
+    /// `true` if the robot may turn on the spot before it sets off; its first leg is straight then.
     pub free_start: bool,
 }
 
@@ -216,7 +217,7 @@ mod tests {
     }
 
     #[test]
-    fn what_lies_behind_or_needs_a_sharper_turn_has_no_arc() {
+    fn points_behind_or_beyond_the_turning_radius_have_no_arc() {
         let from = Pose2::new(0.0, 0.0, 0.0);
         let link = |x, y| {
             let to = Point2::new(x, y);
@@ -268,10 +269,10 @@ mod tests {
                 prop_assert!((along(&arc, 0.0) - from.position()).norm() < 1e-7 * arc.radius.max(1.0));
                 prop_assert!((along(&arc, 1.0) - to).norm() < 1e-7 * arc.radius.max(1.0));
                 prop_assert!((arc.radius * arc.sweep.abs() - link.length).abs() < 1e-9 * link.length);
-                // A short way along the arc lies in the direction of the heading.
+                // A short path along the arc lies in the direction of the heading.
                 let step = along(&arc, 1e-3) - from.position();
                 prop_assert!(step.normalize().dot(&from.forward()) > 1.0 - 1e-5);
-                // No nearer than the least of many points of it.
+                // No nearer than the nearest of many points of it.
                 let p = Point2::new(0.9, 0.1);
                 let least = (0..=2000)
                     .map(|i| (along(&arc, f64::from(i) / 2000.0) - p).norm())

@@ -5,13 +5,13 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use steering::potential_evader::EvaderParams;
 
-/// Most iterations that a plan may have.
+/// Maximum number of iterations of a plan.
 pub const MAX_ITERATIONS: u32 = 1_000_000;
 
-/// Share of iterations that change points of the best way once there is one.
+/// Share of iterations that change points of the best path once there is one.
 pub(crate) const REFINE_SHARE: f64 = 0.3;
 
-/// The variant of the search, and of what goes with it.
+/// Variant of the search and of the rules that belong to it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Algorithm {
@@ -20,12 +20,13 @@ pub enum Algorithm {
     Improved,
     /// The search of the program that the chasing-game paper's authors published: nodes keep their
     /// first parent, only the cheapest parent is tried, samples come from the whole map, every plan
-    /// begins from nothing. Pursuers count as far as 1 mm, and arcs begin along the robot's heading.
+    /// starts from an empty tree. Pursuers count as far as 1 mm, and arcs begin along the robot's
+    /// heading.
     Published,
 }
 
 impl Algorithm {
-    /// Lower bound on edges (m): they are longer than this.
+    /// Returns the lower bound on edges (m): they are longer than this.
     pub fn min_edge(self) -> f64 {
         match self {
             Self::Improved => 1e-6,
@@ -33,8 +34,8 @@ impl Algorithm {
         }
     }
 
-    /// Least distance of a pursuer that counts (m): a nearer one counts as this far, which bounds
-    /// the danger.
+    /// Returns the minimum distance of a pursuer in the cost (m): a nearer one counts as this far,
+    /// which bounds the danger.
     pub fn closest(self) -> f64 {
         match self {
             Self::Improved => 0.5,
@@ -49,13 +50,13 @@ impl Algorithm {
 pub struct SearchParams {
     /// The variant of the search.
     pub algorithm: Algorithm,
-    /// Iterations of one plan.
+    /// Number of iterations of one plan.
     #[schemars(transform = between(1, MAX_ITERATIONS))]
     pub iterations: u32,
     /// Share of iterations that try to reach a goal.
     #[schemars(transform = at_least(0).below(1.0 - REFINE_SHARE))]
     pub goal_bias: f64,
-    /// Longest edge that is tried.
+    /// Maximum length of an edge.
     #[schemars(transform = above(0).unit("m"))]
     pub max_edge: f64,
 }
@@ -83,7 +84,7 @@ impl Parameters for SearchParams {
 }
 
 impl SearchParams {
-    /// The values of the chasing-game paper's experiments.
+    /// Returns the values of the chasing-game paper's experiments.
     pub fn paper() -> Self {
         Self {
             algorithm: Algorithm::Published,
@@ -92,15 +93,15 @@ impl SearchParams {
     }
 }
 
-/// Which formula makes the cost of an edge.
+/// Formula of the cost of an edge.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum CostKind {
-    /// The edge's length (m): shortest ways, whoever lies in wait.
+    /// The edge's length (m): shortest paths, without regard to pursuers.
     Length,
     /// The chasing-game paper's: length + (scale / d)³ with the distance d from the edge to the
-    /// nearest pursuer *where it is now*. Per edge, so that a way of many short edges past a
-    /// pursuer costs more than the same way in one.
+    /// nearest pursuer *where it is now*. Per edge, so that a path of many short edges past a
+    /// pursuer costs more than the same path in one.
     Paper,
     /// Length + the integral along the edge of weight · (scale / m)³, where m is how far off the
     /// nearest pursuer can still be *when the evader gets there*:
@@ -118,12 +119,13 @@ pub enum CostKind {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct CostParams {
-    /// Which formula.
+    /// Formula of the cost.
     pub kind: CostKind,
-    /// Extra metres per metre of way where the danger is 1 (`time_aware` only).
+    /// Extra metres per metre of path where the danger is 1 (`time_aware` only).
     #[schemars(transform = at_least(0))]
     pub weight: f64,
-    /// Share of a pursuer's speed with which it is taken to come nearer (`time_aware` only): 1 for a pursuer that drives straight for the place at once, 0 for one that stays.
+    /// Share of a pursuer's speed with which it is assumed to approach (`time_aware` only): 1 for a
+    /// pursuer that drives straight for the place at once, 0 for one that stays.
     #[schemars(transform = between(0, 1))]
     pub reach: f64,
 }
@@ -181,14 +183,14 @@ pub struct ArcParams {
 
 impl Parameters for ArcParams {}
 
-/// Parameters of the time that planning takes.
+/// Parameters of the planning time.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct TimingParams {
-    /// Simulated time that an iteration takes. A plan holds `iterations` times this after
-    /// it was begun; until then the last one is followed. With 0 the world stands still while the
-    /// evader plans (the paper's experiments). The default is about ten times what the search takes
-    /// on a desktop processor: a small robot's.
+    /// Simulated time of an iteration. A plan takes effect `iterations` times this after its start;
+    /// until then the last one is followed. With 0 planning takes no simulated time (the paper's
+    /// experiments). The default is about ten times the search's time on a desktop processor: that
+    /// of a small robot's.
     #[schemars(transform = at_least(0).unit("s"))]
     pub time_per_iteration_s: f64,
 }
@@ -203,7 +205,7 @@ impl Default for TimingParams {
 
 impl Parameters for TimingParams {}
 
-/// When an evader plans anew, as long as its plan still stands.
+/// Rule by which an evader replans while its plan is valid.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum ReplanRule {
@@ -211,15 +213,15 @@ pub enum ReplanRule {
     /// five times a second.
     #[default]
     Periodic,
-    /// The chasing-game paper's: every `period_s` it looks at the pursuers' distances from the
-    /// path's segments, each divided by a weight that begins with 1 and is itself divided by the
-    /// square of every segment's length; it plans anew if the least is below 1.5. Within 0.3 m of
-    /// the exit it plans at every chance. It never looks whether the robot is still on its path.
+    /// The chasing-game paper's: every `period_s` it checks the pursuers' distances from the path's
+    /// segments, each divided by a weight that begins with 1 and is itself divided by the square of
+    /// every segment's length; it replans if the minimum is below 1.5. Within 0.3 m of the exit it
+    /// plans at every chance. It never checks that the robot is still on its path.
     Paper,
 }
 
 impl ReplanRule {
-    /// Shortest time between the beginnings of two plans (s).
+    /// Minimum time between the starts of two plans (s).
     pub fn least_s(self) -> f64 {
         match self {
             Self::Periodic => 0.2,
@@ -227,7 +229,7 @@ impl ReplanRule {
         }
     }
 
-    /// Distance from the path at which it is no longer followed (m).
+    /// Distance from the path beyond which the robot no longer follows it (m).
     pub fn off_path(self) -> f64 {
         match self {
             Self::Periodic => 0.3,
@@ -236,18 +238,18 @@ impl ReplanRule {
     }
 }
 
-/// Parameters of replanning. Without a path, off it, and when an obstacle has come onto it, an
-/// evader plans anew as soon as the rule lets it.
+/// Parameters of replanning. Without a path, off it, and when a new obstacle blocks it, an evader
+/// replans as soon as the rule allows it.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct ReplanParams {
     /// The rule.
     pub rule: ReplanRule,
-    /// Time between two plans (`periodic`) or two looks (`paper`).
+    /// Time between two plans (`periodic`) or two checks (`paper`).
     #[schemars(transform = above(0).unit("s"))]
     pub period_s: f64,
-    /// Distance of a threat (`periodic` only): a path is threatened when a pursuer can be this
-    /// near to a place on it when the evader gets there; 0 for never.
+    /// Distance of a threat (`periodic` only): a path is threatened when a pursuer can be this near
+    /// to a place on it when the evader gets there; 0 for never.
     #[schemars(transform = at_least(0).unit("m"))]
     pub threat_distance: f64,
 }
@@ -265,7 +267,7 @@ impl Default for ReplanParams {
 impl Parameters for ReplanParams {}
 
 impl ReplanParams {
-    /// The values of the chasing-game paper's experiments.
+    /// Returns the values of the chasing-game paper's experiments.
     pub fn paper() -> Self {
         Self {
             rule: ReplanRule::Paper,
@@ -275,7 +277,7 @@ impl ReplanParams {
     }
 }
 
-/// The law by which a path is followed.
+/// Control law that follows a path.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Follower {
@@ -288,7 +290,8 @@ pub enum Follower {
 }
 
 impl Follower {
-    /// The potential field: of the follower of that name, and of the flight while there is no path.
+    /// Returns the potential field of the follower of that name, and of the flight while there is
+    /// no path.
     pub fn field(self) -> EvaderParams {
         match self {
             Self::PurePursuit => EvaderParams::default(),
@@ -303,7 +306,7 @@ impl Follower {
 pub struct RrtStarParams {
     /// The motion primitive.
     pub primitive: Primitive,
-    /// Of arcs.
+    /// Parameters of arcs.
     pub arc: ArcParams,
     /// The tree.
     pub search: SearchParams,
@@ -312,11 +315,11 @@ pub struct RrtStarParams {
     /// Distance kept from walls beyond the robot's own radius: room for the follower.
     #[schemars(transform = at_least(0).unit("m"))]
     pub margin: f64,
-    /// The time that planning takes.
+    /// Planning time.
     pub timing: TimingParams,
     /// The times of plans.
     pub replan: ReplanParams,
-    /// The law by which paths are followed.
+    /// Control law that follows paths.
     pub follower: Follower,
 }
 
@@ -342,9 +345,9 @@ impl Parameters for RrtStarParams {
 }
 
 impl RrtStarParams {
-    /// The values of the chasing-game paper's experiments: no rewiring, one candidate for a
-    /// parent, the pursuers where they are now, planning in no time. The robot's radius is its
-    /// true one all the same.
+    /// Returns the values of the chasing-game paper's experiments: no rewiring, one candidate for a
+    /// parent, the pursuers at their current positions, no planning time. The robot's radius is
+    /// still its true one.
     pub fn paper() -> Self {
         Self {
             search: SearchParams::paper(),
@@ -359,7 +362,7 @@ impl RrtStarParams {
         }
     }
 
-    /// The paper's parameters with its first planner's motion primitive, circular arcs.
+    /// Returns the paper's parameters with its first planner's motion primitive, circular arcs.
     pub fn paper_arc() -> Self {
         Self {
             primitive: Primitive::Arc,

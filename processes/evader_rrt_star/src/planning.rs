@@ -1,4 +1,4 @@
-//! Plans: from a situation to a route.
+//! Planning of a route in a given situation.
 
 use std::sync::Arc;
 
@@ -17,7 +17,7 @@ use crate::route::Route;
 use crate::search::{Progress, Scene, Search};
 use crate::tree::Tree;
 
-/// Largest bearing of an arc's end from the heading at its start (rad): half of the largest turn in
+/// Maximum bearing of an arc's end from the heading at its start (rad): half of the largest turn in
 /// one arc.
 const MAX_BEARING: f64 = core::f64::consts::FRAC_PI_4;
 
@@ -29,35 +29,35 @@ trait Engine: core::fmt::Debug + Send {
     fn is_on_way(&self, node: u32) -> bool;
 }
 
-/// What is to be planned.
+/// Planning task.
 #[derive(Debug, Clone, Copy)]
 pub struct Task<'a> {
     /// The map.
     pub collision_map: &'a CollisionMap,
-    /// Robots that stand in the way.
+    /// Robots that block the way.
     pub bodies: &'a [Body],
-    /// What ways cost.
+    /// Costs of paths.
     pub cost: &'a CostModel,
-    /// From where.
+    /// Start pose.
     pub start: Pose2,
-    /// To the cheapest of these (m).
+    /// Goals, of which the cheapest is used (m).
     pub goals: &'a [Point2<f64>],
-    /// The shortest ways to the goals, one for each, or none where they are not known.
+    /// The shortest paths to the goals, one for each, or none if they are not known.
     pub towards: &'a [Arc<Towards>],
-    /// Whether obstacles have changed since the last plan.
+    /// `true` if obstacles have changed since the last plan.
     pub map_changed: bool,
-    /// Most iterations.
+    /// Maximum number of iterations.
     pub iterations: u32,
 }
 
-/// Plans one route after the other, each with what is left of the last tree.
+/// Plans one route after the other, each with the reusable part of the last tree.
 #[derive(Debug)]
 pub struct Planning {
     engine: Box<dyn Engine>,
 }
 
 impl Planning {
-    /// A planner for a robot with these limits; everything it draws follows from the seed.
+    /// Returns a planner for a robot with these limits; all random values follow from the seed.
     pub fn new(params: &RrtStarParams, limits: &Limits, seed: u64) -> Self {
         let engine: Box<dyn Engine> = match params.primitive {
             Primitive::Line => Box::new(Search::new(params.search, Straight, seed)),
@@ -81,13 +81,13 @@ impl Planning {
         Self { engine }
     }
 
-    /// The best route found: to a goal, or as near as was come to one; `None` if not a step was
-    /// found.
+    /// Returns the best route found: to a goal, or as near to one as possible; `None` without a
+    /// single step.
     pub fn plan(&mut self, task: &Task<'_>) -> Option<Route> {
         self.engine.plan(task)
     }
 
-    /// How far the last plan came.
+    /// Returns the progress of the last plan.
     pub fn progress(&self) -> Progress {
         self.engine.progress()
     }
@@ -97,7 +97,7 @@ impl Planning {
         self.engine.tree()
     }
 
-    /// Whether a node of the tree is on the last plan's way to a goal.
+    /// Returns `true` if a node of the tree is on the last plan's path to a goal.
     pub fn is_on_way(&self, node: u32) -> bool {
         self.engine.is_on_way(node)
     }

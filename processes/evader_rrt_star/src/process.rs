@@ -1,4 +1,4 @@
-//! Wires [`RrtStarEvader`] to its topics: state, map and exact shapes in; command, plan and tree
+//! Connects [`RrtStarEvader`] to its topics: state, map and exact shapes in; command, plan and tree
 //! out.
 
 use ipc_types::messages::robot::TreeEdge;
@@ -11,7 +11,7 @@ use runtime::config::RobotInfo;
 use crate::evader::SHOWN_EDGES;
 use crate::{RrtStarEvader, RrtStarParams};
 
-/// One evader in its process.
+/// Process of one evader.
 #[derive(Debug)]
 pub struct RrtStarPlanner {
     evader: RrtStarEvader,
@@ -22,7 +22,7 @@ pub struct RrtStarPlanner {
 
 impl Planner for RrtStarPlanner {
     const NAME: &'static str = "evader_rrt_star";
-    const SUMMARY: &'static str = "plans its way to an exit past the Police with RRT*";
+    const SUMMARY: &'static str = "plans its path to an exit past the Police with RRT*";
 
     type Params = RrtStarParams;
 

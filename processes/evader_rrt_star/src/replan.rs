@@ -1,19 +1,19 @@
-//! Whether a route still does.
+//! Check that a route is still safe.
 
 use nalgebra::Point2;
 
 use crate::cost::Pursuer;
 use crate::motion::segment_distance;
 
-/// Distance between two places at which threats are looked for (m).
+/// Distance between two places at which threats are searched (m).
 const STEP: f64 = 0.1;
 
-/// How far ahead threats are looked for (s).
+/// Time ahead in which threats are searched (s).
 const HORIZON_S: f64 = 3.0;
 
-/// Whether a pursuer can be within `distance` (m) of a place on the way ahead when the evader gets
-/// there, within the next `HORIZON_S` seconds. `at` gives the way ahead by the distance along it
-/// (m), as long as there is one.
+/// Returns `true` if a pursuer can be within `distance` (m) of a place on the path ahead when the
+/// evader gets there, within the next `HORIZON_S` seconds. `at` returns the path ahead by the
+/// distance along it (m), up to its end.
 pub fn is_threatened(
     at: impl Fn(f64) -> Option<Point2<f64>>,
     own_speed: f64,
@@ -35,9 +35,10 @@ pub fn is_threatened(
     })
 }
 
-/// The chasing-game paper's measure of how safe the rest of a path is: the least of the pursuers'
-/// distances from its segments, each divided by a weight W that is 1 for the first segment and is
-/// divided by the square of each segment's length. Infinite without segments or pursuers.
+/// Returns the chasing-game paper's measure of the safety of the rest of a path: the minimum of the
+/// pursuers' distances from its segments, each divided by a weight W that is 1 for the first
+/// segment and is divided by the square of each segment's length. Infinite without segments or
+/// pursuers.
 pub fn papers_safety(points: &[Point2<f64>], pursuers: &[Pursuer]) -> f64 {
     let mut weight = 1.0;
     let mut least = f64::INFINITY;
@@ -77,7 +78,7 @@ mod tests {
     #[test]
     fn the_papers_measure_weighs_later_segments_by_the_lengths_before_them() {
         let path = [(0.0, 0.0), (2.0, 0.0), (2.0, 1.0)].map(|(x, y)| Point2::new(x, y));
-        // 3 m from the second segment, which comes after one of 2 m: 3 / (1 / 4).
+        // 3 m from the second segment, which follows one of 2 m: 3 / (1 / 4).
         assert_eq!(
             papers_safety(&path, &[pursuer(5.0, 0.5)]),
             (9.25_f64).sqrt()

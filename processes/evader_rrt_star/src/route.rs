@@ -1,4 +1,4 @@
-//! A way that was found, as the robot follows it.
+//! Route of the robot: a found path with its length at every point.
 
 use geometry::pose::Pose2;
 use nalgebra::Point2;
@@ -7,24 +7,24 @@ use steering::path_tracking::Path;
 use crate::motion::Leg;
 use crate::search::Waypoint;
 
-/// Longest piece by which an arc is drawn (m).
+/// Maximum length of the pieces that draw an arc (m).
 const PIECE: f64 = 0.05;
 
-/// A way from where the robot will be to an exit, or as far towards one as was found.
+/// Path from the robot's predicted pose to an exit, or as far towards one as possible.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Route {
     /// Its points, the start first.
     pub waypoints: Vec<Waypoint>,
     /// The same as straight pieces.
     pub path: Path,
-    /// What it costs (m).
+    /// Cost (m).
     pub cost: f64,
-    /// Whether it ends at a goal.
+    /// `true` if it ends at a goal.
     pub is_complete: bool,
 }
 
 impl Route {
-    /// A route over these points; `None` if there are fewer than two.
+    /// Returns a route over these points; `None` if there are fewer than two.
     pub fn new(waypoints: Vec<Waypoint>, is_complete: bool) -> Option<Self> {
         let cost = waypoints.last().filter(|_| waypoints.len() > 1)?.cost;
         let path = Path::new(drawn(&waypoints));
@@ -36,7 +36,7 @@ impl Route {
         })
     }
 
-    /// The pose at a distance along the route (m).
+    /// Returns the pose at a distance along the route (m).
     pub fn pose_at(&self, along: f64) -> Option<Pose2> {
         let p = self.path.at(along)?;
         Some(Pose2::new(p.x, p.y, self.path.direction(along)?))

@@ -1,4 +1,4 @@
-//! Points uniform over the places where the robot fits.
+//! Uniform samples of the places where the robot fits.
 
 use nalgebra::{Point2, Vector2};
 use planner_view::free_space::FreeSpace;
@@ -7,7 +7,7 @@ use rand::Rng;
 /// Cells along the longer side.
 const CELLS: f64 = 192.0;
 
-/// Most draws for one point.
+/// Maximum number of draws for one point.
 const MAX_DRAWS: u32 = 1000;
 
 /// A number uniform in [0, 1).
@@ -16,20 +16,20 @@ pub fn uniform(rng: &mut impl Rng) -> f64 {
     (rng.next_u64() >> 11) as f64 * (1.0 / (1u64 << 53) as f64)
 }
 
-/// The cells of a grid in which a robot of some radius fits somewhere.
+/// Cells of a grid in which a robot of some radius fits somewhere.
 ///
-/// Most of them lie whole in free space, so that most points need no check.
+/// Most of them lie wholly in free space, so that most points need no check.
 #[derive(Debug, Clone)]
 pub struct FreeSampler {
     radius: f64,
     size: f64,
-    /// Lower left corners of cells that are free everywhere, then of the others.
+    /// Lower left corners of the cells that are free everywhere, followed by the others.
     corners: Vec<Point2<f64>>,
     whole: usize,
 }
 
 impl FreeSampler {
-    /// The cells for a robot of this radius (m).
+    /// Returns the cells for a robot of this radius (m).
     pub fn new(space: &FreeSpace, radius: f64) -> Self {
         let bounds = space.bounds();
         let extent = bounds.max - bounds.min;
@@ -40,7 +40,7 @@ impl FreeSampler {
             for column in 0..(extent.x / size).ceil() as u32 {
                 let corner = bounds.min + Vector2::new(f64::from(column), f64::from(row)) * size;
                 let spare = space.distance(corner + Vector2::new(0.5, 0.5) * size) - radius;
-                // A hair of slack for rounding.
+                // A small tolerance for rounding.
                 if spare > half_diagonal * (1.0 + 1e-9) {
                     whole.push(corner);
                 } else if spare >= -half_diagonal {
@@ -58,18 +58,18 @@ impl FreeSampler {
         }
     }
 
-    /// About how large the free space is (m²).
+    /// Returns the approximate area of the free space (m²).
     pub fn area(&self) -> f64 {
         let parts = self.corners.len() - self.whole;
         (self.whole as f64 + 0.5 * parts as f64) * self.size * self.size
     }
 
-    /// Whether there is no place for the robot.
+    /// Returns `true` if there is no place for the robot.
     pub fn is_empty(&self) -> bool {
         self.corners.is_empty()
     }
 
-    /// A point uniform over free space; `None` if none was found in many draws.
+    /// Returns a uniform point of the free space; `None` if many draws found none.
     pub fn draw(&self, space: &FreeSpace, rng: &mut impl Rng) -> Option<Point2<f64>> {
         if self.corners.is_empty() {
             return None;

@@ -1,4 +1,4 @@
-//! RRT*: a tree of ways from the robot, rewired as it grows.
+//! RRT*: a tree of paths from the robot, rewired as it grows.
 
 mod grow;
 mod join;
@@ -21,23 +21,23 @@ use crate::params::{Algorithm, SearchParams};
 use crate::sampler::FreeSampler;
 use crate::tree::{NONE, ROOT, Tree};
 
-/// What a search works in. All of it must be of the same map and the same robot.
+/// Inputs of a search. All of them must be of the same map and the same robot.
 #[derive(Debug, Clone, Copy)]
 pub struct Scene<'a> {
     /// The free space.
     pub space: &'a FreeSpace,
-    /// Where samples are drawn from.
+    /// Sampler of free places.
     pub sampler: &'a FreeSampler,
-    /// Radius of the robot, with the margin that is to be kept (m).
+    /// Radius of the robot, including the margin (m).
     pub radius: f64,
-    /// What edges cost.
+    /// Costs of edges.
     pub cost: &'a CostModel,
-    /// Robots that stand in the way.
+    /// Robots that block the way.
     pub bodies: &'a [Body],
 }
 
 impl Scene<'_> {
-    /// Whether the robot can go from one point to another by this link.
+    /// Returns `true` if the robot can drive from one point to another by this link.
     fn is_free(&self, link: &Link, from: Point2<f64>, to: Point2<f64>) -> bool {
         link.is_free(self.space, from, to, self.radius)
             && self
@@ -47,39 +47,39 @@ impl Scene<'_> {
     }
 }
 
-/// How far a search has come.
+/// Progress of a search.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Progress {
-    /// Iterations since the root was planted.
+    /// Iterations since the start at this root.
     pub iterations: u32,
     /// Nodes of the tree, goals included.
     pub nodes: usize,
-    /// Cost of the best way to a goal (m); infinite without one.
+    /// Cost of the best path to a goal (m); infinite without one.
     pub best: f64,
-    /// Iteration at which the first way was found.
+    /// Iteration that found the first path.
     pub first_found: Option<u32>,
 }
 
-/// A point of a way that was found.
+/// Point of a found path.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Waypoint {
-    /// Where, and the heading there (0 for primitives without one).
+    /// Position, and the heading there (0 for primitives without one).
     pub pose: Pose2,
-    /// How one gets there from the point before.
+    /// Motion from the point before.
     pub leg: Leg,
-    /// Length of the way so far (m).
+    /// Length of the path so far (m).
     pub length: f64,
-    /// Cost of the way so far (m).
+    /// Cost of the path so far (m).
     pub cost: f64,
 }
 
-/// A search for the cheapest way from a pose to the nearest of some goals.
+/// Search for the cheapest path from a pose to the nearest of some goals.
 ///
 /// RRT* (Karaman and Frazzoli 2011) with, unless it is the published search,
 /// * parents also among the ancestors of near nodes (Quick-RRT*, Jeong et al. 2019),
-/// * samples only where they can shorten the way (Informed RRT*, Gammell et al. 2014; here with
+/// * samples only where they can shorten the path (Informed RRT*, Gammell et al. 2014; here with
 ///   lower bounds along the streets if they are known),
-/// * refinement of the best way's own points (in the spirit of RRT*-Smart, Nasir et al. 2013),
+/// * refinement of the best path's own points (in the spirit of RRT*-Smart, Nasir et al. 2013),
 /// * pruning of nodes that can no longer matter.
 ///
 /// Everything follows from the seed, the scene and the numbers of iterations.
@@ -95,13 +95,13 @@ pub struct Search<M> {
     bound: Bound,
     /// Cheapest goal and its cost.
     best: (f64, u32),
-    /// Nodes on the best way, root first.
+    /// Nodes on the best path, root first.
     way: Vec<u32>,
     iterations: u32,
     first_found: Option<u32>,
     /// γ of the shrinking radius for the whole free space (m).
     gamma: f64,
-    /// Running share of free space in which samples are still of use.
+    /// Running share of free space in which samples are still useful.
     useful: f64,
     /// Tree size and cost at the last pruning.
     pruned: (usize, f64),
@@ -112,7 +112,7 @@ pub struct Search<M> {
 }
 
 impl<M: Motion> Search<M> {
-    /// A search that has not begun.
+    /// Returns a search that has not begun.
     pub fn new(params: SearchParams, motion: M, seed: u64) -> Self {
         let nowhere = Aabb {
             min: Point2::origin(),
@@ -140,12 +140,12 @@ impl<M: Motion> Search<M> {
         }
     }
 
-    /// Whether this is the improved search, not the published one.
+    /// Returns `true` for the improved search, `false` for the published one.
     pub fn is_improved(&self) -> bool {
         self.params.algorithm == Algorithm::Improved
     }
 
-    /// Begins anew: nothing but the root and the goals (m).
+    /// Begins again with the root and the goals (m) alone.
     pub fn plant(&mut self, scene: &Scene<'_>, root: Pose2, goals: &[Point2<f64>], bound: Bound) {
         self.begin(scene, root, goals, bound);
     }
@@ -156,7 +156,8 @@ impl<M: Motion> Search<M> {
         self.index.insert(root.position());
         for goal in goals {
             self.tree.push(Pose2::new(goal.x, goal.y, 0.0));
-            // Goals keep their numbers, but no one shall find them: nothing leads on from there.
+            // Goals keep their numbers, but the index must not find them: no path continues from
+            // there.
             self.index.insert(Point2::new(f64::NAN, f64::NAN));
         }
         self.goals = goals.len() as u32;
@@ -177,7 +178,7 @@ impl<M: Motion> Search<M> {
         self.note_best(scene);
     }
 
-    /// Goes on for this many iterations.
+    /// Continues for this many iterations.
     pub fn run(&mut self, scene: &Scene<'_>, iterations: u32) {
         if self.tree.is_empty() {
             return;
@@ -187,7 +188,7 @@ impl<M: Motion> Search<M> {
         }
     }
 
-    /// How far it has come.
+    /// Returns its progress.
     pub fn progress(&self) -> Progress {
         Progress {
             iterations: self.iterations,
@@ -202,18 +203,18 @@ impl<M: Motion> Search<M> {
         &self.tree
     }
 
-    /// Whether a node is on the best way.
+    /// Returns `true` if a node is on the best path.
     pub fn is_on_way(&self, node: u32) -> bool {
         self.way.contains(&node)
     }
 
-    /// The best way from the root to a goal, root first; empty without one.
+    /// Returns the best path from the root to a goal, root first; empty without one.
     pub fn way(&self) -> Vec<Waypoint> {
         self.waypoints(&self.way)
     }
 
-    /// The way to the node from which a goal seems nearest: what there is to follow while no goal
-    /// has been reached. Empty if that is the root itself.
+    /// Returns the path to the node from which a goal seems nearest: the route while no goal has
+    /// been reached. Empty if that is the root itself.
     pub fn partial_way(&self) -> Vec<Waypoint> {
         let nearest = self
             .tree
@@ -249,8 +250,9 @@ impl<M: Motion> Search<M> {
             .collect()
     }
 
-    /// The radius within which nodes are joined now (m): γ √(ln n / n) for n nodes, so that it
-    /// shrinks as the tree fills the space. In the published search it stays the longest edge.
+    /// Returns the current radius within which nodes are joined (m): γ √(ln n / n) for n nodes, so
+    /// that it shrinks as the tree fills the space. In the published search it stays the longest
+    /// edge.
     fn radius(&self) -> f64 {
         if !self.is_improved() {
             return self.params.max_edge;
@@ -261,7 +263,7 @@ impl<M: Motion> Search<M> {
         (gamma * (geometry::math::ln(n) / n).sqrt()).min(self.params.max_edge)
     }
 
-    /// Takes notice of a cheaper way to a goal.
+    /// Updates the best path to a goal.
     fn note_best(&mut self, scene: &Scene<'_>) {
         let goals = 1..=self.goals;
         let cheapest = goals

@@ -12,11 +12,11 @@ pub const ROOT: u32 = 0;
 /// A node.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Node {
-    /// Where it is, and the robot's heading there (0 for primitives without one).
+    /// Position, and the robot's heading there (0 for primitives without one).
     pub pose: Pose2,
-    /// Cost from the root (m); infinite while it is not joined to it.
+    /// Cost from the root (m); infinite for a node that is not joined to it.
     pub cost: f64,
-    /// Length of the way from the root (m).
+    /// Length of the path from the root (m).
     pub length: f64,
     /// Cost of the edge to it (m).
     pub edge: f64,
@@ -28,7 +28,7 @@ pub struct Node {
 }
 
 impl Node {
-    /// A node that is not joined to the tree.
+    /// Returns a node that is not joined to the tree.
     pub const fn loose(pose: Pose2) -> Self {
         Self {
             pose,
@@ -42,20 +42,20 @@ impl Node {
         }
     }
 
-    /// Where it is (m).
+    /// Returns the position (m).
     pub fn at(&self) -> Point2<f64> {
         self.pose.position()
     }
 }
 
-/// Nodes by number; number 0 is the root.
+/// Returns the nodes by number; number 0 is the root.
 #[derive(Debug, Clone, Default)]
 pub struct Tree {
     nodes: Vec<Node>,
 }
 
 impl Tree {
-    /// A root and nothing else, in the old memory.
+    /// Resets the tree to a root alone; keeps the memory.
     pub fn plant(&mut self, pose: Pose2) {
         self.nodes.clear();
         self.nodes.push(Node {
@@ -71,7 +71,7 @@ impl Tree {
         self.nodes.len()
     }
 
-    /// Whether there is not even a root.
+    /// Returns `true` if there is no root.
     pub fn is_empty(&self) -> bool {
         self.nodes.is_empty()
     }
@@ -81,23 +81,23 @@ impl Tree {
         &self.nodes
     }
 
-    /// A node. Its number must be one that [`push`](Self::push) gave out.
+    /// Returns a node. Its number must be a result of [`push`](Self::push).
     pub fn node(&self, node: u32) -> &Node {
         &self.nodes[node as usize]
     }
 
-    /// For changing a node's values; not its kin.
+    /// Returns a node for changes of its values, but not of its relations.
     pub fn node_mut(&mut self, node: u32) -> &mut Node {
         &mut self.nodes[node as usize]
     }
 
-    /// Adds a loose node.
+    /// Adds a node without a parent.
     pub fn push(&mut self, pose: Pose2) -> u32 {
         self.nodes.push(Node::loose(pose));
         self.nodes.len() as u32 - 1
     }
 
-    /// Hangs a node under a parent; its costs are the caller's business.
+    /// Attaches a node to a parent; the caller sets its costs.
     pub fn attach(&mut self, child: u32, parent: u32) {
         self.detach(child);
         let first = self.nodes[parent as usize].first_child;
@@ -111,7 +111,7 @@ impl Tree {
         self.nodes[parent as usize].first_child = child;
     }
 
-    /// Takes a node off its parent.
+    /// Removes a node from its parent.
     fn detach(&mut self, child: u32) {
         let Node {
             parent,
@@ -144,12 +144,13 @@ impl Tree {
         })
     }
 
-    /// Whether a node has children.
+    /// Returns `true` if a node has children.
     pub fn has_children(&self, node: u32) -> bool {
         self.nodes[node as usize].first_child != NONE
     }
 
-    /// The way from the root to a node, both included, root first; empty for a loose node.
+    /// Returns the path from the root to a node, both included, root first; empty for a node that
+    /// is not joined to the tree.
     pub fn way_to(&self, node: u32, way: &mut Vec<u32>) {
         way.clear();
         if !self.node(node).cost.is_finite() {

@@ -25,7 +25,7 @@ static CITY: LazyLock<(Arena, PlannerMap)> = LazyLock::new(|| {
     (arena, map)
 });
 
-/// A robot at full speed, as planners see it.
+/// Returns a robot at full speed, as planners see it.
 fn robot(index: usize, team: Team, pose: Pose2, v_max: f64) -> RobotView {
     RobotView {
         twist: Twist2::new(v_max, 0.0),
@@ -38,7 +38,7 @@ fn evader(params: &RrtStarParams) -> RrtStarEvader {
     RrtStarEvader::new(*params, limits, 7).unwrap()
 }
 
-/// Runs for up to `seconds`; the time at which the exit was reached, if it was.
+/// Runs for up to `seconds`; returns the time at which the exit was reached, if it was.
 fn run(
     params: &RrtStarParams,
     body: &mut Kinematic,
@@ -116,7 +116,7 @@ fn a_pursuer_in_a_street_turns_the_way_into_another() {
         let points = route.path.points().iter();
         points.map(|p| p.y).fold(f64::INFINITY, f64::min)
     };
-    // The way along y = 1.5, unless someone stands in it.
+    // The path along y = 1.5, unless a robot stands in it.
     assert!(lowest(&[]) > -0.2);
     assert!(lowest(&[(4.5, 1.5)]) < -1.0);
 }
@@ -125,7 +125,7 @@ fn a_pursuer_in_a_street_turns_the_way_into_another() {
 fn a_plan_holds_only_after_the_time_that_it_takes() {
     let (_, map) = &*CITY;
     let mut params = RrtStarParams::default();
-    // 0.3 s a plan: known after six ticks.
+    // A plan takes 0.3 s: in force after six ticks.
     params.timing.time_per_iteration_s = 0.3 / f64::from(params.search.iterations);
     let mut evader = evader(&params);
     let robots = [robot(0, Team::Evader, START, V_MAX)];
@@ -207,7 +207,7 @@ fn a_map_without_exact_shapes_leaves_the_potential_field() {
 }
 
 #[test]
-fn who_no_longer_plays_stands_still_and_has_no_plan() {
+fn an_inactive_robot_stands_still_and_has_no_plan() {
     let (_, map) = &*CITY;
     let mut evader = evader(&RrtStarParams::default());
     let mut robots = [robot(0, Team::Evader, START, V_MAX)];

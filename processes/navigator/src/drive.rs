@@ -1,4 +1,4 @@
-//! What the robot's drive makes of commands.
+//! Limits of the robot's drive, applied to commands.
 
 use geometry::pose::Twist2;
 use sim_backend::robot::limit;
@@ -11,7 +11,7 @@ pub struct Drive {
 }
 
 impl Drive {
-    /// The drive of a robot of this model.
+    /// Returns the drive of a robot of this model.
     pub fn new(model: RobotModel) -> Self {
         Self { model }
     }
@@ -21,14 +21,14 @@ impl Drive {
         &self.model
     }
 
-    /// Highest speed straight ahead (m/s).
+    /// Returns the highest speed straight ahead (m/s).
     pub fn top_speed(&self) -> f64 {
         let wheels = self.model.wheel_speed_max.unwrap_or(f64::INFINITY);
         self.model.v_max.min(wheels)
     }
 
-    /// The command within the limits of the speeds: each by itself, then both together by what the
-    /// wheels can do, which keeps the curvature. What is not finite becomes a stop.
+    /// Returns the command within the limits of the speeds: each alone, then both together by the
+    /// speed of the wheels, which keeps the curvature. Non-finite values become a stop.
     pub fn clip(&self, twist: Twist2) -> Twist2 {
         let model = &self.model;
         if !twist.is_finite() {
@@ -43,8 +43,8 @@ impl Drive {
         }
     }
 
-    /// What is executed of a command during `dt` (s) after `current` was: what the world makes of it. What
-    /// is not finite becomes a stop.
+    /// Returns the speeds that the simulator executes for `command` during `dt` (s) after
+    /// `current`. Non-finite values become a stop.
     pub fn execute(&self, current: Twist2, command: Twist2, dt: f64) -> Twist2 {
         let command = if command.is_finite() {
             command
@@ -54,15 +54,15 @@ impl Drive {
         limit(&self.model, current, command, dt)
     }
 
-    /// Distance (m) that stopping takes from a speed (m/s) on.
+    /// Returns the distance (m) that stopping takes from a speed (m/s).
     pub fn braking_distance(&self, speed: f64) -> f64 {
         self.model
             .acceleration
             .map_or(0.0, |a| speed * speed / (2.0 * a))
     }
 
-    /// Most distance (m) that a robot which drives with `speed` (m/s) now can cover within `dt` (s)
-    /// and while it stops afterwards.
+    /// Returns the maximum distance (m) that a robot with this `speed` (m/s) can cover within `dt`
+    /// (s) and while it stops afterwards.
     pub fn reach(&self, speed: f64, dt: f64) -> f64 {
         let top = self.model.v_max.max(self.model.v_reverse_max);
         let next = self

@@ -1,9 +1,9 @@
-//! Following a trajectory no faster than it is safe.
+//! Follower of a trajectory at a safe rate.
 //!
 //! The reference moves along the trajectory at the rate r ∈ [0, 1]: its path is that of the
-//! trajectory, its speed may be less. r is below 1 where the robot lags behind and could not catch
-//! up with a reference at full speed, where it must brake to stop before an obstacle, and while it
-//! gathers speed again.
+//! trajectory, its speed may be less. r is below 1 in three cases: the robot lags behind and could
+//! not catch up with a reference at full speed; the reference must brake to stop before an
+//! obstacle; it accelerates again.
 
 use geometry::pose::{Pose2, Twist2};
 use steering::go_to::coast;
@@ -12,50 +12,50 @@ use crate::drive::Drive;
 use crate::tracking::{self, K_X};
 use crate::trajectory::Trajectory;
 
-/// Halvings with which a rate is found.
+/// Number of bisections of the search for a rate.
 const HALVINGS: u32 = 30;
-/// Speeds below this (m/s) are none.
+/// Speed below which the robot stands (m/s).
 pub const STANDING: f64 = 1e-6;
-/// How far before a place where it must stop the robot stops (m).
+/// Distance before a required stop at which the robot stops (m).
 const BEFORE: f64 = 1e-3;
-/// Distance (m) from a standing reference below which it is left at that.
+/// Distance (m) from a standing reference below which the robot stops correcting.
 const THERE: f64 = 2e-3;
 
-/// A trajectory that is being followed.
+/// Trajectory and the state of its follower.
 #[derive(Debug, Clone)]
 pub struct Follow {
     /// The trajectory.
     pub trajectory: Trajectory,
-    /// How far the reference is on it (s).
+    /// Time of the reference on the trajectory (s).
     pub tau: f64,
-    /// Distance that the robot's centre must keep from obstacles on it (m).
+    /// Minimum distance of the robot's centre from obstacles on it (m).
     pub clearance: f64,
-    /// How far along it (m) the robot can go before something is in the way.
+    /// Distance along the trajectory (m) at which something blocks the robot.
     pub blocked: Option<f64>,
-    /// Whether there is no room for tracking errors: ticks then end where speeds step, so that no
-    /// command is the mean of a turn on the spot and a straight way.
+    /// `true` if there is no room for tracking errors. Ticks then end where speeds step, so that no
+    /// command is the mean of a turn on the spot and a straight segment.
     pub careful: bool,
 }
 
-/// What of a robot changes while it follows.
+/// State of the robot while it follows.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Motion {
-    /// Where it is.
+    /// Pose.
     pub pose: Pose2,
-    /// What it does.
+    /// Speeds.
     pub twist: Twist2,
 }
 
-/// What limits the way in a tick.
+/// Limits of the path in a tick.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Stops {
-    /// Whether the robot shall stop as soon as it can.
+    /// `true` if the robot shall stop as soon as it can.
     pub halt: bool,
-    /// How far along the path (m) it may go because of other robots.
+    /// Distance along the path (m) that other robots leave free.
     pub traffic: Option<f64>,
 }
 
-/// A tick's command, and how far the reference moves.
+/// Command of a tick, and the advance of the reference.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pace {
     /// The command.
@@ -75,18 +75,18 @@ impl Follow {
         (self.trajectory.duration() - self.tau).max(0.0)
     }
 
-    /// Distance of the robot from where it should be (m).
+    /// Returns the distance of the robot from its reference (m).
     pub fn error(&self, pose: &Pose2) -> f64 {
         (self.reference().position() - pose.position()).norm()
     }
 
-    /// What the robot does during the next `dt` (s).
+    /// Returns the command for the next `dt` (s).
     pub fn pace(&self, drive: &Drive, motion: &Motion, stops: &Stops, dt: f64) -> Pace {
         let rate = self.rate(drive, motion, stops, dt);
         let (from, to) = (self.tau, self.tau + rate * dt);
         let (a, b) = (self.trajectory.at(from).0, self.trajectory.at(to).0);
         let way = self.trajectory.along(to) - self.trajectory.along(from);
-        // Exact for the tick: the command holds for all of it.
+        // Exact for the tick: the command applies to all of it.
         let reference = Twist2::new(way / dt, (b.theta - a.theta) / dt);
         let command = if reference != Twist2::STOP {
             tracking::command(&motion.pose, &a, reference)
@@ -101,7 +101,7 @@ impl Follow {
         }
     }
 
-    /// The motion after a tick at this pace, and the reference moved along.
+    /// Returns the motion after a tick at this pace, and moves the reference.
     pub fn advance(&mut self, drive: &Drive, motion: &mut Motion, pace: &Pace, dt: f64) {
         let twist = drive.execute(motion.twist, pace.command, dt);
         motion.pose = coast(&motion.pose, twist, dt);
@@ -109,7 +109,7 @@ impl Follow {
         self.tau += pace.rate * dt;
     }
 
-    /// What is left to a reference that stands, at the end or because it waits.
+    /// Returns the remaining correction at a stationary reference, at the end or while it waits.
     fn settle(&self, pose: &Pose2) -> Twist2 {
         let error = tracking::error(pose, &self.reference());
         let v = if error.x.abs() > THERE {
@@ -120,7 +120,8 @@ impl Follow {
         Twist2::new(v, 0.0)
     }
 
-    /// How far (m) along the path the reference may still go; `None` if to the end.
+    /// Returns the distance (m) along the path that the reference may still cover; `None` for all
+    /// of it.
     fn room(&self, stops: &Stops) -> Option<f64> {
         let stop = match (self.blocked, stops.traffic) {
             (Some(a), Some(b)) => Some(a.min(b)),
@@ -140,7 +141,7 @@ impl Follow {
         let model = drive.model();
         let now = motion.twist;
         let mut high = 1.0f64;
-        // It cannot be faster than its drive makes it.
+        // The drive limits its speed.
         if let Some(a) = model.acceleration {
             high = high.min(largest(|r| speed(r) <= now.v + a * dt * (1.0 + 1e-9)));
         }
@@ -148,7 +149,8 @@ impl Follow {
             let most = now.omega.abs() + a * dt * (1.0 + 1e-9);
             high = high.min(largest(|r| turn(r) <= most));
         }
-        // The reference waits for a robot that lags behind: it leaves it the speed to catch up.
+        // The reference waits for a robot that lags behind: the robot keeps a reserve of speed to
+        // catch up.
         let lag = tracking::error(&motion.pose, &self.reference()).x;
         if lag > 0.0 {
             let left = (drive.top_speed() - K_X * lag).max(0.0);
@@ -169,7 +171,7 @@ impl Follow {
         if stops.halt {
             high = 0.0;
         }
-        // Nor slower than its drive can brake.
+        // The drive's braking limit is a lower bound.
         if let Some(a) = model.acceleration {
             let least = now.v - a * dt;
             if least > 0.0 {
@@ -180,8 +182,8 @@ impl Follow {
     }
 }
 
-/// The largest rate in [0, 1] up to which something holds that holds up to some rate; 0 if it never
-/// does.
+/// Returns the largest rate in [0, 1] up to which a condition holds; 0 if it never holds. It must
+/// be monotonic: true up to some rate.
 fn largest(holds: impl Fn(f64) -> bool) -> f64 {
     if holds(1.0) {
         return 1.0;
@@ -198,7 +200,7 @@ fn largest(holds: impl Fn(f64) -> bool) -> f64 {
     low
 }
 
-/// The motion after a tick of stopping.
+/// Returns the motion after a tick of stopping.
 pub fn stop(drive: &Drive, motion: &mut Motion, dt: f64) {
     let twist = drive.execute(motion.twist, Twist2::STOP, dt);
     motion.pose = coast(&motion.pose, twist, dt);
@@ -221,7 +223,7 @@ mod tests {
         })
     }
 
-    /// 2 m straight ahead in 14 s, the last 8 s of them ever slower.
+    /// Straight path of 2 m in 14 s; the speed falls in the last 8 s.
     fn straight() -> Follow {
         let sample = |t: f64, x: f64, v: f64| Sample {
             t,
@@ -276,7 +278,7 @@ mod tests {
     }
 
     #[test]
-    fn it_stops_before_what_is_in_the_way_at_any_deceleration_and_goes_on_after() {
+    fn it_stops_before_an_obstacle_at_any_deceleration_and_continues_after_it() {
         for acceleration in [None, Some(1.0), Some(0.05)] {
             let drive = drive(acceleration);
             let (mut follow, mut motion) = (straight(), at(0.0, 0.2));
@@ -307,8 +309,8 @@ mod tests {
     }
 
     #[test]
-    fn the_reference_waits_for_who_lags_behind() {
-        // As slow as the robot gets: no speed is left to catch up with.
+    fn the_reference_waits_for_a_robot_that_lags_behind() {
+        // At the robot's minimum speed: no reserve is left to catch up.
         let mut follow = straight();
         let drive = Drive::new(RobotModel {
             v_max: 0.2,

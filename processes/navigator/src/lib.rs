@@ -1,8 +1,8 @@
-//! Drives a robot to goals: asks the optimiser for trajectories, tracks them, and replans when the
-//! world changes.
+//! Drives a robot to goals: requests trajectories from the optimiser, tracks them, and replans when
+//! the world changes.
 //!
-//! [`Navigator`] is the algorithm: it says what to ask, takes what was answered, and commands the
-//! robot, tick by tick. [`process`] wires it to its topics and to `optimiser/plan`.
+//! [`Navigator`] is the algorithm: per tick it makes the request, accepts the answer and commands
+//! the robot. [`process`] connects it to its topics and to `optimiser/plan`.
 
 #![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
 #![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]

@@ -4,7 +4,7 @@ use parameters::{Parameters, ParamsError, above, at_least, between, each, requir
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// How the optimiser plans.
+/// Method of the optimiser.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Method {
@@ -19,7 +19,7 @@ pub enum Method {
     Tangent,
 }
 
-/// From what path the optimiser starts.
+/// Initial path of the optimiser.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Guess {
@@ -30,18 +30,18 @@ pub enum Guess {
     Wavefront,
 }
 
-/// What a robot does when something pops up on its way.
+/// Reaction of a robot to an obstacle that appears on its path.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum AtPopup {
-    /// Goes on along what of the old plan is still safe while the new one is made.
+    /// Follows the part of the old plan that is still safe while the optimiser computes a new one.
     #[default]
     Follow,
     /// Stops at once and waits for the new plan, as in the paper.
     Stop,
 }
 
-/// How plans are asked for; what is absent is the optimiser's choice.
+/// Parameters of requests for plans; the optimiser's defaults hold for absent ones.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct PlanningParams {
@@ -67,35 +67,33 @@ pub struct PlanningParams {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct NavigatorParams {
-    /// Where to drive, one after the other; none: to the centre of the robot's `goal`.
+    /// Goals to visit, in this order; none: the centre of the robot's `goal`.
     #[schemars(transform = each(each(unit("m"))))]
     pub goals: Vec<[f64; 2]>,
-    /// Whether to begin anew after the last of them.
+    /// `true` to begin again after the last goal.
     pub repeat: bool,
-    /// How plans are asked for.
+    /// Parameters of requests for plans.
     pub plan: PlanningParams,
-    /// Simulated time that planning takes: a plan takes effect at the first tick so much
-    /// later, and one tick later at least. In real time it takes effect when it has come, and this
-    /// is the time that the optimiser is given.
+    /// Simulated planning time: a plan takes effect at the first tick that much later, at least one
+    /// tick later. In real time it takes effect on arrival, and this is the optimiser's time limit.
     #[schemars(transform = at_least(0).unit("s"))]
     pub planning_time_s: f64,
-    /// What happens at a pop-up.
+    /// Reaction to an obstacle that appears on the path.
     pub at_popup: AtPopup,
     /// Distance kept from obstacles beyond the radius: covers the tracking error.
     #[schemars(transform = above(0).unit("m"))]
     pub margin: f64,
-    /// Largest tracking error, at most `margin`: a robot that is farther from where it should be stops
-    /// and plans anew.
+    /// Largest tracking error, at most `margin`: a robot with a larger error stops and replans.
     #[schemars(transform = above(0).unit("m"))]
     pub max_error: f64,
     /// Share of the robot's speed limits that plans use: the rest is for corrections.
     #[schemars(transform = above(0).at_most(1))]
     pub speed_fraction: f64,
-    /// Time for which another robot is let stand in the way before it is planned around.
+    /// Time for which another robot may block the path before the robot plans around it.
     #[schemars(transform = at_least(0).unit("s"))]
     pub patience_s: f64,
-    /// Real time after which the optimiser counts as hung in lock-step; absent: four fifths
-    /// of the time after which the run would take this process for the one that hangs.
+    /// Real time after which the optimiser counts as hung in lock-step; absent: four fifths of the
+    /// time after which the run would consider this process as hung.
     #[schemars(transform = above(0).at_most(3600).unit("s"))]
     pub answer_timeout_s: Option<f64>,
 }
@@ -136,7 +134,8 @@ impl Parameters for NavigatorParams {
 }
 
 impl NavigatorParams {
-    /// As in the published experiments: local pursuit, and a stop at every pop-up on the way.
+    /// Returns the values of the published experiments: local pursuit, and a stop at every new
+    /// obstacle on the path.
     pub fn paper() -> Self {
         Self {
             plan: PlanningParams {
@@ -166,7 +165,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_out_of_range_is_named() {
+    fn values_out_of_range_are_reported() {
         let refused = |text: &str| {
             let params: NavigatorParams = serde_json::from_str(text).unwrap();
             check(&params).unwrap_err().field

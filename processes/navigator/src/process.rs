@@ -1,4 +1,4 @@
-//! Wires [`Navigator`] to its topics and to the optimiser.
+//! Connects [`Navigator`] to its topics and to the optimiser.
 
 use parameters::check;
 use std::time::Duration;
@@ -21,7 +21,7 @@ use crate::params::NavigatorParams;
 use crate::trajectory_request::PlanFailure;
 use crate::wire;
 
-/// One robot in its process.
+/// Process of one robot.
 #[derive(Debug)]
 pub struct NavigatorPlanner {
     navigator: Navigator,
@@ -31,13 +31,13 @@ pub struct NavigatorPlanner {
     failure: Option<ProcessError>,
 }
 
-/// The way to the optimiser.
+/// Connection to the optimiser.
 #[derive(Debug)]
 struct Link {
     client: OptimiserClient,
     robot: u32,
     clock: Clock,
-    /// How long is waited for an answer in lock-step.
+    /// Maximum wait for an answer in lock-step.
     patience: Duration,
     /// [`PlanRequest::last`](ipc_types::messages::optimiser::PlanRequest::last) of the newest plan.
     last: u64,
@@ -46,7 +46,7 @@ struct Link {
 impl Planner for NavigatorPlanner {
     const NAME: &'static str = "navigator";
     const SUMMARY: &'static str =
-        "drives to goals on trajectories of the optimiser, around what pops up";
+        "drives to goals on trajectories of the optimiser, around obstacles that appear";
 
     type Params = NavigatorParams;
 
@@ -139,20 +139,21 @@ impl NavigatorPlanner {
             .as_mut()
             .ok_or_else(|| ProcessError::Algorithm("the navigator was not opened".into()))?;
         let Some(space) = map.space() else {
-            let reason = "the navigator needs the map's exact pieces, and world/shapes says there \
-                          are too many";
+            let reason = "the navigator needs the map's exact pieces, but they exceed the capacity \
+                          of world/shapes";
             return Err(ProcessError::Algorithm(reason.into()));
         };
         if self.navigator.is_due(view.time_s) {
             let asked = link.client.is_asking();
             let answer = match link.clock {
-                // In lock-step a plan takes effect at its tick, whenever it is there.
+                // In lock-step a plan takes effect at its tick, whenever it arrives.
                 Clock::LockStep => link.client.wait(link.patience)?,
                 Clock::RealTime { .. } => {
-                    // Looked at before the answer: who answers and goes has answered.
-                    let forsaken = link.client.is_forsaken();
+                    // Checked before the answer: an optimiser that answers and then ends has
+                    // answered.
+                    let server_gone = link.client.is_server_gone();
                     let answer = link.client.poll()?;
-                    if forsaken {
+                    if server_gone {
                         link.client.give_up();
                     }
                     answer
@@ -170,7 +171,7 @@ impl NavigatorPlanner {
                 }
                 self.navigator.take(planned, space, view.time_s);
             } else if asked && !link.client.is_asking() {
-                let gone = PlanFailure::NoAnswer("the optimiser is gone".to_owned());
+                let gone = PlanFailure::NoAnswer("the optimiser has ended".to_owned());
                 if self.navigator.is_news(&gone) {
                     tracing::warn!("{}: {gone}", self.name);
                 }
@@ -201,7 +202,8 @@ impl NavigatorPlanner {
 }
 
 impl NavigatorPlanner {
-    /// How long an answer is waited for in lock-step, when everybody else waits for this process.
+    /// Returns the maximum wait for an answer in lock-step, when every other process waits for this
+    /// one.
     fn patience(&self, hang_timeout_s: f64) -> Duration {
         let time_s = self.params.answer_timeout_s;
         let time_s = time_s.unwrap_or(0.8 * hang_timeout_s);
@@ -210,7 +212,8 @@ impl NavigatorPlanner {
 }
 
 impl Link {
-    /// Time allowed for an answer (real ns); 0 in lock-step, where time stands still meanwhile.
+    /// Returns the time limit of an answer (real ns); 0 in lock-step, where simulated time does not
+    /// advance meanwhile.
     fn deadline_ns(&self, planning_time_s: f64) -> u64 {
         match self.clock {
             Clock::LockStep => 0,

@@ -18,14 +18,14 @@ const SPOT: f64 = 1e-3;
 
 /// Gain of the error ahead (1/s).
 pub const K_X: f64 = 4.0;
-/// Gain of the error to the side (1/m²).
+/// Gain of the lateral error (1/m²).
 const K_Y: f64 = 64.0;
-/// Gain of the error of the heading (1/m): critically damped at 2 √`K_Y`.
+/// Gain of the heading error (1/m): critically damped at 2 √`K_Y`.
 const K_THETA: f64 = 16.0;
-/// Gain of the error of the heading while the reference turns on the spot (1/s).
+/// Gain of the heading error while the reference turns on the spot (1/s).
 const K_TURN: f64 = 4.0;
 
-/// The speeds for a robot at `pose` whose reference is at `reference` and moves with
+/// Returns the speeds for a robot at `pose` whose reference is at `reference` and moves with
 /// `reference_twist`.
 pub fn command(pose: &Pose2, reference: &Pose2, reference_twist: Twist2) -> Twist2 {
     let error = error(pose, reference);
@@ -42,7 +42,8 @@ pub fn command(pose: &Pose2, reference: &Pose2, reference_twist: Twist2) -> Twis
     }
 }
 
-/// The reference's pose in the robot's own frame: how far ahead (m), to the left (m), turned (rad).
+/// Returns the reference's pose in the robot's frame: distance ahead (m), to the left (m), rotation
+/// (rad).
 pub fn error(pose: &Pose2, reference: &Pose2) -> Pose2 {
     let forward = pose.forward();
     let off: Vector2<f64> = reference.position() - pose.position();

@@ -1,9 +1,9 @@
-//! Other robots: keeping apart without a word between them.
+//! Collision avoidance between robots, without messages.
 //!
-//! Everybody decides at the same moment and sees the others as they were. A robot therefore drives
-//! only where it could still stop before any place that another can reach meanwhile; if both keep to
-//! that, they do not meet. Who has the higher index keeps more distance, so that it stands first and
-//! leaves the other the room to pass.
+//! All robots decide at the same moment, from the same earlier state. A robot therefore drives only
+//! where it could still stop before any place that another can reach meanwhile. If both do so, they
+//! do not collide. The robot with the higher index keeps more distance: it stops first and leaves
+//! the other the room to pass.
 
 use nalgebra::Point2;
 use planner_view::view::View;
@@ -13,15 +13,15 @@ use crate::drive::Drive;
 use crate::follow::STANDING;
 use crate::trajectory::Trajectory;
 
-/// Distance beyond the necessary at which a robot stops for one with a lower index (m).
+/// Additional distance at which a robot stops for one with a lower index (m).
 const YIELD_DISTANCE: f64 = 0.1;
-/// Distance kept beyond what the others can reach (m).
+/// Distance kept beyond the range that the others can reach (m).
 const GAP: f64 = 0.01;
-/// How much nearer to somebody who is too near already the way may lead (m): the tracking error.
+/// Further approach allowed to a robot that is too near already (m): the tracking error.
 const SLACK: f64 = 3e-3;
-/// Added to what others are planned around with (m), so that the plan can be driven.
+/// Additional clearance to other robots in plans (m), so that the plan can be driven.
 const EASE: f64 = 0.01;
-/// How long a robot stands until it counts as an obstacle (s).
+/// Standstill after which a robot counts as an obstacle (s).
 const PARKED_S: f64 = 1.0;
 
 /// Another robot, as of this tick.
@@ -29,39 +29,39 @@ const PARKED_S: f64 = 1.0;
 pub struct Other {
     /// Its index.
     pub index: usize,
-    /// Its place (m).
+    /// Its position (m).
     pub at: Point2<f64>,
     /// Its radius (m).
     pub radius: f64,
-    /// Distance between the two centres that must be kept (m).
+    /// Required distance between the two centres (m).
     required: f64,
-    /// The least of it, when they are too near already (m).
+    /// Required distance if they are too near already (m).
     least: f64,
-    /// Whether it will not move soon.
+    /// `true` if it will not move soon.
     pub parked: bool,
 }
 
 impl Other {
-    /// Radius (m) of the disc that stands for it in a plan of a robot that is kept `clearance` (m)
-    /// away from it and whose start and goal are there.
+    /// Returns the radius (m) of the disc that represents it in a plan of a robot with this
+    /// `clearance` (m), start and goal.
     pub fn planned_radius(&self, clearance: f64, start: Point2<f64>, goal: Point2<f64>) -> f64 {
         let wanted = (self.required + EASE - clearance).max(self.radius);
-        // Both ends of the way must be possible.
+        // Both ends of the path must be possible.
         let room = |p: Point2<f64>| (p - self.at).norm() - clearance - 1e-6;
         wanted.min(room(start)).min(room(goal))
     }
 }
 
-/// The other robots, and since when they have been standing.
+/// The other robots, and the start of their standstill.
 #[derive(Debug, Clone, Default)]
 pub struct Traffic {
     others: Vec<Other>,
-    /// By index: since when it stands (s).
+    /// Start of the standstill of each robot, by index (s).
     standing: Vec<Option<f64>>,
 }
 
 impl Traffic {
-    /// Looks around.
+    /// Updates the distances to the other robots.
     pub fn update(&mut self, view: &View<'_>, own: &RobotModel, models: &[RobotModel]) {
         self.others.clear();
         self.standing.resize(view.robots.len(), None);
@@ -100,8 +100,8 @@ impl Traffic {
         &self.others
     }
 
-    /// How far (m) along a path a robot may go from the time `from` (s) on, and who is in the way;
-    /// looked for on the next `ahead` (m).
+    /// Returns the distance (m) along a path that a robot may drive from the time `from` (s) on,
+    /// and the blocking robot; searches the next `ahead` (m).
     pub fn stop(&self, path: &Trajectory, from: f64, ahead: f64) -> Option<(f64, usize)> {
         let start = path.along(from);
         let here = path.at(from).0.position();
@@ -203,7 +203,7 @@ mod tests {
     }
 
     #[test]
-    fn it_may_drive_away_from_who_is_too_near() {
+    fn it_may_drive_away_from_a_robot_that_is_too_near() {
         let mut traffic = Traffic::default();
         looks(
             1,
@@ -222,7 +222,7 @@ mod tests {
     }
 
     #[test]
-    fn who_stands_for_a_while_is_parked() {
+    fn a_robot_that_stands_for_a_while_is_parked() {
         let mut traffic = Traffic::default();
         let mut parked = |time_s: f64, v: f64| {
             looks(

@@ -1,4 +1,4 @@
-//! A trajectory as the optimiser answers it.
+//! Trajectory from an answer of the optimiser.
 
 use geometry::pose::{Pose2, Twist2};
 use nalgebra::Point2;
@@ -6,64 +6,66 @@ use planner_view::free_space::FreeSpace;
 use steering::go_to::coast;
 use thiserror::Error;
 
-/// Longest piece of the path that is taken for straight (m), and most that it may bend (rad).
+/// Maximum length of a piece of the path that counts as straight (m), and its maximum bend (rad).
 const PIECE: (f64, f64) = (0.01, 0.1);
-/// How far such a piece may be from the path (m).
+/// Maximum distance of such a piece from the path (m).
 pub const SAGITTA: f64 = PIECE.0 * PIECE.1 / 8.0;
-/// Most pieces of one path: nobody drives farther.
+/// Maximum number of pieces of one path, far beyond real paths.
 const MAX_PIECES: usize = 1 << 20;
-/// Speed backwards that is taken for rounding (m/s).
+/// Backward speed that counts as a rounding error (m/s).
 const ROUNDING: f64 = 1e-3;
-/// Halvings with which the end of what is free is found.
+/// Number of bisections of the search for the end of the free part.
 const HALVINGS: u32 = 24;
 
-/// A point of a trajectory; between two of them both speeds change linearly in time, two of the
+/// Point of a trajectory. Between two points both speeds change linearly in time; two points of the
 /// same time are a step of the speeds.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sample {
     /// Time since the start (s).
     pub t: f64,
-    /// Where the robot is; the heading is continuous along the trajectory, not wrapped.
+    /// Pose; the heading is continuous along the trajectory, not wrapped.
     pub pose: Pose2,
-    /// How it moves.
+    /// Speeds.
     pub twist: Twist2,
 }
 
-/// Why samples make no trajectory.
+/// Faults of samples that make no trajectory.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 pub enum TrajectoryError {
-    /// There are none.
+    /// The list of samples is empty.
     #[error("no samples")]
     Empty,
-    /// A number is not finite, or time runs backwards.
-    #[error("sample {0} is not finite, drives backwards or comes before the one before it")]
+    /// A number is not finite, or the times decrease.
+    #[error(
+        "sample {0} is not finite, drives backwards or has an earlier time than the one before"
+    )]
     Sample(usize),
-    /// It is longer than any robot drives.
-    #[error("a path of more than {MAX_PIECES} pieces")]
+    /// The path exceeds the maximum length.
+    #[error("the path has more than {MAX_PIECES} pieces")]
     Long,
 }
 
-/// Where the robot shall be when.
+/// Planned motion of a robot: poses and speeds over time.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Trajectory {
     samples: Vec<Sample>,
     /// Length of the path up to each sample (m).
     along: Vec<f64>,
-    /// Times (s) and places (m) so near each other that the path between them is straight.
+    /// Times (s) and places (m) at intervals short enough for straight pieces.
     pieces: Vec<(f64, Point2<f64>)>,
 }
 
 impl Trajectory {
-    /// A trajectory through samples that somebody sent.
+    /// Returns a trajectory through received samples.
     ///
     /// # Errors
-    /// [`TrajectoryError`] says which of them makes no sense.
+    /// [`TrajectoryError`] names the invalid sample.
     pub fn new(mut samples: Vec<Sample>) -> Result<Self, TrajectoryError> {
         let mut before = 0.0;
         for (i, sample) in samples.iter_mut().enumerate() {
             let finite = sample.pose.is_finite() && sample.twist.is_finite();
             let forward = sample.twist.v >= -ROUNDING;
-            // Time begins at 0; not a number is in no order.
+            // Time begins at 0; NaN has no order.
             let in_order = sample.t >= before && (i > 0 || sample.t == 0.0);
             if !(finite && forward && in_order && sample.t.is_finite()) {
                 return Err(TrajectoryError::Sample(i));
@@ -79,7 +81,7 @@ impl Trajectory {
         for pair in samples.windows(2) {
             let (a, b) = (&pair[0], &pair[1]);
             let way = 0.5 * (a.twist.v + b.twist.v) * (b.t - a.t);
-            // The speeds are what they say they are, but the places are where the robot will be.
+            // The speeds are taken as given, but the positions determine the robot's path.
             let way = way.max((b.pose.position() - a.pose.position()).norm());
             length += way;
             along.push(length);
@@ -114,8 +116,8 @@ impl Trajectory {
         self.along.last().copied().unwrap_or(0.0)
     }
 
-    /// Where the robot shall be after `t` (s), and its speeds; before the start and after the end
-    /// it stands there.
+    /// Returns pose and speeds after `t` (s). Before the start and after the end the robot stands
+    /// there.
     pub fn at(&self, t: f64) -> (Pose2, Twist2) {
         match self.find(t) {
             Found::Between(i, part) => between(&self.samples[i], &self.samples[i + 1], part),
@@ -126,14 +128,14 @@ impl Trajectory {
         }
     }
 
-    /// Length of the path up to the time `t` (m).
+    /// Returns the length of the path up to the time `t` (m).
     pub fn along(&self, t: f64) -> f64 {
         match self.find(t) {
             Found::At(i) => self.along.get(i).copied().unwrap_or(0.0),
             Found::Between(i, part) => {
                 let (a, b) = (&self.samples[i], &self.samples[i + 1]);
                 let sum = a.twist.v + b.twist.v;
-                // The share of the way that lies within the share of the time.
+                // The share of the path that lies within the share of the time.
                 let share = if sum > 0.0 {
                     part * (2.0 * a.twist.v + (b.twist.v - a.twist.v) * part) / sum
                 } else {
@@ -144,7 +146,7 @@ impl Trajectory {
         }
     }
 
-    /// The time (s) of the next step of the speeds after the time `after` (s).
+    /// Returns the time (s) of the next step of the speeds after the time `after` (s).
     pub fn next_step(&self, after: f64) -> Option<f64> {
         let first = self.samples.partition_point(|sample| sample.t <= after);
         let ahead = self.samples.get(first..).unwrap_or_default();
@@ -152,15 +154,15 @@ impl Trajectory {
         steps.next().map(|pair| pair[0].t)
     }
 
-    /// The pieces of the path from a time (s) on: time and place of each end.
+    /// Returns the pieces of the path from a time (s) on: time and place of each end.
     pub fn pieces(&self, from: f64) -> impl Iterator<Item = (f64, Point2<f64>)> {
         let first = self.pieces.partition_point(|(t, _)| *t <= from);
         let start = (from, self.at(from).0.position());
         core::iter::once(start).chain(self.pieces.get(first..).unwrap_or_default().iter().copied())
     }
 
-    /// How far (m) along the path a disc of this radius (m) can go from the time `from` (s) on;
-    /// `None` if to its end.
+    /// Returns the free distance (m) along the path for a disc of this radius (m) from the time
+    /// `from` (s) on; `None` if it is free to its end.
     pub fn blocked(&self, space: &FreeSpace, from: f64, radius: f64) -> Option<f64> {
         let mut pieces = self.pieces(from);
         let (mut at, mut place) = pieces.next()?;
@@ -203,17 +205,17 @@ impl Trajectory {
 }
 
 enum Found {
-    /// At a sample beyond which there are none.
+    /// At a sample after which there are no others.
     At(usize),
     /// After a part of the time between a sample and the next.
     Between(usize, f64),
 }
 
-/// A part of the time from one sample to the next.
+/// Returns the given part of the time between two samples.
 fn between(a: &Sample, b: &Sample, part: f64) -> (Pose2, Twist2) {
     let duration = b.t - a.t;
     let lerp = |from: f64, to: f64, part: f64| from + (to - from) * part;
-    // The mean of a linear change is what it is half way.
+    // The mean of a linear change is its value half way.
     let mean = |part: f64| {
         Twist2::new(
             lerp(a.twist.v, b.twist.v, 0.5 * part),
@@ -221,7 +223,7 @@ fn between(a: &Sample, b: &Sample, part: f64) -> (Pose2, Twist2) {
         )
     };
     let reached = coast(&a.pose, mean(part), part * duration);
-    // What is off at the end is off by its share on the way.
+    // The error at the end is distributed along the piece in proportion to time.
     let end = coast(&a.pose, mean(1.0), duration);
     let turned = lerp(a.twist.omega, b.twist.omega, 0.5 * part) * part * duration;
     let end_turned = 0.5 * (a.twist.omega + b.twist.omega) * duration;
@@ -278,13 +280,13 @@ mod tests {
         assert_eq!(corner.next_step(0.0), Some(2.0));
         assert_eq!(corner.next_step(2.0), Some(4.0));
         assert_eq!(corner.next_step(4.0), None);
-        // Before and after it stands.
+        // Before and after it the robot stands.
         assert_eq!(corner.at(-1.0).1, Twist2::STOP);
         assert_eq!(corner.at(9.0).0.y, 1.0);
     }
 
     #[test]
-    fn what_blocks_it_is_found_to_the_point() {
+    fn the_blocking_point_is_exact() {
         let bounds = Aabb {
             min: Point2::new(-5.0, -5.0),
             max: Point2::new(5.0, 5.0),
@@ -296,14 +298,14 @@ mod tests {
         let blocked = corner.blocked(&space, 0.0, 0.2).unwrap();
         assert!((blocked - 1.5).abs() < 1e-6, "{blocked}");
         assert!((corner.blocked(&space, 4.2, 0.2).unwrap() - 1.5).abs() < 1e-6);
-        // From within, it is where it is.
+        // From inside a disc, the robot is blocked at once.
         assert!((corner.blocked(&space, 4.8, 0.2).unwrap() - 1.8).abs() < 1e-9);
         let free = FreeSpace::new(Vec::new(), bounds, 0.1).unwrap();
         assert_eq!(corner.blocked(&free, 0.0, 0.2), None);
     }
 
     #[test]
-    fn nonsense_is_refused() {
+    fn invalid_samples_are_rejected() {
         let of = |samples: &[Sample]| Trajectory::new(samples.to_vec()).unwrap_err();
         let good = sample(0.0, 0.0, 0.0, 0.0, 0.0, 0.0);
         assert_eq!(of(&[]), TrajectoryError::Empty);

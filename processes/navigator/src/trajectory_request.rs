@@ -1,4 +1,4 @@
-//! What a navigator asks of the optimiser.
+//! Requests of a navigator to the optimiser.
 
 use geometry::pose::Pose2;
 use geometry::shape::{Aabb, Convex};
@@ -6,7 +6,7 @@ use nalgebra::Point2;
 use sim_backend::spec::RobotModel;
 use thiserror::Error;
 
-/// A question for a trajectory.
+/// Request for a trajectory.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TrajectoryRequest {
     /// Pose at the start.
@@ -15,35 +15,35 @@ pub struct TrajectoryRequest {
     pub start_speed: Option<f64>,
     /// Turning rate at the start (rad/s); `None`: free.
     pub start_turn_rate: Option<f64>,
-    /// Where to (m).
+    /// Goal (m).
     pub goal: Point2<f64>,
     /// Forward speed there (m/s); `None`: free.
     pub goal_speed: Option<f64>,
     /// Body and limits, as far as plans may use them.
     pub model: RobotModel,
-    /// What is in the way.
+    /// Obstacles.
     pub obstacles: Vec<Convex>,
-    /// Distance that the robot's centre keeps from it (m).
+    /// Minimum distance of the robot's centre from it (m).
     pub clearance: f64,
-    /// Where the robot's centre may be.
+    /// Bounds of the robot's centre.
     pub bounds: Aabb,
-    /// How deep the start may lie in a grown obstacle (m).
+    /// Maximum depth of the start in a grown obstacle (m).
     pub start_tolerance: f64,
 }
 
-/// Why there is no trajectory.
+/// Reasons for the lack of a trajectory.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 pub enum PlanFailure {
-    /// The question makes no sense to the optimiser.
-    #[error("the optimiser refuses: {0}")]
+    /// The optimiser rejects the request as invalid.
+    #[error("the optimiser rejected the request: {0}")]
     Refused(String),
-    /// No path leads there.
-    #[error("no path leads there")]
+    /// The goal is unreachable.
+    #[error("the goal is unreachable")]
     NoPath,
-    /// No path can be driven from the speeds that the robot has.
+    /// No path is feasible from the robot's present speeds.
     #[error("no trajectory: {0}")]
     Infeasible(String),
-    /// There is no answer: cancelled, or out of time.
+    /// No answer: cancelled, or out of time.
     #[error("no answer: {0}")]
     NoAnswer(String),
 }

@@ -1,4 +1,4 @@
-//! Questions and answers as messages.
+//! Conversion of requests and answers to messages.
 
 use geometry::pose::{Pose2, Twist2};
 use ipc_types::messages::optimiser::{PlanRequest, PlanResponse, TrajectorySample};
@@ -10,7 +10,7 @@ use crate::params::{Guess, Method, PlanningParams};
 use crate::trajectory::{Sample, Trajectory};
 use crate::trajectory_request::{PlanFailure, TrajectoryRequest};
 
-/// The request of a question; `last` as in [`PlanRequest::last`].
+/// Encodes a request; `last` as in [`PlanRequest::last`].
 pub fn encode(
     ask: &TrajectoryRequest,
     params: &PlanningParams,
@@ -72,10 +72,10 @@ pub fn encode(
     (header, shapes::points(&ask.obstacles))
 }
 
-/// The trajectory of an answer.
+/// Returns the trajectory of an answer.
 ///
 /// # Errors
-/// [`PlanFailure`] says why there is none.
+/// [`PlanFailure`] states the reason for the lack of one.
 pub fn decode(
     header: &PlanResponse,
     samples: &[TrajectorySample],

@@ -1,4 +1,4 @@
-//! The navigator without processes: an ideal world, and a planner that knows straight lines only.
+//! Tests of the navigator without processes: an ideal world, and a planner of straight lines only.
 
 use geometry::math;
 use geometry::pose::{Pose2, Twist2};
@@ -25,11 +25,11 @@ struct Rig {
     twist: Twist2,
     tick: u32,
     asked: Option<TrajectoryRequest>,
-    /// Everything that was asked, with the time (s).
+    /// All requests, with their times (s).
     asks: Vec<(f64, TrajectoryRequest)>,
-    /// What is answered instead of a straight line.
+    /// Answer instead of a straight line.
     refusal: Option<PlanFailure>,
-    /// Ticks that every answer comes too late.
+    /// Number of ticks by which every answer is late.
     late: u32,
     overdue: u32,
 }
@@ -208,7 +208,7 @@ fn a_plan_takes_effect_a_stated_time_after_it_was_asked_for_and_begins_there() {
     assert!((asked_at - 2.5).abs() < 1e-9, "{asked_at}");
     rig.steps(0.4);
     let off = (ask.start.position() - rig.pose.position()).norm();
-    // One tick of the nine is still to come.
+    // One of the nine ticks is left.
     assert!(off < 0.012, "{off}");
 }
 
@@ -222,19 +222,19 @@ fn at_a_popup_it_goes_on_as_far_as_the_way_is_free_or_stops_at_once() {
         let mut rig = Rig::new(params, &[[5.0, 1.0]], &[]);
         rig.steps(2.05);
         rig.popup(&[(3.0, 1.0, 0.2)]);
-        // Nobody answers for long.
+        // No answer comes for a long time.
         rig.late = 200;
         rig.refusal = Some(PlanFailure::NoPath);
         rig.steps(9.0);
         let off = (rig.pose.x - stops_at).abs();
         assert!(off < 0.015, "{at_popup:?}: {:?}", rig.pose);
         assert_eq!(rig.twist.v, 0.0);
-        // Then there is no way: asked again and again, but not all the time.
+        // Then there is no path: the navigator requests again, but not in every tick.
         rig.late = 0;
         rig.steps(5.0);
         let asks = rig.asks.len();
         assert!((5..10).contains(&asks), "{asks}");
-        // At once when the obstacle has gone.
+        // At once after the obstacle has disappeared.
         rig.popup(&[]);
         rig.refusal = None;
         rig.steps(20.0);
@@ -243,7 +243,7 @@ fn at_a_popup_it_goes_on_as_far_as_the_way_is_free_or_stops_at_once() {
 }
 
 #[test]
-fn who_is_told_that_there_is_no_way_stands() {
+fn a_robot_without_a_path_stands() {
     let mut rig = Rig::new(NavigatorParams::default(), &[[5.0, 1.0]], &[]);
     rig.steps(2.05);
     rig.popup(&[(3.0, 1.0, 0.2)]);
@@ -267,7 +267,7 @@ fn an_obstacle_off_the_path_changes_nothing() {
 }
 
 #[test]
-fn who_is_pushed_off_stops_and_plans_from_there() {
+fn a_robot_pushed_off_its_path_stops_and_replans() {
     let mut rig = Rig::new(NavigatorParams::default(), &[[5.0, 1.0]], &[]);
     rig.steps(2.0);
     rig.pose.y += 0.1;

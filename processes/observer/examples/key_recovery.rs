@@ -1,5 +1,5 @@
-//! Goals that a key takes to be recovered from a robot in the simulated world: by generator, speed
-//! and noise. `cargo run -p observer --example key_recovery -- [keys] [part of a row's name]`
+//! Number of goals from which a key is recovered, for a robot in the simulated world: by generator,
+//! speed and noise. `cargo run -p observer --example key_recovery -- [keys] [part of a row's name]`
 
 #[path = "../tests/all/drive.rs"]
 mod drive;

@@ -1,4 +1,4 @@
-//! What the public knows of a robot's goals: everything but the key.
+//! Public knowledge of a robot's goals: everything but the key.
 
 use crate::recovery::cat::{CatModulus, CatRecovery};
 use crate::recovery::chebyshev::ChebyshevRecovery;
@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize};
 use crate::layout::{Frame, Layout, Slot};
 use crate::predictors::key::Finder;
 
-/// Which cat map.
+/// Form of the cat map.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum CatKind {
@@ -27,16 +27,16 @@ pub enum CatKind {
     CatF64,
 }
 
-/// What is known of a patrol that puts in waypoints by a cat map (cat-map patrol paper).
+/// Public knowledge of a patrol with waypoints from a cat map (cat-map patrol paper).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct CatKnowledge {
     /// The route, at least two points.
     #[schemars(transform = each(each(unit("m"))))]
     pub contour: Vec<[f64; 2]>,
-    /// Whether it ends where it began.
+    /// `true` if it ends at its start.
     pub closed: bool,
-    /// Time in which a lap is to be done.
+    /// Maximum duration of a lap.
     #[schemars(transform = above(0).unit("s"))]
     pub t_max: f64,
     /// Width of the zig-zag.
@@ -44,7 +44,7 @@ pub struct CatKnowledge {
     pub alpha: f64,
     /// The formulas' variant.
     pub preset: Preset,
-    /// Where waypoints are put in: only on the parts of the route in these zones; empty: everywhere.
+    /// Zones of the route in which waypoints are inserted; empty: everywhere.
     pub danger_zones: DangerZones,
     /// The map.
     pub generator: CatKind,
@@ -71,10 +71,10 @@ impl Parameters for CatKnowledge {
 }
 
 impl CatKnowledge {
-    /// The goals of a lap; of an open route, of a lap there and one back.
+    /// Returns the goals of a lap; of an open route, of a lap there and one back.
     ///
     /// # Errors
-    /// [`ParamsError`] naming the first field that cannot be used.
+    /// [`ParamsError`] naming the first invalid field.
     pub fn layout(&self) -> Result<Layout, ParamsError> {
         let points: Vec<Point2<f64>> = self.contour.iter().map(|&p| Point2::from(p)).collect();
         let contour = if self.closed {
@@ -113,7 +113,7 @@ impl CatKnowledge {
         })
     }
 
-    /// A search for the state of the map.
+    /// Returns a search for the state of the map.
     pub fn finder(&self) -> CatRecovery {
         CatRecovery::new(match self.generator {
             CatKind::CatP => CatModulus::Prime,
@@ -141,7 +141,7 @@ impl Finder for CatRecovery {
     }
 }
 
-/// Which function of a Chebyshev map's state is given out.
+/// Function of a Chebyshev map's state that is output.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum ChebyshevForm {
@@ -152,14 +152,14 @@ pub enum ChebyshevForm {
     Raw,
 }
 
-/// What is known of a coverage by two Chebyshev maps (Chebyshev coverage paper).
+/// Public knowledge of a coverage by two Chebyshev maps (Chebyshev coverage paper).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct ChebyshevKnowledge {
-    /// The rectangle in which sub-goals lie: smallest x and y, largest x and y.
+    /// Rectangle of the sub-goals: smallest x and y, largest x and y.
     #[schemars(transform = each(unit("m")))]
     pub rectangle: [f64; 4],
-    /// What is given out.
+    /// Function of the state that is output.
     pub form: ChebyshevForm,
 }
 
@@ -179,10 +179,10 @@ impl Parameters for ChebyshevKnowledge {
 }
 
 impl ChebyshevKnowledge {
-    /// The one goal that is drawn again and again.
+    /// Returns the single goal that is drawn repeatedly.
     ///
     /// # Errors
-    /// [`ParamsError`] if the rectangle is none.
+    /// [`ParamsError`] if the rectangle is invalid.
     pub fn layout(&self) -> Result<Layout, ParamsError> {
         const EXPECTED: &str = "[smallest x, smallest y, largest x, largest y], all finite";
         let [left, bottom, right, top] = self.rectangle;
@@ -203,7 +203,7 @@ impl ChebyshevKnowledge {
             .ok_or_else(|| ParamsError::new("rectangle", &text, EXPECTED))
     }
 
-    /// A search for the state of the maps.
+    /// Returns a search for the state of the maps.
     pub fn finder(&self) -> ChebyshevRecovery {
         ChebyshevRecovery::new(match self.form {
             ChebyshevForm::Arcsine => Emission::Arcsine,

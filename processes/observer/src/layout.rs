@@ -1,9 +1,9 @@
-//! What is publicly known of how goals are made: everything but the key.
+//! Publicly known rule by which goals are made: everything but the key.
 
 use nalgebra::{Point2, Vector2};
 
-/// A goal that is made from one output of a generator, in the unit square or in [−1, 1]²: an affine
-/// image of it.
+/// Frame of a goal that is the affine image of one output of a generator, in the unit square or in
+/// [−1, 1]².
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Frame {
     /// Image of the output (0, 0) (m).
@@ -20,7 +20,7 @@ impl Frame {
         self.origin + self.first * x + self.second * y
     }
 
-    /// The output of a goal; `None` if the axes are parallel.
+    /// Returns the output of a goal; `None` if the axes are parallel.
     pub fn output(&self, goal: Point2<f64>) -> Option<[f64; 2]> {
         let area = self.first.perp(&self.second);
         let offset = goal - self.origin;
@@ -33,28 +33,28 @@ impl Frame {
     }
 }
 
-/// One of the goals, in the order in which they are visited.
+/// One of the goals, in the order of visits.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Slot {
     /// Always at the same place.
     Fixed(Point2<f64>),
-    /// Where the generator's next output says.
+    /// Position from the generator's next output.
     Drawn(Frame),
 }
 
-/// The goals of a route that repeats itself.
+/// Goals of a route that repeats itself.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Layout {
     slots: Vec<Slot>,
 }
 
 impl Layout {
-    /// A route that begins anew after the last of these goals; `None` of no goals.
+    /// Returns a route that repeats these goals; `None` without goals.
     pub fn new(slots: Vec<Slot>) -> Option<Self> {
         (!slots.is_empty()).then_some(Self { slots })
     }
 
-    /// The goal with this number, counted from 0 over all rounds.
+    /// Returns the goal with this number, counted from 0 over all rounds.
     pub fn slot(&self, number: u64) -> Slot {
         let at = (number % self.slots.len() as u64) as usize;
         self.slots
@@ -68,7 +68,7 @@ impl Layout {
         self.slots.len() as u64
     }
 
-    /// Area in which a drawn goal lies (m²): that of the first; 1 if none is drawn.
+    /// Returns the area in which a drawn goal lies (m²): that of the first; 1 if none is drawn.
     pub fn area(&self) -> f64 {
         let areas = self.slots.iter().filter_map(|slot| match slot {
             Slot::Drawn(frame) => Some(frame.first.perp(&frame.second).abs()),
@@ -77,8 +77,8 @@ impl Layout {
         areas.into_iter().find(|area| *area > 0.0).unwrap_or(1.0)
     }
 
-    /// Number in the round of a fixed goal within `tolerance` (m) of a place; the nearest one, of
-    /// equals the first.
+    /// Returns the number in the round of a fixed goal within `tolerance` (m) of a place; the
+    /// nearest one, of equals the first.
     pub fn fixed_near(&self, place: Point2<f64>, tolerance: f64) -> Option<u64> {
         let mut best: Option<(f64, u64)> = None;
         for (number, slot) in (0..).zip(&self.slots) {
@@ -91,7 +91,8 @@ impl Layout {
         best.map(|(_, number)| number)
     }
 
-    /// Whether every goal is drawn, so that it does not matter where in the round the robot is.
+    /// Returns `true` if every goal is drawn, so that the robot's place in the round does not
+    /// matter.
     pub fn is_uniform(&self) -> bool {
         self.slots.len() == 1 && matches!(self.slots.first(), Some(Slot::Drawn(_)))
     }

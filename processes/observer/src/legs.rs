@@ -1,13 +1,13 @@
-//! Which goals a robot has reached, from its poses alone.
+//! Detection of the goals that a robot has reached, from its poses alone.
 //!
-//! A robot that goes from goal to goal drives straight legs, each of which aims at its goal to the
-//! end. It turns away before it is quite there: as soon as the goal is within its tolerance. Where a
-//! straight leg ends, the goal therefore lies ahead by that tolerance, less half the way of a tick on
-//! average; it does not matter how the robot turns afterwards.
+//! A robot that drives from goal to goal drives straight legs; each aims at its goal to the end. It
+//! turns away as soon as the goal is within its tolerance. Where a straight leg ends, the goal
+//! therefore lies ahead by that tolerance, less half the distance of a tick on average. The turn
+//! that follows does not matter.
 //!
 //! Goals that are near to each other leave no straight leg between them. There the turning rate
-//! tells: a robot that turns towards its goal does so ever more slowly, and when it turns faster
-//! again, or the other way, it has got another goal.
+//! shows the goals: a robot that turns towards its goal turns ever more slowly. When it turns
+//! faster again, or the other way, it has a new goal.
 
 use std::collections::VecDeque;
 
@@ -16,30 +16,30 @@ use nalgebra::{Point2, Vector2};
 
 use crate::moment::{Look, ReachedGoal, Seen};
 
-/// Changes of heading below this (rad) are none.
+/// Lower bound of significant changes of heading (rad).
 const MIN_TURN: f64 = 0.02;
 /// The same in standard deviations of the heading.
 const TURN_SIGMAS: f64 = 5.0;
-/// A turn at the end of a short leg is at least this many times as large.
+/// Factor of the minimum turn at the end of a short leg.
 const CLEAR_TURN: f64 = 2.0;
 /// Poses of a short leg.
 const SHORT: usize = 4;
-/// Changes of the turning rate per look that are more than noise, in standard deviations of the
+/// Changes of the turning rate per observation that exceed noise, in standard deviations of the
 /// heading: a change takes three of them.
 const JUMP_SIGMAS: f64 = 8.0;
-/// Way that makes a leg of poses with one heading (m), and more of it in standard deviations.
+/// Minimum length of a leg of poses with one heading (m); a further part is in standard deviations.
 const MIN_LEG: f64 = 0.01;
 const LEG_SIGMAS: f64 = 4.0;
-/// Poses of a leg's end that are averaged.
+/// Number of poses that are averaged at a leg's end.
 const END: usize = 8;
-/// Poses after which a leg is one whatever it looks like.
+/// Number of poses after which any straight motion counts as a leg.
 const SETTLED: usize = 20;
-/// Poses that say which heading a leg has.
+/// Number of poses that determine the heading of a leg.
 const HEADINGS: usize = 5;
-/// Below this the last position is better than an average (m).
+/// Noise below which the last position is better than an average (m).
 const EXACT: f64 = 1e-3;
 
-/// Error of a goal in standard deviations of a position, and without any (m).
+/// Error of a goal in standard deviations of a position, and without noise (m).
 const NOISE_KEPT: f64 = 1.2;
 const MIN_ERROR: f64 = 0.003;
 
@@ -49,9 +49,9 @@ struct Sample {
     seen: Seen,
 }
 
-/// The goal that was reached with this sample, after a tick of this way (m).
+/// Returns the goal that was reached with this sample, after a tick of this distance (m).
 fn reached(sample: Sample, point: Point2<f64>, way: f64) -> ReachedGoal {
-    // Anywhere in the way of a tick: way²/12 along it.
+    // Uniform within the distance of a tick: way²/12 along it.
     let noise = NOISE_KEPT * sample.seen.sigma;
     let variance = way * way / 24.0 + noise * noise + MIN_ERROR * MIN_ERROR;
     ReachedGoal {
@@ -61,22 +61,22 @@ fn reached(sample: Sample, point: Point2<f64>, way: f64) -> ReachedGoal {
     }
 }
 
-/// Watches the legs of one robot.
+/// Detects the legs of one robot.
 #[derive(Debug, Clone)]
 pub struct Legs {
     /// Distance from its goal at which the robot turns to the next (m).
     arrival: f64,
     /// The last poses with one heading, oldest first.
     samples: VecDeque<Sample>,
-    /// Whether they make a leg.
+    /// `true` if they make a leg.
     straight: bool,
-    /// Poses since the leg may have begun.
+    /// Poses since the possible start of the leg.
     age: usize,
-    /// A pose that does not fit in: the first of a turn, or one that was measured badly.
+    /// Outlier: the first pose of a turn, or a bad measurement.
     odd: Option<Sample>,
-    /// The last two poses in sight, the newer first.
+    /// Last two poses in sight, the newer first.
     before: Option<(Sample, Option<Sample>)>,
-    /// Whether the robot has turned more slowly since the last goal.
+    /// `true` if the robot has turned more slowly since the last goal.
     slowing: bool,
     /// The last goal (m).
     last: Option<Point2<f64>>,
@@ -84,7 +84,8 @@ pub struct Legs {
 }
 
 impl Legs {
-    /// For a robot that turns to its next goal within `arrival` (m), ≥ 0, of the last.
+    /// Returns a detector for a robot that turns to its next goal within `arrival` (m), ≥ 0, of the
+    /// last.
     pub fn new(arrival: f64) -> Self {
         Self {
             arrival,
@@ -99,7 +100,7 @@ impl Legs {
         }
     }
 
-    /// Takes up a look; returns the goal that the robot has turned away from.
+    /// Processes an observation; returns the goal that the robot has turned away from.
     pub fn observe(&mut self, look: &Look) -> Option<ReachedGoal> {
         let Some(seen) = look.seen else {
             self.lost = true;
@@ -141,7 +142,7 @@ impl Legs {
                 self.odd = Some(sample);
                 return None;
             };
-            // What seems to be a leg may be the end of the turn before, which slows down.
+            // An apparent leg may be the end of the turn before, which slows down.
             let settled = self.age >= SETTLED || (self.age >= SHORT && turned > CLEAR_TURN);
             let goal = settled.then(|| self.goal(dt)).flatten();
             self.restart(&[first]);
@@ -164,7 +165,7 @@ impl Legs {
         None
     }
 
-    /// Whether the robot has been out of sight since this was asked last: goals may be missing.
+    /// Returns `true` if the robot has been out of sight since the last call: goals may be missing.
     pub fn take_lost(&mut self) -> bool {
         core::mem::take(&mut self.lost)
     }
@@ -177,7 +178,7 @@ impl Legs {
         self.odd = None;
     }
 
-    /// Mean heading of the leg's end (rad).
+    /// Returns the mean heading of the leg's end (rad).
     fn heading(&self) -> f64 {
         let Some(last) = self.samples.back() else {
             return 0.0;
@@ -194,8 +195,8 @@ impl Legs {
         heading + off / count as f64
     }
 
-    /// How far a heading is off that of the leg, in changes that are more than noise; 0 if there is
-    /// no leg.
+    /// Returns the deviation of a heading from that of the leg, in changes that exceed noise; 0 if
+    /// there is no leg.
     fn turned(&self, sample: &Sample) -> f64 {
         if self.samples.is_empty() {
             return 0.0;
@@ -204,7 +205,7 @@ impl Legs {
         off.abs() / MIN_TURN.max(TURN_SIGMAS * sample.seen.heading_sigma)
     }
 
-    /// Whether the robot suddenly turns faster, or the other way.
+    /// Returns `true` if the robot suddenly turns faster, or the other way.
     fn jumps(&mut self, sample: &Sample) -> bool {
         let Some((newest, Some(older))) = self.before else {
             return false;
@@ -219,7 +220,7 @@ impl Legs {
         jump
     }
 
-    /// The goal of a robot that has begun to turn at the last pose.
+    /// Returns the goal of a robot that has begun to turn at the last pose.
     fn goal_before_jump(&self, dt: f64) -> Option<ReachedGoal> {
         if self.straight && self.age >= END {
             return self.goal(dt);
@@ -234,7 +235,7 @@ impl Legs {
         apart.then(|| reached(newest, point, way))
     }
 
-    /// The goal at the end of the present leg.
+    /// Returns the goal at the end of the present leg.
     fn goal(&self, dt: f64) -> Option<ReachedGoal> {
         let last = self.samples.back()?;
         let (end, velocity) = self.end()?;
@@ -244,7 +245,8 @@ impl Legs {
         Some(reached(*last, end + Vector2::new(cos, sin) * ahead, way))
     }
 
-    /// The last position (m) and the velocity (m/s) of the leg's end, by least squares in time.
+    /// Returns the last position (m) and the velocity (m/s) of the leg's end, by least squares in
+    /// time.
     fn end(&self) -> Option<(Point2<f64>, Vector2<f64>)> {
         let last = self.samples.back()?;
         let n = self.samples.len() as f64;

@@ -1,9 +1,10 @@
-//! An adversary that watches robots and predicts where they will be.
+//! Adversary that observes robots and predicts their positions.
 //!
-//! It sees poses with noise, along lines of sight, and predicts positions some seconds ahead by
-//! several methods at once ([`predictors`]): from knowing nothing but physics to knowing everything
-//! about how a robot's goals are made except the key, which is recovered where the method allows. Each prediction is kept until its time has come
-//! and is then scored against the truth ([`score`]): "unpredictable" becomes a measured number.
+//! It measures poses with noise, along lines of sight, and predicts positions some seconds ahead by
+//! several methods at once ([`predictors`]). They range from inertia alone to full knowledge of the
+//! method by which a robot's goals are made, except the key; the key is recovered where the method
+//! allows it. Each prediction is stored until it is due and then scored against the truth
+//! ([`score`]): a measure of unpredictability.
 
 #![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
 #![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]

@@ -1,10 +1,10 @@
-//! What an observer knows of a robot at a moment.
+//! Knowledge that an observer has of a robot at a moment.
 
 use nalgebra::Point2;
 use tracking::space::Space;
 use tracking::watch::Watch;
 
-/// A pose as it was measured.
+/// Measured pose.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Seen {
     /// Measured position (m).
@@ -17,12 +17,12 @@ pub struct Seen {
     pub heading_sigma: f64,
 }
 
-/// One look at a robot.
+/// One observation of a robot.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Look {
     /// Simulated time (s).
     pub time: f64,
-    /// Time since the look before (s), > 0.
+    /// Time since the last observation (s), > 0.
     pub dt: f64,
     /// The measurement; `None` if the robot is out of sight.
     pub seen: Option<Seen>,
@@ -30,28 +30,28 @@ pub struct Look {
     pub visibility: f64,
 }
 
-/// A goal that a robot has been found to have reached.
+/// Goal that a robot has reached, as detected from its poses.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ReachedGoal {
-    /// When the robot turned away from it (s).
+    /// Time at which the robot turned away from it (s).
     pub time: f64,
-    /// Where it must have been (m).
+    /// Estimated position (m).
     pub point: Point2<f64>,
     /// Standard deviation of x and of y (m).
     pub sd: f64,
 }
 
-/// A look with its surroundings.
+/// Observation with its context.
 #[derive(Debug, Clone, Copy)]
 pub struct Moment<'a> {
-    /// The look.
+    /// The observation.
     pub look: Look,
-    /// The goal that the robot has reached since the look before, if any.
+    /// The goal that the robot has reached since the last observation, if any.
     pub goal: Option<ReachedGoal>,
-    /// Whether the robot may have reached goals unseen since the look before.
+    /// `true` if the robot may have reached goals unseen since the observation before.
     pub goals_lost: bool,
     /// The map.
     pub space: &'a Space,
-    /// Who looks.
+    /// The watching robot and its field of view.
     pub watch: &'a Watch,
 }

@@ -7,12 +7,12 @@ use tracking::params::FilterParams;
 
 use crate::knowledge::{CatKnowledge, ChebyshevKnowledge};
 
-/// Most times ahead.
+/// Maximum number of horizons.
 const MAX_HORIZONS: usize = 32;
-/// Longest time ahead (s).
+/// Longest horizon (s).
 const MAX_HORIZON: f64 = 600.0;
 
-/// A method that needs no knowledge of how goals are made.
+/// Method that does not use the rule of the goals.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Method {
@@ -20,16 +20,16 @@ pub enum Method {
     Kalman,
     /// The particle filter of perception.
     Particles,
-    /// What followed the most similar stretch of the way so far.
+    /// The continuation of the most similar stretch of the path so far.
     SimilarStretch,
     /// The goal that followed the most similar one.
     SimilarGoal,
-    /// The same, each coordinate for itself.
+    /// The same, each coordinate separately.
     SimilarGoalPerAxis,
 }
 
 impl Method {
-    /// All of them.
+    /// All methods.
     pub const ALL: [Self; 5] = [
         Self::Kalman,
         Self::Particles,
@@ -39,7 +39,7 @@ impl Method {
     ];
 }
 
-/// How well an observer sees.
+/// Accuracy of an observer's view.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct PoseSensorParams {
@@ -70,23 +70,22 @@ impl Default for PoseSensorParams {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct ObserverParams {
-    /// Names of the robots that it watches; empty: all that it does not look from.
+    /// Names of the robots that it watches; empty: all but its viewpoints.
     pub watch: Vec<String>,
-    /// Fixed places from which it looks. Without any, and without `from_robots`, it sees
-    /// everything always.
+    /// Fixed viewpoints. Without any, and without `from_robots`, it sees everything always.
     #[schemars(transform = each(each(unit("m"))))]
     pub from_points: Vec<[f64; 2]>,
-    /// Names of the robots from which it looks.
+    /// Names of the robots that are viewpoints.
     pub from_robots: Vec<String>,
-    /// How well it sees.
+    /// Accuracy of its view.
     pub eyes: PoseSensorParams,
     /// Time between two messages, rounded to whole ticks.
     #[schemars(transform = above(0).unit("s"))]
     pub period_s: f64,
-    /// How far ahead it predicts, rounded to whole ticks.
+    /// Prediction horizons, rounded to whole ticks.
     #[schemars(length(min = 1, max = MAX_HORIZONS), transform = each(above(0).at_most(MAX_HORIZON).unit("s")))]
     pub horizons_s: Vec<f64>,
-    /// By which methods, besides those that the knowledge below allows.
+    /// Prediction methods, besides those that the knowledge below allows.
     pub methods: Vec<Method>,
     /// Distance from its goal at which a watched robot turns to the next one.
     #[schemars(transform = at_least(0).unit("m"))]
@@ -96,9 +95,10 @@ pub struct ObserverParams {
     pub acceleration: f64,
     /// The particle filters.
     pub filter: FilterParams,
-    /// What is publicly known of a patrol with a cat map; its key is looked for if given.
+    /// Public knowledge of a patrol with a cat map. If given, the observer searches for its key.
     pub cat: Option<CatKnowledge>,
-    /// What is publicly known of a coverage with Chebyshev maps; its key is looked for if given.
+    /// Public knowledge of a coverage with Chebyshev maps. If given, the observer searches for its
+    /// key.
     pub chebyshev: Option<ChebyshevKnowledge>,
 }
 

@@ -1,4 +1,4 @@
-//! Who looks, and what is seen.
+//! Pose sensor of an observer: its viewpoint and its noise.
 
 use geometry::math;
 use geometry::pose::Pose2;
@@ -15,17 +15,17 @@ use crate::params::PoseSensorParams;
 /// Visibility below which a robot is not seen.
 const MIN_VISIBILITY: f64 = 1e-3;
 
-/// The places from which is looked, at one tick.
+/// Viewpoints at one tick.
 #[derive(Debug, Clone)]
 pub struct PoseSensor {
     params: PoseSensorParams,
-    /// Whether lines of sight matter.
+    /// `true` if lines of sight matter.
     limited: bool,
     watch: Watch,
 }
 
 impl PoseSensor {
-    /// With observers that `limited` says there are; without any, everything is seen always.
+    /// Returns a sensor. If `limited`, it has viewpoints; otherwise it sees everything always.
     pub fn new(params: &PoseSensorParams, limited: bool) -> Self {
         let sensor = SensorParams {
             range: params.range,
@@ -47,13 +47,13 @@ impl PoseSensor {
         self.watch.set(space.field(), &poses);
     }
 
-    /// The observers, for the particle filter.
+    /// Returns the observers, for the particle filter.
     pub fn watch(&self) -> &Watch {
         &self.watch
     }
 
-    /// Looks at a robot: how well it is seen (0…1), and the measurement if well enough. As many
-    /// numbers are drawn whether it is seen or not.
+    /// Observes a robot: returns its visibility (0…1), and the measurement if it is sufficient. It
+    /// draws the same number of random values in both cases.
     pub fn look(&self, space: &Space, truth: Pose2, rng: &mut ChaCha8Rng) -> (f64, Option<Seen>) {
         let ((x, y), (turn, _)) = (gaussian_pair(rng), gaussian_pair(rng));
         let visibility = if self.limited {

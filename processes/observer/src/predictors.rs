@@ -1,4 +1,4 @@
-//! Ways to predict where a robot will be, behind one trait.
+//! Methods that predict a robot's position, behind one trait.
 
 pub mod kalman;
 pub mod key;
@@ -10,20 +10,21 @@ use nalgebra::Point2;
 
 use crate::moment::Moment;
 
-/// Foretells where one robot will be.
+/// Predicts the position of one robot.
 pub trait Predictor {
-    /// Takes up a moment; moments come in the order of time.
+    /// Processes a moment; moments are in the order of time.
     fn observe(&mut self, moment: &Moment<'_>);
 
-    /// Where the robot will be `horizon` (s) after the last moment; `None` if the method cannot say.
+    /// Returns the robot's position `horizon` (s) after the last moment; `None` if the method has
+    /// no prediction.
     fn predict(&self, horizon: f64, moment: &Moment<'_>) -> Option<Point2<f64>>;
 
-    /// Goals made out so far; 0 for methods that look for none.
+    /// Returns the number of detected goals; 0 for methods without goals.
     fn goals_observed(&self) -> u32 {
         0
     }
 
-    /// Whether the key of the robot's goals is known.
+    /// Returns `true` if the key of the robot's goals is known.
     fn key_recovered(&self) -> bool {
         false
     }

@@ -1,4 +1,4 @@
-//! Wires an observer to its topics: state and map in, predictions out.
+//! Connects an observer to its topics: state and map in, predictions out.
 
 use geometry::pose::Pose2;
 use geometry::visibility::polygon::SightLimits;
@@ -27,14 +27,14 @@ use crate::predictors::similar_goal::SimilarGoal;
 use crate::predictors::similar_stretch::SimilarStretch;
 use crate::watched::{MethodPrediction, Watched};
 
-/// Greatest error with which goals are made out (m).
+/// Maximum error of detected goals (m).
 const GOAL_ERROR: f64 = 0.03;
-/// Length of the stretches that are compared (s).
+/// Length of the compared stretches (s).
 const STRETCH_S: f64 = 2.0;
-/// Time between the poses of a stretch that are compared (s).
+/// Time between the compared poses of a stretch (s).
 const STRETCH_STEP_S: f64 = 0.25;
 
-/// A robot that is watched.
+/// Watched robot.
 struct Target {
     robot: usize,
     watched: Watched,
@@ -42,11 +42,11 @@ struct Target {
     visible: bool,
 }
 
-/// An observer in its process.
+/// Process of an observer.
 pub struct ObserverProcess {
     config: ProcessConfig,
     params: ObserverParams,
-    /// Robots that are watched, and from which it looks.
+    /// Watched robots, and viewpoints.
     robots: Vec<usize>,
     from_robots: Vec<usize>,
     sensor: PoseSensor,
@@ -65,11 +65,11 @@ pub struct ObserverProcess {
 impl ProcessKind for ObserverProcess {
     const NAME: &'static str = "observer";
     const SUMMARY: &'static str =
-        "watches robots, predicts where they will be, and measures how wrong it was";
+        "observes robots, predicts their positions, and measures the errors";
 
     type Params = ObserverParams;
 
-    /// It looks from its robots and places; without any it is told everything.
+    /// Its viewpoints are its robots and places; without any it receives the true poses.
     fn lookout(params: &ObserverParams, _: &[usize], robots: &[RobotSpec]) -> Option<ViewSpec> {
         let looks = |&robot: &usize| params.from_robots.contains(&robots[robot].name);
         Some(ViewSpec {
@@ -176,7 +176,7 @@ impl Process for ObserverProcess {
             }
             return Ok(());
         };
-        // In real time ticks may have been missed, or nothing new may have come.
+        // In real time ticks may have been missed, or there may be no new state.
         let passed = match self.last_tick {
             Some(last) if newest <= last => return Ok(()),
             Some(last) => newest - last,
@@ -246,7 +246,7 @@ impl Process for ObserverProcess {
 }
 
 impl ObserverProcess {
-    /// Sets up the predictors of a robot.
+    /// Creates the predictors of a robot.
     fn target(&self, robot: usize, space: &Space) -> Result<Target, ProcessError> {
         let (run, params) = (&self.config.run, &self.params);
         let algorithm = |e: parameters::ParamsError| ProcessError::Algorithm(e.to_string());
@@ -324,7 +324,7 @@ impl ObserverProcess {
     }
 }
 
-/// A time in whole ticks, at least one.
+/// Converts a time to whole ticks, at least one.
 fn ticks(time_s: f64, tick_s: f64) -> u64 {
     // A cast of a float saturates; NaN becomes 0.
     ((time_s / tick_s).round() as u64).max(1)

@@ -1,22 +1,22 @@
-//! What an observer who knows the method learns from the points: the state of the linear maps.
+//! Recovery of the state of the linear maps from their points, with the method known.
 //!
-//! Fewer than a hundred consecutive points of a cat map, or thirty of a Chebyshev map, seen with
-//! noise of up to 2 % of the side, determine its integer state exactly; from then on every point is
-//! known in advance. [`cat::CatRecovery`] and [`chebyshev::ChebyshevRecovery`] take one observation
-//! at a time and claim nothing before an exact orbit agrees with a whole window of observations,
-//! among them several that took no part in the estimate. From a [`chaotic_maps::Keyed`] stream there is
-//! nothing to recover.
+//! Fewer than a hundred consecutive points of a cat map, or thirty of a Chebyshev map, observed
+//! with noise of up to 2 % of the side, determine its integer state exactly. From then on every
+//! point is known in advance. [`cat::CatRecovery`] and [`chebyshev::ChebyshevRecovery`] accept one
+//! observation at a time. They report a state only if an exact orbit agrees with a whole window of
+//! observations, several of which were not used for the estimate. A [`chaotic_maps::Keyed`] stream
+//! offers nothing to recover.
 
 pub mod cat;
 pub mod chebyshev;
 
 use chaotic_maps::{AnySource, Source as _};
 
-/// Observations in a row that a recovered orbit may miss before the claim is given up: one may be an
-/// error of the sensor.
+/// Maximum number of consecutive observations that a recovered orbit may miss before it is dropped:
+/// one may be a sensor error.
 const MAX_MISSES: u32 = 3;
 
-/// A recovered orbit, kept in step with the observations.
+/// Recovered orbit, synchronised with the observations.
 #[derive(Debug, Clone)]
 struct Tracked {
     source: AnySource,
@@ -28,8 +28,8 @@ impl Tracked {
         Self { source, misses: 0 }
     }
 
-    /// Moves on to the next point and says whether the claim stands; `agrees` compares that point,
-    /// in [−1, 1]², with what was observed (if anything).
+    /// Advances to the next point and returns `true` if the orbit is still valid; `agrees` compares
+    /// that point, in [−1, 1]², with the observation (if any).
     fn follow(&mut self, agrees: impl FnOnce([f64; 2]) -> bool) -> bool {
         if agrees(self.source.next_symmetric()) {
             self.misses = 0;

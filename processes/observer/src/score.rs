@@ -1,45 +1,45 @@
-//! Predictions wait until their time has come, and are then compared with the truth.
+//! Comparison of predictions with the truth when they are due.
 
 use std::collections::VecDeque;
 
 use nalgebra::Point2;
 
-/// The predictions of one method for one time ahead.
+/// Predictions of one method for one horizon.
 #[derive(Debug, Clone, Default)]
 pub struct Score {
-    /// Tick at which a prediction comes due, and the prediction.
+    /// Tick at which a prediction is due, and the prediction.
     pending: VecDeque<(u64, Option<Point2<f64>>)>,
-    /// Error of the last one that came due since this was asked.
+    /// Error of the last one that has become due since the last call.
     last: Option<f64>,
 }
 
 impl Score {
-    /// Keeps a prediction for a tick, later than those of the predictions before; `None` if the
-    /// method could not say.
+    /// Stores a prediction for a tick, later than those of the predictions before; `None` if the
+    /// method had none.
     pub fn keep(&mut self, due: u64, prediction: Option<Point2<f64>>) {
         self.pending.push_back((due, prediction));
     }
 
-    /// Compares what has come due with the truth of a tick (m).
+    /// Compares the due predictions with the true position at a tick (m).
     pub fn compare(&mut self, tick: u64, truth: Point2<f64>) {
         while let Some(&(due, prediction)) = self.pending.front()
             && due <= tick
         {
             self.pending.pop_front();
-            // Where ticks were missed, the truth at the time is not known.
+            // Where ticks were missed, the true position at the time is not known.
             if due == tick {
                 self.last = Some(prediction.map_or(f64::INFINITY, |point| (point - truth).norm()));
             }
         }
     }
 
-    /// Error (m) of the last prediction that came due since this was asked last; infinite if the
-    /// method could not say. `None` if none came due.
+    /// Returns the error (m) of the last prediction that has become due since the last call;
+    /// infinite if the method had none. `None` if none was due.
     pub fn take(&mut self) -> Option<f64> {
         self.last.take()
     }
 
-    /// Forgets everything.
+    /// Drops all predictions.
     pub fn clear(&mut self) {
         *self = Self::default();
     }

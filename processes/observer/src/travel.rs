@@ -1,14 +1,15 @@
-//! Along which way and how fast a robot goes from goal to goal.
+//! Path and speed of a robot between goals.
 
 use nalgebra::Point2;
 
 use crate::moment::{Moment, ReachedGoal};
 
-/// Legs over which the speed is averaged.
+/// Number of legs over which the speed is averaged.
 const LEGS: usize = 8;
 
-/// Where a robot is that goes from `from` (m) through `goals` (m) along straight lines for `length`
-/// (m). It stays at the last goal; `None` if there is none and it has to go on.
+/// Returns the position of a robot that drives from `from` (m) through `goals` (m) along straight
+/// lines for `length` (m). It stays at the last goal; `None` if there is none and it has to
+/// continue.
 pub fn along(
     from: Point2<f64>,
     goals: impl IntoIterator<Item = Point2<f64>>,
@@ -28,10 +29,10 @@ pub fn along(
     (any || length <= 0.0).then_some(at)
 }
 
-/// The mean speed over the last legs, turns included, and where the robot was seen last.
+/// Mean speed over the last legs, turns included, and last observed position.
 #[derive(Debug, Clone, Default)]
 pub struct Pace {
-    /// Time (s) and place of the last goals, oldest first.
+    /// Times (s) and places of the last goals, oldest first.
     goals: Vec<ReachedGoal>,
     last: Option<Point2<f64>>,
     /// Time since then (s).
@@ -39,7 +40,7 @@ pub struct Pace {
 }
 
 impl Pace {
-    /// Takes up a moment.
+    /// Processes a moment.
     pub fn observe(&mut self, moment: &Moment<'_>) {
         if moment.goals_lost {
             self.goals.clear();
@@ -58,7 +59,7 @@ impl Pace {
         }
     }
 
-    /// Mean speed (m/s); `None` before the second goal.
+    /// Returns the mean speed (m/s); `None` before the second goal.
     pub fn speed(&self) -> Option<f64> {
         let (first, last) = (self.goals.first()?, self.goals.last()?);
         let time = last.time - first.time;
@@ -73,8 +74,9 @@ impl Pace {
         (time > 0.0).then(|| way / time)
     }
 
-    /// Where the robot was seen last (m), and how far it goes from there until `horizon` (s) from now
-    /// (m); `None` before it has been seen and before the second goal.
+    /// Returns the robot's last observed position (m), and the distance that it covers from there
+    /// until `horizon` (s) from now (m). `None` before it has been observed and before the second
+    /// goal.
     pub fn way(&self, horizon: f64) -> Option<(Point2<f64>, f64)> {
         Some((self.last?, self.speed()? * (self.unseen_for + horizon)))
     }

@@ -1,4 +1,4 @@
-//! One watched robot: its looks, its goals, its predictors and their scores.
+//! Watched robot: its observations, goals, predictors and their scores.
 
 use nalgebra::Point2;
 
@@ -9,43 +9,43 @@ use crate::score::Score;
 use tracking::space::Space;
 use tracking::watch::Watch;
 
-/// A predictor with its code and one score per time ahead.
+/// Predictor with its code and one score per horizon.
 struct Entry {
     method: u8,
     predictor: Box<dyn Predictor>,
     scores: Vec<Score>,
 }
 
-/// What one method says for one time ahead.
+/// Prediction of one method for one horizon.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MethodPrediction {
     /// Code of the method.
     pub method: u8,
-    /// How far ahead (s).
+    /// Horizon (s).
     pub horizon: f64,
-    /// Where the robot will be (m); `None` if the method cannot say.
+    /// Predicted position (m); `None` if the method has no prediction.
     pub position: Option<Point2<f64>>,
-    /// Error (m) of the last prediction for this time ahead that came due since the last report,
-    /// infinite if none was made; `None` if none was due.
+    /// Error (m) of the last prediction for this horizon that has become due since the last report,
+    /// infinite if there was none; `None` if none was due.
     pub error: Option<f64>,
-    /// Goals made out.
+    /// Number of detected goals.
     pub goals_observed: u32,
-    /// Whether the key is known.
+    /// `true` if the key is known.
     pub key_recovered: bool,
 }
 
-/// Everything about one watched robot.
+/// State of one watched robot.
 pub struct Watched {
     legs: Legs,
     entries: Vec<Entry>,
-    /// Times ahead (s) and in ticks.
+    /// Horizons (s) and in ticks.
     horizons: Vec<(f64, u64)>,
     look: Option<Look>,
 }
 
 impl Watched {
-    /// For a robot that turns to its next goal within `arrival` (m) of the last; `horizons` are in
-    /// (s) and in ticks.
+    /// Returns the state of a robot that turns to its next goal within `arrival` (m) of the last;
+    /// `horizons` are in (s) and in ticks.
     pub fn new(arrival: f64, horizons: Vec<(f64, u64)>) -> Self {
         Self {
             legs: Legs::new(arrival),
@@ -69,12 +69,12 @@ impl Watched {
         self.entries.len() * self.horizons.len()
     }
 
-    /// Whether there is no predictor.
+    /// Returns `true` if there is no predictor.
     pub fn is_empty(&self) -> bool {
         self.entries.is_empty()
     }
 
-    /// Takes up the look of a tick, with the truth that only scores see (m).
+    /// Processes the observation of a tick, with the true position for the scores alone (m).
     pub fn observe(
         &mut self,
         tick: u64,
@@ -86,7 +86,7 @@ impl Watched {
         let moment = Moment {
             look,
             goal,
-            // Asked in sight only: the question is lost on moments without goals.
+            // Called in sight only: moments without goals discard the flag.
             goals_lost: look.seen.is_some() && self.legs.take_lost(),
             space,
             watch,
@@ -100,7 +100,8 @@ impl Watched {
         self.look = Some(look);
     }
 
-    /// Predicts from the last look, which was at this tick, and reports; nothing before the first.
+    /// Predicts from the last observation, which was at this tick, and reports; nothing before the
+    /// first.
     pub fn report(
         &mut self,
         tick: u64,

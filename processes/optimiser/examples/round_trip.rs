@@ -1,5 +1,5 @@
-//! What asking the process costs beyond the planning itself: the time from sending a request to
-//! having the answer, beside the library's own time for the same problem.
+//! Cost of a request to the optimiser process beyond planning: time from sending a request to
+//! receiving the answer, beside the library's own time for the same problem.
 //!
 //! `cargo run --release -p optimiser --example round_trip [METHOD] [REQUESTS]`
 
@@ -42,7 +42,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Medians: of the library alone, from asking to the answer, and of the time in the answer.
+/// Medians: of the library alone, from the request to the answer, and of the time in the answer.
 fn measure(
     space: &RunSpace,
     header: &PlanRequest,
@@ -74,7 +74,8 @@ fn measure(
     let mut client = OptimiserClient::open(&bus, 2)?;
     let (problem, how) = decode_request(header, points)?;
     let (mut alone, mut asked, mut solve) = (Vec::new(), Vec::new(), Vec::new());
-    // In turns, so that whatever else the machine does falls on both; the first few warm it up.
+    // Alternately, so that other load on the machine affects both; the first few rounds are a
+    // warm-up.
     for round in 0..count + 10 {
         let start = Instant::now();
         trajectory::plan(&problem, &how, None, &mut || false)?;

@@ -1,7 +1,7 @@
-//! The process that plans minimum-time trajectories ([`trajectory`]) for others.
+//! The process that plans minimum-time trajectories ([`trajectory`]) for other processes.
 //!
-//! [`wire`] turns requests into problems and plans into answers; [`service`] answers several requests
-//! at once.
+//! [`wire`] converts requests to problems and plans to answers; [`service`] answers several
+//! requests in parallel.
 
 #![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
 #![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]

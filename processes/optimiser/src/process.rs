@@ -1,4 +1,4 @@
-//! The process: takes its turns, which ask nothing of it, while the service works beside it.
+//! The process: it steps ticks, which need no work, while the service runs beside it.
 
 use ipc_types::bus::{Attendant, Bus};
 use ipc_types::topics::OptimiserPlan;
@@ -19,7 +19,7 @@ pub struct OptimiserProcess {
 enum Service {
     /// Beside the process's own thread.
     Threads(Dispatcher),
-    /// Within the question, in a run in one thread.
+    /// Answers within the request call, in a run in one thread.
     Call {
         _attendant: Attendant<OptimiserPlan>,
     },
@@ -27,7 +27,7 @@ enum Service {
 
 impl ProcessKind for OptimiserProcess {
     const NAME: &'static str = "optimiser";
-    const SUMMARY: &'static str = "makes minimum-time trajectories for whoever asks";
+    const SUMMARY: &'static str = "plans minimum-time trajectories for other processes";
     const MAKES: &'static [Product] = &[Product::Plans];
 
     type Params = OptimiserParams;
@@ -74,7 +74,7 @@ impl Process for OptimiserProcess {
     }
 }
 
-/// Answers in the thread of who asks, without a clock: no time is over, none is measured.
+/// Answers in the client's thread, without a clock: planning takes no time there.
 fn attend(bus: &Bus) -> Result<Attendant<OptimiserPlan>, ProcessError> {
     let mut memory = Memory::default();
     let attendant = bus.attend::<OptimiserPlan>(move |header, points| {

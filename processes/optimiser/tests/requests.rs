@@ -1,4 +1,4 @@
-//! Whatever a request says: an honest plan or a typed refusal, never a panic.
+//! Any request yields a valid plan or a typed refusal, never a panic.
 
 use ipc_types::messages::optimiser::{PlanRequest, PlanResponse};
 use ipc_types::messages::world::ShapePoint;
@@ -9,7 +9,7 @@ use trajectory::obstacle_field::ObstacleField;
 use trajectory::validity_check;
 use zerocopy::{FromBytes as _, IntoBytes as _};
 
-/// A request that makes sense.
+/// A valid request.
 fn sensible() -> PlanRequest {
     PlanRequest {
         start_x: 0.5,
@@ -46,7 +46,7 @@ fn disc(shape: u32, x: f64, y: f64, radius: f64) -> ShapePoint {
     }
 }
 
-/// What the process would answer; gives up soon, as a deadline would make it.
+/// Returns the answer of the process; the solver gives up soon, as at a deadline.
 fn serve(header: &PlanRequest, points: &[ShapePoint]) -> PlanResponse {
     let mut patience = 10;
     let mut stop = || {
@@ -68,7 +68,7 @@ fn serve(header: &PlanRequest, points: &[ShapePoint]) -> PlanResponse {
     response
 }
 
-/// Numbers that break things.
+/// Numbers at the limits.
 fn awkward() -> impl Strategy<Value = f64> {
     prop_oneof![
         Just(f64::NAN),
@@ -85,7 +85,7 @@ fn awkward() -> impl Strategy<Value = f64> {
     ]
 }
 
-/// Offset of the first of the numbers in a request (bytes), and how many they are.
+/// Offset of the first number in a request (bytes), and the count of numbers.
 const NUMBERS: (usize, usize) = (64, 22);
 
 proptest! {
@@ -157,7 +157,7 @@ fn nothing_many_and_no_way_at_all() {
     };
     let response = serve(&here, &[]);
     assert_eq!((response.status, response.final_time), (0, 0.0));
-    // 500 discs, most of them in nobody's way.
+    // 500 discs, most of them away from the path.
     let discs: Vec<ShapePoint> = (0..500)
         .map(|i| disc(i, 5.0 + f64::from(i), 1.5, 0.1))
         .collect();
@@ -168,7 +168,7 @@ fn nothing_many_and_no_way_at_all() {
     assert_eq!(status(&many, &discs), PlanResponse::PLANNED);
     let too_many = vec![disc(0, 0.0, 0.0, 0.1); PlanRequest::MAX_POINTS + 1];
     assert_eq!(status(&sensible(), &too_many), PlanResponse::INVALID);
-    // The start a little and deep within a grown disc; the goal in one.
+    // The start slightly and far inside a grown disc; the goal inside one.
     let one = PlanRequest {
         shapes: 1,
         ..sensible()

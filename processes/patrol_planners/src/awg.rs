@@ -1,4 +1,4 @@
-//! Waypoints of the zig-zag, handed to the driver one by one.
+//! Patrol with additional waypoints: passes the waypoints of the zig-zag to the driver, one by one.
 
 mod params;
 
@@ -28,23 +28,23 @@ pub const SHOWN: usize = 12;
 pub struct PatrolAwg {
     mission: Mission,
     pace: Pace,
-    /// When the robot set out from the start of the contour, simulated time (s).
+    /// Simulated time at which the robot left the start of the contour (s).
     set_out_s: Option<f64>,
     obstacles_known: bool,
     laps: Laps<AnySource>,
-    /// Waypoints that have been planned and not been handed to the driver.
+    /// Planned waypoints that the driver does not have yet.
     ahead: VecDeque<Waypoint>,
     driver: WaypointDriver,
     reports: Vec<WaypointReport>,
 }
 
 impl PatrolAwg {
-    /// A robot that has not set out yet.
+    /// Returns a robot that has not set out yet.
     ///
     /// `seed` is its own; it makes the key if none is given.
     ///
     /// # Errors
-    /// [`PatrolError`] naming the parameter that does not do, and what to change.
+    /// [`PatrolError`] naming the invalid parameter and its remedy.
     pub fn new(
         params: &PatrolAwgParams,
         model: &RobotModel,
@@ -68,29 +68,29 @@ impl PatrolAwg {
         })
     }
 
-    /// What it does, everything chosen.
+    /// Returns the mission with all choices made.
     pub fn mission(&self) -> &Mission {
         &self.mission
     }
 
-    /// When it set out from the start of the contour, simulated time (s): a forecast's time 0.
+    /// Returns the simulated time at which the robot left the start of the contour (s): a
+    /// forecast's time 0.
     pub fn set_out_s(&self) -> Option<f64> {
         self.set_out_s
     }
 
-    /// The waypoint that it is on the way to, and those after it; those inside obstacles are still
-    /// among them.
+    /// Returns the current waypoint and those after it, including those inside obstacles.
     pub fn ahead(&self) -> impl Iterator<Item = &Waypoint> {
         let current = self.driver.current().into_iter();
         current.chain(&self.ahead).take(SHOWN)
     }
 
-    /// The waypoints that ended in the last tick.
+    /// Returns the waypoints that ended in the last tick.
     pub fn reports(&self) -> &[WaypointReport] {
         &self.reports
     }
 
-    /// What it does in this tick; a stop if it does not know where it is.
+    /// Returns the command for this tick; a stop if its pose is not known.
     pub fn steer(&mut self, map: &PlannerMap, view: &View<'_>) -> Steering {
         self.reports.clear();
         let Some(own) = view.own() else {
@@ -118,7 +118,8 @@ impl PatrolAwg {
             if waypoint.number == 0 {
                 return None;
             }
-            // Once the start has ended: whoever asks for more sets out in this tick.
+            // After the start has ended: a request for more waypoints means that the robot sets out
+            // in this tick.
             let set_out_s = *set_out_s.get_or_insert(view.time_s);
             (pace == Pace::Clock).then(|| set_out_s + awg.due_s(waypoint.number))
         };

@@ -1,4 +1,4 @@
-//! Whether a robot can patrol a contour on a map.
+//! Check that a robot can patrol a contour on a map.
 
 use nalgebra::Point2;
 use patrol::mission::{Drive, MissionParams};

@@ -1,4 +1,5 @@
-//! Waypoints for the driver, and a scan with obstacles that are not there.
+//! Patrol with fictive temporary obstacles: waypoints for the driver, and a scan with the fictive
+//! obstacles.
 
 mod params;
 
@@ -23,12 +24,12 @@ use crate::PatrolError;
 
 pub use params::{PatrolFtoParams, Protection};
 
-/// Where waypoints come from.
+/// Source of waypoints.
 #[derive(Debug, Clone)]
 enum WaypointSource {
     /// The contour alone.
     Contour(Laps<AnySource>),
-    /// The zig-zag, as far as it suits.
+    /// The zig-zag, on legs that suit it.
     Mixed(Box<MixedLaps<AnySource>>),
 }
 
@@ -40,12 +41,12 @@ impl WaypointSource {
         }
     }
 
-    /// The next waypoint, and whether fictive obstacles protect the way to it.
+    /// Returns the next waypoint, and `true` if fictive obstacles protect the path to it.
     fn next(&mut self, inside: impl Fn(Point2<f64>) -> bool) -> (Waypoint, bool) {
         match self {
             Self::Contour(laps) => {
                 let mut passed_over = Vec::new();
-                // Everything but the route counts as inside.
+                // All but the route counts as inside.
                 let waypoint = laps.next_outside(|_| true, &mut passed_over);
                 let awg = laps.awg();
                 let threatened = awg
@@ -69,8 +70,8 @@ pub struct PatrolFto {
     obstacles_known: bool,
     way: WaypointSource,
     fto: Fto,
-    /// Numbers of the waypoints handed to the driver that have not ended, and whether the way to
-    /// them is protected by fictive obstacles.
+    /// Numbers of the waypoints at the driver that have not ended; `true` if fictive obstacles
+    /// protect the path to them.
     handed: VecDeque<(u64, bool)>,
     driver: WaypointDriver,
     radius: f64,
@@ -80,10 +81,11 @@ pub struct PatrolFto {
 }
 
 impl PatrolFto {
-    /// A robot that has not set out yet; `seed` is its own and makes the key if none is given.
+    /// Returns a robot that has not set out yet; `seed` is its own and makes the key if none is
+    /// given.
     ///
     /// # Errors
-    /// [`PatrolError`] naming the parameter that does not do, and what to change.
+    /// [`PatrolError`] naming the invalid parameter and its remedy.
     pub fn new(
         params: &PatrolFtoParams,
         drive: &Drive,
@@ -115,7 +117,7 @@ impl PatrolFto {
         })
     }
 
-    /// What it does, everything chosen.
+    /// Returns the mission with all choices made.
     pub fn mission(&self) -> &Mission {
         &self.mission
     }
@@ -125,22 +127,22 @@ impl PatrolFto {
         self.way.awg()
     }
 
-    /// The waypoint that it is on the way to.
+    /// Returns the current waypoint.
     pub fn current(&self) -> Option<&Waypoint> {
         self.driver.current()
     }
 
-    /// The fictive obstacle that it saw in the last tick.
+    /// Returns the fictive obstacle that it saw in the last tick.
     pub fn disc(&self) -> Option<&Disc> {
         self.disc.as_ref()
     }
 
-    /// The waypoints that ended in the last tick.
+    /// Returns the waypoints that ended in the last tick.
     pub fn reports(&self) -> &[WaypointReport] {
         &self.reports
     }
 
-    /// What it does in this tick; a stop if it does not know where it is.
+    /// Returns the command for this tick; a stop if its pose is not known.
     pub fn steer(&mut self, map: &PlannerMap, view: &View<'_>) -> Steering {
         self.reports.clear();
         self.disc = None;
@@ -148,7 +150,7 @@ impl PatrolFto {
             return Steering::stop();
         };
         let current = self.driver.current().copied();
-        // Asked in every tick, so that its times do not depend on where the robot is.
+        // Called in every tick, so that its times do not depend on the robot's position.
         let disc = self.fto.at(
             view.time_s,
             &Carrier {
@@ -213,7 +215,7 @@ impl PatrolFto {
     }
 }
 
-/// Whether a robot of this radius cannot stand at a point, as far as it knows.
+/// Returns `true` if a robot of this radius cannot stand at a point, as far as it knows.
 fn is_inside(known: Option<&FreeSpace>, p: Point2<f64>, radius: f64) -> bool {
     known.is_some_and(|known| !known.is_free(p, radius))
 }

@@ -1,9 +1,9 @@
-//! The patrol planners (cat-map patrol paper), each in processes of its own.
+//! The patrol planners (cat-map patrol paper), one process each.
 //!
-//! [`PatrolAwg`] goes along a zig-zag of additional waypoints: lap after lap, no two alike, around
-//! obstacles, within the time ordered. [`PatrolFto`] goes past fictive temporary obstacles, alone or
+//! [`PatrolAwg`] drives a zig-zag of additional waypoints: every lap is different, avoids obstacles
+//! and keeps to the ordered time. [`PatrolFto`] drives past fictive temporary obstacles, alone or
 //! mixed with additional waypoints (§5.2 and §6). [`patrol`] makes waypoints and fictive obstacles,
-//! the waypoint driver of [`steering`] drives; [`process`] wires both to their topics.
+//! the waypoint driver of [`steering`] drives; [`process`] connects both to their topics.
 
 #![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
 #![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
@@ -20,10 +20,10 @@ use thiserror::Error;
 pub use awg::{Pace, PatrolAwg, PatrolAwgParams, SHOWN};
 pub use fto::{PatrolFto, PatrolFtoParams, Protection};
 
-/// Why a robot cannot patrol.
+/// Reasons for which a robot cannot patrol.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum PatrolError {
-    /// What was ordered cannot be.
+    /// Impossible mission.
     #[error("mission: {0}")]
     Mission(#[from] MissionError),
     /// A parameter or a limit of the robot is out of its range.

@@ -1,4 +1,4 @@
-//! Wires the planners to their topics: state, map and scan in; command, plan and waypoints out.
+//! Connects the planners to their topics: state, map and scan in; command, plan and waypoints out.
 
 use patrol::mission::Drive;
 use planner::{PlannedPoint, Planner, PlannerInputs};
@@ -12,10 +12,10 @@ use runtime::kind::{Task, TaskFault};
 use crate::check::check_task;
 use crate::{PatrolAwg, PatrolAwgParams, PatrolFto, PatrolFtoParams};
 
-/// Waypoints that may end in a tick, at most.
+/// Maximum number of waypoints that may end in a tick.
 const WAYPOINTS: usize = 64;
 
-/// The inputs of a patrol, with the exact shapes if it knows the obstacles.
+/// Returns the inputs of a patrol, with the exact shapes if it knows the obstacles.
 fn inputs(obstacles_known: bool) -> PlannerInputs {
     PlannerInputs {
         scans: true,
@@ -24,7 +24,7 @@ fn inputs(obstacles_known: bool) -> PlannerInputs {
     }
 }
 
-/// One robot on patrol along the zig-zag.
+/// Process of one robot on patrol along the zig-zag.
 #[derive(Debug)]
 pub struct PatrolAwgPlanner(PatrolAwg);
 
@@ -67,7 +67,7 @@ impl Planner for PatrolAwgPlanner {
     }
 }
 
-/// One robot on patrol past fictive obstacles.
+/// Process of one robot on patrol past fictive obstacles.
 #[derive(Debug)]
 pub struct PatrolFtoPlanner(PatrolFto);
 

@@ -33,7 +33,7 @@ fn patrol(text: &str, more: &str, start: Pose2) -> Awg {
     Awg(PatrolAwg::new(&params, &model(start), 42).unwrap())
 }
 
-/// When each lap ended (s).
+/// Returns the time at which each lap ended (s).
 fn lap_ends(drive: &Drive, per_lap: u64) -> Vec<f64> {
     let ends = drive.reports.iter().filter(|r| {
         let number = r.waypoint.number;
@@ -56,7 +56,7 @@ fn the_octagon_is_driven_in_time_through_every_waypoint_without_contact() {
         assert!(end - before <= 120.0, "{} s", end - before);
         before = end;
     }
-    // Off the contour by what the width allows.
+    // Distance from the contour by the corridor's width.
     let alpha = mission.awg.params().alpha;
     println!("alpha {alpha:.3} m");
     let off = found.poses.iter().map(|pose| {
@@ -107,7 +107,7 @@ fn known_obstacles_are_gone_around_and_waypoints_inside_them_left_out_at_once() 
     };
     assert!(count(WaypointOutcome::InsideObstacle) > 3);
     assert!(count(WaypointOutcome::Reached) > 100);
-    // Nothing of the route is left out.
+    // No part of the route is left out.
     let route = found
         .reports
         .iter()
@@ -151,7 +151,7 @@ fn the_waypoints_ahead_are_shown_and_a_robot_without_a_pose_stands() {
     let found = drive(vec![], start, 10.0, &mut planner);
     let next = found.reports.len() as u64;
     assert_eq!(shown(&planner), (next..next + 12).collect::<Vec<u64>>());
-    // Nobody is listed with the planner's index.
+    // No robot is listed with the planner's index.
     let view = View {
         time_s: 10.0,
         dt: 0.05,
@@ -167,7 +167,7 @@ fn the_waypoints_ahead_are_shown_and_a_robot_without_a_pose_stands() {
 }
 
 #[test]
-fn a_patrol_that_cannot_be_names_the_field() {
+fn an_impossible_patrol_names_the_field() {
     let made = |text: &str| {
         let params: PatrolAwgParams = toml::from_str(text).unwrap();
         let start = Pose2::new(0.0, 0.0, 0.0);
@@ -182,7 +182,7 @@ fn a_patrol_that_cannot_be_names_the_field() {
     assert!(made(driver).starts_with("`driver.stuck_s` is -1"));
 }
 
-/// Distances of the robot from where its forecast says it is, tick by tick (m).
+/// Returns the distances of the robot from its forecast, tick by tick (m).
 fn errors(drive: &Drive, planner: &Awg) -> Vec<f64> {
     let mission = planner.0.mission();
     let forecast = Forecast::new(mission.awg.clone(), mission.key.source().unwrap());
@@ -204,7 +204,7 @@ fn mean_and_max(errors: &[f64]) -> (f64, f64) {
 }
 
 #[test]
-fn by_the_clock_the_robot_is_where_its_forecast_says() {
+fn with_a_clock_the_robot_is_where_its_forecast_predicts() {
     // Two metres beside the contour: the clock does not run before it is there.
     let start = Pose2::new(7.0, 0.0, core::f64::consts::PI);
     let mut planner = patrol(OCTAGON, "[driver]\ngo_to = { arrived = 0.1 }", start);
@@ -243,7 +243,7 @@ fn at_the_fastest_pace_the_robot_is_ahead_of_its_forecast() {
 #[test]
 fn a_robot_that_obstacles_have_made_late_catches_up() {
     let start = Pose2::new(1.0, 1.0, 1.57);
-    // What it does not know costs it more: it tries to reach waypoints inside for a while.
+    // Unknown obstacles cost more: the robot tries to reach waypoints inside for a while.
     for (known, most_mean, most_max) in [(true, 0.3, 2.0), (false, 3.0, 7.0)] {
         let mut planner = patrol(SQUARE, &format!("obstacles_known = {known}"), start);
         let found = drive(obstacles(), start, 310.0, &mut planner);

@@ -13,7 +13,8 @@ use planner_view::view::View;
 use planner_view::waypoint::{WaypointKind, WaypointOutcome, WaypointReport};
 use support::{Steers, drive, model};
 
-/// A planner, and in how many ticks it saw a fictive obstacle, on the first leg and at all.
+/// Planner, with the numbers of ticks in which it saw a fictive obstacle, on the first leg and in
+/// total.
 struct Watched {
     planner: PatrolFto,
     seen: u32,

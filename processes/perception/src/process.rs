@@ -1,4 +1,5 @@
-//! Wires [`tracking::tracker::Perception`] to its topics: state and map in, sightings and beliefs out.
+//! Connects [`tracking::tracker::Perception`] to its topics: state and map in, sightings and
+//! beliefs out.
 
 use geometry::pose::Pose2;
 use geometry::visibility::polygon::SightLimits;
@@ -18,7 +19,7 @@ use tracking::params::PerceptionParams;
 use tracking::particle_filter::MotionLimits;
 use tracking::tracker::{Perception, TargetSetup, TargetTruth, Track};
 
-/// Perception of one team: what its members see together, and what they believe.
+/// Perception of one team: the common view of its members, and their beliefs.
 pub struct PerceptionProcess {
     config: ProcessConfig,
     params: PerceptionParams,
@@ -35,7 +36,7 @@ pub struct PerceptionProcess {
 impl ProcessKind for PerceptionProcess {
     const NAME: &'static str = "perception";
     const SUMMARY: &'static str =
-        "what the Police see, and what they believe about what they do not see";
+        "sightings of the Police, and their beliefs about robots out of sight";
     const MAKES: &'static [Product] = &[Product::Beliefs];
 
     type Params = PerceptionParams;
@@ -48,7 +49,7 @@ impl ProcessKind for PerceptionProcess {
         params.filter.particles
     }
 
-    /// It looks from its robots, or from all of the Police.
+    /// Its viewpoints are its robots, or all of the Police.
     fn lookout(
         params: &PerceptionParams,
         given: &[usize],
@@ -80,7 +81,7 @@ impl ProcessKind for PerceptionProcess {
                 .filter(|&i| robots[i].team == team)
                 .collect::<Vec<_>>()
         };
-        // Without a list of its own it sees with the viewpoints of all Police.
+        // Without a list of robots its viewpoints are all Police.
         let observers = if config.robots.is_empty() {
             of_team(Team::Police)
         } else {

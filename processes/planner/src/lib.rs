@@ -1,9 +1,10 @@
-//! Planners as processes: one trait for steering algorithms, and the process that runs one per robot.
+//! Planners as processes: one trait for steering algorithms, and the process that runs one per
+//! robot.
 //!
-//! - [`Planner`]: what an algorithm implements;
+//! - [`Planner`]: the trait of an algorithm;
 //! - [`PlannerProcess`]: its process, which reads the state, the map, beliefs and scans, and sends
 //!   commands, plans, trees and waypoints;
-//! - [`planner_map`], [`robot_views`], [`limits`]: what processes make of messages for algorithms.
+//! - [`planner_map`], [`robot_views`], [`limits`]: conversions of messages to inputs of algorithms.
 
 #![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
 #![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]

@@ -1,4 +1,4 @@
-//! The map of a planner: made of `world/map`, and of `world/shapes` if it plans among exact pieces.
+//! Map of a planner: made from `world/map`, and from `world/shapes` if it plans among exact pieces.
 
 use std::sync::{Arc, OnceLock};
 
@@ -8,20 +8,21 @@ use runtime::error::ProcessError;
 use runtime::grids::{MapGrids, blurred_map, map_grids};
 use runtime::inputs::{MapInput, ShapesInput};
 
-/// Planners' maps of one map message, which processes of one thread make once.
+/// Planners' maps of one map message; processes of one thread build them once.
 #[derive(Debug, Default)]
 struct PlannerMaps {
-    /// Of the grids alone.
+    /// Map of the grids alone.
     grids: OnceLock<Arc<PlannerMap>>,
-    /// With the exact pieces of `world/shapes`.
+    /// Map with the exact pieces of `world/shapes`.
     exact: OnceLock<Arc<PlannerMap>>,
 }
 
-/// The planner's map of the newest map message; `shapes` are the exact pieces of the same revision,
-/// `is_shared` says that several planners use it. Processes of one thread make it once.
+/// Returns the planner's map of the newest map message. `shapes` are the exact pieces of the same
+/// revision; `is_shared` is `true` if several planners use it. Processes of one thread build it
+/// once.
 ///
 /// # Errors
-/// [`ProcessError::Protocol`] if the messages make no map.
+/// [`ProcessError::Protocol`] if the messages are no valid map.
 pub fn planner_map(
     input: &MapInput,
     shapes: Option<&ShapesInput>,
@@ -66,9 +67,7 @@ fn make_map(
             map.with_space(Arc::new(space))
         }
         Some(None) => {
-            tracing::warn!(
-                "the map has too many pieces for world/shapes: planning goes by the grid"
-            );
+            tracing::warn!("the map has too many pieces for world/shapes: planning uses the grid");
             map
         }
     })

@@ -1,4 +1,4 @@
-//! What planners send: a command and a plan per robot and tick, a tree now and then.
+//! Outputs of planners: a command and a plan per robot and tick, and occasionally a tree.
 
 use geometry::pose::Twist2;
 use ipc_types::bus::Publisher;
@@ -13,24 +13,23 @@ use planner_view::steering::Steering;
 use planner_view::waypoint::{WaypointKind, WaypointOutcome, WaypointReport};
 use runtime::error::ProcessError;
 
-/// Most points of a plan that are sent; of a longer one the first.
+/// Maximum number of points of a plan message; of a longer plan the first ones.
 pub const MAX_PLAN_POINTS: usize = 128;
 
 /// A point of a plan.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct PlannedPoint {
-    /// Where (m).
+    /// Position (m).
     pub at: Point2<f64>,
     /// Heading there (rad).
     pub theta: f64,
-    /// Time from now until the robot is there (s); 0 where the plan has no timing.
+    /// Time until the robot is there (s); 0 in a plan without timing.
     pub time_s: f64,
-    /// Forward speed there (m/s); 0 where the plan has no timing.
+    /// Forward speed there (m/s); 0 in a plan without timing.
     pub v: f64,
 }
 
-/// The plan of who has nothing but a steering: the point headed for, and the one to reach in the
-/// end.
+/// Writes the default plan of a steering result: the point headed for, and the final one.
 pub fn headed_for(steering: &Steering, out: &mut Vec<PlannedPoint>) {
     let points = [steering.waypoint, steering.aim];
     out.extend(points.into_iter().flatten().map(|at| PlannedPoint {
@@ -39,7 +38,7 @@ pub fn headed_for(steering: &Steering, out: &mut Vec<PlannedPoint>) {
     }));
 }
 
-/// Where a tick's results go.
+/// Publishers for the results of a tick.
 pub(crate) struct Outputs<'a> {
     pub(crate) commands: &'a Publisher<Commands>,
     pub(crate) plans: &'a Publisher<Plan>,
@@ -110,7 +109,7 @@ impl Outputs<'_> {
         Ok(())
     }
 
-    /// Sends at most `most` waypoints that have ended, if there are any.
+    /// Sends at most `most` ended waypoints, if there are any.
     pub(crate) fn send_waypoints(
         &self,
         robot: u32,

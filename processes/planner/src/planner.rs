@@ -1,4 +1,4 @@
-//! The interface of a steering algorithm, and what a robot gives it.
+//! Interface of a steering algorithm, and its inputs of a robot.
 
 use core::fmt;
 use parameters::Parameters;
@@ -18,7 +18,7 @@ use runtime::kind::{Need, Task, TaskFault};
 
 use crate::outputs::{PlannedPoint, headed_for};
 
-/// Which topics beside state and map a planner reads.
+/// Topics beside state and map that a planner reads.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct PlannerInputs {
     /// Beliefs about the opponents.
@@ -29,8 +29,8 @@ pub struct PlannerInputs {
     pub shapes: bool,
 }
 
-/// A steering algorithm for one robot. With [`PlannerProcess`](crate::PlannerProcess) around it, it
-/// is a kind of process.
+/// Steering algorithm for one robot. [`PlannerProcess`](crate::PlannerProcess) makes it a kind of
+/// process.
 ///
 /// ```
 /// use planner::{Planner, PlannerInputs, PlannerProcess};
@@ -68,31 +68,31 @@ pub struct PlannerInputs {
 /// assert_eq!(<PlannerProcess<Ahead> as ProcessKind>::NAME, "ahead");
 /// ```
 pub trait Planner: Sized + 'static {
-    /// The name of its kind, which scenarios use (`kind = "…"`).
+    /// Name of its kind, which scenarios use (`kind = "…"`).
     const NAME: &'static str;
 
-    /// What it does, in one line.
+    /// One-line description.
     const SUMMARY: &'static str;
 
-    /// Its parameters. All of them have defaults.
+    /// Parameters. All of them have defaults.
     type Params: Parameters + Default + Clone + PartialEq + fmt::Debug + Send + Sync;
 
-    /// Most edges of a tree that it publishes; 0 for a planner without trees.
+    /// Maximum number of published edges of a tree; 0 for a planner without trees.
     const TREE_EDGES: usize = 0;
 
-    /// Most waypoints that may end in one tick; 0 for a planner without waypoints.
+    /// Maximum number of waypoints that may end in one tick; 0 for a planner without waypoints.
     const WAYPOINTS: usize = 0;
 
-    /// Sets of parameters that `params.preset` names; keys beside it change single values.
+    /// Sets of parameters for `params.preset`; keys beside it change single values.
     fn presets() -> Vec<(&'static str, Self::Params)> {
         Vec::new()
     }
 
-    /// Which topics it reads, given its parameters.
+    /// Returns the topics that it reads with its parameters.
     fn inputs(params: &Self::Params) -> PlannerInputs;
 
-    /// What another part of the scenario must provide: by default the beliefs and scans that are
-    /// among its inputs.
+    /// Returns the needs that another part of the scenario must meet: by default the beliefs and
+    /// scans among its inputs.
     fn needs(params: &Self::Params) -> Vec<Need> {
         let inputs = Self::inputs(params);
         let needs = [
@@ -102,29 +102,29 @@ pub trait Planner: Sized + 'static {
         needs.into_iter().flatten().collect()
     }
 
-    /// Checks whether a robot can do what it is told on this map; `seed` is the planner's own.
+    /// Checks that a robot can do its task on this map; `seed` is the planner's own.
     ///
     /// # Errors
-    /// What does not fit.
+    /// [`TaskError`] names the fault.
     fn check_task(params: &Self::Params, task: &Task<'_>, seed: u64) -> Result<(), TaskFault> {
         let _ = (params, task, seed);
         Ok(())
     }
 
-    /// A planner for a robot; `seed` is its own.
+    /// Returns a planner for a robot; `seed` is its own.
     ///
     /// # Errors
-    /// A text that names the parameter that does not do.
+    /// A text that names the invalid parameter.
     fn new(params: &Self::Params, robot: &RobotInfo, seed: u64) -> Result<Self, String>;
 
-    /// Takes note of the rules: where evaders get away, and the distance below which Police catch
-    /// them (m) (0 if they do not). Called once, before everything else.
+    /// Sets the rules: exits of evaders, and the capture distance of Police (m) (0 without
+    /// capture). Called once, before all other calls.
     fn rules(&mut self, exits: &[Region], capture_radius: f64) {
         let _ = (exits, capture_radius);
     }
 
-    /// Opens what it needs of the bus besides the topics of [`PlannerInputs`], for the robot with
-    /// this index. Called once, after [`Planner::rules`].
+    /// Opens further ports besides the topics of [`PlannerInputs`], for the robot with this index.
+    /// Called once, after [`Planner::rules`].
     ///
     /// # Errors
     /// Ends the process before it is ready.
@@ -133,46 +133,48 @@ pub trait Planner: Sized + 'static {
         Ok(())
     }
 
-    /// Why it cannot go on, if it cannot; asked after every steering. Ends the process.
+    /// Returns the error that prevents it from continuing, if any. It is checked after every
+    /// steering call and ends the process.
     fn failure(&mut self) -> Option<ProcessError> {
         None
     }
 
-    /// Builds what it needs of a new map, if it wants to do that before the next tick.
+    /// Prepares data of a new map before the next tick. Optional.
     fn prepare(&mut self, map: &PlannerMap, robot: &RobotInfo) {
         let _ = (map, robot);
     }
 
-    /// What the robot does in this tick.
+    /// Returns the robot's command in this tick.
     fn steer(&mut self, map: &PlannerMap, view: &View<'_>) -> Steering;
 
     /// Writes the plan behind the steering of this tick into `out`, the nearest point first; `out`
-    /// is empty. By default the point headed for and the one to reach in the end.
+    /// is empty. By default: the point headed for and the final one.
     fn plan(&self, steering: &Steering, out: &mut Vec<PlannedPoint>) {
         headed_for(steering, out);
     }
 
-    /// The search tree behind the plan, each tree once: `None` while there is no new one. Edges
-    /// beyond [`Self::TREE_EDGES`] are not sent.
+    /// Returns the search tree behind the plan, each tree once; `None` while there is no new one.
+    /// Edges beyond [`Self::TREE_EDGES`] are not sent.
     fn tree(&mut self) -> Option<&[TreeEdge]> {
         None
     }
 
-    /// The waypoints that ended in this tick. Those beyond [`Self::WAYPOINTS`] are not sent.
+    /// Returns the waypoints that ended in this tick. Those beyond [`Self::WAYPOINTS`] are not
+    /// sent.
     fn waypoints(&mut self) -> &[WaypointReport] {
         &[]
     }
 }
 
-/// The seed that the planner of a robot gets in a run.
+/// Returns the seed of the planner of a robot in a run.
 pub fn planner_seed(run_seed: u64, kind: &str, robot: &str) -> u64 {
     runtime::seed::stream(run_seed, kind, robot, "planner").next_u64()
 }
 
-/// The limits of a robot as its planner sees them.
+/// Returns the limits of a robot in the form of its planner.
 ///
 /// # Errors
-/// A text that names the limit that does not do.
+/// A text that names the invalid limit.
 pub fn limits(robot: &RobotInfo) -> Result<Limits, String> {
     let model = &robot.model;
     Limits::new(model.v_max, model.v_reverse_max, model.omega_max)

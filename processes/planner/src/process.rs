@@ -1,4 +1,4 @@
-//! The process of all steering planners: state, map, beliefs and scans in; a command and a plan per
+//! Process of all steering planners: state, map, beliefs and scans in; a command and a plan per
 //! robot out.
 
 use std::sync::Arc;
@@ -164,7 +164,8 @@ impl<P: Planner> Process for PlannerProcess<P> {
 
     fn step(&mut self, tick: u64) -> Result<(), ProcessError> {
         self.state.take_turn(tick, self.config.run.clock)?;
-        // The state says which map holds: without another revision there is nothing to look for.
+        // The state names the revision of the map: without a new revision there is no message to
+        // look for.
         let known = self.map.as_ref().map_or(0, |map| map.revision());
         if u64::from(self.state.header.map_revision) != known {
             self.take_map()?;
@@ -184,11 +185,11 @@ impl<P: Planner> Process for PlannerProcess<P> {
                             world/shapes, if the planner needs them)";
                 return Err(ProcessError::Protocol(text.into()));
             }
-            // In real time a state may come before the map. No command: the robot stands.
+            // In real time a state may arrive before the map. Without a command the robot stands.
             return Ok(());
         };
         robot_views(&self.state, &self.config.run.robots, &mut self.views);
-        // Particles of all beliefs side by side; the views point into them.
+        // Particles of all beliefs in one buffer; the views refer to it.
         self.particles.clear();
         let beliefs = self.beliefs.as_ref().map_or(&[][..], |b| &b.latest);
         for belief in beliefs {
@@ -260,7 +261,7 @@ impl<P: Planner> Process for PlannerProcess<P> {
 }
 
 impl<P: Planner> PlannerProcess<P> {
-    /// Takes up a new map, once all of it is there; true if there is one.
+    /// Receives a new map, once all its messages have arrived; returns `true` if there is one.
     fn take_map(&mut self) -> Result<bool, ProcessError> {
         self.map_input.update()?;
         let revision = self.map_input.header.revision;
@@ -271,7 +272,7 @@ impl<P: Planner> PlannerProcess<P> {
         if let Some(shapes) = &mut self.shapes {
             shapes.update()?;
             if shapes.header.revision != revision {
-                // Sent right after the map, so that this is a matter of a moment in real time.
+                // Sent right after the map, so that the wait is short in real time.
                 return Ok(false);
             }
         }

@@ -1,4 +1,4 @@
-//! The world's state as planners see it.
+//! Conversion of the world's state to planners' views.
 
 use geometry::pose::{Pose2, Twist2};
 use ipc_types::messages::world::RobotState;
@@ -7,7 +7,7 @@ use runtime::config::RobotInfo;
 use runtime::inputs::StateInput;
 use sim_backend::team::Team;
 
-/// A robot as planners see it, from the world's state.
+/// Returns the view of a robot from the world's state.
 fn robot_view(index: usize, state: &RobotState, info: &RobotInfo) -> RobotView {
     RobotView {
         index,
@@ -21,7 +21,7 @@ fn robot_view(index: usize, state: &RobotState, info: &RobotInfo) -> RobotView {
     }
 }
 
-/// Replaces `views` by what planners see of the robots of the newest state.
+/// Replaces `views` by the views of the robots in the newest state.
 pub fn robot_views(state: &StateInput, infos: &[RobotInfo], views: &mut Vec<RobotView>) {
     views.clear();
     let robots = state.robots.iter().zip(infos).enumerate();

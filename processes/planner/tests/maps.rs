@@ -37,7 +37,7 @@ fn header() -> MapHeader {
 }
 
 #[test]
-fn processes_of_one_thread_make_a_map_once_for_what_it_knows() {
+fn processes_of_one_thread_make_a_map_once() {
     let maps = Arc::new(Maps::default());
     let bus = bus(&maps);
     let map_state = MapState {

@@ -1,10 +1,10 @@
-//! Who chases whom, agreed without a word.
+//! Assignment of pursuers to evaders without messages.
 //!
-//! All pursuers see the same state of the world and the same beliefs in the same tick, and solve
-//! the same problem with the same deterministic algorithm; each then reads its own line of the
+//! All pursuers receive the same state of the world and the same beliefs in the same tick. Each
+//! solves the same problem with the same deterministic algorithm and reads its own line of the
 //! common solution. No message is needed, and none can be lost. A pursuer that joins late (after a
-//! restart) knows nothing of earlier targets, so that it may disagree with its colleagues by up to
-//! the cost of a switch until the next change of the teams.
+//! restart) has no earlier targets. It may therefore disagree with its colleagues by up to the cost
+//! of a switch until the next change of the teams.
 
 use nalgebra::Point2;
 use navigation::routes::RouteFinder;
@@ -20,22 +20,24 @@ use crate::matching::{balanced, milliseconds};
 use crate::params::{AssignmentMethod, AssignmentParams};
 use crate::slots;
 
-/// Interception time that a change of target must gain (s); keeps two pursuers from swapping to and fro.
+/// Minimum gain in interception time of a change of target (s); prevents two pursuers from swapping
+/// repeatedly.
 const SWITCH_COST_S: f64 = 2.0;
 
-/// Most pursuers and evaders that are matched with each other; more take the nearest.
+/// Maximum number of pursuers and evaders that are matched with each other; with more, each pursuer
+/// takes the nearest.
 const MAX_MATCHED: usize = 256;
 
-/// What a pursuer shall do.
+/// Order to a pursuer.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Order {
     /// The robot it chases.
     pub target: usize,
-    /// The place it takes to cut that robot off (m); absent: it drives at the robot.
+    /// Place at which it cuts that robot off (m); absent: it drives at the robot.
     pub place: Option<Point2<f64>>,
 }
 
-/// Keeps the targets between ticks.
+/// Assigns targets; stores them between ticks.
 #[derive(Debug, Clone)]
 pub struct Assigner {
     params: AssignmentParams,
@@ -43,7 +45,7 @@ pub struct Assigner {
     targets: Vec<(usize, usize)>,
     /// Places of the pursuers that chase the same evader as this one.
     places: Vec<(usize, Option<Point2<f64>>)>,
-    /// Who took part in the last assignment, and in which period it was.
+    /// Participants in the last assignment, and its period.
     solved_for: Option<(Vec<usize>, Vec<usize>, i64)>,
     cuts: CutSearch,
 }
@@ -60,12 +62,12 @@ impl Assigner {
         }
     }
 
-    /// Whether it is time for targets. A time of NaN is not.
+    /// Returns `true` if the time for targets has come. A time of NaN never has.
     pub fn has_begun(&self, time_s: f64) -> bool {
         time_s >= self.params.delay_s
     }
 
-    /// What `view.me`, not one of the guards, shall do in this tick, if anything.
+    /// Returns the order of `view.me`, which is not a guard, for this tick, if any.
     ///
     /// `finder` must have been prepared for the map.
     pub fn order(
@@ -103,7 +105,7 @@ impl Assigner {
         target
     }
 
-    /// The evader nearest to this robot as the crow flies, the lower index of two.
+    /// Returns the nearest evader to this robot along the straight line, the lower index of two.
     fn nearest(&self, view: &View<'_>) -> Option<usize> {
         let here = view.own()?.pose.position();
         let mut best: Option<(f64, usize)> = None;
@@ -169,7 +171,7 @@ impl Assigner {
         self.kept(view.me)
     }
 
-    /// Finds the places of all who chase the same evader as `view.me`.
+    /// Finds the places of all pursuers that chase the same evader as `view.me`.
     fn cut_off(
         &mut self,
         map: &PlannerMap,
@@ -219,8 +221,9 @@ impl Assigner {
             .map(|(_, target)| *target)
     }
 
-    /// Predicted interception times (ms), pursuer by pursuer, less what a switch would cost. A pursuer
-    /// that is late everywhere counts with its arrival at the end of the evader's way.
+    /// Computes the predicted interception times (ms), pursuer by pursuer, less the cost of a
+    /// switch. A pursuer that is late everywhere counts with its arrival at the end of the evader's
+    /// path.
     fn costs(
         &self,
         map: &PlannerMap,

@@ -1,4 +1,4 @@
-//! One Police robot.
+//! Controller of one Police robot.
 
 use nalgebra::{Point2, Vector2};
 use navigation::bearing::{Bearings, GoalField};
@@ -23,12 +23,12 @@ use crate::params::{GoalMethod, PursuerParams};
 use crate::slots;
 use crate::targets::supposed;
 
-/// How near a target must be, in sight, for a pursuer that cuts it off to drive at it (m).
+/// Distance to a visible target below which a pursuer that cuts it off drives at it (m).
 const CLOSE: f64 = 1.0;
 
 /// Chases evaders by potential fields (chasing-game paper, §III-B).
 ///
-/// Keeps its target between ticks and caches of the map; everything else is a function of the view.
+/// It stores its target between ticks and caches of the map; all else is a function of the view.
 #[derive(Debug, Clone)]
 pub struct Pursuer {
     params: PursuerParams,
@@ -43,7 +43,8 @@ pub struct Pursuer {
 }
 
 impl Pursuer {
-    /// A pursuer for a robot with these limits; the seed sets the phase of its perturbation.
+    /// Returns a pursuer for a robot with these limits; the seed sets the phase of its
+    /// perturbation.
     ///
     /// # Errors
     /// [`ParamsError`] if a parameter is out of range.
@@ -62,16 +63,16 @@ impl Pursuer {
         })
     }
 
-    /// Lays the ways through a new map for a robot of this radius (m). [`Pursuer::command`] does it
-    /// too if it has not been done; here it does not cost time in a tick.
+    /// Computes the paths through a new map for a robot of this radius (m) before the next tick.
+    /// Otherwise [`Pursuer::command`] does it within a tick.
     pub fn prepare(&mut self, map: &PlannerMap, radius: f64) {
         self.finder.prepare(map, radius);
     }
 
-    /// What the robot `view.me` does in this tick.
+    /// Returns the command of the robot `view.me` for this tick.
     ///
-    /// It stands still when it is not listed, no longer takes part, has no target, or nothing is
-    /// known of its target.
+    /// It stands still if it is not listed, no longer takes part, has no target, or has no
+    /// information on its target.
     pub fn command(&mut self, map: &PlannerMap, view: &View<'_>) -> Steering {
         let Some(own) = view.own().filter(|own| own.active) else {
             return Steering::stop();
@@ -82,7 +83,7 @@ impl Pursuer {
             let (finder, interceptor) = (&mut self.finder, &mut self.interceptor);
             match self
                 .guards
-                .duty(map, finder, interceptor, view, &self.params)
+                .guard_task(map, finder, interceptor, view, &self.params)
             {
                 Some(GuardTask::GuardPose(guard_pose)) => {
                     return self.stand(map, view, own, guard_pose);
@@ -111,7 +112,7 @@ impl Pursuer {
         }
     }
 
-    /// Whether a target can be driven at straight away.
+    /// Returns `true` if a target can be driven at directly.
     fn is_close(&self, map: &PlannerMap, view: &View<'_>, own: &RobotView, target: usize) -> bool {
         let here = own.pose.position();
         estimate(view, target, self.params.knowledge).is_some_and(|pose| {
@@ -169,8 +170,7 @@ impl Pursuer {
         }
     }
 
-    /// Moves the goals of the hypotheses to where they can be met first; those that can be met
-    /// nowhere stay.
+    /// Moves the goals of the hypotheses to their first meeting places; goals without one stay.
     fn meet(&mut self, map: &PlannerMap, view: &View<'_>, own: &RobotView, target: usize) {
         let Some(robot) = view.robot(target) else {
             return;
@@ -235,8 +235,8 @@ impl Pursuer {
 
     /// Drives to a guard pose and stands there.
     ///
-    /// With its centre, not the point ahead of it, and without what would push it off: colleagues
-    /// (who have guard poses of their own) and perturbation.
+    /// The control point is the robot's centre, not the point ahead of it. Repulsion from
+    /// colleagues (which have their own guard poses) and perturbation are off.
     fn stand(
         &mut self,
         map: &PlannerMap,
@@ -264,8 +264,7 @@ impl Pursuer {
     }
 }
 
-/// The field at a point with this sum of parts. Evaders in play do not stand in the way: they are
-/// there to be caught.
+/// Returns the field at a point with this sum of parts. Evaders in play are no obstacles.
 fn in_bounds(
     params: &PursuerParams,
     map: &PlannerMap,
@@ -289,7 +288,7 @@ fn in_bounds(
     )
 }
 
-/// The measure of bearings to these points that the parameters ask for.
+/// Returns the configured measure of bearings to these points.
 fn bearings<'a>(
     finder: &'a mut RouteFinder,
     params: &PursuerParams,
@@ -305,7 +304,7 @@ fn bearings<'a>(
     }
 }
 
-/// The push of the colleagues and of bodies in the way.
+/// Returns the repulsion from the colleagues and from bodies in the way.
 fn scatter(
     params: &PursuerParams,
     view: &View<'_>,
@@ -332,7 +331,8 @@ fn aim(goals: &[Goal]) -> Option<Point2<f64>> {
     mean.norm().is_finite().then(|| Point2::from(mean))
 }
 
-/// Where one goal leads first; of many, a point 1 m in the direction of their common pull.
+/// Returns the first waypoint towards one goal; for several goals, a point 1 m in the direction of
+/// their common attraction.
 fn waypoint(
     goals: &[Goal],
     at: Point2<f64>,

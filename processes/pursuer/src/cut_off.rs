@@ -1,22 +1,22 @@
 //! Places that cut a target off from the exits.
 //!
 //! Pursuers that all drive at an evader end up behind it, one after the other. Instead they take
-//! the places that its ways out lead through: a *cut* of the street graph, the removal of whose
-//! places leaves no way from the target to an exit. It is found greedily: the shortest way out that
-//! is left gets a place, the graph's nodes within a pursuer's [`block_radius`] of the place are
-//! taken out, and so on until no way is left. (Taking out what was found to get the next, different
-//! way is the penalty method for alternative routes in its strictest form.)
+//! places on its escape paths: a *cut* of the street graph, the removal of whose places leaves no
+//! path from the target to an exit. A greedy search finds it: the shortest remaining escape path
+//! gets a place, the graph's nodes within a pursuer's [`block_radius`] of the place are removed, and
+//! so on until no path is left. (Removing the found path to get the next, different one is the
+//! strictest form of the penalty method for alternative routes.)
 //!
-//! On a way, no place is of use before the first one at which some pursuer is in time, i.e. not
-//! later than the target driving there at its highest speed. A cut of such first places is as tight
-//! as can be held, but near the target the streets are many; towards the exits they join, and
-//! fewer places do. So cuts are tried at the first places, and at a quarter, a half, three quarters
-//! and all of the remaining way to the exit, and the first is taken for which there are places
-//! enough. If there is none (more exits than places), the shortest ways out are cut and the rest
-//! stay open; also if guards stand at the exits, where a cut would add nothing.
+//! On a path, only places that some pursuer reaches in time are useful, i.e. not later than the
+//! target at its highest speed. A cut of the first such places is the tightest possible one, but
+//! there are many streets near the target. Towards the exits they join, and fewer places suffice.
+//! Cuts are therefore tried at the first places, and at a quarter, a half, three quarters and all of
+//! the remaining path to the exit. The first cut for which there are enough pursuers is used. If
+//! there is none (more exits than places), the shortest escape paths are cut and the rest stay open.
+//! The same holds if guards stand at the exits, where a cut would add nothing.
 //!
-//! One pursuer always drives at the target: a cut that is held by all has nobody to close it, and a
-//! target that does not move would be besieged for ever.
+//! One pursuer always drives at the target. Otherwise a complete cut would have no pursuer to close
+//! it, and a target that does not move would be surrounded for ever.
 //!
 //! [`block_radius`]: crate::params::AssignmentParams::block_radius
 
@@ -29,65 +29,66 @@ use planner_view::map::PlannerMap;
 
 use crate::matching::{milliseconds, one_each};
 
-/// Where cuts are tried, as shares of the way from the first place in time to the exit.
+/// Candidate places of cuts, as shares of the path from the first place reached in time to the
+/// exit.
 const SHARES: [f64; 5] = [0.0, 0.25, 0.5, 0.75, 1.0];
 
-/// A length (mm) that means "no way", and a node that means "none".
+/// Length (mm) that means "no path", and node that means "none".
 const NONE: u32 = u32::MAX;
 
-/// Whom to cut off.
+/// Evader to cut off.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EvaderState {
-    /// Where it is (m).
+    /// Position (m).
     pub at: Point2<f64>,
     /// Its highest speed (m/s).
     pub v_max: f64,
-    /// Whether the exits are guarded, so that they need not be blocked.
+    /// `true` if the exits are guarded, so that they need not be blocked.
     pub guarded: bool,
 }
 
-/// Someone who can take a place.
+/// Pursuer that can take a place.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ExitBlocker {
-    /// Where it is (m).
+    /// Position (m).
     pub at: Point2<f64>,
     /// Its highest speed (m/s).
     pub v_max: f64,
-    /// Where the route finder keeps its ways.
+    /// Slot of its trees in the route finder.
     pub slot: usize,
 }
 
-/// Places that block ways out.
+/// Places that block escape paths.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Cut {
-    /// The places (m), in the order in which they were found.
+    /// Places (m), in the order of the search.
     pub places: Vec<Point2<f64>>,
-    /// Whether no way out is left.
+    /// `true` if no escape path is left.
     pub complete: bool,
 }
 
-/// Finds cuts, in memory that is used again.
+/// Finds cuts; its memory is reused.
 #[derive(Debug, Clone, Default)]
 pub struct CutSearch {
-    /// The shortest ways to the exits, nothing blocked.
+    /// Shortest paths to the exits, without blocked nodes.
     to_exit: RouteTree,
     exits: Vec<usize>,
-    /// Revision, number of nodes and exits that these were found for.
+    /// Revision, number of nodes and exits of these paths.
     built_for: Option<(u64, usize, Vec<usize>)>,
     blocked: Vec<bool>,
     length: Vec<u32>,
     parent: Vec<u32>,
-    /// Nodes on the rim, with the least length of a way through them (mm).
+    /// Nodes on the frontier, with the minimum length of a path through them (mm).
     queue: BinaryHeap<Reverse<(u32, u32)>>,
-    /// The way found last: places (m) and the length up to there (m).
+    /// Path found last: places (m) and the length up to them (m).
     way: Vec<(Point2<f64>, f64)>,
 }
 
 impl CutSearch {
-    /// A cut between a target and the exits (m), of fewer places than there are blockers.
+    /// Returns a cut between a target and the exits (m), with fewer places than blockers.
     ///
-    /// `finder` must have been prepared for the map. Nothing with fewer than two blockers, and
-    /// nothing (but complete) where no way leads out.
+    /// `finder` must have been prepared for the map. The cut is empty for fewer than two blockers,
+    /// and empty and complete if no path leads out.
     pub fn cut(
         &mut self,
         map: &PlannerMap,
@@ -137,7 +138,7 @@ impl CutSearch {
         tight.unwrap_or_default()
     }
 
-    /// Measures the ways to the exits, unless that has been done.
+    /// Measures the paths to the exits, once per map.
     fn prepare(&mut self, revision: u64, grid: &NavGrid, exits: Vec<usize>) {
         let wanted = (revision, grid.len(), exits);
         if self.built_for.as_ref() == Some(&wanted) {
@@ -149,9 +150,11 @@ impl CutSearch {
         self.built_for = Some(wanted);
     }
 
-    /// Finds the shortest way from a node to an exit past the blocked nodes; whether there is one.
+    /// Finds the shortest path from a node to an exit past the blocked nodes; returns `true` if
+    /// there is one.
     ///
-    /// A\* with the unblocked lengths, which are consistent: blocking only makes ways longer.
+    /// A\* with the unblocked lengths as heuristic. They are consistent: blocking only makes paths
+    /// longer.
     fn way_out(&mut self, grid: &NavGrid, start: usize) -> bool {
         self.way.clear();
         self.length.clear();
@@ -204,8 +207,8 @@ impl CutSearch {
         self.way.reverse();
     }
 
-    /// The place on the way that was found last: `share` of what remains of it behind the first
-    /// place where some blocker is in time.
+    /// Returns the place on the last path at `share` of its remainder behind the first place that
+    /// some blocker reaches in time.
     fn place(
         &self,
         map: &PlannerMap,
@@ -217,7 +220,7 @@ impl CutSearch {
         let last = self.way.len().saturating_sub(1);
         let mut first = last;
         for blocker in blockers {
-            // Only an earlier place than the one found is of interest.
+            // Only a place before the current one is an improvement.
             let ahead = self.way.get(..first).unwrap_or_default();
             let places = ahead.iter().map(|&(place, _)| place);
             let routes = finder.lengths(map, blocker.slot, blocker.at, places);
@@ -237,14 +240,14 @@ impl CutSearch {
             .map_or_else(Point2::origin, |&(place, _)| place)
     }
 
-    /// Takes the nodes around a place out of the graph, but never the one the target is at.
+    /// Removes the nodes around a place from the graph, but never the target's node.
     fn block(&mut self, grid: &NavGrid, start: usize, place: Point2<f64>, radius: f64) {
         for (node, (point, blocked)) in grid.points().iter().zip(&mut self.blocked).enumerate() {
             if node != start && (point - place).norm() <= radius {
                 *blocked = true;
             }
         }
-        // Even if the radius is less than half a block of the graph.
+        // Required if the radius is less than half a block of the graph.
         if let Some(node) = grid.node_at(place).filter(|&node| node != start)
             && let Some(blocked) = self.blocked.get_mut(node)
         {
@@ -253,8 +256,8 @@ impl CutSearch {
     }
 }
 
-/// The places of a cut given to the blockers, one each at the least sum of driving times; `None`
-/// for those that shall drive at the target at `at` (m) itself.
+/// Assigns the places of a cut to the blockers, at the minimum sum of driving times; `None` for
+/// those that drive at the target at `at` (m) itself.
 pub fn allot(
     map: &PlannerMap,
     finder: &mut RouteFinder,

@@ -1,16 +1,20 @@
 //! Guards of the exits.
 //!
 //! Chasers that all run after the nearest evader leave the exit open. Some pursuers stay there
-//! instead: each of them at the guard pose of its exit from which it is least late for any target at any
-//! entry ([`ExitSite`]). Who guards what, and where, follows from the world's state and the team's
-//! beliefs alone, so that every pursuer comes to the same answer without a word; the choice is kept
-//! until a pursuer drops out or the map changes.
+//! instead. Each stands at the guard pose of its exit with the least lateness for any target at any
+//! entry ([`ExitSite`]). The assignment follows from the world's state and the team's beliefs
+//! alone, so that every pursuer computes the same one without messages. It holds until a pursuer
+//! drops out or the map changes.
 //!
-//! A guard leaves its guard pose only for a certain capture: it sees a target (or knows all), meets it on
-//! its predicted course before it could be out; no other target could be out before the guard were
-//! back; and from where it is now it is still early at every entry for everybody, itself included.
-//! All of that with [`RoleParams::margin_s`] to spare. The last is asked again in every tick, so
-//! that a target that turns away in time finds the guard on its way back.
+//! A guard leaves its guard pose only for a certain capture:
+//!
+//! - it sees a target (or has exact knowledge) and meets it on its predicted course before it could
+//!   be out;
+//! - no other target could be out before the guard were back;
+//! - from its present pose it is still early at every entry for every target, that one included.
+//!
+//! All conditions include [`RoleParams::margin_s`] to spare. The last one is checked again in every
+//! tick: if a target turns away in time, the guard returns.
 
 use nalgebra::Point2;
 use navigation::routes::RouteFinder;
@@ -25,33 +29,33 @@ use crate::params::{Knowledge, PursuerParams, RoleParams};
 use crate::slots;
 use crate::targets;
 
-/// What a guard does in a tick.
+/// Task of a guard in a tick.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum GuardTask {
-    /// It drives to its guard pose (m), or stands there.
+    /// Drives to its guard pose (m), or stands there.
     GuardPose(Point2<f64>),
     /// It captures this evader.
     Capture(usize),
 }
 
-/// The guards of a team, and what they know of their exits.
+/// Guards of a team, and their data of the exits.
 #[derive(Debug, Clone)]
 pub struct ExitGuards {
     params: RoleParams,
-    /// Active pursuers and revision of the map that the guards were chosen for.
+    /// Active pursuers and revision of the map at the assignment of the guards.
     chosen_for: Option<(Vec<usize>, u64)>,
     /// Pursuer and number of the exit it guards.
     guards: Vec<(usize, usize)>,
-    /// Revision and exits that the sites were built for.
+    /// Revision and exits for which the sites were built.
     sites_for: Option<(u64, Vec<Point2<f64>>)>,
     sites: Vec<ExitSite>,
     hypotheses: Vec<Hypothesis>,
-    /// Of the exit that was looked at last: evaders and when each may be at each entry (s).
+    /// Last assessed exit: evaders and the times at which each may be at each entry (s).
     threats: Vec<(usize, Vec<f64>)>,
 }
 
 impl ExitGuards {
-    /// Guards that have not been chosen yet.
+    /// Returns guards without an assignment.
     pub fn new(params: RoleParams) -> Self {
         Self {
             params,
@@ -64,21 +68,21 @@ impl ExitGuards {
         }
     }
 
-    /// The guards as (pursuer, number of its exit), in the order in which they were chosen.
+    /// Returns the guards as (pursuer, number of its exit), in the order of their assignment.
     pub fn guards(&self) -> &[(usize, usize)] {
         &self.guards
     }
 
-    /// Whether a pursuer is a guard.
+    /// Returns `true` if a pursuer is a guard.
     pub fn is_guard(&self, pursuer: usize) -> bool {
         self.guards.iter().any(|guard| guard.0 == pursuer)
     }
 
-    /// Chooses the guards anew if the pursuers or the map have changed.
+    /// Assigns the guards again if the pursuers or the map have changed.
     ///
-    /// One after the other, of the exits with the fewest guards and the pursuers that are free, the
-    /// two that are closest together by driving time; of equal ones, those listed first. `finder`
-    /// must have been prepared for the map.
+    /// One after the other: of the exits with the fewest guards and the free pursuers, the pair
+    /// with the shortest driving time; of equal ones, those listed first. `finder` must have been
+    /// prepared for the map.
     pub fn choose(&mut self, map: &PlannerMap, finder: &mut RouteFinder, view: &View<'_>) {
         if self.params.exit_guard == 0 {
             return;
@@ -122,10 +126,10 @@ impl ExitGuards {
         }
     }
 
-    /// What the robot `view.me` does as a guard; `None` if it is none.
+    /// Returns the task of the robot `view.me` as a guard; `None` if it is not a guard.
     ///
     /// [`choose`](Self::choose) must have been called for this view.
-    pub fn duty(
+    pub fn guard_task(
         &mut self,
         map: &PlannerMap,
         finder: &mut RouteFinder,
@@ -147,14 +151,14 @@ impl ExitGuards {
         Some(GuardTask::GuardPose(guard_pose))
     }
 
-    /// Looks at the exits again if they or the map have changed.
+    /// Updates the exits' sites if the exits or the map have changed.
     fn survey(&mut self, map: &PlannerMap, view: &View<'_>) {
         let exits: Vec<_> = view.usable_exits().take(slots::MAX_EXITS).collect();
         let wanted = (map.revision(), exits);
         if self.sites_for.as_ref() == Some(&wanted) {
             return;
         }
-        // All guards of a team are taken to be as large as the largest.
+        // All guards of a team count as large as the largest.
         let radius = view
             .active(Team::Police)
             .map(|robot| robot.radius)
@@ -177,7 +181,8 @@ impl ExitGuards {
         self.chosen_for = None;
     }
 
-    /// When each evader may be at each entry of an exit: the mean over what is believed of it.
+    /// Computes the time at which each evader may be at each entry of an exit: the mean over its
+    /// belief.
     fn assess(
         &mut self,
         map: &PlannerMap,
@@ -220,7 +225,7 @@ impl ExitGuards {
         }
     }
 
-    /// When the first of the evaders but `except` may be at each entry (s).
+    /// Returns the time at which the first of the evaders but `except` may be at each entry (s).
     fn deadlines(&self, entries: usize, except: Option<usize>) -> Vec<f64> {
         let mut deadlines = vec![NEVER_S; entries];
         for (_, times) in self.threats.iter().filter(|t| Some(t.0) != except) {
@@ -231,7 +236,7 @@ impl ExitGuards {
         deadlines
     }
 
-    /// The guard pose of every guard of an exit (m).
+    /// Returns the guard pose of every guard of an exit (m).
     fn guard_poses(
         &self,
         view: &View<'_>,
@@ -247,7 +252,8 @@ impl ExitGuards {
             .collect();
         let deadlines = self.deadlines(site.entries().len(), None);
         let mut guard_poses: Vec<(usize, Point2<f64>)> = Vec::with_capacity(team.len());
-        // Each finds the best guard pose given the others'; once more, now that all have one.
+        // Each guard finds the best guard pose given the others'; a second round uses the poses of
+        // all.
         let rounds = if team.len() > 1 { 2 } else { 1 };
         for _ in 0..rounds {
             for guard in &team {
@@ -268,7 +274,7 @@ impl ExitGuards {
         guard_poses
     }
 
-    /// The evader whose capture by `view.me` is certain, the first to be met of several.
+    /// Returns the evader whose capture by `view.me` is certain; of several the first to be met.
     fn capture(
         &self,
         map: &PlannerMap,
@@ -318,7 +324,8 @@ impl ExitGuards {
     }
 }
 
-/// Time that a pursuer needs to an exit (s); as the crow flies if no way leads there.
+/// Returns the driving time of a pursuer to an exit (s); along the straight line if no path leads
+/// there.
 fn driving_time(
     map: &PlannerMap,
     finder: &mut RouteFinder,
@@ -333,7 +340,8 @@ fn driving_time(
     guard_time(distance, pursuer.v_max, 0.0)
 }
 
-/// When a guard that starts from `from` (m) has each entry in its reach (s); `None` without a way.
+/// Returns the time at which a guard that starts from `from` (m) has each entry in its reach (s);
+/// `None` without a path.
 fn times_from(
     map: &PlannerMap,
     finder: &mut RouteFinder,

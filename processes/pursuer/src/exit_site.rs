@@ -1,18 +1,19 @@
-//! An exit as something to be guarded: where targets get through, and where a guard may stand.
+//! Site of an exit to be guarded: its entries and guard poses.
 //!
-//! A target is through when it comes within a radius of the exit's centre, so it has to pass one of
-//! the *entries* on that circle. A guard is in time for an entry e if it has e in its reach before
-//! the target can be there; the *lateness* of a guard at q is the worst over all entries,
+//! A target has escaped when it comes within a radius of the exit's centre, so it has to pass one
+//! of the *entries* on that circle. A guard is in time for an entry e if it has e in its reach
+//! before the target can be there. The *lateness* of a guard at q is the maximum over all entries,
 //!
 //! ```text
 //! J(q) = max over e of  (|q − e| − ρ) / s − T(e)
 //! ```
 //!
-//! with its reach ρ, its speed s, and T(e) the time that the targets need to e at least. What an
-//! entry lies inside the reach counts as time in hand, so that the guard does not stand at the rim
-//! of what it can hold. J(q) < 0 says that e lies in the guard's own part of a Voronoi diagram of arrival times, whichever entry
-//! the targets make for. The best guard pose has the least J: between the threat and the exit when the
-//! targets are near, in the middle of the entries when they are far.
+//! with its reach ρ, its speed s, and the minimum time T(e) that the targets need to e. The depth
+//! of an entry inside the reach counts as time in hand, so that the guard does not stand at the
+//! edge of its range. J(q) < 0 means that e lies in the guard's part of a Voronoi diagram of
+//! arrival times, for every entry that the targets may choose. The best guard pose has the least J:
+//! between the threat and the exit when the targets are near, in the middle of the entries when
+//! they are far.
 
 use core::f64::consts::TAU;
 
@@ -20,19 +21,19 @@ use geometry::math;
 use nalgebra::{Point2, Vector2};
 use planner_view::map::PlannerMap;
 
-/// Points on the circle that stand for the ways in.
+/// Number of points on the circle that represent the entries.
 const ENTRIES: u32 = 24;
 
-/// Distance between two guard poses that a guard chooses from (m).
+/// Distance between two candidate guard poses (m).
 const GUARD_POSE_PITCH: f64 = 0.1;
 
 /// Gap between the bodies of two guards at their guard poses (m).
 const GUARD_POSE_GAP: f64 = 0.2;
 
-/// A time that stands for "never" (s), small enough that differences of a nanosecond remain.
+/// Time that represents "never" (s), small enough to keep differences of a nanosecond.
 pub const NEVER_S: f64 = 1.0e6;
 
-/// The surroundings of one exit.
+/// Surroundings of one exit.
 #[derive(Debug, Clone)]
 pub struct ExitSite {
     slot: usize,
@@ -46,11 +47,11 @@ pub struct ExitSite {
 }
 
 impl ExitSite {
-    /// The surroundings of an exit (m) that one is through within `exit_radius` (m) of, for guards
-    /// of `robot_radius` (m) that stand no further than `post_radius` (m) from it. `slot` is where
-    /// the guards' route finders keep the ways to it.
+    /// Returns the surroundings of an exit (m). A target within `exit_radius` (m) of it has
+    /// escaped; guards of `robot_radius` (m) stand within `post_radius` (m) of it. `slot` is the
+    /// slot of its paths in the guards' route finders.
     ///
-    /// Entries and guard poses are places from which the exit can be reached straight.
+    /// A straight free line connects every entry and guard pose with the exit.
     pub fn new(
         map: &PlannerMap,
         slot: usize,
@@ -93,7 +94,7 @@ impl ExitSite {
         }
     }
 
-    /// Where a route finder keeps the ways to the exit.
+    /// Returns the slot of the exit's paths in a route finder.
     pub fn slot(&self) -> usize {
         self.slot
     }
@@ -103,19 +104,19 @@ impl ExitSite {
         self.exit
     }
 
-    /// The places where targets get through (m), never empty.
+    /// Returns the entries of targets (m), never empty.
     pub fn entries(&self) -> &[Point2<f64>] {
         &self.entries
     }
 
-    /// The places where a guard may stand (m), never empty.
+    /// Returns the possible places of a guard (m), never empty.
     pub fn guard_poses(&self) -> &[Point2<f64>] {
         &self.guard_poses
     }
 
-    /// Lengths of the shortest ways from `from` (m) to each entry that come through no other (m),
-    /// in the open: straight, or by a tangent to the circle of the entries and along it; 0 inside
-    /// the circle.
+    /// Returns the lengths of the shortest paths from `from` (m) to each entry through no other
+    /// entry (m), without obstacles: straight, or by a tangent to the circle of the entries and
+    /// along it; 0 inside the circle.
     pub fn approaches(&self, from: Point2<f64>) -> impl Iterator<Item = f64> {
         let line = from - self.exit;
         let far = line.norm();
@@ -135,8 +136,8 @@ impl ExitSite {
         })
     }
 
-    /// How late one who is at each entry at these times is at worst (s), negative for being early;
-    /// `times` and `deadlines` (s) follow the entries.
+    /// Returns the worst lateness of a guard that is at each entry at these times (s), negative if
+    /// early; `times` and `deadlines` (s) are in the order of the entries.
     pub fn lateness(times: &[f64], deadlines: &[f64]) -> f64 {
         times
             .iter()
@@ -145,12 +146,12 @@ impl ExitSite {
             .fold(f64::NEG_INFINITY, f64::max)
     }
 
-    /// The guard pose with the least lateness for a guard of this speed (m/s) and reach (m), given for
-    /// each entry when targets may be there (s) and when other guards can (`covered` (s)), and
-    /// where those stand.
+    /// Returns the guard pose with the least lateness for a guard of this speed (m/s) and reach
+    /// (m). For each entry, `deadlines` are the times of targets (s), and `covered` those of other
+    /// guards (s); the other guards' positions are given, too.
     ///
-    /// Of equal guard poses the one where the guard alone is less late, then the one nearer to the exit,
-    /// then the first.
+    /// Of equal guard poses the one where the guard alone is less late, then the one nearer to the
+    /// exit, then the first.
     pub fn best_guard_pose(
         &self,
         speed: f64,
@@ -183,13 +184,14 @@ impl ExitSite {
     }
 }
 
-/// When a guard has a place in its reach (s), driving straight; negative for one that lies inside
-/// it, [`NEVER_S`] at most.
+/// Returns the time at which a guard has a place in its reach (s), driving straight. Negative for a
+/// place inside its reach, at most [`NEVER_S`].
 pub fn straight_time(from: Point2<f64>, to: Point2<f64>, speed: f64, reach: f64) -> f64 {
     guard_time((to - from).norm(), speed, reach)
 }
 
-/// When a guard has a place at this distance (m) in its reach (s), see [`straight_time`].
+/// Returns the time at which a guard has a place at this distance (m) in its reach (s), see
+/// [`straight_time`].
 pub fn guard_time(distance: f64, speed: f64, reach: f64) -> f64 {
     let time = (distance - reach) / speed;
     if speed > 0.0 && !time.is_nan() {
@@ -253,14 +255,14 @@ mod tests {
         assert!((lengths[0] - 1.5).abs() < 1e-12);
         let expected = (4.0_f64 - 0.25).sqrt() + 0.5 * (PI - seen);
         assert!((lengths[1] - expected).abs() < 1e-12);
-        // No jump where the entry goes out of sight.
+        // No jump where the entry gets out of sight.
         assert!((lengths[2] - lengths[3]).abs() < 1e-6);
         let inside = site.approaches(Point2::new(9.2, 0.1));
         assert_eq!(inside.collect::<Vec<_>>(), [0.0; 4]);
     }
 
     #[test]
-    fn the_post_lies_between_a_near_threat_and_the_exit_and_in_the_middle_for_a_far_one() {
+    fn the_guard_pose_lies_between_a_near_threat_and_the_exit_and_in_the_middle_for_a_far_one() {
         let site = site();
         let never = [NEVER_S; 24];
         for angle in [0.3, 1.8, 2.9, 4.0, 5.5] {
@@ -281,7 +283,7 @@ mod tests {
     }
 
     #[test]
-    fn no_post_is_less_late_than_the_best() {
+    fn the_best_guard_pose_has_the_least_lateness() {
         let site = site();
         let never = [NEVER_S; 24];
         let deadlines = deadlines(&site, Point2::new(7.6, 0.9), 0.6);
@@ -323,7 +325,7 @@ mod tests {
     }
 
     #[test]
-    fn a_guard_without_speed_still_has_a_post() {
+    fn a_guard_without_speed_has_a_guard_pose() {
         let site = site();
         let never = [NEVER_S; 24];
         for speed in [0.0, f64::NAN] {

@@ -1,4 +1,4 @@
-//! From what is known of a target to the points that attract its pursuers.
+//! Goals of pursuers, made from the information on their target.
 
 use std::collections::BTreeMap;
 
@@ -18,16 +18,16 @@ const LOOK_AHEAD_RATIO: f64 = 0.7;
 /// Longest distance ahead (m).
 const MAX_LOOK_AHEAD: f64 = 5.0;
 
-/// Side of the squares in which hypotheses are counted to find the heaviest cluster (m).
+/// Side of the squares that count hypotheses to find the heaviest cluster (m).
 const MODE_CELL: f64 = 1.0;
 
 /// A hypothesis of a target's pose with its weight (> 0).
 pub type Hypothesis = (Pose2, f64);
 
-/// Where a target may be, written to `into` (cleared first).
+/// Writes the possible positions of a target to `into` (cleared first).
 ///
-/// Empty if nothing usable is known of it. At most `max_particles` evenly spaced hypotheses of a
-/// belief are taken.
+/// It is empty if nothing usable is known of the target. It contains at most `max_particles` evenly
+/// spaced hypotheses of a belief.
 pub fn hypotheses(
     view: &View<'_>,
     target: usize,
@@ -59,7 +59,7 @@ pub fn hypotheses(
     }
 }
 
-/// Where a target most probably is, as one pose.
+/// Returns the most probable position of a target, as one pose.
 pub fn estimate(view: &View<'_>, target: usize, knowledge: Knowledge) -> Option<Pose2> {
     match knowledge {
         Knowledge::Exact => view.robot(target).map(|robot| robot.pose),
@@ -70,8 +70,9 @@ pub fn estimate(view: &View<'_>, target: usize, knowledge: Knowledge) -> Option<
     }
 }
 
-/// The goal for a hypothesis: a point ahead of it by a share of the distance to it (m), on this side of
-/// the first obstacle; the published program's may lie inside a block or beyond the arena's wall.
+/// Returns the goal for a hypothesis: a point ahead of it by a share of the distance to it (m), on
+/// this side of the first obstacle. The published program's goal may lie inside a block or beyond
+/// the arena's wall.
 pub fn look_ahead(
     map: &PlannerMap,
     pose: &Pose2,
@@ -89,7 +90,7 @@ pub fn look_ahead(
     from + ahead * (map.free_run(from, to, room) / length)
 }
 
-/// The goals of a set of hypotheses, each looked ahead of; written to `into` (cleared first).
+/// Writes the look-ahead goals of a set of hypotheses to `into` (cleared first).
 pub fn goals(
     map: &PlannerMap,
     hypotheses: &[Hypothesis],
@@ -112,8 +113,8 @@ fn mean(belief: &BeliefView<'_>) -> Option<Hypothesis> {
     belief.mean.is_finite().then_some((belief.mean, 1.0))
 }
 
-/// The mean pose of the square metre that holds the most weight; the one with the lowest
-/// coordinates of several.
+/// Returns the mean pose of the square metre with the highest weight; of several, the one with the
+/// lowest coordinates.
 fn mode(belief: &BeliefView<'_>) -> Option<Hypothesis> {
     #[derive(Default)]
     struct Sums {

@@ -1,8 +1,7 @@
-//! Where a pursuer can first meet its target.
+//! First place at which a pursuer can meet its target.
 //!
 //! A place p is a *meeting* if the pursuer gets within its reach ρ of p no later than the target is
-//! there. Of all meetings on the target's predicted course the earliest is wanted: later ones are
-//! longer ways to the same end, earlier places cannot be reached in time.
+//! there. The result is the earliest meeting on the target's predicted course.
 //!
 //! **In line of sight** the course is the target's present velocity V, from its place r relative to
 //! the pursuer. A pursuer of speed s that drives straight can be within ρ of the target at time t if
@@ -17,9 +16,9 @@
 //! *Differential Games*, 1965, §6.7), and driving there is lead pursuit, also known as parallel
 //! navigation. The formula counts only if both courses are free.
 //!
-//! **Out of sight**, or if that has no answer, the course is the target's shortest way to the
-//! nearest exit along the streets, driven at its highest speed, and the pursuer's time to a place
-//! that of its own shortest way there, less ρ.
+//! **Out of sight**, or without such a meeting, the course is the target's shortest path to the
+//! nearest exit along the streets, driven at its highest speed. The pursuer's time to a place is that
+//! of its own shortest path there, less ρ.
 
 use nalgebra::{Point2, Vector2};
 use navigation::routes::RouteFinder;
@@ -28,31 +27,31 @@ use planner_view::view::RobotView;
 
 use crate::slots;
 
-/// Speeds below this (m/s) are standing still.
+/// Speeds below this (m/s) count as standstill.
 const STILL: f64 = 1.0e-3;
 
-/// Where and when a pursuer meets its target.
+/// Place and time at which a pursuer meets its target.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Meeting {
-    /// Where the target then is (m).
+    /// Position of the target then (m).
     pub at: Point2<f64>,
-    /// When, from now on (s), ≥ 0.
+    /// Time from now on (s), ≥ 0.
     pub time_s: f64,
 }
 
-/// What is known, or supposed, of a target.
+/// Known or assumed state of a target.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Target {
-    /// Where it is (m).
+    /// Position (m).
     pub at: Point2<f64>,
-    /// How it moves now, world frame (m/s).
+    /// Current velocity, world frame (m/s).
     pub velocity: Vector2<f64>,
     /// Its highest speed (m/s).
     pub v_max: f64,
 }
 
-/// The earliest meeting of a pursuer at `from` (m) with `speed` (m/s) and `reach` (m) with a target
-/// that keeps its velocity, in the open; `None` if there is none.
+/// Returns the earliest meeting of a pursuer at `from` (m) with `speed` (m/s) and `reach` (m) with
+/// a target that keeps its velocity, without obstacles; `None` if there is none.
 pub fn meet_straight(
     from: Point2<f64>,
     speed: f64,
@@ -71,17 +70,18 @@ pub fn meet_straight(
     }
     let root = (b * b - a * c).sqrt();
     let time_s = c / (root - b);
-    // Also refuses the NaN of a root that is not real and numbers that are not finite.
+    // Also rejects the NaN of a root that is not real and non-finite numbers.
     (root - b > 0.0 && time_s.is_finite()).then(|| Meeting {
         at: target.at + velocity * time_s,
         time_s,
     })
 }
 
-/// The earliest meeting on a way of places (m) with the times at which the target is there (s),
-/// given when the pursuer can be within its reach of a place (s); `None` if it is late everywhere.
+/// Returns the earliest meeting on a path of places (m) with the target's times there (s). `arrival`
+/// returns the time until the pursuer is within its reach of a place (s). `None` if it is late
+/// everywhere.
 ///
-/// Between two places of the way both times are taken as linear.
+/// Both times are linear between two places of the path.
 pub fn meet_on_way(
     way: &[(Point2<f64>, f64)],
     arrival: impl Fn(Point2<f64>) -> Option<f64>,
@@ -95,7 +95,7 @@ pub fn meet_on_way(
         let late = arrival - passed;
         if late <= 0.0 {
             let Some((from, since, lateness)) = before.filter(|b| b.2.is_finite()) else {
-                // A target that stays here for good is met on arrival.
+                // A target that stays here is met on arrival.
                 let time_s = if passed.is_finite() { passed } else { arrival };
                 return Some(Meeting { at, time_s });
             };
@@ -110,7 +110,7 @@ pub fn meet_on_way(
     None
 }
 
-/// Predicts ways and finds meetings, for the robot whose route finder it is given.
+/// Predicts paths and finds meetings, for the robot of the given route finder.
 #[derive(Debug, Clone, Default)]
 pub struct Interceptor {
     reach: f64,
@@ -118,7 +118,7 @@ pub struct Interceptor {
 }
 
 impl Interceptor {
-    /// An interceptor for which a target within `reach` (m) is met.
+    /// Returns an interceptor for which a target within `reach` (m) is met.
     pub fn new(reach: f64) -> Self {
         Self {
             reach,
@@ -126,8 +126,8 @@ impl Interceptor {
         }
     }
 
-    /// The earliest meeting of `own` with a target that runs for one of `exits` (m); `None` if
-    /// `own` is late everywhere.
+    /// Returns the earliest meeting of `own` with a target that runs for one of `exits` (m); `None`
+    /// if `own` is late everywhere.
     ///
     /// `finder` must have been prepared for the map.
     pub fn meeting(
@@ -149,12 +149,13 @@ impl Interceptor {
         })
     }
 
-    /// When a pursuer is within its reach of a place at this driving distance (m), from now on (s).
+    /// Returns the time after which a pursuer is within its reach of a place at this driving
+    /// distance (m), from now on (s).
     pub fn time_for(&self, distance: f64, pursuer: &RobotView) -> f64 {
         (distance - self.reach).max(0.0) / pursuer.v_max
     }
 
-    /// The straight meeting, if the pursuer sees the target and both courses are free.
+    /// Returns the straight meeting, if the pursuer sees the target and both courses are free.
     fn in_sight(&self, map: &PlannerMap, own: &RobotView, target: &Target) -> Option<Meeting> {
         let here = own.pose.position();
         if !map.line_is_clear(here, target.at, 0.0) {
@@ -166,9 +167,9 @@ impl Interceptor {
         free.then_some(meeting)
     }
 
-    /// The shortest way of a target at `at` (m) to its nearest exit: places (m) with the times (s) at
-    /// which it is there at its highest speed `v_max` (m/s); if it has no way or no speed, it stays
-    /// where it is.
+    /// Returns the shortest path of a target at `at` (m) to its nearest exit: places (m) with its
+    /// times there (s) at its highest speed `v_max` (m/s). Without a path or speed, the target
+    /// stays.
     ///
     /// `finder` must have been prepared for the map.
     pub fn predict(
@@ -199,7 +200,7 @@ impl Interceptor {
                 routes.way_to(at, &mut self.way);
             }
         }
-        // The tree stands at the exit, the target drives towards it.
+        // The root of the tree is the exit; the target drives towards it.
         let whole = self.way.last().map_or(0.0, |last| last.1);
         self.way.reverse();
         for (_, length) in &mut self.way {
@@ -227,7 +228,8 @@ mod tests {
         }
     }
 
-    /// When a pursuer that always drives at its target gets within `reach` (s), if within `limit`.
+    /// Returns the time after which a pursuer that always drives at its target gets within `reach`
+    /// (s), if within `limit`.
     fn pure_chase(speed: f64, reach: f64, target: &Target, limit: f64) -> Option<f64> {
         let (mut from, mut at) = (Point2::origin(), target.at);
         let dt = 0.002;
@@ -255,11 +257,12 @@ mod tests {
     #[test]
     fn a_faster_target_is_met_only_if_it_comes_by() {
         let from = Point2::origin();
-        // Passing at 1 m: at the angle whose sine is the ratio of the speeds it is just met.
+        // The target passes at 1 m: the pursuer just meets it at the angle whose sine is the ratio
+        // of the speeds.
         assert!(meet_straight(from, 0.5, 0.0, &target(-2.0, 1.0, 1.0, 0.0)).is_some());
         assert!(meet_straight(from, 0.5, 0.0, &target(0.0, 1.0, 1.0, 0.0)).is_none());
         assert!(meet_straight(from, 0.5, 0.0, &target(2.0, 0.0, 1.0, 0.0)).is_none());
-        // Equal speeds: head-on half-way, away never.
+        // Equal speeds: a meeting half-way if head-on, none if the target drives away.
         let half_way = meet_straight(from, 1.0, 0.0, &target(4.0, 0.0, -1.0, 0.0)).unwrap();
         assert!((half_way.at.x - 2.0).abs() < 1e-12);
         assert!(meet_straight(from, 1.0, 0.0, &target(4.0, 0.0, 1.0, 0.0)).is_none());
@@ -290,7 +293,7 @@ mod tests {
         assert_eq!(meet_on_way(&way, |p| Some(100.0 + p.x)), None);
         assert_eq!(meet_on_way(&way, |_| None), None);
         assert_eq!(meet_on_way(&way, |_| Some(f64::NAN)), None);
-        // A place without a way to it is left out.
+        // A place without a path to it is left out.
         let gap = meet_on_way(&way, |p| (p.x > 4.5).then_some((p.x - 5.0).abs())).unwrap();
         assert_eq!((gap.at.x, gap.time_s), (5.0, 5.0));
     }
@@ -322,7 +325,7 @@ mod tests {
                     let there = target.at + target.velocity * meeting.time_s;
                     prop_assert!((there - meeting.at).norm() < 1e-9);
                     prop_assert!(lag(meeting.time_s).abs() < 1e-6 * (1.0 + meeting.time_s) || meeting.time_s == 0.0);
-                    // Within reach from the start, or never before.
+                    // Within reach from the start, or not before.
                     for share in 0..100 {
                         let t = meeting.time_s * f64::from(share) / 100.0;
                         let not_yet = lag(t) > -1e-6 * (1.0 + t);

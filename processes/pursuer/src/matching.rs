@@ -3,14 +3,14 @@
 use pathfinding::kuhn_munkres::kuhn_munkres_min;
 use pathfinding::matrix::Matrix;
 
-/// The cost of the impossible (ms), about three hours.
+/// Cost of an impossible match (ms), about three hours.
 pub const NEVER_MS: i64 = 10_000_000;
 
-/// Added to the cost of a place beyond an evader's fair share (ms), so that all fair shares are
+/// Additional cost of a place beyond an evader's fair share (ms), so that all fair shares are
 /// filled first; above any sum of interception times of a full team.
 const SURPLUS_MS: i64 = NEVER_MS * 1024;
 
-/// A time as a cost (ms); [`NEVER_MS`] for what is not a time that can come (NaN, infinity).
+/// Converts a time to a cost (ms); [`NEVER_MS`] for NaN and infinity.
 pub fn milliseconds(seconds: f64) -> i64 {
     let ms = (seconds * 1000.0).round();
     if ms >= 0.0 && ms < NEVER_MS as f64 {
@@ -20,12 +20,12 @@ pub fn milliseconds(seconds: f64) -> i64 {
     }
 }
 
-/// Matches every row (pursuer) with a column (evader) at the least sum of costs (ms).
+/// Matches every row (pursuer) with a column (evader) at the minimum sum of costs (ms).
 ///
-/// With n rows and m columns every column gets at least ⌊n/m⌋ rows and at most one more; with fewer
-/// rows than columns, every row its own column. `costs` holds n · m values in 0 ..= 10⁷, row by
-/// row. Integer costs and a fixed order make the solution the same everywhere; of several optimal
-/// solutions one is picked by the algorithm's fixed order.
+/// With n rows and m columns every column gets at least ⌊n/m⌋ rows and at most one more. With fewer
+/// rows than columns, every row gets a separate column. `costs` holds n · m values in 0 ..= 10⁷,
+/// row by row. Integer costs and a fixed order make the solution the same on every machine; the
+/// algorithm's order decides between several optimal solutions.
 pub fn balanced(costs: &[i64], rows: usize, columns: usize) -> Vec<(usize, usize)> {
     if rows == 0 || columns == 0 || costs.len() != rows * columns {
         return Vec::new();
@@ -35,7 +35,7 @@ pub fn balanced(costs: &[i64], rows: usize, columns: usize) -> Vec<(usize, usize
     let slots = columns * (share + surplus);
     let mut weights = Vec::with_capacity(rows * slots);
     for row in costs.chunks_exact(columns) {
-        // Seat number s is the (s / columns)-th place at evader s % columns.
+        // Column number s is the (s / columns)-th place at evader s % columns.
         weights.extend((0..slots).map(|slot| {
             let beyond = share > 0 && slot / columns >= share;
             row[slot % columns] + if beyond { SURPLUS_MS } else { 0 }
@@ -52,9 +52,9 @@ pub fn balanced(costs: &[i64], rows: usize, columns: usize) -> Vec<(usize, usize
         .collect()
 }
 
-/// Gives every row (pursuer) a column (place) of its own at the least sum of costs (ms).
+/// Matches every row (pursuer) with a separate column (place) at the minimum sum of costs (ms).
 ///
-/// `costs` holds n · m values in 0 ..= 10⁷, row by row, with n ≤ m; nothing is matched otherwise.
+/// `costs` holds n · m values in 0 ..= 10⁷, row by row, with n ≤ m; otherwise nothing is matched.
 pub fn one_each(costs: &[i64], rows: usize, columns: usize) -> Vec<usize> {
     if rows == 0 || rows > columns || costs.len() != rows * columns {
         return Vec::new();
@@ -82,12 +82,12 @@ mod tests {
         let costs = [10, 500, 20, 500, 30, 500, 40, 500];
         let matches = balanced(&costs, 4, 2);
         assert_eq!(load(&matches, 2), [2, 2]);
-        // Ties: all pay the same for evader 1, so the two cheapest on evader 0 stay there.
+        // Ties: all have the same cost for evader 1, so the two cheapest on evader 0 stay there.
         assert_eq!(matches, [(0, 0), (1, 0), (2, 1), (3, 1)]);
     }
 
     #[test]
-    fn the_odd_one_out_goes_where_it_costs_least() {
+    fn the_surplus_pursuer_goes_to_the_cheapest_evader() {
         let costs = [10, 900, 10, 900, 10, 900];
         assert_eq!(load(&balanced(&costs, 3, 2), 2), [2, 1]);
     }
@@ -112,8 +112,8 @@ mod tests {
     }
 
     #[test]
-    fn places_go_to_those_for_whom_the_sum_is_least() {
-        // The first is nearest to both places, but the second has no other that is near.
+    fn places_are_assigned_at_the_minimum_sum() {
+        // The first is nearest to both places, but the second has no other near place.
         assert_eq!(one_each(&[10, 20, 15, 90], 2, 2), [1, 0]);
         assert_eq!(one_each(&[10, 20, 5], 1, 3), [2]);
         assert!(one_each(&[1, 2], 2, 1).is_empty());

@@ -11,43 +11,42 @@ mod tactics;
 
 pub use tactics::{GoalMethod, GoalParams, MAX_POST_RADIUS, RoleParams};
 
-/// Where knowledge of the opponents comes from.
+/// Source of information on the opponents.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Knowledge {
-    /// From the team's beliefs; an opponent without a belief is unknown.
+    /// The team's beliefs; an opponent without a belief is unknown.
     #[default]
     Belief,
-    /// From the world's state, as if every opponent were always seen.
+    /// The world's state, as if every opponent were always seen.
     Exact,
 }
 
-/// What of a belief attracts.
+/// Part of a belief that attracts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum BeliefGoals {
-    /// Every hypothesis, each with its own look-ahead (the paper's): the robot goes where most of
-    /// the probability lies.
+    /// Every hypothesis, each with its own look-ahead (the paper's): the robot drives towards most
+    /// of the probability.
     #[default]
     Particles,
-    /// The mean of the hypotheses. Between two clusters it is where the target certainly is not.
+    /// The mean of the hypotheses. Between two clusters the target is certainly not there.
     Mean,
     /// The mean of the heaviest cluster.
     Mode,
 }
 
-/// Who chases whom.
+/// Method of assignment.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum AssignmentMethod {
-    /// Each pursuer takes the nearest evader and keeps it until it is caught or has escaped (the
-    /// paper's).
+    /// Each pursuer chases the nearest evader until it is caught or has escaped (the paper's).
     #[default]
     NearestSticky,
-    /// All pursuers are matched with all evaders so that the sum of predicted interception times is
-    /// least, with the pursuers spread evenly over the evaders; then those on one evader are matched,
-    /// at the least sum of driving times, with places that cut its ways to the exits off, and those
-    /// for whom no place is left (one at least) drive at it. Renewed every
+    /// All pursuers are matched with all evaders at the minimum sum of predicted interception
+    /// times, with the pursuers spread evenly over the evaders. Those on one evader are then
+    /// matched, at the minimum sum of driving times, with places that cut off its paths to the
+    /// exits. Pursuers without a place (at least one) drive at it. Renewed every
     /// [`AssignmentParams::period_s`]. See [`crate::cut_off`].
     CutOff,
 }
@@ -58,15 +57,15 @@ pub enum AssignmentMethod {
 pub struct AssignmentParams {
     /// Assignment of pursuers to evaders.
     pub method: AssignmentMethod,
-    /// What positions of the evaders the assignment goes by.
+    /// Source of the evaders' positions for the assignment.
     pub knowledge: Knowledge,
-    /// Simulated time at which the first targets are taken.
+    /// Simulated time of the first assignment.
     #[schemars(transform = at_least(0).unit("s"))]
     pub delay_s: f64,
     /// Time between two assignments of the cut-off method.
     #[schemars(transform = above(0).unit("s"))]
     pub period_s: f64,
-    /// How far around itself a pursuer blocks a street (cut-off method).
+    /// Radius around itself in which a pursuer blocks a street (cut-off method).
     #[schemars(transform = above(0).unit("m"))]
     pub block_radius: f64,
 }
@@ -91,16 +90,16 @@ pub struct PursuerParams {
     pub knowledge: Knowledge,
     /// Part of a belief that attracts.
     pub belief_goals: BeliefGoals,
-    /// Most hypotheses used as goals; of more, evenly spaced ones are taken.
+    /// Maximum number of hypotheses used as goals; of more, evenly spaced ones are used.
     #[schemars(transform = at_least(1))]
     pub max_particles: usize,
     /// Assignment of pursuers to evaders.
     pub assignment: AssignmentParams,
-    /// Who does something else.
+    /// Other roles than chasing.
     pub roles: RoleParams,
-    /// How hypotheses become goals.
+    /// Conversion of hypotheses to goals.
     pub goals: GoalParams,
-    /// How directions to goals are measured.
+    /// Distance measure of directions to goals.
     pub goal_field: GoalField,
     /// Repulsion between pursuers, measured straight.
     pub scatter: RepulsionParams,
@@ -111,13 +110,14 @@ pub struct PursuerParams {
     /// way.
     #[schemars(transform = at_least(0))]
     pub wreck_weight: f64,
-    /// Variant of the method. [`Fidelity::Published`]: a pursuer repels itself too, a constant push along its heading, and
-    /// the goal ahead of a target may lie inside a block or beyond the arena's wall.
+    /// Variant of the method. [`Fidelity::Published`]: a pursuer repels itself, too, a constant
+    /// push along its heading, and the goal ahead of a target may lie inside a block or beyond the
+    /// arena's wall.
     pub fidelity: Fidelity,
     /// Repulsion from obstacles.
     pub obstacle: ObstacleParams,
-    /// Gap to another body at which the robot begins to turn aside to pass it; 0 for
-    /// never (the paper).
+    /// Gap to another body at which the robot begins to turn aside to pass it; 0 for never (the
+    /// paper).
     #[schemars(transform = at_least(0).unit("m"))]
     pub body_guard: f64,
     /// Push that varies with time.
@@ -151,15 +151,15 @@ impl Default for PursuerParams {
 impl Parameters for PursuerParams {}
 
 impl PursuerParams {
-    /// Whether anything in these parameters goes by beliefs, so that a perception process must
+    /// Returns `true` if any of these parameters uses beliefs, so that a perception process must
     /// provide them.
     pub fn needs_beliefs(&self) -> bool {
         self.knowledge == Knowledge::Belief || self.assignment.knowledge == Knowledge::Belief
     }
 
-    /// The values of the chasing-game paper's experiments with exact knowledge (its figure 2); set
-    /// `knowledge` to [`Knowledge::Belief`] for those with a particle filter (figure 3), in which
-    /// targets were still chosen by their true positions.
+    /// Returns the values of the chasing-game paper's experiments with exact knowledge (its figure
+    /// 2). Set `knowledge` to [`Knowledge::Belief`] for those with a particle filter (figure 3), in
+    /// which targets were still chosen by their true positions.
     pub fn paper() -> Self {
         Self {
             knowledge: Knowledge::Exact,

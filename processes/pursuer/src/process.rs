@@ -1,4 +1,4 @@
-//! Wires [`Pursuer`] to its topics: state, map and beliefs in, command and plan out.
+//! Connects [`Pursuer`] to its topics: state, map and beliefs in, command and plan out.
 
 use planner::{Planner, PlannerInputs, limits};
 use planner_view::map::PlannerMap;
@@ -8,7 +8,7 @@ use runtime::config::RobotInfo;
 
 use crate::{Pursuer, PursuerParams};
 
-/// One Police robot in its process.
+/// Process of one Police robot.
 #[derive(Debug)]
 pub struct PursuerPlanner(Pursuer);
 

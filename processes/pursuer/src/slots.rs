@@ -1,19 +1,19 @@
-//! Who keeps which trees in a pursuer's route finder.
+//! Slots of the trees in a pursuer's route finder.
 //!
-//! Trees are planted anew when another root comes to a slot, so a slot used for two things would
-//! cost time; it would never be wrong.
+//! A tree is rebuilt when another root comes to its slot. A slot with two uses would cost time; its
+//! results would still be right.
 
-/// Ways of this robot, with first legs.
+/// Paths of this robot, with their first legs.
 pub const OWN: usize = 0;
 
-/// Lengths of this robot's ways, as far as predictions reach.
+/// Path lengths of this robot, up to the range of predictions.
 pub const ARRIVAL: usize = 1;
 
-/// The first of [`MAX_EXITS`] slots for the ways to the exits.
+/// First of [`MAX_EXITS`] slots for the paths to the exits.
 pub const EXITS: usize = 2;
 
-/// Most exits that are looked at for predicted ways and guards; further ones are left out.
+/// Maximum number of exits for predicted paths and guards; further ones are ignored.
 pub const MAX_EXITS: usize = 8;
 
-/// The first slot of the assignment, which has one for every pursuer and evader.
+/// First slot of the assignment, which has one for every pursuer and evader.
 pub const ASSIGNMENT: usize = EXITS + MAX_EXITS;

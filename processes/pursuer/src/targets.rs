@@ -1,4 +1,4 @@
-//! What predictions suppose of a target's motion.
+//! Assumptions of predictions on a target's motion.
 
 use geometry::pose::Pose2;
 use planner_view::view::{RobotView, View};
@@ -7,15 +7,15 @@ use crate::goals::estimate;
 use crate::interception::Target;
 use crate::params::Knowledge;
 
-/// A target as it most probably is; `None` if nothing is known of it.
+/// Returns the most probable state of a target; `None` without information on it.
 pub fn target(view: &View<'_>, index: usize, knowledge: Knowledge) -> Option<Target> {
     let robot = view.robot(index)?;
     let pose = estimate(view, index, knowledge)?;
     Some(supposed(robot, &pose, knowledge))
 }
 
-/// A target at a hypothesis of its pose: with exact knowledge it moves as it does, with a belief
-/// (which knows no speeds) at full speed along its heading.
+/// Returns a target at a hypothesis of its pose. With exact knowledge it has its true speed, with a
+/// belief (which contains no speeds) full speed along its heading.
 pub fn supposed(robot: &RobotView, pose: &Pose2, knowledge: Knowledge) -> Target {
     let speed = match knowledge {
         Knowledge::Exact => robot.twist.v,

@@ -1,8 +1,8 @@
-//! A referee: judges every moment of a chase by what is certain in it.
+//! Referee: judges every moment of a chase by its guaranteed outcome.
 //!
-//! It knows the world as it is, not as a team believes it, and the top speeds of all robots. From
-//! geodesic waves (`navigation::dominance`) it says, for every evader, whether it can be sure of an
-//! escape, and for every place, who reaches it first. It steers nobody.
+//! Its inputs are the true state of the world, not a team's beliefs, and the top speeds of all
+//! robots. From geodesic waves (`navigation::dominance`) it computes, for every evader, whether its
+//! escape is certain, and for every place, the robot that reaches it first. It steers no robot.
 
 #![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
 #![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]

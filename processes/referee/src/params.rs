@@ -12,11 +12,11 @@ pub struct RefereeParams {
     /// Time between two verdicts, rounded to whole ticks; 0 for a verdict in every tick.
     #[schemars(transform = at_least(0).unit("s"))]
     pub period_s: f64,
-    /// Time between two pictures of who reaches what first, rounded to whole ticks; 0 for
-    /// no pictures.
+    /// Time between two pictures of the dominance regions, rounded to whole ticks; 0 for no
+    /// pictures.
     #[schemars(transform = at_least(0).unit("s"))]
     pub cells_period_s: f64,
-    /// How finely it is computed.
+    /// Resolution of the computation.
     pub dominance: DominanceParams,
 }
 

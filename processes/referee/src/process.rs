@@ -1,4 +1,4 @@
-//! Wires [`Referee`] to its topics: state and map in, verdicts and pictures out.
+//! Connects [`Referee`] to its topics: state and map in, verdicts and pictures out.
 
 use std::sync::Arc;
 
@@ -17,15 +17,16 @@ use sim_backend::team::Team;
 use crate::params::RefereeParams;
 use crate::referee::{Judgement, Referee};
 
-/// Steps per second of the margins in pictures: finer ones nobody sees, and they do not compress.
+/// Resolution of the margins in pictures (steps per second): finer ones are invisible and do not
+/// compress.
 const STEPS: f32 = 64.0;
 
-/// A referee in its process.
+/// Process of the referee.
 pub struct RefereeProcess {
     config: ProcessConfig,
     referee: Referee,
     verdicts_due: Due,
-    /// Absent if no pictures are wanted.
+    /// Absent without pictures.
     cells_due: Option<Due>,
     map: Option<Arc<PlannerMap>>,
     state: StateInput,
@@ -35,7 +36,7 @@ pub struct RefereeProcess {
     views: Vec<RobotView>,
 }
 
-/// Something that is done every so many ticks.
+/// Schedule of a task with a period in ticks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct Due {
     every: u64,
@@ -43,14 +44,14 @@ struct Due {
 }
 
 impl Due {
-    /// Every `period_s` (s), at least one tick.
+    /// Returns a schedule with the period `period_s` (s), at least one tick.
     fn new(period_s: f64, tick_s: f64) -> Self {
         // A cast of a float saturates; NaN becomes 0.
         let every = ((period_s / tick_s).round() as u64).max(1);
         Self { every, last: None }
     }
 
-    /// Whether it is to be done at this tick. In real time ticks may be missed.
+    /// Returns `true` if it is due at this tick. In real time ticks may be missed.
     fn now(&mut self, tick: u64) -> bool {
         let turn = tick / self.every;
         let due = self.last != Some(turn);
@@ -62,7 +63,7 @@ impl Due {
 impl ProcessKind for RefereeProcess {
     const NAME: &'static str = "referee";
     const SUMMARY: &'static str =
-        "says who reaches what first, and which evader can still be sure of an escape";
+        "computes dominance regions, and the evaders whose escape is certain";
 
     type Params = RefereeParams;
 
@@ -196,7 +197,7 @@ fn cell(cell: &Cell) -> DominanceCell {
     }
 }
 
-/// A header with the stamp and the numbers of cells.
+/// Returns a header with the stamp and the numbers of cells.
 fn counted(stamp: Stamp, cells: &[Cell]) -> DominanceHeader {
     let mut header = DominanceHeader {
         stamp,
@@ -218,7 +219,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_due_is_done_once_per_period_though_ticks_are_missed() {
+    fn a_periodic_task_runs_once_per_period_even_if_ticks_are_missed() {
         let mut due = Due::new(0.25, 0.05);
         let done: Vec<u64> = [0, 1, 2, 4, 5, 6, 11, 12, 14, 15]
             .into_iter()

@@ -1,4 +1,4 @@
-//! One referee.
+//! The algorithm of the referee.
 
 use geometry::region::Region;
 use navigation::dominance::{Arena, Cell, Dominance, Runner, Verdict};
@@ -8,18 +8,18 @@ use sim_backend::team::Team;
 
 use crate::RefereeParams;
 
-/// What is said of an evader.
+/// Judgement of an evader.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Judgement {
     /// Index of the evader.
     pub robot: usize,
-    /// What it can be sure of.
+    /// Guaranteed outcome.
     pub verdict: Verdict,
 }
 
 /// Judges moments of a chase.
 ///
-/// Everything but caches of the map is a function of what it is shown.
+/// Apart from caches of the map, it is a function of its inputs.
 #[derive(Debug, Clone)]
 pub struct Referee {
     params: RefereeParams,
@@ -36,7 +36,7 @@ pub struct Referee {
 }
 
 impl Referee {
-    /// A referee of a game with these exits, in which Police catch within `capture` (m).
+    /// Returns a referee of a game with these exits, in which Police catch within `capture` (m).
     pub fn new(params: RefereeParams, exits: Vec<Region>, capture: f64) -> Self {
         Self {
             dominance: Dominance::default(),
@@ -53,8 +53,8 @@ impl Referee {
         }
     }
 
-    /// Lays out a new map for robots of this radius (m). [`Referee::judge`] does it too if it has
-    /// not been done; here it does not cost time in a tick.
+    /// Prepares a new map for robots of this radius (m) before the next tick. Otherwise
+    /// [`Referee::judge`] does it within a tick.
     pub fn prepare(&mut self, map: &PlannerMap, radius: f64) {
         let known = |(revision, of, _): &(u64, f64, Arena)| {
             *revision == map.revision() && of.to_bits() == radius.to_bits()
@@ -65,9 +65,9 @@ impl Referee {
         }
     }
 
-    /// Judges a moment: one judgement per evader that still plays, in the order of the robots.
+    /// Judges a moment: one judgement per evader in play, in the order of the robots.
     ///
-    /// All robots are taken to be as narrow as the narrowest of them.
+    /// All robots count as narrow as the narrowest of them.
     pub fn judge(&mut self, map: &PlannerMap, robots: &[RobotView]) -> &[Judgement] {
         self.police.clear();
         self.evaders.clear();
@@ -109,8 +109,8 @@ impl Referee {
         &self.judgements
     }
 
-    /// Who reaches every cell first, at the moment judged last; the cells lie in the frame of the
-    /// arena's lattice, and their `first` is a robot's index.
+    /// Returns the robot that reaches every cell first, at the moment judged last. The cells lie in
+    /// the frame of the arena's lattice; their `first` is a robot's index.
     pub fn cells(&mut self, map: &PlannerMap) -> Option<(&Arena, &[Cell])> {
         use navigation::dominance::Owner;
 
@@ -131,7 +131,8 @@ impl Referee {
     }
 }
 
-/// Radius (m) of the narrowest of the robots that chase or flee, in play or not; 0 without any.
+/// Returns the radius (m) of the narrowest of the robots that chase or flee, in play or not; 0
+/// without any.
 pub(crate) fn narrowest(robots: &[RobotView]) -> f64 {
     let radius = robots
         .iter()

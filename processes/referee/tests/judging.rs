@@ -87,7 +87,7 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 24, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
-    fn whatever_it_is_shown_it_says_numbers(numbers in prop::collection::vec(prop::num::f64::ANY, 20)) {
+    fn finite_or_not_inputs_give_finite_numbers(numbers in prop::collection::vec(prop::num::f64::ANY, 20)) {
         let map = Arena::city().map();
         let robots: Vec<RobotView> = (0..4)
             .map(|i| RobotView {

@@ -1,4 +1,4 @@
-//! What a process is told at its start: one JSON file, written by the orchestrator.
+//! Configuration of a process at its start: one JSON file, written by the orchestrator.
 
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -12,10 +12,10 @@ use serde::{Deserialize, Serialize};
 use sim_backend::spec::RobotModel;
 use sim_backend::team::Team;
 
-/// Everything a process needs to know, but for the parameters of its kind.
+/// Configuration of a process, except for the parameters of its kind.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ProcessConfig {
-    /// What all processes of the run share.
+    /// Part that all processes of the run share.
     pub run: RunConfig,
     /// Name of the process in the scenario.
     pub name: String,
@@ -23,13 +23,13 @@ pub struct ProcessConfig {
     pub kind: String,
     /// Index of the process: its slot of the tick barrier, and the source in its stamps.
     pub index: u32,
-    /// Indices of the robots it drives or observes for.
+    /// Indices of the robots that it drives or observes for.
     pub robots: Vec<u32>,
-    /// Indices of the processes whose output of a tick it needs.
+    /// Indices of the processes whose output of a tick it waits for.
     pub upstream: Vec<u32>,
 }
 
-/// The file: a configuration, and beside it the parameters of the kind, checked before the start.
+/// File of a process: its configuration and the parameters of its kind, checked before the start.
 #[derive(Debug, Serialize, Deserialize)]
 struct Document<C, P> {
     #[serde(flatten)]
@@ -37,7 +37,7 @@ struct Document<C, P> {
     params: P,
 }
 
-/// What all processes of a run share.
+/// Configuration that all processes of a run share.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RunConfig {
@@ -45,24 +45,23 @@ pub struct RunConfig {
     pub root: PathBuf,
     /// Prefix of the run in shared memory.
     pub prefix: String,
-    /// Seed of everything random.
+    /// Seed of all random streams.
     pub seed: u64,
     /// Simulated time between two ticks (ns), > 0.
     pub tick_period_ns: u64,
-    /// How time passes.
+    /// Clock mode.
     pub clock: Clock,
-    /// In lock-step: simulated seconds per second that the simulator keeps to; `None`: as fast as it
-    /// can.
+    /// Pace in lock-step (simulated s per s); `None`: as fast as possible.
     pub pace: Option<f64>,
     /// Real time without an answer after which a process counts as hung (s).
     pub hang_timeout_s: f64,
-    /// Processor to pin to; `None`: wherever the system likes.
+    /// Processor to pin to; `None`: chosen by the system.
     pub processor: Option<u32>,
     /// Number of processes of the run.
     pub processes: u32,
     /// Number of obstacle events that will be replayed.
     pub events: u32,
-    /// Ticks that the recorder may lag behind.
+    /// Maximum lag of the recorder (ticks).
     pub recorder_ticks: u32,
     /// Cells of the map, the capacity of `world/map`.
     pub map_cells: u32,
@@ -70,15 +69,15 @@ pub struct RunConfig {
     pub particles: u32,
     /// Every robot of the run, in the order of its index.
     pub robots: Vec<RobotInfo>,
-    /// Where evaders get away.
+    /// Regions through which evaders escape.
     pub exits: Vec<Region>,
-    /// Distance below which a police robot catches an evader (m); 0 if nobody is caught.
+    /// Distance below which a police robot catches an evader (m); 0 if there is no capture.
     pub capture_radius: f64,
-    /// Least severe level of the log on stderr: `error`, `warn`, `info`, `debug`, `trace`.
+    /// Lowest severity in the log on stderr: `error`, `warn`, `info`, `debug`, `trace`.
     pub log_level: String,
 }
 
-/// What planners may know of a robot from the start.
+/// Properties of a robot that planners may use from the start.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RobotInfo {
@@ -88,37 +87,37 @@ pub struct RobotInfo {
     pub team: Team,
     /// Its body and limits.
     pub model: RobotModel,
-    /// Beams of its range scan; 0 without one.
+    /// Number of beams of its range scan; 0 without one.
     pub beams: u32,
     /// Pose at the start.
     pub start: Pose2,
-    /// Where it shall arrive, if it shall arrive anywhere.
+    /// Region that it shall reach, if any.
     pub goal: Option<Region>,
 }
 
-/// How time passes.
+/// Source of simulated time.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Clock {
-    /// The next tick comes when everybody has done the last one.
+    /// The next tick begins when all processes have done the last one.
     LockStep,
-    /// The next tick comes by the monotonic clock.
+    /// The next tick begins by the monotonic clock.
     RealTime {
         /// Simulated seconds per second.
         factor: f64,
-        /// Age at which a command no longer holds and its robot stops (simulated ns).
+        /// Age at which a command expires and its robot stops (simulated ns).
         deadline_ns: u64,
     },
 }
 
-/// Ticks after its own for which a command is good: those at which it is younger than the deadline
-/// (simulated ns).
+/// Returns the number of ticks after its own for which a command is valid: those at which it is
+/// younger than the deadline (simulated ns).
 pub fn ticks_within(deadline_ns: u64, tick_period: Duration) -> u64 {
     let period_ns = u64::try_from(tick_period.as_nanos()).unwrap_or(u64::MAX);
     deadline_ns.div_ceil(period_ns.max(1)).saturating_sub(1)
 }
 
-/// Why a configuration cannot be used.
+/// Faults that make a configuration unusable.
 #[derive(Debug, thiserror::Error)]
 pub enum ConfigError {
     /// The file cannot be read.
@@ -126,7 +125,7 @@ pub enum ConfigError {
     File {
         /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// Error of the operating system.
         source: std::io::Error,
     },
     /// The file is not a process configuration.
@@ -134,7 +133,7 @@ pub enum ConfigError {
     Syntax {
         /// The file.
         path: PathBuf,
-        /// Where and what.
+        /// Position and kind of the fault.
         source: serde_json::Error,
     },
 }
@@ -152,7 +151,7 @@ pub fn load<P: DeserializeOwned>(path: &Path) -> Result<(ProcessConfig, P), Conf
     Ok((config, params))
 }
 
-/// Apart from [`load`], so that it is compiled once and not for every type of parameters.
+/// Untyped part of [`load`], compiled once and not for every type of parameters.
 fn load_untyped(path: &Path) -> Result<(ProcessConfig, serde_json::Value), ConfigError> {
     let text = std::fs::read_to_string(path).map_err(|source| ConfigError::File {
         path: path.to_owned(),
@@ -166,7 +165,7 @@ fn load_untyped(path: &Path) -> Result<(ProcessConfig, serde_json::Value), Confi
     Ok((document.config, document.params))
 }
 
-/// What the file that [`load`] reads says.
+/// Returns the document that [`load`] reads.
 pub fn document<P: Serialize>(config: &ProcessConfig, params: P) -> impl Serialize {
     Document { config, params }
 }
@@ -180,7 +179,8 @@ impl ProcessConfig {
         Ok(load_untyped(path)?.0)
     }
 
-    /// The robots this process drives, with their indices; an index without a robot is left out.
+    /// Returns the robots that this process drives, with their indices; an index without a robot is
+    /// left out.
     pub fn own_robots(&self) -> impl Iterator<Item = (u32, &RobotInfo)> {
         self.robots
             .iter()
@@ -189,7 +189,7 @@ impl ProcessConfig {
 }
 
 impl RunConfig {
-    /// Where the run lives.
+    /// Returns the shared-memory space of the run.
     ///
     /// # Errors
     /// [`BusError::Space`] if root or prefix cannot be used.
@@ -197,7 +197,7 @@ impl RunConfig {
         RunSpace::new(&self.root, &self.prefix)
     }
 
-    /// How the buffers of the run are laid out.
+    /// Returns the buffer layout of the run.
     pub fn bus_options(&self) -> BusOptions {
         BusOptions {
             size: RunSize {
@@ -210,7 +210,7 @@ impl RunConfig {
         }
     }
 
-    /// Seconds of simulated time between two ticks.
+    /// Returns the simulated time between two ticks (s).
     pub fn tick_period(&self) -> f64 {
         self.tick_period_ns as f64 * 1e-9
     }

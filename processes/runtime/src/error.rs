@@ -1,11 +1,11 @@
-//! What ends a process.
+//! Errors that end a process.
 
 use ipc_types::bus::{BusError, ReceiveError, SendError};
 
 use crate::config::ConfigError;
 use crate::lockstep::BarrierError;
 
-/// Why a process cannot go on.
+/// Errors after which a process cannot continue.
 #[derive(Debug, thiserror::Error)]
 pub enum ProcessError {
     /// Its configuration cannot be used.
@@ -18,7 +18,7 @@ pub enum ProcessError {
         process: String,
         /// Its kind.
         kind: String,
-        /// What is wrong.
+        /// Description of the fault.
         reason: String,
     },
     /// The bus cannot be opened.
@@ -36,18 +36,18 @@ pub enum ProcessError {
     /// A system call failed.
     #[error("{what}: {source}")]
     System {
-        /// What was attempted.
+        /// Attempted operation.
         what: &'static str,
-        /// What the system said.
+        /// Error of the operating system.
         source: std::io::Error,
     },
-    /// Another process did not keep to the protocol.
+    /// Another process violated the protocol.
     #[error("protocol: {0}")]
     Protocol(String),
-    /// Told to end in the middle of the run, by SIGTERM or because the orchestrator is gone.
-    #[error("told to end in the middle of the run")]
+    /// Request to end in the middle of the run, by SIGTERM or because the orchestrator has gone.
+    #[error("terminated in the middle of the run")]
     Terminated,
-    /// The algorithm cannot go on.
+    /// The algorithm cannot continue.
     #[error("{0}")]
     Algorithm(String),
 }

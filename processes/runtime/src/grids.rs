@@ -1,4 +1,4 @@
-//! The map message as the grids that algorithms compute on.
+//! Conversion of the map message to the grids of the algorithms.
 
 use geometry::blur::BlurredMap;
 use geometry::grid::{Grid, GridFrame};
@@ -7,7 +7,7 @@ use nalgebra::Point2;
 use crate::error::ProcessError;
 use crate::inputs::MapInput;
 
-/// Lays a map message out as grids.
+/// Converts a map message to grids.
 pub struct MapGrids {
     /// Gaussian blur of the free map, not masked.
     pub blurred: Grid<f32>,
@@ -42,10 +42,10 @@ pub fn map_grids(map: &MapInput) -> MapGrids {
     }
 }
 
-/// The blurred map of the layers of a map message.
+/// Returns the blurred map of the layers of a map message.
 ///
 /// # Errors
-/// [`ProcessError::Protocol`] if the layers make no map.
+/// [`ProcessError::Protocol`] if the layers are no valid map.
 pub fn blurred_map(blurred: Grid<f32>, occupied: Grid<bool>) -> Result<BlurredMap, ProcessError> {
     BlurredMap::from_parts(blurred, occupied)
         .map_err(|e| ProcessError::Protocol(format!("world/map: {e}")))

@@ -1,22 +1,21 @@
-//! Ends the process when nobody is left to end it.
+//! Ends the process when its orchestrator has gone.
 //!
-//! The orchestrator holds the writing end of a pipe to every process's standard input; when the
-//! orchestrator is gone, however it went, the pipe ends. The parent-death signal, with which the orchestrator
-//! starts every process, comes as well: it ends also a process that is stopped.
+//! The orchestrator holds the writing end of a pipe to every process's standard input. When the
+//! orchestrator ends, for any reason, the pipe ends. The kernel also sends the parent-death signal,
+//! with which the orchestrator starts every process; it ends a stopped process, too.
 
 use std::io::Read as _;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-/// Time that a process has to end by itself once its orchestrator is gone.
+/// Time for a regular end of a process whose orchestrator has gone.
 const GRACE: Duration = Duration::from_secs(5);
 
 /// Exit code of a process whose orchestrator disappeared.
 pub const EXIT_ORPHANED: u8 = 4;
 
-/// Watches standard input; at its end sets `stop` and, after five seconds of grace, ends the
-/// process.
+/// Watches standard input; at its end sets `stop` and, after five seconds, ends the process.
 ///
 /// # Errors
 /// If the watching thread cannot be started.

@@ -1,4 +1,4 @@
-//! The last messages of the topics that planners read, checked as if their senders were hostile.
+//! Last messages of the topics that planners read, checked as untrusted input.
 
 use std::any::Any;
 use std::sync::Arc;
@@ -26,7 +26,7 @@ pub struct StateInput {
     pub header: WorldHeader,
     /// Robots of the newest state, in the order of their index.
     pub robots: Vec<RobotState>,
-    /// Monotonic clock when the newest state was taken up (ns).
+    /// Monotonic clock at the receipt of the newest state (ns).
     pub received_ns: u64,
     /// States that failed the checks.
     pub rejected: u64,
@@ -57,7 +57,7 @@ impl StateInput {
         self.subscriber.update_connections()
     }
 
-    /// Takes up everything that came; true if there is a newer state than before.
+    /// Receives all pending messages; returns `true` if there is a newer state than before.
     ///
     /// # Errors
     /// [`ReceiveError`] if the transport fails.
@@ -65,8 +65,8 @@ impl StateInput {
         self.update_until(|_| false)
     }
 
-    /// Takes up what came until the newest state is that of tick `tick`. In lock-step nothing comes
-    /// after it, so that the look which finds nothing is saved.
+    /// Receives messages until the newest state is that of tick `tick`. In lock-step no message
+    /// follows it, so this saves a receive call.
     ///
     /// # Errors
     /// [`ReceiveError`] if the transport fails.
@@ -74,11 +74,10 @@ impl StateInput {
         self.update_until(|newest| newest == tick)
     }
 
-    /// Takes up the state for the turn of tick `tick`: exactly its own in lock-step, the newest in
-    /// real time.
+    /// Receives the state for tick `tick`: exactly its own in lock-step, the newest in real time.
     ///
     /// # Errors
-    /// [`ProcessError::Protocol`] if in lock-step the newest sound state is of another tick;
+    /// [`ProcessError::Protocol`] if in lock-step the newest valid state is of another tick;
     /// [`ProcessError`] if the transport fails.
     pub fn take_turn(&mut self, tick: u64, clock: Clock) -> Result<(), ProcessError> {
         if clock != Clock::LockStep {
@@ -129,7 +128,7 @@ pub struct MapInput {
     subscriber: Subscriber<WorldMap>,
     /// Header of the newest map.
     pub header: MapHeader,
-    /// The newest map, where its sender wrote it: what is made of it is all that is copied.
+    /// The newest map, in the sender's memory: only derived data is copied.
     newest: Option<Received<WorldMap>>,
     maps: Option<Arc<Maps>>,
     /// Maps that failed the checks.
@@ -164,15 +163,15 @@ impl MapInput {
         self.newest.as_ref().map_or(&[], Received::elements)
     }
 
-    /// The value of type `T` that processes of this thread keep with the cells of the newest map;
-    /// the first call makes the default. `None` if they share no maps.
+    /// Returns the value of type `T` that processes of this thread store with the cells of the
+    /// newest map; the first call creates the default. `None` if they share no maps.
     pub fn derived<T: Any + Default + Send + Sync>(&self) -> Option<Arc<T>> {
         let shared = self.newest.as_ref().and_then(Received::shared)?;
         self.maps.as_ref()?.derived(shared)
     }
 
-    /// Whether the cells of a message are sound; those that processes of this thread share are
-    /// checked once.
+    /// Returns `true` if the cells of a message are valid; cells that processes of this thread
+    /// share are checked once.
     fn is_sound(&self, message: &Received<WorldMap>) -> bool {
         let shared = self.maps.as_ref().zip(message.shared());
         if shared.is_some_and(|(maps, cells)| maps.is_checked(cells)) {
@@ -188,12 +187,12 @@ impl MapInput {
         is_sound
     }
 
-    /// Whether processes of this thread share their maps.
+    /// Returns `true` if processes of this thread share their maps.
     pub fn is_shared(&self) -> bool {
         self.maps.is_some()
     }
 
-    /// Takes up everything that came; true if there is a newer map than before.
+    /// Receives all pending messages; returns `true` if there is a newer map than before.
     ///
     /// # Errors
     /// [`ReceiveError`] if the transport fails.
@@ -228,8 +227,8 @@ pub struct ShapesInput {
     subscriber: Subscriber<WorldShapes>,
     /// Header of the newest shapes.
     pub header: ShapesHeader,
-    /// Bounds of the world and its pieces; `None` before the first message, and if the map has more
-    /// pieces than fit into one.
+    /// Bounds of the world and its pieces; `None` before the first message, and if the pieces
+    /// exceed the capacity of a message.
     pub pieces: Option<(Aabb, Vec<Convex>)>,
     /// Messages that failed the checks.
     pub rejected: u64,
@@ -257,7 +256,7 @@ impl ShapesInput {
         self.subscriber.update_connections()
     }
 
-    /// Takes up everything that came; true if there are newer shapes than before.
+    /// Receives all pending messages; returns `true` if there are newer shapes than before.
     ///
     /// # Errors
     /// [`ReceiveError`] if the transport fails.
@@ -274,7 +273,7 @@ impl ShapesInput {
                 }
                 Ok(_) => self.rejected += 1,
                 Err(error) => {
-                    tracing::warn!("world/shapes refused: {error}");
+                    tracing::warn!("world/shapes rejected: {error}");
                     self.rejected += 1;
                 }
             }
@@ -283,12 +282,12 @@ impl ShapesInput {
     }
 }
 
-/// A topic with messages per robot, and what makes one of them sound.
+/// Topic with messages per robot, and the validity of such a message.
 pub trait PerRobot: Topic {
-    /// The robot that a message is about.
+    /// Returns the robot of a message.
     fn robot(header: &Self::Header) -> u32;
 
-    /// Whether a planner can compute with the message.
+    /// Returns `true` if a planner can compute with the message.
     fn is_sound(header: &Self::Header, elements: &[Self::Element]) -> bool;
 }
 
@@ -321,7 +320,7 @@ impl PerRobot for Scan {
     }
 }
 
-/// The last message about one robot.
+/// Last message about one robot.
 #[derive(Debug, Clone)]
 pub struct Latest<T: Topic> {
     /// Its header.
@@ -330,15 +329,15 @@ pub struct Latest<T: Topic> {
     pub elements: Vec<T::Element>,
 }
 
-/// The newest message about every robot.
+/// Newest message about every robot.
 #[derive(Debug)]
 pub struct RobotInput<T: Topic> {
     subscriber: Subscriber<T>,
     clock: StampClock,
     robots: usize,
-    /// The newest messages, sorted by the robot they are about.
+    /// Newest messages, sorted by their robots.
     pub latest: Vec<Latest<T>>,
-    /// Monotonic clock when the newest message was taken up (ns).
+    /// Monotonic clock at the receipt of the newest message (ns).
     pub received_ns: u64,
     /// Messages that failed the checks.
     pub rejected: u64,
@@ -374,7 +373,7 @@ impl<T: PerRobot> RobotInput<T> {
         self.subscriber.update_connections()
     }
 
-    /// Takes up everything that came.
+    /// Receives all pending messages.
     ///
     /// # Errors
     /// [`ReceiveError`] if the transport fails.
@@ -419,7 +418,7 @@ impl<T: PerRobot> RobotInput<T> {
     }
 }
 
-/// What a message of this topic answers to: the stamp of an output for the given state.
+/// Returns the stamp of an output that answers the given state.
 pub fn reply_stamp(state: &WorldHeader, received_ns: u64) -> ipc_types::stamp::Stamp {
     ipc_types::stamp::Stamp {
         tick: state.stamp.tick,

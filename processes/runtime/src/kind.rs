@@ -1,4 +1,4 @@
-//! Kinds of processes: what a scenario, a run and a command must know of a process.
+//! Kinds of processes: their names, parameters, inputs, outputs and checks.
 
 use core::fmt;
 use parameters::Parameters;
@@ -11,16 +11,15 @@ use sim_backend::spec::RobotSpec;
 use crate::config::ProcessConfig;
 use crate::error::ProcessError;
 
-/// A process, wired to its topics, that takes part in the loop of a run.
+/// Process connected to its topics, as the loop of a run drives it.
 pub trait Process {
-    /// Connects every port, now that all processes have opened theirs.
+    /// Connects every port. All processes have opened theirs by then.
     ///
     /// # Errors
     /// Ends the process.
     fn connect(&mut self) -> Result<(), ProcessError>;
 
-    /// Builds what the algorithm needs of the map, which has been sent by now, so that the first
-    /// tick does not have to.
+    /// Builds the algorithm's data of the map, which has been sent by then, before the first tick.
     ///
     /// # Errors
     /// Ends the process.
@@ -28,66 +27,67 @@ pub trait Process {
         Ok(())
     }
 
-    /// Does one tick: takes up the inputs, computes, publishes the outputs.
+    /// Does one tick: receives the inputs, computes, publishes the outputs.
     ///
     /// # Errors
     /// Ends the process.
     fn step(&mut self, tick: u64) -> Result<(), ProcessError>;
 
-    /// Messages so far that failed the checks.
+    /// Returns the number of rejected messages so far.
     fn rejected(&self) -> u64 {
         0
     }
 }
 
-/// A kind of process: its name, its parameters, what it needs and makes, and how it is opened.
+/// Kind of process: its name, its parameters, its needs and products, and its constructor.
 ///
-/// An implementation is all that there is to a kind; the list of the kinds of a program names it in
-/// one line.
+/// A kind is complete with this implementation; a program names it in one line of its list of
+/// kinds.
 pub trait ProcessKind: Process + Sized + 'static {
-    /// The name that scenarios use (`kind = "…"`).
+    /// Name that scenarios use (`kind = "…"`).
     const NAME: &'static str;
 
-    /// What it does, in one line.
+    /// One-line description.
     const SUMMARY: &'static str;
 
-    /// Whether it commands robots (and then must be given some).
+    /// `true` if it commands robots (and then needs at least one).
     const DRIVES_ROBOTS: bool = false;
 
-    /// What it makes for others.
+    /// Products for other processes.
     const MAKES: &'static [Product] = &[];
 
-    /// Its parameters. All of them have defaults.
+    /// Parameters. All of them have defaults.
     type Params: Parameters + Default + Clone + PartialEq + fmt::Debug + Send + Sync;
 
-    /// Sets of parameters that `params.preset` names; keys beside it change single values.
+    /// Sets of parameters for `params.preset`; keys beside it change single values.
     fn presets() -> Vec<(&'static str, Self::Params)> {
         Vec::new()
     }
 
-    /// What another part of the scenario must provide.
+    /// Returns the needs that another part of the scenario must meet.
     fn needs(params: &Self::Params) -> Vec<Need> {
         let _ = params;
         Vec::new()
     }
 
-    /// Particles of the largest belief that it publishes; 0 for a process without beliefs.
+    /// Returns the number of particles of its largest published belief; 0 for a process without
+    /// beliefs.
     fn belief_particles(params: &Self::Params) -> usize {
         let _ = params;
         0
     }
 
-    /// Where it looks from, and how far; `None` for a process that does not look. `given` are the
-    /// robots that the scenario gives to it, by their indices in `robots`.
+    /// Returns viewpoint and range; `None` for a process without a view. `given` are the robots
+    /// that the scenario assigns to it, by their indices in `robots`.
     fn lookout(params: &Self::Params, given: &[usize], robots: &[RobotSpec]) -> Option<ViewSpec> {
         let _ = (params, given, robots);
         None
     }
 
-    /// Checks whether it can do what it is told with one of its robots on this map.
+    /// Checks that it can do its task with one of its robots on this map.
     ///
     /// # Errors
-    /// What does not fit.
+    /// [`TaskError`] names the fault.
     fn check_task(params: &Self::Params, task: &Task<'_>) -> Result<(), TaskFault> {
         let _ = (params, task);
         Ok(())
@@ -104,7 +104,7 @@ pub trait ProcessKind: Process + Sized + 'static {
 /// Checks the parameters and opens the process.
 ///
 /// # Errors
-/// [`ProcessError::Params`] for parameters that are refused; as [`ProcessKind::open`].
+/// [`ProcessError::Params`] for invalid parameters; as [`ProcessKind::open`].
 pub fn open<K: ProcessKind>(
     config: &ProcessConfig,
     params: &K::Params,
@@ -118,47 +118,47 @@ pub fn open<K: ProcessKind>(
     K::open(config, params, bus)
 }
 
-/// Something that a process needs and another part of the scenario must provide.
+/// Input that a process needs and another part of the scenario must provide.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Need {
-    /// Beliefs about the opponents: a process that makes [`Product::Beliefs`].
+    /// Beliefs about the opponents: from a process with [`Product::Beliefs`].
     Belief,
     /// A `scan` sensor on every robot that the process drives.
     Scan,
-    /// Trajectories on request: a process that makes [`Product::Plans`].
+    /// Trajectories on request: from a process with [`Product::Plans`].
     Plans,
     /// A `goal` of every robot that the process drives.
     Goal,
 }
 
-/// Something that a kind of process makes for others.
+/// Output of a kind of process for other processes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Product {
-    /// The beliefs that [`Need::Belief`] asks for.
+    /// Beliefs for [`Need::Belief`].
     Beliefs,
-    /// The plans that [`Need::Plans`] asks for.
+    /// Plans for [`Need::Plans`].
     Plans,
-    /// What becomes of waypoints (`robot/waypoint`).
+    /// Use of waypoints (`robot/waypoint`).
     Waypoints,
 }
 
-/// Where a process looks from, and how far.
+/// Viewpoint and range of a process.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ViewSpec {
-    /// The robots that look, by index.
+    /// Robots that serve as viewpoints, by index.
     pub robots: Vec<usize>,
     /// Fixed places (m).
     pub points: Vec<[f64; 2]>,
-    /// How far and how wide it sees.
+    /// Range and angle of the field of view.
     pub limits: SightLimits,
 }
 
-/// What a process is told to do with one of its robots.
+/// Task of a process with one of its robots.
 #[derive(Debug, Clone, Copy)]
 pub struct Task<'a> {
     /// The robot.
     pub robot: &'a RobotSpec,
-    /// The map as the scenario describes it.
+    /// The map of the scenario.
     pub map: &'a MapSpec,
     /// The same map, built.
     pub world_map: &'a WorldMap,
@@ -166,29 +166,29 @@ pub struct Task<'a> {
     pub run_seed: u64,
 }
 
-/// Why a process cannot do what it is told with a robot on a map.
+/// Faults of a task on a map.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum TaskFault {
-    /// A parameter does not fit.
+    /// Unsuitable parameter.
     #[error("{message}")]
     Param {
         /// Dotted path of the parameter inside `params`.
         field: String,
-        /// What is wrong with it and what to change.
+        /// Description of the fault and its remedy.
         message: String,
     },
-    /// An obstacle of the map does not fit.
+    /// Unsuitable obstacle of the map.
     #[error("{message}")]
     Obstacle {
         /// Its number in the map.
         index: usize,
-        /// What is wrong with it and what to change.
+        /// Description of the fault and its remedy.
         message: String,
     },
 }
 
 impl TaskFault {
-    /// A parameter that does not fit, by its dotted path inside `params`.
+    /// Returns the error of a parameter, by its dotted path inside `params`.
     pub fn param(field: &str, message: &dyn fmt::Display) -> Self {
         Self::Param {
             field: field.to_owned(),

@@ -1,8 +1,8 @@
 //! The runtime of a process: start-up, configuration, lock-step and real-time loops, heartbeat,
 //! shutdown, and the inputs that processes share.
 //!
-//! A process is an algorithm (a pure library) plus a [`ProcessKind`] that connects it to its topics;
-//! [`life::run`] does the rest. Steering planners implement the trait of crate `planner` instead.
+//! A process is an algorithm (a pure library) and a [`ProcessKind`] that connects it to its topics.
+//! [`life::run`] runs it. Steering planners implement the trait of crate `planner` instead.
 
 #![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
 #![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]

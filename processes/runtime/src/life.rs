@@ -1,4 +1,4 @@
-//! The life of a process: start-up, hand-shake, loop, heartbeat, end.
+//! Life cycle of a process: start-up, handshake, loop, heartbeat, end.
 
 use std::path::Path;
 use std::process::ExitCode;
@@ -17,10 +17,10 @@ use crate::lockstep::{BarrierMember, Phase, SlotState, TickBarrier, TickWait};
 use crate::logging;
 use crate::status::Heartbeat;
 
-/// What every process sets up first and keeps to its end.
+/// Resources that every process opens first and keeps to its end.
 #[derive(Debug)]
 pub struct Setup {
-    /// Set when the process shall end: by SIGTERM, or because its orchestrator is gone.
+    /// Set when the process shall end: by SIGTERM, or because its orchestrator has gone.
     pub stop: Arc<AtomicBool>,
     /// The bus of the run.
     pub bus: Bus,
@@ -31,10 +31,10 @@ pub struct Setup {
 }
 
 impl Setup {
-    /// Handles signals, guards against orphanhood, joins the run.
+    /// Installs signal handlers, watches the orchestrator and joins the run.
     ///
     /// # Errors
-    /// [`ProcessError`] says what could not be set up.
+    /// [`ProcessError`] names the step that failed.
     pub fn new(config: &ProcessConfig) -> Result<Self, ProcessError> {
         let stop = Arc::new(AtomicBool::new(false));
         signal_hook::flag::register(signal_hook::consts::SIGTERM, Arc::clone(&stop))
@@ -51,7 +51,7 @@ impl Setup {
             let mut set = rustix::thread::CpuSet::new();
             set.set(processor as usize);
             rustix::thread::sched_setaffinity(None, &set)
-                .map_err(|e| ProcessError::system("cannot pin to the processor asked for", e))?;
+                .map_err(|e| ProcessError::system("cannot pin to the configured processor", e))?;
         }
         let barrier = Arc::new(TickBarrier::open(&config.run.prefix)?);
         if config.index as usize >= barrier.processes() {
@@ -81,8 +81,8 @@ impl Setup {
     }
 }
 
-/// Runs a process whose configuration lies in a file, to its end; returns its exit code. Errors go
-/// to stderr, to the heartbeat and to the tick barrier.
+/// Runs a process with the configuration in a file to its end; returns its exit code. Errors go to
+/// stderr, to the heartbeat and to the tick barrier.
 ///
 /// ```
 /// use std::path::Path;
@@ -130,7 +130,7 @@ pub fn run<K: ProcessKind>(config: &Path) -> ExitCode {
     })
 }
 
-/// As [`run`], with a body of one's own (the simulator leads the loop instead of following it).
+/// Like [`run`], with another body (the simulator leads the loop instead of following it).
 pub fn run_with<P: DeserializeOwned>(
     config: &Path,
     body: impl FnOnce(&ProcessConfig, &P) -> Result<(), ProcessError>,
@@ -158,7 +158,7 @@ pub fn run_with<P: DeserializeOwned>(
     }
 }
 
-/// Makes `ps` and `top` show which process this is (the kernel keeps 15 bytes).
+/// Sets the name of the process in `ps` and `top` (the kernel keeps 15 bytes).
 fn name_process(name: &str) {
     if let Ok(name) = std::ffi::CString::new(name.as_bytes()) {
         let _ = rustix::thread::set_name(&name);
@@ -181,7 +181,7 @@ fn live(config: &ProcessConfig, mut setup: Setup, open: Open<'_>) -> Result<(), 
     process.connect()?;
     setup.heartbeat.connect()?;
     setup.heartbeat.send_if_due(0, 2, None)?;
-    // The others opened their ports long before these, and sent the map.
+    // The other processes opened their ports long before, and sent the map.
     if joins_late && !member.join(keep_going) {
         member.set_state(SlotState::Stopped);
         return Ok(());
@@ -233,7 +233,7 @@ fn live(config: &ProcessConfig, mut setup: Setup, open: Open<'_>) -> Result<(), 
             }
         }
     }
-    // The ports close with `process` and `setup`, the slot is given up last.
+    // The ports close with `process` and `setup`; the slot is released last.
     drop(process);
     member.set_state(SlotState::Stopped);
     Ok(())

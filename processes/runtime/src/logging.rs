@@ -1,4 +1,4 @@
-//! Words of a process for people: to stderr, plain, from a level on.
+//! Log output of a process: plain text on stderr, from a level on.
 
 use tracing_subscriber::filter::{LevelFilter, Targets};
 use tracing_subscriber::layer::SubscriberExt as _;
@@ -7,9 +7,9 @@ use tracing_subscriber::util::SubscriberInitExt as _;
 /// Variable that takes precedence over the level of the run, e.g. `debug` or `warn,runtime=trace`.
 const VARIABLE: &str = "PROTEAN_LOG";
 
-/// Levels and `module=level`, separated by commas. A word alone must be a level: `Targets` would
-/// take any other for the name of a module and tell of nothing else, so that a slip (`debgu`)
-/// would silence everything.
+/// Parses levels and `module=level`, separated by commas. A single word must be a level: `Targets`
+/// would take any other for a module name and enable nothing else, so that a typing error (`debgu`)
+/// would silence all logs.
 fn parsed(text: &str) -> Option<Targets> {
     text.split(',')
         .all(|word| word.contains('=') || word.trim().parse::<LevelFilter>().is_ok())
@@ -17,7 +17,7 @@ fn parsed(text: &str) -> Option<Targets> {
         .flatten()
 }
 
-/// What is told: the words of the variable if they make sense, else of the run, else warnings.
+/// Returns the log filter: from the variable if it is valid, else from the run, else warnings.
 fn filter(variable: Option<&str>, level: &str) -> Targets {
     variable
         .and_then(parsed)
@@ -25,8 +25,8 @@ fn filter(variable: Option<&str>, level: &str) -> Targets {
         .unwrap_or_else(|| Targets::new().with_default(LevelFilter::WARN))
 }
 
-/// Sends what is traced from `level` on (`error`, `warn`, `info`, `debug`, `trace`; or per module,
-/// as `warn,runtime=trace`) to stderr; `PROTEAN_LOG` takes precedence. A second call in one process
+/// Writes traces from `level` on (`error`, `warn`, `info`, `debug`, `trace`; or per module, as
+/// `warn,runtime=trace`) to stderr; `PROTEAN_LOG` takes precedence. A second call in one process
 /// changes nothing.
 pub fn start(level: &str) {
     let variable = std::env::var(VARIABLE).ok();
@@ -49,7 +49,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_variable_comes_before_the_level_and_nonsense_does_not_count() {
+    fn the_variable_precedes_the_level_and_invalid_values_do_not_count() {
         for (variable, level, told, silent) in [
             (None, "info", Level::INFO, Level::DEBUG),
             (Some("debug"), "info", Level::DEBUG, Level::TRACE),

@@ -1,9 +1,9 @@
-//! Maps that the processes of one thread share: what a run with processes builds in each of them,
-//! runs in one process build once, however many robots and runs look at it.
+//! Maps that the processes of one thread share. In a run with processes each process builds its own
+//! data of a map; runs in one process build it once for all robots and runs.
 //!
-//! Found on the bus by [`Bus::commons`](ipc_types::bus::Bus::commons); there are none between
-//! processes. Everything here is a function of the map state's description and of the obstacle changes
-//! since, so that it does not matter which run made it.
+//! The cache lies on the bus, see [`Bus::commons`](ipc_types::bus::Bus::commons); there is none
+//! between processes. All its values are functions of the map state's description and of the
+//! obstacle changes since. It therefore does not matter which run made them.
 
 use std::any::Any;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -11,16 +11,16 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use geometry::map::{MapSpec, ObstacleChange};
 use ipc_types::messages::world::{MapCell, MapHeader};
 
-/// Most maps that are kept; beyond it the one that was made first goes. With the trees of ways that its
-/// planners keep, a map may take some 100 MB in a sweep of thousands of runs.
+/// Maximum number of cached maps; beyond it the oldest is dropped. With the path trees that its
+/// planners store, a map may take some 100 MB in a sweep of thousands of runs.
 const MAX_MAPS: usize = 16;
 
-/// What a map message is made of.
+/// Components of a map message.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MapState {
     /// The map state at the start.
     pub spec: MapSpec,
-    /// What has changed since, in order.
+    /// Changes since then, in order.
     pub changes: Vec<ObstacleChange>,
     /// Standard deviation of the blur (m).
     pub blur_sigma: f64,
@@ -32,21 +32,21 @@ struct Drawn {
     map_state: MapState,
     header: MapHeader,
     cells: Arc<[MapCell]>,
-    /// Whether a reader has checked the cells.
+    /// `true` if a reader has checked the cells.
     is_checked: bool,
-    /// What readers have made of the cells, a value of each type.
+    /// Values that readers derived from the cells, one of each type.
     derived: Vec<Arc<dyn Any + Send + Sync>>,
 }
 
-/// Maps by what they are made of.
+/// Maps by their components.
 #[derive(Debug, Default)]
 pub struct Maps {
     drawn: Mutex<Vec<Drawn>>,
 }
 
 impl Maps {
-    /// The message of a map state, drawn by `draw` if nobody has done it yet; its stamp is that of the
-    /// one who drew it.
+    /// Returns the message of a map state. If there is none yet, `draw` makes it, and its stamp is
+    /// that of this caller.
     ///
     /// # Errors
     /// Those of `draw`.
@@ -82,21 +82,21 @@ impl Maps {
         Ok((header, cells))
     }
 
-    /// Whether a reader has checked these cells, which came from [`Maps::message`].
+    /// Returns `true` if a reader has checked these cells, which came from [`Maps::message`].
     pub(crate) fn is_checked(&self, cells: &Arc<[MapCell]>) -> bool {
         let mut drawn = self.lock();
         find(&mut drawn, cells).is_some_and(|drawn| drawn.is_checked)
     }
 
-    /// Notes that these cells have been checked and are sound.
+    /// Marks these cells as checked and valid.
     pub(crate) fn mark_checked(&self, cells: &Arc<[MapCell]>) {
         if let Some(drawn) = find(&mut self.lock(), cells) {
             drawn.is_checked = true;
         }
     }
 
-    /// The value of type `T` that is kept with cells that came from [`Maps::message`]; the first
-    /// call makes the default. `None` for cells that came from elsewhere.
+    /// Returns the value of type `T` stored with cells that came from [`Maps::message`]; the first
+    /// call creates the default. `None` for other cells.
     pub(crate) fn derived<T: Any + Default + Send + Sync>(
         &self,
         cells: &Arc<[MapCell]>,
@@ -149,7 +149,7 @@ mod tests {
     }
 
     #[test]
-    fn a_message_is_drawn_once_per_ground_and_change() {
+    fn a_message_is_made_once_per_map_state() {
         let (maps, mut drawn) = (Maps::default(), 0);
         let first = cells(&maps, &map_state(4.0), &mut drawn);
         let again = cells(&maps, &map_state(4.0), &mut drawn);
@@ -167,7 +167,7 @@ mod tests {
     }
 
     #[test]
-    fn what_readers_make_is_kept_with_its_cells_by_its_type() {
+    fn derived_values_are_stored_with_their_cells_by_type() {
         let (maps, mut drawn) = (Maps::default(), 0);
         let known = cells(&maps, &map_state(4.0), &mut drawn);
         let first = maps.derived::<Mutex<u32>>(&known).unwrap();
@@ -180,7 +180,7 @@ mod tests {
             *maps.derived::<Mutex<u32>>(&other).unwrap().lock().unwrap(),
             0
         );
-        // Cells that came from elsewhere are not looked after.
+        // Other cells have no stored values.
         let foreign: Arc<[MapCell]> = Arc::from(vec![MapCell::default(); 4]);
         assert!(maps.derived::<u32>(&foreign).is_none());
     }

@@ -1,10 +1,10 @@
-//! Obstacle changes as messages, and back.
+//! Conversion of obstacle changes to messages and back.
 
 use geometry::map::{ObstacleChange, ObstacleId};
 use geometry::shape::Shape;
 use ipc_types::messages::world::ObstacleEvent;
 
-/// Most corners of a polygon in a message.
+/// Maximum number of corners of a polygon in a message.
 pub const MAX_VERTICES: usize = 16;
 
 const APPEAR: u8 = 0;
@@ -14,18 +14,19 @@ const CIRCLE: u8 = 0;
 const RECTANGLE: u8 = 1;
 const POLYGON: u8 = 2;
 
-/// Why an obstacle change does not fit its message, or a message makes no change.
+/// Faults of an obstacle change that does not fit its message, or of a message that describes no
+/// change.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum ObstacleMessageError {
     /// The polygon has too many corners.
-    #[error("obstacle {id}: a polygon of {vertices} corners, expected 3 to {MAX_VERTICES}")]
+    #[error("obstacle {id}: polygon with {vertices} corners, expected 3 to {MAX_VERTICES}")]
     Vertices {
         /// Number of the obstacle.
         id: u32,
         /// Corners of its polygon.
         vertices: usize,
     },
-    /// A code that this version does not know.
+    /// Code that this version does not support.
     #[error("obstacle {id}: unknown {what} {code}")]
     Code {
         /// Number of the obstacle.
@@ -35,7 +36,7 @@ pub enum ObstacleMessageError {
         /// The code.
         code: u8,
     },
-    /// A number that is not finite.
+    /// A non-finite number.
     #[error("obstacle {id}: a coordinate is not finite")]
     NotFinite {
         /// Number of the obstacle.
@@ -43,7 +44,7 @@ pub enum ObstacleMessageError {
     },
 }
 
-/// The message that tells an obstacle change.
+/// Returns the message of an obstacle change.
 ///
 /// # Errors
 /// [`ObstacleMessageError::Vertices`] if its polygon has too many corners.
@@ -95,11 +96,11 @@ pub fn to_message(change: &ObstacleChange) -> Result<ObstacleEvent, ObstacleMess
     Ok(message)
 }
 
-/// The obstacle change that a message tells.
+/// Returns the obstacle change of a message.
 ///
 /// # Errors
-/// [`ObstacleMessageError`] if the message makes no change; whether the change fits the map is for
-/// the map to say.
+/// [`ObstacleMessageError`] if the message describes no change. It does not check that the change
+/// fits the map.
 pub fn from_message(message: &ObstacleEvent) -> Result<ObstacleChange, ObstacleMessageError> {
     let id = message.id;
     let numbers = [
@@ -199,7 +200,7 @@ mod tests {
         }
 
         #[test]
-        fn no_message_does_harm(bytes in prop::array::uniform32(any::<u8>()), n in 0_usize..10) {
+        fn invalid_messages_do_no_harm(bytes in prop::array::uniform32(any::<u8>()), n in 0_usize..10) {
             use zerocopy::FromBytes as _;
             let mut raw = vec![0_u8; size_of::<ObstacleEvent>()];
             for (i, byte) in raw.iter_mut().enumerate() {
@@ -210,7 +211,7 @@ mod tests {
     }
 
     #[test]
-    fn nonsense_is_named() {
+    fn invalid_values_are_named() {
         let nan = ObstacleEvent {
             id: 7,
             x: f64::NAN,

@@ -1,4 +1,4 @@
-//! Asking the optimiser for plans.
+//! Client of the optimiser.
 
 use std::time::{Duration, Instant};
 
@@ -9,30 +9,30 @@ use ipc_types::topics::{OptimiserPlan, PLAN_ANSWERED_EVENT, PLAN_ASKED_EVENT};
 
 use crate::error::ProcessError;
 
-/// How long a wake-up that was lost may go unnoticed.
+/// Maximum time for which a lost wake-up goes unnoticed.
 const POLL_INTERVAL: Duration = Duration::from_millis(50);
 
 /// An answer of the optimiser: header and samples.
 pub type PlanAnswer = Answer<OptimiserPlan>;
 
-/// The asking side of `optimiser/plan`, with at most one question open. Belongs to the thread that
+/// Client of `optimiser/plan`, with at most one pending request. It belongs to the thread that
 /// opened it.
 #[derive(Debug)]
 pub struct OptimiserClient {
     client: Client<OptimiserPlan>,
-    /// Wakes the optimiser; none on a bus in memory, where it answers at once.
+    /// Wakes the optimiser; none on a bus in memory, where the answer is immediate.
     wake: Option<Notifier>,
-    /// Is woken by the optimiser.
+    /// Listener for wake-ups of the optimiser.
     woken: Option<Listener>,
     source: u32,
     open: Option<PendingResponse<OptimiserPlan>>,
 }
 
 impl OptimiserClient {
-    /// The client of the process with index `source`.
+    /// Opens the client of the process with index `source`.
     ///
     /// # Errors
-    /// [`ProcessError::Bus`] if the service or its events are not there.
+    /// [`ProcessError::Bus`] if the service or its events do not exist.
     pub fn open(bus: &Bus, source: u32) -> Result<Self, ProcessError> {
         let between_processes = !bus.is_local();
         let wake = between_processes.then(|| bus.notifier(PLAN_ASKED_EVENT));
@@ -46,12 +46,12 @@ impl OptimiserClient {
         })
     }
 
-    /// Asks, and gives an open question up.
+    /// Sends a request and drops a pending one.
     ///
     /// # Errors
     /// [`ProcessError::Send`] if the request does not fit or the transport fails.
     pub fn ask(&mut self, request: PlanRequest, points: &[ShapePoint]) -> Result<(), ProcessError> {
-        // Given up first: its place is needed.
+        // Dropped first: its place is needed.
         self.open = None;
         self.open = Some(self.client.ask(request, points)?);
         if let Some(wake) = &self.wake {
@@ -60,23 +60,23 @@ impl OptimiserClient {
         Ok(())
     }
 
-    /// Whether a question is open.
+    /// Returns `true` if a request is pending.
     pub fn is_asking(&self) -> bool {
         self.open.is_some()
     }
 
-    /// Gives an open question up.
+    /// Drops a pending request.
     pub fn give_up(&mut self) {
         self.open = None;
     }
 
-    /// Whether the one who was asked is gone: unless its answer is there already, none will come.
-    /// The optimiser may have failed, and may come back: ask again later.
-    pub fn is_forsaken(&self) -> bool {
+    /// Returns `true` if the server of the pending request has gone: no answer will come unless it
+    /// is there already. The optimiser may have failed and may restart: ask again later.
+    pub fn is_server_gone(&self) -> bool {
         self.open.as_ref().is_some_and(|open| !open.is_open())
     }
 
-    /// The answer, if it has come.
+    /// Returns the answer, if it has arrived.
     ///
     /// # Errors
     /// [`ProcessError::Receive`] if the transport fails.
@@ -91,8 +91,8 @@ impl OptimiserClient {
         Ok(answer)
     }
 
-    /// Sleeps until the answer is there; `None` if nothing was asked, or the optimiser is gone and
-    /// gave no answer.
+    /// Sleeps until the answer has arrived; `None` if no request is pending, or the optimiser ended
+    /// without an answer.
     ///
     /// # Errors
     /// [`ProcessError::Protocol`] if the optimiser does not answer within `time`.
@@ -105,8 +105,8 @@ impl OptimiserClient {
         }
         let deadline = Instant::now() + time;
         loop {
-            // Looked at before the answer: who answers and goes has answered.
-            let gone = self.is_forsaken();
+            // Checked before the answer: an optimiser that answers and then ends has answered.
+            let gone = self.is_server_gone();
             if let Some(answer) = self.poll()? {
                 return Ok(Some(answer));
             }
@@ -120,7 +120,7 @@ impl OptimiserClient {
                 return Err(silent(&format!("gave no answer within {time:?}")));
             }
             if let Some(woken) = &self.woken {
-                // Whoever else is answered wakes this one, too.
+                // The answer to another client wakes this one, too.
                 woken.wait(left.min(POLL_INTERVAL), |_| {})?;
             }
         }

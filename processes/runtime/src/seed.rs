@@ -1,10 +1,10 @@
 //! Random streams: one per (seed of the run, process, robot, purpose), independent of each other
-//! and of the order in which they are made.
+//! and of the order of their creation.
 
 use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
 
-/// The random stream of a purpose.
+/// Returns the random stream of a purpose.
 ///
 /// `process` and `robot` are names of the scenario, not indices, so that adding a robot does not
 /// change what the others draw.
@@ -24,7 +24,7 @@ pub fn stream(run_seed: u64, process: &str, robot: &str, purpose: &str) -> ChaCh
     let mut hasher = blake3::Hasher::new_derive_key("protean 2026 random streams");
     hasher.update(&run_seed.to_le_bytes());
     for part in [process, robot, purpose] {
-        // The length keeps ("ab", "c") apart from ("a", "bc").
+        // The length separates ("ab", "c") from ("a", "bc").
         hasher.update(&(part.len() as u64).to_le_bytes());
         hasher.update(part.as_bytes());
     }

@@ -1,4 +1,4 @@
-//! The exact pieces of the map as a message, and back.
+//! Conversion of the exact pieces of the map to a message and back.
 
 use core::f64::consts::TAU;
 
@@ -9,18 +9,18 @@ use ipc_types::messages::world::{ShapePoint, ShapesHeader};
 use ipc_types::stamp::Stamp;
 use nalgebra::Point2;
 
-/// Most points of a message (8 megabytes; 65 536 rectangles of an occupancy grid). A map with more
-/// says in the header that it does not fit; planners then go by the grids alone.
+/// Maximum number of points of a message (8 MB; 65 536 rectangles of an occupancy grid). The header
+/// of a larger map marks it as incomplete; planners then use the grids alone.
 pub const MAX_POINTS: usize = 1 << 18;
 
-/// Most points that one obstacle event can add: a polygon of [`crate::obstacle::MAX_VERTICES`]
-/// corners in as many triangles as it can be cut into.
+/// Maximum number of points that one obstacle event can add: a polygon of
+/// [`crate::obstacle::MAX_VERTICES`] corners in its maximum number of triangles.
 pub const POINTS_PER_EVENT: usize = 3 * (crate::obstacle::MAX_VERTICES - 2);
 
-/// Largest coordinate and radius (m) that a receiver believes.
+/// Maximum coordinate and radius (m) that a receiver accepts.
 const MAX_COORDINATE: f64 = 1e6;
 
-/// Why a message makes no pieces.
+/// Faults of a message that describes no pieces.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum ShapesMessageError {
     /// The bounds are empty, reversed or not finite.
@@ -37,7 +37,7 @@ pub enum ShapesMessageError {
         /// Largest y (m).
         max_y: f64,
     },
-    /// The points are not of as many shapes as announced, one after the other.
+    /// The points do not form the announced number of shapes in order.
     #[error("point {point} is of shape {shape}, expected {announced} shapes one after the other")]
     Order {
         /// Index of the point.
@@ -62,7 +62,7 @@ pub enum ShapesMessageError {
         /// Radius (m).
         radius: f64,
     },
-    /// The points of a shape are neither a disc nor a convex polygon.
+    /// The points of a shape form neither a disc nor a convex polygon.
     #[error(
         "shape {shape}: {points} points, expected one with a radius > 0, or the corners of a convex \
          polygon, counter-clockwise and with radius 0"
@@ -75,7 +75,7 @@ pub enum ShapesMessageError {
     },
 }
 
-/// The points of pieces, in their order.
+/// Returns the points of pieces, in their order.
 pub fn points(parts: &[Convex]) -> Vec<ShapePoint> {
     let mut points = Vec::new();
     for (shape, part) in parts.iter().enumerate() {
@@ -94,7 +94,8 @@ pub fn points(parts: &[Convex]) -> Vec<ShapePoint> {
     points
 }
 
-/// `world/shapes` for pieces, if they fit into `capacity` points; says so if they do not.
+/// Returns `world/shapes` for pieces; marks the message as incomplete if they exceed `capacity`
+/// points.
 pub fn to_message(
     shapes: &ShapeMap,
     revision: u32,
@@ -124,10 +125,10 @@ pub fn to_message(
     (header, points)
 }
 
-/// The bounds and pieces that a message tells: those that were sent, bit for bit.
+/// Returns the bounds and pieces of a message, bit for bit as sent.
 ///
 /// # Errors
-/// [`ShapesMessageError`] if it makes none.
+/// [`ShapesMessageError`] if the message is invalid.
 pub fn from_message(
     header: &ShapesHeader,
     points: &[ShapePoint],
@@ -158,10 +159,10 @@ pub fn from_message(
     Ok((bounds, parts))
 }
 
-/// The pieces that points tell, `announced` in number: those that were sent, bit for bit.
+/// Returns the pieces of points, `announced` in number, bit for bit as sent.
 ///
 /// # Errors
-/// [`ShapesMessageError`] if they make none.
+/// [`ShapesMessageError`] if the points are invalid.
 pub fn pieces(announced: u32, points: &[ShapePoint]) -> Result<Vec<Convex>, ShapesMessageError> {
     let mut parts = Vec::new();
     let mut at = 0;
@@ -219,14 +220,14 @@ fn part(shape: u32, group: &[ShapePoint]) -> Result<Convex, ShapesMessageError> 
     Ok(rectangle(&corners).unwrap_or_else(|| Convex::polygon(&corners)))
 }
 
-/// The rectangle along the axes that these corners make, from the lower left on.
+/// Returns the axis-aligned rectangle of these corners, from the lower left on.
 fn rectangle(corners: &[Point2<f64>]) -> Option<Convex> {
     let &[a, b, c, d] = corners else { return None };
     let upright = a.y == b.y && b.x == c.x && c.y == d.y && d.x == a.x && a.x < c.x && a.y < c.y;
     upright.then_some(Convex::Box(Aabb { min: a, max: c }))
 }
 
-/// Whether corners go once around a convex inside, counter-clockwise.
+/// Returns `true` if the corners go once around a convex interior, counter-clockwise.
 fn is_convex(corners: &[Point2<f64>]) -> bool {
     let n = corners.len();
     let (mut bends, mut turned) = (true, 0.0);
@@ -234,11 +235,11 @@ fn is_convex(corners: &[Point2<f64>]) -> bool {
         let (b, c) = (corners[(i + 1) % n], corners[(i + 2) % n]);
         let (side, next) = (b - a, c - b);
         let turn = math::atan2(side.perp(&next), side.dot(&next));
-        // Parts of a cut polygon may be bent inwards by rounding.
+        // Rounding may bend parts of a cut polygon inwards.
         bends &= turn >= -1e-6;
         turned += turn;
     }
-    // Once around is one full turn in all.
+    // A full round is one full turn in all.
     n >= 3 && bends && (turned - TAU).abs() < 0.1
 }
 
@@ -307,7 +308,7 @@ mod tests {
     }
 
     #[test]
-    fn a_map_that_does_not_fit_says_so() {
+    fn a_map_that_does_not_fit_is_marked_as_incomplete() {
         let shapes = map(vec![
             Convex::rectangle(Point2::origin(), [1.0, 1.0], 0.0);
             3
@@ -319,7 +320,7 @@ mod tests {
     }
 
     #[test]
-    fn nonsense_is_refused_by_what_is_wrong_with_it() {
+    fn invalid_requests_are_rejected_with_their_fault() {
         let parts = vec![
             Convex::rectangle(Point2::origin(), [1.0, 1.0], 0.3),
             Convex::disc(Point2::new(3.0, 0.0), 0.5),
@@ -342,7 +343,7 @@ mod tests {
         assert!(refused(&|_, p| p[..4].reverse()).contains("counter-clockwise"));
         assert!(refused(&|_, p| p.swap(1, 2)).contains("convex"));
         assert!(refused(&|_, p| drop(p.drain(..2))).contains("2 points"));
-        // Twice around is not once.
+        // Two rounds are not one.
         let twice = |_: &mut ShapesHeader, p: &mut Vec<ShapePoint>| {
             let square: Vec<_> = p[..4].to_vec();
             p.splice(0..0, square);

@@ -1,4 +1,4 @@
-//! The heartbeat: how a process is, on `process/status`.
+//! Heartbeat: the state of a process, on `process/status`.
 
 use std::time::{Duration, Instant};
 
@@ -7,7 +7,7 @@ use ipc_types::messages::process::ProcessStatus;
 use ipc_types::stamp::PlainHeader;
 use ipc_types::topics::Status;
 
-/// Longest time between two heartbeats.
+/// Maximum time between two heartbeats.
 pub const HEARTBEAT_INTERVAL: Duration = Duration::from_millis(100);
 
 /// Publishes the status of a process.
@@ -44,7 +44,7 @@ impl Heartbeat {
         self.publisher.update_connections()
     }
 
-    /// Takes down a finished step.
+    /// Counts a finished step.
     pub fn stepped(&mut self, duration_ns: u64, overruns: u64, rejected: u64) {
         self.status.ticks += 1;
         self.status.step_last_ns = duration_ns;
@@ -54,18 +54,18 @@ impl Heartbeat {
         self.status.rejected = rejected;
     }
 
-    /// Whether a heartbeat is due. Looks at the clock, so it is asked between steps only.
+    /// Returns `true` if a heartbeat is due. It reads the clock: call it between steps only.
     pub fn is_due(&self) -> bool {
         self.is_due_at(Instant::now())
     }
 
-    /// Whether a heartbeat is due at a moment that is known already.
+    /// Returns `true` if a heartbeat is due at a given moment.
     pub fn is_due_at(&self, now: Instant) -> bool {
         self.last
             .is_none_or(|last| now.saturating_duration_since(last) >= HEARTBEAT_INTERVAL)
     }
 
-    /// Sends a heartbeat that belongs to tick `tick` (the one being done, or the next one).
+    /// Sends a heartbeat that belongs to tick `tick` (the current or the next one).
     ///
     /// # Errors
     /// [`SendError`] if the transport fails.
@@ -88,7 +88,7 @@ impl Heartbeat {
     }
 }
 
-/// Resident memory of this process (bytes); 0 if the system does not tell.
+/// Returns the resident memory of this process (bytes); 0 if the system does not report it.
 fn resident_bytes() -> u64 {
     std::fs::read_to_string("/proc/self/statm")
         .ok()

@@ -1,19 +1,19 @@
-//! Which command holds for which robot: the newest of its driver, and only while it is fresh.
+//! Selection of each robot's command: the newest of its driver, while it is fresh.
 
 use geometry::pose::Twist2;
 use ipc_types::messages::robot::Command;
 use ipc_types::stamp::Stamp;
 
-/// Why a command was not taken.
+/// Reasons for which a command is rejected.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Refusal {
     /// No robot has this index.
     UnknownRobot,
     /// The sender does not drive this robot.
     NotTheDriver,
-    /// It belongs to a tick that has not come yet.
+    /// The command belongs to a future tick.
     FromTheFuture,
-    /// A newer command of the robot was taken before.
+    /// A newer command of the robot was accepted before.
     Outdated,
 }
 
@@ -33,7 +33,7 @@ pub struct CommandBoard {
 }
 
 impl CommandBoard {
-    /// A board for robots with these drivers (process indices).
+    /// Returns a board for robots with these drivers (process indices).
     pub fn new(drivers: Vec<Option<u32>>) -> Self {
         let robots = drivers.len();
         Self {
@@ -44,12 +44,12 @@ impl CommandBoard {
         }
     }
 
-    /// Takes up a command that arrived at `now_ns` (monotonic clock) during tick `tick`.
+    /// Accepts a command that arrived at `now_ns` (monotonic clock) during tick `tick`.
     ///
-    /// A command that is not finite, or absurd, is kept: the world stops the robot and reports it.
+    /// A non-finite or absurd command is accepted: the world stops the robot and reports it.
     ///
     /// # Errors
-    /// Says why it is refused.
+    /// [`Refusal`] if the command is rejected.
     pub fn take(
         &mut self,
         stamp: &Stamp,
@@ -77,8 +77,8 @@ impl CommandBoard {
         Ok(())
     }
 
-    /// The commands that hold at tick `tick`: those not older than `max_age` ticks (0 in
-    /// lock-step: the command must answer to this very state).
+    /// Returns the commands in force at tick `tick`: those not older than `max_age` ticks (0 in
+    /// lock-step: the command must answer this very state).
     pub fn in_force(&mut self, tick: u64, max_age: u64) -> &[Option<Twist2>] {
         for (force, held) in self.in_force.iter_mut().zip(&self.held) {
             *force = held
@@ -88,20 +88,21 @@ impl CommandBoard {
         &self.in_force
     }
 
-    /// Whether a robot has a driver but, as of the last [`CommandBoard::in_force`], no command.
+    /// Returns `true` if a robot has a driver but, as of the last [`CommandBoard::in_force`], no
+    /// command.
     pub fn is_missing(&self, robot: usize) -> bool {
         self.drivers.get(robot).is_some_and(Option::is_some)
             && self.in_force.get(robot).is_some_and(Option::is_none)
     }
 
-    /// Whether a robot is stopped because it has no command that it could follow, as of the last
+    /// Returns `true` if a robot is stopped because it has no usable command, as of the last
     /// [`CommandBoard::in_force`].
     pub fn is_stopped(&self, robot: usize) -> bool {
         let command = self.in_force.get(robot).copied().flatten();
         self.is_missing(robot) || command.is_some_and(|command| !command.is_command())
     }
 
-    /// Monotonic clock when the last command was taken up (ns).
+    /// Returns the monotonic time at which the last command was accepted (ns).
     pub fn received_ns(&self) -> u64 {
         self.received_ns
     }
@@ -154,7 +155,7 @@ mod tests {
     }
 
     #[test]
-    fn a_robot_with_a_command_that_is_none_counts_as_stopped() {
+    fn a_robot_with_an_unusable_command_counts_as_stopped() {
         let mut board = CommandBoard::new(vec![Some(3)]);
         let values = [0.5, -1e300, f64::NAN, f64::INFINITY, 0.0, 1e7];
         for (tick, v) in (0..).zip(values) {

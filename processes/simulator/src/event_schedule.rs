@@ -1,9 +1,9 @@
-//! Changes of the obstacles that wait: for a robot to come far enough, or for each other.
+//! Changes of the obstacles that depend on a robot's progress or on each other.
 //!
-//! A change is *due* from the tick at which its condition first holds, or some ticks later; a
-//! condition that has held once need not hold any longer. Changes of one obstacle happen in their
-//! order: one that is due before its predecessor has happened is held until then, so that
-//! nothing disappears before it has come.
+//! A change is *due* from the tick at which its condition first holds, or some ticks later; the
+//! condition need not hold any longer after that. Changes of one obstacle happen in their order:
+//! one that is due before its predecessor has happened is held until then. No obstacle therefore
+//! disappears before it has appeared.
 
 use std::collections::BTreeMap;
 
@@ -13,38 +13,38 @@ use serde::{Deserialize, Serialize};
 use sim_backend::robot::Robot;
 use sim_backend::spec::{Condition, RobotSpec};
 
-/// When a change is due.
+/// Condition at which a change is due.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Due {
     /// From a tick on.
     Tick(u64),
-    /// From the first tick on at which something is true of a robot.
+    /// From the first tick at which a condition on a robot is true.
     When {
         /// Index of the robot.
         robot: usize,
-        /// What must be true of it.
+        /// Condition on it.
         condition: Condition,
         /// Ticks between that and the change.
         after: u64,
     },
 }
 
-/// A change of the obstacles and when it is due.
+/// A change of the obstacles and its due time.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PlannedChange {
-    /// Name of the obstacle, for people.
+    /// Name of the obstacle, for messages.
     pub obstacle: String,
     /// The change.
     pub change: ObstacleChange,
-    /// When it is due.
+    /// Condition at which it is due.
     pub due: Due,
 }
 
-/// A change waits for a robot that there is not.
+/// A change that depends on an unknown robot.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("obstacle `{obstacle}` waits for robot {robot}: expected one of the {robots} robots")]
+#[error("obstacle `{obstacle}` depends on robot {robot}: expected one of the {robots} robots")]
 pub struct UnknownRobot {
     /// Name of the obstacle.
     pub obstacle: String,
@@ -54,33 +54,34 @@ pub struct UnknownRobot {
     pub robots: usize,
 }
 
-/// The changes that have not happened yet.
+/// Changes that have not happened yet.
 #[derive(Debug, Clone, Default)]
 pub struct EventSchedule {
     items: Vec<Item>,
-    /// Where the robots started (m).
+    /// Start positions of the robots (m).
     starts: Vec<Point2<f64>>,
-    /// Index of the first item that has not happened: those before it need no look.
+    /// Index of the first item that has not happened; those before it are skipped.
     first: usize,
 }
 
 #[derive(Debug, Clone)]
 struct Item {
     planned: PlannedChange,
-    /// The item before it that concerns the same obstacle.
+    /// Previous item for the same obstacle.
     predecessor: Option<usize>,
-    /// Tick from which on it is due, once that is known.
+    /// First tick at which it is due, once known.
     due: Option<u64>,
-    /// Whether it was said that it is held.
+    /// `true` if it has been reported as held.
     held: bool,
     done: bool,
 }
 
 impl EventSchedule {
-    /// An event schedule for these robots; changes that are due at one tick happen in the order of the list.
+    /// Returns an event schedule for these robots; changes due at one tick happen in the order of
+    /// the list.
     ///
     /// # Errors
-    /// [`UnknownRobot`] if a change waits for a robot that is not in the list.
+    /// [`UnknownRobot`] if a change depends on a robot that is not in the list.
     pub fn new(changes: Vec<PlannedChange>, robots: &[RobotSpec]) -> Result<Self, UnknownRobot> {
         let mut last: BTreeMap<ObstacleId, usize> = BTreeMap::new();
         let mut items = Vec::with_capacity(changes.len());
@@ -111,12 +112,12 @@ impl EventSchedule {
         })
     }
 
-    /// Whether no change is left.
+    /// Returns `true` if no change is left.
     pub fn is_empty(&self) -> bool {
         self.first >= self.items.len()
     }
 
-    /// Takes note of what is true of the robots at a tick.
+    /// Updates the conditions with the robots' state at a tick.
     pub fn observe(&mut self, tick: u64, robots: &[Robot]) {
         for item in self.items.iter_mut().skip(self.first) {
             let Due::When {
@@ -136,7 +137,7 @@ impl EventSchedule {
         }
     }
 
-    /// The next change that happens at a tick; it counts as done.
+    /// Returns the next change that happens at a tick and marks it as done.
     pub fn take(&mut self, tick: u64) -> Option<&PlannedChange> {
         let open = |items: &[Item], index: usize| items.get(index).is_some_and(|i| !i.done);
         let index = (self.first..self.items.len()).find(|&index| {
@@ -152,8 +153,8 @@ impl EventSchedule {
         self.items.get(index).map(|item| &item.planned)
     }
 
-    /// The changes that are due at a tick and held by one that has not happened; each is named
-    /// once. To be asked when [`Self::take`] has no more for the tick.
+    /// Returns the changes that are due at a tick and held by one that has not happened, each once.
+    /// Call it when [`Self::take`] has no more for the tick.
     pub fn newly_held(&mut self, tick: u64) -> impl Iterator<Item = &PlannedChange> {
         self.items
             .iter_mut()
@@ -185,7 +186,7 @@ mod tests {
         )]
     }
 
-    /// The scout after it has driven this far.
+    /// Returns the scout after this distance.
     fn travelled(way: f64) -> Vec<Robot> {
         let world = World::new(WorldSpec {
             map: MapSpec::Vector(VectorMap::empty([0.0, 0.0], [9.0, 2.0], 0.1)),
@@ -231,7 +232,7 @@ mod tests {
         }
     }
 
-    /// What happens and what is held at a tick, when the scout has driven this far.
+    /// Returns the events and the held changes at a tick, when the scout has driven this far.
     fn at(event_schedule: &mut EventSchedule, tick: u64, way: f64) -> (Vec<String>, Vec<String>) {
         let words = |planned: &PlannedChange| {
             let sign = match planned.change {
@@ -301,7 +302,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_due_before_its_predecessor_is_held_until_that_has_happened() {
+    fn a_change_due_before_its_predecessor_is_held() {
         let changes = vec![
             appear(0, after_way(2.0, 0)),
             disappear(0, after_way(1.0, 0)),
@@ -346,7 +347,7 @@ mod tests {
         let error = EventSchedule::new(vec![appear(7, due)], &specs()).unwrap_err();
         assert_eq!(
             error.to_string(),
-            "obstacle `o7` waits for robot 1: expected one of the 1 robots"
+            "obstacle `o7` depends on robot 1: expected one of the 1 robots"
         );
     }
 }

@@ -1,8 +1,8 @@
 //! The simulator process: drives `sim_backend::World` and owns the tick.
 //!
 //! * [`process`]: the loop, in lock-step and in real time;
-//! * [`event_schedule`]: changes of the obstacles that wait for robots or for each other;
-//! * [`commands`]: which command holds for which robot;
+//! * [`event_schedule`]: changes of the obstacles that depend on robots or on each other;
+//! * [`commands`]: selection of each robot's command;
 //! * [`outputs`]: the world as messages.
 
 #![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]

@@ -1,4 +1,4 @@
-//! Which change of the obstacles comes at which tick.
+//! Changes of the obstacles, by tick.
 
 use geometry::map::ObstacleChange;
 use ipc_types::bus::{Bus, Publisher, PublisherOptions, Subscriber};
@@ -10,7 +10,7 @@ use sim_backend::world::World;
 
 use crate::event_schedule::{EventSchedule, PlannedChange};
 
-/// The changes that are still to come: those announced for a tick, and those on the event schedule.
+/// Future changes: those announced for a tick, and those of the event schedule.
 pub(crate) struct Obstacles {
     /// Changes by message, with their tick.
     announced: Vec<(u64, ObstacleEvent)>,
@@ -18,7 +18,7 @@ pub(crate) struct Obstacles {
     /// Index of this process.
     index: u32,
     inbox: Subscriber<ObstacleEvents>,
-    /// Where changes from the event schedule are told when they happen; none if there is no event schedule.
+    /// Publisher of changes from the event schedule; none if there is no event schedule.
     outbox: Option<Publisher<ObstacleEvents>>,
 }
 
@@ -47,9 +47,8 @@ impl Obstacles {
         Ok(self.inbox.update_connections()?)
     }
 
-    /// Applies what comes at the stamp's tick: first what was announced for it, then what the
-    /// event schedule has for the robots as they stand then. `applied` gets every change that the world
-    /// took.
+    /// Applies the changes of the stamp's tick: first the announced ones, then those of the event
+    /// schedule for the robots' state after that. `applied` receives every accepted change.
     pub(crate) fn apply(
         &mut self,
         world: &mut World,
@@ -59,7 +58,7 @@ impl Obstacles {
         let tick = stamp.tick;
         while let Some(message) = self.inbox.receive()? {
             let header = message.header().stamp;
-            // What was told from here has happened already.
+            // A change from this process has happened already.
             if header.source != self.index {
                 let events = message.elements().iter();
                 self.announced
@@ -104,7 +103,7 @@ impl Obstacles {
     }
 }
 
-/// Whether the world took a change; if not, that is logged.
+/// Returns `true` if the world accepted a change; logs a rejection.
 fn take(world: &mut World, tick: u64, change: &ObstacleChange) -> bool {
     let taken = world.apply(change);
     if let Err(e) = &taken {
@@ -114,7 +113,7 @@ fn take(world: &mut World, tick: u64, change: &ObstacleChange) -> bool {
 }
 
 fn refuse(tick: u64, reason: &str) {
-    tracing::warn!("tick {tick}: obstacle event refused: {reason}");
+    tracing::warn!("tick {tick}: obstacle event rejected: {reason}");
 }
 
 fn held(planned: &PlannedChange) -> String {
@@ -124,7 +123,7 @@ fn held(planned: &PlannedChange) -> String {
         ObstacleChange::Move { .. } => "move",
     };
     format!(
-        "obstacle `{}` is to {does}, but an event before that has not happened yet: it waits",
+        "obstacle `{}` waits to {does}: an earlier event has not happened yet",
         planned.obstacle
     )
 }

@@ -39,18 +39,18 @@ fn status_code(status: RobotStatus) -> u8 {
     }
 }
 
-/// What a state says of a robot beside what the world keeps.
+/// Flags of a robot in a state message beyond those of the world.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Flags {
-    /// It touched something in the last step.
+    /// It was in contact in the last step.
     pub in_contact: bool,
-    /// It is stopped for want of a valid command.
+    /// Stopped because there is no valid command.
     pub fail_safe: bool,
-    /// Its body stands in the world.
+    /// Its body is in the world.
     pub present: bool,
 }
 
-/// The message of `world/coverage` at the time `now` of the world.
+/// Returns the message of `world/coverage` at the time `now` of the world.
 pub fn coverage_state(coverage: &Coverage, now: Duration) -> CoverageState {
     let figures = coverage.figures(now);
     let resolution = coverage.frame().resolution;
@@ -72,7 +72,7 @@ pub fn coverage_state(coverage: &Coverage, now: Duration) -> CoverageState {
     }
 }
 
-/// One robot of `world/state`.
+/// Returns one robot of `world/state`.
 pub fn robot_state(index: usize, robot: &Robot, flags: Flags) -> RobotState {
     RobotState {
         x: robot.pose.x,
@@ -92,7 +92,7 @@ pub fn robot_state(index: usize, robot: &Robot, flags: Flags) -> RobotState {
     }
 }
 
-/// One event of `world/event`.
+/// Returns one event of `world/event`.
 pub fn world_event(kind: &EventKind, robots: &[Robot]) -> WorldEvent {
     let none = WorldEvent::NONE;
     let partner = |with: &ContactWith| match with {
@@ -137,7 +137,7 @@ pub fn world_event(kind: &EventKind, robots: &[Robot]) -> WorldEvent {
     )
 }
 
-/// The event that a robot with a driver has no command.
+/// Returns the event of a robot with a driver but without a command.
 pub fn missing_command(robot: usize, robots: &[Robot]) -> WorldEvent {
     let event = WorldEvent {
         kind: code::MISSING_COMMAND,
@@ -156,12 +156,12 @@ fn at_robot(mut event: WorldEvent, robots: &[Robot]) -> WorldEvent {
     event
 }
 
-/// Revision of the map as messages count it: from 1, so that 0 can mean "no map yet".
+/// Returns the revision of the map in messages: from 1, so that 0 can mean "no map yet".
 pub fn revision(map: &WorldMap) -> u32 {
     map.revision() as u32 + 1
 }
 
-/// `world/map` for the map as it is now.
+/// Returns `world/map` for the current map.
 ///
 /// # Errors
 /// [`BlurError`] if the map cannot be blurred with this deviation (m).
@@ -204,8 +204,8 @@ pub fn map_message(
     Ok((header, cells))
 }
 
-/// Points that `world/shapes` may need: those of the map as it stands, and what so many announced
-/// events can add to it.
+/// Returns the capacity for points of `world/shapes`: those of the current map, and those that this
+/// number of announced events can add.
 pub(crate) fn shapes_capacity(map: &WorldMap, events: u32) -> usize {
     let standing = shapes::points(map.parts()).len();
     let events = (events as usize).saturating_mul(shapes::POINTS_PER_EVENT);

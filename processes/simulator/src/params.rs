@@ -1,4 +1,4 @@
-//! What the simulator is told.
+//! Parameters of the simulator.
 
 use serde::{Deserialize, Serialize};
 use sim_backend::spec::WorldSpec;
@@ -13,10 +13,10 @@ pub struct SimulatorParams {
     pub world: WorldSpec,
     /// Standard deviation of the blur of the published map (m).
     pub blur_sigma: f64,
-    /// For every robot the index of the process that drives it; `None`: nobody, it stands.
+    /// Index of the driving process of every robot; `None`: no driver, it stands.
     pub drivers: Vec<Option<u32>>,
-    /// Changes of the obstacles that wait for robots or for each other, in their order. (Those that
-    /// happen at a fixed time come over their topic.)
+    /// Changes of the obstacles that depend on robots or on each other, in their order. (Changes at
+    /// a fixed time arrive over their topic.)
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub event_schedule: Vec<PlannedChange>,
 }

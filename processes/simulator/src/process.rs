@@ -29,7 +29,7 @@ use crate::obstacles::Obstacles;
 use crate::outputs::{self, Flags};
 use crate::params::SimulatorParams;
 
-/// Most events of one tick that fit into a message.
+/// Maximum number of events of one tick in a message.
 const EVENT_CAPACITY: usize = 1024;
 
 /// Runs the simulator with the configuration in a file.
@@ -66,12 +66,12 @@ pub fn run(config: &Path) -> ExitCode {
                     }
                 }
                 if !running() && !leader.stopping() {
-                    // The game is not over because somebody ends its world.
+                    // The end of the world by a signal is not the end of the game.
                     return Err(ProcessError::Terminated);
                 }
                 leader.finish();
             }
-            // The ports stay open until everybody has taken what is in them.
+            // The ports stay open until all processes have received their messages.
             member.wait_for_phase(Phase::Stop, running);
         }
         drop(simulator);
@@ -88,9 +88,9 @@ fn refused(config: &ProcessConfig, reason: &str) -> ProcessError {
     }
 }
 
-/// The world with its topics: what is sent and done in a tick, in which order. Who drives it (the
-/// loops here, or a run in one thread) calls [`publish`](Self::publish), waits until everybody has
-/// answered, then [`take_commands`](Self::take_commands) and [`advance`](Self::advance).
+/// The world with its topics: the steps of a tick and their order. The caller (the loops here, or a
+/// run in one thread) calls [`publish`](Self::publish), waits for all answers, then calls
+/// [`take_commands`](Self::take_commands) and [`advance`](Self::advance).
 pub struct Simulator {
     world: World,
     clock: StampClock,
@@ -101,17 +101,17 @@ pub struct Simulator {
     obstacles: Obstacles,
     events: Vec<WorldEvent>,
     states: Vec<RobotState>,
-    /// Robots that were without a command at the last tick; reported once.
+    /// Robots without a command at the last tick; each is reported once.
     missing: Vec<bool>,
-    /// Robots that were stopped at the last tick for want of a valid command.
+    /// Robots without a valid command, stopped at the last tick.
     stopped: Vec<bool>,
-    /// Robots that touched something in the last step.
+    /// Robots that were in contact in the last step.
     touching: Vec<bool>,
-    /// How often each robot had touched something before the step; scratch.
+    /// Contacts of each robot before the step; scratch.
     touched_before: Vec<u64>,
     ranges: Vec<f32>,
     map_revision: Option<u32>,
-    /// What the map is made of, where maps are shared.
+    /// Components of the map, if maps are shared.
     shared: Option<(Arc<Maps>, MapState)>,
     refused_commands: u64,
     state_out: Publisher<WorldState>,
@@ -127,7 +127,7 @@ impl Simulator {
     /// Builds the world and opens its topics.
     ///
     /// # Errors
-    /// [`ProcessError`] if the parameters make no world, or a topic cannot be opened.
+    /// [`ProcessError`] if the parameters are invalid, or a topic cannot be opened.
     pub fn open(
         config: &ProcessConfig,
         params: &SimulatorParams,
@@ -191,14 +191,14 @@ impl Simulator {
     /// [`ProcessError`] if the transport fails.
     pub fn connect(&mut self) -> Result<(), ProcessError> {
         self.connect_ports()?;
-        // Everybody builds what it needs of the map before time starts.
+        // All processes build their data of the map before time starts.
         self.publish_map(Stamp {
             origin_ns: self.clock.now_ns(),
             ..Stamp::default()
         })
     }
 
-    /// Connects every port; whoever has joined since gets the newest map.
+    /// Connects every port; processes that have joined since receive the newest map.
     fn connect_ports(&mut self) -> Result<(), ProcessError> {
         self.state_out.update_connections()?;
         self.map_out.update_connections()?;
@@ -238,7 +238,7 @@ impl Simulator {
         if header.complete == 0 {
             tracing::warn!(
                 "tick {}: the map has {} pieces, more than the {capacity} points of world/shapes \
-                 hold: planners that search for paths go by the grid",
+                 hold: planners that search for paths use the grid",
                 self.tick,
                 map.parts().len()
             );
@@ -252,7 +252,8 @@ impl Simulator {
         self.tick
     }
 
-    /// Publishes everything about the current tick, the state last; true if the game is over.
+    /// Publishes all messages of the current tick, the state last; returns `true` if the game is
+    /// over.
     ///
     /// # Errors
     /// [`ProcessError`] if the transport fails.
@@ -323,7 +324,7 @@ impl Simulator {
         Ok(())
     }
 
-    /// Applies the obstacle changes whose tick has come.
+    /// Applies the obstacle changes of the current tick.
     fn apply_obstacles(&mut self) -> Result<(), ProcessError> {
         let stamp = Stamp {
             tick: self.tick,
@@ -337,7 +338,7 @@ impl Simulator {
                 map_state.changes.push(change);
             }
         })?;
-        // They hold from this tick on, and are told with it.
+        // They apply from this tick on and are published with it.
         let changes: Vec<_> = self.world.take_pending().collect();
         let robots = self.world.robots();
         let told = changes
@@ -347,12 +348,12 @@ impl Simulator {
         Ok(())
     }
 
-    /// Simulated time of the current tick (ns).
+    /// Returns the simulated time of the current tick (ns).
     fn time_ns(&self) -> u64 {
         self.tick.saturating_mul(self.tick_period.as_nanos() as u64)
     }
 
-    /// Takes up the commands that came; those that do not hold are counted and logged.
+    /// Receives the pending commands; counts and logs rejected ones.
     ///
     /// # Errors
     /// [`ProcessError`] if the transport fails.
@@ -366,7 +367,7 @@ impl Simulator {
                 if let Err(refusal) = taken {
                     self.refused_commands += 1;
                     tracing::warn!(
-                        "tick {}: command for robot {} from process {} refused: {refusal:?}",
+                        "tick {}: command for robot {} from process {} rejected: {refusal:?}",
                         self.tick,
                         command.robot,
                         message.header().stamp.source
@@ -377,8 +378,8 @@ impl Simulator {
         Ok(())
     }
 
-    /// Steps the world to the next tick with the commands that hold: those that are at most
-    /// `max_age` ticks old (0 in lock-step).
+    /// Steps the world to the next tick with the commands in force: those at most `max_age` ticks
+    /// old (0 in lock-step).
     pub fn advance(&mut self, max_age: u64) {
         let commands = self.board.in_force(self.tick, max_age);
         let touched = |robot: &Robot| robot.contacts.wall_ticks + robot.contacts.robot_ticks;

@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct BoustrophedonParams {
-    /// What all planners of sub-goals share.
+    /// Parameters that all planners of sub-goals share.
     pub follow: FollowParams,
 }
 
@@ -26,7 +26,7 @@ impl Parameters for BoustrophedonParams {
 pub struct RandomParams {
     /// The key, `keyed:` and 64 hexadecimal digits; absent: made from the seed of the run.
     pub key: Option<Key>,
-    /// What all planners of sub-goals share.
+    /// Parameters that all planners of sub-goals share.
     pub follow: FollowParams,
 }
 

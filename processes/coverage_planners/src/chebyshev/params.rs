@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct BridgeParams {
-    /// The rectangles that it joins, by number.
+    /// Numbers of the rectangles that it joins.
     pub between: [usize; 2],
     /// Its corner with the smaller coordinates.
     #[schemars(transform = each(unit("m")))]
@@ -29,20 +29,20 @@ pub struct ChebyshevParams {
     /// Generator and key, such as `chebp-raw:123,456`; absent: `map` with a key made from the seed
     /// of the run.
     pub key: Option<Key>,
-    /// Generator for which a key is made: `chebp`, `chebp-raw`, `chebf64`, `logistic`, `standard`,
-    /// `catp`, `keyed`, …
+    /// Generator of the key if none is given: `chebp`, `chebp-raw`, `chebf64`, `logistic`,
+    /// `standard`, `catp`, `keyed`, …
     pub map: KeyKind,
     /// Order of the rectangles in a large loop.
     pub route: Route,
     /// Sub-goals of a large loop.
     pub iterations: Iterations,
-    /// How to get from one rectangle to the next.
+    /// Transit from one rectangle to the next.
     pub transit: Transit,
-    /// Large loops; 0 for loops without end.
+    /// Number of large loops; 0 for no limit.
     pub loops: u32,
     /// Bridges besides those across borders.
     pub bridges: Vec<BridgeParams>,
-    /// What all planners of sub-goals share.
+    /// Parameters that all planners of sub-goals share.
     pub follow: FollowParams,
 }
 

@@ -61,7 +61,7 @@ fn planner(text: &str) -> ChebyshevPlanner {
     Follower::new(&params, &robot(), 7).unwrap()
 }
 
-/// Drives until nothing is left to do; what became of the sub-goals.
+/// Drives to the end; returns the results of the sub-goals.
 fn run(planner: &mut ChebyshevPlanner, map: &PlannerMap, ticks: u32) -> Vec<WaypointReport> {
     planner.prepare(map, &robot());
     let mut pose = robot().start;
@@ -138,7 +138,7 @@ fn a_new_map_goes_on_with_the_same_numbers() {
 }
 
 #[test]
-fn maps_that_cannot_be_covered_end_the_process_with_what_to_change() {
+fn maps_that_cannot_be_covered_end_the_process_with_a_remedy() {
     let failure = |text: &str, map: &PlannerMap| {
         let mut planner = planner(text);
         planner.prepare(map, &robot());

@@ -13,12 +13,12 @@ use serde::{Deserialize, Serialize};
 pub struct KeyedCoverageParams {
     /// The key, `keyed:` and 64 hexadecimal digits; absent: made from the seed of the run.
     pub key: Option<Key>,
-    /// How sub-goals are chosen.
+    /// Choice of sub-goals.
     pub goals: KeyedParams,
-    /// Whether the planner goes by where the robot really was instead of by the legs that it was
-    /// sent along: covers what was missed, but an ally with the key alone cannot predict it.
+    /// `true` to plan by the robot's real path instead of by the legs that it was sent along. It
+    /// then covers what was missed, but an ally cannot predict it with the key alone.
     pub track: bool,
-    /// What all planners of sub-goals share.
+    /// Parameters that all planners of sub-goals share.
     pub follow: FollowParams,
 }
 

@@ -1,4 +1,4 @@
-//! One iteration: a sample, its parent, and whom it serves.
+//! One iteration: a sample, its parent, and its new children.
 
 use nalgebra::{Point2, Vector2};
 
@@ -8,13 +8,13 @@ use crate::params::REFINE_SHARE;
 use crate::sampler::uniform;
 use crate::tree::NONE;
 
-/// Samples drawn for one that can shorten the way.
+/// Maximum number of draws for a sample that can shorten the path.
 const MAX_DRAWS: u32 = 24;
 
 /// Weight of a draw in the running share of useful samples.
 const MEMORY: f64 = 1.0 / 256.0;
 
-/// Least share of free space for which a radius is made.
+/// Minimum share of free space in the radius.
 const MIN_USEFUL: f64 = 1e-4;
 
 impl<M: Motion> Search<M> {
@@ -36,15 +36,15 @@ impl<M: Motion> Search<M> {
         }
     }
 
-    /// A place over which a way can still become cheaper than the best; `None` if none was drawn.
-    /// In the published search, any place.
+    /// Returns a place over which a path can still become cheaper than the best; `None` if none was
+    /// drawn. In the published search, any place.
     fn sample(&mut self, scene: &Scene<'_>) -> Option<Point2<f64>> {
         if !self.is_improved() || !self.best.0.is_finite() {
             return scene.sampler.draw(scene.space, &mut self.rng);
         }
         for _ in 0..MAX_DRAWS {
             let p = scene.sampler.draw(scene.space, &mut self.rng)?;
-            let is_useful = self.bound.can_beat(p, self.best.0);
+            let is_useful = self.bound.can_improve(p, self.best.0);
             let hit = f64::from(u8::from(is_useful));
             self.useful = (self.useful + (hit - self.useful) * MEMORY).max(MIN_USEFUL);
             if is_useful {
@@ -54,7 +54,7 @@ impl<M: Motion> Search<M> {
         None
     }
 
-    /// Tries to reach a goal: from the nodes about it or, while it is out of reach, by a step
+    /// Tries to reach a goal: from the nodes near it or, while it is out of reach, by a step
     /// towards it from the nearest node.
     fn strive(&mut self, scene: &Scene<'_>) {
         if self.goals == 0 {
@@ -70,8 +70,8 @@ impl<M: Motion> Search<M> {
         }
     }
 
-    /// Adds a node at (or, where no node is near, towards) a sample. The published search drops
-    /// samples that no node is near.
+    /// Adds a node at a sample or, without a near node, towards it. The published search drops
+    /// samples without a near node.
     fn extend(&mut self, scene: &Scene<'_>, sample: Point2<f64>) {
         let mut at = sample;
         let mut near = core::mem::take(&mut self.near);

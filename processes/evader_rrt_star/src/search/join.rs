@@ -1,4 +1,4 @@
-//! Joining nodes: the choice of a parent, and rewiring with everything that follows from it.
+//! Joining of nodes: the choice of a parent, and rewiring with its changes of descendants.
 
 use geometry::pose::Pose2;
 use nalgebra::Point2;
@@ -7,8 +7,8 @@ use super::{Scene, Search};
 use crate::motion::{Link, Motion};
 use crate::tree::{NONE, ROOT};
 
-/// Nodes behind a node beyond which primitives with a heading do not rewire it: every way behind
-/// it would have to be laid and checked anew.
+/// Maximum number of descendants of a node that primitives with a heading rewire: every path behind
+/// it is computed and checked again.
 const MAX_MOVED: usize = 64;
 
 /// A possible parent.
@@ -31,7 +31,7 @@ pub(super) struct Moved {
     length: f64,
 }
 
-/// A parent that was chosen.
+/// Chosen parent.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Chosen {
     pub parent: u32,
@@ -41,7 +41,7 @@ pub(super) struct Chosen {
 }
 
 impl<M: Motion> Search<M> {
-    /// The way from a node to a point.
+    /// Link from a node to a point.
     pub(super) fn link(&self, from: u32, to: Point2<f64>) -> Option<Link> {
         let node = self.tree.node(from);
         self.link_at(from, to, (to - node.at()).norm())
@@ -56,7 +56,7 @@ impl<M: Motion> Search<M> {
         }
     }
 
-    /// Cost of the edge from a node by a link.
+    /// Returns the cost of the edge from a node by a link.
     pub(super) fn edge(&self, scene: &Scene<'_>, from: u32, to: Point2<f64>, link: &Link) -> f64 {
         let node = self.tree.node(from);
         scene.cost.edge(node.at(), to, link, node.length)
@@ -71,7 +71,7 @@ impl<M: Motion> Search<M> {
         most: f64,
     ) {
         let from = self.tree.node(node);
-        // Too dear even if nobody threatens.
+        // Too expensive even without a threat.
         if distance <= self.params.algorithm.min_edge() || from.cost + distance >= most {
             return;
         }
@@ -90,9 +90,10 @@ impl<M: Motion> Search<M> {
         }
     }
 
-    /// The cheapest parent for a point among `self.near` (and their ancestors) from which the way
-    /// to it is free, if it costs less than `most`. The published search considers no ancestors,
-    /// and only the cheapest parent: where the way from there is blocked, there is none.
+    /// Returns the cheapest parent for a point among `self.near` (and their ancestors) from which
+    /// the path to it is free, if it costs less than `most`. The published search considers no
+    /// ancestors, and only the cheapest parent: where the path from there is blocked, there is
+    /// none.
     pub(super) fn choose_parent(
         &mut self,
         scene: &Scene<'_>,
@@ -108,7 +109,7 @@ impl<M: Motion> Search<M> {
             self.consider_ancestors(scene, &near, to, most);
         }
         self.near = near;
-        // The cheapest first; a check for collisions costs more than a look through the list.
+        // The cheapest first; a collision check costs more than a search of the list.
         loop {
             let (place, best) = self
                 .candidates
@@ -133,7 +134,7 @@ impl<M: Motion> Search<M> {
     }
 
     /// Considers the parents of near nodes (Quick-RRT* with one generation of ancestors: more
-    /// seldom find a better way).
+    /// seldom find a better path).
     fn consider_ancestors(
         &mut self,
         scene: &Scene<'_>,
@@ -155,7 +156,7 @@ impl<M: Motion> Search<M> {
         self.seen = seen;
     }
 
-    /// Adds a node under a parent; gives back its number.
+    /// Adds a node under a parent; returns its number.
     pub(super) fn add(&mut self, at: Point2<f64>, chosen: &Chosen) -> u32 {
         let node = self.tree.push(Pose2::new(at.x, at.y, chosen.link.heading));
         self.index.insert(at);
@@ -206,7 +207,7 @@ impl<M: Motion> Search<M> {
         self.near = near;
     }
 
-    /// Hangs `child` under `parent` if that makes it cheaper and the way is free.
+    /// Moves `child` to `parent` if that makes it cheaper and the link is free.
     pub(super) fn offer(
         &mut self,
         scene: &Scene<'_>,
@@ -235,8 +236,8 @@ impl<M: Motion> Search<M> {
         self.relink(scene, child, &chosen)
     }
 
-    /// Hangs a node under another parent, with all that follows for the nodes behind it; false,
-    /// and nothing is changed, if one of them could not follow.
+    /// Moves a node to another parent, with all changes for its descendants. Returns `false`,
+    /// without changes, if one of them could not follow.
     pub(super) fn relink(&mut self, scene: &Scene<'_>, child: u32, chosen: &Chosen) -> bool {
         if !self.follow_up(scene, child, chosen) {
             return false;
@@ -252,8 +253,8 @@ impl<M: Motion> Search<M> {
         true
     }
 
-    /// Works out, into `self.moved`, what becomes of everything behind a node with a new parent;
-    /// false if some way behind it would no longer do.
+    /// Computes the changes of all descendants of a node with a new parent into `self.moved`;
+    /// returns `false` if a path behind it would become invalid.
     fn follow_up(&mut self, scene: &Scene<'_>, child: u32, chosen: &Chosen) -> bool {
         let mut moved = core::mem::take(&mut self.moved);
         moved.clear();
@@ -312,7 +313,7 @@ impl<M: Motion> Search<M> {
         }
         let edge = scene.cost.edge(parent.at(), to, &link, above.length);
         let cost = above.cost + edge;
-        // Whoever is behind must gain as well.
+        // Descendants must gain as well.
         (cost <= child.cost).then_some(Moved {
             node,
             heading: link.heading,

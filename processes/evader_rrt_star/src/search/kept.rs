@@ -1,4 +1,4 @@
-//! What is kept of a tree: while it grows, and when the robot has moved on.
+//! Selection of the nodes that a tree keeps: while it grows, and after the robot has moved.
 
 use geometry::pose::Pose2;
 use nalgebra::Point2;
@@ -9,18 +9,18 @@ use crate::bound::Bound;
 use crate::motion::Motion;
 use crate::tree::{NONE, Node, ROOT, Tree};
 
-/// Growth of the tree, and gain of the best way, after which nodes are looked through.
+/// Growth of the tree, and gain of the best path, after which nodes are pruned.
 const GROWTH: usize = 2;
 const GAIN: f64 = 0.98;
 
-/// Fewest nodes worth looking through.
+/// Minimum number of nodes for pruning.
 const MIN_NODES: usize = 512;
 
-/// Nodes taken over from the last tree, at most (those on its best way besides).
+/// Maximum number of nodes reused from the last tree (besides those on its best path).
 const MAX_KEPT: usize = 1500;
 
 impl<M: Motion> Search<M> {
-    /// Takes out the nodes over which no way can become cheaper than the best, from time to time.
+    /// Removes the nodes over which no path can become cheaper than the best, from time to time.
     pub(super) fn prune(&mut self) {
         let (size, cost) = self.pruned;
         let nodes = self.tree.len();
@@ -43,8 +43,8 @@ impl<M: Motion> Search<M> {
         self.pruned = (self.tree.len(), best);
     }
 
-    /// Keeps root, goals, the best way, and the nodes that are marked together with all nodes on
-    /// the ways to them.
+    /// Keeps root, goals, the best path, and the marked nodes together with all nodes on the paths
+    /// to them.
     fn compact(&mut self, marked: &[bool]) {
         let old = core::mem::take(&mut self.tree);
         let way = core::mem::take(&mut self.way);
@@ -65,7 +65,7 @@ impl<M: Motion> Search<M> {
             let values = *old.node(node);
             let is_goal = node <= self.goals;
             let parent = numbers.get(values.parent as usize).copied();
-            // A node goes when its parent has gone.
+            // A node is removed with its parent.
             let Some(parent) = parent.filter(|&p| p != NONE && (is_goal || is_kept(node))) else {
                 continue;
             };
@@ -93,11 +93,12 @@ impl<M: Motion> Search<M> {
         node.length = values.length;
     }
 
-    /// Begins anew from another pose, with what can still be used of the last tree: the point of
-    /// its best way that the robot reaches next, and everything behind it. Costs are made anew;
-    /// ways are checked anew if `recheck` says that obstacles have changed.
+    /// Begins again from another pose, with the reusable part of the last tree: the point of its
+    /// best path that the robot reaches next, and all its descendants. Costs are computed again;
+    /// paths are checked again if `recheck` is set because obstacles have changed.
     ///
-    /// Without a way, when no point of it can be reached, and in the published search nothing is kept.
+    /// Nothing is kept without a path, when no point of it can be reached, and in the published
+    /// search.
     pub fn replant(
         &mut self,
         scene: &Scene<'_>,
@@ -153,7 +154,7 @@ impl<M: Motion> Search<M> {
 
     fn keep(&mut self, node: u32, old: &Tree, chosen: &Chosen, numbers: &mut [u32]) {
         let number = if node <= self.goals {
-            // In sight from the root already, perhaps.
+            // The root may already see it.
             if chosen.cost >= self.tree.node(node).cost {
                 return;
             }
@@ -167,8 +168,8 @@ impl<M: Motion> Search<M> {
         }
     }
 
-    /// The point of the old way over which the goal is nearest from the new root, and the link to
-    /// it.
+    /// Returns the point of the old path over which the goal is nearest from the new root, and the
+    /// link to it.
     fn next_of(&self, scene: &Scene<'_>, old: &Tree, way: &[u32]) -> Option<(u32, Chosen)> {
         let root = self.tree.node(ROOT).at();
         let total = way.last().map(|&goal| old.node(goal).length)?;
@@ -198,12 +199,12 @@ impl<M: Motion> Search<M> {
     }
 }
 
-/// All nodes but the root, parents before their children.
+/// Returns all nodes but the root, parents before their children.
 fn forward(tree: &Tree) -> Vec<u32> {
     behind(tree, ROOT)
 }
 
-/// The nodes behind a node, parents before their children.
+/// Returns the descendants of a node, parents before their children.
 fn behind(tree: &Tree, node: u32) -> Vec<u32> {
     let mut order: Vec<u32> = tree.children(node).collect();
     let mut next = 0;

@@ -1,8 +1,8 @@
-//! Refinement of the best way's own points.
+//! Refinement of the best path's own points.
 //!
-//! Far from a corner the tree needs ever more samples to come ever nearer to it; a few random
-//! changes of the points that the way already has get there at once. A change is taken only if the
-//! way becomes cheaper and stays free, so that nothing is lost whatever the cost.
+//! Far from a corner the tree needs ever more samples to come nearer to it; a few random changes of
+//! the path's points get there at once. A change is accepted only if the path becomes cheaper and
+//! stays free, so that no change makes it worse.
 
 use geometry::math;
 use nalgebra::{Point2, Vector2};
@@ -13,28 +13,28 @@ use crate::motion::{Link, Motion};
 use crate::sampler::uniform;
 use crate::tree::ROOT;
 
-/// Least share of the cost that a change must gain: below it nodes pile up for nothing.
+/// Minimum gain of a change as a share of the cost; smaller gains would only add nodes.
 const MIN_GAIN: f64 = 2e-6;
 
-/// Changes reach from the size of an edge down by this many factors of e.
+/// Range of the size of changes: from an edge down by this many factors of e.
 const DEPTH: f64 = 7.0;
 
-/// A piece of a changed way.
+/// Piece of a changed path.
 #[derive(Clone, Copy)]
 struct Piece {
     from: Point2<f64>,
     to: Point2<f64>,
     link: Link,
     edge: f64,
-    /// Of the way up to its end.
+    /// Cost of the path up to its end (m).
     cost: f64,
 }
 
-/// A changed part of the way: two or three pieces.
+/// Changed part of the path: two or three pieces.
 type Laid = [Option<Piece>; 3];
 
 impl<M: Motion> Search<M> {
-    /// Tries one random change of the best way.
+    /// Tries one random change of the best path.
     pub(super) fn refine(&mut self, scene: &Scene<'_>) {
         let inner = self.way.len().saturating_sub(2);
         let (pick, kind, size) = (
@@ -42,7 +42,7 @@ impl<M: Motion> Search<M> {
             uniform(&mut self.rng),
             math::exp(-DEPTH * uniform(&mut self.rng)),
         );
-        // Drawn even if not needed: what follows does not depend on the kind.
+        // Drawn even if not needed: later draws do not depend on the kind.
         let turn = core::f64::consts::TAU * uniform(&mut self.rng);
         let place = (pick * inner as f64) as usize;
         let (Some(&a), Some(&v), Some(&b)) = (
@@ -61,7 +61,7 @@ impl<M: Motion> Search<M> {
             let (first, second) = (back.normalize() * cut, on.normalize() * cut);
             self.detour(scene, [a, v, b], &[pv + first, pv + second])
         } else if kind < 0.7 && !M::HAS_HEADING {
-            // Pulled taut.
+            // Straightened.
             let chord: Vector2<f64> = pb - pa;
             let t = (-back.dot(&chord) / chord.norm_squared()).clamp(0.0, 1.0);
             let to = pa + chord * t;
@@ -76,7 +76,7 @@ impl<M: Motion> Search<M> {
         }
     }
 
-    /// Leads the way from `a` to `b` over these points instead of `v`, if that is cheaper and free.
+    /// Replaces the path from `a` over `v` to `b` by these points, if that is cheaper and free.
     fn detour(&mut self, scene: &Scene<'_>, [a, v, b]: [u32; 3], over: &[Point2<f64>]) -> bool {
         let most = self.tree.node(b).cost - MIN_GAIN * self.best.0;
         let from = *self.tree.node(a);
@@ -122,8 +122,8 @@ impl<M: Motion> Search<M> {
         self.rehang(scene, [a, v, b], over.len(), &links)
     }
 
-    /// Lays the way from `a` to `b` along these links, over `v` (moved to the last of the points
-    /// between) where nothing else hangs on it, and over new nodes otherwise.
+    /// Builds the path from `a` to `b` along these links, over `v` (moved to the last of the points
+    /// between) if it has no other children, and over new nodes otherwise.
     fn rehang(&mut self, scene: &Scene<'_>, [a, v, b]: [u32; 3], over: usize, laid: &Laid) -> bool {
         let can_move = self.tree.children(v).all(|child| child == b);
         let old = *self.tree.node(v);
@@ -151,7 +151,7 @@ impl<M: Motion> Search<M> {
             };
         }
         if can_move {
-            // What is behind could not follow.
+            // The descendants could not follow.
             self.index.relocate(v, old.at());
             self.tree.attach(v, a);
             let node = self.tree.node_mut(v);
@@ -161,7 +161,7 @@ impl<M: Motion> Search<M> {
         false
     }
 
-    /// Leaves out points of the best way where the next can be reached from the one before.
+    /// Removes points of the best path where the next can be reached from the one before.
     pub(super) fn straighten(&mut self, scene: &Scene<'_>) {
         let mut place = self.way.len().saturating_sub(1);
         let mut is_changed = false;

@@ -67,7 +67,8 @@ fn searched<M: Motion>(
     search
 }
 
-/// Costs and lengths of all nodes are those of the ways to them, and all ways are free.
+/// Checks that costs and lengths of all nodes are those of the paths to them, and that all paths
+/// are free.
 fn is_consistent<M: Motion>(search: &Search<M>, scene: &Scene<'_>) {
     let tree = search.tree();
     for number in 1..tree.len() as u32 {
@@ -149,7 +150,7 @@ fn the_length_comes_down_to_the_shortest_ways() {
         let best = searched(&scene, Straight, SearchParams::default(), seed, 4000)
             .progress()
             .best;
-        // Never shorter than what is shortest, but for what touching is allowed.
+        // Never shorter than the shortest, up to the contact tolerance.
         assert!(best > optimum - 1e-6, "seed {seed}: {best} for {optimum}");
         assert!(best < optimum * 1.002, "seed {seed}: {best} for {optimum}");
     }
@@ -190,7 +191,7 @@ fn the_papers_search_never_rewires() {
     let cost = by_length();
     let scene = scene(&collision_map, &cost);
     let search = searched(&scene, Straight, SearchParams::paper(), 1, 1500);
-    // Without rewiring a child is always younger than its parent; goals are there from the start.
+    // Without rewiring a child is always younger than its parent; goals exist from the start.
     for (number, node) in search.tree().nodes().iter().enumerate().skip(2) {
         assert!((node.parent as usize) < number);
     }
@@ -259,7 +260,7 @@ fn a_warm_start_keeps_the_way_and_makes_its_costs_anew() {
     assert!(kept.nodes > before.len());
     is_consistent(&search, &scene);
 
-    // The same with a new obstacle on the way, and everything checked anew.
+    // The same with a new obstacle on the path, and all paths checked again.
     let middle = before[before.len() / 2].pose.position();
     let mut pillars = vec![
         (-1.5, -1.5, 1.0),
@@ -275,7 +276,7 @@ fn a_warm_start_keeps_the_way_and_makes_its_costs_anew() {
 }
 
 #[test]
-fn another_goal_lets_nothing_be_kept() {
+fn another_goal_keeps_no_nodes() {
     let collision_map = four_pillars();
     let cost = by_length();
     let scene = scene(&collision_map, &cost);
@@ -292,7 +293,7 @@ fn another_goal_lets_nothing_be_kept() {
 }
 
 #[test]
-fn a_search_without_goals_or_free_space_does_no_harm() {
+fn a_search_without_goals_or_free_space_finds_nothing() {
     let collision_map = four_pillars();
     let cost = by_length();
     let scene = scene(&collision_map, &cost);

@@ -12,13 +12,13 @@ use planner_view::free_space::FreeSpace;
 pub const RADIUS: f64 = 0.105;
 /// The city's exit (m).
 pub const EXIT: Point2<f64> = Point2::new(9.0, 0.0);
-/// Where the first evader starts.
+/// Start pose of the first evader.
 pub const START: Pose2 = Pose2 {
     x: -4.5,
     y: 7.5,
     theta: 0.0,
 };
-/// Where the Police start (m).
+/// Start positions of the Police (m).
 pub const POLICE: [(f64, f64); 4] = [(7.5, 4.5), (7.5, 1.5), (7.5, -1.5), (7.5, -4.5)];
 
 /// 25 blocks, a wall with a gap at +x, cut corners.
@@ -48,7 +48,7 @@ pub fn city() -> FreeSpace {
     space(parts, 9.5)
 }
 
-/// A square world of this half side (m) among some pieces.
+/// Returns a square world of this half side (m) with some pieces.
 pub fn space(parts: Vec<Convex>, half: f64) -> FreeSpace {
     let bounds = Aabb {
         min: Point2::new(-half, -half),
@@ -57,7 +57,7 @@ pub fn space(parts: Vec<Convex>, half: f64) -> FreeSpace {
     FreeSpace::new(parts, bounds, 0.05).expect("a sane world")
 }
 
-/// Costs for an evader of 0.45 m/s with the Police at their start.
+/// Returns the costs for an evader of 0.45 m/s with the Police at their start.
 pub fn costs(params: CostParams, algorithm: Algorithm) -> CostModel {
     let mut cost = CostModel::new(params, algorithm, 0.45);
     cost.set_pursuers(POLICE.iter().map(|&(x, y)| Pursuer {

@@ -1,4 +1,4 @@
-//! What is asked, and from where.
+//! Requests to the optimiser: their start poses, obstacles and times.
 
 use geometry::shape::{Aabb, Convex};
 use nalgebra::{Point2, Vector2};
@@ -11,14 +11,14 @@ use crate::follow::{self, Motion, STANDING, Stops};
 use crate::trajectory::SAGITTA;
 use crate::trajectory_request::TrajectoryRequest;
 
-/// How deep in contact a robot may be and still get a plan (m), beyond its margin.
+/// Maximum contact depth beyond the margin at which a robot still gets a plan (m).
 const CONTACT: f64 = 2e-3;
-/// By how much less than asked for a trajectory may keep away from obstacles (m): what the check of
-/// plans allows, and that it is looked at in straight pieces here.
+/// Tolerance of a trajectory's distance from obstacles (m): the tolerance of the plan check and the
+/// error of its straight pieces here.
 const ROUNDING: f64 = 1e-3 + SAGITTA;
 
 impl Navigator {
-    /// The question of this tick, if there is one.
+    /// Returns the request of this tick, if any.
     pub(super) fn ask(
         &mut self,
         space: &FreeSpace,
@@ -67,7 +67,7 @@ impl Navigator {
         })
     }
 
-    /// A question with the speeds of its start and its end filled in.
+    /// Returns a request with the speeds of its start and its end.
     fn speeds(&self, start: &Motion) -> TrajectoryRequest {
         let share = self.params.speed_fraction;
         let model = self.drive.model();
@@ -91,7 +91,7 @@ impl Navigator {
             start_speed: model.acceleration.map(|_| speed),
             start_turn_rate: turn,
             goal: Point2::origin(),
-            // It ends standing: nobody says what comes after it.
+            // The robot stands at its end: no further goal is known.
             goal_speed: model.acceleration.map(|_| 0.0),
             model,
             obstacles: Vec::new(),
@@ -104,7 +104,7 @@ impl Navigator {
         }
     }
 
-    /// Where the robot will be when the answer takes effect, with this tick's command and those
+    /// Predicts the robot's motion when the answer takes effect, with this tick's command and those
     /// that follow from it.
     fn predict(&self, own: &RobotView, stops: &Stops, ahead: f64, dt: f64) -> Motion {
         let mut motion = Motion {
@@ -125,7 +125,7 @@ impl Navigator {
         motion
     }
 
-    /// Discs for the robots that will not go away by themselves.
+    /// Returns discs for the robots that stay in the way.
     fn robots_in_the_way(
         &self,
         clearance: f64,

@@ -1,4 +1,4 @@
-//! The navigator of one robot: what it asks, what it takes, what it commands.
+//! Navigator of one robot: its requests, plans and commands.
 
 mod asking;
 
@@ -15,48 +15,48 @@ use crate::traffic::Traffic;
 use crate::trajectory::Trajectory;
 use crate::trajectory_request::{PlanFailure, TrajectoryRequest};
 
-/// Distance from a goal at which it is reached (m).
+/// Distance below which a goal counts as reached (m).
 const GOAL_TOLERANCE: f64 = 0.03;
-/// Time between two tries while there is no way (s).
+/// Time between two requests while there is no path (s).
 const RETRY_S: f64 = 1.0;
-/// What a plan that is not needed must gain to be taken (s).
+/// Minimum gain of an optional plan that is used (s).
 const GAIN: f64 = 1e-3;
-/// Ticks that are computed ahead at most: a start in the far future is the end of the plan.
+/// Maximum number of ticks computed ahead: a start in the far future is the end of the plan.
 const MAX_AHEAD: f64 = 10_000.0;
 
-/// Why a plan is wanted.
+/// Reason for a new plan.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum ReplanReason {
-    /// There is none, or none that leads on.
+    /// There is no plan, or none that continues.
     Need,
-    /// The world has changed: there may be a better one.
+    /// The world has changed: a better plan may exist.
     Better,
 }
 
-/// A question that is open.
+/// Pending request.
 #[derive(Debug, Clone)]
 struct OpenRequest {
     want: ReplanReason,
-    /// When the answer takes effect (s).
+    /// Time at which the answer takes effect (s).
     due: f64,
     /// Index of the goal.
     goal: usize,
-    /// Distance that the answer keeps from obstacles (m).
+    /// Distance of the planned trajectory from obstacles (m).
     clearance: f64,
-    /// Whether it begins nearer to one than it should.
+    /// `true` if the start is nearer to an obstacle than the margin allows.
     is_tight: bool,
-    /// Whether the robot stands where it begins.
+    /// `true` if the robot stands at the start.
     stands: bool,
-    /// Whether other robots were planned around.
+    /// `true` if other robots count as obstacles.
     around_robots: bool,
 }
 
-/// What a tick comes to.
+/// Result of a tick.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Decision {
-    /// What the robot does.
+    /// Command to the robot.
     pub command: Twist2,
-    /// What to ask of the optimiser; whatever was asked before is of no interest any more.
+    /// Request to the optimiser; it replaces any earlier request.
     pub ask: Option<TrajectoryRequest>,
 }
 
@@ -67,31 +67,31 @@ pub struct Navigator {
     drive: Drive,
     models: Vec<RobotModel>,
     goals: Vec<Point2<f64>>,
-    /// Index of the goal that is driven to; beyond the last when all are reached.
+    /// Index of the current goal; beyond the last when all are reached.
     goal: usize,
     follow: Option<Follow>,
-    /// The reference's rate in the last tick, and when that was (s).
+    /// Rate of the reference in the last tick, and the time of that tick (s).
     pace: (f64, f64),
     traffic: Traffic,
-    /// Since when another robot is in the way (s), and which.
+    /// Time since which another robot blocks the path (s), and its index.
     held_up: Option<(f64, usize)>,
     asked: Option<OpenRequest>,
     want: Option<ReplanReason>,
-    /// Not asked again before this time (s).
+    /// Earliest time of the next request (s).
     not_before: f64,
-    /// Whether it stops before it asks.
+    /// `true` if the robot stops before the request.
     halt: bool,
     ignore_robots: bool,
     revision: Option<u64>,
-    /// What it was last told about there being no plan.
+    /// Last reported reason for the lack of a plan.
     known: Option<PlanFailure>,
 }
 
 impl Navigator {
-    /// A navigator for a robot with these goals (m).
+    /// Returns a navigator for a robot with these goals (m).
     ///
     /// # Errors
-    /// A text that says why this cannot be done.
+    /// A text that names the fault.
     pub fn new(
         params: NavigatorParams,
         model: RobotModel,
@@ -123,35 +123,35 @@ impl Navigator {
         })
     }
 
-    /// Takes note of what the robots of the run can do, by their index.
+    /// Stores the models of the robots of the run, by their index.
     pub fn meet(&mut self, models: Vec<RobotModel>) {
         self.models = models;
     }
 
-    /// The trajectory that is being followed.
+    /// Returns the followed trajectory.
     pub fn following(&self) -> Option<&Follow> {
         self.follow.as_ref()
     }
 
-    /// The goal that is driven to (m); `None` when all are reached.
+    /// Returns the current goal (m); `None` when all are reached.
     pub fn goal(&self) -> Option<Point2<f64>> {
         self.goals.get(self.goal).copied()
     }
 
-    /// Whether an answer would take effect now.
+    /// Returns `true` if an answer would take effect now.
     pub fn is_due(&self, time_s: f64) -> bool {
         self.asked
             .as_ref()
             .is_some_and(|asked| time_s >= asked.due - 1e-9)
     }
 
-    /// Whether there has been a plan since one was last missing for such a reason.
+    /// Returns `true` unless the last reported failure is of the same kind.
     pub fn is_news(&self, reason: &PlanFailure) -> bool {
         let kind = core::mem::discriminant::<PlanFailure>;
         self.known.as_ref().map(kind) != Some(kind(reason))
     }
 
-    /// Takes the answer to what was asked.
+    /// Accepts the answer to a request.
     pub fn take(
         &mut self,
         planned: Result<Trajectory, PlanFailure>,
@@ -173,7 +173,7 @@ impl Navigator {
         if asked.want == ReplanReason::Better && !better {
             return;
         }
-        // In real time it may be late: who moves is on his way already.
+        // In real time the answer may be late: a moving robot is already on the new path.
         let tau = if asked.stands {
             0.0
         } else {
@@ -181,7 +181,7 @@ impl Navigator {
         };
         let blocked = trajectory.blocked(space, tau, asked.clearance);
         if blocked.is_some() {
-            // The world has changed since it was asked for.
+            // The world has changed since the request.
             self.want = Some(ReplanReason::Need);
         }
         self.halt = self.halt && blocked.is_some();
@@ -203,19 +203,19 @@ impl Navigator {
         }
         self.want = Some(ReplanReason::Need);
         if matches!(reason, PlanFailure::NoAnswer(_)) {
-            // OpenRequest again at once, on the way.
+            // Requests again at once, while the robot drives.
         } else if asked.stands {
             self.not_before = time_s + RETRY_S;
-            // Others may stand on the goal, or all around; they may also go.
+            // Other robots may stand on the goal or all around; they may also leave.
             self.ignore_robots = asked.around_robots && !self.ignore_robots;
         } else {
-            // From a standstill more is possible.
+            // More paths are possible from a standstill.
             self.halt = true;
         }
         self.known = Some(reason);
     }
 
-    /// What the robot does in this tick, and what is asked.
+    /// Returns the command and the request of this tick.
     pub fn step(&mut self, space: &FreeSpace, revision: u64, view: &View<'_>) -> Decision {
         let standstill = Decision {
             command: Twist2::STOP,
@@ -249,7 +249,7 @@ impl Navigator {
         Decision { command, ask }
     }
 
-    /// Moves the reference to where it is at this time.
+    /// Moves the reference to its pose at this time.
     fn move_on(&mut self, time_s: f64) {
         let (rate, since) = self.pace;
         self.pace.1 = time_s;
@@ -258,14 +258,14 @@ impl Navigator {
         }
     }
 
-    /// Looks whether the way is still free when the map has changed.
+    /// Checks that the path is still free when the map has changed.
     fn look_at_map(&mut self, space: &FreeSpace, revision: u64) {
         if self.revision == Some(revision) {
             return;
         }
         let first = self.revision.is_none();
         self.revision = Some(revision);
-        // What was impossible may be possible now.
+        // A request that failed before may succeed now.
         self.not_before = 0.0;
         let Some(follow) = &mut self.follow else {
             return;
@@ -281,7 +281,7 @@ impl Navigator {
         }
     }
 
-    /// Gives the plan up when the robot is too far from where it should be.
+    /// Drops the plan if the robot is too far from its reference.
     fn look_at_error(&mut self, motion: &Motion, stands: bool) {
         let Some(follow) = &self.follow else { return };
         if follow.error(&motion.pose) > self.params.max_error {
@@ -293,7 +293,8 @@ impl Navigator {
         }
     }
 
-    /// Turns to the next goal when this one is reached, or will be before a plan could be there.
+    /// Selects the next goal when the robot has reached this one, or will reach it before a plan
+    /// could be ready.
     fn look_at_goal(&mut self, motion: &Motion, dt: f64) {
         let Some(goal) = self.goal() else { return };
         let Some(follow) = &self.follow else { return };
@@ -319,7 +320,7 @@ impl Navigator {
         }
     }
 
-    /// Where other robots are in the way, and whether it has been for long.
+    /// Finds where other robots block the path, and whether they have blocked it for long.
     fn look_at_others(&mut self, motion: &Motion, view: &View<'_>) -> Stops {
         let mut stops = Stops {
             halt: self.halt,
@@ -337,7 +338,7 @@ impl Navigator {
         let stands = motion.twist.v.abs() < STANDING;
         match self.held_up {
             Some((since, _)) if stands => {
-                // Who has the right of way looks for another one first.
+                // The robot with the right of way replans first.
                 let others = if who < view.me { 3.0 } else { 1.0 };
                 if view.time_s - since >= others * self.params.patience_s {
                     self.want = Some(ReplanReason::Need);
@@ -349,7 +350,7 @@ impl Navigator {
         stops
     }
 
-    /// Time from asking to the tick at which the answer takes effect (s).
+    /// Returns the time from a request to the tick at which its answer takes effect (s).
     fn ahead(&self, dt: f64) -> f64 {
         (self.params.planning_time_s / dt - 1e-9)
             .ceil()

@@ -1,28 +1,28 @@
-//! Constant velocity with white-noise acceleration: a Kalman filter that knows nothing but inertia.
+//! Constant velocity with white-noise acceleration: a Kalman filter whose only model is inertia.
 
 use nalgebra::{Matrix2, Point2, Vector2};
 
 use super::Predictor;
 use crate::moment::Moment;
 
-/// Measurements are never taken for better than this (m): the covariance stays regular.
+/// Lower bound of the measurement noise (m): it keeps the covariance regular.
 const MIN_SIGMA: f64 = 1e-6;
 
-/// A Kalman filter of position and velocity. Both axes have the same noise, hence one covariance.
+/// Kalman filter of position and velocity. Both axes have the same noise, hence one covariance.
 #[derive(Debug, Clone)]
 pub struct Kalman {
     /// Spectral density of the acceleration (m²/s³).
     density: f64,
-    /// Standard deviation of the speed of a robot that has just come in sight (m/s).
+    /// Initial standard deviation of the speed of a robot that has just been seen (m/s).
     speed_sigma: f64,
-    /// Position and velocity along x and along y; `None` before the first sight.
+    /// Position and velocity along x and along y; `None` before the first measurement.
     state: Option<[Vector2<f64>; 2]>,
     covariance: Matrix2<f64>,
 }
 
 impl Kalman {
-    /// For accelerations of this spectral density (m²/s³), ≥ 0, and speeds up to about `v_max`
-    /// (m/s), ≥ 0.
+    /// Returns a filter for accelerations of this spectral density (m²/s³), ≥ 0, and speeds up to
+    /// about `v_max` (m/s), ≥ 0.
     pub fn new(density: f64, v_max: f64) -> Self {
         Self {
             density,
@@ -32,13 +32,13 @@ impl Kalman {
         }
     }
 
-    /// Position (m) and velocity (m/s) now; `None` before the first sight.
+    /// Returns the current position (m) and velocity (m/s); `None` before the first measurement.
     pub fn state(&self) -> Option<(Point2<f64>, Vector2<f64>)> {
         let [x, y] = self.state?;
         Some((Point2::new(x[0], y[0]), Vector2::new(x[1], y[1])))
     }
 
-    /// Variances of the position (m²) and of the velocity (m²/s²) along each axis.
+    /// Returns the variances of the position (m²) and of the velocity (m²/s²) along each axis.
     pub fn variances(&self) -> (f64, f64) {
         (self.covariance[(0, 0)], self.covariance[(1, 1)])
     }

@@ -1,9 +1,10 @@
-//! Whoever knows how goals are made from a generator's outputs can undo that, find the generator's
-//! state, and predict every goal that follows: the attack on linear and on polynomial maps.
+//! Prediction by the key. An attacker who knows the method by which goals are made from a
+//! generator's outputs can invert it, find the generator's state, and predict every following goal:
+//! the attack on linear and on polynomial maps.
 //!
-//! Goals are overlooked where the robot hardly turns at them, and some that are made out are none.
-//! Which goal of the route each one is is therefore not decided at once: all guesses that the
-//! outputs allow are followed until the outputs decide among them.
+//! Some goals are overlooked because the robot hardly turns at them, and some detections are false.
+//! The assignment of detections to goals of the route is therefore not decided at once. All
+//! hypotheses that the outputs allow are followed until the outputs decide.
 
 use std::collections::VecDeque;
 
@@ -16,60 +17,61 @@ use crate::layout::{Frame, Layout, Slot};
 use crate::moment::{Moment, ReachedGoal};
 use crate::travel::{Pace, along};
 
-/// Goals that may be overlooked between two that are made out.
+/// Maximum number of overlooked goals between two detections.
 const OVERLOOKED: u64 = 4;
-/// What an overlooked goal costs, and one that is made out where there is none: minus the logarithm
-/// of the probability.
+/// Cost of an overlooked goal, and of a detection without a goal: minus the logarithm of the
+/// probability.
 const MISSED_COST: f64 = 2.0;
 const OUTLIER_COST: f64 = 4.0;
-/// Goals that fit nowhere, one after the other, until a guess is given up.
+/// Number of consecutive outliers after which a hypothesis is dropped.
 const MAX_OUTLIERS: u32 = 6;
 /// The same when the key has been found.
 const OUTLIERS_THAT_DROP_KEY: u32 = 12;
-/// By how much a guess may cost more than the best one.
+/// Maximum excess of a hypothesis's cost over the best one.
 const MARGIN: f64 = 20.0;
-/// The same for one that is believed.
+/// The same for a hypothesis with a recovered key.
 const MARGIN_OF_CLAIM: f64 = 10.0;
-/// Outputs that differ by less are those of the same state: the sign of a Chebyshev map's state is
-/// seen in the last bits only.
+/// Difference below which outputs belong to the same state: the sign of a Chebyshev map's state
+/// affects the last bits only.
 const SAME: f64 = 1e-9;
-/// Guesses followed at a time.
+/// Maximum number of hypotheses.
 const MAX_GUESSES: usize = 24;
-/// Guesses that agree on so many of the last goals are not told apart.
+/// Hypotheses that agree on this number of last goals count as equal.
 const RECENT: usize = 3;
-/// Largest deviation of a goal from where it is known to be (standard deviations).
+/// Maximum deviation of a detection from a known goal (standard deviations).
 const MAX_DEVIATION: f64 = 4.5;
-/// Goals that are computed ahead.
+/// Number of goals computed ahead.
 const AHEAD: usize = 64;
 
 /// Finds the state of a generator from its noisy outputs in the unit square.
 pub trait Finder: Clone {
-    /// Takes up the next output, its coordinates with these standard deviations; says whether it fits
-    /// those before.
+    /// Processes the next output, its coordinates with these standard deviations; returns `true` if
+    /// it fits those before.
     fn observe(&mut self, output: [f64; 2], sd: [f64; 2]) -> bool;
 
-    /// Passes over an output that was not made out.
+    /// Skips an output that was not observed.
     fn gap(&mut self);
 
-    /// Minus the logarithm of the outputs' likelihood as against outputs anywhere in the square.
+    /// Returns minus the logarithm of the outputs' likelihood relative to outputs anywhere in the
+    /// square.
     fn cost(&self) -> f64;
 
-    /// The generator after the last output taken up or passed over; `None` while its state is not
-    /// known.
+    /// Returns the generator after the last processed or skipped output; `None` while its state is
+    /// not known.
     fn source(&self) -> Option<AnySource>;
 }
 
-/// A guess at which goals of the route those made out were.
+/// Hypothesis that assigns the detections to goals of the route.
 #[derive(Debug, Clone)]
 struct Guess<F> {
     /// Number of the last one, in the round.
     at: u64,
     finder: F,
-    /// What it takes to be overlooked or no goal, and fixed goals.
+    /// Cost of overlooked goals, false detections and fixed goals.
     cost: f64,
-    /// Goals made out since the last that fitted.
+    /// Detections since the last that fitted.
     outliers: u32,
-    /// The last ones: which of those made out is which of the route.
+    /// The last ones: pairs of detection and goal of the route.
     recent: [(u32, u64); RECENT],
 }
 
@@ -91,34 +93,34 @@ impl<F: Finder> Guess<F> {
     }
 }
 
-/// Finds the key of a robot's goals and goes on with them.
+/// Finds the key of a robot's goals and then predicts the following ones.
 #[derive(Debug, Clone)]
 pub struct KeyHunter<F> {
     layout: Layout,
-    /// A search that has seen nothing.
+    /// Returns a search without outputs.
     blank: F,
     /// Distance from its goal at which the robot turns to the next (m).
     arrival: f64,
-    /// Greatest error of a goal that is made out (m).
+    /// Maximum error of a detected goal (m).
     goal_error: f64,
     pace: Pace,
     goals: u32,
     guesses: Vec<Guess<F>>,
-    /// What it costs that none of the goals so far belongs to the route.
+    /// Cost of the hypothesis that none of the goals so far belongs to the route.
     strange: f64,
     begun: bool,
-    /// Where the robot was seen last (m).
+    /// Last observed position of the robot (m).
     last: Option<Point2<f64>>,
-    /// The goals to come, once the key is known, and the generator that makes more.
+    /// Future goals, once the key is known, and the generator of further ones.
     upcoming: VecDeque<(u64, Point2<f64>)>,
     source: Option<AnySource>,
-    /// Goals made out since one to come was reached.
+    /// Number of detections since a future goal was reached.
     outliers: u32,
 }
 
 impl<F: Finder> KeyHunter<F> {
-    /// For goals of this layout: the robot turns to the next within `arrival` (m), ≥ 0, of one, and
-    /// they are made out with errors up to `goal_error` (m), > 0, for the most part.
+    /// Returns a search for goals of this layout. The robot turns to the next goal within `arrival`
+    /// (m), ≥ 0, of one; detections have errors mostly up to `goal_error` (m), > 0.
     pub fn new(layout: Layout, finder: F, arrival: f64, goal_error: f64) -> Self {
         Self {
             layout,
@@ -137,7 +139,7 @@ impl<F: Finder> KeyHunter<F> {
         }
     }
 
-    /// The goals to come, nearest first; none while the key is not known.
+    /// Returns the future goals, nearest first; none while the key is not known.
     pub fn upcoming(&self) -> impl Iterator<Item = Point2<f64>> + '_ {
         self.upcoming.iter().map(|(_, goal)| *goal)
     }
@@ -150,7 +152,7 @@ impl<F: Finder> KeyHunter<F> {
         self.source = None;
     }
 
-    /// A guess that begins with a goal.
+    /// Returns a hypothesis that begins with a goal.
     fn begin(&self, number: u64, finder: F, cost: f64) -> Guess<F> {
         Guess {
             at: number,
@@ -161,7 +163,7 @@ impl<F: Finder> KeyHunter<F> {
         }
     }
 
-    /// Patrols begin at a fixed goal more often than not.
+    /// Patrols usually begin at a fixed goal.
     fn begin_at_fixed(&mut self, place: Point2<f64>) {
         if let Some(number) = self.layout.fixed_near(place, 2.0 * self.goal_error) {
             let guess = self.begin(number, self.blank.clone(), 0.0);
@@ -169,7 +171,7 @@ impl<F: Finder> KeyHunter<F> {
         }
     }
 
-    /// A goal before the key is known; after a time out of sight if `lost`.
+    /// Processes a detection before the key is known; `lost` after a time out of sight.
     fn hunt(&mut self, goal: &ReachedGoal, lost: bool) {
         let mut next: Vec<Guess<F>> = Vec::new();
         let overlooked = if lost { 0.0 } else { MISSED_COST };
@@ -183,7 +185,7 @@ impl<F: Finder> KeyHunter<F> {
             }
             let (mut finder, mut cost) = (guess.finder.clone(), guess.cost);
             for number in guess.at + 1..=guess.at + 1 + OVERLOOKED {
-                // One lap is like the other.
+                // All laps are alike.
                 let number = number % self.layout.round();
                 let slot = self.layout.slot(number);
                 if let Some((finder, extra)) = self.place(&finder, &slot, goal) {
@@ -208,13 +210,13 @@ impl<F: Finder> KeyHunter<F> {
         self.guesses = likeliest(next);
     }
 
-    /// The search once it has taken up a goal in this place of the route, and what that costs besides;
+    /// Returns the search after a detection at this place of the route, and its additional cost;
     /// `None` if it does not fit.
     fn place(&self, finder: &F, slot: &Slot, goal: &ReachedGoal) -> Option<(F, f64)> {
         match slot {
             Slot::Fixed(point) => {
                 let off = (goal.point - point).norm() / goal.sd;
-                // As against goals anywhere in a drawn one's frame.
+                // Relative to goals anywhere in the frame of a drawn one.
                 let area = self.layout.area();
                 let spread = core::f64::consts::TAU * goal.sd * goal.sd / area;
                 let cost = 0.5 * off * off + geometry::math::ln(spread);
@@ -232,7 +234,7 @@ impl<F: Finder> KeyHunter<F> {
         }
     }
 
-    /// Believes the likeliest guesses if their searches have found the state, and the same.
+    /// Accepts the likeliest hypotheses if their searches have found the state, and the same one.
     fn claim(&mut self) {
         let Some(best) = self.guesses.first().map(Guess::score) else {
             return;
@@ -258,7 +260,7 @@ impl<F: Finder> KeyHunter<F> {
         }
     }
 
-    /// A goal now that the key is known: which of the goals to come it is.
+    /// Assigns a detection to one of the future goals, after the key is known.
     fn follow(&mut self, goal: Point2<f64>, lost: bool) {
         let window = if lost || self.outliers >= MAX_OUTLIERS {
             AHEAD
@@ -281,7 +283,7 @@ impl<F: Finder> KeyHunter<F> {
         }
     }
 
-    /// Drops goals to come that the robot is seen to reach.
+    /// Drops future goals that the robot is observed to reach.
     fn keep_pace(&mut self, from: Point2<f64>, to: Point2<f64>, sigma: f64) {
         let reach = self.arrival + 3.0 * sigma;
         while let Some(&(_, goal)) = self.upcoming.front()
@@ -291,7 +293,7 @@ impl<F: Finder> KeyHunter<F> {
         }
     }
 
-    /// Drops so many of the goals to come.
+    /// Drops this number of future goals.
     fn reach(&mut self, count: usize) {
         self.outliers = 0;
         let next = self.upcoming.back().map_or(0, |(number, _)| number + 1);
@@ -299,7 +301,7 @@ impl<F: Finder> KeyHunter<F> {
         self.look_ahead(next);
     }
 
-    /// Computes goals ahead, if the key is known; `number` is the first that has not been.
+    /// Computes future goals, if the key is known; `number` is the first new one.
     fn look_ahead(&mut self, mut number: u64) {
         let Some(source) = &mut self.source else {
             return;
@@ -315,12 +317,12 @@ impl<F: Finder> KeyHunter<F> {
     }
 }
 
-/// Standard deviations of an output that is made from a goal.
+/// Returns the standard deviations of an output that is computed from a goal.
 fn sd_of(frame: &Frame, goal: &ReachedGoal) -> [f64; 2] {
     [frame.first, frame.second].map(|axis| goal.sd / axis.norm())
 }
 
-/// The guesses that are worth following, the likeliest first.
+/// Returns the hypotheses that are likely enough, the likeliest first.
 fn likeliest<F: Finder>(mut guesses: Vec<Guess<F>>) -> Vec<Guess<F>> {
     guesses.sort_by(|a, b| a.score().total_cmp(&b.score()));
     let limit = guesses.first().map_or(0.0, Guess::score) + MARGIN;

@@ -1,4 +1,4 @@
-//! The particle filter of the chasing game, its particles moved on.
+//! The particle filter of the chasing game, with its particles moved ahead.
 
 use geometry::pose::Pose2;
 use nalgebra::Point2;
@@ -11,14 +11,15 @@ use tracking::space::Space;
 use super::Predictor;
 use crate::moment::Moment;
 
-/// A belief about a robot, and its mean as prediction.
+/// Belief about a robot, and its mean as prediction.
 #[derive(Debug, Clone)]
 pub struct Particles {
     filter: ParticleFilter,
 }
 
 impl Particles {
-    /// For a robot with these limits that starts at a known pose; `params` must be valid.
+    /// Returns a predictor for a robot with these limits that starts at a known pose; `params` must
+    /// be valid.
     pub fn new(
         params: &FilterParams,
         limits: MotionLimits,

@@ -1,4 +1,4 @@
-//! The goal that followed the most similar goal of the past is the next one again.
+//! Prediction that the goal after the most similar goal of the past follows again.
 
 use metrics::prediction::{NearestNeighbour, View};
 use nalgebra::Point2;
@@ -7,10 +7,10 @@ use super::Predictor;
 use crate::moment::Moment;
 use crate::travel::{Pace, along};
 
-/// Goals that are looked ahead at most.
+/// Maximum number of goals predicted ahead.
 const MAX_GOALS: usize = 64;
 
-/// The nearest neighbour on the history of goals, and the way through the goals that it predicts.
+/// Nearest neighbour in the history of goals, and the path through the predicted goals.
 #[derive(Debug, Clone)]
 pub struct SimilarGoal {
     neighbour: NearestNeighbour,
@@ -18,7 +18,7 @@ pub struct SimilarGoal {
 }
 
 impl SimilarGoal {
-    /// With both coordinates of a goal together or each for itself.
+    /// Returns a predictor that compares both coordinates of a goal together or separately.
     pub fn new(view: View) -> Self {
         Self {
             neighbour: NearestNeighbour::new(view),

@@ -1,15 +1,15 @@
-//! What a robot did after the most similar stretch of its past, it will do again.
+//! Prediction that a robot repeats its motion after the most similar stretch of its past.
 
 use nalgebra::Point2;
 
 use super::Predictor;
 use crate::moment::Moment;
 
-/// Most samples that are kept; the oldest are forgotten.
+/// Maximum number of samples; the oldest are dropped.
 pub const MAX_SAMPLES: usize = 50_000;
 
-/// The nearest neighbour on the history of positions: the past stretch that is nearest to the last
-/// one, point by point, and the displacement that followed it.
+/// Nearest neighbour in the history of positions: the past stretch that is nearest to the last one,
+/// point by point, and the displacement after it.
 #[derive(Debug, Clone)]
 pub struct SimilarStretch {
     /// Time between two samples (s).
@@ -18,14 +18,15 @@ pub struct SimilarStretch {
     length: usize,
     /// One position per step, `None` out of sight.
     samples: Vec<Option<Point2<f64>>>,
-    /// When the next sample is due (s).
+    /// Time at which the next sample is due (s).
     due: Option<f64>,
     /// Time since the last sample (s).
     since: f64,
 }
 
 impl SimilarStretch {
-    /// Compares stretches of `stretch` (s), sampled every `step` (s); both > 0.
+    /// Returns a predictor that compares stretches of `stretch` (s), sampled every `step` (s); both
+    /// > 0.
     pub fn new(stretch: f64, step: f64) -> Self {
         Self {
             step,
@@ -37,7 +38,7 @@ impl SimilarStretch {
         }
     }
 
-    /// Where the robot was this many samples after a sample, linear between samples (m).
+    /// Returns the robot's position this many samples after a sample, linear between samples (m).
     fn after(&self, sample: usize, steps: f64) -> Option<Point2<f64>> {
         let at = |index: usize| self.samples.get(index).copied().flatten();
         let before = at(sample + steps.floor() as usize)?;
@@ -49,8 +50,8 @@ impl SimilarStretch {
         Some(before + (next - before) * part)
     }
 
-    /// The past stretch most similar to the last one that ended at least `ahead` samples ago: index
-    /// of its last sample.
+    /// Returns the past stretch most similar to the last one, ended at least `ahead` samples ago:
+    /// index of its last sample.
     fn most_similar(&self, ahead: usize) -> Option<usize> {
         let n = self.samples.len();
         let present = self.samples.get(n.checked_sub(self.length)?..)?;
@@ -60,7 +61,7 @@ impl SimilarStretch {
             if last + ahead >= n {
                 break;
             }
-            // What followed must have been seen.
+            // The continuation must have been observed.
             if self.samples.get(last + ahead).copied().flatten().is_none() {
                 continue;
             }
@@ -75,8 +76,8 @@ impl SimilarStretch {
     }
 }
 
-/// Sum of the squared distances, point by point; `None` if a point is missing or the sum gets larger
-/// than `bound`.
+/// Returns the sum of the squared distances, point by point; `None` if a point is missing or the
+/// sum exceeds `bound`.
 fn distance(a: &[Option<Point2<f64>>], b: &[Option<Point2<f64>>], bound: f64) -> Option<f64> {
     let mut sum = 0.0;
     for (a, b) in a.iter().zip(b) {
@@ -91,7 +92,7 @@ fn distance(a: &[Option<Point2<f64>>], b: &[Option<Point2<f64>>], bound: f64) ->
 impl Predictor for SimilarStretch {
     fn observe(&mut self, moment: &Moment<'_>) {
         let look = &moment.look;
-        // Half a look of tolerance: the times are sums of rounded steps.
+        // Tolerance of half an observation period: the times are sums of rounded steps.
         let due = *self.due.get_or_insert(look.time);
         if look.time + 0.5 * look.dt < due {
             self.since += look.dt;

@@ -1,10 +1,10 @@
 //! The state of an exact Chebyshev map from noisy points.
 //!
-//! A point of [`ChebP`] tells `s = |t/P|` (from 0 to 1/2) up to noise, but not the sign of `t`. Each
-//! step multiplies by 6 and wraps; with the wraps `k_j` the first state is
-//! `t_0/P = Σ k_j/6^(j+1) + θ_n/6ⁿ`, so that after some 23 steps rounding gives it exactly. Where a
-//! point is close to 0 or 1/2 both signs fit the wraps: all histories that the noise allows are
-//! followed, and the exact orbits of their roundings decide among them.
+//! A point of [`ChebP`] determines `s = |t/P|` (from 0 to 1/2) up to noise, but not the sign of
+//! `t`. Each step multiplies by 6 and wraps. With the wraps `k_j` the first state is
+//! `t_0/P = Σ k_j/6^(j+1) + θ_n/6ⁿ`, so that after some 23 steps rounding gives it exactly. Where
+//! a point is close to 0 or 1/2 both signs fit the wraps. All histories that the noise allows are
+//! followed, and the exact orbits of their roundings decide.
 
 use core::f64::consts::TAU;
 use std::collections::VecDeque;
@@ -14,43 +14,43 @@ use chaotic_maps::AnySource;
 use chaotic_maps::chebyshev::{ChebP, Emission};
 use chaotic_maps::modulus::{P, add};
 
-/// Standard deviations of the noise that can be reckoned with, in units of [−1, 1]. With more, one
-/// point would tell hardly more than the map takes away.
+/// Range of the assumed standard deviation of the noise, in units of [−1, 1]. With more noise, one
+/// point would give hardly more information than the map removes.
 const NOISE: core::ops::RangeInclusive<f64> = 0.002..=0.04;
 
-/// Steps that the estimate is made from: with more, the wraps would not fit 64 bits.
+/// Maximum number of steps of the estimate: the wraps of more would not fit 64 bits.
 const MAX_ESTIMATED: usize = 23;
 
-/// Bits that the observations after these must test at least.
+/// Minimum number of bits that the observations after these must test.
 const CHECKED_BITS: f64 = 17.0;
 
-/// Observations kept while several orbits remain that agree with all of them.
+/// Maximum number of stored observations while several orbits agree with all of them.
 const MAX_WINDOW: usize = 34;
 
-/// Steps over which an orbit can be followed without an observation.
+/// Maximum number of steps for which an orbit is followed without an observation.
 const MAX_STEPS: u32 = 4;
 
-/// Largest square of a deviation from what was predicted (variances).
+/// Maximum squared deviation from the prediction (variances).
 const GATE: f64 = 18.0;
 
-/// By how much (variances of the fit, or tenths of those reckoned with) the sum of squares of every
-/// other orbit must exceed that of the one claimed: odds of e⁻¹⁰.
+/// Minimum excess (variances of the fit, or tenths of the assumed ones) of the sum of squares of
+/// every other orbit over that of the recovered one: odds of e⁻¹⁰.
 const MARGIN: f64 = 20.0;
 
 /// Histories followed at a time.
 const MAX_HISTORIES: usize = 2048;
 
-/// Largest deviation (standard deviations) of an observation from a claimed orbit.
+/// Maximum deviation (standard deviations) of an observation from a recovered orbit.
 const MAX_DEVIATION: f64 = 5.0;
 
-/// Largest sum of squares (variances) of `count` deviations: mean + 4 standard deviations of its
-/// law.
+/// Returns the maximum sum of squares (variances) of `count` deviations: mean + 4 standard
+/// deviations of its distribution.
 fn max_squares(count: usize) -> f64 {
     let count = count as f64;
     count + 4.0 * (2.0 * count).sqrt()
 }
 
-/// An observation: `s`, the variance with which it is known, and the steps since the one before.
+/// Observation: `s`, its variance, and the steps since the one before.
 #[derive(Debug, Clone, Copy)]
 struct Observed {
     s: f64,
@@ -59,7 +59,8 @@ struct Observed {
 }
 
 impl Observed {
-    /// From a coordinate in [−1, 1] with noise (which may carry it outside) of a standard deviation.
+    /// Converts a coordinate in [−1, 1] with noise (which may move it outside) of a standard
+    /// deviation.
     fn new(emission: Emission, c: f64, sd: f64, steps: u32) -> Self {
         let (s, slope) = match emission {
             Emission::Arcsine => (0.25 * (1.0 - c), 0.25),
@@ -78,60 +79,62 @@ impl Observed {
         }
     }
 
-    /// Bits by which it tells orbits apart: it agrees within four standard deviations with this share
-    /// of all.
+    /// Returns its information (bits): it agrees within four standard deviations with this share of
+    /// all orbits.
     fn bits(self) -> f64 {
         -libm::log2((16.0 * self.variance.sqrt()).min(1.0))
     }
 
-    /// The square of the deviation of a state, in variances.
+    /// Returns the squared deviation of a state, in variances.
     fn square(self, t: u64) -> f64 {
         let difference = t.min(P - t) as f64 / P as f64 - self.s;
         difference * difference / self.variance
     }
 }
 
-/// A history of wraps that fits the observations so far.
+/// History of wraps that fits the observations so far.
 #[derive(Debug, Clone, Copy)]
 struct History {
-    /// Estimate of `t/P` now, in [−1/2, 1/2], and its variance.
+    /// Current estimate of `t/P`, in [−1/2, 1/2], and its variance.
     theta: f64,
     variance: f64,
-    /// `Σ k_j 6^(n−1−j)`; whole turns of 64 bits are lost when it is followed for long.
+    /// `Σ k_j 6^(n−1−j)`; long histories lose whole turns of 64 bits.
     wraps: i64,
     /// Sum of squares of the innovations, in variances.
     cost: f64,
-    /// Minus the logarithm of the likelihood, as against observations that lie anywhere.
+    /// Minus the logarithm of the likelihood, relative to observations anywhere.
     surprise: f64,
 }
 
-/// Recovers the state of a [`ChebP`] from consecutive noisy points; needs 26 to 28 of them, seldom
-/// more. One or two that are missing among them do not matter.
+/// Recovers the state of a [`ChebP`] from consecutive noisy points; it needs 26 to 28 of them,
+/// seldom more. One or two missing ones do not matter.
 ///
-/// Both axes must be recovered from the same points: the chance that points that come from
-/// elsewhere pass as an orbit is below 2⁻²⁵ per axis.
+/// Both axes must be recovered from the same points: the chance that other points pass as an orbit
+/// is below 2⁻²⁵ per axis.
 #[derive(Debug, Clone)]
 pub struct ChebyshevRecovery {
     emission: Emission,
     sd: f64,
     window: VecDeque<[Observed; 2]>,
-    /// What the observations allow of each axis.
+    /// Histories of each axis that the observations allow.
     now: [Vec<History>; 2],
-    /// Steps since the last point that was seen.
+    /// Steps since the last observed point.
     missed: u32,
     found: Option<Tracked>,
 }
 
 impl ChebyshevRecovery {
-    /// An observer who knows the form of the points, reckons with a noise of up to 2 % of the half
-    /// side, and has seen none.
+    /// Returns an observer with a known form of the points, an assumed noise of 2 % of the half
+    /// side and no observations.
     ///
-    /// Points in the raw form tell less about the states close to the edges, and need more of them.
+    /// Points in the raw form contain less information on the states close to the edges; more of
+    /// them are needed.
     pub fn new(emission: Emission) -> Self {
         Self::with_noise(emission, 0.02)
     }
 
-    /// As [`ChebyshevRecovery::new`], for noise of another standard deviation, in units of [−1, 1].
+    /// Like [`ChebyshevRecovery::new`], for noise of another standard deviation, in units of [−1,
+    /// 1].
     ///
     /// Values outside 0.002 to 0.04 count as the closer of these, as does NaN as 0.04. With 0.04
     /// one recovery in six takes 30 to 34 points.
@@ -146,16 +149,16 @@ impl ChebyshevRecovery {
         }
     }
 
-    /// Takes the next point as observed, in units of the square [−1, 1]²; noise may carry it
+    /// Processes the next observed point, in units of the square [−1, 1]²; noise may move it
     /// outside.
     ///
-    /// Says whether it fits those before, if there are any; otherwise the collection has started over
+    /// Returns `true` if it fits those before, if any; otherwise the collection has started over
     /// with it. Non-finite numbers count as a [`ChebyshevRecovery::gap`].
     pub fn observe(&mut self, point: [f64; 2]) -> bool {
         self.observe_with(point, [self.sd; 2])
     }
 
-    /// As [`ChebyshevRecovery::observe`], with the noise of this point's coordinates.
+    /// Like [`ChebyshevRecovery::observe`], with the noise of this point's coordinates.
     pub fn observe_with(&mut self, point: [f64; 2], sd: [f64; 2]) -> bool {
         if !point.iter().all(|c| c.is_finite()) {
             self.gap();
@@ -192,9 +195,9 @@ impl ChebyshevRecovery {
         fits
     }
 
-    /// Says that the next point was not seen.
+    /// Marks the next point as not observed.
     ///
-    /// After too many of them in a row the collection starts over; a recovered orbit goes on.
+    /// After too many of them in a row the collection starts over; a recovered orbit continues.
     pub fn gap(&mut self) {
         if let Some(found) = &mut self.found {
             found.follow(|_| true);
@@ -206,14 +209,14 @@ impl ChebyshevRecovery {
         }
     }
 
-    /// What the points cost, as minus the logarithm of their likelihood against that of points that
-    /// lie anywhere: negative if they look like an orbit.
+    /// Returns the cost of the points: minus the logarithm of their likelihood against that of
+    /// points anywhere. Negative if they look like an orbit.
     pub fn cost(&self) -> f64 {
         let least = |now: &Vec<History>| now.first().map_or(0.0, |best| best.surprise);
         self.now.iter().map(least).sum()
     }
 
-    /// Starts over, for when it is not known how many points were missed.
+    /// Starts over, for use after an unknown number of missed points.
     pub fn forget(&mut self) {
         self.window.clear();
         self.now.iter_mut().for_each(Vec::clear);
@@ -221,7 +224,8 @@ impl ChebyshevRecovery {
         self.found = None;
     }
 
-    /// The generator, once recovered and verified; its next point is the next one to be observed.
+    /// Returns the generator, once recovered and verified; its next point is the next one to be
+    /// observed.
     ///
     /// Its states are those of the original up to sign, which no point shows.
     pub fn state(&self) -> Option<&AnySource> {
@@ -238,7 +242,7 @@ impl ChebyshevRecovery {
     }
 }
 
-/// An exact orbit against the observations.
+/// Comparison of an exact orbit with the observations.
 struct Fit {
     /// Its last state.
     state: u64,
@@ -246,8 +250,8 @@ struct Fit {
     squares: f64,
 }
 
-/// The observations of one axis that the estimate is made from, the steps between the first and the
-/// last of them, and the bits that those after them test; none if they do not suffice.
+/// Returns the observations of one axis for the estimate, the steps between the first and the last
+/// of them, and the bits that the later ones test; none if they do not suffice.
 fn estimated(observed: &[Observed]) -> Option<(&[Observed], usize, f64)> {
     let (mut steps, mut most) = (0, None);
     for (count, o) in observed.iter().enumerate() {
@@ -257,8 +261,8 @@ fn estimated(observed: &[Observed]) -> Option<(&[Observed], usize, f64)> {
         if steps > MAX_ESTIMATED {
             break;
         }
-        // log₂ 6 bits a step. The last should tell the first state to a twelfth of the spacing of
-        // the integers; a little less does, as the others test it.
+        // Each step gives log₂ 6 bits. The last must determine the first state to a twelfth of the
+        // spacing of the integers; slightly less suffices, as the others test it.
         let bits = 2.585 * steps as f64 - libm::log2(12.0 * o.variance.sqrt());
         if bits >= 62.0 {
             most = Some((count, steps));
@@ -273,7 +277,7 @@ fn estimated(observed: &[Observed]) -> Option<(&[Observed], usize, f64)> {
     Some((made_from, steps, bits))
 }
 
-/// The state at the last of the observations of one axis, if exactly one exact orbit runs through
+/// Returns the state at the last of the observations of one axis, if exactly one exact orbit fits
 /// all of them.
 fn recover_axis(observed: &[Observed]) -> Option<u64> {
     let (made_from, steps, bits) = estimated(observed)?;
@@ -303,14 +307,14 @@ fn recover_axis(observed: &[Observed]) -> Option<u64> {
         }
     }
     best.filter(|best| {
-        // Where the noise is less than reckoned with, less tells the others apart.
+        // If the noise is lower than assumed, smaller differences separate the orbits.
         let variance = (best.squares / observed.len() as f64).clamp(0.1, 1.0);
         best.squares <= limit && best.squares + MARGIN * variance <= second
     })
     .map(|best| best.state)
 }
 
-/// The orbit from `t` against the observations; none once it deviates by more than `limit`.
+/// Compares the orbit from `t` with the observations; none once it deviates by more than `limit`.
 fn follow(t: u64, observed: &[Observed], limit: f64) -> Option<Fit> {
     let (mut state, mut squares) = (t, 0.0);
     for (number, o) in observed.iter().enumerate() {
@@ -326,7 +330,7 @@ fn follow(t: u64, observed: &[Observed], limit: f64) -> Option<Fit> {
     Some(Fit { state, squares })
 }
 
-/// The histories that the observations allow.
+/// Returns the histories that the observations allow.
 fn histories(observed: &[Observed]) -> Vec<History> {
     let Some((first, rest)) = observed.split_first() else {
         return Vec::new();
@@ -337,7 +341,8 @@ fn histories(observed: &[Observed]) -> Vec<History> {
     })
 }
 
-/// The histories with one more observation, the likeliest first, that cost no more than `limit`.
+/// Returns the histories with one more observation that cost no more than `limit`, the likeliest
+/// first.
 fn extended(histories: &[History], o: &Observed, limit: f64) -> Vec<History> {
     let mut next = Vec::new();
     for history in histories {
@@ -351,7 +356,7 @@ fn extended(histories: &[History], o: &Observed, limit: f64) -> Vec<History> {
 }
 
 impl History {
-    /// The sign of the first state is free: the orbits of t and −t show the same points.
+    /// The sign of the first state is free: the orbits of t and −t have the same points.
     fn new(first: &Observed) -> Self {
         Self {
             theta: first.s,
@@ -362,8 +367,8 @@ impl History {
         }
     }
 
-    /// Appends the histories with one more observation, taken with a sign (Kalman filter of one
-    /// number), to `into`.
+    /// Appends the histories with one more observation, with a sign (Kalman filter of one number),
+    /// to `into`.
     fn extend(&self, signed: f64, o: &Observed, limit: f64, into: &mut Vec<Self>) {
         let growth = 6_i64.saturating_pow(o.steps);
         let factor = growth as f64;
@@ -382,7 +387,7 @@ impl History {
                 variance: prior * o.variance / sum,
                 wraps: growth.wrapping_mul(self.wraps).wrapping_add(wrap),
                 cost: self.cost + square,
-                // Against s that is anywhere between 0 and 1/2.
+                // Relative to s anywhere between 0 and 1/2.
                 surprise: self.surprise
                     + 0.5 * square
                     + 0.5 * libm::log(core::f64::consts::TAU * sum)

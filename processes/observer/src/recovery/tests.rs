@@ -24,7 +24,8 @@ fn noisy(point: [f64; 2], sd: f64, rng: &mut ChaCha8Rng) -> [f64; 2] {
     ]
 }
 
-/// Observations until the state of a cat map is claimed; asserts that the claim is right.
+/// Returns the number of observations until the state of a cat map is recovered; asserts that it is
+/// right.
 fn observations_of_cat(modulus: CatModulus, mut source: AnySource, sd: f64, seed: u64) -> usize {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let mut recovery = CatRecovery::new(modulus);
@@ -82,8 +83,8 @@ fn the_paper_s_own_key_is_recovered_within_a_lap() {
     assert!(observations_of_cat(CatModulus::F64, source, 0.02, 1) < 105);
 }
 
-/// Observations until the state of a Chebyshev map is claimed, with noise `sd` in units of
-/// [−1, 1]; asserts that the claim is right.
+/// Returns the number of observations until the state of a Chebyshev map is recovered, with noise
+/// `sd` in units of [−1, 1]; asserts that it is right.
 fn observations_of_chebyshev(emission: Emission, sd: f64, seed: u64) -> usize {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let mut source = Key::from_seed(KeyKind::ChebP(emission), seed)
@@ -139,7 +140,7 @@ fn more_noise_or_raw_points_take_more_points_but_make_no_claim_wrong() {
 }
 
 #[test]
-fn nothing_is_ever_claimed_about_a_keyed_stream() {
+fn no_state_is_recovered_from_a_keyed_stream() {
     for seed in 0..2 {
         let mut source = Key::from_seed(KeyKind::Keyed, seed).source().unwrap();
         let mut cats =
@@ -159,7 +160,7 @@ fn nothing_is_ever_claimed_about_a_keyed_stream() {
     }
 }
 
-/// Two sources one after the other, as one observer sees them.
+/// Two sources one after the other, for one observer.
 fn after_a_change(mut observe: impl FnMut([f64; 2]) -> bool, kind: KeyKind, claimed_within: usize) {
     for seed in [1, 2] {
         let mut source = Key::from_seed(kind, seed).source().unwrap();
@@ -169,7 +170,7 @@ fn after_a_change(mut observe: impl FnMut([f64; 2]) -> bool, kind: KeyKind, clai
         }
         assert!(claimed);
     }
-    // From here on, nothing to claim.
+    // No recovery from here on.
     let mut keyed = Key::from_seed(KeyKind::Keyed, 1).source().unwrap();
     let claims: Vec<_> = (0..200).map(|_| observe(keyed.next_unit())).collect();
     assert!(claims[20..].iter().all(|claimed| !claimed));

@@ -1,4 +1,4 @@
-//! A robot in the simulated world, driven by its real planner, and an observer of its key.
+//! Drive of a robot in the simulated world by its real planner, and an observer of its key.
 
 use core::time::Duration;
 use std::sync::Arc;
@@ -34,7 +34,7 @@ use tracking::watch::Watch;
 /// Tick (s).
 pub const DT: f64 = 0.05;
 
-/// A world with one robot in it.
+/// World with one robot.
 #[derive(Debug, Clone)]
 pub struct Place {
     /// Corners of the world map (m).
@@ -60,7 +60,7 @@ pub struct Drive<P> {
 }
 
 impl<P: Planner> Drive<P> {
-    /// With these parameters of the planner, as a scenario writes them.
+    /// Returns a drive with these parameters of the planner, in the form of a scenario.
     pub fn new(place: &Place, params: &str) -> Self {
         let mut spec = RobotSpec::new("guard", Team::Neutral, place.start);
         spec.radius = Some(place.radius);
@@ -168,8 +168,8 @@ fn planner_map(world: &World) -> PlannerMap {
 /// Distance from its goal at which a robot turns to the next (m): that of the drivers.
 const ARRIVAL: f64 = 0.05;
 
-/// Goals that are compared with those driven to once a key is claimed, and how many of them the robot
-/// may have had by then.
+/// Number of predicted goals that are compared with those driven to, and the number of goals that
+/// the robot may have reached by then.
 const COMPARED: usize = 35;
 const BEHIND: usize = 2;
 
@@ -206,7 +206,7 @@ pub fn patrol(
     Drive::new(&place, &mission)
 }
 
-/// Where the sub-goals of [`coverage`] lie (m).
+/// Bounds of the sub-goals of [`coverage`] (m).
 pub const COVERED: [f64; 4] = [0.15, 0.15, 9.85, 9.85];
 
 /// A coverage of 10 m by 10 m.
@@ -223,18 +223,18 @@ pub fn coverage(key: &str) -> Drive<coverage_planners::ChebyshevPlanner> {
     Drive::new(&place, &format!("key = \"{key}\""))
 }
 
-/// How the search for a key went.
+/// Result of a search for a key.
 pub struct Found {
-    /// Goals that the robot had reached when the key was claimed.
+    /// Number of goals that the robot had reached when the key was recovered.
     pub after: Option<usize>,
-    /// Goals made out per goal reached.
+    /// Detected goals per goal reached.
     pub made_out: f64,
-    /// Whether the goals predicted were others than those driven to.
+    /// `true` if the predicted goals differ from those driven to.
     pub wrong: bool,
 }
 
-/// Watches a robot until its key is claimed or it has reached so many goals; `unseen` says when it is
-/// out of sight (s).
+/// Watches a robot until its key is recovered or it has reached this number of goals; `unseen`
+/// returns `true` while it is out of sight (s).
 pub fn watch<P: Planner, F: Finder>(
     mut drive: Drive<P>,
     layout: &Layout,
@@ -300,7 +300,7 @@ pub fn watch<P: Planner, F: Finder>(
 }
 
 impl<P: Planner> Drive<P> {
-    /// Whether the robot drives to these goals.
+    /// Returns `true` if the robot drives to these goals.
     fn goes_through(&mut self, goals: &[Point2<f64>]) -> bool {
         let reached = self.reports.len();
         while self.reports.len() < reached + COMPARED + 10 {

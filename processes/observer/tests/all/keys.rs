@@ -1,4 +1,4 @@
-//! Keys are recovered from poses: of the maps, and never of a keyed stream.
+//! Recovery of keys from poses: of the maps, and never of a keyed stream.
 
 use chaotic_maps::{AnySource, Cat64, CatF64, CatP, ChebP, Emission, Key, Source};
 use nalgebra::Point2;
@@ -32,7 +32,7 @@ fn octagon(generator: CatKind) -> CatKnowledge {
     }
 }
 
-/// The goals of a layout with a generator.
+/// Returns the goals of a layout with a generator.
 fn goals(layout: Layout, mut source: AnySource) -> impl Iterator<Item = Point2<f64>> {
     (0..).map(move |number| match layout.slot(number) {
         Slot::Fixed(point) => point,
@@ -41,7 +41,7 @@ fn goals(layout: Layout, mut source: AnySource) -> impl Iterator<Item = Point2<f
 }
 
 struct Hunt {
-    /// Goals that the robot had reached when the key was known.
+    /// Number of goals that the robot had reached when the key was known.
     recovered_after: Option<usize>,
     /// Errors of the predictions 5 s ahead from then on (m).
     errors: Vec<f64>,
@@ -155,7 +155,7 @@ fn the_key_of_chebyshev_maps_is_recovered_within_thirty_sub_goals() {
 }
 
 #[test]
-fn a_keyed_stream_gives_nothing_away() {
+fn a_keyed_stream_is_unpredictable() {
     let key: Key = "keyed:000102030405060708090a0b0c0d0e0f101112131415161718191a1b1c1d1e1f"
         .parse()
         .unwrap();

@@ -1,4 +1,4 @@
-//! Observers of robots that drive; one program, to be linked once.
+//! Tests of observers with driving robots; one program saves link time.
 
 mod drive;
 mod keys;

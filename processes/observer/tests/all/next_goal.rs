@@ -1,4 +1,4 @@
-//! How predictable goals are to somebody who knows nothing of the method.
+//! Predictability of goals for an observer that does not know the method.
 
 use chaotic_maps::{AnySource, Cat64, ChebP, Emission, Key, Source as _};
 use metrics::prediction::{View, chance_median, chance_median_along, next_goal_errors};
@@ -40,7 +40,7 @@ fn near(found: [f64; 3], expected: [f64; 3], factor: f64) {
 }
 
 #[test]
-fn maps_give_the_next_goal_away_and_independent_goals_do_not() {
+fn goals_of_maps_are_predictable_and_independent_goals_are_not() {
     let chebyshev = ChebP::new(
         123_456_789_012_345_678,
         987_654_321_098_765_432,
@@ -59,7 +59,7 @@ fn maps_give_the_next_goal_away_and_independent_goals_do_not() {
     let [plane, axes] = medians(key.source().unwrap());
     near(plane, [1.07; 3], 1.12);
     near(axes, [0.60; 3], 1.12);
-    // What chance gives, without any sequence.
+    // Result of chance, without any sequence.
     assert!((chance_median(2.0, 2.0) - 1.024).abs() < 0.001);
     assert!((chance_median_along(2.0) - 0.586).abs() < 0.001);
 }

@@ -1,4 +1,4 @@
-//! Single predictors on ways that are known.
+//! Single predictors on known paths.
 
 use geometry::math;
 use geometry::pose::Pose2;
@@ -84,7 +84,7 @@ fn goals_are_made_out_from_noisy_poses_to_half_a_tick() {
         made_out.extend(noisy.look(robot.pose, true, &mut kalman));
     }
     assert!(made_out.len() >= 39, "{}", made_out.len());
-    // None is made up, few are overlooked.
+    // No goal is invented, few are overlooked.
     let mut next = robot.reached.iter();
     for goal in &made_out {
         let found = next.find(|real| (goal.point - **real).norm() < 0.05);

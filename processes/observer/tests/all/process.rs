@@ -1,4 +1,4 @@
-//! An observer in its process, on a bus in memory.
+//! The observer process on a bus in memory.
 
 use geometry::pose::Pose2;
 use ipc_types::bus::{Bus, Publisher, PublisherOptions, Subscriber};
@@ -106,7 +106,7 @@ impl World {
         }
     }
 
-    /// One tick with the watched robot at a place; returns what was published.
+    /// Runs one tick with the watched robot at a place; returns the published predictions.
     fn tick(&mut self, tick: u64, x: f64, y: f64) -> Vec<Prediction> {
         let mut header = WorldHeader::default();
         header.stamp.tick = tick;
@@ -147,7 +147,7 @@ fn predictions_are_published_with_their_errors_when_due() {
         reports.push(found);
     }
     let first = &reports[0];
-    // Five methods for two times ahead.
+    // Five methods for two horizons.
     assert_eq!(first.len(), 10);
     assert!(
         first
@@ -160,7 +160,7 @@ fn predictions_are_published_with_their_errors_when_due() {
             .find(|p| p.method == Prediction::KALMAN && p.horizon_s == horizon)
             .unwrap()
     };
-    // What was said at tick 0 comes due at ticks 10 and 20.
+    // Predictions of tick 0 are due at ticks 10 and 20.
     assert_eq!([kalman(5, 0.5).due, kalman(10, 0.5).due], [0, 1]);
     assert_eq!([kalman(15, 1.0).due, kalman(20, 1.0).due], [0, 1]);
     assert!(
@@ -169,7 +169,7 @@ fn predictions_are_published_with_their_errors_when_due() {
     );
     let last = kalman(60, 1.0);
     assert!(last.error < 1e-6 && (last.x - 1.8).abs() < 1e-6, "{last:?}");
-    // A robot without goals has no next one.
+    // A robot without goals has no next goal.
     let goal = reports[60]
         .iter()
         .find(|p| p.method == Prediction::SIMILAR_GOAL)
@@ -184,7 +184,7 @@ fn behind_a_wall_nothing_is_seen_and_predictions_go_on() {
         "methods": ["kalman", "particles"],
         "horizons_s": [1.0],
     }));
-    // The spy at (5, 1) looks over the wall's end only.
+    // The spy at (5, 1) sees past the wall's end only.
     let open = world.tick(0, 4.0, 5.0);
     assert_eq!(open.len(), 2, "the spy does not watch itself");
     assert!(open.iter().all(|p| p.visible == 1));

@@ -1,5 +1,5 @@
-//! Keys are recovered from robots that their real planners drive in the simulated world: they cut
-//! corners, arrive within a tolerance, and pass goals straight ahead without a sign.
+//! Recovery of keys from robots that their real planners drive in the simulated world. They cut
+//! corners, arrive within a tolerance, and pass goals straight ahead without a turn.
 
 use chaotic_maps::{Emission, Key, KeyKind};
 use observer::knowledge::{CatKind, CatKnowledge, ChebyshevKnowledge};
@@ -65,7 +65,7 @@ fn the_key_of_a_coverage_is_recovered_within_thirty_sub_goals() {
 }
 
 #[test]
-fn nothing_is_claimed_of_a_keyed_patrol() {
+fn no_key_is_recovered_from_a_keyed_patrol() {
     let found = patrol_watched(KeyKind::Keyed, 1, |_| false);
     assert_eq!(found.after, None);
     assert!(found.made_out > 0.5, "{}", found.made_out);

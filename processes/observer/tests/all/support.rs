@@ -1,4 +1,4 @@
-//! A robot that drives from goal to goal, and an observer that looks on.
+//! Robot that drives from goal to goal, and its observer.
 
 use geometry::blur::BlurredMap;
 use geometry::grid::{Grid, GridFrame};
@@ -22,7 +22,7 @@ pub const ARRIVAL: f64 = 0.05;
 const SPEED: f64 = 1.0;
 const TURN: f64 = 3.0;
 
-/// An empty place of 1 m², for predictors that do not look at it.
+/// Empty space of 1 m², for predictors that do not use it.
 pub fn nowhere() -> (Space, Watch) {
     let frame = GridFrame {
         width: 10,
@@ -34,8 +34,8 @@ pub fn nowhere() -> (Space, Watch) {
     (Space::new(&map), Watch::new(&SensorParams::default()))
 }
 
-/// A unicycle that turns towards its goal, on the spot if it lies far to the side, and goes on to the
-/// next goal as soon as it is within [`ARRIVAL`].
+/// Unicycle that turns towards its goal, on the spot if it lies far to the side, and continues to
+/// the next goal as soon as it is within [`ARRIVAL`].
 pub struct Robot<G> {
     pub pose: Pose2,
     pub goal: Point2<f64>,
@@ -63,7 +63,7 @@ impl<G: Iterator<Item = Point2<f64>>> Robot<G> {
         let bearing = math::angle_difference(wanted, self.pose.theta);
         let omega = (10.0 * bearing).clamp(-TURN, TURN);
         let mut v = if bearing.abs() > 0.8 { 0.0 } else { SPEED };
-        // As slow as the circle to a near goal asks for.
+        // The speed of the circle to a near goal.
         let bend = 2.0 * math::sin(bearing).abs() / offset.norm();
         if bend * v > TURN {
             v = TURN / bend;
@@ -78,7 +78,7 @@ impl<G: Iterator<Item = Point2<f64>>> Robot<G> {
     }
 }
 
-/// Looks on with noise, and hands what it sees to a predictor.
+/// Observes with noise and passes its measurements to a predictor.
 pub struct NoisyObserver {
     pub legs: Legs,
     pub sigma: f64,
@@ -100,7 +100,7 @@ impl NoisyObserver {
         }
     }
 
-    /// One tick; `seen` says whether the robot is in sight. Returns the goal made out.
+    /// Runs one tick; `seen` is `true` while the robot is in sight. Returns the detected goal.
     pub fn look(
         &mut self,
         pose: Pose2,
@@ -126,12 +126,12 @@ impl NoisyObserver {
         goal
     }
 
-    /// What the predictor says now of a robot out of sight.
+    /// Returns the predictor's current result for a robot out of sight.
     pub fn predict(&self, predictor: &dyn Predictor, horizon: f64) -> Option<Point2<f64>> {
         self.predict_with(predictor, None, horizon)
     }
 
-    /// What the predictor says now of a robot that is seen without noise.
+    /// Returns the predictor's current result for a robot that is observed without noise.
     pub fn predict_seen(
         &self,
         predictor: &dyn Predictor,

@@ -19,15 +19,16 @@ use super::pool::{Done, Job, Pool};
 use super::recent_plans::Memory;
 use crate::wire::{Refusal, decode_request, encode_answer};
 
-/// How long a lost wake-up, a client that has gone, or the end of the run may go unnoticed.
+/// Maximum time for which a lost wake-up, a disconnected client or the end of the run goes
+/// unnoticed.
 const POLL_INTERVAL: Duration = Duration::from_millis(50);
 
-/// What the dispatcher is given.
+/// Inputs of the dispatcher.
 #[derive(Debug, Clone)]
 pub struct DispatcherInput {
-    /// Where the run lives.
+    /// Shared-memory space of the run.
     pub space: RunSpace,
-    /// How its buffers are laid out.
+    /// Buffer layout of the run.
     pub options: BusOptions,
     /// Name of the process.
     pub name: String,
@@ -37,7 +38,7 @@ pub struct DispatcherInput {
     pub workers: u32,
 }
 
-/// A running dispatcher; it ends, with its workers, when this is dropped.
+/// Running dispatcher; dropping it ends it and its workers.
 #[derive(Debug)]
 pub struct Dispatcher {
     thread: Option<JoinHandle<Result<(), ProcessError>>>,
@@ -49,7 +50,7 @@ impl Dispatcher {
     /// Starts it and waits until its ports are open.
     ///
     /// # Errors
-    /// [`ProcessError`] if a port or a thread cannot be had.
+    /// [`ProcessError`] if a port or a thread cannot be created.
     pub fn start(given: DispatcherInput) -> Result<Self, ProcessError> {
         let stop = Arc::new(AtomicBool::new(false));
         let refused = Arc::new(AtomicU64::new(0));
@@ -71,15 +72,15 @@ impl Dispatcher {
         };
         match opened.recv() {
             Ok(()) => Ok(dispatcher),
-            // It ended before it said so.
+            // The thread ended before it reported its start.
             Err(_) => dispatcher.end().map(|()| dispatcher),
         }
     }
 
-    /// Whether it still works.
+    /// Checks that the thread still runs.
     ///
     /// # Errors
-    /// What the thread ended with.
+    /// The error with which the thread ended.
     pub fn check(&mut self) -> Result<(), ProcessError> {
         match &self.thread {
             Some(thread) if !thread.is_finished() => Ok(()),
@@ -95,7 +96,7 @@ impl Dispatcher {
         result.and_then(|()| Err(ended("ended before the run")))
     }
 
-    /// Requests so far that made no sense.
+    /// Returns the number of invalid requests so far.
     pub fn refused(&self) -> u64 {
         self.refused.load(Ordering::Relaxed)
     }
@@ -112,18 +113,19 @@ impl Drop for Dispatcher {
     }
 }
 
-/// A request that is being worked on.
+/// Request in progress.
 struct Open {
     id: u64,
     request: ActiveRequest<OptimiserPlan>,
     cancelled: Arc<AtomicBool>,
 }
 
-/// The dispatcher's own side.
+/// State of the dispatcher thread.
 struct DispatcherState {
     stop: Arc<AtomicBool>,
     refused: Arc<AtomicU64>,
-    // Closed in this order: nobody answers before nobody plans any more.
+    // Closed in this order: the dispatcher stops answering only after the pool has stopped
+    // planning.
     pool: Pool,
     open: Vec<Open>,
     server: Server<OptimiserPlan>,
@@ -147,7 +149,7 @@ impl DispatcherState {
             refused,
             pool,
             open: Vec::new(),
-            // Whoever asks before the listener stands is heard at the first look.
+            // The first check of the service also finds requests from before the listener existed.
             asked: bus.listener(PLAN_ASKED_EVENT)?,
             answered: bus.notifier(PLAN_ANSWERED_EVENT)?,
             server: bus.server(given.source, PlanResponse::MAX_SAMPLES)?,
@@ -157,7 +159,7 @@ impl DispatcherState {
         })
     }
 
-    /// Works until it is told to stop.
+    /// Serves requests until the stop flag is set.
     fn serve(&mut self) -> Result<(), ProcessError> {
         while !self.stop.load(Ordering::Relaxed) {
             while let Some(request) = self.server.receive()? {
@@ -201,7 +203,7 @@ impl DispatcherState {
         Ok(())
     }
 
-    /// Answers the open request of a robot, of which there is a newer one.
+    /// Answers the pending request of a robot that has sent a newer one.
     fn cancel(&mut self, robot: u32) -> Result<(), ProcessError> {
         let of_robot = |open: &Open| open.request.header().robot == robot;
         while let Some(at) = self.open.iter().position(of_robot) {
@@ -217,7 +219,7 @@ impl DispatcherState {
         let mut done = std::mem::take(&mut self.done);
         self.pool.collect(&mut done);
         for done in done.drain(..) {
-            // What was cancelled meanwhile has been answered.
+            // A request that was cancelled meanwhile has been answered.
             if let Some(at) = self.open.iter().position(|open| open.id == done.id) {
                 let open = self.open.remove(at);
                 self.answer(&open.request, &done.result, done.solve_ns)?;
@@ -230,7 +232,7 @@ impl DispatcherState {
         Ok(())
     }
 
-    /// Ends the work on what its client has given up.
+    /// Cancels jobs of requests that their clients have dropped.
     fn drop_unwanted(&mut self) {
         let pool = &self.pool;
         self.open.retain(|open| {
@@ -243,8 +245,8 @@ impl DispatcherState {
         });
     }
 
-    /// Sends an answer and wakes who asked. What goes wrong with one client must not keep the
-    /// others from their answers.
+    /// Sends an answer and wakes the client. A failure with one client must not delay the answers
+    /// to others.
     fn answer(
         &self,
         request: &ActiveRequest<OptimiserPlan>,
@@ -256,28 +258,28 @@ impl DispatcherState {
             && refusal.is_of_request()
         {
             self.refused.fetch_add(1, Ordering::Relaxed);
-            tracing::debug!("request of robot {} refused: {refusal}", header.robot);
+            tracing::debug!("request of robot {} rejected: {refusal}", header.robot);
         }
         let (response, samples) = encode_answer(header, result, solve_ns);
         match request.answer(response, &samples) {
             Ok(()) => {}
             Err(SendError::Transport { reason, .. }) => {
-                tracing::warn!("robot {} gets no answer: {reason}", header.robot);
+                tracing::warn!("cannot answer robot {}: {reason}", header.robot);
                 return Ok(());
             }
             Err(error) => return Err(error.into()),
         }
         let client = (header.stamp.source as usize).min(MAX_EVENT_ID);
         if let Err(error) = self.answered.notify(client) {
-            // It looks by itself before long.
-            tracing::warn!("cannot wake who asked for robot {}: {error}", header.robot);
+            // The client polls before long.
+            tracing::warn!("cannot wake the client of robot {}: {error}", header.robot);
         }
         Ok(())
     }
 }
 
-/// Monotonic clock when the time for a request is over (ns): it runs from its sending, as far as
-/// that can be true.
+/// Returns the monotonic time at which a request expires (ns). It counts from the time of sending,
+/// if that is plausible.
 fn deadline_ns(header: &PlanRequest, now_ns: u64) -> Option<u64> {
     let sent_ns = header.stamp.sent_ns;
     let from = if sent_ns == 0 {

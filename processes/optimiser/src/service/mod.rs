@@ -1,8 +1,8 @@
-//! The optimiser as a service: requests in, answers out, several at once.
+//! The optimiser as a service: parallel requests and answers.
 //!
-//! A *dispatcher* thread owns the ports. It sleeps until a client or a worker wakes it, takes up
-//! requests, hands them to the *workers* of a pool, gives up those that nobody wants any more, and
-//! sends the answers. The process's own thread takes no part, so that it is never late for its turn.
+//! A *dispatcher* thread owns the ports. It sleeps until a client or a worker wakes it, receives
+//! requests, passes them to the *workers* of a pool, cancels dropped ones, and sends the answers.
+//! The process's main thread takes no part, so that it is never late for its tick.
 
 mod dispatcher;
 mod pool;
@@ -17,10 +17,11 @@ use trajectory::{Options, Plan, Problem};
 
 use crate::wire::Refusal;
 
-/// Plans; a panic, which would be a bug, becomes an answer instead of the end of everybody's run.
+/// Plans; a panic, which would be a bug, becomes an answer instead of the end of the run.
 ///
-/// `last` is the plan that the robot follows. Nothing else is known of earlier requests: an answer
-/// depends on its request and on that plan alone, whatever was asked, cancelled or late before it.
+/// `last` is the plan that the robot follows. No other state of earlier requests is used. An answer
+/// depends on its request and on that plan alone, whatever was requested, cancelled or late before
+/// it.
 ///
 /// # Errors
 /// [`Refusal`] if there is no plan.
@@ -30,7 +31,7 @@ pub fn solve(
     last: Option<&Plan>,
     stop: &mut dyn FnMut() -> bool,
 ) -> Result<Plan, Refusal> {
-    // Nothing that the planning leaves half done outlives it.
+    // No partial state of the planning outlives it.
     let planned = catch_unwind(AssertUnwindSafe(|| {
         trajectory::plan(problem, options, last, stop)
     }));
@@ -38,7 +39,7 @@ pub fn solve(
         Ok(result) => result.map_err(Refusal::Plan),
         Err(panic) => {
             let words = words(panic.as_ref());
-            tracing::error!("the planning panicked: {words}");
+            tracing::error!("planning panicked: {words}");
             Err(Refusal::Failed(words))
         }
     }

@@ -15,39 +15,39 @@ use trajectory::problem::Problem;
 
 use crate::wire::Refusal;
 
-/// A request to be worked on.
+/// Request in the queue.
 pub(super) struct Job {
-    /// Tells it from all others.
+    /// Unique identifier.
     pub id: u64,
-    /// What is asked.
+    /// Problem to solve.
     pub problem: Problem,
-    /// How it shall be answered.
+    /// Options of the solver.
     pub options: Options,
     /// The plan that the robot follows.
     pub last: Option<Arc<Plan>>,
-    /// Monotonic clock when the time for it is over (ns), if that counts.
+    /// Monotonic time limit (ns), if it applies.
     pub deadline_ns: Option<u64>,
-    /// Set when the answer is not wanted any more.
+    /// Set when the answer is not needed any more.
     pub cancelled: Arc<AtomicBool>,
 }
 
-/// What came of a request.
+/// Result of a request.
 pub(super) struct Done {
     /// [`Job::id`].
     pub id: u64,
-    /// The plan, or why there is none.
+    /// The plan, or the reason for the lack of one.
     pub result: Result<Plan, Refusal>,
-    /// Time that it took (ns).
+    /// Computing time (ns).
     pub solve_ns: u64,
 }
 
-/// What all threads of a pool share.
+/// State shared by the threads of a pool.
 struct Shared {
     jobs: Mutex<Jobs>,
-    /// There is a job, or no more will come.
+    /// Signals a new job, or the end of all jobs.
     changed: Condvar,
     done: Mutex<Vec<Done>>,
-    /// Can be read when something is done.
+    /// Readable when a result is ready.
     bell: OwnedFd,
 }
 
@@ -57,7 +57,7 @@ struct Jobs {
     closed: bool,
 }
 
-/// Threads that plan; they end when it is dropped.
+/// Threads that plan; dropping it ends them.
 pub(super) struct Pool {
     shared: Arc<Shared>,
     threads: Vec<JoinHandle<()>>,
@@ -67,7 +67,7 @@ impl Pool {
     /// Starts the threads.
     ///
     /// # Errors
-    /// What the system says.
+    /// The error of the operating system.
     pub fn start(workers: u32) -> std::io::Result<Self> {
         let shared = Arc::new(Shared {
             jobs: Mutex::default(),
@@ -89,26 +89,26 @@ impl Pool {
         Ok(pool)
     }
 
-    /// Gives a job to the next thread that is free.
+    /// Passes a job to the next free thread.
     pub fn give(&self, job: Job) {
         lock(&self.shared.jobs).waiting.push_back(job);
         self.shared.changed.notify_one();
     }
 
-    /// Takes a job back that no thread has begun.
+    /// Removes a job that no thread has begun.
     pub fn take_back(&self, id: u64) {
         lock(&self.shared.jobs).waiting.retain(|job| job.id != id);
     }
 
-    /// What has been done since the last call, into `done`.
+    /// Moves the results since the last call to `done`.
     pub fn collect(&self, done: &mut Vec<Done>) {
         let mut count = [0; 8];
-        // Read first: what is done after it rings again. Nothing to read is fine.
+        // Read first: a later result makes it readable again. An empty read is no error.
         let _ = rustix::io::read(&self.shared.bell, &mut count);
         done.append(&mut lock(&self.shared.done));
     }
 
-    /// Can be read when something is done.
+    /// Readable when a result is ready.
     pub fn bell(&self) -> BorrowedFd<'_> {
         self.shared.bell.as_fd()
     }
@@ -122,7 +122,7 @@ impl Drop for Pool {
         drop(jobs);
         self.shared.changed.notify_all();
         for thread in self.threads.drain(..) {
-            // A panic in it was caught and told.
+            // A panic in it was caught and logged.
             let _ = thread.join();
         }
     }
@@ -133,12 +133,12 @@ impl Shared {
         while let Some(job) = self.next() {
             let done = work(&job);
             lock(&self.done).push(done);
-            // An eventfd that is full can be read already.
+            // An eventfd that is full is readable already.
             let _ = rustix::io::write(&self.bell, &1u64.to_ne_bytes());
         }
     }
 
-    /// The next job; `None` if no more will come.
+    /// Returns the next job; `None` at the end of all jobs.
     fn next(&self) -> Option<Job> {
         let mut jobs = lock(&self.jobs);
         loop {
@@ -172,7 +172,7 @@ fn work(job: &Job) -> Done {
     }
 }
 
-/// Nothing in here can be left half done by a panic.
+/// A panic cannot leave the protected data inconsistent.
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }

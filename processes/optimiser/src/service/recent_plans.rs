@@ -1,4 +1,4 @@
-//! The plans that robots may still be following, for those that replace them to begin near.
+//! Recent plans that robots may still follow; new plans start from them.
 
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
@@ -6,33 +6,33 @@ use std::sync::Arc;
 use ipc_types::messages::optimiser::PlanRequest;
 use trajectory::plan::Plan;
 
-/// Robots with a higher index are not remembered: a sender of nonsense must not fill the memory.
+/// Maximum number of robots with stored plans: invalid requests must not fill the memory.
 const ROBOTS: u32 = 256;
-/// Plans remembered of each robot: it may not have taken up the newest ones.
+/// Number of plans stored for each robot: it may not have received the newest ones.
 const EACH: usize = 4;
 
-/// The newest plans of every robot, by the requests that they answered.
+/// The newest plans of every robot, by the requests that they answer.
 ///
-/// What a request finds here depends on the plan that it names and on nothing else that was asked in
-/// between: a client only names plans that it has received, each of which was remembered before, and
-/// never one older than it has named already.
+/// The result for a request depends on the plan that it names and on no other request in between. A
+/// client only names plans that it has received, each of which was stored before, and never one
+/// older than its last.
 #[derive(Debug, Default)]
 pub struct Memory {
     plans: BTreeMap<u32, VecDeque<(Key, Arc<Plan>)>>,
 }
 
-/// Which request: its client and its sequence number there.
+/// Identity of a request: its client and its sequence number there.
 type Key = (u32, u64);
 
 impl Memory {
-    /// Remembers the plan that answers a request.
+    /// Stores the plan that answers a request.
     pub fn keep(&mut self, request: &PlanRequest, mut plan: Plan) {
         if request.robot >= ROBOTS {
             return;
         }
         let plans = self.plans.entry(request.robot).or_default();
         let key = (request.stamp.source, request.stamp.sequence);
-        // A client that counts anew has been started anew, and knows nothing of what it was answered before.
+        // A client that restarts its count is a restarted process: it has no earlier answers.
         plans.retain(|(known, _)| known.0 != key.0 || known.1 < key.1);
         if plans.len() == EACH {
             plans.pop_front();
@@ -41,7 +41,8 @@ impl Memory {
         plans.push_back((key, Arc::new(plan)));
     }
 
-    /// The plan that a request says its robot follows. What was planned for it before is forgotten.
+    /// Returns the plan that a request names as followed by its robot, and drops the plans before
+    /// it.
     pub fn followed(&mut self, request: &PlanRequest) -> Option<Arc<Plan>> {
         let key = (request.stamp.source, request.last.checked_sub(1)?);
         let plans = self.plans.get_mut(&request.robot)?;
@@ -91,7 +92,7 @@ mod tests {
         let mut time = |request: PlanRequest| memory.followed(&request).map(|plan| plan.final_time);
         assert_eq!(time(request(1, 9, 6)), Some(5.0));
         assert_eq!(time(request(2, 9, 4)), Some(13.0));
-        // None named, one that is forgotten, one that never was, another robot's.
+        // None named, a dropped one, an unknown one, another robot's.
         assert_eq!(time(request(1, 9, 0)), None);
         assert_eq!(time(request(1, 9, 2)), None);
         assert_eq!(time(request(1, 9, u64::MAX)), None);
@@ -99,22 +100,22 @@ mod tests {
     }
 
     #[test]
-    fn what_came_before_the_plan_that_is_followed_is_forgotten() {
+    fn plans_before_the_followed_one_are_dropped() {
         let mut memory = Memory::default();
         for sequence in 0..4 {
             memory.keep(&request(1, sequence, 0), plan(sequence as f64));
         }
         assert!(memory.followed(&request(1, 4, 3)).is_some());
         let left: Vec<f64> = memory.plans[&1].iter().map(|(_, p)| p.final_time).collect();
-        // The one that is followed, and one that may be taken up yet.
+        // The followed one, and one that the robot may still receive.
         assert_eq!(left, [2.0, 3.0]);
-        // One that nobody was given is no reason to forget.
+        // An unknown plan drops nothing.
         assert_eq!(memory.followed(&request(1, 4, 1000)), None);
         assert!(memory.followed(&request(1, 4, 3)).is_some());
     }
 
     #[test]
-    fn a_client_started_anew_finds_no_plans_of_its_former_life() {
+    fn a_restarted_client_finds_no_plans_of_its_predecessor() {
         let mut memory = Memory::default();
         for sequence in 0..3 {
             memory.keep(&request(1, sequence, 0), plan(sequence as f64));

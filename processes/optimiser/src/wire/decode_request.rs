@@ -1,4 +1,4 @@
-//! From a request, as it came in, to a problem; its sender may be anybody.
+//! Conversion of a received, untrusted request to a problem.
 
 use geometry::pose::Pose2;
 use geometry::shape::Aabb;
@@ -11,13 +11,13 @@ use trajectory::options::{Constraints, Guess, Options};
 use trajectory::plan::Method;
 use trajectory::problem::{Problem, ProblemError, RobotLimits, START_TOLERANCE, Wheels};
 
-/// Why a request is no problem.
+/// Faults of a request that describes no problem.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum RequestError {
-    /// The obstacles make no sense.
+    /// The obstacles are invalid.
     #[error("obstacles: {0}")]
     Shapes(#[from] ShapesMessageError),
-    /// A field makes no sense.
+    /// A field is invalid.
     #[error(transparent)]
     Problem(#[from] ProblemError),
 }
@@ -30,10 +30,10 @@ fn refused(field: &str, value: impl core::fmt::Display, expected: &str) -> Reque
     })
 }
 
-/// The problem and the options that a request states, both within their ranges.
+/// Returns the problem and the options of a request, both within their ranges.
 ///
 /// # Errors
-/// [`RequestError`] names what does not do.
+/// [`RequestError`] names the invalid value.
 pub fn decode_request(
     header: &PlanRequest,
     points: &[ShapePoint],

@@ -1,4 +1,4 @@
-//! From what came of a request to its answer.
+//! Conversion of a request's result to its answer.
 
 use ipc_types::messages::optimiser::{PlanRequest, PlanResponse, TrajectorySample};
 use ipc_types::stamp::Stamp;
@@ -7,24 +7,24 @@ use trajectory::{Method, Plan, PlanError, Status};
 
 use super::decode_request::RequestError;
 
-/// Why a request gets no plan.
+/// Reasons for which a request gets no plan.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum Refusal {
-    /// It makes no problem.
+    /// The request is invalid.
     #[error(transparent)]
     Request(#[from] RequestError),
-    /// There is no plan.
+    /// The planner found no plan.
     #[error(transparent)]
     Plan(#[from] PlanError),
-    /// A newer request of the same robot came.
-    #[error("a newer request of robot {robot} came")]
+    /// A newer request of the same robot arrived.
+    #[error("replaced by a newer request of robot {robot}")]
     Cancelled {
         /// The robot.
         robot: u32,
     },
-    /// The trajectory does not fit into an answer.
+    /// The trajectory exceeds the capacity of an answer.
     #[error(
-        "a trajectory of {samples} samples, more than the {} of an answer",
+        "the trajectory has {samples} samples, more than the {} of an answer",
         PlanResponse::MAX_SAMPLES
     )]
     TooLong {
@@ -37,7 +37,7 @@ pub enum Refusal {
 }
 
 impl Refusal {
-    /// Whether the request itself is to blame.
+    /// Returns `true` if the fault lies in the request itself.
     pub fn is_of_request(&self) -> bool {
         matches!(self, Self::Request(_) | Self::Plan(PlanError::Invalid(_)))
     }
@@ -57,7 +57,7 @@ impl Refusal {
     }
 }
 
-/// The answer to a request: header, and samples of a plan.
+/// Returns the answer to a request: header, and samples of a plan.
 pub fn encode_answer(
     request: &PlanRequest,
     result: &Result<Plan, Refusal>,

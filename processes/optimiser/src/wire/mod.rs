@@ -1,4 +1,4 @@
-//! The messages of `optimiser/plan`: requests to problems, plans to answers.
+//! Conversion of the messages of `optimiser/plan`: requests to problems, plans to answers.
 
 mod decode_request;
 mod encode_answer;

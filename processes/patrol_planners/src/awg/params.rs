@@ -6,13 +6,13 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use steering::waypoint_driver::DriverParams;
 
-/// How fast the patrol goes.
+/// Speed of the patrol.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Pace {
-    /// Each waypoint when it is due ([`patrol::awg::Awg::due_s`]), so that an ally with the key knows
-    /// where the robot is at any time. The clock starts when the robot sets out from the start of
-    /// the contour; before, and when it is late, it drives as fast as it can.
+    /// Each waypoint when it is due ([`patrol::awg::Awg::due_s`]), so that an ally with the key can
+    /// compute the robot's position at any time. The clock starts when the robot sets out from the
+    /// start of the contour; before, and when it is late, it drives as fast as it can.
     #[default]
     Clock,
     /// As fast as the robot can.
@@ -29,14 +29,14 @@ pub enum Pace {
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct PatrolAwgParams {
-    /// What is patrolled, in which time, with which key.
+    /// Route, duration and key of the patrol.
     pub mission: MissionParams,
-    /// How fast it goes.
+    /// Speed of the patrol.
     pub pace: Pace,
-    /// Whether the robot knows the obstacles of the map: then additional waypoints inside them are
-    /// left out at once, otherwise when they are not reached in time.
+    /// `true` if the robot knows the obstacles of the map. Additional waypoints inside them are
+    /// then left out at once, otherwise when they are not reached in time.
     pub obstacles_known: bool,
-    /// How waypoints are driven to; `driver.go_to.arrived` is the distance at which one is reached.
+    /// Driver to waypoints; `driver.go_to.arrived` is the distance at which one is reached.
     pub driver: DriverParams,
 }
 

@@ -8,7 +8,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use steering::waypoint_driver::DriverParams;
 
-/// What makes the patrol hard to predict.
+/// Means by which the patrol is hard to predict.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Protection {
@@ -29,17 +29,17 @@ pub enum Protection {
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct PatrolFtoParams {
-    /// What makes it hard to predict.
+    /// Means by which it is hard to predict.
     pub protection: Protection,
-    /// What is patrolled; width, key and preset are of use for the mixture only.
+    /// Route of the patrol; only the mixture uses width, key and preset.
     pub mission: MissionParams,
     /// The fictive obstacles.
     pub fto: FtoParams,
-    /// Which legs of the mixture get them.
+    /// Legs of the mixture that get them.
     pub mixed: MixedParams,
-    /// Whether the robot knows the obstacles of the map.
+    /// `true` if the robot knows the obstacles of the map.
     pub obstacles_known: bool,
-    /// How waypoints are driven to; `driver.go_to.arrived` is the distance at which one is reached.
+    /// Driver to waypoints; `driver.go_to.arrived` is the distance at which one is reached.
     pub driver: DriverParams,
 }
 

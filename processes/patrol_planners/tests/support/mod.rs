@@ -1,4 +1,4 @@
-//! A world with one robot on patrol, driven tick by tick.
+//! World with one robot on patrol, driven tick by tick.
 
 use core::time::Duration;
 use std::sync::Arc;
@@ -47,18 +47,18 @@ pub fn robot(start: Pose2) -> RobotSpec {
     spec
 }
 
-/// What a robot is like as its planner gets to know it.
+/// Returns the robot model that a planner receives.
 pub fn model(start: Pose2) -> RobotModel {
     robot(start).model()
 }
 
-/// What a planner makes of a tick.
+/// Steering of a planner in a tick.
 pub trait Steers {
     fn steer(&mut self, map: &PlannerMap, view: &View<'_>) -> Steering;
     fn reports(&self) -> &[WaypointReport];
 }
 
-/// What became of a drive.
+/// Result of a drive.
 pub struct Drive {
     pub world: World,
     pub reports: Vec<WaypointReport>,
@@ -137,7 +137,7 @@ pub fn drive(
     }
 }
 
-/// The exact geometry; the planners here do not look at the grids.
+/// Returns the exact geometry; the planners here do not use the grids.
 pub fn planner_map(world: &World) -> PlannerMap {
     let map = world.map();
     let space = FreeSpace::new(map.parts().to_vec(), *map.bounds(), 0.1).unwrap();

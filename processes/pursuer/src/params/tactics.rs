@@ -1,13 +1,13 @@
-//! Parameters of how a team plays: where it aims, who guards the exits.
+//! Parameters of a team's tactics: goals and guards of the exits.
 
 use parameters::{Parameters, above, at_least};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Furthest that a guard pose may lie from its exit (m); the work per tick grows with its square.
+/// Maximum distance of a guard pose from its exit (m); the work per tick grows with its square.
 pub const MAX_POST_RADIUS: f64 = 5.0;
 
-/// Where the goal for a hypothesis of a target lies.
+/// Position of the goal for a hypothesis of a target.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum GoalMethod {
@@ -15,20 +15,20 @@ pub enum GoalMethod {
     #[default]
     LookAhead,
     /// At the earliest place where this pursuer can meet the target: in its line of sight on the
-    /// target's straight course (the Apollonius circle), else on the target's shortest way to the
-    /// nearest exit, driven at its highest speed. See [`crate::interception`]. A target that it can
-    /// meet nowhere is looked ahead of.
+    /// target's straight course (the Apollonius circle), else on the target's shortest path to the
+    /// nearest exit, driven at its highest speed. See [`crate::interception`]. Without a meeting,
+    /// the goal is that of the look-ahead.
     Interception,
 }
 
-/// How hypotheses of a target become goals.
+/// Conversion of hypotheses of a target to goals.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct GoalParams {
-    /// Where the goal for a hypothesis lies.
+    /// Position of the goal for a hypothesis.
     pub method: GoalMethod,
-    /// Distance at which a target counts as met: the capture radius of the rules, or less.
-    /// Used by everything that predicts interceptions for goals and guards.
+    /// Distance at which a target counts as met: the capture radius of the rules, or less. Used by
+    /// all predictions of interceptions for goals and guards.
     #[schemars(transform = at_least(0).unit("m"))]
     pub reach: f64,
 }
@@ -44,20 +44,20 @@ impl Default for GoalParams {
 
 impl Parameters for GoalParams {}
 
-/// Who does something else than to chase.
+/// Roles other than chasing.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct RoleParams {
-    /// How many pursuers guard the exits instead of chasing; 0 for none. More than there are
-    /// pursuers means all of them. See [`crate::exit_guard`].
+    /// Number of pursuers that guard the exits instead of chasing; 0 for none. A number above that
+    /// of the pursuers means all of them. See [`crate::exit_guard`].
     pub exit_guard: usize,
-    /// How near to an exit's centre a target is through.
+    /// Distance to an exit's centre at which a target has escaped.
     #[schemars(transform = at_least(0).unit("m"))]
     pub exit_radius: f64,
-    /// Greatest distance of a guard from its exit's centre.
+    /// Maximum distance of a guard from its exit's centre.
     #[schemars(transform = above(0).at_most(MAX_POST_RADIUS).unit("m"))]
     pub post_radius: f64,
-    /// Time that a guard must have to spare, at its guard pose and for every target, to leave it for a
+    /// Time to spare, at its guard pose and for every target, with which a guard may leave it for a
     /// capture.
     #[schemars(transform = at_least(0).unit("s"))]
     pub margin_s: f64,
@@ -83,7 +83,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn posts_that_are_too_far_and_negative_distances_are_refused() {
+    fn distant_guard_poses_and_negative_distances_are_rejected() {
         let mut roles = RoleParams::default();
         check(&roles).unwrap();
         roles.post_radius = 5.5;

@@ -20,7 +20,7 @@ fn limits() -> Limits {
     Limits::new(V_POLICE, V_POLICE, 2.84).unwrap()
 }
 
-/// Chases a target that stands still; the time of capture, if any within `seconds`.
+/// Chases a target that stands still; returns the time of capture, if any within `seconds`.
 fn chase(params: &PursuerParams, body: &mut Kinematic, target: Pose2, seconds: f64) -> Option<f64> {
     let (arena, map) = &*CITY;
     let mut pursuer = Pursuer::new(*params, limits(), 5).unwrap();
@@ -92,7 +92,7 @@ fn no_robot_moves_before_the_delay_or_without_a_target() {
 }
 
 #[test]
-fn a_nearest_target_is_kept_until_it_is_gone() {
+fn the_nearest_target_is_kept_until_it_leaves_the_game() {
     let (_, map) = &*CITY;
     let mut pursuer = Pursuer::new(exact(), limits(), 5).unwrap();
     let mut robots = [
@@ -176,7 +176,7 @@ fn all_pursuers_agree_on_a_balanced_matching() {
 }
 
 #[test]
-fn a_pursuer_that_knows_nothing_stands_still_and_one_with_a_belief_follows_it() {
+fn a_pursuer_without_information_stands_still_and_one_with_a_belief_follows_it() {
     let (_, map) = &*CITY;
     let mut params = PursuerParams {
         belief_goals: BeliefGoals::Particles,
@@ -282,7 +282,7 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 64, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
-    fn commands_are_finite_and_within_limits_for_any_scan(
+    fn commands_are_finite_and_within_limits_for_any_view(
         numbers in prop::collection::vec(prop::num::f64::ANY, 32),
         tame in prop::collection::vec(-20.0_f64..20.0, 32),
         particles in prop::collection::vec(prop::array::uniform4(prop::num::f32::ANY), 0..20),

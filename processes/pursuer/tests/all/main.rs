@@ -1,4 +1,4 @@
-//! The Police against evaders that move by the book; one program, to be linked once.
+//! Tests of the Police against scripted evaders; one program saves link time.
 
 #[path = "../../../../algorithms/planner_view/tests/support/mod.rs"]
 mod support;

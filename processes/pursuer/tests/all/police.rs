@@ -1,4 +1,4 @@
-//! The Police of these tests, and what they see.
+//! The Police of these tests, and their views.
 
 use geometry::pose::Pose2;
 use planner_view::view::{BeliefView, RobotView, View};
@@ -13,12 +13,12 @@ pub const CATCH: f64 = 0.3;
 /// Largest speed of the Police (m/s).
 pub const V_POLICE: f64 = 0.3;
 
-/// A robot of the Police that stands still.
+/// Returns a robot of the Police that stands still.
 pub fn police(index: usize, pose: Pose2) -> RobotView {
     support::robot(index, Team::Police, pose, V_POLICE)
 }
 
-/// What the robot `me` sees and believes.
+/// Returns the view and beliefs of the robot `me`.
 pub fn view<'a>(
     time_s: f64,
     me: usize,
@@ -32,7 +32,7 @@ pub fn view<'a>(
     }
 }
 
-/// The defaults, but for knowing where everybody is.
+/// Returns the defaults with exact knowledge of all positions.
 pub fn exact() -> PursuerParams {
     let mut params = PursuerParams {
         knowledge: Knowledge::Exact,

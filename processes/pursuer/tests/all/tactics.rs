@@ -46,7 +46,7 @@ fn pursuer(params: &PursuerParams) -> Pursuer {
     Pursuer::new(*params, limits, 5).unwrap()
 }
 
-/// A runner on its shortest way to the exit that minds nobody.
+/// Runner on its shortest path to the exit that ignores all other robots.
 struct Runner {
     way: Vec<(Point2<f64>, f64)>,
     speed: f64,
@@ -75,7 +75,8 @@ impl Runner {
     }
 }
 
-/// When one pursuer from `start` catches a runner before it is out, if it does.
+/// Returns the time at which one pursuer from `start` catches a runner before it is out, if it
+/// does.
 fn hunt(params: &PursuerParams, start: Pose2, runner: &Runner) -> Option<f64> {
     let (arena, map) = &*CITY;
     let mut pursuer = pursuer(params);
@@ -124,7 +125,7 @@ fn a_pursuer_ahead_of_a_runner_aims_at_its_way_and_one_that_is_late_looks_ahead(
     let from = Pose2::new(4.5, -1.5, 1.6);
     let met = aim(&intercepting(), from);
     assert!((met.y - 1.5).abs() < 0.5 && met.x > 1.0, "{met}");
-    // Nobody drives round the block behind it in time.
+    // No pursuer drives round the block behind it in time.
     let behind = Pose2::new(-7.5, -7.5, 0.0);
     assert_eq!(aim(&intercepting(), behind), aim(&exact(), behind));
 }
@@ -156,7 +157,7 @@ fn hypotheses_are_met_each_on_its_own_way() {
         let steering = pursuer(&params).command(map, &view(1.0, 0, &robots, &beliefs));
         steering.aim.unwrap()
     };
-    // The two ways are mirror images: the heavier one draws.
+    // The two paths are mirror images: the one with the higher weight attracts.
     assert!(aim(5.0).y > 0.5, "{}", aim(5.0));
     assert!(aim(0.2).y < -0.5, "{}", aim(0.2));
 }
@@ -178,7 +179,7 @@ fn a_guard_is_the_pursuer_nearest_to_the_exit_and_stays_one() {
     });
     guards.choose(map, &mut finder, &view(1.0, 0, &robots, &[]));
     assert_eq!(guards.guards(), [(1, 0), (2, 0)]);
-    // Another comes nearer: no change. One drops out: the nearest of the rest takes over.
+    // Another comes nearer: no change. One drops out: the nearest of the rest replaces it.
     robots[0].pose.y = 0.2;
     guards.choose(map, &mut finder, &view(2.0, 0, &robots, &[]));
     assert_eq!(guards.guards(), [(1, 0), (2, 0)]);
@@ -254,13 +255,13 @@ fn a_guard_leaves_only_for_a_certain_capture() {
             .target
     };
     assert_eq!(target(&[guard, comes]), Some(1));
-    // Another could be out before the guard were back.
+    // Another target could be out before the guard is back.
     let lurks = evader(2, Pose2::new(7.5, 4.5, 0.0), 0.9);
     assert_eq!(target(&[guard, comes, lurks]), None);
     // The guard is itself too far from the exit.
     let away = police(0, Pose2::new(7.5, 7.5, 3.0));
     assert_eq!(target(&[away, comes]), None);
-    // What is only guessed is not certain.
+    // A capture by belief is not certain.
     let mut params = guarding();
     params.knowledge = Knowledge::Belief;
     let particles = [ParticleView {
@@ -288,7 +289,7 @@ fn a_guard_leaves_only_for_a_certain_capture() {
 }
 
 #[test]
-fn a_guard_comes_to_rest_at_its_post() {
+fn a_guard_comes_to_rest_at_its_guard_pose() {
     let (arena, map) = &*CITY;
     let mut pursuer = pursuer(&guarding());
     let mut body = Kinematic::new(7.5, 1.5, 3.0);
@@ -327,11 +328,11 @@ fn no_evader_that_is_no_faster_gets_past_a_guard_and_few_who_are_twice_as_fast()
     println!("{} of {runners} got past: {past:?}", past.len());
     let twice_as_fast = past.iter().filter(|(speed, _)| *speed == 0.6).count();
     assert!(twice_as_fast * 2 < runners / 3, "{past:?}");
-    // Nobody who is no faster than the guard.
+    // Only evaders that are faster than the guard.
     assert!(past.iter().all(|(speed, _)| *speed > V_POLICE), "{past:?}");
 }
 
-/// Whether a way leads from a place to the exit past the discs around these places.
+/// Returns `true` if a path leads from a place to the exit past the discs around these places.
 fn gets_out(grid: &NavGrid, from: Point2<f64>, places: &[Point2<f64>], radius: f64) -> bool {
     let start = grid.node_at(from).unwrap();
     let exit = grid.node_at(EXIT).unwrap();
@@ -405,7 +406,7 @@ fn the_places_of_a_cut_separate_the_target_from_the_exit() {
 }
 
 #[test]
-fn a_target_that_does_not_move_is_caught_by_those_who_cut_it_off() {
+fn a_target_that_does_not_move_is_caught_by_pursuers_that_cut_it_off() {
     let (arena, map) = &*CITY;
     let mut params = exact();
     params.assignment.method = AssignmentMethod::CutOff;
@@ -431,7 +432,7 @@ fn a_target_that_does_not_move_is_caught_by_those_who_cut_it_off() {
         }
     }
     let places = bodies.map(|body| body.pose);
-    panic!("nobody reaches it in 200 s: {places:?}");
+    panic!("no runner reaches it in 200 s: {places:?}");
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! The barrier itself: its words, who writes them, and how it is shared.
+//! Layout of the barrier: its words, their writers and the shared mapping.
 
 use std::fs::{File, OpenOptions};
 use std::os::unix::fs::OpenOptionsExt;
@@ -9,13 +9,13 @@ use std::time::Duration;
 use memmap2::{MmapOptions, MmapRaw};
 use rustix::thread::futex;
 
-/// Most processes of a run, the simulator included.
+/// Maximum number of processes of a run, including the simulator.
 pub const MAX_SLOTS: usize = 64;
 
-/// Says that the file is a tick barrier of this layout.
+/// Magic number of files with a tick barrier of this layout.
 const MAGIC: u32 = 0x5052_5433;
 
-/// Why the barrier cannot be used.
+/// Faults that make the barrier unusable.
 #[derive(Debug, thiserror::Error)]
 pub enum BarrierError {
     /// The file cannot be created, opened or mapped.
@@ -23,60 +23,60 @@ pub enum BarrierError {
     File {
         /// The file in shared memory.
         path: PathBuf,
-        /// What the system said.
+        /// Error of the operating system.
         source: std::io::Error,
     },
-    /// The file is something else.
+    /// The file is not a tick barrier of this version.
     #[error("tick barrier {path}: not a tick barrier of this version ({reason})")]
     Layout {
         /// The file in shared memory.
         path: PathBuf,
-        /// What differs.
+        /// Description of the difference.
         reason: String,
     },
     /// The run has more processes than the barrier has slots.
-    #[error("{processes} processes, but a run has at most {MAX_SLOTS}")]
+    #[error("{processes} processes, more than the maximum of {MAX_SLOTS}")]
     TooManyProcesses {
         /// Processes of the run.
         processes: usize,
     },
 }
 
-/// What the run does; written by the orchestrator only.
+/// Phase of the run; written by the orchestrator only.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 #[repr(u32)]
 pub enum Phase {
     /// Processes open their ports.
     Start = 0,
-    /// Every port exists: processes connect them.
+    /// Every port exists: processes connect their ports.
     Connect = 1,
-    /// The map has been sent: processes build what they need of it.
+    /// The map has been sent: processes build their data from it.
     Prepare = 2,
     /// Time runs.
     Run = 3,
-    /// Everybody ends.
+    /// All processes end.
     Stop = 4,
 }
 
-/// How a process is; written by the process, or by the orchestrator when it found it dead.
+/// State of a process; written by the process, or by the orchestrator when it finds it dead.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(u32)]
 pub enum SlotState {
-    /// Nobody has this slot.
+    /// Free slot.
     Empty = 0,
-    /// The process has not yet opened its ports.
+    /// The process has not opened its ports yet.
     Starting = 1,
     /// Its ports are open.
     Ready = 2,
     /// Its ports are connected; it takes part in every tick from now on.
     Connected = 3,
-    /// It ended as asked.
+    /// Ended on request.
     Stopped = 4,
     /// It ended with an error.
     Failed = 5,
-    /// The orchestrator found it dead; nobody waits for it any more.
+    /// The orchestrator found it dead; no process waits for it any more.
     Dead = 6,
-    /// It has built what it needs of the map and waits for its first tick.
+    /// It has built its data of the map and waits for its first tick.
     Prepared = 7,
 }
 
@@ -94,23 +94,23 @@ impl SlotState {
         }
     }
 
-    /// Whether ticks wait for the process.
+    /// Returns `true` if ticks wait for the process.
     pub fn takes_part(self) -> bool {
         matches!(self, Self::Connected | Self::Prepared)
     }
 
-    /// Whether the process still takes part or may yet.
+    /// Returns `true` if the process takes part or may do so later.
     pub fn is_alive(self) -> bool {
         matches!(self, Self::Starting | Self::Ready) || self.takes_part()
     }
 }
 
-/// The words of one process, on a cache line of their own.
+/// Words of one process, on a separate cache line.
 #[repr(C, align(64))]
 pub(super) struct Slot {
     /// [`SlotState`].
     pub state: AtomicU32,
-    /// Ticks done; a futex for those downstream.
+    /// Ticks done; futex of the processes downstream.
     pub done: AtomicU32,
     /// 1 if the simulator waits for this process at every tick.
     pub in_loop: AtomicU32,
@@ -123,31 +123,31 @@ pub(super) struct Slot {
 pub(super) struct Words {
     pub magic: AtomicU32,
     pub slots: AtomicU32,
-    /// [`Phase`]; futex of everybody.
+    /// [`Phase`]; futex of all processes.
     pub phase: Line,
     /// Ticks posted by the simulator; futex of the processes without upstream.
     pub tick: Line,
-    /// Arrivals so far, never reset (a late arrival of the last tick would otherwise be counted
-    /// for this one); futex of the simulator.
+    /// Number of arrivals, never reset (a late arrival of the last tick would otherwise count for
+    /// this one); futex of the simulator.
     pub arrived: Line,
-    /// Arrivals at which the simulator is woken.
+    /// Number of arrivals at which the simulator is woken.
     pub target: Line,
-    /// Ticks of which every message has been sent; written by the simulator.
+    /// Number of ticks whose messages have all been sent; written by the simulator.
     pub completed: Line,
-    /// Ticks in the log; futex of a simulator that is held back.
+    /// Number of ticks in the log; futex of a simulator that waits for the recorder.
     pub recorded: Line,
-    /// Bumped when the recorder should look; its futex.
+    /// Incremented when the recorder has records to read; its futex.
     pub record_due: Line,
-    /// Requests of processes that start in the middle of a run: the simulator is to connect to them.
+    /// Requests of processes that start in the middle of a run: the simulator connects to them.
     pub joins: Line,
-    /// Requests that the simulator has followed; futex of the processes that wait for that.
+    /// Number of requests that the simulator has served; futex of the processes that wait for that.
     pub joined: Line,
-    /// 1 when the game is over; bumps nothing, the recorder and orchestrator look.
+    /// 1 when the game is over. It wakes no process; the recorder and the orchestrator poll it.
     pub over: Line,
     pub slot: [Slot; MAX_SLOTS],
 }
 
-/// A word on its own cache line, so that waiting on one does not slow down another.
+/// Word on a separate cache line, so that a wait on one does not slow down another.
 #[repr(C, align(64))]
 pub(super) struct Line(pub AtomicU32);
 
@@ -158,7 +158,7 @@ pub struct TickBarrier {
 }
 
 impl TickBarrier {
-    /// Where the barrier of a run with this prefix lies.
+    /// Returns the path of the barrier of a run with this prefix.
     pub fn path_for(prefix: &str) -> PathBuf {
         Path::new("/dev/shm").join(format!("{prefix}turn"))
     }
@@ -266,17 +266,17 @@ impl TickBarrier {
         &self.words().slot[index.min(MAX_SLOTS - 1)]
     }
 
-    /// How a process is.
+    /// Returns the state of a process.
     pub fn state(&self, slot: usize) -> SlotState {
         SlotState::from_word(self.slot(slot).state.load(Ordering::Acquire))
     }
 
-    /// Ticks that a process has done.
+    /// Returns the number of ticks that a process has done.
     pub fn ticks_done(&self, slot: usize) -> u64 {
         u64::from(self.slot(slot).done.load(Ordering::Acquire))
     }
 
-    /// What the run does.
+    /// Returns the phase of the run.
     pub fn phase(&self) -> Phase {
         match self.words().phase.0.load(Ordering::Acquire) {
             0 => Phase::Start,
@@ -292,7 +292,7 @@ impl TickBarrier {
         u64::from(self.words().tick.0.load(Ordering::Acquire))
     }
 
-    /// Whether the simulator said that the game is over.
+    /// Returns `true` if the simulator has reported the end of the game.
     pub fn is_over(&self) -> bool {
         self.words().over.0.load(Ordering::Acquire) != 0
     }
@@ -308,7 +308,7 @@ impl core::fmt::Debug for TickBarrier {
     }
 }
 
-/// Sleeps while `word` is `seen`, at most for `timeout`. Wakes early without reason now and then.
+/// Sleeps while `word` is `seen`, at most for `timeout`. It may wake early without a reason.
 pub(super) fn sleep_while(word: &AtomicU32, seen: u32, timeout: Duration) {
     let timeout = rustix::thread::Timespec {
         tv_sec: i64::try_from(timeout.as_secs()).unwrap_or(i64::MAX),
@@ -319,7 +319,7 @@ pub(super) fn sleep_while(word: &AtomicU32, seen: u32, timeout: Duration) {
     let _ = futex::wait(word, futex::Flags::empty(), seen, Some(&timeout));
 }
 
-/// Wakes everybody who sleeps on `word`.
+/// Wakes all processes that sleep on `word`.
 pub(super) fn wake_all(word: &AtomicU32) {
     let _ = futex::wake(word, futex::Flags::empty(), i32::MAX as u32);
 }

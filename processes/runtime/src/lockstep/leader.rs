@@ -1,4 +1,4 @@
-//! The turn as the simulator sees it.
+//! The simulator's side of the tick barrier.
 
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
@@ -7,22 +7,22 @@ use std::time::Duration;
 use super::POLL_INTERVAL;
 use super::barrier::{Phase, SlotState, TickBarrier, sleep_while, wake_all};
 
-/// How often the recorder is woken at the least (ticks): waking it costs a context switch, so it
-/// works in batches.
+/// Maximum period of wake-ups of the recorder (ticks). A wake-up costs a context switch, so the
+/// recorder works in batches.
 const RECORD_BATCH: u32 = 32;
 
-/// What the wait for a tick ended with.
+/// Result of the wait for a tick.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TickEnd {
-    /// Everybody alive has done the tick.
+    /// All live members have done the tick.
     Complete,
-    /// Not yet; look after the heartbeat and wait again.
+    /// Not complete yet; send a heartbeat if due and wait again.
     Idle,
     /// The run ends.
     Stop,
 }
 
-/// The simulator's slot: posts ticks and waits for everybody.
+/// Slot of the simulator: posts ticks and waits for all members.
 #[derive(Debug)]
 pub struct BarrierLeader {
     barrier: Arc<TickBarrier>,
@@ -31,7 +31,7 @@ pub struct BarrierLeader {
 }
 
 impl BarrierLeader {
-    /// Takes the slot. The simulator may run at most `lag` ticks ahead of the recorder.
+    /// Opens the slot. The simulator may be at most `lag` ticks ahead of the recorder.
     pub fn new(barrier: Arc<TickBarrier>, slot: usize, lag: usize) -> Self {
         Self {
             barrier,
@@ -40,16 +40,16 @@ impl BarrierLeader {
         }
     }
 
-    /// The slots that take part in tick barriers, in order.
+    /// Returns the slots that take part in ticks, in order.
     fn members(&self) -> impl Iterator<Item = usize> + '_ {
         (0..self.barrier.processes()).filter(|&slot| {
             slot != self.slot && self.barrier.slot(slot).in_loop.load(Ordering::Relaxed) != 0
         })
     }
 
-    /// How many members have not done this many ticks. A member that has ended counts until the
-    /// orchestrator has dead it or stopped the run: otherwise the world would go on without it for
-    /// as long as that takes, a different time in every run.
+    /// Returns the number of members that have not done this many ticks. A member that has ended
+    /// counts until the orchestrator has marked it as dead or stopped the run. Otherwise the world
+    /// would continue without it for that time, which differs between runs.
     fn waiting_for(&self, wanted: u32) -> u32 {
         self.members()
             .filter(|&slot| {
@@ -60,8 +60,8 @@ impl BarrierLeader {
             .count() as u32
     }
 
-    /// Has `connect` connect every port if a process has joined in the middle of the run since the
-    /// last call (real time).
+    /// Calls `connect` to connect every port if a process has joined in the middle of the run since
+    /// the last call (real time).
     ///
     /// # Errors
     /// Those of `connect`.
@@ -76,7 +76,7 @@ impl BarrierLeader {
         Ok(())
     }
 
-    /// Posts tick `tick`: its state has been published, everybody may step it.
+    /// Posts tick `tick`: its state has been published, all members may step it.
     pub fn post(&self, tick: u64) {
         let words = self.barrier.words();
         let wanted = (tick + 1) as u32;
@@ -85,13 +85,13 @@ impl BarrierLeader {
         wake_all(&words.tick.0);
     }
 
-    /// Lets the last of those still missing wake the simulator.
+    /// Sets the arrival count at which the last missing member wakes the simulator.
     fn retarget(&self, wanted: u32) {
         let words = self.barrier.words();
-        // A member stores `done` before it raises the counter, and the counter is read here before
-        // the members are: whoever is counted as arrived is never counted as missing too. So the
-        // target may come out too small (a member between its two stores: one needless wake-up),
-        // never too large (nobody would wake us).
+        // A member stores `done` before it raises the counter, and this function reads the counter
+        // before it reads the members. A member that is counted as arrived is therefore never
+        // counted as missing, too. The target may be too small (a member between its two stores:
+        // one needless wake-up), but never too large (no member would wake the simulator).
         let arrived = words.arrived.0.load(Ordering::SeqCst);
         let missing = self.waiting_for(wanted);
         words
@@ -100,7 +100,7 @@ impl BarrierLeader {
             .store(arrived.wrapping_add(missing), Ordering::SeqCst);
     }
 
-    /// Waits until everybody alive has done tick `tick`; returns [`TickEnd::Idle`] after
+    /// Waits until all live members have done tick `tick`; returns [`TickEnd::Idle`] after
     /// [`POLL_INTERVAL`] without progress.
     pub fn wait(&self, tick: u64) -> TickEnd {
         let words = self.barrier.words();
@@ -109,8 +109,8 @@ impl BarrierLeader {
         loop {
             let seen = words.arrived.0.load(Ordering::SeqCst);
             let missing = self.waiting_for(wanted);
-            // Asked last: when a run stops its members leave, and that nobody is missing any more
-            // does not mean that the tick was done.
+            // Checked last: when a run stops its members leave. That no member is missing then does
+            // not mean that the tick was done.
             if self.barrier.phase() == Phase::Stop {
                 return TickEnd::Stop;
             }
@@ -122,22 +122,22 @@ impl BarrierLeader {
             }
             let target = words.target.0.load(Ordering::SeqCst);
             if (seen.wrapping_sub(target) as i32) >= 0 {
-                // The target is behind (a member died and the others are still at work): without a
-                // new one nobody would wake us.
+                // The target is too low (a member died and the others still compute): without a new
+                // one no member would wake the simulator.
                 self.retarget(wanted);
                 continue;
             }
             sleep_while(&words.arrived.0, seen, POLL_INTERVAL);
             slept = words.arrived.0.load(Ordering::SeqCst) == seen && self.waiting_for(wanted) != 0;
             if self.waiting_for(wanted) != 0 {
-                // Somebody may have died since: the number to wait for has changed.
+                // A member may have died since: the number to wait for has changed.
                 self.retarget(wanted);
             }
         }
     }
 
-    /// Says that every message of tick `tick` has been sent, wakes the recorder when a batch is
-    /// due, and sleeps while the recorder is too far behind. False if the run stops meanwhile.
+    /// Marks every message of tick `tick` as sent, wakes the recorder when a batch is due, and
+    /// sleeps while the recorder is too far behind. Returns `false` if the run stops meanwhile.
     pub fn complete(&self, tick: u64) -> bool {
         let words = self.barrier.words();
         let completed = self.complete_without_waiting(tick);
@@ -154,8 +154,8 @@ impl BarrierLeader {
         }
     }
 
-    /// As [`BarrierLeader::complete`], in real time: the recorder never holds the world back.
-    /// Returns the number of completed ticks.
+    /// Like [`BarrierLeader::complete`], in real time: the recorder never delays the world. Returns
+    /// the number of completed ticks.
     pub fn complete_without_waiting(&self, tick: u64) -> u32 {
         let completed = (tick + 1) as u32;
         self.barrier
@@ -169,7 +169,7 @@ impl BarrierLeader {
         completed
     }
 
-    /// Says that the game is over: after the completed ticks there will be no more.
+    /// Marks the game as over: no ticks follow the completed ones.
     pub fn finish(&self) {
         let words = self.barrier.words();
         words.over.0.store(1, Ordering::SeqCst);
@@ -182,19 +182,19 @@ impl BarrierLeader {
         wake_all(due);
     }
 
-    /// Whether the run is to end.
+    /// Returns `true` if the run is about to end.
     pub fn stopping(&self) -> bool {
         self.barrier.phase() == Phase::Stop
     }
 
-    /// Posts tick `tick` in real time: nobody is waited for.
+    /// Posts tick `tick` in real time, without a wait.
     pub fn post_without_waiting(&self, tick: u64) {
         let words = self.barrier.words();
         words.tick.0.store((tick + 1) as u32, Ordering::SeqCst);
         wake_all(&words.tick.0);
     }
 
-    /// Sleeps for `time` or until the run stops; true if it goes on.
+    /// Sleeps for `time` or until the run stops; returns `true` if the run continues.
     pub fn sleep(&self, time: Duration) -> bool {
         let end = std::time::Instant::now() + time;
         loop {

@@ -1,4 +1,4 @@
-//! The turn as a process in the loop sees it.
+//! The side of the tick barrier of a process in the loop.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -7,12 +7,12 @@ use std::time::Duration;
 use super::POLL_INTERVAL;
 use super::barrier::{Phase, SlotState, TickBarrier, sleep_while, wake_all};
 
-/// What a wait ended with.
+/// Result of a wait.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TickWait {
-    /// This tick is to be done now.
+    /// Tick to do now.
     Tick(u64),
-    /// Nothing yet within the time; look after the heartbeat and wait again.
+    /// No tick within the time; send a heartbeat if due and wait again.
     Idle,
     /// The run ends.
     Stop,
@@ -27,7 +27,7 @@ pub struct BarrierMember {
 }
 
 impl BarrierMember {
-    /// Takes the slot; `upstream` are the slots whose output of a tick must be there before this
+    /// Opens the slot. `upstream` are the slots whose output of a tick must be complete before this
     /// process steps it (empty: only the simulator's state).
     pub fn new(barrier: Arc<TickBarrier>, slot: usize, upstream: Vec<usize>) -> Self {
         Self {
@@ -37,31 +37,32 @@ impl BarrierMember {
         }
     }
 
-    /// Says how this process is, and wakes whoever waits for that.
+    /// Sets the state of this process and wakes those that wait for it.
     pub fn set_state(&self, state: SlotState) {
-        // Who was dead stays so: a bridge may speak for a process that is gone.
+        // A dead process stays dead: a bridge may report for a process that has gone.
         let alive = |now| (now != SlotState::Dead as u32).then_some(state as u32);
         let word = &self.barrier.slot(self.slot).state;
         let _ = word.fetch_update(Ordering::SeqCst, Ordering::SeqCst, alive);
-        // The orchestrator looks at the states on its own send if due; the simulator sleeps on arrivals.
+        // The orchestrator polls the states with its heartbeats; the simulator sleeps on arrivals.
         wake_all(&self.barrier.words().arrived.0);
         wake_all(&self.barrier.slot(self.slot).done);
     }
 
-    /// Whether this process starts in the middle of a run, as the successor of one that failed
-    /// (real time). Ask before the process is ready: time does not start without it.
+    /// Returns `true` if this process starts in the middle of a run, as the successor of a failed
+    /// one (real time). Call it before the process is ready: time does not start without it.
     pub fn joins_late(&self) -> bool {
         self.barrier.phase() == Phase::Run
     }
 
-    /// In the middle of a run: sleeps until the simulator has connected to the ports of this process
-    /// and so handed out its map; false if the run stops first or `keep_going` says no.
+    /// Joins a run in the middle: sleeps until the simulator has connected to the ports of this
+    /// process and so sent its map. Returns `false` if the run stops first or `keep_going` returns
+    /// `false`.
     pub fn join(&self, keep_going: impl Fn() -> bool) -> bool {
         let words = self.barrier.words();
         let mine = words.joins.0.fetch_add(1, Ordering::SeqCst).wrapping_add(1);
         loop {
             let joined = words.joined.0.load(Ordering::SeqCst);
-            // Wrapping comparison: others may ask too.
+            // Wrapping comparison: other processes may join at the same time.
             if (joined.wrapping_sub(mine) as i32) >= 0 {
                 return true;
             }
@@ -72,12 +73,13 @@ impl BarrierMember {
         }
     }
 
-    /// Ticks posted so far: the first tick that one who joins late can do.
+    /// Returns the number of posted ticks: the first tick that a late joiner can do.
     pub fn ticks_posted(&self) -> u64 {
         self.barrier.ticks_posted()
     }
 
-    /// Sleeps until the run has reached `phase`; false if it stops first or `keep_going` says no.
+    /// Sleeps until the run has reached `phase`; returns `false` if it stops first or `keep_going`
+    /// returns `false`.
     pub fn wait_for_phase(&self, phase: Phase, keep_going: impl Fn() -> bool) -> bool {
         loop {
             let now = self.barrier.phase();
@@ -91,8 +93,8 @@ impl BarrierMember {
         }
     }
 
-    /// Waits for the turn of tick `next` (lock-step): until the simulator has posted it and
-    /// everybody upstream has done it or is gone. Returns [`TickWait::Idle`] after [`POLL_INTERVAL`].
+    /// Waits for tick `next` (lock-step): until the simulator has posted it and every process
+    /// upstream has done it or has ended. Returns [`TickWait::Idle`] after [`POLL_INTERVAL`].
     pub fn wait_tick(&self, next: u64) -> TickWait {
         let wanted = (next + 1) as u32;
         for &slot in &self.upstream {
@@ -102,12 +104,12 @@ impl BarrierMember {
                 other => return other,
             }
         }
-        // An upstream that is gone does not tell whether the tick was posted at all.
+        // The end of a process upstream does not imply that the tick was posted.
         self.wait_word(&self.barrier.words().tick.0, wanted, next, || false)
     }
 
-    /// Waits for tick `next` or any after it (real time): the newest one posted. Those upstream get
-    /// `patience` to finish theirs.
+    /// Waits for tick `next` or a later one (real time): the newest one posted. The processes
+    /// upstream get `patience` to finish theirs.
     pub fn wait_newest(&self, next: u64, patience: Duration) -> TickWait {
         let turn = self.wait_word(
             &self.barrier.words().tick.0,
@@ -151,7 +153,7 @@ impl BarrierMember {
         }
     }
 
-    /// Marks tick `tick` as done by this process and wakes whom that concerns.
+    /// Marks tick `tick` as done by this process and wakes the processes that wait for it.
     pub fn done(&self, tick: u64) {
         let words = self.barrier.words();
         let own = self.barrier.slot(self.slot);
@@ -168,7 +170,7 @@ impl BarrierMember {
             .fetch_add(1, Ordering::SeqCst)
             .wrapping_add(1);
         let target = words.target.0.load(Ordering::SeqCst);
-        // Wrapping comparison: the counter runs for ever.
+        // Wrapping comparison: the counter overflows.
         if (arrived.wrapping_sub(target) as i32) >= 0 {
             wake_all(&words.arrived.0);
         }

@@ -1,14 +1,14 @@
-//! The turn: one small barrier of shared memory that says whose move it is.
+//! Tick barrier: the page of shared memory that coordinates the ticks of a run.
 //!
-//! Data travels over the bus; the *turn* goes over a barrier of futex words, because the price of a
-//! tick is its context switches. The simulator publishes the state of tick *k* and posts the tick;
-//! every process in the loop waits for its upstream (the tick itself, or the processes whose output
-//! for *k* it needs), steps, and marks itself done; the last one wakes the simulator.
+//! Data travels over the bus; ticks go over a barrier of futex words, because context switches
+//! dominate the cost of a tick. The simulator publishes the state of tick *k* and posts the tick.
+//! Every process in the loop waits for its upstream (the tick itself, or the processes whose output
+//! for *k* it needs), steps, and marks the tick as done. The last one wakes the simulator.
 //!
 //! * [`barrier`]: the barrier and its words;
-//! * [`BarrierMember`]: the turn as a process in the loop sees it;
-//! * [`BarrierLeader`]: as the simulator sees it;
-//! * [`BarrierMonitor`]: as the orchestrator and its recorder see it.
+//! * [`BarrierMember`]: the side of a process in the loop;
+//! * [`BarrierLeader`]: the side of the simulator;
+//! * [`BarrierMonitor`]: the side of the orchestrator and its recorder.
 
 pub mod barrier;
 mod leader;
@@ -22,6 +22,6 @@ pub use monitor::BarrierMonitor;
 
 use std::time::Duration;
 
-/// Longest sleep before a waiting process looks whether it shall stop. Only a process that was
-/// never woken (its waker died) notices.
+/// Maximum sleep before a waiting process checks for a stop. It only matters to a process that was
+/// never woken (because its waker died).
 pub const POLL_INTERVAL: Duration = Duration::from_millis(100);

@@ -1,4 +1,4 @@
-//! The turn as the orchestrator and its recorder see it.
+//! The side of the tick barrier of the orchestrator and its recorder.
 
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
@@ -6,25 +6,25 @@ use std::time::Duration;
 
 use super::barrier::{MAX_SLOTS, Phase, SlotState, TickBarrier, sleep_while, wake_all};
 
-/// The orchestrator's hand on the barrier; clone it for the recorder's thread.
+/// The orchestrator's access to the barrier; the recorder's thread uses a clone.
 #[derive(Debug, Clone)]
 pub struct BarrierMonitor {
     barrier: Arc<TickBarrier>,
 }
 
 impl BarrierMonitor {
-    /// Takes the barrier into hand.
+    /// Wraps the barrier.
     pub fn new(barrier: Arc<TickBarrier>) -> Self {
         Self { barrier }
     }
 
-    /// The barrier, to look at.
+    /// Returns the barrier, for reading.
     pub fn barrier(&self) -> &TickBarrier {
         &self.barrier
     }
 
-    /// Gives a slot to a process that is about to start: whether the simulator waits for it at
-    /// every tick, and whether other processes do.
+    /// Assigns a slot to a process that is about to start. `in_loop`: the simulator waits for it at
+    /// every tick; `watched`: other processes wait for it.
     pub fn assign_slot(&self, slot: usize, in_loop: bool, watched: bool) {
         let words = self.barrier.slot(slot.min(MAX_SLOTS - 1));
         words.in_loop.store(u32::from(in_loop), Ordering::SeqCst);
@@ -32,14 +32,14 @@ impl BarrierMonitor {
         self.reset_slot(slot);
     }
 
-    /// Gives a slot to the successor of a process that has been dead, which is about to start;
-    /// only in real time.
+    /// Assigns a slot to the successor of a dead process, which is about to start; only in real
+    /// time.
     pub fn reset_slot(&self, slot: usize) {
         let state = &self.barrier.slot(slot.min(MAX_SLOTS - 1)).state;
         state.store(SlotState::Starting as u32, Ordering::SeqCst);
     }
 
-    /// Moves the run on and wakes everybody.
+    /// Sets the phase of the run and wakes all processes.
     pub fn set_phase(&self, phase: Phase) {
         let words = self.barrier.words();
         words.phase.0.store(phase as u32, Ordering::SeqCst);
@@ -49,14 +49,15 @@ impl BarrierMonitor {
         }
     }
 
-    /// Takes a dead process out of the count, so that nobody waits for it.
+    /// Removes a dead process from the count, so that no process waits for it.
     pub fn mark_dead(&self, slot: usize) {
         self.barrier
             .slot(slot)
             .state
             .store(SlotState::Dead as u32, Ordering::SeqCst);
-        // The simulator may be between its last look at the states and its sleep: a change of the
-        // word that it sleeps on keeps it awake. An arrival too many costs a needless look at most.
+        // The simulator may be between its last check of the states and its sleep: a change of the
+        // word that it sleeps on keeps it awake. An extra arrival costs one needless wake-up at
+        // most.
         self.barrier
             .words()
             .arrived
@@ -81,7 +82,7 @@ impl BarrierMonitor {
         }
     }
 
-    /// Sleeps until the simulator calls for the recorder, at most for `timeout`.
+    /// Sleeps until the simulator wakes the recorder, at most for `timeout`.
     pub fn wait_for_records(&self, timeout: Duration) {
         let words = self.barrier.words();
         let due = words.record_due.0.load(Ordering::SeqCst);
@@ -92,12 +93,12 @@ impl BarrierMonitor {
         }
     }
 
-    /// The newest tick of which every message has been sent; `None` before the first.
+    /// Returns the newest tick whose messages have all been sent; `None` before the first.
     pub fn completed_tick(&self) -> Option<u64> {
         u64::from(self.barrier.words().completed.0.load(Ordering::SeqCst)).checked_sub(1)
     }
 
-    /// Tells the simulator that everything up to `tick` is in the log.
+    /// Reports to the simulator that all ticks up to `tick` are in the log.
     pub fn recorded(&self, tick: u64) {
         let recorded = &self.barrier.words().recorded.0;
         recorded.store((tick + 1) as u32, Ordering::SeqCst);

@@ -1,11 +1,11 @@
-//! What planners take up from the bus.
+//! Inputs that planners receive from the bus.
 
 use ipc_types::bus::{Bus, BusOptions, PublisherOptions, RunSpace};
 use ipc_types::messages::world::{RobotState, WorldHeader};
 use ipc_types::topics::{RunSize, WorldState};
 use runtime::inputs::StateInput;
 
-/// A run space of its own that is wiped when the test ends, also by a panic.
+/// Separate run space that is deleted when the test ends, also by a panic.
 struct Space(
     RunSpace,
     #[expect(dead_code, reason = "removed when dropped")] tempfile::TempDir,

@@ -1,4 +1,4 @@
-//! The tick barrier with threads in the place of processes (each with a mapping of its own).
+//! The tick barrier with threads in the place of processes (each with its own mapping).
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -9,7 +9,7 @@ use runtime::lockstep::{
     TickEnd, TickWait,
 };
 
-/// A barrier of a test's own, removed also when the test fails.
+/// Separate barrier of a test, removed also when the test fails.
 pub struct Barrier(String);
 
 impl Barrier {
@@ -30,7 +30,7 @@ impl Drop for Barrier {
     }
 }
 
-/// Steps ticks until the run stops; `step` sees every tick once and in order.
+/// Steps ticks until the run stops; `step` gets every tick once and in order.
 fn take_part(member: &BarrierMember, mut step: impl FnMut(u64) -> bool) {
     member.set_state(SlotState::Connected);
     let mut next = 0;
@@ -57,7 +57,7 @@ fn conduct(leader: &BarrierLeader, ticks: u64, mut after: impl FnMut(u64)) {
             match leader.wait(tick) {
                 TickEnd::Complete => break,
                 TickEnd::Idle => {}
-                TickEnd::Stop => panic!("nobody stops this run"),
+                TickEnd::Stop => panic!("this run is never stopped"),
             }
         }
         after(tick);
@@ -126,7 +126,7 @@ fn a_process_that_dies_in_the_middle_of_a_tick_is_taken_out_of_the_count() {
     let (died, death) = std::sync::mpsc::channel();
     std::thread::scope(|scope| {
         for slot in 1..4 {
-            // 3 waits for 1, which dies at tick 50 without a word.
+            // 3 waits for 1, which dies at tick 50 without a message.
             let upstream = if slot == 3 { vec![1] } else { Vec::new() };
             let member = BarrierMember::new(barrier.open(), slot, upstream);
             let died = died.clone();
@@ -178,7 +178,7 @@ fn the_world_waits_for_a_process_that_ended_until_the_orchestrator_has_decided()
         members[0].set_state(SlotState::Connected);
     }
     monitor.mark_dead(1);
-    // At the end of a run everybody leaves: the tick that they leave open is not complete.
+    // At the end of a run all members leave: their unfinished tick is not complete.
     leader.post(2);
     monitor.set_phase(Phase::Stop);
     members[1].set_state(SlotState::Stopped);
@@ -227,7 +227,7 @@ fn a_stop_wakes_all_members() {
         wait_connected(monitor.barrier(), 1..2);
         scope.spawn(move || {
             assert!(leader.complete(0));
-            // The recorder never comes: the next one waits until the stop.
+            // The recorder never arrives: the next tick waits until the stop.
             assert!(!leader.complete(1));
         });
         monitor.set_phase(Phase::Stop);
@@ -251,7 +251,7 @@ fn in_real_time_a_late_process_gets_the_newest_tick() {
 }
 
 #[test]
-fn one_that_joins_in_the_middle_of_a_run_waits_until_the_simulator_has_connected_to_it() {
+fn a_late_joiner_waits_until_the_simulator_has_connected_to_it() {
     let (barrier, monitor) = Barrier::new("join", 3);
     let leader = BarrierLeader::new(barrier.open(), 0, 1);
     let mut connected = 0;
@@ -287,7 +287,7 @@ fn one_that_joins_in_the_middle_of_a_run_waits_until_the_simulator_has_connected
         }
     });
     assert!((1..=2).contains(&admit()), "once per request at most");
-    assert!(!member(1).join(|| false), "told to end");
+    assert!(!member(1).join(|| false), "stop requested");
     monitor.set_phase(Phase::Stop);
     assert!(!member(1).join(|| true), "the run ends");
 }

@@ -1,4 +1,4 @@
-//! The crate from outside; one program, because linking two costs.
+//! Integration tests of the crate; one program saves link time.
 
 mod inputs;
 mod lockstep;

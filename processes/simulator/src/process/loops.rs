@@ -1,4 +1,5 @@
-//! Who drives the world from tick to tick: everybody's answers, or the clock.
+//! Loops that advance the world: in lock-step, when all processes have done the tick, and in real
+//! time.
 
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
@@ -9,14 +10,14 @@ use runtime::{ProcessError, Setup};
 
 use super::Simulator;
 
-/// Moments at which ticks are due in real time, one period apart.
+/// Times at which ticks are due in real time, one period apart.
 struct Schedule {
     period: Duration,
     due: Instant,
 }
 
 impl Schedule {
-    /// A schedule whose first tick is due now, at so many simulated seconds per second.
+    /// Returns a schedule whose first tick is due now; `factor` is in simulated s per s.
     fn new(tick_period: Duration, factor: f64) -> Self {
         Self {
             period: tick_period.div_f64(factor.max(1e-3)),
@@ -24,8 +25,8 @@ impl Schedule {
         }
     }
 
-    /// Time until the next tick is due. Zero if it is late: then the schedule shifts, so that the
-    /// world does not race to catch up.
+    /// Returns the time until the next tick is due. Zero if it is late: then the schedule shifts,
+    /// so that the world does not race to catch up.
     fn until_next(&mut self) -> Duration {
         self.due += self.period;
         let now = Instant::now();
@@ -36,8 +37,8 @@ impl Schedule {
 }
 
 impl Simulator {
-    /// Ticks that come when everybody has done the last one, and with a pace (simulated s/s) not before
-    /// they are due.
+    /// Runs ticks that begin when all processes have done the last one and, with a pace (simulated
+    /// s/s), not before they are due.
     pub(super) fn lock_step(
         &mut self,
         leader: &BarrierLeader,
@@ -87,7 +88,7 @@ impl Simulator {
         }
     }
 
-    /// Ticks that come by the clock.
+    /// Runs ticks in real time.
     pub(super) fn real_time(
         &mut self,
         leader: &BarrierLeader,

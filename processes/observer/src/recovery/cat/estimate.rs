@@ -1,4 +1,4 @@
-//! The state in the middle of a window from the wraps on both sides of it.
+//! Estimate of the state in the middle of a window from the wraps on both sides of it.
 
 use std::collections::VecDeque;
 
@@ -41,7 +41,8 @@ const fn powers() -> [i128; MAX_WINDOW + 4] {
 }
 
 impl CatRecovery {
-    /// The state at `middle` from the wraps between `first` and `last`, where points were seen.
+    /// Estimates the state at `middle` from the wraps between `first` and `last`, where points were
+    /// observed.
     ///
     /// With `U = x + φy` (which the map multiplies by φ²) and `S = φx − y` (by φ⁻²) it is
     /// `x = (U/φ + S)/√5`, `y = (U − S/φ)/√5`, where

@@ -1,20 +1,20 @@
-//! What the points may say of the wraps between them: every history that is likely enough.
+//! Histories of the wraps between points: all that are likely enough.
 
 use core::ops::RangeInclusive;
 use std::collections::VecDeque;
 
 use super::{MAX_STEPS, MAX_WINDOW};
 
-/// Largest square of a deviation from what was predicted (variances): one in eight thousand is larger.
+/// Maximum squared deviation from the prediction (variances): one in eight thousand is larger.
 const GATE: f64 = 18.0;
 
-/// Largest deviation of an observed coordinate from a claimed orbit (standard deviations).
+/// Maximum deviation of an observed coordinate from a recovered orbit (standard deviations).
 const TOLERANCE: f64 = 6.0;
 
-/// Wraps beyond these are none; those of [`MAX_STEPS`] are far fewer.
+/// Bound beyond which wraps are invalid; those of [`MAX_STEPS`] are far fewer.
 const MAX_WRAP: f64 = 1e6;
 
-/// A point as observed.
+/// Observed point.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Seen {
     pub(super) point: [f64; 2],
@@ -23,7 +23,7 @@ pub(super) struct Seen {
 }
 
 impl Seen {
-    /// Whether a point of the torus is within the tolerance, by coordinate.
+    /// Returns `true` if a point of the torus is within the tolerance, by coordinate.
     pub(super) fn close(&self, other: [f64; 2]) -> bool {
         self.point.iter().zip(other).all(|(a, b)| {
             let difference = a - b;
@@ -32,7 +32,7 @@ impl Seen {
     }
 }
 
-/// The wraps between the points of the window, and where the orbit is now.
+/// Wraps between the points of the window, and the current state of the orbit.
 #[derive(Debug, Clone)]
 pub(super) struct History {
     /// One per step; those of steps without a point are part of the next one's.
@@ -40,8 +40,8 @@ pub(super) struct History {
     /// Estimate of the last point, and its covariance: xx, xy, yy.
     z: [f64; 2],
     p: [f64; 3],
-    /// What its points cost: minus the logarithm of their likelihood, as against points that lie
-    /// anywhere in the square.
+    /// Cost of its points: minus the logarithm of their likelihood against that of points anywhere
+    /// in the square.
     pub(super) cost: f64,
 }
 
@@ -56,7 +56,7 @@ impl History {
         }
     }
 
-    /// Appends to `into` every way in which the next point, `steps` on, can go on.
+    /// Appends every possible continuation with the next point, `steps` on, to `into`.
     pub(super) fn extend<'a>(&'a self, steps: u32, seen: &Seen, into: &mut Vec<Next<'a>>) {
         // M to the power of the steps: ((p, q), (q, p + q)).
         let (mut p, mut q) = (1.0, 1.0);
@@ -111,7 +111,7 @@ impl History {
     }
 }
 
-/// How a history may go on.
+/// Possible continuation of a history.
 pub(super) struct Next<'a> {
     history: &'a History,
     wraps: [i64; 2],
@@ -135,7 +135,7 @@ impl Next<'_> {
     }
 }
 
-/// The whole numbers within `spread` of a number; none where they could not be counted.
+/// Returns the integers within `spread` of a number; none where they could not be counted.
 fn whole_numbers(center: f64, spread: f64) -> RangeInclusive<i64> {
     let (low, high) = ((center - spread).ceil(), (center + spread).floor());
     if low.abs().max(high.abs()) < MAX_WRAP {

@@ -16,7 +16,7 @@ pub enum CatModulus {
     Prime,
 }
 
-/// Bits behind the point in the sums below.
+/// Fractional bits of the sums below.
 pub(super) const FRACTION: u32 = 120;
 
 /// A state on the ring.
@@ -36,7 +36,7 @@ impl CatModulus {
         }
     }
 
-    /// The integer closest to `fraction` (in units of 2⁻¹²⁰) of the modulus, on the ring.
+    /// Returns the integer closest to `fraction` (in units of 2⁻¹²⁰) of the modulus, on the ring.
     pub(super) fn round(self, fraction: i128) -> u64 {
         let fraction = fraction.rem_euclid(1 << FRACTION);
         let fraction = match self {
@@ -85,13 +85,13 @@ impl State {
         value & (u64::MAX >> (64 - self.modulus.bits()))
     }
 
-    /// Whether an observation is close to the state, on the torus.
+    /// Returns `true` if an observation is close to the state, on the torus.
     pub(super) fn agrees(&self, seen: &Seen) -> bool {
         let scale = (1_u128 << self.modulus.bits()) as f64;
         seen.close([self.a as f64 / scale, self.b as f64 / scale])
     }
 
-    /// The generator in this state; none for states that no key leads to.
+    /// Returns the generator in this state; none for states without a key.
     pub(super) fn source(&self) -> Option<AnySource> {
         match self.modulus {
             CatModulus::Prime => CatP::new(self.a, self.b).ok().map(AnySource::CatP),
