@@ -49,7 +49,7 @@ fn a_program_that_is_replaced_in_the_middle_of_its_run_starts_itself_again() {
     // A process failed and was restarted.
     assert_eq!(outcome.code, Some(3), "{outcome}");
     assert!(
-        outcome.stderr.contains("pursuer_police_1 is back"),
+        outcome.stderr.contains("pursuer_police_1 rejoined the run"),
         "{outcome}"
     );
     std::fs::remove_file(&file).unwrap();

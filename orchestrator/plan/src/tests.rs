@@ -221,7 +221,7 @@ fn files_without_instances_are_refused_as_a_whole() {
         (&nameless, "1 to 200 characters"),
         (&twice, "elements 0 and 1 have the same id \"a\""),
         (r#"[{"id": "a", "start": 1e999}]"#, "not JSON"),
-        (r#"[{"id": "a", "id": "b"}]"#, "there twice"),
+        (r#"[{"id": "a", "id": "b"}]"#, "occurs twice"),
         ("[NaN]", "not JSON"),
     ] {
         let error = parse(text.as_bytes()).unwrap_err().to_string();
