@@ -204,7 +204,7 @@ fn behind_a_wall_nothing_is_seen_and_predictions_go_on() {
 #[test]
 fn names_that_are_unknown_and_numbers_out_of_range_are_refused() {
     for (params, part) in [
-        (json!({ "watch": ["nobody"] }), "`watch` names `nobody`"),
+        (json!({ "watch": ["missing"] }), "`watch` names `missing`"),
         (json!({ "period_s": 0.0 }), "`period_s` is 0"),
         (json!({ "filter": { "particles": 0 } }), "filter.particles"),
         (json!({ "cat": { "t_max": -1.0 } }), "cat.t_max"),
