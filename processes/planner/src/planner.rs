@@ -105,7 +105,7 @@ pub trait Planner: Sized + 'static {
     /// Checks that a robot can do its task on this map; `seed` is the planner's own.
     ///
     /// # Errors
-    /// [`TaskError`] names the fault.
+    /// [`TaskFault`] names the parameter or obstacle.
     fn check_task(params: &Self::Params, task: &Task<'_>, seed: u64) -> Result<(), TaskFault> {
         let _ = (params, task, seed);
         Ok(())

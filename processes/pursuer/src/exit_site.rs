@@ -147,8 +147,8 @@ impl ExitSite {
     }
 
     /// Returns the guard pose with the least lateness for a guard of this speed (m/s) and reach
-    /// (m). For each entry, `deadlines` are the times of targets (s), and `covered` those of other
-    /// guards (s); the other guards' positions are given, too.
+    /// (m). For each entry, `deadlines` are the times at which targets may be there (s), and `covered`
+    /// those at which other guards can (s). `others` are the guard poses of the other guards (m).
     ///
     /// Of equal guard poses the one where the guard alone is less late, then the one nearer to the
     /// exit, then the first.

@@ -87,7 +87,7 @@ pub trait ProcessKind: Process + Sized + 'static {
     /// Checks that it can do its task with one of its robots on this map.
     ///
     /// # Errors
-    /// [`TaskError`] names the fault.
+    /// [`TaskFault`] names the parameter or obstacle.
     fn check_task(params: &Self::Params, task: &Task<'_>) -> Result<(), TaskFault> {
         let _ = (params, task);
         Ok(())
