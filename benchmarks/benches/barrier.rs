@@ -1,9 +1,9 @@
-//! What one turn of the barrier costs: post, everybody does the tick, the barrier leader goes on. Threads
-//! stand in for processes, each with a mapping of its own, and do nothing in their turn; beside the
-//! same on a standard library barrier, which threads of one process could use instead.
+//! Cost of one tick of the barrier: the leader posts, all members finish, the leader continues.
+//! Threads stand in for processes, each with its own mapping, and do no work. Baseline: the barrier
+//! of the standard library, which works only within one process.
 //!
-//! Measured before with processes on one core of another machine of this kind: a futex barrier turns
-//! 39 000 to 42 000 ticks/s with 8 of them, data included; events 19 000.
+//! Measured earlier, with processes on one core of another machine of this kind: 39 000 to 42 000
+//! ticks/s of a futex barrier with 8 processes, data included; 19 000 with events.
 
 use std::hint::black_box;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -15,10 +15,10 @@ use runtime::lockstep::{
     BarrierLeader, BarrierMember, BarrierMonitor, Phase, SlotState, TickBarrier, TickEnd, TickWait,
 };
 
-/// How many take part beside the barrier leader.
+/// Number of barrier members.
 const MEMBERS: [usize; 4] = [1, 2, 4, 8];
 
-/// A barrier of its own, with members at work on it; both go when it is dropped.
+/// A barrier with working members; dropping it ends them.
 struct Table {
     prefix: String,
     monitor: BarrierMonitor,
@@ -88,7 +88,7 @@ fn take_part(member: &BarrierMember) {
     }
 }
 
-/// Two rounds of a barrier per turn: everybody begins, everybody is done.
+/// Two rounds of a barrier per tick: all begin, all have finished.
 fn barrier_turns(members: usize, turns: u64) -> Duration {
     let barrier = Barrier::new(members + 1);
     let over = AtomicBool::new(false);

@@ -1,7 +1,7 @@
-//! Cost of choosing sub-goals, and gain of the summed worth of cells.
+//! Cost of choosing sub-goals, and gain of summed cell values.
 //!
-//! A leg's worth comes from sums along rows and columns, which are made anew after every sweep.
-//! Baseline: the same cells looked at one by one, which needs no sums.
+//! The value of a leg comes from sums along rows and columns, which are recomputed after every
+//! sweep. Baseline: a loop over the same cells, without sums.
 
 use std::hint::black_box;
 

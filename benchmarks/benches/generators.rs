@@ -1,9 +1,9 @@
 //! Points per second of the generators, on one core: `cargo bench -p benchmarks --bench
 //! generators`.
 //!
-//! Before Criterion's own measurements a table is printed: best of many short repetitions (which a
-//! busy machine disturbs least), for each kind of key as its own type where a planner would choose
-//! it when it is compiled, and as [`AnySource`], which chooses at every step.
+//! A table is printed before Criterion's measurements: the best of many short repetitions (least
+//! affected by a busy machine). Each kind of key is measured as a concrete type, which a planner
+//! could choose at compile time, and as [`AnySource`], which dispatches at every step.
 
 use std::hint::black_box;
 use std::time::Instant;
@@ -15,7 +15,7 @@ const POINTS: u32 = 100_000;
 const REPETITIONS: usize = 200;
 const SEED: u64 = 1;
 
-/// Sum of the next points, so that none of them is left out.
+/// Returns the sum of the next points, so that none is optimised away.
 fn run(source: &mut impl Source) -> [f64; 2] {
     (0..POINTS).fold([0.0; 2], |[x, y], _| {
         let [dx, dy] = source.next_unit();
@@ -23,7 +23,7 @@ fn run(source: &mut impl Source) -> [f64; 2] {
     })
 }
 
-/// Best rate over the repetitions (points/s).
+/// Returns the best rate of the repetitions (points/s).
 fn best_rate(source: &mut impl Source) -> f64 {
     let best = (0..REPETITIONS)
         .map(|_| {
@@ -35,7 +35,7 @@ fn best_rate(source: &mut impl Source) -> f64 {
     f64::from(POINTS) / best
 }
 
-/// Best rate of the generator inside, without the choice at every step.
+/// Returns the best rate of the inner generator, without dispatch at every step.
 fn best_rate_alone(source: AnySource) -> f64 {
     match source {
         AnySource::CatP(mut s) => best_rate(&mut s),

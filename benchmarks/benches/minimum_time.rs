@@ -1,8 +1,8 @@
-//! What minimum-time plans cost, by method, on random problems: from corner to corner, among many
-//! large discs, and where obstacles have popped up.
+//! Cost of minimum-time plans, by method, on random problems: from corner to corner, among many
+//! large discs, and with obstacles that have appeared.
 //!
-//! Baseline: the exact shortest path alone (`tangent`), which is where every method begins. How
-//! IPOPT compares: `benchmarks/ipopt_baseline`.
+//! Baseline: the exact shortest path alone (`tangent`), with which every method begins. For a
+//! comparison with IPOPT see `benchmarks/ipopt_baseline`.
 
 use std::hint::black_box;
 
@@ -30,7 +30,7 @@ fn minimum_time(criterion: &mut Criterion) {
                 method,
                 ..Options::default()
             };
-            // All problems in turn, so that a measurement is of the recipe and not of one of them.
+            // All problems in turn, so that a measurement covers the recipe.
             let mut next = problems.iter().cycle();
             group.bench_function(method.name(), |bencher| {
                 bencher.iter(|| {

@@ -1,10 +1,10 @@
-//! Particle-filter updates per second against the version one would write first (f64, array of
-//! structs, one random number after the other): `cargo bench -p benchmarks --bench particle_filter`.
+//! Particle-filter updates per second against a straightforward version (f64, array of structs, one
+//! random number after the other): `cargo bench -p benchmarks --bench particle_filter`.
 //!
-//! One update is predict + weigh + resample, on a 6 m × 6 m street grid of 384 × 384 cells with four
-//! observers. "Seen" has σ = 0.1 m. "Unseen" is a belief two seconds after the opponent (0.6 m/s) was
-//! lost. Before Criterion's own measurements a table is printed: best of several repetitions, which
-//! a busy machine disturbs least.
+//! One update is predict + weigh + resample, on a 6 m × 6 m street grid of 384 × 384 cells with
+//! four observers. "Seen" has σ = 0.1 m. "Unseen" is a belief two seconds after the opponent (0.6
+//! m/s) was lost. A table is printed before Criterion's measurements: the best of several
+//! repetitions (least affected by a busy machine).
 
 #[path = "support/streets.rs"]
 mod streets;
@@ -70,7 +70,7 @@ fn scene() -> Scene {
     }
 }
 
-/// A filter after two seconds without a sighting.
+/// Returns a filter after two seconds without a sighting.
 fn lost(scene: &Scene, n: usize) -> ParticleFilter {
     let params = FilterParams {
         particles: n,
@@ -174,7 +174,7 @@ fn product(map: &BlurredMap, a: Point2<f64>, b: Point2<f64>) -> f64 {
     let mut p = a / RESOLUTION + step * 0.5;
     let mut product = 1.0;
     for _ in 0..samples as usize {
-        // Both ends lie in the grid, whose corner is the origin.
+        // Both ends are in the grid, whose corner is the origin.
         let cell = p.y as usize * SIDE + p.x as usize;
         if occupied[cell] {
             return 0.0;
@@ -185,12 +185,12 @@ fn product(map: &BlurredMap, a: Point2<f64>, b: Point2<f64>) -> f64 {
     product.powf(length / samples)
 }
 
-/// Best rate of several updates from the same belief (1/s).
+/// Returns the best rate of several updates from the same belief (1/s).
 fn rate<F: Clone>(filter: &F, n: usize, repetitions: usize, mut update: impl FnMut(&mut F)) -> f64 {
     let mut fastest = f64::INFINITY;
     for _ in 0..repetitions {
         let mut copy = filter.clone();
-        // Once unmeasured: working memory and caches are then as in a running filter.
+        // One unmeasured update: working memory and caches are then as in a running filter.
         update(&mut copy);
         let start = Instant::now();
         update(&mut copy);
@@ -243,7 +243,7 @@ fn table(scene: &Scene) {
     }
 }
 
-/// Total time of one update from the same belief each.
+/// Returns the total time of updates that all begin with the same belief.
 fn timed<F: Clone>(rounds: u64, filter: &F, mut update: impl FnMut(&mut F)) -> Duration {
     let mut total = Duration::ZERO;
     for _ in 0..rounds {

@@ -1,5 +1,6 @@
-//! What planning a patrol costs: a lap of 120 waypoints (case 1 of the cat-map patrol paper) with
-//! each kind of generator, beside the generator's own steps; and the choice of the zig-zag's width.
+//! Cost of planning a patrol: a lap of 120 waypoints (case 1 of the cat-map patrol paper) with each
+//! kind of generator, compared with the generator's steps alone; and the choice of the zig-zag's
+//! width.
 
 use std::hint::black_box;
 use std::time::Duration;

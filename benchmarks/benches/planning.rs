@@ -1,8 +1,9 @@
-//! What plans cost in the paper's city.
+//! Cost of RRT* plans in the paper's city.
 //!
 //! Baseline: the chasing-game paper's published Python took 3.79 s of CPU for 1500 iterations with
-//! four Police and found a way in 19 of 20 tries; on arcs 5.51 s for 5000 iterations, found in 2 of
-//! 6. How near ways come to the shortest, and how OMPL compares: `benchmarks/ompl_baseline`.
+//! four Police and found a path in 19 of 20 tries; on arcs 5.51 s for 5000 iterations, found in 2
+//! of 6. For path lengths relative to the shortest, and a comparison with OMPL, see
+//! `benchmarks/ompl_baseline`.
 
 #[path = "../../processes/evader_rrt_star/tests/support/mod.rs"]
 mod support;
@@ -25,7 +26,7 @@ use support::{EXIT, RADIUS, START, city, costs};
 
 const TRIES: u64 = 100;
 
-/// Iterations between two looks at the clock.
+/// Iterations between two readings of the clock.
 const BETWEEN_LOOKS: u32 = 32;
 
 fn cpu_ms() -> f64 {
@@ -51,7 +52,7 @@ fn scene<'a>(collision_map: &'a CollisionMap, cost: &'a CostModel) -> Scene<'a> 
     }
 }
 
-/// A search for ways from the start to the exit, before its first step.
+/// Returns a search for paths from the start to the exit, before its first step.
 fn search<M: Motion>(scene: &Scene<'_>, motion: M, seed: u64) -> Search<M> {
     let mut search = Search::new(SearchParams::default(), motion, seed);
     search.plant(
@@ -69,7 +70,7 @@ fn plan<M: Motion>(scene: &Scene<'_>, motion: M, seed: u64, iterations: u32) -> 
     search
 }
 
-/// How often a way was found, and CPU times: of the median try, and of the slowest.
+/// Prints the number of successful tries, and CPU times: of the median try, and of the slowest.
 fn tries<M: Motion + Copy>(what: &str, scene: &Scene<'_>, motion: M, iterations: u32, ms: f64) {
     let (mut times, mut found, mut costs) = (Vec::new(), 0, Vec::new());
     for seed in 0..TRIES {
@@ -98,7 +99,7 @@ fn tries<M: Motion + Copy>(what: &str, scene: &Scene<'_>, motion: M, iterations:
     );
 }
 
-/// Near neighbours in a tree that grows to 1500 points: the index beside a look at every point.
+/// Near neighbours in a tree that grows to 1500 points: the index, and a linear scan.
 fn neighbours(criterion: &mut Criterion, collision_map: &CollisionMap) {
     let mut rng = ChaCha8Rng::seed_from_u64(1);
     let draw = |_| collision_map.sampler.draw(&collision_map.space, &mut rng);

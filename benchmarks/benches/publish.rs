@@ -1,9 +1,9 @@
-//! The cost of one message within one thread: loan, fill, send, receive, free. Ours beside bare
-//! iceoryx2 with the same bytes, written and (`send_in_place`) untouched, with the ratio of blocks that
-//! take turns; and the CDR form for the log beside a plain copy of as many bytes.
+//! Cost of one message within one thread: loan, fill, send, receive, free. Baseline: bare iceoryx2
+//! with the same bytes, written and (`send_in_place`) untouched; the ratio is of alternating
+//! blocks. Also the CDR form for the log, against a plain copy of as many bytes.
 //!
-//! Baselines measured before on another machine of this kind: bare iceoryx2 loan + send 0.21 us,
-//! receive + free 0.12 us.
+//! Measured earlier on another machine of this kind: bare iceoryx2 loan + send 0.21 us, receive +
+//! free 0.12 us.
 
 use std::hint::black_box;
 use std::time::{Duration, Instant};
@@ -16,19 +16,19 @@ use ipc_types::messages::robot::ScanHeader;
 use ipc_types::topics::{RunSize, Scan};
 use statistics::paired_ratio;
 
-/// Payloads (bytes).
+/// Payload sizes (bytes).
 const SIZES: [usize; 6] = [64, 1 << 10, 16 << 10, 256 << 10, 1 << 20, 4 << 20];
-/// Pairs of blocks of which a ratio is the median.
+/// Number of pairs of blocks; a ratio is their median.
 const PAIRS: usize = 31;
 
-/// As many bytes as the header of our messages has.
+/// A header of the same size as that of Protean's messages.
 #[derive(Debug, Clone, Copy, Default, ZeroCopySend)]
 #[repr(C)]
 struct RawHeader {
     words: [u64; size_of::<ScanHeader>() / 8],
 }
 
-/// A run space that is wiped at the end.
+/// A run space that is removed when dropped.
 struct Space(RunSpace);
 
 impl Space {
@@ -142,7 +142,7 @@ fn transport(criterion: &mut Criterion) {
     group.finish();
 }
 
-/// The median ratio of the times of blocks that take turns.
+/// Returns the median ratio of the times of alternating blocks.
 fn ratio_in_turns(bytes: usize, ours: impl Fn(), raw: impl Fn()) -> f64 {
     let calls = (1 << 20) / bytes.max(1 << 9) + 1;
     let block = |call: &dyn Fn()| {

@@ -1,10 +1,9 @@
-//! What recording costs, in processor time of the recorder's thread (the clock of the measurements
-//! is the thread's, so that a busy machine does not count).
+//! Cost of recording, in CPU time of the recorder's thread, so that other load does not count.
 //!
-//! * `log`: `LogWriter` beside the bare `mcap` crate with the same messages and the same
+//! * `log`: `LogWriter` against the bare `mcap` crate with the same messages and the same
 //!   compression; goal ≥ 0.8× the throughput.
 //! * `compression`: levels and chunk sizes; the sizes of the files are printed.
-//! * `tick`: everything a recorder does for one tick of a chase (goal < 60 µs), by part.
+//! * `tick`: all work of a recorder for one tick of a chase (goal < 60 µs), by part.
 
 use std::collections::BTreeMap;
 use std::hint::black_box;
@@ -43,7 +42,7 @@ impl Noise {
     }
 }
 
-/// Everything that is sent in a tick of a chase.
+/// All messages of a tick of a chase.
 struct Tick {
     state: (WorldHeader, Vec<RobotState>),
     sightings: (PlainHeader, Vec<Sighting>),
@@ -184,7 +183,7 @@ fn chase() -> Vec<Tick> {
         .collect()
 }
 
-/// The messages of all ticks in their CDR form: channel, time, bytes.
+/// Returns the messages of all ticks in their CDR form: channel, time, bytes.
 fn encoded(ticks: &[Tick]) -> Vec<(usize, u64, Vec<u8>)> {
     fn one<T: Topic>(header: &T::Header, elements: &[T::Element]) -> Vec<u8> {
         let mut out = Vec::new();
@@ -327,7 +326,7 @@ fn run_info() -> RunInfo {
     }
 }
 
-/// Processor time of this thread.
+/// CPU time of this thread.
 fn cpu() -> Duration {
     let now = rustix::time::clock_gettime(rustix::time::ClockId::ThreadCPUTime);
     Duration::new(now.tv_sec as u64, now.tv_nsec as u32)

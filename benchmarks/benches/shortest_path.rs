@@ -1,4 +1,4 @@
-//! What exact geometry and shortest paths cost in the city, beside what one would use otherwise.
+//! Cost of exact geometry and shortest paths in the city, compared with common alternatives.
 //!
 //! Baselines: parry's exact distance of a segment to every piece, and A* on the grid of the map
 //! (the `pathfinding` crate, cells of 5 cm, eight neighbours).
@@ -17,7 +17,7 @@ use rand_chacha::ChaCha8Rng;
 use scenes::{RADIUS, city, parry_segment_distance, unit};
 
 const EXIT: Point2<f64> = Point2::new(9.0, 0.0);
-/// Questions per measurement.
+/// Queries per measurement.
 const COUNT: usize = 1024;
 
 fn generator() -> ChaCha8Rng {
@@ -35,7 +35,7 @@ fn free_points(space: &FreeSpace) -> Vec<Point2<f64>> {
         .collect()
 }
 
-/// Hands out the elements one after the other, over and over.
+/// Returns a function that yields the elements cyclically.
 fn cycle<T: Copy>(items: &[T]) -> impl FnMut() -> T {
     let mut next = 0;
     move || {
@@ -168,7 +168,7 @@ fn paths(criterion: &mut Criterion) {
     group.finish();
 }
 
-/// Length of the shortest way over the cells' centres (cells / 1000).
+/// Returns the length of the shortest path over the cells' centres (cells / 1000).
 fn a_star(space: &FreeSpace, from: Point2<f64>, to: Point2<f64>) -> Option<u64> {
     let (frame, clearance) = (space.shapes().frame(), &space.shapes().clearance().cells);
     let (from, to) = (frame.cell_at(from)?, frame.cell_at(to)?);

@@ -1,9 +1,9 @@
 //! Line-of-sight rays per second against the literal formula of the paper, on a 384 × 384 street
 //! grid: `cargo bench -p benchmarks --bench visibility`.
 //!
-//! Before Criterion's own measurements a table is printed: best of many short repetitions (which a
-//! busy machine disturbs least), the ratio to the literal formula, and the largest error against
-//! the same integral in f64.
+//! A table is printed before Criterion's measurements: the best of many short repetitions (least
+//! affected by a busy machine), the ratio to the literal formula, and the largest error against the
+//! same integral in f64.
 
 #[path = "support/streets.rs"]
 mod streets;
@@ -24,7 +24,7 @@ type Ray = (Point2<f64>, Point2<f64>);
 
 const RAYS: usize = 4096;
 
-/// Pairs of uniformly drawn points in free cells.
+/// Returns pairs of uniformly drawn points in free cells.
 fn random_pairs(field: &VisibilityField, rng: &mut ChaCha8Rng) -> Vec<Ray> {
     let mut point = || {
         loop {
@@ -68,7 +68,7 @@ fn literal(map: &BlurredMap, (a, b): Ray) -> f64 {
     product
 }
 
-/// The usual shortcut: an f32 product with one power at the end (it underflows on long rays).
+/// The usual approximation: an f32 product with one power at the end (it underflows on long rays).
 #[allow(clippy::disallowed_methods)]
 fn product(map: &BlurredMap, (a, b): Ray) -> f64 {
     let length = (b - a).norm();
@@ -84,7 +84,7 @@ fn product(map: &BlurredMap, (a, b): Ray) -> f64 {
     f64::from(product).powf(length / samples as f64)
 }
 
-/// ∫ ln B ds in f64, cell by cell between the grid lines that the segment crosses.
+/// Returns ∫ ln B ds in f64, cell by cell between the grid lines that the segment crosses.
 fn exact(map: &BlurredMap, (a, b): Ray) -> f64 {
     let frame = map.frame();
     let mut cuts = vec![0.0, 1.0];
@@ -109,7 +109,7 @@ fn exact(map: &BlurredMap, (a, b): Ray) -> f64 {
     math::exp(sum * (b - a).norm())
 }
 
-/// Best time of many repetitions (s) for one pass over the rays.
+/// Returns the best time of many repetitions (s) for one pass over the rays.
 fn best(rays: &[Ray], repetitions: usize, query: impl Fn(Ray) -> f64) -> f64 {
     let mut fastest = f64::INFINITY;
     for _ in 0..repetitions {

@@ -1,4 +1,4 @@
-//! What geodesic waves and a judgement of the chasing game cost, in the paper's city.
+//! Cost of geodesic waves and of the referee's dominance regions, in the paper's city.
 
 #[path = "../../algorithms/planner_view/tests/support/mod.rs"]
 mod support;

@@ -1,4 +1,4 @@
-//! Steps, scans and clearances in the city, beside parry2d doing the same from scratch.
+//! Steps, scans and clearances in the city, against parry2d without an index.
 //!
 //! `cargo bench -p benchmarks --bench world` prints Criterion's figures, then one line per ratio,
 //! measured alternately in the same run.
@@ -68,7 +68,7 @@ fn world() -> World {
     .expect("the chase's set-up")
 }
 
-/// Commands that keep the robots in their streets: to and fro, swaying.
+/// Returns commands that keep the robots in their streets: back and forth, with small turns.
 fn in_streets() -> Vec<[Option<Twist2>; 6]> {
     (0..160)
         .map(|k| {
@@ -79,7 +79,7 @@ fn in_streets() -> Vec<[Option<Twist2>; 6]> {
         .collect()
 }
 
-/// Random commands, which keep the robots bumping into walls.
+/// Returns random commands, with which the robots often hit walls.
 fn random_commands() -> Vec<[Option<Twist2>; 6]> {
     let mut random = Stream::new(1, 0, 0);
     let mut command = || Some(Twist2::new(random.uniform() * 0.5, random.uniform() - 0.5));
@@ -110,7 +110,7 @@ fn field(map: &WorldMap) -> VisibilityField {
     VisibilityField::new(&BlurredMap::new(&free, 0.19).expect("a map of sensible size"))
 }
 
-/// Steps with 4 × 2 soft lines of sight after each.
+/// Steps, each with 4 × 2 soft lines of sight.
 fn step_with_sight(world: &mut World, sight: &VisibilityField, commands: &[Option<Twist2>]) -> f64 {
     world.step(commands, DT);
     let robots = world.robots();
@@ -123,7 +123,7 @@ fn step_with_sight(world: &mut World, sight: &VisibilityField, commands: &[Optio
     sum
 }
 
-/// Steps with 4 × 2 exact lines of sight after each.
+/// Steps, each with 4 × 2 exact lines of sight.
 fn step_with_hard_sight(world: &mut World, commands: &[Option<Twist2>]) -> usize {
     world.step(commands, DT);
     (0..4)
@@ -132,7 +132,7 @@ fn step_with_hard_sight(world: &mut World, commands: &[Option<Twist2>]) -> usize
         .count()
 }
 
-/// What the map would be without grid, index and hand-made geometry.
+/// The map as plain parry2d shapes, without grid, index and special cases.
 struct ByParry {
     compound: Compound,
 }
@@ -205,7 +205,7 @@ fn criterion(c: &mut Criterion) {
     group.finish();
 }
 
-/// Calls per second of the first, per call of the second, measured in alternation.
+/// Returns calls per second of the first and of the second function, measured alternately.
 fn compare<A, B>(
     name: &str,
     unit: &str,

@@ -1,4 +1,4 @@
-//! How much faster than reality the chase runs with everything on, and where its time goes.
+//! Real-time factor of the chase with all processes, and CPU time by process.
 
 use std::collections::BTreeMap;
 use std::time::Duration;
@@ -15,10 +15,10 @@ use super::{Options, Result, say};
 const ITEM: &str = "chase";
 /// Ticks per simulated second of the scenario.
 const RATE_HZ: f64 = 20.0;
-/// Real-time factor to be reached.
+/// Goal of the real-time factor.
 const GOAL: f64 = 200.0;
-/// How often CPU times are looked at: often enough for runs of some tenths of a second, seldom
-/// enough to cost little itself.
+/// Interval between readings of CPU times: short enough for runs of some tenths of a second, long
+/// enough to cost little.
 const POLL_INTERVAL: Duration = Duration::from_millis(10);
 /// Ticks after which maps are built and caches are filled.
 const WARM_TICKS: u64 = 20;
@@ -39,7 +39,7 @@ const HOPS: [&str; 9] = [
 /// Runs the chase with several seeds, on all processors and pinned to one in turn.
 ///
 /// # Errors
-/// Why a run failed.
+/// The reason of a failed run.
 pub fn measure(options: Options) -> Result<Vec<Figure>> {
     let seeds = options.repeats(5, 2) as u64;
     let mut reports: [Vec<Json>; 2] = [Vec::new(), Vec::new()];
@@ -118,7 +118,7 @@ impl Moment {
     }
 }
 
-/// CPU time per tick and kind of process, of one run that is watched while it goes.
+/// Returns CPU time per tick and kind of process, of one run that is sampled while it runs.
 fn cpu() -> Result<Vec<Figure>> {
     let session = Session::start("chase", &arguments(1, "none"))?;
     let mut view = None;
@@ -158,7 +158,7 @@ fn cpu() -> Result<Vec<Figure>> {
     Ok(figures)
 }
 
-/// CPU per tick between two moments, the largest first, and the sum.
+/// Returns CPU per tick between two moments, the largest first, and the sum.
 fn per_tick(from: &Moment, to: &Moment) -> Vec<Figure> {
     let ticks = to.tick.saturating_sub(from.tick);
     if ticks == 0 {

@@ -1,4 +1,4 @@
-//! Games per second of runs in one process, beside runs with processes; and what a log adds to one.
+//! Games per second of runs in one process, against runs with processes; and the cost of a log.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -15,7 +15,7 @@ use super::session::{Session, number};
 use super::{Options, Result, say};
 
 const ITEM: &str = "in-process";
-/// Games per second and core to be reached.
+/// Goal of games per second and core.
 const GOAL: f64 = 200.0;
 
 /// A kind of game.
@@ -23,11 +23,11 @@ struct Game {
     name: &'static str,
     scenario: &'static str,
     set: &'static [&'static str],
-    /// Games that fill the cache before anything is measured, as in a sweep of thousands.
+    /// Games that fill the cache before the measurement, as in a sweep of thousands.
     warm: u64,
     /// Games between two readings of the clock.
     batch: u64,
-    /// How many batches are measured.
+    /// Number of measured batches.
     batches: usize,
     goal: Option<f64>,
 }
@@ -65,11 +65,11 @@ const GAMES: [Game; 3] = [
     },
 ];
 
-/// Runs games with many seeds in this thread, and a few of the same with processes; then a chase
-/// with its log and without, in turns.
+/// Runs games with many seeds in this thread, and some of the same with processes; then a chase
+/// with and without its log, alternately.
 ///
 /// # Errors
-/// Why a game failed.
+/// The reason of a failed game.
 pub fn measure(options: Options) -> Result<Vec<Figure>> {
     let mut figures = Vec::new();
     for game in &GAMES {
@@ -137,7 +137,7 @@ fn here(game: &Game, options: Options) -> Result<Here> {
     Ok(here)
 }
 
-/// One game with processes: time before and after its ticks, and per tick (s).
+/// Runs one game with processes. Returns the time before and after its ticks, and per tick (s).
 fn with_processes(game: &Game, seed: u64) -> Result<(f64, f64)> {
     let mut arguments = vec!["--seed".to_owned(), seed.to_string()];
     for set in game.set {
@@ -156,7 +156,7 @@ fn report(game: &Game, here: &Here, beside: &[(f64, f64)]) -> Vec<Figure> {
         Spread::of(values.iter().copied())
             .map(|value| Figure::new(ITEM, format!("{}: {what}", game.name), value, unit))
     };
-    // Games are of different lengths: what counts is the time for one of the mean length.
+    // Games have different lengths: compare the time of a game of the mean length.
     let mean = here.ticks.iter().sum::<f64>() / here.ticks.len().max(1) as f64;
     let rate = |(fixed, per_tick): &(f64, f64)| 1.0 / (fixed + per_tick * mean).max(1e-9);
     let with_processes = Spread::of(beside.iter().map(rate));
@@ -181,8 +181,8 @@ fn report(game: &Game, here: &Here, beside: &[(f64, f64)]) -> Vec<Figure> {
     .collect()
 }
 
-/// Processor time per tick of a chase that writes a log, beside one that does not, in turns. The file
-/// is in memory, so that no disk counts.
+/// Measures CPU time per tick of a chase with and without a log, alternately. The file is in
+/// memory, so that no disk counts.
 fn log_share(options: Options) -> Result<Vec<Figure>> {
     say("chase, in this process with and without a log");
     let folder = tempfile::tempdir_in("/dev/shm")?;
@@ -199,7 +199,7 @@ fn log_share(options: Options) -> Result<Vec<Figure>> {
         let took = cpu_time().saturating_sub(begun);
         Ok(took.as_secs_f64() * 1e6 / f64::max(ticks as f64, 1.0))
     };
-    // Caches are warm before anything is measured.
+    // Fills the caches before the measurement.
     per_tick(None)?;
     let (mut with, mut without) = (Vec::new(), Vec::new());
     for _ in 0..options.repeats(6, 2) {

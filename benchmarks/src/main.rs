@@ -1,14 +1,14 @@
-//! Measurements of whole runs, each beside its baseline in the same run of this program.
+//! Measurements of whole runs, each with its baseline in the same run of this program.
 //!
-//! * [`chase`]: how much faster than reality the whole chase runs, and which process takes what;
-//! * [`start`]: how long a run takes to begin, what memory and log it needs;
+//! * [`chase`]: real-time factor of the whole chase, and CPU time by process;
+//! * [`start`]: start time of a run, its memory and the size of its log;
 //! * [`ticks`]: lock-step ticks per second against the same exchange on bare iceoryx2 and futexes;
 //! * [`in_process`]: games per second of runs in one process against runs with processes, and the
 //!   share of the log.
 //!
-//! The processes are real: this program links `protean` and executes itself for `protean run` and for
-//! every process. What else the machine does is in the figures; ratios are taken between neighbours in
-//! time.
+//! The processes are real: this program links `protean` and executes itself for `protean run` and
+//! for every process. Other load on the machine affects the figures; ratios are taken between
+//! measurements that are close in time.
 
 mod chase;
 mod in_process;
@@ -26,7 +26,7 @@ use clap::{Parser, ValueEnum};
 
 use self::report::{Figure, Report};
 
-/// Any error: its text is what is reported.
+/// Any error; its text is reported.
 type Failure = Box<dyn std::error::Error + Send + Sync>;
 type Result<T> = std::result::Result<T, Failure>;
 
@@ -59,13 +59,13 @@ struct Options {
 }
 
 impl Options {
-    /// `full` repetitions, or `quick` ones.
+    /// Returns `full` repetitions, or `quick` ones.
     fn repeats(self, full: usize, quick: usize) -> usize {
         if self.quick { quick } else { full }
     }
 }
 
-/// Something to be measured.
+/// A measurement.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Item {
     /// Real-time factor of the scenario `chase`, recorder on, on all processors and pinned to one
@@ -83,7 +83,7 @@ enum Item {
 }
 
 impl Item {
-    /// Its name on the command line.
+    /// Returns the name on the command line.
     fn name(self) -> &'static str {
         match self {
             Self::Chase => "chase",
@@ -118,7 +118,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// Measures one item after the other; one that fails does not keep the others from being measured.
+/// Measures one item after the other; continues after a failed item.
 fn measure(cli: &Cli) -> ExitCode {
     ipc_types::bus::quiet_transport();
     let all = Item::value_variants();
@@ -142,7 +142,7 @@ fn measure(cli: &Cli) -> ExitCode {
     ExitCode::from(u8::from(!report.errors.is_empty()))
 }
 
-/// Says what is going on.
+/// Reports progress on stderr.
 fn say(what: &str) {
     eprintln!("measuring {what}");
 }

@@ -1,10 +1,10 @@
-//! Readings of the kernel about the processes of a run: memory and processor time.
+//! Memory and CPU time of the processes of a run, from the kernel.
 
 use std::path::PathBuf;
 
 use procfs::process::{Process, Task};
 
-/// One process of a run, as its command line names it.
+/// One process of a run, from its command line.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Member {
     /// Process id.
@@ -15,7 +15,7 @@ pub struct Member {
     pub config: PathBuf,
 }
 
-/// The processes that a run's orchestrator has started.
+/// Returns the processes that a run's orchestrator has started.
 pub fn members(orchestrator: u32) -> Vec<Member> {
     threads(orchestrator)
         .filter_map(|thread| thread.children().ok())
@@ -24,7 +24,7 @@ pub fn members(orchestrator: u32) -> Vec<Member> {
         .collect()
 }
 
-/// `protean:NAME process KIND --config FILE`.
+/// Parses `protean:NAME process KIND --config FILE`.
 fn member(pid: u32, command_line: &[String]) -> Option<Member> {
     let [_, word, kind, option, config, ..] = command_line else {
         return None;
@@ -40,18 +40,18 @@ fn process(pid: u32) -> Option<Process> {
     Process::new(i32::try_from(pid).ok()?).ok()
 }
 
-/// The living threads of a process; none when it is gone.
+/// Returns the living threads of a process; none after its end.
 fn threads(pid: u32) -> impl Iterator<Item = Task> {
     let tasks = process(pid).and_then(|process| process.tasks().ok());
     tasks.into_iter().flatten().flatten()
 }
 
-/// CPU time that a process has used (ns), all its living threads together; 0 when it is gone.
+/// Returns the CPU time of all living threads of a process (ns); 0 after its end.
 pub fn cpu_ns(pid: u32) -> u64 {
     threads(pid).map(|thread| thread_cpu_ns(&thread)).sum()
 }
 
-/// CPU time (ns) of the living threads with this name.
+/// Returns the CPU time (ns) of the living threads with this name.
 pub fn named_thread_cpu_ns(pid: u32, name: &str) -> u64 {
     threads(pid)
         .filter(|thread| thread.stat().is_ok_and(|stat| stat.comm == name))
@@ -66,13 +66,13 @@ fn thread_cpu_ns(thread: &Task) -> u64 {
 /// Memory of a process.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Memory {
-    /// Resident (bytes).
+    /// Resident set size (bytes).
     pub rss: u64,
-    /// Resident, shared pages divided by their users (bytes).
+    /// Proportional set size: shared pages divided by their users (bytes).
     pub pss: u64,
 }
 
-/// Memory of a process; `None` when it is gone.
+/// Returns the memory of a process; `None` after its end.
 pub fn memory(pid: u32) -> Option<Memory> {
     let rollup = process(pid)?.smaps_rollup().ok()?.memory_map_rollup;
     let fields = &rollup.0.first()?.extension.map;

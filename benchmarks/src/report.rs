@@ -1,27 +1,27 @@
-//! The figures, for people (a table) and for programs (JSON).
+//! The figures, as a table and as JSON.
 
 use latency::load;
 use platform::machine::machine;
 use serde_json::{Value as Json, json};
 use statistics::Spread;
 
-/// What a figure is held against.
+/// Baseline of a figure.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Baseline {
-    /// What it is.
+    /// Name.
     pub name: String,
-    /// Its value, in the figure's unit.
+    /// Value, in the figure's unit.
     pub value: f64,
 }
 
-/// What a figure should reach.
+/// Goal of a figure.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Goal {
-    /// At least so many times the baseline.
+    /// Minimum multiple of the baseline.
     RatioAtLeast(f64),
-    /// At most this, in the figure's unit.
+    /// Maximum, in the figure's unit.
     AtMost(f64),
-    /// At least this, in the figure's unit.
+    /// Minimum, in the figure's unit.
     AtLeast(f64),
 }
 
@@ -30,22 +30,22 @@ pub enum Goal {
 pub struct Figure {
     /// Item of the bench.
     pub item: &'static str,
-    /// What was measured.
+    /// Measured quantity.
     pub name: String,
     /// Median (or the only value) with the extremes of the repetitions.
     pub value: Spread,
     /// Unit of the value.
     pub unit: &'static str,
-    /// What it is held against, measured in the same run.
+    /// Baseline, measured in the same run.
     pub baseline: Option<Baseline>,
-    /// Value over baseline: the median over pairs measured back to back where there are pairs.
+    /// Value over baseline: the median over pairs measured back to back, if there are pairs.
     pub ratio: Option<f64>,
-    /// What it should reach.
+    /// Goal.
     pub goal: Option<Goal>,
 }
 
 impl Figure {
-    /// A figure without a baseline.
+    /// Returns a figure without a baseline.
     pub fn new(
         item: &'static str,
         name: impl Into<String>,
@@ -63,7 +63,7 @@ impl Figure {
         }
     }
 
-    /// A figure measured once.
+    /// Returns a figure measured once.
     pub fn once(
         item: &'static str,
         name: impl Into<String>,
@@ -78,7 +78,7 @@ impl Figure {
         Self::new(item, name, spread, unit)
     }
 
-    /// With what it is held against; the ratio is that of the medians.
+    /// Adds a baseline; the ratio is that of the medians.
     #[must_use]
     pub fn against(mut self, name: impl Into<String>, value: f64) -> Self {
         self.ratio = (value > 0.0).then(|| self.value.median / value);
@@ -89,21 +89,22 @@ impl Figure {
         self
     }
 
-    /// With a ratio that was taken pair by pair.
+    /// Sets a ratio measured pair by pair.
     #[must_use]
     pub fn with_ratio(mut self, ratio: f64) -> Self {
         self.ratio = Some(ratio);
         self
     }
 
-    /// With what it should reach.
+    /// Adds a goal.
     #[must_use]
     pub fn with_goal(mut self, goal: Goal) -> Self {
         self.goal = Some(goal);
         self
     }
 
-    /// Whether the goal is reached; `None` without a goal or a ratio to judge it by.
+    /// Returns `true` if the goal is reached; `None` without a goal or without the ratio that it
+    /// needs.
     pub fn met(&self) -> Option<bool> {
         Some(match self.goal? {
             Goal::RatioAtLeast(least) => self.ratio? >= least,
@@ -146,14 +147,14 @@ impl Figure {
     }
 }
 
-/// Everything that was measured.
+/// All measurements.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Report {
-    /// The figures, in the order of measuring.
+    /// The figures, in the order of measurement.
     pub figures: Vec<Figure>,
     /// Items that failed, with the reason.
     pub errors: Vec<(&'static str, String)>,
-    /// Load averages over 1, 5 and 15 minutes when the measuring began.
+    /// Load averages over 1, 5 and 15 minutes at the start.
     pub load: [f64; 3],
 }
 
@@ -165,7 +166,7 @@ impl Report {
         }
     }
 
-    /// The one JSON object of `--json`.
+    /// Returns the JSON object of `--json`.
     pub fn json(&self) -> Json {
         json!({
             "version": env!("CARGO_PKG_VERSION"),
@@ -180,7 +181,7 @@ impl Report {
         })
     }
 
-    /// The table for people.
+    /// Returns the table.
     pub fn text(&self) -> String {
         let header = [
             "item", "figure", "median", "min", "max", "unit", "baseline", "ratio", "goal",
@@ -222,7 +223,7 @@ impl Report {
     }
 }
 
-/// A number with three or more significant digits.
+/// Formats a number with three or more significant digits.
 fn amount(value: f64) -> String {
     match value.abs() {
         v if v >= 100.0 => format!("{value:.0}"),

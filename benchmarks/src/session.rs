@@ -1,4 +1,4 @@
-//! A whole run of a scenario as a child of this program, looked at from outside.
+//! A whole run of a scenario as a child process, observed from outside.
 
 use std::fs::File;
 use std::process::{Child, Command, Stdio};
@@ -13,8 +13,8 @@ use tempfile::TempDir;
 use super::Result;
 use super::probe::{self, Member};
 
-/// A running `protean run`; ended when dropped. It is of this program's process group, so that Ctrl-C
-/// ends both.
+/// A running `protean run`; dropping it ends the run. It is in this program's process group, so
+/// that Ctrl-C ends both.
 #[derive(Debug)]
 pub struct Session {
     child: Child,
@@ -23,7 +23,7 @@ pub struct Session {
 }
 
 impl Session {
-    /// Starts `protean run SCENARIO` with these further arguments; its log goes to a temporary
+    /// Starts `protean run SCENARIO` with these further arguments; its log is in a temporary
     /// folder.
     ///
     /// # Errors
@@ -48,20 +48,21 @@ impl Session {
         })
     }
 
-    /// Process id of the run's orchestrator.
+    /// Returns the process id of the run's orchestrator.
     pub fn pid(&self) -> u32 {
         self.child.id()
     }
 
-    /// Time since the run was started.
+    /// Returns the time since the run was started.
     pub fn age(&self) -> Duration {
         self.begun.elapsed()
     }
 
-    /// Waits for the end, calling `look` every `poll_interval`; returns what `protean run --json` printed.
+    /// Waits for the end, calling `look` every `poll_interval`; returns the output of `protean run
+    /// --json`.
     ///
     /// # Errors
-    /// What the run said when it failed.
+    /// The stderr of a failed run.
     pub fn finish(mut self, poll_interval: Duration, mut look: impl FnMut(&Self)) -> Result<Json> {
         let status = loop {
             if let Some(status) = self.child.try_wait()? {
@@ -88,27 +89,27 @@ impl Drop for Session {
     }
 }
 
-/// A run as seen from outside: its processes and its tick barrier.
+/// A run observed from outside: its processes and its tick barrier.
 #[derive(Debug)]
 pub struct View {
-    /// The processes, the orchestrator not among them.
+    /// The processes, without the orchestrator.
     pub members: Vec<Member>,
     /// The tick barrier.
     pub barrier: TickBarrier,
 }
 
 impl View {
-    /// Looks for the run of this orchestrator; `None` while it has no processes or barrier yet.
+    /// Finds the run of this orchestrator; `None` while it has no processes or barrier.
     pub fn find(orchestrator: u32) -> Option<Self> {
         let members = probe::members(orchestrator);
         let config = ProcessConfig::load(&members.first()?.config).ok()?;
         let barrier = TickBarrier::open(&config.run.prefix).ok()?;
-        // Not all of them have been started, or executed, yet.
+        // Some processes may not have been started, or executed, yet.
         (members.len() == barrier.processes()).then_some(Self { members, barrier })
     }
 }
 
-/// A number in a run's JSON; 0 if it is missing.
+/// Returns a number in a run's JSON; 0 if it is missing.
 pub fn number(report: &Json, pointer: &str) -> f64 {
     report
         .pointer(pointer)

@@ -1,4 +1,4 @@
-//! How long a run takes to begin, and what memory and log it needs.
+//! Start time of a run, its memory and the size of its log.
 
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
@@ -12,34 +12,34 @@ use super::session::{Session, View, number};
 use super::{Options, Result, say};
 
 const ITEM: &str = "start";
-/// Real time within which the first tick should come (s).
+/// Goal of the real time to the first tick (s).
 const GOAL_S: f64 = 0.5;
-/// How often a starting run is looked at.
+/// Interval between checks of a starting run.
 const POLL_INTERVAL: Duration = Duration::from_micros(500);
-/// Tick at which memory is read: maps and caches are built by then.
+/// Tick at which memory is read: maps and caches are complete by then.
 const MEMORY_TICK: u64 = 100;
 
-/// Moments of a start, from outside (s after the run's executable was started).
+/// Moments of a start, observed from outside (s after the start of the run's executable).
 #[derive(Debug, Clone, Copy, Default)]
 struct Parts {
     /// All processes have been started and the tick barrier exists.
     launched: f64,
     /// Every process has opened its ports.
     ready: f64,
-    /// Every port is connected: the map goes out.
+    /// Every port is connected: the map is sent.
     connected: f64,
-    /// Everybody has built what they need of the map: time runs.
+    /// Every process has processed the map: time starts.
     running: f64,
     /// The simulator has posted the first state.
     first_tick: f64,
-    /// Everybody has answered to it.
+    /// Every process has answered the first tick.
     answered: f64,
 }
 
-/// Starts the chase several times, then looks at its memory and log once.
+/// Starts the chase several times, then measures its memory and log once.
 ///
 /// # Errors
-/// Why a run failed.
+/// The reason of a failed run.
 pub fn measure(options: Options) -> Result<Vec<Figure>> {
     let repeats = options.repeats(7, 3);
     let mut parts = Vec::new();
@@ -79,7 +79,7 @@ pub fn measure(options: Options) -> Result<Vec<Figure>> {
     Ok(figures)
 }
 
-/// Starts a short chase and takes down when what had happened.
+/// Starts a short chase and records the moments of its start.
 fn start_once() -> Result<(Parts, f64)> {
     let arguments = ["--set", "rules.time_limit=0.5"].map(String::from);
     let session = Session::start("chase", &arguments)?;
@@ -111,7 +111,7 @@ fn start_once() -> Result<(Parts, f64)> {
     Ok((parts, number(&report, "/start_up_s")))
 }
 
-/// Memory of every process in the middle of a chase, and the size of the log.
+/// Measures the memory of every process in the middle of a chase, and the size of the log.
 fn memory_and_log() -> Result<Vec<Figure>> {
     let session = Session::start("chase", &[])?;
     let mut view = None;

@@ -1,16 +1,17 @@
-//! The street grid of the benches of visibility and of the particle filter.
+//! Street grid of the benches of visibility and of the particle filter.
 
 use geometry::grid::{Grid, GridFrame};
 use nalgebra::Point2;
 
-/// Cells each way.
+/// Number of cells per side.
 pub const SIDE: usize = 384;
 /// Size of a cell (m).
 pub const RESOLUTION: f64 = 1.0 / 64.0;
 /// Standard deviation of the blur (m).
 pub const BLUR: f64 = 6.0 * RESOLUTION;
 
-/// The free cells of 6 m × 6 m: a wall with one exit around 4 × 4 blocks of 0.766 m in streets of 0.5625 m.
+/// Returns the free cells of 6 m × 6 m: a wall with one exit around 4 × 4 blocks of 0.766 m in
+/// streets of 0.5625 m.
 pub fn streets() -> Grid<bool> {
     let frame = GridFrame {
         width: SIDE,

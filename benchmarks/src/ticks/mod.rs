@@ -1,9 +1,9 @@
-//! Lock-step ticks per second of eight trivial planner processes: the runtime against bare iceoryx2 and
-//! a bare futex barrier.
+//! Lock-step ticks per second of eight trivial planner processes: the runtime against bare iceoryx2
+//! and a bare futex barrier.
 //!
-//! Both do the same exchange with messages of the same size: publish the state, post the tick, wait
-//! for all, take eight commands. Both sets of processes are alive all the time and asleep while the
-//! other one runs, so that short blocks can take turns: A B A B.
+//! Both exchange messages of the same size in the same way: publish the state, post the tick, wait
+//! for all, receive eight commands. Both sets of processes live all the time and sleep while the
+//! other set runs, so that short blocks can alternate: A B A B.
 
 mod raw;
 
@@ -36,26 +36,26 @@ use self::raw::{PLANNERS, RawConfig, RawLeader};
 use super::report::{Figure, Goal};
 use super::{Options, Result, say};
 
-/// Kinds of the processes of this measurement.
+/// Kind of the processes over the runtime.
 pub const RUNTIME_PLANNER: &str = "bench-planner";
 pub const RAW_PLANNER: &str = "raw-planner";
 
 const ITEM: &str = "ticks";
-/// Share of the raw exchange's speed that the runtime should keep.
+/// Minimum share of the raw exchange's speed.
 const GOAL: f64 = 0.8;
-/// Time that the planners have for each step of their start.
+/// Time limit for each step of the planners' start.
 const READY_WITHIN: Duration = Duration::from_secs(10);
-/// Longest time for the ticks before anything is measured.
+/// Time limit for the ticks before the measurement.
 const WARM_UP_WITHIN: Duration = Duration::from_secs(10);
-/// Ticks before anything is measured.
+/// Number of ticks before the measurement.
 const WARM_UP: u32 = 200;
-/// Ticks between two looks at the clock.
+/// Ticks between two readings of the clock.
 const BATCH: u32 = 16;
 
 /// Measures on all processors, then with everything pinned to one.
 ///
 /// # Errors
-/// What could not be set up, or which process ended.
+/// The operation that failed, or the process that ended.
 pub fn measure(options: Options) -> Result<Vec<Figure>> {
     let mut figures = Vec::new();
     for (name, pinned) in [("all processors", false), ("one processor", true)] {
@@ -95,19 +95,19 @@ pub fn measure(options: Options) -> Result<Vec<Figure>> {
     Ok(figures)
 }
 
-/// Rates of the blocks of the runtime and of the raw exchange (ticks/s), pair by pair.
+/// Returns rates of the blocks of the runtime and of the raw exchange (ticks/s), pair by pair.
 fn alternate(options: Options) -> Result<(Vec<f64>, Vec<f64>)> {
     let (mut ours, mut theirs) = (Vec::new(), Vec::new());
-    // Where the scheduler puts sixteen processes decides a lot, and it seldom changes its mind: the
-    // median is over several sets of processes.
+    // The placement of sixteen processes by the scheduler matters a lot, and seldom changes: take
+    // the median over several sets of processes.
     for set in 0..options.repeats(5, 3) {
-        // Who starts first may be at an advantage.
+        // Alternate the order of starting, which may be an advantage.
         alternate_set(options, set % 2 == 0, &mut ours, &mut theirs)?;
     }
     Ok((ours, theirs))
 }
 
-/// As [`alternate`], with one set of processes each.
+/// Like [`alternate`], with one set of processes each.
 fn alternate_set(
     options: Options,
     ours_first: bool,
@@ -139,7 +139,7 @@ fn alternate_set(
     Ok(())
 }
 
-/// Calls per second over at least this time.
+/// Returns calls per second over at least this time.
 fn rate(time: Duration, mut call: impl FnMut() -> Result<()>) -> Result<f64> {
     let start = Instant::now();
     let mut calls = 0_u32;
@@ -310,7 +310,7 @@ fn run_config(root: &Path, prefix: &str) -> RunConfig {
     }
 }
 
-/// A planner that answers every state with a command, and nothing else.
+/// A planner that answers every state with a command.
 struct TrivialPlanner {
     state: StateInput,
     commands: Publisher<Commands>,
@@ -369,7 +369,7 @@ pub fn runtime_planner(config: &Path) -> ExitCode {
 
 /// The exchange over bare iceoryx2 and a bare futex barrier.
 struct RawExchange {
-    // Ended before the ports of the barrier leader close.
+    // Field order: these end before the ports of the barrier leader close.
     planners: ProcessGroup,
     leader: RawLeader,
     _space: RunDirectory,

@@ -1,5 +1,5 @@
-//! The baseline: what a person would write on iceoryx2 and a futex page without the runtime. No checks,
-//! no stamps, no heartbeat, no phases, no supervision.
+//! The baseline: a minimal program on iceoryx2 and a futex page without the runtime. No checks, no
+//! stamps, no heartbeat, no phases, no supervision.
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -19,45 +19,45 @@ use serde::{Deserialize, Serialize};
 
 use crate::{Failure, Result};
 
-/// Planners of the exchange.
+/// Number of planners of the exchange.
 pub const PLANNERS: usize = 8;
 
 const STATE_WORDS: usize = (size_of::<WorldHeader>() + PLANNERS * size_of::<RobotState>()) / 8;
 const COMMAND_WORDS: usize = (size_of::<PlainHeader>() + size_of::<Command>()) / 8;
 
-/// As many bytes as `world/state` with its header has for eight robots.
+/// A message of the same size as `world/state` with its header for eight robots.
 #[derive(Debug, Clone, Copy, ZeroCopySend)]
 #[repr(C)]
 struct RawState {
-    /// The tick, and nothing.
+    /// The tick, and padding.
     words: [u64; STATE_WORDS],
 }
 
-/// As many bytes as `robot/command` with its header has.
+/// A message of the same size as `robot/command` with its header.
 #[derive(Debug, Clone, Copy, ZeroCopySend)]
 #[repr(C)]
 struct RawCommand {
-    /// The tick, the planner, and nothing.
+    /// The tick, the planner, and padding.
     words: [u64; COMMAND_WORDS],
 }
 
-/// Ticks posted.
+/// Index of the word for posted ticks.
 const TICK: usize = 0;
-/// Answers so far.
+/// Index of the word for answers.
 const ARRIVED: usize = LINE;
-/// Answers at which the barrier leader is woken.
+/// Index of the word for the number of answers at which the barrier leader is woken.
 const TARGET: usize = 2 * LINE;
-/// Planners that have opened their ports.
+/// Index of the word for planners that have opened their ports.
 const READY: usize = 3 * LINE;
-/// 1: the ports of all exist; 2: end.
+/// Index of the word for the stage. 1: the ports of all exist; 2: end.
 const STAGE: usize = 4 * LINE;
 
-/// What is wrong when a message did not arrive.
+/// Error text for a message that did not arrive.
 const LOST: &str = "raw iceoryx2: a message is missing";
-/// Longest sleep before looking whether to end.
+/// Maximum sleep between checks for the end.
 const POLL_INTERVAL: Duration = Duration::from_millis(100);
 
-/// What a raw process is told.
+/// Configuration of a raw process.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct RawConfig {
     /// Root directory.
@@ -68,7 +68,7 @@ pub struct RawConfig {
     pub index: u32,
 }
 
-/// Turns a refusal of iceoryx2 into a failure.
+/// Converts an error of iceoryx2 into a failure.
 fn raw<E: core::fmt::Debug>(what: &'static str) -> impl FnOnce(E) -> Failure {
     move |reason| format!("iceoryx2: cannot {what}: {reason:?}").into()
 }
@@ -76,7 +76,7 @@ fn raw<E: core::fmt::Debug>(what: &'static str) -> impl FnOnce(E) -> Failure {
 type Service<T> =
     iceoryx2::service::port_factory::publish_subscribe::PortFactory<ipc::Service, T, ()>;
 
-/// The service of the states, created by whoever comes first.
+/// Opens the service of the states; the first process creates it.
 fn states(node: &Node<ipc::Service>) -> Result<Service<RawState>> {
     node.service_builder(&name("raw/state")?)
         .publish_subscribe::<RawState>()
@@ -88,7 +88,7 @@ fn states(node: &Node<ipc::Service>) -> Result<Service<RawState>> {
         .map_err(raw("open the states"))
 }
 
-/// The service of the commands, created by whoever comes first.
+/// Opens the service of the commands; the first process creates it.
 fn commands(node: &Node<ipc::Service>) -> Result<Service<RawCommand>> {
     node.service_builder(&name("raw/command")?)
         .publish_subscribe::<RawCommand>()
@@ -100,7 +100,7 @@ fn commands(node: &Node<ipc::Service>) -> Result<Service<RawCommand>> {
         .map_err(raw("open the commands"))
 }
 
-/// The name of a service.
+/// Returns the name of a service.
 fn name(text: &str) -> Result<iceoryx2::prelude::ServiceName> {
     text.try_into().map_err(raw("name a service"))
 }
@@ -183,13 +183,13 @@ pub struct RawLeader {
     page: SharedWords,
     state_out: Publisher<ipc::Service, RawState, ()>,
     commands_in: Subscriber<ipc::Service, RawCommand, ()>,
-    // Lives as long as its ports.
+    // This must live as long as its ports.
     _node: Node<ipc::Service>,
     tick: u32,
 }
 
 impl RawLeader {
-    /// Creates page, services and ports; the planners may start then.
+    /// Creates page, services and ports; then the planners may start.
     pub fn create(space: &RunSpace) -> Result<Self> {
         let node = raw_node(space)?;
         let page = SharedWords::create(space.prefix())?;
@@ -210,13 +210,13 @@ impl RawLeader {
         })
     }
 
-    /// How many times a planner has said that it is so far: once with open, once with connected
-    /// ports.
+    /// Returns the number of start steps that planners have reported: each reports open ports, then
+    /// connected ports.
     pub fn ready_count(&self) -> usize {
         self.page.word(READY).load(Ordering::SeqCst) as usize
     }
 
-    /// Lets the planners connect their ports, and connects ours.
+    /// Lets the planners connect their ports, and connects those of the leader.
     pub fn connect(&self) -> Result<()> {
         use iceoryx2::port::update_connections::UpdateConnections as _;
         store_and_wake(self.page.word(STAGE), 1);
@@ -228,7 +228,7 @@ impl RawLeader {
             .map_err(raw("connect"))
     }
 
-    /// One tick; `idle` is asked when nothing happens for long.
+    /// Executes one tick; calls `idle` at intervals while waiting.
     pub fn tick(&mut self, mut idle: impl FnMut() -> Result<()>) -> Result<()> {
         let mut state = RawState {
             words: [0; STATE_WORDS],
@@ -267,7 +267,7 @@ impl RawLeader {
         Ok(())
     }
 
-    /// Tells the planners to end.
+    /// Ends the planners.
     pub fn stop(&self) {
         store_and_wake(self.page.word(STAGE), 2);
         wake(self.page.word(TICK));

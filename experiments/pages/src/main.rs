@@ -1,7 +1,7 @@
-//! Pages of documentation that set results of the experiments beside published ones.
+//! Pages of documentation that compare results of the experiments with published ones.
 //!
-//! A page is a Markdown template with slots ([`template`]) and a pure function of results of sweeps:
-//! the same results give the same page, byte for byte.
+//! A page is a Markdown template with slots ([`template`]) and a pure function of results of
+//! sweeps: the same results give the same page, byte for byte.
 
 #![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
 #![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
@@ -29,7 +29,7 @@ use sweep::{Record, Results};
 use self::page::Page;
 use self::plans::Plans;
 
-/// Writes the pages of documentation that set results of the experiments beside published ones.
+/// Write the pages of documentation that compare results of the experiments with published ones
 #[derive(Debug, Parser)]
 #[command(name = "pages")]
 enum Command {
@@ -48,14 +48,14 @@ enum Command {
 
 #[derive(Debug, Subcommand)]
 enum PageCommand {
-    /// The page of the chase: escape against speed and knowledge
+    /// Write the page of the chase: escape against speed and knowledge
     Chase {
         #[command(flatten)]
         results: ResultArgs,
         /// A table of single plans, as `pages plans` writes it
         #[arg(long, value_name = "FILE")]
         plans: Option<PathBuf>,
-        /// The page
+        /// File of the page
         #[arg(
             long,
             short,
@@ -64,11 +64,11 @@ enum PageCommand {
         )]
         out: PathBuf,
     },
-    /// The page of minimum-time plans: motion camouflage and local pursuit
+    /// Write the page of minimum-time plans: motion camouflage and local pursuit
     VmcLp {
         #[command(flatten)]
         results: ResultArgs,
-        /// The page
+        /// File of the page
         #[arg(
             long,
             short,
@@ -77,11 +77,11 @@ enum PageCommand {
         )]
         out: PathBuf,
     },
-    /// The page of patrols and coverage
+    /// Write the page of patrols and coverage
     Patrol {
         #[command(flatten)]
         results: ResultArgs,
-        /// The page
+        /// File of the page
         #[arg(
             long,
             short,
@@ -114,7 +114,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// Carries out a command; returns the files that were written.
+/// Executes a command; returns the files written.
 fn run(command: &Command) -> Result<Vec<PathBuf>, Box<dyn Error>> {
     match command {
         Command::Page(command) => {
@@ -128,7 +128,7 @@ fn run(command: &Command) -> Result<Vec<PathBuf>, Box<dyn Error>> {
     }
 }
 
-/// The page of a command, and where it belongs.
+/// Returns the page of a command, and its path.
 fn made(command: &PageCommand) -> Result<(Page, &Path), Box<dyn Error>> {
     match command {
         PageCommand::Chase {
@@ -161,7 +161,7 @@ fn made(command: &PageCommand) -> Result<(Page, &Path), Box<dyn Error>> {
     }
 }
 
-/// Results of a sweep; a note on standard error says how many missions are missing.
+/// Reads the results of a sweep; prints the number of missing missions to stderr.
 fn read<R: Record>(directory: &Path) -> Result<Results<R>, Box<dyn Error>> {
     let results = Results::read(directory)?;
     let missing = results.missing().len();

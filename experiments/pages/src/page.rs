@@ -24,7 +24,8 @@ pub struct Image {
 }
 
 impl Page {
-    /// Writes the page to this file, its pictures to the folder `images` beside it; returns the files.
+    /// Writes the page to this file, its pictures to the folder `images` beside it; returns the
+    /// files.
     ///
     /// # Errors
     /// [`SaveError`] if a file cannot be written.

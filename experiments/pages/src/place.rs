@@ -1,11 +1,11 @@
-//! The experiments of a page, each with one place for its results.
+//! The experiments of a page, each with one slot for its results.
 
 use std::path::{Path, PathBuf};
 
-/// Results that have no place on a page.
+/// Failure to assign results to a page.
 #[derive(Debug, thiserror::Error)]
 pub enum PlaceError {
-    /// Another experiment than those of the page.
+    /// The experiment is not one of the page.
     #[error(
         "{} holds the results of the experiment `{name}`; expected one of {expected}",
         path.display()
@@ -18,7 +18,7 @@ pub enum PlaceError {
         /// The experiments of the page.
         expected: String,
     },
-    /// The same experiment twice.
+    /// The experiment occurs twice.
     #[error("{} holds the experiment `{name}` again; expected each experiment once", path.display())]
     Twice {
         /// The directory.
@@ -28,11 +28,10 @@ pub enum PlaceError {
     },
 }
 
-/// The place on a page for the results of an experiment: the one beside its name, which must be
-/// there and empty.
+/// Returns the slot of a page for the results of an experiment.
 ///
 /// # Errors
-/// [`PlaceError`].
+/// [`PlaceError`] if there is no slot of this name, or it is not empty.
 pub fn empty_place<'a, T, const N: usize>(
     places: [(&str, &'a mut Option<T>); N],
     path: &Path,

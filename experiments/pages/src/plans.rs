@@ -1,4 +1,4 @@
-//! Single plans: what the planners find when nothing moves.
+//! Single plans of the planners in a static world.
 
 use std::path::{Path, PathBuf};
 
@@ -8,23 +8,23 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Plan {
-    /// What planned: the name of a case.
+    /// Planner: the name of a case.
     pub case: String,
-    /// Where the Police stood: `start`, as a game begins, or `random`.
+    /// Positions of the Police: `start`, as at the start of a game, or `random`.
     pub scene: String,
     /// Seed of the plan, and of the scene if it is random.
     pub seed: u64,
-    /// Iterations it was given.
+    /// Number of iterations.
     pub iterations: u32,
-    /// Whether a way to the exit was found.
+    /// `true` if a path to the exit was found.
     pub found: bool,
-    /// Length of the way (m).
+    /// Length of the path (m).
     pub length_m: Option<f64>,
-    /// Least distance of the way from any pursuer (m).
+    /// Smallest distance of the path from any pursuer (m).
     pub closest_m: Option<f64>,
-    /// Length of the shortest way (m).
+    /// Length of the shortest path (m).
     pub shortest_m: Option<f64>,
-    /// Least distance of the shortest way from any pursuer (m).
+    /// Smallest distance of the shortest path from any pursuer (m).
     pub shortest_closest_m: Option<f64>,
 }
 
@@ -32,7 +32,7 @@ pub struct Plan {
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Plans(pub Vec<Plan>);
 
-/// Why plans cannot be read.
+/// Failure to read plans.
 #[derive(Debug, thiserror::Error)]
 pub enum PlansError {
     /// The file cannot be read.
@@ -40,15 +40,15 @@ pub enum PlansError {
     Open {
         /// The file.
         path: PathBuf,
-        /// What the operating system said.
+        /// Error of the operating system.
         source: std::io::Error,
     },
-    /// It is not a table of plans.
+    /// The file is not a table of plans.
     #[error("{}: {reason}; expected the table that `pages plans` writes", path.display())]
     Format {
         /// The file.
         path: PathBuf,
-        /// Line and what is wrong with it.
+        /// Line and problem.
         reason: String,
     },
 }
@@ -72,10 +72,10 @@ impl Plans {
         })
     }
 
-    /// The table as CSV.
+    /// Returns the table as CSV.
     ///
     /// # Errors
-    /// What the writer said.
+    /// The error of the writer.
     pub fn to_csv(&self) -> Result<Vec<u8>, csv::Error> {
         let mut csv = csv::Writer::from_writer(Vec::new());
         for plan in &self.0 {
@@ -84,7 +84,7 @@ impl Plans {
         csv.into_inner().map_err(|error| error.into_error().into())
     }
 
-    /// The plans of a case in scenes of a kind.
+    /// Returns the plans of a case in one kind of scene.
     pub fn of<'a>(&'a self, case: &'a str, scene: &'a str) -> impl Iterator<Item = &'a Plan> {
         self.0
             .iter()

@@ -1,4 +1,4 @@
-//! Single plans of the RRT* planners in the city of the chase, where nothing moves.
+//! Single plans of the RRT* planners in the city of the chase, in a static world.
 
 use evader_rrt_star::RrtStarParams;
 use evader_rrt_star::collision_map::{CollisionMap, GOAL_TOLERANCE};
@@ -18,14 +18,14 @@ use sim_backend::team::Team;
 
 use super::plans::{Plan, Plans};
 
-/// The scenario whose map, robots and starts are taken.
+/// The scenario with the map, robots and starts.
 const SCENARIO: &str = "chase_exact";
-/// Iterations of a plan: those after which the paper gave up on arcs.
+/// Iterations of a plan: those after which the paper stopped searching on arcs.
 const ITERATIONS: u32 = 5000;
-/// Distance between two looks along the shortest way (m).
+/// Distance between two samples along the shortest path (m).
 const STEP: f64 = 0.01;
 
-/// Why plans cannot be measured: something about the built-in scenario.
+/// Failure to measure plans: a problem with the built-in scenario.
 #[derive(Debug, thiserror::Error)]
 #[error("cannot plan in the scenario `{SCENARIO}`: {0}")]
 pub struct MeasureError(String);
@@ -34,7 +34,7 @@ fn failed(reason: impl std::fmt::Display) -> MeasureError {
     MeasureError(reason.to_string())
 }
 
-/// What is measured: name of the case, its parameters.
+/// Returns the measured cases: name, parameters.
 fn cases() -> [(&'static str, RrtStarParams); 4] {
     let arc = RrtStarParams {
         primitive: Primitive::Arc,
@@ -48,8 +48,8 @@ fn cases() -> [(&'static str, RrtStarParams); 4] {
     ]
 }
 
-/// Plans with every planner, `count` times with the Police where a game begins and as often with the
-/// Police at random free places. The same count gives the same plans.
+/// Plans with every planner, `count` times with the Police at their starts and as often with the
+/// Police at random free positions. The same count gives the same plans.
 ///
 /// # Errors
 /// [`MeasureError`].
@@ -117,7 +117,7 @@ impl Setting {
         })
     }
 
-    /// As many Police as there are, at random free places.
+    /// Returns random free positions for all Police.
     fn scattered(&self, seed: u64) -> Result<Vec<Point2<f64>>, MeasureError> {
         let mut rng = stream(seed, "plans", "police", "places");
         let place = || self.space.random_free(&mut rng, self.model.radius);
@@ -181,7 +181,7 @@ impl Setting {
     }
 }
 
-/// Points of a way, near enough to each other to be joined by lines.
+/// Returns points of a path, close enough to be joined by lines.
 fn along(path: &ShortestPath) -> impl Iterator<Item = Point2<f64>> {
     path.legs.iter().flat_map(|leg| {
         let pieces = (leg.length() / STEP).ceil().clamp(1.0, 1e5) as u32;
@@ -189,7 +189,7 @@ fn along(path: &ShortestPath) -> impl Iterator<Item = Point2<f64>> {
     })
 }
 
-/// The least distance of a way over these points from any of some places (m).
+/// Returns the smallest distance of a path over these points from any of some positions (m).
 fn closest(points: impl Iterator<Item = Point2<f64>>, places: &[Point2<f64>]) -> f64 {
     let mut least = f64::INFINITY;
     let mut last: Option<Point2<f64>> = None;
@@ -203,7 +203,7 @@ fn closest(points: impl Iterator<Item = Point2<f64>>, places: &[Point2<f64>]) ->
     least
 }
 
-/// Distance of a place from a straight line between two points (m).
+/// Returns the distance of a position from a segment between two points (m).
 fn distance(from: Point2<f64>, to: Point2<f64>, place: Point2<f64>) -> f64 {
     let (way, off) = (to - from, place - from);
     let square = way.norm_squared();

@@ -1,7 +1,7 @@
 //! Markdown templates: text with slots for numbers and tables.
 //!
-//! `{{name}}` is a slot. The lines between a line `{{#name}}` and a line `{{/name}}` are a block: kept
-//! if its results exist, else replaced by a sentence that says that there are none.
+//! `{{name}}` is a slot. The lines between a line `{{#name}}` and a line `{{/name}}` are a block:
+//! kept if its results exist, else replaced by a sentence that there are none.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -11,7 +11,7 @@ const MARK: &str =
 /// The text in place of a block without results.
 const NO_RESULTS: &str = "*No results of this experiment.*";
 
-/// Template and values that do not fit.
+/// Mismatch of template and values.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum TemplateError {
     /// A slot without a value.
@@ -38,20 +38,20 @@ impl Values {
         self.blocks.insert(block.to_owned());
     }
 
-    /// Gives a slot its value, without the ends of lines behind it.
+    /// Sets the value of a slot, without trailing line breaks.
     pub fn set(&mut self, slot: impl Into<String>, value: impl AsRef<str>) {
         let value = value.as_ref().trim_end().to_owned();
         self.slots.insert(slot.into(), value);
     }
 
-    /// The template with these values.
+    /// Fills the template with these values.
     ///
     /// # Errors
     /// [`TemplateError`] if a slot has no value, or a value no slot.
     pub fn fill(&self, template: &str) -> Result<String, TemplateError> {
         let mut text = MARK.to_owned();
         let mut used = BTreeSet::new();
-        // The block without results that is being left out.
+        // Current block without results, which is left out.
         let mut left_out: Option<String> = None;
         for line in template.lines() {
             let directive = |sign: &str| {

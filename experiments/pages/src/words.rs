@@ -1,13 +1,13 @@
-//! Numbers as the page writes them.
+//! Formats of numbers on the page.
 
 use statistics::Interval;
 
-/// A share: `63.5 %`.
+/// Formats a share: `63.5 %`.
 pub fn share(value: f64) -> String {
     format!("{} %", tenths(100.0 * value))
 }
 
-/// An interval of shares: `58.1 … 67.6 %`.
+/// Formats an interval of shares: `58.1 … 67.6 %`.
 pub fn shares(interval: Interval) -> String {
     format!(
         "{} … {} %",
@@ -16,7 +16,7 @@ pub fn shares(interval: Interval) -> String {
     )
 }
 
-/// A difference of shares in points: `+12.5`.
+/// Formats a difference of shares in points: `+12.5`.
 pub fn points(value: f64) -> String {
     let text = tenths(100.0 * value);
     if text.starts_with('−') || text == "0.0" {
@@ -26,17 +26,17 @@ pub fn points(value: f64) -> String {
     }
 }
 
-/// An interval of differences: `+3.1 … +21.4`.
+/// Formats an interval of differences: `+3.1 … +21.4`.
 pub fn point_range(interval: Interval) -> String {
     format!("{} … {}", points(interval.low), points(interval.high))
 }
 
-/// A number with one digit after the point and a true minus.
+/// Formats a number with one digit after the point and a true minus.
 fn tenths(value: f64) -> String {
     minus(&format!("{value:.1}"))
 }
 
-/// A number with two digits after the point and a true minus.
+/// Formats a number with two digits after the point and a true minus.
 pub fn hundredths(value: f64) -> String {
     minus(&format!("{value:.2}"))
 }
@@ -49,7 +49,7 @@ fn minus(text: &str) -> String {
     }
 }
 
-/// A p-value: `p = 0.023`, `p < 0.0001`.
+/// Formats a p-value: `p = 0.023`, `p < 0.0001`.
 pub fn p_value(p: f64) -> String {
     if p < 0.0001 {
         "p < 0.0001".to_owned()
@@ -60,7 +60,7 @@ pub fn p_value(p: f64) -> String {
     }
 }
 
-/// A speed by that of the Police: `1.5×`.
+/// Formats a speed relative to the Police: `1.5×`.
 pub fn ratio(value: f64) -> String {
     let text = format!("{value:.3}");
     let text = text.trim_end_matches('0');
@@ -70,7 +70,7 @@ pub fn ratio(value: f64) -> String {
     format!("{text}×")
 }
 
-/// Several speeds: `1.5×, 2.0× and 3.0×`.
+/// Formats several speeds: `1.5×, 2.0× and 3.0×`.
 pub fn ratios(values: &[f64]) -> String {
     let words: Vec<String> = values.iter().map(|&v| ratio(v)).collect();
     match words.split_last() {
@@ -79,14 +79,14 @@ pub fn ratios(values: &[f64]) -> String {
     }
 }
 
-/// Text in a cell of a table: what would end the cell is escaped.
+/// Escapes text for a cell of a table.
 pub fn in_table(text: &str) -> String {
     text.replace('\\', "\\\\")
         .replace('|', "\\|")
         .replace(['\n', '\r'], " ")
 }
 
-/// The line that says what the results of an experiment were made with.
+/// Returns a line with the experiment, seeds and program of results.
 pub fn provenance(experiment: &str, seeds: &str, program: &str) -> String {
     format!("- `{experiment}`: seeds {seeds}, Protean {program}\n")
 }

@@ -1,4 +1,4 @@
-//! The promises of a run, checked after a fault.
+//! Checks of the guarantees of a run after a fault.
 
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -13,16 +13,17 @@ use mission::child_process::describe_exit;
 use scenario::ResolvedScenario;
 use scenario::spec::Mode;
 
-/// Multiples of the time of an undisturbed mission that one with a fault may take, and the time (s) on
-/// top of that and of what it takes to notice the failure: the machine may be busy.
+/// Time limit of a mission with a fault: a multiple of the time of a mission without faults, and an
+/// additional time (s), besides the time of failure detection. The margin allows for a busy
+/// machine.
 const PATIENCE: (f64, f64) = (5.0, 40.0);
-/// Time after which no process of a run may live whose orchestrator is gone: the grace of its
-/// processes, and what a busy machine adds.
+/// Time limit for the processes of a run to exit after the death of their orchestrator: their grace
+/// period, and a margin for a busy machine.
 const GONE_WITHIN: Duration = Duration::from_secs(8);
-/// Real time that a log may lack before the death of the orchestrator (s).
+/// Maximum real time before the death of the orchestrator that may be missing in the log (s).
 const LOST_S: f64 = 1.0;
 
-/// Runs a mission, injects the fault, and checks every promise.
+/// Runs a mission, injects the fault, and checks every guarantee.
 pub(super) fn inject(
     scenario: &ResolvedScenario,
     outcome: &mut Outcome,
@@ -67,7 +68,8 @@ impl Check<'_> {
         self.outcome.broken.push(what.into());
     }
 
-    /// It ended; the culprit is named; an undisturbed history is the same.
+    /// Checks that the run ended, named the failed process, and has the reference digest if it
+    /// succeeded.
     fn end(&mut self, ended: &Ended) {
         let Some(status) = ended.status else {
             return self.broke("the run did not end");
@@ -83,7 +85,7 @@ impl Check<'_> {
         let processes = ended.summary["processes"].as_array();
         let is_listed = processes.is_some_and(|all| all.iter().any(|p| p["name"] == *target));
         match status.code() {
-            // Also a run whose game was over when the process failed.
+            // The game may have been over when the process failed.
             Some(0) if !is_listed => self.same_history(&ended.summary),
             Some(1) if is_failure && ended.stderr.contains(target) => {}
             Some(3) if is_failure && is_listed => {}
@@ -106,7 +108,8 @@ impl Check<'_> {
         }
     }
 
-    /// No process, shared memory or file is left; after a killed orchestrator once `clean` has run.
+    /// Checks that no process, shared memory or file remains; after a killed orchestrator, once
+    /// `clean` has run.
     fn nothing_is_left(&mut self, mission: &Mission, runs: &[String], is_killed: bool) {
         let deadline = Instant::now() + GONE_WITHIN;
         let mut living = mission.living();
@@ -134,7 +137,7 @@ impl Check<'_> {
         }
     }
 
-    /// The log is whole, or can be recovered and lacks no more than the last second.
+    /// Checks that the log is complete, or can be recovered and lacks at most the last second.
     fn log(&mut self, mission: &Mission, killed: Option<Instant>) {
         let log = mission.path().join(faulty_run::LOG);
         let mut kept = 0;

@@ -1,5 +1,5 @@
-//! A mission as a program of its own, with a runtime directory of its own: everything that it leaves
-//! can be found.
+//! A mission in a separate process with a separate runtime directory, so that all its remains can
+//! be found.
 
 use std::fs::File;
 use std::os::unix::process::CommandExt as _;
@@ -22,22 +22,22 @@ use scenario::spec::Mode;
 
 /// Name of its log.
 pub(super) const LOG: &str = "mission.mcap";
-/// Time for which a process is paused: far less than what counts as hung.
+/// Duration of a pause: far below the time after which a process counts as hung.
 const PAUSE: Duration = Duration::from_millis(200);
-/// Time between two looks at the machine.
+/// Interval between checks.
 const LOOK: Duration = Duration::from_millis(5);
 
-/// An undisturbed mission.
+/// A mission without faults.
 #[derive(Debug)]
 pub(super) struct Baseline {
-    /// Real time that it takes (s).
+    /// Real time of the mission (s).
     pub(super) lasted_s: f64,
     /// Its digest, in lock-step.
     pub(super) digest: Option<Json>,
 }
 
 impl Baseline {
-    /// Runs a mission that nothing is done to.
+    /// Runs a mission without faults.
     pub(super) fn measure(scenario: &ResolvedScenario) -> Result<Self, ChaosError> {
         let mut mission = Mission::start(scenario)?;
         let ended = mission.end(Duration::from_secs(600));
@@ -56,24 +56,24 @@ impl Baseline {
     }
 }
 
-/// A mission that runs.
+/// A running mission.
 #[derive(Debug)]
 pub(super) struct Mission {
     child: Child,
     start: Instant,
     folder: TempDir,
-    /// Ticks posted, and when that was seen, as often as it had changed.
+    /// Numbers of posted ticks, and the times at which each was first read.
     posts: Vec<(u64, Instant)>,
 }
 
-/// A mission that is over.
+/// A mission that has ended.
 #[derive(Debug)]
 pub(super) struct Ended {
-    /// How the orchestrator ended; `None` if it did not and was killed.
+    /// Exit status of the orchestrator; `None` if it did not exit and was killed.
     pub(super) status: Option<ExitStatus>,
-    /// The JSON that it printed; null without.
+    /// JSON that it printed; null without output.
     pub(super) summary: Json,
-    /// What it wrote to stderr.
+    /// Its stderr.
     pub(super) stderr: String,
 }
 
@@ -85,7 +85,7 @@ fn system(what: impl Into<String>) -> impl FnOnce(std::io::Error) -> ChaosError 
 impl Mission {
     /// Starts the orchestrator of a mission.
     pub(super) fn start(scenario: &ResolvedScenario) -> Result<Self, ChaosError> {
-        // Short: names of sockets below it are limited.
+        // Short: the length of socket paths below it is limited.
         let folder = tempfile::Builder::new()
             .prefix("pc")
             .tempdir_in("/tmp")
@@ -104,7 +104,7 @@ impl Mission {
         if scenario.uses_external_commands() {
             command.arg("--allow-external");
         }
-        // In a group of its own: Ctrl-C is for chaos, which then ends in order.
+        // In a separate process group: Ctrl-C goes to `chaos`, which then ends in order.
         let child = command
             .process_group(0)
             .stdout(file("stdout")?)
@@ -119,12 +119,12 @@ impl Mission {
         })
     }
 
-    /// Leaves its directory behind when it is dropped.
+    /// Keeps its directory when it is dropped.
     pub(super) fn keep(&mut self) {
         self.folder.disable_cleanup(true);
     }
 
-    /// Its directory.
+    /// Path of its directory.
     pub(super) fn path(&self) -> &Path {
         self.folder.path()
     }
@@ -133,8 +133,8 @@ impl Mission {
         !matches!(self.child.try_wait(), Ok(None))
     }
 
-    /// Injects a fault when the mission is so old; when that was, or `None` if the mission was over
-    /// before.
+    /// Injects a fault when the mission has this age. Returns the time of the injection, or `None`
+    /// if the mission had ended before.
     pub(super) fn inject(&mut self, fault: &Outcome, moment: Duration) -> Option<Instant> {
         while self.start.elapsed() < moment {
             if self.is_over() {
@@ -164,7 +164,8 @@ impl Mission {
         is_done.then_some(at)
     }
 
-    /// The process that a fault is for, by the file of its configuration; `None` if it is not there.
+    /// Returns the process id of the target of a fault, found by its configuration file; `None` if
+    /// it does not run.
     fn find(&self, fault: &Outcome) -> Option<i32> {
         let orchestrator = i32::try_from(self.child.id()).ok()?;
         if fault.kind == FaultKind::KillOrchestrator {
@@ -181,7 +182,7 @@ impl Mission {
             .find(|&pid| is_target(pid))
     }
 
-    /// The living processes of the mission, whatever their parents, by their configurations.
+    /// Returns the configurations of the living processes of the mission, whatever their parents.
     pub(super) fn living(&self) -> Vec<PathBuf> {
         let config = |pid| proc::variable(pid, CONFIG_VARIABLE).map(PathBuf::from);
         proc::all()
@@ -193,7 +194,7 @@ impl Mission {
 
     fn look_at_ticks(&mut self) {
         let mut prefixes = self.runs().into_iter().map(|run| prefix(&run));
-        // The page goes with the run.
+        // The page is removed with the run.
         let page = prefixes.find_map(|prefix| TickBarrier::open(&prefix).ok());
         let ticks = page.map_or(0, |page| page.ticks_posted());
         let known = self.posts.last().map_or(0, |&(ticks, _)| ticks);
@@ -202,7 +203,7 @@ impl Mission {
         }
     }
 
-    /// The age, at this moment, of the first tick beyond so many (s); 0 if there was none.
+    /// Returns the age, at this moment, of the first tick beyond `ticks` (s); 0 if there was none.
     pub(super) fn age_beyond(&self, ticks: u64, now: Instant) -> f64 {
         let beyond = self.posts.iter().find(|&&(seen, _)| seen > ticks);
         beyond.map_or(0.0, |&(_, at)| {
@@ -210,7 +211,7 @@ impl Mission {
         })
     }
 
-    /// Waits until it is over; kills it if it is not by then.
+    /// Waits for the end; kills the mission at the time limit.
     pub(super) fn end(&mut self, patience: Duration) -> Ended {
         let deadline = Instant::now() + patience;
         let status = loop {
@@ -231,7 +232,7 @@ impl Mission {
         }
     }
 
-    /// Removes what a killed orchestrator left, as its user would.
+    /// Runs `clean`, as a user would after a killed orchestrator.
     pub(super) fn clean(&self) {
         let clean = command(self.path(), "clean")
             .stdout(Stdio::null())
@@ -242,7 +243,7 @@ impl Mission {
         }
     }
 
-    /// Names of its run directories: one while it runs.
+    /// Returns the names of its run directories: one during a run.
     pub(super) fn runs(&self) -> Vec<String> {
         names(&self.path().join("rt/protean"), "r")
     }
@@ -261,7 +262,7 @@ impl Drop for Mission {
     }
 }
 
-/// Names in a directory that begin so; none if it cannot be read.
+/// Returns the names in a directory that begin with `beginning`; none if it cannot be read.
 pub(super) fn names(directory: &Path, beginning: &str) -> Vec<String> {
     let entries = std::fs::read_dir(directory).into_iter().flatten().flatten();
     entries
@@ -270,13 +271,13 @@ pub(super) fn names(directory: &Path, beginning: &str) -> Vec<String> {
         .collect()
 }
 
-/// Beginning of the names of a run's shared memory.
+/// Returns the prefix of the names of a run's shared memory.
 pub(super) fn prefix(run: &str) -> String {
     format!("protean_{run}_")
 }
 
-/// This program, with the mission's runtime directory. (The working directory stays, from which the
-/// programs of scenarios have their paths.)
+/// Returns a command of this program with the mission's runtime directory. (The working directory
+/// is unchanged: the paths of external programs in scenarios depend on it.)
 fn command(folder: &Path, verb: &str) -> Command {
     let mut command = Command::new(program::THIS);
     command

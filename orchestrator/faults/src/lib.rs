@@ -1,9 +1,9 @@
-//! Faults on purpose: a process of a run is killed, stopped or paused at a moment that a seed draws,
-//! and afterwards the promises of a run (`docs/reference/guarantees.md`) are checked from outside: by
+//! Fault injection: a process of a run is killed, stopped or paused at a moment drawn from a seed.
+//! Then the guarantees of a run (`docs/reference/guarantees.md`) are checked from outside: by
 //! `/proc`, `/dev/shm`, the exit code, the summary and the log.
 //!
-//! * `faulty_run`: a run as a program of its own, with a runtime directory of its own;
-//! * `check`: the promises.
+//! * `faulty_run`: a run in a separate process with a separate runtime directory;
+//! * `check`: checks of the guarantees.
 
 #![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
 #![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
@@ -41,7 +41,7 @@ impl FaultKind {
     /// All kinds.
     pub const ALL: [Self; 4] = [Self::Kill, Self::Hang, Self::Pause, Self::KillOrchestrator];
 
-    /// Its name, and its effect in one line.
+    /// Returns its name, and its effect in one line.
     pub fn describe(self) -> (&'static str, &'static str) {
         match self {
             Self::Kill => ("kill", "A process is killed (SIGKILL)"),
@@ -59,20 +59,20 @@ pub struct Outcome {
     pub number: u64,
     /// Its kind.
     pub kind: FaultKind,
-    /// Name of the process that it hits.
+    /// Name of the target process.
     pub target: String,
     /// Index of that process in the run; 0 for the orchestrator, too.
     #[serde(skip)]
     index: usize,
-    /// Its moment: share of the real time that an undisturbed mission takes, 0 to 1.
+    /// Moment of the fault, as a share of the real time of a mission without faults, 0 to 1.
     pub moment: f64,
-    /// Whether it happened; else its mission was over before.
+    /// `true` if the fault was injected; `false` if the mission had ended before.
     pub injected: bool,
-    /// Promises that were broken.
+    /// Violated guarantees.
     pub broken: Vec<String>,
-    /// Real time from the fault until the mission was over (s).
+    /// Real time from the fault to the end of the mission (s).
     pub over_after_s: f64,
-    /// Real time before the death of the orchestrator that the log lacks (s).
+    /// Real time before the death of the orchestrator that is missing in the log (s).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub lost_s: Option<f64>,
 }
@@ -117,9 +117,9 @@ pub struct ChaosOptions {
     pub seed: u64,
     /// Number of faults.
     pub faults: u64,
-    /// The kinds to draw from; each as often as the others.
+    /// The kinds to draw from, with equal probability.
     pub kinds: Vec<FaultKind>,
-    /// Set from outside (Ctrl-C): ends after the present fault.
+    /// Set by the caller (Ctrl-C): ends after the current fault.
     pub interrupted: Arc<AtomicBool>,
 }
 
@@ -128,20 +128,20 @@ pub struct ChaosOptions {
 pub struct ChaosReport {
     /// Every fault.
     pub outcomes: Vec<Outcome>,
-    /// Number of faults that happened.
+    /// Number of injected faults.
     pub injected: u64,
-    /// Number of promises that were broken.
+    /// Number of violated guarantees.
     pub broken: u64,
     /// Real time (s).
     pub lasted_s: f64,
-    /// Whether it was ended from outside.
+    /// `true` if it was interrupted.
     pub interrupted: bool,
 }
 
 /// Failure to inject faults at all.
 #[derive(Debug, thiserror::Error)]
 pub enum ChaosError {
-    /// The mission does not work undisturbed.
+    /// The mission fails without faults.
     #[error("undisturbed, the mission {0}")]
     Baseline(String),
     /// A program cannot be started, or a file cannot be written.
@@ -154,10 +154,10 @@ pub enum ChaosError {
     },
 }
 
-/// Injects the faults one after the other, each into a mission of its own; `told` gets each outcome.
+/// Injects the faults one after the other, each into a new mission; calls `told` with each outcome.
 ///
 /// # Errors
-/// [`ChaosError`] if missions do not even work undisturbed, or the machine refuses.
+/// [`ChaosError`] if missions fail without faults, or the operating system refuses.
 pub fn chaos(
     options: &ChaosOptions,
     mut told: impl FnMut(&Outcome),
@@ -184,7 +184,7 @@ pub fn chaos(
     })
 }
 
-/// One line about a fault, and one per promise that it broke.
+/// Describes a fault in one line, and each violated guarantee in another.
 pub fn line(outcome: &Outcome) -> String {
     let (number, target, over_after_s) = (outcome.number, &outcome.target, outcome.over_after_s);
     let (kind, _) = outcome.kind.describe();
@@ -201,7 +201,7 @@ pub fn line(outcome: &Outcome) -> String {
     line
 }
 
-/// The result for people: every fault that broke a promise, and a sum.
+/// Returns the result as text: every fault that violated a guarantee, and totals.
 pub fn text(report: &ChaosReport) -> String {
     let broken = report.outcomes.iter().filter(|o| !o.broken.is_empty());
     let mut lines: Vec<String> = broken.map(line).collect();

@@ -1,5 +1,5 @@
-//! What the messages of a mission would cost over other transports, between two processes that do
-//! nothing else.
+//! Latencies of the messages of a mission over other transports, between two otherwise idle
+//! processes.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
@@ -9,33 +9,33 @@ use statistics::Distribution;
 use super::link::{Link, LinkError, Placement, Transport};
 use super::of_log::Measured;
 
-/// Time between two messages: the receiver has fallen asleep, as in a mission.
+/// Time between two messages: long enough that the receiver sleeps, as in a mission.
 const PAUSE: Duration = Duration::from_micros(500);
 /// Topics whose messages are compared, if the mission has them.
 const TOPICS: [&str; 3] = ["world/state", "perception/belief", "robot/command"];
 
-/// One transport for messages of one size.
+/// Latency of one transport for messages of one size.
 #[derive(Debug, Clone)]
 pub struct Baseline {
-    /// What carried them.
+    /// Transport of the messages.
     pub transport: Transport,
-    /// On which processors.
+    /// Placement of the processes on processors.
     pub placement: Placement,
-    /// Messages of which topic are as large.
+    /// Topic whose messages have this size.
     pub topic: &'static str,
-    /// Their size (bytes).
+    /// Size of the messages (bytes).
     pub bytes: usize,
-    /// One way, from before the sending until all of it was there.
+    /// One-way latency: from before sending until the whole message was received.
     pub latency: Distribution,
 }
 
-/// The topics of a mission that are compared, with the mean size of their messages (bytes).
+/// Returns the topics of a mission that are compared, with the mean size of their messages (bytes).
 pub fn payloads(measured: &Measured) -> Vec<(&'static str, usize)> {
     TOPICS
         .into_iter()
         .filter_map(|topic| {
             let mean = measured.sizes.get(topic)?.mean();
-            // Whole elements of the link's messages.
+            // A multiple of the element size of the link's messages.
             let bytes = usize::try_from(mean).ok()?.next_multiple_of(8).max(8);
             Some((topic, bytes))
         })
@@ -45,14 +45,14 @@ pub fn payloads(measured: &Measured) -> Vec<(&'static str, usize)> {
 /// Repetitions of a measurement.
 #[derive(Debug, Clone, Copy)]
 pub struct Repetitions {
-    /// Blocks of every transport; one more warms up.
+    /// Blocks per transport; one more block warms up.
     pub blocks: usize,
-    /// Messages of a block.
+    /// Messages per block.
     pub messages: usize,
 }
 
 impl Repetitions {
-    /// For figures, and (`quick`) for a first impression.
+    /// Returns the repetitions for figures, or (`quick`) for a first impression.
     pub fn new(quick: bool) -> Self {
         if quick {
             Self {
@@ -68,10 +68,10 @@ impl Repetitions {
     }
 }
 
-/// Measures all transports with these payloads; what was measured before an interruption is kept.
+/// Measures all transports with these payloads; keeps results from before an interruption.
 ///
 /// # Errors
-/// [`LinkError`] says what could not be measured.
+/// [`LinkError`] if a transport cannot be measured.
 pub fn measure(
     payloads: &[(&'static str, usize)],
     repetitions: Repetitions,
@@ -84,7 +84,7 @@ pub fn measure(
             break;
         }
         say(&format!("baselines, {}", placement.name()));
-        // On a thread of its own, which is pinned.
+        // On a separate thread, which is pinned.
         let joined = std::thread::scope(|scope| {
             let work = || measure_placed(payloads, placement, repetitions, interrupted);
             scope.spawn(work).join()
@@ -95,7 +95,7 @@ pub fn measure(
     Ok(all)
 }
 
-/// As [`measure`], on these processors.
+/// Like [`measure`], on these processors.
 fn measure_placed(
     payloads: &[(&'static str, usize)],
     placement: Placement,
@@ -116,7 +116,7 @@ fn measure_placed(
             })
         };
         let mut own: Vec<Baseline> = Transport::ALL.into_iter().filter_map(new).collect();
-        // The transports take turns, so that what else the machine does is in all of them.
+        // The transports alternate, so that other load on the machine affects all of them.
         for block in 0..=repetitions.blocks {
             for baseline in &mut own {
                 if interrupted.load(Ordering::SeqCst) {

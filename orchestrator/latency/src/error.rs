@@ -1,4 +1,4 @@
-//! Why latencies could not be measured.
+//! Errors of latency measurements.
 
 use std::path::PathBuf;
 
@@ -7,18 +7,18 @@ use mcap_log::LogReadError;
 use super::link::LinkError;
 use mission::MissionError;
 
-/// Why latencies could not be measured.
+/// Failure to measure latencies.
 #[derive(Debug, thiserror::Error)]
 pub enum LatencyError {
     /// The log cannot be read.
     #[error(transparent)]
     Log(Box<LogReadError>),
-    /// There is nothing to measure in the log.
+    /// The log contains nothing to measure.
     #[error("{}: the log holds no {what}", path.display())]
     Lacks {
         /// The log.
         path: PathBuf,
-        /// What is missing.
+        /// Missing content.
         what: &'static str,
     },
     /// The mission failed.
@@ -27,18 +27,18 @@ pub enum LatencyError {
     /// A baseline could not be measured.
     #[error(transparent)]
     Link(#[from] LinkError),
-    /// The system refused something.
+    /// An operation of the operating system failed.
     #[error("{what}: {source}")]
     System {
-        /// What was attempted.
+        /// Attempted operation.
         what: String,
-        /// What the system said.
+        /// Error of the operating system.
         source: std::io::Error,
     },
 }
 
 impl LatencyError {
-    /// Whether somebody's input is to blame, and not the measuring.
+    /// Returns `true` if the error is caused by the user's input.
     pub fn is_invalid_input(&self) -> bool {
         match self {
             Self::Lacks { .. } => true,

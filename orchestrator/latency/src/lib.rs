@@ -1,10 +1,11 @@
-//! `protean latency`: how long it takes from the state of the world to the commands for it, hop by
-//! hop, beside what other ways of passing messages take on the same machine at the same time.
+//! `protean latency`: the latency from a world state to its commands, hop by hop, compared with
+//! other transports on the same machine at the same time.
 //!
-//! * [`of_log()`] reads the stamps in a log: hops, steps, turns, and the stages of every tick;
-//! * [`run`](mission::run) does a mission in real time to have such a log;
-//! * [`baselines`] passes messages of the same sizes over bare iceoryx2, sockets and pipes;
-//! * [`Report`] is all of it as a table and as JSON.
+//! * [`of_log()`] reads the stamps in a log: hops, steps, parts of steps, and the stages of every
+//!   tick;
+//! * [`run`](mission::run) runs a mission in real time for such a log;
+//! * [`baselines`] sends messages of the same sizes over bare iceoryx2, sockets and pipes;
+//! * [`Report`] is the result as a table and as JSON.
 
 #![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
 #![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]

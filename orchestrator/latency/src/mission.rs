@@ -1,4 +1,4 @@
-//! A mission in real time, for its stamps.
+//! A mission in real time whose stamps are measured.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -12,24 +12,24 @@ use mission::{self, MissionOptions};
 use scenario::ResolvedScenario;
 use scenario::kind::Kind;
 
-/// How a mission is run.
+/// Options of a mission.
 #[derive(Debug, Clone, Default)]
 pub struct RunOptions {
-    /// Keep the log in this file.
+    /// Path of the log; `None`: the log is deleted.
     pub log: Option<PathBuf>,
-    /// Whether the log may replace a file.
+    /// `true` if the log may replace a file.
     pub force: bool,
-    /// Whether nothing but errors is shown.
+    /// `true` if only errors are shown.
     pub quiet: bool,
-    /// Set from outside (Ctrl-C) to end it in order.
+    /// Set by the caller (Ctrl-C) to end it in order.
     pub interrupted: Arc<AtomicBool>,
 }
 
-/// Runs a scenario, which says how, and reads the stamps in its log, whose scenario has these kinds of
-/// processes; whether it was interrupted.
+/// Runs a scenario with these kinds of processes in its own mode, and reads the stamps in its log.
+/// Also returns `true` if the run was interrupted.
 ///
 /// # Errors
-/// [`LatencyError`]: the mission failed, or ended before anything could be measured.
+/// [`LatencyError`]: the mission failed, or ended before any measurement.
 pub fn run(
     scenario: &ResolvedScenario,
     kinds: &[Kind],
@@ -54,7 +54,7 @@ pub fn run(
             ..MissionOptions::default()
         },
     )?;
-    // Ctrl-C has ended the mission; what it has left is read all the same.
+    // After Ctrl-C, the log up to the interruption is read.
     let mut watch = ReadProgress::new(Arc::default(), options.quiet);
     Ok((of_log(&log, kinds, &mut watch)?, report.interrupted))
 }

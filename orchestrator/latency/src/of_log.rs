@@ -1,4 +1,4 @@
-//! What the stamps in a log say.
+//! Latencies from the stamps in a log.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -23,61 +23,61 @@ use scenario::ResolvedScenario;
 use scenario::kind::Kind;
 use scenario::spec::Mode;
 
-/// Messages of one topic, for baselines of the same size.
+/// Number and size of the messages of one topic, for baselines of the same size.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Sizes {
-    /// Messages.
+    /// Number of messages.
     pub messages: u64,
-    /// Bytes of all of them together, headers included.
+    /// Total size with headers (bytes).
     pub bytes: u64,
 }
 
 impl Sizes {
-    /// The mean size (bytes).
+    /// Returns the mean size (bytes).
     pub fn mean(self) -> u64 {
         self.bytes / self.messages.max(1)
     }
 }
 
-/// What the stamps of one run say.
+/// Latencies of one run.
 #[derive(Debug, Clone)]
 pub struct Measured {
     /// Name of the scenario.
     pub scenario: String,
     /// Seed of the run.
     pub seed: u64,
-    /// Version that recorded it.
+    /// Version of Protean that recorded it.
     pub version: String,
-    /// Machine that it ran on.
+    /// Machine on which it ran.
     pub machine: String,
     /// `real_time` or `lock_step`.
     pub mode: &'static str,
     /// Ticks per second of the scenario (Hz).
     pub rate_hz: f64,
-    /// Time between two ticks by the clock on the wall (ns); none in lock-step.
+    /// Wall-clock time between two ticks (ns); `None` in lock-step.
     pub period_ns: Option<u64>,
     /// Hops and steps by name.
     pub hops: Distributions,
-    /// Parts of the turns of every kind of process, by name.
+    /// Parts of the steps of every kind of process, by name.
     pub turns: Distributions,
-    /// Stages from sense to act by name, with the whole.
+    /// Stages of sense-to-act by name, and their sum.
     pub stages: Distributions,
-    /// How far ticks were off their time.
+    /// Deviations of ticks from their times.
     pub period: Distributions,
-    /// How ticks were answered.
+    /// Counts of answered and missed ticks.
     pub answers: Answers,
-    /// Every tick that could be followed.
+    /// All ticks with complete stamps.
     pub passages: Vec<Passage>,
-    /// Overruns of every process that says how it is, by name.
+    /// Overruns by name of the process, of processes that report them.
     pub overruns: BTreeMap<String, u64>,
     /// Sizes of messages by topic.
     pub sizes: BTreeMap<String, Sizes>,
-    /// In what condition the log is.
+    /// Condition of the log.
     pub condition: Condition,
 }
 
 impl Measured {
-    /// The distribution with this name among hops, stages and ticks.
+    /// Returns the distribution with this name among hops, stages and ticks.
     pub fn distribution(&self, name: &str) -> Option<&Distribution> {
         [&self.stages, &self.hops, &self.period]
             .into_iter()
@@ -88,8 +88,8 @@ impl Measured {
 /// Reads a log.
 ///
 /// # Errors
-/// [`LatencyError`]: the log cannot be read, is not ours or of another version, or nothing in it
-/// was stamped or answered.
+/// [`LatencyError`]: the log cannot be read, is not a Protean log of this version, or contains no
+/// stamped or answered message.
 pub fn of_log(
     log: &Path,
     kinds: &[Kind],
@@ -105,7 +105,7 @@ pub fn of_log(
     reading.finish(log, condition)
 }
 
-/// A log while it is read.
+/// State of reading a log.
 #[derive(Default)]
 struct Reading {
     origin: Origin,
@@ -117,7 +117,7 @@ struct Reading {
     stamped: u64,
 }
 
-/// What is collected once the processes are known.
+/// Collectors that need the list of processes.
 struct Known {
     scenario: ResolvedScenario,
     processes: Vec<ProcessInfo>,
@@ -159,7 +159,7 @@ impl Reading {
         Ok(())
     }
 
-    /// The processes, from the scenario in the log.
+    /// Returns the processes, from the scenario in the log.
     fn processes(&self, log: &Path, kinds: &[Kind]) -> Result<Known, LatencyError> {
         let scenario = replay::origin::scenario_of(&self.origin, log, &[], "", kinds)?;
         let plan = Plan::new(&scenario, Path::new(""), "", "").map_err(MissionError::from)?;

@@ -1,4 +1,4 @@
-//! Everything that was measured, for programs.
+//! The measurements as JSON.
 
 use std::path::PathBuf;
 
@@ -10,37 +10,37 @@ use super::baselines::Baseline;
 use super::of_log::Measured;
 use super::{REACTION, Stage, TICK_JITTER, WHOLE};
 
-/// Parts of a histogram per power of ten.
+/// Number of bins of a histogram per power of ten.
 pub(super) const PER_DECADE: u32 = 8;
 
-/// One mission, or one log.
+/// Measurements of one mission, or of one log.
 #[derive(Debug, Clone)]
 pub struct Run {
-    /// What its stamps say.
+    /// Latencies from its stamps.
     pub measured: Measured,
-    /// Its log, if it is kept.
+    /// Path of its log, if it is kept.
     pub log: Option<PathBuf>,
-    /// Whether it was ended before its time.
+    /// `true` if it was interrupted.
     pub interrupted: bool,
-    /// What its messages would cost over other transports; empty for a log.
+    /// Latencies of its messages over other transports; empty for a log.
     pub baselines: Vec<Baseline>,
 }
 
-/// Everything that was measured.
+/// All measurements.
 #[derive(Debug, Clone, Default)]
 pub struct Report {
     /// The missions, or the log.
     pub runs: Vec<Run>,
-    /// What could not be measured.
+    /// Failed measurements.
     pub errors: Vec<String>,
-    /// Whether it was ended before everything was measured.
+    /// `true` if it was interrupted before everything was measured.
     pub interrupted: bool,
-    /// Load averages over 1, 5 and 15 minutes when the measuring began.
+    /// Load averages over 1, 5 and 15 minutes at the start.
     pub load: [f64; 3],
 }
 
 impl Report {
-    /// An empty one; the load is that of now.
+    /// Returns an empty report with the current load.
     pub fn new() -> Self {
         Self {
             load: load(),
@@ -48,7 +48,7 @@ impl Report {
         }
     }
 
-    /// The one JSON object.
+    /// Returns the report as one JSON object.
     pub fn json(&self) -> Json {
         json!({
             "version": env!("CARGO_PKG_VERSION"),
@@ -62,7 +62,7 @@ impl Report {
 }
 
 impl Run {
-    /// The rows from sense to act: every stage that the run had, then the parts that sum up.
+    /// Returns the rows of sense-to-act: every stage of the run, then the sums.
     pub fn stages(&self) -> Vec<(&'static str, Percentiles)> {
         let names = Stage::ALL.map(Stage::name);
         let names = names.into_iter().chain([REACTION, WHOLE]);
@@ -71,8 +71,8 @@ impl Run {
             .collect()
     }
 
-    /// Mean time of every stage (us), in the order of [`Stage::ALL`], of the ticks that could be
-    /// followed; they add up to the mean of the whole.
+    /// Returns the mean time of every stage (us), in the order of [`Stage::ALL`], of the ticks with
+    /// complete stamps. Their sum is the mean of the total.
     pub fn means(&self) -> [f64; 7] {
         let passages = &self.measured.passages;
         let count = passages.len().max(1) as f64;
@@ -84,7 +84,8 @@ impl Run {
         means
     }
 
-    /// The greatest difference, over all ticks, between the sum of the stages and the whole (ns).
+    /// Returns the largest difference, over all ticks, between the sum of the stages and the total
+    /// (ns).
     pub fn sum_error_ns(&self) -> u64 {
         let differences = self.measured.passages.iter().map(|passage| {
             let sum: u64 = passage.stages.iter().sum();
@@ -93,8 +94,8 @@ impl Run {
         differences.max().unwrap_or(0)
     }
 
-    /// What the tick takes beside the command's wait for it: the share of the period that the
-    /// reaction takes at its 99th percentile; none in lock-step.
+    /// Returns the share of the tick period that the reaction takes at its 99th percentile; `None`
+    /// in lock-step.
     pub fn share_of_period(&self) -> Option<f64> {
         let period = self.measured.period_ns? as f64 / 1e3;
         let reaction = self.measured.stages.get(REACTION)?;
@@ -166,7 +167,7 @@ fn named<'a>(all: impl Iterator<Item = (&'a String, &'a Distribution)>) -> Map<S
         .collect()
 }
 
-/// Load averages over 1, 5 and 15 minutes.
+/// Returns load averages over 1, 5 and 15 minutes.
 pub fn load() -> [f64; 3] {
     let text = std::fs::read_to_string("/proc/loadavg").unwrap_or_default();
     parse_load(&text)

@@ -1,4 +1,4 @@
-//! Everything that was measured, for people.
+//! The measurements as text.
 
 use std::fmt::Write as _;
 
@@ -11,7 +11,7 @@ use super::TICK_JITTER;
 use super::baselines::Baseline;
 use super::report::{Report, Run};
 
-/// The tables.
+/// Returns the tables.
 pub fn text(report: &Report) -> String {
     let [one, five, fifteen] = report.load;
     let mut text = format!(
@@ -48,7 +48,7 @@ fn cells(p: &Percentiles) -> [String; 7] {
     ]
 }
 
-/// Microseconds with two digits after the point below ten.
+/// Formats microseconds, with two digits after the point below ten.
 fn us(value: f64) -> String {
     match value {
         v if v < 10.0 => format!("{v:.2}"),
@@ -57,7 +57,7 @@ fn us(value: f64) -> String {
     }
 }
 
-/// What a run was, in a line.
+/// Describes a run in one line.
 fn headline(run: &Run) -> String {
     let m = &run.measured;
     let pace = match m.period_ns {
@@ -71,7 +71,7 @@ fn headline(run: &Run) -> String {
     )
 }
 
-/// How ticks were answered, in a line or two.
+/// Describes the answers to ticks in one or two lines.
 fn deadlines(run: &Run) -> Vec<String> {
     let a = &run.measured.answers;
     let mut lines = vec![format!(
@@ -142,7 +142,7 @@ fn of_run(text: &mut String, run: &Run) {
     }
 }
 
-/// The parts of every process's turn, a row per kind.
+/// Returns a table of the parts of steps, a row per kind of process.
 fn turns(run: &Run) -> Table {
     const PARTS: [&str; 4] = ["wakes up", "takes its input", "computes", "writes"];
     let mut header = vec!["turn of".to_owned()];
@@ -169,7 +169,7 @@ fn turns(run: &Run) -> Table {
     found
 }
 
-/// A row per way and payload, the placements side by side.
+/// Returns a table with a row per transport and payload, and the placements as columns.
 fn baselines(all: &[Baseline]) -> Table {
     let mut placements = Vec::new();
     for baseline in all {

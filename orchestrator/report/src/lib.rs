@@ -1,4 +1,4 @@
-//! A run as people see it, from its log: one [`picture`] (SVG), and one [`page`] for a browser.
+//! Views of a run from its log: one [`picture`] (SVG), and one [`page`] for a browser.
 
 #![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
 #![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]

@@ -1,4 +1,4 @@
-//! `set = { … }`: what a case or a level of a parameter changes of the scenario.
+//! `set = { … }`: the overrides of a case or of a level of a parameter.
 
 use config::{FieldPath, Node, Value, write_value};
 
@@ -9,15 +9,15 @@ use super::reader::Reader;
 pub(super) struct Assignment {
     /// `key=value`, as `--set` takes it.
     pub argument: String,
-    /// Where it is written: `experiment.toml:12`.
+    /// Location in the file: `experiment.toml:12`.
     pub label: String,
 }
 
 /// Reads a table of overrides.
 ///
-/// Keys are paths as `--set` takes them, quoted if they hold more than names (`"processes[+]"`).
-/// A table is gone through key by key, so that what it does not name stays; but one with a `kind`
-/// or a `command` is a whole process and replaces what was there, as an empty table does.
+/// Keys are paths as `--set` takes them, quoted if they contain more than names (`"processes[+]"`).
+/// A table overrides key by key; keys that it does not name are unchanged. A table with a `kind` or
+/// a `command` is a whole process and replaces the previous one, as an empty table does.
 pub(super) fn read(reader: &mut Reader, path: &FieldPath, node: &Node) -> Vec<Assignment> {
     let mut found = Vec::new();
     if node

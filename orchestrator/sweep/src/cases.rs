@@ -1,4 +1,4 @@
-//! `[[cases]]`: what is compared.
+//! `[[cases]]`: the methods that are compared.
 
 use config::{Code, FieldPath, Node};
 
@@ -7,16 +7,16 @@ use super::parts::check_name;
 use super::reader::Reader;
 use super::spec::CaseSpec;
 
-/// A case: what is compared with the others.
+/// A case: a method that is compared with the others.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Case {
-    /// Its name in the results.
+    /// Name in the results.
     pub name: String,
-    /// What people call it.
+    /// Title.
     pub title: String,
 }
 
-/// A case as it is read.
+/// A case during reading.
 pub(super) struct CaseDraft<D> {
     pub case: Case,
     pub target: String,
@@ -27,8 +27,8 @@ pub(super) struct CaseDraft<D> {
 
 /// Reads the cases; without `[[cases]]` there is one.
 ///
-/// `open` opens what a case starts from, given its block, and returns its target and draft; `name_of`
-/// is the name of the case of this target in an experiment without `[[cases]]`.
+/// `open` opens the target of a case, given its block, and returns target and draft. `name_of`
+/// returns the name of the case of this target in an experiment without `[[cases]]`.
 pub(super) fn read_cases<D>(
     reader: &mut Reader,
     open: impl Fn(&mut Reader, Option<(&FieldPath, &Node)>) -> Option<(String, D)>,

@@ -7,9 +7,9 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
 pub enum Value {
-    /// True or false.
+    /// A Boolean.
     Bool(bool),
-    /// A whole number.
+    /// An integer.
     Int(i64),
     /// A finite number.
     Float(f64),
@@ -18,7 +18,7 @@ pub enum Value {
 }
 
 impl Value {
-    /// The value of a node; `None` if it is a table, an array, a date or not finite.
+    /// Converts a node to a value; `None` if it is a table, an array, a date or not finite.
     pub fn from_node(node: &Node) -> Option<Self> {
         match &node.value {
             TomlValue::Bool(v) => Some(Self::Bool(*v)),
@@ -29,7 +29,7 @@ impl Value {
         }
     }
 
-    /// The value as a number, if it is one.
+    /// Returns the value as a number, if it is one.
     pub fn number(&self) -> Option<f64> {
         match self {
             Self::Int(v) => Some(*v as f64),
@@ -38,7 +38,7 @@ impl Value {
         }
     }
 
-    /// Whether two values are the same, however they are written (1 and 1.0).
+    /// Returns `true` if two values are equal, also in different notation (1 and 1.0).
     pub fn same(&self, other: &Self) -> bool {
         match (self.number(), other.number()) {
             (Some(a), Some(b)) => a == b,
@@ -69,11 +69,11 @@ pub struct Cell<S> {
     pub target: String,
     /// The overrides, as `--set` takes them, in their order.
     pub overrides: Vec<String>,
-    /// Whether it starts programs that are not Protean's own.
+    /// `true` if it starts external programs.
     pub external: bool,
-    /// Fingerprint of the subject with everything filled in, but for its seed.
+    /// Hash of the complete subject without its seed.
     pub blake3: String,
-    /// What its missions are about.
+    /// Subject of its missions.
     pub subject: S,
 }
 
@@ -87,7 +87,7 @@ impl<S> std::fmt::Debug for Cell<S> {
     }
 }
 
-/// A combination in words: `case potential, relative_speed = 1.5`.
+/// Describes a combination: `case potential, relative_speed = 1.5`.
 pub(super) fn describe(case: &str, names: &[&str], values: &[Value]) -> String {
     let mut text = format!("case {case}");
     for (name, value) in names.iter().zip(values) {

@@ -1,5 +1,4 @@
-//! A column of results: name, type and value in one place, from which header, CSV and Parquet
-//! follow.
+//! Columns of results: name, type and value in one place, for header, CSV and Parquet.
 
 use std::io;
 
@@ -7,19 +6,19 @@ use tables::{Cell, Type};
 
 /// A column of the table of results, after the columns of the parameters and `seed`.
 pub struct ResultColumn<R: 'static> {
-    /// Its name.
+    /// Name.
     pub name: &'static str,
     get: Get<R>,
 }
 
-/// Takes the value of a column out of a row; the variant is the column's type.
+/// Function that returns the value of a column of a row; the variant is the type of the column.
 enum Get<R: 'static> {
     Bool(fn(&R) -> Option<bool>),
     Int(fn(&R) -> Option<u64>),
     Float(fn(&R) -> Option<f64>),
-    /// An empty text is no value.
+    /// Text; an empty text is no value.
     Text(fn(&R) -> &str),
-    /// Text that holds JSON; an empty text is no value.
+    /// JSON as text; an empty text is no value.
     Json(fn(&R) -> serde_json::Result<String>),
 }
 
@@ -61,7 +60,7 @@ impl<R> ResultColumn<R> {
         }
     }
 
-    /// The value of a row.
+    /// Returns the value of a row.
     ///
     /// # Errors
     /// A value cannot be written as JSON.

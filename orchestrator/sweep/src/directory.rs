@@ -1,4 +1,4 @@
-//! The files of a directory of results that are not results: its lock and its manifest.
+//! Lock and manifest of a directory of results.
 
 use std::fs::File;
 use std::io::{self, Write as _};
@@ -13,13 +13,13 @@ use super::manifest::{FORMAT, Manifest};
 
 /// Name of the manifest.
 pub(super) const MANIFEST: &str = "manifest.json";
-/// Name of the file that is locked while a sweep is at work.
+/// Name of the file that a running sweep locks.
 const LOCK: &str = "lock";
 
-/// What the missions are whose results a directory holds.
+/// Returns the kind of the missions whose results a directory contains.
 ///
 /// # Errors
-/// [`SweepError`] if it holds none, or its manifest cannot be read.
+/// [`SweepError`] if it contains none, or its manifest cannot be read.
 pub fn kind_of(directory: &Path) -> Result<Kind, SweepError> {
     let manifest = read_manifest(directory)?.ok_or_else(|| SweepError::NotResults {
         path: directory.to_owned(),
@@ -29,14 +29,14 @@ pub fn kind_of(directory: &Path) -> Result<Kind, SweepError> {
     Ok(manifest.kind)
 }
 
-/// A directory of results that is locked until this is dropped.
+/// A lock of a directory of results, until this is dropped.
 #[derive(Debug)]
 pub(super) struct Lock(File);
 
 impl Drop for Lock {
     fn drop(&mut self) {
-        // To close it is not enough: a process that another thread is just starting holds it too, until
-        // it runs its own program.
+        // Closing the file is not enough: a process that another thread is starting has it open
+        // too, until it executes its own program.
         let _ = flock(&self.0, FlockOperation::Unlock);
     }
 }
@@ -44,7 +44,7 @@ impl Drop for Lock {
 /// Locks a directory of results.
 ///
 /// # Errors
-/// [`SweepError::InUse`] if another sweep is at work in it.
+/// [`SweepError::InUse`] if another sweep uses it.
 pub(super) fn lock(directory: &Path) -> Result<Lock, SweepError> {
     let path = directory.join(LOCK);
     let file = File::create(&path).map_err(SweepError::io(&path, "cannot make the lock file"))?;
@@ -57,10 +57,10 @@ pub(super) fn lock(directory: &Path) -> Result<Lock, SweepError> {
     }
 }
 
-/// The manifest of a directory; `None` if it has none.
+/// Reads the manifest of a directory; `None` if it has none.
 ///
 /// # Errors
-/// [`SweepError`] if it is damaged, or of another format.
+/// [`SweepError`] if it is damaged or has another format.
 pub(super) fn read_manifest(directory: &Path) -> Result<Option<Manifest>, SweepError> {
     let path = directory.join(MANIFEST);
     let text = match std::fs::read(&path) {
@@ -76,7 +76,7 @@ pub(super) fn read_manifest(directory: &Path) -> Result<Option<Manifest>, SweepE
             .into_owned(),
         expected: "the manifest of a sweep's results",
     };
-    // The format first: what else there is may have changed with it.
+    // The format first: other keys may depend on it.
     let json: serde_json::Value =
         serde_json::from_slice(&text).map_err(|e| damaged(e.to_string(), e.line()))?;
     let format = json.get("format").and_then(serde_json::Value::as_u64);
@@ -99,7 +99,7 @@ pub(super) fn read_manifest(directory: &Path) -> Result<Option<Manifest>, SweepE
     Ok(Some(manifest))
 }
 
-/// Writes the manifest of a directory anew.
+/// Replaces the manifest of a directory.
 ///
 /// # Errors
 /// [`SweepError`] if it cannot be written.
@@ -111,7 +111,7 @@ pub(super) fn write_manifest(directory: &Path, manifest: &Manifest) -> Result<()
     replace(&path, &text)
 }
 
-/// Writes a file anew, as a whole or not at all.
+/// Replaces a file atomically.
 ///
 /// # Errors
 /// [`SweepError`] if it cannot be written.
@@ -119,7 +119,7 @@ pub(super) fn replace(path: &Path, bytes: &[u8]) -> Result<(), SweepError> {
     replace_with(path, |mut file| file.write_all(bytes).map(|()| file))
 }
 
-/// Writes a file anew by what is written to a temporary one, as a whole or not at all.
+/// Replaces a file atomically by a temporary file that `write` fills.
 ///
 /// # Errors
 /// [`SweepError`] if it cannot be written.

@@ -1,4 +1,4 @@
-//! Who carries out a single mission.
+//! Engines: ways to execute a single mission.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -10,28 +10,28 @@ use mission::in_process::{self, InProcessOptions};
 use mission::{self, MissionOptions, MissionReport};
 use scenario::ResolvedScenario;
 
-/// What an engine is told beside the scenario.
+/// Options of an engine beside the scenario.
 #[derive(Debug, Clone, Default)]
 pub struct Call {
-    /// Where the log goes; none is written if not said.
+    /// Path of the log; `None`: no log.
     pub log: Option<PathBuf>,
-    /// Set from outside to end the mission in order.
+    /// Set by the caller to end the mission in order.
     pub interrupted: Arc<AtomicBool>,
 }
 
-/// Carries out single missions; called from several threads at once.
+/// Executes single missions; called from several threads at once.
 pub trait Engine: Sync {
-    /// Carries out a mission to its end.
+    /// Executes a mission to its end.
     ///
     /// # Errors
-    /// Why it failed, in words.
+    /// The reason of the failure, as text.
     fn fly(&self, scenario: &ResolvedScenario, call: &Call) -> Result<MissionReport, String>;
 
-    /// Whether a thread that calls it should stay on one processor.
+    /// Returns `true` if a thread that calls it should be pinned to one processor.
     fn wants_own_processor(&self) -> bool;
 }
 
-/// Every mission as operating-system processes of its own, in lock-step.
+/// Engine that runs every mission as separate OS processes, in lock-step.
 #[derive(Debug, Clone, Copy)]
 pub struct Processes;
 
@@ -49,20 +49,20 @@ impl Engine for Processes {
         mission::run(scenario, &options).map_err(|error| error.to_string())
     }
 
-    /// The processes of a mission inherit the processor of the thread that starts them. They take
-    /// turns, so that waking each other on one processor costs less than across several; and a
-    /// scenario with `run.pin = "one_core"` takes the first processor that its orchestrator may use,
-    /// which must not be the same for all missions.
+    /// The processes of a mission inherit the processor of the thread that starts them. They run
+    /// one after another, so waking each other on one processor is cheaper than across several. A
+    /// scenario with `run.pin = "one_core"` takes the first processor that its orchestrator may
+    /// use, which must differ between missions.
     fn wants_own_processor(&self) -> bool {
         true
     }
 }
 
-/// Every mission in one thread of this process: the same results, many times faster. Programs of the
-/// user's own cannot take part.
+/// Engine that runs every mission in one thread of this process: the same results, many times
+/// faster. It supports no external programs.
 #[derive(Debug, Clone, Default)]
 pub struct InProcess {
-    /// What missions keep for each other.
+    /// Cache that missions share.
     cache: Arc<in_process::Cache>,
 }
 
@@ -83,7 +83,7 @@ impl Engine for InProcess {
     }
 }
 
-/// The processors that this process may use.
+/// Returns the processors that this process may use.
 pub(super) fn processors() -> Vec<usize> {
     match sched_getaffinity(None) {
         Ok(set) => (0..CpuSet::MAX_CPU)
@@ -93,8 +93,8 @@ pub(super) fn processors() -> Vec<usize> {
     }
 }
 
-/// Keeps the calling thread, and what it starts, on one processor. Failing to is no error: it only
-/// costs time.
+/// Pins the calling thread, and processes that it starts, to one processor. A failure is ignored:
+/// it only costs time.
 pub(super) fn stay_on(processor: usize) {
     let mut set = CpuSet::new();
     set.set(processor);

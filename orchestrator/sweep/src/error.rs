@@ -1,27 +1,27 @@
-//! Why a sweep cannot go on.
+//! Errors of sweeps.
 
 use std::path::PathBuf;
 
-/// Why results cannot be kept, or a sweep not be carried out.
+/// Failure to store results, or to execute a sweep.
 #[derive(Debug, thiserror::Error)]
 pub enum SweepError {
-    /// A file or directory of the results cannot be used. What was recorded before is kept.
+    /// A file or directory of the results cannot be used. Results recorded before are kept.
     #[error("{}: {what}: {source}{}", path.display(), if_full(source))]
     Io {
         /// The file or directory.
         path: PathBuf,
-        /// What was attempted.
+        /// Attempted operation.
         what: &'static str,
-        /// What the system said.
+        /// Error of the operating system.
         source: std::io::Error,
     },
-    /// Another sweep is at work in the directory.
+    /// Another sweep uses the directory.
     #[error("{}: another sweep is at work there; wait for its end, or choose another --out", path.display())]
     InUse {
         /// The directory.
         path: PathBuf,
     },
-    /// The results are of another experiment, or of another version of it or of the program.
+    /// The results belong to another experiment, or to another version of it or of the program.
     #[error(
         "{} holds the results of another experiment: {difference}; \
          choose another --out, or remove the directory if its results are not needed any more",
@@ -30,10 +30,10 @@ pub enum SweepError {
     Other {
         /// The directory.
         path: PathBuf,
-        /// What differs.
+        /// Difference between the experiments.
         difference: String,
     },
-    /// The directory holds something, but no results.
+    /// The directory contains files, but no results.
     #[error(
         "{} is not a directory of results: it has no {file}; {expected}",
         path.display()
@@ -41,23 +41,23 @@ pub enum SweepError {
     NotResults {
         /// The directory.
         path: PathBuf,
-        /// What is missing.
+        /// Missing file.
         file: &'static str,
-        /// What to name instead.
+        /// Expected directory.
         expected: &'static str,
     },
-    /// A file of the results does not hold what it should.
+    /// A file of the results has invalid content.
     #[error("{}:{line}: {what}: {found}; expected {expected}", path.display())]
     Damaged {
         /// The file.
         path: PathBuf,
-        /// The line, from 1.
+        /// Line, from 1.
         line: usize,
-        /// What is wrong.
+        /// Problem.
         what: String,
-        /// What is there.
+        /// Actual content.
         found: String,
-        /// What should be there.
+        /// Expected content.
         expected: &'static str,
     },
     /// Two results of the same mission differ.
@@ -68,33 +68,34 @@ pub enum SweepError {
         path.display()
     )]
     Contradiction {
-        /// The directory with the second result.
+        /// Directory with the second result.
         path: PathBuf,
-        /// The mission in words.
+        /// Description of the mission.
         mission: String,
-        /// What differs.
+        /// Difference between the results.
         difference: String,
     },
     /// A figure cannot be drawn.
     #[error("figure `{name}`: {reason}")]
     Figure {
-        /// Its name.
+        /// Name of the figure.
         name: String,
-        /// Why not.
+        /// Reason.
         reason: String,
     },
-    /// The system grants no thread or no signal handler.
+    /// The operating system provides no thread or no signal handler.
     #[error("sweep: {what}{help}")]
     Resource {
-        /// What went wrong.
+        /// Problem.
         what: String,
-        /// What to do about it, from the separator on; empty if nothing.
+        /// Suggested action, with a leading separator; empty if there is none.
         help: &'static str,
     },
 }
 
 impl SweepError {
-    /// For `map_err`: an error of the system while something was attempted with a file.
+    /// Returns a closure for `map_err`: wraps an error of the operating system with path and
+    /// operation.
     pub(super) fn io<P: Into<PathBuf>>(
         path: P,
         what: &'static str,
@@ -104,7 +105,7 @@ impl SweepError {
     }
 }
 
-/// What to do when there is no room.
+/// Suggested action for a full disk.
 fn if_full(source: &std::io::Error) -> &'static str {
     use std::io::ErrorKind::{QuotaExceeded, StorageFull};
     match source.kind() {

@@ -1,4 +1,4 @@
-//! From an experiment file to checked cells.
+//! Loading of experiment files into validated cells.
 
 use std::path::{Path, PathBuf};
 
@@ -17,28 +17,28 @@ use super::subject::Subject;
 use super::{grid, parameters};
 use scenario::files::read_text;
 
-/// Largest experiment file that is read (bytes).
+/// Maximum size of an experiment file (bytes).
 pub(super) const MAX_FILE: u64 = 1 << 20;
 
 /// A column of the results.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Column {
-    /// Its name.
+    /// Name.
     pub name: String,
-    /// What people call it, with its unit.
+    /// Title, with the unit.
     pub title: String,
 }
 
-/// An experiment with everything checked.
+/// A validated experiment.
 #[derive(Debug, Clone)]
 pub struct ExperimentOf<S> {
-    /// Short name: of the directory of its results.
+    /// Short name, and name of the directory of its results.
     pub name: String,
-    /// One line for people.
+    /// Title, one line.
     pub title: String,
-    /// Some lines for people.
+    /// Description, some lines.
     pub description: String,
-    /// The file as it was read.
+    /// Text of the file.
     pub text: String,
     /// The cases, in the order of the file.
     pub cases: Vec<Case>,
@@ -48,17 +48,17 @@ pub struct ExperimentOf<S> {
     pub cells: Vec<Cell<S>>,
     /// The seeds, the same for every cell.
     pub seeds: Seeds,
-    /// How the missions are carried out.
+    /// How the missions are executed.
     pub run: RunSpec,
-    /// What is drawn of the results.
+    /// Figures that are drawn from the results.
     pub figures: Vec<FigureSpec>,
 }
 
 impl<S: Subject> ExperimentOf<S> {
-    /// Reads an experiment and checks every cell that comes of it.
+    /// Reads an experiment and validates all its cells.
     ///
     /// # Errors
-    /// Everything that is wrong, each with file, line, field, value and what was expected.
+    /// All problems, each with file, line, field, value and expected value.
     pub fn load(path: &Path, options: &LoadOptions) -> Result<Self, Diagnostics> {
         let text = read_text(path, MAX_FILE).map_err(|refused| {
             Diagnostic::new(Code::File, refused.message)
@@ -135,7 +135,7 @@ impl<S: Subject> ExperimentOf<S> {
             figures,
         })
     }
-    /// The manifest of its results, as this program writes them.
+    /// Returns the manifest of its results, as this program writes it.
     pub fn manifest(&self) -> Manifest {
         let cells = self.cells.iter().map(|cell| ManifestCell {
             case: cell.case.clone(),

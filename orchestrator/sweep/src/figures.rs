@@ -1,8 +1,7 @@
 //! The figures of an experiment, drawn from its results: `figures/NAME.svg`.
 //!
-//! Everything that is drawn lies in the directory of the results: the rows, the experiment file with its
-//! `[[figures]]`, and the published points that they are compared with, which
-//! [`keep_published`] copies there.
+//! All inputs are in the directory of the results: the rows, the experiment file with its
+//! `[[figures]]`, and the published points for comparison, which [`keep_published`] copies there.
 
 use std::collections::BTreeMap;
 use std::path::{Component, Path, PathBuf};
@@ -21,7 +20,7 @@ use super::spec::FigureSpec;
 /// Folder of the figures.
 const FOLDER: &str = "figures";
 
-/// What the experiment file says about showing its results.
+/// The parts of an experiment file that figures use.
 #[derive(Debug, Clone, Default, Deserialize)]
 #[serde(default)]
 struct Shown {
@@ -47,8 +46,8 @@ struct Published {
     high: Option<f64>,
 }
 
-/// Copies the files of published points that an experiment's figures name from the experiment's folder
-/// to its results.
+/// Copies the files of published points that an experiment's figures name from the folder of the
+/// experiment to its results.
 ///
 /// # Errors
 /// [`SweepError::Io`]; [`SweepError::Figure`] if a path leads out of the folder.
@@ -74,7 +73,7 @@ pub fn keep_published(folder: &Path, results: &Results) -> Result<(), SweepError
     Ok(())
 }
 
-/// Draws all figures of an experiment; returns the files that were written.
+/// Draws all figures of an experiment; returns the files written.
 ///
 /// # Errors
 /// [`SweepError::Io`], [`SweepError::Figure`], [`SweepError::Damaged`].
@@ -88,7 +87,7 @@ pub fn write(results: &Results) -> Result<Vec<PathBuf>, SweepError> {
     Ok(written)
 }
 
-/// All figures of an experiment as charts, with their names.
+/// Returns all figures of an experiment as charts, with their names.
 ///
 /// # Errors
 /// As [`fn@write`].
@@ -146,7 +145,7 @@ fn read_published(path: &Path) -> Result<Vec<Published>, SweepError> {
     })
 }
 
-/// One figure.
+/// Draws one figure.
 fn chart(figure: &FigureSpec, results: &Results, shown: &Shown, published: &[Published]) -> Chart {
     let manifest = results.manifest();
     let axis = manifest.parameters.iter().position(|p| *p == figure.x);
@@ -213,8 +212,8 @@ fn chart(figure: &FigureSpec, results: &Results, shown: &Shown, published: &[Pub
     }
 }
 
-/// Which curve a cell belongs to: its key, and its name. Every case has a curve; parameters that are
-/// not along the axis make curves of their own.
+/// Returns the curve of a cell: its key, and its name. Every case has a curve; each value of a
+/// parameter that is not on the axis has its own curve.
 fn curve(
     figure: &FigureSpec,
     shown: &Shown,
@@ -236,7 +235,7 @@ fn curve(
     (key, name.join(", "))
 }
 
-/// How many games the cells have, in words.
+/// Returns the number of games of the cells, as text.
 fn games(rows: &[Vec<&Row>]) -> String {
     let counts = || rows.iter().map(Vec::len);
     match (counts().min(), counts().max()) {
@@ -246,7 +245,7 @@ fn games(rows: &[Vec<&Row>]) -> String {
     }
 }
 
-/// Where values stand along the horizontal axis: numbers where they are, anything else in order.
+/// Positions of values on the horizontal axis: numbers at their value, other values in order.
 enum Places {
     Numbers,
     Names(Vec<String>),

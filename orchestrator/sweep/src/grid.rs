@@ -1,4 +1,4 @@
-//! `[grid]`: the values of the parameters, all combinations of which are run.
+//! `[grid]`: the values of the parameters; all combinations are run.
 
 use config::{Code, FieldPath, Node, list_choices, nearest};
 
@@ -7,15 +7,15 @@ use super::parameters::Parameter;
 use super::reader::Reader;
 use super::spec::MAX_CELLS;
 
-/// A value where it is written.
+/// A value and its location.
 #[derive(Debug, Clone)]
 pub(super) struct Written {
     pub value: Value,
     pub node: Node,
 }
 
-/// The combinations in their order, each with a value for every parameter; one empty combination if
-/// there are no parameters. `None` if anything is wrong, which is reported.
+/// Returns the combinations in order, each with a value for every parameter; one empty combination
+/// if there are no parameters. `None` after a reported problem.
 pub(super) fn read(reader: &mut Reader, parameters: &[Parameter]) -> Option<Vec<Vec<Written>>> {
     if reader.root.get("grid").is_none() {
         if let Some(parameter) = parameters.first() {
@@ -35,7 +35,7 @@ pub(super) fn read(reader: &mut Reader, parameters: &[Parameter]) -> Option<Vec<
     (reader.problems.len() == before).then_some(found)
 }
 
-/// Reports a name that is not a parameter's.
+/// Reports a name that is not that of a parameter.
 fn check_known(reader: &mut Reader, parameters: &[Parameter], path: &FieldPath, name: &str) {
     let names: Vec<&str> = parameters.iter().map(|p| p.name.as_str()).collect();
     if names.contains(&name) {
@@ -105,7 +105,7 @@ fn cartesian(reader: &mut Reader, parameters: &[Parameter]) -> Vec<Vec<Written>>
     combinations
 }
 
-/// The values of an axis, which must be different.
+/// Returns the values of an axis; reports duplicates.
 fn distinct(
     reader: &mut Reader,
     parameter: &Parameter,

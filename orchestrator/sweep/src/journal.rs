@@ -1,8 +1,7 @@
-//! The journal of a sweep: one line of JSON for every mission that is over, in the order in which
-//! they came to their end.
+//! The journal of a sweep: one line of JSON for every finished mission, in order of completion.
 //!
-//! A line is appended by a single write, so that a killed sweep leaves whole lines and at most the
-//! last one torn, which is cut off when the journal is opened again; its mission runs again.
+//! A line is appended by a single write, so that a killed sweep leaves complete lines and at most
+//! one torn last line. Opening the journal cuts it off, and its mission runs again.
 
 use std::fs::{File, OpenOptions};
 use std::io::{self, Read as _, Write as _};
@@ -25,34 +24,34 @@ pub(super) struct Entry<R = Row> {
     pub cell: usize,
     /// Seed.
     pub seed: u64,
-    /// Real time that the mission took (s).
+    /// Real time of the mission (s).
     pub wall_s: f64,
-    /// CPU time of what is compared by it (ms).
+    /// CPU time that experiments of plans compare (ms).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cpu_ms: Option<f64>,
-    /// What it resulted in.
+    /// Result.
     pub row: R,
 }
 
-/// Appends to the journal.
+/// Writer that appends to the journal.
 pub(super) struct Journal {
     file: File,
     path: PathBuf,
 }
 
-/// What a journal held when it was opened.
+/// Content of a journal at opening.
 pub(super) struct Opened<R = Row> {
     pub journal: Journal,
     pub entries: Vec<Entry<R>>,
-    /// Whether the last line was torn, and has been cut off.
+    /// `true` if the last line was torn, and has been cut off.
     pub torn: bool,
 }
 
 impl Journal {
-    /// Opens the journal of a directory, which need not exist yet, and reads it.
+    /// Opens the journal of a directory, creates it if necessary, and reads it.
     ///
     /// # Errors
-    /// It cannot be read or written, or a line of it (not the last) is damaged.
+    /// It cannot be read or written, or a line before the last is damaged.
     pub fn open<R: DeserializeOwned>(directory: &Path) -> Result<Opened<R>, SweepError> {
         let path = directory.join(FILE);
         let mut file = OpenOptions::new()
@@ -87,10 +86,10 @@ impl Journal {
         })
     }
 
-    /// Appends a line. After an error the journal is of no more use until it is opened again.
+    /// Appends a line. After an error the journal cannot be used until it is opened again.
     ///
     /// # Errors
-    /// [`SweepError::Io`]; the lines before are kept.
+    /// [`SweepError::Io`]; earlier lines are kept.
     pub fn append<R: Serialize>(&mut self, entry: &Entry<R>) -> Result<(), SweepError> {
         let written = serde_json::to_vec(entry)
             .map_err(io::Error::from)
@@ -111,7 +110,7 @@ impl Journal {
     }
 }
 
-/// The entries, and the length of the whole lines (bytes).
+/// Parses the entries; returns them and the length of the complete lines (bytes).
 fn parse<R: DeserializeOwned>(
     path: &Path,
     bytes: &[u8],
@@ -126,7 +125,7 @@ fn parse<R: DeserializeOwned>(
             .map(serde_json::from_slice::<Entry<R>>);
         match read {
             Some(Ok(entry)) => entries.push(entry),
-            // Cut short, or of a machine that failed before all of it was on the disk.
+            // The line was cut short, or the machine failed before all of it was on the disk.
             None => break,
             Some(Err(_)) if last => break,
             Some(Err(error)) => {
@@ -207,7 +206,7 @@ mod tests {
         for word in ["journal.jsonl:1", "not a line", "remove the line"] {
             assert!(error.contains(word), "{error}");
         }
-        // The last line is another matter: a machine may have failed while it was written.
+        // A damaged last line is accepted: the machine may have failed while it was written.
         let mut bytes = written(2);
         let start = bytes.iter().position(|&b| b == b'\n').unwrap() + 1;
         bytes[start..start + 4].fill(0);

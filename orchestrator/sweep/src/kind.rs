@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// What the missions of an experiment are.
+/// Kind of the missions of an experiment.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Kind {
@@ -15,7 +15,7 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// Whether it is what experiments are if they do not say.
+    /// Returns `true` for the default kind.
     #[expect(
         clippy::trivially_copy_pass_by_ref,
         reason = "what serde calls it with"

@@ -1,23 +1,22 @@
 //! Experiments: many missions from one file, and one table of results.
 //!
-//! [`Experiment::load`] reads a file that names a scenario, what is varied of it, and seeds, and
-//! checks every scenario that comes of it. [`run`](runner::run) carries out the missions that are
-//! not done yet, several at once, and appends each to the journal of a [`Results`] directory as
-//! soon as it is over; [`Results::write_tables`] writes them in an order that depends on nothing but
-//! the experiment. What a sweep results in is a function of the experiment alone: not of how many
-//! missions run at once, of what carries them out, of interruptions, or of how it was shared out
-//! ([`shard`], [`merge`]).
+//! [`Experiment::load`] reads a file that names a scenario, varied parameters, and seeds, and
+//! validates every resulting scenario. [`run`](runner::run) executes the missions that are not
+//! finished, several at once, and appends each to the journal of a [`Results`] directory when it
+//! ends. [`Results::write_tables`] writes them in an order that depends only on the experiment. The
+//! results of a sweep are a function of the experiment alone. They do not depend on the number of
+//! parallel missions, the engine, interruptions, or the division into parts ([`shard`], [`merge`]).
 //!
-//! The modules from the lowest to the highest, each of which uses those before it only:
+//! Modules from the lowest to the highest; each uses only those before it:
 //!
-//! | modules | hold |
+//! | modules | content |
 //! |---|---|
-//! | `cell`, `kind`, `columns`, `row`, `metrics` | cells, rows of results, and what follows from rows |
-//! | [`spec`], `seeds`, `mission_id`, `options` | the keys of the file, and what is set beside it |
+//! | `cell`, `kind`, `columns`, `row`, `metrics` | cells, rows of results, and metrics of rows |
+//! | [`spec`], `seeds`, `mission_id`, `options` | the keys of the file, and options beside it |
 //! | `manifest`, `table`, `directory`, `journal`, `results`, [`merge`] | the directory of results |
-//! | `reader`, `assignments`, `parameters`, `grid`, `parts`, `cases` | the parts of the file, as they are read |
-//! | [`engine`], `subject`, `experiment`, [`shard`], [`runner`] | experiments of any kind of missions, and carrying them out |
-//! | [`summary`], [`figures`] | what results amount to |
+//! | `reader`, `assignments`, `parameters`, `grid`, `parts`, `cases` | parts of the file during reading |
+//! | [`engine`], `subject`, `experiment`, [`shard`], [`runner`] | experiments of any kind, and their execution |
+//! | [`summary`], [`figures`] | summaries of results |
 //! | `missions`, [`planning`] | the kinds of missions: of robots, of plans |
 
 #![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]

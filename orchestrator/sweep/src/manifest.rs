@@ -1,4 +1,4 @@
-//! What a directory of results belongs to.
+//! The manifest of a directory of results: experiment and program.
 
 use serde::{Deserialize, Serialize};
 
@@ -6,10 +6,10 @@ use super::cell::{Value, describe};
 use super::kind::Kind;
 use super::seeds::Seeds;
 
-/// Version of the files in a directory of results; another one is refused.
+/// Version of the files in a directory of results; other versions are refused.
 pub const FORMAT: u32 = 2;
 
-/// What a directory of results belongs to: which experiment, made by which program.
+/// Experiment and program of a directory of results.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Manifest {
@@ -17,20 +17,20 @@ pub struct Manifest {
     pub format: u32,
     /// Version of the program.
     pub program: String,
-    /// What its missions are.
+    /// Kind of its missions.
     #[serde(default, skip_serializing_if = "Kind::is_default")]
     pub kind: Kind,
     /// Name of the experiment.
     pub experiment: String,
     /// Its title.
     pub title: String,
-    /// Fingerprint of everything that the results depend on, but for the seeds.
+    /// Hash of everything on which the results depend, without the seeds.
     pub blake3: String,
     /// The columns of its parameters.
     pub parameters: Vec<String>,
     /// Its cells, in the order of the results.
     pub cells: Vec<ManifestCell>,
-    /// All seeds that were asked for so far.
+    /// All seeds requested so far.
     pub seeds: Seeds,
 }
 
@@ -42,22 +42,22 @@ pub struct ManifestCell {
     pub case: String,
     /// Values of the parameters.
     pub values: Vec<Value>,
-    /// Fingerprint of its scenario, but for the seed.
+    /// Hash of its scenario without the seed.
     pub blake3: String,
     /// The scenario, as `protean run` takes it.
     pub scenario: String,
     /// The overrides, as `--set` takes them.
     pub set: Vec<String>,
-    /// Whether it starts programs that are not Protean's own.
+    /// `true` if it starts external programs.
     pub external: bool,
 }
 
 impl Manifest {
-    /// Fingerprint of format, program, name, columns and cells.
+    /// Returns the hash of format, program, name, columns and cells.
     pub(super) fn fingerprint(&self) -> String {
         let mut hasher = blake3::Hasher::new();
         let mut add = |text: &str| {
-            // The length before every part keeps different parts from looking the same.
+            // The length before every part keeps different parts from having the same hash.
             hasher.update(&(text.len() as u64).to_le_bytes());
             hasher.update(text.as_bytes());
         };
@@ -77,7 +77,7 @@ impl Manifest {
         hasher.finalize().to_hex().to_string()
     }
 
-    /// A cell in words.
+    /// Describes a cell.
     pub fn describe(&self, cell: usize) -> String {
         let names: Vec<&str> = self.parameters.iter().map(String::as_str).collect();
         match self.cells.get(cell) {
@@ -86,7 +86,7 @@ impl Manifest {
         }
     }
 
-    /// How the program that made `theirs` is not this one; `None` if it is.
+    /// Describes how the program of `theirs` differs from this one; `None` if it does not.
     pub fn other_program(&self, theirs: &Self) -> Option<String> {
         if self.format != theirs.format {
             return Some(format!(
@@ -102,7 +102,7 @@ impl Manifest {
         })
     }
 
-    /// Why `theirs` is not of the same experiment; `None` if it is.
+    /// Describes why `theirs` is of another experiment; `None` if it is of the same.
     pub fn difference(&self, theirs: &Self) -> Option<String> {
         if self.blake3 == theirs.blake3 {
             return None;

@@ -1,4 +1,4 @@
-//! Putting the parts of an experiment together.
+//! Merging of the parts of an experiment.
 
 use std::path::{Path, PathBuf};
 
@@ -6,15 +6,16 @@ use super::error::SweepError;
 use super::results::Results;
 use super::row::Record;
 
-/// Merges results of the same experiment into one directory, which may hold some of them already.
+/// Merges results of the same experiment into one directory, which may already contain some of
+/// them.
 ///
-/// The parts stay as they are, and are locked while they are read. Whatever the parts are and in which order they are named, the table is
-/// the one that a single sweep of the whole would have written.
+/// The parts are not changed, and are locked while they are read. For any division and order of the
+/// parts, the table is that of a single sweep of the whole experiment.
 ///
 /// # Errors
 /// [`SweepError::Other`] if they are of different experiments, [`SweepError::Contradiction`] if two
-/// of them hold different results of a mission, [`SweepError`] if one cannot be read or the result
-/// not be written.
+/// of them contain different results of a mission, [`SweepError`] if one cannot be read or the
+/// result cannot be written.
 pub fn merge<R: Record>(parts: &[PathBuf], out: &Path) -> Result<Results<R>, SweepError> {
     let mut merged: Option<Results<R>> = None;
     // The target may be one of the parts: it is opened once, as the target.
@@ -24,7 +25,7 @@ pub fn merge<R: Record>(parts: &[PathBuf], out: &Path) -> Result<Results<R>, Swe
     };
     for path in parts.iter().filter(|path| !same(path)) {
         let part = Results::<R>::read(path)?;
-        // Opening the target says what of a part is of another experiment, and adds its seeds.
+        // Opening the target detects a part of another experiment, and adds its seeds.
         let text = part.experiment()?;
         if let Some(merged) = &merged
             && let Some(difference) = merged.manifest().difference(part.manifest())

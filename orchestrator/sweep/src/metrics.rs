@@ -1,4 +1,4 @@
-//! What a figure shows of a cell: name, unit, axis label and value of each metric in one place.
+//! Metrics of figures: name, unit, axis label and value of each in one place.
 
 use draw::figures::Unit;
 use schemars::JsonSchema;
@@ -8,15 +8,15 @@ use statistics::{Mean, Sample, Z95};
 use super::row::Row;
 use recorder::{LapFigures, WaypointOutcome};
 
-/// How a metric follows from the rows of a cell.
+/// Function of a metric over the rows of a cell.
 enum Value {
-    /// Share of evaders: so many of a row's evaders.
+    /// Share of evaders: the function counts those of a row.
     Chance(fn(&Row) -> u32),
     /// Mean over the rows that have a value.
     Mean(fn(&Row) -> Option<f64>),
 }
 
-/// A metric: how its axis is divided and labelled, and how it follows from rows.
+/// A metric: division and label of its axis, and its function of rows.
 struct Definition {
     unit: Unit,
     label: &'static str,
@@ -93,12 +93,12 @@ metrics! {
 }
 
 impl Metric {
-    /// Text along the axis.
+    /// Label of the axis.
     pub(super) fn label(self) -> &'static str {
         self.definition().label
     }
 
-    /// How the axis is divided.
+    /// Unit of the axis.
     pub(super) fn unit(self) -> Unit {
         self.definition().unit
     }
@@ -118,7 +118,7 @@ impl Metric {
                 let values: Vec<f64> = rows.iter().filter_map(|r| value(r)).collect();
                 let mean = Mean::of(&values)?;
                 let interval = mean.interval();
-                // One value says nothing of its error.
+                // One value gives no information about its error.
                 let known = interval.low.is_finite() && interval.high.is_finite();
                 Some((mean.value, known.then_some((interval.low, interval.high))))
             }

@@ -2,7 +2,7 @@
 
 use super::seeds::Seeds;
 
-/// One mission of an experiment. Their order is that of the results.
+/// One mission of an experiment. Missions are ordered as the results.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub struct MissionId {
     /// Index of its cell.
@@ -11,7 +11,7 @@ pub struct MissionId {
     pub seed: u64,
 }
 
-/// All missions, in the order of the results.
+/// Returns all missions, in the order of the results.
 pub(super) fn missions(cells: usize, seeds: &Seeds) -> impl Iterator<Item = MissionId> {
     (0..cells).flat_map(|cell| seeds.iter().map(move |seed| MissionId { cell, seed }))
 }

@@ -1,26 +1,26 @@
-//! What is loaded of an experiment beside its file.
+//! Options for loading an experiment, beside its file.
 
 use scenario::kind::Kind;
 
 use super::seeds::Seeds;
 
-/// How an experiment is loaded.
+/// Options for loading an experiment.
 #[derive(Debug, Clone)]
 pub struct LoadOptions {
     /// The kinds of processes that scenarios may name.
     pub kinds: &'static [Kind],
-    /// `key=value` arguments that go over every scenario.
+    /// `key=value` overrides of every scenario.
     pub set: Vec<String>,
-    /// Seeds in place of the file's.
+    /// Seeds instead of those of the file.
     pub seeds: Option<Seeds>,
-    /// Whether files may lie outside the folder of the experiment.
+    /// `true` if files may be outside the folder of the experiment.
     pub allow_outside: bool,
-    /// Whether scenarios may start programs that are not Protean's own.
+    /// `true` if scenarios may start external programs.
     pub allow_external: bool,
 }
 
 impl LoadOptions {
-    /// Nothing but what the file says, with these kinds of processes.
+    /// Returns options that change nothing in the file, with these kinds of processes.
     pub fn new(kinds: &'static [Kind]) -> Self {
         Self {
             kinds,

@@ -1,4 +1,4 @@
-//! `[parameters.NAME]`: the columns of an experiment and what they change of the scenario.
+//! `[parameters.NAME]`: the columns of an experiment and the scenario keys that they change.
 
 use config::{Code, FieldPath, Node, Value as TomlValue, list_choices, nearest};
 use config::{render_float, write_value};
@@ -15,14 +15,14 @@ use scenario::Draft;
 pub(super) struct Parameter {
     /// Name of its column.
     pub name: String,
-    /// What people call it, with its unit.
+    /// Title, with the unit.
     pub title: String,
     effect: Effect,
 }
 
 #[derive(Debug, Clone)]
 enum Effect {
-    /// The value, times a factor, goes to this key.
+    /// The value, times a factor, is the value of this key.
     Key { key: String, scale: Option<Scale> },
     /// The value names a set of overrides.
     Levels(Vec<(String, Vec<Assignment>)>),
@@ -31,7 +31,7 @@ enum Effect {
 #[derive(Debug, Clone)]
 enum Scale {
     Number(f64),
-    /// A key of the scenario whose value is the factor, and where that is written.
+    /// A key of the scenario whose value is the factor, and the location of that name.
     Key(String, String),
 }
 
@@ -95,7 +95,7 @@ fn read_one(reader: &mut Reader, name: String, path: &FieldPath, node: &Node) ->
     })
 }
 
-/// Whether results can have a column of this name.
+/// Returns `true` if results can have a column of this name.
 fn is_column(name: &str) -> bool {
     let plain = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
     (1..=48).contains(&name.len()) && name.chars().all(plain) && !is_taken(name)
@@ -151,7 +151,7 @@ fn levels(
 }
 
 impl Parameter {
-    /// Checks that the parameter can take a value; what is wrong is reported at the value's place.
+    /// Checks that the parameter can have a value; reports problems at the location of the value.
     pub fn check(&self, reader: &mut Reader, path: &FieldPath, node: &Node) -> Option<Value> {
         let Some(value) = Value::from_node(node) else {
             reader.wrong_type(path, node, "a finite number, text, true or false");
@@ -183,11 +183,11 @@ impl Parameter {
         }
     }
 
-    /// The overrides that a value stands for, in a scenario with its case's overrides applied;
-    /// `draft` is `None` where there is no scenario that could hold a factor.
+    /// Returns the overrides of a value, in a scenario with its case's overrides applied; `draft`
+    /// is `None` if there is no scenario that could contain a factor.
     ///
     /// # Errors
-    /// Why the factor cannot be had, and where it is asked for.
+    /// The missing factor, and the location of its name.
     pub fn assignments(
         &self,
         value: &Value,
@@ -217,14 +217,14 @@ impl Parameter {
     }
 }
 
-/// A factor that is not there.
+/// A missing factor.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct ScaleError {
-    /// The key that shall hold it.
+    /// Key that must contain it.
     pub key: String,
-    /// What is there.
+    /// Actual value.
     pub found: String,
-    /// Where it is asked for.
+    /// Location of its name.
     pub label: String,
 }
 

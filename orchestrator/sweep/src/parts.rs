@@ -8,7 +8,7 @@ use super::reader::Reader;
 use super::seeds::Seeds;
 use super::spec::{FigureSpec, MAX_MISSIONS, RunSpec, SeedsSpec};
 
-/// A name becomes a directory, and part of file names.
+/// Checks a name: it becomes the name of a directory, and part of file names.
 pub(super) fn check_name(reader: &mut Reader, path: &FieldPath, name: &str) {
     let plain = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
     if !(1..=64).contains(&name.len()) || !name.chars().all(plain) {
@@ -22,7 +22,7 @@ pub(super) fn read_seeds(reader: &mut Reader, options: &LoadOptions) -> Option<S
     const FORM: &str = "{ first = 1, count = 200 }";
     let path = FieldPath::key("seeds");
     let read = match reader.root.get("seeds").cloned() {
-        // The command line's seeds do.
+        // The command line gives the seeds.
         None if options.seeds.is_some() => Some(Seeds::default()),
         None => {
             reader.refuse(&path, Code::MissingKey, "missing key `seeds`", FORM);

@@ -1,4 +1,4 @@
-//! An experiment's text, and somewhere to complain.
+//! Reader of an experiment's text, with the list of problems.
 
 use config::{
     Code, Diagnostic, Diagnostics, FieldPath, Node, SourceKind, Sources, parse_document,
@@ -8,7 +8,7 @@ use parameters::{Parameters, faults};
 use scenario::refusal;
 use serde::de::DeserializeOwned;
 
-/// The text being read.
+/// Text and problems of an experiment file.
 pub(super) struct Reader {
     pub sources: Sources,
     pub root: Node,
@@ -16,7 +16,7 @@ pub(super) struct Reader {
 }
 
 impl Reader {
-    /// Parses the text; `file` is what errors call it.
+    /// Parses the text; `file` is its name in errors.
     ///
     /// # Errors
     /// It is not TOML.
@@ -35,12 +35,12 @@ impl Reader {
         })
     }
 
-    /// Reads a node into a type; everything wrong with it is reported.
+    /// Deserialises a node; reports all problems.
     pub fn read<T: DeserializeOwned>(&mut self, node: &Node, path: &FieldPath) -> Option<T> {
         read(&self.sources, node, path, &mut self.problems)
     }
 
-    /// Checks ranges and relations of a value that a node says; everything wrong is reported.
+    /// Checks ranges and relations of a value of a node; reports all problems.
     pub fn check<T: Parameters>(&mut self, node: &Node, path: &FieldPath, value: &T) {
         for fault in faults(value) {
             let problem = refusal(&self.sources, node, path, fault);
@@ -48,7 +48,7 @@ impl Reader {
         }
     }
 
-    /// A top-level table with the names in it; something else in its place is reported.
+    /// Returns the entries of a top-level table; reports a value of another type.
     pub fn table(&mut self, key: &str) -> Vec<(String, FieldPath, Node)> {
         let Some(node) = self.root.get(key).cloned() else {
             return Vec::new();
@@ -64,7 +64,7 @@ impl Reader {
             .collect()
     }
 
-    /// The elements of a top-level array of tables; something else in its place is reported.
+    /// Returns the elements of a top-level array of tables; reports a value of another type.
     pub fn blocks(&mut self, key: &str) -> Vec<(FieldPath, Node)> {
         let Some(node) = self.root.get(key).cloned() else {
             return Vec::new();
@@ -80,12 +80,12 @@ impl Reader {
             .collect()
     }
 
-    /// A problem at a field, with the place and the value that stand there.
+    /// Returns a problem at a field, with location and value of the field.
     pub fn problem(&self, path: &FieldPath, code: Code, message: impl Into<String>) -> Diagnostic {
         problem_at(&self.sources, &self.root, path, code, message)
     }
 
-    /// Reports that a field is not what it should be.
+    /// Reports an invalid field.
     pub fn refuse(&mut self, path: &FieldPath, code: Code, message: &str, expected: &str) {
         let problem = self.problem(path, code, message).expected(expected);
         self.problems.push(problem);
@@ -102,7 +102,7 @@ impl Reader {
         self.problems.push(problem);
     }
 
-    /// `file:line`, for what is derived from a place in the text.
+    /// Returns `file:line` of a node.
     pub fn line_of(&self, node: &Node) -> String {
         match self.sources.place(node.origin) {
             Some(place) => format!("{}:{}", place.file, place.line),

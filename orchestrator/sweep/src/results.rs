@@ -1,12 +1,12 @@
 //! A directory of results.
 //!
-//! | file | holds |
+//! | file | content |
 //! |---|---|
-//! | `manifest.json` | which experiment and program it belongs to |
+//! | `manifest.json` | experiment and program of the results |
 //! | `experiment.toml` | the experiment file |
-//! | `journal.jsonl` | every mission that is over, as they came |
+//! | `journal.jsonl` | every finished mission, in order of completion |
 //! | `results.csv`, `results.parquet` | the same as a table, in the order of the experiment |
-//! | `logs/` | logs that were kept |
+//! | `logs/` | logs of missions, if they are kept |
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -27,7 +27,7 @@ use super::table;
 const EXPERIMENT: &str = "experiment.toml";
 /// Name of the table as text.
 const TABLE: &str = "results.csv";
-/// Name of the table with a type for every column.
+/// Name of the table with typed columns.
 const TYPED_TABLE: &str = "results.parquet";
 
 /// A directory of results, locked while it is open.
@@ -38,17 +38,17 @@ pub struct Results<R = Row> {
     rows: BTreeMap<MissionId, R>,
     /// CPU times of the missions that have one (ms).
     cpu_ms: BTreeMap<MissionId, f64>,
-    /// What was found odd at opening.
+    /// Notes from opening.
     notes: Vec<String>,
     _lock: Lock,
 }
 
 impl<R: Record> Results<R> {
-    /// Opens the results of an experiment in a directory, which is made if it is not there. Seeds
-    /// that the directory has already are kept; those of `manifest` are added.
+    /// Opens the results of an experiment in a directory, and creates the directory if necessary.
+    /// Seeds already in the directory are kept; those of `manifest` are added.
     ///
     /// # Errors
-    /// [`SweepError`] if the directory cannot be used, is in use, or belongs to something else.
+    /// [`SweepError`] if the directory cannot be used, is in use, or belongs to another experiment.
     pub fn open(
         directory: &Path,
         manifest: &Manifest,
@@ -82,10 +82,10 @@ impl<R: Record> Results<R> {
         Self::with(directory, manifest, lock)
     }
 
-    /// Opens results that are there, whatever experiment they are of.
+    /// Opens existing results of any experiment.
     ///
     /// # Errors
-    /// [`SweepError`] if the directory holds no results, or they are in use or damaged.
+    /// [`SweepError`] if the directory contains no results, or they are in use or damaged.
     pub fn read(directory: &Path) -> Result<Self, SweepError> {
         let no_results = || SweepError::NotResults {
             path: directory.to_owned(),
@@ -149,7 +149,8 @@ impl<R: Record> Results<R> {
         Ok(results)
     }
 
-    /// Whether a row says something new: a failure gives way to a result, a result to nothing else.
+    /// Returns `true` if a row is new information: a result replaces a failure; nothing replaces a
+    /// result.
     fn is_new(&self, mission: MissionId, row: &R, from: &Path) -> Result<bool, SweepError> {
         let Some(known) = self.rows.get(&mission) else {
             return Ok(true);
@@ -167,16 +168,16 @@ impl<R: Record> Results<R> {
         })
     }
 
-    /// Keeps the row of a mission that is over.
+    /// Records the row of a finished mission.
     ///
     /// # Errors
-    /// [`SweepError::Io`]: everything before is kept. [`SweepError::Contradiction`] if another
-    /// result of the mission is known.
+    /// [`SweepError::Io`]: earlier rows are kept. [`SweepError::Contradiction`] if the mission
+    /// already has another result.
     pub fn record(&mut self, mission: MissionId, row: R, wall_s: f64) -> Result<(), SweepError> {
         self.record_timed(mission, row, wall_s, None)
     }
 
-    /// The same for a mission with a CPU time (ms).
+    /// Records the row of a mission with a CPU time (ms).
     ///
     /// # Errors
     /// As [`Self::record`].
@@ -193,7 +194,7 @@ impl<R: Record> Results<R> {
         Ok(())
     }
 
-    /// Writes a row down, and only then counts on it.
+    /// Writes a row to the journal, then to memory.
     fn keep(
         &mut self,
         mission: MissionId,
@@ -214,7 +215,7 @@ impl<R: Record> Results<R> {
         Ok(())
     }
 
-    /// Adds everything that other results hold.
+    /// Adds all rows of other results.
     ///
     /// # Errors
     /// [`SweepError::Contradiction`], or [`SweepError::Io`].
@@ -227,10 +228,9 @@ impl<R: Record> Results<R> {
         self.journal.sync()
     }
 
-    /// Takes over what other results hold of the same missions: those of cells whose scenario is
-    /// the same to the last value, by this version of the program. Failed missions and scenarios
-    /// with programs of the user's own, which may have changed, are left. Returns how many missions
-    /// are new.
+    /// Copies rows of the same missions from other results: those of cells with an identical
+    /// scenario, by the same version of the program. Failed missions, and scenarios with external
+    /// programs, which may have changed, are not copied. Returns the number of new missions.
     ///
     /// # Errors
     /// [`SweepError::Other`] if the other results are of another version,
@@ -264,7 +264,7 @@ impl<R: Record> Results<R> {
         Ok(taken)
     }
 
-    /// The same results with the seeds of another part of the experiment.
+    /// Returns the same results with the seeds of another part of the experiment added.
     ///
     /// # Errors
     /// [`SweepError::Io`].
@@ -277,44 +277,44 @@ impl<R: Record> Results<R> {
         Ok(self)
     }
 
-    /// The row of a mission, if it is over.
+    /// Returns the row of a mission, if it is finished.
     pub fn row(&self, mission: MissionId) -> Option<&R> {
         self.rows.get(&mission)
     }
 
-    /// CPU time of a mission (ms), if it has one.
+    /// Returns the CPU time of a mission (ms), if it has one.
     pub fn cpu_ms(&self, mission: MissionId) -> Option<f64> {
         self.cpu_ms.get(&mission).copied()
     }
 
-    /// All rows in the order of the results.
+    /// Returns all rows in the order of the results.
     pub fn rows(&self) -> impl Iterator<Item = (MissionId, &R)> {
         self.rows.iter().map(|(&mission, row)| (mission, row))
     }
 
-    /// Missions of the experiment that are not over.
+    /// Returns the missions of the experiment that are not finished.
     pub fn missing(&self) -> Vec<MissionId> {
         missions(self.manifest.cells.len(), &self.manifest.seeds)
             .filter(|mission| !self.rows.contains_key(mission))
             .collect()
     }
 
-    /// Where they are.
+    /// Path of the directory.
     pub fn directory(&self) -> &Path {
         &self.directory
     }
 
-    /// What they belong to.
+    /// The manifest.
     pub fn manifest(&self) -> &Manifest {
         &self.manifest
     }
 
-    /// What was odd when they were opened.
+    /// Notes from opening.
     pub fn notes(&self) -> &[String] {
         &self.notes
     }
 
-    /// A mission in words.
+    /// Describes a mission.
     pub fn describe(&self, mission: MissionId) -> String {
         format!(
             "{}, seed {}",
@@ -323,7 +323,7 @@ impl<R: Record> Results<R> {
         )
     }
 
-    /// The experiment file.
+    /// Reads the experiment file.
     ///
     /// # Errors
     /// [`SweepError::Io`].
@@ -332,8 +332,7 @@ impl<R: Record> Results<R> {
         std::fs::read_to_string(&path).map_err(SweepError::io(&path, "cannot read the experiment"))
     }
 
-    /// Writes the table, as text and as Parquet, each of which replaces an earlier one as a whole or
-    /// not at all.
+    /// Writes the table, as text and as Parquet; each file is replaced atomically.
     ///
     /// # Errors
     /// [`SweepError::Io`].
@@ -348,7 +347,7 @@ impl<R: Record> Results<R> {
     }
 }
 
-/// The first field in which two rows differ.
+/// Describes the first field in which two rows differ.
 fn difference<R: Record>(known: &R, new: &R) -> String {
     let fields = |row: &R| serde_json::to_value(row).unwrap_or_default();
     let (known, new) = (fields(known), fields(new));

@@ -1,4 +1,4 @@
-//! What one mission resulted in.
+//! The result of one mission.
 
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
@@ -8,25 +8,25 @@ use super::kind::Kind;
 use mission::MissionReport;
 use recorder::{CoverageOutcome, PredictionOutcome, RobotOutcome, Summary};
 
-/// A row of results. Nothing in it depends on the machine or on how it was carried out.
+/// A row of results. It does not depend on the machine or on the engine.
 pub trait Record: Clone + PartialEq + Serialize + DeserializeOwned + Send + 'static {
-    /// What it is a row of.
+    /// Kind of the missions.
     const KIND: Kind;
 
     /// The columns of its table after `case`, the parameters and `seed`.
     const COLUMNS: &'static [ResultColumn<Self>];
 
-    /// The row of a mission that failed, with the reason.
+    /// Returns the row of a mission that failed, with the reason.
     fn failed(error: String) -> Self;
 
-    /// Whether it failed, and may be carried out again.
+    /// Returns `true` if the mission failed, and may be executed again.
     fn is_failed(&self) -> bool;
 
-    /// Why it failed; empty if it did not.
+    /// Returns the reason of the failure; empty without one.
     fn error(&self) -> &str;
 }
 
-/// How a mission ended.
+/// Outcome of a mission.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Outcome {
@@ -34,13 +34,13 @@ pub enum Outcome {
     Ended,
     /// The time limit ended it for at least one robot.
     TimeLimit,
-    /// It could not be carried out to its end; `error` says why.
+    /// The mission failed; `error` contains the reason.
     #[default]
     Failed,
 }
 
 impl Outcome {
-    /// Its name in the results.
+    /// Name in the results.
     pub fn name(self) -> &'static str {
         match self {
             Self::Ended => "ended",
@@ -50,11 +50,11 @@ impl Outcome {
     }
 }
 
-/// What one mission resulted in. Nothing in it depends on the machine or on how it was carried out.
+/// The result of one mission. It does not depend on the machine or on the engine.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Row {
-    /// How it ended.
+    /// Outcome.
     pub outcome: Outcome,
     /// Robots that are evaders.
     pub evaders: u32,
@@ -62,7 +62,7 @@ pub struct Row {
     pub escaped: u32,
     /// Evaders that were caught.
     pub caught: u32,
-    /// Evaders that were neither when the time was up.
+    /// Evaders that were still in the game at the time limit.
     pub held_out: u32,
     /// Simulated length (s).
     pub sim_time_s: f64,
@@ -72,30 +72,30 @@ pub struct Row {
     pub first_escape_s: Option<f64>,
     /// Contact episodes of all robots.
     pub contacts: u32,
-    /// Way driven by all evaders (m).
+    /// Distance driven by all evaders (m).
     pub evader_distance_m: f64,
-    /// That by the time they were in the game (m/s).
+    /// Distance driven by the time in the game (m/s).
     pub evader_mean_speed: Option<f64>,
     /// Ticks of the world.
     pub ticks: u64,
-    /// Part of the game in which an escape was possible, if a referee watched, 0 to 1.
+    /// Part of the game in which an escape was possible, 0 to 1; needs a referee.
     pub escape_possible_fraction: Option<f64>,
-    /// Simulated time from which no escape was possible any more, if a referee watched (s).
+    /// Simulated time from which no escape was possible (s); needs a referee.
     pub escape_impossible_from_s: Option<f64>,
-    /// The area visited, if the rules account for it.
+    /// The area visited, with `[rules.coverage]`.
     pub coverage: Option<CoverageOutcome>,
-    /// How well observers predicted where robots would be, if there were any.
+    /// Errors of the observers' predictions.
     pub predictions: Vec<PredictionOutcome>,
-    /// Fingerprint of the simulated history.
+    /// Digest of the run.
     pub digest: String,
-    /// Why it failed.
+    /// Reason of the failure.
     pub error: String,
-    /// What became of every robot.
+    /// Outcomes of the robots.
     pub robots: Vec<RobotOutcome>,
 }
 
 impl Row {
-    /// The row of a mission that came to its end.
+    /// Returns the row of a mission that ended.
     pub fn of(report: &MissionReport) -> Self {
         let summary = &report.summary;
         let lost: u64 = summary.topics.values().map(|t| t.gaps).sum();
@@ -142,7 +142,7 @@ impl Row {
         }
     }
 
-    /// The row of a mission that failed.
+    /// Returns the row of a mission that failed.
     pub fn failed(error: impl Into<String>) -> Self {
         Self {
             error: error.into(),
@@ -150,7 +150,7 @@ impl Row {
         }
     }
 
-    /// Whether it failed.
+    /// Returns `true` if the mission failed.
     pub fn is_failed(&self) -> bool {
         self.outcome == Outcome::Failed
     }
@@ -204,7 +204,7 @@ impl Record for Row {
     }
 }
 
-/// A value of a mission that did not fail.
+/// Returns a value of a mission that did not fail.
 fn known<T>(row: &Row, value: T) -> Option<T> {
     (!row.is_failed()).then_some(value)
 }

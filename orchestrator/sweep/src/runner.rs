@@ -1,4 +1,4 @@
-//! Carrying out missions, several at once.
+//! Execution of missions, several at once.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
@@ -20,45 +20,45 @@ use super::shard::Shard;
 use super::spec::LogPolicy;
 use super::subject::{Ended, Pinning, Subject};
 
-/// How often interruptions and time-outs are looked at.
+/// Interval between checks for interruptions and time-outs.
 const POLL_INTERVAL: Duration = Duration::from_millis(50);
 
-/// How missions are carried out.
+/// Options of a sweep.
 #[derive(Debug, Clone)]
 pub struct RunOptions {
-    /// Missions at once, > 0.
+    /// Number of parallel missions, > 0.
     pub jobs: usize,
-    /// Which part of the experiment.
+    /// Part of the experiment.
     pub shard: Shard,
-    /// Whether missions that failed before are carried out again.
+    /// `true` if missions that failed before are executed again.
     pub retry_failed: bool,
-    /// Which missions keep their log.
+    /// Missions whose logs are kept.
     pub log: LogPolicy,
-    /// Real time after which a mission is given up.
+    /// Real time after which a mission is aborted.
     pub timeout: Duration,
-    /// Whether nothing is shown while it goes on.
+    /// `true` if no progress is shown.
     pub quiet: bool,
-    /// Set from outside (Ctrl-C): missions at work are given up, what is done is kept.
+    /// Set by the caller (Ctrl-C): running missions are aborted, finished ones are kept.
     pub interrupted: Arc<AtomicBool>,
 }
 
-/// How a sweep went.
+/// Result of a sweep.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RunReport {
-    /// Missions carried out now.
+    /// Number of missions executed now.
     pub carried_out: usize,
-    /// Missions that were done before.
+    /// Number of missions that were finished before.
     pub known: usize,
     /// Real time (s).
     pub wall_time_s: f64,
-    /// Whether it was interrupted.
+    /// `true` if it was interrupted.
     pub interrupted: bool,
-    /// Missions that should have been carried out and were not, because of that.
+    /// Missions that were not executed because of an interruption.
     pub missing: Vec<MissionId>,
 }
 
-/// The missions of a shard that are still to be carried out, in the order of the results, and how
-/// many are done.
+/// Returns the missions of a shard that are still to be executed, in the order of the results, and
+/// the number of finished ones.
 pub fn to_do<S: Subject>(
     experiment: &ExperimentOf<S>,
     results: Option<&Results<S::Row>>,
@@ -80,7 +80,7 @@ pub fn to_do<S: Subject>(
     (open, known)
 }
 
-/// What the workers share.
+/// Data that the workers share.
 struct Shared<'a, S: Subject> {
     experiment: &'a ExperimentOf<S>,
     engine: &'a S::Engine,
@@ -88,31 +88,31 @@ struct Shared<'a, S: Subject> {
     logs: PathBuf,
     open: &'a [MissionId],
     next: AtomicUsize,
-    /// No mission is begun any more.
+    /// `true`: no further mission is started.
     stop: AtomicBool,
-    /// The mission that each worker has at hand.
+    /// Current mission of each worker.
     at_hand: Vec<Mutex<Option<AtHand>>>,
 }
 
-/// A mission at work.
+/// A running mission.
 struct AtHand {
     since: Instant,
     /// Set to end it in order.
     end: Arc<AtomicBool>,
 }
 
-/// A mission that is over.
+/// A finished mission.
 struct Done<R> {
     mission: MissionId,
-    /// `None`: given up because of an interruption.
+    /// `None`: aborted because of an interruption.
     ended: Option<Ended<R>>,
     wall_s: f64,
 }
 
-/// Carries out the missions that are not done yet and records each as soon as it is over.
+/// Executes the missions that are not finished and records each as soon as it ends.
 ///
 /// # Errors
-/// [`SweepError`] if the results cannot be kept; everything recorded before is.
+/// [`SweepError`] if the results cannot be stored; everything recorded before is kept.
 pub fn run<S: Subject>(
     experiment: &ExperimentOf<S>,
     results: &mut Results<S::Row>,
@@ -177,7 +177,7 @@ pub fn run<S: Subject>(
     })
 }
 
-/// Records what the workers bring, until all of them have ended.
+/// Records finished missions until all workers have ended.
 fn collect<S: Subject>(
     shared: &Shared<'_, S>,
     results: &mut Results<S::Row>,
@@ -214,8 +214,8 @@ impl<S: Subject> Shared<'_, S> {
         self.options.interrupted.load(Ordering::SeqCst)
     }
 
-    /// Ends the missions that have taken longer than this; without a time all of them, and no other
-    /// is begun.
+    /// Ends the missions that have taken longer than this time. Without a time, ends all missions
+    /// and starts no other.
     fn give_up(&self, longer_than: Option<Duration>) {
         if longer_than.is_none() {
             self.stop.store(true, Ordering::SeqCst);
@@ -230,7 +230,7 @@ impl<S: Subject> Shared<'_, S> {
         }
     }
 
-    /// Carries out one mission after the other until none is left.
+    /// Executes one mission after the other until none is left.
     fn work(&self, worker: usize, tell: &mpsc::Sender<Done<S::Row>>) {
         self.take_processor(worker);
         while !self.stop.load(Ordering::SeqCst) {
@@ -252,7 +252,7 @@ impl<S: Subject> Shared<'_, S> {
         }
     }
 
-    /// Keeps this worker on a processor of its own if its missions want one.
+    /// Pins this worker to a processor if its missions need one.
     fn take_processor(&self, worker: usize) {
         let first = self.open.first();
         let cell = first.and_then(|mission| self.experiment.cells.get(mission.cell));
@@ -261,9 +261,9 @@ impl<S: Subject> Shared<'_, S> {
             return;
         }
         let processors = processors();
-        // With processors to spare, missions may spread over several.
+        // With spare processors, missions may spread over several.
         if pinning == Pinning::Always || self.at_hand.len() >= processors.len() {
-            // Other parts may be at work on this machine too.
+            // Other parts may run on this machine too.
             let turn = worker + self.options.shard.index() - 1;
             let own = turn.checked_rem(processors.len());
             if let Some(&processor) = own.and_then(|own| processors.get(own)) {
@@ -291,7 +291,7 @@ impl<S: Subject> Shared<'_, S> {
                 end: Arc::clone(&call.interrupted),
             });
         }
-        // It may have been decided between the last look and the entry above.
+        // Another thread may have set `stop` before the entry above.
         if self.stop.load(Ordering::SeqCst) {
             return None;
         }
@@ -299,7 +299,7 @@ impl<S: Subject> Shared<'_, S> {
             row: S::Row::failed(error),
             cpu_ms: None,
         };
-        // A mission inside this process must not take the others with it.
+        // A panic of a mission in this process must not end the other missions.
         let carried_out = catch_unwind(AssertUnwindSafe(|| {
             S::carry_out(cell, mission.seed, self.engine, &call)
         }));
@@ -315,7 +315,7 @@ impl<S: Subject> Shared<'_, S> {
             }
             Err(panic) => failed(format!("it panicked: {}", panic_words(panic.as_ref()))),
         };
-        // What an interruption breaks is not the mission's fault.
+        // A failure after an interruption does not count.
         let stopped = self.stop.load(Ordering::SeqCst);
         if stopped && (interrupted || ended.row.is_failed()) {
             discard(log.as_deref());
@@ -354,7 +354,7 @@ impl<S: Subject> Shared<'_, S> {
             }
         };
         let label: String = label.chars().take(180).map(plain).collect();
-        // The cell's number keeps long labels apart that were cut.
+        // The index of the cell distinguishes long labels that were cut.
         let name = format!("{}-{label}-seed={}.mcap", mission.cell, mission.seed);
         self.logs.join(name)
     }
@@ -362,7 +362,7 @@ impl<S: Subject> Shared<'_, S> {
 
 fn discard(log: Option<&Path>) {
     if let Some(log) = log {
-        // It may not have come to a log.
+        // There may be no log.
         let _ = std::fs::remove_file(log);
     }
 }

@@ -7,7 +7,7 @@ use schemars::Schema;
 use super::spec::{CaseSpec, FigureSpec, ParameterSpec, RunSpec, SeedsSpec, TopLevel};
 use super::task::Task;
 
-/// The schema of an experiment file.
+/// Returns the schema of an experiment file.
 pub fn schema() -> Schema {
     let mut schema = schema_generator().into_root_schema_for::<TopLevel>();
     schema.insert("title".into(), "Protean experiment".into());
@@ -15,7 +15,7 @@ pub fn schema() -> Schema {
     schema
 }
 
-/// The keys of an experiment file as tables in Markdown.
+/// Returns the keys of an experiment file as tables in Markdown.
 pub fn reference() -> String {
     let mut reference = Reference::default();
     reference.section::<TopLevel>("Top level");

@@ -2,9 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Most missions (cells times seeds) of one experiment.
+/// Maximum number of missions (cells times seeds) of one experiment.
 pub const MAX_MISSIONS: usize = 1_000_000;
-/// Largest seed that a scenario takes.
+/// Maximum seed of a scenario.
 pub(super) const MAX_SEED: u64 = i64::MAX as u64;
 
 /// A set of seeds, in ascending order.
@@ -14,7 +14,7 @@ pub(super) const MAX_SEED: u64 = i64::MAX as u64;
 #[serde(from = "Vec<(u64, u64)>", into = "Vec<(u64, u64)>")]
 pub struct Seeds(Vec<u64>);
 
-/// Why text is not a range of seeds.
+/// Error: a text is not a range of seeds.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error(
     "{text:?} is not a range of seeds: expected A..B with 0 <= A <= B (both included), or one seed"
@@ -25,7 +25,7 @@ pub struct SeedsError {
 }
 
 impl Seeds {
-    /// `count` seeds from `first` on; `None` if they go beyond the largest seed.
+    /// Returns `count` seeds from `first` on; `None` if they exceed the maximum seed.
     pub fn range(first: u64, count: u64) -> Option<Self> {
         let Some(last) = count.checked_sub(1) else {
             return Some(Self::default());
@@ -34,17 +34,17 @@ impl Seeds {
         Some(Self((first..=last).collect()))
     }
 
-    /// These seeds, each once.
+    /// Returns a set of these seeds.
     pub fn of(mut seeds: Vec<u64>) -> Self {
         seeds.sort_unstable();
         seeds.dedup();
         Self(seeds)
     }
 
-    /// `A..B`, both included, or one number.
+    /// Parses `A..B`, both included, or one number.
     ///
     /// # Errors
-    /// `SeedsError` if it is neither, or of more than a million seeds.
+    /// [`SeedsError`] if it is neither, or has more than a million seeds.
     pub fn parse(text: &str) -> Result<Self, SeedsError> {
         let refused = || SeedsError {
             text: text.to_owned(),
@@ -61,22 +61,22 @@ impl Seeds {
         Self::range(first, count + 1).ok_or_else(refused)
     }
 
-    /// The seeds, ascending.
+    /// Returns the seeds, ascending.
     pub fn iter(&self) -> impl Iterator<Item = u64> {
         self.0.iter().copied()
     }
 
-    /// How many there are.
+    /// Returns the number of seeds.
     pub fn len(&self) -> usize {
         self.0.len()
     }
 
-    /// Whether there is none.
+    /// Returns `true` if there is no seed.
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
 
-    /// These and those.
+    /// Returns the union with other seeds.
     #[must_use]
     pub fn union(&self, other: &Self) -> Self {
         Self::of(self.iter().chain(other.iter()).collect())
@@ -90,7 +90,7 @@ impl From<Vec<(u64, u64)>> for Seeds {
             ranges
                 .into_iter()
                 .flat_map(|(first, last)| first..=last)
-                // A manifest is a file, and a file can hold anything.
+                // A manifest is an untrusted file: bound the number of seeds.
                 .take(most)
                 .collect(),
         )

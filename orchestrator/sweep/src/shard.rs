@@ -1,15 +1,15 @@
 //! One of several parts of an experiment.
 
 /// Part `index` of `count`: the missions whose number in the canonical order of the experiment
-/// (cell by cell, seed by seed) is `index − 1` modulo `count`. Every part thus has its share of
-/// every cell.
+/// (cell by cell, seed by seed) is `index − 1` modulo `count`. Every part thus has a share of every
+/// cell.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Shard {
     index: usize,
     count: usize,
 }
 
-/// Why text does not name a shard.
+/// Error: a text does not name a shard.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{text:?} is not a shard: expected I/N with 1 <= I <= N <= 100000, for example 1/4")]
 pub struct ShardError {
@@ -17,17 +17,17 @@ pub struct ShardError {
     pub text: String,
 }
 
-/// Most shards.
+/// Maximum number of shards.
 pub const MAX_SHARDS: usize = 100_000;
 
 impl Shard {
-    /// Everything in one part.
+    /// The whole experiment in one part.
     pub const WHOLE: Self = Self { index: 1, count: 1 };
 
-    /// `I/N`, counted from 1.
+    /// Parses `I/N`, counted from 1.
     ///
     /// # Errors
-    /// [`ShardError`] if it is not of that form or not within its limits.
+    /// [`ShardError`] if the text has another form or a number is out of range.
     pub fn parse(text: &str) -> Result<Self, ShardError> {
         let read = || {
             let (index, count) = text.split_once('/')?;
@@ -39,17 +39,17 @@ impl Shard {
         })
     }
 
-    /// Its number, from 1.
+    /// Returns the number of the part, from 1.
     pub fn index(self) -> usize {
         self.index
     }
 
-    /// Whether the mission with this number belongs to it.
+    /// Returns `true` if the mission with this number belongs to the part.
     pub fn has(self, number: usize) -> bool {
         number % self.count == self.index - 1
     }
 
-    /// A name for a directory: `shard-1-of-4`; `None` for the whole.
+    /// Returns a name for a directory: `shard-1-of-4`; `None` for the whole.
     pub fn directory(self) -> Option<String> {
         (self.count > 1).then(|| format!("shard-{}-of-{}", self.index, self.count))
     }

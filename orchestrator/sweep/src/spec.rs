@@ -1,4 +1,4 @@
-//! What an experiment file may contain, beside the overrides (`set`) and the values of the grid.
+//! Keys of an experiment file, except the overrides (`set`) and the values of the grid.
 
 use std::collections::BTreeMap;
 
@@ -14,7 +14,7 @@ pub use super::seeds::MAX_MISSIONS;
 use super::seeds::{MAX_SEED, Seeds};
 use super::task::Task;
 
-/// Most cells (combinations of case and parameters) of one experiment.
+/// Maximum number of cells (combinations of case and parameters) of one experiment.
 pub const MAX_CELLS: usize = 10_000;
 
 /// An experiment: what its missions do, what is varied, and with which seeds.
@@ -149,15 +149,15 @@ impl Default for RunSpec {
     }
 }
 
-/// Which missions keep their log.
+/// Missions whose logs are kept.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum LogPolicy {
-    /// None, and none is written: the fastest.
+    /// None; no log is written, which is fastest.
     #[default]
     None,
-    /// Those that failed. All are written, and removed when the mission went well.
+    /// Failed missions. All logs are written; those of other missions are removed.
     Failed,
-    /// All of them.
+    /// All missions.
     All,
 }
 

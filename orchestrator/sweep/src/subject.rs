@@ -1,4 +1,4 @@
-//! The kinds of missions that an experiment can have, on one engine.
+//! Interface of the kinds of missions of an experiment.
 
 use std::path::Path;
 
@@ -13,45 +13,46 @@ use super::parameters::Parameter;
 use super::reader::Reader;
 use super::row::Record;
 
-/// A mission that has ended.
+/// A finished mission.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Ended<R> {
     /// Its result.
     pub row: R,
-    /// CPU time of what is compared by it (ms).
+    /// CPU time that experiments of plans compare (ms).
     pub cpu_ms: Option<f64>,
 }
 
-/// How the thread that carries out missions uses the processors.
+/// Use of processors by a thread that executes missions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Pinning {
     /// Missions run on any processor.
     Never,
-    /// Each has a processor of its own if there are as many missions at once as processors.
+    /// Each has its own processor if there are as many parallel missions as processors.
     IfCrowded,
-    /// Each has a processor of its own.
+    /// Each has its own processor.
     Always,
 }
 
-/// What a cell of an experiment is about: the type says how a file is read and a mission carried out.
+/// Subject of a cell of an experiment: the type defines how a file is read and a mission is
+/// executed.
 #[expect(
     private_interfaces,
     reason = "the parts of an experiment file are read inside this crate"
 )]
 pub trait Subject: Clone + Sync {
-    /// What a mission results in.
+    /// Result of a mission.
     type Row: Record;
-    /// What a case starts from.
+    /// Starting point of a case.
     type Draft: Clone;
-    /// What carries missions out.
+    /// Executor of missions.
     type Engine: Sync + ?Sized;
-    /// The word for several missions.
+    /// Plural noun for missions in messages.
     const UNIT: &'static str;
-    /// Top-level keys of the file that do not fit, and what to do instead.
+    /// Top-level keys of the file that this kind does not support, and alternatives.
     const FOREIGN_KEYS: &'static [(&'static str, &'static str)];
 
-    /// Opens what a case starts from: its target as `protean run` takes it, and the draft. Without a
-    /// case, that of an experiment without `[[cases]]`. What is wrong is reported.
+    /// Opens the starting point of a case: its target as `protean run` takes it, and the draft.
+    /// Without a case, that of an experiment without `[[cases]]`. Reports problems.
     fn open(
         reader: &mut Reader,
         folder: &Path,
@@ -59,10 +60,10 @@ pub trait Subject: Clone + Sync {
         options: &LoadOptions,
     ) -> Option<(String, Self::Draft)>;
 
-    /// The name of the case of an experiment without `[[cases]]`.
+    /// Returns the name of the case of an experiment without `[[cases]]`.
     fn case_name(target: &str) -> String;
 
-    /// The cells in their order; those that are wrong are left out, and reported.
+    /// Returns the cells in order; invalid cells are reported and left out.
     fn cells(
         reader: &mut Reader,
         cases: &[CaseDraft<Self::Draft>],
@@ -71,7 +72,7 @@ pub trait Subject: Clone + Sync {
         options: &LoadOptions,
     ) -> Vec<Cell<Self>>;
 
-    /// Carries out the mission of a cell with a seed; `None` if it was interrupted.
+    /// Executes the mission of a cell with a seed; `None` if it was interrupted.
     fn carry_out(
         cell: &Cell<Self>,
         seed: u64,
@@ -79,6 +80,6 @@ pub trait Subject: Clone + Sync {
         call: &Call,
     ) -> Option<Ended<Self::Row>>;
 
-    /// How missions of this cell use the processors.
+    /// Returns the use of processors by missions of this cell.
     fn pinning(cell: &Cell<Self>, engine: &Self::Engine) -> Pinning;
 }

@@ -1,4 +1,4 @@
-//! What the cells of an experiment amount to: a table for people, JSON for programs.
+//! Summaries of the cells of an experiment: a table as text, and JSON.
 
 use comfy_table::Table;
 use platform::shell;
@@ -11,15 +11,15 @@ use super::results::Results;
 use super::row::{Record, Row};
 use super::runner::RunReport;
 
-/// Most failures that are listed on a terminal; JSON and the table of results have all.
+/// Maximum number of failures listed on a terminal; JSON and the table of results contain all.
 const SHOWN: usize = 20;
 
-/// What the games of one cell amount to.
+/// Summary of the games of one cell.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CellSummary {
     /// Index of the cell.
     pub cell: usize,
-    /// Games that came to their end.
+    /// Games that ended.
     pub games: usize,
     /// Games that failed.
     pub failed: usize,
@@ -29,11 +29,11 @@ pub struct CellSummary {
     pub escaped: u64,
     /// Evaders that were caught.
     pub caught: u64,
-    /// Part of the evaders that escaped; none without evaders.
+    /// Part of the evaders that escaped; `None` without evaders.
     pub escape_chance: Option<f64>,
-    /// Its Wilson 95 % interval as if evaders were independent of each other.
+    /// Wilson 95 % interval of the escape chance, with evaders as independent outcomes.
     pub independent: Option<Interval>,
-    /// The one that counts games, whose evaders share their fate.
+    /// 95 % interval of the escape chance, with games as independent outcomes.
     pub by_game: Option<Interval>,
     /// Mean simulated length of a game (s).
     pub mean_time_s: Option<f64>,
@@ -76,12 +76,12 @@ fn summarise(cell: usize, rows: &[&Row]) -> CellSummary {
     }
 }
 
-/// The missions that failed.
+/// Returns the missions that failed.
 fn failures(results: &Results) -> Vec<(MissionId, &Row)> {
     results.rows().filter(|(_, row)| row.is_failed()).collect()
 }
 
-/// What is missing: of what was to be carried out now, or of all.
+/// Returns the missing missions: those of this sweep, or of the whole experiment.
 pub(super) fn missing<R: Record>(
     results: &Results<R>,
     report: Option<&RunReport>,
@@ -89,7 +89,7 @@ pub(super) fn missing<R: Record>(
     report.map_or_else(|| results.missing(), |report| report.missing.clone())
 }
 
-/// A table with one line per cell: the case and the parameters, then `columns`.
+/// Returns a table with one line per cell: the case and the parameters, then `columns`.
 pub(super) fn cell_table(parameters: &[String], columns: &[&str]) -> Table {
     let header = std::iter::once("case")
         .chain(parameters.iter().map(String::as_str))
@@ -97,12 +97,12 @@ pub(super) fn cell_table(parameters: &[String], columns: &[&str]) -> Table {
     for_terminal(header, 1)
 }
 
-/// An interval of a share in a table.
+/// Formats an interval of a share.
 pub(super) fn interval(interval: Option<Interval>) -> String {
     interval.map_or_else(|| "-".into(), |i| format!("{:.3} .. {:.3}", i.low, i.high))
 }
 
-/// How fast missions or plans were carried out; nothing if none were.
+/// Returns the rate at which missions or plans were executed; empty if there were none.
 pub(super) fn pace(report: Option<&RunReport>, unit: &str) -> String {
     report
         .filter(|report| report.carried_out > 0)
@@ -116,13 +116,13 @@ pub(super) fn pace(report: Option<&RunReport>, unit: &str) -> String {
         })
 }
 
-/// The values of a cell's parameters by their names.
+/// Returns the values of a cell's parameters by name.
 pub(super) fn parameters(names: &[String], values: &[impl serde::Serialize]) -> Map<String, Json> {
     let values = values.iter().map(|value| json!(value));
     names.iter().cloned().zip(values).collect()
 }
 
-/// What the JSON objects of all experiments begin with.
+/// Returns the common keys of the JSON objects of all experiments.
 pub(super) fn json_head<R: Record>(
     results: &Results<R>,
     report: Option<&RunReport>,
@@ -144,7 +144,7 @@ pub(super) fn json_head<R: Record>(
         .collect()
 }
 
-/// The command that runs one mission again, alone.
+/// Returns the command that runs one mission again.
 pub fn command(results: &Results, mission: MissionId) -> String {
     let Some(cell) = results.manifest().cells.get(mission.cell) else {
         return String::new();
@@ -159,8 +159,8 @@ pub fn command(results: &Results, mission: MissionId) -> String {
     shell::line(words)
 }
 
-/// The summary for people: a table of the cells, failures with the command that repeats them, and
-/// what is missing.
+/// Returns the summary as text: a table of the cells, failures with the command that repeats them,
+/// and missing missions.
 pub fn text(results: &Results, report: Option<&RunReport>) -> String {
     let manifest = results.manifest();
     let columns = [
@@ -220,7 +220,7 @@ pub fn text(results: &Results, report: Option<&RunReport>) -> String {
     text
 }
 
-/// Missing missions cell by cell: `case potential, relative_speed = 1.5: seeds 3..7, 9`.
+/// Returns missing missions cell by cell: `case potential, relative_speed = 1.5: seeds 3..7, 9`.
 fn ranges(results: &Results, missing: &[MissionId]) -> Vec<String> {
     missing
         .chunk_by(|a, b| a.cell == b.cell)
@@ -235,7 +235,7 @@ fn ranges(results: &Results, missing: &[MissionId]) -> Vec<String> {
         .collect()
 }
 
-/// The summary for programs.
+/// Returns the summary as JSON.
 pub fn json(results: &Results, report: Option<&RunReport>) -> Json {
     let manifest = results.manifest();
     let labels = |cell: usize| {

@@ -12,17 +12,18 @@ use super::manifest::Manifest;
 use super::mission_id::MissionId;
 use super::row::{Record, Row};
 
-/// Whether every table of missions has a column of this name, so that no parameter can.
+/// Returns `true` if every table of missions has a column of this name, so that no parameter can.
 pub(super) fn is_taken(name: &str) -> bool {
     ["case", "seed"].contains(&name) || Row::COLUMNS.iter().any(|column| column.name == name)
 }
 
-/// Writes the rows in the order in which they come.
+/// Writes the rows in their order.
 ///
-/// Numbers are the shortest that read back as the same; what there is not is empty, in Parquet null.
+/// Numbers have the shortest form that reads back as the same number. Missing values are empty, in
+/// Parquet null.
 ///
 /// # Errors
-/// What the writer said.
+/// The error of the writer.
 pub(super) fn write<'a, R: Record + 'a, W: Write + Send + 'static>(
     format: Format,
     file: W,
@@ -31,7 +32,7 @@ pub(super) fn write<'a, R: Record + 'a, W: Write + Send + 'static>(
 ) -> io::Result<W> {
     let parameters: Vec<Type> = (0..manifest.parameters.len())
         .map(|index| match format {
-            // As they are written: 1.0 is not 1.
+            // As in the experiment file: 1.0 is not 1.
             Format::Csv => Type::Text,
             Format::Parquet => type_of(manifest, index),
         })
@@ -61,7 +62,7 @@ pub(super) fn write<'a, R: Record + 'a, W: Write + Send + 'static>(
     table.finish()
 }
 
-/// The type that holds all values of a parameter.
+/// Returns the type of all values of a parameter.
 fn type_of(manifest: &Manifest, index: usize) -> Type {
     let values = manifest.cells.iter().filter_map(|c| c.values.get(index));
     let all = |is: fn(&Value) -> bool| values.clone().all(is);
@@ -76,7 +77,7 @@ fn type_of(manifest: &Manifest, index: usize) -> Type {
     }
 }
 
-/// The value of a parameter in a column of this type.
+/// Returns the value of a parameter in a column of this type.
 fn parameter(value: &Value, kind: Type) -> Cell {
     match (kind, value) {
         (Type::Int, Value::Int(v)) => Cell::Int(*v),
@@ -161,7 +162,7 @@ mod tests {
                     Field::Str(v) => v.clone(),
                     Field::Long(v) => v.to_string(),
                     Field::Double(v) if name == "relative_speed" => {
-                        // A column of numbers holds 2 as 2.0.
+                        // A column of numbers contains 2 as 2.0.
                         assert_eq!(record[index].parse::<f64>().unwrap(), *v);
                         continue;
                     }

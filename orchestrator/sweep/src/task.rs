@@ -1,4 +1,5 @@
-//! What a mission does: which problem is made up from its seed, and how it is planned.
+//! Task of a mission of plans: the problem that is generated from its seed, and the options of its
+//! planner.
 
 use parameters::{Parameters, ParamsError, within};
 use schemars::JsonSchema;
@@ -6,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use plan::{PlanOptions, Recipe};
 
-/// What a mission does: one random problem, planned once.
+/// Task of a mission: one random problem, planned once.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Task {
@@ -16,7 +17,7 @@ pub struct Task {
     pub options: PlanOptions,
 }
 
-/// A task while keys of it are set.
+/// A task during the setting of its keys.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Draft(toml::Table);
 
@@ -24,7 +25,7 @@ impl Draft {
     /// Applies `key.key=value`.
     ///
     /// # Errors
-    /// Why it cannot be.
+    /// The reason, as text.
     pub fn apply(&mut self, argument: &str) -> Result<(), String> {
         let (path, value) = argument
             .split_once('=')
@@ -50,10 +51,10 @@ impl Draft {
         Ok(())
     }
 
-    /// The task, its keys and their types checked.
+    /// Returns the task, with keys and types checked.
     ///
     /// # Errors
-    /// What is wrong: the key, the value and what was expected.
+    /// The problem: key, value and expected value.
     pub fn task(&self) -> Result<Task, String> {
         let task: Result<Task, toml::de::Error> = self.0.clone().try_into();
         task.map_err(|e| e.message().trim().to_owned())

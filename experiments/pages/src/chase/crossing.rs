@@ -1,4 +1,4 @@
-//! Critical speeds, in words.
+//! Critical speeds, as text.
 
 use statistics::{Interval, Z95};
 
@@ -6,7 +6,7 @@ use super::evidence::Study;
 use crate::statistics::Crossing;
 use crate::words::{hundredths, in_table, ratio};
 
-/// Where half of a method's evaders first escape, by its cells; `None` without games.
+/// Returns the speed from which half of a method's evaders escape; `None` without games.
 pub(super) fn crossing(study: &Study, method: &str) -> Option<Crossing> {
     let cell = |r: f64| {
         let escapes = study.cell(method, r)?.escapes;
@@ -16,7 +16,7 @@ pub(super) fn crossing(study: &Study, method: &str) -> Option<Crossing> {
     Crossing::of(&points)
 }
 
-/// Rows of the table of critical speeds: method, speed, interval.
+/// Returns the rows of the table of critical speeds: method, speed, interval.
 pub(super) fn rows(study: &Study) -> String {
     let mut text = String::new();
     for method in &study.methods {
@@ -35,7 +35,7 @@ pub(super) fn rows(study: &Study) -> String {
     text
 }
 
-/// The critical speed of a method in words.
+/// Describes the critical speed of a method.
 pub(super) fn words(study: &Study, method: &str) -> Vec<String> {
     let speeds = study.ratios(method);
     let of = |crossing: Crossing| {
@@ -48,7 +48,7 @@ pub(super) fn words(study: &Study, method: &str) -> Vec<String> {
     crossing(study, method).map(of).into_iter().collect()
 }
 
-/// A speed at which something happens, of those that were tried.
+/// Formats a critical speed within the tested speeds.
 fn speed(value: f64, tried: &[f64]) -> String {
     match (tried.first(), tried.last()) {
         (Some(&first), _) if value == f64::NEG_INFINITY => format!("below {}", ratio(first)),

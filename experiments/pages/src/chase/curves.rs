@@ -6,10 +6,10 @@ use statistics::{Z95, wilson};
 use super::evidence::Study;
 use super::published::{GAMES, Published};
 
-/// What the hollow marks are.
+/// Meaning of the hollow marks.
 const REFERENCE: &str = "published (about 10 games each; dotted: their 95 % interval)";
 
-/// The chart of a study.
+/// Returns the chart of a study.
 pub(super) fn chart(
     study: &Study,
     published: &[Published],

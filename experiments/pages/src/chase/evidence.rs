@@ -1,13 +1,13 @@
-//! What the page is made of.
+//! Input of the page.
 
 use statistics::Sample;
 
 use crate::plans::Plans;
 
-/// Everything that the page is made of. What is missing is said on the page.
+/// Input of the page. The page notes missing parts.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Evidence {
-    /// Escape against speed, our planners (the paper's Fig. 2).
+    /// Escape chance by speed, our planners (the paper's Fig. 2).
     pub speed: Option<Study>,
     /// The same with the paper's parameters.
     pub speed_paper: Option<Study>,
@@ -24,22 +24,22 @@ pub struct Evidence {
 pub struct Study {
     /// Name of the experiment.
     pub name: String,
-    /// Version of the program that carried it out.
+    /// Version of the program that executed it.
     pub program: String,
-    /// The seeds, in words.
+    /// The seeds, as text.
     pub seeds: String,
-    /// What is compared, in the order of the experiment.
+    /// The methods that are compared, in the order of the experiment.
     pub methods: Vec<Method>,
     /// The cells, in the order of the experiment.
     pub cells: Vec<Cell>,
 }
 
-/// Something that is compared: a way to evade, or what the Police know.
+/// A method that is compared: a way to evade, or the knowledge of the Police.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Method {
     /// Name of its case.
     pub name: String,
-    /// What people call it.
+    /// Title.
     pub title: String,
 }
 
@@ -48,20 +48,20 @@ pub struct Method {
 pub struct Cell {
     /// Name of its case.
     pub method: String,
-    /// Speed of the evaders by that of the Police.
+    /// Speed of the evaders relative to the Police.
     pub ratio: f64,
     /// Escaped evaders, game by game.
     pub escapes: Sample,
     /// Evaders that were caught.
     pub caught: u64,
-    /// Evaders that were neither caught nor gone when the time was up.
+    /// Evaders that were still in the game at the time limit.
     pub held_out: u64,
-    /// Games that failed and count in nothing else.
+    /// Failed games; they are not in other counts.
     pub failed: u64,
 }
 
 impl Study {
-    /// The cell of a method at a speed.
+    /// Returns the cell of a method at a speed.
     pub fn cell(&self, method: &str, ratio: f64) -> Option<&Cell> {
         self.cells
             .iter()
@@ -69,7 +69,7 @@ impl Study {
             .filter(|c| c.escapes.members() > 0)
     }
 
-    /// The speeds of a method that have games, ascending.
+    /// Returns the speeds of a method that have games, ascending.
     pub fn ratios(&self, method: &str) -> Vec<f64> {
         let cells = self
             .cells
@@ -80,21 +80,22 @@ impl Study {
         ratios
     }
 
-    /// The games of a method at several speeds as one sample; `None` if one of them has none.
+    /// Returns the games of a method at several speeds as one sample; `None` if one of them has
+    /// none.
     pub fn pooled(&self, method: &str, ratios: &[f64]) -> Option<Sample> {
         ratios.iter().try_fold(Sample::default(), |sum, &ratio| {
             Some(sum.with(&self.cell(method, ratio)?.escapes))
         })
     }
 
-    /// What people call a method.
+    /// Returns the title of a method.
     pub fn title<'a>(&'a self, method: &'a str) -> &'a str {
         let found = self.methods.iter().find(|m| m.name == method);
         found.map_or(method, |m| m.title.as_str())
     }
 }
 
-/// Whether two speeds are the same, however they were computed.
+/// Returns `true` if two speeds are equal within rounding.
 pub(super) fn same(a: f64, b: f64) -> bool {
     (a - b).abs() < 1e-9
 }

@@ -1,8 +1,8 @@
-//! The page that sets our chases beside the published ones: `docs/results/chase.md`.
+//! The page that compares our chases with the published ones: `docs/results/chase.md`.
 //!
 //! The published game is that of I. M. Gomes Ribeiro, J. Fiala and R. Shah, *Multi-robot Navigation
-//! in the Context of a Chasing Game*. The page has curves, a table of all cells, the critical speeds,
-//! and for each of the paper's claims a test and its verdict.
+//! in the Context of a Chasing Game*. The page has curves, a table of all cells, the critical
+//! speeds, and for each of the paper's claims a test and its verdict.
 
 mod claims;
 mod crossing;
@@ -35,10 +35,10 @@ struct Part<'a> {
     experiment: &'static str,
 }
 
-/// Makes the page.
+/// Builds the page.
 ///
 /// # Errors
-/// [`TemplateError`] if the template does not fit.
+/// [`TemplateError`] if the template does not match the values.
 pub fn page(evidence: &Evidence) -> Result<Page, TemplateError> {
     let mut values = Values::default();
     let mut images = Vec::new();

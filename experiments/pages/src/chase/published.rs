@@ -1,12 +1,12 @@
 //! The published results.
 //!
-//! Read off the bars of the paper's figures. All are multiples of 0.1, and no number of games is
-//! given: each is taken as so many of ten. The error bars of the figures are a tenth of each bar,
-//! whatever the number of games, and say nothing.
+//! They are read from the bars of the paper's figures. All are multiples of 0.1, and the number of
+//! games is not given: each is taken as out of ten. The error bars of the figures are a tenth of
+//! each bar, whatever the number of games, and are not used.
 
 use super::evidence::same;
 
-/// Games behind each published value, as far as can be told.
+/// Assumed number of games of each published value.
 pub(super) const GAMES: u64 = 10;
 
 /// Names of the methods in our experiments.
@@ -21,7 +21,7 @@ pub(super) const FILTER: &str = "particle_filter";
 pub(super) struct Published {
     pub(super) method: &'static str,
     pub(super) ratio: f64,
-    /// Escapes of [`GAMES`].
+    /// Escapes in [`GAMES`] games.
     pub(super) escaped: u64,
 }
 
@@ -49,8 +49,8 @@ pub(super) const SPEED: [Published; 12] = [
     value(LINE, 3.0, 7),
 ];
 
-/// Fig. 3: what the Police know. The method is not stated; RRT* is the one that fits the paper's
-/// conclusion about its critical speed.
+/// Fig. 3: knowledge of the Police. The method is not stated; RRT* fits the paper's conclusion
+/// about its critical speed.
 pub(super) const KNOWLEDGE: [Published; 6] = [
     value(EXACT, 0.8, 0),
     value(EXACT, 0.9, 2),
@@ -65,7 +65,7 @@ pub(super) const SPEED_RATIOS: [f64; 4] = [1.5, 2.0, 2.5, 3.0];
 /// The speeds of Fig. 3.
 pub(super) const KNOWLEDGE_RATIOS: [f64; 3] = [0.8, 0.9, 1.0];
 
-/// The value that was published for a method at a speed.
+/// Returns the published value of a method at a speed.
 pub(super) fn find(values: &[Published], method: &str, ratio: f64) -> Option<Published> {
     let mut values = values.iter().copied();
     values.find(|v| v.method == method && same(v.ratio, ratio))

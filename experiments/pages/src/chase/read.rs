@@ -8,16 +8,16 @@ use sweep::{Results, SweepError, Value};
 use super::evidence::{Cell, Evidence, Method, Study};
 use crate::place::{PlaceError, empty_place};
 
-/// The parameter that the chase's experiments vary.
+/// The parameter of the chase's experiments.
 const RATIO: &str = "relative_speed";
 
-/// Why results are of no use for the page.
+/// Failure to use results for the page.
 #[derive(Debug, thiserror::Error)]
 pub enum StudyError {
     /// The directory cannot be read.
     #[error(transparent)]
     Sweep(#[from] SweepError),
-    /// Not an experiment of the page, or one that it has.
+    /// Not an experiment of the page, or a duplicate.
     #[error(transparent)]
     Place(#[from] PlaceError),
     /// The experiment file beside the results cannot be read.
@@ -25,10 +25,10 @@ pub enum StudyError {
     Cases {
         /// The directory.
         path: PathBuf,
-        /// The parser's message.
+        /// Error of the parser.
         source: toml::de::Error,
     },
-    /// Other parameters than the page knows.
+    /// The parameters are not those of the page.
     #[error(
         "{}: the experiment varies {found:?}; expected `relative_speed` alone, a number",
         path.display()
@@ -61,7 +61,7 @@ impl Evidence {
 }
 
 impl Study {
-    /// The study of an experiment that varies the speed and nothing else.
+    /// Returns the study of an experiment whose only parameter is the speed.
     ///
     /// # Errors
     /// [`StudyError`].
@@ -106,7 +106,7 @@ impl Study {
     }
 }
 
-/// The cases of an experiment with their titles.
+/// Returns the cases of an experiment with their titles.
 fn titles(results: &Results) -> Result<Vec<Method>, StudyError> {
     #[derive(Deserialize)]
     struct Experiment {

@@ -7,7 +7,8 @@ use super::published::{GAMES, Published, find};
 use crate::statistics::fisher_exact;
 use crate::words::{in_table, p_value, ratio, share, shares};
 
-/// A row for every cell: ours with both intervals, the published value and whether ours holds it.
+/// Returns a row for every cell: our chance with both intervals, the published value, and the test
+/// if our interval contains it.
 pub(super) fn cells(study: &Study, published: &[Published]) -> String {
     let mut text = String::new();
     for cell in &study.cells {
@@ -17,7 +18,7 @@ pub(super) fn cells(study: &Study, published: &[Published]) -> String {
         let (value, inside, alike) = match theirs {
             Some(v) if sample.members() > 0 => {
                 let value = v.escaped as f64 / GAMES as f64;
-                // As many independent outcomes as ours are worth.
+                // The effective size is a number of independent outcomes.
                 let size = sample.effective_size().round();
                 let hits = (size * sample.share().unwrap_or(0.0)).round();
                 let p = fisher_exact((hits as u64, size as u64), (v.escaped, GAMES));

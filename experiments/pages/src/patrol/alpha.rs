@@ -1,4 +1,4 @@
-//! How wide the zig-zag is: speed and error by α (cat-map patrol paper, Fig. 6 and 10).
+//! Width of the zig-zag: speed and error by α (cat-map patrol paper, Fig. 6 and 10).
 
 use draw::figures::{Chart, Point, Series, Unit};
 use sweep::Row;
@@ -8,10 +8,10 @@ use crate::words::hundredths;
 
 /// Time of a lap in the paper's first case, and in the experiment (s).
 const T_MAX: f64 = 120.0;
-/// The width that the paper chooses (m), and what it needs and brings: speed (m/s), MAE (m).
+/// The width that the paper chooses (m), with its speed (m/s) and MAE (m).
 const PUBLISHED: (f64, f64, f64) = (1.7, 0.9651, 0.9352);
 
-/// Speed that a lap takes in [`T_MAX`] (m/s).
+/// Returns the speed of a lap in [`T_MAX`] (m/s).
 fn speed(row: &Row) -> Option<f64> {
     laps(row, false).map(|lap| lap.length_m / T_MAX)
 }
@@ -65,7 +65,7 @@ fn chart(study: &Study, y_label: &str, value: fn(&Row) -> Option<f64>, published
     }
 }
 
-/// Fig. 6: the speed that a lap takes.
+/// Fig. 6: the speed of a lap.
 pub(super) fn speed_chart(study: &Study) -> Chart {
     chart(study, "speed needed [m/s]", speed, PUBLISHED.1)
 }
@@ -75,7 +75,7 @@ pub(super) fn mae_chart(study: &Study) -> Chart {
     chart(study, "MAE [m]", mae, PUBLISHED.2)
 }
 
-/// Rows of the table behind both.
+/// Returns the rows of the table of both figures.
 pub(super) fn rows(study: &Study) -> String {
     let mut text = String::new();
     for cell in &study.cells {
@@ -96,7 +96,7 @@ pub(super) fn rows(study: &Study) -> String {
     text
 }
 
-/// The mean of a value over a cell's missions, with its 95 % interval.
+/// Returns the mean of a value over a cell's missions, with its 95 % interval.
 pub(super) fn mean(cell: &Cell, value: impl Fn(&Row) -> Option<f64>) -> String {
     let Some(mean) = cell.mean(value) else {
         return "–".into();

@@ -1,4 +1,4 @@
-//! Ways to choose sub-goals beside each other, at equal ways driven.
+//! Comparison of ways to choose sub-goals, at equal distances driven.
 
 use draw::figures::{Chart, Point, Series, Unit};
 use sweep::Row;
@@ -6,7 +6,7 @@ use sweep::Row;
 use super::alpha::mean;
 use super::evidence::Study;
 
-/// Ways at which the covered part is noted (m).
+/// Distances at which the covered part is compared (m).
 const WAYS: [f64; 4] = [250.0, 500.0, 1000.0, 2000.0];
 
 fn at(row: &Row, way: f64) -> Option<f64> {
@@ -15,7 +15,7 @@ fn at(row: &Row, way: f64) -> Option<f64> {
     Some(found.coverable_fraction)
 }
 
-/// The covered part by the way driven.
+/// Returns the chart of the covered part by the distance driven.
 pub(super) fn chart(study: &Study) -> Chart {
     Chart {
         x_label: "way driven [m]".into(),
@@ -43,7 +43,7 @@ pub(super) fn chart(study: &Study) -> Chart {
     }
 }
 
-/// Rows of the table.
+/// Returns the rows of the table.
 pub(super) fn rows(study: &Study) -> String {
     let mut text = String::new();
     for cell in &study.cells {

@@ -1,4 +1,4 @@
-//! What the page rests on: results of three experiments.
+//! Input of the page: results of three experiments.
 
 use std::collections::BTreeMap;
 
@@ -8,21 +8,21 @@ use sweep::{Results, Row};
 
 use crate::place::{PlaceError, empty_place};
 
-/// How wide the zig-zag is.
+/// Name of the experiment on the width of the zig-zag.
 pub(super) const ALPHA: &str = "patrol_alpha";
-/// Zig-zag, fictive obstacles and both mixed, among obstacles.
+/// Name of the experiment on zig-zag, fictive obstacles and both mixed, among obstacles.
 pub(super) const SQUARE: &str = "patrol_square";
-/// Ways to choose sub-goals.
+/// Name of the experiment on ways to choose sub-goals.
 pub(super) const COVERAGE: &str = "coverage_sources";
 
-/// What the page rests on.
+/// Input of the page.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Evidence {
-    /// Of `patrol_alpha`.
+    /// Results of `patrol_alpha`.
     pub alpha: Option<Study>,
-    /// Of `patrol_square`.
+    /// Results of `patrol_square`.
     pub square: Option<Study>,
-    /// Of `coverage_sources`.
+    /// Results of `coverage_sources`.
     pub coverage: Option<Study>,
 }
 
@@ -31,7 +31,7 @@ pub struct Evidence {
 pub struct Study {
     /// Version of the program.
     pub program: String,
-    /// Its seeds, in words.
+    /// Its seeds, as text.
     pub seeds: String,
     /// The cells in the order of the experiment.
     pub cells: Vec<Cell>,
@@ -95,14 +95,14 @@ impl Study {
 }
 
 impl Cell {
-    /// Mean over the missions that have the value.
+    /// Returns the mean over the missions that have the value.
     pub(super) fn mean(&self, value: impl Fn(&Row) -> Option<f64>) -> Option<Mean> {
         let values: Vec<f64> = self.rows.iter().filter_map(value).collect();
         Mean::of(&values)
     }
 }
 
-/// The first robot's laps as planned, or as driven.
+/// Returns the first robot's laps, planned or driven.
 pub(super) fn laps(row: &Row, driven: bool) -> Option<&LapFigures> {
     let waypoints = row.robots.iter().find_map(|r| r.waypoints.as_ref())?;
     if driven {
@@ -112,8 +112,7 @@ pub(super) fn laps(row: &Row, driven: bool) -> Option<&LapFigures> {
     }
 }
 
-/// The least mean error of all methods that predicted, `horizon` (s) ahead, where the robot would be
-/// (m).
+/// Returns the smallest mean error of all prediction methods at this `horizon` (s) (m).
 pub(super) fn least_error(row: &Row, horizon: f64) -> Option<f64> {
     let of_horizon = row.predictions.iter().filter(|p| p.horizon_s == horizon);
     of_horizon.filter_map(|p| p.mean_m).min_by(f64::total_cmp)

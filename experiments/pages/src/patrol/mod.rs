@@ -1,7 +1,8 @@
-//! The page that sets patrols and coverage beside the published results: `docs/results/patrol.md`.
+//! The page that compares patrols and coverage with the published results:
+//! `docs/results/patrol.md`.
 //!
-//! The published ones are those of the cat-map patrol paper (Fig. 6, 10 and 12, and the numbers of
-//! its second case) and of the Chebyshev coverage paper (Table 1).
+//! The published results are those of the cat-map patrol paper (Fig. 6, 10 and 12, and the numbers
+//! of its second case) and of the Chebyshev coverage paper (Table 1).
 
 mod alpha;
 mod coverage;
@@ -21,10 +22,10 @@ use crate::words::provenance;
 
 const TEMPLATE: &str = include_str!("../../templates/patrol.md");
 
-/// Makes the page.
+/// Builds the page.
 ///
 /// # Errors
-/// [`TemplateError`] if the template does not fit.
+/// [`TemplateError`] if the template does not match the values.
 pub fn page(evidence: &Evidence) -> Result<Page, TemplateError> {
     let mut values = Values::default();
     let mut images = Vec::new();

@@ -1,10 +1,10 @@
-//! Table 1 of the Chebyshev coverage paper: `v(xy)`, computed here and now.
+//! Table 1 of the Chebyshev coverage paper: `v(xy)`, computed when the page is built.
 
 use chaotic_maps::{ChebF64, ChebP, Emission};
 use metrics::sequence::mean_difference;
 
-/// Rows of the table: the values' name, how they are emitted, what the paper has for 2000 and for
-/// 10 000 of them, and the limit for independent coordinates.
+/// Rows of the table: name of the values, emission, the paper's results for 2000 and for 10 000
+/// values, and the limit for independent coordinates.
 const TABLE_1: [(&str, Emission, [f64; 2], &str); 2] = [
     ("original", Emission::Raw, [0.8309, 0.8209], "8/π² = 0.8106"),
     (
@@ -20,7 +20,7 @@ const LENGTHS: [usize; 2] = [2000, 10_000];
 /// A key of the exact map.
 const KEY: [u64; 2] = [123_456_789_012_345_678, 987_654_321_098_765_432];
 
-/// Rows of the table.
+/// Returns the rows of the table.
 pub(super) fn rows() -> String {
     let mut text = String::new();
     for (name, emission, published, limit) in TABLE_1 {
@@ -35,7 +35,7 @@ pub(super) fn rows() -> String {
     text
 }
 
-/// With the first values as the first pair, as in the paper.
+/// Computes with the first values as the first pair, as in the paper.
 fn in_floating_point(emission: Emission, n: usize) -> Option<f64> {
     let [x, y] = FIRST;
     let mut map = ChebF64::new(x, y, emission).ok()?;

@@ -6,7 +6,7 @@ use sweep::Row;
 use super::alpha::mean;
 use super::evidence::{Study, laps};
 
-/// Rows of the table.
+/// Returns the rows of the table.
 pub(super) fn rows(study: &Study) -> String {
     let mut text = String::new();
     for cell in &study.cells {

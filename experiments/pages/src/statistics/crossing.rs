@@ -1,23 +1,23 @@
-//! Where measured chances first reach one half, without a model.
+//! Values at which measured chances first reach one half, without a model.
 
 use statistics::Interval;
 
-/// Where chances first reach ½ as a quantity grows, by straight lines from point to point.
+/// Value at which chances first reach ½ as a quantity grows, by linear interpolation.
 ///
-/// −∞ where they have reached it at the lowest value already, +∞ where they never do.
+/// −∞ if they have reached it at the lowest value, +∞ if they never do.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Crossing {
-    /// By the points themselves.
+    /// Crossing of the chances.
     pub value: f64,
-    /// Where the upper ends of their intervals reach it: hardly sooner than there.
+    /// Crossing of the upper ends of their intervals: a lower bound.
     pub low: f64,
-    /// Where the lower ends reach it: hardly later than there.
+    /// Crossing of the lower ends: an upper bound.
     pub high: f64,
 }
 
 impl Crossing {
-    /// Of points (value of the quantity, chance, its interval) in any order; `None` without any, or if
-    /// a number is not finite.
+    /// Computes the crossing of points (value of the quantity, chance, its interval) in any order.
+    /// `None` without points, or if a number is not finite.
     pub fn of(points: &[(f64, f64, Interval)]) -> Option<Self> {
         let finite = |(x, y, i): &(f64, f64, Interval)| {
             [*x, *y, i.low, i.high].iter().all(|v| v.is_finite())
@@ -37,7 +37,7 @@ impl Crossing {
         })
     }
 
-    /// All values between [`low`](Self::low) and [`high`](Self::high).
+    /// Returns all values between [`low`](Self::low) and [`high`](Self::high).
     pub fn range(&self) -> Interval {
         Interval {
             low: self.low,
@@ -46,7 +46,7 @@ impl Crossing {
     }
 }
 
-/// Where points in ascending order first reach ½.
+/// Returns the value at which points in ascending order first reach ½.
 fn first(points: impl Iterator<Item = (f64, f64)>) -> f64 {
     let mut last: Option<(f64, f64)> = None;
     for (x, y) in points {

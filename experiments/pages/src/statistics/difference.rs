@@ -1,4 +1,4 @@
-//! Comparing two samples.
+//! Comparison of two samples.
 
 use statistics::{Interval, Sample, wilson_at};
 
@@ -12,14 +12,14 @@ pub struct Difference {
     pub value: f64,
     /// Its standard error (score form: under the hypothesis that there is no difference).
     pub error: f64,
-    /// Two-sided p-value of the hypothesis that there is none.
+    /// Two-sided p-value of the hypothesis that there is no difference.
     pub p_value: f64,
     first: (f64, f64),
     second: (f64, f64),
 }
 
 impl Difference {
-    /// Of two independent samples; `None` if one of them is empty.
+    /// Compares two independent samples; `None` if one of them is empty.
     ///
     /// The test is the score test of two proportions, with the outcomes of each sample counted by
     /// their [effective size](Sample::effective_size).
@@ -31,7 +31,7 @@ impl Difference {
             .max(0.0)
             .sqrt();
         let value = p - q;
-        // Both all or both none: no difference, and no error to measure one by.
+        // All or none in both samples: no difference, and no standard error.
         let p_value = if error > 0.0 {
             two_sided(value / error)
         } else {
@@ -46,16 +46,16 @@ impl Difference {
         })
     }
 
-    /// Interval of the difference, `z` standard errors to either side (Newcombe's).
+    /// Returns the interval of the difference, `z` standard errors to either side (Newcombe's).
     pub fn interval(&self, z: f64) -> Interval {
         let part = |(share, n): (f64, f64)| (share, wilson_at(share, n, z));
         newcombe(part(self.first), part(self.second))
     }
 }
 
-/// How much larger the first difference is than the second, with its interval, `z` standard errors
-/// to either side; the differences are of four independent samples. By the same rule as
-/// [`newcombe`], from the intervals of both.
+/// Returns the first difference less the second, with its interval, `z` standard errors to either
+/// side, by the rule of [`newcombe`] from the intervals of both. The differences are of four
+/// independent samples.
 pub fn difference_of_differences(
     first: &Difference,
     second: &Difference,

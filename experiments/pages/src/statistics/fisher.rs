@@ -2,14 +2,14 @@
 
 use geometry::math::{exp, ln_gamma};
 
-/// Two-sided p-value of the hypothesis that `a` hits of `n` and `b` hits of `m` independent outcomes
-/// have the same chance behind them: the chance, given the hits of both together, of a division of
-/// them that is as improbable as this one or more so.
+/// Returns the two-sided p-value of the hypothesis that `a` hits of `n` and `b` hits of `m`
+/// independent outcomes have the same chance: the probability, given the total of hits, of all
+/// divisions that are at most as probable as this one.
 ///
-/// 1 if one of the samples is empty; more hits than outcomes count as all of them.
+/// 1 if one of the samples is empty; more hits than outcomes count as all outcomes.
 ///
-/// Source: R. A. Fisher, *Statistical Methods for Research Workers*, §21.02; two-sided by summing the
-/// improbable tables, as R and SciPy do.
+/// Source: R. A. Fisher, *Statistical Methods for Research Workers*, §21.02; two-sided by summing
+/// the improbable tables, as R and SciPy do.
 pub fn fisher_exact((a, n): (u64, u64), (b, m): (u64, u64)) -> f64 {
     let (a, b) = (a.min(n), b.min(m));
     if n == 0 || m == 0 {
@@ -28,7 +28,7 @@ pub fn fisher_exact((a, n): (u64, u64), (b, m): (u64, u64)) -> f64 {
     sum.min(1.0)
 }
 
-/// Logarithm of the number of ways to choose `k` of `n`; `k` ≤ `n`.
+/// Returns the logarithm of the number of ways to choose `k` of `n`; `k` ≤ `n`.
 fn ln_choose(n: u64, k: u64) -> f64 {
     let ln_factorial = |v: u64| ln_gamma(v as f64 + 1.0);
     ln_factorial(n) - ln_factorial(k) - ln_factorial(n - k)

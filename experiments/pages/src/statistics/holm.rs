@@ -1,7 +1,7 @@
-//! Several tests at once.
+//! Correction for several tests.
 
-/// Holm's correction: p-values adjusted so that those below 5 % may all be called significant with
-/// the chance of a single false one among them still below 5 %. In the order given.
+/// Holm's correction: adjusts p-values so that the chance of any false one among those below 5 % is
+/// below 5 %. The order is kept.
 ///
 /// Source: S. Holm, *A simple sequentially rejective multiple test procedure*, Scand. J. Stat. 6
 /// (1979).

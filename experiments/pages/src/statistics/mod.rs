@@ -1,8 +1,8 @@
-//! Comparisons of shares and values at which they reach one half, beyond the intervals that sweeps
-//! have themselves ([`statistics`]).
+//! Comparisons of shares, and values at which they reach one half, beyond the intervals of sweeps
+//! ([`statistics`]).
 //!
-//! Outcomes of one game depend on each other: a [`Difference`] counts as many outcomes as there would
-//! have to be independent ones. [`fisher_exact`] works on plain counts, as published results have them.
+//! Outcomes of one game depend on each other: a [`Difference`] uses the equivalent number of
+//! independent outcomes. [`fisher_exact`] works on plain counts, as in published results.
 
 mod crossing;
 mod difference;

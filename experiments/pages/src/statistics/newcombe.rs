@@ -2,11 +2,12 @@
 
 use statistics::Interval;
 
-/// The interval of `first` − `second`, two shares of independent samples, from the Wilson interval of
-/// each: as wide as the square root of the sum of squares of what lies to that side.
+/// Returns the interval of `first` − `second`, two shares of independent samples, from the Wilson
+/// interval of each: its half-width is the root of the sum of squares of the half-widths to that
+/// side.
 ///
-/// Source: R. G. Newcombe, *Interval estimation for the difference between independent proportions*,
-/// Stat. Med. 17 (1998), method 10.
+/// Source: R. G. Newcombe, *Interval estimation for the difference between independent
+/// proportions*, Stat. Med. 17 (1998), method 10.
 pub fn newcombe(first: (f64, Interval), second: (f64, Interval)) -> Interval {
     let (p, q) = (first, second);
     let square = |v: f64| v * v;

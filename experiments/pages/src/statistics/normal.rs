@@ -4,26 +4,26 @@ use core::f64::consts::SQRT_2;
 
 use geometry::math::erfc;
 
-/// Chance that a standard normal variable is larger than `z`.
+/// Returns the probability that a standard normal variable is larger than `z`.
 pub fn upper_tail(z: f64) -> f64 {
     0.5 * erfc(z / SQRT_2)
 }
 
-/// Chance that it is farther from 0 than `z`, to either side: the two-sided p-value of `z`.
+/// Returns the probability that its distance from 0 exceeds `z`: the two-sided p-value of `z`.
 pub fn two_sided(z: f64) -> f64 {
     erfc(z.abs() / SQRT_2)
 }
 
-/// The `z` ≥ 0 that a standard normal variable exceeds with this chance.
+/// Returns the `z` ≥ 0 that a standard normal variable exceeds with this probability.
 ///
-/// `tail` is taken as the nearest value of 10⁻³⁰⁰ … ½; not a number counts as ½.
+/// `tail` is clamped to 10⁻³⁰⁰ … ½; NaN counts as ½.
 pub fn z_of_tail(tail: f64) -> f64 {
     let tail = if tail.is_nan() {
         0.5
     } else {
         tail.clamp(1e-300, 0.5)
     };
-    // The tail falls: bisection ends at neighbouring numbers, the same on every machine.
+    // The tail decreases: bisection ends at neighbouring numbers, the same on every machine.
     let (mut low, mut high) = (0.0, 40.0);
     loop {
         let middle = f64::midpoint(low, high);
@@ -38,8 +38,8 @@ pub fn z_of_tail(tail: f64) -> f64 {
     }
 }
 
-/// Standard errors to either side for each of `count` intervals, so that all of them together hold
-/// with a chance of at least 95 % (Bonferroni). One interval: 1.96.
+/// Returns the number of standard errors to either side for each of `count` intervals, so that all
+/// of them hold together with a probability of at least 95 % (Bonferroni). One interval: 1.96.
 pub fn simultaneous_z(count: usize) -> f64 {
     z_of_tail(0.025 / count.max(1) as f64)
 }

@@ -1,4 +1,4 @@
-//! What the page rests on: results of two experiments.
+//! Input of the page: results of two experiments.
 
 use std::collections::BTreeMap;
 
@@ -6,17 +6,17 @@ use sweep::planning::{PlanResults, PlanRow};
 
 use crate::place::{PlaceError, empty_place};
 
-/// Names of the experiments.
+/// Name of the experiment of Table 2.
 pub(super) const SENSITIVITY: &str = "vmc_lp_sensitivity";
-/// The other one.
+/// Name of the experiment of Tables 3 and 4.
 pub(super) const VERSUS: &str = "vmc_lp_tables_3_4";
 
-/// What the page rests on.
+/// Input of the page.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Evidence {
-    /// Table 2.
+    /// Results for Table 2.
     pub sensitivity: Option<Study>,
-    /// Tables 3 and 4.
+    /// Results for Tables 3 and 4.
     pub versus: Option<Study>,
 }
 
@@ -25,7 +25,7 @@ pub struct Evidence {
 pub struct Study {
     /// Version of the program.
     pub program: String,
-    /// Its seeds, in words.
+    /// Its seeds, as text.
     pub seeds: String,
     /// The cells, by case and value of the parameter.
     pub cells: BTreeMap<(String, String), Cell>,
@@ -34,12 +34,12 @@ pub struct Study {
 /// The plans of a cell, by seed.
 pub(super) type Cell = BTreeMap<u64, Plan>;
 
-/// What the page says of a plan.
+/// Figures of a plan.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Plan {
-    /// Whether the problem has no solution.
+    /// `true` if the problem has no solution.
     pub unsolvable: bool,
-    /// Duration of the plan (s); `None` without an honest one.
+    /// Duration of the plan (s); `None` without a valid one.
     pub time: Option<f64>,
     /// CPU time (ms).
     pub cpu_ms: Option<f64>,
@@ -92,12 +92,13 @@ impl Study {
         }
     }
 
-    /// The cell of a case and a value.
+    /// Returns the cell of a case and a value.
     pub(super) fn cell(&self, case: &str, value: &str) -> Option<&Cell> {
         self.cells.get(&(case.to_owned(), value.to_owned()))
     }
 
-    /// How many of how many solvable problems a case failed at; `None` if there were none.
+    /// Returns the numbers of failed and of solvable problems of a case; `None` if there are no
+    /// problems.
     pub(super) fn failures(&self, case: &str, value: &str) -> Option<(u64, u64)> {
         let plans = self.cell(case, value)?.values();
         let (failed, of) = plans
@@ -108,7 +109,7 @@ impl Study {
         (of > 0).then_some((failed, of))
     }
 
-    /// Problems of a value without a solution.
+    /// Returns the number of problems of a value without a solution.
     pub(super) fn unsolvable(&self, value: &str) -> usize {
         let cells = self.cells.iter().filter(|((_, v), _)| v == value);
         let counts = cells.map(|(_, cell)| cell.values().filter(|p| p.unsolvable).count());

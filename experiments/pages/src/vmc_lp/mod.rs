@@ -1,8 +1,7 @@
-//! The page that sets our plans beside the published ones: `docs/results/vmc-lp.md`.
+//! The page that compares our plans with the published ones: `docs/results/vmc-lp.md`.
 //!
-//! The published ones are those of Y. Xu's report on motion camouflage and local
-//! pursuit: Table 2 (how sensitive the method is to its parameters), Tables 3 and 4 (both methods
-//! beside each other).
+//! The published plans are those of Y. Xu's report on motion camouflage and local pursuit: Table 2
+//! (sensitivity of the method to its parameters), Tables 3 and 4 (comparison of both methods).
 
 mod evidence;
 mod published;
@@ -21,10 +20,10 @@ use crate::words::provenance;
 
 const TEMPLATE: &str = include_str!("../../templates/vmc-lp.md");
 
-/// Makes the page.
+/// Builds the page.
 ///
 /// # Errors
-/// [`TemplateError`] if the template does not fit.
+/// [`TemplateError`] if the template does not match the values.
 pub fn page(evidence: &Evidence) -> Result<Page, TemplateError> {
     let mut values = Values::default();
     let mut images = Vec::new();

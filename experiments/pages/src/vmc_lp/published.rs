@@ -1,6 +1,6 @@
-//! What the report says.
+//! The published results.
 
-/// Runs behind every count of Table 2.
+/// Number of runs of every count of Table 2.
 pub(super) const RUNS: u64 = 500;
 
 /// A row of Table 2: two settings of a parameter.
@@ -8,24 +8,24 @@ pub(super) const RUNS: u64 = 500;
 pub(super) struct Sensitivity {
     /// The parameter.
     pub parameter: &'static str,
-    /// Whether the report calls it sensitive.
+    /// `true` if the report calls it sensitive.
     pub sensitive: bool,
     /// Both settings.
     pub settings: [Setting; 2],
-    /// Whether local pursuit has the parameter, too.
+    /// `true` if local pursuit also has the parameter.
     pub of_lp: bool,
 }
 
 /// A setting of Table 2.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Setting {
-    /// Its name in the experiment.
+    /// Name in the experiment.
     pub name: &'static str,
-    /// What the table calls it.
+    /// Title in the table.
     pub title: &'static str,
-    /// A short name for figures.
+    /// Short name for figures.
     pub short: &'static str,
-    /// How many of [`RUNS`] failed.
+    /// Number of failed runs of [`RUNS`].
     pub failed: u64,
 }
 
@@ -110,7 +110,7 @@ pub(super) const TABLE_2: [Sensitivity; 7] = [
     },
 ];
 
-/// One test of Tables 3 and 4: what both methods took.
+/// One test of Tables 3 and 4, with both methods.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Test {
     /// CPU times (s): LP, VMC.

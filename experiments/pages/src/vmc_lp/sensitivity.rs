@@ -1,4 +1,4 @@
-//! Table 2: how sensitive the methods are to their parameters.
+//! Table 2: sensitivity of the methods to their parameters.
 
 use draw::figures::{Chart, Point, Series, Unit};
 use statistics::{Interval, wilson};
@@ -9,21 +9,21 @@ use crate::statistics::{fisher_exact, holm, newcombe};
 use crate::template::Values;
 use crate::words::{p_value, point_range, points, shares};
 
-/// Cases of the experiment, and what the page calls them.
+/// Cases of the experiment, and their names on the page.
 const CASES: [(&str, &str); 4] = [
     ("vmc", "VMC, obstacles seen everywhere"),
     ("vmc_nodes", "VMC, at the nodes only"),
     ("lp", "LP, obstacles seen everywhere"),
     ("lp_nodes", "LP, at the nodes only"),
 ];
-/// Differences of shares up to here are none that would matter.
+/// Largest difference of shares that does not matter.
 const SMALL: f64 = 0.02;
 
 fn share((hits, of): (u64, u64)) -> f64 {
     hits as f64 / of.max(1) as f64
 }
 
-/// How our count stands towards the published one.
+/// Our count compared with the published one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Against {
     Fewer,
@@ -68,7 +68,7 @@ fn settings() -> impl Iterator<Item = (&'static Sensitivity, &'static Setting)> 
         .flat_map(|row| row.settings.iter().map(move |setting| (row, setting)))
 }
 
-/// Our counts of a case beside the published ones.
+/// Returns our counts of a case beside the published ones.
 fn counts(study: &Study, case: &str) -> String {
     let ours: Vec<Option<(u64, u64)>> = settings()
         .map(|(_, setting)| study.failures(case, setting.name))
@@ -104,7 +104,7 @@ fn counts(study: &Study, case: &str) -> String {
     text
 }
 
-/// A column for every case.
+/// Returns a table with a column for every case.
 fn overview(study: &Study) -> String {
     let mut text = String::new();
     for (row, setting) in settings() {
@@ -126,7 +126,7 @@ fn overview(study: &Study) -> String {
     text
 }
 
-/// Whether changing a parameter changes the chance to fail.
+/// Tests if changing a parameter changes the chance to fail.
 fn changes(study: &Study, case: &str) -> String {
     let rows: Vec<_> = TABLE_2
         .iter()
@@ -142,7 +142,7 @@ fn changes(study: &Study, case: &str) -> String {
     for ((row, a, b), p) in rows.iter().zip(holm(&p)) {
         let [first, second] = row.settings.map(|s| s.failed as f64 / RUNS as f64);
         let interval = newcombe((share(*a), wilson(a.0, a.1)), (share(*b), wilson(b.0, b.1)));
-        // From the first setting to the second.
+        // The change from the first setting to the second.
         let change = Interval {
             low: -interval.high,
             high: -interval.low,
@@ -165,7 +165,7 @@ fn changes(study: &Study, case: &str) -> String {
     text
 }
 
-/// What a change says of the published word for it.
+/// Compares a change with the published word for it.
 fn verdict(
     row: &Sensitivity,
     published: f64,
@@ -187,7 +187,7 @@ fn verdict(
     }
 }
 
-/// What is to be seen of Table 2.
+/// Returns the chart of Table 2.
 pub(super) fn chart(study: &Study) -> Chart {
     let series = CASES.map(|(case, title)| {
         let points = settings().zip(0..).filter_map(|((row, setting), x)| {

@@ -10,11 +10,11 @@ use crate::statistics::fisher_exact;
 use crate::template::Values;
 use crate::words::{p_value, share, shares};
 
-/// Times that differ by less, relative to the smaller one, are the same.
+/// Relative difference of times, by the smaller one, below which they are equal.
 const SAME: f64 = 1e-4;
-/// A difference that a driver would notice, relative to the smaller time.
+/// Relative difference of times, by the smaller one, from which it matters in practice.
 const NOTABLE: f64 = 1e-2;
-/// Values of the experiment's parameter, what they are, and the published tests.
+/// Values of the experiment's parameter, their titles, and the published tests.
 const HORIZONS: [(&str, &str, &[Test]); 3] = [
     ("only", "one horizon, 5 obstacles (Table 3)", &TABLE_3),
     (
@@ -39,20 +39,20 @@ const PAIRS: [(&str, &str, &str, &str); 2] = [
     ),
 ];
 
-/// Problems that both methods solved, and what each took.
+/// Problems that both methods solved, with their times.
 #[derive(Debug, Clone, Default, PartialEq)]
 struct Duel {
     /// Problems with a solution.
     solvable: u64,
-    /// Of these, those that LP, and VMC, solved.
+    /// Number of these that LP, and VMC, solved.
     solved: [u64; 2],
-    /// Times to drive (s) of problems that both solved: LP, VMC.
+    /// Driving times (s) of problems that both solved: LP, VMC.
     times: Vec<[f64; 2]>,
     /// CPU times: LP, VMC.
     cpu: Vec<[f64; 2]>,
 }
 
-/// How often something is so, of how many.
+/// Function that counts hits of a number of cases.
 type Measure = fn(&Duel) -> (u64, u64);
 
 impl Duel {
@@ -86,7 +86,7 @@ impl Duel {
         Some(duel)
     }
 
-    /// By how much VMC's time is larger than LP's, relative to the smaller one, ascending.
+    /// Returns VMC's time less LP's, relative to the smaller one, ascending.
     fn differences(&self) -> Vec<f64> {
         let differences = self.times.iter().map(|[a, b]| (b - a) / a.min(*b));
         let mut differences: Vec<f64> = differences.collect();
@@ -94,13 +94,13 @@ impl Duel {
         differences
     }
 
-    /// How often LP's plan is shorter, of those that differ.
+    /// Counts pairs in which LP's plan is shorter, of those that differ.
     fn shorter(&self) -> (u64, u64) {
         let differ = self.differences().into_iter().filter(|d| d.abs() > SAME);
         differ.fold((0, 0), |(hits, of), d| (hits + u64::from(d > 0.0), of + 1))
     }
 
-    /// How often the times differ by more than a driver would notice.
+    /// Counts pairs whose times differ by more than [`NOTABLE`].
     fn notable(&self) -> (u64, u64) {
         let hits = self
             .differences()
@@ -110,7 +110,7 @@ impl Duel {
         (hits as u64, self.times.len() as u64)
     }
 
-    /// How often LP needs less CPU time.
+    /// Counts pairs in which LP needs less CPU time.
     fn quicker(&self) -> (u64, u64) {
         let hits = self.cpu.iter().filter(|[a, b]| a < b).count();
         (hits as u64, self.cpu.len() as u64)
@@ -183,7 +183,7 @@ fn line(title: &str, duel: &Duel, unit: &str) -> String {
     )
 }
 
-/// What all horizons together say of the report's observations.
+/// Tests the report's observations on all horizons together.
 fn verdicts(study: &Study, pair: (&str, &str)) -> String {
     let mut ours = Duel::default();
     let mut theirs = Duel::default();
@@ -228,7 +228,7 @@ fn verdicts(study: &Study, pair: (&str, &str)) -> String {
     for (claim, measure, ties) in claims {
         let (theirs, hits, of) = figures(&theirs, measure);
         let mine = measure(&ours);
-        // Hardly any pair that differs is an answer, too.
+        // Very few pairs that differ are an answer, too.
         let pairs = ours.times.len() as u64;
         let rarely = ties && 20 * mine.1 < pairs;
         let verdict = if rarely {
@@ -264,7 +264,7 @@ fn verdicts(study: &Study, pair: (&str, &str)) -> String {
     text
 }
 
-/// What is to be seen of Tables 3 and 4: how much larger VMC's CPU time is.
+/// Returns the chart of Tables 3 and 4: VMC's CPU time relative to LP's.
 pub(super) fn chart(study: &Study) -> Chart {
     let spread = |duel: &Duel| {
         let mut ratios: Vec<f64> = duel.cpu.iter().map(|[a, b]| b / a).collect();

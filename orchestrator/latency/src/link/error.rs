@@ -1,4 +1,4 @@
-//! Why a transport could not be measured.
+//! Errors of the measurement of a transport.
 
 use std::time::Duration;
 
@@ -7,23 +7,23 @@ use ipc_types::bus::{BusError, ReceiveError, SendError};
 use mission::child_process::ChildError;
 use mission::run_directory::RunDirectoryError;
 
-/// Why a transport could not be measured.
+/// Failure to measure a transport.
 #[derive(Debug, thiserror::Error)]
 pub enum LinkError {
-    /// The system refused something.
+    /// An operation of the operating system failed.
     #[error("{what}: {source}")]
     System {
-        /// What was attempted.
+        /// Attempted operation.
         what: String,
-        /// What the system said.
+        /// Error of the operating system.
         source: std::io::Error,
     },
-    /// iceoryx2 refused something.
+    /// An operation of iceoryx2 failed.
     #[error("iceoryx2: cannot {what}: {reason}")]
     Raw {
-        /// What was attempted.
+        /// Attempted operation.
         what: &'static str,
-        /// What it said.
+        /// Error of iceoryx2.
         reason: String,
     },
     /// The receiver failed.
@@ -32,15 +32,15 @@ pub enum LinkError {
     /// The receiver took too long.
     #[error("the receiver did not {what} within {limit:?}")]
     TooSlow {
-        /// What it should have done.
+        /// Expected action.
         what: &'static str,
-        /// Time that it had.
+        /// Time limit.
         limit: Duration,
     },
     /// The receiver cannot be started.
     #[error(transparent)]
     Child(#[from] ChildError),
-    /// There is no directory for the measurement.
+    /// The directory for the measurement cannot be created.
     #[error(transparent)]
     Space(#[from] RunDirectoryError),
     /// The bus cannot be set up.

@@ -1,8 +1,9 @@
-//! One message from one process to another, over every transport that a mission is compared with.
+//! Latency of one message between two processes, over all transports that are compared.
 //!
-//! The sender ([`Link`]) reads the clock before it does anything for the message, the receiver
-//! ([`fn@sink`]) when it has all of it; then the receiver says so on a shared page and the next message
-//! goes out. Both are processes of their own. Every byte is written.
+//! The sender ([`Link`]) reads the clock before any work on the message; the receiver ([`fn@sink`])
+//! reads it after the whole message has been received. Then the receiver acknowledges on a shared
+//! page, and the next message is sent. Sender and receiver are separate processes. Every byte is
+//! written.
 
 mod error;
 mod pinning;
@@ -24,18 +25,18 @@ use ipc_types::bus::{BusOptions, RunSpace};
 use ipc_types::topics::RunSize;
 use serde::{Deserialize, Serialize};
 
-/// Kind of the receiving process, as `protean process` takes it. No scenario can ask for it.
+/// Kind of the receiving process, as `protean process` takes it; not available in scenarios.
 pub const SINK_KIND: &str = "latency-sink";
 
-/// What carries a message, and how the receiver waits for it.
+/// Transport of a message, and the way in which the receiver waits for it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Transport {
-    /// Bare iceoryx2; the receiver asks again and again.
+    /// Bare iceoryx2; the receiver polls.
     RawPolled = 1,
     /// Bare iceoryx2; the receiver sleeps on an event.
     RawWoken = 2,
-    /// Our publisher and subscriber; the receiver sleeps on a word of shared memory, as processes of
-    /// a run do.
+    /// Publisher and subscriber of Protean; the receiver sleeps on a word of shared memory, as
+    /// processes of a run do.
     Bus = 3,
     /// A Unix domain stream socket.
     Socket = 4,
@@ -44,7 +45,7 @@ pub enum Transport {
 }
 
 impl Transport {
-    /// All of them, in the order of reports.
+    /// All transports, in the order of reports.
     pub const ALL: [Self; 5] = [
         Self::RawPolled,
         Self::RawWoken,
@@ -53,7 +54,7 @@ impl Transport {
         Self::Pipe,
     ];
 
-    /// Its name in reports.
+    /// Returns the name in reports.
     pub fn name(self) -> &'static str {
         match self {
             Self::RawPolled => "raw iceoryx2, busy poll",
@@ -64,7 +65,7 @@ impl Transport {
         }
     }
 
-    /// The transport with this number on the page.
+    /// Returns the transport with this number on the page.
     fn of_word(word: u32) -> Option<Self> {
         Self::ALL
             .into_iter()
@@ -72,22 +73,22 @@ impl Transport {
     }
 }
 
-/// On which processors the two processes may be.
+/// Placement of the two processes on processors.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Placement {
-    /// Wherever the system puts them.
+    /// Decided by the operating system.
     Unpinned,
-    /// Both on the same one.
+    /// Both on the same processor.
     OneCore,
-    /// Each on one of its own.
+    /// Each on its own processor.
     TwoCores,
 }
 
 impl Placement {
-    /// The placements that this machine allows.
+    /// Returns the placements that this machine supports.
     ///
     /// # Errors
-    /// [`LinkError`] if the system does not tell.
+    /// [`LinkError`] if the operating system does not report its processors.
     pub fn possible() -> Result<Vec<Self>, LinkError> {
         let mut placements = vec![Self::Unpinned, Self::OneCore];
         if allowed()?.len() > 1 {
@@ -96,7 +97,7 @@ impl Placement {
         Ok(placements)
     }
 
-    /// Its name in reports.
+    /// Returns the name in reports.
     pub fn name(self) -> &'static str {
         match self {
             Self::Unpinned => "unpinned",
@@ -106,15 +107,16 @@ impl Placement {
     }
 }
 
-/// Words of the page: the [`Transport`] in use; 0: none; [`END`]: the link is over.
+/// Index of the word of the page for the mode: the [`Transport`] in use; 0: none; [`END`]: the link
+/// has ended.
 const MODE: usize = 0;
-/// Messages received so far.
+/// Index of the word for the number of messages received.
 const RECEIVED: usize = LINE;
-/// Latency of the last message (ns).
+/// Index of the word for the latency of the last message (ns).
 const LATENCY: usize = 2 * LINE;
-/// Steps of its start that the receiver has taken.
+/// Index of the word for the number of finished start steps of the receiver.
 const READY: usize = 3 * LINE;
-/// Messages sent so far.
+/// Index of the word for the number of messages sent.
 const SENT: usize = 4 * LINE;
 const END: u32 = u32::MAX;
 
@@ -123,11 +125,11 @@ const END: u32 = u32::MAX;
 struct SinkConfig {
     root: PathBuf,
     prefix: String,
-    /// Largest payload (bytes).
+    /// Maximum payload (bytes).
     most: usize,
     /// Processor of the receiver, if it is pinned.
     processor: Option<usize>,
-    /// Whether a receiver that polls gives the processor away in between.
+    /// `true` if a polling receiver yields its processor between polls.
     yields: bool,
 }
 

@@ -1,11 +1,12 @@
-//! Which processors a thread may be on.
+//! Pinning of threads to processors.
 
 use super::LinkError;
 
-/// Pins the calling thread, and what it will start, to its first, second, … allowed processor.
+/// Pins the calling thread, and processes that it starts, to its first, second, … allowed
+/// processor.
 ///
 /// # Errors
-/// [`LinkError`] if the system refuses.
+/// [`LinkError`] if the operating system refuses.
 pub fn pin(which: usize) -> Result<(), LinkError> {
     let system = |e: rustix::io::Errno| LinkError::system("cannot pin to a processor")(e.into());
     let mut set = rustix::thread::CpuSet::new();
@@ -13,10 +14,10 @@ pub fn pin(which: usize) -> Result<(), LinkError> {
     rustix::thread::sched_setaffinity(None, &set).map_err(system)
 }
 
-/// The processors that this thread may be on.
+/// Returns the processors on which this thread may run.
 ///
 /// # Errors
-/// [`LinkError`] if the system does not tell.
+/// [`LinkError`] if the operating system does not report them.
 pub fn allowed() -> Result<Vec<usize>, LinkError> {
     let system = |e: rustix::io::Errno| LinkError::system("cannot ask for processors")(e.into());
     let allowed = rustix::thread::sched_getaffinity(None).map_err(system)?;

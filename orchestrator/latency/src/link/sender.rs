@@ -28,12 +28,12 @@ use mission::child_process::Executable;
 use mission::process_group::{AwaitError, ProcessGroup};
 use mission::run_directory::RunDirectory;
 
-/// Time that the receiver has for each step of its start.
+/// Time limit for each step of the receiver's start.
 const READY_WITHIN: Duration = Duration::from_secs(10);
-/// Longest wait for one message; only a dead receiver needs it.
+/// Time limit for one message; exceeded only if the receiver is dead.
 const ARRIVES_WITHIN: Duration = Duration::from_secs(5);
 
-/// The sending side, with the process of the other. It is measured on the thread that starts it.
+/// The sending side, with the receiving process. It is used on the thread that starts it.
 pub struct Link {
     bus_out: Publisher<Scan>,
     raw_out: RawPublisher<ipc::Service, [f32], RawHeader>,
@@ -46,7 +46,7 @@ pub struct Link {
     frame: Vec<u8>,
     yields: bool,
     receiver: Receiver,
-    // They live as long as their ports.
+    // These must live as long as their ports.
     _holder: TopicHolder,
     _bus: Bus,
     _node: Node<ipc::Service>,
@@ -55,10 +55,10 @@ pub struct Link {
 
 impl Link {
     /// Starts the receiver for payloads of at most `most` bytes and connects; pins the calling
-    /// thread as the placement says.
+    /// thread according to the placement.
     ///
     /// # Errors
-    /// [`LinkError`] names what could not be set up.
+    /// [`LinkError`] if a transport or the receiver cannot be set up.
     pub fn start(most: usize, placement: Placement) -> Result<Self, LinkError> {
         let space = RunDirectory::create()?;
         let config = SinkConfig {
@@ -98,7 +98,7 @@ impl Link {
         let mut receiver = Receiver::start(&config)?;
         let is_ready = |count| page.word(READY).load(Ordering::SeqCst) >= count;
         receiver.wait("open its ports", || is_ready(1))?;
-        // It has connected, or its exit was seen.
+        // The receiver has connected, or its exit was detected.
         let (socket, _) = listener
             .accept()
             .map_err(LinkError::system("cannot accept at the socket"))?;
@@ -129,11 +129,11 @@ impl Link {
         })
     }
 
-    /// Sends `messages` messages of this many bytes, each `pause` after the one before has arrived;
-    /// the time from before the sending until the receiver had it (ns), message by message.
+    /// Sends `messages` messages of this size (bytes), each `pause` after the previous one was
+    /// received. Returns the latency of each message (ns).
     ///
     /// # Errors
-    /// [`LinkError`] if one does not arrive.
+    /// [`LinkError`] if a message is not received.
     pub fn block(
         &mut self,
         transport: Transport,
@@ -153,7 +153,7 @@ impl Link {
         Ok(latencies)
     }
 
-    /// Makes the receiver stop waiting for this transport.
+    /// Ends the receiver's wait for this transport.
     fn end_block(&mut self, transport: Transport) -> Result<(), LinkError> {
         let failed = LinkError::system("cannot end a block");
         let end = [0; FRAME];
@@ -236,7 +236,7 @@ impl Link {
                 if !turns.is_multiple_of(4096) {
                     continue;
                 }
-                // The receiver may be without a processor: give it this one.
+                // The receiver may have no processor: yield this one.
                 std::thread::yield_now();
             }
             if Instant::now() > *limit.get_or_insert_with(|| Instant::now() + ARRIVES_WITHIN) {
@@ -254,12 +254,12 @@ impl Drop for Link {
     fn drop(&mut self) {
         store_and_wake(self.page.word(MODE), END);
         store_and_wake(self.page.word(SENT), self.sent.wrapping_add(1));
-        // A receiver that reads a socket or a pipe gets its end, and then leaves.
+        // A receiver that reads a socket or a pipe reaches its end, and exits.
         let _ = self.socket.shutdown(std::net::Shutdown::Both);
     }
 }
 
-/// The receiving process, ended when dropped.
+/// The receiving process; dropping it ends the process.
 struct Receiver(ProcessGroup);
 
 impl Receiver {
@@ -270,22 +270,22 @@ impl Receiver {
         Ok(Self(group))
     }
 
-    /// Fails if it has ended.
+    /// Fails if the process has ended.
     fn check(&mut self) -> Result<(), LinkError> {
         self.0.check().map_err(|error| failed("go on", error))
     }
 
-    /// Waits until `done`; fails when it ends before, or too late.
+    /// Waits until `done`; fails if the process ends first, or at the time limit.
     fn wait(&mut self, what: &'static str, done: impl FnMut() -> bool) -> Result<(), LinkError> {
         let waited = self.0.wait(READY_WITHIN, done);
         waited.map_err(|error| failed(what, error))
     }
 
-    /// The writing end of the pipe, once it reads the other.
+    /// Opens the writing end of the pipe, once the receiver has opened the other.
     fn writing_end(&mut self, config: &SinkConfig) -> Result<File, LinkError> {
         const WHAT: &str = "open the pipe";
         let mut options = OpenOptions::new();
-        // Without a reader this fails instead of waiting for one for ever.
+        // Without a reader this fails instead of blocking.
         options
             .write(true)
             .custom_flags(OFlags::NONBLOCK.bits() as i32);
@@ -302,7 +302,7 @@ impl Receiver {
     }
 }
 
-/// The failure of the receiver to do something.
+/// Converts the failure of the receiver to do something.
 fn failed(what: &'static str, error: AwaitError) -> LinkError {
     match error {
         AwaitError::Ended { last_lines, .. } => LinkError::Receiver(last_lines.join(" / ")),

@@ -25,7 +25,7 @@ use super::{
     sleep_while, store_and_wake,
 };
 
-/// Longest sleep before looking whether to end.
+/// Maximum sleep between checks for the end.
 const POLL_INTERVAL: Duration = Duration::from_millis(100);
 
 /// Runs the receiving side to its end.
@@ -53,20 +53,20 @@ struct Sink {
     received: u32,
     buffer: Vec<u8>,
     yields: bool,
-    // They live as long as their ports.
+    // These must live as long as their ports.
     _node: Node<ipc::Service>,
     _bus: Bus,
 }
 
-/// What came next.
+/// Next event of a transport.
 enum Next {
-    /// A message: when it was begun, and when all of it was here (ns).
+    /// A message: the times of its sending and of its reception (ns).
     Message(u64, u64),
-    /// Nothing yet.
+    /// No event yet.
     Nothing,
-    /// No more messages in this block.
+    /// End of the messages of this block.
     EndOfBlock,
-    /// The sender is gone.
+    /// The sender has ended.
     Closed,
 }
 
@@ -95,7 +95,7 @@ impl Sink {
             .map_err(LinkError::system("cannot connect to the socket"))?;
         let page = SharedWords::open(&config.prefix)?;
         page.word(READY).fetch_add(1, Ordering::SeqCst);
-        // Waits for the writing end.
+        // Blocks until the writing end is opened.
         let pipe = File::open(pipe_path(&config.root))
             .map_err(LinkError::system("cannot open the pipe"))?;
         page.word(READY).fetch_add(1, Ordering::SeqCst);
@@ -136,7 +136,7 @@ impl Sink {
                     misses = misses.wrapping_add(1);
                     self.wait(transport, sent, misses)?;
                 }
-                // The mode changes now.
+                // The mode is about to change.
                 Next::EndOfBlock => sleep_while(self.page.word(MODE), mode, POLL_INTERVAL),
                 Next::Closed => return Ok(()),
             }
@@ -160,7 +160,8 @@ impl Sink {
         Ok(begun.map_or(Next::Nothing, |begun| Next::Message(begun, monotonic_ns())))
     }
 
-    /// Waits for a message in the way of this transport; `sent` was read before there was none.
+    /// Waits for a message as this transport does; `sent` was read before the last unsuccessful
+    /// attempt.
     fn wait(&self, transport: Transport, sent: u32, misses: u32) -> Result<(), LinkError> {
         match transport {
             Transport::Bus => sleep_while(self.page.word(SENT), sent, POLL_INTERVAL),
@@ -174,7 +175,7 @@ impl Sink {
         Ok(())
     }
 
-    /// Says that a message is here, and how long it took.
+    /// Acknowledges a message with its latency (ns).
     fn took(&mut self, latency: u64) {
         let latency = u32::try_from(latency).unwrap_or(u32::MAX);
         self.page.word(LATENCY).store(latency, Ordering::SeqCst);

@@ -1,4 +1,4 @@
-//! What both sides of a link open.
+//! Services that both sides of a link open.
 
 use std::path::{Path, PathBuf};
 
@@ -9,17 +9,17 @@ use ipc_types::messages::robot::ScanHeader;
 
 use super::LinkError;
 
-/// As many bytes as the header of our messages has.
+/// A header of the same size as that of Protean's messages.
 #[derive(Debug, Clone, Copy, Default, ZeroCopySend)]
 #[repr(C)]
 pub struct RawHeader {
-    /// When the message was begun, first.
+    /// Time of sending in the first word.
     pub words: [u64; size_of::<ScanHeader>() / 8],
 }
 
 pub(super) type RawService = publish_subscribe::PortFactory<ipc::Service, [f32], RawHeader>;
 
-/// A node of bare iceoryx2 in a run's space.
+/// Creates a node of bare iceoryx2 in a run space.
 ///
 /// # Errors
 /// [`LinkError`] if iceoryx2 refuses.
@@ -31,7 +31,7 @@ pub fn raw_node(space: &RunSpace) -> Result<Node<ipc::Service>, LinkError> {
         .map_err(LinkError::raw("create a node"))
 }
 
-/// The service of the baseline, with the buffers that ours has.
+/// Opens the service of the baseline, with the buffer sizes of Protean's services.
 pub(super) fn raw_service(node: &Node<ipc::Service>) -> Result<RawService, LinkError> {
     let name = "raw/link".try_into();
     node.service_builder(&name.map_err(LinkError::raw("name a service"))?)
@@ -45,7 +45,7 @@ pub(super) fn raw_service(node: &Node<ipc::Service>) -> Result<RawService, LinkE
         .map_err(LinkError::raw("open a service"))
 }
 
-/// The event of the baseline.
+/// Opens the event of the baseline.
 pub(super) fn raw_event(
     node: &Node<ipc::Service>,
 ) -> Result<event::PortFactory<ipc::Service>, LinkError> {
@@ -56,7 +56,8 @@ pub(super) fn raw_event(
         .map_err(LinkError::raw("open an event"))
 }
 
-/// Bytes before the payload in a socket or pipe: when it was begun (ns), and the payload's bytes.
+/// Size of the frame before the payload in a socket or pipe (bytes): time of sending (ns), and
+/// payload size (bytes).
 pub(super) const FRAME: usize = 16;
 
 pub(super) fn socket_path(root: &Path) -> PathBuf {

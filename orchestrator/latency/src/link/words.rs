@@ -1,4 +1,4 @@
-//! A few words of shared memory between a measurement and its processes, without the runtime.
+//! Words of shared memory between a measurement and its processes, without the runtime.
 
 use std::fs::OpenOptions;
 use std::os::unix::fs::OpenOptionsExt as _;
@@ -11,23 +11,23 @@ use rustix::thread::futex;
 
 use super::LinkError;
 
-/// Words of a cache line: neighbours that are written by different processes stand so far apart.
+/// Number of words of a cache line: words written by different processes are this far apart.
 pub const LINE: usize = 16;
-/// Words of the whole page.
+/// Number of words of the whole page.
 const WORDS: usize = 1024;
 const BYTES: usize = WORDS * size_of::<AtomicU32>();
 
-/// The words, zero at first.
+/// A page of words, initially zero.
 #[derive(Debug)]
 pub struct SharedWords {
     map: MmapRaw,
 }
 
 impl SharedWords {
-    /// Creates the words of a run space; they are wiped with it.
+    /// Creates the words of a run space; removing the run space removes them.
     ///
     /// # Errors
-    /// [`LinkError`] if the system refuses.
+    /// [`LinkError`] if the operating system refuses.
     pub fn create(prefix: &str) -> Result<Self, LinkError> {
         let mut options = OpenOptions::new();
         Self::map(options.create_new(true).mode(0o600), prefix)
@@ -36,7 +36,7 @@ impl SharedWords {
     /// Opens the words of a run space.
     ///
     /// # Errors
-    /// [`LinkError`] if the system refuses.
+    /// [`LinkError`] if the operating system refuses.
     pub fn open(prefix: &str) -> Result<Self, LinkError> {
         Self::map(&mut OpenOptions::new(), prefix)
     }
@@ -45,7 +45,7 @@ impl SharedWords {
         let path = PathBuf::from(format!("/dev/shm/{prefix}words"));
         let failed = |e| LinkError::system(format!("{}", path.display()))(e);
         let file = options.read(true).write(true).open(&path).map_err(failed)?;
-        // Allocated now, so that a full /dev/shm is an error here; no change if it is there already.
+        // Allocate now, so that a full /dev/shm is an error here; allocated memory is unchanged.
         let whole = rustix::fs::FallocateFlags::empty();
         rustix::fs::fallocate(&file, whole, 0, BYTES as u64).map_err(|e| failed(e.into()))?;
         let map = MmapOptions::new()
@@ -55,7 +55,7 @@ impl SharedWords {
         Ok(Self { map })
     }
 
-    /// A word by its index; the last one for an index beyond.
+    /// Returns a word by its index; the last one for an index out of range.
     // A mapping starts at a page boundary, a multiple of the alignment of a word.
     #[allow(clippy::cast_ptr_alignment)]
     pub fn word(&self, index: usize) -> &AtomicU32 {
@@ -79,17 +79,17 @@ pub fn sleep_while(word: &AtomicU32, seen: u32, timeout: Duration) {
         tv_sec: i64::try_from(timeout.as_secs()).unwrap_or(i64::MAX),
         tv_nsec: i64::from(timeout.subsec_nanos()),
     };
-    // Woken, changed already, timed out, interrupted: the caller looks again.
+    // Woken, changed already, timed out or interrupted: the caller checks.
     let _ = futex::wait(word, futex::Flags::empty(), seen, Some(&timeout));
 }
 
-/// Stores a value and wakes everybody who sleeps on the word.
+/// Stores a value and wakes all sleepers on the word.
 pub fn store_and_wake(word: &AtomicU32, value: u32) {
     word.store(value, Ordering::SeqCst);
     wake(word);
 }
 
-/// Wakes everybody who sleeps on a word.
+/// Wakes all sleepers on a word.
 pub fn wake(word: &AtomicU32) {
     let _ = futex::wake(word, futex::Flags::empty(), i32::MAX as u32);
 }

@@ -1,4 +1,4 @@
-//! What the page says in words and single numbers.
+//! Texts and single numbers of the page.
 
 use draw::palette;
 use geometry::map::ObstacleChange;
@@ -17,7 +17,7 @@ use crate::picture::static_scene::corners;
 use recorder::{RobotOutcome, status_name};
 use scenario::kind::Kind;
 
-/// What became of the robots: as the run recorded at its end, else as the last state in the log has it.
+/// Outcomes of the robots: from the result of the run, else from the last state in the log.
 pub(super) fn outcome(gathered: &Gathered) -> Vec<RobotOutcome> {
     let recorded = gathered.facts.result.get("robots");
     if let Some(robots) = recorded.and_then(|text| serde_json::from_str(text).ok()) {
@@ -29,7 +29,7 @@ pub(super) fn outcome(gathered: &Gathered) -> Vec<RobotOutcome> {
     let states = last.item.robots.iter();
     states
         .map(|state| {
-            // Until when it had the same status.
+            // Time since which the robot has had its last status.
             let robot = state.robot;
             let same = gathered.frames.iter().rev().take_while(|frame| {
                 let then = frame.item.robots.iter().find(|s| s.robot == robot);
@@ -58,7 +58,7 @@ pub(super) fn outcome(gathered: &Gathered) -> Vec<RobotOutcome> {
         .collect()
 }
 
-/// What is missing of the run or of the log, a sentence each.
+/// The parts of the run or of the log that are missing, a sentence each.
 pub(super) fn missing(gathered: &Gathered) -> Vec<String> {
     let mut missing = Vec::new();
     let count = |topic: &str| gathered.counts.get(topic).copied().unwrap_or(0);
@@ -133,7 +133,7 @@ fn seconds(time_ns: u64) -> f64 {
     time_ns as f64 / 1e9
 }
 
-/// What stands, and how it changes.
+/// The static scene and its changes.
 fn static_scene(gathered: &Gathered) -> Json {
     let static_scene = &gathered.static_scene;
     let obstacles: Vec<Json> = static_scene
@@ -187,7 +187,7 @@ fn events(gathered: &Gathered) -> Json {
         .collect()
 }
 
-/// Latencies; of a log whose processes are not known, the percentiles that it has itself.
+/// Latencies; without a list of processes in the log, the percentiles that the log stores.
 fn latency(gathered: &mut Gathered) -> Json {
     let measured = gathered.timing.finish();
     if !measured.is_empty() {
@@ -208,7 +208,7 @@ fn latency(gathered: &mut Gathered) -> Json {
         .collect()
 }
 
-/// Everything but the lists and plots.
+/// All content of the page except lists and plots.
 pub(super) fn facts(gathered: &mut Gathered, kinds: &[Kind]) -> Json {
     let latency = latency(gathered);
     let manifest = |key: &str| gathered.facts.manifest.get(key).cloned();

@@ -1,4 +1,4 @@
-//! From a log to what a page shows of it, in memory that does not grow with the log.
+//! Reading of a log for the page, in memory that does not grow with the log.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -20,7 +20,7 @@ use crate::picture::log_run::{LoggedRun, Purpose};
 use crate::picture::logged::LoggedScenario;
 use scenario::kind::Kind;
 
-/// Most states of robots that are kept.
+/// Maximum number of robot states that are stored.
 const MAX_STATES: usize = 400_000;
 
 /// The state of the world at a tick.
@@ -30,20 +30,20 @@ pub(super) struct Frame {
     pub(super) robots: Vec<RobotState>,
 }
 
-/// What a page shows of a run.
+/// Content of the page of a run.
 #[derive(Debug)]
 pub(super) struct Gathered {
     pub(super) facts: LogFacts,
     pub(super) scenario: LoggedScenario,
     pub(super) frames: Vec<Sample<Frame>>,
-    /// Whether the log reaches the end of the game.
+    /// `true` if the log reaches the end of the game.
     pub(super) over: bool,
     pub(super) tick_period_ns: u64,
     /// Time of the last state, or of the last message if there is none (ns).
     pub(super) end_ns: u64,
-    /// What stands from the beginning.
+    /// The static scene at the beginning.
     pub(super) static_scene: StaticScene,
-    /// How it changed, by time (ns).
+    /// Its changes, by time (ns).
     pub(super) changes: Vec<(u64, ObstacleChange)>,
     pub(super) layers: Layers,
     pub(super) happened: Happened,
@@ -55,7 +55,7 @@ pub(super) struct Gathered {
     pub(super) condition: Condition,
 }
 
-/// The states of the world, thinned out.
+/// A thinned-out series of world states.
 struct Frames(Sampled<Frame>);
 
 impl Consumer<LoggedRun> for Frames {
@@ -73,7 +73,7 @@ impl Consumer<LoggedRun> for Frames {
 }
 
 impl Gathered {
-    /// Reads a log as far as it goes.
+    /// Reads a log up to its end or the first damaged record.
     pub(super) fn read(
         log: &Path,
         kinds: &'static [Kind],

@@ -1,4 +1,4 @@
-//! What happened in a run: events, and waypoints that ended.
+//! Events of a run, and waypoints that ended.
 
 use ipc_types::consumer::{Consumer, LoggedMessage};
 use ipc_types::messages::robot::WaypointEnd;
@@ -8,11 +8,11 @@ use ipc_types::topics::{TopicId, Waypoints, WorldEvents};
 use crate::picture::log_run::LoggedRun;
 use scenario::spec::MAX_ROBOTS;
 
-/// Most events that a page shows of those that matter, and of the others.
+/// Maximum number of events on the page: of important ones, and of frequent ones.
 const EVENTS: usize = 5000;
-/// Most waypoints that a page shows.
+/// Maximum number of waypoints on the page.
 const WAYPOINTS: usize = 20_000;
-/// Kinds of events of which there may be very many.
+/// Kinds of events that may be very frequent.
 const FREQUENT: [&str; 4] = [
     "contact_begin",
     "contact_end",
@@ -20,7 +20,7 @@ const FREQUENT: [&str; 4] = [
     "missing_command",
 ];
 
-/// Events and waypoints in their order, as many as there is room for.
+/// Events and waypoints in order, up to the maximum numbers.
 #[derive(Debug, Default)]
 pub(super) struct Happened {
     /// Events, by time (ns).

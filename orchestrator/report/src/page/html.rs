@@ -1,10 +1,10 @@
-//! The page around the data: one file that asks for nothing from anywhere.
+//! The HTML around the data: one file that loads nothing else.
 
 use serde_json::Value as Json;
 
 const PAGE: &str = include_str!("page/page.html");
 const STYLE: &str = include_str!("page/page.css");
-/// The scripts, in the order in which they build on each other.
+/// The scripts, each after those that it uses.
 const SCRIPTS: [&str; 8] = [
     include_str!("page/data.js"),
     include_str!("page/ground.js"),
@@ -16,7 +16,7 @@ const SCRIPTS: [&str; 8] = [
     include_str!("page/player.js"),
 ];
 
-/// Puts facts (JSON) and data (base64) into the page.
+/// Inserts facts (JSON) and data (base64) into the page.
 pub(super) fn page(facts: &Json, data: &str, colours: &str) -> String {
     let title = facts
         .get("title")
@@ -26,7 +26,7 @@ pub(super) fn page(facts: &Json, data: &str, colours: &str) -> String {
         .unwrap_or("Mission");
     let mut page = String::with_capacity(data.len() + (256 << 10));
     let mut rest = PAGE;
-    // A part that is put in is not searched for marks: it may hold anything.
+    // Inserted parts are not searched for placeholders: they may contain any text.
     while let Some((before, after)) = rest.split_once("{{") {
         let Some((mark, after)) = after.split_once("}}") else {
             break;
@@ -47,7 +47,7 @@ pub(super) fn page(facts: &Json, data: &str, colours: &str) -> String {
     page
 }
 
-/// Text between tags.
+/// Text escaped for use between tags.
 fn escaped(text: &str) -> String {
     text.replace('&', "&amp;")
         .replace('<', "&lt;")
@@ -55,7 +55,7 @@ fn escaped(text: &str) -> String {
         .replace('"', "&quot;")
 }
 
-/// JSON that cannot end the script element it stands in, whatever its strings say.
+/// JSON escaped so that no string in it ends the script element.
 fn in_script(json: &str) -> String {
     json.replace('<', "\\u003c")
         .replace('\u{2028}', "\\u2028")

@@ -1,4 +1,4 @@
-//! What is drawn over the robots: beliefs, plans, trees, scans, predictions.
+//! Layers drawn over the robots: beliefs, plans, trees, scans, predictions.
 
 use ipc_types::consumer::{Consumer, LoggedMessage};
 use ipc_types::messages::observer::Prediction;
@@ -11,42 +11,42 @@ use crate::picture::log_run::LoggedRun;
 use scenario::spec::MAX_ROBOTS;
 
 const SECOND: u64 = 1_000_000_000;
-/// Least time between two beliefs about a robot and between two trees of one (ns).
+/// Minimum time between two beliefs about a robot, and between two trees of a robot (ns).
 const OFTEN: u64 = SECOND / 2;
-/// Least time between two plans, scans and predictions of a robot (ns).
+/// Minimum time between two plans, scans or predictions of a robot (ns).
 const OFTENER: u64 = SECOND / 4;
-/// Most particles of a belief, and of all beliefs.
+/// Maximum number of particles of a belief, and of all beliefs.
 const PARTICLES: usize = 250;
 const ALL_PARTICLES: usize = 640_000;
-/// Most points of a plan, and of all plans.
+/// Maximum number of points of a plan, and of all plans.
 const POINTS: usize = 120;
 const ALL_POINTS: usize = 200_000;
-/// Most edges of a tree, and of all trees.
+/// Maximum number of edges of a tree, and of all trees.
 const EDGES: usize = 500;
 const ALL_EDGES: usize = 160_000;
-/// Most beams of a scan, and of all scans.
+/// Maximum number of beams of a scan, and of all scans.
 const BEAMS: usize = 90;
 const ALL_BEAMS: usize = 300_000;
-/// Most predictions that are kept.
+/// Maximum number of predictions that are stored.
 const ALL_PREDICTIONS: usize = 150_000;
-/// Most times ahead that are told apart.
+/// Maximum number of different horizons of predictions.
 const HORIZONS: usize = 16;
 
-/// What is believed about a robot.
+/// A belief about a robot.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Cloud {
     /// Mean of the particles, x and y (m).
     pub(super) mean: [f64; 2],
-    /// Places that stand for equal shares of the belief, x and y (m).
+    /// Points that represent equal shares of the belief, x and y (m).
     pub(super) points: Vec<[f32; 2]>,
 }
 
 /// An edge of a search tree.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Edge {
-    /// Both ends, x and y (m).
+    /// Both end points, x and y (m).
     pub(super) ends: [[f32; 2]; 2],
-    /// Whether it belongs to the chosen path.
+    /// `true` if the edge belongs to the chosen path.
     pub(super) on_path: bool,
 }
 
@@ -56,21 +56,21 @@ pub(super) struct Beams {
     /// Bearing of the first beam and angle between two (rad).
     pub(super) first: f64,
     pub(super) step: f64,
-    /// Ranges (m); those of beams that hit nothing are the largest measurable one.
+    /// Ranges (m); a beam without a hit has the maximum range.
     pub(super) ranges: Vec<f32>,
 }
 
-/// Where a robot will be, as one method says.
+/// The predicted position of a robot, by one method.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct MethodPrediction {
     pub(super) method: u8,
-    /// Number of the time ahead in [`Layers::horizons_s`].
+    /// Index of the horizon in [`Layers::horizons_s`].
     pub(super) horizon: u8,
-    /// Where, x and y (m); infinite for "cannot say".
+    /// Position, x and y (m); infinite if the method has no prediction.
     pub(super) at: [f64; 2],
 }
 
-/// All of them, by robot.
+/// All layers, by robot.
 #[derive(Debug)]
 pub(super) struct Layers {
     pub(super) beliefs: Sampled<Cloud>,
@@ -78,7 +78,7 @@ pub(super) struct Layers {
     pub(super) trees: Sampled<Vec<Edge>>,
     pub(super) scans: Sampled<Beams>,
     pub(super) predictions: Sampled<Vec<MethodPrediction>>,
-    /// The times ahead of predictions (s).
+    /// The horizons of predictions (s).
     pub(super) horizons_s: Vec<f64>,
 }
 
@@ -153,7 +153,7 @@ impl Layers {
     }
 
     fn tree(&mut self, time_ns: u64, robot: u32, edges: &[TreeEdge]) {
-        // The chosen path whole, of the others as many as there is room for.
+        // All edges of the chosen path; other edges up to the maximum number.
         let (path, others): (Vec<&TreeEdge>, Vec<&TreeEdge>) =
             edges.iter().partition(|edge| edge.on_path != 0);
         let room = EDGES.saturating_sub(path.len());
@@ -182,7 +182,7 @@ impl Layers {
                     if range.is_nan() {
                         near
                     } else {
-                        // Too far is +∞, too near −∞ (REP-117).
+                        // Beyond the maximum range is +∞, below the minimum −∞ (REP-117).
                         range.max(near).min(far)
                     }
                 })
@@ -225,13 +225,13 @@ impl Layers {
     }
 }
 
-/// At most `most` of these, evenly spread, the last among them.
+/// Returns at most `most` items, evenly spaced, the last one included.
 fn spread<T>(all: &[T], most: usize) -> impl Iterator<Item = &T> {
     let count = all.len().min(most);
     (1..=count).filter_map(move |i| all.get((i * all.len()).div_ceil(count) - 1))
 }
 
-/// At most `most` places that stand for equal shares of the weights, in their order.
+/// Returns at most `most` points that represent equal shares of the weights, in order.
 fn shares(particles: &[Particle], most: usize) -> Vec<[f32; 2]> {
     let weight = |p: &Particle| {
         let sound = p.weight.is_finite() && p.weight > 0.0 && p.x.is_finite() && p.y.is_finite();
@@ -246,7 +246,7 @@ fn shares(particles: &[Particle], most: usize) -> Vec<[f32; 2]> {
     let mut sum = 0.0;
     for particle in particles {
         sum += weight(particle);
-        // The middles of equal parts of the sum.
+        // Midpoints of equal parts of the sum.
         while picked.len() < count && (picked.len() as f64 + 0.5) / count as f64 * total < sum {
             picked.push([particle.x, particle.y]);
         }

@@ -1,4 +1,4 @@
-//! The figures of a run over its time.
+//! Figures of a run over time.
 
 use std::collections::BTreeMap;
 
@@ -14,9 +14,9 @@ use super::sampled::Sampled;
 use crate::picture::log_run::LoggedRun;
 use scenario::spec::MAX_ROBOTS;
 
-/// Most values of one curve.
+/// Maximum number of values of one curve.
 const VALUES: usize = 1500;
-/// Most curves.
+/// Maximum number of curves.
 const CURVES: usize = 400;
 /// Codes in [`RobotState`].
 const POLICE: u8 = 1;
@@ -24,7 +24,7 @@ const EVADER: u8 = 2;
 const CAUGHT: u8 = 1;
 const ESCAPED: u8 = 2;
 
-/// What is plotted; curves of the same one share a plot, in this order.
+/// Quantity of a plot; curves of the same quantity share a plot, in this order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Figure {
     Outcome,
@@ -34,28 +34,28 @@ pub(super) enum Figure {
     BeliefError,
     BeliefSpread,
     SafeShare,
-    /// By number of the time ahead in the order of the times: its bits sort as the times do.
+    /// By the bits of the horizon (s), which sort as the horizons do.
     PredictionError(u64),
     Distance,
     Speed,
 }
 
-/// Which curve of a plot.
+/// Subject of a curve.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Curve {
-    /// Of a robot.
+    /// A robot.
     Robot(u32),
-    /// Of a robot, by one method.
+    /// A robot and a prediction method.
     Method(u32, u8),
-    /// By its name.
+    /// A name.
     Named(&'static str),
 }
 
-/// All curves so far.
+/// All curves read so far.
 #[derive(Debug, Default)]
 pub(super) struct Measured {
     pub(super) curves: BTreeMap<(Figure, Curve), Sampled<f64>>,
-    /// Sum and number of the errors of predictions so far.
+    /// Sum and number of prediction errors so far.
     errors: BTreeMap<(Figure, Curve), (f64, u64)>,
 }
 
@@ -127,7 +127,7 @@ impl Measured {
             let nearest = pursuers
                 .map(|s| math::hypot(s.x - evader.x, s.y - evader.y))
                 .fold(f64::INFINITY, f64::min);
-            // Of one who is out of the game there is nothing to say.
+            // An evader that has left the game has no nearest Police robot.
             let nearest = if evader.status == 0 {
                 nearest
             } else {
@@ -186,7 +186,7 @@ impl Measured {
             if full || !prediction.error.is_finite() {
                 continue;
             }
-            // One error says little beside the next: the mean shows who predicts better.
+            // Single errors scatter too much to compare methods: plot the mean.
             let (sum, count) = self.errors.entry((figure, curve)).or_default();
             *sum += prediction.error;
             *count += 1;

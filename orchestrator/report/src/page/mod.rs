@@ -1,10 +1,10 @@
-//! A run as one page for a browser: the mission, animated, its events, its figures over time, its
-//! latencies, its outcome. One file that needs nothing else, neither a server nor a network.
+//! The page of a run for a browser: animated mission, events, figures over time, latencies,
+//! outcome. One file that works without a server or a network.
 //!
-//! * `gather` reads a log as far as it goes and thins out what comes densely
-//!   (`sampled`), so that neither memory nor the page grow with the run;
-//! * `pack` makes small whole numbers of it;
-//! * `html` puts them into the page, whose parts are in `page/`.
+//! * `gather` reads a log up to its end or the first damaged record, and thins out dense topics
+//!   (`sampled`), so that neither memory nor the page grows with the run;
+//! * `pack` encodes numbers as small integers;
+//! * `html` inserts them into the page, whose parts are in `page/`.
 
 mod facts;
 mod gather;
@@ -34,34 +34,34 @@ use self::pack::{Lists, Raster};
 use recorder::RobotOutcome;
 use scenario::kind::Kind;
 
-/// What was written.
+/// A written page.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Report {
-    /// The page.
+    /// Path of the page.
     pub page: PathBuf,
-    /// Its size (bytes).
+    /// Size of the page (bytes).
     pub bytes: u64,
-    /// The scenario; empty if the log does not say.
+    /// Name of the scenario; empty if it is not in the log.
     pub scenario: String,
-    /// Fingerprint of the simulated history; absent if the log does not hold all of it.
+    /// Digest of the run; absent if the log does not contain all messages.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub digest: Option<String>,
     /// Simulated time that the page shows (s).
     pub sim_time_s: f64,
-    /// States of the world that the page can show.
+    /// Number of world states in the page.
     pub frames: usize,
-    /// What became of the robots.
+    /// Outcomes of the robots.
     pub robots: Vec<RobotOutcome>,
-    /// What is missing, for people.
+    /// Missing parts of the run or the log, as text.
     pub missing: Vec<String>,
-    /// In what condition the log is.
+    /// Condition of the log.
     pub condition: Condition,
 }
 
-/// Writes the page of a log, whole or not at all.
+/// Writes the page of a log. On an error, no file remains.
 ///
 /// # Errors
-/// [`DerivedError`]: the log cannot be read, is not one of ours or of another version, or the page
+/// [`DerivedError`]: the log cannot be read, is not a Protean log of this version, or the page
 /// cannot be written.
 pub fn report(
     log: &Path,
@@ -70,7 +70,7 @@ pub fn report(
     force: bool,
     watch: &mut ReadProgress,
 ) -> Result<Report, DerivedError> {
-    // Whether the page may stand there is known before the log has been read.
+    // Fails before the log is read if the page may not be written there.
     let mut file = derived::create(out, log, force, Readers::Owner)?;
     let mut gathered = Gathered::read(log, kinds, watch)?;
     let (page, mut report) = page(&mut gathered, kinds).map_err(derived::failed(out))?;
@@ -81,7 +81,7 @@ pub fn report(
     Ok(report)
 }
 
-/// The page and what it says.
+/// Returns the HTML of the page and its summary.
 fn page(gathered: &mut Gathered, kinds: &[Kind]) -> std::io::Result<(String, Report)> {
     fit_bounds(gathered);
     let raster = Raster::of(gathered.static_scene.min, gathered.static_scene.max);
@@ -111,7 +111,7 @@ fn page(gathered: &mut Gathered, kinds: &[Kind]) -> std::io::Result<(String, Rep
     Ok((page, report))
 }
 
-/// A world whose map is not in the log is as large as where its robots were.
+/// Without a map in the log, the bounds of the world are those of the robots' positions.
 fn fit_bounds(gathered: &mut Gathered) {
     let static_scene = &mut gathered.static_scene;
     if static_scene.min != static_scene.max {

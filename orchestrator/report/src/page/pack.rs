@@ -1,4 +1,4 @@
-//! Numbers as the page carries them: small whole ones, their differences, deflated, in base64.
+//! Encoding of numbers for the page: small integers, differences, deflate, base64.
 
 use std::io::{self, Write as _};
 
@@ -6,24 +6,24 @@ use flate2::Compression;
 use flate2::write::ZlibEncoder;
 use serde::Serialize;
 
-/// Stands for "nothing" where places and values are packed.
+/// Code for "no value" in packed positions and values.
 pub(super) const NONE: u16 = u16::MAX;
-/// Largest number that stands for a place or a value.
+/// Largest code of a position or a value.
 const MAX_VALUE: f64 = 65_534.0;
-/// Smallest step between two places (m).
+/// Smallest distance between two codes of positions (m).
 const MIN_STEP: f64 = 1e-3;
 
-/// How places become whole numbers: millimetres, or coarser in a world larger than 65 m.
+/// Raster that maps positions to integers: 1 mm, or coarser in a world larger than 65 m.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub(super) struct Raster {
-    /// Place with the numbers 0, 0 (m).
+    /// Position with the codes 0, 0 (m).
     pub(super) origin: [f64; 2],
-    /// Distance between two neighbouring numbers (m).
+    /// Distance between two neighbouring codes (m).
     pub(super) step: f64,
 }
 
 impl Raster {
-    /// A raster for this part of the plane and some margin.
+    /// Returns a raster for this part of the plane with a margin.
     pub(super) fn of(min: [f64; 2], max: [f64; 2]) -> Self {
         let extent = (max[0] - min[0]).max(max[1] - min[1]).max(1.0);
         let margin = (0.05 * extent).max(1.0);
@@ -34,16 +34,16 @@ impl Raster {
         }
     }
 
-    /// The numbers of a place; the nearest ones for a place outside.
+    /// Returns the codes of a position; outside, those of the nearest position inside.
     pub(super) fn pack(&self, p: [f64; 2]) -> [u16; 2] {
         [0, 1].map(|i| {
             let number = ((p[i] - self.origin[i]) / self.step).round();
-            // Saturates; "not a number" becomes 0.
+            // The cast saturates; NaN becomes 0.
             number.clamp(0.0, MAX_VALUE) as u16
         })
     }
 
-    /// The same, [`NONE`] for a place outside.
+    /// Like [`Self::pack`], with [`NONE`] for a position outside.
     pub(super) fn pack_if_inside(&self, p: [f64; 2]) -> [u16; 2] {
         let inside = [0, 1].iter().all(|&i| {
             let number = (p[i] - self.origin[i]) / self.step;
@@ -52,30 +52,30 @@ impl Raster {
         if inside { self.pack(p) } else { [NONE; 2] }
     }
 
-    /// The place of numbers (m).
+    /// Returns the position of these codes (m).
     #[cfg(test)]
     pub(super) fn unpack(&self, n: [u16; 2]) -> [f64; 2] {
         [0, 1].map(|i| self.origin[i] + f64::from(n[i]) * self.step)
     }
 }
 
-/// An angle (rad) in 65536 parts of a turn.
+/// Encodes an angle (rad) in units of 1/65536 turn.
 pub(super) fn pack_angle(theta: f64) -> u16 {
     let turns = theta / core::f64::consts::TAU;
     (((turns - turns.floor()) * 65_536.0).round() as u32 & 0xffff) as u16
 }
 
-/// Values between a least and a greatest one in 65534 steps.
+/// Values from a minimum to a maximum in 65534 steps.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub(super) struct Range {
-    /// The value of 0.
+    /// Value of code 0.
     pub(super) min: f64,
-    /// The value of 65534.
+    /// Value of code 65534.
     pub(super) max: f64,
 }
 
 impl Range {
-    /// The range of the finite ones of these values.
+    /// Returns the range of the finite values.
     pub(super) fn of(values: impl Iterator<Item = f64>) -> Self {
         let (min, max) = values
             .filter(|v| v.is_finite())
@@ -89,7 +89,7 @@ impl Range {
         }
     }
 
-    /// The number of a value; [`NONE`] for one that is not finite.
+    /// Returns the code of a value; [`NONE`] if it is not finite.
     pub(super) fn pack(&self, value: f64) -> u16 {
         if !value.is_finite() {
             return NONE;
@@ -105,27 +105,26 @@ impl Range {
     }
 }
 
-/// Time as the page counts it: in tenths of a millisecond, rounded down, so that nothing is shown
-/// too late.
+/// Encodes a time in units of 0.1 ms, rounded down, so that nothing is shown too late.
 pub(super) fn pack_time(time_ns: u64) -> u32 {
     u32::try_from(time_ns / 100_000).unwrap_or(u32::MAX)
 }
 
-/// Where a list of numbers stands in the data and what was done to it.
+/// Position and encoding of a list of numbers in the data.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 struct Section {
     name: String,
-    /// First byte.
+    /// Offset of the first byte.
     at: usize,
-    /// How many numbers.
+    /// Count of numbers.
     length: usize,
-    /// Bytes of a number: 1, 2 or 4.
+    /// Size of a number (bytes): 1, 2 or 4.
     bytes: usize,
-    /// How often each number was replaced by its difference from the one before.
+    /// Number of times that differences were taken.
     differences: u8,
 }
 
-/// Lists of numbers under names.
+/// Lists of numbers by name.
 #[derive(Debug, Default)]
 pub(super) struct Lists {
     data: Vec<u8>,
@@ -135,7 +134,7 @@ pub(super) struct Lists {
 macro_rules! put {
     ($($put:ident: $number:ty),+) => {
         $(
-            /// Adds a list whose numbers are replaced so many times by their differences.
+            /// Adds a list; takes differences of neighbours `differences` times.
             pub(super) fn $put(&mut self, name: &str, mut numbers: Vec<$number>, differences: u8) {
                 for _ in 0..differences {
                     let mut before = 0;
@@ -147,7 +146,8 @@ macro_rules! put {
                 }
                 let bytes = size_of::<$number>();
                 self.begin(name, numbers.len(), bytes, differences);
-                // Bytes of the same worth together: they resemble each other.
+                // Bytes of the same significance go together: they are similar, and compress
+                // better.
                 for worth in 0..bytes {
                     self.data.extend(numbers.iter().map(|n| n.to_le_bytes()[worth]));
                 }
@@ -169,12 +169,12 @@ impl Lists {
         });
     }
 
-    /// What stands where.
+    /// Returns the position and encoding of every list.
     pub(super) fn contents(&self) -> serde_json::Value {
         serde_json::json!(self.sections)
     }
 
-    /// Everything deflated (zlib) and in base64.
+    /// Returns all lists, deflated (zlib) and in base64.
     pub(super) fn finish(&self) -> io::Result<String> {
         let mut encoder = ZlibEncoder::new(Vec::new(), Compression::best());
         encoder.write_all(&self.data)?;
@@ -182,7 +182,7 @@ impl Lists {
     }
 }
 
-/// RFC 4648 with padding.
+/// Encodes bytes in base64 (RFC 4648, with padding).
 fn base64(bytes: &[u8]) -> String {
     const DIGITS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
     let mut text = String::with_capacity(bytes.len().div_ceil(3) * 4);
@@ -210,7 +210,7 @@ mod tests {
 
     use super::*;
 
-    /// What the page does with base64.
+    /// Decodes base64 as the page does.
     fn from_base64(text: &str) -> Vec<u8> {
         let value = |c: u8| match c {
             b'A'..=b'Z' => c - b'A',
@@ -231,7 +231,7 @@ mod tests {
         bytes
     }
 
-    /// What the page does with a list of two bytes each.
+    /// Decodes a list of 2-byte numbers as the page does.
     fn unpack(data: &[u8], section: &Section) -> Vec<u16> {
         let n = section.length;
         let bytes = &data[section.at..section.at + 2 * n];

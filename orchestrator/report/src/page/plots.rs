@@ -1,4 +1,4 @@
-//! The curves of the page.
+//! Plots of the page.
 
 use ipc_types::messages::observer::Prediction;
 use serde_json::{Value as Json, json};
@@ -30,8 +30,8 @@ fn heading(figure: Figure) -> (String, &'static str) {
     (title.to_owned(), unit)
 }
 
-/// All plots, in their order; takes the curves out of what was gathered and puts their values into
-/// the lists `curve.N.time` and `curve.N.value`.
+/// Returns all plots in order; moves the curves out of `gathered` and their values into the lists
+/// `curve.N.time` and `curve.N.value`.
 pub(super) fn plots(gathered: &mut Gathered, lists: &mut Lists) -> Json {
     let measured = core::mem::take(&mut gathered.measured);
     let watched = measured

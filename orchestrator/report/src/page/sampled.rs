@@ -1,19 +1,19 @@
-//! Streams of a run, thinned out while they are read.
+//! Streams of a run, thinned out during reading.
 
 use std::collections::BTreeMap;
 
-/// What came at some times, by key (a robot, for example), in bounded memory: of every key one
-/// item per interval, which grows when too much has come together, and the last.
+/// Timed items by key (for example, a robot) in bounded memory: per key, one item per interval and
+/// the last one. The interval grows when the items exceed the maximum weight.
 #[derive(Debug)]
 pub(super) struct Sampled<T> {
     interval_ns: u64,
-    /// Largest sum of the items' weights.
+    /// Maximum sum of the weights of the items.
     most: usize,
     weigh: fn(&T) -> usize,
     weight: usize,
     items: Vec<Sample<T>>,
     last_kept: BTreeMap<u32, u64>,
-    /// The last of every key that was not kept.
+    /// The last item of every key, if it was not stored.
     waiting: BTreeMap<u32, Sample<T>>,
 }
 
@@ -26,7 +26,7 @@ pub(super) struct Sample<T> {
 }
 
 impl<T> Sampled<T> {
-    /// Nothing yet. Items of a key are kept `interval_ns` apart at least.
+    /// Returns an empty series. Items of a key are at least `interval_ns` apart.
     pub(super) fn new(interval_ns: u64, most: usize, weigh: fn(&T) -> usize) -> Self {
         Self {
             interval_ns,
@@ -39,15 +39,15 @@ impl<T> Sampled<T> {
         }
     }
 
-    /// Whether an item of this key and time would be kept for good: others need not be made as
-    /// long as they are not the last.
+    /// Returns `true` if an item of this key and time would be stored permanently. Other items are
+    /// needed only if they are the last of their key.
     pub(super) fn is_due(&self, time_ns: u64, key: u32) -> bool {
         self.last_kept
             .get(&key)
             .is_none_or(|last| time_ns >= last.saturating_add(self.interval_ns))
     }
 
-    /// Takes up an item. Times of a key that go back are not kept.
+    /// Adds an item. Items of a key whose time goes back are dropped.
     pub(super) fn push(&mut self, time_ns: u64, key: u32, item: T) {
         if self.last_kept.get(&key).is_some_and(|&last| time_ns < last) {
             return;
@@ -66,7 +66,7 @@ impl<T> Sampled<T> {
         }
     }
 
-    /// Keeps about every second item.
+    /// Drops about every second item.
     fn thin_out(&mut self) {
         let first = self.items.iter().map(|s| s.time_ns).min().unwrap_or(0);
         let last = self.items.iter().map(|s| s.time_ns).max().unwrap_or(0);
@@ -97,7 +97,7 @@ impl<T> Sampled<T> {
         waiting.retain(|key, sample| last_kept.get(key).is_none_or(|last| sample.time_ns > *last));
     }
 
-    /// The items by time, the last of every key among them.
+    /// Returns the items by time, including the last of every key.
     pub(super) fn finish(mut self) -> Vec<Sample<T>> {
         self.items.extend(self.waiting.into_values());
         self.items.sort_by_key(|s| (s.time_ns, s.key));

@@ -1,4 +1,4 @@
-//! What moves on the page, as lists of numbers.
+//! Moving things on the page, as lists of numbers.
 
 use geometry::pose::Pose2;
 
@@ -8,12 +8,12 @@ use super::pack::{Lists, Raster, pack_angle, pack_time};
 use super::sampled::Sample;
 use crate::picture::Cells;
 
-/// Bits above a robot's status in its flags.
+/// Flag bits above a robot's status.
 const IN_CONTACT: u8 = 1 << 4;
 const FAIL_SAFE: u8 = 1 << 5;
 const PRESENT: u8 = 1 << 6;
 
-/// Packs everything that has a place; takes the layers out of what was gathered.
+/// Packs everything that has a position; moves the layers out of `gathered`.
 pub(super) fn pack(gathered: &mut Gathered, raster: Raster, lists: &mut Lists) {
     states(gathered, raster, lists);
     let layers = core::mem::take(&mut gathered.layers);
@@ -35,11 +35,11 @@ pub(super) fn pack(gathered: &mut Gathered, raster: Raster, lists: &mut Lists) {
     rectangles(gathered, raster, lists);
 }
 
-/// States robot by robot: the numbers of one follow each other closely.
+/// Packs the states robot by robot, because successive states of a robot are similar.
 fn states(gathered: &Gathered, raster: Raster, lists: &mut Lists) {
     let start;
     let frames: &[Sample<Frame>] = if gathered.frames.is_empty() {
-        // Without states there is at least where everybody was put.
+        // Without states, the page shows the start poses.
         start = [Sample {
             time_ns: 0,
             key: 0,
@@ -92,7 +92,7 @@ fn states(gathered: &Gathered, raster: Raster, lists: &mut Lists) {
     lists.u8("flags", flags, 1);
 }
 
-/// When each item of a layer came, of whom it is and how many parts it has.
+/// Packs the time, the robot and the number of parts of each item of a layer.
 fn index<T>(name: &str, all: &[Sample<T>], parts: impl Fn(&T) -> usize, lists: &mut Lists) {
     let times = all.iter().map(|s| pack_time(s.time_ns)).collect();
     lists.u32(&format!("{name}.time"), times, 1);
@@ -102,7 +102,8 @@ fn index<T>(name: &str, all: &[Sample<T>], parts: impl Fn(&T) -> usize, lists: &
     lists.u32(&format!("{name}.count"), counts, 1);
 }
 
-/// Particles in 256 × 256 parts of the rectangle around them, sorted: their order says nothing.
+/// Packs particles in 256 × 256 parts of their bounding rectangle, sorted: their order has no
+/// meaning.
 fn clouds(all: &[Sample<Cloud>], raster: Raster, lists: &mut Lists) {
     index("beliefs", all, |cloud| cloud.points.len(), lists);
     let (mut boxes, mut means) = (Vec::new(), Vec::new());
@@ -171,7 +172,7 @@ fn edges(all: &[Sample<Vec<Edge>>], raster: Raster, lists: &mut Lists) {
     );
 }
 
-/// Ranges in millimetres.
+/// Packs ranges in millimetres.
 fn beams(all: &[Sample<Beams>], lists: &mut Lists) {
     index("scans", all, |beams| beams.ranges.len(), lists);
     let angles = all
@@ -226,7 +227,7 @@ fn waypoints(gathered: &Gathered, raster: Raster, lists: &mut Lists) {
     );
 }
 
-/// The walls of a map that has no vectors: smallest and largest corner of rectangles.
+/// Packs the walls of a map that has no shapes: smallest and largest corner of rectangles.
 fn rectangles(gathered: &Gathered, raster: Raster, lists: &mut Lists) {
     let cells = gathered.static_scene.cells.as_ref();
     let rectangles = cells.map(Cells::rectangles).unwrap_or_default();

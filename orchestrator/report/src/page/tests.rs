@@ -1,4 +1,4 @@
-//! Pages of short runs.
+//! Tests with pages of short runs.
 
 use std::path::{Path, PathBuf};
 
@@ -15,7 +15,7 @@ fn watch() -> ReadProgress {
     ReadProgress::new(std::sync::Arc::default(), true)
 }
 
-/// A short chase with a log.
+/// Runs a short chase with a log.
 fn play(folder: &Path) -> (PathBuf, Summary) {
     let log = folder.join("run.mcap");
     let set = ["rules.time_limit=1".to_owned()];
@@ -28,7 +28,7 @@ fn play(folder: &Path) -> (PathBuf, Summary) {
     (log, done.summary)
 }
 
-/// The page of a log, and the facts in it.
+/// Writes the page of a log, and returns the facts in it.
 fn facts(log: &Path) -> (Report, Json) {
     let out = log.with_extension("html");
     let report = report(log, KINDS, &out, true, &mut watch()).unwrap();
@@ -73,7 +73,7 @@ fn the_page_says_what_the_run_amounted_to() {
     for title in ["Evaders", "Distance driven", "Forward speed"] {
         assert!(plots.iter().any(|plot| plot["title"] == title), "{title}");
     }
-    // Another page is not replaced unasked, nor is the log.
+    // Neither another page nor the log is replaced without `force`.
     let again = super::report(
         &log,
         KINDS,
@@ -121,7 +121,7 @@ fn a_truncated_log_is_shown_as_far_as_it_goes() {
         assert_eq!(names(&report.robots), names(&summary.robots));
         assert!(report.robots.iter().all(|r| r.time_s <= report.sim_time_s));
     }
-    // Wherever it ends, there is a page or a reason.
+    // At any length of the log, there is a page or an error.
     let out = folder.path().join("any.html");
     for part in 0..40 {
         std::fs::write(&cut, &bytes[..bytes.len() * part / 40]).unwrap();

@@ -15,10 +15,10 @@ use scenario::Loader;
 use scenario::files::Base;
 use scenario::kind::Kind;
 
-/// Parts of a histogram per power of ten.
+/// Number of bins of a histogram per power of ten.
 pub(super) const PER_DECADE: u32 = 8;
 
-/// Collects latencies once the processes are known.
+/// Latency collector that starts once the processes are known.
 #[derive(Debug)]
 pub(super) struct Timing {
     kinds: &'static [Kind],
@@ -47,8 +47,10 @@ impl Consumer<LoggedRun> for Timing {
     }
 }
 
-/// For the processes of this scenario; fails, with the reason, if this version does not understand
-/// it.
+/// Returns the chain of the processes of this scenario.
+///
+/// # Errors
+/// The reason for which this version cannot parse the scenario.
 fn chain_of(scenario: &str, kinds: &[Kind]) -> Result<Chain, String> {
     let loaded = Loader::new(kinds).load_text("scenario.toml", scenario, &Base::Nothing, &[], None);
     let scenario = loaded.map_err(|problems| problems.to_string())?;
@@ -57,7 +59,7 @@ fn chain_of(scenario: &str, kinds: &[Kind]) -> Result<Chain, String> {
 }
 
 impl Timing {
-    /// Collects nothing yet; the scenario in the log names these kinds of processes.
+    /// Returns an empty collector; the scenario in the log may name these kinds of processes.
     pub(super) fn new(kinds: &'static [Kind]) -> Self {
         Self {
             kinds,
@@ -66,7 +68,7 @@ impl Timing {
         }
     }
 
-    /// Percentiles (µs) and histograms by name.
+    /// Returns percentiles (µs) and histograms by name.
     pub(super) fn finish(&mut self) -> BTreeMap<String, (Percentiles, LogHistogram)> {
         let Some(chain) = &mut self.chain else {
             return BTreeMap::new();

@@ -1,4 +1,4 @@
-//! The picture.
+//! Drawing of the picture.
 
 use std::collections::BTreeMap;
 
@@ -17,21 +17,24 @@ use super::static_scene::{corners, rectangle};
 use super::trace::{Mark, RunTrace};
 use super::trail::{TrailPoint, simplify};
 
-/// Smallest radius of a robot on the page (px): smaller ones are drawn larger.
+/// Minimum radius of a robot on the page (px): smaller robots are enlarged.
 const MIN_DISC: f64 = 8.0;
-/// Most points of all trails together.
+/// Maximum number of points of all trails together.
 const MAX_TRAIL_POINTS: usize = 5000;
-/// Most dots of all beliefs together.
+/// Maximum number of dots of all beliefs together.
 const MAX_DOTS: usize = 2000;
 /// Font size of names (px).
 const NAME_SIZE: f64 = 14.0;
-/// A belief whose mean is nearer than this to its robot (px) needs no name of its own.
+/// Distance between the mean of a belief and its robot (px) below which the belief has no label.
 const NAMED_BELIEF: f64 = 45.0;
 
-/// The parts of a trail: until which part of the time they go, their width (px) and opacity.
+/// Parts of a trail: their end (fraction of the time), width (px) and opacity.
 const BANDS: [(f64, f64, f64); 3] = [(0.6, 2.0, 0.40), (0.85, 2.6, 0.65), (1.0, 3.4, 1.0)];
 
-/// Draws a run as an SVG document, the same for the same trace.
+/// Draws a run as an SVG document. The same trace gives the same document.
+///
+/// The document has at most about 400 kB, whatever the length of the run: trails, particles, trees
+/// and cells are simplified to the visible detail.
 ///
 /// The document has at most some 400 kB however long the run was: trails, particles, trees
 /// and cells are thinned out to what can be seen.
@@ -86,7 +89,7 @@ pub fn draw(trace: &RunTrace) -> String {
     canvas.finish()
 }
 
-/// Title and caption.
+/// Returns title and caption.
 fn words(trace: &RunTrace) -> (String, String) {
     let title = if trace.title.is_empty() {
         &trace.scenario
@@ -137,17 +140,17 @@ fn heading(canvas: &mut Canvas, layout: &Layout, title: &str, caption: &str) {
     canvas.label(x, y + 25.0, &style, caption);
 }
 
-/// A picture being drawn.
+/// A picture during drawing.
 struct Picture<'a> {
     trace: &'a RunTrace,
     layout: Layout,
     labels: Labels,
-    /// Radius of every robot's disc on the page (px).
+    /// Radii of the robots' discs on the page (px).
     discs: Vec<f64>,
 }
 
 impl Picture<'_> {
-    /// How many times its size the robot is drawn that is enlarged most.
+    /// Returns the largest factor by which a robot is enlarged.
     fn enlarged(&self) -> f64 {
         let factor = |(disc, radius): (&f64, f64)| disc / (radius * self.layout.scale).max(1e-9);
         let radii = self.trace.robots.iter().map(|robot| robot.radius);
@@ -187,7 +190,7 @@ impl Picture<'_> {
             if shapes().next().is_none() {
                 continue;
             }
-            // All edges first, so that obstacles that overlap look like one.
+            // All outlines first, so that overlapping obstacles look like one.
             for paint in [
                 format!(
                     "class=\"obstacle-edges\" fill=\"none\" stroke=\"{edge}\" stroke-width=\"2\""
@@ -235,7 +238,7 @@ impl Picture<'_> {
         ));
     }
 
-    /// The commands of a closed line through these points (m).
+    /// Writes the path commands of a closed line through these points (m).
     fn outline(&self, canvas: &mut Canvas, points: &[[f64; 2]]) {
         for (i, &point) in points.iter().enumerate() {
             let [x, y] = self.layout.at(point);
@@ -264,7 +267,7 @@ impl Picture<'_> {
             .iter()
             .map(|robot| robot.trail.points())
             .collect();
-        // A third of a pixel cannot be seen; more than that only if there is too much to draw.
+        // A third of a pixel is invisible; more only if there is too much to draw.
         let mut tolerance = 0.3 / self.layout.scale;
         let bands = loop {
             let bands: Vec<_> = trails.iter().map(|trail| split(trail, tolerance)).collect();
@@ -415,7 +418,7 @@ impl Picture<'_> {
     }
 }
 
-/// The parts of a trail, each with the points that it needs.
+/// Returns the parts of a trail, each simplified.
 fn split(trail: &[TrailPoint], tolerance: f64) -> [Vec<TrailPoint>; BANDS.len()] {
     let (Some(first), Some(last)) = (trail.first(), trail.last()) else {
         return Default::default();
@@ -425,7 +428,7 @@ fn split(trail: &[TrailPoint], tolerance: f64) -> [Vec<TrailPoint>; BANDS.len()]
         let until = first.time_s + part * (last.time_s - first.time_s);
         let to = trail.partition_point(|p| p.time_s <= until).max(from + 1);
         let band = trail.get(from..to.min(trail.len())).unwrap_or_default();
-        // The next part begins where this one ends.
+        // The next part begins at the last point of this one.
         from = to.min(trail.len()) - 1;
         simplify(band, tolerance)
     })

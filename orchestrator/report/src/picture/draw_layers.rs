@@ -1,4 +1,4 @@
-//! Plans, search trees and dominance on the map.
+//! Drawing of plans, search trees and dominance regions on the map.
 
 use draw::canvas::{Canvas, Num};
 use draw::palette;
@@ -7,14 +7,14 @@ use super::layout::Layout;
 use super::static_scene::Cells;
 use super::trace::RunTrace;
 
-/// Most edges of all trees together.
+/// Maximum number of edges of all trees together.
 const MAX_EDGES: usize = 2500;
-/// Most points of all plans together, besides their ends.
+/// Maximum number of points of all plans together, without their ends.
 const MAX_POINTS: usize = 2000;
-/// Most rectangles of one side's cells.
+/// Maximum number of rectangles of the cells of one team.
 const MAX_RECTANGLES: usize = 500;
 
-/// Draws who reaches which cells first; lies under everything that drives.
+/// Draws the dominance regions, below all robots.
 pub(super) fn dominance(canvas: &mut Canvas, layout: &Layout, trace: &RunTrace) {
     let Some(dominance) = &trace.dominance else {
         return;

@@ -1,6 +1,6 @@
-//! Finding room for names.
+//! Placement of labels.
 
-/// Distances from what is named at which a name may stand (px), the best first.
+/// Distances between a label and its object (px), the preferred first.
 const GAPS: [f64; 3] = [3.0, 10.0, 20.0];
 
 /// A rectangle on the page (px).
@@ -13,7 +13,7 @@ pub(super) struct Area {
 }
 
 impl Area {
-    /// The square around a point.
+    /// Returns the square around a point.
     pub(super) fn around(center: [f64; 2], half: f64) -> Self {
         Self {
             left: center[0] - half,
@@ -42,18 +42,18 @@ impl Area {
     }
 }
 
-/// What stands on the map already.
+/// Areas and points of the map that are already in use.
 #[derive(Debug)]
 pub(super) struct Labels {
     within: Area,
-    /// What no name may cover.
+    /// Areas that no label may cover.
     taken: Vec<Area>,
-    /// What a name had better not cover.
+    /// Points that labels avoid if possible.
     drawn: Vec<[f64; 2]>,
 }
 
 impl Labels {
-    /// An empty map in this part of the page.
+    /// Returns an empty map in this part of the page.
     pub(super) fn new(within: Area) -> Self {
         Self {
             within,
@@ -62,24 +62,24 @@ impl Labels {
         }
     }
 
-    /// Keeps names off this area.
+    /// Reserves an area: no label covers it.
     pub(super) fn keep_off(&mut self, area: Area) {
         self.taken.push(area);
     }
 
-    /// Keeps names off this point where there is a choice.
+    /// Marks a point that labels avoid if possible.
     pub(super) fn spare(&mut self, point: [f64; 2]) {
         self.drawn.push(point);
     }
 
-    /// Room for a text of this size beside a thing of this radius (px): the place that hides
-    /// least, and near things rather than far from them. `None` if everything is taken.
+    /// Finds room for a text of this size beside an object of this radius (px): the position that
+    /// covers the fewest points, near ones first. `None` if there is no free position.
     pub(super) fn place(&mut self, at: [f64; 2], radius: f64, size: [f64; 2]) -> Option<Area> {
         let [w, h] = [size[0] / 2.0, size[1] / 2.0];
         let mut best: Option<(usize, Area)> = None;
         for (ring, gap) in GAPS.into_iter().enumerate() {
             let side = radius + gap;
-            // Diagonally a name may come nearer: the corner of the square is empty.
+            // Diagonally a label may be nearer: the corner of the square is empty.
             let slant = side * 0.7;
             let centers = [
                 [side + w, 0.0],

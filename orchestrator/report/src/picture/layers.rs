@@ -1,4 +1,4 @@
-//! What a picture of a moment shows besides the robots: what was planned and judged then.
+//! Plans, trees and dominance regions in a picture of a moment.
 
 use std::collections::BTreeMap;
 
@@ -7,14 +7,14 @@ use ipc_types::messages::robot::{PlanPoint, TreeEdge};
 
 use super::static_scene::Cells;
 
-/// Most points of a plan and most edges of a tree that are kept.
+/// Maximum number of points of a plan, and of edges of a tree, that are stored.
 const MAX_PARTS: usize = 4000;
-/// Most cells of dominance that are kept: those of the largest map that a scenario may have.
+/// Maximum number of dominance cells that are stored: that of the largest map of a scenario.
 const MAX_CELLS: usize = 64 << 20;
-/// Coordinates beyond this (m) are not those of a world of ours.
+/// Maximum coordinate of a world (m).
 const MAX_COORDINATE: f32 = 1e6;
 
-/// The way that a robot means to go.
+/// The planned path of a robot.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PlanTrace {
     /// Index of the robot.
@@ -23,7 +23,7 @@ pub struct PlanTrace {
     pub points: Vec<[f32; 2]>,
 }
 
-/// The tree in which a robot searched for its way.
+/// The search tree of a robot's plan.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TreeTrace {
     /// Index of the robot.
@@ -32,18 +32,18 @@ pub struct TreeTrace {
     pub edges: Vec<[[f32; 2]; 2]>,
 }
 
-/// Who reaches which cell first.
+/// Dominance regions of the teams, as cells.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DominanceTrace {
-    /// Cells where a pursuer is first.
+    /// Cells that a pursuer reaches first.
     pub police: Cells,
     /// Cells that an evader reaches safely.
     pub evader: Cells,
-    /// Cells where an evader would be first, but not safely.
+    /// Cells that an evader reaches first, but not safely.
     pub cut_off: Cells,
 }
 
-/// The last plan and tree of every robot and the last dominance, as messages come.
+/// The last plan and tree of every robot and the last dominance regions, updated by messages.
 #[derive(Debug, Default)]
 pub(super) struct Layers {
     plans: BTreeMap<usize, PlanTrace>,
@@ -52,11 +52,11 @@ pub(super) struct Layers {
 }
 
 impl Layers {
-    /// Replaces the plan of a robot; one without points is none.
+    /// Replaces the plan of a robot; a plan without points removes it.
     pub(super) fn plan(&mut self, robot: usize, points: &[PlanPoint]) {
         let points = points
             .iter()
-            // What does not fit an f32 is infinite, and refused.
+            // A value that does not fit an f32 becomes infinite, and is rejected below.
             .map(|p| [p.x as f32, p.y as f32])
             .filter(|&p| near(p))
             .take(MAX_PARTS)
@@ -75,7 +75,7 @@ impl Layers {
         self.trees.insert(robot, TreeTrace { robot, edges });
     }
 
-    /// Replaces who dominates what; cells that are not those of the header change nothing.
+    /// Replaces the dominance regions; ignores cells that do not match the header.
     pub(super) fn dominance(&mut self, header: &DominanceHeader, cells: &[DominanceCell]) {
         let (width, height) = (header.width as usize, header.height as usize);
         let sound = cells.len() <= MAX_CELLS
@@ -101,7 +101,7 @@ impl Layers {
         });
     }
 
-    /// What there is to draw of the robots that still play.
+    /// Returns the layers of the robots that are still in the game.
     pub(super) fn finish(
         self,
         plays: impl Fn(usize) -> bool,

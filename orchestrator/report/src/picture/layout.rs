@@ -1,10 +1,10 @@
-//! Where things stand on the page.
+//! Layout of the page.
 
 use super::labels::Area;
 
-/// Largest width and height of the map on the page (px).
+/// Maximum width and height of the map on the page (px).
 const MAX_SIDE_PX: f64 = 760.0;
-/// Smallest of either, so that there is room for something (px).
+/// Minimum width and height of the map on the page (px).
 const MIN_SIDE_PX: f64 = 60.0;
 /// Empty border of the page (px).
 const MARGIN: f64 = 28.0;
@@ -15,14 +15,14 @@ const GUTTER: f64 = 28.0;
 /// Width of the legend (px).
 pub(super) const LEGEND: f64 = 258.0;
 
-/// The page: a title, the map below it, the legend to its right.
+/// The layout: a title, the map below it, the legend to its right.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Layout {
-    /// Size of the page (px).
+    /// Width of the page (px).
     pub(super) width: f64,
-    /// Size of the page (px).
+    /// Height of the page (px).
     pub(super) height: f64,
-    /// The map's part of it.
+    /// Area of the map.
     pub(super) map: Area,
     /// Left edge of the legend (px).
     pub(super) legend: f64,
@@ -33,7 +33,7 @@ pub(super) struct Layout {
 }
 
 impl Layout {
-    /// The page for a world with these corners (m) and a legend of this height (px).
+    /// Returns the layout for a world with these corners (m) and a legend of this height (px).
     pub(super) fn new(min: [f64; 2], max: [f64; 2], legend_height: f64) -> Self {
         let min = min.map(|m| if m.is_finite() { m } else { 0.0 });
         let size = [0, 1].map(|i| {
@@ -63,13 +63,13 @@ impl Layout {
         }
     }
 
-    /// Left edge of the title, and the base line of its first line (px).
+    /// Returns the left edge of the title and its first base line (px).
     pub(super) const fn title() -> [f64; 2] {
         [MARGIN, MARGIN + 22.0]
     }
 
-    /// A point of the world (m) on the page (px): y is up in the world and down on the page.
-    /// Points outside the map come to its border.
+    /// Converts a point of the world (m) to the page (px): y points up in the world and down on the
+    /// page. Points outside the map are moved to its border.
     pub(super) fn at(&self, p: [f64; 2]) -> [f64; 2] {
         let x = p[0].clamp(self.min[0], self.max[0]);
         let y = p[1].clamp(self.min[1], self.max[1]);

@@ -1,4 +1,4 @@
-//! What stands beside the map: what the signs mean, how long a metre is.
+//! The legend beside the map: symbols and scale bar.
 
 use draw::canvas::{Canvas, Num, Style, wrap};
 use draw::palette;
@@ -10,27 +10,27 @@ use super::trace::{MarkKind, RunTrace};
 
 /// Font size of the legend (px).
 const SIZE: f64 = 14.5;
-/// Font size of what is said beside (px).
+/// Font size of secondary text (px).
 const SMALL: f64 = 12.5;
-/// Font size of the story (px).
+/// Font size of the description (px).
 const STORY: f64 = 13.5;
-/// Most lines of the story.
+/// Maximum number of lines of the description.
 const MAX_LINES: usize = 14;
 /// Distance of two lines of a row (px).
 const LINE: f64 = 19.0;
 /// Space between two rows (px).
 const BETWEEN: f64 = 11.0;
-/// Space for the sign at the left of a row (px).
+/// Space for the symbol at the left of a row (px).
 const SIGN: f64 = 34.0;
 /// Space for the scale bar at the end (px).
 const SCALE_BAR: f64 = 64.0;
-/// A team has its members' fates listed up to this many.
+/// Maximum size of a team whose members' outcomes are listed.
 const MAX_FATES: usize = 8;
 
 /// A row of the legend.
 struct Row {
     sign: RowSign,
-    /// Lines of text, with whether they matter less.
+    /// Lines of text; `true` for secondary text.
     lines: Vec<(String, bool)>,
 }
 
@@ -63,13 +63,13 @@ impl Row {
 
 /// The legend of one picture.
 pub(super) struct Legend {
-    /// What is going on, in lines.
+    /// Lines of the description.
     story: Vec<String>,
     rows: Vec<Row>,
 }
 
 impl Legend {
-    /// Rows for what there is in the picture.
+    /// Builds the rows for the content of the picture.
     pub(super) fn of(trace: &RunTrace) -> Self {
         let mut rows = Vec::new();
         for (team, one, many) in [
@@ -152,7 +152,7 @@ impl Legend {
         if trace.static_scene.obstacles.values().any(|o| o.came) {
             rows.push(Row::new(RowSign::Obstacle, "put there during the run"));
         }
-        // A long story is told in the scenario.
+        // The whole description is in the scenario.
         let mut story = wrap(&trace.description, STORY, LEGEND);
         if story.len() > MAX_LINES {
             story.truncate(MAX_LINES);
@@ -171,12 +171,12 @@ impl Legend {
         }
     }
 
-    /// Room that it needs (px).
+    /// Returns its height (px).
     pub(super) fn height(&self) -> f64 {
         self.story_height() + self.rows.iter().map(Row::height).sum::<f64>() + SCALE_BAR
     }
 
-    /// Draws it with its upper left corner here (px); the scale bar stands at `bottom`.
+    /// Draws it with its upper left corner here (px), the scale bar at `bottom`.
     pub(super) fn draw(&self, canvas: &mut Canvas, left: f64, top: f64) {
         let style = Style {
             size: SIZE,
@@ -316,8 +316,8 @@ fn square(canvas: &mut Canvas, at: [f64; 2], fill: &str, edge: &str) {
     ));
 }
 
-/// Draws a bar of a round length below the legend, its line at `y` (px); `enlarged` says how many
-/// times their size the smallest robots are drawn.
+/// Draws a bar of a round length below the legend, its line at `y` (px); `enlarged` is the factor
+/// by which the smallest robots are enlarged.
 pub(super) fn scale_bar(canvas: &mut Canvas, left: f64, y: f64, scale: f64, enlarged: f64) {
     let (metres, pixels) = round_length(scale);
     let (x0, x1) = (Num(left + 2.0), Num(left + 2.0 + pixels));
@@ -353,7 +353,8 @@ pub(super) fn scale_bar(canvas: &mut Canvas, left: f64, y: f64, scale: f64, enla
     }
 }
 
-/// A length of 1, 2 or 5 times a power of ten (m) that is 60 to 150 pixels long, and these pixels.
+/// Returns a length of 1, 2 or 5 times a power of ten (m) that is 60 to 150 pixels long, and its
+/// pixels.
 fn round_length(scale: f64) -> (f64, f64) {
     let mut metres = 1e-3;
     for step in [2.0, 2.5, 2.0].into_iter().cycle().take(30) {
@@ -362,7 +363,7 @@ fn round_length(scale: f64) -> (f64, f64) {
         }
         metres *= step;
     }
-    // 1, 2, 5, 10 … by repeated multiplication: back to the nearest such number.
+    // Repeated multiplication is inexact: round to the nearest such number.
     let metres = (metres * 1e3).round() / 1e3;
     (metres, metres * scale)
 }

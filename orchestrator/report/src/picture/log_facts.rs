@@ -1,4 +1,4 @@
-//! Facts of a run that its log holds besides the messages of topics, for pictures and reports.
+//! Facts of a run from the metadata and attachments of its log, for pictures and reports.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -11,16 +11,16 @@ use mcap_log::{AttachmentHeader, Metadata};
 use super::logged::LoggedScenario;
 use super::static_scene::StaticScene;
 
-/// Facts of a run, as far as the log has been read.
+/// Facts of a run, from the part of the log that has been read.
 #[derive(Debug, Default)]
 pub(crate) struct LogFacts {
     /// Scenario name, seed, version and others; empty without a manifest.
     pub(crate) manifest: BTreeMap<String, String>,
-    /// Result of the run; empty if the run did not end in order.
+    /// Result of the run; empty if the run was killed.
     pub(crate) result: BTreeMap<String, String>,
-    /// Whether the log is a part of another.
+    /// `true` if the log is a part of another.
     pub(crate) is_filtered: bool,
-    /// Whether the log was repaired.
+    /// `true` if the log was repaired.
     pub(crate) is_recovered: bool,
     /// Text of the resolved scenario.
     pub(crate) scenario_text: String,
@@ -30,7 +30,7 @@ pub(crate) struct LogFacts {
 }
 
 impl LogFacts {
-    /// Takes up a metadata record.
+    /// Adds a metadata record.
     pub(crate) fn metadata(&mut self, record: Metadata) {
         match record.name.as_str() {
             MANIFEST => self.manifest = record.metadata,
@@ -41,10 +41,10 @@ impl LogFacts {
         }
     }
 
-    /// Takes up an attachment.
+    /// Adds an attachment.
     ///
     /// # Errors
-    /// [`LogReadError::NotRepeatable`] if the scenario cannot be understood.
+    /// [`LogReadError::NotRepeatable`] if the scenario cannot be parsed.
     pub(crate) fn attachment(
         &mut self,
         log: &Path,
@@ -69,17 +69,17 @@ impl LogFacts {
         self.grid.use_cells(header, cells);
     }
 
-    /// Whether a map has been taken up.
+    /// Returns `true` if a map has been read.
     pub(crate) fn has_map(&self) -> bool {
         self.grid.cells.is_some()
     }
 
-    /// Version of Protean that recorded the log; empty if the log does not say.
+    /// Returns the version of Protean that recorded the log; empty if it is not in the log.
     pub(crate) fn version(&self) -> &str {
         self.manifest.get("version").map_or("", String::as_str)
     }
 
-    /// Takes the scenario out.
+    /// Moves the scenario out.
     ///
     /// # Errors
     /// [`LogReadError::Foreign`] without a manifest or a scenario.
@@ -94,7 +94,7 @@ impl LogFacts {
         self.scenario.take().ok_or_else(|| foreign("scenario"))
     }
 
-    /// Takes out what does not drive: the scenario's vectors, or the cells of the map messages.
+    /// Moves the static scene out: the scenario's shapes, or the cells of the map messages.
     pub(crate) fn take_ground(&mut self, scenario: &LoggedScenario) -> StaticScene {
         let mut static_scene = StaticScene::of(&scenario.world.map, &scenario.rules.exits);
         if !static_scene.has_vectors() && self.grid.cells.is_some() {

@@ -1,4 +1,4 @@
-//! A run as its log tells it, read in one pass for everything that shows it.
+//! A run, read from its log in one pass for pictures and pages.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -16,58 +16,58 @@ use mcap_log::{Condition, LogReadError, ReadProgress};
 use super::log_facts::LogFacts;
 use scenario::spec::{MAX_EVENTS, MAX_ROBOTS};
 
-/// Maximum number of notes on what cannot be read.
+/// Maximum number of notes on unreadable content.
 const MAX_NOTES: usize = 50;
-/// Largest coordinate of a world (m); what lies beyond is not shown.
+/// Maximum coordinate of a world (m); things beyond are not shown.
 const MAX_COORDINATE: f64 = 1e6;
 
-/// What a log is read for.
+/// Purpose of reading a log.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Purpose {
-    /// A picture of a moment (ns): with the newest map, and an error if a message cannot be read.
+    /// A picture of a moment (ns): uses the newest map; fails if a message cannot be read.
     Picture {
-        /// The moment; later messages only tell when the run ended.
+        /// The moment; later messages only determine the end of the run.
         until_ns: u64,
     },
-    /// A page of the whole run: with the first map, and a note on what cannot be read.
+    /// A page of the whole run: uses the first map; notes messages that cannot be read.
     Page,
 }
 
-/// The run, as far as the log has been read: what all consumers of its messages share.
+/// State of a run after the part of the log that has been read; all consumers of messages share it.
 #[derive(Debug)]
 pub(crate) struct LoggedRun {
     purpose: Purpose,
-    /// What the log holds besides messages.
+    /// Facts from metadata and attachments.
     pub(crate) facts: LogFacts,
     /// The newest states of the robots.
     pub(crate) states: Vec<RobotState>,
-    /// Their time (ns); `None` before the first.
+    /// Time of these states (ns); `None` before the first.
     pub(crate) now_ns: Option<u64>,
     /// Simulated time between two ticks (ns); 0 before the first state.
     pub(crate) tick_period_ns: u64,
-    /// Whether the newest state is that of the end of the game.
+    /// `true` if the newest state is that of the end of the game.
     pub(crate) over: bool,
     /// Time of the last state in the log (ns).
     pub(crate) end_ns: u64,
     /// Time of the last message in the log (ns).
     pub(crate) last_ns: u64,
-    /// Changes of the obstacles, and when they were due (ns).
+    /// Changes of the obstacles, with the times at which they were due (ns).
     pub(crate) changes: Vec<(u64, ObstacleChange)>,
     /// Messages by topic.
     pub(crate) counts: BTreeMap<String, u64>,
-    /// What cannot be read.
+    /// Notes on unreadable content.
     pub(crate) notes: Vec<String>,
     failure: Option<DecodeError>,
-    /// In what condition the log is.
+    /// Condition of the log.
     pub(crate) condition: Condition,
 }
 
 impl LoggedRun {
-    /// Reads a log as far as it goes, and hands its messages to consumers.
+    /// Reads a log up to its end or the first damaged record, and passes its messages to consumers.
     ///
     /// # Errors
-    /// [`LogReadError`]: the log cannot be read, is not one of Protean, or its states, or for a picture
-    /// anything that is shown, are those of another version or damaged.
+    /// [`LogReadError`]: the log cannot be read or is not a Protean log; or its states (for a
+    /// picture, any message that it shows) are damaged or of another version.
     pub(crate) fn read(
         log: &Path,
         purpose: Purpose,
@@ -117,14 +117,14 @@ impl LoggedRun {
         for (topic, count) in channels.into_values() {
             *run.counts.entry(topic.name().to_owned()).or_insert(0) += count;
         }
-        // What was announced for a time that the run did not reach.
+        // Changes that were due after the end of the run did not happen.
         let shown_ns = run.now_ns.filter(|now| *now > 0).unwrap_or(run.last_ns);
         run.changes.retain(|(time_ns, _)| *time_ns <= shown_ns);
         run.changes.sort_by_key(|(time_ns, _)| *time_ns);
         Ok(run)
     }
 
-    /// Header and elements of a message; `None`, with a note, if it is damaged.
+    /// Decodes header and elements of a message; `None`, with a note, if it is damaged.
     pub(crate) fn decode<T: Topic>(
         &mut self,
         message: &LoggedMessage<'_>,
@@ -143,7 +143,7 @@ impl LoggedRun {
         self.failure.get_or_insert(error);
     }
 
-    /// Notes what cannot be read.
+    /// Adds a note on unreadable content.
     pub(crate) fn note(&mut self, note: String) {
         if self.notes.len() < MAX_NOTES && !self.notes.contains(&note) {
             self.notes.push(note);
@@ -250,7 +250,7 @@ impl LoggedRun {
         let Some((header, events)) = self.decode::<ObstacleEvents>(message) else {
             return;
         };
-        // A message that makes no change was refused by the world as well.
+        // The world also rejects a message that makes no change.
         let changes = events
             .iter()
             .filter_map(|event| runtime::obstacle::from_message(event).ok());
@@ -262,7 +262,7 @@ impl LoggedRun {
     }
 }
 
-/// Whether a place may be one of a world of ours (m).
+/// Returns `true` if a position (m) can be in a world of Protean.
 pub(crate) fn is_near(place: [f64; 2]) -> bool {
     place.iter().all(|c| c.abs() <= MAX_COORDINATE)
 }

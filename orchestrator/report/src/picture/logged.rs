@@ -1,4 +1,4 @@
-//! What a log says about its run besides the messages.
+//! Facts about a run from the metadata and attachments of its log.
 
 use config::{Node, Origin};
 use geometry::map::MapSpec;
@@ -11,8 +11,8 @@ use mission::fields_of_view::fields_of_view;
 use scenario::kind::{Kind, find};
 use viewer::FieldOfView;
 
-/// The parts of the scenario in a log that a picture needs; the rest is passed over, so that a
-/// picture does not depend on it.
+/// The parts of the logged scenario that a picture needs. Other parts are ignored, so that a
+/// picture does not depend on them.
 #[derive(Debug, Deserialize)]
 pub(crate) struct LoggedScenario {
     #[serde(default)]
@@ -23,19 +23,19 @@ pub(crate) struct LoggedScenario {
     #[serde(default)]
     pub(crate) rules: RulesSpec,
     pub(crate) robots: Vec<RobotSpec>,
-    /// As they are written: what cannot be understood of them is not drawn.
+    /// Unparsed processes: those that cannot be parsed are not drawn.
     #[serde(default)]
     processes: Vec<Json>,
 }
 
-/// `[world]` of it.
+/// The table `[world]` of the scenario.
 #[derive(Debug, Deserialize)]
 pub(crate) struct LoggedWorld {
     pub(crate) map: MapSpec,
 }
 
 impl LoggedScenario {
-    /// Reads the attachment and checks what will be drawn.
+    /// Parses the attachment and validates the parts that are drawn.
     pub(crate) fn parse(bytes: &[u8]) -> Result<Self, String> {
         let text = str::from_utf8(bytes).map_err(|e| e.to_string())?;
         let scenario: Self = toml::from_str(text).map_err(|e| e.to_string())?;
@@ -49,7 +49,7 @@ impl LoggedScenario {
         Ok(scenario)
     }
 
-    /// The fields of view, as far as they can be understood.
+    /// Returns the fields of view whose parameters can be read.
     pub(crate) fn fields_of_view(&self, kinds: &[Kind]) -> Vec<FieldOfView> {
         let index = |name: &Json| {
             self.robots
@@ -62,7 +62,7 @@ impl LoggedScenario {
             let given = process.get("robots").and_then(Json::as_array);
             let given: Vec<usize> = given.into_iter().flatten().filter_map(index).collect();
             let params = process.get("params").and_then(Node::from_json);
-            // Parameters that cannot be read, of another version say, have the defaults.
+            // Parameters that cannot be read (for example, of another version) have their defaults.
             let read = params.and_then(|params| kind.read(&params).ok());
             let read = read.or_else(|| kind.read(&Node::empty_table(Origin::Implied)).ok());
             Some((name, read?.lookout(&given, &self.robots)?))

@@ -1,9 +1,9 @@
-//! One picture of a run, drawn from its log: the map, the trails, where everybody is, who was
-//! caught and who got away.
+//! One picture of a run from its log: the map, the trails, the robots' positions, captures and
+//! escapes.
 //!
-//! * [`RunTrace::read`] takes from a log what the picture needs, in bounded memory;
-//! * [`fn@draw`] is the picture, as a pure function;
-//! * `save` puts it into a file, whole or not at all.
+//! * [`RunTrace::read`] reads the content of the picture from a log, in bounded memory;
+//! * [`fn@draw`] draws it, as a pure function;
+//! * `save` writes it to a file. On an error, no file remains.
 
 mod draw;
 mod draw_layers;

@@ -1,4 +1,4 @@
-//! Reads what a picture shows from a log.
+//! Reading of a log for a picture.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -18,23 +18,26 @@ use scenario::spec::MAX_ROBOTS;
 
 /// Maximum number of events that are marked.
 const MAX_MARKS: usize = 64;
-/// Maximum number of particles that are kept of a belief.
+/// Maximum number of particles that are stored of a belief.
 const MAX_PARTICLES: usize = 1000;
 
 impl RunTrace {
-    /// Reads what a picture of the run at simulated time `at` (s) needs, or of its end if `at` is `None`.
+    /// Reads the content of a picture of the run at simulated time `at` (s), or at its end if `at`
+    /// is `None`.
     ///
-    /// The log is read as far as it goes, in memory that does not grow with its length.
+    /// Reads the log up to its end or the first damaged record, in memory that does not grow with
+    /// its length.
     ///
     /// # Errors
-    /// [`LogReadError`]: the file is missing, not a log of Protean or of another version, or does not
-    /// reach to `at`.
+    /// [`LogReadError`]: the file is missing, is not a Protean log of this version, or ends before
+    /// `at`.
     pub fn read(
         log: &Path,
         at: Option<f64>,
         watch: &mut ReadProgress,
     ) -> Result<(Self, Condition), LogReadError> {
-        // A tick's time is rounded to a nanosecond: half a microsecond more reaches it.
+        // Times of ticks are rounded to nanoseconds: the margin of 0.5 us includes the tick at
+        // `at`.
         let until_ns = at.map_or(u64::MAX, |at| (at * 1e9 + 500.0) as u64);
         let (mut trails, mut marks) = (Trails::default(), Marks::default());
         let mut moment = Moment {
@@ -55,25 +58,25 @@ impl RunTrace {
     }
 }
 
-/// Where the robots were.
+/// Poses of the robots over time.
 #[derive(Default)]
 struct Trails(Vec<Seen>);
 
-/// What happened at a place.
+/// Events with a position.
 #[derive(Default)]
 struct Marks(Vec<Mark>);
 
-/// What was believed, planned and judged at a moment.
+/// Beliefs, plans and dominance regions at a moment.
 #[derive(Default)]
 struct Moment {
-    /// Only a picture of a moment shows it, not that of the end.
+    /// `true` for a picture of a moment; a picture of the end shows none of them.
     is_shown: bool,
-    /// With their times (ns).
+    /// Beliefs with their times (ns), by robot.
     beliefs: BTreeMap<usize, (u64, BeliefTrace)>,
     layers: Layers,
 }
 
-/// What is known of a robot.
+/// The state of a robot, from the messages read so far.
 #[derive(Debug, Clone, Default)]
 struct Seen {
     trail: Trail,
@@ -257,7 +260,7 @@ fn finish(
         end_s,
         static_scene,
         robots,
-        // Of a robot that is out of the game the last belief is an old one.
+        // The last belief about a robot that has left the game is out of date.
         beliefs: moment
             .beliefs
             .into_values()

@@ -1,4 +1,4 @@
-//! The signs that stand on the map and in the legend.
+//! Symbols on the map and in the legend.
 
 use draw::canvas::{Canvas, Num};
 use draw::palette;
@@ -8,10 +8,10 @@ use super::trace::MarkKind;
 
 /// Half the size of a mark (px).
 pub(super) const MARK: f64 = 7.0;
-/// Rim of what lies on trails.
+/// Colour of the rim of symbols that lie on trails.
 pub(super) const HALO: &str = "#ffffff";
 
-/// A robot: a disc with a nose.
+/// Draws a robot: a disc with a nose.
 pub(super) fn disc(
     canvas: &mut Canvas,
     at: [f64; 2],
@@ -21,7 +21,7 @@ pub(super) fn disc(
     active: bool,
 ) {
     let (sin, cos) = math::sincos(theta);
-    // The page's y points down.
+    // The page's y axis points down.
     let point = |along: f64, across: f64| {
         let x = at[0] + radius * (along * cos - across * sin);
         let y = at[1] - radius * (along * sin + across * cos);
@@ -40,7 +40,7 @@ pub(super) fn disc(
         Num(at[1]),
         Num(radius)
     );
-    // A rim around both, and over it both in one colour.
+    // A rim around both shapes, and both shapes over it in one colour.
     canvas.add(format_args!(
         "<g fill=\"{HALO}\" stroke=\"{HALO}\" stroke-width=\"3.5\" stroke-linejoin=\"round\">{shape}</g>\n\
          <g fill=\"{}\">{shape}</g>\n",
@@ -48,16 +48,16 @@ pub(super) fn disc(
     ));
 }
 
-/// A sign on the map.
+/// A symbol on the map.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Sign {
-    /// Where a robot started.
+    /// Start of a robot.
     Start,
-    /// Where something happened.
+    /// Place of an event.
     Mark(MarkKind),
 }
 
-/// Draws a sign; `color` is that of a start and of the rim of a mark.
+/// Draws a symbol; `color` is that of a start or of the rim of a mark.
 pub(super) fn sign(canvas: &mut Canvas, sign: Sign, at: [f64; 2], color: &str) {
     let [x, y] = at;
     match sign {

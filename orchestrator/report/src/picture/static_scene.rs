@@ -1,4 +1,4 @@
-//! What does not drive: walls, obstacles, exits.
+//! The static scene: walls, obstacles, exits.
 
 use std::collections::BTreeMap;
 
@@ -8,14 +8,14 @@ use geometry::region::Region;
 use geometry::shape::Shape;
 use ipc_types::messages::world::{MapCell, MapHeader};
 
-/// Most corners that the obstacles of a vector map may have together to be drawn as vectors.
+/// Maximum number of corners of all obstacles of a vector map that is drawn as vectors.
 const MAX_CORNERS: usize = 2500;
-/// Most cells per side of the grid that is drawn of any other map.
+/// Maximum number of cells per side of the grid that is drawn of any other map.
 const MAX_CELLS: usize = 1024;
-/// Most rectangles that such a grid is drawn with.
+/// Maximum number of rectangles of such a grid.
 const MAX_RECTANGLES: usize = 2500;
 
-/// What does not drive.
+/// The static scene: walls, obstacles, exits.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct StaticScene {
     /// Smallest x and y of the world (m).
@@ -24,18 +24,18 @@ pub struct StaticScene {
     pub max: [f64; 2],
     /// Obstacles with a shape, by their number in the world.
     pub obstacles: BTreeMap<u32, Standing>,
-    /// The occupied cells of a map that is not drawn with vectors.
+    /// The occupied cells of a map that is not drawn as vectors.
     pub cells: Option<Cells>,
-    /// Where evaders get out.
+    /// Exits of the evaders.
     pub exits: Vec<Region>,
 }
 
 /// An obstacle with a shape.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Standing {
-    /// Its shape and place.
+    /// Shape and position.
     pub shape: Shape,
-    /// Whether it came or was moved during the run.
+    /// `true` if the obstacle was added or moved during the run.
     pub came: bool,
 }
 
@@ -46,14 +46,14 @@ pub struct Cells {
     pub origin: [f64; 2],
     /// Side of a cell (m).
     pub side: f64,
-    /// Columns.
+    /// Number of columns.
     pub width: usize,
     /// Row by row from the smallest y, columns along +x.
     pub occupied: Vec<bool>,
 }
 
 impl StaticScene {
-    /// The static scene of a scenario's map as far as it has vectors.
+    /// Builds the static scene of a scenario's map, if the map consists of shapes.
     pub(crate) fn of(map: &MapSpec, exits: &[Region]) -> Self {
         let map = match map {
             MapSpec::Vector(map) => map,
@@ -63,7 +63,7 @@ impl StaticScene {
                     ..Self::default()
                 };
             }
-            // A log has its map written out.
+            // A log contains its map inline.
             MapSpec::File { .. } => {
                 return Self {
                     exits: exits.to_vec(),
@@ -75,7 +75,7 @@ impl StaticScene {
         let obstacles = if corners > MAX_CORNERS {
             BTreeMap::new()
         } else {
-            // An obstacle's number in the world is its place in the map.
+            // The index of an obstacle in the world is its index in the map.
             let numbered = (0_u32..).zip(&map.obstacles);
             numbered
                 .map(|(id, obstacle)| {
@@ -93,12 +93,12 @@ impl StaticScene {
         }
     }
 
-    /// Whether the walls are there as vectors.
+    /// Returns `true` if the walls are vectors.
     pub(crate) fn has_vectors(&self) -> bool {
         !self.obstacles.is_empty()
     }
 
-    /// Takes up a change of the obstacles.
+    /// Applies a change of the obstacles.
     pub(super) fn apply(&mut self, change: ObstacleChange) {
         match change {
             ObstacleChange::Appear { id, shape } | ObstacleChange::Move { id, shape } => {
@@ -110,7 +110,7 @@ impl StaticScene {
         }
     }
 
-    /// Takes the walls from a map message; does nothing if its numbers make no map.
+    /// Takes the walls from a map message; does nothing if its dimensions are inconsistent.
     pub(crate) fn use_cells(&mut self, header: &MapHeader, cells: &[MapCell]) {
         let (width, height) = (header.width as usize, header.height as usize);
         let sound = width > 0
@@ -144,7 +144,7 @@ impl StaticScene {
 }
 
 impl Cells {
-    /// The grid with `factor` × `factor` cells joined into one, occupied if one of them is.
+    /// Returns the grid with `factor` × `factor` cells joined into one, occupied if any of them is.
     fn coarser(&self, factor: usize) -> Self {
         let width = self.width.div_ceil(factor);
         let height = (self.occupied.len() / self.width.max(1)).div_ceil(factor);
@@ -164,13 +164,13 @@ impl Cells {
         }
     }
 
-    /// Rectangles (smallest and largest corner (m)) that cover the occupied cells; of a grid too
-    /// ragged for a drawing, those of a coarser one.
+    /// Returns rectangles (smallest and largest corner (m)) that cover the occupied cells. A grid
+    /// that needs too many rectangles is made coarser first.
     pub(crate) fn rectangles(&self) -> Vec<[[f64; 2]; 2]> {
         self.at_most(MAX_RECTANGLES)
     }
 
-    /// As [`Cells::rectangles`], with at most `most` of them.
+    /// Like [`Cells::rectangles`], with at most `most` rectangles.
     pub(super) fn at_most(&self, most: usize) -> Vec<[[f64; 2]; 2]> {
         let mut rectangles = self.runs();
         let mut factor = 2;
@@ -181,10 +181,10 @@ impl Cells {
         rectangles
     }
 
-    /// Runs of occupied cells along the rows, equal runs of neighbouring rows joined.
+    /// Runs of occupied cells along the rows; equal runs of neighbouring rows are joined.
     fn runs(&self) -> Vec<[[f64; 2]; 2]> {
         let mut done = Vec::new();
-        // Runs that reach the row before, by their first and last column: the row they began in.
+        // Runs that reach the previous row, by first and last column: the row in which they begin.
         let mut open: BTreeMap<(usize, usize), usize> = BTreeMap::new();
         let rows = self.occupied.chunks(self.width.max(1));
         let height = rows.len();
@@ -219,8 +219,8 @@ impl Cells {
     }
 }
 
-/// The corners of a shape (m), counter-clockwise (where shapes of both turns overlap, SVG would
-/// leave a hole); none for a circle.
+/// Returns the corners of a shape (m), counter-clockwise (SVG leaves holes where shapes of opposite
+/// orientation overlap); none for a circle.
 pub(crate) fn corners(shape: &Shape) -> Vec<[f64; 2]> {
     match shape {
         Shape::Circle { .. } => Vec::new(),
@@ -245,7 +245,7 @@ pub(crate) fn corners(shape: &Shape) -> Vec<[f64; 2]> {
     }
 }
 
-/// The corners of a rectangle (m).
+/// Returns the corners of a rectangle (m).
 pub(super) fn rectangle(center: [f64; 2], half_extents: [f64; 2], angle: f64) -> Vec<[f64; 2]> {
     let (sin, cos) = math::sincos(angle);
     [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]

@@ -1,4 +1,4 @@
-//! The picture as a whole, and logs that cannot be drawn.
+//! Tests of whole pictures, and of logs that cannot be drawn.
 
 mod drawing;
 mod logs;

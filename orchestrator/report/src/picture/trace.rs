@@ -1,4 +1,4 @@
-//! What a picture shows of a run.
+//! The content of a picture of a run.
 
 use geometry::pose::Pose2;
 use sim_backend::team::Team;
@@ -7,55 +7,55 @@ use super::layers::{DominanceTrace, PlanTrace, TreeTrace};
 use super::static_scene::StaticScene;
 use super::trail::Trail;
 
-/// What a picture shows of a run, up to one moment of it.
+/// The content of a picture of a run, up to one moment.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct RunTrace {
-    /// The scenario's title.
+    /// Title of the scenario.
     pub title: String,
-    /// What the scenario says it is.
+    /// Description of the scenario.
     pub description: String,
-    /// The scenario's name.
+    /// Name of the scenario.
     pub scenario: String,
-    /// The seed, as the log has it.
+    /// Seed, as in the log.
     pub seed: String,
-    /// The moment that the picture shows (simulated s).
+    /// Moment of the picture (simulated s).
     pub time_s: f64,
-    /// When the run ended (simulated s).
+    /// End of the run (simulated s).
     pub end_s: f64,
-    /// What does not drive.
+    /// Walls, obstacles, exits.
     pub static_scene: StaticScene,
-    /// The robots, by their index in the scenario.
+    /// The robots, by index in the scenario.
     pub robots: Vec<RobotTrace>,
-    /// What was believed at that moment; empty for a picture of the end.
+    /// Beliefs at that moment; empty for a picture of the end.
     pub beliefs: Vec<BeliefTrace>,
-    /// What the robots meant to do at that moment; empty for a picture of the end.
+    /// Plans of the robots at that moment; empty for a picture of the end.
     pub plans: Vec<PlanTrace>,
-    /// The trees in which they searched for it; empty for a picture of the end.
+    /// Search trees of these plans; empty for a picture of the end.
     pub trees: Vec<TreeTrace>,
-    /// Who would have reached what first; `None` at the end and without a referee.
+    /// Dominance regions of the teams; `None` at the end and without a referee.
     pub dominance: Option<DominanceTrace>,
-    /// What happened until then, in order.
+    /// Events up to that moment, in order.
     pub marks: Vec<Mark>,
 }
 
-/// A robot and its way so far.
+/// A robot and its trail.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RobotTrace {
-    /// Its name.
+    /// Name.
     pub name: String,
-    /// Its side.
+    /// Team.
     pub team: Team,
     /// Radius of its disc (m).
     pub radius: f64,
-    /// Where it is (m, m, rad).
+    /// Pose (m, m, rad).
     pub pose: Pose2,
-    /// Whether it still plays.
+    /// `true` while the robot is in the game.
     pub active: bool,
-    /// Where it was.
+    /// Its trail.
     pub trail: Trail,
 }
 
-/// What is believed about a robot.
+/// A belief about a robot.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BeliefTrace {
     /// Index of the robot that the belief is about.
@@ -66,32 +66,32 @@ pub struct BeliefTrace {
     pub particles: Vec<[f32; 2]>,
 }
 
-/// Something that happened at a place.
+/// An event at a position.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Mark {
-    /// What.
+    /// Kind of the event.
     pub kind: MarkKind,
-    /// Index of the robot that it happened to.
+    /// Index of the robot.
     pub robot: usize,
-    /// Where, x and y (m).
+    /// Position, x and y (m).
     pub at: [f64; 2],
-    /// When (simulated s).
+    /// Time (simulated s).
     pub time_s: f64,
 }
 
-/// What happened.
+/// Kind of an event.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum MarkKind {
     /// The robot was caught.
     Captured,
-    /// The robot got out.
+    /// The robot escaped.
     Escaped,
-    /// The robot arrived.
+    /// The robot reached its goal.
     GoalReached,
 }
 
 impl MarkKind {
-    /// In words.
+    /// Name of the kind in a legend.
     pub fn words(self) -> &'static str {
         match self {
             Self::Captured => "caught",

@@ -1,13 +1,13 @@
-//! The way a robot went, in bounded memory and in few points.
+//! The trail of a robot, in bounded memory and few points.
 
 use geometry::math;
 
-/// Most points that a trail keeps while a log is read.
+/// Maximum number of points of a trail while a log is read.
 const MAX_POINTS: usize = 8192;
-/// A robot that has moved less than this since the last point (m) adds none.
+/// Minimum distance between two points of a trail (m).
 const MIN_STEP: f64 = 0.002;
 
-/// A place on a trail.
+/// A point of a trail.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TrailPoint {
     /// x (m).
@@ -24,14 +24,14 @@ impl TrailPoint {
     }
 }
 
-/// Where a robot was, oldest first.
+/// Past positions of a robot, oldest first.
 ///
-/// However long the run, a trail keeps at most a fixed number of points: when it is full, every
-/// other one is dropped and only every other state is taken from then on.
+/// A trail has a fixed maximum number of points. When it is full, every other point is dropped, and
+/// from then on only every other state is stored.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Trail {
     points: Vec<TrailPoint>,
-    /// Every how many states one is taken.
+    /// Number of states per stored state.
     stride: u64,
     seen: u64,
     last: Option<TrailPoint>,
@@ -49,7 +49,7 @@ impl Default for Trail {
 }
 
 impl Trail {
-    /// Goes on to this point.
+    /// Appends a point.
     pub fn push(&mut self, point: TrailPoint) {
         self.last = Some(point);
         let taken = self.seen.is_multiple_of(self.stride);
@@ -72,7 +72,7 @@ impl Trail {
         self.points.push(point);
     }
 
-    /// The points, the latest included; none for a robot that was never seen.
+    /// Returns the points, the latest included; none for a robot without states.
     pub fn points(&self) -> Vec<TrailPoint> {
         let mut points = self.points.clone();
         if let Some(last) = self.last
@@ -84,8 +84,8 @@ impl Trail {
     }
 }
 
-/// The points of a line that are needed to keep it within `tolerance` (m) of the whole (Douglas
-/// and Peucker's method, without recursion).
+/// Simplifies a line to the points that keep it within `tolerance` (m) of the original
+/// (Douglas–Peucker, without recursion).
 pub(super) fn simplify(points: &[TrailPoint], tolerance: f64) -> Vec<TrailPoint> {
     let Some(end) = points.len().checked_sub(1) else {
         return Vec::new();
@@ -110,7 +110,7 @@ pub(super) fn simplify(points: &[TrailPoint], tolerance: f64) -> Vec<TrailPoint>
     kept.map(|(&point, _)| point).collect()
 }
 
-/// Distance of a point from the segment between two others (m).
+/// Returns the distance of a point from the segment between two others (m).
 fn off_line(p: &TrailPoint, a: &TrailPoint, b: &TrailPoint) -> f64 {
     let (dx, dy) = (b.x - a.x, b.y - a.y);
     let (px, py) = (p.x - a.x, p.y - a.y);

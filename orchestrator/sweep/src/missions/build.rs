@@ -1,4 +1,4 @@
-//! From cases and parameters to the scenarios of the cells, each checked.
+//! Building of the scenarios of the cells from cases and parameters.
 
 use config::{Code, Diagnostic, Diagnostics, FieldPath, Step};
 
@@ -12,21 +12,21 @@ use crate::parameters::{Parameter, ScaleError};
 use crate::reader::Reader;
 use scenario::{Draft, MapCache, ResolvedScenario, spec};
 
-/// A change of the scenario that has been made, and by whom.
+/// An applied override, and its origin.
 struct Made {
     place: Vec<Step>,
     by: String,
 }
 
-/// Applies overrides and keeps book of what they change.
+/// Applies overrides and records what they change.
 struct Builder<'r> {
     reader: &'r mut Reader,
-    /// Problems that have been reported, as they were before the cell was added to them.
+    /// Problems that have been reported, without the name of their cell.
     reported: Vec<Diagnostic>,
 }
 
 impl Builder<'_> {
-    /// Applies overrides; changes that undo earlier ones are contradictions, and reported.
+    /// Applies overrides; reports those that undo earlier ones as contradictions.
     fn apply(
         &mut self,
         draft: &mut Draft<'static>,
@@ -47,7 +47,7 @@ impl Builder<'_> {
                     by,
                 );
             }
-            // The same place again, or one that holds it: what was set before would be gone.
+            // The same key again, or a table that contains it: the earlier value would be lost.
             if let Some(earlier) = made.iter().find(|m| m.place.starts_with(&place)) {
                 let message = format!("sets `{path}`, which {} sets too", earlier.by);
                 self.contradiction(assignment, &path, &message, by);
@@ -67,7 +67,7 @@ impl Builder<'_> {
         self.reader.problems.push(problem);
     }
 
-    /// Reports that there is nothing to scale a parameter by.
+    /// Reports that the factor of a parameter is missing.
     fn unscaled(&mut self, parameter: &str, case: &str, error: ScaleError) {
         let message = format!("`{parameter}` cannot be scaled by `{}`", error.key);
         let problem = Diagnostic::new(Code::Requirement, message)
@@ -79,7 +79,7 @@ impl Builder<'_> {
         self.reader.problems.push(problem);
     }
 
-    /// Reports what is wrong with the scenario of a cell, each problem for the first cell only.
+    /// Reports the problems of the scenario of a cell, each for the first cell only.
     fn report(&mut self, cell: &str, problems: &Diagnostics) {
         for problem in problems.iter() {
             if self.reported.contains(problem) {
@@ -100,7 +100,7 @@ fn by_index(step: &Step) -> Step {
     }
 }
 
-/// The cells in their order; those whose scenario is wrong are left out, and reported.
+/// Returns the cells in order; cells with an invalid scenario are reported and left out.
 pub(super) fn build(
     reader: &mut Reader,
     cases: &[CaseDraft<Draft<'static>>],
@@ -176,7 +176,7 @@ pub(super) fn build(
     cells
 }
 
-/// What a scenario must not have that is run many times over.
+/// Finds the parts of a scenario that a sweep does not allow.
 fn unfit<D>(
     scenario: &ResolvedScenario,
     case: &CaseDraft<D>,
@@ -207,7 +207,7 @@ fn unfit<D>(
     found
 }
 
-/// Fingerprint of what a run of the scenario depends on, but for its seed.
+/// Hash of everything on which a run of the scenario depends, without its seed.
 fn fingerprint(mut scenario: ResolvedScenario) -> String {
     let defaults = spec::RunSpec::default();
     scenario.title.clear();

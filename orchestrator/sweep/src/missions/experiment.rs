@@ -1,4 +1,4 @@
-//! Experiments of missions.
+//! Experiments of missions of robots.
 
 use std::collections::BTreeMap;
 
@@ -10,7 +10,7 @@ use crate::experiment::ExperimentOf;
 pub type Experiment = ExperimentOf<Mission>;
 
 impl Experiment {
-    /// Notes on what is odd but not wrong: cells that are the same.
+    /// Returns notes on unusual but valid content: equal cells.
     pub fn notes(&self) -> Vec<String> {
         let mut first: BTreeMap<&str, &Cell<Mission>> = BTreeMap::new();
         let mut notes = Vec::new();

@@ -1,4 +1,4 @@
-//! What a cell of an experiment of missions is about: a scenario.
+//! Subject of a cell of an experiment of missions: a scenario.
 
 use config::Diagnostics;
 
@@ -8,7 +8,7 @@ use scenario::{ResolvedScenario, Template};
 /// The scenario of a cell.
 #[derive(Clone)]
 pub struct Mission {
-    /// Whether the processes of its missions keep to one core.
+    /// `true` if the processes of its missions are pinned to one core.
     pub one_core: bool,
     pub(super) template: Template,
 }
@@ -22,10 +22,10 @@ impl std::fmt::Debug for Mission {
 }
 
 impl Cell<Mission> {
-    /// The scenario with a seed.
+    /// Returns the scenario with a seed.
     ///
     /// # Errors
-    /// Those that depend on the seed: a start that finds no room.
+    /// Those that depend on the seed: there is no room for a start pose.
     pub fn scenario(&self, seed: u64) -> Result<ResolvedScenario, Diagnostics> {
         self.subject.template.with_seed(seed)
     }

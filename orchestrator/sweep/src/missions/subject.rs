@@ -1,4 +1,4 @@
-//! Missions of robots, as what a cell of an experiment is about.
+//! Missions of robots, as the subject of a cell of an experiment.
 
 use std::path::Path;
 
@@ -91,7 +91,7 @@ impl Subject for Mission {
     }
 }
 
-/// Opens a scenario; the result is what `protean run` would take, and its text.
+/// Opens a scenario; returns the target as `protean run` takes it, and the text.
 fn open(
     reader: &mut Reader,
     folder: &Path,
@@ -132,7 +132,7 @@ fn open(
             allow_outside: options.allow_outside,
         };
         match base.find(text) {
-            // With a slash: `protean run` takes a bare name for a built-in scenario first.
+            // With a slash: `protean run` prefers built-in scenarios for bare names.
             Ok(Found::Disk(_)) => folder.join(text).display().to_string(),
             Ok(Found::Text(_)) => text.to_owned(),
             Err(refused) => {

@@ -1,9 +1,8 @@
 //! Experiments whose missions are plans of minimum-time trajectories: `kind = "planning"`.
 //!
-//! They share everything with experiments of robots but what a mission is: cases, parameters, seeds,
-//! shards, the journal, the table. A mission is one problem, made up from the seed
-//! ([`Recipe`](plan::Recipe)) and planned once. Its row follows from the experiment alone;
-//! the CPU time that it took does not, and stands in a table of its own.
+//! They share cases, parameters, seeds, shards, journal and table with experiments of robots. A
+//! mission is one problem, generated from the seed ([`Recipe`](plan::Recipe)) and planned once. Its
+//! row depends only on the experiment; its CPU time does not, and has a separate table.
 
 mod row;
 mod subject;

@@ -1,4 +1,4 @@
-//! What one plan of an experiment resulted in.
+//! The result of one plan of an experiment.
 
 use serde::{Deserialize, Serialize};
 
@@ -7,21 +7,21 @@ use crate::kind::Kind;
 use crate::row::Record;
 use plan::{Answer, Outcome};
 
-/// What one plan resulted in. Nothing in it depends on the machine.
+/// The result of one plan. It does not depend on the machine.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PlanRow {
-    /// How it ended.
+    /// Outcome.
     pub outcome: Outcome,
-    /// Whether the plan keeps everything that was asked for, if there is one.
+    /// `true` if the plan passes the trajectory check; `None` without a plan.
     pub honest: Option<bool>,
     /// Obstacles of the problem.
     pub obstacles: u32,
     /// Duration of the plan (s).
     pub t_s: Option<f64>,
-    /// No plan can be shorter than this (s).
+    /// Lower bound of the duration of any plan (s).
     pub lower_bound_s: Option<f64>,
-    /// How much longer than that it is, relative to it.
+    /// Duration above the lower bound, relative to it.
     pub gap: Option<f64>,
     /// Length of its path (px).
     pub length_px: Option<f64>,
@@ -31,12 +31,12 @@ pub struct PlanRow {
     pub iterations: Option<u32>,
     /// Degrees of freedom of the curve.
     pub control_points: Option<u32>,
-    /// Why there is no plan, or what is wrong with it.
+    /// Reason for which there is no plan, or the fault of the plan.
     pub error: String,
 }
 
 impl PlanRow {
-    /// The row of an answer to a problem with so many obstacles.
+    /// Returns the row of an answer to a problem with this number of obstacles.
     pub fn of(answer: &Answer, obstacles: usize) -> Self {
         Self {
             outcome: answer.status,
@@ -53,12 +53,12 @@ impl PlanRow {
         }
     }
 
-    /// Whether the problem has no solution, so that nothing could have planned it.
+    /// Returns `true` if the problem has no solution.
     pub fn is_unsolvable(&self) -> bool {
         matches!(self.outcome, Outcome::NoPath | Outcome::Infeasible)
     }
 
-    /// Whether there is a plan that keeps everything.
+    /// Returns `true` if there is a plan that passes the trajectory check.
     pub fn is_valid(&self) -> bool {
         self.honest == Some(true)
     }

@@ -1,4 +1,4 @@
-//! Plans, as what a cell of an experiment is about.
+//! Plans, as the subject of a cell of an experiment.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -23,7 +23,8 @@ use scenario::files::read_text;
 /// An experiment of plans.
 pub type PlanExperiment = ExperimentOf<Task>;
 
-/// Whether a file is an experiment of plans. What cannot be read is not; who reads it says why.
+/// Returns `true` if a file is an experiment of plans. An unreadable file is not one; loading it
+/// reports the reason.
 pub fn is_planning(path: &Path) -> bool {
     let text = read_text(path, MAX_FILE).ok();
     let reader = text.and_then(|text| Reader::new("", &text).ok());
@@ -91,7 +92,7 @@ impl Subject for Task {
     }
 }
 
-/// The cells in their order; those whose task is wrong are left out, and reported.
+/// Returns the cells in order; cells with an invalid task are reported and left out.
 fn cells(
     reader: &mut Reader,
     cases: &[CaseDraft<()>],
@@ -140,7 +141,7 @@ fn cells(
                     blake3: fingerprint(&task),
                     subject: task,
                 }),
-                // Each problem for the first cell only.
+                // Each problem is reported for the first cell only.
                 Err((label, what, cell)) => {
                     if reported.insert(format!("{label}{what}")) {
                         let problem =
@@ -156,7 +157,10 @@ fn cells(
     cells
 }
 
-/// The task that these keys make; what is wrong, and where.
+/// Returns the task of these keys.
+///
+/// # Errors
+/// The problem, and its location.
 fn made(assignments: &[Assignment]) -> Result<Task, (String, String)> {
     let mut draft = Draft::default();
     for assignment in assignments {
@@ -165,7 +169,7 @@ fn made(assignments: &[Assignment]) -> Result<Task, (String, String)> {
             (assignment.label.clone(), what)
         };
         draft.apply(&assignment.argument).map_err(&at)?;
-        // A wrong key is wrong at once; a number may fit what is set later.
+        // An unknown key is an error at once; a number may be valid together with later keys.
         draft.task().map_err(&at)?;
     }
     let whole = |what: String| ("task".to_owned(), what);
@@ -175,7 +179,7 @@ fn made(assignments: &[Assignment]) -> Result<Task, (String, String)> {
 }
 
 fn fingerprint(task: &Task) -> String {
-    // A task is numbers and names: it can be written.
+    // A task consists of numbers and names, which can always be serialised.
     let text = serde_json::to_string(task).unwrap_or_default();
     blake3::hash(text.as_bytes()).to_hex().to_string()
 }

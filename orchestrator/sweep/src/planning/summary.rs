@@ -1,4 +1,4 @@
-//! What the cells of an experiment of plans amount to.
+//! Summaries of the cells of an experiment of plans.
 
 use serde_json::{Value as Json, json};
 use statistics::quantile;
@@ -10,32 +10,32 @@ use crate::row::Record as _;
 use crate::runner::RunReport;
 use crate::summary::{cell_table, interval, json_head, missing, pace, parameters};
 
-/// What the plans of one cell amount to.
+/// Summary of the plans of one cell.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct CellSummary {
-    /// Plans asked for that did not break down.
+    /// Number of plans that did not crash.
     pub plans: u64,
-    /// Problems without a solution: no method could have planned these.
+    /// Problems without a solution.
     pub no_path: u64,
-    /// Solvable problems for which no honest plan was found.
+    /// Solvable problems without a valid plan.
     pub failed: u64,
-    /// Honest plans.
+    /// Valid plans.
     pub honest: u64,
-    /// Durations of the honest plans (s), ascending.
+    /// Durations of the valid plans (s), ascending.
     pub t_s: Vec<f64>,
-    /// Their gaps, ascending.
+    /// Gaps of the valid plans, ascending.
     pub gap: Vec<f64>,
-    /// Their CPU times (ms), ascending.
+    /// CPU times of the valid plans (ms), ascending.
     pub cpu_ms: Vec<f64>,
 }
 
 impl CellSummary {
-    /// Problems that have a solution.
+    /// Returns the number of problems that have a solution.
     pub fn solvable(&self) -> u64 {
         self.plans - self.no_path
     }
 
-    /// Wilson's 95 % interval of the chance to fail; `None` without problems.
+    /// Returns Wilson's 95 % interval of the chance to fail; `None` without problems.
     pub fn failure(&self) -> Option<Interval> {
         (self.solvable() > 0).then(|| wilson(self.failed, self.solvable()))
     }
@@ -69,7 +69,7 @@ pub fn cells(results: &PlanResults) -> Vec<CellSummary> {
     cells
 }
 
-/// The summary for people.
+/// Returns the summary as text.
 pub fn text(results: &PlanResults, report: Option<&RunReport>) -> String {
     let manifest = results.manifest();
     let columns = [
@@ -123,7 +123,7 @@ pub fn text(results: &PlanResults, report: Option<&RunReport>) -> String {
     text
 }
 
-/// The summary for programs.
+/// Returns the summary as JSON.
 pub fn json(results: &PlanResults, report: Option<&RunReport>) -> Json {
     let manifest = results.manifest();
     let summaries = manifest.cells.iter().zip(cells(results));

@@ -79,7 +79,7 @@ fn shards_put_together_are_the_whole_byte_for_byte() {
     assert_eq!(table("whole"), table("merged"));
     assert!(table("whole").starts_with("case,radius,seed,outcome,honest,obstacles,t_s,"));
     assert!(!table("whole").contains("cpu"));
-    // Done is done; what was done elsewhere can be taken over.
+    // Finished missions do not run again; results of other directories can be reused.
     drop(merged);
     carry_out(&experiment, &at("whole"), "1/1");
     let mut again = PlanResults::open(&at("again"), &experiment.manifest(), "").unwrap();
@@ -87,7 +87,7 @@ fn shards_put_together_are_the_whole_byte_for_byte() {
         .reuse(&PlanResults::read(&at("whole")).unwrap())
         .unwrap();
     assert_eq!(taken, 16);
-    // Neither kind of results is taken for the other.
+    // Results of one kind are not accepted as those of the other.
     let error = Results::<crate::Row>::read(&at("whole")).err().unwrap();
     assert!(error.to_string().contains("Planning"), "{error}");
 }

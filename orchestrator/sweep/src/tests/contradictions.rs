@@ -1,4 +1,4 @@
-//! Files that say two things at once.
+//! Files that contradict themselves.
 
 use super::*;
 

@@ -1,4 +1,4 @@
-//! What a good experiment file means.
+//! Meaning of a valid experiment file.
 
 use sim_backend::team::Team;
 
@@ -223,7 +223,7 @@ fn the_experiments_of_the_project_are_fine() {
     let mut count = 0;
     for entry in std::fs::read_dir(folder).unwrap() {
         let path = entry.unwrap().path();
-        // Those of plans have a test of their own.
+        // Experiments of plans have a separate test.
         let planning = super::super::planning::is_planning(&path);
         if !planning && path.extension().is_some_and(|e| e == "toml") {
             let loaded = Experiment::load(&path, &LoadOptions::new(kinds::KINDS));

@@ -16,7 +16,8 @@ fn row(escaped: u32) -> Row {
     }
 }
 
-/// Results of an experiment: two escape in every game at the highest speed, one at the others.
+/// Returns results of an experiment: two escape in every game at the highest speed, one at the
+/// others.
 fn results(directory: &Path, text: &str) -> Results {
     let manifest = load(text).unwrap().manifest();
     let mut results = Results::open(directory, &manifest, text).unwrap();

@@ -1,4 +1,4 @@
-//! Every mistake is answered with its file, line, field, value and what was expected.
+//! Every error names file, line, field, value and expected value.
 
 use super::*;
 

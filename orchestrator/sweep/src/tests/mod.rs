@@ -1,4 +1,4 @@
-//! Experiment files and what is made of them, without carrying out anything.
+//! Tests of experiment files without execution.
 
 mod contradictions;
 mod experiment;
@@ -59,7 +59,7 @@ pub(super) fn changed(from: &str, to: &str) -> String {
     GOOD.replacen(from, to, 1)
 }
 
-/// The text must be refused with these words.
+/// Asserts that the text is refused with these words.
 #[track_caller]
 pub(super) fn refused_text(text: &str, words: &[&str]) {
     let error = load(text).unwrap_err();

@@ -116,7 +116,7 @@ fn results_of_something_else_are_refused() {
     ] {
         assert!(error.contains(word), "{error}");
     }
-    // Another format may hold anything else.
+    // Other formats may have any other content.
     let path = directory.path().join("manifest.json");
     std::fs::write(&path, r#"{"format": 99, "future": true}"#).unwrap();
     let error = open(directory.path()).err().unwrap().to_string();
@@ -193,7 +193,7 @@ fn parts_merge_to_the_table_of_the_whole() {
         .unwrap()
         .record(mission(5, 3), row(17 % 3), 0.1)
         .unwrap();
-    // Into what is there already.
+    // The target already contains results.
     assert!(
         merge::<Row>(&parts[..1], &at("merged"))
             .unwrap()
@@ -265,7 +265,7 @@ fn missions_of_the_same_scenario_are_taken_over_from_another_experiment() {
     let expected = [(mission(3, 1), &row(2)), (mission(4, 2), &row(1))];
     assert_eq!(newer.rows().collect::<Vec<_>>(), expected);
     assert_eq!(newer.reuse(&older).unwrap(), 0);
-    // They are kept like others.
+    // They are stored like others.
     drop(newer);
     let newer = Results::open(directories[1].path(), &manifest, &text).unwrap();
     assert_eq!(newer.rows().collect::<Vec<_>>(), expected);

@@ -1,4 +1,4 @@
-//! Comparisons that are decided together.
+//! Families of comparisons with a common error rate.
 
 use statistics::{Interval, Sample};
 
@@ -6,12 +6,12 @@ use super::MARGIN;
 use crate::statistics::{Difference, holm, simultaneous_z};
 use crate::words::{p_value, point_range, points};
 
-/// What a comparison comes to.
+/// Result of a comparison.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Order {
     Higher,
     Lower,
-    /// Not lower by more than [`MARGIN`], but not surely higher.
+    /// Not lower by more than [`MARGIN`], but not significantly higher.
     NotLower,
     Open,
 }
@@ -38,7 +38,8 @@ pub(super) struct Comparison {
 }
 
 impl Comparison {
-    /// In words: `RRT* less potential field at 1.5×: +40.0 points (+31.2 … +48.1), p < 0.0001: higher`.
+    /// Describes it: `RRT* less potential field at 1.5×: +40.0 points (+31.2 … +48.1), p < 0.0001:
+    /// higher`.
     pub(super) fn words(&self) -> String {
         format!(
             "{}: {} points ({}), {}: {}",
@@ -51,8 +52,8 @@ impl Comparison {
     }
 }
 
-/// Compares the first with the second of every pair; p-values are Holm's, intervals hold together.
-/// `None` if a sample is empty.
+/// Compares the first with the second of every pair, with Holm's p-values and simultaneous
+/// intervals. `None` if a sample is empty.
 pub(super) fn family(pairs: &[(String, Sample, Sample)]) -> Option<Vec<Comparison>> {
     let differences: Option<Vec<Difference>> =
         pairs.iter().map(|p| Difference::of(&p.1, &p.2)).collect();

@@ -1,4 +1,4 @@
-//! Claims about what the Police know.
+//! Claims about the knowledge of the Police.
 
 use statistics::Z95;
 

@@ -1,4 +1,4 @@
-//! The paper's claims, and what our games say to them.
+//! The paper's claims, and their verdicts from our games.
 
 mod compare;
 mod crossing;
@@ -9,21 +9,21 @@ mod speed;
 use super::evidence::{Evidence, Study};
 use crate::plans::Plans;
 
-/// What our games say to a claim.
+/// Verdict on a claim.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Verdict {
-    /// It holds.
+    /// The claim is true.
     Confirmed,
-    /// It does not hold.
+    /// The claim is false.
     Refuted,
     /// The games do not decide.
     Undecided,
-    /// There are no games that could.
+    /// There are no games for a decision.
     NoData,
 }
 
 impl Verdict {
-    /// In words, as the page has them.
+    /// Returns the text of the page.
     pub fn markdown(self) -> &'static str {
         match self {
             Self::Confirmed => "**confirmed**",
@@ -34,7 +34,7 @@ impl Verdict {
     }
 }
 
-/// A verdict with the numbers it follows from.
+/// A verdict and its numbers.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Finding {
     /// The verdict.
@@ -44,7 +44,7 @@ pub struct Finding {
 }
 
 impl Finding {
-    /// There are no games that could decide.
+    /// Returns a finding without data.
     fn missing(what: &str) -> Self {
         Self {
             verdict: Verdict::NoData,
@@ -56,18 +56,18 @@ impl Finding {
 /// One of the paper's claims.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Claim {
-    /// The letter that the page calls it by.
+    /// Letter of the claim on the page.
     pub letter: &'static str,
-    /// With our planners.
+    /// Finding with our planners.
     pub ours: Finding,
-    /// With the paper's parameters.
+    /// Finding with the paper's parameters.
     pub paper: Finding,
 }
 
-/// Largest difference of chances that still counts as none.
+/// Largest difference of chances that counts as none.
 pub(super) const MARGIN: f64 = 0.05;
 
-/// All claims.
+/// Returns all claims.
 pub fn claims(evidence: &Evidence) -> Vec<Claim> {
     let speed = |test: fn(&Study) -> Finding| {
         let of = |study: &Option<Study>, name: &str| {

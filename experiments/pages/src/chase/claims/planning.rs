@@ -6,9 +6,9 @@ use super::{Finding, Verdict};
 use crate::plans::{Plan, Plans};
 use crate::words::{hundredths, share, shares};
 
-/// Iterations after which the paper gave up on arcs.
+/// Iterations after which the paper stopped searching on arcs.
 const GIVEN_UP: u32 = 5000;
-/// Distance by which a way must keep farther from the Police to be seen to do so (m): a quarter of
+/// Minimum increase of the distance from the Police that counts as avoiding them (m): a quarter of
 /// a street.
 const VISIBLE: f64 = 0.25;
 

@@ -1,4 +1,4 @@
-//! Verdicts, and the page as a whole.
+//! Tests of verdicts, and of the page as a whole.
 
 mod results;
 mod verdicts;
@@ -10,7 +10,7 @@ use super::evidence::{Cell, Evidence, Method, Study};
 use super::page;
 use crate::plans::{Plan, Plans};
 
-/// `games` games of two evaders of which so many escape altogether, as evenly as it goes.
+/// Returns `games` games of two evaders, with `escaped` escapes spread evenly.
 fn sample(escaped: u32, games: u32) -> Sample {
     let pairs = escaped / 2;
     let single = escaped % 2;
@@ -23,7 +23,7 @@ fn sample(escaped: u32, games: u32) -> Sample {
         .collect()
 }
 
-/// A study of 200 games per cell: methods with their chances (%) at each speed.
+/// Returns a study of 200 games per cell: methods with their chances (%) at each speed.
 fn study(ratios: &[f64], methods: &[(&str, &[u32])]) -> Study {
     let cells = methods.iter().flat_map(|(name, percents)| {
         ratios.iter().zip(*percents).map(|(&ratio, percent)| Cell {

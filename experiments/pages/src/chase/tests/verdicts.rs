@@ -1,4 +1,4 @@
-//! Verdicts follow from the numbers.
+//! Tests that verdicts follow from the numbers.
 
 use super::super::claims::{Verdict, claims};
 use super::super::evidence::{Evidence, Study};
@@ -28,7 +28,7 @@ fn of_knowledge(study: Study, letter: &str) -> Verdict {
     verdict(&evidence, letter)
 }
 
-/// The study with another row for one method.
+/// Returns the study with another row for one method.
 fn with(mut base: Study, method: &str, percents: &[u32]) -> Study {
     let other = study(&SPEEDS, &[(method, percents)]);
     for cell in &mut base.cells {

@@ -77,7 +77,7 @@ fn without_results_the_page_says_so_and_has_the_table_of_sequences() {
     let missing = page.text.matches("*No results of this experiment.*");
     assert_eq!(missing.count(), 3);
     assert!(page.images.is_empty());
-    // Beside the paper's 0.8309, 0.8074 in floating point.
+    // The paper: 0.8309, 0.8074 in floating point.
     let original = line(&page, "| original | 2000 |");
     assert!(original.contains("0.8309 | 0.8074"), "{original}");
 }
@@ -85,7 +85,7 @@ fn without_results_the_page_says_so_and_has_the_table_of_sequences() {
 #[test]
 fn means_stand_beside_the_published_values() {
     let page = page(&made_up()).unwrap();
-    // 117 m in 120 s.
+    // A lap has 117 m in 120 s.
     let alpha = line(&page, "| paper_fit | 1.7 |");
     assert!(
         alpha.contains("| 0.97 ±") && alpha.contains("| 0.92 ±"),
@@ -102,7 +102,7 @@ fn means_stand_beside_the_published_values() {
     assert_eq!(page.images[0].chart.series[0].reference[0].y, 0.9651);
 }
 
-/// Results of all three experiments, made up.
+/// Synthetic results of all three experiments.
 fn made_up() -> Evidence {
     Evidence {
         alpha: Some(study(

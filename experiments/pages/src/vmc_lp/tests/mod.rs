@@ -82,14 +82,14 @@ fn methods_are_set_beside_each_other_where_both_have_a_plan() {
         text.contains("of the time in most tests: **contradicted** (ours 0/270"),
         "{text}"
     );
-    // The published tables by themselves.
+    // The published tables alone.
     assert!(
         text.contains("(Table 3), published | 6, 6 of 6 | 33.13, 34.07 | 5/6 "),
         "{text}"
     );
 }
 
-/// Results of both experiments, made up: every setting, method and horizon of the page.
+/// Synthetic results of both experiments: every setting, method and horizon of the page.
 fn made_up() -> Evidence {
     let of = |seed: u64, failed: u64, time: f64, cpu_ms: f64| Plan {
         unsolvable: seed.is_multiple_of(97),

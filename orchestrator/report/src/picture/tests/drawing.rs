@@ -1,4 +1,4 @@
-//! What every picture must be.
+//! Properties of every picture.
 
 use geometry::pose::Pose2;
 use geometry::region::Region;
@@ -99,7 +99,7 @@ fn texts(document: &Document<'_>) -> Vec<String> {
         .collect()
 }
 
-/// Every coordinate in the document, as (x, y).
+/// Returns every coordinate in the document, as (x, y).
 fn coordinates(document: &Document<'_>) -> Vec<(f64, f64)> {
     let mut found = Vec::new();
     for node in document.descendants() {
@@ -279,8 +279,7 @@ fn names_of_robots_in_a_heap_do_not_overlap() {
 
 #[test]
 fn the_largest_run_makes_a_picture_of_at_most_400_kb() {
-    // 64 robots that wriggle for 10 000 ticks, 64 beliefs, plans and trees,
-    // and maps of noise.
+    // 64 robots on winding paths for 10 000 ticks, 64 beliefs, plans and trees, and noisy maps.
     let mut trace = trace();
     trace.robots = (0..64)
         .map(|r| {
@@ -383,7 +382,7 @@ fn plans_trees_and_dominance_are_drawn_and_explained() {
     };
     assert_eq!(commands("plans"), [3]);
     assert_eq!(commands("trees"), [4]);
-    // A rectangle each has four.
+    // A rectangle has four commands.
     assert_eq!(commands("dominance"), [4, 4, 0]);
     let words = texts(&document).join(" ");
     for text in [

@@ -1,4 +1,4 @@
-//! Logs, sound and otherwise.
+//! Pictures of valid and invalid logs.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -236,7 +236,7 @@ fn a_picture_of_a_moment_has_nothing_from_later_and_the_belief_of_then() {
     );
     assert_eq!(trace.plans.len(), 1);
     assert_eq!(trace.plans[0].points, [[0.0, 0.0], [3.0, 0.0]]);
-    // Once the robber is caught nobody wonders where it is, and it goes nowhere.
+    // A captured robber has neither a belief nor a plan.
     let trace = drawn(&path, Some(7.0));
     assert!(trace.beliefs.is_empty() && trace.plans.is_empty());
 }
@@ -356,7 +356,7 @@ fn no_flipped_byte_goes_unnoticed_or_breaks_the_reader() {
         let mut bytes = whole.clone();
         bytes[at] ^= 0x10;
         fs::write(&flipped, &bytes).unwrap();
-        // The footer's own records have no checksum: what they say is not used.
+        // The footer's own records have no checksum, so their content is not used.
         if let Ok((trace, condition)) = read(&flipped, None)
             && condition.is_whole()
         {
