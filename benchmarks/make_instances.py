@@ -25,7 +25,7 @@ CLEAR_PX = 2.0
 
 
 class Draw:
-    """Numbers from one seed. Of `random`, only `random()` promises the same numbers for ever."""
+    """Numbers from one seed. Of `random`, only `random()` guarantees the same numbers in all versions."""
 
     def __init__(self, seed):
         self.source = random.Random(seed)

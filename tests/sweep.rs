@@ -177,7 +177,7 @@ fn a_killed_sweep_goes_on_where_it_was() {
     let outcome = sweep(&sandbox, "killed", &["--json"]);
     assert_eq!(outcome.code, Some(0), "{outcome}");
     assert!(
-        outcome.stderr.contains("the last line was torn"),
+        outcome.stderr.contains("the last line was incomplete"),
         "{outcome}"
     );
     assert_eq!(outcome.json()["known"], done);
@@ -269,7 +269,7 @@ fn results_of_another_experiment_are_refused_and_kept() {
     sweep(&sandbox, "out", &[]).refused(
         2,
         &[
-            "error: out holds the results of another experiment",
+            "error: out contains the results of another experiment",
             "compare its experiment.toml",
             "choose another --out",
         ],
@@ -347,7 +347,7 @@ fn two_sweeps_do_not_share_a_directory() {
             .exists()
             .then_some(())
     });
-    sweep(&sandbox, "out", &[]).refused(2, &["out: another sweep is at work there"]);
+    sweep(&sandbox, "out", &[]).refused(2, &["out: another sweep uses the directory"]);
     running.signal(Signal::INT);
     assert_eq!(running.finish().code, Some(3));
 }

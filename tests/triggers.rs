@@ -243,7 +243,7 @@ fn pictures_show_an_obstacle_from_the_tick_at_which_it_came() {
         let outcome = sandbox.protean(words).run();
         assert_eq!(outcome.code, Some(0), "{outcome}");
         let picture = std::fs::read_to_string(sandbox.path().join("p.svg")).unwrap();
-        picture.contains("put there during the run")
+        picture.contains("changed during the run")
     };
     assert!(!shows(came - 1) && shows(came));
     assert!(!shows(8 * RATE), "gone");

@@ -118,7 +118,7 @@ impl Naive {
         Self { particles, rng }
     }
 
-    #[allow(clippy::disallowed_methods)] // The baseline is what one would write first.
+    #[allow(clippy::disallowed_methods)] // The baseline is the straightforward version.
     fn update(&mut self, scene: &Scene, sighting: &Sighting) {
         for p in &mut self.particles {
             let (dv, domega) = (

@@ -51,7 +51,7 @@ fn visible_pairs(field: &VisibilityField, rng: &mut ChaCha8Rng) -> Vec<Ray> {
 }
 
 /// The paper's formula as written: a product over one-cell steps of v to the power of the step.
-#[allow(clippy::disallowed_methods)] // The baseline is what one would write first.
+#[allow(clippy::disallowed_methods)] // The baseline is the straightforward version.
 fn literal(map: &BlurredMap, (a, b): Ray) -> f64 {
     let length = (b - a).norm();
     let step = map.frame().resolution;

@@ -30,14 +30,14 @@ use self::report::{Figure, Report};
 type Failure = Box<dyn std::error::Error + Send + Sync>;
 type Result<T> = std::result::Result<T, Failure>;
 
-/// Measure whole runs on this machine, beside their baselines
+/// Measure whole runs on this machine, with their baselines
 ///
 /// The table has a line per figure: the median with the extremes of the repetitions, the baseline
 /// measured in the same run, the ratio to it (median over pairs measured back to back), the goal. With
 /// --json, one object: version, machine, load, figures: [{item, name, value, min, max, unit,
 /// baseline: {name, value} or null, ratio, goal, met}], errors: [{item, error}]. Exit code: 0 measured
-/// (whether or not goals are met), 1 an item failed. Figures are of this machine with whatever else it
-/// is doing: look at the load.
+/// (whether or not goals are met), 1 an item failed. Other load on
+/// the machine affects the figures: see the load.
 #[derive(Debug, Parser)]
 #[command(name = "benchmarks", version)]
 struct Cli {
@@ -78,7 +78,7 @@ enum Item {
     /// iceoryx2 and a futex page), on all processors and pinned to one
     Ticks,
     /// Games/s of one core with `run --in-process` in a sweep, CPU per tick (baseline: the same games
-    /// with processes, one at a time); what a log adds
+    /// with processes, one at a time); cost of a log
     InProcess,
 }
 

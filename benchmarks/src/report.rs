@@ -240,7 +240,7 @@ mod tests {
     #[test]
     fn goals_are_judged_by_the_ratio_or_the_value() {
         let figure = Figure::once("ticks", "runtime", 90.0, "1/s").against("raw", 100.0);
-        assert_eq!(figure.met(), None, "no goal, no judgement");
+        assert_eq!(figure.met(), None, "no goal, no result");
         let least = figure.clone().with_goal(Goal::RatioAtLeast(0.8));
         assert_eq!(least.met(), Some(true));
         assert_eq!(least.with_ratio(0.7).met(), Some(false));

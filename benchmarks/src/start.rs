@@ -72,7 +72,7 @@ pub fn measure(options: Options) -> Result<Vec<Figure>> {
     }
     figures.extend(
         Spread::of(startup_times)
-            .map(|value| Figure::new(ITEM, "first tick, as the run itself says", value, "s")),
+            .map(|value| Figure::new(ITEM, "first tick, as the run reports it", value, "s")),
     );
     say("memory and log of the chase");
     figures.extend(memory_and_log()?);
@@ -106,7 +106,7 @@ fn start_once() -> Result<(Parts, f64)> {
         take(&mut parts.answered, barrier.ticks_posted() >= 2);
     })?;
     if view.is_none() {
-        return Err("the run ended before its processes were seen".into());
+        return Err("the run ended before its processes were found".into());
     }
     Ok((parts, number(&report, "/start_up_s")))
 }
@@ -165,7 +165,7 @@ fn memory_and_log() -> Result<Vec<Figure>> {
     }
     figures.push(Figure::once(
         ITEM,
-        "the whole command, start to end",
+        "whole command",
         wall,
         "s",
     ));

@@ -343,7 +343,7 @@ impl Process for TrivialPlanner {
         self.state.update_to(tick)?;
         if self.state.header.stamp.tick != tick {
             return Err(ProcessError::Protocol(format!(
-                "it is the turn of tick {tick}, but the newest world/state is of tick {}",
+                "tick {tick} is posted, but the newest world/state is of tick {}",
                 self.state.header.stamp.tick
             )));
         }

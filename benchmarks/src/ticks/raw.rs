@@ -177,7 +177,7 @@ fn connect(
     command_out.update_connections().map_err(raw("connect"))
 }
 
-/// The raw barrier leader: publishes states, posts ticks, waits, takes commands.
+/// The raw barrier leader: publishes states, posts ticks, waits, receives commands.
 #[derive(Debug)]
 pub struct RawLeader {
     page: SharedWords,

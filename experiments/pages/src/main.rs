@@ -94,7 +94,7 @@ enum PageCommand {
 
 #[derive(Debug, Args)]
 struct ResultArgs {
-    /// The directories of results, one of each experiment; the page says which are missing
+    /// The directories of results, one of each experiment; the page lists missing ones
     #[arg(value_name = "DIR")]
     results: Vec<PathBuf>,
 }

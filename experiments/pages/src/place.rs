@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 pub enum PlaceError {
     /// The experiment is not one of the page.
     #[error(
-        "{} holds the results of the experiment `{name}`; expected one of {expected}",
+        "{} contains the results of the experiment `{name}`; expected one of {expected}",
         path.display()
     )]
     Unknown {
@@ -19,7 +19,7 @@ pub enum PlaceError {
         expected: String,
     },
     /// The experiment occurs twice.
-    #[error("{} holds the experiment `{name}` again; expected each experiment once", path.display())]
+    #[error("{} contains the experiment `{name}` again; expected each experiment once", path.display())]
     Twice {
         /// The directory.
         path: PathBuf,
@@ -66,8 +66,8 @@ mod tests {
         };
         take("b").unwrap();
         for (name, expected) in [
-            ("a", "out holds the experiment `a` again"),
-            ("b", "out holds the experiment `b` again"),
+            ("a", "out contains the experiment `a` again"),
+            ("b", "out contains the experiment `b` again"),
             ("c", "experiment `c`; expected one of a, b"),
         ] {
             let error = take(name).unwrap_err().to_string();

@@ -104,7 +104,7 @@ impl Check<'_> {
         if let Some(expected) = &self.baseline.digest
             && digest != expected
         {
-            self.broke(format!("digest {digest}, but {expected} undisturbed"));
+            self.broke(format!("digest {digest}, but {expected} without faults"));
         }
     }
 
@@ -124,14 +124,14 @@ impl Check<'_> {
             mission.clean();
         }
         for run in mission.runs() {
-            self.broke(format!("the directory of run {run} is left"));
+            self.broke(format!("the directory of run {run} remains"));
         }
         for run in runs {
             let segments = faulty_run::names(Path::new("/dev/shm"), &faulty_run::prefix(run));
             if let Some(first) = segments.first() {
                 let count = segments.len();
                 self.broke(format!(
-                    "{count} x shared memory is left, as /dev/shm/{first}"
+                    "{count} shared-memory objects remain, for example /dev/shm/{first}"
                 ));
             }
         }
@@ -156,7 +156,7 @@ impl Check<'_> {
                 Ok(info) if info.condition.is_whole() => {}
                 Ok(info) => {
                     let faults = info.condition.lines().join("; ");
-                    self.broke(format!("the log is not whole: {faults}"));
+                    self.broke(format!("the log is damaged: {faults}"));
                 }
                 Err(error) => self.broke(format!("the log cannot be read: {error}")),
             }

@@ -89,7 +89,7 @@ impl Mission {
         let folder = tempfile::Builder::new()
             .prefix("pc")
             .tempdir_in("/tmp")
-            .map_err(system("cannot make a temporary folder"))?;
+            .map_err(system("cannot create a temporary directory"))?;
         let file = |name: &str| {
             let path = folder.path().join(name);
             File::create(&path).map_err(system(path.display().to_string()))

@@ -142,7 +142,7 @@ pub struct ChaosReport {
 #[derive(Debug, thiserror::Error)]
 pub enum ChaosError {
     /// The mission fails without faults.
-    #[error("undisturbed, the mission {0}")]
+    #[error("without faults, the mission {0}")]
     Baseline(String),
     /// A program cannot be started, or a file cannot be written.
     #[error("{what}: {source}")]
@@ -190,13 +190,13 @@ pub fn line(outcome: &Outcome) -> String {
     let (kind, _) = outcome.kind.describe();
     let moment = 100.0 * outcome.moment;
     let what = if outcome.injected {
-        format!("over after {over_after_s:.2} s")
+        format!("ended after {over_after_s:.2} s")
     } else {
-        "too late".to_owned()
+        "not injected: the mission had ended".to_owned()
     };
     let mut line = format!("{number:5}  {kind} {target} at {moment:.0} %: {what}");
     for broken in &outcome.broken {
-        line += &format!("\n       BROKEN: {broken}");
+        line += &format!("\n       VIOLATED: {broken}");
     }
     line
 }
@@ -207,7 +207,7 @@ pub fn text(report: &ChaosReport) -> String {
     let mut lines: Vec<String> = broken.map(line).collect();
     let lost = report.outcomes.iter().filter_map(|o| o.lost_s);
     lines.push(format!(
-        "{} faults injected in {:.1} min, {} promises broken, at most {:.3} s of a log lost",
+        "{} faults injected in {:.1} min, {} guarantees violated, at most {:.3} s of a log lost",
         report.injected,
         report.lasted_s / 60.0,
         report.broken,

@@ -14,7 +14,7 @@ pub enum LatencyError {
     #[error(transparent)]
     Log(Box<LogReadError>),
     /// The log contains nothing to measure.
-    #[error("{}: the log holds no {what}", path.display())]
+    #[error("{}: the log contains no {what}", path.display())]
     Lacks {
         /// The log.
         path: PathBuf,

@@ -39,7 +39,7 @@ pub fn run(
         .prefix("protean-latency-")
         .tempdir()
         .map_err(|source| LatencyError::System {
-            what: "cannot make a temporary folder".to_owned(),
+            what: "cannot create a temporary directory".to_owned(),
             source,
         })?;
     let log = options.log.clone();

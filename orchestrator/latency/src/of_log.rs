@@ -225,7 +225,7 @@ impl Reading {
         };
         if self.stamped == 0 {
             return Err(lacks(
-                "clocks in its stamps: it was run in one process, where nothing takes time to arrive",
+                "clock times in its stamps: runs in one process do not record them",
             ));
         }
         known.chain.settle();

@@ -25,7 +25,7 @@ pub fn text(report: &Report) -> String {
         let _ = write!(text, "\nFAILED: {error}");
     }
     if report.interrupted {
-        text += "\ninterrupted: not everything was measured";
+        text += "\ninterrupted: some measurements are missing";
     }
     text.trim_end().to_owned()
 }
@@ -94,7 +94,7 @@ fn deadlines(run: &Run) -> Vec<String> {
     if let Some(off) = run.measured.period.get(TICK_JITTER) {
         let p = off.percentiles();
         lines.push(format!(
-            "ticks      off their time by {} (p50), {} (p99), {} (max)",
+            "ticks      deviation from schedule {} (p50), {} (p99), {} (max)",
             us(p.p50),
             us(p.p99),
             us(p.max)
@@ -116,7 +116,7 @@ fn of_run(text: &mut String, run: &Run) {
         header.extend(PERCENTILES);
         header
     };
-    let mut stages = table(&header("from sense to act"), 1);
+    let mut stages = table(&header("sense-to-act"), 1);
     for (name, p) in run.stages() {
         stages.add_row([vec![name.to_owned()], cells(&p).to_vec()].concat());
     }
@@ -130,7 +130,7 @@ fn of_run(text: &mut String, run: &Run) {
     }
     let _ = writeln!(
         text,
-        "sums       stages and whole of {} ticks differ by {} ns at most",
+        "sums       sum of the stages and total of {} ticks differ by at most {} ns",
         run.measured.passages.len(),
         run.sum_error_ns()
     );
@@ -145,7 +145,7 @@ fn of_run(text: &mut String, run: &Run) {
 /// Returns a table of the parts of steps, a row per kind of process.
 fn turns(run: &Run) -> Table {
     const PARTS: [&str; 4] = ["wakes up", "takes its input", "computes", "writes"];
-    let mut header = vec!["turn of".to_owned()];
+    let mut header = vec!["step of".to_owned()];
     header.extend(PARTS.map(|part| format!("{part} p50 / p99")));
     let header: Vec<&str> = header.iter().map(String::as_str).collect();
     let mut found = table(&header, 1);
@@ -177,7 +177,7 @@ fn baselines(all: &[Baseline]) -> Table {
             placements.push(baseline.placement);
         }
     }
-    let mut header = vec!["as large as".to_owned(), "over".to_owned()];
+    let mut header = vec!["size of".to_owned(), "transport".to_owned()];
     header.extend(placements.iter().map(|p| format!("{} p50 / p99", p.name())));
     let header: Vec<&str> = header.iter().map(String::as_str).collect();
     let mut found = table(&header, 2);

@@ -47,7 +47,7 @@ impl Drop for Lock {
 /// [`SweepError::InUse`] if another sweep uses it.
 pub(super) fn lock(directory: &Path) -> Result<Lock, SweepError> {
     let path = directory.join(LOCK);
-    let file = File::create(&path).map_err(SweepError::io(&path, "cannot make the lock file"))?;
+    let file = File::create(&path).map_err(SweepError::io(&path, "cannot create the lock file"))?;
     match flock(&file, FlockOperation::NonBlockingLockExclusive) {
         Ok(()) => Ok(Lock(file)),
         Err(rustix::io::Errno::WOULDBLOCK) => Err(SweepError::InUse {
@@ -92,7 +92,7 @@ pub(super) fn read_manifest(directory: &Path) -> Result<Option<Manifest>, SweepE
         serde_json::from_slice(&text).map_err(|e| damaged(e.to_string(), e.line()))?;
     if manifest.blake3 != manifest.fingerprint() {
         return Err(damaged(
-            "its fingerprint does not fit: it was changed by hand".into(),
+            "its hash does not match: it was edited".into(),
             1,
         ));
     }

@@ -16,15 +16,15 @@ pub enum SweepError {
         source: std::io::Error,
     },
     /// Another sweep uses the directory.
-    #[error("{}: another sweep is at work there; wait for its end, or choose another --out", path.display())]
+    #[error("{}: another sweep uses the directory; wait for its end, or choose another --out", path.display())]
     InUse {
         /// The directory.
         path: PathBuf,
     },
     /// The results belong to another experiment, or to another version of it or of the program.
     #[error(
-        "{} holds the results of another experiment: {difference}; \
-         choose another --out, or remove the directory if its results are not needed any more",
+        "{} contains the results of another experiment: {difference}; \
+         choose another --out, or remove the directory if its results are no longer needed",
         path.display()
     )]
     Other {
@@ -63,7 +63,7 @@ pub enum SweepError {
     /// Two results of the same mission differ.
     #[error(
         "{}: two different results of {mission}: {difference}; \
-         a mission's result follows from the experiment alone, so one of them was made by another \
+         a result depends only on the experiment, so one of them was made by another \
          program: remove one of the two directories",
         path.display()
     )]
@@ -110,7 +110,7 @@ fn if_full(source: &std::io::Error) -> &'static str {
     use std::io::ErrorKind::{QuotaExceeded, StorageFull};
     match source.kind() {
         StorageFull | QuotaExceeded => {
-            "; what is done is kept: make room and give the same command again"
+            "; finished missions are kept: free disk space and repeat the command"
         }
         _ => "",
     }

@@ -95,7 +95,7 @@ impl<S: Subject> ExperimentOf<S> {
         let figures = read_figures(reader, &parameters);
         for (key, expected) in S::FOREIGN_KEYS {
             if root.get(key).is_some() {
-                let message = format!("`{key}` does not fit an experiment of {}", S::UNIT);
+                let message = format!("`{key}` is not a key of an experiment of {}", S::UNIT);
                 reader.refuse(&FieldPath::key(key), Code::Requirement, &message, expected);
             }
         }

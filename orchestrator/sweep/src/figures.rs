@@ -124,9 +124,9 @@ fn shown(results: &Results) -> Result<Shown, SweepError> {
             text.get(..span.start)
                 .map_or(1, |before| before.matches('\n').count() + 1)
         }),
-        what: "not the experiment file that was run".to_owned(),
+        what: "not the experiment file of these results".to_owned(),
         found: error.message().to_owned(),
-        expected: "the file as `protean sweep` has put it there",
+        expected: "the copy that `protean sweep` wrote",
     })
 }
 
@@ -141,7 +141,7 @@ fn read_published(path: &Path) -> Result<Vec<Published>, SweepError> {
         line: error.position().map_or(1, |p| p.line() as usize),
         what: "not a table of points".to_owned(),
         found: error.to_string(),
-        expected: "the columns series, x, y, and perhaps low and high, with numbers",
+        expected: "the columns series, x, y, and optionally low and high, with numbers",
     })
 }
 

@@ -19,7 +19,7 @@ pub(super) struct Written {
 pub(super) fn read(reader: &mut Reader, parameters: &[Parameter]) -> Option<Vec<Vec<Written>>> {
     if reader.root.get("grid").is_none() {
         if let Some(parameter) = parameters.first() {
-            let message = format!("parameter `{}` is given no values", parameter.name);
+            let message = format!("parameter `{}` is not in the grid", parameter.name);
             reader.refuse(
                 &FieldPath::key("parameters").then(&parameter.name),
                 Code::Requirement,

@@ -77,7 +77,7 @@ impl Journal {
         let torn = whole < bytes.len();
         if torn {
             file.set_len(whole as u64)
-                .map_err(SweepError::io(&path, "cannot cut off the torn last line"))?;
+                .map_err(SweepError::io(&path, "cannot remove the incomplete last line"))?;
         }
         Ok(Opened {
             journal: Self { file, path },

@@ -108,7 +108,7 @@ impl Manifest {
             return None;
         }
         let other =
-            || "compare its experiment.toml and the scenarios named there with yours".to_owned();
+            || "compare its experiment.toml and its scenarios with yours".to_owned();
         Some(self.other_program(theirs).unwrap_or_else(other))
     }
 }

@@ -50,7 +50,7 @@ fn read_one(reader: &mut Reader, name: String, path: &FieldPath, node: &Node) ->
             path,
             Code::OutOfRange,
             &format!("`{name}` cannot be the name of a column"),
-            "1 to 48 of a-z, A-Z, 0-9, `_`, `-`, and none of the columns that results have anyway",
+            "1 to 48 of a-z, A-Z, 0-9, `_`, `-`, and not the name of another column of the results",
         );
     }
     let spec: ParameterSpec = reader.read(node, path)?;

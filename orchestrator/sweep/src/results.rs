@@ -55,7 +55,7 @@ impl<R: Record> Results<R> {
         experiment: &str,
     ) -> Result<Self, SweepError> {
         std::fs::create_dir_all(directory)
-            .map_err(SweepError::io(directory, "cannot make the directory"))?;
+            .map_err(SweepError::io(directory, "cannot create the directory"))?;
         let lock = lock(directory)?;
         let mut manifest = manifest.clone();
         match read_manifest(directory)? {
@@ -100,7 +100,7 @@ impl<R: Record> Results<R> {
             return Err(SweepError::Other {
                 path: directory.to_owned(),
                 difference: format!(
-                    "its kind is {:?}, here results of the kind {:?} are wanted",
+                    "its kind is {:?}, expected {:?}",
                     manifest.kind,
                     R::KIND
                 ),
@@ -123,7 +123,7 @@ impl<R: Record> Results<R> {
         };
         if opened.torn {
             results.notes.push(format!(
-                "{}: the last line was torn and has been cut off; its mission runs again",
+                "{}: the last line was incomplete and has been removed; its mission runs again",
                 directory.join(journal::FILE).display()
             ));
         }

@@ -129,7 +129,7 @@ pub fn run<S: Subject>(
     let logs = results.directory().join("logs");
     if options.log != LogPolicy::None {
         std::fs::create_dir_all(&logs)
-            .map_err(SweepError::io(&logs, "cannot make the directory"))?;
+            .map_err(SweepError::io(&logs, "cannot create the directory"))?;
     }
     let jobs = options.jobs.clamp(1, open.len().max(1));
     let shared = Shared {
@@ -311,7 +311,7 @@ impl<S: Subject> Shared<'_, S> {
             Ok(Some(ended)) => ended,
             Ok(None) => {
                 let limit = self.options.timeout.as_secs_f64();
-                failed(format!("it was not over after {limit} s of real time"))
+                failed(format!("it did not end within {limit} s of real time"))
             }
             Err(panic) => failed(format!("it panicked: {}", panic_words(panic.as_ref()))),
         };
@@ -370,5 +370,5 @@ fn discard(log: Option<&Path>) {
 fn panic_words(panic: &(dyn std::any::Any + Send)) -> String {
     let text = panic.downcast_ref::<&str>().map(|s| (*s).to_owned());
     text.or_else(|| panic.downcast_ref::<String>().cloned())
-        .unwrap_or_else(|| "without a word".to_owned())
+        .unwrap_or_else(|| "without a message".to_owned())
 }

@@ -45,7 +45,7 @@ impl Draft {
                 .or_insert_with(|| toml::Value::Table(toml::Table::new()));
             table = below
                 .as_table_mut()
-                .ok_or_else(|| format!("`{key}` is no table"))?;
+                .ok_or_else(|| format!("`{key}` is not a table"))?;
         }
         table.insert(last.to_owned(), value);
         Ok(())

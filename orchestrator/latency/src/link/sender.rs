@@ -89,11 +89,11 @@ impl Link {
             .create()
             .map_err(LinkError::raw("notify"))?;
         let listener = UnixListener::bind(socket_path(&config.root))
-            .map_err(LinkError::system("cannot make a socket"))?;
+            .map_err(LinkError::system("cannot create a socket"))?;
         let mode = rustix::fs::Mode::RUSR | rustix::fs::Mode::WUSR;
         let fifo = rustix::fs::FileType::Fifo;
         rustix::fs::mknodat(rustix::fs::CWD, pipe_path(&config.root), fifo, mode, 0)
-            .map_err(|e| LinkError::system("cannot make a pipe")(e.into()))?;
+            .map_err(|e| LinkError::system("cannot create a pipe")(e.into()))?;
         // The receiver pins itself before it opens anything.
         let mut receiver = Receiver::start(&config)?;
         let is_ready = |count| page.word(READY).load(Ordering::SeqCst) >= count;
@@ -242,7 +242,7 @@ impl Link {
             if Instant::now() > *limit.get_or_insert_with(|| Instant::now() + ARRIVES_WITHIN) {
                 self.receiver.check()?;
                 return Err(LinkError::TooSlow {
-                    what: "take a message",
+                    what: "receive a message",
                     limit: ARRIVES_WITHIN,
                 });
             }

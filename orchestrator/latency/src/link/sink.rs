@@ -74,7 +74,7 @@ impl Sink {
     fn open(config: &SinkConfig) -> Result<Self, LinkError> {
         let stop = Arc::new(AtomicBool::new(false));
         runtime::guard::watch_parent(Arc::clone(&stop))
-            .map_err(LinkError::system("cannot start the parent guard"))?;
+            .map_err(LinkError::system("cannot watch the parent process"))?;
         if let Some(processor) = config.processor {
             pin(processor)?;
         }
@@ -195,7 +195,7 @@ fn framed(from: &mut impl Read, buffer: &mut [u8]) -> Result<Next, LinkError> {
         let (begun, bytes) = (word(0), word(8));
         let bytes = usize::try_from(bytes).unwrap_or(usize::MAX);
         let payload = payload.get_mut(..bytes).ok_or_else(|| {
-            std::io::Error::new(std::io::ErrorKind::InvalidData, "longer than agreed")
+            std::io::Error::new(std::io::ErrorKind::InvalidData, "longer than the maximum payload")
         })?;
         from.read_exact(payload)?;
         Ok((begun, monotonic_ns()))
@@ -229,7 +229,7 @@ mod tests {
         assert!(matches!(read(b""), Ok(Next::Closed)));
         assert!(
             read(&bytes(7, u64::MAX, b"abc")).is_err(),
-            "longer than agreed"
+            "longer than the maximum payload"
         );
     }
 }

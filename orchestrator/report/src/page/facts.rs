@@ -69,18 +69,18 @@ pub(super) fn missing(gathered: &Gathered) -> Vec<String> {
         missing.push("the log is a part of another: it was cut by time or topic".to_owned());
     }
     if gathered.facts.is_recovered {
-        missing.push("the log was saved from one that was not whole".to_owned());
+        missing.push("the log was recovered from a damaged one".to_owned());
     }
     if count("world/state") == 0 {
-        missing.push("no world/state: robots stand where they started".to_owned());
+        missing.push("no world/state: robots are shown at their start poses".to_owned());
     } else if !gathered.over {
         missing.push(
-            "the log ends before the run did: outcomes are those of its last state".to_owned(),
+            "the log ends before the run: outcomes are those of its last state".to_owned(),
         );
     }
     if !gathered.facts.result.contains_key("robots") {
         missing
-            .push("no result of the run: it was killed, or its end is not in the log".to_owned());
+            .push("no result of the run: the run was killed, or its end is not in the log".to_owned());
     }
     for topic in ["world/event", "world/map"] {
         if !gathered.counts.contains_key(topic) {
@@ -93,7 +93,7 @@ pub(super) fn missing(gathered: &Gathered) -> Vec<String> {
         (happened.waypoints_omitted, "waypoints"),
     ] {
         if omitted > 0 {
-            missing.push(format!("{omitted} {what} more than the page has room for"));
+            missing.push(format!("{omitted} {what} omitted: the page has a maximum number"));
         }
     }
     missing.extend(gathered.notes.iter().cloned());

@@ -16,7 +16,7 @@ fn heading(figure: Figure) -> (String, &'static str) {
         Figure::Idleness => ("Time since the last visit", "s"),
         Figure::BeliefError => ("Belief error: distance from its mean to the evader", "m"),
         Figure::BeliefSpread => ("Spread of the belief (standard deviation)", "m"),
-        Figure::SafeShare => ("Area that the evader reaches whatever the Police do", "%"),
+        Figure::SafeShare => ("Area that the evader reaches safely", "%"),
         Figure::PredictionError(bits) => {
             let ahead = f64::from_bits(bits);
             return (

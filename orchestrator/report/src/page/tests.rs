@@ -150,7 +150,7 @@ fn topics_that_are_not_there_are_named() {
     let (report, facts) = facts(&without);
     let missing = report.missing.join("\n");
     assert!(
-        missing.contains("no world/state: robots stand where they started"),
+        missing.contains("no world/state: robots are shown at their start poses"),
         "{missing}"
     );
     assert!(missing.contains("part of another"), "{missing}");

@@ -37,7 +37,7 @@ impl Consumer<LoggedRun> for Timing {
             match chain_of(&run.facts.scenario_text, self.kinds) {
                 Ok(chain) => self.chain = Some(chain),
                 Err(reason) => run.note(format!(
-                    "latency histograms: the log's processes cannot be told apart: {reason}"
+                    "no latency histograms: the processes of the log are unknown: {reason}"
                 )),
             }
         }

@@ -105,37 +105,36 @@ impl Legend {
         }
         rows.push(Row::new(
             RowSign::Trail,
-            "way so far, from its start; bolder is later",
+            "path so far; later parts are bolder",
         ));
         if !trace.beliefs.is_empty() {
-            let text = "where the Police think the evaders may be: each dot is one guess of their \
-                        particle filter";
+            let text = "belief of the Police about the evaders: particles of their filter";
             rows.push(Row::new(RowSign::Belief, text));
         }
         if !trace.plans.is_empty() {
-            rows.push(Row::new(RowSign::Plan, "where a robot means to go"));
+            rows.push(Row::new(RowSign::Plan, "planned path"));
         }
         if !trace.trees.is_empty() {
-            let text = "the tree in which an evader searched for its way";
+            let text = "search tree of an evader";
             rows.push(Row::new(RowSign::Tree, text));
         }
         if trace.dominance.is_some() {
             for (color, text) in [
                 (
                     palette::EVADER,
-                    "an evader gets there whatever the Police do",
+                    "an evader reaches it safely",
                 ),
                 (
                     palette::OBSTACLE,
-                    "an evader would be first, but can be cut off",
+                    "an evader is first, but can be cut off",
                 ),
-                (palette::POLICE, "the Police are there first"),
+                (palette::POLICE, "the Police are first"),
             ] {
                 rows.push(Row::new(RowSign::Area(color), text));
             }
         }
         if !trace.static_scene.exits.is_empty() {
-            rows.push(Row::new(RowSign::Exit, "exit: who gets there is free"));
+            rows.push(Row::new(RowSign::Exit, "exit for the evaders"));
         }
         for (kind, text) in [
             (MarkKind::Captured, "caught here"),
@@ -150,7 +149,7 @@ impl Legend {
             rows.push(Row::new(RowSign::Wall, "walls and blocks"));
         }
         if trace.static_scene.obstacles.values().any(|o| o.came) {
-            rows.push(Row::new(RowSign::Obstacle, "put there during the run"));
+            rows.push(Row::new(RowSign::Obstacle, "changed during the run"));
         }
         // The whole description is in the scenario.
         let mut story = wrap(&trace.description, STORY, LEGEND);

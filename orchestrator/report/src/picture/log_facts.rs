@@ -57,7 +57,7 @@ impl LogFacts {
         let scenario =
             LoggedScenario::parse(data).map_err(|reason| LogReadError::NotRepeatable {
                 path: log.to_owned(),
-                reason: format!("the scenario in it cannot be understood: {reason}"),
+                reason: format!("its scenario cannot be parsed: {reason}"),
             })?;
         self.scenario = Some(scenario);
         self.scenario_text = String::from_utf8_lossy(data).into_owned();

@@ -169,7 +169,7 @@ impl LoggedRun {
         match known::check_layout(log, channel, self.facts.version()) {
             Err(_) if self.purpose == Purpose::Page && topic != TopicId::WorldState => {
                 self.note(format!(
-                    "{}: its messages are not those of this version and are left out",
+                    "{}: its messages are of another version and are left out",
                     channel.topic
                 ));
                 Ok(())

@@ -74,7 +74,7 @@ impl Builder<'_> {
             .field(format!("{}: parameters.{parameter}.scale", error.label))
             .value(error.found)
             .expected(format!(
-                "a number that the scenario of case `{case}` writes down, or a number in its place"
+                "a number that the scenario of case `{case}` contains, or a number in its place"
             ));
         self.reader.problems.push(problem);
     }
@@ -188,19 +188,19 @@ fn unfit<D>(
             Diagnostic::new(Code::Requirement, "a sweep runs in lock-step")
                 .field("run.mode")
                 .value("\"real_time\"")
-                .expected("\"lock_step\": results by the clock could not be reproduced"),
+                .expected("\"lock_step\": real-time results cannot be reproduced"),
         );
     }
     if !options.allow_external {
         for process in scenario.external_commands() {
             let message = format!(
-                "the scenario of case `{}` starts a program that is not Protean's own",
+                "the scenario of case `{}` starts an external program",
                 case.case.name
             );
             found.push(
                 Diagnostic::new(Code::Requirement, message)
                     .field(format!("{}: processes.{}.command", case.path, process.name))
-                    .expected("--allow-external, once you have looked at it"),
+                    .expected("--allow-external, after a review of the program"),
             );
         }
     }

@@ -27,7 +27,7 @@ impl Experiment {
                     .join(", ")
             };
             notes.push(format!(
-                "the cells ({}) and ({}) are the same scenario: their results will be the same",
+                "the cells ({}) and ({}) have the same scenario, and therefore the same results",
                 values(earlier),
                 values(cell),
             ));

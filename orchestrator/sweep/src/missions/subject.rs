@@ -116,7 +116,7 @@ fn open(
                 .problem(
                     path,
                     Code::UnknownName,
-                    format!("no scenario `{name}` is built in"),
+                    format!("there is no built-in scenario `{name}`"),
                 )
                 .expected(list_choices(&names));
             if let Some(near) = nearest(name, names) {

@@ -45,7 +45,7 @@ impl Subject for Task {
         ("scenario", "`task`: plans have no scenario"),
         (
             "figures",
-            "no figures: experiments/pages draws those of plans",
+            "no figures: `experiments/pages` draws figures of plans",
         ),
     ];
 
@@ -118,7 +118,7 @@ fn cells(
                         let message = format!("`{}` is not scaled by a number", parameter.name);
                         let problem = Diagnostic::new(Code::Requirement, message)
                             .field(format!("{}: {}", error.label, error.key))
-                            .expected("a number: there is no scenario that could hold one");
+                            .expected("a number: plans have no scenario with a key to scale by");
                         reader.problems.push(problem);
                     }
                 }

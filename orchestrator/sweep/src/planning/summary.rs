@@ -108,7 +108,7 @@ pub fn text(results: &PlanResults, report: Option<&RunReport>) -> String {
     let broken: Vec<_> = results.rows().filter(|(_, row)| row.is_failed()).collect();
     for (mission, row) in broken.iter().take(20) {
         text += &format!(
-            "\nbroken down: {}: {}",
+            "\nfailed: {}: {}",
             results.describe(*mission),
             row.error
         );

@@ -98,7 +98,7 @@ fn a_factor_must_be_written_in_the_scenario() {
         &[
             "`relative_speed` cannot be scaled by `teams.police.limits.omega_max`",
             "value: nothing",
-            "a number that the scenario of case `potential` writes down",
+            "a number that the scenario of case `potential` contains",
         ],
     );
     refused(

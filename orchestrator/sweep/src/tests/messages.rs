@@ -67,7 +67,7 @@ fn scenarios_that_are_not_there_are_refused() {
         "builtin:chase_exact",
         "builtin:chase_exakt",
         &[
-            "no scenario `chase_exakt` is built in",
+            "there is no built-in scenario `chase_exakt`",
             "did you mean `builtin:chase_exact`?",
         ],
     );
@@ -158,7 +158,7 @@ fn values_of_the_grid_are_checked() {
     refused(
         "[grid]\nrelative_speed = [0.8, 1.5, 2]",
         "",
-        &["is given no values", "[grid]"],
+        &["is not in the grid", "[grid]"],
     );
     let levels = "levels = { slow = { rules.time_limit = 5 } }";
     let text = changed(
@@ -249,7 +249,7 @@ fn an_impossible_sweep_is_refused() {
         "{ kind = \"evader_braitenberg\", team = \"evader\" }",
         "{ name = \"mine\", command = [\"./mine\"], team = \"evader\" }",
         &[
-            "starts a program that is not Protean's own",
+            "starts an external program",
             "--allow-external",
         ],
     );

@@ -1,10 +1,10 @@
-// What the log holds: facts, and lists of numbers.
+// Content of the log: facts, and lists of numbers.
 
 const facts = JSON.parse(document.getElementById('facts').textContent);
 const $ = (id) => document.getElementById(id);
 const words = (name) => name.replaceAll('_', ' ');
 
-/** Bytes of base64. */
+/** Decodes base64. */
 function fromBase64(text) {
   const binary = atob(text);
   const bytes = new Uint8Array(binary.length);
@@ -18,7 +18,7 @@ async function inflate(bytes) {
   return new Uint8Array(await new Response(stream).arrayBuffer());
 }
 
-/** The lists by name: bytes of the same worth stand together, numbers are differences. */
+/** Decodes the lists by name: bytes are grouped by significance, numbers are differences. */
 function unpackLists(data) {
   const lists = {};
   for (const { name, at, length, bytes, differences } of facts.lists) {
@@ -33,7 +33,7 @@ function unpackLists(data) {
   return lists;
 }
 
-/** Index of the last of these ascending numbers that is not above a value; -1 if all are. */
+/** Index of the last of these ascending numbers that is at most a value; -1 if all are above. */
 function lastUpTo(numbers, value, length = numbers.length) {
   let low = 0, high = length;
   while (low < high) {
@@ -43,7 +43,7 @@ function lastUpTo(numbers, value, length = numbers.length) {
   return low - 1;
 }
 
-/** Seconds as the lists count them. */
+/** Seconds in the time unit of the lists. */
 const ticksOf = (seconds) => Math.round(seconds * 1e4);
 
 const lists = unpackLists(await inflate(fromBase64($('data').textContent)));
@@ -55,7 +55,7 @@ const frames = lists.time.length;
 const end = Math.max(facts.end_s, lists.time[frames - 1] / 1e4);
 const STATUS = ['active', 'caught', 'escaped', 'timed_out', 'goal_reached', 'disabled'];
 
-/** Number of the state that holds at a time. */
+/** Index of the state at a time. */
 const frameAt = (t) => Math.max(0, lastUpTo(lists.time, ticksOf(t)));
 
 /** State of a robot. */
@@ -83,7 +83,7 @@ function robotBetween(robot, t) {
   };
 }
 
-/** A layer's items by robot: times, where their parts begin, how many they are. */
+/** A layer's items by robot: times, begin and count of their parts. */
 function byRobot(name) {
   const robots = new Map();
   const time = lists[`${name}.time`], robot = lists[`${name}.robot`], count = lists[`${name}.count`];
@@ -100,7 +100,7 @@ function byRobot(name) {
 const layerItems = {};
 for (const name of ['beliefs', 'plans', 'trees', 'scans', 'predictions']) layerItems[name] = byRobot(name);
 
-/** The last item of a robot in a layer up to a time: number, begin and count of its parts, age [s]. */
+/** The last item of a robot in a layer up to a time: index, begin and count of its parts, age (s). */
 function latest(name, robot, t) {
   const of = layerItems[name].get(robot);
   const i = of ? lastUpTo(of.time, ticksOf(t)) : -1;

@@ -1,4 +1,4 @@
-// What does not drive: walls, obstacles that come and go, exits; and what hides what.
+// The static scene: walls, obstacles that change, exits; and lines of sight.
 
 /** A shape as a closed path: corners, or a disc. */
 function tracePath(path, shape) {
@@ -23,7 +23,7 @@ for (const exit of facts.ground.exits) tracePath(exitPath, exit);
 
 let groundCache = null;
 
-/** What stands at a time: paths of the map and of what came, and the edges of both. */
+/** The static scene at a time: paths of the map and of changed obstacles, and the edges of both. */
 function groundAt(t) {
   const { obstacles, changes } = facts.ground;
   let revision = 0;
@@ -56,10 +56,10 @@ function groundAt(t) {
   return groundCache;
 }
 
-/** Most edges with which lines of sight are drawn. */
+/** Maximum number of edges for which lines of sight are drawn. */
 const MAX_EDGES = 3000;
 
-/** What can be seen from a place within a range and a field of view (none: all): corners of a polygon. */
+/** Area visible from a position within a range and a field of view (none: all): corners of a polygon. */
 function seenFrom({ x, y, theta }, { range, field_of_view: opening }, edges) {
   const angles = [];
   if (edges.length <= 200) {
@@ -70,7 +70,7 @@ function seenFrom({ x, y, theta }, { range, field_of_view: opening }, edges) {
   }
   if (edges.length > 200 || range) for (let i = -180; i < 180; i++) angles.push(i * Math.PI / 180);
   const turn = Math.min(opening ?? 2 * Math.PI, 2 * Math.PI);
-  // From the right end of the opening on.
+  // Begins at the right end of the field of view.
   const begin = turn < 2 * Math.PI ? theta - turn / 2 : -Math.PI;
   const relative = (angle) => (angle - begin) - 2 * Math.PI * Math.floor((angle - begin) / (2 * Math.PI));
   const within = angles.map(relative).filter((angle) => angle <= turn);

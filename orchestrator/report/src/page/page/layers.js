@@ -1,6 +1,6 @@
-// What is drawn on the map, from the ground up.
+// Layers of the map, from the lowest to the highest.
 
-/** Smallest radius of a robot on the page [px]: smaller ones are drawn larger. */
+/** Minimum radius of a robot on the page (px): smaller robots are enlarged. */
 const SMALLEST_DISC = 7;
 const trailCanvas = document.createElement('canvas');
 const trailPaint = trailCanvas.getContext('2d');
@@ -11,15 +11,15 @@ const some = (name) => lists[`${name}.time`].length > 0;
 /** The layers, in the order of the legend. */
 const LAYERS = [
   { id: 'ground', text: 'map, obstacles, exits', colour: 'wall', there: true, on: true },
-  { id: 'trails', text: 'ways so far, from the start', colour: 'police', there: frames > 1, on: true },
-  { id: 'plans', text: 'where a robot means to go', colour: 'plan', there: some('plans'), on: true },
+  { id: 'trails', text: 'paths so far', colour: 'police', there: frames > 1, on: true },
+  { id: 'plans', text: 'planned paths', colour: 'plan', there: some('plans'), on: true },
   { id: 'waypoints', text: 'waypoints: reached (filled), left out (cross)', colour: 'exit', there: some('waypoints'), on: true },
-  { id: 'beliefs', text: 'where the Police think the evaders may be', colour: 'belief', there: some('beliefs'), on: true },
+  { id: 'beliefs', text: 'beliefs of the Police about the evaders', colour: 'belief', there: some('beliefs'), on: true },
   { id: 'trees', text: 'search trees', colour: 'evader', there: some('trees'), on: true },
-  { id: 'sight', text: 'what those who look can see (lines of sight on the map)', colour: 'police',
+  { id: 'sight', text: 'fields of view (lines of sight on the map)', colour: 'police',
     there: facts.eyes.length > 0, on: false },
   { id: 'scans', text: 'range scans', colour: 'obstacle', there: some('scans'), on: false },
-  { id: 'predictions', text: 'where observers think robots will be', colour: 'belief-ink', there: some('predictions'), on: true },
+  { id: 'predictions', text: 'predictions of the observers', colour: 'belief-ink', there: some('predictions'), on: true },
   { id: 'names', text: 'names', colour: 'ink', there: true, on: true },
 ];
 const shown = Object.fromEntries(LAYERS.map((layer) => [layer.id, layer.there && layer.on]));
@@ -32,7 +32,7 @@ function drawGround(t) {
   paint.strokeStyle = colours.edge;
   paint.strokeRect(min[0], min[1], max[0] - min[0], max[1] - min[1]);
   if (!shown.ground) return;
-  // The outline first: where walls overlap, none shows.
+  // The outlines first: overlapping walls hide them.
   if (lists.walls.length === 0) paint.stroke(ground.walls);
   paint.fillStyle = colours.wall;
   paint.fill(ground.walls);
@@ -50,7 +50,7 @@ function drawGround(t) {
   paint.setLineDash([]);
 }
 
-/** What the fields of view of the run show at a time: their polygons, with the teams of their robots. */
+/** Fields of view at a time: their polygons, with the teams of their robots. */
 function sightAt(t) {
   const { edges } = groundAt(t);
   if (edges.length > MAX_EDGES) return [];
@@ -79,7 +79,7 @@ function drawSight(t) {
   paint.globalAlpha = 1;
 }
 
-/** The way of one robot between two states, thinned to what can be told apart. */
+/** The trail of one robot between two states, simplified to the visible detail. */
 function strokeWay(ctx, robot, from, to) {
   const base = robot * frames;
   const nearest = 1 / view.scale;
@@ -96,11 +96,11 @@ function strokeWay(ctx, robot, from, to) {
   ctx.stroke();
 }
 
-/** How far the ways' canvas reaches beyond the map on each side, in parts of the map's size. */
+/** Margin of the trails' canvas beyond the map on each side, relative to the map's size. */
 const BEYOND = 0.4;
 
-/** The ways stay on a canvas of their own, larger than the map: while the view rests or moves a
- * little (with a robot that is followed), only what is new is drawn. */
+/** The trails have a separate canvas, larger than the map: while the view is still or moves a
+ * little (following a robot), only new parts are drawn. */
 function drawTrails(t, length) {
   const frame = frameAt(t);
   const from = length === Infinity ? 0 : frameAt(t - length);
@@ -132,7 +132,7 @@ function drawTrails(t, length) {
   paint.globalAlpha = 0.55;
   paint.drawImage(trailCanvas, -beyond[0] - dx, -beyond[1] - dy);
   paint.globalAlpha = 1;
-  // On to where the robots are between two states.
+  // The last part, to the robots' interpolated positions.
   inMetres(paint);
   paint.lineWidth = 2.4 / view.scale;
   paint.globalAlpha = 0.55;
@@ -147,7 +147,7 @@ function drawTrails(t, length) {
   paint.globalAlpha = 1;
 }
 
-/** Calls back with the last item of every robot that plays. */
+/** Calls back with the last item of every robot that is in the game. */
 function eachLatest(name, t, most, draw) {
   const frame = frameAt(t);
   for (const robot of layerItems[name].keys()) {
@@ -157,7 +157,7 @@ function eachLatest(name, t, most, draw) {
   }
 }
 
-/** After this time without a new one [s], what was believed or scanned is old. */
+/** Age from which a belief or a scan is out of date (s). */
 function oldAfter(name) {
   let longest = 2;
   for (const of of layerItems[name].values()) {
@@ -230,7 +230,7 @@ function drawScans(t) {
   inMetres(paint);
   eachLatest('scans', t, OLD.scans, (robot, { item, begin, count, age }) => {
     if (robot >= facts.robots.length) return;
-    // From where it was taken.
+    // From the pose of the scan.
     const state = robotAt(robot, frameAt(t - age));
     const angle = (n) => lists['scans.angles'][n] / 65536 * 2 * Math.PI;
     const [first, turn] = [angle(2 * item), angle(2 * item + 1)];
@@ -304,7 +304,7 @@ function drawWaypoints(t) {
   paint.globalAlpha = 1;
 }
 
-/** Radius of a robot's disc on the page [px]. */
+/** Radius of a robot's disc on the page (px). */
 const discOf = (robot) => Math.max(SMALLEST_DISC, facts.robots[robot].radius * view.scale);
 
 function drawRobots(t, followed) {
@@ -322,7 +322,7 @@ function drawRobots(t, followed) {
     paint.arc(x, y, r, 0, 2 * Math.PI);
     paint.fill();
     paint.stroke();
-    // Where it looks.
+    // Heading.
     const nose = ([angle, far]) => [x + far * r * Math.cos(state.theta + angle), y - far * r * Math.sin(state.theta + angle)];
     paint.beginPath();
     [[0, 1.75], [0.55, 1], [-0.55, 1]].map(nose).forEach((p, i) => (i ? paint.lineTo(...p) : paint.moveTo(...p)));
@@ -339,7 +339,7 @@ function drawRobots(t, followed) {
   }
 }
 
-/** Signs where robots were caught, got out or arrived. */
+/** Symbols at which robots were caught, escaped or arrived. */
 function drawMarks(t) {
   inPixels(paint);
   for (const [time, kind, robot, , ex, ey] of facts.events) {
@@ -369,7 +369,7 @@ function drawMarks(t) {
   }
 }
 
-/** Names beside the robots, where there is room. */
+/** Names beside the robots, if there is room. */
 function drawNames(t) {
   inPixels(paint);
   paint.font = '13px system-ui, sans-serif';
@@ -424,7 +424,7 @@ function drawScaleBar() {
   paint.fillText(`${metres} m`, x + long + 8, y);
 }
 
-/** Everything at a time. */
+/** Draws all layers at a time. */
 function drawMap(t, followed, trail) {
   paint.setTransform(1, 0, 0, 1, 0, 0);
   paint.fillStyle = colours.paper;

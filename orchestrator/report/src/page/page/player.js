@@ -1,11 +1,11 @@
-// Time goes on: buttons, keys, and what tests and the curious may ask the page.
+// Playback: buttons, keys, and the interface for tests.
 
 const SPEEDS = [0.25, 0.5, 1, 2, 4, 8, 16, 32, 64];
 
 const player = {
   t: 0, playing: false, speed: 1, followed: -1, trail: Infinity, waiting: false, before: 0, drawn: 0,
 
-  /** Draws once, soon. */
+  /** Schedules one redraw. */
   redraw() {
     if (this.waiting) return;
     this.waiting = true;
@@ -15,7 +15,7 @@ const player = {
   step(now) {
     this.waiting = false;
     if (this.playing) {
-      // After a pause of the browser the mission goes on where it was.
+      // After a pause of the browser, playback continues at the same time.
       this.t += Math.min(0.25, Math.max(0, (now - this.before) / 1e3)) * this.speed;
       if (this.t >= end) { this.t = end; this.pause(); }
     }
@@ -74,20 +74,20 @@ const player = {
   },
 };
 
-/** Everything anew: after a change of size or colours. */
+/** Redraws everything after a change of size or colours. */
 function refresh() {
   readColours();
   resizeView();
   eventPicture = null;
   for (const plot of plots) plot.picture = null;
   drawHistograms();
-  // At once: a canvas is empty after a change of its size.
+  // Immediately: a canvas is empty after a change of its size.
   player.draw();
 }
 
 for (const speed of SPEEDS) $('speed').append(element('option', { value: String(speed), textContent: `${speed}×` }));
 player.setSpeed(1);
-$('follow').append(element('option', { value: '-1', textContent: 'nobody' }));
+$('follow').append(element('option', { value: '-1', textContent: 'no robot' }));
 facts.robots.forEach((robot, i) => $('follow').append(element('option', { value: String(i), textContent: robot.name })));
 $('scrub').max = end;
 $('play').addEventListener('click', () => player.toggle());
@@ -143,7 +143,7 @@ eventsCanvas.addEventListener('pointermove', (event) => {
   if (marker) $('event-words').textContent = sayMarker(marker);
 });
 
-/** Goes to the next or the previous event. */
+/** Seeks the next or the previous event. */
 function toEvent(direction) {
   const i = direction > 0 ? lastUpTo(markerTimes, player.t + 1e-6) + 1 : lastUpTo(markerTimes, player.t - 1e-3);
   if (i < 0 || i >= markers.length) return;
@@ -151,7 +151,7 @@ function toEvent(direction) {
   $('event-words').textContent = sayMarker(markers[i]);
 }
 
-/** Goes some states on. */
+/** Seeks a number of states forward. */
 function toFrame(by) {
   player.pause();
   const frame = Math.min(frames - 1, Math.max(0, frameAt(player.t) + by));
@@ -175,7 +175,7 @@ document.addEventListener('keydown', (event) => {
   const at = event.target;
   if (event.ctrlKey || event.altKey || event.metaKey || $('keys').open) return;
   if (at.tagName === 'SELECT' || (at.tagName === 'INPUT' && at.type !== 'range' && event.key === ' ')) return;
-  // A button or a fold that has the focus takes the space for itself.
+  // A focused button or section handles the space key.
   if (event.key === ' ' && (at.tagName === 'BUTTON' || at.tagName === 'SUMMARY')) return;
   const action = KEYS[event.key];
   if (!action) return;
@@ -189,10 +189,10 @@ new ResizeObserver(refresh).observe($('map-box'));
 matchMedia('(prefers-color-scheme: dark)').addEventListener('change', refresh);
 window.addEventListener('scroll', () => player.redraw(), { passive: true });
 
-/** For tests, and for whoever looks under the bonnet. */
+/** Interface for tests and the browser console. */
 window.protean = {
   outcome: facts.outcome, digest: facts.digest, missing: facts.missing, end_s: end, frames, raster, facts,
-  /** The last state of the world up to a time [s]. */
+  /** The last state of the world up to a time (s). */
   at(t) {
     const frame = frameAt(t);
     return {
@@ -203,7 +203,7 @@ window.protean = {
       }),
     };
   },
-  /** What the layers hold at a time [s]: number of parts by layer and robot. */
+  /** Content of the layers at a time (s): number of parts by layer and robot. */
   layersAt(t) {
     const found = {};
     for (const name of Object.keys(layerItems)) {
@@ -214,7 +214,7 @@ window.protean = {
     }
     return found;
   },
-  /** What the fields of view of the run show at a time [s]: polygons by name. */
+  /** Fields of view at a time (s): polygons by name. */
   sightAt: (t) => Object.fromEntries(sightAt(t).map(({ name, corners }) => [name, corners])),
   seek: (t) => player.seek(t), play: () => player.play(), pause: () => player.pause(),
   get t() { return player.t; },

@@ -3,7 +3,7 @@
 const plots = [];
 const PAD = { left: 52, right: 12, top: 8, bottom: 22 };
 
-/** A number with as many digits as it needs. */
+/** Formats a number with the necessary digits. */
 function short(value) {
   if (!Number.isFinite(value)) return '–';
   if (Number.isInteger(value)) return String(value);
@@ -129,7 +129,7 @@ function drawPlots(t) {
   for (const plot of plots) {
     const { canvas } = plot;
     const box = canvas.getBoundingClientRect();
-    // What is out of sight is drawn once only, for print.
+    // Plots outside the window are drawn once, for print.
     if (plot.picture && (box.bottom < 0 || box.top > window.innerHeight)) continue;
     if (!plot.picture) drawPlotPicture(plot);
     const ratio = window.devicePixelRatio || 1;
@@ -150,7 +150,7 @@ function drawPlots(t) {
   }
 }
 
-/** A duration in microseconds, in a fitting unit. */
+/** Formats a duration in microseconds, in a suitable unit. */
 function duration(us) {
   if (us < 1) return `${(us * 1e3).toFixed(0)} ns`;
   if (us < 1e3) return `${us < 10 ? us.toFixed(1) : us.toFixed(0)} µs`;

@@ -1,6 +1,6 @@
-// Words and tables.
+// Texts and tables.
 
-/** A table; the first row are its headings, columns named in `texts` stand to the left. */
+/** A table; the first row contains its headings, columns named in `texts` are left-aligned. */
 function table(headings, rows, texts = [0]) {
   const cell = (tag) => (value, i) => {
     const made = element(tag, texts.includes(i) ? { className: 'text' } : {});

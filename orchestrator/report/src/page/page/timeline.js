@@ -1,19 +1,19 @@
-// The events of the run along its time.
+// The events of the run on a time axis.
 
 const LANES = [
   { text: 'caught', kinds: ['captured'], colour: 'police' },
   { text: 'escaped, arrived', kinds: ['escaped', 'goal_reached'], colour: 'exit' },
   { text: 'obstacles', kinds: ['obstacle', 'pushed_out', 'trapped', 'released'], colour: 'obstacle' },
   { text: 'contacts', kinds: ['contact_begin', 'contact_end'], colour: 'evader' },
-  { text: 'bad commands', kinds: ['invalid_command', 'missing_command'], colour: 'belief-ink' },
+  { text: 'invalid or missing commands', kinds: ['invalid_command', 'missing_command'], colour: 'belief-ink' },
   { text: 'ends', kinds: ['timed_out', 'game_over'], colour: 'ink' },
 ];
-/** Words for kinds of events, as `protean picture` has them. */
+/** Names of kinds of events, as in `protean picture`. */
 const EVENT_WORDS = { captured: 'caught', goal_reached: 'arrived', obstacle: 'obstacle changed' };
 const eventsCanvas = $('events');
 const LANE = 17, GUTTER = 118, RIGHT = 12;
 
-/** One marker: time, lane, words, whether it is a sign by itself or one of many. */
+/** Markers: time, lane, text; `small` for one of many. */
 const markers = facts.events.map(([time, kind, robot, other]) => {
   const name = facts.event_kinds[kind] || 'unknown';
   const who = robot === null ? '' : `${facts.robots[robot] ? facts.robots[robot].name : `robot ${robot}`} `;

@@ -16,10 +16,10 @@ function readColours() {
 readColours();
 
 const teamColour = (robot) => colours[facts.robots[robot].team] || colours.neutral;
-/** As `protean picture` draws the robots of a team that are out of the game: paler. */
+/** Paler colour of robots that have left the game, as in `protean picture`. */
 const PALE = 0.45;
 
-/** Fits a canvas to its place on the page; true if its size changed. */
+/** Fits a canvas to its element on the page; returns true if its size changed. */
 function fitCanvas(canvas) {
   const ratio = window.devicePixelRatio || 1;
   const width = Math.max(1, Math.round(canvas.clientWidth * ratio));

@@ -386,9 +386,9 @@ fn plans_trees_and_dominance_are_drawn_and_explained() {
     assert_eq!(commands("dominance"), [4, 4, 0]);
     let words = texts(&document).join(" ");
     for text in [
-        "means to go",
-        "searched for its way",
-        "whatever the Police do",
+        "planned path",
+        "search tree",
+        "reaches it safely",
     ] {
         assert!(words.contains(text), "{text}: {words}");
     }
