@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""IPOPT as a baseline of planning in minimum time, beside `protean plan`.
+"""IPOPT as a baseline of `protean plan` for minimum-time planning.
 
     python3 -m venv /tmp/ipopt
     /tmp/ipopt/bin/pip install -r benchmarks/ipopt_baseline/requirements.txt
@@ -13,7 +13,7 @@ the files: `benchmarks/ipopt_baseline/README.md`.
 
 import os
 
-# One thread, before any library asks for more.
+# One thread; set before libraries read it.
 for variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ[variable] = "1"
 

@@ -107,7 +107,7 @@ def dynamics(draw, index):
 
 
 def acceptable(raw):
-    """Ends clear and apart, room to brake straight ahead, and a way on a grid."""
+    """Ends clear and apart, room to brake straight ahead, and a path on a grid."""
     start, goal = raw["start"], raw["goal"]
     ends = [(start["x"], start["y"]), (goal["x"], goal["y"])]
     if math.dist(*ends) < 250.0:

@@ -5,12 +5,12 @@ import math
 import numpy as np
 
 FINE = 40  # samples per interval
-RELATIVE = 1e-3  # by how much speeds, turn rates and accelerations may exceed their limits
+RELATIVE = 1e-3  # tolerance of speeds, turn rates and accelerations above their limits
 SLOW = 1e-6  # share of v_max below which a velocity has no direction
 
 
 class Finding:
-    """What a look found: `honest`, the time it takes, reasons, and how deep each disc is entered."""
+    """Result of a check: `honest`, the duration, reasons, and the penetration of each disc."""
 
     def __init__(self, time, discs):
         self.time = time
@@ -27,7 +27,7 @@ class Finding:
 
 
 def look(instance, solution):
-    """A `Finding` of a solution of `collocation.Program`."""
+    """Check a solution of `collocation.Program`."""
     if not solution.converged:
         finding = Finding(solution.time, len(instance.radii))
         finding.reasons.append(solution.status)
@@ -61,7 +61,7 @@ def along_parabolas(instance, solution):
     for k in range(len(h)):
         u0, u1 = velocity[k], velocity[k + 1]
         if nodes[k, 3] * nodes[k + 1, 3] < 0.0:
-            # Changes between forwards and backwards: stop, turn.
+            # A change between forward and backward: stop and turn.
             finding.time += abs(wrapped(nodes[k + 1, 2] - nodes[k, 2])) / instance.w_max
             heading = nodes[k + 1, 2]
             continue
@@ -79,7 +79,7 @@ def along_parabolas(instance, solution):
 
 
 def slowed_down(u0, u1, h, instance):
-    """How much longer an interval takes for turning no faster than allowed."""
+    """Extra duration of an interval so that the turn rate keeps its limit."""
     change = u1 - u0
     cross = abs(u0[0] * change[1] - u0[1] * change[0])
     if cross <= 1e-12 * instance.v_max**2:
@@ -94,7 +94,7 @@ def slowed_down(u0, u1, h, instance):
 
 
 def integrate_again(instance, solution):
-    """Drives speeds and turn rates that change linearly within an interval, and looks where it gets."""
+    """Integrate speeds and turn rates that change linearly within an interval."""
     finding = Finding(solution.time, len(instance.radii))
     nodes, h = solution.states, solution.durations
     v, w = nodes[:, 3], nodes[:, 4]
@@ -136,7 +136,7 @@ def look_at_rates(instance, finding, v, w):
 
 
 def look_at_places(instance, finding, points):
-    """Discs and the board's edge."""
+    """Check the discs and the edge of the board."""
     if len(instance.radii):
         away = np.full(len(instance.radii), np.inf)
         for chunk in np.array_split(points, max(1, len(points) // 2000)):
@@ -165,7 +165,7 @@ def look_at_ends(instance, finding, nodes):
 
 
 def look_at_samples(instance, plan):
-    """A `Finding` of another planner's samples [[t, x, y, theta, v, omega], ...].
+    """Check another planner's samples [[t, x, y, theta, v, omega], ...].
 
     Between samples the position is the cubic that has the sampled positions and velocities.
     """
@@ -197,10 +197,10 @@ def look_at_samples(instance, plan):
         off = abs(wrapped(theta[-1] - instance.goal_theta))
         finding.need(off <= 1e-3, f"ends {off:.3g} rad off its heading")
     look_at_rates(instance, finding, v, w)
-    # No further between samples than the greatest speed allows, and no more turned.
+    # Distance and turn between samples within the maximum speed and turn rate.
     far = np.hypot(*np.diff(places, axis=0).T) - instance.v_max * (1 + RELATIVE) * h
     finding.need(far.max() <= 1e-3, f"covers {far.max():.3g} px too much between samples")
-    # No more sideways than a heading between the two sampled ones can bring it.
+    # Sideways distance within that of a heading between the two sampled ones.
     turned = wrapped(np.diff(theta))
     middle = theta[:-1] + 0.5 * turned
     dx, dy = np.diff(places, axis=0).T

@@ -20,16 +20,16 @@ CONVERGED = ("Solve_Succeeded", "Solved_To_Acceptable_Level")
 
 @dataclass
 class Options:
-    """How the program is set up."""
+    """Options of the program."""
 
     intervals: int = 80
     # "trapezoid", "gauss", or "auto": gauss where accelerations or wheels are limited.
     scheme: str = "auto"
-    # Parts of equally many intervals whose durations are free of each other.
+    # Number of parts with equally many intervals and independent durations.
     segments: int = 1
     reverse: bool = False
     max_iter: int = 1000
-    # Where the barrier begins: lower for a guess that is all but a solution.
+    # Initial barrier parameter: lower for a guess close to a solution.
     barrier: float = 1e-2
 
     def scheme_for(self, instance):
@@ -91,7 +91,7 @@ class Program:
             vx, vy = v * ca.cos(th), v * ca.sin(th)
             step_x, step_y = 0.5 * (vx[:-1] + vx[1:]), 0.5 * (vy[:-1] + vy[1:])
         else:
-            # Speed and turn rate are linear within an interval, so this is all but exact.
+            # Speed and turn rate are linear within an interval, so this is almost exact.
             step_x = step_y = 0
             for s, weight in GAUSS:
                 angle = th[:-1] + h * (s * w[:-1] + 0.5 * s * s * dw)
@@ -132,7 +132,7 @@ class Program:
             away += (y[1:-1] @ ones - ca.repmat(cy, n - 1, 1)) ** 2
             add(ca.vec(away - ca.repmat(r2.T, n - 1, 1) - chord @ ones), 0.0, np.inf)
         total = ca.sum1(parts) * (n // m)
-        # Where nothing else decides on the turn rate, a little says: no more than needed.
+        # A small cost keeps an otherwise undetermined turn rate small.
         calm = 1e-6 * ca.sumsqr(dw)
         variables = ca.vertcat(x, y, th, v, w, parts)
         settings = {

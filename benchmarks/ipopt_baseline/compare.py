@@ -9,7 +9,7 @@ from . import check
 
 
 def run_protean(program, method, path, limit):
-    """Plans by id as `protean plan` prints them, and a note if something went wrong."""
+    """Plans by id as `protean plan` prints them, and a note on failures."""
     command = [program, "plan", path, "--method", method, "--json", "--samples"]
     if limit is not None:
         command += ["--limit", str(limit)]
@@ -34,7 +34,7 @@ def run_protean(program, method, path, limit):
 
 
 def judge_protean(instance, plan):
-    """What of a plan goes into the results, with the look of this baseline at its samples."""
+    """Figures of a plan for the results, with the check of its samples by this baseline."""
     kept = {key: value for key, value in plan.items() if key not in ("samples", "id")}
     if plan.get("t_s") is None:
         kept["honest_looked_at"] = False

@@ -10,7 +10,7 @@ SQRT2 = math.sqrt(2.0)
 
 
 def grid_path(instance, avoid=()):
-    """A polyline from start to goal, or `None`. Ways in `avoid` cost more, to find other corridors."""
+    """A polyline from start to goal, or `None`. Paths in `avoid` cost more, to find other corridors."""
     for cell in CELLS_PX:
         path = search(instance, cell, avoid)
         if path is not None:
@@ -92,7 +92,7 @@ def search(instance, cell, avoid):
 
 
 def pull_tight(instance, path):
-    """The path with every vertex left out that the one before can see past."""
+    """The path without the vertices that a straight line can skip."""
     kept, at = [0], 0
     while at < len(path) - 1:
         ahead = path[at + 1 :]
@@ -103,7 +103,7 @@ def pull_tight(instance, path):
 
 
 def sees(instance, origin, points):
-    """For each of the points whether the straight way there keeps outside of all discs."""
+    """For each point: `True` if the straight line to it is outside of all discs."""
     if len(instance.radii) == 0:
         return np.ones(len(points), dtype=bool)
     along = points - origin
@@ -123,7 +123,7 @@ def resample(path, count):
 
 
 def states(instance, path, intervals):
-    """States x, y, theta, v, w at the nodes and a time, for a way given as a polyline."""
+    """States x, y, theta, v, w at the nodes and a time, for a path given as a polyline."""
     points = resample(path, intervals + 1)
     length = float(np.sum(np.hypot(*np.diff(path, axis=0).T)))
     time = max(length, 1e-3) / instance.v_max
@@ -134,7 +134,7 @@ def states(instance, path, intervals):
     theta[0] = instance.start_theta
     speed = np.full(intervals + 1, instance.v_max)
     if instance.has_dynamics:
-        # A turn takes time now: smoother headings, less speed, some time for the ends.
+        # Turns take time: smooth headings, lower speed, extra time at the ends.
         for _ in range(3):
             theta[1:-1] = (theta[:-2] + theta[1:-1] + theta[2:]) / 3.0
         speed *= 0.9
@@ -145,7 +145,7 @@ def states(instance, path, intervals):
 
 
 def turned_other_way(instance, guess):
-    """The same guess with the last turn, if it is a long one, the other way round; else `None`."""
+    """The same guess with the last turn, if it is a long one, in the opposite direction; else `None`."""
     if instance.goal_theta is None:
         return None
     last = (instance.goal_theta - guess[-1, 2] + math.pi) % (2.0 * math.pi) - math.pi

@@ -37,12 +37,12 @@ class Instance:
 
     @property
     def millimetre(self):
-        """One millimetre in pixels: what a plan may penetrate or miss by."""
+        """One millimetre in pixels: tolerance of penetration and of the goal."""
         return 0.1 / self.cm_per_px
 
     @property
     def has_dynamics(self):
-        """Whether more than speed and turn rate, each by itself, is limited."""
+        """`True` if more than speed and turn rate, each alone, is limited."""
         return (
             self.acceleration is not None
             or self.angular_acceleration is not None

@@ -8,15 +8,15 @@ import numpy as np
 from . import check, guess
 from .collocation import Program
 
-# What a disc grows by beyond what was entered of it, in pixels.
+# Growth of a disc in addition to its penetration, in pixels.
 REPAIR_PX = 0.02
 
 
 @dataclass
 class Effort:
-    """How much is tried."""
+    """Effort of planning."""
 
-    # Further solves, each with the entered discs grown.
+    # Number of further solves, each with the penetrated discs grown.
     repairs: int = 3
     # Guesses through different corridors; the best honest solution counts.
     starts: int = 1
@@ -25,7 +25,7 @@ class Effort:
 
 
 def solve(instance, options, effort, hint=None):
-    """A dictionary of what came out. `hint` is a plan with samples to begin from instead of A*."""
+    """A dictionary of the result. `hint` is a plan with samples as the first guess instead of A*."""
     spent = {"guess_ms": 0.0, "build_ms": 0.0, "solve_ms": 0.0}
     guesses = []
     begin = clock.process_time()
@@ -65,7 +65,7 @@ def solve(instance, options, effort, hint=None):
 
 
 def refined(instance, options, found, effort, spent):
-    """The two best again with twice as many intervals, then with durations free of each other."""
+    """The two best again with twice as many intervals, then with independent durations."""
     finer = replace(options, intervals=2 * options.intervals, barrier=1e-4, max_iter=300)
     programs = [Program(instance, finer)]
     if options.intervals % 4 == 0:
@@ -83,7 +83,7 @@ def refined(instance, options, found, effort, spent):
 
 
 def repaired(program, states, time, effort, spent):
-    """A solution and its finding; discs entered between nodes are grown and the rest solved again."""
+    """A solution and its finding; discs penetrated between nodes are grown, and the program is solved again."""
     grown = np.zeros(len(program.instance.radii))
     for attempt in range(effort.repairs + 1):
         solution = program.solve(states, time, grown)

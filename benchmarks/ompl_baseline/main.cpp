@@ -1,4 +1,4 @@
-// RRT* and Informed RRT* of OMPL in the city of the chasing game, as a baseline for ours.
+// RRT* and Informed RRT* of OMPL in the city of the chasing game, as a baseline for Protean.
 //
 //   ompl_baseline PLANNER QUERY SEED BUDGET_MS
 //

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Ours and OMPL's RRT* in the city of the chasing game, side by side. SEEDS=21 by default.
+# Comparison of the RRT* of Protean and OMPL in the city of the chasing game. SEEDS=21 by default.
 # Intermediate results go to a temporary folder; the table to stdout.
 set -euo pipefail
 here="$(cd "$(dirname "$0")" && pwd)"

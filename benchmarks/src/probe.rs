@@ -98,7 +98,7 @@ mod tests {
     }
 
     #[test]
-    fn this_very_process_uses_processor_and_memory() {
+    fn this_process_uses_cpu_time_and_memory() {
         let pid = std::process::id();
         assert!(cpu_ns(pid) > 0);
         let memory = memory(pid).expect("the memory of this process");

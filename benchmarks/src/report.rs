@@ -251,7 +251,7 @@ mod tests {
     }
 
     #[test]
-    fn a_figure_against_a_baseline_of_nothing_has_no_ratio() {
+    fn a_figure_with_a_zero_baseline_has_no_ratio() {
         let figure = Figure::once("hop", "64 B", 1.0, "us").against("raw", 0.0);
         assert_eq!(figure.ratio, None);
         assert_eq!(figure.with_goal(Goal::RatioAtLeast(0.8)).met(), None);

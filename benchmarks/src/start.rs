@@ -163,11 +163,6 @@ fn memory_and_log() -> Result<Vec<Figure>> {
             "KiB/s",
         ));
     }
-    figures.push(Figure::once(
-        ITEM,
-        "whole command",
-        wall,
-        "s",
-    ));
+    figures.push(Figure::once(ITEM, "whole command", wall, "s"));
     Ok(figures)
 }

@@ -57,7 +57,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn each_experiment_of_a_page_is_taken_once_and_no_other() {
+    fn each_experiment_of_a_page_is_accepted_once_and_others_are_refused() {
         let (mut a, mut b) = (Some(1), None);
         let path = Path::new("out");
         let mut take = |name| {

@@ -97,7 +97,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_was_written_is_read_back() {
+    fn written_plans_are_read_back() {
         let found = Plan {
             case: "rrt_star_line".to_owned(),
             scene: "start".to_owned(),

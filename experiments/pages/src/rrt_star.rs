@@ -220,7 +220,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn distances_are_to_the_way_and_not_to_its_points() {
+    fn distances_are_to_the_path_and_not_to_its_points() {
         let points = [(0.0, 0.0), (10.0, 0.0), (10.0, 5.0)].map(|(x, y)| Point2::new(x, y));
         let least = |x, y| closest(points.into_iter(), &[Point2::new(x, y)]);
         assert_eq!(least(5.0, 2.0), 2.0);

@@ -122,7 +122,7 @@ mod tests {
     }
 
     #[test]
-    fn slots_take_values_and_blocks_stay_with_results() {
+    fn slots_are_filled_and_blocks_with_results_are_kept() {
         let text = filled(&["t"], &["x", "y", "z"]).unwrap();
         assert_eq!(text, format!("{MARK}a <x> b <y>\n| <z> |\nend\n"));
         let text = filled(&[], &["x", "y"]).unwrap();

@@ -64,7 +64,7 @@ struct Check<'a> {
 }
 
 impl Check<'_> {
-    fn broke(&mut self, what: impl Into<String>) {
+    fn violated(&mut self, what: impl Into<String>) {
         self.outcome.broken.push(what.into());
     }
 
@@ -72,7 +72,7 @@ impl Check<'_> {
     /// succeeded.
     fn end(&mut self, ended: &Ended) {
         let Some(status) = ended.status else {
-            return self.broke("the run did not end");
+            return self.violated("the run did not end");
         };
         let Outcome {
             kind,
@@ -94,7 +94,7 @@ impl Check<'_> {
             None if is_killed => {}
             _ => {
                 let (how, words) = (describe_exit(status), ended.stderr.trim());
-                self.broke(format!("the orchestrator {how}: {words}"));
+                self.violated(format!("the orchestrator {how}: {words}"));
             }
         }
     }
@@ -104,7 +104,7 @@ impl Check<'_> {
         if let Some(expected) = &self.baseline.digest
             && digest != expected
         {
-            self.broke(format!("digest {digest}, but {expected} without faults"));
+            self.violated(format!("digest {digest}, but {expected} without faults"));
         }
     }
 
@@ -118,19 +118,19 @@ impl Check<'_> {
             living = mission.living();
         }
         for config in living {
-            self.broke(format!("the process of {} still runs", config.display()));
+            self.violated(format!("the process of {} still runs", config.display()));
         }
         if is_killed {
             mission.clean();
         }
         for run in mission.runs() {
-            self.broke(format!("the directory of run {run} remains"));
+            self.violated(format!("the directory of run {run} remains"));
         }
         for run in runs {
             let segments = faulty_run::names(Path::new("/dev/shm"), &faulty_run::prefix(run));
             if let Some(first) = segments.first() {
                 let count = segments.len();
-                self.broke(format!(
+                self.violated(format!(
                     "{count} shared-memory objects remain, for example /dev/shm/{first}"
                 ));
             }
@@ -156,14 +156,14 @@ impl Check<'_> {
                 Ok(info) if info.condition.is_whole() => {}
                 Ok(info) => {
                     let faults = info.condition.lines().join("; ");
-                    self.broke(format!("the log is damaged: {faults}"));
+                    self.violated(format!("the log is damaged: {faults}"));
                 }
-                Err(error) => self.broke(format!("the log cannot be read: {error}")),
+                Err(error) => self.violated(format!("the log cannot be read: {error}")),
             }
         }
         let lost_s = killed.map(|at| mission.age_beyond(kept, at));
         if let Some(lost_s) = lost_s.filter(|&lost_s| lost_s > LOST_S) {
-            self.broke(format!("the log lacks the last {lost_s:.3} s"));
+            self.violated(format!("the log lacks the last {lost_s:.3} s"));
         }
         self.outcome.lost_s = lost_s;
     }

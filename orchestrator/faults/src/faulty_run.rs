@@ -25,7 +25,7 @@ pub(super) const LOG: &str = "mission.mcap";
 /// Duration of a pause: far below the time after which a process counts as hung.
 const PAUSE: Duration = Duration::from_millis(200);
 /// Interval between checks.
-const LOOK: Duration = Duration::from_millis(5);
+const POLL_INTERVAL: Duration = Duration::from_millis(5);
 
 /// A mission without faults.
 #[derive(Debug)]
@@ -141,13 +141,13 @@ impl Mission {
                 return None;
             }
             self.look_at_ticks();
-            sleep(LOOK.min(moment.saturating_sub(self.start.elapsed())));
+            sleep(POLL_INTERVAL.min(moment.saturating_sub(self.start.elapsed())));
         }
         let pid = loop {
             match self.find(fault) {
                 Some(pid) => break Pid::from_raw(pid)?,
                 None if self.is_over() => return None,
-                None => sleep(LOOK),
+                None => sleep(POLL_INTERVAL),
             }
         };
         let at = Instant::now();
@@ -217,7 +217,7 @@ impl Mission {
         let status = loop {
             match self.child.try_wait() {
                 Ok(Some(status)) => break Some(status),
-                Ok(None) if Instant::now() < deadline => sleep(LOOK),
+                Ok(None) if Instant::now() < deadline => sleep(POLL_INTERVAL),
                 _ => {
                     let _ = self.child.kill();
                     let _ = self.child.wait();

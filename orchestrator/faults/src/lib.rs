@@ -154,13 +154,13 @@ pub enum ChaosError {
     },
 }
 
-/// Injects the faults one after the other, each into a new mission; calls `told` with each outcome.
+/// Injects the faults one after the other, each into a new mission; calls `on_outcome` with each outcome.
 ///
 /// # Errors
 /// [`ChaosError`] if missions fail without faults, or the operating system refuses.
 pub fn chaos(
     options: &ChaosOptions,
-    mut told: impl FnMut(&Outcome),
+    mut on_outcome: impl FnMut(&Outcome),
 ) -> Result<ChaosReport, ChaosError> {
     let start = Instant::now();
     let baseline = Baseline::measure(&options.scenario)?;
@@ -172,7 +172,7 @@ pub fn chaos(
         }
         let mut outcome = Outcome::draw(options, number);
         check::inject(&options.scenario, &mut outcome, &baseline)?;
-        told(&outcome);
+        on_outcome(&outcome);
         outcomes.push(outcome);
     }
     Ok(ChaosReport {

@@ -70,7 +70,7 @@ mod tests {
     }
 
     #[test]
-    fn tables_are_gone_through_and_processes_are_replaced() {
+    fn tables_are_merged_and_processes_are_replaced() {
         let text = r#"
             [set]
             rules.time_limit = 5
@@ -91,7 +91,7 @@ mod tests {
     }
 
     #[test]
-    fn an_assignment_knows_its_line() {
+    fn an_assignment_has_its_line() {
         let mut reader = Reader::new("e.toml", "[set]\na = 1\n\nb.c = 2\n").unwrap();
         let node = reader.root.get("set").cloned().unwrap();
         let found = read(&mut reader, &FieldPath::key("set"), &node);

@@ -91,10 +91,7 @@ pub(super) fn read_manifest(directory: &Path) -> Result<Option<Manifest>, SweepE
     let manifest: Manifest =
         serde_json::from_slice(&text).map_err(|e| damaged(e.to_string(), e.line()))?;
     if manifest.blake3 != manifest.fingerprint() {
-        return Err(damaged(
-            "its hash does not match: it was edited".into(),
-            1,
-        ));
+        return Err(damaged("its hash does not match: it was edited".into(), 1));
     }
     Ok(Some(manifest))
 }

@@ -25,10 +25,10 @@ pub trait Engine: Sync {
     ///
     /// # Errors
     /// The reason of the failure, as text.
-    fn fly(&self, scenario: &ResolvedScenario, call: &Call) -> Result<MissionReport, String>;
+    fn execute(&self, scenario: &ResolvedScenario, call: &Call) -> Result<MissionReport, String>;
 
     /// Returns `true` if a thread that calls it should be pinned to one processor.
-    fn wants_own_processor(&self) -> bool;
+    fn needs_pinning(&self) -> bool;
 }
 
 /// Engine that runs every mission as separate OS processes, in lock-step.
@@ -36,7 +36,7 @@ pub trait Engine: Sync {
 pub struct Processes;
 
 impl Engine for Processes {
-    fn fly(&self, scenario: &ResolvedScenario, call: &Call) -> Result<MissionReport, String> {
+    fn execute(&self, scenario: &ResolvedScenario, call: &Call) -> Result<MissionReport, String> {
         let options = MissionOptions {
             out: call.log.clone(),
             force: true,
@@ -53,7 +53,7 @@ impl Engine for Processes {
     /// one after another, so waking each other on one processor is cheaper than across several. A
     /// scenario with `run.pin = "one_core"` takes the first processor that its orchestrator may
     /// use, which must differ between missions.
-    fn wants_own_processor(&self) -> bool {
+    fn needs_pinning(&self) -> bool {
         true
     }
 }
@@ -67,7 +67,7 @@ pub struct InProcess {
 }
 
 impl Engine for InProcess {
-    fn fly(&self, scenario: &ResolvedScenario, call: &Call) -> Result<MissionReport, String> {
+    fn execute(&self, scenario: &ResolvedScenario, call: &Call) -> Result<MissionReport, String> {
         let options = InProcessOptions {
             out: call.log.clone(),
             force: true,
@@ -78,7 +78,7 @@ impl Engine for InProcess {
         in_process::run(scenario, &options).map_err(|error| error.to_string())
     }
 
-    fn wants_own_processor(&self) -> bool {
+    fn needs_pinning(&self) -> bool {
         false
     }
 }

@@ -48,7 +48,7 @@ pub struct ExperimentOf<S> {
     pub cells: Vec<Cell<S>>,
     /// The seeds, the same for every cell.
     pub seeds: Seeds,
-    /// How the missions are executed.
+    /// Options of the execution of missions.
     pub run: RunSpec,
     /// Figures that are drawn from the results.
     pub figures: Vec<FigureSpec>,

@@ -76,8 +76,10 @@ impl Journal {
         let (entries, whole) = parse(&path, &bytes)?;
         let torn = whole < bytes.len();
         if torn {
-            file.set_len(whole as u64)
-                .map_err(SweepError::io(&path, "cannot remove the incomplete last line"))?;
+            file.set_len(whole as u64).map_err(SweepError::io(
+                &path,
+                "cannot remove the incomplete last line",
+            ))?;
         }
         Ok(Opened {
             journal: Self { file, path },
@@ -174,7 +176,7 @@ mod tests {
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(40))]
         #[test]
-        fn whatever_is_cut_off_the_whole_lines_are_read_and_go_on(cut in 0_usize..600) {
+        fn complete_lines_of_a_truncated_journal_are_read_and_continued(cut in 0_usize..600) {
             let bytes = written(3);
             let kept = &bytes[..bytes.len().saturating_sub(cut)];
             let lines = kept.split_inclusive(|&b| b == b'\n').filter(|line| line.ends_with(b"\n")).count();

@@ -107,8 +107,7 @@ impl Manifest {
         if self.blake3 == theirs.blake3 {
             return None;
         }
-        let other =
-            || "compare its experiment.toml and its scenarios with yours".to_owned();
+        let other = || "compare its experiment.toml and its scenarios with yours".to_owned();
         Some(self.other_program(theirs).unwrap_or_else(other))
     }
 }

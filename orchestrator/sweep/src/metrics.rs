@@ -25,7 +25,7 @@ struct Definition {
 
 macro_rules! metrics {
     ($($(#[$attribute:meta])* $name:ident: $unit:ident, $label:literal, $value:expr;)*) => {
-        /// What a figure shows of each cell.
+        /// Quantity of each cell that a figure shows.
         #[derive(
             Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema,
         )]
@@ -59,9 +59,9 @@ metrics! {
     HeldOutChance: Share, "evaders that hold out", Chance(|r| r.held_out);
     /// Mean simulated length of a game (s).
     GameTime: Number, "length of a game [s]", Mean(|r| Some(r.sim_time_s));
-    /// Mean simulated time of the first capture, of the games that had one (s).
+    /// Mean simulated time of the first capture, of games that have one (s).
     FirstCapture: Number, "time of the first capture [s]", Mean(|r| r.first_capture_s);
-    /// Mean simulated time of the first escape, of the games that had one (s).
+    /// Mean simulated time of the first escape, of games that have one (s).
     FirstEscape: Number, "time of the first escape [s]", Mean(|r| r.first_escape_s);
     /// Mean number of contact episodes of all robots per game.
     Contacts: Number, "contacts per game", Mean(|r| Some(f64::from(r.contacts)));
@@ -77,13 +77,13 @@ metrics! {
     /// Mean distance of a lap through all its waypoints from the route, at equal times (m).
     PlannedMae: Number, "distance from the route, as planned (MAE) [m]",
         Mean(|r| planned(r, |f| f.mae_m));
-    /// The same of laps as they were driven (m).
+    /// Mean distance of driven laps from the route (m).
     DrivenMae: Number, "distance from the route, as driven (MAE) [m]",
         Mean(|r| driven(r, |f| f.mae_m));
     /// Mean change of direction on laps through all their waypoints (rad).
     PlannedMaa: Number, "change of direction, as planned (MAA) [rad]",
         Mean(|r| planned(r, |f| f.maa));
-    /// The same on laps as they were driven (rad).
+    /// Mean change of direction on driven laps (rad).
     DrivenMaa: Number, "change of direction, as driven (MAA) [rad]",
         Mean(|r| driven(r, |f| f.maa));
     /// Waypoints left out, of all, 0 to 1.

@@ -258,7 +258,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn products_are_what_a_person_would_write() {
+    fn products_are_rounded() {
         assert_eq!(rounded(1.5 * 0.3), 0.45);
         assert_eq!(rounded(0.8 * 0.3), 0.24);
         assert_eq!(rounded(-1e-9 / 3.0), -3.333_333_333_33e-10);

@@ -99,11 +99,7 @@ impl<R: Record> Results<R> {
         if manifest.kind != R::KIND {
             return Err(SweepError::Other {
                 path: directory.to_owned(),
-                difference: format!(
-                    "its kind is {:?}, expected {:?}",
-                    manifest.kind,
-                    R::KIND
-                ),
+                difference: format!("its kind is {:?}, expected {:?}", manifest.kind, R::KIND),
             });
         }
         let lock = lock(directory)?;

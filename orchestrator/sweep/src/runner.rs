@@ -91,11 +91,11 @@ struct Shared<'a, S: Subject> {
     /// `true`: no further mission is started.
     stop: AtomicBool,
     /// Current mission of each worker.
-    at_hand: Vec<Mutex<Option<AtHand>>>,
+    current: Vec<Mutex<Option<Current>>>,
 }
 
 /// A running mission.
-struct AtHand {
+struct Current {
     since: Instant,
     /// Set to end it in order.
     end: Arc<AtomicBool>,
@@ -140,7 +140,7 @@ pub fn run<S: Subject>(
         open: &open,
         next: AtomicUsize::new(0),
         stop: AtomicBool::new(false),
-        at_hand: (0..jobs).map(|_| Mutex::new(None)).collect(),
+        current: (0..jobs).map(|_| Mutex::new(None)).collect(),
     };
     let mut progress = Progress::new(open.len(), known, options.quiet, S::UNIT);
     let mut carried_out = 0;
@@ -162,7 +162,7 @@ pub fn run<S: Subject>(
         drop(tell);
         let kept = collect(&shared, results, &done, &mut progress, &mut carried_out);
         if kept.is_err() {
-            shared.give_up(None);
+            shared.abort(None);
         }
         kept
     });
@@ -202,9 +202,9 @@ fn collect<S: Subject>(
             Err(RecvTimeoutError::Disconnected) => return Ok(()),
         }
         if shared.is_interrupted() {
-            shared.give_up(None);
+            shared.abort(None);
         } else {
-            shared.give_up(Some(shared.options.timeout));
+            shared.abort(Some(shared.options.timeout));
         }
     }
 }
@@ -216,13 +216,13 @@ impl<S: Subject> Shared<'_, S> {
 
     /// Ends the missions that have taken longer than this time. Without a time, ends all missions
     /// and starts no other.
-    fn give_up(&self, longer_than: Option<Duration>) {
+    fn abort(&self, longer_than: Option<Duration>) {
         if longer_than.is_none() {
             self.stop.store(true, Ordering::SeqCst);
         }
-        for slot in &self.at_hand {
+        for slot in &self.current {
             let Ok(slot) = slot.lock() else { continue };
-            if let Some(AtHand { since, end }) = slot.as_ref()
+            if let Some(Current { since, end }) = slot.as_ref()
                 && longer_than.is_none_or(|time| since.elapsed() > time)
             {
                 end.store(true, Ordering::SeqCst);
@@ -262,7 +262,7 @@ impl<S: Subject> Shared<'_, S> {
         }
         let processors = processors();
         // With spare processors, missions may spread over several.
-        if pinning == Pinning::Always || self.at_hand.len() >= processors.len() {
+        if pinning == Pinning::Always || self.current.len() >= processors.len() {
             // Other parts may run on this machine too.
             let turn = worker + self.options.shard.index() - 1;
             let own = turn.checked_rem(processors.len());
@@ -284,9 +284,9 @@ impl<S: Subject> Shared<'_, S> {
             log: log.clone(),
             interrupted: Arc::default(),
         };
-        let at_hand = self.at_hand.get(worker);
-        if let Some(Ok(mut slot)) = at_hand.map(Mutex::lock) {
-            *slot = Some(AtHand {
+        let current = self.current.get(worker);
+        if let Some(Ok(mut slot)) = current.map(Mutex::lock) {
+            *slot = Some(Current {
                 since: start,
                 end: Arc::clone(&call.interrupted),
             });
@@ -303,7 +303,7 @@ impl<S: Subject> Shared<'_, S> {
         let carried_out = catch_unwind(AssertUnwindSafe(|| {
             S::carry_out(cell, mission.seed, self.engine, &call)
         }));
-        if let Some(Ok(mut slot)) = at_hand.map(Mutex::lock) {
+        if let Some(Ok(mut slot)) = current.map(Mutex::lock) {
             *slot = None;
         }
         let interrupted = matches!(carried_out, Ok(None));
@@ -313,7 +313,7 @@ impl<S: Subject> Shared<'_, S> {
                 let limit = self.options.timeout.as_secs_f64();
                 failed(format!("it did not end within {limit} s of real time"))
             }
-            Err(panic) => failed(format!("it panicked: {}", panic_words(panic.as_ref()))),
+            Err(panic) => failed(format!("it panicked: {}", panic_message(panic.as_ref()))),
         };
         // A failure after an interruption does not count.
         let stopped = self.stop.load(Ordering::SeqCst);
@@ -367,7 +367,7 @@ fn discard(log: Option<&Path>) {
     }
 }
 
-fn panic_words(panic: &(dyn std::any::Any + Send)) -> String {
+fn panic_message(panic: &(dyn std::any::Any + Send)) -> String {
     let text = panic.downcast_ref::<&str>().map(|s| (*s).to_owned());
     text.or_else(|| panic.downcast_ref::<String>().cloned())
         .unwrap_or_else(|| "without a message".to_owned())

@@ -80,7 +80,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_shard_is_refused() {
+    fn invalid_shards_are_refused() {
         for text in [
             "0/3", "4/3", "1", "1/0", "a/b", "1/2/3", "-1/2", "", "1/100001",
         ] {

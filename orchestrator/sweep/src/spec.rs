@@ -17,7 +17,7 @@ use super::task::Task;
 /// Maximum number of cells (combinations of case and parameters) of one experiment.
 pub const MAX_CELLS: usize = 10_000;
 
-/// An experiment: what its missions do, what is varied, and with which seeds.
+/// An experiment: its missions, the varied parameters, and the seeds.
 #[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub(super) struct TopLevel {
@@ -26,9 +26,9 @@ pub(super) struct TopLevel {
     pub name: Option<String>,
     /// Kind of its missions.
     pub kind: Kind,
-    /// One line for people; the name if absent.
+    /// Title, one line; the name if absent.
     pub title: Option<String>,
-    /// Some lines for people.
+    /// Description, some lines.
     pub description: Option<String>,
     /// Scenario of the cases that do not name one: `"builtin:NAME"`, or a path in the folder of the
     /// file or below. Not with `kind = "planning"`.
@@ -55,7 +55,7 @@ pub(super) struct TopLevel {
     #[serde(rename = "grid")]
     #[schemars(with = "Option<BTreeMap<String, Vec<Value>>>")]
     pub _grid: Option<IgnoredAny>,
-    /// How the missions are carried out; it changes no result.
+    /// Options of the execution of missions, without effect on results.
     #[serde(rename = "run")]
     #[schemars(with = "Option<RunSpec>")]
     pub _run: Option<IgnoredAny>,
@@ -71,7 +71,7 @@ pub(super) struct TopLevel {
 pub(super) struct CaseSpec {
     /// Name in the column `case`; characters as for the experiment's.
     pub name: String,
-    /// Name for people; `name` if absent.
+    /// Title; `name` if absent.
     #[serde(default)]
     pub title: Option<String>,
     /// Scenario instead of the experiment's.
@@ -83,17 +83,17 @@ pub(super) struct CaseSpec {
     pub _set: Option<IgnoredAny>,
 }
 
-/// One parameter: a column of the results, and what its values change.
+/// One parameter: a column of the results, and the effect of its values.
 #[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub(super) struct ParameterSpec {
-    /// Name for people, with the unit; the name of the column if absent.
+    /// Title, with the unit; the name of the column if absent.
     pub title: Option<String>,
-    /// Key of the scenario that takes the value. This or `levels`.
+    /// Key of the scenario that is set to the value. This or `levels`.
     #[serde(rename = "set")]
     #[schemars(with = "Option<String>")]
     pub _set: Option<IgnoredAny>,
-    /// Factor of the value: a number, or a key of the scenario that holds one after the case's
+    /// Factor of the value: a number, or a key of the scenario that contains one after the case's
     /// overrides; 1 if absent.
     #[serde(rename = "scale")]
     #[schemars(schema_with = "number_or_text")]
@@ -132,11 +132,11 @@ impl Parameters for SeedsSpec {
     }
 }
 
-/// How the missions are carried out; none of it changes what they result in.
+/// Options of the execution of missions, without effect on results.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct RunSpec {
-    /// Wall-clock time after which a mission is given up and counts as failed.
+    /// Wall-clock time after which a mission is aborted and counts as failed.
     #[schemars(transform = between(1.0, 1e6).unit("s"))]
     pub timeout_s: f64,
 }

@@ -141,7 +141,7 @@ mod tests {
     }
 
     #[test]
-    fn parquet_holds_what_the_text_says_in_every_column() {
+    fn parquet_and_csv_have_equal_values() {
         let (text, parquet) = (written(Format::Csv), written(Format::Parquet));
         let mut csv = csv::Reader::from_path(text.path()).unwrap();
         let names = csv.headers().unwrap().clone();

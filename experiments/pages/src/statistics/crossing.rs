@@ -75,7 +75,7 @@ mod tests {
     }
 
     #[test]
-    fn it_lies_on_the_line_between_two_points() {
+    fn the_crossing_is_interpolated_between_two_points() {
         let c = crossing(&[(1.0, 10), (2.0, 90), (3.0, 40)], 100);
         assert!((c.value - 1.5).abs() < 1e-12);
         assert!(
@@ -86,7 +86,7 @@ mod tests {
     }
 
     #[test]
-    fn beyond_the_points_it_is_infinite() {
+    fn the_crossing_beyond_the_points_is_infinite() {
         let never = crossing(&[(1.0, 0), (2.0, 3)], 100);
         assert_eq!(
             (never.low, never.value, never.high),
@@ -111,7 +111,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn the_value_lies_in_its_range(hits in prop::collection::vec(0_u64..=60, 1..8)) {
+        fn the_crossing_is_within_its_range(hits in prop::collection::vec(0_u64..=60, 1..8)) {
             let counts: Vec<(f64, u64)> = (0_u32..).map(f64::from).zip(hits).collect();
             let c = crossing(&counts, 60);
             prop_assert!(c.low <= c.value && c.value <= c.high);

@@ -97,7 +97,7 @@ mod tests {
     }
 
     #[test]
-    fn dependent_outcomes_are_worth_less() {
+    fn dependent_outcomes_have_a_smaller_effective_size() {
         let pairs = |hits: u32| (0..200).map(move |i| if i < hits { (2, 2) } else { (0, 2) });
         let twins = Difference::of(&pairs(80).collect(), &pairs(60).collect()).unwrap();
         let free = Difference::of(&singles(160, 400), &singles(120, 400)).unwrap();
@@ -115,7 +115,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn it_turns_round(n in 1_u32..80, m in 1_u32..80, i in 0_u32..80, j in 0_u32..80) {
+        fn the_difference_is_antisymmetric(n in 1_u32..80, m in 1_u32..80, i in 0_u32..80, j in 0_u32..80) {
             let (a, b) = (singles(i.min(n), n), singles(j.min(m), m));
             let (ab, ba) = (Difference::of(&a, &b).unwrap(), Difference::of(&b, &a).unwrap());
             prop_assert!((ab.value + ba.value).abs() < 1e-12);

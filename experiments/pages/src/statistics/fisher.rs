@@ -41,7 +41,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_counts_of_the_paper_say_what_they_do() {
+    fn p_values_of_the_paper_s_counts_are_correct() {
         for (a, b, expected, digits) in [
             ((7, 10), (5, 10), 0.65, 0.005),
             ((2, 10), (7, 10), 0.07, 0.005),
@@ -58,13 +58,13 @@ mod tests {
     }
 
     #[test]
-    fn the_lady_tasting_tea_is_not_convincing() {
+    fn the_lady_tasting_tea_has_the_published_p_value() {
         // 3 of 4 cups right: p = 34/70.
         assert!((fisher_exact((3, 4), (1, 4)) - 34.0 / 70.0).abs() < 1e-12);
     }
 
     #[test]
-    fn nothing_to_compare_is_no_difference() {
+    fn empty_samples_do_not_differ() {
         assert_eq!(fisher_exact((0, 0), (3, 10)), 1.0);
         assert!((fisher_exact((0, 10), (0, 20)) - 1.0).abs() < 1e-12);
         assert!((fisher_exact((10, 10), (20, 20)) - 1.0).abs() < 1e-12);
@@ -72,7 +72,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn it_does_not_matter_which_is_first_or_what_a_hit_is(
+        fn the_test_is_symmetric_in_samples_and_outcomes(
             n in 1_u64..200, m in 1_u64..200, i in 0.0..=1.0_f64, j in 0.0..=1.0_f64,
         ) {
             let (a, b) = ((i * n as f64).round() as u64, (j * m as f64).round() as u64);

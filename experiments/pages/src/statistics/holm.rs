@@ -27,7 +27,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_smallest_is_corrected_most_and_the_order_stays() {
+    fn the_smallest_p_value_is_corrected_most_and_the_order_is_kept() {
         // By hand: 4 · 0.005, 3 · 0.01, 2 · 0.03, and 0.04 not below the one before.
         let adjusted = holm(&[0.01, 0.04, 0.03, 0.005]);
         let expected = [0.03, 0.06, 0.06, 0.02];
@@ -40,7 +40,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn it_lies_between_no_correction_and_bonferroni(
+        fn holm_is_between_no_correction_and_bonferroni(
             p in prop::collection::vec(0.0..=1.0_f64, 1..20),
         ) {
             let adjusted = holm(&p);

@@ -33,7 +33,7 @@ mod tests {
     }
 
     #[test]
-    fn the_examples_of_its_author_come_out() {
+    fn the_examples_of_the_source_are_reproduced() {
         // Table II of the source, method 10.
         for (a, b, low, high) in [
             ((56, 70), (48, 80), 0.0524, 0.3339),
@@ -55,7 +55,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn it_holds_the_difference_and_turns_round(
+        fn the_interval_contains_the_difference_and_is_antisymmetric(
             n in 1_u64..500, m in 1_u64..500, i in 0.0..=1.0_f64, j in 0.0..=1.0_f64,
         ) {
             let a = ((i * n as f64).round() as u64, n);

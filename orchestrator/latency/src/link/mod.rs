@@ -162,7 +162,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_transport_is_known_by_its_word() {
+    fn a_transport_is_identified_by_its_word() {
         for transport in Transport::ALL {
             assert_eq!(Transport::of_word(transport as u32), Some(transport));
         }

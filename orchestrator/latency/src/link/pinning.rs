@@ -19,7 +19,8 @@ pub fn pin(which: usize) -> Result<(), LinkError> {
 /// # Errors
 /// [`LinkError`] if the operating system does not report them.
 pub fn allowed() -> Result<Vec<usize>, LinkError> {
-    let system = |e: rustix::io::Errno| LinkError::system("cannot read the allowed processors")(e.into());
+    let system =
+        |e: rustix::io::Errno| LinkError::system("cannot read the allowed processors")(e.into());
     let allowed = rustix::thread::sched_getaffinity(None).map_err(system)?;
     let all = 0..rustix::thread::CpuSet::MAX_CPU;
     Ok(all.filter(|&cpu| allowed.is_set(cpu)).collect())

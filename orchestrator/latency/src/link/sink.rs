@@ -195,7 +195,10 @@ fn framed(from: &mut impl Read, buffer: &mut [u8]) -> Result<Next, LinkError> {
         let (begun, bytes) = (word(0), word(8));
         let bytes = usize::try_from(bytes).unwrap_or(usize::MAX);
         let payload = payload.get_mut(..bytes).ok_or_else(|| {
-            std::io::Error::new(std::io::ErrorKind::InvalidData, "longer than the maximum payload")
+            std::io::Error::new(
+                std::io::ErrorKind::InvalidData,
+                "longer than the maximum payload",
+            )
         })?;
         from.read_exact(payload)?;
         Ok((begun, monotonic_ns()))
@@ -217,7 +220,7 @@ mod tests {
     }
 
     #[test]
-    fn frames_are_read_whole_ended_and_refused() {
+    fn complete_frames_are_read_and_oversized_ones_refused() {
         let mut buffer = vec![0; FRAME + 4];
         let mut read = |bytes: &[u8]| framed(&mut &bytes[..], &mut buffer);
         assert!(matches!(

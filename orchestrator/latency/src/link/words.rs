@@ -99,7 +99,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn words_are_shared_between_mappings_and_never_out_of_reach() {
+    fn words_are_shared_between_mappings_and_indices_are_clamped() {
         let prefix = format!("pt_{}_shared_", std::process::id());
         let ours = SharedWords::create(&prefix).unwrap();
         let theirs = SharedWords::open(&prefix);

@@ -74,13 +74,13 @@ pub(super) fn missing(gathered: &Gathered) -> Vec<String> {
     if count("world/state") == 0 {
         missing.push("no world/state: robots are shown at their start poses".to_owned());
     } else if !gathered.over {
-        missing.push(
-            "the log ends before the run: outcomes are those of its last state".to_owned(),
-        );
+        missing
+            .push("the log ends before the run: outcomes are those of its last state".to_owned());
     }
     if !gathered.facts.result.contains_key("robots") {
-        missing
-            .push("no result of the run: the run was killed, or its end is not in the log".to_owned());
+        missing.push(
+            "no result of the run: the run was killed, or its end is not in the log".to_owned(),
+        );
     }
     for topic in ["world/event", "world/map"] {
         if !gathered.counts.contains_key(topic) {
@@ -93,7 +93,9 @@ pub(super) fn missing(gathered: &Gathered) -> Vec<String> {
         (happened.waypoints_omitted, "waypoints"),
     ] {
         if omitted > 0 {
-            missing.push(format!("{omitted} {what} omitted: the page has a maximum number"));
+            missing.push(format!(
+                "{omitted} {what} omitted: the page has a maximum number"
+            ));
         }
     }
     missing.extend(gathered.notes.iter().cloned());

@@ -80,7 +80,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn thousands_of_contacts_leave_room_for_what_matters() {
+    fn frequent_events_do_not_displace_important_ones() {
         let mut happened = Happened::default();
         let event = |kind| WorldEvent {
             kind,

@@ -69,7 +69,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn names_from_the_log_cannot_break_out() {
+    fn names_from_the_log_are_escaped() {
         let evil = "</script><script>alert(1)</script>{{data}}<!--";
         let page = page(&json!({ "title": evil, "x": evil }), "QUJD", "--ink:#000;");
         assert!(!page.contains("alert(1)<"), "escaped");
@@ -79,7 +79,7 @@ mod tests {
     }
 
     #[test]
-    fn the_page_is_whole_and_asks_for_nothing() {
+    fn the_page_is_complete_and_loads_nothing() {
         let page = page(&json!({ "scenario": "chase" }), "QUJD", "");
         assert!(page.starts_with("<!doctype html>") && page.trim_end().ends_with("</html>"));
         assert!(page.contains("<title>chase"));

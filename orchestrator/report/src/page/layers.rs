@@ -12,9 +12,9 @@ use scenario::spec::MAX_ROBOTS;
 
 const SECOND: u64 = 1_000_000_000;
 /// Minimum time between two beliefs about a robot, and between two trees of a robot (ns).
-const OFTEN: u64 = SECOND / 2;
+const BELIEF_INTERVAL: u64 = SECOND / 2;
 /// Minimum time between two plans, scans or predictions of a robot (ns).
-const OFTENER: u64 = SECOND / 4;
+const PLAN_INTERVAL: u64 = SECOND / 4;
 /// Maximum number of particles of a belief, and of all beliefs.
 const PARTICLES: usize = 250;
 const ALL_PARTICLES: usize = 640_000;
@@ -85,11 +85,13 @@ pub(super) struct Layers {
 impl Default for Layers {
     fn default() -> Self {
         Self {
-            beliefs: Sampled::new(OFTEN, ALL_PARTICLES, |cloud| cloud.points.len() + 8),
-            plans: Sampled::new(OFTENER, ALL_POINTS, |points| points.len() + 2),
-            trees: Sampled::new(OFTEN, ALL_EDGES, |edges| edges.len() + 2),
-            scans: Sampled::new(OFTENER, ALL_BEAMS, |beams| beams.ranges.len() + 4),
-            predictions: Sampled::new(OFTENER, ALL_PREDICTIONS, |all| all.len() + 2),
+            beliefs: Sampled::new(BELIEF_INTERVAL, ALL_PARTICLES, |cloud| {
+                cloud.points.len() + 8
+            }),
+            plans: Sampled::new(PLAN_INTERVAL, ALL_POINTS, |points| points.len() + 2),
+            trees: Sampled::new(BELIEF_INTERVAL, ALL_EDGES, |edges| edges.len() + 2),
+            scans: Sampled::new(PLAN_INTERVAL, ALL_BEAMS, |beams| beams.ranges.len() + 4),
+            predictions: Sampled::new(PLAN_INTERVAL, ALL_PREDICTIONS, |all| all.len() + 2),
             horizons_s: Vec::new(),
         }
     }
@@ -267,7 +269,7 @@ mod tests {
     }
 
     #[test]
-    fn places_stand_for_equal_shares_of_a_belief() {
+    fn points_represent_equal_shares_of_a_belief() {
         let mut particles: Vec<Particle> = (0..1000).map(|_| particle(1.0, 0.0005)).collect();
         particles.push(particle(2.0, 0.5));
         particles.push(particle(3.0, f32::NAN));
@@ -306,7 +308,7 @@ mod tests {
     }
 
     #[test]
-    fn beams_that_say_nothing_have_a_length() {
+    fn beams_without_a_hit_have_the_maximum_range() {
         let header = ScanHeader {
             range_min: 0.1,
             range_max: 3.5,

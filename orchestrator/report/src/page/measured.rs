@@ -207,7 +207,7 @@ mod tests {
     }
 
     #[test]
-    fn the_nearest_pursuer_is_one_that_plays() {
+    fn the_nearest_pursuer_is_still_in_the_game() {
         let robot = |robot, team, status, x| RobotState {
             robot,
             team,

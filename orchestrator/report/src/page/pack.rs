@@ -250,7 +250,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn numbers_come_back_as_they_were(
+        fn packed_numbers_are_restored(
             a in prop::collection::vec(any::<u16>(), 0..200),
             b in prop::collection::vec(any::<u16>(), 0..50),
             differences in 0_u8..3,
@@ -305,7 +305,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_outside_or_not_finite_is_nothing_or_the_edge() {
+    fn outside_and_infinite_values_have_the_code_none_or_are_clamped() {
         let raster = Raster::of([0.0; 2], [10.0; 2]);
         assert_eq!(raster.pack_if_inside([f64::INFINITY, 1.0]), [NONE; 2]);
         assert_eq!(raster.pack_if_inside([1.0, f64::NAN]), [NONE; 2]);

@@ -139,7 +139,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn long_streams_stay_small_evenly_spread_and_whole_at_both_ends(
+        fn long_streams_are_thinned_evenly_and_keep_both_ends(
             count in 1_u64..3000,
             most in 8_usize..200,
         ) {

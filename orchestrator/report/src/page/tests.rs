@@ -41,7 +41,7 @@ fn facts(log: &Path) -> (Report, Json) {
 }
 
 #[test]
-fn the_page_says_what_the_run_amounted_to() {
+fn the_page_shows_the_result_of_the_run() {
     let folder = tempfile::tempdir().unwrap();
     let (log, summary) = play(folder.path());
     let (report, facts) = facts(&log);
@@ -135,7 +135,7 @@ fn a_truncated_log_is_shown_as_far_as_it_goes() {
 }
 
 #[test]
-fn topics_that_are_not_there_are_named() {
+fn missing_topics_are_named() {
     let folder = tempfile::tempdir().unwrap();
     let (log, summary) = play(folder.path());
     let without = folder.path().join("without.mcap");

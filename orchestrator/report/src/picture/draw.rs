@@ -291,7 +291,7 @@ impl Picture<'_> {
                     let [x, y] = self.layout.at([point.x, point.y]);
                     let command = if i == 0 { 'M' } else { 'L' };
                     canvas.add(format_args!("{command}{} {}", Num(x), Num(y)));
-                    self.labels.spare([x, y]);
+                    self.labels.avoid([x, y]);
                 }
                 canvas.add(format_args!(
                     "\" stroke=\"{color}\" stroke-width=\"{width}\" stroke-opacity=\"{opacity}\"/>\n"
@@ -320,7 +320,7 @@ impl Picture<'_> {
             for particle in belief.particles.iter().step_by(step) {
                 let [x, y] = self.layout.at(particle.map(f64::from));
                 canvas.add(format_args!("M{} {}h0", Num(x), Num(y)));
-                self.labels.spare([x, y]);
+                self.labels.avoid([x, y]);
             }
             canvas.add(format_args!("\"/>\n"));
         }
@@ -334,12 +334,12 @@ impl Picture<'_> {
             canvas.add(format_args!("<g class=\"robot\">\n"));
             disc(canvas, at, radius, robot.pose.theta, color, robot.active);
             canvas.add(format_args!("</g>\n"));
-            self.labels.keep_off(Area::around(at, radius + 2.0));
+            self.labels.reserve(Area::around(at, radius + 2.0));
         }
         for mark in &self.trace.marks {
             let at = self.layout.at(mark.at);
             sign(canvas, Sign::Mark(mark.kind), at, HALO);
-            self.labels.keep_off(Area::around(at, MARK + 1.0));
+            self.labels.reserve(Area::around(at, MARK + 1.0));
         }
     }
 
@@ -359,7 +359,7 @@ impl Picture<'_> {
                 palette::EXIT,
             );
         }
-        let fates: BTreeMap<usize, &Mark> = self
+        let outcomes: BTreeMap<usize, &Mark> = self
             .trace
             .marks
             .iter()
@@ -368,7 +368,7 @@ impl Picture<'_> {
         for (i, robot) in self.trace.robots.iter().enumerate() {
             let color = palette::team(robot.team);
             let radius = self.discs.get(i).copied().unwrap_or(MIN_DISC);
-            let (at, text) = match fates.get(&i) {
+            let (at, text) = match outcomes.get(&i) {
                 Some(mark) => {
                     let words = mark.kind.words();
                     (

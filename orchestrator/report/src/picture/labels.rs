@@ -63,12 +63,12 @@ impl Labels {
     }
 
     /// Reserves an area: no label covers it.
-    pub(super) fn keep_off(&mut self, area: Area) {
+    pub(super) fn reserve(&mut self, area: Area) {
         self.taken.push(area);
     }
 
     /// Marks a point that labels avoid if possible.
-    pub(super) fn spare(&mut self, point: [f64; 2]) {
+    pub(super) fn avoid(&mut self, point: [f64; 2]) {
         self.drawn.push(point);
     }
 
@@ -139,17 +139,17 @@ mod tests {
     }
 
     #[test]
-    fn a_name_avoids_what_is_drawn() {
+    fn a_name_avoids_drawn_points() {
         let mut labels = Labels::new(PAGE);
         for i in 0..20 {
-            labels.spare([100.0 + f64::from(i) * 4.0, 100.0]);
+            labels.avoid([100.0 + f64::from(i) * 4.0, 100.0]);
         }
         let area = labels.place([100.0, 100.0], 5.0, [40.0, 12.0]).unwrap();
         assert!(area.right < 100.0, "{area:?}");
     }
 
     #[test]
-    fn a_name_that_fits_nowhere_is_left_out() {
+    fn a_name_without_room_is_left_out() {
         let mut labels = Labels::new(PAGE);
         assert_eq!(labels.place([100.0, 100.0], 5.0, [400.0, 12.0]), None);
     }

@@ -129,7 +129,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_last_plan_and_tree_of_those_who_play_are_kept() {
+    fn the_last_plan_and_tree_of_active_robots_are_kept() {
         let mut layers = Layers::default();
         let at = |x: f64| PlanPoint {
             x,
@@ -155,7 +155,7 @@ mod tests {
     }
 
     #[test]
-    fn cells_of_dominance_go_to_their_sides_unless_they_are_no_grid() {
+    fn dominance_cells_are_split_by_team_if_they_match_the_grid() {
         let header = DominanceHeader {
             width: 2,
             height: 2,

@@ -13,7 +13,7 @@ const SIZE: f64 = 14.5;
 /// Font size of secondary text (px).
 const SMALL: f64 = 12.5;
 /// Font size of the description (px).
-const STORY: f64 = 13.5;
+const DESCRIPTION_SIZE: f64 = 13.5;
 /// Maximum number of lines of the description.
 const MAX_LINES: usize = 14;
 /// Distance of two lines of a row (px).
@@ -25,7 +25,7 @@ const SIGN: f64 = 34.0;
 /// Space for the scale bar at the end (px).
 const SCALE_BAR: f64 = 64.0;
 /// Maximum size of a team whose members' outcomes are listed.
-const MAX_FATES: usize = 8;
+const MAX_OUTCOMES: usize = 8;
 
 /// A row of the legend.
 struct Row {
@@ -64,7 +64,7 @@ impl Row {
 /// The legend of one picture.
 pub(super) struct Legend {
     /// Lines of the description.
-    story: Vec<String>,
+    description: Vec<String>,
     rows: Vec<Row>,
 }
 
@@ -90,7 +90,7 @@ impl Legend {
             }
             let text = format!("{count} {}", if count == 1 { one } else { many });
             let mut row = Row::new(RowSign::Robot(team), &text);
-            let fates = trace.marks.iter().filter_map(|mark| {
+            let outcomes = trace.marks.iter().filter_map(|mark| {
                 let (_, robot) = members().find(|(i, _)| *i == mark.robot)?;
                 Some(format!(
                     "{} {}, {:.1} s",
@@ -99,8 +99,8 @@ impl Legend {
                     mark.time_s
                 ))
             });
-            let fates = fates.take(MAX_FATES);
-            row.lines.extend(fates.map(|fate| (fate, true)));
+            let outcomes = outcomes.take(MAX_OUTCOMES);
+            row.lines.extend(outcomes.map(|outcome| (outcome, true)));
             rows.push(row);
         }
         rows.push(Row::new(
@@ -120,14 +120,8 @@ impl Legend {
         }
         if trace.dominance.is_some() {
             for (color, text) in [
-                (
-                    palette::EVADER,
-                    "an evader reaches it safely",
-                ),
-                (
-                    palette::OBSTACLE,
-                    "an evader is first, but can be cut off",
-                ),
+                (palette::EVADER, "an evader reaches it safely"),
+                (palette::OBSTACLE, "an evader is first, but can be cut off"),
                 (palette::POLICE, "the Police are first"),
             ] {
                 rows.push(Row::new(RowSign::Area(color), text));
@@ -152,21 +146,21 @@ impl Legend {
             rows.push(Row::new(RowSign::Obstacle, "changed during the run"));
         }
         // The whole description is in the scenario.
-        let mut story = wrap(&trace.description, STORY, LEGEND);
-        if story.len() > MAX_LINES {
-            story.truncate(MAX_LINES);
-            if let Some(last) = story.last_mut() {
+        let mut description = wrap(&trace.description, DESCRIPTION_SIZE, LEGEND);
+        if description.len() > MAX_LINES {
+            description.truncate(MAX_LINES);
+            if let Some(last) = description.last_mut() {
                 last.push_str(" …");
             }
         }
-        Self { story, rows }
+        Self { description, rows }
     }
 
     fn story_height(&self) -> f64 {
-        if self.story.is_empty() {
+        if self.description.is_empty() {
             0.0
         } else {
-            self.story.len() as f64 * LINE + 2.0 * BETWEEN
+            self.description.len() as f64 * LINE + 2.0 * BETWEEN
         }
     }
 
@@ -185,11 +179,11 @@ impl Legend {
             halo: false,
         };
         let told = Style {
-            size: STORY,
+            size: DESCRIPTION_SIZE,
             color: palette::FAINT_INK,
             ..style
         };
-        for (i, line) in self.story.iter().enumerate() {
+        for (i, line) in self.description.iter().enumerate() {
             canvas.label(left, top + 13.0 + i as f64 * LINE, &told, line);
         }
         let mut y = top + self.story_height();

@@ -95,7 +95,7 @@ impl LogFacts {
     }
 
     /// Moves the static scene out: the scenario's shapes, or the cells of the map messages.
-    pub(crate) fn take_ground(&mut self, scenario: &LoggedScenario) -> StaticScene {
+    pub(crate) fn take_static_scene(&mut self, scenario: &LoggedScenario) -> StaticScene {
         let mut static_scene = StaticScene::of(&scenario.world.map, &scenario.rules.exits);
         if !static_scene.has_vectors() && self.grid.cells.is_some() {
             (static_scene.min, static_scene.max) = (self.grid.min, self.grid.max);

@@ -226,7 +226,7 @@ fn finish(
         path: log.to_owned(),
         missing: "message of world/state",
     })?;
-    let mut static_scene = run.facts.take_ground(&scenario);
+    let mut static_scene = run.facts.take_static_scene(&scenario);
     let changes = run.changes.into_iter();
     changes.for_each(|(_, change)| static_scene.apply(change));
 

@@ -311,7 +311,7 @@ mod tests {
     }
 
     #[test]
-    fn a_ragged_grid_is_drawn_coarser() {
+    fn a_complex_grid_is_drawn_coarser() {
         let width = 400;
         let occupied = (0..width * width)
             .map(|i| (i / width + i % width) % 2 == 0)
@@ -328,7 +328,7 @@ mod tests {
     }
 
     #[test]
-    fn all_polygons_turn_the_same_way() {
+    fn all_polygons_have_the_same_orientation() {
         let one_way = vec![[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]];
         let vertices = one_way.iter().rev().copied().collect();
         let other_way = corners(&Shape::Polygon { vertices });
@@ -342,7 +342,7 @@ mod tests {
     }
 
     #[test]
-    fn a_map_message_that_is_no_map_changes_nothing() {
+    fn an_inconsistent_map_message_is_ignored() {
         let header = MapHeader {
             resolution: 0.1,
             width: 3,

@@ -146,7 +146,7 @@ mod tests {
     }
 
     #[test]
-    fn a_robot_that_stands_leaves_its_place_only() {
+    fn a_robot_at_rest_adds_one_point() {
         let mut trail = Trail::default();
         for _ in 0..100 {
             trail.push(point(1.0, 2.0));
@@ -156,7 +156,7 @@ mod tests {
     }
 
     #[test]
-    fn corners_stay_and_points_on_a_straight_line_go() {
+    fn corners_are_kept_and_points_on_a_straight_line_removed() {
         let line: Vec<_> = (0..=10)
             .map(|i| point(f64::from(i), 0.0))
             .chain((1..=10).map(|i| point(10.0, f64::from(i))))

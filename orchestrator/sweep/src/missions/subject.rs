@@ -72,7 +72,7 @@ impl Subject for Mission {
         call: &Call,
     ) -> Option<Ended<Row>> {
         let row = match cell.scenario(seed) {
-            Ok(scenario) => match engine.fly(&scenario, call) {
+            Ok(scenario) => match engine.execute(&scenario, call) {
                 Ok(report) if report.interrupted => return None,
                 Ok(report) => Row::of(&report),
                 Err(error) => Row::failed(error),
@@ -83,7 +83,7 @@ impl Subject for Mission {
     }
 
     fn pinning(cell: &Cell<Self>, engine: &Self::Engine) -> Pinning {
-        match (engine.wants_own_processor(), cell.subject.one_core) {
+        match (engine.needs_pinning(), cell.subject.one_core) {
             (false, _) => Pinning::Never,
             (true, false) => Pinning::IfCrowded,
             (true, true) => Pinning::Always,

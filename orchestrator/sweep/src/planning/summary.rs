@@ -107,11 +107,7 @@ pub fn text(results: &PlanResults, report: Option<&RunReport>) -> String {
     text += &pace(report, "plans");
     let broken: Vec<_> = results.rows().filter(|(_, row)| row.is_failed()).collect();
     for (mission, row) in broken.iter().take(20) {
-        text += &format!(
-            "\nfailed: {}: {}",
-            results.describe(*mission),
-            row.error
-        );
+        text += &format!("\nfailed: {}: {}", results.describe(*mission), row.error);
     }
     if !broken.is_empty() {
         text += "\n--retry-failed runs them again\n";

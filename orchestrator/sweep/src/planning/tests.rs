@@ -58,7 +58,7 @@ fn carry_out(experiment: &PlanExperiment, out: &Path, shard: &str) {
 }
 
 #[test]
-fn shards_put_together_are_the_whole_byte_for_byte() {
+fn merged_shards_equal_the_whole_byte_for_byte() {
     let experiment = load(SMALL).unwrap();
     assert_eq!(experiment.cells.len(), 4);
     assert!(!experiment.cells[0].subject.options.fallbacks);
@@ -93,7 +93,7 @@ fn shards_put_together_are_the_whole_byte_for_byte() {
 }
 
 #[test]
-fn keys_of_the_command_line_go_on_top() {
+fn keys_of_the_command_line_override_the_file() {
     let options = LoadOptions {
         set: vec![
             "options.method=\"vmc\"".into(),
@@ -166,7 +166,7 @@ fn a_fault_of_an_experiment_is_reported_at_its_line() {
 }
 
 #[test]
-fn every_experiment_of_the_project_is_in_order() {
+fn every_planning_experiment_of_the_project_is_valid() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../experiments");
     for (name, cells) in [("vmc_lp_sensitivity", 56), ("vmc_lp_tables_3_4", 12)] {
         let path = folder.join(format!("{name}.toml"));

@@ -16,7 +16,7 @@ fn a_key_set_by_case_and_parameter_is_a_contradiction() {
 }
 
 #[test]
-fn elements_are_the_same_however_they_are_named() {
+fn elements_are_identified_by_index_and_name() {
     refused(
         "params.threat.gain = 0.0",
         "params.threat.gain = 0.0\nset.\"processes[1].params.threat.gain\" = 1.0",
@@ -27,7 +27,7 @@ fn elements_are_the_same_however_they_are_named() {
 }
 
 #[test]
-fn replacing_what_was_changed_before_is_a_contradiction_and_refining_is_not() {
+fn replacing_an_earlier_change_is_a_contradiction_and_refining_is_not() {
     let text = changed(
         "set = \"teams.evader.limits.v_max\"\nscale = \"teams.police.limits.v_max\"",
         "set = \"processes.evader_braitenberg.params.turn_gain\"",
@@ -64,7 +64,7 @@ fn the_seed_belongs_to_the_seeds() {
 }
 
 #[test]
-fn the_command_line_must_not_undo_what_a_column_says() {
+fn the_command_line_must_not_undo_a_parameter() {
     let options = LoadOptions {
         set: vec!["teams.evader.limits.v_max=1".into()],
         ..LoadOptions::new(kinds::KINDS)

@@ -120,7 +120,7 @@ fn a_process_can_be_added() {
 }
 
 #[test]
-fn a_scenario_may_lie_beside_the_experiment() {
+fn a_scenario_may_be_in_the_folder_of_the_experiment() {
     let directory = tempfile::tempdir().unwrap();
     std::fs::create_dir(directory.path().join("s")).unwrap();
     let hello = scenario::builtin::scenario("hello").unwrap();
@@ -139,7 +139,7 @@ fn a_scenario_may_lie_beside_the_experiment() {
 }
 
 #[test]
-fn the_fingerprint_is_of_what_the_results_depend_on() {
+fn the_hash_covers_everything_that_affects_results() {
     let of = |text: &str| load(text).unwrap().manifest();
     let good = of(GOOD);
     for (from, to) in [
@@ -195,7 +195,7 @@ fn experiments() -> std::path::PathBuf {
 }
 
 #[test]
-fn the_police_know_what_the_case_says() {
+fn the_knowledge_of_the_police_follows_the_case() {
     for file in ["knowledge.toml", "knowledge_paper.toml"] {
         let path = experiments().join(file);
         let experiment = Experiment::load(&path, &LoadOptions::new(kinds::KINDS)).unwrap();
@@ -218,7 +218,7 @@ fn the_police_know_what_the_case_says() {
 }
 
 #[test]
-fn the_experiments_of_the_project_are_fine() {
+fn the_experiments_of_the_project_are_valid() {
     let folder = experiments();
     let mut count = 0;
     for entry in std::fs::read_dir(folder).unwrap() {

@@ -45,7 +45,7 @@ fn compared() -> String {
 }
 
 #[test]
-fn cells_become_points_beside_published_ones() {
+fn cells_become_points_with_published_ones() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::create_dir(folder.path().join("published")).unwrap();
     std::fs::write(folder.path().join("published/points.csv"), POINTS).unwrap();
@@ -75,7 +75,7 @@ fn cells_become_points_beside_published_ones() {
 }
 
 #[test]
-fn published_points_must_be_there_and_be_points() {
+fn published_points_must_exist_and_be_valid() {
     let folder = tempfile::tempdir().unwrap();
     let directory = tempfile::tempdir().unwrap();
     let results = results(directory.path(), &compared());

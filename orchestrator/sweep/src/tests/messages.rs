@@ -33,7 +33,7 @@ fn unknown_keys_are_named_and_the_nearest_is_suggested() {
 }
 
 #[test]
-fn what_is_missing_is_named() {
+fn missing_keys_are_named() {
     refused(
         "scenario = \"builtin:chase_exact\"\n",
         "",
@@ -62,7 +62,7 @@ fn what_is_missing_is_named() {
 }
 
 #[test]
-fn scenarios_that_are_not_there_are_refused() {
+fn missing_scenarios_are_refused() {
     refused(
         "builtin:chase_exact",
         "builtin:chase_exakt",
@@ -239,7 +239,7 @@ fn names_numbers_and_figures_are_checked() {
 }
 
 #[test]
-fn an_impossible_sweep_is_refused() {
+fn an_unsuitable_sweep_is_refused() {
     refused(
         "params.threat.gain = 0.0",
         "params.threat.gain = 0.0\nset.run.mode = \"real_time\"",
@@ -248,10 +248,7 @@ fn an_impossible_sweep_is_refused() {
     refused(
         "{ kind = \"evader_braitenberg\", team = \"evader\" }",
         "{ name = \"mine\", command = [\"./mine\"], team = \"evader\" }",
-        &[
-            "starts an external program",
-            "--allow-external",
-        ],
+        &["starts an external program", "--allow-external"],
     );
     let error = Experiment::load("/no/such.toml".as_ref(), &LoadOptions::new(kinds::KINDS));
     assert!(error.unwrap_err().to_string().contains("/no/such.toml"));

@@ -36,7 +36,7 @@ fn table(directory: &Path) -> String {
 }
 
 #[test]
-fn the_table_is_in_the_order_of_the_experiment_whatever_came_first() {
+fn the_table_is_in_the_order_of_the_experiment() {
     let missions: Vec<_> = (0..6)
         .flat_map(|c| (1..=3).map(move |s| mission(c, s)))
         .collect();
@@ -70,7 +70,7 @@ fn the_table_is_in_the_order_of_the_experiment_whatever_came_first() {
 }
 
 #[test]
-fn what_was_recorded_is_known_again_and_failures_give_way() {
+fn recorded_rows_are_read_again_and_results_replace_failures() {
     let directory = tempfile::tempdir().unwrap();
     let mut results = open(directory.path()).unwrap();
     results.record(mission(0, 1), row(1), 0.1).unwrap();
@@ -99,7 +99,7 @@ fn what_was_recorded_is_known_again_and_failures_give_way() {
 }
 
 #[test]
-fn results_of_something_else_are_refused() {
+fn results_of_another_experiment_are_refused() {
     let directory = tempfile::tempdir().unwrap();
     open(directory.path()).unwrap();
     let other = load(&changed("gain = 0.0", "gain = 1.0"))
@@ -130,7 +130,7 @@ fn results_of_something_else_are_refused() {
 }
 
 #[test]
-fn a_manifest_changed_by_hand_is_not_believed() {
+fn an_edited_manifest_is_refused() {
     let directory = tempfile::tempdir().unwrap();
     open(directory.path()).unwrap();
     let path = directory.path().join("manifest.json");
@@ -141,7 +141,7 @@ fn a_manifest_changed_by_hand_is_not_believed() {
 }
 
 #[test]
-fn one_sweep_at_a_time() {
+fn a_second_sweep_in_a_directory_is_refused() {
     let directory = tempfile::tempdir().unwrap();
     let first = open(directory.path()).unwrap();
     let error = open(directory.path()).err().unwrap();
@@ -242,7 +242,7 @@ fn parts_that_do_not_belong_together_are_not_merged() {
 }
 
 #[test]
-fn missions_of_the_same_scenario_are_taken_over_from_another_experiment() {
+fn missions_of_the_same_scenario_are_reused_from_another_experiment() {
     let directories = [(); 2].map(|()| tempfile::tempdir().unwrap());
     let mut older = open(directories[0].path()).unwrap();
     // Cells 0 to 2 are of `potential`, 3 to 5 of `braitenberg`.
@@ -272,7 +272,7 @@ fn missions_of_the_same_scenario_are_taken_over_from_another_experiment() {
 }
 
 #[test]
-fn what_contradicts_or_is_of_another_version_is_not_taken_over() {
+fn contradicting_results_and_those_of_other_versions_are_not_reused() {
     let directories = [(); 3].map(|()| tempfile::tempdir().unwrap());
     let mut older = open(directories[0].path()).unwrap();
     let mut newer = open(directories[1].path()).unwrap();

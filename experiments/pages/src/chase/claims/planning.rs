@@ -7,10 +7,10 @@ use crate::plans::{Plan, Plans};
 use crate::words::{hundredths, share, shares};
 
 /// Iterations after which the paper stopped searching on arcs.
-const GIVEN_UP: u32 = 5000;
+const MAX_PAPER_ITERATIONS: u32 = 5000;
 /// Minimum increase of the distance from the Police that counts as avoiding them (m): a quarter of
 /// a street.
-const VISIBLE: f64 = 0.25;
+const MIN_AVOIDANCE: f64 = 0.25;
 
 /// Claim (g).
 pub(super) fn arcs(plans: &Plans, paper: bool) -> Finding {
@@ -21,7 +21,7 @@ pub(super) fn arcs(plans: &Plans, paper: bool) -> Finding {
     };
     let tried: Vec<&Plan> = plans
         .of(case, "start")
-        .filter(|p| p.iterations <= GIVEN_UP)
+        .filter(|p| p.iterations <= MAX_PAPER_ITERATIONS)
         .collect();
     if tried.is_empty() {
         return Finding::missing(&format!("plans of {case} at the start of a game"));
@@ -75,9 +75,9 @@ pub(super) fn avoids(plans: &Plans, paper: bool) -> Finding {
         return Finding::missing(&format!("plans of {case} among Police at random places"));
     };
     let interval = gain.interval();
-    let verdict = if interval.low > VISIBLE {
+    let verdict = if interval.low > MIN_AVOIDANCE {
         Verdict::Confirmed
-    } else if interval.high < VISIBLE {
+    } else if interval.high < MIN_AVOIDANCE {
         Verdict::Refuted
     } else {
         Verdict::Undecided

@@ -159,7 +159,7 @@ fn every_cell_has_a_row() {
 }
 
 #[test]
-fn without_results_the_page_says_so() {
+fn without_results_the_page_has_a_note() {
     let page = page(&Evidence::default()).unwrap();
     assert!(page.images.is_empty());
     assert_eq!(

@@ -72,7 +72,7 @@ fn results_become_a_study_once() {
 }
 
 #[test]
-fn other_experiments_have_no_place_on_the_page() {
+fn other_experiments_are_refused() {
     let directory = tempfile::tempdir().unwrap();
     let results = results(directory.path(), "small");
     let error = Evidence::default().add(&results).unwrap_err();

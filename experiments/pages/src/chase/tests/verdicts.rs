@@ -40,7 +40,7 @@ fn with(mut base: Study, method: &str, percents: &[u32]) -> Study {
 }
 
 #[test]
-fn clear_data_decide() {
+fn clear_data_give_verdicts() {
     let evidence = evidence();
     for (letter, expected) in [
         ("a", Verdict::Confirmed),

@@ -72,7 +72,7 @@ fn line(page: &Page, start: &str) -> String {
 }
 
 #[test]
-fn without_results_the_page_says_so_and_has_the_table_of_sequences() {
+fn without_results_the_page_has_notes_and_the_table_of_sequences() {
     let page = page(&Evidence::default()).unwrap();
     let missing = page.text.matches("*No results of this experiment.*");
     assert_eq!(missing.count(), 3);
@@ -83,7 +83,7 @@ fn without_results_the_page_says_so_and_has_the_table_of_sequences() {
 }
 
 #[test]
-fn means_stand_beside_the_published_values() {
+fn means_are_shown_with_the_published_values() {
     let page = page(&made_up()).unwrap();
     // A lap has 117 m in 120 s.
     let alpha = line(&page, "| paper_fit | 1.7 |");

@@ -17,7 +17,7 @@ fn plans(count: u64, failed: u64, time: f64, cpu_ms: f64) -> BTreeMap<u64, Plan>
 }
 
 #[test]
-fn without_results_the_page_says_so() {
+fn without_results_the_page_has_a_note() {
     let page = page(&Evidence::default()).unwrap();
     assert_eq!(
         page.text
@@ -29,7 +29,7 @@ fn without_results_the_page_says_so() {
 }
 
 #[test]
-fn counts_are_set_beside_the_published_ones() {
+fn counts_are_compared_with_the_published_ones() {
     let mut study = Study::default();
     let mut put = |value: &str, failed| {
         let key = ("vmc".to_owned(), value.to_owned());
@@ -57,7 +57,7 @@ fn counts_are_set_beside_the_published_ones() {
 }
 
 #[test]
-fn methods_are_set_beside_each_other_where_both_have_a_plan() {
+fn methods_are_compared_where_both_have_a_plan() {
     let mut study = Study::default();
     for horizon in ["only", "first", "second"] {
         for (case, failed, time, cpu) in [("lp", 10, 30.0, 1.0), ("vmc", 0, 30.03, 3.0)] {

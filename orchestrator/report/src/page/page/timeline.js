@@ -5,7 +5,7 @@ const LANES = [
   { text: 'escaped, arrived', kinds: ['escaped', 'goal_reached'], colour: 'exit' },
   { text: 'obstacles', kinds: ['obstacle', 'pushed_out', 'trapped', 'released'], colour: 'obstacle' },
   { text: 'contacts', kinds: ['contact_begin', 'contact_end'], colour: 'evader' },
-  { text: 'invalid or missing commands', kinds: ['invalid_command', 'missing_command'], colour: 'belief-ink' },
+  { text: 'command errors', kinds: ['invalid_command', 'missing_command'], colour: 'belief-ink' },
   { text: 'ends', kinds: ['timed_out', 'game_over'], colour: 'ink' },
 ];
 /** Names of kinds of events, as in `protean picture`. */

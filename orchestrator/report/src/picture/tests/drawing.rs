@@ -173,7 +173,7 @@ fn a_picture_is_valid_xml_and_names_every_robot() {
 }
 
 #[test]
-fn everything_is_on_the_page_even_what_is_beyond_the_map() {
+fn everything_is_on_the_page_even_points_beyond_the_map() {
     let mut trace = trace();
     assert_on_page(&draw(&trace));
     trace.robots[0].pose = Pose2::new(1e6, -1e6, 1.0);
@@ -218,7 +218,7 @@ fn y_points_up_and_headings_turn_counter_clockwise() {
 }
 
 #[test]
-fn what_came_during_the_run_has_a_colour_of_its_own() {
+fn obstacles_added_during_the_run_have_another_colour() {
     let svg = draw(&trace());
     let document = Document::parse(&svg).unwrap();
     let obstacles = class(&document, "obstacles");
@@ -240,7 +240,7 @@ fn what_came_during_the_run_has_a_colour_of_its_own() {
 }
 
 #[test]
-fn names_of_robots_in_a_heap_do_not_overlap() {
+fn names_of_crowded_robots_do_not_overlap() {
     let mut trace = trace();
     trace.robots = (0..6)
         .map(|i| {
@@ -385,11 +385,7 @@ fn plans_trees_and_dominance_are_drawn_and_explained() {
     // A rectangle has four commands.
     assert_eq!(commands("dominance"), [4, 4, 0]);
     let words = texts(&document).join(" ");
-    for text in [
-        "planned path",
-        "search tree",
-        "reaches it safely",
-    ] {
+    for text in ["planned path", "search tree", "reaches it safely"] {
         assert!(words.contains(text), "{text}: {words}");
     }
 }

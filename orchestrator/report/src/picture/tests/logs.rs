@@ -187,7 +187,7 @@ fn refused(path: &Path, at: Option<f64>) -> LogReadError {
 }
 
 #[test]
-fn a_picture_of_the_end_has_everything_that_happened() {
+fn a_picture_of_the_end_shows_all_events() {
     let (_folder, path) = Log::new(VECTORS).run();
     let trace = drawn(&path, None);
     assert_eq!(
@@ -222,7 +222,7 @@ fn a_picture_of_the_end_has_everything_that_happened() {
 }
 
 #[test]
-fn a_picture_of_a_moment_has_nothing_from_later_and_the_belief_of_then() {
+fn a_picture_of_a_moment_shows_its_belief_and_no_later_events() {
     let (_folder, path) = Log::new(VECTORS).run();
     let trace = drawn(&path, Some(3.0));
     assert_eq!((trace.time_s, trace.end_s), (3.0, 10.0));
@@ -277,7 +277,7 @@ fn a_map_without_vectors_comes_from_the_messages() {
 }
 
 #[test]
-fn what_is_not_a_log_is_refused_with_the_reason() {
+fn other_files_are_refused_with_the_reason() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("missing.mcap");
     assert!(matches!(refused(&path, None), LogReadError::Open { .. }));
