@@ -1,9 +1,9 @@
-//! The ROS 2 CDR form of a message: its shared-memory bytes behind a 4-byte encapsulation header.
+//! The ROS 2 CDR form of a message: its shared-memory bytes after a 4-byte encapsulation header.
 //!
 //! CDR (little-endian, XCDR1) aligns every primitive to its size, counted from the end of the
 //! encapsulation header. The messages have no implicit padding and their first field has the
-//! alignment of the whole, so user header and elements are copied as they are; only the element
-//! count of a sequence and the gap behind it are written.
+//! alignment of the whole, so user header and elements are copied unchanged. Only the element count
+//! of a sequence and the gap after it are written.
 
 use crate::message::Message;
 use crate::topics::{Arity, Topic};
@@ -11,25 +11,25 @@ use crate::topics::{Arity, Topic};
 /// Little-endian plain CDR.
 pub(crate) const ENCAPSULATION: [u8; 4] = [0x00, 0x01, 0x00, 0x00];
 
-/// Why bytes are not a message of a topic.
+/// Reason why bytes are not a message of a topic.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum DecodeError {
     /// The first four bytes are not those of little-endian plain CDR.
     #[error("encapsulation header is {found:02x?}, expected [00, 01, 00, 00] (little-endian CDR)")]
     Encapsulation {
-        /// The bytes found (fewer than four if the message ends there).
+        /// Actual bytes (fewer than four if the message ends there).
         found: Vec<u8>,
     },
-    /// The length does not fit the topic's layout.
+    /// The length does not match the topic's layout.
     #[error("a message of {topic} with {elements} element(s) has {expected} bytes, found {found}")]
     Length {
         /// The topic.
         topic: &'static str,
-        /// Elements that the message claims.
+        /// Number of elements of the message.
         elements: usize,
-        /// Bytes that it then must have.
+        /// Expected length (bytes).
         expected: usize,
-        /// Bytes that it has.
+        /// Actual length (bytes).
         found: usize,
     },
 }
@@ -43,8 +43,8 @@ pub fn encode<T: Topic>(header: &T::Header, elements: &[T::Element], out: &mut V
     out.extend_from_slice(elements.as_bytes());
 }
 
-/// What stands between user header and elements in the CDR form: of a sequence, how many elements
-/// there are and the gap behind that; else nothing.
+/// The bytes between user header and elements in the CDR form: for a sequence, the element count
+/// and the gap after it; else none.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct SequenceHead {
     bytes: [u8; 8],
@@ -52,7 +52,7 @@ pub struct SequenceHead {
 }
 
 impl SequenceHead {
-    /// For a message of the topic with this many elements.
+    /// Creates it for a message of the topic with this number of elements.
     pub fn of<T: Topic>(elements: usize) -> Self {
         // A slice in shared memory is far below 2^32 elements (`Bus` caps it).
         let [a, b, c, d] = (elements as u32).to_le_bytes();
@@ -74,7 +74,7 @@ impl SequenceHead {
 /// A message of a topic: its header and its elements.
 pub type Decoded<T> = (<T as Topic>::Header, Vec<<T as Topic>::Element>);
 
-/// Reads a message back from its CDR form.
+/// Decodes a message from its CDR form.
 ///
 /// # Errors
 /// [`DecodeError`] if the bytes are not exactly one message of the topic.
@@ -84,7 +84,7 @@ pub fn decode<T: Topic>(bytes: &[u8]) -> Result<Decoded<T>, DecodeError> {
     Ok((header, elements))
 }
 
-/// As [`decode`], with the elements in place of those that `elements` holds.
+/// As [`decode`], with the decoded elements replacing those in `elements`.
 ///
 /// # Errors
 /// As [`decode`]; then `elements` is empty.
@@ -121,13 +121,13 @@ pub fn decode_into<T: Topic>(
     if count.checked_mul(size_of::<T::Element>()) != Some(rest.len()) {
         return Err(wrong(count));
     }
-    // The bytes of a log are not aligned: they are copied to where elements are.
+    // The bytes of a log are not aligned: they are copied to aligned memory.
     elements.resize(count, T::Element::default());
     elements.as_mut_bytes().copy_from_slice(rest);
     Ok(header)
 }
 
-/// Looks at a message in its CDR form without copying it into a vector; `None` if it is too short.
+/// Reads a message in its CDR form without a copy into a vector; `None` if it is too short.
 pub fn view<T: Topic>(
     bytes: &[u8],
 ) -> Option<(
@@ -142,14 +142,15 @@ pub fn view<T: Topic>(
         Arity::One => elements.get(..size)?,
         Arity::Many => elements,
     };
-    // The bytes of the log are not aligned: `read_from_bytes` copies, and any bytes are a message.
+    // The bytes of the log are not aligned: `read_from_bytes` copies, and all bytes are a valid
+    // message.
     let elements = elements
         .chunks_exact(size)
         .map(|bytes| T::Element::read_from_bytes(bytes).unwrap_or_default());
     Some((header, elements))
 }
 
-/// Bytes of the CDR form of a message with this many elements (saturating).
+/// Length (bytes) of the CDR form of a message with this number of elements (saturating).
 pub fn encoded_len<T: Topic>(elements: usize) -> usize {
     let sequence = if T::ARITY == Arity::Many {
         4 + sequence_gap::<T>()

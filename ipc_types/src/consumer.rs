@@ -1,7 +1,7 @@
-//! Messages of a run in order, and what is made of them: the outcome of a run, drawings, reports.
+//! Messages of a run in order, and their consumers: the outcome of a run, drawings, reports.
 //!
-//! A [`Consumer`] takes the messages of its topics; [`Consumers`] is a list of them and hands each
-//! message to those that take its topic, whether it comes from the bus or from a log.
+//! A [`Consumer`] takes the messages of its topics. [`Consumers`] is a list of them that passes each
+//! message, from the bus or from a log, to those that take its topic.
 
 use zerocopy::FromBytes as _;
 
@@ -9,21 +9,22 @@ use crate::cdr::{self, DecodeError, ENCAPSULATION};
 use crate::stamp::Stamp;
 use crate::topics::{Topic, TopicId};
 
-/// A message in its CDR form, in its place among the others of a run.
+/// A message in its CDR form, with its position in a run.
 #[derive(Debug, Clone, Copy)]
 pub struct LoggedMessage<'a> {
-    /// Its topic.
+    /// Topic.
     pub topic: TopicId,
-    /// Its stamp.
+    /// Stamp.
     pub stamp: Stamp,
-    /// Simulated time at which it is logged (ns).
+    /// Simulated log time (ns).
     pub time_ns: u64,
-    /// Its CDR form.
+    /// CDR form.
     pub bytes: &'a [u8],
 }
 
 impl<'a> LoggedMessage<'a> {
-    /// Of the bytes of a message that is logged at this time (ns); `None` if they end within the stamp.
+    /// Creates it from the bytes of a message with this log time (ns); `None` if they end within the
+    /// stamp.
     pub fn new(topic: TopicId, time_ns: u64, bytes: &'a [u8]) -> Option<Self> {
         let body = bytes.get(ENCAPSULATION.len()..)?;
         let (stamp, _) = Stamp::read_from_prefix(body).ok()?;
@@ -35,12 +36,12 @@ impl<'a> LoggedMessage<'a> {
         })
     }
 
-    /// Time at which it is logged (s).
+    /// Log time (s).
     pub fn time_s(&self) -> f64 {
         self.time_ns as f64 / 1e9
     }
 
-    /// Header and elements, read as they are needed; `None` if it is of another topic or too short.
+    /// Header and elements, read on demand; `None` if it is of another topic or too short.
     pub fn view<T: Topic>(
         &self,
     ) -> Option<(
@@ -65,22 +66,22 @@ impl<'a> LoggedMessage<'a> {
     }
 }
 
-/// Takes the messages of some topics, in the order of the log. What the consumers of a list have in
-/// common, or write to, is `Shared`.
+/// Takes the messages of some topics, in the order of the log. `Shared` is the common state or output
+/// of the consumers of a list.
 pub trait Consumer<Shared: ?Sized = ()> {
-    /// The topics whose messages it takes; always the same.
+    /// The topics of its messages; constant.
     fn topics(&self) -> &[TopicId];
 
     /// Takes the next message of one of these topics.
     fn message(&mut self, message: &LoggedMessage<'_>, shared: &mut Shared);
 
-    /// All messages of the present tick have been handed out.
+    /// Called after all messages of the current tick.
     fn end_of_tick(&mut self, shared: &mut Shared) {
         let _ = shared;
     }
 }
 
-/// Takes nothing.
+/// Takes no messages.
 impl<Shared: ?Sized> Consumer<Shared> for () {
     fn topics(&self) -> &[TopicId] {
         &[]
@@ -89,7 +90,7 @@ impl<Shared: ?Sized> Consumer<Shared> for () {
     fn message(&mut self, _: &LoggedMessage<'_>, _: &mut Shared) {}
 }
 
-/// A borrowed consumer, which the caller keeps.
+/// A borrowed consumer, owned by the caller.
 impl<Shared: ?Sized, C: Consumer<Shared> + ?Sized> Consumer<Shared> for &mut C {
     fn topics(&self) -> &[TopicId] {
         (**self).topics()
@@ -104,16 +105,16 @@ impl<Shared: ?Sized, C: Consumer<Shared> + ?Sized> Consumer<Shared> for &mut C {
     }
 }
 
-/// Consumers of a kind, in the order in which each message is handed to them.
+/// Consumers of one type, in the order of delivery.
 #[derive(Debug)]
 pub struct Consumers<C: ?Sized> {
     list: Vec<Box<C>>,
-    /// Places in the list, by the rank of the topic.
+    /// Indices in the list, by the rank of the topic.
     takers: Vec<Vec<usize>>,
 }
 
 impl<C: ?Sized> Consumers<C> {
-    /// These, in this order.
+    /// Creates the list in this order.
     pub fn new<Shared: ?Sized>(list: Vec<Box<C>>) -> Self
     where
         C: Consumer<Shared>,
@@ -127,12 +128,12 @@ impl<C: ?Sized> Consumers<C> {
         Self { list, takers }
     }
 
-    /// Whether any takes the messages of this topic.
+    /// Returns `true` if a consumer takes the messages of this topic.
     pub fn take(&self, topic: TopicId) -> bool {
         !self.takers[topic.rank()].is_empty()
     }
 
-    /// Hands out a message.
+    /// Delivers a message.
     pub fn message<Shared: ?Sized>(&mut self, message: &LoggedMessage<'_>, shared: &mut Shared)
     where
         C: Consumer<Shared>,
@@ -142,7 +143,7 @@ impl<C: ?Sized> Consumers<C> {
         }
     }
 
-    /// Says that all messages of a tick have been handed out.
+    /// Reports the end of a tick.
     pub fn end_of_tick<Shared: ?Sized>(&mut self, shared: &mut Shared)
     where
         C: Consumer<Shared>,
@@ -165,7 +166,7 @@ mod tests {
     use crate::stamp::PlainHeader;
     use crate::topics::{Commands, Status};
 
-    /// Notes its number and the speeds commanded.
+    /// Records its number and the commanded speeds.
     struct Speeds(f64, &'static [TopicId]);
 
     impl Consumer<Vec<(f64, f64)>> for Speeds {

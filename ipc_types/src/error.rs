@@ -1,17 +1,17 @@
-//! What can go wrong on the bus.
+//! Errors of the bus.
 
 use std::path::PathBuf;
 use std::time::Duration;
 
-/// Why a run's bus, service or port could not be set up.
+/// Reason why a run's bus, service or port could not be set up.
 #[derive(Debug, thiserror::Error)]
 pub enum BusError {
-    /// The run's directory or prefix cannot be used.
+    /// The run's directory or prefix is invalid.
     #[error("run directory {path}: {reason}")]
     Space {
         /// The directory.
         path: PathBuf,
-        /// What is wrong with it.
+        /// Reason.
         reason: String,
     },
     /// No node could be created.
@@ -19,7 +19,7 @@ pub enum BusError {
     Node {
         /// Root path of the run.
         root: PathBuf,
-        /// What iceoryx2 said.
+        /// Error of iceoryx2.
         reason: String,
     },
     /// The service could not be created.
@@ -27,7 +27,7 @@ pub enum BusError {
     Create {
         /// The topic.
         topic: &'static str,
-        /// What iceoryx2 said.
+        /// Error of iceoryx2.
         reason: String,
     },
     /// The service could not be opened.
@@ -35,10 +35,10 @@ pub enum BusError {
     Open {
         /// The topic.
         topic: &'static str,
-        /// What iceoryx2 said.
+        /// Error of iceoryx2.
         reason: String,
     },
-    /// Both sides know the topic but not the same message.
+    /// Both sides know the topic but with different messages.
     #[error("topic {topic}: this process uses {ours}, but the service was created with {theirs}")]
     Mismatch {
         /// The topic.
@@ -48,17 +48,17 @@ pub enum BusError {
         /// Type, size and schema of the service.
         theirs: String,
     },
-    /// The service has no place for another port.
+    /// The service has no free port.
     #[error("cannot create a {port} of topic {topic}: {reason}")]
     Port {
         /// The topic.
         topic: &'static str,
         /// `publisher`, `subscriber`, …
         port: &'static str,
-        /// What iceoryx2 said.
+        /// Error of iceoryx2.
         reason: String,
     },
-    /// A run in one process has no such thing.
+    /// A run in one process does not have it.
     #[error("{name}: a bus in memory has no {what}, only a run of several processes has")]
     NeedsProcesses {
         /// The service or event.
@@ -68,17 +68,17 @@ pub enum BusError {
     },
 }
 
-/// Why a message was not sent.
+/// Reason why a message was not sent.
 #[derive(Debug, thiserror::Error)]
 pub enum SendError {
-    /// The message has more elements than the publisher was opened for.
+    /// The message exceeds the capacity of the publisher.
     #[error("topic {topic}: a message of {elements} elements exceeds the capacity of {capacity}")]
     Capacity {
         /// The topic.
         topic: &'static str,
-        /// Elements asked for.
+        /// Actual number of elements.
         elements: usize,
-        /// Elements that fit.
+        /// Capacity (elements).
         capacity: usize,
     },
     /// A receiver did not make room in time.
@@ -86,7 +86,7 @@ pub enum SendError {
     Blocked {
         /// The topic.
         topic: &'static str,
-        /// How long the sender waited.
+        /// Time that the sender waited.
         waited: Duration,
     },
     /// iceoryx2 failed.
@@ -94,12 +94,12 @@ pub enum SendError {
     Transport {
         /// The topic.
         topic: &'static str,
-        /// What iceoryx2 said.
+        /// Error of iceoryx2.
         reason: String,
     },
 }
 
-/// Why a message was not received.
+/// Reason why a message was not received.
 #[derive(Debug, thiserror::Error)]
 pub enum ReceiveError {
     /// iceoryx2 failed.
@@ -107,7 +107,7 @@ pub enum ReceiveError {
     Transport {
         /// The topic.
         topic: &'static str,
-        /// What iceoryx2 said.
+        /// Error of iceoryx2.
         reason: String,
     },
 }

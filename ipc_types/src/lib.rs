@@ -1,13 +1,13 @@
-//! Every message of Protean, every topic and its quality of service, and the iceoryx2 bus that
-//! opens them. Knows nothing of who sends or receives.
+//! All messages of Protean, all topics with their quality of service, and the iceoryx2 bus that
+//! opens them. This crate does not depend on the processes that send or receive.
 //!
-//! * [`mod@message`]: how a message type is defined, and what is proved about it at compile time;
-//! * [`messages`]: the messages; [`stamp`]: what stands first in each;
+//! * [`mod@message`]: definition of message types, with proofs at compile time;
+//! * [`messages`]: the messages; [`stamp`]: the first field of each;
 //! * [`topics`]: the topics with their quality of service;
 //! * [`bus`]: publishers, subscribers, request–response and events of one isolated run;
-//! * [`transport`]: what iceoryx2 does for it;
-//! * [`schema`], [`cdr`]: how logs and other languages see them;
-//! * [`consumer`]: what takes the messages of a run in order, from the bus or from a log.
+//! * [`transport`]: the parts of the bus that use iceoryx2;
+//! * [`schema`], [`cdr`]: the messages in logs and other languages;
+//! * [`consumer`]: consumers of the messages of a run in order, from the bus or from a log.
 
 #![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
 #![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]

@@ -1,16 +1,16 @@
-//! What every message has: a fixed layout without padding, a stable name, and a description of its
-//! fields from which schemas for logs and other languages are made.
+//! Common properties of messages: a fixed layout without padding, a stable name, and a description of the
+//! fields, from which schemas for logs and other languages are generated.
 
 use iceoryx2::prelude::ZeroCopySend;
 use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout};
 
 /// A type that crosses a process boundary as its bytes.
 ///
-/// Implemented by the [`message!`](crate::message!) macro only (and by the plain numbers that can be the elements of a
-/// slice). `IntoBytes` proves at compile time that there is no implicit padding, so that equal values are
-/// equal bytes; `FromBytes` proves that any bytes are a valid value, so that a hostile sender can
-/// send nonsense but never undefined behaviour. Codes of enumerations are plain integers with a
-/// checked accessor.
+/// Implemented only by the [`message!`](crate::message!) macro (and by the plain numbers that can be the
+/// elements of a slice). `IntoBytes` proves at compile time that there is no implicit padding, so that equal
+/// values are equal bytes. `FromBytes` proves that all bytes are a valid value, so that a malicious sender can
+/// send nonsense but never cause undefined behaviour. Codes of enumerations are plain integers with a checked
+/// accessor.
 pub trait Message:
     core::fmt::Debug
     + Copy
@@ -29,7 +29,7 @@ pub trait Message:
     const DESCRIPTOR: Descriptor;
 }
 
-/// What a message type looks like, for schemas and compatibility checks.
+/// Description of a message type, for schemas and compatibility checks.
 #[derive(Debug, Clone, Copy)]
 pub struct Descriptor {
     /// Stable name, the same in every language: `protean/RobotState`; for plain numbers the ROS name.
@@ -47,7 +47,7 @@ pub struct Descriptor {
 pub struct Field {
     /// Name of the field.
     pub name: &'static str,
-    /// What it means, with its unit.
+    /// Meaning, with the unit.
     pub doc: &'static str,
     /// Offset from the start of the message (bytes).
     pub offset: usize,
@@ -66,9 +66,9 @@ pub enum FieldKind {
     Nested(&'static Descriptor),
 }
 
-/// Types that may stand as a field of a message.
+/// Types that may be a field of a message.
 pub trait FieldType {
-    /// How schemas name the type.
+    /// The type in schemas.
     const KIND: FieldKind;
 }
 

@@ -35,7 +35,7 @@ struct Writer {
 }
 
 impl Writer {
-    /// Writes the structure of a message, those it contains first.
+    /// Writes the structure of a message after those that it contains.
     fn structure(&mut self, descriptor: &Descriptor) {
         if descriptor.fields.is_empty() || self.done.contains(&descriptor.name) {
             return;
@@ -155,7 +155,7 @@ mod tests {
                 "{topic}"
             );
         }
-        // A structure stands behind those that it contains.
+        // A structure comes after those that it contains.
         assert!(text.find("class Stamp(").unwrap() < text.find("class WorldHeader(").unwrap());
     }
 }

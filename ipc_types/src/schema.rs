@@ -1,4 +1,4 @@
-//! Schemas of the topics for logs and other languages, made from the message definitions.
+//! Schemas of the topics for logs and other languages, generated from the message definitions.
 
 use core::fmt::Write as _;
 
@@ -16,9 +16,9 @@ pub fn message_name(topic: TopicId) -> String {
     name
 }
 
-/// The ROS 2 message definition (`ros2msg`) of what the log holds for a topic: the fields of the
-/// user header, then the fields of the one element or a sequence of elements; nested types follow
-/// behind separators. The text is what `schema_encoding = "ros2msg"` expects.
+/// The ROS 2 message definition (`ros2msg`) of a logged topic: the fields of the user header, then
+/// the fields of the one element or a sequence of elements; nested types follow after separators.
+/// The text has the format of `schema_encoding = "ros2msg"`.
 pub fn ros2msg(topic: TopicId) -> String {
     let facts = topic.facts();
     let mut text = String::new();
@@ -61,9 +61,9 @@ fn fields(text: &mut String, descriptor: &Descriptor, nested: &mut Vec<Descripto
     }
 }
 
-/// Fingerprint of everything two processes must agree on to exchange a topic: names, order, types
-/// and offsets of all fields. Stored as an attribute of the service, because iceoryx2 itself
-/// compares names and sizes of types only.
+/// Hash of all properties on which two processes must agree to exchange a topic: names, order,
+/// types and offsets of all fields. It is stored as an attribute of the service, because iceoryx2
+/// itself compares only names and sizes of types.
 pub fn hash<T: Topic>() -> String {
     fingerprint(T::ID, &T::Header::DESCRIPTOR, &T::Element::DESCRIPTOR)
 }

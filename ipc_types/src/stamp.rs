@@ -1,4 +1,4 @@
-//! When, in which order and by whom a message was sent.
+//! Time, order and sender of a message.
 
 use iceoryx2::prelude::ZeroCopySend;
 
@@ -27,10 +27,10 @@ message! {
 }
 
 impl Stamp {
-    /// How many leading bytes belong to simulated history; the clocks follow them.
+    /// Number of leading bytes that belong to simulated history; the clocks follow them.
     pub const SIMULATED_BYTES: usize = core::mem::offset_of!(Stamp, origin_ns);
 
-    /// All clocks, to be changed together.
+    /// All clocks, mutable.
     pub fn clocks_mut(&mut self) -> [&mut u64; 5] {
         [
             &mut self.origin_ns,
@@ -46,7 +46,7 @@ impl Stamp {
 pub trait Header: message::Message {
     /// The stamp.
     fn stamp(&self) -> &Stamp;
-    /// The stamp, to fill in.
+    /// The stamp, mutable.
     fn stamp_mut(&mut self) -> &mut Stamp;
 }
 

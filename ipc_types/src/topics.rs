@@ -1,5 +1,5 @@
-//! Every topic, and everything that is to be known of it: `topics!` states each fact once. Nothing
-//! opens a service by a string of its own.
+//! All topics with their facts; `topics!` states each fact once. No code opens a service by a literal
+//! name.
 //!
 //! * [`Topic`]: a topic as a type, with the types of its messages; [`TopicId`]: a topic as a value, over
 //!   which a `match` is exhaustive; [`TopicFacts`]: the facts;
@@ -21,7 +21,7 @@ use crate::messages::world::{
 use crate::stamp::{Header, PlainHeader};
 use crate::transport::{ExchangePorts, Ports};
 
-/// Whether a message of a topic is one element or a sequence of elements.
+/// Number of elements of the messages of a topic.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Arity {
     /// Always exactly one element.
@@ -43,15 +43,15 @@ pub struct TopicFacts {
     pub header: Descriptor,
     /// The element of the payload slice.
     pub element: Descriptor,
-    /// Whether the topic is part of the simulated history (its payloads are in the digest).
+    /// `true` if the topic is part of the simulated history (its payloads are in the digest).
     pub simulated: bool,
-    /// Whether subscribers that join late get the last message: it describes a state that lasts.
+    /// `true` if late joiners get the last message, because it describes a lasting state.
     pub latched: bool,
-    /// Whether a message is sent in answer to the input of its tick, so that its stamp tells how long
-    /// the step of its sender took.
+    /// `true` if a message is sent in answer to the input of its tick, so that its stamp contains the
+    /// duration of its sender's step.
     pub timed: bool,
-    /// Fields in which infinity has a meaning (see their documentation); in all others, a message with
-    /// a number that is not finite is rejected. For elements that are bare numbers: the name of the
+    /// Fields in which infinity is valid (see their documentation); in all others, a message with a
+    /// number that is not finite is rejected. For elements that are plain numbers: the name of the
     /// sequence.
     pub may_be_infinite: &'static [&'static str],
 }
@@ -59,28 +59,28 @@ pub struct TopicFacts {
 /// Quality of service of a topic.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Qos {
-    /// Samples kept by a publisher for subscribers that join late.
+    /// Number of samples that a publisher keeps for late joiners.
     pub history: usize,
-    /// Messages that one publisher may send per tick; buffers are multiples of it.
+    /// Maximum number of messages that one publisher sends per tick; buffers are multiples of it.
     pub per_tick: usize,
-    /// How many processes may publish.
+    /// Maximum number of publishers.
     pub publishers: usize,
-    /// How many processes may subscribe, the recorder and four external subscribers included.
+    /// Maximum number of subscribers, including the recorder and four external ones.
     pub subscribers: usize,
 }
 
-/// What a topic's quality of service depends on.
+/// Inputs of a topic's quality of service.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct RunSize {
-    /// Robots in the run, ≥ 1.
+    /// Number of robots in the run, ≥ 1.
     pub robots: usize,
-    /// Processes of the run without the orchestrator, ≥ 1.
+    /// Number of processes of the run without the orchestrator, ≥ 1.
     pub processes: usize,
-    /// Obstacle events of the scenario.
+    /// Number of obstacle events of the scenario.
     pub events: usize,
 }
 
-/// Seats kept free on every topic for people who look on (viewers, the command-line tool).
+/// Number of subscribers reserved on every topic for external programs (viewers, the command-line tool).
 pub const EXTERNAL_SUBSCRIBERS: usize = 4;
 
 impl RunSize {
@@ -119,12 +119,12 @@ impl TopicId {
         Self::ALL.get(rank).copied()
     }
 
-    /// Place of the topic in [`TopicId::ALL`] and in [`NAMES`].
+    /// Index of the topic in [`TopicId::ALL`] and in [`NAMES`].
     pub const fn rank(self) -> usize {
         self as usize
     }
 
-    /// Whether only one process of a run ever publishes it.
+    /// Returns `true` if only one process of a run publishes it.
     pub fn has_one_publisher(self) -> bool {
         let size = RunSize {
             robots: 1,
@@ -135,7 +135,8 @@ impl TopicId {
     }
 }
 
-/// Makes, of the table of all topics, the type of each, [`TopicId`] with its facts, and the visit of all.
+/// Generates, from the table of all topics, the type of each, [`TopicId`] with its facts, and the visit
+/// of all.
 macro_rules! topics {
     ($(
         $(#[doc = $doc:literal])+
@@ -171,7 +172,7 @@ macro_rules! topics {
             /// All topics, in the order of their table.
             pub const ALL: &[Self] = &[$(Self::$topic),+];
 
-            /// What is to be known of the topic.
+            /// The facts of the topic.
             pub const fn facts(self) -> &'static TopicFacts {
                 match self {
                     $(Self::$topic => const {
@@ -207,14 +208,14 @@ macro_rules! topics {
             }
         }
 
-        /// Something to be done for every topic, each with its own types.
+        /// An operation for every topic, each with its own types.
         pub trait TopicVisitor {
-            /// What the visitor can fail with.
+            /// Error of the visitor.
             type Error;
             /// Called once per topic.
             ///
             /// # Errors
-            /// As the visitor defines; ends the visit.
+            /// Any error of the visitor; it ends the visit.
             fn visit<T: Topic>(&mut self) -> Result<(), Self::Error>;
         }
 
@@ -344,18 +345,18 @@ topics! {
         qos |_s| per_tick 16, publishers 1, subscribers 1 + EXTERNAL_SUBSCRIBERS;
 }
 
-/// Event that tells a process without the tick barrier that it is its turn; the id is its index.
+/// Event that starts a step of a process without the tick barrier; the id is its index.
 pub const TURN_EVENT: &str = "run/turn";
-/// Event with which such a process says that it has done its turn; the id is its index.
+/// Event by which such a process reports the end of its step; the id is its index.
 pub const DONE_EVENT: &str = "run/done";
-/// Added to the index in [`TURN_EVENT`]: there will be no more turns.
+/// Added to the index in [`TURN_EVENT`]: there will be no more steps.
 pub const END_OF_TURNS: usize = 64;
 
-/// Event with which a client of [`OptimiserPlan`] wakes the optimiser after it has asked; the id is
-/// the client's index, and of no matter.
+/// Event by which a client of [`OptimiserPlan`] wakes the optimiser after a request; the id is the
+/// client's index, and ignored.
 pub const PLAN_ASKED_EVENT: &str = "optimiser/asked";
-/// Event with which the optimiser wakes a client that it has answered; the id is the client's index
-/// (the source in the request's stamp).
+/// Event by which the optimiser wakes a client after its answer; the id is the client's index (the source
+/// in the request's stamp).
 pub const PLAN_ANSWERED_EVENT: &str = "optimiser/answered";
 /// Largest id of an event.
 pub const MAX_EVENT_ID: usize = 2 * END_OF_TURNS;

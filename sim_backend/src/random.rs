@@ -1,4 +1,4 @@
-//! Random numbers that are the same on every machine and in every order of asking.
+//! Random numbers that are the same on every machine and in every order of requests.
 
 use core::f64::consts::TAU;
 
@@ -7,13 +7,14 @@ use rand_chacha::ChaCha8Rng;
 
 use geometry::math;
 
-/// 32-bit words that one tick of a stream may use; a stream at tick *k* starts *k* times as far in.
+/// Number of 32-bit words that one tick of a stream may use; a stream at tick *k* starts *k* times
+/// as far in.
 const WORDS_PER_TICK: u128 = 1 << 20;
 
 /// The random numbers of one purpose at one tick.
 ///
-/// A stream is addressed by (seed, stream number, tick) rather than kept, so that what a sensor
-/// draws does not depend on who else drew or how often it was asked.
+/// A stream is addressed by (seed, stream number, tick) rather than kept, so that the draws of a
+/// sensor do not depend on other draws or on the number of requests.
 ///
 /// ```
 /// use sim_backend::random::Stream;
@@ -31,7 +32,7 @@ pub struct Stream {
 }
 
 impl Stream {
-    /// The numbers of a stream at a tick.
+    /// Creates the numbers of a stream at a tick.
     pub fn new(seed: u64, stream: u64, tick: u64) -> Self {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         rng.set_stream(stream);
@@ -39,13 +40,13 @@ impl Stream {
         Self { rng, spare: None }
     }
 
-    /// A number uniform in (0, 1].
+    /// Returns a number uniform in (0, 1].
     pub fn uniform(&mut self) -> f64 {
         // 53 bits: every multiple of 2⁻⁵³ is a double.
         ((self.rng.next_u64() >> 11) + 1) as f64 * (1.0 / (1u64 << 53) as f64)
     }
 
-    /// A standard normal number (Box and Muller's method; pairs are used up in turn).
+    /// Returns a standard normal number (Box and Muller's method; both numbers of a pair are used).
     pub fn normal(&mut self) -> f64 {
         if let Some(spare) = self.spare.take() {
             return spare;

@@ -1,16 +1,16 @@
-//! Which side a robot is on.
+//! Teams of robots.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// The side a robot plays for; decides who catches whom and who shares what.
+/// The team of a robot; it determines captures and shared perception.
 #[derive(
     Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize, JsonSchema,
 )]
 #[serde(rename_all = "lowercase")]
 #[repr(u8)]
 pub enum Team {
-    /// Takes no part in capture or escape (patrol, coverage, a lone robot).
+    /// Takes no part in capture or escape (patrol, coverage, a single robot).
     Neutral = 0,
     /// Catches evaders.
     Police = 1,

@@ -1,4 +1,4 @@
-//! A step allocates nothing once its buffers have grown.
+//! A step allocates no memory once its buffers have grown.
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -15,7 +15,7 @@ static ALLOCATIONS: AtomicUsize = AtomicUsize::new(0);
 
 struct Counting;
 
-// SAFETY: hands every request to the system's allocator unchanged; counting has no influence on it.
+// SAFETY: forwards every request to the system's allocator unchanged; counting does not affect it.
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         ALLOCATIONS.fetch_add(1, Ordering::Relaxed);
@@ -78,7 +78,7 @@ fn steps_scans_and_views_do_not_allocate() {
         }
         events
     };
-    // Robots run into walls and each other from the first seconds on.
+    // Robots hit walls and each other from the first seconds on.
     assert!(run(4000) > 10);
     let before = ALLOCATIONS.load(Ordering::Relaxed);
     let events = run(4000);

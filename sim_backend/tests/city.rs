@@ -1,4 +1,4 @@
-//! The city of the scenarios is the city of the chasing game.
+//! Comparison of the city of the scenarios with that of the chasing game.
 
 use std::path::Path;
 
@@ -21,7 +21,7 @@ fn map_spec(name: &str) -> MapSpec {
     .unwrap()
 }
 
-/// Whether the description of the city puts an obstacle at a point.
+/// Returns `true` if the description of the city has an obstacle at a point.
 fn described(x: f64, y: f64) -> bool {
     let in_block = |c: f64| {
         [

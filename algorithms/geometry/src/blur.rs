@@ -1,4 +1,4 @@
-//! The blurred map: a smooth 0…1 picture of how open the world is around a point.
+//! The blurred map: the openness of the surroundings of each point, 0…1.
 //!
 //! The free map (1 = free, 0 = occupied) is convolved with a Gaussian. Two users share the result:
 //! the potential-field planners push a robot along its gradient ∇(G∗I) (chasing-game paper,
@@ -8,9 +8,9 @@
 //! Stored are the *unmasked* blur and the occupancy. [`BlurredMap::value`] is masked (0 in
 //! obstacles, as the paper's "visibility at a point"); [`BlurredMap::gradient`] is that of the
 //! unmasked blur. Masking before differentiating would put a jump of height ≈ 0.5 per cell at every
-//! wall: a push that grows without bound as the map is drawn finer. The unmasked gradient is
+//! wall: a push that grows without bound with the resolution of the map. The unmasked gradient is
 //! bounded by 1/(σ·√(2π)), about 2.1 per metre at σ = 0.19 m, and inside an obstacle it still points
-//! out of it.
+//! outwards.
 
 use nalgebra::{Point2, Vector2};
 use thiserror::Error;
@@ -21,60 +21,61 @@ use crate::math;
 /// Standard deviation of the blur used by the chasing-game experiments (m): three cells of 0.0633 m.
 pub const PAPER_SIGMA: f64 = 0.19;
 
-/// Longest side of a map (cells); keeps the fixed-point arithmetic of line of sight within 64 bits.
+/// Maximum length of a side of a map (cells); keeps the fixed-point arithmetic of line of sight
+/// within 64 bits.
 pub const MAX_SIDE: usize = 16_384;
 
-/// Why a blurred map could not be made.
+/// Reason why a blurred map cannot be built.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum BlurError {
-    /// The map has no cells, or a side too long.
+    /// The map has no cells, or a side that is too long.
     #[error("the map has {width} × {height} cells; each side must have 1 to {MAX_SIDE}")]
     Size {
-        /// Columns of the offending map.
+        /// Number of columns of the map.
         width: usize,
-        /// Rows of the offending map.
+        /// Number of rows of the map.
         height: usize,
     },
     /// The cell size is not a positive finite length.
     #[error("the map's resolution is {resolution} m per cell; it must be positive and finite")]
     Resolution {
-        /// The offending resolution (m).
+        /// Actual resolution (m).
         resolution: f64,
     },
-    /// The number of values does not fit the frame.
+    /// The number of values does not match the frame.
     #[error("the {what} has {found} cells; its frame needs {expected}")]
     Length {
-        /// Which grid.
+        /// Name of the grid.
         what: &'static str,
-        /// Values that were given.
+        /// Actual number of values.
         found: usize,
-        /// Values that the frame needs.
+        /// Number of values that the frame requires.
         expected: usize,
     },
-    /// The two layers lie on different frames.
+    /// The two layers have different frames.
     #[error("the blurred and the occupied layer lie on different grid frames")]
     FrameMismatch,
-    /// The blur's width is not usable.
+    /// The standard deviation of the blur is invalid.
     #[error(
         "the blur's sigma is {sigma} m; it must be positive and at most the map's longer side, {limit} m"
     )]
     Sigma {
-        /// The offending standard deviation (m).
+        /// Actual standard deviation (m).
         sigma: f64,
-        /// The largest accepted one (m).
+        /// Maximum standard deviation (m).
         limit: f64,
     },
     /// A blurred value is outside 0…1.
     #[error("the blurred layer holds {value} in cell {cell}; values lie in 0 to 1")]
     Value {
-        /// The offending value.
+        /// Actual value.
         value: f32,
         /// Storage index of its cell.
         cell: usize,
     },
 }
 
-/// Gaussian blur of a free map together with the occupancy that masks it.
+/// Gaussian blur of a free map, with the occupancy that masks it.
 ///
 /// ```
 /// use geometry::blur::BlurredMap;
@@ -101,8 +102,8 @@ pub struct BlurredMap {
 impl BlurredMap {
     /// Blurs a free map (`true` = free) with a Gaussian of standard deviation `sigma` (m).
     ///
-    /// The kernel is sampled at whole cells out to ±4σ (rounded to a cell) and normalised to sum 1;
-    /// beyond its edge the map continues as its mirror image (`d c b a | a b c d | d c b a`), so the
+    /// The kernel is sampled at whole cells out to ±4σ (rounded to a cell) and normalised to sum 1.
+    /// Beyond its edge the map continues as its mirror image (`d c b a | a b c d | d c b a`), so the
     /// edge of the grid itself is neither a wall nor a hole. Sums are in f64 in a fixed order.
     ///
     /// # Errors
@@ -131,8 +132,8 @@ impl BlurredMap {
         })
     }
 
-    /// Rebuilds the map from its two layers, as they travel in a message: the *unmasked* blur
-    /// (0…1 per cell, also inside obstacles) and the occupancy (`true` = occupied).
+    /// Rebuilds the map from the two layers of a message: the *unmasked* blur (0…1 per cell, also
+    /// inside obstacles) and the occupancy (`true` = occupied).
     ///
     /// # Errors
     /// [`BlurError`] if the layers are empty, too large, of the wrong length, on different frames,
@@ -152,12 +153,12 @@ impl BlurredMap {
         Ok(Self { blurred, occupied })
     }
 
-    /// Where the cells lie.
+    /// Frame of the cells.
     pub fn frame(&self) -> &GridFrame {
         &self.blurred.frame
     }
 
-    /// The unmasked blur, 0…1 per cell: what [`Self::from_parts`] takes back.
+    /// The unmasked blur, 0…1 per cell; the input of [`Self::from_parts`].
     pub fn grid(&self) -> &Grid<f32> {
         &self.blurred
     }
@@ -167,13 +168,14 @@ impl BlurredMap {
         &self.occupied
     }
 
-    /// Whether the point (m) lies in an occupied cell or outside the grid.
+    /// Returns `true` if the point (m) lies in an occupied cell or outside the grid.
     pub fn is_blocked(&self, p: Point2<f64>) -> bool {
         self.occupied.at(p).copied().unwrap_or(true)
     }
 
-    /// How open the world is at a point (m): 0…1, bilinear between cell centres (constant over the
-    /// outer half cell of the grid), continuous up to the walls; 0 in obstacles and outside.
+    /// Openness of the surroundings of a point (m): 0…1, bilinear between cell centres (constant
+    /// over the outer half cell of the grid), continuous up to the walls; 0 in obstacles and
+    /// outside.
     pub fn value(&self, p: Point2<f64>) -> f64 {
         if self.is_blocked(p) {
             return 0.0;
@@ -222,7 +224,7 @@ impl BlurredMap {
         (high - low) / ((after - before) as f64 * frame.resolution)
     }
 
-    /// The four cell centres around a point and its place between them; `None` outside the grid.
+    /// The four cell centres around a point and its position between them; `None` outside the grid.
     fn corners(&self, p: Point2<f64>) -> Option<Corners> {
         let frame = &self.blurred.frame;
         frame.cell_at(p)?;
@@ -248,7 +250,7 @@ impl BlurredMap {
 /// Lower neighbour and fraction for a coordinate counted in cell centres, clamped to the grid.
 fn between(coordinate: f64, len: usize) -> (usize, f64) {
     let clamped = coordinate.clamp(0.0, (len - 1) as f64);
-    // Truncating is rounding down here, and unlike `floor` costs no call on the oldest x86-64.
+    // Truncation rounds down here and, unlike `floor`, needs no call on the oldest x86-64.
     let low = clamped as usize;
     (low, clamped - low as f64)
 }
@@ -317,7 +319,7 @@ fn half_kernel(sigma_cells: f64) -> Vec<f64> {
     half
 }
 
-/// Index of the cell that a mirrored border shows at a possibly negative position.
+/// Index of the cell at a possibly negative position beyond a mirrored border.
 fn mirror(position: isize, len: usize) -> usize {
     let period = 2 * len as isize;
     let folded = position.rem_euclid(period);

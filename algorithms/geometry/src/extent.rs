@@ -1,11 +1,11 @@
-//! How far coordinates and lengths reach.
+//! Limits of coordinates and lengths.
 
 use parameters::{Bounds, above, at_least, between};
 
-/// Largest coordinate or length that a map, shape or robot may have (m).
+/// Maximum magnitude of coordinates and lengths of maps, shapes and robots (m).
 ///
-/// A limit of sense rather than of arithmetic: at 100 km a position still resolves 10⁻¹¹ m, so
-/// that contacts keep their tolerance.
+/// The limit is not numerical: at 100 km a position still resolves 10⁻¹¹ m, so that contacts keep
+/// their tolerance.
 pub const MAX_COORDINATE: f64 = 1e5;
 
 /// Lengths and rates above 0.

@@ -25,7 +25,7 @@ impl GridFrame {
         self.width * self.height
     }
 
-    /// Whether the grid has no cells.
+    /// Returns `true` if the grid has no cells.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
@@ -33,7 +33,7 @@ impl GridFrame {
     /// The cell (column, row) that contains a world point (m); `None` outside the grid or for a
     /// non-finite point.
     pub fn cell_at(&self, p: Point2<f64>) -> Option<(usize, usize)> {
-        // Truncating is rounding down here, and unlike `floor` costs no call on the oldest x86-64.
+        // Truncation rounds down here and, unlike `floor`, needs no call on the oldest x86-64.
         let col = (p.x - self.origin.x) / self.resolution;
         let row = (p.y - self.origin.y) / self.resolution;
         let inside =
@@ -74,7 +74,7 @@ impl GridFrame {
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Grid<T> {
-    /// Where the cells lie.
+    /// Frame of the cells.
     pub frame: GridFrame,
     /// The values, row by row; `cells.len() == frame.len()`.
     pub cells: Vec<T>,

@@ -1,12 +1,12 @@
-//! Geometry of the plane: shapes, maps, and the queries that planners and the world make of them.
+//! Geometry of the plane: shapes, maps, and the queries of planners and the world.
 //!
-//! - [`pose`], [`region`], [`extent`]: places, velocities, areas of the rules, and how large a coordinate may be;
-//! - [`shape`]: shapes as written, and their convex parts with exact contacts, rays and sweeps;
-//! - [`map`]: map files, the ground they describe, distances, rays and passages on it;
+//! - [`pose`], [`region`], [`extent`]: poses, velocities, areas of the rules, and limits of coordinates;
+//! - [`shape`]: shapes of a scenario, and their convex parts with exact contacts, rays and sweeps;
+//! - [`map`]: map files, the maps built from them, distances, rays and passages;
 //! - [`grid`], [`blur`], [`visibility`]: grids of cells, the blurred map, and lines of sight;
 //! - [`math`]: elementary functions that compute the same bits on every machine.
 //!
-//! Everything here is pure, but for the loaders of map files: values in, values out, the same bits on every machine.
+//! All functions are pure, except for the loaders of map files: equal inputs give equal bits on every machine.
 
 #![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
 #![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]

@@ -1,9 +1,9 @@
 //! Elementary functions that compute the same bits on every machine.
 //!
-//! The standard library's `f64::sin` and friends call the C library, whose dispatcher picks a
-//! variant (with or without fused multiply–add) by processor; the last bit may differ, and a
-//! chaotic chase turns a last bit into another history. `libm` is pure Rust and always the same.
-//! `clippy.toml` disallows the standard methods everywhere.
+//! The standard library's `f64::sin` and similar functions call the C library, whose dispatcher
+//! selects a variant (with or without fused multiply–add) by processor. The last bit may differ,
+//! and a chaotic chase turns a last bit into another history. `libm` is pure Rust and always the
+//! same. `clippy.toml` disallows the standard methods everywhere.
 
 use core::f64::consts::{PI, TAU};
 

@@ -1,4 +1,4 @@
-//! Where a robot is and how it moves (REP-103: x forward, y left, angles counter-clockwise).
+//! Pose and motion of a robot (REP-103: x forward, y left, angles counter-clockwise).
 
 use nalgebra::{Point2, Vector2};
 use parameters::unit;
@@ -53,13 +53,13 @@ impl Pose2 {
         Vector2::new(cos, sin)
     }
 
-    /// Whether all three coordinates are finite.
+    /// Returns `true` if all three coordinates are finite.
     pub fn is_finite(&self) -> bool {
         self.x.is_finite() && self.y.is_finite() && self.theta.is_finite()
     }
 }
 
-/// Velocity of a differential-drive robot in its own frame; also what a planner commands.
+/// Velocity of a differential-drive robot in its own frame; also the command of a planner.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Twist2 {
@@ -78,17 +78,17 @@ impl Twist2 {
         Self { v, omega }
     }
 
-    /// Largest magnitude of a component that a command may have, in its unit. Commands beyond a
-    /// robot's limits are cut to them; ones beyond this come from a planner that is out of its mind.
+    /// Maximum magnitude of a component of a command, in its unit. Commands beyond a robot's limits are
+    /// clamped; a command beyond this limit comes from a faulty planner.
     pub const ABSURD: f64 = 1e6;
 
-    /// Whether a robot can be asked for it: both components are finite, and neither is absurd.
+    /// Returns `true` if it is a valid command: both components are finite and within [`Self::ABSURD`].
     pub fn is_command(&self) -> bool {
-        // Not a number is not at most anything.
+        // NaN is not at most anything.
         self.v.abs() <= Self::ABSURD && self.omega.abs() <= Self::ABSURD
     }
 
-    /// Whether both components are finite.
+    /// Returns `true` if both components are finite.
     pub fn is_finite(&self) -> bool {
         self.v.is_finite() && self.omega.is_finite()
     }

@@ -1,4 +1,4 @@
-//! Places that matter to the rules: exits and goals.
+//! Regions of the rules: exits and goals.
 
 use nalgebra::Point2;
 use parameters::{Parameters, each, unit};
@@ -49,7 +49,7 @@ pub enum Region {
 }
 
 impl Region {
-    /// Whether a point (m) lies strictly inside.
+    /// Returns `true` if a point (m) lies strictly inside.
     pub fn contains(&self, p: Point2<f64>) -> bool {
         match *self {
             Self::Circle { center, radius } => {

@@ -1,7 +1,7 @@
-//! Line of sight that fades: how well one point is seen from another.
+//! Graded line of sight: the visibility of one point from another.
 //!
-//! The chasing-game paper (section III.C) multiplies the blurred map's values along the ray, each to
-//! the power of the step. Its limit for small steps is what is computed here,
+//! The chasing-game paper (section III.C) multiplies the blurred map's values along the ray, each to the
+//! power of the step. This module computes the limit for small steps,
 //!
 //! > V(a, b) = exp( ∫ ln B ds ) along the segment from a to b, s in metres,
 //!
@@ -11,18 +11,18 @@
 //! is poor, one down the middle of a street is close to 1.
 //!
 //! # How it is computed
-//! −ln B is stored as a fixed-point number, as prefix sums along the rows and, in a second copy,
-//! along the columns. A segment that is longer in x than in y stays in each row for a run of cells;
-//! a run costs two interpolated look-ups however long it is, and one look-up in a table of "next
-//! occupied cell" decides whether it is free. A ray therefore costs as many steps as it has cells
-//! along its *shorter* extent. Seven points spread over the ray are looked up first: between random
-//! points of a city most rays are blocked, and 97 of 100 blocked ones show it there.
+//! −ln B is stored as a fixed-point number, as prefix sums along the rows and, in a second copy, along the
+//! columns. A segment that is longer in x than in y stays in each row for a run of cells. A run costs two
+//! interpolated look-ups regardless of its length, and one look-up in a table of "next occupied cell"
+//! decides whether it is free. A ray therefore costs as many steps as it has cells along its *shorter*
+//! extent. Seven points spread over the ray are looked up first: between random points of a city most rays
+//! are blocked, and 97 of 100 blocked ones are detected there.
 //!
-//! End points are rounded down to 1/65536 of a cell, and everything up to the final exponential is
-//! integer arithmetic: the result is the same on every machine, and bit for bit symmetric because
-//! the two ends are put in a canonical order first. The error against the same integral in f64 is
-//! below 2e-4 (7e-6 on a city of 384 × 384 cells); a ray that passes an obstacle's corner closer than
-//! about 1/65536 of a cell may fall on either side.
+//! End points are rounded down to 1/65536 of a cell, and all computations up to the final exponential are
+//! integer arithmetic. The result is the same on every machine, and bit for bit symmetric because the two
+//! ends are put in a canonical order first. The error against the same integral in f64 is below 2e-4 (7e-6
+//! on a city of 384 × 384 cells). A ray that passes an obstacle's corner closer than about 1/65536 of a
+//! cell may be free or blocked.
 
 mod lanes;
 pub mod polygon;
@@ -37,13 +37,12 @@ use crate::math;
 /// Fractional bits of an end point, in cells.
 const POINT_BITS: u32 = 16;
 
-/// Largest −ln B per metre that is distinguished; a free cell darker than e⁻¹⁶ counts as this dark.
+/// Maximum −ln B per metre; a free cell darker than e⁻¹⁶ counts as this dark.
 const DARKEST: f64 = 16.0;
 
 /// An end point of a line of sight: a position in a free cell, rounded to 1/65536 of a cell.
 ///
-/// Made by [`VisibilityField::end`], so that a point that is used for several rays is converted and
-/// checked once.
+/// Created by [`VisibilityField::end`], so that a point of several rays is converted and checked once.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct RayEnd {
     x: i32,
@@ -132,12 +131,12 @@ impl VisibilityField {
         }
     }
 
-    /// Where the cells lie.
+    /// Frame of the cells.
     pub fn frame(&self) -> &GridFrame {
         &self.frame
     }
 
-    /// Whether a point (m) lies in a free cell of the grid.
+    /// Returns `true` if a point (m) lies in a free cell of the grid.
     pub fn is_free(&self, p: Point2<f64>) -> bool {
         self.end(p).is_some()
     }
@@ -169,7 +168,7 @@ impl VisibilityField {
         }
     }
 
-    /// Whether no occupied cell lies between two points (m) (false if an end is not free).
+    /// Returns `true` if no occupied cell lies between two points (m) (false if an end is not free).
     pub fn is_visible(&self, a: Point2<f64>, b: Point2<f64>) -> bool {
         match (self.end(a), self.end(b)) {
             (Some(a), Some(b)) => self.depth(a, b).is_some(),
@@ -198,8 +197,8 @@ impl VisibilityField {
         }
     }
 
-    /// Whether one of seven points spread over the ray lies in an obstacle: most blocked rays are
-    /// found here, without a single unpredictable branch.
+    /// Returns `true` if one of seven points spread over the ray lies in an obstacle: this detects most
+    /// blocked rays without a single unpredictable branch.
     #[inline]
     fn probe(&self, a: RayEnd, b: RayEnd) -> bool {
         let mut blocked = 0;
@@ -244,7 +243,7 @@ impl VisibilityField {
 /// Fractional bits of a cell's cost such that a whole lane of the darkest cells stays below 2^31.
 fn cost_bits(longest_side: usize) -> u32 {
     let lane_bits = usize::BITS - longest_side.saturating_sub(1).leading_zeros();
-    // DARKEST needs 4 integer bits and, being reached, a fifth.
+    // DARKEST needs 4 integer bits and, because it can be reached, a fifth.
     (31 - 5 - lane_bits).min(20)
 }
 

@@ -1,4 +1,4 @@
-//! Range and unit of a parameter, as they stand in its declaration.
+//! Range and unit of a parameter in its declaration.
 
 use schemars::Schema;
 use schemars::transform::Transform;
@@ -10,36 +10,35 @@ pub(crate) const UNIT: &str = "x-unit";
 
 /// Range and unit of a number, or of each number of a list.
 ///
-/// It is given to `#[schemars(transform = …)]` on the field. Floating-point numbers are finite
-/// without being said so.
+/// Used in `#[schemars(transform = …)]` on the field. Floating-point numbers must always be finite.
 #[derive(Debug, Clone, Default)]
 pub struct Bounds {
     keywords: Map<String, Value>,
-    /// Levels of lists between the field and its numbers.
+    /// Number of nested lists between the field and its numbers.
     depth: usize,
 }
 
-/// Numbers above `min`.
+/// Accepts numbers above `min`.
 pub fn above(min: impl Serialize) -> Bounds {
     Bounds::default().set("exclusiveMinimum", min)
 }
 
-/// Numbers of at least `min`.
+/// Accepts numbers of at least `min`.
 pub fn at_least(min: impl Serialize) -> Bounds {
     Bounds::default().set("minimum", min)
 }
 
-/// Numbers from `min` to `max`, both included.
+/// Accepts numbers from `min` to `max`, both included.
 pub fn between(min: impl Serialize, max: impl Serialize) -> Bounds {
     at_least(min).at_most(max)
 }
 
-/// Any number, with a unit.
+/// Accepts any number, with a unit.
 pub fn unit(unit: &str) -> Bounds {
     Bounds::default().unit(unit)
 }
 
-/// The same bounds for each element of a list.
+/// Applies the bounds to each element of a list.
 pub fn each(bounds: Bounds) -> Bounds {
     Bounds {
         depth: bounds.depth + 1,
@@ -48,19 +47,19 @@ pub fn each(bounds: Bounds) -> Bounds {
 }
 
 impl Bounds {
-    /// The numbers of these that are at most `max`.
+    /// Restricts the numbers to at most `max`.
     #[must_use]
     pub fn at_most(self, max: impl Serialize) -> Self {
         self.set("maximum", max)
     }
 
-    /// The numbers of these that are below `max`.
+    /// Restricts the numbers to those below `max`.
     #[must_use]
     pub fn below(self, max: impl Serialize) -> Self {
         self.set("exclusiveMaximum", max)
     }
 
-    /// These numbers, with a unit.
+    /// Adds a unit.
     #[must_use]
     pub fn unit(self, unit: &str) -> Self {
         self.set(UNIT, unit)

@@ -1,4 +1,4 @@
-//! The check of all values against their ranges.
+//! Check of all values against their ranges.
 
 use ciborium::Value as Data;
 use schemars::JsonSchema;
@@ -12,22 +12,22 @@ use crate::schema;
 
 /// A set of parameters.
 pub trait Parameters: Serialize + DeserializeOwned + JsonSchema + 'static {
-    /// Checks what one field asks of another; each field is within its range already.
+    /// Checks the relations between fields; each field is within its range already.
     ///
     /// # Errors
-    /// [`ParamsError`] naming the field that does not fit the others.
+    /// [`ParamsError`] naming the field that does not match the others.
     fn check_relations(&self) -> Result<(), ParamsError> {
         Ok(())
     }
 }
 
-/// Nothing to be said.
+/// No parameters.
 impl Parameters for () {}
 
 /// Checks the range of every field, in the order of declaration, then the relations between fields.
 ///
 /// # Errors
-/// [`ParamsError`] with the path, the value and what was expected: the first of [`faults`].
+/// [`ParamsError`] with the path, the value and the expected one: the first of [`faults`].
 pub fn check<P: Parameters>(params: &P) -> Result<(), ParamsError> {
     match faults(params).into_iter().next() {
         Some(fault) => Err(fault),
@@ -35,8 +35,8 @@ pub fn check<P: Parameters>(params: &P) -> Result<(), ParamsError> {
     }
 }
 
-/// Every field that is out of its range, in the order of declaration; if there is none, what the
-/// relations between fields refuse.
+/// All fields that are out of their ranges, in the order of declaration; if there is none, the
+/// violated relations between fields.
 pub fn faults<P: Parameters>(params: &P) -> Vec<ParamsError> {
     let data = match Data::serialized(params) {
         Ok(data) => data,
@@ -50,13 +50,13 @@ pub fn faults<P: Parameters>(params: &P) -> Vec<ParamsError> {
     found
 }
 
-/// Checks one value against its schema; `path` leads to it.
+/// Checks one value against its schema; `path` is its path.
 fn check_value(data: &Data, schema: &Value, path: &str, found: &mut Vec<ParamsError>) {
     let Some(schema) = schema.as_object() else {
         return;
     };
     if let Some(branches) = branches(schema) {
-        // The value has its type already: one of the branches is its own.
+        // The value has its type already: one of the branches matches.
         if let Some(branch) = branches.iter().find(|branch| accepts(branch, data)) {
             check_value(data, branch, path, found);
         }
@@ -115,7 +115,8 @@ fn branches(schema: &Map<String, Value>) -> Option<&Vec<Value>> {
     found.as_array()
 }
 
-/// Whether a value has the type, the keys and the constants of a schema; ranges aside.
+/// Returns `true` if a value has the type, the keys and the constants of a schema, regardless of
+/// ranges.
 fn accepts(schema: &Value, data: &Data) -> bool {
     let Some(schema) = schema.as_object() else {
         return true;

@@ -1,29 +1,29 @@
-//! The error that names what is wrong with one parameter, and checks of single values.
+//! Error of one parameter, and checks of single values.
 
 use core::fmt::Display;
 
 use thiserror::Error;
 
-/// A parameter whose value cannot be used.
+/// An invalid parameter.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 pub struct ParamsError {
     /// Path of the parameter inside its table, dots between levels (`limits.v_max`).
     pub field: String,
-    /// What is wrong with it.
+    /// Fault of the value.
     pub fault: Fault,
 }
 
-/// What is wrong with a parameter.
+/// Fault of a parameter.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Fault {
-    /// Its value is not one of those accepted.
+    /// The value is not an accepted one.
     Value {
-        /// The value found, as text.
+        /// Actual value, as text.
         found: String,
-        /// The values accepted, with their unit.
+        /// Accepted values, with their unit.
         expected: String,
     },
-    /// It cannot be used, as a message says that names it and says what to change.
+    /// The value is rejected with a message that names it and the remedy.
     Refused(String),
 }
 
@@ -39,7 +39,7 @@ impl Display for ParamsError {
 }
 
 impl ParamsError {
-    /// An error about a field, with the value found and the values accepted.
+    /// Creates an error of a field, with the actual and the accepted values.
     pub fn new(field: &str, value: &(impl Display + ?Sized), expected: impl Into<String>) -> Self {
         Self {
             field: field.to_owned(),
@@ -50,7 +50,7 @@ impl ParamsError {
         }
     }
 
-    /// An error about a field, with a message that says all.
+    /// Creates an error of a field, with a complete message.
     pub fn refused(field: &str, message: impl Into<String>) -> Self {
         Self {
             field: field.to_owned(),
@@ -58,7 +58,7 @@ impl ParamsError {
         }
     }
 
-    /// An error about the field that a message names first, in backquotes; about the whole table
+    /// Creates an error of the field that a message names first, in backquotes; of the whole table
     /// if it names none.
     pub fn naming(message: impl Into<String>) -> Self {
         let message = message.into();
@@ -69,7 +69,7 @@ impl ParamsError {
         }
     }
 
-    /// The same error seen from the table that contains the field's table: `v_max` becomes
+    /// Prefixes the path with the table that contains the field's table: `v_max` becomes
     /// `limits.v_max`.
     #[must_use]
     pub fn within(mut self, table: &str) -> Self {
@@ -81,7 +81,7 @@ impl ParamsError {
     }
 }
 
-/// For `map_err`: an error of a table, seen from the table that contains it.
+/// Prefixes the path of an error, for `map_err`.
 pub fn within(table: &str) -> impl FnOnce(ParamsError) -> ParamsError {
     move |error| error.within(table)
 }
@@ -89,7 +89,7 @@ pub fn within(table: &str) -> impl FnOnce(ParamsError) -> ParamsError {
 /// Accepts a value when `ok` holds.
 ///
 /// # Errors
-/// [`ParamsError`] with these parts when it does not.
+/// [`ParamsError`] with these parts otherwise.
 pub fn require(
     ok: bool,
     field: &str,
@@ -106,7 +106,7 @@ pub fn require(
 /// Accepts a finite value > 0.
 ///
 /// # Errors
-/// [`ParamsError`] for anything else.
+/// [`ParamsError`] for any other value.
 pub fn positive(field: &str, value: f64) -> Result<(), ParamsError> {
     let ok = value.is_finite() && value > 0.0;
     require(ok, field, &value, "a finite number above 0")
@@ -115,7 +115,7 @@ pub fn positive(field: &str, value: f64) -> Result<(), ParamsError> {
 /// Accepts a finite value ≥ 0.
 ///
 /// # Errors
-/// [`ParamsError`] for anything else.
+/// [`ParamsError`] for any other value.
 pub fn not_negative(field: &str, value: f64) -> Result<(), ParamsError> {
     let ok = value.is_finite() && value >= 0.0;
     require(ok, field, &value, "a finite number of at least 0")

@@ -36,9 +36,9 @@
 //! );
 //! ```
 //!
-//! [`fn@check`] and [`faults`] compare every value with its range, in the order of declaration; what is left to
-//! write by hand are relations between fields ([`Parameters::check_relations`]). [`Reference`] writes
-//! the same declarations as tables in Markdown, [`schema_generator`] for editors.
+//! [`fn@check`] and [`faults`] compare every value with its range, in the order of declaration; only relations
+//! between fields are checked by code ([`Parameters::check_relations`]). [`Reference`] writes the same
+//! declarations as tables in Markdown, [`schema_generator`] for editors.
 
 #![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
 #![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]

@@ -1,4 +1,4 @@
-//! Schemas for editors: descriptions as people read them, with range and unit.
+//! Schemas for editors: plain-text descriptions with range and unit.
 
 use schemars::Schema;
 use schemars::generate::{SchemaGenerator, SchemaSettings};
@@ -7,13 +7,12 @@ use serde_json::Value;
 
 use crate::range::{Kind, Range};
 
-/// A generator of schemas that TOML language servers read (draft 7). Apply [`for_people`] to what it
-/// makes.
+/// A generator of schemas for TOML language servers (draft 7). Apply [`for_people`] to its result.
 pub fn schema_generator() -> SchemaGenerator {
     SchemaSettings::draft07().into_generator()
 }
 
-/// Makes every description plain text that ends with range and unit.
+/// Converts every description to plain text that ends with range and unit.
 pub fn for_people(schema: &mut Schema) {
     RecursiveTransform(describe).transform(schema);
 }
@@ -51,7 +50,7 @@ fn number(name: &str) -> Option<Kind> {
     }
 }
 
-/// The first paragraph of a doc comment on one line, its links by their text.
+/// The first paragraph of a doc comment on one line, with links replaced by their text.
 pub(crate) fn plain_text(doc: &str) -> String {
     let paragraph = doc.split("\n\n").next().unwrap_or_default();
     let line = paragraph.split_whitespace().collect::<Vec<_>>().join(" ");

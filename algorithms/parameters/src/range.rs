@@ -11,7 +11,7 @@ use crate::bounds::UNIT;
 pub(crate) struct Range<'a>(pub &'a Map<String, Value>);
 
 impl<'a> Range<'a> {
-    /// Whether a number is inside.
+    /// Returns `true` if a number is inside.
     pub fn contains(&self, number: &Data) -> bool {
         let holds =
             |keyword: &str, compare: fn(f64, f64) -> bool, exact: fn(i128, i128) -> bool| {
@@ -41,7 +41,7 @@ impl<'a> Range<'a> {
             )
     }
 
-    /// Whether a list may have this many elements.
+    /// Returns `true` if a list may have this many elements.
     pub fn contains_length(&self, length: usize) -> bool {
         let bound = |keyword: &str| self.0.get(keyword).and_then(Value::as_u64);
         bound("minItems").is_none_or(|min| length as u64 >= min)
@@ -53,7 +53,7 @@ impl<'a> Range<'a> {
         self.0.get(UNIT).and_then(Value::as_str)
     }
 
-    /// The numbers accepted, in words, with their unit.
+    /// The accepted numbers in words, with their unit.
     pub fn numbers(&self, kind: Kind) -> String {
         let get = |keyword: &str| self.0.get(keyword).map(plain);
         let lower = match (get("exclusiveMinimum"), get("minimum")) {
@@ -88,7 +88,7 @@ impl<'a> Range<'a> {
         format!("{noun}{range}{unit}")
     }
 
-    /// The numbers accepted, in signs, without their unit.
+    /// The accepted numbers in symbols, without their unit.
     pub fn short(&self) -> String {
         let get = |keyword: &str, sign: &str| {
             let bound = self.0.get(keyword)?;
@@ -110,7 +110,7 @@ impl<'a> Range<'a> {
         bounds.join(", ")
     }
 
-    /// The numbers of elements accepted, in words.
+    /// The accepted numbers of elements, in words.
     pub fn lengths(&self) -> String {
         let bound = |keyword: &str| self.0.get(keyword).and_then(Value::as_u64);
         match (bound("minItems"), bound("maxItems")) {
@@ -122,7 +122,7 @@ impl<'a> Range<'a> {
         }
     }
 
-    /// Whether not every number of elements is accepted.
+    /// Returns `true` if the number of elements is restricted.
     pub fn has_lengths(&self) -> bool {
         self.0.contains_key("minItems") || self.0.contains_key("maxItems")
     }
@@ -135,9 +135,9 @@ impl<'a> Range<'a> {
 /// Numbers with or without a fraction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Kind {
-    /// Without.
+    /// Without a fraction.
     Whole,
-    /// With.
+    /// With a fraction.
     Real,
 }
 
@@ -146,13 +146,13 @@ fn whole(bound: &Value) -> Option<i128> {
     signed.or_else(|| bound.as_u64().map(i128::from))
 }
 
-/// The greater of two bounds whose other one is its negative.
+/// The positive bound of a symmetric range; `None` for another range.
 fn symmetric(min: &Value, max: &Value) -> Option<String> {
     let (low, high) = (min.as_f64()?, max.as_f64()?);
     (high > 0.0 && low == -high).then(|| plain(max))
 }
 
-/// A number as people write it: 5 for 5.0, and π by its name.
+/// A number for display: 5 for 5.0, and π by its name.
 fn plain(number: &Value) -> String {
     match (whole(number), number.as_f64()) {
         (_, Some(real)) if real < 0.0 => format!("-{}", plain(&Value::from(-real))),

@@ -1,4 +1,4 @@
-//! The JSON Schema of a type, made once.
+//! The JSON Schema of a type, generated once.
 
 use std::any::TypeId;
 use std::collections::HashMap;
@@ -12,7 +12,7 @@ use serde_json::Value;
 pub(crate) fn inline<P: JsonSchema + 'static>() -> &'static Value {
     static MADE: OnceLock<Mutex<HashMap<TypeId, &'static Value>>> = OnceLock::new();
     let made = MADE.get_or_init(Mutex::default);
-    // The map is whole whenever the lock is free: a schema enters it when it is made.
+    // The map is complete whenever the lock is free: a schema enters it after its generation.
     let mut made = made.lock().unwrap_or_else(PoisonError::into_inner);
     made.entry(TypeId::of::<P>()).or_insert_with(|| {
         let settings = SchemaSettings::draft2020_12().with(|s| s.inline_subschemas = true);

@@ -1,9 +1,9 @@
 //! The bus of one run: its isolation, and the ports of its topics.
 //!
-//! The orchestrator *creates* every service and holds it for the whole run; every other process
-//! only *opens* (a process killed inside service creation would leave a wreck that nobody can
-//! open; open-only processes can die at any moment). A run has its own iceoryx2 prefix and root
-//! path: services of two runs do not see each other.
+//! The orchestrator *creates* every service and holds it for the whole run; every other process only
+//! *opens* services. (A process killed during service creation would leave an unusable service;
+//! processes that only open can die at any time.) A run has its own iceoryx2 prefix and root path:
+//! services of two runs do not see each other.
 //!
 //! A run in one thread has a bus in memory with the same ports ([`Bus::local`]).
 
@@ -30,26 +30,26 @@ use crate::topics::{MAX_EVENT_ID, Qos, RunSize, Service, Topic};
 use crate::transport::{self, Agreed, Home, Limits};
 use local::LocalTopics;
 
-/// How the buffers of a run are laid out.
+/// Layout of the buffers of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct BusOptions {
-    /// Robots, processes and events of the run.
+    /// Numbers of robots, processes and events of the run.
     pub size: RunSize,
-    /// Ticks that the recorder may lag behind before it must hold the simulator back (lock-step)
-    /// or would lose messages (real time), ≥ 2.
+    /// Number of ticks that the recorder may lag before it blocks the simulator (lock-step) or loses
+    /// messages (real time), ≥ 2.
     pub recorder_ticks: usize,
-    /// Whether a full buffer drops its oldest message (real time) instead of blocking the sender
+    /// `true` if a full buffer drops its oldest message (real time) instead of blocking the sender
     /// (lock-step).
     pub overflow: bool,
 }
 
-/// Nodes that a run of this many processes needs: theirs, the bridge's for those that are not our
-/// own, the orchestrator's, its recorder's, and the external subscribers'.
+/// Number of nodes of a run with this many processes: one each, the bridge's for external programs,
+/// the orchestrator's, its recorder's, and the external subscribers'.
 fn nodes(size: &RunSize) -> usize {
     2 * size.processes + 2 + crate::topics::EXTERNAL_SUBSCRIBERS
 }
 
-/// Buffer that a subscriber needs to hold `ticks` ticks of one publisher.
+/// Size of the buffer with which a subscriber holds `ticks` ticks of one publisher.
 fn buffer(qos: &Qos, ticks: usize) -> usize {
     qos.per_tick.saturating_mul(ticks).max(2)
 }
@@ -58,11 +58,11 @@ fn agreed<'a>(topic: &'static str, schema: &'a str) -> Agreed<'a> {
     Agreed { topic, schema }
 }
 
-/// Header and elements of an answer, copied out of shared memory.
+/// Header and elements of an answer, copied from shared memory.
 pub type Answer<S> =
     crate::transport::Answer<<S as Service>::ResponseHeader, <S as Service>::ResponseElement>;
 
-/// Ticks that a process in the loop may have unread without losing or blocking.
+/// Number of ticks that a process in the loop may leave unread without losing messages or blocking.
 pub const LOOP_TICKS: usize = 4;
 
 /// A process's connection to the topics of one run.
@@ -99,10 +99,10 @@ impl Bus {
         })
     }
 
-    /// The bus of a run whose processes all live in this thread. It reads no clock: the clocks in
-    /// the stamps of its messages are 0.
+    /// Creates the bus of a run whose processes are all in this thread. It reads no clock: the
+    /// clocks in the stamps of its messages are 0.
     ///
-    /// `commons` is what they share besides messages, for [`Bus::commons`].
+    /// `commons` is their shared state besides messages, for [`Bus::commons`].
     pub fn local(options: BusOptions, commons: Option<Arc<dyn Any + Send + Sync>>) -> Self {
         Self {
             backend: Backend::Local(Rc::new(LocalTopics::new(commons))),
@@ -111,7 +111,7 @@ impl Bus {
         }
     }
 
-    /// Whether the run lives in one thread ([`Bus::local`]).
+    /// Returns `true` if the run is in one thread ([`Bus::local`]).
     pub fn is_local(&self) -> bool {
         matches!(self.backend, Backend::Local(_))
     }
@@ -124,14 +124,14 @@ impl Bus {
         }
     }
 
-    /// Says that the turn of this process begins now: everything that its publishers send from now
-    /// on carries the time.
+    /// Marks the begin of a step of this process: all later messages of its publishers carry the
+    /// time.
     pub fn begin_turn(&self) {
         self.turn.set(self.clock().now_ns());
     }
 
-    /// What the processes of a run in one thread share besides messages; `None` for anything else
-    /// than what [`Bus::local`] was given.
+    /// The shared state of the processes of a run in one thread; `None` for any type other than that
+    /// given to [`Bus::local`].
     pub fn commons<S: Any + Send + Sync>(&self) -> Option<Arc<S>> {
         match &self.backend {
             Backend::Ipc { .. } => None,
@@ -141,7 +141,7 @@ impl Bus {
         }
     }
 
-    /// Where the run lives; `None` for one in memory.
+    /// The run space; `None` for a run in memory.
     pub fn space(&self) -> Option<&RunSpace> {
         match &self.backend {
             Backend::Ipc { space, .. } => Some(space),
@@ -149,15 +149,15 @@ impl Bus {
         }
     }
 
-    /// How its buffers are laid out.
+    /// Layout of the buffers.
     pub fn options(&self) -> &BusOptions {
         &self.options
     }
 
-    /// Frees what dead processes of the run left in shared memory; returns how many were cleaned.
+    /// Frees shared memory of dead processes of the run; returns the number of cleaned nodes.
     ///
-    /// Needed at once when a process died: a sender with a full buffer towards a dead receiver
-    /// waits until then.
+    /// Call it at once after the death of a process: a sender with a full buffer towards a dead
+    /// receiver waits until then.
     pub fn clean_up_dead(&self) -> u64 {
         match &self.backend {
             Backend::Ipc { node, .. } => node.clean_up_dead(),
@@ -165,7 +165,7 @@ impl Bus {
         }
     }
 
-    /// The node of a bus between processes, for what only such a bus has.
+    /// The node of a bus between processes; an error for a bus in memory.
     fn node(&self, name: &'static str, what: &'static str) -> Result<&dyn Home, BusError> {
         match &self.backend {
             Backend::Ipc { node, .. } => Ok(&**node),
@@ -192,7 +192,7 @@ impl Bus {
                 let schema = schema::hash::<T>();
                 (T::ports().create)(node.node(), &agreed(T::NAME, &schema), &limits)
             }
-            // The local topics holds it already.
+            // The local topics hold it already.
             Backend::Local(local_topics) => {
                 local_topics.channel::<T>(&self.options)?;
                 Ok(TopicHolder::new(T::NAME, ()))
@@ -208,13 +208,13 @@ impl Bus {
         match &self.backend {
             Backend::Ipc { node, .. } => {
                 let size = &self.options.size;
-                // A process that drives several robots may ask for each.
+                // A process that drives several robots may have one request for each.
                 let clients = size.processes + size.robots + 1;
                 let layout = request_response::layout::<S>();
                 let agreed = agreed(S::NAME, &layout);
                 (S::ports().create)(node.node(), &agreed, clients, nodes(size))
             }
-            // The local topics holds it already.
+            // The local topics hold it already.
             Backend::Local(local_topics) => {
                 local_topics.endpoint::<S>()?;
                 Ok(TopicHolder::new(S::NAME, ()))
@@ -230,7 +230,7 @@ impl Bus {
     pub fn create_event(&self, name: &'static str) -> Result<TopicHolder, BusError> {
         let node = self.node(name, "events")?.node();
         let nodes = nodes(&self.options.size);
-        // A process that drives several robots may wake and be woken for each.
+        // A process that drives several robots may have one port for each.
         let ports = nodes + self.options.size.robots;
         transport::create_event(node, name, ports, nodes, MAX_EVENT_ID)
     }
@@ -277,8 +277,8 @@ impl Bus {
         }
     }
 
-    /// Opens the asking side of a request–response service, for the process with index `source`
-    /// and requests of up to `capacity` elements.
+    /// Opens a client of a request–response service, for the process with index `source` and
+    /// requests of up to `capacity` elements.
     ///
     /// # Errors
     /// As [`Bus::publisher`].
@@ -293,21 +293,21 @@ impl Bus {
         }
     }
 
-    /// Opens the answering side of a request–response service, for the process with index `source`
-    /// and answers of up to `capacity` elements.
+    /// Opens a server of a request–response service, for the process with index `source` and answers
+    /// of up to `capacity` elements.
     ///
     /// # Errors
-    /// As [`Bus::publisher`]; [`BusError::NeedsProcesses`] on a bus in memory, which has
-    /// [`Bus::attend`] for it.
+    /// As [`Bus::publisher`]; [`BusError::NeedsProcesses`] on a bus in memory; use [`Bus::attend`]
+    /// there.
     pub fn server<S: Service>(&self, source: u32, capacity: usize) -> Result<Server<S>, BusError> {
         let node = self.node(S::NAME, "servers that are asked for requests")?;
         Server::open(node, source, capacity)
     }
 
-    /// Answers the requests of a service on a bus in memory, each at once, when it is asked.
+    /// Answers the requests of a service on a bus in memory, each at once.
     ///
     /// # Errors
-    /// [`BusError::Port`] if somebody answers it already, or the bus is one between processes.
+    /// [`BusError::Port`] if the service has a server already, or the bus is between processes.
     pub fn attend<S: Service>(
         &self,
         handler: impl FnMut(&S::RequestHeader, &[S::RequestElement]) -> Answer<S> + 'static,
@@ -324,7 +324,7 @@ impl Bus {
         Ok(Attendant::new(endpoint))
     }
 
-    /// Opens the waking side of an event.
+    /// Opens the notifying side of an event.
     ///
     /// # Errors
     /// As [`Bus::publisher`]; [`BusError::NeedsProcesses`] on a bus in memory.

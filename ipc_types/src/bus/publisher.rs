@@ -11,20 +11,20 @@ use crate::stamp::Header;
 use crate::topics::Topic;
 use crate::transport::{Home, Sender, SenderOptions};
 
-/// Bytes of elements up to which copying them takes no longer than reading the clock: then one
-/// reading says when the content was known and when the message was sent.
+/// Size of elements (bytes) up to which copying them takes no longer than reading the clock: one reading
+/// then serves for the time of the content and the time of sending.
 const ONE_READING: usize = 1024;
 
-/// How a publisher is opened.
+/// Options of a publisher.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct PublisherOptions {
-    /// Index of the sending process, stamped into every message.
+    /// Index of the sending process for the stamps of messages.
     pub source: u32,
-    /// Most elements of one message, ≥ 1; the shared memory is sized by it.
+    /// Maximum number of elements of a message, ≥ 1; it determines the size of the shared memory.
     pub capacity: usize,
-    /// How long to wait for a receiver whose buffer is full before giving up.
+    /// Maximum time to wait for a receiver whose buffer is full.
     pub patience: Duration,
-    /// Whether the shared memory grows when a message has more elements than `capacity`.
+    /// `true` if the shared memory grows when a message has more elements than `capacity`.
     pub grows: bool,
 }
 
@@ -39,7 +39,7 @@ impl PublisherOptions {
         }
     }
 
-    /// A publisher that repeats messages whose number of elements nobody knows beforehand.
+    /// A publisher of repeated messages, whose numbers of elements are not known in advance.
     pub fn growing(source: u32) -> Self {
         Self {
             grows: true,
@@ -98,27 +98,25 @@ impl<T: Topic> Publisher<T> {
         })
     }
 
-    /// Most elements of one message.
+    /// Maximum number of elements of a message.
     pub fn capacity(&self) -> usize {
         self.options.capacity
     }
 
-    /// Connects to subscribers that came since the last call or sending, and hands them the
-    /// topic's history.
+    /// Connects to new subscribers and delivers the topic's history to them.
     ///
     /// # Errors
     /// [`SendError::Transport`] if iceoryx2 cannot connect.
     pub fn update_connections(&self) -> Result<(), SendError> {
         match &self.port {
             Port::Ipc(port) => port.update_connections(),
-            // Whoever opens a port there is connected.
+            // Every local port is connected when it is opened.
             Port::Local(_) => Ok(()),
         }
     }
 
-    /// Sends a message whose elements are copied; returns how many subscribers got it. The stamp's
-    /// sequence, source and the clocks of turn, writing and sending (0 on a bus in memory) are
-    /// filled in.
+    /// Sends a message and copies its elements; returns the number of subscribers. The stamp's sequence,
+    /// source and the clocks of step, writing and sending (0 on a bus in memory) are filled in.
     ///
     /// # Errors
     /// [`SendError::Capacity`] if it has too many elements, [`SendError::Blocked`] if a receiver
@@ -141,7 +139,7 @@ impl<T: Topic> Publisher<T> {
         }
     }
 
-    /// Sends a message whose elements are made in place, in the memory of the message.
+    /// Sends a message whose elements are created in place, in the memory of the message.
     ///
     /// # Errors
     /// As [`Publisher::send`].
@@ -167,10 +165,9 @@ impl<T: Topic> Publisher<T> {
         }
     }
 
-    /// Sends a message whose elements stand in its memory already, or are changed there: `write` gets
-    /// them as the memory holds them (zeros, or what an earlier message of this publisher left) and
-    /// writes as much or as little as it likes. What it does not touch costs nothing, however
-    /// large the message is.
+    /// Sends a message whose elements are modified in place: `write` gets the memory with its content
+    /// (zeros, or an earlier message of this publisher) and may write any part of it. The rest costs
+    /// nothing, however large the message is.
     ///
     /// # Errors
     /// As [`Publisher::send`].
@@ -200,8 +197,8 @@ impl<T: Topic> Publisher<T> {
         }
     }
 
-    /// Sends a message whose elements receivers in the same process may share with the sender; to
-    /// other processes they are copied.
+    /// Sends a message whose elements are shared with receivers in the same process; for other processes
+    /// they are copied.
     ///
     /// # Errors
     /// As [`Publisher::send`].
@@ -219,8 +216,7 @@ impl<T: Topic> Publisher<T> {
         }
     }
 
-    /// Sends a message that was sent before, as [`Publisher::send`] does, but for its stamp, which
-    /// stays as it is.
+    /// Sends a message again, as [`Publisher::send`] does, but keeps its stamp.
     ///
     /// # Errors
     /// As [`Publisher::send`].
@@ -238,7 +234,7 @@ impl<T: Topic> Publisher<T> {
         }
     }
 
-    /// The message must fit.
+    /// Checks that the message fits.
     fn check(&self, count: usize) -> Result<(), SendError> {
         if count > self.options.capacity && !self.options.grows {
             return Err(SendError::Capacity {
@@ -250,8 +246,8 @@ impl<T: Topic> Publisher<T> {
         Ok(())
     }
 
-    /// The header with the publisher's part of the stamp filled in, but for the clocks of writing and
-    /// sending, which are 0; the message must fit.
+    /// Returns the header with the publisher's part of the stamp, except for the clocks of writing and
+    /// sending, which are 0; checks that the message fits.
     fn stamped(&self, mut header: T::Header, count: usize) -> Result<T::Header, SendError> {
         self.check(count)?;
         let stamp = header.stamp_mut();
@@ -263,7 +259,7 @@ impl<T: Topic> Publisher<T> {
         Ok(header)
     }
 
-    /// Counts a message that was sent; returns how many subscribers got it.
+    /// Counts a sent message; returns the number of subscribers.
     fn counted(&self, sent: Result<usize, SendError>) -> Result<usize, SendError> {
         if sent.is_ok() {
             self.sequence.set(self.sequence.get() + 1);
@@ -271,7 +267,7 @@ impl<T: Topic> Publisher<T> {
         sent
     }
 
-    /// As [`Publisher::counted`], of a bus in memory; `None`: a subscriber had no room.
+    /// As [`Publisher::counted`], for a bus in memory; `None` means that a subscriber had no room.
     fn sent(&self, delivered: Option<usize>) -> Result<usize, SendError> {
         self.counted(delivered.ok_or(SendError::Blocked {
             topic: T::NAME,

@@ -44,7 +44,7 @@ impl<T: Topic> Subscriber<T> {
         })
     }
 
-    /// Connects to publishers that came since the last call or reception.
+    /// Connects to new publishers.
     ///
     /// # Errors
     /// [`ReceiveError::Transport`] if iceoryx2 cannot connect.
@@ -55,7 +55,7 @@ impl<T: Topic> Subscriber<T> {
         }
     }
 
-    /// The next unread message, if any; its bytes stay where they are (in shared memory, mapped
+    /// The next unread message, if any; its bytes are not copied (in shared memory they are mapped
     /// read-only).
     ///
     /// # Errors
@@ -77,7 +77,7 @@ impl<T: Topic> core::fmt::Debug for Subscriber<T> {
     }
 }
 
-/// A message where its sender wrote it, freed on drop. Hold at most two per subscriber.
+/// A message in the memory where it was written, freed on drop. Hold at most two per subscriber.
 pub struct Received<T: Topic> {
     held: Held<T>,
 }
@@ -105,7 +105,7 @@ impl<T: Topic> Received<T> {
         }
     }
 
-    /// The elements that a sender in the same process shares; `None` if they are the message's own.
+    /// The elements that a sender in the same process shares; `None` if they belong to the message.
     pub fn shared(&self) -> Option<&Arc<[T::Element]>> {
         match &self.held {
             Held::Ipc(_) => None,
@@ -113,8 +113,8 @@ impl<T: Topic> Received<T> {
         }
     }
 
-    /// The elements to keep: a copy, unless a sender in the same process shares them
-    /// ([`Publisher::send_shared`](super::Publisher::send_shared)).
+    /// The elements for the receiver to keep: a copy, unless a sender in the same process shares
+    /// them ([`Publisher::send_shared`](super::Publisher::send_shared)).
     pub fn shared_elements(&self) -> Arc<[T::Element]> {
         match &self.held {
             Held::Ipc(loan) => Arc::from(loan.elements()),

@@ -1,4 +1,4 @@
-//! The messages, by who speaks: the world, robots and their planners, perception, the referee, the
+//! The messages, by sender: the world, robots and their planners, perception, the referee, the
 //! observer, the optimiser, the processes themselves.
 
 pub mod observer;

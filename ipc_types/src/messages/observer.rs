@@ -1,4 +1,4 @@
-//! Where robots will be, as somebody foretells who watches them.
+//! Positions of robots as an observer predicts them.
 
 use iceoryx2::prelude::ZeroCopySend;
 
@@ -26,11 +26,11 @@ impl Prediction {
     pub const KALMAN: u8 = 0;
     /// Code of the particle filter.
     pub const PARTICLES: u8 = 1;
-    /// Code of what followed the most similar stretch of the way.
+    /// Code of the successor of the most similar stretch of the path.
     pub const SIMILAR_STRETCH: u8 = 2;
-    /// Code of the goal that followed the most similar one.
+    /// Code of the successor of the most similar goal.
     pub const SIMILAR_GOAL: u8 = 3;
-    /// Code of the same, each coordinate for itself.
+    /// Code of the same, each coordinate separately.
     pub const SIMILAR_GOAL_PER_AXIS: u8 = 4;
     /// Code of the recovered key of a cat map.
     pub const CAT_KEY: u8 = 5;
@@ -48,7 +48,7 @@ impl Prediction {
         "chebyshev_key",
     ];
 
-    /// The name of a method; `unknown` for a code that this version does not know.
+    /// The name of a method; `unknown` for an unknown code.
     pub fn method_name(method: u8) -> &'static str {
         Self::METHODS
             .get(usize::from(method))

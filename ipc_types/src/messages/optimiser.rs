@@ -49,7 +49,7 @@ impl PlanRequest {
     pub const BSPLINE: u32 = 0;
     /// [`PlanRequest::method`]: the path pursues a prey.
     pub const LOCAL_PURSUIT: u32 = 1;
-    /// [`PlanRequest::method`]: the path hides before a prey.
+    /// [`PlanRequest::method`]: the path hides in front of a prey.
     pub const MOTION_CAMOUFLAGE: u32 = 2;
     /// [`PlanRequest::method`]: the exact shortest path.
     pub const TANGENT: u32 = 3;
@@ -57,13 +57,13 @@ impl PlanRequest {
     pub const GUESS_TANGENT: u32 = 0;
     /// [`PlanRequest::guess`]: the wavefront on a grid, pulled taut.
     pub const GUESS_WAVEFRONT: u32 = 1;
-    /// [`PlanRequest::flags`]: nothing but the curve asked for is tried.
+    /// [`PlanRequest::flags`]: only the requested curve is tried.
     pub const NO_FALLBACKS: u32 = 1;
     /// [`PlanRequest::flags`]: no search in the controls of a robot with inertia.
     pub const NO_REFINEMENT: u32 = 2;
-    /// [`PlanRequest::flags`]: obstacles are looked at in the nodes only, as in the paper.
+    /// [`PlanRequest::flags`]: obstacles are tested only at the nodes, as in the paper.
     pub const AT_NODES: u32 = 4;
-    /// Most points of a request.
+    /// Maximum number of points of a request.
     pub const MAX_POINTS: usize = 1 << 14;
 }
 
@@ -91,33 +91,33 @@ message! {
 }
 
 impl PlanResponse {
-    /// A plan by the method asked for.
+    /// A plan by the requested method.
     pub const PLANNED: u32 = 0;
-    /// A plan by the exact shortest path, because the method found none that is sound.
+    /// A plan by the exact shortest path, because the method found no valid one.
     pub const FALLBACK: u32 = 1;
-    /// The best plan found when the time was over.
+    /// The best plan within the time.
     pub const DEADLINE: u32 = 2;
-    /// No plan: the request cannot be meant so.
+    /// No plan: the request is invalid.
     pub const INVALID: u32 = 3;
-    /// No plan: nothing leads to the goal.
+    /// No plan: no path leads to the goal.
     pub const NO_PATH: u32 = 4;
-    /// No plan: no path can be driven with the speeds asked for.
+    /// No plan: no path allows the prescribed speeds.
     pub const INFEASIBLE: u32 = 5;
-    /// No plan: a newer request of the same robot came.
+    /// No plan: a newer request of the same robot arrived.
     pub const CANCELLED: u32 = 6;
-    /// No plan: the time was over before there was any.
+    /// No plan: the time ended before there was any.
     pub const OUT_OF_TIME: u32 = 7;
     /// No plan: the optimiser failed, which is a bug in it.
     pub const FAILED: u32 = 8;
-    /// Most samples of an answer.
+    /// Maximum number of samples of an answer.
     pub const MAX_SAMPLES: usize = 1 << 15;
 
-    /// Whether the answer is a plan.
+    /// Returns `true` if the answer is a plan.
     pub fn is_plan(&self) -> bool {
         self.status <= Self::DEADLINE
     }
 
-    /// [`PlanResponse::reason`] for a text, cut where it does not fit.
+    /// Converts a text to [`PlanResponse::reason`], cut to its length.
     pub fn reason_of(text: &str) -> [u8; REASON_BYTES] {
         let mut reason = [0; REASON_BYTES];
         // Whole characters only.
@@ -133,7 +133,7 @@ impl PlanResponse {
         reason
     }
 
-    /// [`PlanResponse::reason`] as text; what is not UTF-8 is replaced.
+    /// [`PlanResponse::reason`] as text; invalid UTF-8 is replaced.
     pub fn reason_text(&self) -> String {
         let end = self.reason.iter().position(|&b| b == 0);
         let bytes = &self.reason[..end.unwrap_or(REASON_BYTES)];

@@ -1,4 +1,4 @@
-//! What a team knows about its opponents.
+//! A team's knowledge of its opponents.
 
 use iceoryx2::prelude::ZeroCopySend;
 

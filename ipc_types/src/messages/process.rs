@@ -1,4 +1,4 @@
-//! How processes are and what the run tells them.
+//! State of processes, and messages of the run to them.
 
 use iceoryx2::prelude::ZeroCopySend;
 
@@ -43,7 +43,7 @@ message! {
 }
 
 impl RunControl {
-    /// `command` with which time starts.
+    /// `command` at the start of time.
     pub const START: u32 = 1;
 }
 
@@ -64,15 +64,15 @@ impl ProcessEvent {
     pub const LEFT: u32 = 0;
     /// `kind` of a process that is back.
     pub const BACK: u32 = 1;
-    /// `kind` of a process that will not come back.
+    /// `kind` of a process that will not return.
     pub const GIVEN_UP: u32 = 2;
 
-    /// Why; empty if it came back. Bytes that are not UTF-8 are replaced.
+    /// Reason; empty if the process is back. Bytes that are not UTF-8 are replaced.
     pub fn reason_text(&self) -> String {
         text_of(&self.reason)
     }
 
-    /// Stores why, cut at the last whole character that fits.
+    /// Stores the reason, cut at the last whole character that fits.
     pub fn set_reason(&mut self, text: &str) {
         store(text, &mut self.reason);
     }
@@ -89,7 +89,7 @@ message! {
 }
 headers!(LogHeader);
 
-/// The text in bytes that are filled with zeros.
+/// The text in bytes padded with zeros.
 fn text_of(bytes: &[u8]) -> String {
     let end = bytes.iter().position(|&b| b == 0).unwrap_or(bytes.len());
     String::from_utf8_lossy(&bytes[..end]).into_owned()

@@ -1,4 +1,4 @@
-//! Who reaches what first, and who can still escape: what a referee says of the game.
+//! Assessment of the game by a referee: dominance, and possible escapes.
 
 use iceoryx2::prelude::ZeroCopySend;
 
@@ -45,12 +45,12 @@ message! {
 }
 
 impl Verdict {
-    /// Stands for "no exit".
+    /// Value for "no exit".
     pub const NONE: u32 = u32::MAX;
 }
 
 impl DominanceCell {
-    /// Stands for "no robot".
+    /// Value for "no robot".
     pub const NOBODY: u16 = u16::MAX;
 }
 

@@ -1,4 +1,4 @@
-//! What robots sense and what planners tell them.
+//! Sensor data of robots and commands of planners.
 
 use iceoryx2::prelude::ZeroCopySend;
 

@@ -1,4 +1,4 @@
-//! What the simulator tells everybody, and how obstacles change.
+//! Messages of the simulator to all processes, and changes of obstacles.
 
 use iceoryx2::prelude::ZeroCopySend;
 
@@ -128,9 +128,9 @@ message! {
 }
 
 impl WorldEvent {
-    /// Stands for "no robot" or "no other".
+    /// Value for "no robot" or "no other".
     pub const NONE: u32 = u32::MAX;
-    /// The kinds by their code, as names for people and JSON.
+    /// Names of the kinds by their code, for display and JSON.
     pub const NAMES: [&'static str; 13] = [
         "captured",
         "escaped",
@@ -147,7 +147,7 @@ impl WorldEvent {
         "released",
     ];
 
-    /// The name of a kind; `unknown` for a code that this version does not know.
+    /// The name of a kind; `unknown` for an unknown code.
     pub fn name_of(kind: u32) -> &'static str {
         Self::NAMES.get(kind as usize).copied().unwrap_or("unknown")
     }

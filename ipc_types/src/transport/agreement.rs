@@ -1,13 +1,13 @@
-//! What the processes of a run agree on beyond what iceoryx2 compares by itself: the fingerprint of
-//! the messages' layout, an attribute of every service.
+//! Agreement of the processes of a run beyond the checks of iceoryx2: the hash of the messages'
+//! layout, an attribute of every service.
 
 use iceoryx2::prelude::{AttributeSpecifier, AttributeVerifier};
 use iceoryx2::service::attribute::{AttributeKey, AttributeValue};
 
-/// The attribute's name.
+/// Name of the attribute.
 pub(super) const ATTRIBUTE: &str = "protean.schema";
 
-/// For whoever creates a service.
+/// The attribute for the creator of a service.
 pub(super) fn define(fingerprint: &str) -> Result<AttributeSpecifier, String> {
     let (key, value) = attribute(fingerprint)?;
     AttributeSpecifier::new()
@@ -15,7 +15,7 @@ pub(super) fn define(fingerprint: &str) -> Result<AttributeSpecifier, String> {
         .map_err(|e| format!("{e:?}"))
 }
 
-/// For whoever opens one.
+/// The required attribute for opening a service.
 pub(super) fn require(fingerprint: &str) -> Result<AttributeVerifier, String> {
     let (key, value) = attribute(fingerprint)?;
     AttributeVerifier::new()

@@ -1,4 +1,4 @@
-//! Wake-ups between processes that do not share the lock-step page.
+//! Wake-ups between processes that do not share the tick barrier.
 
 use core::fmt::Debug;
 use std::os::fd::BorrowedFd;
@@ -12,7 +12,7 @@ use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use super::service::{TopicHolder, service_name};
 use crate::error::{BusError, ReceiveError, SendError};
 
-/// Creates an event for so many ports and nodes, with ids up to `largest`.
+/// Creates an event for these numbers of ports and nodes, with ids up to `largest`.
 pub(crate) fn create(
     node: &Node<ipc::Service>,
     name: &'static str,
@@ -48,7 +48,7 @@ fn open(
         })
 }
 
-/// The waking port.
+/// The notifying port.
 trait Wake: Debug {
     fn notify(&self, id: EventId) -> Result<usize, NotifierNotifyError>;
 }
@@ -61,17 +61,17 @@ impl Wake for iceoryx2::port::notifier::Notifier<ipc::Service> {
 
 /// The waiting port.
 trait Sleep: Debug {
-    /// Sleeps until woken; calls back once per id.
+    /// Sleeps until a wake-up; calls back once per id.
     fn wait(
         &self,
         timeout: Duration,
         woken: &mut dyn FnMut(usize),
     ) -> Result<u64, ListenerWaitError>;
 
-    /// Calls back once per id that has come in.
+    /// Calls back once per received id.
     fn take(&self, woken: &mut dyn FnMut(usize)) -> Result<u64, ListenerWaitError>;
 
-    /// What can be read when it is woken.
+    /// File descriptor that becomes readable with a wake-up.
     fn descriptor(&self) -> BorrowedFd<'_>;
 }
 
@@ -90,8 +90,8 @@ impl Sleep for iceoryx2::port::listener::Listener<ipc::Service> {
 
     fn descriptor(&self) -> BorrowedFd<'_> {
         let own = self.file_descriptor();
-        // SAFETY: the descriptor belongs to the listener, which outlives this borrow and does not
-        // close it; it is only asked whether it can be read.
+        // SAFETY: the descriptor belongs to the listener, which outlives this borrow and does not close
+        // it; it is only polled.
         unsafe { BorrowedFd::borrow_raw(own.native_handle()) }
     }
 }
@@ -119,7 +119,7 @@ impl Notifier {
         })
     }
 
-    /// Wakes every listener with this id; returns how many there are.
+    /// Wakes every listener with this id; returns their number.
     ///
     /// # Errors
     /// [`SendError::Transport`] if iceoryx2 fails or the id exceeds the service's largest.
@@ -156,8 +156,7 @@ impl Listener {
         })
     }
 
-    /// Sleeps until woken, until a signal comes or until the time is over; calls back once per id that
-    /// came in.
+    /// Sleeps until a wake-up, a signal or the end of the time; calls back once per received id.
     ///
     /// # Errors
     /// [`ReceiveError::Transport`] if iceoryx2 fails.
@@ -169,8 +168,8 @@ impl Listener {
         self.waited(self.port.wait(timeout, &mut woken))
     }
 
-    /// What a wait came to. A signal woke it (whoever was stopped and goes on gets one too): that is no
-    /// failure, whoever waits looks around and waits again.
+    /// Result of a wait. A wake-up by a signal is no failure (a stopped and continued process gets one
+    /// too): the caller checks its conditions and waits again.
     fn waited(&self, result: Result<u64, ListenerWaitError>) -> Result<(), ReceiveError> {
         match result {
             Ok(_) | Err(ListenerWaitError::InterruptSignal) => Ok(()),
@@ -181,8 +180,8 @@ impl Listener {
         }
     }
 
-    /// As [`Listener::wait`], but also wakes when a file of this process (an eventfd, say) can be
-    /// read; what is in it is left there.
+    /// As [`Listener::wait`], but also wakes when a file of this process (for example an eventfd)
+    /// becomes readable; its content is not read.
     ///
     /// # Errors
     /// [`ReceiveError::Transport`] if iceoryx2 or the system fails.

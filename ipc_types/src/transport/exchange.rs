@@ -10,42 +10,42 @@ use crate::error::{BusError, ReceiveError, SendError};
 use crate::message::Message;
 use crate::stamp::Header;
 
-/// Requests that one client may have open at a time.
+/// Maximum number of open requests per client.
 const OPEN_REQUESTS: usize = 4;
 
-/// Header and elements of an answer, copied out of shared memory.
+/// Header and elements of an answer, copied from shared memory.
 pub(crate) type Answer<AH, AE> = (AH, Vec<AE>);
 
-/// The asking side of a service with request header `QH`, request elements `QE`, answer header `AH`
-/// and answer elements `AE`.
+/// Client side of a service with request header `QH`, request elements `QE`, answer header `AH` and
+/// answer elements `AE`.
 pub(crate) trait Client<QH, QE, AH, AE> {
     /// Sends a request.
     fn ask(&self, header: QH, elements: &[QE]) -> Result<Box<dyn Pending<AH, AE>>, SendError>;
 }
 
-/// A request that waits for its answer; dropping it tells the server to give up.
+/// A request that waits for its answer; dropping it cancels the request.
 pub(crate) trait Pending<AH, AE> {
-    /// The answer, if it has come.
+    /// The answer, if it has arrived.
     fn poll(&self) -> Result<Option<Answer<AH, AE>>, ReceiveError>;
 
-    /// Whether a server still works on it.
+    /// Returns `true` if a server still works on it.
     fn is_open(&self) -> bool;
 }
 
-/// The answering side.
+/// Server side.
 pub(crate) trait Server<QH, QE, AH, AE> {
     /// The next request, if any.
     #[allow(clippy::type_complexity)]
     fn receive(&self) -> Result<Option<Box<dyn Active<QH, QE, AH, AE>>>, ReceiveError>;
 }
 
-/// A request being worked on; dropping it ends the exchange.
+/// A request in progress; dropping it ends the exchange.
 pub(crate) trait Active<QH, QE, AH, AE> {
     fn header(&self) -> &QH;
 
     fn elements(&self) -> &[QE];
 
-    /// Whether the client still waits.
+    /// Returns `true` if the client still waits.
     fn is_wanted(&self) -> bool;
 
     /// Sends the answer; the stamp gets the time of sending.
@@ -61,7 +61,8 @@ type Create = fn(
 type Open<P> =
     fn(node: &Node<ipc::Service>, agreed: &Agreed<'_>, capacity: usize) -> Result<P, BusError>;
 
-/// Makes a service and its ports. As a `static` it is compiled where the service is declared.
+/// Creates a service and its ports. As a `static` it is compiled in the crate that declares the
+/// service.
 #[derive(Debug)]
 pub struct ExchangePorts<QH: Header, QE: Message, AH: Header, AE: Message> {
     pub(crate) create: Create,

@@ -1,9 +1,9 @@
-//! iceoryx2: what the bus has between processes.
+//! iceoryx2: the implementation of the bus between processes.
 //!
 //! iceoryx2 is generic over services and messages. A crate that opens, uses or drops one of its
-//! ports compiles all of it once more, some 700 kB of machine code. So it is compiled here and only
-//! here: ports are trait objects, and every topic and service declares [`Ports`] or
-//! [`ExchangePorts`] as a `static`, which refers to the code for its messages.
+//! ports compiles all of it again, about 700 kB of machine code. So it is compiled only here: ports
+//! are trait objects, and every topic and service declares [`Ports`] or [`ExchangePorts`] as a
+//! `static`, which refers to the code for its messages.
 
 mod agreement;
 mod event;

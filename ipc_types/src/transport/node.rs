@@ -7,10 +7,11 @@ use iceoryx2::prelude::{Config, LogLevel, Node, NodeBuilder, NodeName, SignalHan
 use super::run_space::RunSpace;
 use crate::error::BusError;
 
-/// The iceoryx2 configuration type, for tools that look at a run from outside.
+/// The iceoryx2 configuration type, for tools that inspect a run from outside.
 pub type TransportConfig = Config;
 
-/// Lets iceoryx2 report errors only; its warnings speak of what the run space does on purpose.
+/// Sets the log level of iceoryx2 to errors; its warnings concern intended properties of the run
+/// space.
 pub fn quiet_transport() {
     iceoryx2::prelude::set_log_level(LogLevel::Error);
 }
@@ -20,7 +21,7 @@ pub(crate) trait Home: fmt::Debug {
     /// The node of iceoryx2.
     fn node(&self) -> &Node<ipc::Service>;
 
-    /// Frees what dead processes of the run left; returns how many were cleaned.
+    /// Frees resources of dead processes of the run; returns the number of cleaned nodes.
     fn clean_up_dead(&self) -> u64;
 }
 
@@ -37,7 +38,7 @@ impl Home for Joined {
     }
 }
 
-/// Joins a run of so many nodes as the process with this name.
+/// Joins a run with this number of nodes as the process with this name.
 pub(crate) fn join(
     space: &RunSpace,
     nodes: usize,

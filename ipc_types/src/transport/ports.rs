@@ -15,8 +15,8 @@ type OpenSender<H, E> =
 type OpenReceiver<H, E> =
     fn(&Node<ipc::Service>, &Agreed<'_>, usize) -> Result<Box<dyn Receiver<H, E>>, BusError>;
 
-/// Makes the service and the ports of a topic with header `H` and elements `E`. As a `static` it is
-/// compiled where the topic is declared.
+/// Creates the service and the ports of a topic with header `H` and elements `E`. As a `static` it
+/// is compiled in the crate that declares the topic.
 #[derive(Debug)]
 pub struct Ports<H: Header, E: Message> {
     pub(crate) create: Create,

@@ -12,27 +12,27 @@ use crate::error::{BusError, SendError};
 use crate::message::Message;
 use crate::stamp::Header;
 
-/// How a sending end is opened.
+/// Options of a sending end.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct SenderOptions {
-    /// Most elements of one message; the shared memory is sized by it.
+    /// Maximum number of elements of a message; it determines the size of the shared memory.
     pub(crate) capacity: usize,
-    /// Whether the shared memory grows when a message has more.
+    /// `true` if the shared memory grows when a message has more.
     pub(crate) grows: bool,
-    /// Whether a full buffer drops its oldest message instead of blocking the sender.
+    /// `true` if a full buffer drops its oldest message instead of blocking the sender.
     pub(crate) overflow: bool,
-    /// How long to wait for a receiver whose buffer is full.
+    /// Maximum time to wait for a receiver whose buffer is full.
     pub(crate) patience: Duration,
 }
 
 /// A sending end.
 pub(crate) trait Sender<H, E> {
-    /// Connects to receivers that came since the last call or sending.
+    /// Connects to new receivers.
     fn update_connections(&self) -> Result<(), SendError>;
 
-    /// Sends a message of so many elements; returns how many receivers got it. `write` gets the
-    /// elements as the memory holds them: zeros, or what an earlier message left. With `timed`, the
-    /// stamp gets the time of sending, and that of writing unless it has it.
+    /// Sends a message with this number of elements; returns the number of receivers. `write` gets
+    /// the elements with the content of the memory: zeros, or an earlier message. With `timed`, the
+    /// stamp gets the time of sending, and that of writing unless it is set.
     fn send(
         &self,
         header: H,
@@ -69,7 +69,7 @@ pub(super) fn open<H: Header, E: Message>(
     } else {
         builder
             .backpressure_strategy(BackpressureStrategy::RetryUntilDelivered)
-            // A receiver that is stopped or dead must not hang its sender for ever.
+            // A stopped or dead receiver must not block its sender forever.
             .set_backpressure_handler(move |info| {
                 if info.elapsed_time < patience {
                     BackpressureAction::Retry
@@ -118,15 +118,16 @@ impl<H: Header, E: Message> Sender<H, E> for Port<H, E> {
             .loan_slice_uninit(count)
             .map_err(|e: LoanError| self.failed(format!("cannot loan memory: {e:?}")))?;
         *sample.user_header_mut() = header;
-        // SAFETY: the memory is a shared file mapping, which the kernel hands out as zeros; it holds
-        // those or what an earlier message left. Elements are `FromBytes` (a supertrait of
-        // `Message`): any bytes are a valid value.
+        // SAFETY: the memory is a shared file mapping, which the kernel initialises with zeros; it
+        // holds those or an earlier message. Elements are `FromBytes` (a supertrait of `Message`):
+        // all bytes are a valid value.
         let mut sample = unsafe { sample.assume_init() };
         write(sample.payload_mut());
         if timed {
             let stamp = sample.user_header_mut().stamp_mut();
             stamp.sent_ns = monotonic_ns();
-            // If the clock was not read before the message was written, this reading is for both.
+            // If the clock was not read before the message was written, this reading serves for
+            // both.
             if stamp.computed_ns == 0 {
                 stamp.computed_ns = stamp.sent_ns;
             }

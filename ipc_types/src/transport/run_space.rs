@@ -1,4 +1,4 @@
-//! Where the services of one run live, apart from those of every other run.
+//! Location of the services of one run, separate from those of every other run.
 
 use std::fs::{DirEntry, Permissions};
 use std::os::unix::fs::{DirBuilderExt, PermissionsExt};
@@ -11,13 +11,13 @@ use crate::error::BusError;
 /// iceoryx2 keeps Unix sockets below the root; a socket's path is limited to 107 bytes.
 const MAX_ROOT_BYTES: usize = 60;
 
-/// What a file's mode allows to others than its owner.
+/// Permissions of all users except the owner in a file's mode.
 const OTHERS: u32 = 0o077;
 
 /// The iceoryx2 prefix and root path of one run.
 ///
 /// Names in `/dev/shm` depend on the prefix only and files below the root on both, so a run needs
-/// its own of each.
+/// its own prefix and root.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct RunSpace {
     root: PathBuf,
@@ -25,12 +25,12 @@ pub struct RunSpace {
 }
 
 impl RunSpace {
-    /// Names a run space; touches nothing.
+    /// Creates the names of a run space without any file access.
     ///
     /// # Errors
-    /// [`BusError::Space`] if the root is longer than 60 bytes or not UTF-8, or the prefix is not
-    /// of letters, digits and underscores with an underscore at its end (which keeps `run_1_` from
-    /// being the beginning of `run_12_`).
+    /// [`BusError::Space`] if the root is longer than 60 bytes or not UTF-8, or the prefix does not
+    /// consist of letters, digits and underscores with an underscore at its end (so that `run_1_` is
+    /// not a prefix of `run_12_`).
     pub fn new(root: impl Into<PathBuf>, prefix: impl Into<String>) -> Result<Self, BusError> {
         let (root, prefix) = (root.into(), prefix.into());
         let problem = if root.as_os_str().len() > MAX_ROOT_BYTES {
@@ -78,16 +78,15 @@ impl RunSpace {
         &self.root
     }
 
-    /// Prefix of everything the run puts into `/dev/shm`.
+    /// Prefix of all names of the run in `/dev/shm`.
     pub fn prefix(&self) -> &str {
         &self.prefix
     }
 
-    /// The iceoryx2 configuration of a run in which at most this many publishers of a topic come to
-    /// their end.
+    /// The iceoryx2 configuration of a run in which at most this many publishers of a topic end.
     ///
     /// # Errors
-    /// [`BusError::Space`] if iceoryx2 refuses the names.
+    /// [`BusError::Space`] if iceoryx2 rejects the names.
     pub fn config(&self, publishers: usize) -> Result<Config, BusError> {
         let refused = |reason: String| BusError::Space {
             path: self.root.clone(),
@@ -99,15 +98,15 @@ impl RunSpace {
         let root = TransportPath::try_from(self.root.to_string_lossy().as_ref())
             .map_err(|e| refused(format!("{e:?}")))?;
         config.global.set_root_path(&root);
-        // A node of this run never has dead nodes of another to clean up, and cleaning is
-        // expensive: the orchestrator does it when a process died. Looking for the dead at every
-        // service that is opened would take a dozen system calls per process that lives.
+        // A node of this run never has dead nodes of another to clean up, and cleaning is expensive:
+        // the orchestrator does it after the death of a process. A search for dead nodes at every
+        // opened service would take a dozen system calls per live process.
         config.global.node.cleanup_dead_nodes_on_creation = false;
         config.global.node.cleanup_dead_nodes_on_destruction = false;
         config.global.service.cleanup_dead_nodes_on_open = false;
-        // Room for what publishers that are gone have sent. Every subscriber makes it, with some
-        // kilobytes for each, whether or not anybody goes: the default of 128 costs more than all
-        // the rest of opening a port.
+        // Buffer for messages of ended publishers. Every subscriber allocates it, with some
+        // kilobytes for each, even if no publisher ends: the default of 128 costs more than the rest
+        // of opening a port.
         config
             .defaults
             .publish_subscribe
@@ -115,10 +114,11 @@ impl RunSpace {
         Ok(config)
     }
 
-    /// Removes everything of the run from shared memory and disk. Only when no process of it lives.
+    /// Removes all files and shared memory of the run. Call it only when none of its processes is
+    /// alive.
     ///
     /// # Errors
-    /// The first failure; removes what it can all the same.
+    /// The first failure; the rest is removed nevertheless.
     pub fn wipe(&self) -> std::io::Result<()> {
         let mut first_error = None;
         let mut keep = |result: std::io::Result<()>| match result {
@@ -139,14 +139,14 @@ impl RunSpace {
         first_error.map_or(Ok(()), Err)
     }
 
-    /// Takes from other users what iceoryx2 lets them have: it makes the segment that the nodes of a
-    /// run count themselves in for everybody, whatever the umask.
+    /// Removes the permissions of other users: iceoryx2 creates the segment with the nodes of a run
+    /// for all users, regardless of the umask.
     ///
     /// # Errors
-    /// If shared memory cannot be listed, or a segment's mode not be changed.
+    /// If shared memory cannot be listed, or a segment's mode cannot be changed.
     pub fn keep_others_out(&self) -> std::io::Result<()> {
         for segment in self.segments()? {
-            // Whatever vanishes meanwhile is nobody's any more.
+            // A segment that disappears meanwhile needs no change.
             let Ok(found) = segment.metadata() else {
                 continue;
             };
@@ -162,7 +162,7 @@ impl RunSpace {
         Ok(())
     }
 
-    /// The run's pieces of shared memory.
+    /// The shared-memory segments of the run.
     fn segments(&self) -> std::io::Result<Vec<DirEntry>> {
         let of_run = |entry: &DirEntry| {
             let name = entry.file_name();

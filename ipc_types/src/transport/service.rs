@@ -1,4 +1,4 @@
-//! The publish–subscribe service of a topic: creating and opening it.
+//! The publish–subscribe service of a topic: creation and opening.
 
 use iceoryx2::prelude::{MessagingPattern, Node, PortFactory as _, Service as _, ServiceName, ipc};
 use iceoryx2::service::builder::publish_subscribe::PublishSubscribeOpenError;
@@ -10,7 +10,7 @@ use crate::error::BusError;
 use crate::message::Message;
 use crate::stamp::Header;
 
-/// What the processes of a run agree on: the name of a topic, and the hash of its schema.
+/// Name of a topic and hash of its schema, on which the processes of a run agree.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Agreed<'a> {
     pub(crate) topic: &'static str,
@@ -20,14 +20,14 @@ pub(crate) struct Agreed<'a> {
 /// The limits of a topic's service.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Limits {
-    /// Messages kept for receivers that join late.
+    /// Number of messages kept for late joiners.
     pub(crate) history: usize,
-    /// Messages that a receiver may have unread.
+    /// Maximum number of unread messages of a receiver.
     pub(crate) buffer: usize,
     pub(crate) publishers: usize,
     pub(crate) subscribers: usize,
     pub(crate) nodes: usize,
-    /// Whether a full buffer drops its oldest message.
+    /// `true` if a full buffer drops its oldest message.
     pub(crate) overflow: bool,
 }
 
@@ -59,8 +59,9 @@ impl TopicHolder {
         self.topic
     }
 
-    /// How many subscribers the topic has now, in all processes; 0 of what is no topic, and of a bus
-    /// within one process. Those of a process that died count until somebody cleans up.
+    /// The current number of subscribers of the topic in all processes; 0 for a service that is not
+    /// a topic, and for a bus within one process. Subscribers of a dead process count until the
+    /// clean-up.
     pub fn listeners(&self) -> usize {
         (self.listeners)()
     }
@@ -95,8 +96,8 @@ pub(super) fn create<H: Header, E: Message>(
         .user_header::<H>()
         .history_size(limits.history)
         .subscriber_max_buffer_size(limits.buffer)
-        // The recorder and the processes copy what they keep: one borrowed message at a time,
-        // one more for a caller that holds it while it asks for the next.
+        // The recorder and the processes copy the messages that they keep: one borrowed message at a
+        // time, one more for a caller that holds it while it requests the next.
         .subscriber_max_borrowed_samples(2)
         .max_publishers(limits.publishers)
         .max_subscribers(limits.subscribers)

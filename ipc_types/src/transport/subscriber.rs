@@ -12,7 +12,7 @@ use crate::stamp::Header;
 
 /// A receiving end.
 pub(crate) trait Receiver<H: Header, E: Message> {
-    /// Connects to senders that came since the last call or reception.
+    /// Connects to new senders.
     fn update_connections(&self) -> Result<(), ReceiveError>;
 
     /// The next unread message, if any.
@@ -21,10 +21,10 @@ pub(crate) trait Receiver<H: Header, E: Message> {
 
 type Sample<H, E> = iceoryx2::sample::Sample<ipc::Service, [E], H>;
 
-/// A message where its sender wrote it (mapped read-only), freed on drop.
+/// A message in the memory where it was written (mapped read-only), freed on drop.
 pub(crate) struct Loan<H: Header, E: Message> {
     sample: ManuallyDrop<Sample<H, E>>,
-    /// Frees it by the code of this crate.
+    /// Function of this crate that frees it.
     release: fn(Sample<H, E>),
 }
 
@@ -40,7 +40,7 @@ impl<H: Header, E: Message> Loan<H, E> {
 
 impl<H: Header, E: Message> Drop for Loan<H, E> {
     fn drop(&mut self) {
-        // SAFETY: it is taken only here, and nothing uses it afterwards.
+        // SAFETY: it is taken only here, and not used afterwards.
         let sample = unsafe { ManuallyDrop::take(&mut self.sample) };
         (self.release)(sample);
     }

@@ -1,4 +1,4 @@
-//! What the bus between processes and the bus in memory have in common: every behaviour on both.
+//! Common behaviour of the bus between processes and the bus in memory: every test on both.
 
 use std::sync::Arc;
 
@@ -93,7 +93,7 @@ fn a_message_beyond_the_capacity_is_refused_in_the_same_words() {
             words.borrow_mut().push(sent.unwrap_err().to_string());
         }
         assert!(subscriber.receive().unwrap().is_none());
-        // What was refused leaves no gap in the numbers.
+        // A rejected message leaves no gap in the numbers.
         publisher.send(header, &[point; 2]).unwrap();
         let message = subscriber.receive().unwrap().unwrap();
         assert_eq!(message.header().stamp.sequence, 0);

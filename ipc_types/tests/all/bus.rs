@@ -1,4 +1,5 @@
-//! The bus between processes, as two nodes of one: what it does not share with the bus in memory.
+//! The bus between processes, with two nodes in one process: behaviour that the bus in memory does
+//! not have.
 
 use std::time::Duration;
 
@@ -8,7 +9,7 @@ use ipc_types::topics::{self, Commands, OptimiserPlan, Topic, TopicVisitor, Worl
 
 use crate::support::{OtherCommands, Space, options};
 
-/// A run of its own, and the one process in it.
+/// A run space, with one process in it.
 fn joined(name: &str) -> (Space, Bus) {
     let space = Space::new(name);
     space.0.create_root().unwrap();
@@ -41,8 +42,8 @@ fn messages_carry_the_clock_of_their_sending() {
     assert!(stamp.begun_ns >= last && stamp.begun_ns <= stamp.computed_ns);
 }
 
-/// The clock is read before writing where writing takes time: many elements, or such as are made
-/// one by one.
+/// The clock is read before writing where writing takes time: many elements, or elements that are
+/// created one by one.
 #[test]
 fn the_clock_of_the_content_is_that_of_the_sending_only_where_little_is_copied() {
     let (_space, bus) = joined("content");
@@ -88,7 +89,7 @@ fn what_is_sent_in_place_is_what_the_memory_holds() {
         let mut seen = None;
         publisher
             .send_in_place(WorldHeader::default(), 2, |robots| {
-                // Only one robot is written: the other is zeros, or of an earlier message.
+                // Only one robot is written: the other is zeros, or an earlier message.
                 robots[0].robot = round;
                 seen = Some((robots.as_ptr().addr(), robots[1].robot));
                 robots[1].robot = 1000 + round;
@@ -241,7 +242,7 @@ fn a_listener_that_is_stopped_and_continued_has_only_waited() {
     let waited = AtomicBool::new(false);
     std::thread::scope(|scope| {
         scope.spawn(|| {
-            // This whole program, again and again until it is caught waiting.
+            // The test interrupts itself repeatedly until it is stopped during a wait.
             while !waited.load(Ordering::SeqCst) {
                 let words = ["-c", "kill -STOP $PPID; kill -CONT $PPID"];
                 assert!(Command::new("sh").args(words).status().unwrap().success());

@@ -1,4 +1,4 @@
-//! The bus in memory: what it does not share with the bus between processes.
+//! The bus in memory: behaviour that the bus between processes does not have.
 
 use std::sync::Arc;
 
@@ -26,7 +26,7 @@ fn the_memory_of_messages_is_used_again() {
     }
     places.sort_unstable();
     places.dedup();
-    // One that the reader holds, one that late joiners would get.
+    // One message is held by the reader, one is kept for late joiners.
     assert!(
         places.len() <= 2,
         "{} places for 100 messages",
@@ -100,7 +100,7 @@ fn what_only_processes_have_is_refused_by_name() {
 fn requests_are_answered_at_once_while_a_server_exists() {
     let bus = local(false);
     let _service = bus.create_service::<OptimiserPlan>().unwrap();
-    // The client may be there first.
+    // The client may exist before the server.
     let client = bus.client::<OptimiserPlan>(3, 8).unwrap();
     let request = PlanRequest {
         robot: 5,
@@ -153,8 +153,8 @@ fn commons_are_found_by_their_type() {
 }
 
 proptest! {
-    /// Against a model: whatever is sent and read when, every reader sees each publisher's messages
-    /// whole, in order and without gaps.
+    /// Against a model: for any order of sending and reading, every reader gets each publisher's
+    /// messages whole, in order and without gaps.
     #[test]
     fn no_message_is_lost_doubled_or_changed(
         steps in prop::collection::vec((0_usize..4, 0_usize..3), 1..200),

@@ -1,6 +1,6 @@
-//! Every field of every topic as the ecosystem's own decoder sees it: the Python package
-//! `mcap-ros2-support` decodes our CDR with our schemas, and what it read is packed again and must
-//! be the bytes of shared memory.
+//! Every field of every topic, decoded by an independent decoder: the Python package
+//! `mcap-ros2-support` decodes our CDR with our schemas; its values are packed again and must equal
+//! the bytes of shared memory.
 
 use std::convert::Infallible;
 use std::fmt::Write as _;
@@ -13,7 +13,7 @@ use ipc_types::topics::{Arity, Topic, TopicVisitor, for_each_topic};
 use ipc_types::{cdr, schema};
 use zerocopy::{FromBytes, IntoBytes};
 
-/// The interpreter with the readers, or why there is none.
+/// The interpreter with the decoder, or the reason why there is none.
 fn python() -> Result<PathBuf, String> {
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/python/prepare.py");
     let output = Command::new("python3")
@@ -63,7 +63,7 @@ fn numbers(descriptor: &Descriptor, prefix: &str, out: &mut Vec<(String, &'stati
     }
 }
 
-/// One line for the script, and the bytes that it must answer with.
+/// One line for the script, and the expected bytes of its answer.
 struct Lines(Vec<(String, String, Vec<u8>)>);
 
 impl TopicVisitor for Lines {
@@ -84,8 +84,7 @@ impl TopicVisitor for Lines {
                 };
                 numbers(&T::Element::DESCRIPTOR, &prefix, &mut paths);
             }
-            // Arbitrary bytes, but no floats that are not numbers: Python keeps their value, not
-            // which of the many bit patterns it was.
+            // Arbitrary bytes, but no NaN: Python keeps the value, not the bit pattern.
             let mut state = count as u64 + 12_345;
             let mut bytes = Vec::new();
             for (_, ros, size) in &paths {
@@ -130,7 +129,7 @@ fn python_reads_every_field_of_every_topic() {
     let python = match python() {
         Ok(python) => python,
         Err(reason) => {
-            // Past the test harness, which swallows what tests print.
+            // Directly to stderr, because the test harness captures the output of tests.
             let note = format!("\nSKIPPED: python_reads_every_field_of_every_topic: {reason}\n");
             std::io::stderr().write_all(note.as_bytes()).unwrap();
             return;

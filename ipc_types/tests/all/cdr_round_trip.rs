@@ -1,4 +1,4 @@
-//! What is encoded is decoded again, for every topic; what is not a message is refused.
+//! Encoded messages are decoded unchanged, for every topic; invalid bytes are rejected.
 
 use std::convert::Infallible;
 
@@ -32,7 +32,7 @@ impl TopicVisitor for RoundTrip<'_> {
         prop_assert_eq!(bytes.len(), cdr::encoded_len::<T>(elements.len()));
         let (header_again, elements_again) = cdr::decode::<T>(bytes)
             .map_err(|e| TestCaseError::fail(format!("{}: {e}", T::NAME)))?;
-        // Bytes, because what is not a number does not equal itself.
+        // Compared as bytes, because NaN does not equal itself.
         prop_assert_eq!(header.as_bytes(), header_again.as_bytes(), "{}", T::NAME);
         prop_assert_eq!(
             elements.as_bytes(),

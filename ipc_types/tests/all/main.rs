@@ -1,4 +1,4 @@
-//! The crate from outside; one program, because linking five costs.
+//! Tests of the public interface; one program, because linking five takes time.
 
 mod any_bus;
 mod bus;

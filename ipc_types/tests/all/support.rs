@@ -1,4 +1,4 @@
-//! What the tests of the bus share.
+//! Common parts of the tests of the bus.
 
 use std::time::Duration;
 
@@ -8,14 +8,14 @@ use ipc_types::stamp::PlainHeader;
 use ipc_types::topics::{RunSize, Topic, TopicId};
 use ipc_types::transport::Ports;
 
-/// A run space of its own that is wiped when the test ends, also by a panic.
+/// A separate run space that is wiped at the end of the test, also after a panic.
 pub struct Space(
     pub RunSpace,
     #[expect(dead_code, reason = "removed when dropped")] tempfile::TempDir,
 );
 
 impl Space {
-    /// Named, but not yet made; no two tests of the program may use the same name.
+    /// Names the space without creating it; names must be unique among the tests of the program.
     pub fn new(name: &str) -> Self {
         let directory = tempfile::Builder::new()
             .prefix("pt")
@@ -53,7 +53,7 @@ pub fn local(overflow: bool) -> Bus {
     Bus::local(options(overflow), None)
 }
 
-/// How to open a port whose sender does not wait long.
+/// Options of a port whose sender does not wait long.
 pub fn port(source: u32, capacity: usize) -> PublisherOptions {
     PublisherOptions {
         patience: Duration::from_millis(20),
@@ -68,7 +68,7 @@ pub fn state(tick: u64) -> WorldHeader {
     header
 }
 
-/// The topic of commands with another element: what a process of another build would open.
+/// The topic of commands with another element, as a process of another build would open it.
 #[derive(Debug)]
 pub struct OtherCommands;
 

@@ -1,4 +1,4 @@
-//! Whether a robot has come as far as a condition asks.
+//! Evaluation of conditions on a robot's progress.
 
 use geometry::math;
 use geometry::region::Region;
@@ -8,8 +8,8 @@ use super::Robot;
 use crate::spec::Condition;
 
 impl Robot {
-    /// Whether a condition is true of the robot, as it is now, that started at `start` (m). A robot
-    /// without a goal makes no progress.
+    /// Returns `true` if a condition holds for the robot in its current state, which started at `start` (m).
+    /// A robot without a goal makes no progress.
     pub fn meets(&self, condition: &Condition, start: Point2<f64>) -> bool {
         let at = self.pose.position();
         match *condition {
@@ -35,7 +35,7 @@ fn share(goal: &Region, start: Point2<f64>, at: Point2<f64>) -> f64 {
     if whole > 0.0 {
         1.0 - far(at) / whole
     } else {
-        // There is no way to go.
+        // The distance is 0.
         1.0
     }
 }
@@ -51,7 +51,7 @@ mod tests {
         Pose2::new(1.0, 1.0, 0.0)
     }
 
-    /// A robot that shall go from (1, 1) to (5, 1).
+    /// A robot that must go from (1, 1) to (5, 1).
     fn robot() -> Robot {
         let mut spec = RobotSpec::new("scout", Team::Neutral, start());
         spec.goal = Some(Region::Circle {

@@ -1,4 +1,4 @@
-//! From a command to motion: limits, imperfections, exact integration.
+//! Conversion of a command to motion: limits, imperfections, exact integration.
 
 use geometry::math;
 use geometry::pose::{Pose2, Twist2};
@@ -7,16 +7,16 @@ use nalgebra::Vector2;
 use crate::random::Stream;
 use crate::spec::{ActuatorSpec, RobotModel};
 
-/// Noise beyond this many standard deviations is cut off.
+/// Number of standard deviations at which noise is cut off.
 const MAX_SIGMAS: f64 = 3.0;
 
-/// The twist (m/s, rad/s) that a drive executes during a step of `dt` (s) when `command` (finite)
-/// is asked of it and `current` was executed before.
+/// The twist (m/s, rad/s) that a drive executes during a step of `dt` (s) for a finite `command`,
+/// after `current`.
 ///
-/// In this order: speed and turning rate are clamped to their limits; if a wheel would turn too
-/// fast, both are scaled down together, which keeps the curvature; their changes are clamped to the
-/// acceleration limits; and should a wheel be too fast after that, turning gives way (a wheel
-/// cannot exceed its speed, so that limit goes before angular acceleration).
+/// Speed and turning rate are first clamped to their limits. If a wheel would turn too fast, both
+/// are scaled down together, which keeps the curvature. Then their changes are clamped to the
+/// acceleration limits. If a wheel is still too fast, the turning rate is reduced: a wheel cannot
+/// exceed its speed, so that limit precedes angular acceleration.
 ///
 /// ```
 /// use geometry::pose::Twist2;
@@ -52,7 +52,7 @@ pub fn limit(model: &RobotModel, current: Twist2, command: Twist2, dt: f64) -> T
     Twist2::new(v, omega)
 }
 
-/// The twist that results when the drive is not perfect; within the robot's limits.
+/// The twist of an imperfect drive; within the robot's limits.
 pub(crate) fn perturb(
     model: &RobotModel,
     actuator: &ActuatorSpec,
@@ -87,8 +87,8 @@ fn sinc(x: f64) -> f64 {
 /// The displacement (m) of a robot with heading `theta` (rad) that keeps a twist for `dt` (s).
 ///
 /// The end of an arc lies at the arc's length times sinc(φ/2) in the direction of its middle
-/// heading, φ being the angle turned; this form needs no division by ω and hence no special case
-/// for driving straight.
+/// heading, φ being the angle turned. This form needs no division by ω and no special case for
+/// driving straight.
 pub(crate) fn arc_displacement(theta: f64, twist: Twist2, dt: f64) -> Vector2<f64> {
     let half_turn = 0.5 * twist.omega * dt;
     let chord = twist.v * dt * sinc(half_turn);

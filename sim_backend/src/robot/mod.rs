@@ -1,4 +1,4 @@
-//! Robots: their state, and how a command becomes motion.
+//! Robots: their state, and the conversion of commands to motion.
 
 mod condition;
 pub(crate) mod drive;

@@ -1,4 +1,4 @@
-//! What the world knows about a robot.
+//! State of a robot in the world.
 
 use core::time::Duration;
 
@@ -9,12 +9,12 @@ use serde::{Deserialize, Serialize};
 use crate::spec::{RobotModel, RobotSpec};
 use crate::team::Team;
 
-/// Whether a robot is in the game.
+/// Status of a robot in the game.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 #[repr(u8)]
 pub enum RobotStatus {
-    /// It drives.
+    /// The robot is in the game.
     Active = 0,
     /// An evader that Police caught.
     Caught = 1,
@@ -45,17 +45,17 @@ impl RobotStatus {
     }
 }
 
-/// How often a robot touched something.
+/// Numbers of contacts of a robot.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ContactCounts {
-    /// Times it came to touch an obstacle (an uninterrupted contact counts once).
+    /// Number of contacts with obstacles (an uninterrupted contact counts once).
     pub wall: u32,
-    /// Times it came to touch another robot (an uninterrupted contact counts once).
+    /// Number of contacts with other robots (an uninterrupted contact counts once).
     pub robot: u32,
-    /// Ticks during which it touched an obstacle.
+    /// Number of ticks in contact with an obstacle.
     pub wall_ticks: u64,
-    /// Ticks during which it touched a robot.
+    /// Number of ticks in contact with a robot.
     pub robot_ticks: u64,
 }
 
@@ -71,38 +71,38 @@ impl ContactCounts {
 pub struct Robot {
     /// Unique name.
     pub name: String,
-    /// The side it plays for.
+    /// Team.
     pub team: Team,
     /// Body and limits.
     pub model: RobotModel,
-    /// Where it shall arrive.
+    /// Goal.
     pub goal: Option<Region>,
-    /// Where it is.
+    /// Pose.
     pub pose: Pose2,
-    /// How it moved in the last step, averaged over it: forward speed along its heading and
-    /// turning rate. A blocked robot has the speed that was left.
+    /// Mean twist over the last step: forward speed along its heading and turning rate. A blocked
+    /// robot has the remaining speed.
     pub twist: Twist2,
-    /// Whether it is in the game.
+    /// `true` if it is in the game.
     pub status: RobotStatus,
-    /// Whether an obstacle appeared on top of it and no place near was free: it cannot move until
-    /// the obstacle goes.
+    /// `true` if an obstacle appeared on top of it without a free place nearby: it cannot move
+    /// until the obstacle disappears.
     pub trapped: bool,
     /// Simulated time at which its status changed from active.
     pub finished_at: Option<Duration>,
     /// Index of the robot that caught it.
     pub caught_by: Option<usize>,
-    /// Way driven so far (m).
+    /// Distance driven so far (m).
     pub distance_travelled: f64,
     /// Contacts so far.
     pub contacts: ContactCounts,
-    /// Whether an obstacle blocked it in the last step, or touches it now.
+    /// `true` if an obstacle blocked it in the last step, or touches it now.
     pub touches_wall: bool,
-    /// Steps in which its command was not a finite number.
+    /// Number of steps with a command that was not finite.
     pub invalid_commands: u64,
 }
 
 impl Robot {
-    /// The robot at rest where its specification puts it.
+    /// Creates the robot at rest at its specified start.
     pub(crate) fn new(spec: &RobotSpec) -> Self {
         Self {
             name: spec.name.clone(),
@@ -122,7 +122,7 @@ impl Robot {
         }
     }
 
-    /// Whether it is in the game.
+    /// Returns `true` if it is in the game.
     pub fn is_active(&self) -> bool {
         self.status == RobotStatus::Active
     }

@@ -1,4 +1,4 @@
-//! Which area counts as visited.
+//! Specification of the visited area.
 
 use geometry::extent::positive;
 use parameters::Parameters;
@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::team::Team;
 
-/// Accounting of the free area that robots have visited, and of how long it has been since.
+/// Accounting of the free area that robots have visited, and of the time since then.
 ///
 /// ```toml
 /// [rules.coverage]
@@ -17,15 +17,14 @@ use crate::team::Team;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct CoverageSpec {
-    /// Radius of the disc about a robot's centre that it visits: of its tool, or of what it sees
-    /// (walls do not limit it). Each robot's own radius if absent.
+    /// Radius of the disc about a robot's centre that it visits, of its tool or its view (walls do
+    /// not limit it). Each robot's own radius if absent.
     #[schemars(transform = positive("m"))]
     pub radius: Option<f64>,
-    /// Side of the cells that are accounted for, at most 16 million of them; that of the map's
-    /// grid if absent.
+    /// Side of the accounted cells, at most 16 million of them; that of the map's grid if absent.
     #[schemars(transform = positive("m"))]
     pub resolution: Option<f64>,
-    /// Names of the robots that count, beside those of `teams`.
+    /// Names of the robots that count, in addition to those of `teams`.
     pub robots: Vec<String>,
     /// Teams whose robots count. All robots count if `robots` and `teams` are both empty.
     pub teams: Vec<Team>,
@@ -47,7 +46,7 @@ impl Default for CoverageSpec {
 }
 
 impl CoverageSpec {
-    /// Whether a robot counts.
+    /// Returns `true` if a robot counts.
     pub fn counts(&self, name: &str, team: Team) -> bool {
         (self.robots.is_empty() && self.teams.is_empty())
             || self.teams.contains(&team)

@@ -1,7 +1,7 @@
-//! What a world is made of, as a person writes it: every struct here is a table of the scenario.
+//! Specification of a world: every struct here is a table of the scenario.
 //!
 //! Unknown keys are errors. Each field declares its range and unit; [`parameters::check`] names the
-//! field, the value and what was expected, so that a mistake can be pointed at before anything starts.
+//! field, the value and the expected range, so that errors are reported before the run starts.
 
 mod condition;
 mod coverage;
@@ -18,7 +18,7 @@ pub use sensor::{OdometrySpec, ScanSpec};
 use geometry::map::MapSpec;
 use serde::{Deserialize, Serialize};
 
-/// Everything that [`World::new`](crate::world::World::new) needs.
+/// All inputs of [`World::new`](crate::world::World::new).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct WorldSpec {
@@ -26,7 +26,7 @@ pub struct WorldSpec {
     pub map: MapSpec,
     /// The robots; a robot's index in this list is its index everywhere.
     pub robots: Vec<RobotSpec>,
-    /// Capture, exits, time-out and contact.
+    /// Capture, exits, time limit and contact.
     #[serde(default)]
     pub rules: RulesSpec,
     /// Seed of all noise in the world (actuators, scans, odometry); each robot and sensor draws

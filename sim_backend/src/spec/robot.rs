@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use super::{OdometrySpec, ScanSpec};
 use crate::team::Team;
 
-/// A robot as the scenario describes it: a preset body, with any value overridden.
+/// A robot of the scenario: a preset body, with optional overrides.
 ///
 /// ```toml
 /// [[robots]]
@@ -25,11 +25,11 @@ use crate::team::Team;
 pub struct RobotSpec {
     /// Unique name, used in messages, logs and the summary.
     pub name: String,
-    /// The side it plays for.
+    /// Team.
     pub team: Team,
     /// Pose at time 0.
     pub start: Pose2,
-    /// The robot whose body and limits are taken where nothing else is said.
+    /// The robot whose body and limits are the defaults.
     #[serde(default)]
     pub preset: Preset,
     /// Radius of the disc that the robot occupies; the preset's if absent.
@@ -43,7 +43,7 @@ pub struct RobotSpec {
     /// Limits that differ from the preset's.
     #[serde(default)]
     pub limits: LimitsSpec,
-    /// How the drive departs from what it is told; perfect by default.
+    /// Imperfections of the drive; perfect by default.
     #[serde(default)]
     pub actuator: ActuatorSpec,
     /// Range scanner; none if absent.
@@ -52,8 +52,8 @@ pub struct RobotSpec {
     /// Noise of the wheel odometry; exact if absent.
     #[serde(default)]
     pub odometry: Option<OdometrySpec>,
-    /// Where the robot shall arrive; it is done when its centre is inside. (Evaders are also done
-    /// in an exit, which need not be repeated here.)
+    /// Goal of the robot; it is done when its centre is inside. (Evaders are also done in an exit,
+    /// which need not be repeated here.)
     #[serde(default)]
     pub goal: Option<Region>,
 }
@@ -109,7 +109,7 @@ impl Parameters for RobotSpec {
     }
 }
 
-/// Robots that exist.
+/// Available robots.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Preset {
@@ -134,28 +134,28 @@ impl Preset {
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct LimitsSpec {
-    /// Largest forward speed.
+    /// Maximum forward speed.
     #[schemars(transform = positive("m/s"))]
     pub v_max: Option<f64>,
-    /// Largest speed backwards.
+    /// Maximum backward speed.
     #[schemars(transform = not_negative("m/s"))]
     pub v_reverse_max: Option<f64>,
-    /// Largest turning rate either way.
+    /// Maximum turning rate either way.
     #[schemars(transform = not_negative("rad/s"))]
     pub omega_max: Option<f64>,
-    /// Largest change of forward speed; unlimited if neither this nor the preset says.
+    /// Maximum change of forward speed; unlimited if absent here and in the preset.
     #[schemars(transform = positive("m/s²"))]
     pub acceleration: Option<f64>,
-    /// Largest change of turning rate; unlimited if neither this nor the preset says.
+    /// Maximum change of turning rate; unlimited if absent here and in the preset.
     #[schemars(transform = positive("rad/s²"))]
     pub angular_acceleration: Option<f64>,
-    /// Largest speed of a wheel's rim, |v| + |ω|·separation/2; unlimited if neither this nor the
-    /// preset says.
+    /// Maximum speed of a wheel's rim, |v| + |ω|·separation/2; unlimited if absent here and in the
+    /// preset.
     #[schemars(transform = positive("m/s"))]
     pub wheel_speed_max: Option<f64>,
 }
 
-/// Body and limits of a robot, presets and overrides resolved.
+/// Body and limits of a robot, with preset and overrides applied.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RobotModel {
@@ -163,17 +163,17 @@ pub struct RobotModel {
     pub radius: f64,
     /// Distance between the wheels' contact points (m).
     pub wheel_separation: f64,
-    /// Largest forward speed (m/s).
+    /// Maximum forward speed (m/s).
     pub v_max: f64,
-    /// Largest speed backwards (m/s).
+    /// Maximum backward speed (m/s).
     pub v_reverse_max: f64,
-    /// Largest turning rate (rad/s).
+    /// Maximum turning rate (rad/s).
     pub omega_max: f64,
-    /// Largest change of forward speed (m/s²); `None` is unlimited.
+    /// Maximum change of forward speed (m/s²); `None` is unlimited.
     pub acceleration: Option<f64>,
-    /// Largest change of turning rate (rad/s²); `None` is unlimited.
+    /// Maximum change of turning rate (rad/s²); `None` is unlimited.
     pub angular_acceleration: Option<f64>,
-    /// Largest |v| + |ω|·separation/2 (m/s); `None` is unlimited.
+    /// Maximum |v| + |ω|·separation/2 (m/s); `None` is unlimited.
     pub wheel_speed_max: Option<f64>,
 }
 
@@ -212,34 +212,33 @@ impl RobotModel {
     }
 }
 
-/// How the drive departs from what it is told.
+/// Imperfections of the drive.
 ///
-/// Executed speed = commanded · (1 − slip) · (1 + noise·N), with N standard normal, clipped at
-/// ±3 and drawn once per step from the robot's own stream; the result is clamped to the robot's
-/// limits, so that noise never makes a robot faster than it can be.
+/// Executed speed = commanded · (1 − slip) · (1 + noise·N), with N standard normal, clipped at ±3
+/// and drawn once per step from the robot's own stream. The result is clamped to the robot's
+/// limits, so that noise never makes a robot faster than its limits.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct ActuatorSpec {
-    /// Part of the forward speed lost to slipping wheels.
+    /// Share of the forward speed lost to slipping wheels.
     #[schemars(transform = at_least(0).below(1))]
     pub slip: f64,
-    /// Part of the turning rate lost to slipping wheels.
+    /// Share of the turning rate lost to slipping wheels.
     #[schemars(transform = at_least(0).below(1))]
     pub angular_slip: f64,
-    /// Standard deviation of the forward speed, as a part of it.
+    /// Standard deviation of the forward speed, as a share of it.
     #[schemars(transform = at_least(0).at_most(MAX_COORDINATE))]
     pub noise: f64,
-    /// Standard deviation of the turning rate, as a part of it.
+    /// Standard deviation of the turning rate, as a share of it.
     #[schemars(transform = at_least(0).at_most(MAX_COORDINATE))]
     pub angular_noise: f64,
-    /// Standard deviation of the turning rate per forward speed (a robot told to go straight
-    /// veers).
+    /// Standard deviation of the turning rate per forward speed (a robot commanded straight veers).
     #[schemars(transform = not_negative("rad/m"))]
     pub veer: f64,
 }
 
 impl ActuatorSpec {
-    /// Whether the drive does exactly what it is told.
+    /// Returns `true` if the drive executes commands exactly.
     pub fn is_perfect(&self) -> bool {
         *self == Self::default()
     }

@@ -13,22 +13,22 @@ use super::CoverageSpec;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct RulesSpec {
-    /// When Police catch evaders; never if absent.
+    /// Capture of evaders by Police; none if absent.
     pub capture: Option<CaptureSpec>,
-    /// Where evaders escape; the map's own exits count as well.
+    /// Exits for evaders, in addition to those of the map.
     #[schemars(length(max = MAX_EXITS))]
     pub exits: Vec<Region>,
     /// Simulated time after which evaders and robots with a goal are timed out; never if absent.
     #[schemars(transform = above(0).at_most(1e9).unit("s"))]
     pub time_limit: Option<f64>,
-    /// Which area counts as visited; nothing is accounted for if absent.
+    /// Accounting of the visited area; none if absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub coverage: Option<CoverageSpec>,
-    /// What a robot does whose way is blocked.
+    /// Behaviour of a blocked robot.
     pub blocked: Blocked,
-    /// What becomes of a caught evader's body.
+    /// Body of a caught evader.
     pub caught: OutOfPlay,
-    /// What becomes of the body of an escaped evader (it left the arena: removed by default).
+    /// Body of an escaped evader (it left the arena: removed by default).
     pub escaped: OutOfPlay,
 }
 
@@ -46,21 +46,21 @@ impl Default for RulesSpec {
     }
 }
 
-/// When Police catch an evader.
+/// Capture of an evader by Police.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct CaptureSpec {
-    /// A Police centre strictly nearer than this to the evader's centre catches it.
+    /// Distance of centres below which a Police robot catches an evader.
     #[schemars(transform = positive("m"))]
     pub radius: f64,
-    /// How long some Police robot must have been that near without interruption. At 0 the first
+    /// Time for which a Police robot must have been that near without interruption. At 0 the first
     /// tick catches.
     #[schemars(transform = not_negative("s"))]
     pub dwell: f64,
 }
 
 impl Default for CaptureSpec {
-    /// The chasing game's 0.3 m, at once.
+    /// The chasing game's 0.3 m, without delay.
     fn default() -> Self {
         Self {
             radius: 0.3,
@@ -69,25 +69,25 @@ impl Default for CaptureSpec {
     }
 }
 
-/// What a robot does that runs into something.
+/// Behaviour of a robot that hits an obstacle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Blocked {
-    /// It keeps the part of its motion along the obstacle.
+    /// The robot keeps the part of its motion along the obstacle.
     #[default]
     Slide,
-    /// It stays where it touched until its motion leads away.
+    /// The robot stays at the point of contact until its motion leads away.
     Stop,
 }
 
-/// What becomes of the body of a robot that is out of the game.
+/// Body of a robot that is out of the game.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum OutOfPlay {
-    /// It stands where it is, as an obstacle to the others and to their scans.
+    /// It stays, as an obstacle for other robots and their scans.
     #[default]
     Stay,
-    /// It is taken away: nothing touches or sees it.
+    /// It is removed: robots neither touch nor see it.
     Remove,
 }
 

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use geometry::extent::{not_negative, positive};
 
-/// Most beams that one scan may have.
+/// Maximum number of beams of a scan.
 const MAX_BEAMS: usize = 4096;
 
 /// A planar range scanner at the robot's centre.
@@ -28,10 +28,10 @@ pub struct ScanSpec {
     /// Angle from one beam to the next, other than 0 if there are several beams.
     #[schemars(transform = between(-TAU, TAU).unit("rad"))]
     pub angle_increment: f64,
-    /// Nearest distance that can be measured.
+    /// Minimum range.
     #[schemars(transform = not_negative("m"))]
     pub range_min: f64,
-    /// Farthest distance that can be measured, more than `range_min`.
+    /// Maximum range, more than `range_min`.
     #[schemars(transform = positive("m"))]
     pub range_max: f64,
     /// Standard deviation of a measured distance; 0 is exact.
@@ -71,7 +71,7 @@ impl Parameters for ScanSpec {
 }
 
 /// Noise of odometry: the standard deviation of each increment grows with the square root of the
-/// way driven and turned, as independent wheel errors do.
+/// distance and the rotation, as independent wheel errors do.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct OdometrySpec {

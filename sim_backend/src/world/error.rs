@@ -1,12 +1,12 @@
-//! Why a world cannot be made.
+//! Errors of a specification of a world.
 
 use geometry::map::MapError;
 use parameters::ParamsError;
 
-/// Why a world cannot be made from its specification.
+/// Reason why a world cannot be created from its specification.
 #[derive(Debug, thiserror::Error)]
 pub enum WorldError {
-    /// The map cannot be used.
+    /// The map is invalid.
     #[error(transparent)]
     Map(#[from] MapError),
     /// A rule has a value out of its range.
@@ -19,23 +19,23 @@ pub enum WorldError {
         index: usize,
         /// Its name.
         name: String,
-        /// What is wrong.
+        /// Error of the value.
         source: ParamsError,
     },
-    /// There is nobody in the world.
+    /// The world has no robots.
     #[error("robots: the world has no robots: expected at least one")]
     NoRobots,
-    /// More robots than are supported.
+    /// More robots than the maximum.
     #[error("robots: {0} robots: expected at most {max}", max = super::MAX_ROBOTS)]
     TooManyRobots(usize),
-    /// Two robots with one name.
+    /// Two robots with the same name.
     #[error("robots[{second}] is called \"{name}\" like robots[{first}]: expected unique names")]
     DuplicateName {
         /// The name.
         name: String,
-        /// Index of the first that has it.
+        /// Index of the first robot with this name.
         first: usize,
-        /// Index of the second that has it.
+        /// Index of the second robot with this name.
         second: usize,
     },
     /// A robot starts beyond the edge of the map.
@@ -48,9 +48,9 @@ pub enum WorldError {
         index: usize,
         /// Its name.
         name: String,
-        /// Its start (m).
+        /// Start, x (m).
         x: f64,
-        /// Its start (m).
+        /// Start, y (m).
         y: f64,
         /// Smallest coordinates of the map (m).
         min: [f64; 2],
@@ -67,16 +67,16 @@ pub enum WorldError {
         index: usize,
         /// Its name.
         name: String,
-        /// Its start (m).
+        /// Start, x (m).
         x: f64,
-        /// Its start (m).
+        /// Start, y (m).
         y: f64,
         /// Distance from its centre to the nearest obstacle (m).
         clearance: f64,
-        /// The clearance that it needs (m).
+        /// Required clearance (m).
         radius: f64,
     },
-    /// Two robots start in one place.
+    /// Two robots overlap at the start.
     #[error(
         "robots[{first}] \"{first_name}\" and robots[{second}] \"{second_name}\" overlap at the \
          start: their centres are {distance:.4} m apart: expected at least {needed:.4} m"
@@ -95,7 +95,7 @@ pub enum WorldError {
         /// Sum of their radii (m).
         needed: f64,
     },
-    /// There is no way for an evader to any exit.
+    /// No path leads an evader to any exit.
     #[error(
         "robots[{index}] \"{name}\" cannot reach any exit: no way from ({x}, {y}) is wide enough \
          for its radius of {radius} m"
@@ -105,14 +105,14 @@ pub enum WorldError {
         index: usize,
         /// Its name.
         name: String,
-        /// Its start (m).
+        /// Start, x (m).
         x: f64,
-        /// Its start (m).
+        /// Start, y (m).
         y: f64,
-        /// Its radius (m).
+        /// Radius (m).
         radius: f64,
     },
-    /// There is no way for a robot to its goal.
+    /// No path leads a robot to its goal.
     #[error(
         "robots[{index}] \"{name}\" cannot reach its goal: no way from ({x}, {y}) is wide enough \
          for its radius of {radius} m"
@@ -122,11 +122,11 @@ pub enum WorldError {
         index: usize,
         /// Its name.
         name: String,
-        /// Its start (m).
+        /// Start, x (m).
         x: f64,
-        /// Its start (m).
+        /// Start, y (m).
         y: f64,
-        /// Its radius (m).
+        /// Radius (m).
         radius: f64,
     },
 }

@@ -1,21 +1,21 @@
-//! What happens in a world.
+//! Events of a world.
 
 use core::time::Duration;
 
 use geometry::map::ObstacleId;
 
-/// Something that happened, and when.
+/// An event with its time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WorldEvent {
-    /// Simulated time: the end of the step in which it happened.
+    /// Simulated time: the end of the step of the event.
     pub time: Duration,
     /// Number of that step, from 1; 0 before the first.
     pub tick: u64,
-    /// What happened.
+    /// Kind of event.
     pub kind: EventKind,
 }
 
-/// What happened. Robots are named by their index.
+/// Kind of event. Robots are given by their index.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum EventKind {
     /// Police caught an evader.
@@ -44,18 +44,18 @@ pub enum EventKind {
         /// The robot.
         robot: usize,
     },
-    /// A robot came to touch something.
+    /// A robot began to touch an obstacle or robot.
     ContactBegan {
         /// The robot; of two robots the one with the lower index.
         robot: usize,
-        /// What it touches.
+        /// Other side of the contact.
         with: ContactWith,
     },
-    /// A robot no longer touches something.
+    /// A robot no longer touches an obstacle or robot.
     ContactEnded {
         /// The robot; of two robots the one with the lower index.
         robot: usize,
-        /// What it touched.
+        /// Other side of the contact.
         with: ContactWith,
     },
     /// A command was not finite and the robot was stopped; reported once until a valid one comes.
@@ -67,19 +67,19 @@ pub enum EventKind {
     ObstacleApplied {
         /// The obstacle.
         id: ObstacleId,
-        /// What it did.
+        /// Action of the obstacle.
         action: ObstacleAction,
-        /// The map's revision since.
+        /// Revision of the map after it.
         revision: u64,
     },
-    /// An obstacle came to stand on a robot and pushed it aside.
+    /// An obstacle appeared on a robot and pushed it aside.
     PushedOut {
         /// The robot.
         robot: usize,
-        /// How far it was pushed (m).
+        /// Distance of the push (m).
         distance: f64,
     },
-    /// An obstacle came to stand on a robot, and no place near was free: the robot cannot move.
+    /// An obstacle appeared on a robot without a free place nearby: the robot cannot move.
     Trapped {
         /// The robot.
         robot: usize,
@@ -89,14 +89,14 @@ pub enum EventKind {
         /// The robot.
         robot: usize,
     },
-    /// The mission is over.
+    /// The mission has ended.
     GameOver {
-        /// Why.
+        /// Reason.
         reason: GameOver,
     },
 }
 
-/// What a robot touches.
+/// Other side of a contact.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ContactWith {
     /// An obstacle or the edge of the map.
@@ -105,7 +105,7 @@ pub enum ContactWith {
     Robot(usize),
 }
 
-/// What an obstacle did.
+/// Action of an obstacle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ObstacleAction {
     /// It appeared.
@@ -116,11 +116,11 @@ pub enum ObstacleAction {
     Moved,
 }
 
-/// Why a mission is over.
+/// Reason for the end of a mission.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum GameOver {
     /// Every evader is caught or gone, and every robot with a goal has arrived.
     Decided,
-    /// The time limit.
+    /// The time limit was reached.
     TimeLimit,
 }

@@ -1,4 +1,4 @@
-//! When a robot's disc meets an obstacle or another disc, and what is left of its velocity then.
+//! Collision of a robot's disc with an obstacle or another disc, and the remaining velocity.
 
 use nalgebra::{Point2, Vector2};
 
@@ -6,36 +6,36 @@ use geometry::map::WorldMap;
 
 /// Gap (m) that is kept at a contact: far above the rounding of positions, far below a millimetre.
 const SKIN: f64 = 1e-7;
-/// Advancement ends when the gap is below this (m).
+/// Gap (m) below which advancement ends.
 const HIT: f64 = 1.5 * SKIN;
-/// Gap (m) below which two things touch.
+/// Gap (m) below which bodies touch.
 pub(super) const TOUCH: f64 = 2.0 * SKIN;
 /// Closing speed, relative to the speed, below which motion counts as along a surface.
 const ALONG: f64 = 1e-10;
-/// Most steps of one advancement; when they are used up the robot stops short, which is safe.
+/// Maximum number of steps of one advancement; after them the robot stops short, which is safe.
 const MAX_ADVANCES: usize = 64;
 
-/// A robot that may touch something in this step.
+/// A robot with a possible contact in this step.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Mover {
     pub robot: usize,
     pub radius: f64,
     pub position: Point2<f64>,
-    /// Velocity that its twist asks for (m/s).
+    /// Velocity of its twist (m/s).
     pub desired: Vector2<f64>,
-    /// Velocity that its contacts leave (m/s).
+    /// Velocity that its contacts allow (m/s).
     pub velocity: Vector2<f64>,
-    /// Way driven in this step (m).
+    /// Distance driven in this step (m).
     pub path: f64,
 }
 
-/// Whether a velocity does not lead into the surface with this normal.
+/// Returns `true` if a velocity does not lead into the surface with this normal.
 pub(super) fn leads_away(velocity: Vector2<f64>, normal: Vector2<f64>) -> bool {
     velocity.dot(&normal) >= -ALONG * velocity.norm()
 }
 
-/// The velocity nearest to the desired one that leads into none of the surfaces: itself, its part
-/// along one of them, or none.
+/// The velocity nearest to the desired one that leads into none of the surfaces: the velocity
+/// itself, its part along one of them, or zero.
 pub(super) fn slide(desired: Vector2<f64>, normals: &[Vector2<f64>]) -> Vector2<f64> {
     if normals.iter().all(|n| leads_away(desired, *n)) {
         return desired;
@@ -45,7 +45,7 @@ pub(super) fn slide(desired: Vector2<f64>, normals: &[Vector2<f64>]) -> Vector2<
     for normal in normals {
         let along = Vector2::new(-normal.y, normal.x);
         let speed = desired.dot(&along);
-        // Against a surface head-on, what is left along it is rounding.
+        // Against a surface head-on, the part along it is rounding.
         let candidate = along * speed;
         if speed.abs() > best_speed
             && speed.abs() > 1e-9 * desired.norm()
@@ -58,12 +58,12 @@ pub(super) fn slide(desired: Vector2<f64>, normals: &[Vector2<f64>]) -> Vector2<
     best
 }
 
-/// How far (m) a mover gets in the unit direction `dir` before it hits an obstacle; `None` if it
-/// gets as far as `length`.
+/// Distance (m) that a mover covers in the unit direction `dir` before it hits an obstacle; `None`
+/// if it covers `length`.
 ///
 /// Conservative advancement: from each piece's nearest point, the whole (convex) piece lies behind
-/// the line across the normal, so the way to that line is free of it. Along flat walls this takes
-/// one step; at corners and discs it is Newton's method on a convex function, which never
+/// the line across the normal, so the path to that line is free of it. Along flat walls this takes
+/// one step. At corners and discs it is Newton's method on a convex function, which never
 /// overshoots.
 pub(super) fn sweep(
     map: &WorldMap,
@@ -120,8 +120,8 @@ pub(super) fn sweep(
     None
 }
 
-/// Time (s) until two movers' discs come within the skin of each other at their present
-/// velocities; infinite if they do not, or if they touch already without closing.
+/// Time (s) until two movers' discs come within the skin of each other at their current velocities;
+/// infinite if they do not, or if they touch already without closing.
 pub(super) fn time_to_impact(a: &Mover, b: &Mover) -> f64 {
     let (offset, velocity) = (a.position - b.position, a.velocity - b.velocity);
     let closing = -offset.dot(&velocity);
@@ -151,9 +151,9 @@ mod tests {
         let down_right = Vector2::new(1.0, -1.0);
         assert_eq!(slide(down_right, &[up]), Vector2::new(1.0, 0.0));
         assert_eq!(slide(-down_right, &[up]), -down_right);
-        // In a corner nothing is left.
+        // In a corner the velocity is zero.
         assert_eq!(slide(down_right, &[up, -Vector2::x()]), Vector2::zeros());
-        // Head-on nothing is left either, not even rounding.
+        // Head-on the velocity is zero, without rounding errors.
         assert_eq!(slide(Vector2::new(1e-17, -1.0), &[up]), Vector2::zeros());
     }
 

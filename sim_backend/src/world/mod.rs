@@ -25,7 +25,7 @@ use crate::random::Stream;
 use crate::robot::{Robot, drive};
 use crate::spec::{ActuatorSpec, OdometrySpec, OutOfPlay, RulesSpec, ScanSpec, WorldSpec};
 
-/// Most robots in one world.
+/// Maximum number of robots in one world.
 pub const MAX_ROBOTS: usize = 1024;
 
 /// Robots on a map, under rules.
@@ -63,9 +63,9 @@ pub struct World {
     over: Option<GameOver>,
     coverage: Option<Box<Coverage>>,
     events: Vec<WorldEvent>,
-    /// Events from between steps, delivered by the next unless they are taken before.
+    /// Events between steps, delivered by the next step unless they are taken before.
     pending: Vec<EventKind>,
-    // Memory of one step, kept so that steps do not allocate.
+    // Memory of one step, reused so that steps do not allocate.
     motion: Motion,
     twists: Vec<Twist2>,
     solid: Vec<bool>,
@@ -73,17 +73,17 @@ pub struct World {
     pairs_before: Vec<(usize, usize)>,
 }
 
-/// What the world keeps of a robot beside its public state.
+/// Internal state of a robot, besides its public state.
 #[derive(Debug, Clone)]
 struct Extra {
     actuator: Option<ActuatorSpec>,
     scan: Option<ScanSpec>,
     odometry: Option<OdometrySpec>,
-    /// Pose that its odometry believes in.
+    /// Pose by its odometry.
     odometry_pose: Pose2,
-    /// Whether its last command was invalid.
+    /// `true` if its last command was invalid.
     invalid_command: bool,
-    /// How long Police have been within the capture radius.
+    /// Time for which Police have been within the capture radius.
     held: Duration,
 }
 
@@ -96,12 +96,12 @@ enum Purpose {
 }
 
 impl World {
-    /// The world that a specification describes, at time 0.
+    /// Creates the world of a specification, at time 0.
     ///
     /// # Errors
-    /// Names what is wrong, its value and what was expected: a map that cannot be read, a value out
-    /// of its range, no robots, robots that overlap, stand in a wall or outside the map, an exit or
-    /// goal without a way to it.
+    /// The error names the field, its value and the expected one: an unreadable map, a value out of its
+    /// range, no robots, robots that overlap, are in a wall or outside the map, an exit or goal without a
+    /// path to it.
     pub fn new(spec: WorldSpec) -> Result<Self, WorldError> {
         let map = WorldMap::recent(&spec.map)?;
         Self::on_map(WorldMap::clone(&map), spec)
@@ -159,16 +159,16 @@ impl World {
         })
     }
 
-    /// Lets `dt` pass: robots execute their commands, sensors and rules follow, in a fixed order.
+    /// Advances the world by `dt`: robots execute their commands, then sensors and rules are updated, in
+    /// a fixed order.
     ///
-    /// Command *i* is for robot *i*. A missing command stops the robot; one that is not finite
-    /// stops it and is reported; one beyond its limits is clamped. Robots out of the game ignore
-    /// theirs. Captures, exits, goals and the time limit are decided, in this order, on the poses
-    /// at the end of the step.
+    /// Command *i* is for robot *i*. A missing command stops the robot; one that is not finite stops it
+    /// and is reported; one beyond its limits is clamped. Robots out of the game ignore commands.
+    /// Captures, exits, goals and the time limit are decided, in this order, on the poses at the end of
+    /// the step.
     ///
-    /// Returns what happened, in the order in which it is decided. The result is a function of the
-    /// specification and the commands since; a step allocates nothing unless more happens in it than
-    /// ever before.
+    /// Returns the events in the order of decision. The result is a function of the specification and the
+    /// commands so far; a step allocates only if it has more events than any before.
     pub fn step(&mut self, commands: &[Option<Twist2>], dt: Duration) -> &[WorldEvent] {
         self.events.clear();
         while !self.pending.is_empty() {
@@ -203,13 +203,13 @@ impl World {
         &self.events
     }
 
-    /// Takes what happened since the last step (obstacles that changed, robots that they pushed),
-    /// for who wants to tell of it before the next; that step does not deliver it again.
+    /// Takes the events since the last step (changed obstacles, pushed robots) for delivery before the
+    /// next step; that step does not deliver them again.
     pub fn take_pending(&mut self) -> impl Iterator<Item = EventKind> + '_ {
         self.pending.drain(..)
     }
 
-    /// Decides what each drive does in this step.
+    /// Computes the motion of each drive in this step.
     fn execute_commands(&mut self, commands: &[Option<Twist2>], dt: f64) {
         for i in 0..self.robots.len() {
             let (robot, extra) = (&mut self.robots[i], &mut self.extras[i]);
@@ -295,7 +295,7 @@ impl World {
         });
     }
 
-    /// Whether a robot's body stands in the world, in play or not; false for an unknown index.
+    /// Returns `true` if a robot's body is in the world, in play or not; `false` for an unknown index.
     pub fn is_present(&self, robot: usize) -> bool {
         self.robots
             .get(robot)
@@ -307,7 +307,7 @@ impl World {
         &self.robots
     }
 
-    /// The map as it is now.
+    /// The current map.
     pub fn map(&self) -> &WorldMap {
         &self.map
     }
@@ -317,12 +317,12 @@ impl World {
         &self.rules
     }
 
-    /// The area that robots have visited, if the rules have it accounted for.
+    /// The visited area, if the rules include its accounting.
     pub fn coverage(&self) -> Option<&Coverage> {
         self.coverage.as_deref()
     }
 
-    /// Where evaders escape: the map's exits, then those of the rules.
+    /// All exits: the map's, then those of the rules.
     pub fn exits(&self) -> &[Region] {
         &self.exits
     }
@@ -337,17 +337,17 @@ impl World {
         self.tick
     }
 
-    /// What happened in the last step.
+    /// The events of the last step.
     pub fn events(&self) -> &[WorldEvent] {
         &self.events
     }
 
-    /// Whether the mission is over. The world can be stepped on; nothing changes that any more.
+    /// Returns `true` if the mission has ended. Further steps are allowed and do not change that.
     pub fn is_over(&self) -> bool {
         self.over.is_some()
     }
 
-    /// Why the mission is over.
+    /// Reason for the end of the mission.
     pub fn game_over(&self) -> Option<GameOver> {
         self.over
     }
@@ -357,7 +357,7 @@ fn stream_number(robot: usize, purpose: Purpose) -> u64 {
     robot as u64 * 4 + purpose as u64
 }
 
-/// Whether a robot stands in the way of others.
+/// Returns `true` if other robots can hit a robot's body.
 fn has_body(robot: &Robot, rules: &RulesSpec) -> bool {
     use crate::robot::RobotStatus::{Active, Arrived, Caught, Escaped, TimedOut};
     match robot.status {

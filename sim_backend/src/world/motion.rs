@@ -1,14 +1,14 @@
 //! Motion of all robots through one step, with contact.
 //!
-//! Contact is continuous: whatever the speed and the step, no robot passes through an obstacle or
-//! another robot. Most robots touch nothing in most steps, which one look-up in the clearance field
-//! and one distance per pair prove; they simply take the end of their arc. The others, together,
-//! move from event to event: their arcs become chords, each chord is driven until the first contact
-//! (conservative advancement against obstacles, the root of a quadratic between two discs), and a
-//! robot in contact keeps the part of its velocity that does not lead into what it touches.
+//! Contact is continuous: at any speed and step, no robot passes through an obstacle or another
+//! robot. Most robots touch nothing in most steps, which one look-up in the clearance field and one
+//! distance per pair prove; these robots move to the end of their arc. The others, together, move
+//! from event to event. Their arcs become chords, and each chord is driven until the first contact
+//! (conservative advancement against obstacles, the root of a quadratic between two discs). A robot
+//! in contact keeps the part of its velocity that does not lead into the other body.
 //!
-//! Two robots that meet are each blocked by their own motion toward the other only: who stands, or
-//! drives away, is not pushed.
+//! Two robots in contact are each blocked only by their own motion towards the other: a robot that
+//! stands, or drives away, is not pushed.
 
 use geometry::map::WorldMap;
 use geometry::math;
@@ -20,37 +20,37 @@ use crate::robot::Robot;
 use crate::robot::drive;
 use crate::spec::Blocked;
 
-/// Largest distance (m) between an arc and the chords that replace it near contacts.
+/// Maximum distance (m) between an arc and the chords that replace it near contacts.
 const SAGITTA: f64 = 1e-5;
-/// Most chords of an arc: beyond, the chords are farther from the arc, and contact is still exact
-/// along them.
+/// Maximum number of chords of an arc: above it the chords are farther from the arc, and contact is
+/// still exact along them.
 const MAX_CHORDS: f64 = 512.0;
 
-/// What a robot's body takes part in.
+/// Contacts of a robot in a step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(super) struct Touch {
     /// An obstacle blocked it during the step, or touches it at the end.
     pub wall: bool,
-    /// Lost part of its motion to a contact.
+    /// `true` if it lost part of its motion to a contact.
     pub blocked: bool,
 }
 
-/// State of a step, kept between steps for its memory only.
+/// State of a step, kept between steps only to reuse its memory.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Motion {
-    /// Per robot: what it touched in the last step.
+    /// Per robot: its contacts in the last step.
     pub touch: Vec<Touch>,
     /// Pairs (lower index, higher index) that touched in the last step, in ascending order.
     pub pairs: Vec<(usize, usize)>,
-    /// Per robot: whether contact is possible in this step.
+    /// Per robot: `true` if contact is possible in this step.
     involved: Vec<bool>,
     /// The robots with possible contact.
     movers: Vec<Mover>,
     parts: Vec<u32>,
     normals: Vec<Vector2<f64>>,
-    /// Whether `trace` is wanted.
+    /// `true` if `trace` is recorded.
     traced: bool,
-    /// The pieces of the ways that contact bent, in order: robot and end of the piece.
+    /// The pieces of the paths with contacts, in order: robot and end of the piece.
     pub trace: Vec<(usize, Point2<f64>)>,
 }
 
@@ -68,7 +68,8 @@ impl Motion {
         }
     }
 
-    /// Moves every robot by its twist for `dt` (s) > 0. `solid` tells which robots have a body.
+    /// Moves every robot by its twist for `dt` (s) > 0. `solid` returns `true` for robots with a
+    /// body.
     pub fn advance(
         &mut self,
         map: &WorldMap,
@@ -178,7 +179,7 @@ impl Motion {
                 robot.pose.theta = drive::turned(robot.pose.theta, 2.0 * half_turn);
                 robot.distance_travelled += mover.path;
             } else {
-                // Nothing was in the way: exactly the arc, as if nothing had been near.
+                // No contact: exactly the arc, as if no body had been near.
                 let twist = if robot.trapped {
                     Twist2::new(0.0, twist.omega)
                 } else {
@@ -229,15 +230,16 @@ impl Motion {
                 return;
             }
         }
-        // Robots that bounce between each other without end: what is left of the chord is given
-        // up, and all of them count as blocked.
+        // Robots that bounce between each other endlessly: the rest of the chord is dropped, and
+        // all of them count as blocked.
         for mover in &self.movers {
             self.touch[mover.robot].blocked = true;
         }
     }
 
-    /// Recomputes each mover's velocity from what it touches now, and notes the contacts: those
-    /// that block, and at the end of the step all (who just drives away touches no more).
+    /// Recomputes each mover's velocity from its current contacts, and records the contacts: those
+    /// that block, and at the end of the step all (a robot that just drives away no longer
+    /// touches).
     fn constrain(&mut self, map: &WorldMap, rule: Blocked, end: bool) {
         for k in 0..self.movers.len() {
             let Mover {

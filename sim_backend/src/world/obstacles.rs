@@ -1,4 +1,4 @@
-//! Obstacles that change while robots drive.
+//! Changes of obstacles during a run.
 
 use geometry::map::{ObstacleChange, ObstacleError};
 use geometry::math;
@@ -6,24 +6,23 @@ use nalgebra::{Point2, Vector2};
 
 use super::{EventKind, ObstacleAction, World, has_body};
 
-/// How far (m) at most an obstacle pushes a robot aside, beyond the robot's own diameter.
+/// Maximum distance (m) by which an obstacle pushes a robot aside, beyond the robot's own diameter.
 const PUSH_LIMIT: f64 = 1.0;
-/// Directions in which a free place is looked for.
+/// Number of directions that are searched for a free place.
 const DIRECTIONS: usize = 64;
-/// Room (m) left to the obstacle after a push: more than a contact needs.
+/// Distance (m) from the obstacle after a push: more than a contact needs.
 const ROOM: f64 = 1e-6;
 
 impl World {
-    /// Applies an obstacle change between two steps; the map's grids and revision follow at once,
-    /// the events come with the next step, or from [`Self::take_pending`].
+    /// Applies an obstacle change between two steps. The map's grids and revision are updated at
+    /// once; the events are delivered by the next step, or by [`Self::take_pending`].
     ///
-    /// A robot on which the obstacle comes to stand is pushed to the nearest free place that it can
-    /// be pushed to in a straight line past the other obstacles, at most 1 m and its diameter away.
-    /// If there is none it is *trapped*: it stands in the obstacle and can only turn, until the
-    /// obstacle goes.
+    /// A robot below the new obstacle is pushed to the nearest free place that is reachable in a
+    /// straight line past the other obstacles, at most 1 m and its diameter away. If there is none
+    /// it is *trapped*: it stays in the obstacle and can only turn, until the obstacle disappears.
     ///
     /// # Errors
-    /// If the obstacle's number or shape is wrong; the world is unchanged then.
+    /// If the obstacle's number or shape is invalid; the world is then unchanged.
     pub fn apply(&mut self, change: &ObstacleChange) -> Result<(), ObstacleError> {
         self.map.apply(change)?;
         let action = match change {
@@ -43,7 +42,7 @@ impl World {
             }
             let (position, radius) = (self.robots[i].pose.position(), self.robots[i].radius());
             let was_trapped = self.robots[i].trapped;
-            // A robot that just touches keeps its place: contacts leave less than this.
+            // A robot that only touches keeps its place: contacts leave less than this.
             if self.map.is_clear(position, radius - 1e-7) {
                 if was_trapped {
                     self.robots[i].trapped = false;
@@ -67,7 +66,7 @@ impl World {
         Ok(())
     }
 
-    /// The nearest place where a robot stands free, and its distance (m).
+    /// The nearest free place for a robot, and its distance (m).
     fn free_place(&self, robot: usize) -> Option<(Point2<f64>, f64)> {
         let (start, radius) = (
             self.robots[robot].pose.position(),
@@ -82,7 +81,7 @@ impl World {
                         || (other.pose.position() - p).norm_squared() >= needed * needed
                 })
         };
-        // What does not overlap the robot now must not be pushed through.
+        // The robot must not be pushed through pieces that do not overlap it now.
         let others: Vec<_> = self
             .map
             .parts()
@@ -101,7 +100,7 @@ impl World {
                 if !free(start + dir * far) {
                     continue;
                 }
-                // Between the last ring and this one lies the nearest free place this way.
+                // The nearest free place in this direction lies between the last ring and this one.
                 let (mut low, mut high) = (far - step, far);
                 for _ in 0..30 {
                     let middle = 0.5 * (low + high);

@@ -1,4 +1,4 @@
-//! Captures, exits, goals, time-out: who is out of the game, and when it is over.
+//! Captures, exits, goals, time limit: the status of robots, and the end of the game.
 
 use core::time::Duration;
 
@@ -7,7 +7,7 @@ use crate::robot::RobotStatus;
 use crate::team::Team;
 
 impl World {
-    /// Decides on the poses at the end of a step of length `dt`.
+    /// Applies the rules to the poses at the end of a step of length `dt`.
     pub(super) fn apply_rules(&mut self, dt: Duration) {
         for i in 0..self.robots.len() {
             if self.robots[i].is_active() && self.robots[i].team == Team::Evader {

@@ -1,4 +1,4 @@
-//! What robots sense: ranges, lines of sight, their own odometry.
+//! Sensors of robots: ranges, lines of sight, odometry.
 
 use geometry::math;
 use geometry::pose::{Pose2, Twist2};
@@ -17,7 +17,7 @@ impl World {
     }
 
     /// Measures with a robot's range scanner: one value per beam into `ranges` (m) (see
-    /// [`ScanSpec`]). Its noise depends on seed, robot and tick, not on how often it is asked.
+    /// [`ScanSpec`]). Its noise depends on seed, robot and tick, not on the number of calls.
     ///
     /// Returns the scanner, or `None` (and no ranges) if the robot has none.
     ///
@@ -46,7 +46,7 @@ impl World {
         let pose = self.robots.get(robot)?.pose;
         let origin = pose.position();
         let reach = spec.range_max;
-        // Robots beyond the range are sorted out once, not per beam.
+        // Robots beyond the range are excluded once, not per beam.
         let near = |p: Point2<f64>, radius: f64| (p - origin).norm() - radius < reach;
         let others = |i: usize| {
             let other = &self.robots[i];
@@ -95,7 +95,7 @@ impl World {
         Some(spec)
     }
 
-    /// Whether no obstacle stands between two robots' centres (other robots do not hide).
+    /// Returns `true` if no obstacle lies between two robots' centres (other robots do not hide).
     pub fn sees(&self, from: usize, to: usize) -> bool {
         match (self.robots.get(from), self.robots.get(to)) {
             (Some(a), Some(b)) => self.map.line_of_sight(a.pose.position(), b.pose.position()),
@@ -103,8 +103,8 @@ impl World {
         }
     }
 
-    /// The pose that a robot's odometry believes in: exact at the start, exact for ever if it has
-    /// no noise and its wheels do not slip.
+    /// The pose by a robot's odometry: exact at the start, and always exact without noise and wheel
+    /// slip.
     pub fn odometry(&self, robot: usize) -> Option<Pose2> {
         self.extras.get(robot).map(|extra| extra.odometry_pose)
     }
@@ -114,8 +114,8 @@ impl World {
         for i in 0..self.robots.len() {
             let (robot, extra) = (&self.robots[i], &mut self.extras[i]);
             if extra.odometry.is_none() && extra.actuator.is_none() {
-                // Nothing errs but a wall that pushes sideways, which wheels do not feel; without a
-                // model of the odometry it is taken for perfect.
+                // The only error is a wall that pushes sideways, which wheels do not measure;
+                // without a model the odometry counts as perfect.
                 extra.odometry_pose = robot.pose;
                 continue;
             }

@@ -1,4 +1,4 @@
-//! Checks of a specification against its map, before time starts.
+//! Checks of a specification against its map, before the run starts.
 
 use geometry::map::WorldMap;
 use geometry::region::Region;
@@ -9,7 +9,7 @@ use crate::robot::Robot;
 use crate::spec::{RobotSpec, RulesSpec};
 use crate::team::Team;
 
-/// Checks robots and rules by themselves.
+/// Checks robots and rules separately.
 pub(super) fn check_specs(robots: &[RobotSpec], rules: &RulesSpec) -> Result<(), WorldError> {
     check(rules).map_err(WorldError::Rules)?;
     if robots.is_empty() {
@@ -41,7 +41,7 @@ pub(super) fn check_specs(robots: &[RobotSpec], rules: &RulesSpec) -> Result<(),
     Ok(())
 }
 
-/// Checks that every robot stands free and has somewhere to go.
+/// Checks that every robot is in free space and can reach its goal.
 pub(super) fn check_places(
     map: &WorldMap,
     robots: &[Robot],
@@ -115,10 +115,10 @@ pub(super) fn check_places(
     Ok(())
 }
 
-/// Whether a robot can come from where it is into any of the regions, over cells that may hold a
+/// Returns `true` if a robot can reach any of the regions from its position, over cells that may contain a
 /// point with enough clearance.
 ///
-/// It errs on the side of passable, by less than a cell: an answer of no is certain.
+/// It may return `true` in error, by less than a cell: `false` is certain.
 fn reaches_any(map: &WorldMap, robot: &Robot, regions: &[Region]) -> bool {
     let position = robot.pose.position();
     if regions.iter().any(|region| region.contains(position)) {
@@ -126,7 +126,7 @@ fn reaches_any(map: &WorldMap, robot: &Robot, regions: &[Region]) -> bool {
     }
     let half_diagonal = map.frame().resolution * core::f64::consts::FRAC_1_SQRT_2;
     let passages = map.shapes().passages(robot.radius() - half_diagonal - 1e-6);
-    // The start stands free (checked before), whatever its cell's centre does.
+    // The start is free (checked before), whatever its cell's centre.
     let reach = passages.reach([position]);
     regions.iter().any(|region| reach.meets(region))
 }

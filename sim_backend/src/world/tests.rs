@@ -30,7 +30,7 @@ fn room(obstacles: Vec<Shape>) -> MapSpec {
     MapSpec::Vector(map)
 }
 
-/// A robot of radius 0.1 m that may go 100 m/s and turn 100 rad/s.
+/// A robot of radius 0.1 m with limits of 100 m/s and 100 rad/s.
 fn racer(name: &str, team: Team, x: f64, y: f64, theta: f64) -> RobotSpec {
     let mut robot = RobotSpec::new(name, team, Pose2::new(x, y, theta));
     robot.radius = Some(0.1);

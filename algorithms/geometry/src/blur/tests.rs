@@ -20,8 +20,8 @@ pub(crate) fn city() -> Grid<bool> {
     free
 }
 
-/// The city as the original program saw it: its 300 samples per axis lie 19/299 m apart but were
-/// taken for 19/300 m cells, and the grid's origin was moved by half a cell. Obstacles appear
+/// The city as the original program registered it: its 300 samples per axis lie 19/299 m apart but
+/// were taken for 19/300 m cells, and the grid's origin was moved by half a cell. Obstacles appear
 /// shifted towards negative coordinates, by nothing at −9.5 m up to one cell at +9.5 m.
 pub(crate) fn city_as_published() -> Grid<bool> {
     let resolution = 19.0 / 300.0;
@@ -83,8 +83,8 @@ fn city_values_match_the_papers_map() {
     assert_eq!(map.value(Point2::new(f64::NAN, 0.0)), 0.0);
 }
 
-/// The published field is 2.2 times the gradient, taken in the nearest cell: half a cell beside the
-/// point asked for, which in the curved part of the blur is 0.15.
+/// The published field is 2.2 times the gradient, taken in the nearest cell: half a cell from the
+/// requested point, which in the curved part of the blur is 0.15.
 #[test]
 fn city_gradients_match_the_papers_map() {
     let map = BlurredMap::new(&city_as_published(), PAPER_SIGMA).unwrap();
@@ -220,7 +220,7 @@ fn bad_input_is_named() {
 }
 
 proptest! {
-    /// More obstacles never make any point more open, to the last bit.
+    /// More obstacles never increase the openness of a point, to the last bit.
     #[test]
     fn adding_obstacles_never_brightens(
         cells in proptest::collection::vec(any::<bool>(), 12 * 9),

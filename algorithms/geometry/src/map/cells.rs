@@ -11,22 +11,22 @@ use crate::grid::{Grid, GridFrame};
 use crate::region::Region;
 use crate::shape::Aabb;
 
-/// Most runs of a map: what a scenario in a log has room for.
+/// Maximum number of runs of a map; a scenario in a log has room for this many.
 pub const MAX_RUNS: usize = 1_000_000;
 
-/// What the unknown cells of an occupancy map are taken for.
+/// Meaning of the unknown cells of an occupancy map.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum UnknownCells {
-    /// Obstacles: nobody drives where nobody has looked.
+    /// Obstacles: robots do not drive into unexplored cells.
     #[default]
     Occupied,
-    /// Free ground.
+    /// Free space.
     Free,
 }
 
-/// An occupancy grid written out as run lengths. Cells are counted row by row from the one with
-/// the smallest x and y; the edge of the grid is a wall.
+/// An occupancy grid as run lengths. Cells are counted row by row from the one with the smallest x
+/// and y; the edge of the grid is a wall.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CellMap {
@@ -40,11 +40,11 @@ pub struct CellMap {
     /// Outer corner of the first cell, x and y.
     #[schemars(transform = each(coordinate()))]
     pub origin: [f64; 2],
-    /// Lengths of the runs of equal cells, free and occupied in turn, the first one free (0 if the
-    /// first cell is occupied); their sum is the number of cells.
+    /// Lengths of the runs of equal cells, alternately free and occupied, the first one free (0 if
+    /// the first cell is occupied); their sum is the number of cells.
     #[schemars(length(max = MAX_RUNS))]
     pub runs: Vec<usize>,
-    /// Where evaders escape.
+    /// Exits for evaders.
     #[serde(default)]
     #[schemars(length(max = MAX_EXITS))]
     pub exits: Vec<Region>,
@@ -53,7 +53,7 @@ pub struct CellMap {
 impl Parameters for CellMap {}
 
 impl CellMap {
-    /// Writes an occupancy grid out (`true` is occupied).
+    /// Converts an occupancy grid (`true` is occupied).
     ///
     /// ```
     /// use geometry::grid::{Grid, GridFrame};
@@ -99,7 +99,7 @@ impl CellMap {
     /// Checks every field.
     ///
     /// # Errors
-    /// Names the first field that is out of its range.
+    /// The error names the first field that is out of its range.
     pub fn validate(&self) -> Result<(), ParamsError> {
         let cells = self.width.saturating_mul(self.height);
         require(
@@ -108,7 +108,7 @@ impl CellMap {
             &format!("{} × {}", self.width, self.height),
             format!("1 to {MAX_CELLS} cells"),
         )?;
-        // The runs are checked below: they are many.
+        // The many runs are checked below.
         check(&Self {
             runs: Vec::new(),
             exits: self.exits.clone(),
@@ -144,7 +144,7 @@ impl CellMap {
         )
     }
 
-    /// Where the cells lie.
+    /// Frame of the cells.
     pub fn frame(&self) -> GridFrame {
         GridFrame {
             width: self.width,
@@ -173,11 +173,10 @@ impl CellMap {
     }
 }
 
-/// Rectangles that together cover exactly the occupied cells: each takes the longest run of a row
-/// that is left and as many following rows as have all of that run.
+/// Rectangles that together cover exactly the occupied cells: each takes the longest remaining run
+/// of a row and as many following rows as contain the whole run.
 ///
-/// Corners on the same cell border have the same bits, so that rectangles side by side leave no
-/// gap.
+/// Corners on the same cell border have the same bits, so that adjacent rectangles leave no gap.
 pub(super) fn rectangles(grid: &Grid<bool>) -> Vec<Aabb> {
     let GridFrame {
         width,

@@ -1,4 +1,4 @@
-//! The map as grids: which cells are occupied, and how far each cell's centre is from the nearest
+//! The map as grids: occupancy of the cells, and distance of each cell's centre from the nearest
 //! obstacle.
 
 use super::index::{ShapeIndex, edge_distance};

@@ -1,9 +1,9 @@
-//! Which pieces of the map matter where.
+//! Spatial index of the pieces of the map.
 //!
-//! The map is divided into square buckets. For each bucket the index lists the pieces that touch
-//! it (what a ray can hit inside), those that can be nearest to some point of it (so that the
-//! exact distance looks at a handful of pieces anywhere), and those within reach of it (what a
-//! moving robot can run into).
+//! The map is divided into square buckets. For each bucket the index lists three sets of pieces.
+//! Those that touch the bucket are what a ray can hit inside. Those that can be nearest to some
+//! point of it make the exact distance cheap. Those within reach of it are what a moving robot can
+//! hit.
 
 use nalgebra::Point2;
 
@@ -12,11 +12,11 @@ use crate::shape::{Aabb, Convex};
 
 /// Cells along the side of a bucket, unless the map is so large that buckets would be too many.
 const CELLS_PER_BUCKET: usize = 4;
-/// Most buckets before they are made larger.
+/// Number of buckets above which they are enlarged.
 const MAX_BUCKETS: usize = 1 << 18;
 /// Reach of a bucket's last list, in sides of a bucket.
 const REACH: f64 = 2.0;
-/// Slack on comparisons of distances (m): far above rounding, far below anything that matters.
+/// Tolerance of comparisons of distances (m): far above rounding, far below any relevant length.
 const SLACK: f64 = 1e-9;
 
 /// Distance (m) from a point to the edge of the map; negative beyond it, NaN for a NaN point.
@@ -27,7 +27,7 @@ pub(super) fn edge_distance(bounds: &Aabb, p: Point2<f64>) -> f64 {
     if y >= x || x.is_nan() { x } else { y }
 }
 
-/// The lists of one bucket, one behind the other in [`ShapeIndex::items`].
+/// The lists of one bucket, consecutive in [`ShapeIndex::items`].
 #[derive(Debug, Clone, Copy, Default)]
 struct Span {
     start: u32,
@@ -36,12 +36,12 @@ struct Span {
     reach_end: u32,
 }
 
-/// See the module.
+/// Index of pieces by buckets; see the module.
 #[derive(Debug, Clone)]
 pub(super) struct ShapeIndex {
     /// The buckets as cells of a grid.
     pub frame: GridFrame,
-    /// Cells of the map's grid along the side of a bucket.
+    /// Number of cells of the map's grid along the side of a bucket.
     pub cells_per_bucket: usize,
     /// Radius around any point of a bucket within which [`Self::within_reach`] is complete (m).
     pub reach: f64,
@@ -80,7 +80,7 @@ impl ShapeIndex {
         index
     }
 
-    /// Sorts the candidates of a node of buckets into its halves, down to single buckets.
+    /// Distributes the candidates of a node of buckets to its halves, down to single buckets.
     fn divide(&mut self, node: Node, candidates: &[u32], bounds: Aabb, parts: &[Convex]) {
         let (center, half_diagonal) = node.disc(&self.frame);
         let distances: Vec<f64> = candidates
@@ -150,14 +150,14 @@ impl ShapeIndex {
         &self.items[span.start as usize..span.touching_end as usize]
     }
 
-    /// The pieces among which the nearest to any point of a bucket is, unless the edge of the map
+    /// The pieces that contain the nearest one to any point of a bucket, unless the edge of the map
     /// is nearer.
     pub fn nearest_in(&self, col: usize, row: usize) -> &[u32] {
         let span = self.spans[row * self.frame.width + col];
         &self.items[span.start as usize..span.nearest_end as usize]
     }
 
-    /// The pieces among which the nearest to a point is, unless the edge of the map is nearer.
+    /// The pieces that contain the nearest one to a point, unless the edge of the map is nearer.
     pub fn nearest(&self, p: Point2<f64>) -> &[u32] {
         let span = self.span_at(p);
         &self.items[span.start as usize..span.nearest_end as usize]

@@ -1,4 +1,4 @@
-//! Maps: what a scenario may name as its ground, and the ground that the world computes on.
+//! Maps: the specifications in scenarios, and the maps for computations.
 
 mod cells;
 mod field;

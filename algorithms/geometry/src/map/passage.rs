@@ -1,4 +1,4 @@
-//! Which places of a map are joined for a robot.
+//! Connected places of a map for a robot.
 
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -7,10 +7,10 @@ use nalgebra::Point2;
 use crate::grid::{Grid, GridFrame};
 use crate::region::Region;
 
-/// Most sets of passages that a map keeps: robots come in few sizes.
+/// Maximum number of sets of passages that a map keeps: robots have few sizes.
 const MAX_PASSAGE_SETS: usize = 8;
 
-/// Cells that a disc may pass, and which of them are joined from side to side (not across corners).
+/// Cells that a disc may pass, and their connections across sides (not across corners).
 ///
 /// ```
 /// use geometry::map::{ObstacleSpec, VectorMap, WorldMap};
@@ -33,7 +33,7 @@ const MAX_PASSAGE_SETS: usize = 8;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Passages {
     frame: GridFrame,
-    /// Per cell the number of its room, from 1; 0 for a cell that is closed.
+    /// Per cell, the number of its room, from 1; 0 for a closed cell.
     rooms: Vec<u32>,
 }
 
@@ -67,8 +67,8 @@ impl Passages {
         Self { frame, rooms }
     }
 
-    /// Where a robot gets from these places (m). The cell that it stands in is open to it whatever
-    /// its clearance is; a place outside the map leads nowhere.
+    /// The cells that a robot reaches from these positions (m). The cell of a position is open whatever its
+    /// clearance; a position outside the map leads nowhere.
     pub fn reach(&self, starts: impl IntoIterator<Item = Point2<f64>>) -> Reach<'_> {
         let mut reach = Reach {
             passages: self,
@@ -88,7 +88,7 @@ impl Passages {
     }
 }
 
-/// The cells beside a cell.
+/// The cells next to a cell.
 fn sides(frame: &GridFrame, cell: usize) -> [Option<usize>; 4] {
     let (col, row) = (cell % frame.width, cell / frame.width);
     [
@@ -99,7 +99,7 @@ fn sides(frame: &GridFrame, cell: usize) -> [Option<usize>; 4] {
     ]
 }
 
-/// Where a robot gets from where it starts.
+/// Cells that a robot reaches from its start.
 #[derive(Debug, Clone)]
 pub struct Reach<'a> {
     passages: &'a Passages,
@@ -109,15 +109,15 @@ pub struct Reach<'a> {
 }
 
 impl Reach<'_> {
-    /// Whether it gets into a cell, given by its storage index.
+    /// Returns `true` if the robot reaches a cell, given by its storage index.
     pub fn includes(&self, cell: usize) -> bool {
         let room = self.passages.rooms.get(cell);
         room.is_some_and(|room| self.rooms.binary_search(room).is_ok())
             || self.starts.contains(&cell)
     }
 
-    /// Whether it gets into a cell whose centre lies in the region, or into the one that holds the
-    /// region's centre (a region may be smaller than a cell).
+    /// Returns `true` if the robot reaches a cell whose centre lies in the region, or the cell that contains
+    /// the region's centre (a region may be smaller than a cell).
     pub fn meets(&self, region: &Region) -> bool {
         let frame = &self.passages.frame;
         let center = region.center();
@@ -128,7 +128,7 @@ impl Reach<'_> {
             return true;
         }
         let far = region.bounding_radius();
-        // A cell more on each side: rounding must not lose one.
+        // One more cell on each side: rounding must not miss one.
         let cells = |from: f64, to: f64, origin: f64, count: usize| {
             let cell = |at: f64| (at - origin) / frame.resolution;
             let first = (cell(from) - 1.0).max(0.0) as usize;
@@ -144,7 +144,7 @@ impl Reach<'_> {
     }
 }
 
-/// The passages of one map that somebody has asked for; clones share them.
+/// The requested passages of one map; clones share them.
 #[derive(Debug, Clone, Default)]
 pub(super) struct KnownPassages(Arc<Mutex<Vec<Known>>>);
 
@@ -185,7 +185,7 @@ mod tests {
         Grid { frame, cells }
     }
 
-    /// Cell by cell from the starts.
+    /// Fills the grid cell by cell from the starts.
     fn flood(grid: &Grid<f32>, needed: f64, starts: &[Point2<f64>]) -> Vec<bool> {
         let mut reached = vec![false; grid.frame.len()];
         let mut next: Vec<usize> = starts

@@ -2,7 +2,7 @@
 
 use std::io::{self, BufRead, Read};
 
-/// Most pixels that an image may have: no scenario may have a map of more cells.
+/// Maximum number of pixels of an image: no scenario may have a map of more cells.
 pub const MAX_PIXELS: usize = 25_000_000;
 
 /// A gray image.
@@ -19,7 +19,7 @@ pub struct Pgm {
     pub pixels: Vec<u16>,
 }
 
-/// Why an image cannot be used.
+/// Reason why an image is invalid.
 #[derive(Debug, thiserror::Error)]
 pub enum PgmError {
     /// The file cannot be read.
@@ -34,31 +34,31 @@ pub enum PgmError {
     /// A number of the header is missing or wrong.
     #[error("header: {field} = {value}: expected {expected}")]
     BadHeader {
-        /// Which number.
+        /// Name of the number.
         field: &'static str,
-        /// What stands there.
+        /// Actual value.
         value: String,
-        /// What should.
+        /// Expected value.
         expected: &'static str,
     },
-    /// The header promises more pixels than are accepted.
+    /// The header declares more pixels than the maximum.
     #[error("header: {width} × {height} pixels: expected at most {MAX_PIXELS} pixels")]
     TooLarge {
-        /// Columns promised.
+        /// Declared columns.
         width: u64,
-        /// Rows promised.
+        /// Declared rows.
         height: u64,
     },
     /// The file ends before its last pixel.
     #[error("truncated: {found} pixels of {width} × {height} = {expected} declared in the header")]
     Truncated {
-        /// Pixels that are there.
+        /// Actual number of pixels.
         found: usize,
-        /// Columns promised.
+        /// Declared columns.
         width: usize,
-        /// Rows promised.
+        /// Declared rows.
         height: usize,
-        /// Pixels promised.
+        /// Declared number of pixels.
         expected: usize,
     },
     /// A pixel is not a number, or brighter than white.
@@ -66,7 +66,7 @@ pub enum PgmError {
     BadPixel {
         /// Index of the pixel, from the top left.
         index: usize,
-        /// What stands there.
+        /// Actual value.
         value: String,
         /// The value of white.
         maxval: u16,
@@ -74,10 +74,11 @@ pub enum PgmError {
 }
 
 impl Pgm {
-    /// Reads an image; memory grows with what the file holds, never with what its header claims.
+    /// Reads an image; memory use grows with the content of the file, not with the claims of its
+    /// header.
     ///
     /// # Errors
-    /// Says which part of the file is wrong, and what was expected.
+    /// The error names the invalid part of the file and the expected value.
     ///
     /// ```
     /// use geometry::map::Pgm;
@@ -143,7 +144,7 @@ fn next_byte(input: &mut impl BufRead) -> io::Result<Option<u8>> {
 }
 
 /// The next word, after white space and comments (from `#` to the end of the line); the single
-/// character that ends it is consumed. `None` at the end of the file. Words are cut off after 20
+/// character that ends it is consumed. `None` at the end of the file. Words are cut after 20
 /// characters: no number is longer.
 fn next_word(input: &mut impl BufRead) -> io::Result<Option<String>> {
     let mut word = String::new();
@@ -152,7 +153,7 @@ fn next_word(input: &mut impl BufRead) -> io::Result<Option<String>> {
         if comment {
             comment = byte != b'\n' && byte != b'\r';
         } else if byte == b'#' {
-            // A comment ends a word just as white space does, but for the header's last number,
+            // A comment ends a word just as white space does, except for the header's last number,
             // where exactly one white-space character separates it from raw pixels.
             comment = true;
         } else if byte.is_ascii_whitespace() {

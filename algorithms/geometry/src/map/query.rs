@@ -1,4 +1,4 @@
-//! Exact questions to the map.
+//! Exact queries of the map.
 
 use nalgebra::{Point2, Vector2};
 
@@ -6,11 +6,11 @@ use super::ShapeMap;
 use super::index::edge_distance;
 use crate::shape::Contact;
 
-/// How far beyond the border of a bucket (m) a hit still counts as inside: above the rounding of
-/// the border crossings, below the slack with which pieces are listed.
+/// Distance beyond the border of a bucket (m) at which a hit still counts as inside: above the rounding
+/// of the border crossings, below the tolerance with which pieces are listed.
 const BORDER: f64 = 1e-10;
 
-/// What a ray meets first.
+/// First hit of a ray.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hit {
     /// Distance along the ray (m).
@@ -34,8 +34,8 @@ impl ShapeMap {
         }
     }
 
-    /// A lower bound (m) on [`Self::distance`] from the clearance field alone: one look-up, at
-    /// most √2 cells (plus rounding) below the truth. Below 0 it says nothing.
+    /// A lower bound (m) on [`Self::distance`] from the clearance field alone: one look-up, at most √2
+    /// cells (plus rounding) below the true distance. A negative value gives no information.
     #[inline]
     pub fn clearance_at_least(&self, p: Point2<f64>) -> f64 {
         let frame = &self.clearance.frame;
@@ -52,14 +52,13 @@ impl ShapeMap {
         }
     }
 
-    /// Whether a disc of this radius (m) about a point touches no obstacle: the field where it
-    /// decides, exact geometry elsewhere.
+    /// Returns `true` if a disc of this radius (m) about a point touches no obstacle, by the field where
+    /// it decides, by exact geometry elsewhere.
     pub fn is_clear(&self, p: Point2<f64>, radius: f64) -> bool {
         self.clearance_at_least(p) >= radius || self.distance(p) >= radius
     }
 
-    /// The nearest surface as seen from a point in or outside obstacles; the edge of the map counts
-    /// as one.
+    /// The nearest surface of a point inside or outside obstacles; the edge of the map counts as one.
     pub fn nearest_contact(&self, p: Point2<f64>) -> Contact {
         let mut best = Contact {
             distance: f64::INFINITY,
@@ -100,8 +99,8 @@ impl ShapeMap {
         ]
     }
 
-    /// Collects the pieces within `reach` (m) of a point, and perhaps some beyond; one look-up up
-    /// to [`Self::cheap_reach`].
+    /// Collects the pieces within `reach` (m) of a point, and possibly some beyond; one look-up up to
+    /// [`Self::cheap_reach`].
     pub fn parts_within(&self, p: Point2<f64>, reach: f64, found: &mut Vec<u32>) {
         if reach <= self.index.reach {
             found.clear();
@@ -145,7 +144,7 @@ impl ShapeMap {
         self.first_hit(origin, dir, range).map(|hit| hit.distance)
     }
 
-    /// As [`Self::cast_ray`], with what is hit.
+    /// As [`Self::cast_ray`], with the piece that is hit.
     pub fn first_hit(&self, origin: Point2<f64>, dir: Vector2<f64>, range: f64) -> Option<Hit> {
         let at_edge = |distance: f64| Hit {
             distance,
@@ -161,7 +160,7 @@ impl ShapeMap {
         let (mut next_x, step_x) = crossing(origin.x, frame.origin.x, frame.resolution, col, dir.x);
         let (mut next_y, step_y) = crossing(origin.y, frame.origin.y, frame.resolution, row, dir.y);
         let mut hit = at_edge(f64::INFINITY);
-        // The nearer of what was met and the edge of the map.
+        // The nearer of the hit piece and the edge of the map.
         let nearest = |hit: Hit| {
             if hit.distance <= edge {
                 hit
@@ -185,8 +184,8 @@ impl ShapeMap {
                 return (hit.distance <= end).then_some(hit);
             }
             if leave >= end {
-                // Nothing before the edge of the map or the end of the range; a piece that was met
-                // lies beyond.
+                // No hit before the edge of the map or the end of the range; a piece that was hit lies
+                // beyond.
                 return Some(nearest(hit)).filter(|hit| hit.distance <= range);
             }
             if next_x < next_y {
@@ -210,8 +209,8 @@ impl ShapeMap {
         }
     }
 
-    /// Whether nothing stands between two points; `false` if either is in an obstacle or not
-    /// finite. The same from both sides but for the rounding of a graze.
+    /// Returns `true` if no obstacle lies between two points; `false` if either is in an obstacle or not
+    /// finite. Symmetric except for the rounding of a graze.
     pub fn line_of_sight(&self, from: Point2<f64>, to: Point2<f64>) -> bool {
         let offset = to - from;
         let length = offset.norm();
@@ -222,8 +221,8 @@ impl ShapeMap {
     }
 }
 
-/// Distance along the ray to the first border of a bucket along one axis, and from one border to
-/// the next.
+/// Distance along the ray to the first border of a bucket along one axis, and from one border to the
+/// next.
 fn crossing(position: f64, origin: f64, side: f64, bucket: usize, dir: f64) -> (f64, f64) {
     if dir == 0.0 {
         return (f64::INFINITY, f64::INFINITY);

@@ -1,24 +1,24 @@
-//! Maps that were made lately.
+//! Recently built maps.
 //!
-//! Checking a scenario, planning its run and simulating it all need its map, and a sweep needs the
-//! same one thousands of times. A map is a function of its specification, so that it does not
-//! matter who made it.
+//! The check of a scenario, the plan of its run and the simulation all need its map, and a sweep
+//! needs the same one thousands of times. A map is a function of its specification, so that sharing
+//! it does not change results.
 
 use std::sync::{Arc, Mutex, PoisonError};
 
 use super::{MapError, MapSpec, WorldMap};
 
-/// Most maps that are kept.
+/// Maximum number of maps that are kept.
 const MAX_MAPS: usize = 8;
-/// Most cells of a map that is kept: about 10 MB each.
+/// Maximum number of cells of a kept map: about 10 MB each.
 const MAX_CELLS: usize = 1 << 20;
 
-/// The newest stands last.
+/// The newest is the last.
 static RECENT: Mutex<Vec<(MapSpec, Arc<WorldMap>)>> = Mutex::new(Vec::new());
 
 impl WorldMap {
-    /// As [`WorldMap::new`]; a map that was made lately is not made again. Files are read every
-    /// time: they may have changed.
+    /// As [`WorldMap::new`], but reuses a recently built map. Files are read every time: they may
+    /// have changed.
     ///
     /// # Errors
     /// As [`WorldMap::new`].
@@ -29,7 +29,7 @@ impl WorldMap {
         if let Some((_, map)) = lock().iter().find(|(known, _)| known == spec) {
             return Ok(Arc::clone(map));
         }
-        // Not under the lock: others need other maps meanwhile.
+        // Outside the lock: other threads need other maps meanwhile.
         let map = Arc::new(Self::new(spec)?);
         if map.frame().len() <= MAX_CELLS {
             let mut recent = lock();
@@ -43,7 +43,7 @@ impl WorldMap {
 }
 
 fn lock() -> std::sync::MutexGuard<'static, Vec<(MapSpec, Arc<WorldMap>)>> {
-    // What a panic left behind is whole: entries are made before the lock is taken.
+    // The list is complete even after a panic: entries are made before the lock is taken.
     RECENT.lock().unwrap_or_else(PoisonError::into_inner)
 }
 

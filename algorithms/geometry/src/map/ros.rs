@@ -1,6 +1,6 @@
-//! ROS `map_server` maps: a YAML file beside a gray image.
+//! ROS `map_server` maps: a YAML file and a gray image.
 //!
-//! The YAML subset that `map_server` writes is lines of `key: value`, which is all that is read.
+//! Only the YAML subset that `map_server` writes is supported: lines of `key: value`.
 
 use std::fs::File;
 use std::io::{self, BufReader, Read};
@@ -14,9 +14,9 @@ use parameters::ParamsError;
 use crate::extent::MAX_COORDINATE;
 use crate::grid::{Grid, GridFrame};
 
-/// Largest YAML file that is read (bytes).
+/// Maximum size of a YAML file (bytes).
 const MAX_YAML: u64 = 1 << 20;
-/// Most that is read of an image (bytes): plain pixels of the largest map, with comments.
+/// Maximum size of an image (bytes): plain pixels of the largest map, with comments.
 const MAX_IMAGE: u64 = 512 << 20;
 const KEYS: &str = "image, resolution, origin, negate, occupied_thresh, free_thresh or mode";
 
@@ -31,15 +31,16 @@ pub struct RosMap {
     pub resolution: f64,
     /// World position of the outer corner of the bottom left pixel (m).
     pub origin: [f64; 2],
-    /// Whether white is occupied instead of black.
+    /// `true` if white is occupied instead of black.
     pub negate: bool,
-    /// Pixels more probably occupied than this are obstacles, in [0, 1].
+    /// Pixels with a higher probability of occupation are obstacles, in [0, 1].
     pub occupied_thresh: f64,
-    /// Pixels less probably occupied than this are free, in [0, 1]; in between is unknown.
+    /// Pixels with a lower probability of occupation are free, in [0, 1]; in between they are
+    /// unknown.
     pub free_thresh: f64,
 }
 
-/// Why a ROS map cannot be used.
+/// Reason why a ROS map is invalid.
 #[derive(Debug, thiserror::Error)]
 pub enum RosMapError {
     /// A file is missing or unreadable.
@@ -47,22 +48,22 @@ pub enum RosMapError {
     Io {
         /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// Error of the operating system.
         source: io::Error,
     },
-    /// A line of the YAML file is wrong.
+    /// A line of the YAML file is invalid.
     #[error("map {}, line {line}: {found}: expected {expected}", path.display())]
     Line {
         /// The YAML file.
         path: PathBuf,
         /// Line number, from 1.
         line: usize,
-        /// What stands there.
+        /// Actual text.
         found: String,
-        /// What should.
+        /// Expected text.
         expected: String,
     },
-    /// A key that must be there is not.
+    /// A required key is missing.
     #[error("map {}: {key} is missing: expected a line `{key}: …`", path.display())]
     Missing {
         /// The YAML file.
@@ -70,20 +71,20 @@ pub enum RosMapError {
         /// The key.
         key: &'static str,
     },
-    /// The image is wrong.
+    /// The image is invalid.
     #[error("map image {}: {source}", path.display())]
     Image {
         /// The image's file.
         path: PathBuf,
-        /// What is wrong.
+        /// Error of the image.
         source: PgmError,
     },
-    /// The map as a whole is wrong (its size, its place).
+    /// The map as a whole is invalid (its size, its position).
     #[error("map {}: {source}", path.display())]
     Field {
         /// The YAML file.
         path: PathBuf,
-        /// What is wrong.
+        /// Error of the field.
         source: ParamsError,
     },
 }
@@ -92,7 +93,7 @@ impl RosMap {
     /// Reads the YAML file.
     ///
     /// # Errors
-    /// Names the file, the line, what stands there and what was expected.
+    /// The error names the file, the line, the actual and the expected text.
     pub fn read(path: &Path) -> Result<Self, RosMapError> {
         let io = |source| RosMapError::Io {
             path: path.to_owned(),
@@ -115,7 +116,7 @@ impl RosMap {
     /// Parses the text of the YAML file that `path` names.
     ///
     /// # Errors
-    /// Names the file, the line, what stands there and what was expected.
+    /// The error names the file, the line, the actual and the expected text.
     ///
     /// ```
     /// use std::path::Path;
@@ -233,7 +234,7 @@ impl RosMap {
     /// Reads the image and classifies its pixels.
     ///
     /// # Errors
-    /// Names the image's file and what is wrong with it.
+    /// The error names the image's file and its fault.
     pub fn load(&self, unknown: UnknownCells) -> Result<CellMap, RosMapError> {
         match self.path.parent() {
             Some(directory) => self.load_image(&directory.join(&self.image), unknown),
@@ -261,8 +262,8 @@ impl RosMap {
         Ok(map)
     }
 
-    /// Turns gray into free and occupied: probability = 1 − gray/white, or gray/white if negated.
-    /// The image's top row has the largest y.
+    /// Classifies gray values as free or occupied: probability = 1 − gray/white, or gray/white if
+    /// negated. The image's top row has the largest y.
     pub fn classify(&self, image: &Pgm, unknown: UnknownCells) -> CellMap {
         let white = f64::from(image.maxval);
         let occupied = |gray: u16| {
@@ -292,7 +293,7 @@ impl RosMap {
     }
 }
 
-/// Opens a file to read; opening a FIFO would block, and reading a device may never end.
+/// Opens a file for reading; opening a FIFO would block, and reading a device may never end.
 fn open(path: &Path) -> io::Result<File> {
     if path.metadata()?.is_file() {
         File::open(path)

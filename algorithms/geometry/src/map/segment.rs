@@ -1,4 +1,4 @@
-//! How near the pieces a moving disc comes, along segments and arcs.
+//! Distance of a moving disc from the pieces, along segments and arcs.
 
 use nalgebra::Point2;
 
@@ -6,31 +6,31 @@ use super::ShapeMap;
 use super::index::edge_distance;
 use crate::shape::ShortArc;
 
-/// How much nearer (m) than its radius a disc may come and still only touch: far above the rounding
-/// of tangents at map coordinates, far below the world's own contact distance (10⁻⁷ m).
+/// Depth (m) to which a disc may penetrate and still only touch: far above the rounding of tangents at map
+/// coordinates, far below the world's own contact distance (10⁻⁷ m).
 pub const TOUCHING: f64 = 1e-9;
 
-/// Most halvings of a stretch; far more than any map needs before the exact test applies.
+/// Maximum number of halvings of a stretch; far more than any map needs before the exact test applies.
 const MAX_DEPTH: u32 = 40;
 
-/// What a look at the clearance field says of a stretch.
+/// Result of a look-up in the clearance field for a stretch.
 enum Verdict {
     Clear,
     Blocked,
-    /// Pieces are near: it takes the exact test.
+    /// Pieces are near: the exact test is needed.
     Near,
-    /// Too long to be judged as one.
+    /// The stretch is too long for one look-up.
     TooLong,
 }
 
 impl ShapeMap {
-    /// Whether a disc of this radius (m) can travel straight from `a` to `b`: every point of the
-    /// segment is at least `radius` from all pieces and the edge of the map, but for
-    /// [`TOUCHING`]. `false` for points that are not finite.
+    /// Returns `true` if a disc of this radius (m) can travel straight from `a` to `b`: every point of the
+    /// segment is at least `radius` from all pieces and the edge of the map, except for [`TOUCHING`].
+    /// `false` for points that are not finite.
     ///
     /// # Performance
-    /// The clearance field decides wherever it can, by halving; the exact geometry of the few
-    /// pieces nearby is asked only along walls and at corners.
+    /// The clearance field decides wherever it can, by halving; the exact geometry of the few near pieces
+    /// is needed only along walls and at corners.
     pub fn segment_is_clear(&self, a: Point2<f64>, b: Point2<f64>, radius: f64) -> bool {
         let radius = radius - TOUCHING;
         let inside = edge_distance(&self.bounds, a) >= radius
@@ -62,7 +62,7 @@ impl ShapeMap {
         }
     }
 
-    /// Whether a disc of this radius (m) can travel along an arc of at most a half turn, as
+    /// Returns `true` if a disc of this radius (m) can travel along an arc of at most a half turn, as
     /// [`Self::segment_is_clear`].
     pub fn arc_is_clear(&self, arc: &ShortArc, radius: f64) -> bool {
         let radius = radius - TOUCHING;
@@ -100,7 +100,7 @@ impl ShapeMap {
         }
     }
 
-    /// Whether an arc of at most a quarter turn keeps `radius` from the edge of the map.
+    /// Returns `true` if an arc of at most a quarter turn keeps `radius` from the edge of the map.
     fn is_within_bounds(&self, arc: &ShortArc, radius: f64) -> bool {
         let ends = [arc.start, arc.end];
         let axes = [[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]];
@@ -113,7 +113,7 @@ impl ShapeMap {
             .all(|direction| edge_distance(&self.bounds, arc.at(direction)) >= radius)
     }
 
-    /// What the clearance field says of a stretch that lies within `half` (m) of its `middle`.
+    /// The verdict of the clearance field on a stretch that lies within `half` (m) of its `middle`.
     fn judge(&self, middle: Point2<f64>, half: f64, radius: f64, depth: u32) -> Verdict {
         let least = self.clearance_at_least(middle);
         if least >= radius + half {
@@ -123,14 +123,14 @@ impl ShapeMap {
         } else if half + radius <= self.index.reach || depth >= MAX_DEPTH {
             Verdict::Near
         } else if radius >= 0.75 * self.index.reach && half <= 0.25 * radius {
-            // A disc that is large for the index: halving further would not help.
+            // A disc that is large for the index: further halving would not help.
             Verdict::Near
         } else {
             Verdict::TooLong
         }
     }
 
-    /// Whether all pieces within `reach` (m) of a point satisfy a test.
+    /// Returns `true` if all pieces within `reach` (m) of a point satisfy a test.
     fn near_are_clear(
         &self,
         middle: Point2<f64>,

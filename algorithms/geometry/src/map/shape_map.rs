@@ -1,4 +1,4 @@
-//! Convex pieces in a rectangle, prepared for exact questions.
+//! Convex pieces in a rectangle, prepared for exact queries.
 
 use std::sync::Arc;
 
@@ -11,9 +11,8 @@ use crate::shape::{Aabb, Convex};
 /// Convex pieces within a rectangle whose edge is a wall, with an index and a clearance field that
 /// make exact queries cheap.
 ///
-/// This is the geometry of a [`WorldMap`](super::WorldMap) without names, events and exits, so that
-/// whoever has the pieces (a planner that got them by message) asks the same questions with the
-/// same answers.
+/// This is the geometry of a [`WorldMap`](super::WorldMap) without names, events and exits. A
+/// planner that has received the pieces in a message gets the same results for the same queries.
 ///
 /// ```
 /// use geometry::grid::GridFrame;
@@ -35,7 +34,7 @@ pub struct ShapeMap {
     occupancy: Grid<bool>,
     pub(super) clearance: Grid<f32>,
     pub(super) inverse_resolution: f64,
-    /// How much nearer (m) an obstacle may be to a point than the clearance of its cell says.
+    /// Maximum error of the clearance of a cell for its points (m).
     pub(super) clearance_error: f64,
     passages: KnownPassages,
 }
@@ -43,12 +42,12 @@ pub struct ShapeMap {
 impl ShapeMap {
     /// Prepares pieces within `bounds` (m); `frame` is the grid of the clearance field and should
     /// begin at the smaller corner of the bounds and cover them. Finer cells make queries near
-    /// walls cheaper and the preparation dearer; the answers are the same.
+    /// walls cheaper and the preparation slower; the results are the same.
     pub fn new(parts: Vec<Convex>, bounds: Aabb, frame: GridFrame) -> Self {
         let index = ShapeIndex::new(frame, bounds, &parts);
         let (occupancy, clearance) = field::grids(frame, bounds, &parts, &index);
-        // A point is at most half a diagonal from its cell's centre and distance changes by at
-        // most the way moved; to that comes the rounding of f32, relative to the largest value.
+        // A point is at most half a diagonal from its cell's centre and distance changes by at most
+        // the length of the move; the rounding of f32, relative to the largest value, is added.
         let largest = clearance.cells.iter().copied().fold(0.0, f32::max);
         let clearance_error = frame.resolution * core::f64::consts::FRAC_1_SQRT_2 * (1.0 + 1e-9)
             + f64::from(largest * f32::EPSILON)
@@ -75,28 +74,27 @@ impl ShapeMap {
         &self.parts
     }
 
-    /// Where the grids' cells lie.
+    /// Frame of the grids' cells.
     pub fn frame(&self) -> &GridFrame {
         &self.occupancy.frame
     }
 
-    /// Per cell whether its centre lies in a piece.
+    /// Per cell, `true` if its centre lies in a piece.
     pub fn occupancy(&self) -> &Grid<bool> {
         &self.occupancy
     }
 
-    /// Per cell the distance (m) from its centre to the nearest piece or the edge; 0 inside one.
+    /// Per cell, the distance (m) from its centre to the nearest piece or the edge; 0 inside one.
     pub fn clearance(&self) -> &Grid<f32> {
         &self.clearance
     }
 
-    /// The cells whose clearance is at least `needed` (m), and which of them are joined; made once.
+    /// The cells whose clearance is at least `needed` (m), with their connections; computed once.
     pub fn passages(&self, needed: f64) -> Arc<Passages> {
         self.passages.get(&self.clearance, needed)
     }
 
-    /// How much nearer (m) a piece may be to a point than the clearance of its cell says: half a
-    /// diagonal and rounding.
+    /// Maximum error of the clearance of a cell for its points (m): half a diagonal and rounding.
     pub fn clearance_error(&self) -> f64 {
         self.clearance_error
     }

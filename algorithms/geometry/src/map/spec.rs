@@ -1,4 +1,4 @@
-//! How a scenario names its map.
+//! Specification of a map in a scenario.
 
 use core::fmt;
 use std::borrow::Cow;
@@ -13,10 +13,10 @@ use serde::{Deserialize, Serialize};
 
 use super::{CellMap, RosMap, RosMapError, UnknownCells, VectorMap, VectorMapError};
 
-/// Largest vector map file that is read (bytes).
+/// Maximum size of a vector map file (bytes).
 const MAX_VECTOR_FILE: u64 = 64 << 20;
 
-/// The ground of a world.
+/// The map of a world.
 ///
 /// In TOML either a path, `map = "maps/city.toml"` (vectors) or `map = "maps/office.yaml"` (ROS
 /// `map_server`), or a table: `map = { file = { path = "maps/office.yaml", unknown = "free" } }`,
@@ -29,16 +29,16 @@ pub enum MapSpec {
         /// Path of the file; relative paths are taken from the directory that
         /// [`MapSpec::load`] is given.
         path: PathBuf,
-        /// What cells are that the ROS map does not know.
+        /// Meaning of the cells that are unknown in the ROS map.
         unknown: UnknownCells,
     },
-    /// Vectors, written out.
+    /// Vectors, inline.
     Vector(VectorMap),
-    /// An occupancy grid, written out.
+    /// An occupancy grid, inline.
     Cells(CellMap),
 }
 
-/// Why a map cannot be used.
+/// Reason why a map is invalid.
 #[derive(Debug, thiserror::Error)]
 pub enum MapError {
     /// The file is missing or unreadable.
@@ -46,10 +46,10 @@ pub enum MapError {
     Io {
         /// The map's file.
         path: PathBuf,
-        /// What the system said.
+        /// Error of the operating system.
         source: io::Error,
     },
-    /// The file's extension says nothing about its format.
+    /// The file's extension does not determine its format.
     #[error("map {}: unknown kind of file: expected .toml (vectors) or .yaml (ROS map_server)", path.display())]
     UnknownKind {
         /// The map's file.
@@ -60,26 +60,26 @@ pub enum MapError {
     TooLarge {
         /// The map's file.
         path: PathBuf,
-        /// Its size.
+        /// Size of the file.
         bytes: u64,
     },
-    /// The TOML of a vector map is wrong; the message points at the line.
+    /// The TOML of a vector map is invalid; the message points at the line.
     #[error("map {}: {source}", path.display())]
     Toml {
         /// The map's file.
         path: PathBuf,
-        /// What and where.
+        /// Error and position.
         source: toml::de::Error,
     },
-    /// The ROS map is wrong.
+    /// The ROS map is invalid.
     #[error(transparent)]
     Ros(#[from] RosMapError),
-    /// The vector map says something impossible.
+    /// The vector map is invalid.
     #[error("{}{source}", path.as_ref().map(|p| format!("map {}: ", p.display())).unwrap_or_default())]
     Vector {
-        /// The map's file, if it came from one.
+        /// The map's file, if there is one.
         path: Option<PathBuf>,
-        /// What is wrong.
+        /// Error of the map.
         source: Box<VectorMapError>,
     },
 }
@@ -94,11 +94,11 @@ impl MapError {
 }
 
 impl MapSpec {
-    /// The map with its file, if it is one, read and written out (never [`MapSpec::File`]), so
-    /// that what is stored is complete in itself.
+    /// Returns the map with the content of its file (never [`MapSpec::File`]), so that a stored map
+    /// is complete.
     ///
     /// # Errors
-    /// Names the file, the line or field, the value, and what was expected.
+    /// The error names the file, the line or field, the value, and the expected one.
     pub fn load(&self, base: &Path) -> Result<Self, MapError> {
         match self {
             Self::File { path, unknown } => load_file(&base.join(path), *unknown),
@@ -160,9 +160,9 @@ fn load_file(path: &Path, unknown: UnknownCells) -> Result<MapSpec, MapError> {
 enum Table {
     /// A file, by its extension.
     File(FileTable),
-    /// Vectors, written out.
+    /// Vectors, inline.
     Vector(VectorMap),
-    /// An occupancy grid, written out.
+    /// An occupancy grid, inline.
     Cells(CellMap),
 }
 
@@ -172,7 +172,7 @@ enum Table {
 struct FileTable {
     /// Path of the file: `.toml` is a vector map, `.yaml` or `.yml` a ROS map.
     path: PathBuf,
-    /// What the cells are that the ROS map does not know.
+    /// Meaning of the cells that are unknown in the ROS map.
     #[serde(default)]
     unknown: UnknownCells,
 }

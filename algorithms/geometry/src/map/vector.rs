@@ -1,4 +1,4 @@
-//! Maps drawn with vectors.
+//! Vector maps.
 
 use std::collections::BTreeMap;
 
@@ -12,41 +12,42 @@ use crate::grid::GridFrame;
 use crate::region::Region;
 use crate::shape::{Aabb, Shape, ShapeError};
 
-/// Most cells that the grid of a map may have, unless the map itself sets a lower limit.
+/// Maximum number of cells of a map's grid, unless the map itself sets a lower limit.
 pub const MAX_CELLS: usize = 1 << 26;
-/// Most obstacles of a map.
+/// Maximum number of obstacles of a map.
 pub const MAX_OBSTACLES: usize = 1 << 16;
-/// Most pairs of edges within the polygons of a map: four polygons of 4096 corners, or 65 536 of 32.
+/// Maximum number of pairs of edges within the polygons of a map: four polygons of 4096 corners, or
+/// 65 536 of 32.
 const MAX_PAIRS: usize = 1 << 26;
-/// Most that the cubes of the numbers of corners may add up to, over the polygons of a map that are
-/// not convex: four polygons of 512 corners, or 1072 of 80.
+/// Maximum sum of the cubes of the numbers of corners, over the non-convex polygons of a map: four
+/// polygons of 512 corners, or 1072 of 80.
 const MAX_CUTS: usize = 1 << 29;
-/// Most exits of a map.
+/// Maximum number of exits of a map.
 pub const MAX_EXITS: usize = 1024;
 
-/// A map drawn with vectors. Everything within the bounds is free but the obstacles; the edge of
-/// the bounds is a wall.
+/// A vector map. The space within the bounds is free except for the obstacles; the edge of the
+/// bounds is a wall.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct VectorMap {
-    /// What the map is called, for people.
+    /// Name of the map, for display.
     #[serde(default)]
     pub name: String,
-    /// The rectangle that the world occupies.
+    /// The rectangle of the world.
     pub bounds: Bounds,
     /// Side of the grid's cells.
     #[schemars(transform = positive("m"))]
     #[serde(default = "default_resolution")]
     pub resolution: f64,
-    /// Most cells that the grid may have; more is an error.
+    /// Maximum number of cells of the grid; more is an error.
     #[schemars(transform = between(1, MAX_CELLS))]
     #[serde(default = "default_max_cells")]
     pub max_cells: usize,
-    /// What stands in the way.
+    /// Obstacles.
     #[serde(default)]
     #[schemars(length(max = MAX_OBSTACLES))]
     pub obstacles: Vec<ObstacleSpec>,
-    /// Where evaders escape.
+    /// Exits for evaders.
     #[serde(default)]
     #[schemars(length(max = MAX_EXITS))]
     pub exits: Vec<Region>,
@@ -60,7 +61,7 @@ const fn default_max_cells() -> usize {
     16_000_000
 }
 
-/// A rectangle along the axes.
+/// An axis-aligned rectangle.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Bounds {
@@ -72,31 +73,31 @@ pub struct Bounds {
     pub max: [f64; 2],
 }
 
-/// An obstacle as the scenario describes it.
+/// An obstacle as the scenario specifies it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ObstacleSpec {
-    /// What the obstacle is called; events refer to it by this name. May be empty.
+    /// Name of the obstacle, to which events refer. May be empty.
     #[serde(default)]
     pub name: String,
-    /// Its shape and place.
+    /// Shape and position.
     pub shape: Shape,
 }
 
-/// Why a vector map cannot be used.
+/// Reason why a vector map is invalid.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum VectorMapError {
     /// A value out of its range.
     #[error(transparent)]
     Field(#[from] ParamsError),
-    /// The shape of an obstacle is wrong.
+    /// The shape of an obstacle is invalid.
     #[error("obstacles[{index}]{}: {source}", quoted(name))]
     Obstacle {
         /// Index of the obstacle in the list.
         index: usize,
         /// Its name, if it has one.
         name: String,
-        /// What is wrong.
+        /// Error of the shape.
         source: ShapeError,
     },
     /// Two obstacles with the same name.
@@ -106,9 +107,9 @@ pub enum VectorMapError {
     DuplicateName {
         /// The name.
         name: String,
-        /// Index of the first that has it.
+        /// Index of the first obstacle with this name.
         first: usize,
-        /// Index of the second that has it.
+        /// Index of the second obstacle with this name.
         second: usize,
     },
 }
@@ -139,7 +140,7 @@ impl VectorMap {
     /// Checks every field and shape.
     ///
     /// # Errors
-    /// Names the field or obstacle, the value, and what was expected.
+    /// The error names the field or obstacle, the value, and the expected one.
     pub fn validate(&self) -> Result<(), VectorMapError> {
         self.frame()?;
         self.check_counts()?;
@@ -168,7 +169,7 @@ impl VectorMap {
         Ok(())
     }
 
-    /// Refuses more of anything than is meant, before any of it is computed with.
+    /// Rejects excessive numbers of elements before any computation.
     fn check_counts(&self) -> Result<(), ParamsError> {
         require(
             self.obstacles.len() <= MAX_OBSTACLES,
@@ -213,9 +214,9 @@ impl VectorMap {
     /// The grid that covers the bounds.
     ///
     /// # Errors
-    /// Names the field that is out of its range, or the limit on the number of cells.
+    /// The error names the field that is out of its range, or the limit on the number of cells.
     pub fn frame(&self) -> Result<GridFrame, ParamsError> {
-        // Each obstacle is checked by itself, for its error has its index and name.
+        // Each obstacle is checked separately, because its error has its index and name.
         check(&Self {
             name: String::new(),
             obstacles: Vec::new(),
@@ -231,7 +232,7 @@ impl VectorMap {
                 format!("more than bounds.min[{axis}] = {} (m)", min[axis]),
             )?;
         }
-        // A side that is a whole number of cells but for rounding gets exactly that number.
+        // A side that is an integer number of cells except for rounding gets exactly that number.
         let count = |axis: usize| {
             let cells = (max[axis] - min[axis]) / self.resolution;
             (cells - 1e-6).ceil().max(1.0)

@@ -1,4 +1,4 @@
-//! The static parts of a world: obstacles, their exact geometry, and the grids made from them.
+//! The static parts of a world: obstacles, their exact geometry, and the grids derived from them.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -16,14 +16,14 @@ use parameters::ParamsError;
 #[serde(transparent)]
 pub struct ObstacleId(pub u32);
 
-/// An obstacle that stands on the map now.
+/// An existing obstacle of the map.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Obstacle {
-    /// Its number.
+    /// Number.
     pub id: ObstacleId,
-    /// Its name in the scenario; may be empty.
+    /// Name in the scenario; may be empty.
     pub name: String,
-    /// Its shape and place.
+    /// Shape and position.
     pub shape: Shape,
     parts: Vec<Convex>,
 }
@@ -34,21 +34,21 @@ pub struct Obstacle {
 pub enum ObstacleChange {
     /// A new obstacle appears.
     Appear {
-        /// Its number, not in use yet.
+        /// Number, not yet in use.
         id: ObstacleId,
-        /// Its shape and place.
+        /// Shape and position.
         shape: Shape,
     },
     /// An obstacle disappears.
     Disappear {
-        /// Its number.
+        /// Number.
         id: ObstacleId,
     },
-    /// An obstacle takes another place, or another shape, at once.
+    /// An obstacle changes its position or shape at once.
     Move {
-        /// Its number.
+        /// Number.
         id: ObstacleId,
-        /// Its new shape and place ([`Shape::moved`] makes one from the old).
+        /// New shape and position ([`Shape::moved`] computes one from the old).
         shape: Shape,
     },
 }
@@ -62,21 +62,21 @@ impl ObstacleChange {
     }
 }
 
-/// Why an obstacle change is refused; the map stays as it was.
+/// Reason why an obstacle change is rejected; the map stays unchanged.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum ObstacleError {
-    /// An obstacle with this number stands already.
+    /// An obstacle with this number exists already.
     #[error("obstacle {} appears: expected a number that is not in use", .0.0)]
     InUse(ObstacleId),
-    /// No obstacle with this number stands.
+    /// No obstacle has this number.
     #[error("obstacle {} moves or disappears: expected the number of an obstacle that stands", .0.0)]
     Unknown(ObstacleId),
-    /// The new shape is wrong.
+    /// The new shape is invalid.
     #[error("obstacle {}: {source}", id.0)]
     Shape {
         /// The obstacle's number.
         id: ObstacleId,
-        /// What is wrong.
+        /// Error of the shape.
         source: ShapeError,
     },
 }
@@ -117,11 +117,11 @@ pub struct WorldMap {
 }
 
 impl WorldMap {
-    /// The static parts that a specification describes; a file is read relative to the working directory
-    /// (load it before with [`MapSpec::load`] to say otherwise).
+    /// Builds the static parts of a specification; a file is read relative to the working directory (use
+    /// [`MapSpec::load`] before for another directory).
     ///
     /// # Errors
-    /// Names the file, field or obstacle, and what was expected.
+    /// The error names the file, field or obstacle, and the expected value.
     pub fn new(spec: &MapSpec) -> Result<Self, MapError> {
         match spec.load(Path::new(""))? {
             MapSpec::Vector(map) => Self::from_vectors(&map).map_err(|e| MapError::vector(None, e)),
@@ -132,7 +132,7 @@ impl WorldMap {
         }
     }
 
-    /// The static parts that vectors describe; its obstacles are numbered from 0 in their order.
+    /// Builds the static parts of a vector map; its obstacles are numbered from 0 in their order.
     ///
     /// # Errors
     /// As [`VectorMap::validate`].
@@ -165,7 +165,7 @@ impl WorldMap {
         ))
     }
 
-    /// The static parts that an occupancy grid describes: its occupied cells, merged into rectangles.
+    /// Builds the static parts of an occupancy grid: its occupied cells, merged into rectangles.
     ///
     /// # Errors
     /// As [`CellMap::validate`].
@@ -216,7 +216,7 @@ impl WorldMap {
         map
     }
 
-    /// Recomputes everything that follows from static parts and obstacles.
+    /// Recomputes all data that depend on static parts and obstacles.
     fn rebuild(&mut self, bounds: Aabb, frame: GridFrame) {
         let mut parts = self.static_parts.clone();
         for obstacle in &self.obstacles {
@@ -225,10 +225,10 @@ impl WorldMap {
         self.shapes = Arc::new(ShapeMap::new(parts, bounds, frame));
     }
 
-    /// Applies a change; grids, exact geometry and revision follow at once.
+    /// Applies a change; grids, exact geometry and revision are updated at once.
     ///
     /// # Errors
-    /// If the obstacle's number or shape is wrong; the map is unchanged then.
+    /// If the obstacle's number or shape is invalid; the map is then unchanged.
     pub fn apply(&mut self, change: &ObstacleChange) -> Result<(), ObstacleError> {
         let id = change.id();
         let position = self.obstacles.iter().position(|o| o.id == id);
@@ -264,17 +264,17 @@ impl WorldMap {
         Ok(())
     }
 
-    /// Where the grids' cells lie.
+    /// Frame of the grids' cells.
     pub fn frame(&self) -> &GridFrame {
         self.shapes.frame()
     }
 
-    /// Per cell whether its centre lies in an obstacle.
+    /// Per cell, `true` if its centre lies in an obstacle.
     pub fn occupancy(&self) -> &Grid<bool> {
         self.shapes.occupancy()
     }
 
-    /// Per cell the distance (m) from its centre to the nearest obstacle; 0 inside one.
+    /// Per cell, the distance (m) from its centre to the nearest obstacle; 0 inside one.
     pub fn clearance(&self) -> &Grid<f32> {
         self.shapes.clearance()
     }
@@ -284,17 +284,17 @@ impl WorldMap {
         self.revision
     }
 
-    /// The rectangle that the world occupies.
+    /// The rectangle of the world.
     pub fn bounds(&self) -> &Aabb {
         self.shapes.bounds()
     }
 
-    /// Where evaders escape, as the map says (the rules may add more).
+    /// Exits of the map (the rules may add more).
     pub fn exits(&self) -> &[Region] {
         &self.exits
     }
 
-    /// The obstacles that stand now (an occupancy grid's cells are not among them).
+    /// The current obstacles (without the cells of an occupancy grid).
     pub fn obstacles(&self) -> &[Obstacle] {
         &self.obstacles
     }
@@ -307,12 +307,12 @@ impl WorldMap {
             .map(|o| o.id)
     }
 
-    /// The convex pieces of everything that stands on the map.
+    /// The convex pieces of all static parts and obstacles.
     pub fn parts(&self) -> &[Convex] {
         self.shapes.parts()
     }
 
-    /// The pieces with everything that can be asked of them.
+    /// The pieces, with further queries.
     pub fn shapes(&self) -> &ShapeMap {
         &self.shapes
     }

@@ -1,4 +1,4 @@
-//! What a world map is asked, answered by its pieces ([`ShapeMap`](super::ShapeMap)).
+//! Queries of a world map, answered by its pieces ([`ShapeMap`](super::ShapeMap)).
 
 use nalgebra::{Point2, Vector2};
 
@@ -18,7 +18,7 @@ impl WorldMap {
         self.shapes().clearance_at_least(p)
     }
 
-    /// Whether a disc of this radius (m) about a point touches no obstacle.
+    /// Returns `true` if a disc of this radius (m) about a point touches no obstacle.
     pub fn is_clear(&self, p: Point2<f64>, radius: f64) -> bool {
         self.shapes().is_clear(p, radius)
     }

@@ -1,11 +1,11 @@
-//! How wide a convex piece is within a band along an axis.
+//! Extent of a convex piece within a band along an axis.
 
 use super::Convex;
 
 impl Convex {
-    /// Least and greatest coordinate across `axis` (0: x, 1: y) of the part of the piece whose
-    /// coordinate along `axis` lies between `low` and `high` (m), ends included: for axis 1, how
-    /// far the piece reaches along x between two heights. `None` if nothing of it lies there.
+    /// Minimum and maximum coordinate across `axis` (0: x, 1: y) of the part of the piece whose
+    /// coordinate along `axis` lies between `low` and `high` (m), ends included. For axis 1 this is
+    /// the extent of the piece along x between two heights. `None` if no part of it lies there.
     pub fn extent_in_band(&self, axis: usize, low: f64, high: f64) -> Option<(f64, f64)> {
         let across = 1 - axis.min(1);
         let axis = 1 - across;

@@ -1,5 +1,4 @@
-//! Convex pieces of obstacles, with the three queries that everything else is made of: distance,
-//! nearest surface, ray.
+//! Convex pieces of obstacles, with the three basic queries: distance, nearest surface, ray.
 
 use nalgebra::{Point2, Vector2};
 use parry2d_f64::math::{Pose, Vector};
@@ -7,7 +6,7 @@ use parry2d_f64::shape::SharedShape;
 
 use crate::math;
 
-/// Below this distance (m) the direction from the surface to a point is rounding noise, and the
+/// Distance (m) below which the direction from the surface to a point is rounding noise, and the
 /// side's own normal is used.
 const NORMAL_NOISE: f64 = 1e-12;
 
@@ -31,13 +30,13 @@ pub enum Convex {
         /// Radius (m).
         radius: f64,
     },
-    /// A rectangle along the axes.
+    /// An axis-aligned rectangle.
     Box(Aabb),
     /// A convex polygon.
     Polygon(Box<[Edge]>),
 }
 
-/// A rectangle along the axes.
+/// An axis-aligned rectangle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Aabb {
     /// Corner with the smallest coordinates (m).
@@ -49,7 +48,7 @@ pub struct Aabb {
 /// A side of a convex polygon, counter-clockwise.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Edge {
-    /// Where the side starts (m).
+    /// Start of the side (m).
     pub(super) start: Point2<f64>,
     /// Unit vector along the side.
     pub(super) along: Vector2<f64>,
@@ -64,7 +63,7 @@ impl Edge {
     }
 }
 
-/// Where a point stands towards the nearest surface of a piece.
+/// Position of a point relative to the nearest surface of a piece.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Contact {
     /// Distance to the surface (m); negative inside, by the depth.
@@ -123,7 +122,7 @@ impl Convex {
         }
     }
 
-    /// The nearest surface, seen from a point inside or outside.
+    /// The nearest surface of a point inside or outside.
     pub fn contact(&self, p: Point2<f64>) -> Contact {
         match self {
             Self::Disc { center, radius } => {
@@ -174,7 +173,7 @@ impl Convex {
         }
     }
 
-    /// The smallest rectangle along the axes around the piece.
+    /// The smallest axis-aligned rectangle around the piece.
     pub fn aabb(&self) -> Aabb {
         match self {
             Self::Disc { center, radius } => {
@@ -201,8 +200,7 @@ impl Convex {
         }
     }
 
-    /// The piece as a parry shape and where it stands, for queries that need its general
-    /// algorithms.
+    /// The piece as a parry shape with its position, for queries that need its general algorithms.
     pub fn to_parry(&self) -> (Pose, SharedShape) {
         match self {
             Self::Disc { center, radius } => (
@@ -222,8 +220,8 @@ impl Convex {
                     .map(|e| Vector::new(e.start.x, e.start.y))
                     .collect();
                 let shape = SharedShape::convex_polyline_unmodified(corners.clone())
-                    // Corners in one line: parry wants a true polygon, the hull of two of them is
-                    // the same set of points.
+                    // Corners on one line: parry requires a proper polygon; the hull of two of them
+                    // is the same set of points.
                     .or_else(|| SharedShape::convex_hull(&corners))
                     .unwrap_or_else(|| SharedShape::polyline(corners, None));
                 (Pose::IDENTITY, shape)
@@ -243,7 +241,7 @@ impl Aabb {
         (self.max - self.min) * 0.5
     }
 
-    /// Whether a point (m) lies inside or on the border.
+    /// Returns `true` if a point (m) lies inside or on the border.
     pub fn contains(&self, p: Point2<f64>) -> bool {
         p.x >= self.min.x && p.x <= self.max.x && p.y >= self.min.y && p.y <= self.max.y
     }
@@ -261,7 +259,7 @@ impl Aabb {
         }
     }
 
-    /// The nearest surface, seen from a point inside or outside.
+    /// The nearest surface of a point inside or outside.
     pub fn contact(&self, p: Point2<f64>) -> Contact {
         let (left, right) = (self.min.x - p.x, p.x - self.max.x);
         let (below, above) = (self.min.y - p.y, p.y - self.max.y);
@@ -328,8 +326,8 @@ pub fn ray_disc(
         return Some(0.0);
     }
     let nearest = to_center.dot(&dir);
-    // The distance of the ray's line from the centre comes from the cross product: the difference
-    // of squares would lose the digits that decide a graze.
+    // The distance of the ray's line from the centre is computed from the cross product: the
+    // difference of squares would lose the digits that decide a graze.
     let beside = to_center.perp(&dir);
     let half_chord = radius * radius - beside * beside;
     (nearest > 0.0 && half_chord >= 0.0).then(|| (nearest - half_chord.sqrt()).max(0.0))

@@ -1,4 +1,4 @@
-//! Shapes of obstacles: what a person writes, and the convex parts that geometry works on.
+//! Shapes of obstacles: the specification in a scenario, and the convex parts for computations.
 
 mod band;
 mod convex;
@@ -17,9 +17,10 @@ use crate::extent::{coordinate, positive};
 use crate::math;
 use crate::pose::Pose2;
 
-/// Most vertices that one polygon may have.
+/// Maximum number of vertices of a polygon.
 pub const MAX_VERTICES: usize = 4096;
-/// Most vertices of one that is not convex: to cut it up takes a time that grows with their cube.
+/// Maximum number of vertices of a non-convex polygon: the time of its decomposition grows with
+/// their cube.
 pub const MAX_CONCAVE_VERTICES: usize = 512;
 
 /// A solid shape in the plane, in world coordinates.
@@ -54,7 +55,7 @@ pub enum Shape {
     },
     /// A simple polygon, convex or not, in either orientation; the last vertex joins the first.
     Polygon {
-        /// Corners in order, at most 512 if it is not convex.
+        /// Corners in order, at most 512 if the polygon is not convex.
         #[schemars(
             length(min = 3, max = MAX_VERTICES),
             transform = each(each(coordinate()))
@@ -63,7 +64,7 @@ pub enum Shape {
     },
 }
 
-/// How much there is to compute.
+/// Computational effort.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub(crate) struct Effort {
     /// Pairs of edges that may cross.
@@ -72,27 +73,27 @@ pub(crate) struct Effort {
     pub cuts: usize,
 }
 
-/// Why a shape cannot be used.
+/// Reason why a shape is invalid.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum ShapeError {
     /// A value out of its range.
     #[error(transparent)]
     Field(#[from] ParamsError),
-    /// Two edges of a polygon meet where they should not.
+    /// Two edges of a polygon meet.
     #[error(
         "polygon.vertices: edge {first} (from vertex {first}) meets edge {second} (from vertex \
          {second}): expected a simple polygon, whose edges touch only at shared vertices"
     )]
     SelfIntersecting {
-        /// Index of the vertex where the first edge starts.
+        /// Index of the vertex at the start of the first edge.
         first: usize,
-        /// Index of the vertex where the second edge starts.
+        /// Index of the vertex at the start of the second edge.
         second: usize,
     },
-    /// A polygon without an inside.
+    /// A polygon without an area.
     #[error("polygon.vertices: the polygon has no area: expected corners that enclose one")]
     NoArea,
-    /// A polygon whose corners lie so close to each other's edges that it cannot be cut up.
+    /// A polygon whose corners lie so close to other edges that it cannot be decomposed.
     #[error(
         "polygon.vertices: the polygon cannot be divided into convex parts: expected corners that \
          are farther than rounding from the other edges"
@@ -106,7 +107,7 @@ impl Shape {
     /// The convex parts whose union is the shape; a convex shape is its own single part.
     ///
     /// # Errors
-    /// Names the field that is out of its range, or the edges that cross.
+    /// The error names the field that is out of its range, or the edges that cross.
     ///
     /// ```
     /// use geometry::shape::Shape;
@@ -140,8 +141,8 @@ impl Shape {
         }
     }
 
-    /// How much there is to compute before the shape has parts: pairs of edges, and vertices cubed
-    /// if it must be cut up.
+    /// The effort to compute the parts: pairs of edges, and vertices cubed if the shape must be
+    /// decomposed.
     pub(crate) fn effort(&self) -> Effort {
         match self {
             Self::Circle { .. } | Self::Rectangle { .. } => Effort::default(),
@@ -149,8 +150,8 @@ impl Shape {
         }
     }
 
-    /// The shape carried along by a rigid motion: turned by `motion.theta` about `pivot` (m), then
-    /// shifted by (`motion.x`, `motion.y`).
+    /// The shape after a rigid motion: rotated by `motion.theta` about `pivot` (m), then shifted by
+    /// (`motion.x`, `motion.y`).
     #[must_use]
     pub fn moved(&self, pivot: Point2<f64>, motion: Pose2) -> Self {
         let (sin, cos) = math::sincos(motion.theta);

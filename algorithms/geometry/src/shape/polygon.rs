@@ -1,4 +1,4 @@
-//! Polygons: is it simple, and which convex parts is it made of.
+//! Polygons: test of simplicity, and decomposition into convex parts.
 
 use nalgebra::Point2;
 use parameters::require;
@@ -8,8 +8,7 @@ use parry2d_f64::transformation::hertel_mehlhorn;
 
 use super::{Convex, Effort, MAX_CONCAVE_VERTICES, ShapeError};
 
-/// The convex parts of a simple polygon given in either orientation, whose corners are within their
-/// ranges.
+/// The convex parts of a simple polygon in either orientation, whose corners are within their ranges.
 pub(super) fn convex_parts(vertices: &[[f64; 2]]) -> Result<Vec<Convex>, ShapeError> {
     let mut points: Vec<Point2<f64>> = vertices.iter().map(|v| Point2::new(v[0], v[1])).collect();
     reject_crossings(&points)?;
@@ -37,20 +36,20 @@ pub(super) fn convex_parts(vertices: &[[f64; 2]]) -> Result<Vec<Convex>, ShapeEr
     for corners in hertel_mehlhorn(mesh.vertices(), mesh.indices()) {
         let part: Vec<Point2<f64>> = corners.iter().map(|c| Point2::new(c.x, c.y)).collect();
         let part_area = signed_area(&part);
-        // Slivers without area come from collinear corners; the union does not need them.
+        // Slivers without area result from collinear corners; the union does not need them.
         if part_area > 1e-15 * size * size {
             covered += part_area;
             parts.push(Convex::polygon(&part));
         }
     }
-    // The parts do not overlap, so their areas tell whether the cutting went right.
+    // The parts do not overlap, so their areas show whether the decomposition is correct.
     if (covered - area.abs()).abs() > 1e-9 * area.abs() {
         return Err(ShapeError::NotDivisible);
     }
     Ok(parts)
 }
 
-/// How much there is to compute for [`convex_parts`].
+/// The effort of [`convex_parts`].
 pub(super) fn effort(vertices: &[[f64; 2]]) -> Effort {
     let n = vertices.len();
     let mut points: Vec<Point2<f64>> = vertices.iter().map(|v| Point2::new(v[0], v[1])).collect();
@@ -89,7 +88,7 @@ fn extent(points: &[Point2<f64>]) -> f64 {
     range(|p| p.x).max(range(|p| p.y))
 }
 
-/// Whether a simple counter-clockwise polygon turns left (or goes straight) at every corner.
+/// Returns `true` if a simple counter-clockwise polygon turns left (or goes straight) at every corner.
 fn is_convex(points: &[Point2<f64>]) -> bool {
     let n = points.len();
     (0..n).all(|i| {
@@ -120,7 +119,7 @@ fn reject_crossings(points: &[Point2<f64>]) -> Result<(), ShapeError> {
     Ok(())
 }
 
-/// Whether the path a → b → c returns onto itself at b (or stands still).
+/// Returns `true` if the path a → b → c returns onto itself at b (or stands still).
 fn folds_back(a: Point2<f64>, b: Point2<f64>, c: Point2<f64>) -> bool {
     let (u, v) = (b - a, c - b);
     u == nalgebra::Vector2::zeros()
@@ -128,7 +127,7 @@ fn folds_back(a: Point2<f64>, b: Point2<f64>, c: Point2<f64>) -> bool {
         || (u.perp(&v) == 0.0 && u.dot(&v) < 0.0)
 }
 
-/// Whether two closed segments have a point in common.
+/// Returns `true` if two closed segments have a point in common.
 fn segments_meet(a: Point2<f64>, b: Point2<f64>, c: Point2<f64>, d: Point2<f64>) -> bool {
     let side = |p: Point2<f64>, q: Point2<f64>, r: Point2<f64>| (q - p).perp(&(r - p));
     let (abc, abd, cda, cdb) = (side(a, b, c), side(a, b, d), side(c, d, a), side(c, d, b));

@@ -1,4 +1,4 @@
-//! How near a piece a travelling point comes: along a segment, along an arc.
+//! Distance of a moving point from a piece: along a segment, along an arc.
 
 use nalgebra::{Point2, Vector2};
 
@@ -27,10 +27,10 @@ pub struct ShortArc {
     pub center: Point2<f64>,
     /// Radius of the circle (m), ≥ 0.
     pub radius: f64,
-    /// Unit vector from the centre to where the arc starts.
+    /// Unit vector from the centre to the start of the arc.
     pub start: Vector2<f64>,
-    /// Unit vector from the centre to where the arc ends, at most a half turn counter-clockwise
-    /// from `start`.
+    /// Unit vector from the centre to the end of the arc, at most a half turn counter-clockwise from
+    /// `start`.
     pub end: Vector2<f64>,
 }
 
@@ -52,9 +52,9 @@ impl ShortArc {
         }
     }
 
-    /// Whether a direction from the centre (of any length) meets the arc.
+    /// Returns `true` if a direction from the centre (of any length) meets the arc.
     pub(crate) fn spans(&self, direction: Vector2<f64>) -> bool {
-        // The last condition keeps the direction opposite to a very short arc out.
+        // The last condition excludes the direction opposite to a very short arc.
         self.start.perp(&direction) >= 0.0
             && direction.perp(&self.end) >= 0.0
             && direction.dot(&(self.start + self.end)) >= 0.0
@@ -81,7 +81,7 @@ impl Convex {
         }
     }
 
-    /// Hands over the sides; none for a disc.
+    /// Calls a function with the sides; none for a disc.
     fn with_edges<R>(&self, f: impl FnOnce(&[Edge]) -> R) -> R {
         match self {
             Self::Disc { .. } => f(&[]),
@@ -90,9 +90,9 @@ impl Convex {
         }
     }
 
-    /// Whether every point of the segment from `a` to `b` is at least `radius` (m) away.
+    /// Returns `true` if every point of the segment from `a` to `b` is at least `radius` (m) away.
     ///
-    /// Exact but for rounding. For a radius of 0 a segment along the border is clear, one through
+    /// Exact except for rounding. For a radius of 0 a segment along the border is clear, one through
     /// the inside is not.
     pub fn segment_is_clear(&self, a: Point2<f64>, b: Point2<f64>, radius: f64) -> bool {
         match self {
@@ -101,7 +101,7 @@ impl Convex {
                 segment_distance_squared(*center, a, b) >= reach * reach
             }
             Self::Box(aabb) => {
-                // Behind one of the four sides: by far the most usual case.
+                // Behind one of the four sides: by far the most frequent case.
                 let (low, high) = (a.inf(&b), a.sup(&b));
                 low.x - aabb.max.x >= radius
                     || aabb.min.x - high.x >= radius
@@ -132,9 +132,9 @@ impl Convex {
         }
     }
 
-    /// Whether every point of an arc is at least `radius` (m) away.
+    /// Returns `true` if every point of an arc is at least `radius` (m) away.
     ///
-    /// Exact but for rounding: the distance to a convex piece is least at an end of the arc, where
+    /// Exact except for rounding: the distance to a convex piece is minimal at an end of the arc, where
     /// the arc faces a corner, where it runs parallel to a side, or where it enters. An arc that
     /// touches is not clear at a radius of 0.
     pub fn arc_is_clear(&self, arc: &ShortArc, radius: f64) -> bool {
@@ -192,7 +192,7 @@ fn segment_distance_squared(p: Point2<f64>, a: Point2<f64>, b: Point2<f64>) -> f
     }
 }
 
-/// Whether a segment keeps `radius` from the polygon with these sides.
+/// Returns `true` if a segment keeps `radius` from the polygon with these sides.
 fn polygon_is_clear(edges: &[Edge], a: Point2<f64>, b: Point2<f64>, radius: f64) -> bool {
     let behind = |edge: &Edge| {
         let normal = edge.outward();
@@ -207,7 +207,7 @@ fn polygon_is_clear(edges: &[Edge], a: Point2<f64>, b: Point2<f64>, radius: f64)
     if beside >= radius {
         return true;
     }
-    // What is left to tell apart is near a corner, or blocked.
+    // The remaining cases are near a corner, or blocked.
     let squared = radius.max(0.0) * radius.max(0.0);
     edges
         .iter()
@@ -216,8 +216,8 @@ fn polygon_is_clear(edges: &[Edge], a: Point2<f64>, b: Point2<f64>, radius: f64)
         && [a, b].iter().all(|&p| point_is_clear(edges, p, squared))
 }
 
-/// How far (m) the polygon lies beside the line through `a` and `b`; negative if on both sides;
-/// −∞ for a segment without direction, `None` for one that is not finite.
+/// Distance (m) of the polygon from the line through `a` and `b`; negative if it lies on both sides; −∞
+/// for a segment without direction, `None` for one that is not finite.
 fn side_gap(edges: &[Edge], a: Point2<f64>, b: Point2<f64>) -> Option<f64> {
     let line = b - a;
     let length = line.norm();
@@ -236,7 +236,7 @@ fn side_gap(edges: &[Edge], a: Point2<f64>, b: Point2<f64>) -> Option<f64> {
     Some(low.max(-high))
 }
 
-/// Whether a segment goes through the inside of the polygon (touching is not enough).
+/// Returns `true` if a segment goes through the inside of the polygon (touching is not enough).
 fn meets(edges: &[Edge], a: Point2<f64>, b: Point2<f64>) -> bool {
     let behind = |edge: &Edge| {
         let normal = edge.outward();
@@ -245,7 +245,7 @@ fn meets(edges: &[Edge], a: Point2<f64>, b: Point2<f64>) -> bool {
     !edges.iter().any(behind) && side_gap(edges, a, b).is_none_or(|gap| gap < 0.0)
 }
 
-/// Whether the square of the distance from a point to the polygon is at least `squared` (m²),
+/// Returns `true` if the square of the distance from a point to the polygon is at least `squared` (m²),
 /// corners apart.
 fn point_is_clear(edges: &[Edge], p: Point2<f64>, squared: f64) -> bool {
     let mut inside = true;
@@ -263,7 +263,7 @@ fn point_is_clear(edges: &[Edge], p: Point2<f64>, squared: f64) -> bool {
     !inside
 }
 
-/// Whether an arc meets a side.
+/// Returns `true` if an arc meets a side.
 fn crosses(arc: &ShortArc, edge: &Edge) -> bool {
     let offset = arc.center - edge.start;
     let height = offset.dot(&edge.outward());

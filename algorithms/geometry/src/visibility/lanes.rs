@@ -16,7 +16,7 @@ pub(super) struct Segment {
 }
 
 impl Segment {
-    /// The segment between two points (along, across), whichever comes first.
+    /// The segment between two points (along, across), in any order.
     #[inline]
     pub(super) fn new(a: (i32, i32), b: (i32, i32)) -> Self {
         let ordered = (a.1, a.0) <= (b.1, b.0);
@@ -129,7 +129,7 @@ impl LaneTable {
             .wrapping_add((i64::from(slope) as u64).wrapping_mul(fraction))
     }
 
-    /// Whether an occupied cell lies in a run of positive length.
+    /// Returns `true` if an occupied cell lies in a run of positive length.
     #[inline]
     fn is_occupied(&self, lane: usize, low: i64, high: i64) -> bool {
         let first = (low >> CROSS_BITS) as usize;
@@ -140,7 +140,7 @@ impl LaneTable {
         (!self.is_blocked(lane, from, to)).then(|| settle(self.cost(lane, from, to)))
     }
 
-    /// Whether a run between two positions along a lane crosses an occupied cell.
+    /// Returns `true` if a run between two positions along a lane crosses an occupied cell.
     #[inline]
     fn is_blocked(&self, lane: usize, a: i64, b: i64) -> bool {
         self.is_occupied(lane, a.min(b), a.max(b))

@@ -1,12 +1,12 @@
-//! What is seen from a place, as a polygon: for people who look on.
+//! The region visible from a position, as a polygon, for display.
 //!
-//! The sides of free cells that border on occupied ones (or on the end of the grid) are joined to
-//! straight walls. Around the viewpoint, between the directions of two neighbouring wall ends, one wall is
-//! the nearest all along: walls do not cross. So the polygon is exact, and has as many corners as
-//! there are walls to be seen, not as there are rays.
+//! The sides of free cells that border on occupied ones (or on the end of the grid) are joined to straight
+//! walls. Around the viewpoint, between the directions of two neighbouring wall ends, one wall is always the
+//! nearest: walls do not cross. So the polygon is exact, and the number of its corners depends on the visible
+//! walls, not on a number of rays.
 //!
-//! The polygon says where nothing is in the way; [`VisibilityField`](super::VisibilityField) says how
-//! good the view is there.
+//! The polygon contains the points with a free line of sight; [`VisibilityField`](super::VisibilityField)
+//! gives the quality of the view.
 
 mod border;
 mod span;
@@ -22,33 +22,33 @@ use self::sweep::{Corner, Sweep};
 use crate::grid::{Grid, GridFrame};
 use crate::math;
 
-/// Directions closer to each other than this are one (rad).
+/// Difference (rad) below which directions are equal.
 const SAME_DIRECTION: f64 = 1e-9;
-/// Least distance of an viewpoint to the sides of its cell, in cells.
+/// Minimum distance of a viewpoint from the sides of its cell, in cells.
 const OFF_THE_WALL: f64 = 1e-6;
 
-/// A place to look from.
+/// Position, heading and limits of a sensor.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Viewpoint {
-    /// Where it is (m).
+    /// Position (m).
     pub position: Point2<f64>,
-    /// Where it looks (rad).
+    /// Heading (rad).
     pub heading: f64,
-    /// What it is able to see.
+    /// Limits of the view.
     pub limits: SightLimits,
 }
 
-/// How far and how wide somebody sees.
+/// Range and field of view.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct SightLimits {
-    /// Largest distance (m), > 0; unlimited if absent.
+    /// Maximum distance (m), > 0; unlimited if absent.
     pub range: Option<f64>,
     /// Full opening angle around the heading (rad), in (0, 2π]; all round if absent.
     pub field_of_view: Option<f64>,
 }
 
 impl SightLimits {
-    /// Whether it looks into all directions.
+    /// Returns `true` if the view covers all directions.
     pub fn is_all_round(&self) -> bool {
         self.field_of_view.is_none_or(|angle| angle >= TAU)
     }
@@ -77,8 +77,8 @@ pub struct Walls {
     walls: Vec<Wall>,
 }
 
-/// A straight piece of wall, with the free side on its left. Walls stand in closed rows: where one
-/// ends another begins, so that there are as many corners as walls, and each is looked at once.
+/// A straight piece of wall, with the free side on its left. Walls form closed sequences: where one ends
+/// another begins, so that there are as many corners as walls, and each is processed once.
 #[derive(Debug, Clone, Copy)]
 struct Wall {
     from: Point2<f64>,
@@ -101,7 +101,7 @@ impl Walls {
         let frame = &occupied.frame;
         let corners = frame.width + 1;
         let corner = |column: usize, row: usize| row * corners + column;
-        // Everything beyond the grid is solid, as it is for lines of sight.
+        // All space beyond the grid is solid, as it is for lines of sight.
         let solid = |column: Option<usize>, row: Option<usize>| match (column, row) {
             (Some(column), Some(row)) if column < frame.width && row < frame.height => {
                 occupied.cells[frame.index(column, row)]
@@ -144,15 +144,15 @@ impl Walls {
         Self { occupied, walls }
     }
 
-    /// Where the cells lie.
+    /// Frame of the cells.
     pub fn frame(&self) -> &GridFrame {
         &self.occupied.frame
     }
 
-    /// The border of what an viewpoint sees, counter-clockwise, as seen from it; it can be cut into
-    /// triangles that all begin at the viewpoint. Empty if the viewpoint is not in free space. With a field of
-    /// view of less than a full turn the first and the last point are the ends of its opening, and
-    /// the polygon closes over the viewpoint.
+    /// The border of the region visible from a viewpoint, counter-clockwise; it can be cut into triangles that
+    /// all begin at the viewpoint. Empty if the viewpoint is not in free space. With a field of view of less
+    /// than a full turn the first and the last point are the ends of its opening, and the polygon closes over
+    /// the viewpoint.
     pub fn seen_from(&self, viewpoint: &Viewpoint) -> Vec<Point2<f64>> {
         let Some(place) = self.stand(viewpoint.position) else {
             return Vec::new();
@@ -177,7 +177,7 @@ impl Walls {
         let mut view = View::new(place, begin, range);
         let mut sweep = Sweep::new(begin, spans);
         let mut coming = corners.iter().peekable();
-        // The nearest wall, and between which directions it is.
+        // The nearest wall, and its range of directions.
         let mut run: Option<(usize, f64, f64)> = None;
         for pair in directions.windows(2) {
             let (from, to) = (pair[0], pair[1]);
@@ -206,7 +206,7 @@ impl Walls {
         view.finish(viewpoint.limits.is_all_round())
     }
 
-    /// Where an viewpoint is that stands here, off the sides of its cell; `None` if that is not free.
+    /// The position of a viewpoint, moved off the sides of its cell; `None` if it is not free.
     fn stand(&self, place: Point2<f64>) -> Option<Point2<f64>> {
         let frame = self.frame();
         let (column, row) = frame.cell_at(place)?;
@@ -224,13 +224,13 @@ impl Walls {
         ))
     }
 
-    /// The walls that face a place, those in two parts over which the sweep begins, and their ends
-    /// in the order of the sweep.
+    /// The walls that face a position (walls across the start of the sweep in two parts), and their ends in
+    /// the order of the sweep.
     fn spans(&self, place: Point2<f64>, begin: f64) -> (Vec<Span>, Vec<Corner>) {
         let angle = |v: Vector2<f64>| from_begin(math::atan2(v.y, v.x) - begin);
         let mut spans = Vec::with_capacity(self.walls.len() / 2 + 2);
         let mut corners = Vec::with_capacity(self.walls.len());
-        // Where walls begin, for the wall before and the wall behind.
+        // Starts of walls, for the wall before and the wall behind.
         let mut directions = vec![f64::NAN; self.walls.len()];
         let mut direction = |wall: usize, from: Vector2<f64>| {
             if directions[wall].is_nan() {
@@ -257,7 +257,7 @@ impl Walls {
                 direction: begins,
                 begins: Some(spans.len()),
             });
-            // A wall that begins there says so itself.
+            // A wall that begins there is registered by itself.
             if !faces(next) {
                 corners.push(Corner {
                     direction: ends,
@@ -279,8 +279,7 @@ impl Walls {
     }
 }
 
-/// Finds for every wall the one that begins where it ends. Where four walls meet, either of the two
-/// that begin will do.
+/// Finds the successor of every wall. Where four walls meet, either of the two that begin is valid.
 fn in_rows(sides: &[Side], place: impl Fn(usize) -> Point2<f64>) -> Vec<Wall> {
     let by = |corner: fn(&Side) -> usize| {
         let mut order: Vec<usize> = (0..sides.len()).collect();
@@ -298,7 +297,7 @@ fn in_rows(sides: &[Side], place: impl Fn(usize) -> Point2<f64>) -> Vec<Wall> {
             }
         })
         .collect();
-    // At every corner as many end as begin.
+    // At every corner as many walls end as begin.
     for (ending, beginning) in by(|side| side.to).into_iter().zip(by(|side| side.from)) {
         walls[ending].next = beginning;
     }
@@ -311,7 +310,7 @@ impl Side {
     }
 }
 
-/// On which side of a line between two cells is free space.
+/// Side of a line between two cells on which free space lies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Free {
     Before,

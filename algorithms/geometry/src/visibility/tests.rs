@@ -39,7 +39,7 @@ fn oracle(map: &BlurredMap, a: Point2<f64>, b: Point2<f64>) -> f64 {
     math::exp(-depth)
 }
 
-/// Whether V agrees with the oracle; where the ray grazes a corner, with the oracle for a ray
+/// Returns `true` if V agrees with the oracle; where the ray grazes a corner, with the oracle for a ray
 /// shifted by a thousandth of a cell.
 fn agrees(map: &BlurredMap, a: Point2<f64>, b: Point2<f64>, v: f64) -> bool {
     let shift = 1e-3 * map.frame().resolution;
@@ -80,8 +80,9 @@ fn small_map(cells: &[bool], sigma: f64) -> (BlurredMap, VisibilityField) {
     (map, field)
 }
 
-/// On the map as the original program saw it (see [`city_as_published`]). The remaining difference
-/// is its step: samples every 0.063 to 0.09 m whose last point is left out, in the nearest cell.
+/// On the map as the original program registered it (see [`city_as_published`]). The remaining
+/// difference is its step: samples every 0.063 to 0.09 m whose last point is left out, in the nearest
+/// cell.
 #[test]
 fn city_views_match_the_papers_map() {
     let map = BlurredMap::new(&city_as_published(), PAPER_SIGMA).unwrap();

@@ -17,12 +17,12 @@ use words::is_table;
 
 /// Tables of parameters in Markdown, written from their declarations.
 ///
-/// A type with a section of its own is referred to wherever else it occurs. A table that occurs in
-/// several places and has no section gets one at the end.
+/// A type with its own section is linked from all its other occurrences. A table with several
+/// occurrences and no section gets one at the end.
 #[derive(Debug)]
 pub struct Reference {
     generator: SchemaGenerator,
-    /// Makes schemas whose `required` lists all fields, in the order of declaration.
+    /// Generates schemas whose `required` lists all fields, in the order of declaration.
     order: SchemaGenerator,
     sections: Vec<Section>,
 }
@@ -31,7 +31,7 @@ pub struct Reference {
 struct Section {
     heading: String,
     text: String,
-    /// Name of the type that it is about.
+    /// Name of the type.
     name: String,
 }
 
@@ -52,7 +52,7 @@ impl Reference {
         self.add(heading, "", SchemaGenerator::subschema_for::<T>);
     }
 
-    /// Adds a section with a text of its own about the type whose schema a function makes.
+    /// Adds a section with its own text about the type of the schema that a function generates.
     pub fn add(
         &mut self,
         heading: &str,
@@ -101,8 +101,8 @@ impl Reference {
     }
 }
 
-/// The tables without a section that occur in several places, and a heading for each: the key
-/// under which it stands first, or its name if it stands in lists only.
+/// The tables without a section that occur several times, with a heading for each: the key of the
+/// first occurrence, or the type's name if it occurs in lists only.
 fn shared<'a>(types: &Types<'a>, sections: &[Section]) -> Vec<(&'a str, String)> {
     let mut places: Vec<Place<'a>> = Vec::new();
     let mut seen: Vec<&str> = Vec::new();
@@ -143,10 +143,10 @@ fn shared<'a>(types: &Types<'a>, sections: &[Section]) -> Vec<(&'a str, String)>
     shared
 }
 
-/// A place where a type with a name occurs.
+/// An occurrence of a named type.
 struct Place<'a> {
     name: &'a str,
-    /// The key that holds it, unless it is an element of a list.
+    /// The key that contains it, unless it is an element of a list.
     key: Option<&'a str>,
 }
 

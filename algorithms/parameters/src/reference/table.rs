@@ -14,7 +14,7 @@ use crate::range::Range;
 /// Rows of Markdown.
 pub(super) struct Table<'a> {
     types: &'a Types<'a>,
-    /// Headings of the types that have a section of their own.
+    /// Headings of the types with their own section.
     links: &'a BTreeMap<&'a str, &'a str>,
     rows: String,
 }
@@ -40,8 +40,8 @@ impl<'a> Table<'a> {
         table
     }
 
-    /// The rows of a table's keys in the order of declaration; `defaults` go before those that the
-    /// keys declare.
+    /// Adds the rows of a table's keys in the order of declaration; `defaults` take precedence over
+    /// the declared ones.
     fn add_keys(
         &mut self,
         prefix: &str,
@@ -81,7 +81,7 @@ impl<'a> Table<'a> {
         }
     }
 
-    /// The row of a key, and those of what is in it.
+    /// Adds the row of a key, and those of its content.
     fn add(
         &mut self,
         key: &str,
@@ -96,7 +96,7 @@ impl<'a> Table<'a> {
             Some(name) => self.types.order.get(name),
             None => order,
         };
-        // A table that is always there is its keys.
+        // A table that is always present is represented by its keys.
         if let [(name, own)] = parts[..]
             && !self.is_linked(name)
             && properties_of(own).is_some()
@@ -123,7 +123,7 @@ impl<'a> Table<'a> {
         }
         let default = match (default, &parts[..]) {
             (Some(Value::Object(given)), [(Some(name), own)]) if self.links.contains_key(name) => {
-                // What it has in common with its section is said there.
+                // Text that it shares with its section is only there.
                 let changes = difference(given, &default_of(own));
                 if changes.is_empty() {
                     String::new()
@@ -164,7 +164,7 @@ impl<'a> Table<'a> {
         }
     }
 
-    /// The rows of a choice that is a table.
+    /// Adds the rows of a choice that is a table.
     fn add_choice(
         &mut self,
         prefix: &str,
@@ -228,7 +228,7 @@ impl fmt::Display for Table<'_> {
     }
 }
 
-/// The fragment by which a page refers to one of its headings.
+/// The URL fragment of a heading.
 fn anchor(heading: &str) -> String {
     let kept = |c: &char| c.is_alphanumeric() || matches!(c, '_' | '-' | ' ');
     let text: String = heading.chars().filter(kept).collect();

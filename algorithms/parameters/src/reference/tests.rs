@@ -19,7 +19,7 @@ struct Robot {
     drive: Drive,
 }
 
-/// What grips.
+/// A gripper arm.
 #[derive(Clone, Serialize, Deserialize, JsonSchema)]
 #[serde(default)]
 struct Arm {
@@ -95,7 +95,7 @@ A robot.
 
 ## `arm`
 
-What grips.
+A gripper arm.
 
 | key | type | default | range | unit | meaning |
 |---|---|---|---|---|---|

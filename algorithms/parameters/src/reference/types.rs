@@ -1,11 +1,11 @@
-//! The types that schemas refer to.
+//! Named types of schemas.
 
 use serde_json::{Map, Value};
 
-/// Where a generator keeps the types that have a name.
+/// Path of the named types in a generated schema.
 const DEFINITIONS: &str = "#/$defs/";
 
-/// The types that have a name.
+/// The named types.
 pub(super) struct Types<'a> {
     pub read: &'a Map<String, Value>,
     /// Schemas whose `required` lists all fields, in the order of declaration.
@@ -13,7 +13,7 @@ pub(super) struct Types<'a> {
 }
 
 impl<'a> Types<'a> {
-    /// A schema, or the type that it refers to, with its name.
+    /// Resolves a schema's reference; returns the type with its name.
     pub fn resolve(&self, schema: &'a Value) -> (Option<&'a str>, &'a Value) {
         let named = referred(schema).and_then(|name| self.read.get_key_value(name));
         match named {
@@ -23,7 +23,7 @@ impl<'a> Types<'a> {
     }
 }
 
-/// The name of the type that a schema refers to.
+/// The name of the type to which a schema refers.
 pub(super) fn referred(schema: &Value) -> Option<&str> {
     let target = schema.get("$ref")?.as_str()?;
     target.strip_prefix(DEFINITIONS)

@@ -5,7 +5,7 @@ use serde_json::{Map, Value};
 use super::types::Types;
 use crate::publish::plain_text;
 
-/// The alternatives of a schema with the names of their types, that of being absent left out;
+/// The alternatives of a schema with the names of their types, without that for absence; the schema
 /// itself, if it has none.
 pub(super) fn alternatives<'a>(
     types: &Types<'a>,
@@ -20,7 +20,7 @@ pub(super) fn alternatives<'a>(
     others.flat_map(|one| alternatives(types, one)).collect()
 }
 
-/// The types of a schema, that of being absent left out.
+/// The types of a schema, without that for absence.
 pub(super) fn types(schema: &Value) -> Vec<&str> {
     match schema.get("type") {
         Some(Value::String(name)) => vec![name],
@@ -38,7 +38,7 @@ pub(super) fn properties_of(schema: &Value) -> Option<&Map<String, Value>> {
     schema.get("properties")?.as_object()
 }
 
-/// Whether a type is a table, or a choice with tables.
+/// Returns `true` if a type is a table, or a choice with tables.
 pub(super) fn is_table<'a>(types: &Types<'a>, schema: &'a Value) -> bool {
     let has_keys = |table: &'a Value| properties_of(types.resolve(table).1).is_some();
     has_keys(schema)
@@ -47,7 +47,7 @@ pub(super) fn is_table<'a>(types: &Types<'a>, schema: &'a Value) -> bool {
             .any(|choice| has_keys(choice.value))
 }
 
-/// The numbers of a value, if it is one or a list of some.
+/// The schema of the numbers of a value that is a number or a list of numbers.
 pub(super) fn numbers_of(schema: &Value) -> Option<&Map<String, Value>> {
     match types(schema).first() {
         Some(&("number" | "integer")) => schema.as_object(),
@@ -94,7 +94,7 @@ fn plural(name: &str) -> String {
     }
 }
 
-/// The names of a choice and what they stand for.
+/// The names of a choice with their descriptions.
 pub(super) fn choices(schema: &Value) -> Option<Vec<(&str, &str)>> {
     if let Some(names) = schema.get("enum").and_then(Value::as_array) {
         let names = names.iter().filter_map(Value::as_str);
@@ -117,7 +117,7 @@ pub(super) fn choices(schema: &Value) -> Option<Vec<(&str, &str)>> {
     Some(found)
 }
 
-/// A choice that has a value behind its name.
+/// A choice with a value.
 #[derive(Clone, Copy)]
 pub(super) struct Choice<'a> {
     pub name: &'a str,
@@ -126,7 +126,7 @@ pub(super) struct Choice<'a> {
     pub value: &'a Value,
 }
 
-/// The choices that have a value behind their name.
+/// The choices with a value.
 pub(super) fn choice_tables(schema: &Value) -> Vec<Choice<'_>> {
     let branches = schema.get("oneOf").and_then(Value::as_array);
     let mut found = Vec::new();
@@ -153,7 +153,7 @@ pub(super) fn description<'a>(schema: &Value, parts: impl Iterator<Item = &'a Va
     text
 }
 
-/// The values of a table's keys where nothing is said.
+/// The default values of a table's keys.
 pub(super) fn default_of(schema: &Value) -> Map<String, Value> {
     let properties = properties_of(schema).into_iter().flatten();
     properties

@@ -22,7 +22,7 @@ pub(in crate::bus) struct Channel<T: Topic> {
     qos: Qos,
     overflow: bool,
     queues: RefCell<Vec<Rc<Queue<T>>>>,
-    /// Per publisher that lives, its number and the messages that late joiners get.
+    /// Per live publisher, its number and the messages for late joiners.
     histories: RefCell<Vec<(usize, History<T>)>>,
     /// Number of the next publisher.
     next: Cell<usize>,
@@ -39,7 +39,7 @@ impl<T: Topic> Channel<T> {
         }
     }
 
-    /// Makes room for a publisher; returns its number.
+    /// Adds a publisher; returns its number.
     pub(super) fn add_publisher(&self) -> Result<usize, BusError> {
         let mut histories = self.histories.borrow_mut();
         check_capacity::<T>("publisher", histories.len(), self.qos.publishers)?;
@@ -48,12 +48,12 @@ impl<T: Topic> Channel<T> {
         Ok(number)
     }
 
-    /// Takes a publisher out; what it sent stays with those who have it.
+    /// Removes a publisher; receivers keep its messages.
     pub(super) fn remove_publisher(&self, number: usize) {
         self.histories.borrow_mut().retain(|(n, _)| *n != number);
     }
 
-    /// Makes a queue that holds `ticks` ticks of every publisher, with their histories in it.
+    /// Creates a queue that holds `ticks` ticks of every publisher, with their histories in it.
     pub(super) fn add_subscriber(&self, ticks: usize) -> Result<Rc<Queue<T>>, BusError> {
         let mut queues = self.queues.borrow_mut();
         check_capacity::<T>("subscriber", queues.len(), self.qos.subscribers)?;
@@ -75,8 +75,8 @@ impl<T: Topic> Channel<T> {
             .retain(|other| !Rc::ptr_eq(other, queue));
     }
 
-    /// Hands a message of a publisher to all subscribers; returns how many they are, `None` if one
-    /// of them has no room for it (then nobody gets it).
+    /// Delivers a message of a publisher to all subscribers; returns their number, `None` if one of
+    /// them has no room for it (then none gets it).
     pub(super) fn deliver(&self, publisher: usize, message: &Rc<Message<T>>) -> Option<usize> {
         let queues = self.queues.borrow();
         let is_full = |queue: &Rc<Queue<T>>| queue.messages.borrow().len() >= queue.capacity;

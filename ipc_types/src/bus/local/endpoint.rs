@@ -1,15 +1,15 @@
-//! One request–response service: who answers it.
+//! One request–response service, with its server.
 
 use core::cell::RefCell;
 
 use crate::bus::{Answer, BusError};
 use crate::topics::Service;
 
-/// What makes an answer of a request.
+/// Function that answers a request.
 pub(in crate::bus) type Handler<S> =
     Box<dyn FnMut(&<S as Service>::RequestHeader, &[<S as Service>::RequestElement]) -> Answer<S>>;
 
-/// A service in memory: who asks calls who answers.
+/// A service in memory: the client calls the server.
 pub(in crate::bus) struct Endpoint<S: Service> {
     handler: RefCell<Option<Handler<S>>>,
 }
@@ -23,7 +23,7 @@ impl<S: Service> Default for Endpoint<S> {
 }
 
 impl<S: Service> Endpoint<S> {
-    /// Takes the one place of who answers.
+    /// Registers the only server.
     pub(in crate::bus) fn serve(&self, handler: Handler<S>) -> Result<(), BusError> {
         let mut installed = self.handler.borrow_mut();
         if installed.is_some() {
@@ -37,14 +37,14 @@ impl<S: Service> Endpoint<S> {
         Ok(())
     }
 
-    /// Nobody answers any more.
+    /// Removes the server.
     pub(in crate::bus) fn close(&self) {
         if let Ok(mut installed) = self.handler.try_borrow_mut() {
             *installed = None;
         }
     }
 
-    /// The answer; `None` if nobody answers, or who answers asks itself.
+    /// The answer; `None` without a server, or if the server itself calls the service.
     pub(in crate::bus) fn call(
         &self,
         header: &S::RequestHeader,

@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use crate::topics::Topic;
 
-/// A message that all its receivers look at, and whose memory its sender uses again once they have
-/// let go of it.
+/// A message that all its receivers share, and whose memory its sender reuses once they have
+/// released it.
 pub(in crate::bus) struct Message<T: Topic> {
     pub(in crate::bus) header: T::Header,
     payload: Payload<T>,
@@ -26,7 +26,7 @@ impl<T: Topic> Default for Message<T> {
 }
 
 impl<T: Topic> Message<T> {
-    /// Writes the message anew in the memory of the old one.
+    /// Writes a new message in the memory of the old one.
     pub(in crate::bus) fn fill(
         &mut self,
         header: T::Header,
@@ -63,7 +63,7 @@ impl<T: Topic> Message<T> {
         }
     }
 
-    /// The elements to keep; a copy unless they were sent shared.
+    /// The elements for the receiver to keep; a copy unless they were sent shared.
     pub(in crate::bus) fn shared_elements(&self) -> Arc<[T::Element]> {
         match &self.payload {
             Payload::Own(elements) => Arc::from(elements.as_slice()),

@@ -1,10 +1,9 @@
 //! The bus of a run in one thread of one process: typed queues in ordinary memory.
 //!
-//! What processes can tell apart from iceoryx2 is kept: the order of every publisher, histories
-//! for those who join late, the capacity of a publisher, the depth of a subscriber's buffer, the
-//! number of ports. What has no meaning in one thread is not there: nobody can make room while a
-//! sender waits, so that a full buffer fails at once; and no clock is read, so that the clocks of
-//! the stamps stay 0.
+//! It has the observable properties of iceoryx2: the order of every publisher, histories for late
+//! joiners, the capacity of a publisher, the depth of a subscriber's buffer, the number of ports.
+//! Two properties differ in one thread. No receiver can make room while a sender waits, so a full
+//! buffer fails at once; and no clock is read, so the clocks of the stamps stay 0.
 
 mod channel;
 mod endpoint;
@@ -32,7 +31,7 @@ pub(super) struct LocalTopics {
     channels: RefCell<BTreeMap<&'static str, Rc<dyn Any>>>,
     /// Every service's [`Endpoint`], by its name.
     endpoints: RefCell<BTreeMap<&'static str, Rc<dyn Any>>>,
-    /// What the processes share besides messages.
+    /// State that the processes share besides messages.
     pub(super) commons: Option<Arc<dyn Any + Send + Sync>>,
 }
 
@@ -45,7 +44,7 @@ impl LocalTopics {
         }
     }
 
-    /// The channel of a topic, made when it is first asked for.
+    /// The channel of a topic, created on the first request.
     pub(super) fn channel<T: Topic>(
         &self,
         options: &BusOptions,
@@ -63,7 +62,7 @@ impl LocalTopics {
         })
     }
 
-    /// The endpoint of a service, made when it is first asked for.
+    /// The endpoint of a service, created on the first request.
     pub(super) fn endpoint<S: Service>(&self) -> Result<Rc<Endpoint<S>>, BusError> {
         let endpoint = Rc::clone(
             self.endpoints

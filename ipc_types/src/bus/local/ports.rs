@@ -13,7 +13,7 @@ use crate::topics::Topic;
 pub(in crate::bus) struct Sender<T: Topic> {
     channel: Rc<Channel<T>>,
     number: usize,
-    /// Messages sent before, the oldest first: the one nobody looks at any more is written again.
+    /// Messages sent before, the oldest first; the memory of an unreferenced one is reused.
     sent: RefCell<VecDeque<Rc<Message<T>>>>,
 }
 
@@ -27,7 +27,8 @@ impl<T: Topic> Sender<T> {
         })
     }
 
-    /// Sends what `write` makes of a message; how many got it, `None` if one of them had no room.
+    /// Sends the message that `write` fills; returns the number of receivers, `None` if one of them
+    /// had no room.
     pub(in crate::bus) fn send(&self, write: impl FnOnce(&mut Message<T>)) -> Option<usize> {
         let mut sent = self.sent.borrow_mut();
         let free = sent.iter().position(|old| Rc::strong_count(old) == 1);

@@ -1,4 +1,4 @@
-//! The asking side of a service.
+//! Client side of a service.
 
 use core::cell::{Cell, RefCell};
 use std::rc::Rc;
@@ -11,7 +11,7 @@ use crate::stamp::Header;
 use crate::topics::Service;
 use crate::transport::{self, Home};
 
-/// The asking side.
+/// Client side.
 pub struct Client<S: Service> {
     port: Port<S>,
     source: u32,
@@ -65,11 +65,11 @@ impl<S: Service> Client<S> {
         }
     }
 
-    /// Sends a request; the answer is polled from the returned handle. The stamp's sequence, source
-    /// and sending clock (0 on a bus in memory, where the answer is made at once) are filled in.
+    /// Sends a request; the returned handle polls the answer. The stamp's sequence, source and sending clock
+    /// are filled in (0 on a bus in memory, where the answer is computed at once).
     ///
     /// # Errors
-    /// [`SendError::Capacity`] if it has more elements than the client was opened for,
+    /// [`SendError::Capacity`] if it has more elements than the capacity of the client,
     /// [`SendError::Transport`] if iceoryx2 fails, e.g. with too many open requests.
     pub fn ask(
         &self,
@@ -110,7 +110,7 @@ impl<S: Service> core::fmt::Debug for Client<S> {
     }
 }
 
-/// A request that waits for its answer; dropping it tells the server to give up.
+/// A request that waits for its answer; dropping it cancels the request.
 pub struct PendingResponse<S: Service> {
     pending: Pending<S>,
 }
@@ -123,7 +123,7 @@ enum Pending<S: Service> {
 }
 
 impl<S: Service> PendingResponse<S> {
-    /// The answer, if it has come.
+    /// The answer, if it has arrived.
     ///
     /// # Errors
     /// [`ReceiveError::Transport`] if iceoryx2 fails.
@@ -134,9 +134,8 @@ impl<S: Service> PendingResponse<S> {
         }
     }
 
-    /// Whether a server still works on it, or its answer waits on a bus in memory. Stays true after
-    /// a server was killed until its remains are cleaned up, so a client needs a deadline of its
-    /// own.
+    /// Returns `true` if a server still works on it, or its answer waits on a bus in memory. It stays `true`
+    /// after the death of a server until the clean-up, so a client needs its own deadline.
     pub fn is_open(&self) -> bool {
         match &self.pending {
             Pending::Ipc(pending) => pending.is_open(),

@@ -1,4 +1,4 @@
-//! The answering side of a service.
+//! Server side of a service.
 
 use std::rc::Rc;
 
@@ -22,7 +22,7 @@ type Active<S> = dyn transport::Active<
         <S as Service>::ResponseElement,
     >;
 
-/// The answering side between processes.
+/// Server side between processes.
 pub struct Server<S: Service> {
     port: Box<Port<S>>,
     source: u32,
@@ -67,7 +67,7 @@ impl<S: Service> core::fmt::Debug for Server<S> {
     }
 }
 
-/// A request being worked on; dropping it ends the exchange.
+/// A request in progress; dropping it ends the exchange.
 pub struct ActiveRequest<S: Service> {
     request: Box<Active<S>>,
     source: u32,
@@ -85,7 +85,7 @@ impl<S: Service> ActiveRequest<S> {
         self.request.elements()
     }
 
-    /// Whether the client still waits.
+    /// Returns `true` if the client still waits.
     pub fn is_wanted(&self) -> bool {
         self.request.is_wanted()
     }
@@ -93,7 +93,7 @@ impl<S: Service> ActiveRequest<S> {
     /// Sends the answer. The stamp's source and sending clock are filled in.
     ///
     /// # Errors
-    /// [`SendError::Capacity`] if it has more elements than the server was opened for,
+    /// [`SendError::Capacity`] if it has more elements than the capacity of the server,
     /// [`SendError::Transport`] if iceoryx2 fails.
     pub fn answer(
         &self,
@@ -122,7 +122,7 @@ impl<S: Service> core::fmt::Debug for ActiveRequest<S> {
     }
 }
 
-/// The answering side on a bus in memory: answers while it lives.
+/// Server side on a bus in memory: answers until it is dropped.
 pub struct Attendant<S: Service> {
     endpoint: Rc<Endpoint<S>>,
 }

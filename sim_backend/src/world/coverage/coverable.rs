@@ -1,12 +1,12 @@
-//! Which cells a robot can visit at all.
+//! Cells that a robot can visit.
 
 use nalgebra::Point2;
 
 use geometry::grid::GridFrame;
 
-/// What is known of the cells.
+/// Known properties of the cells.
 pub(super) struct CoverageDomain<'a> {
-    /// Where the cells lie.
+    /// Frame of the cells.
     pub frame: &'a GridFrame,
     /// Distance (m) from each cell's centre to the nearest obstacle.
     pub clearance: &'a [f64],
@@ -15,8 +15,8 @@ pub(super) struct CoverageDomain<'a> {
 /// Marks the cells whose centres come within `reach` (m) of a robot of radius `body` (m) that can
 /// drive anywhere from `starts`.
 ///
-/// The robot drives from cell to cell, centre to centre: a passage that is wider than the robot by
-/// less than a cell may count as closed, and what lies beyond it as out of reach.
+/// The robot drives from cell to cell, centre to centre. A passage that is wider than the robot by
+/// less than a cell may count as closed, and the space beyond it as unreachable.
 pub(super) fn mark(
     domain: &CoverageDomain<'_>,
     starts: impl Iterator<Item = Point2<f64>>,
@@ -28,7 +28,7 @@ pub(super) fn mark(
     let mut reached = vec![false; frame.len()];
     let mut open: Vec<(usize, usize)> = Vec::new();
     for (col, row) in starts.filter_map(|p| frame.cell_at(p)) {
-        // The start stands free, whatever its cell's centre does.
+        // The start is free, whatever its cell's centre.
         reached[frame.index(col, row)] = true;
         open.push((col, row));
     }
@@ -41,7 +41,7 @@ pub(super) fn mark(
             }
         }
     }
-    // A cell in the midst of others covers nothing that those at the border do not, but itself.
+    // A cell surrounded by others covers only itself in addition to the cells at the border.
     let cells = (reach / frame.resolution).floor() as isize;
     let within = (reach / frame.resolution) * (reach / frame.resolution);
     let disc: Vec<(isize, isize)> = (-cells..=cells)
@@ -70,7 +70,7 @@ pub(super) fn mark(
     }
 }
 
-/// The up to four cells beside one.
+/// The up to four neighbours of a cell.
 fn neighbours(
     frame: &GridFrame,
     col: usize,

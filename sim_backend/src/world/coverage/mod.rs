@@ -1,9 +1,8 @@
-//! Coverage: which free cells robots have visited, how often, and how long ago.
+//! Coverage: the free cells that robots have visited, with the numbers and times of visits.
 //!
-//! A cell is visited when its centre comes within a robot's footprint, a disc about the robot's
-//! centre, anywhere along the robot's way: between two ticks the disc is swept along the very arc
-//! that the robot drove, or along the pieces of its way where contacts bent it. Speed and tick rate
-//! make no difference.
+//! A cell is visited when its centre comes within a robot's footprint, a disc about the robot's centre,
+//! anywhere along the robot's path. Between two ticks the disc is swept along the exact arc that the
+//! robot drove, or along the pieces of its path after contacts. Speed and tick rate make no difference.
 
 mod coverable;
 mod swept;
@@ -24,15 +23,15 @@ use crate::robot::Robot;
 use crate::spec::CoverageSpec;
 use parameters::ParamsError;
 
-/// Most cells that are accounted for: 24 bytes each.
+/// Maximum number of accounted cells: 24 bytes each.
 const MAX_CELLS: f64 = 16_000_000.0;
 
-/// What is known of a cell.
+/// Visits of a cell.
 #[derive(Debug, Clone, Copy, Default)]
 struct Cell {
-    /// When it was last visited (ns).
+    /// Time of the last visit (ns).
     last_ns: u64,
-    /// At which tick.
+    /// Tick of the last visit.
     last_tick: u64,
     visits: u32,
     free: bool,
@@ -45,44 +44,44 @@ struct Sweeper {
     robot: usize,
     /// Radius of its footprint (m).
     reach: f64,
-    /// Where the step found it, if it was in the game then.
+    /// Pose at the start of the step, if it was in the game then.
     before: Option<Pose2>,
 }
 
 /// Totals of a [`Coverage`] at a time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CoverageFigures {
-    /// Free cells now.
+    /// Number of free cells now.
     pub free: usize,
-    /// Those of them that have been visited.
+    /// Number of visited ones among them.
     pub visited: usize,
-    /// Free cells that some counted robot can visit at all (see [`Coverage::is_coverable`]).
+    /// Number of free cells that some counted robot can visit (see [`Coverage::is_coverable`]).
     pub coverable: usize,
-    /// Those of them that have been visited.
+    /// Number of visited ones among them.
     pub covered: usize,
-    /// Visits of all cells.
+    /// Number of visits of all cells.
     pub visits: u64,
-    /// How evenly the coverable cells are visited: standard deviation of their visits, divided by
-    /// the mean; 0 before any visit.
+    /// Unevenness of the visits of coverable cells: standard deviation divided by the mean; 0 before any
+    /// visit.
     pub unevenness: f64,
-    /// Path length driven by the counted robots together (m).
+    /// Distance driven by the counted robots together (m).
     pub way: f64,
     /// Mean time since the last visit over the coverable cells (s); since the start for those not
     /// visited yet.
     pub mean_idleness: f64,
     /// Largest of these times (s).
     pub max_idleness: f64,
-    /// Longest that any coverable cell has waited for a visit so far (s).
+    /// Maximum time that any coverable cell has waited for a visit so far (s).
     pub worst_idleness: f64,
 }
 
 impl CoverageFigures {
-    /// Visited part of the free cells, 0…1 (1 if there are none).
+    /// Visited share of the free cells, 0…1 (1 if there are none).
     pub fn fraction(&self) -> f64 {
         part(self.visited, self.free)
     }
 
-    /// Visited part of the coverable cells, 0…1 (1 if there are none).
+    /// Visited share of the coverable cells, 0…1 (1 if there are none).
     pub fn coverable_fraction(&self) -> f64 {
         part(self.covered, self.coverable)
     }
@@ -96,7 +95,7 @@ fn part(some: usize, all: usize) -> f64 {
     }
 }
 
-/// The account of the area that robots have visited: which cells, how often, how long ago.
+/// The visited area: cells, numbers and times of visits.
 ///
 /// ```
 /// # use core::time::Duration;
@@ -128,17 +127,17 @@ pub struct Coverage {
     coverable: usize,
     covered: usize,
     visits: u64,
-    /// Path length driven by the counted robots together (m).
+    /// Distance driven by the counted robots together (m).
     way: f64,
-    /// Longest gap between two visits of a coverable cell (ns).
+    /// Maximum time between two visits of a coverable cell (ns).
     worst_gap_ns: u64,
 }
 
 impl Coverage {
-    /// The account at time 0: the robots have visited what they stand on.
+    /// Creates the account at time 0: the robots have visited the cells below them.
     ///
     /// # Errors
-    /// Names the field of the specification that does not fit the map or the robots.
+    /// The error names the field of the specification that does not fit the map or the robots.
     pub(super) fn new(
         spec: &CoverageSpec,
         map: &WorldMap,
@@ -194,7 +193,7 @@ impl Coverage {
         Ok(coverage)
     }
 
-    /// Finds out anew which cells are free and which can be visited, after a change of the map.
+    /// Recomputes the free and the coverable cells after a change of the map.
     pub(super) fn follow_map(&mut self, map: &WorldMap, robots: &[Robot]) {
         let frame = self.frame;
         let clearance: Vec<f64> = if frame == *map.frame() {
@@ -236,7 +235,7 @@ impl Coverage {
         }
     }
 
-    /// Remembers where a step finds the robots.
+    /// Stores the poses of the robots at the start of a step.
     pub(super) fn begin(&mut self, robots: &[Robot]) {
         for sweeper in &mut self.sweepers {
             let robot = &robots[sweeper.robot];
@@ -286,7 +285,7 @@ impl Coverage {
 
     fn visit(&mut self, way: SweptPath, reach: f64, tick: u64, now: u64) {
         let (frame, bounds) = (self.frame, way.bounds());
-        // The cells whose centres may be near enough, and perhaps one more on each side.
+        // The cells whose centres may be near enough, and possibly one more on each side.
         let range = |low: f64, high: f64, origin: f64, cells: usize| {
             let first = ((low - reach - origin) / frame.resolution - 1.5).max(0.0) as usize;
             let last = ((high + reach - origin) / frame.resolution + 1.5).max(0.0) as usize;
@@ -305,7 +304,7 @@ impl Coverage {
         }
     }
 
-    /// A stay without interruption, of whichever robots, is one visit.
+    /// An uninterrupted stay, of any robots, is one visit.
     fn mark(&mut self, index: usize, tick: u64, now: u64) {
         let cell = &mut self.cells[index];
         if cell.visits == 0 {
@@ -322,23 +321,23 @@ impl Coverage {
         (cell.last_tick, cell.last_ns) = (tick, now);
     }
 
-    /// The rule that it follows.
+    /// The specification.
     pub fn spec(&self) -> &CoverageSpec {
         &self.spec
     }
 
-    /// Where the cells lie.
+    /// Frame of the cells.
     pub fn frame(&self) -> &GridFrame {
         &self.frame
     }
 
-    /// How often each cell has been visited, row by row. A stay without interruption counts once.
+    /// Number of visits of each cell, row by row. An uninterrupted stay counts once.
     pub fn visits(&self) -> impl ExactSizeIterator<Item = u32> + '_ {
         self.cells.iter().map(|cell| cell.visits)
     }
 
-    /// How long ago each cell was last visited (s), row by row, at the time `now`; since the start
-    /// for those not visited yet.
+    /// Time since the last visit of each cell (s), row by row, at the time `now`; since the start for
+    /// those not visited yet.
     pub fn idleness(&self, now: Duration) -> impl ExactSizeIterator<Item = f64> + '_ {
         let now = now.as_nanos() as u64;
         self.cells
@@ -346,16 +345,16 @@ impl Coverage {
             .map(move |cell| now.saturating_sub(cell.last_ns) as f64 / 1e9)
     }
 
-    /// Whether a cell's centre lies outside all obstacles now; false for an index out of range.
+    /// Returns `true` if a cell's centre lies outside all obstacles now; false for an index out of range.
     pub fn is_free(&self, index: usize) -> bool {
         self.cells.get(index).is_some_and(|cell| cell.free)
     }
 
-    /// Whether a counted robot can visit a free cell by driving from where it was when the map
-    /// changed last; false for an index out of range.
+    /// Returns `true` if a counted robot can reach a free cell from its position at the last change of
+    /// the map; `false` for an index out of range.
     ///
-    /// It is decided on the cells' centres: a passage wider than the robot by less than a cell may
-    /// count as closed, and a cell at the rim as out of reach that can just be reached.
+    /// The decision uses the cells' centres: a passage wider than the robot by less than a cell may count
+    /// as closed, and a barely reachable cell at the rim as unreachable.
     pub fn is_coverable(&self, index: usize) -> bool {
         self.cells.get(index).is_some_and(|cell| cell.coverable)
     }
@@ -394,13 +393,13 @@ impl Coverage {
         }
     }
 
-    /// Visited part of the free cells, 0…1 (1 if there are none).
+    /// Visited share of the free cells, 0…1 (1 if there are none).
     pub fn fraction(&self) -> f64 {
         part(self.visited, self.free)
     }
 }
 
-/// The cells to account for.
+/// The frame of the accounted cells.
 fn frame(spec: &CoverageSpec, map: &WorldMap) -> Result<GridFrame, ParamsError> {
     let resolution = match spec.resolution {
         Some(resolution) if resolution != map.frame().resolution => resolution,
@@ -408,7 +407,7 @@ fn frame(spec: &CoverageSpec, map: &WorldMap) -> Result<GridFrame, ParamsError> 
     };
     let bounds = map.bounds();
     let size = bounds.max - bounds.min;
-    // A side that is a whole number of cells but for rounding gets exactly that number.
+    // A side that is an integer number of cells except for rounding gets exactly that number.
     let count = |side: f64| (side / resolution - 1e-6).ceil().max(1.0);
     let (width, height) = (count(size.x), count(size.y));
     if width * height > MAX_CELLS {

@@ -6,11 +6,11 @@ use geometry::math;
 use geometry::pose::{Pose2, Twist2};
 use geometry::shape::Aabb;
 
-/// Distance (m) between an arc and its chord below which the chord is taken for it: far below any
-/// cell, far above rounding.
+/// Distance (m) between an arc and its chord below which the chord replaces it: far below any cell,
+/// far above rounding.
 const FLAT: f64 = 1e-7;
 
-/// The way of a centre.
+/// The path of a centre.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum SweptPath {
     /// Straight; both ends may be one point.
@@ -28,7 +28,7 @@ pub(super) enum SweptPath {
 }
 
 impl SweptPath {
-    /// The way of a robot that keeps a twist for `dt` (s).
+    /// The path of a robot that keeps a twist for `dt` (s).
     pub fn of(pose: Pose2, twist: Twist2, dt: f64, end: Point2<f64>) -> Self {
         let (from, sweep) = (pose.position(), twist.omega * dt);
         if (twist.v * dt * sweep).abs() <= 8.0 * FLAT {
@@ -46,7 +46,7 @@ impl SweptPath {
         }
     }
 
-    /// A rectangle that holds all points of the way, hardly larger than it must be.
+    /// A rectangle that contains all points of the path, nearly as small as possible.
     pub fn bounds(&self) -> Aabb {
         let (a, b, beyond) = match *self {
             Self::Straight { from, to } => (from, to, 0.0),
@@ -69,7 +69,7 @@ impl SweptPath {
         }
     }
 
-    /// Whether some point of the way is at most `reach` (m) from `p`.
+    /// Returns `true` if some point of the path is at most `reach` (m) from `p`.
     pub fn passes(&self, p: Point2<f64>, reach: f64) -> bool {
         match *self {
             Self::Straight { from, to } => {
@@ -103,7 +103,7 @@ impl SweptPath {
     }
 }
 
-/// Whether a direction lies within the angle swept from `start` to `end`.
+/// Returns `true` if a direction lies within the angle swept from `start` to `end`.
 fn faces(ray: Vector2<f64>, start: Vector2<f64>, end: Vector2<f64>, sweep: f64) -> bool {
     use core::f64::consts::{PI, TAU};
     let turns_left = |a: Vector2<f64>, b: Vector2<f64>| sweep.signum() * a.perp(&b);
@@ -124,7 +124,7 @@ mod tests {
     use crate::robot::drive::integrate;
 
     proptest! {
-        /// Against many discs along the way.
+        /// Compared with many discs along the path.
         #[test]
         fn ways_pass_what_discs_along_them_cover(
             theta in -4.0..4.0_f64,

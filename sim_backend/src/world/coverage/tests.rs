@@ -61,7 +61,7 @@ fn visits_at(world: &World, x: f64, y: f64) -> u32 {
     coverage.visits().nth(cell).unwrap()
 }
 
-/// Per cell, how near a point of the way comes to its centre (m), found one by one.
+/// Per cell, the minimum distance of a point of the path from its centre (m), by brute force.
 fn nearest(frame: &GridFrame, way: &[Point2<f64>]) -> Vec<f64> {
     (0..frame.height)
         .flat_map(|row| (0..frame.width).map(move |col| frame.center(col, row)))
@@ -189,7 +189,7 @@ fn a_stay_is_one_visit_and_idleness_is_the_time_since() {
     }
     assert_eq!(visits_at(&world, 1.01, 1.52), 2);
     assert_eq!(visits_at(&world, 1.51, 1.52), 2);
-    // Where it turned it did not leave.
+    // A turn on the spot does not interrupt the visit.
     assert_eq!(visits_at(&world, 2.01, 1.52), 1);
     let coverage = world.coverage().unwrap();
     let idle = |x: f64| {
@@ -241,7 +241,7 @@ fn only_the_named_robots_and_teams_count_and_only_in_the_game() {
     let drive = Some(Twist2::new(0.4, 0.0));
     world.step(&[None, drive, drive], Duration::from_secs(1));
     assert!(!world.robots()[2].is_active());
-    // The way to the exit counts, standing there afterwards does not.
+    // The path to the exit counts, the stay there does not.
     assert_eq!(visits_at(&world, 3.41, 1.01), 1);
     world.step(&[], Duration::from_secs(5));
     let coverage = world.coverage().unwrap();
@@ -275,13 +275,13 @@ fn what_no_robot_can_reach_is_not_coverable() {
         f.coverable
     );
     let before = f.visited;
-    // Once the wall is gone, all is.
+    // Without the wall, all cells are coverable.
     let id = world.map().obstacle_named("wall").unwrap();
     world.apply(&ObstacleChange::Disappear { id }).unwrap();
     let f = figures(&world);
     assert_eq!((f.free, f.visited), (4800, before));
     assert!(f.coverable > 4800 - 60);
-    // An obstacle takes visited cells out of the account, and gives them back.
+    // An obstacle removes visited cells from the account, and its removal restores them.
     let id = ObstacleId(9);
     let shape = Shape::Circle {
         center: [1.3, 1.5],
@@ -353,7 +353,7 @@ proptest! {
             .collect();
         let spec = CoverageSpec { radius: Some(reach), resolution, ..CoverageSpec::default() };
         let Ok(mut world) = try_world(room(), robots, spec) else {
-            // They overlap.
+            // The robots overlap.
             return Ok(());
         };
         let mut ways: Vec<_> = world.robots().iter().map(|r| r.pose.position()).collect();

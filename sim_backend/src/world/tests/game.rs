@@ -178,14 +178,14 @@ fn bad_commands_stop_the_robot_and_are_reported_once() {
         assert_eq!(world.robots()[0].pose.x, x);
     }
     assert_eq!(world.robots()[0].invalid_commands, 2);
-    // Missing stops as well, silently; too much is clamped.
+    // A missing command stops as well, without a report; an excessive one is clamped.
     assert!(world.step(&[], TICK).is_empty());
     assert!(world.step(&[None], TICK).is_empty());
     assert_eq!(world.robots()[0].pose.x, x);
     world.step(&[drive(1e5, 0.0)], Duration::from_millis(1));
     assert!((world.robots()[0].pose.x - x - 0.1).abs() < 1e-12);
     assert_eq!(world.step(&[drive(f64::NAN, 0.0)], TICK).len(), 1);
-    // Far too much is not believed.
+    // An absurd command is rejected.
     let x = world.robots()[0].pose.x;
     assert!(
         world.step(&[drive(1e300, 0.0)], TICK).is_empty(),

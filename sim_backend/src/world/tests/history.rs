@@ -1,4 +1,5 @@
-//! Long histories: they stay sound under changes of the map, and have the same bits everywhere.
+//! Long histories: they stay valid under changes of the map, and have the same bits on every
+//! machine.
 
 use geometry::map::{ObstacleChange, ObstacleId};
 use proptest::prelude::*;
@@ -7,8 +8,8 @@ use super::*;
 use crate::random::Stream;
 use crate::spec::{ActuatorSpec, CaptureSpec, ScanSpec};
 
-/// Steps a crowded world with noise, contacts and captures, and folds every bit of its states, scans
-/// and number of events into one number (FNV-1a).
+/// Steps a crowded world with noise, contacts and captures, and hashes all states, scans and numbers
+/// of events (FNV-1a).
 fn digest() -> u64 {
     let mut digest = 0xcbf2_9ce4_8422_2325u64;
     let mut fold = |bits: u64| {
@@ -70,8 +71,8 @@ fn digest() -> u64 {
     digest
 }
 
-/// If this fails after a change that was meant to alter histories, put the new number here; if it
-/// fails on another machine, something computes other bits there.
+/// If this fails after an intended change of histories, enter the new number here; if it fails on
+/// another machine, a computation differs there.
 #[test]
 fn a_history_has_the_same_bits_on_every_machine() {
     assert_eq!(format!("{:016x}", digest()), "9a49ee214de0922c");

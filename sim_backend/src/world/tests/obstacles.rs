@@ -115,7 +115,7 @@ fn a_robot_under_a_new_obstacle_is_pushed_to_the_nearest_free_place() {
 
 #[test]
 fn no_robot_is_pushed_through_another_wall() {
-    // Below the robot a thin wall, beyond it the nearest free place; above it a longer way.
+    // Below the robot a thin wall, beyond it the nearest free place; above it a longer path.
     let thin = Shape::Rectangle {
         center: [0.0, -0.2],
         half_extents: [5.0, 0.01],

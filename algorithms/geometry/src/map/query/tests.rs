@@ -123,7 +123,7 @@ proptest! {
             let expected = ray_by_parry(&map, p, dir);
             let ours = map.cast_ray(p, dir, 100.0).unwrap();
             if (ours - expected).abs() > 1e-6 {
-                // A graze: a hair to the side the two meet again.
+                // A graze: slightly to the side the two agree again.
                 let beside = [-1e-4, 1e-4].map(|s| {
                     let q = p + Vector2::new(-sin, cos) * s;
                     (map.cast_ray(q, dir, 100.0).unwrap() - expected).abs() < 1e-2

@@ -44,7 +44,8 @@ proptest! {
             prop_assert!((contact.distance - theirs).abs() < 1e-9);
         } else {
             let p = Vector::new(p.x, p.y);
-            // parry's own depth inside a polygon is off by far now and then: its edges tell.
+            // parry's own depth inside a polygon is sometimes far off; the edges give the true
+            // value.
             let depth = if let Some(polygon) = shape.as_convex_polygon() {
                 let corners = polygon.points();
                 let next = corners.iter().cycle().skip(1);
@@ -77,7 +78,7 @@ proptest! {
             (Some(a), Some(b)) => prop_assert!((a - b).abs() < 1e-6, "{a} {b}"),
             (None, None) => {}
             (ours, theirs) => {
-                // Only a graze may be judged differently.
+                // The results may differ only at a graze.
                 let t = ours.or(theirs).unwrap();
                 let touch = p + Vector2::new(cos, sin) * t;
                 let around = [-1e-4, 1e-4].map(|s| {

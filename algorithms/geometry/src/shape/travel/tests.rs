@@ -89,7 +89,7 @@ fn paths_along_the_border_touch_and_paths_through_it_do_not() {
     assert!(square.segment_is_clear(p(-1.0, 1.0), p(1.0, 1.0), 0.0));
     assert!(!square.segment_is_clear(p(-2.0, 0.0), p(2.0, 0.0), 0.0));
     assert!(!square.segment_is_clear(p(0.0, 0.0), p(0.0, 0.0), 0.0));
-    // Half a circle around the upper side, from thin air to thin air.
+    // Half a circle around the upper side, from free space to free space.
     let arc = ShortArc {
         center: p(0.0, 1.0),
         radius: 0.25,

@@ -1,4 +1,4 @@
-//! The border of what is seen, as it grows.
+//! The border of the visible region under construction.
 
 use core::f64::consts::PI;
 
@@ -7,14 +7,14 @@ use nalgebra::{Point2, Vector2};
 use super::span::{Span, direction, from_begin};
 use crate::math;
 
-/// Largest angle between two corners where the range is what ends the view (rad).
+/// Maximum angle between two corners where the range limits the view (rad).
 const ARC_STEP: f64 = 5.0 * PI / 180.0;
-/// Points closer to each other than the root of this are one (m²).
+/// Square of the distance (m²) below which points are equal.
 const SAME_PLACE: f64 = 1e-18;
-/// Corners of a border to expect.
+/// Expected number of corners of a border.
 const CORNERS: usize = 128;
 
-/// The border of what is seen, as it grows.
+/// The border of the visible region under construction.
 pub(super) struct View {
     place: Point2<f64>,
     begin: f64,
@@ -23,7 +23,8 @@ pub(super) struct View {
 }
 
 impl View {
-    /// Nothing yet, from a place, with angles told from `begin` (rad) on, as far as `range` (m).
+    /// Creates an empty border at a position, with angles relative to `begin` (rad) and a range of
+    /// `range` (m).
     pub(super) fn new(place: Point2<f64>, begin: f64, range: f64) -> Self {
         Self {
             place,
@@ -33,7 +34,7 @@ impl View {
         }
     }
 
-    /// The border; of a view all round, it ends before where it began.
+    /// Returns the border; of a view all round, it ends before its start.
     pub(super) fn finish(self, all_round: bool) -> Vec<Point2<f64>> {
         let mut border = self.border;
         if all_round
@@ -45,7 +46,7 @@ impl View {
         border
     }
 
-    /// Adds what is seen of a wall between two directions, or of the range before it.
+    /// Adds the visible part of a wall between two directions, or of the range before it.
     pub(super) fn add(&mut self, span: &Span, from: f64, to: f64) {
         let (first, last) = (
             span.part(direction(self.begin + from)),
@@ -73,7 +74,7 @@ impl View {
         let angle = |part: f64| {
             let v = point(part);
             let relative = from_begin(math::atan2(v.y, v.x) - self.begin);
-            // At its ends it may have come out on the other side of the beginning.
+            // Rounding may move its ends to the other side of the start.
             if (from..=to).contains(&relative) {
                 relative
             } else if part > f64::midpoint(first, last) {

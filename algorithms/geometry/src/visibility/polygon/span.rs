@@ -1,4 +1,4 @@
-//! A wall as seen from the viewpoint, and directions in the order of the sweep.
+//! A wall relative to the viewpoint, and directions in the order of the sweep.
 
 use core::f64::consts::TAU;
 
@@ -6,41 +6,41 @@ use nalgebra::Vector2;
 
 use crate::math;
 
-/// A wall begins behind another if it does by more than this (m²), the area between them; otherwise
-/// their distances decide.
+/// Area (m²) between two walls above which one is behind the other; otherwise their distances decide.
 const CLEARLY: f64 = 1e-9;
 
-/// A wall as it is seen: from the viewpoint, its ends in directions relative to where the sweep begins.
+/// A wall relative to the viewpoint, with the directions of its ends relative to the start of the
+/// sweep.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Span {
     pub(super) begins: f64,
-    /// Not before it begins: a wall over which the sweep begins is two spans.
+    /// At least `begins`: a wall across the start of the sweep is two spans.
     pub(super) ends: f64,
     pub(super) from: Vector2<f64>,
     pub(super) along: Vector2<f64>,
 }
 
 impl Span {
-    /// Where on the wall a ray hits it, 0 to 1 from its beginning.
+    /// Position on the wall at which a ray hits it, 0 to 1 from its start.
     pub(super) fn part(&self, ray: Vector2<f64>) -> f64 {
         (ray.perp(&self.from) / self.along.perp(&ray)).clamp(0.0, 1.0)
     }
 
-    /// Whether a wall that begins in a direction of this one begins clearly behind it.
+    /// Returns `true` if a wall that begins in a direction of this one begins clearly behind it.
     pub(super) fn hides(&self, other: &Self) -> bool {
         (other.from - self.from).perp(&self.along) > CLEARLY
     }
 
-    /// How far away the wall is in a direction.
+    /// Distance of the wall in a direction.
     pub(super) fn distance(&self, ray: Vector2<f64>) -> f64 {
         self.from.perp(&self.along) / ray.perp(&self.along)
     }
 }
 
-/// An angle, mostly from a single turn, as one from 0 to 2π.
+/// Reduces an angle, mostly from a single turn, to 0 … 2π.
 pub(super) fn from_begin(angle: f64) -> f64 {
     if angle > -TAU && angle < TAU {
-        // The remainder, bit by bit, without dividing.
+        // The exact remainder, without a division.
         if angle < 0.0 { angle + TAU } else { angle }
     } else {
         angle.rem_euclid(TAU)

@@ -1,4 +1,4 @@
-//! Which wall is the nearest, as one looks around.
+//! Angular sweep: the nearest wall in each direction.
 
 use nalgebra::Vector2;
 
@@ -12,23 +12,23 @@ pub(super) struct Corner {
     pub(super) begins: Option<usize>,
 }
 
-/// A look around, from one direction to the next, at the walls that are there.
+/// An angular sweep over the walls, from one direction to the next.
 ///
-/// Walls do not cross: the nearest stays so until it ends or a nearer one begins. So only those that
-/// begin are compared with it, and all that are open only where it ends.
+/// Walls do not cross: the nearest one remains so until it ends or a nearer one begins. So only new
+/// walls are compared with it, and all open walls only at its end.
 pub(super) struct Sweep {
     begin: f64,
     spans: Vec<Span>,
-    /// Those that have begun, some of which may have ended.
+    /// Walls that have begun; some may have ended.
     open: Vec<usize>,
-    /// The nearest at the last direction.
+    /// The nearest wall at the last direction.
     nearest: Option<usize>,
 }
 
 impl Sweep {
-    /// Begins at an angle (rad), from which on the spans' directions are told.
+    /// Begins at an angle (rad), to which the spans' directions are relative.
     pub(super) fn new(begin: f64, spans: Vec<Span>) -> Self {
-        // Those over which it begins are open already.
+        // Walls across the start are already open.
         let open = (0..spans.len()).filter(|&span| spans[span].begins == 0.0);
         Self {
             begin,
@@ -38,12 +38,13 @@ impl Sweep {
         }
     }
 
-    /// A wall as it is seen.
+    /// The span with this index.
     pub(super) fn span(&self, span: usize) -> &Span {
         &self.spans[span]
     }
 
-    /// A wall begins before the middle of the present directions; `ray` is where that is, once known.
+    /// Opens a wall that begins before the middle of the current directions; `ray` is the direction
+    /// of the middle, once known.
     pub(super) fn open(&mut self, span: usize, middle: f64, ray: &mut Option<Vector2<f64>>) {
         self.open.push(span);
         let here = &self.spans[span];
@@ -59,7 +60,8 @@ impl Sweep {
         }
     }
 
-    /// The nearest wall in the middle of the present directions, when all are open that begin before.
+    /// The nearest wall in the middle of the current directions, after all earlier walls have been
+    /// opened.
     pub(super) fn nearest(&mut self, middle: f64, ray: &mut Option<Vector2<f64>>) -> Option<usize> {
         let spans = &self.spans;
         if self.nearest.is_none_or(|span| spans[span].ends <= middle) {
@@ -76,7 +78,7 @@ impl Sweep {
         self.nearest
     }
 
-    /// Whether two spans are parts of one wall.
+    /// Returns `true` if two spans are parts of one wall.
     pub(super) fn is_one_wall(&self, a: usize, b: usize) -> bool {
         a == b || self.spans[a].from == self.spans[b].from
     }

@@ -16,7 +16,7 @@ fn all_round(x: f64, y: f64) -> Viewpoint {
     }
 }
 
-/// The border with the viewpoint where it closes over it.
+/// The border, including the viewpoint if it closes over it.
 fn polygon(walls: &Walls, viewpoint: &Viewpoint) -> Vec<Point2<f64>> {
     let mut border = walls.seen_from(viewpoint);
     if !viewpoint.limits.is_all_round() && !border.is_empty() {
@@ -97,7 +97,7 @@ fn range_and_field_of_view_cut_the_view() {
         &sector,
         viewpoint.position + direction(0.3 - 0.51) * 9.0
     ));
-    // A wall within the range: half of the disc beyond 5 m is gone.
+    // A wall within the range: half of the disc beyond 5 m is hidden.
     let mut near = all_round(4.0, 90.0);
     near.limits.range = Some(10.0);
     let cut = area(&walls.seen_from(&near));
@@ -116,7 +116,7 @@ fn on_a_wall_is_as_beside_it() {
     }
 }
 
-/// The border of what an viewpoint sees, by comparing all walls in every direction.
+/// The border of the region visible from a viewpoint, by comparing all walls in every direction.
 fn seen_by_comparing_all(walls: &Walls, viewpoint: &Viewpoint) -> Vec<Point2<f64>> {
     let Some(place) = walls.stand(viewpoint.position) else {
         return Vec::new();
@@ -195,7 +195,7 @@ proptest! {
         prop_assert_eq!(from_begin(angle).to_bits(), f64::rem_euclid(angle, TAU).to_bits());
     }
 
-    /// What lies in the polygon is what lines of sight reach.
+    /// The polygon contains the points that lines of sight reach.
     #[test]
     fn in_the_polygon_is_what_lines_of_sight_reach(
         cells in prop::collection::vec((0_usize..24, 0_usize..18), 0..60),
