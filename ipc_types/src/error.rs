@@ -59,7 +59,7 @@ pub enum BusError {
         reason: String,
     },
     /// A run in one process does not have it.
-    #[error("{name}: a bus in memory has no {what}, only a run of several processes has")]
+    #[error("{name}: a bus in memory has no {what}, only a run of several processes has them")]
     NeedsProcesses {
         /// The service or event.
         name: &'static str,

@@ -51,7 +51,7 @@ mod tests {
     }
 
     #[test]
-    fn difference_takes_the_short_way_round() {
+    fn the_difference_is_the_shorter_rotation() {
         assert!((angle_difference(-3.0, 3.0) - (TAU - 6.0)).abs() < 1e-12);
         assert!((angle_difference(0.1, -0.1) - 0.2).abs() < 1e-12);
     }

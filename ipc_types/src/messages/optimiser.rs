@@ -161,7 +161,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_reason_travels_as_far_as_it_fits() {
+    fn a_reason_is_cut_to_its_length() {
         let text = |reason: &str| {
             PlanResponse {
                 reason: PlanResponse::reason_of(reason),

@@ -142,7 +142,7 @@ fn with_overflow_the_newest_messages_win() {
 }
 
 #[test]
-fn a_topic_has_as_many_ports_as_its_quality_of_service_says_and_they_become_free_again() {
+fn a_topic_has_the_ports_of_its_quality_of_service_and_they_become_free_again() {
     on_both("seats", false, |bus| {
         let _service = bus.create::<WorldState>().unwrap();
         let qos = WorldState::ID.qos(&options(false).size);

@@ -77,7 +77,7 @@ fn the_clock_of_the_content_is_that_of_the_sending_only_where_little_is_copied()
 }
 
 #[test]
-fn what_is_sent_in_place_is_what_the_memory_holds() {
+fn a_message_sent_in_place_is_the_content_of_the_memory() {
     let (_space, bus) = joined("in_place");
     let _service = bus.create::<WorldState>().unwrap();
     let port = PublisherOptions::new(7, 2);

@@ -78,7 +78,7 @@ fn no_clock_is_read() {
 }
 
 #[test]
-fn what_only_processes_have_is_refused_by_name() {
+fn features_of_processes_are_refused_by_name() {
     let bus = local(false);
     for (error, name) in [
         (

@@ -104,7 +104,7 @@ fn errors_name_the_topic_and_the_lengths() {
 }
 
 #[test]
-fn a_count_that_lies_does_not_ask_for_memory() {
+fn a_false_count_does_not_allocate() {
     let (header, _) = message::<WorldState>(&[0], 0);
     let mut bytes = Vec::new();
     cdr::encode::<WorldState>(&header, &[], &mut bytes);

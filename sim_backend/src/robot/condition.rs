@@ -66,7 +66,7 @@ mod tests {
     }
 
     #[test]
-    fn travelled_counts_the_way_and_not_the_distance_from_the_start() {
+    fn travelled_counts_the_path_and_not_the_distance_from_the_start() {
         let mut robot = robot();
         let condition = Condition::Travelled { travelled: 1.5 };
         robot.distance_travelled = 1.499;
@@ -95,7 +95,7 @@ mod tests {
     }
 
     #[test]
-    fn who_starts_at_the_goal_has_made_all_progress() {
+    fn a_start_at_the_goal_is_full_progress() {
         let mut robot = robot();
         robot.pose = Pose2::new(5.0, 1.0, 0.0);
         let condition = Condition::Progress { progress: 1.0 };

@@ -97,7 +97,7 @@ pub enum WorldError {
     },
     /// No path leads an evader to any exit.
     #[error(
-        "robots[{index}] \"{name}\" cannot reach any exit: no way from ({x}, {y}) is wide enough \
+        "robots[{index}] \"{name}\" cannot reach any exit: no path from ({x}, {y}) is wide enough \
          for its radius of {radius} m"
     )]
     ExitUnreachable {
@@ -114,7 +114,7 @@ pub enum WorldError {
     },
     /// No path leads a robot to its goal.
     #[error(
-        "robots[{index}] \"{name}\" cannot reach its goal: no way from ({x}, {y}) is wide enough \
+        "robots[{index}] \"{name}\" cannot reach its goal: no path from ({x}, {y}) is wide enough \
          for its radius of {radius} m"
     )]
     GoalUnreachable {

@@ -233,7 +233,7 @@ mod tests {
     }
 
     #[test]
-    fn a_map_keeps_the_passages_that_were_asked_for() {
+    fn a_map_keeps_the_requested_passages() {
         let map = grid(2, &[1.0, 1.0]);
         let known = KnownPassages::default();
         let first = known.get(&map, 0.5);

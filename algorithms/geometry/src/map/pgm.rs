@@ -293,7 +293,7 @@ mod tests {
     }
 
     #[test]
-    fn broken_images_say_what_is_wrong() {
+    fn errors_of_broken_images_name_the_fault() {
         let message = |bytes: &[u8]| read(bytes).unwrap_err().to_string();
         assert_eq!(
             message(b"P6\n1 1\n255\n\0"),

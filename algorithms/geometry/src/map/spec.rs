@@ -258,7 +258,7 @@ mod tests {
     }
 
     #[test]
-    fn a_wrong_table_says_what_is_known() {
+    fn the_error_of_a_wrong_table_lists_the_known_keys() {
         let error = parse("map = { files = { path = 'a.yaml' } }")
             .unwrap_err()
             .to_string();

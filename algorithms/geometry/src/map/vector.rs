@@ -310,7 +310,7 @@ mod tests {
     }
 
     #[test]
-    fn more_of_anything_than_is_meant_is_refused_with_the_limit() {
+    fn excessive_numbers_are_refused_with_the_limit() {
         let disc = |i: usize| ObstacleSpec {
             name: format!("o{i}"),
             shape: Shape::Circle {

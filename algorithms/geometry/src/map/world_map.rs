@@ -69,7 +69,7 @@ pub enum ObstacleError {
     #[error("obstacle {} appears: expected a number that is not in use", .0.0)]
     InUse(ObstacleId),
     /// No obstacle has this number.
-    #[error("obstacle {} moves or disappears: expected the number of an obstacle that stands", .0.0)]
+    #[error("obstacle {} moves or disappears: expected the number of an existing obstacle", .0.0)]
     Unknown(ObstacleId),
     /// The new shape is invalid.
     #[error("obstacle {}: {source}", id.0)]

@@ -126,7 +126,7 @@ mod tests {
     proptest! {
         /// Compared with many discs along the path.
         #[test]
-        fn ways_pass_what_discs_along_them_cover(
+        fn paths_pass_the_points_that_discs_along_them_cover(
             theta in -4.0..4.0_f64,
             v in prop_oneof![Just(0.0), -3.0..3.0_f64],
             omega in prop_oneof![Just(0.0), Just(1e-9), -9.0..9.0_f64],

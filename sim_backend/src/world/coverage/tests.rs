@@ -105,7 +105,7 @@ fn at_the_start_the_footprints_are_visited() {
 }
 
 #[test]
-fn the_way_is_that_of_the_robots_that_count() {
+fn the_distance_is_that_of_the_robots_that_count() {
     let spec = CoverageSpec {
         robots: vec!["walle".into()],
         ..CoverageSpec::default()
@@ -149,7 +149,7 @@ fn one_long_step_covers_what_many_short_ones_do() {
 }
 
 #[test]
-fn a_way_that_contact_bends_is_followed() {
+fn a_path_with_contacts_is_followed() {
     // Into the corner at (4, 0) at an angle: it slides along the lower wall, then stands.
     let mut world = world(
         room(),
@@ -250,7 +250,7 @@ fn only_the_named_robots_and_teams_count_and_only_in_the_game() {
 }
 
 #[test]
-fn what_no_robot_can_reach_is_not_coverable() {
+fn unreachable_cells_are_not_coverable() {
     let mut map = room();
     map.obstacles.push(geometry::map::ObstacleSpec {
         name: "wall".into(),

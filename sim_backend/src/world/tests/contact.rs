@@ -40,7 +40,7 @@ fn no_robot_tunnels_through_a_thin_wall() {
 }
 
 #[test]
-fn a_blocked_robot_slides_or_stops_as_the_rules_say() {
+fn a_blocked_robot_slides_or_stops_by_the_rules() {
     let heading = -core::f64::consts::FRAC_PI_4;
     for (blocked, x) in [(Blocked::Slide, 1.0), (Blocked::Stop, 0.2)] {
         let rules = RulesSpec {
@@ -83,7 +83,7 @@ fn a_corner_holds_a_robot_without_counting_it_again_and_again() {
 }
 
 #[test]
-fn sliding_around_a_round_obstacle_costs_way_but_not_contact_precision() {
+fn sliding_around_a_round_obstacle_keeps_contact_precision() {
     let map = room(vec![Shape::Circle {
         center: [0.0, 0.0],
         radius: 1.0,
@@ -111,7 +111,7 @@ fn sliding_around_a_round_obstacle_costs_way_but_not_contact_precision() {
 }
 
 #[test]
-fn who_stands_is_not_pushed_and_who_drives_into_it_is_blocked() {
+fn a_standing_robot_is_not_pushed_and_blocks_a_moving_one() {
     let robots = vec![
         racer("runner", Team::Neutral, -2.0, 0.0, 0.0),
         racer("post", Team::Neutral, 0.0, 0.0, 0.0),
@@ -151,7 +151,7 @@ fn two_that_drive_at_each_other_meet_in_the_middle() {
 }
 
 #[test]
-fn who_hits_from_behind_stops_and_the_other_drives_on() {
+fn a_robot_that_hits_from_behind_stops_and_the_other_drives_on() {
     let robots = vec![
         racer("slow", Team::Neutral, 0.0, 0.0, 0.0),
         racer("fast", Team::Neutral, -1.0, 0.0, 0.0),

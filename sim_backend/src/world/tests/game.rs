@@ -87,7 +87,7 @@ fn a_caught_evader_does_not_escape_in_the_same_tick() {
 }
 
 #[test]
-fn escaped_evaders_leave_and_caught_ones_stay_in_the_way_unless_the_rules_say_otherwise() {
+fn escaped_evaders_leave_and_caught_ones_stay_unless_the_rules_differ() {
     use crate::spec::OutOfPlay::{Remove, Stay};
     let exit = Region::Circle {
         center: [0.0, 0.0],

@@ -45,7 +45,7 @@ fn beams_turn_left_from_the_heading_and_see_walls_and_robots() {
 }
 
 #[test]
-fn scan_noise_depends_on_the_tick_and_not_on_how_often_it_is_asked() {
+fn scan_noise_depends_on_the_tick_and_not_on_the_number_of_calls() {
     let mut world = scanner(ScanSpec {
         noise: 0.01,
         ..exact()
