@@ -5,7 +5,7 @@ use serde_json::{Map, Value};
 use super::types::Types;
 use crate::publish::plain_text;
 
-/// The alternatives of a schema with the names of their types, without that for absence; the schema
+/// The alternatives of a schema with the names of their types, without `null`; the schema
 /// itself, if it has none.
 pub(super) fn alternatives<'a>(
     types: &Types<'a>,
@@ -20,7 +20,7 @@ pub(super) fn alternatives<'a>(
     others.flat_map(|one| alternatives(types, one)).collect()
 }
 
-/// The types of a schema, without that for absence.
+/// The types of a schema, without `null`.
 pub(super) fn types(schema: &Value) -> Vec<&str> {
     match schema.get("type") {
         Some(Value::String(name)) => vec![name],
