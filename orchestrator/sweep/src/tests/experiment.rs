@@ -185,7 +185,7 @@ fn cells_that_are_the_same_scenario_are_noted() {
     let notes = load(&text).unwrap().notes();
     assert_eq!(notes.len(), 3);
     assert!(
-        notes[0].contains("(potential, 0.8) and (again, 0.8) are the same"),
+        notes[0].contains("(potential, 0.8) and (again, 0.8) have the same scenario"),
         "{notes:?}"
     );
 }

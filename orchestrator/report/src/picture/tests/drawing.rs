@@ -236,7 +236,7 @@ fn obstacles_added_during_the_run_have_another_colour() {
     plain.static_scene.obstacles.remove(&1);
     plain.beliefs.clear();
     let svg = draw(&plain);
-    assert!(!svg.contains("during the run") && !svg.contains("particle filter"));
+    assert!(!svg.contains("during the run") && !svg.contains("belief of"));
 }
 
 #[test]
