@@ -44,7 +44,7 @@ impl Seeds {
     /// Parses `A..B`, both included, or one number.
     ///
     /// # Errors
-    /// [`SeedsError`] if it is neither, or has more than a million seeds.
+    /// `SeedsError` if it is neither, or has more than a million seeds.
     pub fn parse(text: &str) -> Result<Self, SeedsError> {
         let refused = || SeedsError {
             text: text.to_owned(),
