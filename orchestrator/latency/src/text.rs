@@ -102,7 +102,7 @@ fn deadlines(run: &Run) -> Vec<String> {
     }
     if let Some(share) = run.share_of_period() {
         lines.push(format!(
-            "reaction   {:.1} % of the period at its 99th percentile",
+            "reaction   {:.1} % of the tick period (p99)",
             100.0 * share
         ));
     }

@@ -243,7 +243,7 @@ impl Planned {
             "{}: {} starts at ({:.3}, {:.3}) m\n\n",
             self.process, self.robot, self.site.start.x, self.site.start.y
         );
-        text += "  free rectangle   x [m]            y [m]            area [m2]\n";
+        text += "  free rectangle   x (m)            y (m)            area (m2)\n";
         for (number, r) in decomposition.rectangles().iter().enumerate() {
             text += &format!(
                 "  {number:14}   {:6.3} … {:6.3}   {:6.3} … {:6.3}   {:8.3}\n",
@@ -268,12 +268,12 @@ impl Planned {
                 .iter()
                 .map(|s| format!("{} ({})", s.rectangle, s.iterations))
                 .collect();
-            text += &format!("tour     {}  (sub-goals in brackets)\n", stops.join(" → "));
+            text += &format!("tour     {}  (number of sub-goals in parentheses)\n", stops.join(" → "));
         }
         let loss = self.site.workplace.loss();
         if loss.area > 0.0 {
             text += &format!(
-                "given up {:.3} m2 of free space ({:.2} %) for obstacles as rectangles\n",
+                "lost     {:.3} m2 of free space ({:.2} %) to the rectangles around obstacles\n",
                 loss.area,
                 100.0 * loss.share
             );

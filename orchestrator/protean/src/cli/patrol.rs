@@ -131,7 +131,7 @@ fn plan_text(patrol: &Patrol, laps: &Laps) -> String {
         patrol.alpha(),
         patrol.t_max(),
     );
-    text += "  number  lap  kind            x [m]     y [m]\n";
+    text += "  number  lap  kind            x (m)     y (m)\n";
     for waypoint in &laps.waypoints {
         text += &format!(
             "{:8}  {:3}  {:10}  {:9.4} {:9.4}\n",
