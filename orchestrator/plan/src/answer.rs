@@ -24,6 +24,7 @@ pub enum Outcome {
     /// There are paths, but the prescribed speeds are impossible on all of them; a valid answer.
     Infeasible,
     /// The method found no trajectory that passes the check, and fallbacks are disabled or failed.
+    #[serde(rename = "not_honest")]
     InvalidTrajectory,
     /// The instance is invalid.
     Invalid,

@@ -379,3 +379,11 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn outcomes_have_one_name_in_json_and_tables() {
+    for outcome in Outcome::ALL {
+        let json = serde_json::to_value(outcome).unwrap();
+        assert_eq!(json, outcome.name());
+    }
+}

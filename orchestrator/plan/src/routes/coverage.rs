@@ -268,7 +268,10 @@ impl Planned {
                 .iter()
                 .map(|s| format!("{} ({})", s.rectangle, s.iterations))
                 .collect();
-            text += &format!("tour     {}  (number of sub-goals in parentheses)\n", stops.join(" → "));
+            text += &format!(
+                "tour     {}  (number of sub-goals in parentheses)\n",
+                stops.join(" → ")
+            );
         }
         let loss = self.site.workplace.loss();
         if loss.area > 0.0 {
