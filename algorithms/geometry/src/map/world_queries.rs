@@ -43,7 +43,7 @@ impl WorldMap {
         self.shapes().segment_distance(a, b)
     }
 
-    /// As [`ShapeMap::edge_contacts`](super::ShapeMap::edge_contacts).
+    /// The four sides of the map's edge as surfaces.
     pub fn edge_contacts(&self, p: Point2<f64>) -> [Contact; 4] {
         self.shapes().edge_contacts(p)
     }
