@@ -1,7 +1,4 @@
 //! The language of the source tree: the words of `docs/glossary.md` and the first words of doc comments.
-//!
-//! `tests/language/remaining.txt` holds the findings that are not mended yet, a count for each rule. A count may
-//! only fall: `PROTEAN_DOCS=write cargo test -p end_to_end language::` writes the lower ones.
 
 #[path = "language/glossary.rs"]
 mod glossary;
@@ -32,7 +29,7 @@ const QUESTIONS: &[&str] = &[
     "What", "How", "Whether", "Who", "Whose", "Where", "When", "Which", "Why",
 ];
 
-/// The rule of the first words, as in the list of counts.
+/// The name of the rule for first words.
 const HEADS: &str = "(question at the head of a doc comment)";
 
 /// Places of findings by rule.
@@ -43,30 +40,15 @@ fn the_tree_keeps_to_the_glossary() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
     let glossary = read(&root.join("docs/glossary.md"));
     let findings = search(&root, &Glossary::parse(&glossary).unwrap());
-    let list = root.join("tests/language/remaining.txt");
-    let remaining = remaining(&read(&list));
 
     let mut faults = String::new();
     for (rule, places) in &findings {
-        let allowed = remaining.get(rule).copied().unwrap_or(0);
-        if places.len() > allowed {
-            let _ = writeln!(faults, "{rule}: {} of {allowed} allowed", places.len());
-            for place in places {
-                let _ = writeln!(faults, "    {place}");
-            }
-        }
+        let _ = writeln!(faults, "{rule}: {}", places.join(" "));
     }
     assert!(
         faults.is_empty(),
         "words that docs/glossary.md replaces:\n{faults}"
     );
-    if std::env::var("PROTEAN_DOCS").is_ok_and(|value| value == "write") {
-        let mut counts = String::new();
-        for (rule, places) in &findings {
-            let _ = writeln!(counts, "{} {rule}", places.len());
-        }
-        std::fs::write(list, counts).unwrap();
-    }
 }
 
 #[test]
@@ -169,16 +151,6 @@ fn files(folder: &Path) -> Vec<PathBuf> {
         }
     }
     files
-}
-
-/// The counts of the list, by rule.
-fn remaining(list: &str) -> BTreeMap<String, usize> {
-    list.lines()
-        .map(|line| {
-            let (count, rule) = line.split_once(' ').unwrap();
-            (rule.to_owned(), count.parse().unwrap())
-        })
-        .collect()
 }
 
 fn read(path: &Path) -> String {

@@ -251,7 +251,7 @@ topics! {
         simulated true, latched true, timed false,
         may_be_infinite [],
         qos |s| per_tick 1, publishers 1, subscribers s.readers();
-    /// What happened at a tick: captures, escapes, contacts…: simulator → all.
+    /// Events of a tick: captures, escapes, contacts…: simulator → all.
     WorldEvents = "world/event": Many, "events", PlainHeader, WorldEvent,
         simulated true, latched false, timed true,
         may_be_infinite [],
@@ -305,19 +305,19 @@ topics! {
         // Infinite: a waypoint that was left out before the robot set out for it.
         may_be_infinite ["closest"],
         qos |s| per_tick s.robots, publishers s.processes, subscribers s.readers();
-    /// Who can still escape: referee → all.
+    /// Verdicts on the evaders' escapes: referee → all.
     Verdicts = "world/verdict": Many, "verdicts", PlainHeader, Verdict,
         simulated true, latched true, timed true,
         // Infinite: no pursuer to be earlier than, no way out.
         may_be_infinite ["margin", "time"],
         qos |s| per_tick 1, publishers s.processes, subscribers s.readers();
-    /// Who reaches every place first: referee → viewers.
+    /// Dominance regions: referee → viewers.
     Dominance = "world/dominance": Many, "cells", DominanceHeader, DominanceCell,
         simulated true, latched true, timed true,
         // Infinite: no pursuer to be earlier than, no way out.
         may_be_infinite ["margin"],
         qos |s| per_tick 1, publishers s.processes, subscribers s.readers();
-    /// Where watched robots will be, and how wrong that was: observer → all.
+    /// Predicted positions of watched robots, and their errors: observer → all.
     Predictions = "observer/prediction": Many, "predictions", PlainHeader, Prediction,
         simulated true, latched true, timed true,
         // Infinite: a method that makes no prediction.
@@ -328,7 +328,7 @@ topics! {
         simulated false, latched true, timed false,
         may_be_infinite [],
         qos |s| per_tick 1, publishers s.processes, subscribers 2 + EXTERNAL_SUBSCRIBERS;
-    /// What the run does: orchestrator → all.
+    /// Commands to the processes of the run: orchestrator → all.
     Control = "run/control": One, "control", PlainHeader, RunControl,
         simulated false, latched true, timed false,
         may_be_infinite [],
@@ -338,7 +338,7 @@ topics! {
         simulated false, latched false, timed false,
         may_be_infinite [],
         qos |s| per_tick 2 * s.processes, publishers 1, subscribers 1 + EXTERNAL_SUBSCRIBERS;
-    /// What the processes wrote to stderr, by lines: orchestrator → recorder.
+    /// Lines that the processes wrote to stderr: orchestrator → recorder.
     ProcessLog = "process/log": Many, "text", LogHeader, u8,
         simulated false, latched false, timed false,
         may_be_infinite [],

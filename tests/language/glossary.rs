@@ -83,8 +83,10 @@ impl Glossary {
 
     /// Says if the identifier of these words is part of an interface.
     fn allows(&self, file: &str, part: &[Word<'_>]) -> bool {
+        let text: Vec<&str> = part.iter().map(|part| part.identifier).collect();
+        let text = text.join(" ");
         self.contracts.iter().any(|(word, places)| {
-            part.iter().all(|part| part.identifier == word)
+            (part.iter().all(|part| part.identifier == word) || *word == text)
                 && places.iter().any(|place| file.starts_with(place))
         })
     }

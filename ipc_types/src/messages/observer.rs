@@ -5,7 +5,7 @@ use iceoryx2::prelude::ZeroCopySend;
 use crate::message;
 
 message! {
-    /// Where one robot will be, by one method and one time ahead, in `observer/prediction`.
+    /// Predicted position of one robot, by one method for one time ahead, in `observer/prediction`.
     pub struct Prediction = "protean/Prediction" {
         horizon_s: f64 = "how far ahead [s]",
         x: f64 = "predicted position, x [m]; infinite if the method makes no prediction",

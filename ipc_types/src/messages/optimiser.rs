@@ -8,7 +8,7 @@ use crate::stamp::{Stamp, headers};
 message! {
     /// Header of a planning request; the elements are the points of the obstacles, encoded as those
     /// of `world/shapes`: one point with a radius is a disc, several are the corners of a convex
-    /// polygon. 0 stands for the optimiser's own choice where it is said.
+    /// polygon. 0 selects the optimiser's own choice where documented.
     pub struct PlanRequest = "protean/PlanRequest" {
         stamp: Stamp = "when, in which order, by whom",
         start_x: f64 = "start, x [m]",

@@ -34,7 +34,7 @@ impl ProcessStatus {
 }
 
 message! {
-    /// What the orchestrator tells the run, in `run/control`.
+    /// Command of the orchestrator to all processes of the run, in `run/control`.
     pub struct RunControl = "protean/RunControl" {
         rate: f64 = "real-time factor; 0 in lock-step",
         command: u32 = "0 ready, 1 start, 2 pause, 3 step, 4 stop",

@@ -6,7 +6,7 @@ use crate::message;
 use crate::stamp::{Stamp, headers};
 
 message! {
-    /// What an evader can be sure of, in `world/verdict`; one per evader that still plays.
+    /// Verdict on the escape of one evader, in `world/verdict`; one per evader that still plays.
     pub struct Verdict = "protean/Verdict" {
         margin: f64 = "how much earlier than any pursuer the evader is at the exit [s]; infinite without a pursuer, -infinite without an exit; positive though no escape is possible: the way can be cut off",
         time: f64 = "time of the safe way to the exit [s]; infinite if there is none",
@@ -51,7 +51,7 @@ impl Verdict {
 
 impl DominanceCell {
     /// Value for "no robot".
-    pub const NOBODY: u16 = u16::MAX;
+    pub const NO_ROBOT: u16 = u16::MAX;
 }
 
 headers!(DominanceHeader);

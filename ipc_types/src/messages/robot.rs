@@ -20,7 +20,7 @@ message! {
 }
 
 message! {
-    /// What a robot shall do until the next command, in `robot/command`.
+    /// Velocities of a robot until the next command, in `robot/command`.
     pub struct Command = "protean/Command" {
         v: f64 = "forward speed [m/s]",
         omega: f64 = "turning rate [rad/s]",
@@ -72,7 +72,7 @@ message! {
 }
 
 message! {
-    /// What became of a waypoint, in `robot/waypoint`.
+    /// Outcome of a waypoint, in `robot/waypoint`.
     pub struct WaypointEnd = "protean/WaypointEnd" {
         x: f64 = "where it was, x [m]",
         y: f64 = "where it was, y [m]",

@@ -154,7 +154,7 @@ impl WorldEvent {
 }
 
 message! {
-    /// How much of the area has been visited so far, in `world/coverage`.
+    /// Area visited so far, in `world/coverage`.
     pub struct CoverageState = "protean/CoverageState" {
         fraction: f64 = "visited part of the free cells, 0..1",
         coverable_fraction: f64 = "visited part of the cells that the robots can visit at all, 0..1",

@@ -111,7 +111,7 @@ fn a_full_receiver_fails_the_sender_and_makes_room_by_reading() {
         let subscriber = bus.subscriber::<Commands>().unwrap();
         publisher.update_connections().unwrap();
         let send = || publisher.send(PlainHeader::default(), &[Command::default()]);
-        let error = (0..1000).find_map(|_| send().err()).expect("nobody reads");
+        let error = (0..1000).find_map(|_| send().err()).expect("no subscriber reads");
         assert!(matches!(error, SendError::Blocked { .. }), "{error}");
         let words = error.to_string();
         assert!(words.contains("did not take its messages"), "{words}");
@@ -143,7 +143,7 @@ fn with_overflow_the_newest_messages_win() {
 
 #[test]
 fn a_topic_has_the_ports_of_its_quality_of_service_and_they_become_free_again() {
-    on_both("seats", false, |bus| {
+    on_both("port-limit", false, |bus| {
         let _service = bus.create::<WorldState>().unwrap();
         let qos = WorldState::ID.qos(&options(false).size);
         let publisher = bus.publisher::<WorldState>(port(0, 2)).unwrap();

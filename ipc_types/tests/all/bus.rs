@@ -100,7 +100,7 @@ fn a_message_sent_in_place_is_the_content_of_the_memory() {
         assert_eq!((robots[0].robot, robots[1].robot), (round, 1000 + round));
         let (place, before) = seen.unwrap();
         let expected = places.insert(place, 1000 + round).unwrap_or(0);
-        assert_eq!(before, expected, "nobody has copied or cleared it");
+        assert_eq!(before, expected, "it was neither copied nor cleared");
     }
     assert!(places.len() < 64, "memory is used again");
     let error = publisher.send_in_place(WorldHeader::default(), 3, |_| {});

@@ -189,8 +189,8 @@ fn cell(cell: &Cell) -> DominanceCell {
     DominanceCell {
         margin: (cell.margin * STEPS).round() / STEPS,
         robot: match cell.owner {
-            Owner::Neither => DominanceCell::NOBODY,
-            _ => u16::try_from(cell.first).unwrap_or(DominanceCell::NOBODY),
+            Owner::Neither => DominanceCell::NO_ROBOT,
+            _ => u16::try_from(cell.first).unwrap_or(DominanceCell::NO_ROBOT),
         },
         owner: cell.owner.code(),
         reserved: 0,
@@ -249,7 +249,7 @@ mod tests {
         );
         assert_eq!(cell(&cells[0]).margin, 79.0 / 64.0);
         assert_eq!(cell(&cells[0]).robot, 3);
-        assert_eq!(cell(&cells[3]).robot, DominanceCell::NOBODY);
+        assert_eq!(cell(&cells[3]).robot, DominanceCell::NO_ROBOT);
         assert_eq!(
             cell(&Cell {
                 margin: f32::INFINITY,

@@ -229,7 +229,7 @@ pub(super) fn chart(study: &Study) -> Chart {
         y_label: "failed".to_owned(),
         unit: Unit::Share,
         series: series.into(),
-        reference: "published, VMC, 500 runs each (what failed means is not said)".to_owned(),
+        reference: "published, VMC, 500 runs each (failure is not defined)".to_owned(),
         ..Chart::default()
     }
 }

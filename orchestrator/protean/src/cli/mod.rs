@@ -139,7 +139,7 @@ enum Command {
     },
     /// Print the schema of scenario files, experiment files or messages
     Schema {
-        /// What the schema describes
+        /// File type that the schema describes
         #[arg(value_enum)]
         subject: schema::SchemaOf,
     },

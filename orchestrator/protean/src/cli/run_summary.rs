@@ -62,7 +62,7 @@ fn table(header: &[&str]) -> Table {
     for_terminal(header.iter().copied(), 1)
 }
 
-/// What became of the robots; with what a referee said of them, if one ran.
+/// Outcomes of the robots, with the verdicts of a referee, if one ran.
 fn robots_table(s: &Summary) -> Table {
     let mut header = vec![
         "robot",
@@ -99,7 +99,7 @@ fn robots_table(s: &Summary) -> Table {
     robots
 }
 
-/// What became of a robot's waypoints, for people.
+/// Outcomes of a robot's waypoints, as a line of text.
 fn waypoints_text(robot: &RobotOutcome, w: &WaypointOutcome) -> String {
     let left_out = [
         (w.inside_obstacle, "inside obstacles"),
@@ -141,7 +141,7 @@ fn waypoints_text(robot: &RobotOutcome, w: &WaypointOutcome) -> String {
     text
 }
 
-/// What became of a process that failed, for people.
+/// Failures of a process, as a line of text.
 fn failures_text(process: &ProcessOutcome) -> String {
     let mut text = format!(
         "failed    {}: {} times, absent for {} ticks{}\n",
@@ -163,7 +163,7 @@ fn failures_text(process: &ProcessOutcome) -> String {
     text
 }
 
-/// How well observers predicted robots: a row per robot and method, the mean errors side by side.
+/// Prediction errors of observers: a row per robot and method, the mean errors side by side.
 fn predictions_table(predictions: &[PredictionOutcome]) -> Table {
     let mut ahead: Vec<f64> = predictions.iter().map(|p| p.horizon_s).collect();
     ahead.sort_by(f64::total_cmp);

@@ -5,7 +5,7 @@ use std::{env, fs};
 
 use kinds::KINDS;
 
-/// How the files are written anew.
+/// Command that rewrites the files.
 const COMMAND: &str = "PROTEAN_DOCS=write cargo test -p protean reference";
 
 /// Compares a file of `docs/reference` with what the declarations give, or writes it.

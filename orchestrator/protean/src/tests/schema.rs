@@ -7,7 +7,7 @@ use serde_json::Value as Json;
 
 use kinds::KINDS;
 
-/// What of a document a schema refuses; the keywords that ours use.
+/// Collects the parts of a document that a schema refuses; supports the keywords of our schemas.
 fn refusals(root: &Json, schema: &Json, value: &Json, path: &str, found: &mut Vec<String>) {
     let Some(object) = schema.as_object() else {
         if schema == &Json::Bool(false) {
