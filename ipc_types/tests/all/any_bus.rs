@@ -111,7 +111,9 @@ fn a_full_receiver_fails_the_sender_and_makes_room_by_reading() {
         let subscriber = bus.subscriber::<Commands>().unwrap();
         publisher.update_connections().unwrap();
         let send = || publisher.send(PlainHeader::default(), &[Command::default()]);
-        let error = (0..1000).find_map(|_| send().err()).expect("no subscriber reads");
+        let error = (0..1000)
+            .find_map(|_| send().err())
+            .expect("no subscriber reads");
         assert!(matches!(error, SendError::Blocked { .. }), "{error}");
         let words = error.to_string();
         assert!(words.contains("did not take its messages"), "{words}");
