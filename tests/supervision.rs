@@ -218,7 +218,7 @@ fn in_lock_step_nothing_is_restarted_and_check_says_so() {
     let sandbox = Sandbox::new();
     let restart = ["--set", "processes.pursuer.on_failure=restart"];
     let words = [
-        "in lock-step",
+        "lock-step mode cannot restart a process",
         "(processes.pursuer.on_failure)",
         "\"abort\" or \"continue\"",
         "--real-time",
