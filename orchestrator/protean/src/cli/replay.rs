@@ -36,6 +36,10 @@ be used; 3 interrupted, or the log is incomplete (stderr lists what is missing).
 
 /// Arguments of `protean replay`.
 #[derive(Debug, clap::Args)]
+#[expect(
+    clippy::struct_excessive_bools,
+    reason = "one per switch of the command line"
+)]
 pub(super) struct ReplayArgs {
     /// Log file
     log: PathBuf,

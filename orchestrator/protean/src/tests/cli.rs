@@ -90,11 +90,11 @@ fn meaning(arg: &Arg) -> String {
     let values = arg.get_possible_values();
     let values: Vec<_> = values.iter().filter(|value| !value.is_hide_set()).collect();
     if arg.get_action().takes_values() && !values.is_empty() {
-        let value = |value: &&clap::builder::PossibleValue| match value.get_help() {
+        let described = |value: &clap::builder::PossibleValue| match value.get_help() {
             Some(help) => format!("`{}` ({help})", value.get_name()),
             None => format!("`{}`", value.get_name()),
         };
-        let values: Vec<String> = values.iter().map(|v| value(v)).collect();
+        let values: Vec<String> = values.into_iter().map(described).collect();
         text += &format!(": {}", values.join(", "));
     }
     let defaults = arg.get_default_values();
