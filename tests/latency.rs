@@ -214,7 +214,7 @@ fn a_recorded_log_says_what_its_stamps_say() {
         "way to the planner",
         "jitter",
         "overruns",
-        "differ by 0 ns at most",
+        "differ by at most 0 ns",
     ] {
         assert!(text.contains(words), "{words}: {text}");
     }
@@ -334,7 +334,7 @@ fn what_cannot_be_measured_is_refused_by_name() {
     assert_eq!(outcome.code, Some(0), "{outcome}");
     refused(
         &["latency", "silent.mcap"],
-        &["silent.mcap", "clocks", "one process"],
+        &["silent.mcap", "clock times", "one process"],
     );
     let cut = [
         "filter",

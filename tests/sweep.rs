@@ -300,7 +300,7 @@ fn a_wrong_call_is_refused_before_anything_runs() {
     sandbox
         .protean(["sweep"])
         .run()
-        .refused(2, &["which experiment"]);
+        .refused(2, &["<EXPERIMENT>"]);
     sandbox
         .protean(["sweep", "nowhere.toml"])
         .run()

@@ -68,7 +68,7 @@ fn a_mission_that_takes_too_long_is_given_up() {
     sandbox.file("small.toml", text);
     let summary = sweep_json(&sandbox, "out", &[], 3);
     let error = summary["failures"][0]["error"].as_str().unwrap();
-    assert!(error.contains("not over after 1 s of real time"), "{error}");
+    assert!(error.contains("did not end within 1 s of real time"), "{error}");
     sandbox.assert_nothing_left();
 }
 
@@ -118,7 +118,7 @@ fn a_full_disk_ends_the_sweep_and_keeps_what_is_done() {
     assert_eq!(outcome.status.code(), Some(1), "{stdout}\n{stderr}");
     for word in [
         "journal.jsonl: cannot write the journal: No space left",
-        "make room and give the same command again",
+        "free disk space and repeat the command",
     ] {
         assert!(stderr.contains(word), "{word} is missing in\n{stderr}");
     }

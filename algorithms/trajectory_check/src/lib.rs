@@ -28,7 +28,7 @@
 //!     })
 //!     .collect();
 //! let report = check(&contract, &samples);
-//! assert!(report.is valid(), "{report}");
+//! assert!(report.is_valid(), "{report}");
 //! assert!((report.min_clearance - 0.1).abs() < 1e-9);
 //! ```
 

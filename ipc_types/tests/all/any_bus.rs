@@ -145,7 +145,7 @@ fn with_overflow_the_newest_messages_win() {
 
 #[test]
 fn a_topic_has_the_ports_of_its_quality_of_service_and_they_become_free_again() {
-    on_both("port-limit", false, |bus| {
+    on_both("port_limit", false, |bus| {
         let _service = bus.create::<WorldState>().unwrap();
         let qos = WorldState::ID.qos(&options(false).size);
         let publisher = bus.publisher::<WorldState>(port(0, 2)).unwrap();
