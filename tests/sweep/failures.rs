@@ -68,7 +68,10 @@ fn a_mission_that_takes_too_long_is_given_up() {
     sandbox.file("small.toml", text);
     let summary = sweep_json(&sandbox, "out", &[], 3);
     let error = summary["failures"][0]["error"].as_str().unwrap();
-    assert!(error.contains("did not end within 1 s of real time"), "{error}");
+    assert!(
+        error.contains("did not end within 1 s of real time"),
+        "{error}"
+    );
     sandbox.assert_nothing_left();
 }
 
