@@ -8,6 +8,8 @@ use tables::{Cell, Type};
 pub struct ResultColumn<R: 'static> {
     /// Name.
     pub name: &'static str,
+    /// Meaning, unit, and when there is no value; one line of Markdown for the reference.
+    pub(super) meaning: &'static str,
     get: Get<R>,
 }
 
@@ -23,32 +25,49 @@ enum Get<R: 'static> {
 }
 
 impl<R> ResultColumn<R> {
-    pub(super) const fn bool(name: &'static str, get: fn(&R) -> Option<bool>) -> Self {
+    pub(super) const fn bool(
+        name: &'static str,
+        meaning: &'static str,
+        get: fn(&R) -> Option<bool>,
+    ) -> Self {
         let get = Get::Bool(get);
-        Self { name, get }
+        Self { name, meaning, get }
     }
 
-    pub(super) const fn int(name: &'static str, get: fn(&R) -> Option<u64>) -> Self {
+    pub(super) const fn int(
+        name: &'static str,
+        meaning: &'static str,
+        get: fn(&R) -> Option<u64>,
+    ) -> Self {
         let get = Get::Int(get);
-        Self { name, get }
+        Self { name, meaning, get }
     }
 
-    pub(super) const fn float(name: &'static str, get: fn(&R) -> Option<f64>) -> Self {
+    pub(super) const fn float(
+        name: &'static str,
+        meaning: &'static str,
+        get: fn(&R) -> Option<f64>,
+    ) -> Self {
         let get = Get::Float(get);
-        Self { name, get }
+        Self { name, meaning, get }
     }
 
-    pub(super) const fn text(name: &'static str, get: fn(&R) -> &str) -> Self {
+    pub(super) const fn text(
+        name: &'static str,
+        meaning: &'static str,
+        get: fn(&R) -> &str,
+    ) -> Self {
         let get = Get::Text(get);
-        Self { name, get }
+        Self { name, meaning, get }
     }
 
     pub(super) const fn json(
         name: &'static str,
+        meaning: &'static str,
         get: fn(&R) -> serde_json::Result<String>,
     ) -> Self {
         let get = Get::Json(get);
-        Self { name, get }
+        Self { name, meaning, get }
     }
 
     pub(super) fn kind(&self) -> Type {
@@ -58,6 +77,15 @@ impl<R> ResultColumn<R> {
             Get::Float(_) => Type::F64,
             Get::Text(_) | Get::Json(_) => Type::Text,
         }
+    }
+
+    /// Returns its line of the reference.
+    pub(super) fn reference(&self) -> String {
+        let kind = match self.get {
+            Get::Json(_) => "JSON",
+            _ => self.kind().name(),
+        };
+        format!("| `{}` | {kind} | {} |\n", self.name, self.meaning)
     }
 
     /// Returns the value of a row.

@@ -160,35 +160,93 @@ impl Record for Row {
     const KIND: Kind = Kind::Missions;
 
     const COLUMNS: &'static [ResultColumn<Self>] = &[
-        ResultColumn::text("outcome", |r| r.outcome.name()),
-        ResultColumn::int("evaders", |r| count(r, r.evaders)),
-        ResultColumn::int("escaped", |r| count(r, r.escaped)),
-        ResultColumn::int("caught", |r| count(r, r.caught)),
-        ResultColumn::int("held_out", |r| count(r, r.held_out)),
-        ResultColumn::float("sim_time_s", |r| known(r, r.sim_time_s)),
-        ResultColumn::float("first_capture_s", |r| r.first_capture_s),
-        ResultColumn::float("first_escape_s", |r| r.first_escape_s),
-        ResultColumn::int("contacts", |r| count(r, r.contacts)),
-        ResultColumn::float("evader_distance_m", |r| known(r, r.evader_distance_m)),
-        ResultColumn::float("evader_mean_speed", |r| r.evader_mean_speed),
-        ResultColumn::int("ticks", |r| known(r, r.ticks)),
-        ResultColumn::float("escape_possible_fraction", |r| r.escape_possible_fraction),
-        ResultColumn::float("escape_impossible_from_s", |r| r.escape_impossible_from_s),
-        ResultColumn::float("coverage_fraction", |r| Some(r.coverage.as_ref()?.fraction)),
-        ResultColumn::float("coverable_fraction", |r| {
-            Some(r.coverage.as_ref()?.coverable_fraction)
+        ResultColumn::text(
+            "outcome",
+            "`ended`; `time_limit` if it ended the game of a robot; `failed`.",
+            |r| r.outcome.name(),
+        ),
+        ResultColumn::int("evaders", "Evaders.", |r| count(r, r.evaders)),
+        ResultColumn::int("escaped", "Evaders that escaped.", |r| count(r, r.escaped)),
+        ResultColumn::int("caught", "Evaders that were caught.", |r| {
+            count(r, r.caught)
         }),
-        ResultColumn::float("way_m", |r| Some(r.coverage.as_ref()?.way_m)),
-        ResultColumn::text("digest", |r| &r.digest),
-        ResultColumn::text("error", |r| &r.error),
-        ResultColumn::json("robots", |r| match known(r, &r.robots) {
-            Some(robots) => serde_json::to_string(robots),
-            None => Ok(String::new()),
+        ResultColumn::int(
+            "held_out",
+            "Evaders that were neither caught nor had escaped at the time limit.",
+            |r| count(r, r.held_out),
+        ),
+        ResultColumn::float("sim_time_s", "Simulated duration (s).", |r| {
+            known(r, r.sim_time_s)
         }),
-        ResultColumn::json("predictions", |r| match r.predictions.as_slice() {
-            [] => Ok(String::new()),
-            predictions => serde_json::to_string(predictions),
+        ResultColumn::float(
+            "first_capture_s",
+            "Simulated time of the first capture (s); empty without one.",
+            |r| r.first_capture_s,
+        ),
+        ResultColumn::float(
+            "first_escape_s",
+            "Simulated time of the first escape (s); empty without one.",
+            |r| r.first_escape_s,
+        ),
+        ResultColumn::int("contacts", "Contact episodes of all robots.", |r| {
+            count(r, r.contacts)
         }),
+        ResultColumn::float("evader_distance_m", "Distance of all evaders (m).", |r| {
+            known(r, r.evader_distance_m)
+        }),
+        ResultColumn::float(
+            "evader_mean_speed",
+            "Distance of all evaders by their time in the game (m/s).",
+            |r| r.evader_mean_speed,
+        ),
+        ResultColumn::int("ticks", "Ticks of the simulator.", |r| known(r, r.ticks)),
+        ResultColumn::float(
+            "escape_possible_fraction",
+            "Part of the game in which an escape was possible, 0 to 1; empty without a `referee`.",
+            |r| r.escape_possible_fraction,
+        ),
+        ResultColumn::float(
+            "escape_impossible_from_s",
+            "Simulated time from which no escape was possible (s); empty without a `referee`.",
+            |r| r.escape_impossible_from_s,
+        ),
+        ResultColumn::float(
+            "coverage_fraction",
+            "Visited share of the free area; empty without `[rules.coverage]`.",
+            |r| Some(r.coverage.as_ref()?.fraction),
+        ),
+        ResultColumn::float(
+            "coverable_fraction",
+            "Visited share of the reachable area; empty without `[rules.coverage]`.",
+            |r| Some(r.coverage.as_ref()?.coverable_fraction),
+        ),
+        ResultColumn::float(
+            "way_m",
+            "Distance of the robots that count for the coverage (m); empty without `[rules.coverage]`.",
+            |r| Some(r.coverage.as_ref()?.way_m),
+        ),
+        ResultColumn::text(
+            "digest",
+            "Digest of the run, as `protean run` prints it.",
+            |r| &r.digest,
+        ),
+        ResultColumn::text("error", "Reason of a failure.", |r| &r.error),
+        ResultColumn::json(
+            "robots",
+            "Name, team, outcome, time (s), distance (m), contacts, waypoints and laps of every robot.",
+            |r| match known(r, &r.robots) {
+                Some(robots) => serde_json::to_string(robots),
+                None => Ok(String::new()),
+            },
+        ),
+        ResultColumn::json(
+            "predictions",
+            "Errors of every `observer` by robot, method and horizon, and times of recovered keys; empty without one.",
+            |r| match r.predictions.as_slice() {
+                [] => Ok(String::new()),
+                predictions => serde_json::to_string(predictions),
+            },
+        ),
     ];
 
     fn failed(error: String) -> Self {

@@ -4,6 +4,9 @@
 use parameters::{Reference, for_people, schema_generator};
 use schemars::Schema;
 
+use super::columns::ResultColumn;
+use super::planning::PlanRow;
+use super::row::{Record as _, Row};
 use super::spec::{CaseSpec, FigureSpec, ParameterSpec, RunSpec, SeedsSpec, TopLevel};
 use super::task::Task;
 
@@ -26,4 +29,18 @@ pub fn reference() -> String {
     reference.section::<FigureSpec>("`[[figures]]`");
     reference.section::<Task>("`[task]`");
     reference.markdown()
+}
+
+/// Returns the columns of the tables of results as tables in Markdown.
+pub fn result_columns() -> String {
+    format!(
+        "\n## Missions\n\n{}\n## Plans\n\n{}",
+        columns_table(Row::COLUMNS),
+        columns_table(PlanRow::COLUMNS)
+    )
+}
+
+fn columns_table<R>(columns: &[ResultColumn<R>]) -> String {
+    let lines: String = columns.iter().map(ResultColumn::reference).collect();
+    format!("| column | type | meaning |\n|---|---|---|\n{lines}")
 }

@@ -182,25 +182,4 @@ mod tests {
         let predictions: Vec<PredictionOutcome> = serde_json::from_str(predictions).unwrap();
         assert_eq!(predictions, rows()[0].1.predictions);
     }
-
-    #[test]
-    fn the_documentation_names_every_column() {
-        let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs");
-        let text = |file: &str| std::fs::read_to_string(folder.join(file)).unwrap();
-        let plans = super::super::planning::PlanRow::COLUMNS
-            .iter()
-            .map(|c| c.name);
-        for (file, names) in [
-            (
-                "reference/experiment.md",
-                Row::COLUMNS.iter().map(|c| c.name).collect::<Vec<_>>(),
-            ),
-            ("reference/plans.md", plans.collect()),
-        ] {
-            let text = text(file);
-            for name in names {
-                assert!(text.contains(&format!("`{name}`")), "{file}: {name}");
-            }
-        }
-    }
 }

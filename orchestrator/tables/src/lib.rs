@@ -53,6 +53,18 @@ pub enum Type {
     Text,
 }
 
+impl Type {
+    /// Returns its name in the documentation.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Bool => "true or false",
+            Self::Int | Self::UInt => "whole number",
+            Self::F32 | Self::F64 => "number",
+            Self::Text => "text",
+        }
+    }
+}
+
 /// A column.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Column {

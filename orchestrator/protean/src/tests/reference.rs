@@ -55,6 +55,15 @@ fn the_reference_of_experiments_is_what_the_code_declares() {
 }
 
 #[test]
+fn the_reference_of_result_columns_is_what_the_code_declares() {
+    let text = "The columns of `results.csv` and `results.parquet` after `case`, the parameters and `seed`; \
+                [experiments](experiment.md#results) and [plans](plans.md#experiments) describe the files. \
+                A missing value is an empty field of the CSV file and null in Parquet.";
+    let tables = sweep::schema::result_columns();
+    compare("result-columns.md", "Columns of results", text, &tables);
+}
+
+#[test]
 fn the_reference_of_scenarios_is_what_the_code_declares() {
     let text = "The keys of a scenario file; [scenarios](../how-to/scenarios.md) says how they are used. \
                 A key without a default (–) may be absent.";

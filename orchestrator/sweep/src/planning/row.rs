@@ -68,17 +68,47 @@ impl Record for PlanRow {
     const KIND: Kind = Kind::Planning;
 
     const COLUMNS: &'static [ResultColumn<Self>] = &[
-        ResultColumn::text("outcome", |r| r.outcome.name()),
-        ResultColumn::bool("honest", |r| r.honest),
-        ResultColumn::int("obstacles", |r| Some(r.obstacles.into())),
-        ResultColumn::float("t_s", |r| r.t_s),
-        ResultColumn::float("lower_bound_s", |r| r.lower_bound_s),
-        ResultColumn::float("gap", |r| r.gap),
-        ResultColumn::float("length_px", |r| r.length_px),
-        ResultColumn::float("min_clearance_px", |r| r.min_clearance_px),
-        ResultColumn::int("iterations", |r| r.iterations.map(u64::from)),
-        ResultColumn::int("control_points", |r| r.control_points.map(u64::from)),
-        ResultColumn::text("error", |r| &r.error),
+        ResultColumn::text(
+            "outcome",
+            "Status of the plan, as in the [answers](plans.md) of `protean plan`; `failed` without an answer.",
+            |r| r.outcome.name(),
+        ),
+        ResultColumn::bool(
+            "honest",
+            "True if the plan passes the trajectory check; empty without a plan.",
+            |r| r.honest,
+        ),
+        ResultColumn::int("obstacles", "Obstacles of the problem.", |r| {
+            Some(r.obstacles.into())
+        }),
+        ResultColumn::float("t_s", "Duration of the plan (s).", |r| r.t_s),
+        ResultColumn::float(
+            "lower_bound_s",
+            "Lower bound of the duration of any plan (s).",
+            |r| r.lower_bound_s,
+        ),
+        ResultColumn::float(
+            "gap",
+            "Duration above the lower bound, relative to it.",
+            |r| r.gap,
+        ),
+        ResultColumn::float("length_px", "Length of the path (px).", |r| r.length_px),
+        ResultColumn::float(
+            "min_clearance_px",
+            "Smallest distance of the path from a grown obstacle (px).",
+            |r| r.min_clearance_px,
+        ),
+        ResultColumn::int("iterations", "Convex programs solved.", |r| {
+            r.iterations.map(u64::from)
+        }),
+        ResultColumn::int("control_points", "Degrees of freedom of the curve.", |r| {
+            r.control_points.map(u64::from)
+        }),
+        ResultColumn::text(
+            "error",
+            "Reason for which there is no plan, or the fault of the plan.",
+            |r| &r.error,
+        ),
     ];
 
     fn failed(error: String) -> Self {
