@@ -13,7 +13,7 @@ struct Case {
     seeds: &'static [&'static str],
 }
 
-const CASES: [Case; 23] = [
+const CASES: [Case; 24] = [
     Case {
         scenario: "chase",
         set: &["rules.time_limit=5"],
@@ -46,6 +46,11 @@ const CASES: [Case; 23] = [
         scenario: "chase_braitenberg",
         set: &["rules.time_limit=4"],
         seeds: &["1"],
+    },
+    Case {
+        scenario: "chase_layouts",
+        set: &["rules.time_limit=4"],
+        seeds: &["5"],
     },
     // All of its obstacle events fall into this time.
     Case {

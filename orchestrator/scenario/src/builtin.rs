@@ -21,7 +21,7 @@ impl Builtin {
 pub const DEFAULT: &str = "chase";
 
 /// All built-in scenarios; the default comes first.
-pub const SCENARIOS: [Builtin; 17] = [
+pub const SCENARIOS: [Builtin; 19] = [
     Builtin {
         name: "chase",
         text: include_str!("../../../scenarios/chase.toml"),
@@ -29,6 +29,14 @@ pub const SCENARIOS: [Builtin; 17] = [
     Builtin {
         name: "chase_exact",
         text: include_str!("../../../scenarios/chase_exact.toml"),
+    },
+    Builtin {
+        name: "chase_paper",
+        text: include_str!("../../../scenarios/chase_paper.toml"),
+    },
+    Builtin {
+        name: "chase_layouts",
+        text: include_str!("../../../scenarios/chase_layouts.toml"),
     },
     Builtin {
         name: "chase_braitenberg",

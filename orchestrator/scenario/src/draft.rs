@@ -4,11 +4,11 @@ use config::{Code, Diagnostic, Diagnostics, FieldPath, Node, Sources};
 
 use super::context::Context;
 use super::files::Base;
-use super::jitter::Placement;
 use super::kind::Kind;
 use super::overrides;
 use super::resolve::resolve;
 use super::resolved::ResolvedScenario;
+use super::starts::Placement;
 use super::template::{MapCache, Template};
 
 /// Text of a scenario with the overrides applied so far.

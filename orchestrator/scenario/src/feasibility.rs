@@ -1,9 +1,7 @@
 //! Checks that the starts of all robots are free and that their goals and the exits are reachable.
 
-use std::sync::Arc;
-
 use config::{Code, Diagnostic, FieldPath, Step};
-use geometry::map::{MapSpec, Passages, VectorMap, WorldMap};
+use geometry::map::{MapSpec, VectorMap, WorldMap};
 use geometry::pose::Pose2;
 use geometry::region::Region;
 use sim_backend::spec::{RulesSpec, WorldSpec};
@@ -11,8 +9,8 @@ use sim_backend::team::Team;
 use sim_backend::world::{World, WorldError};
 
 use super::context::Context;
-use super::jitter::{self, MAX_DRAWS, Placement};
 use super::robots::Robot;
+use super::starts::{self, Draw, MAX_DRAWS, Placement, passages};
 
 /// Checks that every robot starts in free space, draws the displaced starts, and checks that exits and
 /// goals are reachable. Reports all problems and returns the starts.
@@ -20,6 +18,7 @@ pub fn resolve(
     ctx: &mut Context<'_>,
     map: &MapSpec,
     robots: &[Robot],
+    placements: &[Placement],
     rules: &RulesSpec,
     seed: u64,
 ) -> Option<Vec<Pose2>> {
@@ -37,48 +36,33 @@ pub fn resolve(
     if !fine {
         return None;
     }
-    let starts = jitter::place(&placements(robots), seed, |p, radius| {
-        world_map.is_clear(p, radius)
-    });
-    let starts = match starts {
+    let starts = match starts::place(placements, seed, &world_map, rules) {
         Ok(starts) => starts,
         Err(index) => {
             let robot = robots.get(index)?;
             let message = format!(
-                "robot `{}` has no free start in {MAX_DRAWS} draws",
+                "robot `{}` has no allowed start in {MAX_DRAWS} draws",
                 robot.spec.name
             );
             let problem = ctx
                 .problem(
                     &robot.node,
                     &robot.path,
-                    "start_jitter",
+                    robot.draw.as_ref().map_or("start", Draw::key),
                     Code::Geometry,
                     message,
                 )
-                .expected("room around the start, or less jitter");
+                .expected(robot.draw.as_ref().map_or("", Draw::remedy));
             ctx.problems.push(problem);
             return None;
         }
     };
-    check_exits(ctx, &world_map, robots, rules);
-    check_goals(ctx, &world_map, robots);
+    check_exits(ctx, &world_map, robots, &starts, rules);
+    check_goals(ctx, &world_map, robots, &starts);
     if ctx.problems.is_empty() {
         check_world(ctx, &world_map, robots, &starts, rules, seed);
     }
     Some(starts)
-}
-
-/// Returns the inputs of drawing the starts.
-pub fn placements(robots: &[Robot]) -> Vec<Placement> {
-    robots
-        .iter()
-        .map(|r| Placement {
-            start: r.spec.start,
-            radius: r.spec.model().radius,
-            jitter: r.jitter,
-        })
-        .collect()
 }
 
 /// Reports everything that the world would refuse, before any process starts.
@@ -137,7 +121,7 @@ fn check_world(
 
 fn check_walls(ctx: &mut Context<'_>, world_map: &WorldMap, robots: &[Robot]) -> bool {
     let mut fine = true;
-    for robot in robots {
+    for robot in robots.iter().filter(|robot| robot.has_start()) {
         let at = robot.spec.start.position();
         let radius = robot.spec.model().radius;
         if world_map.is_clear(at, radius) {
@@ -165,6 +149,7 @@ fn check_walls(ctx: &mut Context<'_>, world_map: &WorldMap, robots: &[Robot]) ->
 
 fn check_overlaps(ctx: &mut Context<'_>, robots: &[Robot]) -> bool {
     let mut fine = true;
+    let robots: Vec<&Robot> = robots.iter().filter(|robot| robot.has_start()).collect();
     for (i, robot) in robots.iter().enumerate() {
         for other in robots.iter().take(i) {
             let distance = (robot.spec.start.position() - other.spec.start.position()).norm();
@@ -189,20 +174,27 @@ fn check_overlaps(ctx: &mut Context<'_>, robots: &[Robot]) -> bool {
 }
 
 /// Checks that some evader can reach every exit, if there are evaders.
-fn check_exits(ctx: &mut Context<'_>, world_map: &WorldMap, robots: &[Robot], rules: &RulesSpec) {
-    let evaders: Vec<&Robot> = robots
+fn check_exits(
+    ctx: &mut Context<'_>,
+    world_map: &WorldMap,
+    robots: &[Robot],
+    starts: &[Pose2],
+    rules: &RulesSpec,
+) {
+    let evaders: Vec<(&Robot, &Pose2)> = robots
         .iter()
-        .filter(|r| r.spec.team == Team::Evader)
+        .zip(starts)
+        .filter(|(r, _)| r.spec.team == Team::Evader)
         .collect();
     let slimmest = evaders
         .iter()
-        .map(|r| r.spec.model().radius)
+        .map(|(r, _)| r.spec.model().radius)
         .fold(f64::INFINITY, f64::min);
     if evaders.is_empty() {
         return;
     }
     let passages = passages(world_map, slimmest);
-    let reach = passages.reach(evaders.iter().map(|r| r.spec.start.position()));
+    let reach = passages.reach(evaders.iter().map(|(_, start)| start.position()));
     let of_rules = rules.exits.iter().enumerate().map(|(i, exit)| {
         (
             exit,
@@ -237,14 +229,14 @@ fn check_exits(ctx: &mut Context<'_>, world_map: &WorldMap, robots: &[Robot], ru
 }
 
 /// Checks that every robot can reach its goal.
-fn check_goals(ctx: &mut Context<'_>, world_map: &WorldMap, robots: &[Robot]) {
-    for robot in robots {
+fn check_goals(ctx: &mut Context<'_>, world_map: &WorldMap, robots: &[Robot], starts: &[Pose2]) {
+    for (robot, start) in robots.iter().zip(starts) {
         let Some(goal) = robot.spec.goal else {
             continue;
         };
         let radius = robot.spec.model().radius;
         let passages = passages(world_map, radius);
-        if passages.reach([robot.spec.start.position()]).meets(&goal) {
+        if passages.reach([start.position()]).meets(&goal) {
             continue;
         }
         let center = goal.center();
@@ -257,11 +249,4 @@ fn check_goals(ctx: &mut Context<'_>, world_map: &WorldMap, robots: &[Robot]) {
             ));
         ctx.problems.push(problem);
     }
-}
-
-/// Returns the cells that a disc of this radius (m) can pass. A cell counts as passable within one cell's
-/// diagonal, so that the grid never closes a gap that is open.
-fn passages(world_map: &WorldMap, radius: f64) -> Arc<Passages> {
-    let enough = (radius - world_map.frame().resolution * core::f64::consts::FRAC_1_SQRT_2) as f32;
-    world_map.shapes().passages(f64::from(enough))
 }

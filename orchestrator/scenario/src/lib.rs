@@ -20,7 +20,6 @@ pub mod events;
 mod failure;
 mod feasibility;
 pub mod files;
-pub mod jitter;
 pub mod kind;
 mod load;
 mod overrides;
@@ -30,6 +29,7 @@ mod resolved;
 mod robots;
 pub mod schema;
 pub mod spec;
+pub mod starts;
 mod template;
 mod world;
 

@@ -11,10 +11,10 @@ use sim_backend::team::Team;
 use super::context::Context;
 use super::events::EventBlock;
 use super::files::Base;
-use super::jitter::Placement;
 use super::resolved::ResolvedScenario;
 use super::robots::Robot;
 use super::spec::{Defaults, LogSpec, MAX_TICKS, ProcessBlock, RobotBlock, RunSpec, Teams};
+use super::starts::Placement;
 use super::world::WorldBlock;
 use super::{events, feasibility, processes, robots, world};
 
@@ -81,8 +81,11 @@ pub(super) fn resolve(
         return None;
     }
     check_ticks(ctx, &run, &rules);
-    let placements = feasibility::placements(&robots);
-    let starts = feasibility::resolve(ctx, &map_setup.map, &robots, &rules, run.seed)?;
+    let placements: Vec<Placement> = robots
+        .iter()
+        .map(|r| Placement::new(&r.spec, r.draw))
+        .collect();
+    let starts = feasibility::resolve(ctx, &map_setup.map, &robots, &placements, &rules, run.seed)?;
     check_end(ctx, &map_setup.map, &robots, &rules);
     let specs = robots.into_iter().zip(starts).map(|(r, start)| {
         let mut spec = r.spec;

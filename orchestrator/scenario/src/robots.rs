@@ -2,23 +2,31 @@
 
 use config::{Code, FieldPath, Node, Value};
 use geometry::pose::Pose2;
-use parameters::faults;
+use parameters::{Parameters, faults};
 use sim_backend::spec::RobotSpec;
 use sim_backend::team::Team;
 
 use super::context::Context;
-use super::spec::{Defaults, MAX_ROBOTS, RobotBlock, StartJitter, Teams};
+use super::spec::{Defaults, MAX_ROBOTS, RobotBlock, Teams};
+use super::starts::Draw;
 
 /// A robot as read, before its start is drawn.
 pub struct Robot {
-    /// Specification with the nominal start, before displacement.
+    /// Specification with the start of the scenario; the default pose if it has none.
     pub spec: RobotSpec,
-    /// Displacement of the start.
-    pub jitter: Option<StartJitter>,
+    /// Way in which the start varies with the seed.
+    pub draw: Option<Draw>,
     /// Tree of the robot with inheritance applied and the places of its values.
     pub node: Node,
     /// Path of the robot in the scenario.
     pub path: FieldPath,
+}
+
+impl Robot {
+    /// Returns `true` if the scenario's start counts: it is the start, or what the start is displaced from.
+    pub fn has_start(&self) -> bool {
+        !matches!(self.draw, Some(Draw::Random(_)))
+    }
 }
 
 /// Maximum length of the name of a robot or process (bytes).
@@ -161,14 +169,17 @@ fn read_robot(ctx: &mut Context<'_>, node: Node, path: FieldPath) -> Option<Robo
     if block.team.is_none() {
         missing(ctx, "team", "team = \"police\", \"evader\" or \"neutral\"");
     }
-    if block.start.is_none() {
+    if block.start.is_none() && block.random_start.is_none() {
         missing(
             ctx,
             "start",
             "start = { x = 0.0, y = 0.0, theta = 0.0 } (m, m, rad)",
         );
     }
-    let (name, team, start): (String, Team, Pose2) = (block.name?, block.team?, block.start?);
+    let (name, team, start): (String, Team, Pose2) = match block.random_start {
+        None => (block.name?, block.team?, block.start?),
+        Some(_) => (block.name?, block.team?, block.start.unwrap_or_default()),
+    };
     let name_ok = check_name(ctx, &node, &path, &name);
     let spec = RobotSpec {
         name,
@@ -184,17 +195,42 @@ fn read_robot(ctx: &mut Context<'_>, node: Node, path: FieldPath) -> Option<Robo
         goal: block.goal,
     };
     let spec_ok = ctx.check(&node, &path, &spec);
-    let jitter = block.start_jitter.as_ref().map(faults).unwrap_or_default();
-    let jitter_ok = jitter.is_empty();
-    for fault in jitter {
-        ctx.refuse(&node, &path, fault.within("start_jitter"));
-    }
-    (name_ok && spec_ok && jitter_ok).then_some(Robot {
+    let draws_ok = check_draw(
+        ctx,
+        &node,
+        &path,
+        "start_jitter",
+        block.start_jitter.as_ref(),
+    ) & check_draw(
+        ctx,
+        &node,
+        &path,
+        "random_start",
+        block.random_start.as_ref(),
+    );
+    let random = block.random_start.map(Draw::Random);
+    (name_ok && spec_ok && draws_ok).then_some(Robot {
         spec,
-        jitter: block.start_jitter,
+        draw: random.or(block.start_jitter.map(Draw::Jitter)),
         node,
         path,
     })
+}
+
+/// Reports faults of an optional table of the robot.
+fn check_draw<T: Parameters>(
+    ctx: &mut Context<'_>,
+    node: &Node,
+    path: &FieldPath,
+    key: &str,
+    draw: Option<&T>,
+) -> bool {
+    let faults = draw.map(faults).unwrap_or_default();
+    let holds = faults.is_empty();
+    for fault in faults {
+        ctx.refuse(node, path, fault.within(key));
+    }
+    holds
 }
 
 fn check_unique(ctx: &mut Context<'_>, others: &[Robot], robot: &Robot) -> bool {

@@ -170,6 +170,38 @@ pub enum Distribution {
     Normal,
 }
 
+/// Random start: a pose drawn from the run's seed, uniformly over the allowed places, with any heading.
+///
+/// A place is allowed if it is free, an evader reaches an exit from it, and a robot reaches its goal.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct RandomStart {
+    /// Region of the places; the whole map if absent.
+    pub region: Option<Region>,
+    /// Minimum distance of centres from every other robot.
+    #[schemars(transform = between(0, 1000).unit("m"))]
+    pub robot_distance: f64,
+    /// Minimum distance of centres between Police and evaders.
+    #[schemars(transform = between(0, 1000).unit("m"))]
+    pub opponent_distance: f64,
+    /// Minimum distance of an evader from the centre of every exit.
+    #[schemars(transform = between(0, 1000).unit("m"))]
+    pub exit_distance: f64,
+}
+
+impl Parameters for RandomStart {}
+
+impl Default for RandomStart {
+    fn default() -> Self {
+        Self {
+            region: None,
+            robot_distance: 0.5,
+            opponent_distance: 3.0,
+            exit_distance: 3.0,
+        }
+    }
+}
+
 /// Reaction to a process that exits, is killed, violates the protocol or does not answer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
@@ -203,10 +235,12 @@ pub(super) struct RobotBlock {
     pub name: Option<String>,
     /// Team of the robot. Required.
     pub team: Option<Team>,
-    /// Pose at time 0, free of walls and other robots. Required; not inherited.
+    /// Pose at time 0, free of walls and other robots. Required without `random_start`; not inherited.
     pub start: Option<Pose2>,
     /// Random displacement of the start; none if absent.
     pub start_jitter: Option<StartJitter>,
+    /// Random start in place of `start` and `start_jitter`; none if absent.
+    pub random_start: Option<RandomStart>,
     /// Robot model that supplies the body and limits where no other value is given;
     /// `"turtlebot3_burger"` if absent.
     pub preset: Option<Preset>,

@@ -5,8 +5,8 @@ use std::sync::Arc;
 use config::{Code, Diagnostic, Diagnostics};
 use geometry::map::{MapSpec, WorldMap};
 
-use super::jitter::{self, MAX_DRAWS, Placement};
 use super::resolved::ResolvedScenario;
+use super::starts::{self, Draw, MAX_DRAWS, Placement};
 
 /// The common part of the runs of a scenario with different seeds. Setting a seed is far cheaper than
 /// resolving the scenario again, and has the same result.
@@ -40,7 +40,7 @@ impl Template {
         placements: Vec<Placement>,
         map_cache: &mut MapCache,
     ) -> Result<Self, Diagnostics> {
-        let drawn = placements.iter().any(|p| p.jitter.is_some());
+        let drawn = placements.iter().any(|p| p.draw.is_some());
         let world_map = drawn.then(|| map_cache.of(&scenario.world.map)).transpose();
         Ok(Self {
             world_map: world_map.map_err(|e| Diagnostic::new(Code::Geometry, e.to_string()))?,
@@ -57,7 +57,7 @@ impl Template {
     /// Returns the scenario with a seed below 2^63.
     ///
     /// # Errors
-    /// A robot has no free start among the draws.
+    /// A robot has no allowed start among the draws.
     pub fn with_seed(&self, seed: u64) -> Result<ResolvedScenario, Diagnostics> {
         let mut scenario = self.scenario.clone();
         scenario.run.seed = seed;
@@ -65,22 +65,18 @@ impl Template {
         let Some(world_map) = &self.world_map else {
             return Ok(scenario);
         };
-        let starts = jitter::place(&self.placements, seed, |at, radius| {
-            world_map.is_clear(at, radius)
-        });
+        let starts = starts::place(&self.placements, seed, world_map, scenario.rules());
         let starts = starts.map_err(|index| {
-            let name = scenario
-                .world
-                .robots
-                .get(index)
-                .map_or("", |r| r.name.as_str());
+            let robot = scenario.world.robots.get(index);
+            let name = robot.map_or("", |r| r.name.as_str());
+            let draw = self.placements.get(index).and_then(|p| p.draw.as_ref());
             Diagnostic::new(
                 Code::Geometry,
-                format!("robot `{name}` has no free start in {MAX_DRAWS} draws"),
+                format!("robot `{name}` has no allowed start in {MAX_DRAWS} draws"),
             )
-            .field(format!("robots.{name}.start_jitter"))
+            .field(format!("robots.{name}.{}", draw.map_or("start", Draw::key)))
             .value(format!("seed {seed}"))
-            .expected("room around the start, or less jitter")
+            .expected(draw.map_or("", Draw::remedy))
         })?;
         for (robot, start) in scenario.world.robots.iter_mut().zip(starts) {
             robot.start = start;

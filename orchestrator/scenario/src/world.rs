@@ -4,7 +4,8 @@ use std::path::Path;
 
 use config::{Code, FieldPath, Node, SourceKind, nearest, parse_document};
 use geometry::extent::MAX_COORDINATE;
-use geometry::map::{MapSpec, RosMap, UnknownCells, VectorMap, VectorMapError};
+use geometry::map::{MAX_EXITS, MapSpec, RosMap, UnknownCells, VectorMap, VectorMapError};
+use geometry::region::Region;
 use geometry::shape::ShapeError;
 use parameters::{Parameters, ParamsError, above, between};
 use schemars::JsonSchema;
@@ -32,6 +33,9 @@ pub(super) struct WorldBlock {
     /// Side of the grid's cells; overrides the value of a vector map; at most 25 million cells.
     #[schemars(transform = above(0).at_most(MAX_COORDINATE).unit("m"))]
     resolution: Option<f64>,
+    /// Exits in place of those of the map; those of the map if absent. `rules.exits` adds exits.
+    #[schemars(length(max = MAX_EXITS))]
+    exits: Option<Vec<Region>>,
     /// Standard deviation of the map's Gaussian blur, which sets how softly walls repel and how sharply
     /// corners hide.
     #[schemars(transform = between(0, 10).unit("m"))]
@@ -46,6 +50,7 @@ impl Default for WorldBlock {
         Self {
             _map: None,
             resolution: None,
+            exits: None,
             blur_sigma: 0.19,
         }
     }
@@ -115,6 +120,13 @@ pub fn resolve(ctx: &mut Context<'_>, base: &Base) -> Option<MapSetup> {
         if let Err(e) = vectors.frame() {
             ctx.refuse(&node, &world, e);
             return None;
+        }
+    }
+    if let Some(exits) = block.exits {
+        match &mut map {
+            MapSpec::Vector(map) => map.exits = exits,
+            MapSpec::Cells(map) => map.exits = exits,
+            MapSpec::File { .. } => {}
         }
     }
     check_size(ctx, &node, &map)?;

@@ -1,6 +1,9 @@
 //! The built-in scenarios.
 
-use scenario::{Loader, builtin, list};
+use geometry::map::MapSpec;
+use geometry::pose::Pose2;
+use geometry::region::Region;
+use scenario::{Loader, ResolvedScenario, builtin, list};
 
 use crate::{KINDS, load};
 
@@ -50,9 +53,9 @@ fn the_list_has_a_title_and_a_summary_for_each() {
 }
 
 #[test]
-fn the_chase_is_the_papers_set_up() {
+fn the_published_chase_is_the_papers_set_up() {
     let s = load(
-        "chase",
+        "chase_paper",
         &["defaults.robot.start_jitter={}".to_owned()],
         Some(9),
     )
@@ -81,6 +84,40 @@ fn the_chase_is_the_papers_set_up() {
     assert_eq!(s.processes.len(), 7);
     assert_eq!(s.processes[0].name, "perception");
     assert_eq!(s.processes[1].name, "pursuer_police_1");
+    let paper = [Region::Circle {
+        center: [9.0, 0.0],
+        radius: 0.5,
+    }];
+    assert_eq!(exits(&s), paper);
+}
+
+#[test]
+fn an_evader_cannot_leave_the_city_without_escaping() {
+    for scenario in builtin::SCENARIOS {
+        let s = load(scenario.name, &[], None).unwrap();
+        let published = s.name == "chase_paper";
+        if published || !s.name.starts_with("chase") {
+            continue;
+        }
+        let exits = exits(&s);
+        for step in -150..=150 {
+            // Every place in the gap, at the middle of the wall and outside.
+            let y = f64::from(step) / 120.0;
+            for x in [8.501, 9.0, 9.25, 9.499] {
+                let out = exits
+                    .iter()
+                    .any(|e| e.contains(Pose2::new(x, y, 0.0).position()));
+                assert_eq!(out, y.abs() < 1.25, "{}: x {x}, y {y}", s.name);
+            }
+        }
+    }
+}
+
+fn exits(scenario: &ResolvedScenario) -> Vec<Region> {
+    let MapSpec::Vector(map) = &scenario.world.map else {
+        panic!("{:?}", scenario.world.map)
+    };
+    [&map.exits[..], &scenario.rules().exits].concat()
 }
 
 #[test]

@@ -11,6 +11,7 @@ use scenario::{Loader, MapCache};
 
 use crate::{KINDS, load};
 use scenario::kind::{ConfiguredKind, ParamsProblem, find};
+use sim_backend::world::World;
 
 fn read(kind: &Kind, params: &Json) -> ConfiguredKind {
     kind.read(&Node::from_json(params).unwrap()).unwrap()
@@ -122,5 +123,18 @@ fn a_template_with_a_seed_is_the_scenario_with_that_seed() {
             let loaded = load(name, &[], Some(seed)).unwrap();
             assert_eq!(template.with_seed(seed).unwrap(), loaded, "{name} {seed}");
         }
+    }
+}
+
+#[test]
+fn a_template_draws_the_random_starts_of_the_scenario_and_the_world_accepts_them() {
+    let draft = Loader::new(KINDS).draft("chase_layouts").unwrap();
+    let template = draft.template(&mut MapCache::default()).unwrap();
+    for seed in 0..200 {
+        let drawn = template.with_seed(seed).unwrap();
+        if seed < 5 {
+            assert_eq!(drawn, load("chase_layouts", &[], Some(seed)).unwrap());
+        }
+        World::new(drawn.world).unwrap_or_else(|e| panic!("seed {seed}: {e}"));
     }
 }

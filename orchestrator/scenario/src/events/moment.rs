@@ -222,7 +222,7 @@ impl EventProblems<'_, '_> {
                     let expected = "a robot with a `goal`, or `travelled` or `within` instead";
                     return self.report("when.progress", Code::Requirement, &message, expected);
                 };
-                if goal.center() == robot.spec.start.position() {
+                if robot.has_start() && goal.center() == robot.spec.start.position() {
                     let message = format!("robot `{name}` starts at the centre of its goal");
                     let expected = "a robot with a distance between its start and its goal";
                     return self.report("when.progress", Code::Geometry, &message, expected);

@@ -258,9 +258,26 @@ fn robots_start_in_free_space_and_apart() {
     contains(
         &load(&tight).unwrap_err(),
         &[
-            "robot `thief` has no free start in 200 draws",
+            "robot `thief` has no allowed start in 1000 draws",
             "(robots.thief.start_jitter)",
         ],
+    );
+    let far = changed(
+        "name = \"thief\"",
+        "name = \"thief\"\nrandom_start = { robot_distance = 20.0 }",
+    );
+    contains(
+        &load(&far).unwrap_err(),
+        &[
+            "robot `thief` has no allowed start in 1000 draws",
+            "(robots.thief.random_start)",
+            "smaller distances",
+        ],
+    );
+    let negative = far.replace("20.0", "-1.0");
+    contains(
+        &load(&negative).unwrap_err(),
+        &["(robots.thief.random_start.robot_distance)", "value: -1"],
     );
 }
 

@@ -183,6 +183,42 @@ fn the_start_is_drawn_from_the_seed() {
 }
 
 #[test]
+fn a_random_start_needs_no_start_and_the_log_has_it() {
+    let random = changed(
+        "name = \"thief\"",
+        "name = \"thief\"\nrandom_start = { opponent_distance = 1.0, exit_distance = 0.5 }",
+    );
+    let random = random.replace("start = { x = 2.0, y = 0.0, theta = 0.0 }\n", "");
+    let mut all = Vec::new();
+    for seed in 0..20_u64 {
+        let s = load_with(&random, &[&format!("run.seed={seed}")]).unwrap();
+        assert_eq!(load(&s.to_toml()).unwrap(), s, "the log has the start");
+        let thief = s.world.robots[1].start;
+        all.push((thief.x, thief.y));
+    }
+    let spread = |v: fn(&(f64, f64)) -> f64| {
+        let values = all.iter().map(v);
+        values.clone().fold(f64::MIN, f64::max) - values.fold(f64::MAX, f64::min)
+    };
+    assert!(spread(|p| p.0) > 1.0 && spread(|p| p.1) > 1.0, "{all:?}");
+}
+
+#[test]
+fn the_exits_of_the_world_replace_those_of_the_map() {
+    let text = changed(
+        "[world.map.vector]",
+        "[world]\nexits = [{ circle = { center = [3.5, 1.0], radius = 0.2 } }]\n[world.map.vector]\nexits = [{ circle = { center = [-3.0, 1.0], radius = 0.3 } }]",
+    );
+    let s = load(&text).unwrap();
+    let MapSpec::Vector(map) = &s.world.map else {
+        panic!("{:?}", s.world.map)
+    };
+    assert_eq!(map.exits.len(), 1);
+    assert_eq!(map.exits[0].center().x, 3.5);
+    assert_eq!(load(&s.to_toml()).unwrap(), s);
+}
+
+#[test]
 fn a_written_scenario_loads_to_the_same() {
     let commands = changed(
         "kind = \"evader_potential\"",
