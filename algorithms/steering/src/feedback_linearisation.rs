@@ -27,6 +27,10 @@ pub const EPSILON: f64 = 0.15;
 /// requires ε itself.
 const PUBLISHED_FIELD_POINT: f64 = 0.05;
 
+/// Distance of the axle from a place at which the place attracts the axle itself, relative to the
+/// distance of the field point ahead of it: a field point that rests in the place is within.
+const ARRIVING: f64 = 1.1;
+
 /// Desired speed (m/s) below which the robot stands still.
 const DEAD_BAND: f64 = 0.01;
 
@@ -65,11 +69,26 @@ impl FeedbackParams {
 
     /// The point (m) at which a robot at `pose` evaluates its potential field.
     pub fn field_point_of(&self, pose: &Pose2) -> Point2<f64> {
-        let ahead = match self.fidelity {
+        pose.position() + pose.forward() * self.ahead()
+    }
+
+    /// The point (m) of a robot at `pose` that a place attracts: the field point, or the axle once it
+    /// is hardly farther from the place than the field point is from the axle. Otherwise the robot
+    /// would come to rest with the field point, and not its axle, in the place.
+    pub fn attracted_point_of(&self, pose: &Pose2, place: Point2<f64>) -> Point2<f64> {
+        if (place - pose.position()).norm() < ARRIVING * self.ahead() {
+            pose.position()
+        } else {
+            self.field_point_of(pose)
+        }
+    }
+
+    /// Distance of the field point ahead of the axle (m).
+    fn ahead(&self) -> f64 {
+        match self.fidelity {
             Fidelity::Ours => EPSILON,
             Fidelity::Published => PUBLISHED_FIELD_POINT,
-        };
-        pose.position() + pose.forward() * ahead
+        }
     }
 }
 

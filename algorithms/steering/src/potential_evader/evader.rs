@@ -83,7 +83,14 @@ impl Evader {
             None => (None, None),
         };
         let goal = waypoint.map(|at| Goal { at, weight: 1.0 });
-        let pull = attraction(at, goal, &Bearings::Straight);
+        // Escapes are by the axle.
+        let from = match (aim, waypoint) {
+            (Some(exit), Some(waypoint)) if exit == waypoint => {
+                params.feedback.attracted_point_of(&own.pose, exit)
+            }
+            _ => at,
+        };
+        let pull = attraction(from, goal, &Bearings::Straight);
 
         self.repulsors.clear();
         self.repulsors.extend(repulsors(view, own.index, &params));

@@ -49,6 +49,27 @@ fn without_pursuers_it_reaches_the_exit_from_everywhere_without_contact() {
     }
 }
 
+/// The control point is 0.15 m ahead of the axle: it would rest in a smaller exit, the axle before it.
+#[test]
+fn an_evader_does_not_stop_with_its_axle_before_a_small_exit() {
+    let (arena, map) = &*CITY;
+    let exit = Point2::new(8.5, 0.4);
+    for radius in [0.14, 0.1, 0.05] {
+        for theta in [-2.0, 0.0, 1.3, 3.0] {
+            let mut evader = Evader::new(EvaderParams::default(), limits(0.3), 7).unwrap();
+            let mut body = Kinematic::new(7.5, -0.8, theta);
+            let escapes = (0..600).any(|tick| {
+                let robots = [robot(0, Team::Evader, body.pose, 0.3)];
+                let time = f64::from(tick) * DT;
+                let steering = evader.command(map, &view(time, &robots, &[exit]));
+                body.step(arena, steering.command, DT);
+                (body.pose.position() - exit).norm() < radius
+            });
+            assert!(escapes, "{radius} {theta}: stands at {:?}", body.pose);
+        }
+    }
+}
+
 #[test]
 fn the_papers_straight_field_ends_in_local_minima_from_many_starts() {
     let starts = street_starts();
