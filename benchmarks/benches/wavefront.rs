@@ -61,16 +61,21 @@ fn judgement(criterion: &mut Criterion) {
         center: [EXIT.x, EXIT.y],
         radius: 0.5,
     };
-    let arena = Arena::new(&map, &params, RADIUS, &[exit]);
+    let arena = Arena::new(&map, &params, RADIUS, &[exit], 0.3);
     let runners = |places: &[(f64, f64)], speed: f64| -> Vec<Runner> {
         let points = places.iter().map(|&(x, y)| Point2::new(x, y));
-        points.map(|at| Runner { at, speed }).collect()
+        let runner = |at| Runner {
+            at,
+            speed,
+            reach: 0.3,
+        };
+        points.map(runner).collect()
     };
     let (police, evaders) = (runners(&POLICE, 0.3), runners(&EVADERS, 0.45));
     let mut dominance = Dominance::default();
     criterion.bench_function("judge_4_police_2_evaders", |bencher| {
         bencher.iter(|| {
-            let verdicts = dominance.assess(&map, &arena, black_box(&police), &evaders, 0.3);
+            let verdicts = dominance.assess(&map, &arena, black_box(&police), &evaders);
             verdicts.len()
         });
     });

@@ -14,11 +14,14 @@
 //! - [`tangent_bug`]: around unknown obstacles, by range scans;
 //! - [`waypoint_driver`]: from waypoint to waypoint, with a stop guarantee, using these.
 //!
+//! Away from pursuers: [`escape`] finds drives to an exit that no pursuer can prevent.
+//!
 //! All functions are pure: equal inputs give equal bits on every machine.
 
 #![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
 #![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
 
+pub mod escape;
 pub mod feedback_linearisation;
 pub mod go_to;
 pub mod path_tracking;

@@ -9,7 +9,9 @@ use planner_view::limits::Limits;
 use planner_view::map::PlannerMap;
 use planner_view::steering::Steering;
 use planner_view::view::{RobotView, View};
+use sim_backend::spec::RobotModel;
 use sim_backend::team::Team;
+use steering::escape::{self, Course, Robot, Rollout};
 use steering::feedback_linearisation::command;
 use steering::potential_field::{Body, Goal, attraction, compose, obstacle};
 
@@ -18,12 +20,16 @@ use crate::params::ReachAvoidParams;
 /// Radius of the search for a place to flee to when no place is safe (m).
 const NEAR: f64 = 2.0;
 
+/// Largest sum of deviations from the planned drive (m) with which a course counts as followed exactly.
+const EXACT: f64 = 1e-3;
+
 /// Drives to places that it reaches before any pursuer.
 ///
 /// Apart from caches of the map and its current destination, it is a function of the view.
 #[derive(Debug, Clone)]
 pub struct Evader {
     params: ReachAvoidParams,
+    model: RobotModel,
     limits: Limits,
     exits: Vec<Region>,
     capture: f64,
@@ -31,20 +37,34 @@ pub struct Evader {
     dominance: Dominance,
     police: Vec<Runner>,
     planned_in: Option<i64>,
-    /// Destination node.
+    /// The escape that no pursuer can prevent, once there is one.
+    escape: Option<Committed>,
+    /// Destination node without one.
     goal: Option<usize>,
-    /// Nodes of the path there.
-    way: Vec<usize>,
+    /// Corners of the path there (m).
+    path: Vec<Point2<f64>>,
+}
+
+/// A course that the evader keeps.
+#[derive(Debug, Clone)]
+struct Committed {
+    course: Course,
+    /// Position after this tick if nothing disturbs the drive (m).
+    expected: Option<Point2<f64>>,
+    /// Sum of the deviations from it since the plan (m).
+    strayed: f64,
 }
 
 impl Evader {
-    /// Returns an evader for a robot with these limits.
+    /// Returns an evader for a robot with this drive.
     ///
     /// # Errors
-    /// [`ParamsError`] if a parameter is out of range.
-    pub fn new(params: ReachAvoidParams, limits: Limits) -> Result<Self, ParamsError> {
+    /// [`ParamsError`] if a parameter or limit is out of range.
+    pub fn new(params: ReachAvoidParams, model: RobotModel) -> Result<Self, ParamsError> {
         check(&params)?;
+        let limits = Limits::new(model.v_max, model.v_reverse_max, model.omega_max)?;
         Ok(Self {
+            model,
             dominance: Dominance::default(),
             params,
             limits,
@@ -53,8 +73,9 @@ impl Evader {
             arena: None,
             police: Vec::new(),
             planned_in: None,
+            escape: None,
             goal: None,
-            way: Vec::new(),
+            path: Vec::new(),
         })
     }
 
@@ -65,18 +86,21 @@ impl Evader {
         self.arena = None;
     }
 
-    /// Prepares a new map for a robot of this radius (m) before the next tick. Otherwise
+    /// Prepares a new map for robots as narrow as this radius (m) before the next tick. Otherwise
     /// [`Evader::command`] does it within a tick.
     pub fn prepare(&mut self, map: &PlannerMap, radius: f64) {
         let known = |(revision, arena): &(u64, Arena)| {
             *revision == map.revision() && arena.lattice().radius().to_bits() == radius.to_bits()
         };
         if !self.arena.as_ref().is_some_and(known) {
-            let arena = Arena::new(map, &self.params.dominance, radius, &self.exits);
+            let dominance = &self.params.dominance;
+            let reach = self.capture.max(2.0 * self.model.radius);
+            let arena = Arena::new(map, dominance, radius, &self.exits, reach);
             self.arena = Some((map.revision(), arena));
             self.planned_in = None;
+            self.escape = None;
             self.goal = None;
-            self.way.clear();
+            self.path.clear();
         }
     }
 
@@ -86,18 +110,28 @@ impl Evader {
         let Some(own) = view.own().filter(|own| own.active) else {
             return Steering::stop();
         };
-        self.prepare(map, own.radius);
+        let chase = view.active(Team::Police).map(|robot| robot.radius);
+        self.prepare(map, chase.fold(own.radius, f64::min));
         // Saturates for absurd times; NaN becomes 0.
         let period = Some((view.time_s / self.params.period_s).floor() as i64);
+        self.look_for_deviations(own);
         if self.planned_in != period {
             self.planned_in = period;
             self.plan(map, view, own);
+        }
+        if let Some(steering) = self.escape(map, view, own) {
+            return steering;
         }
         let params = &self.params;
         let at = params.feedback.field_point_of(&own.pose);
         let waypoint = self.waypoint(map, own);
         let goal = waypoint.map(|at| Goal { at, weight: 1.0 });
-        let pull = attraction(at, goal, &Bearings::Straight);
+        // Escapes are by the axle.
+        let arrives = waypoint.filter(|at| self.path.last() == Some(at));
+        let from = arrives.map_or(at, |place| {
+            params.feedback.attracted_point_of(&own.pose, place)
+        });
+        let pull = attraction(from, goal, &Bearings::Straight);
         let sum = pull + obstacle(map, at, params.obstacle.fidelity);
         let bodies = view.other_bodies(own).map(Body::from);
         let field = compose(
@@ -119,41 +153,107 @@ impl Evader {
         }
     }
 
-    /// Chooses the destination and the path to it.
+    fn robot(&self, view: &View<'_>, own: &RobotView) -> Robot {
+        Robot {
+            pose: own.pose,
+            twist: own.twist,
+            model: self.model,
+            dt: view.dt,
+        }
+    }
+
+    /// Adds up how far the robot is from where its course should have taken it.
+    fn look_for_deviations(&mut self, own: &RobotView) {
+        if let Some(escape) = &mut self.escape
+            && let Some(expected) = escape.expected
+        {
+            escape.strayed += (own.pose.position() - expected).norm();
+        }
+    }
+
+    /// Returns the command along the course of its escape, if it has one.
+    fn escape(&mut self, map: &PlannerMap, view: &View<'_>, own: &RobotView) -> Option<Steering> {
+        let robot = self.robot(view, own);
+        let escape = self.escape.as_mut()?;
+        let tracking = escape.course.follow(map, &own.pose, &self.limits)?;
+        escape.expected = Some(robot.after(tracking.command).pose.position());
+        Some(Steering {
+            command: tracking.command,
+            target: None,
+            aim: escape.course.points().last().copied(),
+            waypoint: Some(tracking.target),
+            field: nalgebra::Vector2::zeros(),
+        })
+    }
+
+    /// Chooses the course of an escape, or else a destination and the path to it.
+    ///
+    /// A course whose drive goes as planned stays safe whatever the pursuers do, and is kept. If
+    /// something disturbed the drive, it is kept if it still is safe from where the robot is.
     fn plan(&mut self, map: &PlannerMap, view: &View<'_>, own: &RobotView) {
+        let robot = self.robot(view, own);
         let Some((_, arena)) = &self.arena else {
             return;
         };
-        let params = &self.params;
-        self.police.clear();
-        self.police
-            .extend(view.active(Team::Police).map(|robot| Runner {
-                at: robot.pose.position(),
-                speed: robot.v_max,
-            }));
+        if self
+            .escape
+            .as_ref()
+            .is_some_and(|escape| escape.strayed <= EXACT)
+        {
+            return;
+        }
+        obstructions(view, own, self.capture, &mut self.police);
+        if let Some(escape) = &mut self.escape {
+            let dominance = &mut self.dominance;
+            dominance.pursue(map, arena, &self.police);
+            let rollout = Rollout::of(map, arena, dominance, &escape.course, &robot);
+            if rollout.is_some_and(|rollout| rollout.is_safe()) {
+                escape.strayed = 0.0;
+                return;
+            }
+        }
         let runner = Runner {
             at: own.pose.position(),
+            speed: own.v_max,
+            reach: 0.0,
+        };
+        self.dominance.assess(map, arena, &self.police, &[runner]);
+        let escape = escape::plan(map, arena, &mut self.dominance, 0, &runner, &robot);
+        self.escape = escape.map(|escape| Committed {
+            course: escape.course,
+            expected: None,
+            strayed: 0.0,
+        });
+        if self.escape.is_some() {
+            self.goal = None;
+            return;
+        }
+        let params = &self.params;
+        for pursuer in &mut self.police {
+            pursuer.reach += params.keep_away;
+        }
+        let slower = Runner {
             speed: own.v_max * params.speed_fraction,
+            ..runner
         };
-        let reach = self.capture + params.keep_away;
-        let verdicts = self
-            .dominance
-            .assess(map, arena, &self.police, &[runner], reach);
-        let certain = verdicts
-            .first()
-            .is_some_and(|verdict| verdict.escape_possible);
+        self.dominance.assess(map, arena, &self.police, &[slower]);
         let before = self.goal;
-        self.goal = if certain {
-            best_exit(arena, &self.dominance)
-        } else {
-            best_place(arena, &self.dominance, runner.speed, params, before)
-        };
-        self.way.clear();
+        let exit = self.dominance.safest_exit(arena, 0);
+        self.goal = exit
+            .map(|(_, node)| node)
+            .or_else(|| best_place(arena, &self.dominance, slower.speed, params, before));
+        self.path.clear();
         if let (Some(goal), Some(safe)) = (self.goal, self.dominance.safe(0)) {
-            safe.way_to(arena.lattice(), goal, &mut self.way);
+            safe.path_to(arena.medium(), goal, &mut self.path);
+            let region = exit.and_then(|(exit, _)| arena.exit(exit));
+            // An exit that is smaller than a cell.
+            let beside = |region: &&Region| self.path.last().is_some_and(|p| !region.contains(*p));
+            let center = region.filter(beside).map(Region::center);
+            self.path.extend(center);
         } else {
-            self.goal = farthest_from_police(map, arena, &self.dominance, &runner);
-            self.way.extend(self.goal);
+            self.goal = farthest_from_police(map, arena, &self.dominance, &slower);
+            let goal = self.goal.and_then(|goal| arena.lattice().point(goal));
+            self.path.extend(goal);
         }
     }
 
@@ -176,7 +276,7 @@ impl Evader {
                 && (2..=steps as u32).all(|i| is_safe(here + line * (f64::from(i) / steps)))
         };
         let in_sight = |to: &Point2<f64>| (to - here).norm() <= self.params.sight;
-        let points = || self.way.iter().filter_map(|&node| lattice.point(node));
+        let points = || self.path.iter().copied();
         let furthest = points().rev().find(|to| in_sight(to) && goes_straight(*to));
         // Too near to a wall for a straight drive: along the path, a little ahead.
         let ahead = || {
@@ -197,19 +297,26 @@ pub fn worth(margin: f64, way_out: f64, speed: f64, params: &ReachAvoidParams) -
     margin.min(params.enough_s) - params.exit_weight * way_out / speed
 }
 
-/// Returns the place in an exit that it safely reaches with the most time to spare.
-fn best_exit(arena: &Arena, dominance: &Dominance) -> Option<usize> {
-    let safe = dominance.safe(0)?;
-    let mut best: Option<(f32, usize)> = None;
-    for &node in (0..arena.exits()).flat_map(|exit| arena.exit_nodes(exit)) {
-        let node = node as usize;
-        let time = safe.time(node);
-        let margin = dominance.police().time(node) - time;
-        if time.is_finite() && best.is_none_or(|(most, _)| margin > most) {
-            best = Some((margin, node));
-        }
-    }
-    best.map(|(_, node)| node)
+/// Lists what can stop an evader: pursuers within the capture radius (m) or in contact, and other
+/// bodies, except evaders in play, in contact.
+fn obstructions(view: &View<'_>, own: &RobotView, capture: f64, runners: &mut Vec<Runner>) {
+    runners.clear();
+    let evades = |other: &RobotView| other.active && other.team == Team::Evader;
+    runners.extend(
+        view.other_bodies(own)
+            .filter(|other| !evades(other))
+            .map(|other| {
+                let contact = own.radius + other.radius;
+                Runner {
+                    at: other.pose.position(),
+                    speed: if other.active { other.v_max } else { 0.0 },
+                    reach: match other.team {
+                        Team::Police if other.active => capture.max(contact),
+                        _ => contact,
+                    },
+                }
+            }),
+    );
 }
 
 /// Returns the place of the highest worth that it safely reaches; the last one, if it is worth

@@ -1,10 +1,10 @@
 //! Evader that plays a reach–avoid game against optimal pursuers.
 //!
-//! Several times a second it computes the places that it reaches before any pursuer could
-//! (`navigation::dominance`: dynamic programming on the grid). If an exit is among them it drives
-//! there: no pursuer can stop it. If not, it drives to the place of the highest worth
-//! ([`evader::worth`]): near the exit, but with time to spare, so that pursuers that approach it
-//! leave the exit open.
+//! Several times a second it looks for an escape that no pursuer can prevent ([`steering::escape`]).
+//! It keeps the course of the first one that it finds, and plans again only if something disturbs its
+//! drive. Without one it drives to the place of the highest worth ([`evader::worth`]) among those
+//! that it reaches before any pursuer could (`navigation::dominance`): near the exit, but with time to
+//! spare, so that pursuers that approach it leave the exit open.
 
 #![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
 #![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]

@@ -14,11 +14,12 @@ pub struct ReachAvoidParams {
     /// Time between two plans.
     #[schemars(transform = above(0).unit("s"))]
     pub period_s: f64,
-    /// Its own speed in its plans, as a fraction of its top speed: below 1, since plans ignore the
-    /// time that turning takes.
+    /// Without a safe way out: its own speed in its plans, as a fraction of its top speed: below 1,
+    /// since these plans ignore the time that turning takes.
     #[schemars(transform = above(0).at_most(1))]
     pub speed_fraction: f64,
-    /// Distance beyond the capture radius that its plans keep from where pursuers could be.
+    /// Without a safe way out: distance beyond the capture radius that its plans keep from where
+    /// pursuers could be.
     #[schemars(transform = at_least(0).unit("m"))]
     pub keep_away: f64,
     /// Without a safe way out: maximum useful lead over the pursuers at a place.
@@ -28,11 +29,11 @@ pub struct ReachAvoidParams {
     /// exit.
     #[schemars(transform = at_least(0))]
     pub exit_weight: f64,
-    /// Largest distance along its path to the point that it heads for.
+    /// Without a safe way out: largest distance along its path to the point that it heads for.
     #[schemars(transform = above(0).unit("m"))]
     pub sight: f64,
-    /// Distance kept from obstacles beyond the robot's radius where the path is cut short at
-    /// corners.
+    /// Without a safe way out: distance kept from obstacles beyond the robot's radius where the path
+    /// is cut short at corners.
     #[schemars(transform = at_least(0).unit("m"))]
     pub margin: f64,
     /// Resolution of the plans.

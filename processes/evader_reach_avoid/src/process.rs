@@ -1,7 +1,7 @@
 //! Connects [`Evader`] to its topics: state and map in, command and plan out.
 
 use geometry::region::Region;
-use planner::{Planner, PlannerInputs, limits};
+use planner::{Planner, PlannerInputs};
 use planner_view::map::PlannerMap;
 use planner_view::steering::Steering;
 use planner_view::view::View;
@@ -25,9 +25,9 @@ impl Planner for ReachAvoidPlanner {
     }
 
     fn new(params: &ReachAvoidParams, robot: &RobotInfo, _seed: u64) -> Result<Self, String> {
-        Evader::new(*params, limits(robot)?)
+        Evader::new(*params, robot.model)
             .map(Self)
-            .map_err(|e| e.to_string())
+            .map_err(|e| format!("{}: {e}", robot.name))
     }
 
     fn rules(&mut self, exits: &[Region], capture_radius: f64) {

@@ -15,7 +15,7 @@ use runtime::{Clock, Process, ProcessConfig, ProcessError, ProcessKind};
 use sim_backend::team::Team;
 
 use crate::params::RefereeParams;
-use crate::referee::{Judgement, Referee};
+use crate::referee::{Game, Judgement, Referee};
 
 /// Resolution of the margins in pictures (steps per second): finer ones are invisible and do not
 /// compress.
@@ -63,7 +63,7 @@ impl Due {
 impl ProcessKind for RefereeProcess {
     const NAME: &'static str = "referee";
     const SUMMARY: &'static str =
-        "computes dominance regions, and the evaders whose escape is certain";
+        "computes dominance regions, and the evaders that escape whatever the pursuers do";
 
     type Params = RefereeParams;
 
@@ -76,7 +76,15 @@ impl ProcessKind for RefereeProcess {
         let evaders = run.robots.iter().filter(|robot| robot.team == Team::Evader);
         let tick_s = run.tick_period();
         Ok(Self {
-            referee: Referee::new(*params, run.exits.clone(), run.capture_radius),
+            referee: Referee::new(
+                *params,
+                Game {
+                    exits: run.exits.clone(),
+                    capture: run.capture_radius,
+                    models: run.robots.iter().map(|robot| robot.model).collect(),
+                    dt: tick_s,
+                },
+            ),
             verdicts_due: Due::new(params.period_s, tick_s),
             cells_due: (params.cells_period_s > 0.0)
                 .then(|| Due::new(params.cells_period_s, tick_s)),

@@ -4,9 +4,24 @@ use geometry::region::Region;
 use navigation::dominance::{Arena, Cell, Dominance, Runner, Verdict};
 use planner_view::map::PlannerMap;
 use planner_view::view::RobotView;
+use sim_backend::spec::RobotModel;
 use sim_backend::team::Team;
+use steering::escape::{self, Robot};
 
 use crate::RefereeParams;
+
+/// What a referee knows of a game besides the map and the state.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Game {
+    /// Exits of evaders.
+    pub exits: Vec<Region>,
+    /// Distance within which Police catch (m).
+    pub capture: f64,
+    /// Bodies and limits of the robots, by index.
+    pub models: Vec<RobotModel>,
+    /// Length of a tick (s).
+    pub dt: f64,
+}
 
 /// Judgement of an evader.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -23,8 +38,7 @@ pub struct Judgement {
 #[derive(Debug, Clone)]
 pub struct Referee {
     params: RefereeParams,
-    exits: Vec<Region>,
-    capture: f64,
+    game: Game,
     arena: Option<(u64, f64, Arena)>,
     dominance: Dominance,
     police: Vec<Runner>,
@@ -36,13 +50,12 @@ pub struct Referee {
 }
 
 impl Referee {
-    /// Returns a referee of a game with these exits, in which Police catch within `capture` (m).
-    pub fn new(params: RefereeParams, exits: Vec<Region>, capture: f64) -> Self {
+    /// Returns a referee of a game.
+    pub fn new(params: RefereeParams, game: Game) -> Self {
         Self {
             dominance: Dominance::default(),
             params,
-            exits,
-            capture,
+            game,
             arena: None,
             police: Vec::new(),
             evaders: Vec::new(),
@@ -60,7 +73,9 @@ impl Referee {
             *revision == map.revision() && of.to_bits() == radius.to_bits()
         };
         if !self.arena.as_ref().is_some_and(known) {
-            let arena = Arena::new(map, &self.params.dominance, radius, &self.exits);
+            let widest = self.game.models.iter().map(|model| model.radius);
+            let reach = self.game.capture.max(2.0 * widest.fold(radius, f64::max));
+            let arena = Arena::new(map, &self.params.dominance, radius, &self.game.exits, reach);
             self.arena = Some((map.revision(), radius, arena));
         }
     }
@@ -74,37 +89,71 @@ impl Referee {
         self.police_robots.clear();
         self.evader_robots.clear();
         self.judgements.clear();
-        let playing = || {
-            robots
-                .iter()
-                .filter(|robot| robot.active && robot.is_sane())
-        };
-        for robot in playing() {
+        let widest = robots
+            .iter()
+            .filter(|robot| robot.active && robot.team == Team::Evader && robot.is_sane())
+            .fold(0.0_f64, |widest, robot| widest.max(robot.radius));
+        for robot in robots
+            .iter()
+            .filter(|robot| robot.present && robot.is_sane())
+        {
             let runner = Runner {
                 at: robot.pose.position(),
-                speed: robot.v_max,
+                speed: if robot.active { robot.v_max } else { 0.0 },
+                reach: widest + robot.radius,
             };
             match robot.team {
-                Team::Police => {
-                    self.police.push(runner);
-                    self.police_robots.push(robot.index);
-                }
-                Team::Evader => {
+                Team::Evader if robot.active => {
                     self.evaders.push(runner);
                     self.evader_robots.push(robot.index);
                 }
-                Team::Neutral => {}
+                Team::Police if robot.active => {
+                    self.police.push(Runner {
+                        reach: runner.reach.max(self.game.capture),
+                        ..runner
+                    });
+                    self.police_robots.push(robot.index);
+                }
+                _ => {
+                    self.police.push(runner);
+                    self.police_robots.push(robot.index);
+                }
             }
         }
         let radius = narrowest(robots);
         self.prepare(map, radius);
         if let Some((_, _, arena)) = &self.arena {
-            let verdicts =
-                self.dominance
-                    .assess(map, arena, &self.police, &self.evaders, self.capture);
-            let judged = self.evader_robots.iter().zip(verdicts);
-            self.judgements
-                .extend(judged.map(|(&robot, &verdict)| Judgement { robot, verdict }));
+            self.dominance
+                .assess(map, arena, &self.police, &self.evaders);
+            let evaders = self.evader_robots.iter().zip(&self.evaders).enumerate();
+            for (i, (&index, runner)) in evaders {
+                let robot = robots.iter().find(|robot| robot.index == index);
+                let verdict = self.dominance.verdicts().get(i).copied();
+                let (Some(robot), Some(mut verdict)) = (robot, verdict) else {
+                    continue;
+                };
+                if verdict.escape_possible {
+                    let drive = self.game.models.get(index).map(|model| Robot {
+                        pose: robot.pose,
+                        twist: robot.twist,
+                        model: *model,
+                        dt: self.game.dt,
+                    });
+                    let escape = drive.and_then(|drive| {
+                        escape::plan(map, arena, &mut self.dominance, i, runner, &drive)
+                    });
+                    verdict.escape_possible = escape.is_some();
+                    verdict.time = escape.as_ref().map_or(f64::INFINITY, |found| found.time);
+                    if let Some(escape) = escape {
+                        verdict.exit = Some(escape.exit);
+                        verdict.margin = escape.margin;
+                    }
+                }
+                self.judgements.push(Judgement {
+                    robot: index,
+                    verdict,
+                });
+            }
         }
         &self.judgements
     }

@@ -8,7 +8,8 @@ use geometry::region::Region;
 use navigation::dominance::Owner;
 use planner_view::view::RobotView;
 use proptest::prelude::*;
-use referee::{Referee, RefereeParams};
+use referee::{Game, Referee, RefereeParams};
+use sim_backend::spec::{Preset, RobotModel};
 use sim_backend::team::Team;
 use support::{Arena, EXIT};
 
@@ -17,12 +18,25 @@ fn robot(index: usize, team: Team, x: f64, y: f64) -> RobotView {
     support::robot(index, team, Pose2::new(x, y, 0.0), v_max)
 }
 
-fn referee() -> Referee {
+fn game() -> Game {
     let exit = Region::Circle {
         center: [EXIT.x, EXIT.y],
         radius: 0.5,
     };
-    Referee::new(RefereeParams::default(), vec![exit], 0.3)
+    let model = RobotModel {
+        v_max: 0.45,
+        ..Preset::Turtlebot3Burger.model()
+    };
+    Game {
+        exits: vec![exit],
+        capture: 0.3,
+        models: vec![model; 10],
+        dt: support::DT,
+    }
+}
+
+fn referee() -> Referee {
+    Referee::new(RefereeParams::default(), game())
 }
 
 #[test]
@@ -56,6 +70,42 @@ fn only_evaders_that_play_are_judged_and_only_police_that_play_count() {
     );
     robots[0].active = false;
     assert!(referee.judge(&map, &robots)[0].verdict.escape_possible);
+}
+
+/// Half a turn at 0.2 rad/s takes 16 s: enough for a pursuer to come to the exit.
+#[test]
+fn a_robot_that_turns_slowly_is_not_told_that_it_escapes() {
+    let map = Arena::city().map();
+    let robots = [
+        robot(0, Team::Police, 7.5, 6.0),
+        robot(1, Team::Evader, 4.5, 0.0),
+    ];
+    assert!(referee().judge(&map, &robots)[0].verdict.escape_possible);
+    let mut game = game();
+    game.models[1].omega_max = 0.2;
+    let mut referee = Referee::new(RefereeParams::default(), game);
+    let verdict = referee.judge(&map, &robots)[0].verdict;
+    assert!(
+        !verdict.escape_possible && verdict.time == f64::INFINITY,
+        "{verdict:?}"
+    );
+}
+
+/// A caught robot stays where it is, and 0.21 m from it is contact.
+#[test]
+fn a_body_that_fills_the_way_out_lets_nothing_through() {
+    let mut city = Arena::city();
+    city.rectangles
+        .extend([(8.0, 9.0, 0.2, 1.25), (8.0, 9.0, -1.25, -0.2)]);
+    let map = city.map();
+    let mut robots = [
+        robot(0, Team::Evader, 8.5, 0.0),
+        robot(1, Team::Evader, 7.0, 0.0),
+    ];
+    robots[0].active = false;
+    assert!(!referee().judge(&map, &robots)[0].verdict.escape_possible);
+    robots[0].present = false;
+    assert!(referee().judge(&map, &robots)[0].verdict.escape_possible);
 }
 
 #[test]

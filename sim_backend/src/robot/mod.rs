@@ -4,5 +4,5 @@ mod condition;
 pub(crate) mod drive;
 mod state;
 
-pub use drive::limit;
+pub use drive::{integrate, limit};
 pub use state::{ContactCounts, Robot, RobotStatus};

@@ -11,11 +11,14 @@ use planner_view::map::PlannerMap;
 pub struct Arena {
     medium: Medium,
     exits: Vec<Exit>,
+    /// Pairs of near places with an obstacle between them.
+    hidden: Vec<(u32, u32)>,
 }
 
 /// One exit.
 #[derive(Debug, Clone)]
 struct Exit {
+    region: Region,
     nodes: Vec<u32>,
     /// Length of the shortest path to the exit from each node (m), as the time of a wave of 1 m/s.
     path: Wave,
@@ -23,7 +26,14 @@ struct Exit {
 
 impl Arena {
     /// The arena for robots of this radius (m), with exits that evaders reach with their centre.
-    pub fn new(map: &PlannerMap, params: &DominanceParams, radius: f64, exits: &[Region]) -> Self {
+    /// Pursuers stop evaders within `reach` (m) at most, also through walls.
+    pub fn new(
+        map: &PlannerMap,
+        params: &DominanceParams,
+        radius: f64,
+        exits: &[Region],
+        reach: f64,
+    ) -> Self {
         let lattice = Lattice::new(map, params.pitch, radius);
         let medium = Medium::new(map, lattice, SIGHT);
         let lattice = medium.lattice();
@@ -38,10 +48,30 @@ impl Arena {
                     .collect();
                 let mut path = Wave::default();
                 path.spread(&medium, map, &sources, None);
-                Exit { nodes, path }
+                Exit {
+                    region: *region,
+                    nodes,
+                    path,
+                }
             })
             .collect();
-        Self { medium, exits }
+        let hidden = hidden(map, &medium, reach);
+        Self {
+            medium,
+            exits,
+            hidden,
+        }
+    }
+
+    /// The pairs of places (the second a node) such that a pursuer at the second could stop an evader
+    /// at the first through a wall, if each is anywhere in its cell.
+    pub(super) fn hidden(&self) -> &[(u32, u32)] {
+        &self.hidden
+    }
+
+    /// The region of an exit.
+    pub fn exit(&self, exit: usize) -> Option<&Region> {
+        self.exits.get(exit).map(|exit| &exit.region)
     }
 
     /// The places where robots fit.
@@ -68,6 +98,35 @@ impl Arena {
     pub fn way_to(&self, exit: usize) -> Option<&Wave> {
         self.exits.get(exit).map(|exit| &exit.path)
     }
+}
+
+/// Maximum distance of a robot from the centre of its cell (m).
+pub(super) fn within_cell(lattice: &Lattice) -> f64 {
+    core::f64::consts::FRAC_1_SQRT_2 * lattice.pitch()
+}
+
+/// The pairs of places with an obstacle between them whose distance may be less than `reach` (m).
+fn hidden(map: &PlannerMap, medium: &Medium, reach: f64) -> Vec<(u32, u32)> {
+    let lattice = medium.lattice();
+    let reach = reach + within_cell(lattice);
+    // A line whose cells have this clearance at their centres crosses no obstacle.
+    let free = core::f64::consts::FRAC_1_SQRT_2 * map.clearance_grid().frame.resolution;
+    let mut hidden = Vec::new();
+    for from in 0..medium.places() {
+        let Some(at) = medium.point(from) else {
+            continue;
+        };
+        if map.clearance(at) > reach {
+            continue;
+        }
+        lattice.for_each_within(at, reach, |to, _| {
+            let is_hidden = |to| !map.line_is_clear(at, to, free);
+            if lattice.point(to).is_some_and(is_hidden) {
+                hidden.push((from as u32, to as u32));
+            }
+        });
+    }
+    hidden
 }
 
 /// The nodes whose centre lies in a region; for a region smaller than a cell, the nearest node.

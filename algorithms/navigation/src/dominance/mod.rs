@@ -9,13 +9,13 @@
 //! of an Apollonius circle). With faster evaders it is the region that remains when paths are cut
 //! off.
 //!
-//! Guarantee: if an exit is in the set, the evader escapes by that path whatever the pursuers do,
-//! even if they know the path. If no exit is in the set, no path that the evader could choose *now*
-//! is certain; pursuers that do not know which path it takes may still let it through.
+//! If an exit is in the set, an evader that turns at once and follows the path exactly escapes by it
+//! whatever the pursuers do, even if they know the path; `steering::escape` takes the drive of a real
+//! evader into account. If no exit is in the set, no path that the evader could choose *now* is
+//! safe; pursuers that do not know which path it takes may still let it through.
 //!
-//! All robots move freely at top speed here: turning takes no time, and robots do not block each
-//! other. The capture radius is measured along paths: for a pursuer behind a wall, the path around
-//! the wall counts.
+//! Pursuers move freely at top speed, do not block each other, and stop an evader within their reach in
+//! a straight line, also through walls.
 
 mod arena;
 mod assess;

@@ -19,6 +19,8 @@ pub struct Wave {
     tentative: Vec<f32>,
     /// `true` for times of a straight path from a source or bend.
     straight: Vec<bool>,
+    /// The place from which the wave came to each place; [`NONE`] for a source.
+    origins: Vec<u32>,
     queue: Queue,
     seeds: Vec<Seed>,
     speeds: Vec<f64>,
@@ -85,6 +87,18 @@ impl Wave {
         self.times().get(node).copied().unwrap_or(f32::INFINITY)
     }
 
+    /// Time at which the wave reaches a node or bend (s).
+    pub(crate) fn time_of(&self, place: usize) -> f32 {
+        self.times.get(place).copied().unwrap_or(f32::INFINITY)
+    }
+
+    /// Lowers the time of a node or bend (s).
+    pub(crate) fn advance(&mut self, place: usize, time: f32) {
+        if let Some(known) = self.times.get_mut(place) {
+            *known = known.min(time);
+        }
+    }
+
     /// Label of the source that is first at a node; `None` if no wave arrives.
     pub fn label(&self, node: usize) -> Option<u32> {
         let reached = self.time(node).is_finite();
@@ -125,6 +139,19 @@ impl Wave {
         }
     }
 
+    /// The place before this one on a straight path, or else the neighbour that decided its time;
+    /// `None` after a source. Second, `true` if the path is straight.
+    pub(super) fn origin(&self, place: usize) -> (Option<usize>, bool) {
+        let origin = self.origins.get(place).filter(|&&origin| origin != NONE);
+        let straight = self.straight.get(place).copied().unwrap_or_default();
+        (origin.map(|&origin| origin as usize), straight)
+    }
+
+    /// Returns `true` if its sources have one speed, so that each place is reached from its origin.
+    pub(super) fn has_one_speed(&self) -> bool {
+        self.speeds.len() == 1
+    }
+
     fn clear(&mut self, medium: &Medium) {
         let places = medium.nowhere() + 1;
         for times in [&mut self.times, &mut self.tentative] {
@@ -135,6 +162,8 @@ impl Wave {
         self.labels.resize(places, 0);
         self.straight.clear();
         self.straight.resize(places, false);
+        self.origins.clear();
+        self.origins.resize(places, NONE);
     }
 
     /// Marches from the seeds at a speed (m/s).
@@ -165,12 +194,12 @@ impl Wave {
                     continue;
                 }
                 let (time, from) = self.arrival(medium, next, step);
-                self.offer(next, time, self.labels[from], false, limit);
+                self.offer(next, time, from as u32, false, limit);
             }
             if let Some(bend) = medium.bends().beside(at) {
                 let bend = self.nodes + bend;
                 if !self.straight[bend] {
-                    self.offer(bend, time + step, self.labels[at], false, limit);
+                    self.offer(bend, time + step, place, false, limit);
                 }
             }
         }
@@ -190,15 +219,15 @@ impl Wave {
             } = self.seeds[i];
             let cut_off = limit.is_some()
                 && back.is_some_and(|back| !self.tentative[back as usize].is_finite());
-            if !cut_off {
-                self.offer(node as usize, time, label, true, limit);
+            if !cut_off && self.offer(node as usize, time, NONE, true, limit) {
+                self.labels[node as usize] = label;
             }
         }
     }
 
     /// Turns the wave around a corner: continues straight from a bend that it has reached.
     fn turn(&mut self, medium: &Medium, at: usize, slowness: f32, limit: Option<&[f32]>) {
-        let (start, label) = (self.times[at], self.labels[at]);
+        let start = self.times[at];
         for target in medium.bends().targets(at - self.nodes) {
             let to = target.to as usize;
             let time = start + target.distance * slowness;
@@ -209,20 +238,33 @@ impl Wave {
                 && target.back != NONE
                 && !self.tentative[target.back as usize].is_finite();
             if !cut_off {
-                self.offer(to, time, label, true, limit);
+                self.offer(to, time, at as u32, true, limit);
             }
         }
     }
 
-    /// Lowers the time of a place, if this time is earlier and within the limit.
-    fn offer(&mut self, to: usize, time: f32, label: u32, straight: bool, limit: Option<&[f32]>) {
+    /// Lowers the time of a place reached from `origin` ([`NONE`]: from a source), if this time is
+    /// earlier and within the limit; returns `true` if so.
+    fn offer(
+        &mut self,
+        to: usize,
+        time: f32,
+        origin: u32,
+        straight: bool,
+        limit: Option<&[f32]>,
+    ) -> bool {
         let allowed = limit.is_none_or(|limit| limit.get(to).is_some_and(|&limit| time < limit));
-        if time < self.tentative[to] && allowed {
+        let earlier = time < self.tentative[to] && allowed;
+        if earlier {
             self.tentative[to] = time;
-            self.labels[to] = label;
+            if origin != NONE {
+                self.labels[to] = self.labels[origin as usize];
+            }
+            self.origins[to] = origin;
             self.straight[to] = straight;
             self.queue.push(time, to as u32);
         }
+        earlier
     }
 
     /// The arrival time at a node from its decided neighbours, and the earlier of them.

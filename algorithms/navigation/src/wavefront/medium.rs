@@ -1,5 +1,6 @@
 //! The medium in which a wave travels.
 
+use nalgebra::Point2;
 use planner_view::map::PlannerMap;
 
 use super::bends::Bends;
@@ -40,6 +41,14 @@ impl Medium {
         &self.lattice
     }
 
+    /// Position of a node or bend (m).
+    pub(crate) fn point(&self, place: usize) -> Option<Point2<f64>> {
+        match place.checked_sub(self.lattice.len()) {
+            None => self.lattice.point(place),
+            Some(bend) => self.bends.points().get(bend).copied(),
+        }
+    }
+
     /// The neighbours of a node in the order of the steps +x, +y, −x, −y; [`Medium::nowhere`] where
     /// there is none.
     pub(super) fn neighbours(&self, node: usize) -> [u32; 4] {
@@ -52,6 +61,11 @@ impl Medium {
     /// The bends of shortest paths.
     pub(super) fn bends(&self) -> &Bends {
         &self.bends
+    }
+
+    /// Number of nodes and bends.
+    pub(crate) fn places(&self) -> usize {
+        self.lattice.len() + self.bends.len()
     }
 
     /// A number beyond those of nodes and bends: a place that no wave reaches.

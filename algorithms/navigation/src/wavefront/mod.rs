@@ -12,6 +12,9 @@
 //! the open are exact up to 1 m; the errors beyond it and in the city are
 //! asserted in `tests/wavefront.rs`.
 
+/// Maximum error of an arrival time, relative to the exact shortest path (asserted in the tests).
+pub const MAX_ERROR: f64 = 0.02;
+
 mod bends;
 mod lattice;
 mod march;

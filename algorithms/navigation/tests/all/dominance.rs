@@ -17,7 +17,7 @@ static CITY: LazyLock<(PlannerMap, Arena)> = LazyLock::new(|| {
         center: [EXIT.x, EXIT.y],
         radius: 0.5,
     };
-    let arena = Arena::new(&map, &DominanceParams::default(), RADIUS, &[exit]);
+    let arena = Arena::new(&map, &DominanceParams::default(), RADIUS, &[exit], 0.3);
     (map, arena)
 });
 
@@ -28,7 +28,7 @@ static OPEN: LazyLock<(PlannerMap, Arena)> = LazyLock::new(|| {
         half_extents: [0.5, 1.0],
         angle: 0.0,
     });
-    let arena = Arena::new(&map, &DominanceParams::default(), RADIUS, &exits);
+    let arena = Arena::new(&map, &DominanceParams::default(), RADIUS, &exits, 0.3);
     (map, arena)
 });
 
@@ -36,6 +36,7 @@ fn runner(x: f64, y: f64, speed: f64) -> Runner {
     Runner {
         at: Point2::new(x, y),
         speed,
+        reach: 0.0,
     }
 }
 
@@ -43,11 +44,13 @@ fn assess(
     place: &(PlannerMap, Arena),
     police: &[Runner],
     evaders: &[Runner],
-    capture: f64,
+    reach: f64,
 ) -> (Vec<Verdict>, Dominance) {
     let mut dominance = Dominance::default();
+    let reaching = |runner: &Runner| Runner { reach, ..*runner };
+    let police: Vec<Runner> = police.iter().map(reaching).collect();
     let verdicts = dominance
-        .assess(&place.0, &place.1, police, evaders, capture)
+        .assess(&place.0, &place.1, &police, evaders)
         .to_vec();
     (verdicts, dominance)
 }
@@ -166,11 +169,63 @@ fn in_the_city_pursuers_decide_by_how_far_they_are_from_the_exit() {
     assert!(!caught.escape_possible && caught.area_share == 0.0);
 }
 
+/// Captures are by the distance in a straight line, also around a corner or through a thin wall.
+#[test]
+fn a_pursuer_behind_a_wall_is_as_near_as_the_straight_line() {
+    let mut arena = crate::support::Arena::city();
+    arena.rectangles = vec![
+        (-10.0, 10.0, -10.0, -4.0),
+        (-10.0, 10.0, 4.0, 10.0),
+        (-8.0, 8.0, -0.02, 0.02),
+    ];
+    let map = arena.map();
+    let arena = Arena::new(&map, &DominanceParams::default(), RADIUS, &[], 0.3);
+    let mut dominance = Dominance::default();
+    let pursuer = Runner {
+        reach: 0.3,
+        ..runner(0.0, -2.0, 0.3)
+    };
+    dominance.pursue(&map, &arena, &[pursuer]);
+    // The pursuer comes to the wall within 6 s; the path around the wall takes it 55 s.
+    let beyond = dominance.stopped_from(&arena, Point2::new(0.0, 0.12), RADIUS);
+    assert!((4.0..6.1).contains(&beyond), "{beyond}");
+    let farther = dominance.stopped_from(&arena, Point2::new(0.0, 1.0), RADIUS);
+    assert!(farther > 45.0, "{farther}");
+}
+
+/// A lower bound, and no worse than half a second in the open.
+#[test]
+fn no_pursuer_stops_a_robot_earlier_than_the_bound() {
+    let pursuer = Runner {
+        reach: 0.3,
+        ..runner(2.17, -0.7, 0.3)
+    };
+    let mut dominance = Dominance::default();
+    dominance.pursue(&OPEN.0, &OPEN.1, &[pursuer]);
+    for step in 0..400 {
+        let (x, y) = (
+            f64::from(step % 20) * 0.83 - 8.0,
+            f64::from(step / 20) * 0.77 - 8.0,
+        );
+        let p = Point2::new(x, y);
+        let truth = (((p - pursuer.at).norm() - 0.3) / 0.3).max(0.0);
+        let bound = dominance.stopped_from(&OPEN.1, p, RADIUS);
+        assert!(
+            bound <= truth && bound > 0.98 * truth - 0.5,
+            "{p} {bound} {truth}"
+        );
+    }
+    assert_eq!(
+        dominance.stopped_from(&OPEN.1, Point2::new(99.0, 0.0), RADIUS),
+        0.0
+    );
+}
+
 #[test]
 fn without_an_exit_there_is_no_escape() {
-    let arena = Arena::new(&CITY.0, &DominanceParams::default(), RADIUS, &[]);
+    let arena = Arena::new(&CITY.0, &DominanceParams::default(), RADIUS, &[], 0.3);
     let mut dominance = Dominance::default();
-    let verdict = dominance.assess(&CITY.0, &arena, &[], &[runner(1.5, 1.5, 0.5)], 0.3)[0];
+    let verdict = dominance.assess(&CITY.0, &arena, &[], &[runner(1.5, 1.5, 0.5)])[0];
     assert!(!verdict.escape_possible && verdict.exit.is_none());
     assert_eq!(verdict.margin, f64::NEG_INFINITY);
     assert!(verdict.area_share > 0.99);
@@ -179,7 +234,7 @@ fn without_an_exit_there_is_no_escape() {
 #[test]
 fn unreachable_cells_have_no_owner() {
     let mut dominance = Dominance::default();
-    dominance.assess(&CITY.0, &CITY.1, &[], &[], 0.3);
+    dominance.assess(&CITY.0, &CITY.1, &[], &[]);
     let mut cells = Vec::new();
     dominance.cells(&CITY.0, &CITY.1, &[], &mut cells);
     assert!(cells.iter().all(|cell| *cell == Cell::default()));

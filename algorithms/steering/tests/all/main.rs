@@ -4,6 +4,7 @@
 mod support;
 
 mod avoidance;
+mod certain_escape;
 mod escape;
 mod field_goldens;
 mod walls_and_bodies;
