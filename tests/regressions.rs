@@ -1,5 +1,7 @@
 //! Defects that were found: one file for each, named by its symptom.
 
+#[path = "regressions/evader_aims_through_a_wall.rs"]
+mod evader_aims_through_a_wall;
 #[path = "regressions/paced_world_runs_ahead.rs"]
 mod paced_world_runs_ahead;
 #[path = "regressions/studio_opens_no_log.rs"]
