@@ -55,20 +55,25 @@ impl Canvas {
 
     /// Writes a line of text with its baseline at this point (px).
     pub fn label(&mut self, x: f64, y: f64, style: &Style, text: &str) {
-        let halo = if style.halo {
-            " stroke=\"#ffffff\" stroke-width=\"3.5\" stroke-linejoin=\"round\" \
-             paint-order=\"stroke\""
-        } else {
-            ""
-        };
+        if style.halo {
+            // A second text below the first: not every program knows `paint-order`.
+            let outline = " stroke=\"#ffffff\" stroke-width=\"3.5\" stroke-linejoin=\"round\" \
+                           class=\"halo\" aria-hidden=\"true\"";
+            self.text_element(x, y, style, outline, text);
+        }
+        self.text_element(x, y, style, "", text);
+    }
+
+    /// Writes a `text` element with these further attributes.
+    fn text_element(&mut self, x: f64, y: f64, style: &Style, attributes: &str, text: &str) {
         let weight = if style.bold {
             " font-weight=\"600\""
         } else {
             ""
         };
         self.add(format_args!(
-            "<text x=\"{}\" y=\"{}\" font-size=\"{}\" fill=\"{}\" text-anchor=\"{}\"{weight}{halo}>\
-             {}</text>\n",
+            "<text x=\"{}\" y=\"{}\" font-size=\"{}\" fill=\"{}\" \
+             text-anchor=\"{}\"{weight}{attributes}>{}</text>\n",
             Num(x),
             Num(y),
             Num(style.size),
@@ -178,6 +183,25 @@ mod tests {
             escape("a<b>&\"c\"\n\u{1}"),
             "a&lt;b&gt;&amp;&quot;c&quot; \u{fffd}"
         );
+    }
+
+    #[test]
+    fn a_halo_is_a_text_below_the_text_and_needs_no_paint_order() {
+        let style = Style {
+            size: 14.0,
+            color: "#000000",
+            bold: true,
+            anchor: "middle",
+            halo: true,
+        };
+        let mut canvas = Canvas::new(10.0, 10.0, "", "");
+        canvas.label(1.0, 2.0, &style, "a<b");
+        let svg = canvas.finish();
+        assert!(!svg.contains("paint-order"));
+        let texts: Vec<&str> = svg.lines().filter(|line| line.contains("a&lt;b")).collect();
+        assert_eq!(texts.len(), 2);
+        assert!(texts[0].contains("stroke=") && texts[0].contains("aria-hidden"));
+        assert!(!texts[1].contains("stroke="), "{}", texts[1]);
     }
 
     #[test]

@@ -1,5 +1,5 @@
-//! Drawings as SVG: the canvas ([`canvas`]), the colours of all drawings ([`palette`]) and charts of measured
-//! points ([`figures`]).
+//! Drawings as SVG: the canvas ([`canvas`]), the colours of all drawings ([`palette`]), legends ([`legend`])
+//! and charts of measured points ([`figures`]).
 //!
 //! ```
 //! use draw::figures::{Chart, Point, Series, draw};
@@ -26,4 +26,5 @@
 
 pub mod canvas;
 pub mod figures;
+pub mod legend;
 pub mod palette;

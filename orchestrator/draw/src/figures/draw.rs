@@ -3,7 +3,7 @@
 use super::axes::Axes;
 use super::chart::Chart;
 use super::drawing::{Drawing, Shape, Step};
-use super::legend::Legend;
+use super::legend;
 use super::series;
 use crate::canvas::{Style, wrap};
 use crate::palette;
@@ -25,7 +25,7 @@ const SUBTITLE: f64 = 13.5;
 pub fn draw(chart: &Chart) -> Drawing {
     let subtitle = wrap(&chart.subtitle, SUBTITLE, WIDTH - 2.0 * MARGIN);
     let top = MARGIN + TITLE + 18.0 * subtitle.len() as f64 + 16.0;
-    let legend = Legend::of(chart, LEGEND);
+    let legend = legend::of(chart, LEGEND);
     let bottom = top + FRAME.max(legend.height());
     let left = MARGIN + Axes::room(chart) + 26.0;
     let right = WIDTH - MARGIN - LEGEND - 16.0;
@@ -36,7 +36,8 @@ pub fn draw(chart: &Chart) -> Drawing {
     let axes = Axes::new(chart, [left, top, right, bottom]);
     axes.draw(chart, &mut drawing);
     series::draw(chart, &axes, &mut drawing);
-    legend.draw(&mut drawing, right + 16.0, top);
+    let marks = !chart.lines_only;
+    legend::draw(&legend, &mut drawing, [right + 16.0, top], marks);
     if chart.points().next().is_none() {
         let style = Style {
             size: TITLE,
