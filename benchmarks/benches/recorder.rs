@@ -320,6 +320,7 @@ fn run_info() -> RunInfo {
                 name: format!("robot_{robot}"),
                 radius: 0.1,
                 visits_waypoints: false,
+                lap_limit_s: None,
             })
             .collect(),
         tick_period_ns: PERIOD_NS,

@@ -145,6 +145,15 @@ impl Plan {
         drivers.any(|launch| launch.kind().is_none() || launch.makes(Product::Waypoints))
     }
 
+    /// Returns the time limit of the laps of the robot with this index (s); `None` without laps.
+    pub fn lap_limit_s(&self, robot: u32) -> Option<f64> {
+        let driver = self
+            .launches
+            .iter()
+            .find(|launch| launch.config.robots.contains(&robot));
+        driver?.kind()?.lap_limit_s()
+    }
+
     /// Returns `true` if the beliefs of a tick are input of a process.
     pub fn reads_beliefs(&self, index: usize) -> bool {
         self.launches

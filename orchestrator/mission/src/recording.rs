@@ -192,6 +192,7 @@ pub fn robots(plan: &Plan) -> Vec<RobotInfo> {
             name: r.name.clone(),
             radius: r.model.radius,
             visits_waypoints: plan.visits_waypoints(index),
+            lap_limit_s: plan.lap_limit_s(index),
         })
         .collect()
 }

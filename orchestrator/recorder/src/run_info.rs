@@ -22,6 +22,8 @@ pub struct RobotInfo {
     pub radius: f64,
     /// `true` if it may visit waypoints; then its path is kept for the summary.
     pub visits_waypoints: bool,
+    /// Time limit of its laps (s); `None` without laps.
+    pub lap_limit_s: Option<f64>,
 }
 
 /// Description of the recorded run.

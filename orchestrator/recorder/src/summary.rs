@@ -99,11 +99,15 @@ pub struct WaypointOutcome {
     pub unreachable: u64,
     /// Maximum distance of the robot's centre from a waypoint that counts as reached (m).
     pub farthest_m: f64,
-    /// Number of laps, from the first waypoint of the route to the last.
-    pub laps: u32,
+    /// Number of laps, from the first waypoint of the route to the last; absent without a route.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub laps: Option<u32>,
     /// Maximum duration of a lap (s).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub longest_lap_s: Option<f64>,
+    /// Time limit of a lap (s); absent without a route.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub lap_limit_s: Option<f64>,
     /// Figures of the planned laps, through all waypoints including inserted ones; absent without a lap.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub planned: Option<LapFigures>,

@@ -32,10 +32,7 @@ pub(super) struct AllVisits(Vec<Visits>);
 impl AllVisits {
     /// Creates the collector for these robots.
     pub(super) fn new(robots: &[RobotInfo]) -> Self {
-        let visits = robots
-            .iter()
-            .map(|robot| Visits::new(robot.visits_waypoints));
-        Self(visits.collect())
+        Self(robots.iter().map(Visits::new).collect())
     }
 }
 
@@ -76,6 +73,9 @@ struct Visits {
     /// `true` to keep the path. Does not follow from received waypoints, which may arrive before or after the
     /// state of their tick.
     keeps_track: bool,
+    lap_limit_s: Option<f64>,
+    /// `true` if a waypoint of a route has ended.
+    has_route: bool,
     counts: [u64; WaypointEnd::OUTCOMES.len()],
     farthest: f64,
     laps: Vec<Lap>,
@@ -96,10 +96,11 @@ struct Open {
 }
 
 impl Visits {
-    /// Creates the collector for a robot; `visits_waypoints` is `true` if it may visit waypoints.
-    fn new(visits_waypoints: bool) -> Self {
+    fn new(robot: &RobotInfo) -> Self {
         Self {
-            keeps_track: visits_waypoints,
+            keeps_track: robot.visits_waypoints,
+            lap_limit_s: robot.lap_limit_s,
+            has_route: false,
             counts: Default::default(),
             farthest: 0.0,
             laps: Vec::new(),
@@ -130,6 +131,7 @@ impl Visits {
         self.waypoints += 1;
         let at = Point2::new(end.x, end.y);
         let of_the_route = end.kind == 0;
+        self.has_route |= of_the_route;
         let Some(open) = &mut self.open else {
             // The path to the first waypoint belongs to no lap.
             self.open = Some(Open::from(end.lap, end.ended_s, at));
@@ -181,12 +183,13 @@ impl Visits {
             timed_out,
             unreachable,
             farthest_m: self.farthest,
-            laps: self.laps.len() as u32,
+            laps: self.has_route.then_some(self.laps.len() as u32),
             longest_lap_s: self
                 .laps
                 .iter()
                 .map(|lap| lap.ended_s - lap.began_s)
                 .max_by(f64::total_cmp),
+            lap_limit_s: self.lap_limit_s.filter(|_| self.has_route),
             planned: LapFigures::mean(&planned),
             driven: LapFigures::mean(&driven),
         })
@@ -296,14 +299,23 @@ mod tests {
         }
     }
 
+    fn new() -> Visits {
+        Visits::new(&RobotInfo {
+            name: "guard".into(),
+            radius: 0.2,
+            visits_waypoints: true,
+            lap_limit_s: Some(15.0),
+        })
+    }
+
     fn visits(ends: &[WaypointEnd]) -> Option<WaypointOutcome> {
-        let mut visits = Visits::new(true);
+        let mut visits = new();
         for end in ends {
             visits.state(end.ended_s, Point2::new(end.x, end.y));
             visits.add(end);
         }
         // In another order, as with a late state.
-        let mut late = Visits::new(true);
+        let mut late = new();
         for end in ends {
             late.add(end);
         }
@@ -317,7 +329,7 @@ mod tests {
 
     #[test]
     fn a_robot_without_waypoints_has_no_outcome() {
-        let mut idle = Visits::new(true);
+        let mut idle = new();
         idle.state(1.0, Point2::origin());
         assert!(idle.finish().is_none());
     }
@@ -325,8 +337,9 @@ mod tests {
     #[test]
     fn laps_are_counted_and_measured_as_planned_and_as_driven() {
         let outcome = visits(&laps(3)).unwrap();
-        assert_eq!((outcome.laps, outcome.reached), (3, 25));
+        assert_eq!((outcome.laps, outcome.reached), (Some(3), 25));
         assert_eq!(outcome.longest_lap_s, Some(16.0));
+        assert_eq!(outcome.lap_limit_s, Some(15.0));
         assert_eq!(outcome.farthest_m, 0.05);
         let (planned, driven) = (outcome.planned.unwrap(), outcome.driven.unwrap());
         assert_eq!(planned.turns, 7.0);
@@ -343,7 +356,17 @@ mod tests {
     fn a_lap_that_is_not_complete_does_not_count() {
         let mut ends = laps(2);
         ends.truncate(ends.len() - 3);
-        assert_eq!(visits(&ends).unwrap().laps, 1);
+        assert_eq!(visits(&ends).unwrap().laps, Some(1));
+        assert_eq!(visits(&laps(1)[..2]).unwrap().laps, Some(0));
+    }
+
+    #[test]
+    fn a_coverage_has_no_laps() {
+        let ends = [2, 3, 2].map(|kind| end(0, kind, [1.0, f64::from(kind)], 4.0));
+        let outcome = visits(&ends).unwrap();
+        assert_eq!((outcome.laps, outcome.lap_limit_s), (None, None));
+        let json = serde_json::to_value(&outcome).unwrap();
+        assert_eq!((json.get("laps"), &json["reached"]), (None, &3.into()));
     }
 
     #[test]

@@ -7,9 +7,10 @@ use std::process::ExitCode;
 use std::sync::Arc;
 
 use config::{Node, ReadError, read_once};
+use geometry::map::MapSpec;
 use ipc_types::bus::Bus;
 use parameters::ParamsError;
-use runtime::kind::{Need, Process, ProcessKind, Product, Task, TaskFault, ViewSpec};
+use runtime::kind::{Need, Process, ProcessKind, Product, Task, TaskFault, TaskSketch, ViewSpec};
 use runtime::{ProcessConfig, ProcessError};
 use schemars::{Schema, SchemaGenerator};
 use serde_json::Value as Json;
@@ -152,6 +153,16 @@ impl ConfiguredKind {
         self.0.lookout(given, robots)
     }
 
+    /// See [`ProcessKind::sketch`].
+    pub fn sketch(&self, robot: &RobotSpec, map: &MapSpec) -> TaskSketch {
+        self.0.sketch(robot, map)
+    }
+
+    /// See [`ProcessKind::lap_limit_s`].
+    pub fn lap_limit_s(&self) -> Option<f64> {
+        self.0.lap_limit_s()
+    }
+
     /// See [`ProcessKind::check_task`].
     ///
     /// # Errors
@@ -188,6 +199,8 @@ trait Configured: fmt::Debug + Send + Sync {
     fn needs(&self) -> Vec<Need>;
     fn belief_particles(&self) -> usize;
     fn lookout(&self, given: &[usize], robots: &[RobotSpec]) -> Option<ViewSpec>;
+    fn sketch(&self, robot: &RobotSpec, map: &MapSpec) -> TaskSketch;
+    fn lap_limit_s(&self) -> Option<f64>;
     fn check_task(&self, task: &Task<'_>) -> Result<(), TaskFault>;
     fn open(&self, config: &ProcessConfig, bus: &Bus) -> Result<Box<dyn Process>, ProcessError>;
 }
@@ -231,6 +244,14 @@ impl<K: ProcessKind> Configured for Typed<K> {
 
     fn lookout(&self, given: &[usize], robots: &[RobotSpec]) -> Option<ViewSpec> {
         K::lookout(&self.params, given, robots)
+    }
+
+    fn sketch(&self, robot: &RobotSpec, map: &MapSpec) -> TaskSketch {
+        K::sketch(&self.params, robot, map)
+    }
+
+    fn lap_limit_s(&self) -> Option<f64> {
+        K::lap_limit_s(&self.params)
     }
 
     fn check_task(&self, task: &Task<'_>) -> Result<(), TaskFault> {

@@ -2,7 +2,9 @@
 //! of the sub-goals.
 
 use coverage::goal::{Goal, GoalSource};
+use geometry::map::{MapSpec, WorldMap};
 use geometry::pose::Pose2;
+use geometry::shape::Aabb;
 use nalgebra::Point2;
 use planner::{Planner, PlannerInputs, limits};
 use planner_view::limits::Limits;
@@ -12,7 +14,8 @@ use planner_view::view::View;
 use planner_view::waypoint::WaypointReport;
 use runtime::config::RobotInfo;
 use runtime::error::ProcessError;
-use runtime::kind::{Need, Task, TaskFault};
+use runtime::kind::{Need, Task, TaskFault, TaskSketch};
+use sim_backend::spec::RobotSpec;
 use steering::waypoint_driver::{Driving, Situation, WaypointDriver};
 
 use coverage::sub_goals::arc_driver::ArcDriver;
@@ -108,6 +111,22 @@ impl<D: Design> Planner for Follower<D> {
     /// It uses a scan if there is one, but does not need it.
     fn needs(_: &D::Params) -> Vec<Need> {
         Vec::new()
+    }
+
+    /// Its rectangles are those of the free space; none for a map that it refuses.
+    fn sketch(params: &D::Params, robot: &RobotSpec, map: &MapSpec) -> TaskSketch {
+        let (follow, start) = (D::follow(params), robot.start.position());
+        let radius = robot.model().radius;
+        let site = WorldMap::recent(map).ok().and_then(|map| {
+            let bounds = *map.bounds();
+            Site::new(bounds, map.parts(), radius, &follow, start).ok()
+        });
+        let rectangles = site.as_ref().map(|site| site.decomposition.rectangles());
+        let corners = |r: &Aabb| [r.min, r.max].map(|corner| [corner.x, corner.y]);
+        TaskSketch {
+            rectangles: rectangles.unwrap_or_default().iter().map(corners).collect(),
+            ..TaskSketch::default()
+        }
     }
 
     fn check_task(params: &D::Params, task: &Task<'_>, seed: u64) -> Result<(), TaskFault> {

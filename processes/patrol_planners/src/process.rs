@@ -1,13 +1,15 @@
 //! Connects the planners to their topics: state, map and scan in; command, plan and waypoints out.
 
-use patrol::mission::Drive;
+use geometry::map::MapSpec;
+use patrol::mission::{Drive, MissionParams};
 use planner::{PlannedPoint, Planner, PlannerInputs};
 use planner_view::map::PlannerMap;
 use planner_view::steering::Steering;
 use planner_view::view::View;
 use planner_view::waypoint::WaypointReport;
 use runtime::config::RobotInfo;
-use runtime::kind::{Task, TaskFault};
+use runtime::kind::{Task, TaskFault, TaskSketch};
+use sim_backend::spec::RobotSpec;
 
 use crate::check::check_task;
 use crate::{PatrolAwg, PatrolAwgParams, PatrolFto, PatrolFtoParams};
@@ -24,6 +26,19 @@ fn inputs(obstacles_known: bool) -> PlannerInputs {
     }
 }
 
+/// Returns the contour and the danger zones of a patrol.
+fn sketch(mission: &MissionParams) -> TaskSketch {
+    let mut contour = mission.contour.clone();
+    if mission.closed {
+        contour.extend(mission.contour.first());
+    }
+    TaskSketch {
+        contour,
+        danger_zones: mission.danger_zones.0.clone(),
+        ..TaskSketch::default()
+    }
+}
+
 /// Process of one robot on patrol along the zig-zag.
 #[derive(Debug)]
 pub struct PatrolAwgPlanner(PatrolAwg);
@@ -35,6 +50,14 @@ impl Planner for PatrolAwgPlanner {
     type Params = PatrolAwgParams;
 
     const WAYPOINTS: usize = WAYPOINTS;
+
+    fn sketch(params: &PatrolAwgParams, _: &RobotSpec, _: &MapSpec) -> TaskSketch {
+        sketch(&params.mission)
+    }
+
+    fn lap_limit_s(params: &PatrolAwgParams) -> Option<f64> {
+        Some(params.mission.t_max)
+    }
 
     fn check_task(params: &PatrolAwgParams, task: &Task<'_>, seed: u64) -> Result<(), TaskFault> {
         let known = params.obstacles_known;
@@ -79,6 +102,14 @@ impl Planner for PatrolFtoPlanner {
     type Params = PatrolFtoParams;
 
     const WAYPOINTS: usize = WAYPOINTS;
+
+    fn sketch(params: &PatrolFtoParams, _: &RobotSpec, _: &MapSpec) -> TaskSketch {
+        sketch(&params.mission)
+    }
+
+    fn lap_limit_s(params: &PatrolFtoParams) -> Option<f64> {
+        Some(params.mission.t_max)
+    }
 
     fn check_task(params: &PatrolFtoParams, task: &Task<'_>, seed: u64) -> Result<(), TaskFault> {
         let known = params.obstacles_known;

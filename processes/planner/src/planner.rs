@@ -3,6 +3,7 @@
 use core::fmt;
 use parameters::Parameters;
 
+use geometry::map::MapSpec;
 use geometry::region::Region;
 use ipc_types::bus::Bus;
 use ipc_types::messages::robot::TreeEdge;
@@ -14,7 +15,8 @@ use planner_view::waypoint::WaypointReport;
 use rand::Rng as _;
 use runtime::config::{ProcessConfig, RobotInfo};
 use runtime::error::ProcessError;
-use runtime::kind::{Need, Task, TaskFault};
+use runtime::kind::{Need, Task, TaskFault, TaskSketch};
+use sim_backend::spec::RobotSpec;
 
 use crate::outputs::{PlannedPoint, headed_for};
 
@@ -100,6 +102,18 @@ pub trait Planner: Sized + 'static {
             inputs.scans.then_some(Need::Scan),
         ];
         needs.into_iter().flatten().collect()
+    }
+
+    /// Returns the geometry of its task with a robot on this map.
+    fn sketch(params: &Self::Params, robot: &RobotSpec, map: &MapSpec) -> TaskSketch {
+        let _ = (params, robot, map);
+        TaskSketch::default()
+    }
+
+    /// Returns the time limit of a lap (s); `None` without laps.
+    fn lap_limit_s(params: &Self::Params) -> Option<f64> {
+        let _ = params;
+        None
     }
 
     /// Checks that a robot can do its task on this map; `seed` is the planner's own.

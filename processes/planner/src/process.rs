@@ -3,6 +3,7 @@
 
 use std::sync::Arc;
 
+use geometry::map::MapSpec;
 use geometry::pose::Pose2;
 use geometry::region::Region;
 use ipc_types::bus::{Bus, Publisher, PublisherOptions};
@@ -15,7 +16,8 @@ use runtime::error::ProcessError;
 use runtime::inputs::{
     BeliefInput, Latest, MapInput, ScanInput, ShapesInput, StateInput, reply_stamp,
 };
-use runtime::kind::{Need, Process, ProcessKind, Product, Task, TaskFault};
+use runtime::kind::{Need, Process, ProcessKind, Product, Task, TaskFault, TaskSketch};
+use sim_backend::spec::RobotSpec;
 
 use crate::maps::planner_map;
 use crate::outputs::{MAX_PLAN_POINTS, Outputs, PlannedPoint};
@@ -65,6 +67,14 @@ impl<P: Planner> ProcessKind for PlannerProcess<P> {
 
     fn needs(params: &P::Params) -> Vec<Need> {
         P::needs(params)
+    }
+
+    fn sketch(params: &P::Params, robot: &RobotSpec, map: &MapSpec) -> TaskSketch {
+        P::sketch(params, robot, map)
+    }
+
+    fn lap_limit_s(params: &P::Params) -> Option<f64> {
+        P::lap_limit_s(params)
     }
 
     fn check_task(params: &P::Params, task: &Task<'_>) -> Result<(), TaskFault> {

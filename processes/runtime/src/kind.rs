@@ -4,6 +4,7 @@ use core::fmt;
 use parameters::Parameters;
 
 use geometry::map::{MapSpec, WorldMap};
+use geometry::shape::Shape;
 use geometry::visibility::polygon::SightLimits;
 use ipc_types::bus::Bus;
 use sim_backend::spec::RobotSpec;
@@ -84,6 +85,18 @@ pub trait ProcessKind: Process + Sized + 'static {
         None
     }
 
+    /// Returns the geometry of its task with one of its robots on this map.
+    fn sketch(params: &Self::Params, robot: &RobotSpec, map: &MapSpec) -> TaskSketch {
+        let _ = (params, robot, map);
+        TaskSketch::default()
+    }
+
+    /// Returns the time limit of a lap (s); `None` without laps.
+    fn lap_limit_s(params: &Self::Params) -> Option<f64> {
+        let _ = params;
+        None
+    }
+
     /// Checks that it can do its task with one of its robots on this map.
     ///
     /// # Errors
@@ -151,6 +164,17 @@ pub struct ViewSpec {
     pub points: Vec<[f64; 2]>,
     /// Range and angle of the field of view.
     pub limits: SightLimits,
+}
+
+/// Geometry of a task, for pictures.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct TaskSketch {
+    /// Contour of a patrol, its corners in order (m); the first again at the end if it is closed.
+    pub contour: Vec<[f64; 2]>,
+    /// Danger zones of the patrol.
+    pub danger_zones: Vec<Shape>,
+    /// Rectangles into which a workplace is divided: smallest and largest corner (m).
+    pub rectangles: Vec<[[f64; 2]; 2]>,
 }
 
 /// Task of a process with one of its robots.

@@ -123,8 +123,18 @@ fn waypoints_text(robot: &RobotOutcome, w: &WaypointOutcome) -> String {
             format!(" ({})", reasons.join(", "))
         },
     );
+    if let Some(laps) = w.laps {
+        text += &format!("; {laps} laps");
+    }
     if let Some(longest) = w.longest_lap_s {
-        text += &format!("; {} laps, longest {longest:.1} s", w.laps);
+        text += &format!(", longest {longest:.1} s");
+    }
+    if let (Some(longest), Some(limit)) = (w.longest_lap_s, w.lap_limit_s) {
+        text += &if longest <= limit {
+            format!(" of {limit} s")
+        } else {
+            format!(", {:.1} s over the limit of {limit} s", longest - limit)
+        };
     }
     text.push('\n');
     let lap = |what: &str, f: &LapFigures| {

@@ -353,6 +353,7 @@ pub fn run_info() -> RunInfo {
                 name: name.to_owned(),
                 radius: 0.1,
                 visits_waypoints: false,
+                lap_limit_s: None,
             })
             .to_vec(),
         tick_period_ns: PERIOD_NS,

@@ -152,6 +152,7 @@ mod tests {
                 name: name.to_owned(),
                 radius: 0.1,
                 visits_waypoints: false,
+                lap_limit_s: None,
             })
             .to_vec();
         let say = |kind, robot, other| {

@@ -231,6 +231,7 @@ mod tests {
             name: "thief".to_owned(),
             radius: 0.1,
             visits_waypoints: false,
+            lap_limit_s: None,
         }];
         let mut state = RobotState::default();
         assert!(lines.draw(&robots, &[state], 0).is_none());
