@@ -215,7 +215,7 @@ fn command(kinds: &'static [Kind], cli: Cli) -> ExitCode {
         Command::New(args) => new::run(&args),
         Command::List { json } => list::list(kinds, json.json),
         Command::Report(args) => report::run(kinds, &args),
-        Command::Picture(args) => picture::run(&args),
+        Command::Picture(args) => picture::run(kinds, &args),
         Command::Info(args) => info::run(&args),
         Command::Cat(args) => cat::run(args),
         Command::Export(args) => export::run(args),

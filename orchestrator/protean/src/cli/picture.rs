@@ -10,6 +10,7 @@ use super::common::ForceArg;
 use super::logs;
 use super::output::print;
 use report::picture::{RunTrace, draw};
+use scenario::kind::Kind;
 
 /// Help below the options.
 pub(super) const HELP: &str = "\
@@ -34,12 +35,12 @@ pub(super) struct PictureArgs {
 }
 
 /// Draws a log into an SVG file and prints the file's name.
-pub(super) fn run(args: &PictureArgs) -> ExitCode {
+pub(super) fn run(kinds: &[Kind], args: &PictureArgs) -> ExitCode {
     let log = &args.log;
     logs::command(false, |watch| {
         let out = args.out.clone();
         let out = out.unwrap_or_else(|| log.with_extension("svg"));
-        let (trace, condition) = RunTrace::read(log, args.at, watch)?;
+        let (trace, condition) = RunTrace::read(log, args.at, kinds, watch)?;
         let (svg, force) = (draw(&trace), args.force.force);
         derived::write(svg.as_bytes(), &out, log, force, Readers::All)?;
         print(&out.display().to_string());

@@ -13,6 +13,7 @@ use statistics::Percentiles;
 
 use super::gather::Gathered;
 use super::timing::PER_DECADE;
+use crate::picture::TaskTrace;
 use crate::picture::static_scene::corners;
 use recorder::{RobotOutcome, status_name};
 use scenario::kind::Kind;
@@ -169,6 +170,15 @@ fn static_scene(gathered: &Gathered) -> Json {
     })
 }
 
+/// Geometry of the robots' tasks.
+fn task(task: &TaskTrace) -> Json {
+    json!({
+        "contours": task.contours,
+        "danger_zones": task.danger_zones.iter().map(shape).collect::<Vec<_>>(),
+        "rectangles": task.rectangles,
+    })
+}
+
 fn events(gathered: &Gathered) -> Json {
     let name = |robot: u32| (robot != WorldEvent::NONE).then_some(robot);
     gathered
@@ -223,7 +233,10 @@ pub(super) fn facts(gathered: &mut Gathered, kinds: &[Kind]) -> Json {
         .scenario
         .robots
         .iter()
-        .map(|r| json!({ "name": r.name, "team": r.team, "radius": r.model().radius }))
+        .map(|r| {
+            let sweeps = gathered.scenario.sweeps(r);
+            json!({ "name": r.name, "team": r.team, "radius": r.model().radius, "sweeps": sweeps })
+        })
         .collect();
     json!({
         "title": gathered.scenario.title,
@@ -240,6 +253,7 @@ pub(super) fn facts(gathered: &mut Gathered, kinds: &[Kind]) -> Json {
         "tick_period_s": seconds(gathered.tick_period_ns),
         "robots": robots,
         "eyes": gathered.scenario.fields_of_view(kinds),
+        "task": task(&gathered.scenario.task(kinds)),
         "outcome": outcome(gathered),
         "coverage": parsed("coverage"),
         "predictions": parsed("predictions"),

@@ -5,10 +5,11 @@ use serde_json::Value as Json;
 const PAGE: &str = include_str!("page/page.html");
 const STYLE: &str = include_str!("page/page.css");
 /// The scripts, each after those that it uses.
-const SCRIPTS: [&str; 8] = [
+const SCRIPTS: [&str; 9] = [
     include_str!("page/data.js"),
     include_str!("page/ground.js"),
     include_str!("page/view.js"),
+    include_str!("page/paths.js"),
     include_str!("page/layers.js"),
     include_str!("page/timeline.js"),
     include_str!("page/plots.js"),

@@ -9,6 +9,7 @@ use geometry::region::Region;
 use geometry::shape::Shape;
 
 use super::draw_layers;
+use super::draw_task;
 use super::labels::{Area, Labels};
 use super::layout::Layout;
 use super::legend::{Legend, scale_bar};
@@ -31,13 +32,13 @@ const NAMED_BELIEF: f64 = 45.0;
 /// Parts of a trail: their end (fraction of the time), width (px) and opacity.
 const BANDS: [(f64, f64, f64); 3] = [(0.6, 2.0, 0.40), (0.85, 2.6, 0.65), (1.0, 3.4, 1.0)];
 
+/// Parts of a trail; each begins at the last point of the one before.
+pub(super) type Bands = [Vec<TrailPoint>; BANDS.len()];
+
 /// Draws a run as an SVG document. The same trace gives the same document.
 ///
 /// The document has at most about 400 kB, whatever the length of the run: trails, particles, trees
 /// and cells are simplified to the visible detail.
-///
-/// The document has at most some 400 kB however long the run was: trails, particles, trees
-/// and cells are thinned out to what can be seen.
 ///
 /// ```no_run
 /// use std::path::Path;
@@ -46,7 +47,7 @@ const BANDS: [(f64, f64, f64); 3] = [(0.6, 2.0, 0.40), (0.85, 2.6, 0.65), (1.0, 
 /// use report::picture::{RunTrace, draw};
 ///
 /// let log = Path::new("logs/chase-1.mcap");
-/// let (trace, _condition) = RunTrace::read(log, None, &mut ReadProgress::default())?;
+/// let (trace, _condition) = RunTrace::read(log, None, kinds::KINDS, &mut ReadProgress::default())?;
 /// std::fs::write("chase.svg", draw(&trace))?;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -70,10 +71,13 @@ pub fn draw(trace: &RunTrace) -> String {
         trace,
         layout,
     };
+    let bands = bands(trace, layout.scale);
     picture.static_scene(&mut canvas);
     draw_layers::dominance(&mut canvas, &layout, trace);
+    draw_task::below(&mut canvas, &layout, trace, &bands);
     draw_layers::plans(&mut canvas, &layout, trace);
-    picture.trails(&mut canvas);
+    picture.trails(&mut canvas, &bands);
+    draw_task::waypoints(&mut canvas, &layout, trace);
     picture.beliefs(&mut canvas);
     picture.robots(&mut canvas);
     picture.names(&mut canvas);
@@ -175,7 +179,8 @@ impl Picture<'_> {
         if let Some(cells) = &self.trace.static_scene.cells {
             canvas.add(format_args!("<path fill=\"{}\" d=\"", palette::WALL));
             for [min, max] in cells.rectangles() {
-                self.outline(canvas, &[min, [max[0], min[1]], max, [min[0], max[1]]]);
+                self.layout
+                    .outline(canvas, &[min, [max[0], min[1]], max, [min[0], max[1]]]);
             }
             canvas.add(format_args!("\"/>\n"));
         }
@@ -198,11 +203,11 @@ impl Picture<'_> {
                 format!("class=\"obstacles\" fill=\"{fill}\""),
             ] {
                 canvas.add(format_args!("<g {paint}>\n<path d=\""));
-                shapes().for_each(|shape| self.outline(canvas, &corners(shape)));
+                shapes().for_each(|shape| self.layout.outline(canvas, &corners(shape)));
                 canvas.add(format_args!("\"/>\n"));
                 for shape in shapes() {
                     if let Shape::Circle { center, radius } = shape {
-                        self.circle(canvas, *center, *radius);
+                        self.layout.circle(canvas, *center, *radius);
                     }
                 }
                 canvas.add(format_args!("</g>\n"));
@@ -215,14 +220,15 @@ impl Picture<'_> {
         ));
         for exit in &self.trace.static_scene.exits {
             match *exit {
-                Region::Circle { center, radius } => self.circle(canvas, center, radius),
+                Region::Circle { center, radius } => self.layout.circle(canvas, center, radius),
                 Region::Rectangle {
                     center,
                     half_extents,
                     angle,
                 } => {
                     canvas.add(format_args!("<path d=\""));
-                    self.outline(canvas, &rectangle(center, half_extents, angle));
+                    self.layout
+                        .outline(canvas, &rectangle(center, half_extents, angle));
                     canvas.add(format_args!("\"/>\n"));
                 }
             }
@@ -238,69 +244,30 @@ impl Picture<'_> {
         ));
     }
 
-    /// Writes the path commands of a closed line through these points (m).
-    fn outline(&self, canvas: &mut Canvas, points: &[[f64; 2]]) {
-        for (i, &point) in points.iter().enumerate() {
-            let [x, y] = self.layout.at(point);
-            let command = if i == 0 { 'M' } else { 'L' };
-            canvas.add(format_args!("{command}{} {}", Num(x), Num(y)));
-        }
-        if !points.is_empty() {
-            canvas.add(format_args!("Z"));
-        }
-    }
-
-    fn circle(&self, canvas: &mut Canvas, center: [f64; 2], radius: f64) {
-        let [x, y] = self.layout.at(center);
-        canvas.add(format_args!(
-            "<circle cx=\"{}\" cy=\"{}\" r=\"{}\"/>\n",
-            Num(x),
-            Num(y),
-            Num(radius * self.layout.scale)
-        ));
-    }
-
-    fn trails(&mut self, canvas: &mut Canvas) {
-        let trails: Vec<Vec<TrailPoint>> = self
-            .trace
-            .robots
-            .iter()
-            .map(|robot| robot.trail.points())
-            .collect();
-        // A third of a pixel is invisible; more only if there is too much to draw.
-        let mut tolerance = 0.3 / self.layout.scale;
-        let bands = loop {
-            let bands: Vec<_> = trails.iter().map(|trail| split(trail, tolerance)).collect();
-            let points: usize = bands.iter().flatten().map(Vec::len).sum();
-            if points <= MAX_TRAIL_POINTS {
-                break bands;
-            }
-            tolerance *= 1.5;
-        };
+    fn trails(&mut self, canvas: &mut Canvas, bands: &[Bands]) {
         canvas.add(format_args!(
             "<g class=\"trails\" fill=\"none\" stroke-linejoin=\"round\" stroke-linecap=\"butt\">\n"
         ));
-        for (robot, bands) in self.trace.robots.iter().zip(&bands) {
+        for (robot, bands) in self.trace.robots.iter().zip(bands) {
             let color = palette::team(robot.team);
             for (band, (_, width, opacity)) in bands.iter().zip(BANDS) {
                 if band.len() < 2 {
                     continue;
                 }
                 canvas.add(format_args!("<path d=\""));
-                for (i, point) in band.iter().enumerate() {
-                    let [x, y] = self.layout.at([point.x, point.y]);
-                    let command = if i == 0 { 'M' } else { 'L' };
-                    canvas.add(format_args!("{command}{} {}", Num(x), Num(y)));
-                    self.labels.avoid([x, y]);
-                }
+                let points = band.iter().map(|point| [point.x, point.y]);
+                points
+                    .clone()
+                    .for_each(|point| self.labels.avoid(self.layout.at(point)));
+                self.layout.line(canvas, points);
                 canvas.add(format_args!(
                     "\" stroke=\"{color}\" stroke-width=\"{width}\" stroke-opacity=\"{opacity}\"/>\n"
                 ));
             }
         }
         canvas.add(format_args!("</g>\n"));
-        for (robot, trail) in self.trace.robots.iter().zip(&trails) {
-            if let Some(start) = trail.first() {
+        for (robot, bands) in self.trace.robots.iter().zip(bands) {
+            if let Some(start) = bands.iter().flatten().next() {
                 let at = self.layout.at([start.x, start.y]);
                 sign(canvas, Sign::Start, at, palette::team(robot.team));
             }
@@ -418,8 +385,24 @@ impl Picture<'_> {
     }
 }
 
+/// Returns the parts of all trails, simplified for this scale (px/m).
+fn bands(trace: &RunTrace, scale: f64) -> Vec<Bands> {
+    let robots = trace.robots.iter();
+    let trails: Vec<Vec<TrailPoint>> = robots.map(|robot| robot.trail.points()).collect();
+    // A third of a pixel is invisible; more only if there is too much to draw.
+    let mut tolerance = 0.3 / scale;
+    loop {
+        let bands: Vec<Bands> = trails.iter().map(|trail| split(trail, tolerance)).collect();
+        let points: usize = bands.iter().flatten().map(Vec::len).sum();
+        if points <= MAX_TRAIL_POINTS {
+            return bands;
+        }
+        tolerance *= 1.5;
+    }
+}
+
 /// Returns the parts of a trail, each simplified.
-fn split(trail: &[TrailPoint], tolerance: f64) -> [Vec<TrailPoint>; BANDS.len()] {
+fn split(trail: &[TrailPoint], tolerance: f64) -> Bands {
     let (Some(first), Some(last)) = (trail.first(), trail.last()) else {
         return Default::default();
     };

@@ -1,5 +1,7 @@
 //! Layout of the page.
 
+use draw::canvas::{Canvas, Num};
+
 use super::labels::Area;
 
 /// Maximum width and height of the map on the page (px).
@@ -71,12 +73,49 @@ impl Layout {
     /// Converts a point of the world (m) to the page (px): y points up in the world and down on the
     /// page. Points outside the map are moved to its border.
     pub(super) fn at(&self, p: [f64; 2]) -> [f64; 2] {
-        let x = p[0].clamp(self.min[0], self.max[0]);
-        let y = p[1].clamp(self.min[1], self.max[1]);
+        let [x, y] = [0, 1].map(|i| p[i].clamp(self.min[i], self.max[i]));
+        self.unclamped([x, y])
+    }
+
+    /// Converts a point of the world (m) to the page (px), also outside the map: for shapes that are
+    /// clipped to it.
+    fn unclamped(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         [
             self.map.left + (x - self.min[0]) * self.scale,
             self.map.top + (self.max[1] - y) * self.scale,
         ]
+    }
+
+    /// Writes the path commands of a line through these points (m).
+    pub(super) fn line(&self, canvas: &mut Canvas, points: impl IntoIterator<Item = [f64; 2]>) {
+        for (i, point) in points.into_iter().enumerate() {
+            let [x, y] = self.at(point);
+            let command = if i == 0 { 'M' } else { 'L' };
+            canvas.add(format_args!("{command}{} {}", Num(x), Num(y)));
+        }
+    }
+
+    /// Writes the path commands of a closed line through these points (m), to be clipped.
+    pub(super) fn outline(&self, canvas: &mut Canvas, points: &[[f64; 2]]) {
+        for (i, &point) in points.iter().enumerate() {
+            let [x, y] = self.unclamped(point);
+            let command = if i == 0 { 'M' } else { 'L' };
+            canvas.add(format_args!("{command}{} {}", Num(x), Num(y)));
+        }
+        if !points.is_empty() {
+            canvas.add(format_args!("Z"));
+        }
+    }
+
+    /// Draws a circle (m), to be clipped.
+    pub(super) fn circle(&self, canvas: &mut Canvas, center: [f64; 2], radius: f64) {
+        let [x, y] = self.unclamped(center);
+        canvas.add(format_args!(
+            "<circle cx=\"{}\" cy=\"{}\" r=\"{}\"/>\n",
+            Num(x),
+            Num(y),
+            Num(radius * self.scale)
+        ));
     }
 }
 

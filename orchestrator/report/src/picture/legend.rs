@@ -1,9 +1,11 @@
 //! The legend beside the map: symbols and scale bar.
 
 use draw::canvas::{Canvas, Num, Style, wrap};
+use draw::legend::Legend as Rows;
 use draw::palette;
 use sim_backend::team::Team;
 
+use super::draw_task::{CONTOUR, RECTANGLE, SWEPT_OPACITY, ZONE, waypoint_signs};
 use super::layout::LEGEND;
 use super::signs::{HALO, Sign, disc, sign};
 use super::trace::{MarkKind, RunTrace};
@@ -16,24 +18,17 @@ const SMALL: f64 = 12.5;
 const DESCRIPTION_SIZE: f64 = 13.5;
 /// Maximum number of lines of the description.
 const MAX_LINES: usize = 14;
-/// Distance of two lines of a row (px).
+/// Distance of two lines of the description (px).
 const LINE: f64 = 19.0;
-/// Space between two rows (px).
-const BETWEEN: f64 = 11.0;
-/// Space for the symbol at the left of a row (px).
-const SIGN: f64 = 34.0;
+/// Space below the description (px).
+const BELOW: f64 = 22.0;
 /// Space for the scale bar at the end (px).
 const SCALE_BAR: f64 = 64.0;
 /// Maximum size of a team whose members' outcomes are listed.
 const MAX_OUTCOMES: usize = 8;
 
-/// A row of the legend.
-struct Row {
-    sign: RowSign,
-    /// Lines of text; `true` for secondary text.
-    lines: Vec<(String, bool)>,
-}
-
+/// Symbol of a row.
+#[derive(Debug, Clone, Copy)]
 enum RowSign {
     Robot(Team),
     Trail,
@@ -45,33 +40,24 @@ enum RowSign {
     Mark(MarkKind),
     Wall,
     Obstacle,
-}
-
-impl Row {
-    fn new(sign: RowSign, text: &str) -> Self {
-        let lines = wrap(text, SIZE, LEGEND - SIGN);
-        Self {
-            sign,
-            lines: lines.into_iter().map(|line| (line, false)).collect(),
-        }
-    }
-
-    fn height(&self) -> f64 {
-        self.lines.len() as f64 * LINE + BETWEEN
-    }
+    Swept(Team),
+    Contour,
+    Zone,
+    Rectangle,
+    Waypoint { is_reached: bool },
 }
 
 /// The legend of one picture.
 pub(super) struct Legend {
     /// Lines of the description.
     description: Vec<String>,
-    rows: Vec<Row>,
+    rows: Rows<RowSign>,
 }
 
 impl Legend {
     /// Builds the rows for the content of the picture.
     pub(super) fn of(trace: &RunTrace) -> Self {
-        let mut rows = Vec::new();
+        let mut rows = Rows::new(LEGEND);
         for (team, one, many) in [
             (Team::Police, "Police robot", "Police robots"),
             (Team::Evader, "evader", "evaders"),
@@ -89,7 +75,7 @@ impl Legend {
                 continue;
             }
             let text = format!("{count} {}", if count == 1 { one } else { many });
-            let mut row = Row::new(RowSign::Robot(team), &text);
+            rows.row(RowSign::Robot(team), &text);
             let outcomes = trace.marks.iter().filter_map(|mark| {
                 let (_, robot) = members().find(|(i, _)| *i == mark.robot)?;
                 Some(format!(
@@ -100,23 +86,20 @@ impl Legend {
                 ))
             });
             let outcomes = outcomes.take(MAX_OUTCOMES);
-            row.lines.extend(outcomes.map(|outcome| (outcome, true)));
-            rows.push(row);
+            outcomes.for_each(|outcome| rows.detail(&outcome));
         }
-        rows.push(Row::new(
-            RowSign::Trail,
-            "path so far; later parts are bolder",
-        ));
+        rows.row(RowSign::Trail, "path so far; later parts are bolder");
+        task_rows(trace, &mut rows);
         if !trace.beliefs.is_empty() {
             let text = "belief of the Police about the evaders: particles of their filter";
-            rows.push(Row::new(RowSign::Belief, text));
+            rows.row(RowSign::Belief, text);
         }
         if !trace.plans.is_empty() {
-            rows.push(Row::new(RowSign::Plan, "planned path"));
+            rows.row(RowSign::Plan, "planned path");
         }
         if !trace.trees.is_empty() {
             let text = "search tree of an evader";
-            rows.push(Row::new(RowSign::Tree, text));
+            rows.row(RowSign::Tree, text);
         }
         if trace.dominance.is_some() {
             for (color, text) in [
@@ -124,11 +107,11 @@ impl Legend {
                 (palette::OBSTACLE, "an evader is first, but can be cut off"),
                 (palette::POLICE, "the Police are first"),
             ] {
-                rows.push(Row::new(RowSign::Area(color), text));
+                rows.row(RowSign::Area(color), text);
             }
         }
         if !trace.static_scene.exits.is_empty() {
-            rows.push(Row::new(RowSign::Exit, "exit for the evaders"));
+            rows.row(RowSign::Exit, "exit for the evaders");
         }
         for (kind, text) in [
             (MarkKind::Captured, "caught here"),
@@ -136,14 +119,14 @@ impl Legend {
             (MarkKind::GoalReached, "arrived here"),
         ] {
             if trace.marks.iter().any(|mark| mark.kind == kind) {
-                rows.push(Row::new(RowSign::Mark(kind), text));
+                rows.row(RowSign::Mark(kind), text);
             }
         }
         if trace.static_scene.has_vectors() || trace.static_scene.cells.is_some() {
-            rows.push(Row::new(RowSign::Wall, "walls and blocks"));
+            rows.row(RowSign::Wall, "walls and blocks");
         }
         if trace.static_scene.obstacles.values().any(|o| o.came) {
-            rows.push(Row::new(RowSign::Obstacle, "changed during the run"));
+            rows.row(RowSign::Obstacle, "changed during the run");
         }
         // The whole description is in the scenario.
         let mut description = wrap(&trace.description, DESCRIPTION_SIZE, LEGEND);
@@ -160,49 +143,65 @@ impl Legend {
         if self.description.is_empty() {
             0.0
         } else {
-            self.description.len() as f64 * LINE + 2.0 * BETWEEN
+            self.description.len() as f64 * LINE + BELOW
         }
     }
 
     /// Returns its height (px).
     pub(super) fn height(&self) -> f64 {
-        self.story_height() + self.rows.iter().map(Row::height).sum::<f64>() + SCALE_BAR
+        self.story_height() + self.rows.height() + SCALE_BAR
     }
 
     /// Draws it with its upper left corner here (px), the scale bar at `bottom`.
     pub(super) fn draw(&self, canvas: &mut Canvas, left: f64, top: f64) {
         let style = Style {
-            size: SIZE,
-            color: palette::INK,
+            size: DESCRIPTION_SIZE,
+            color: palette::FAINT_INK,
             bold: false,
             anchor: "start",
             halo: false,
         };
-        let told = Style {
-            size: DESCRIPTION_SIZE,
-            color: palette::FAINT_INK,
-            ..style
-        };
         for (i, line) in self.description.iter().enumerate() {
-            canvas.label(left, top + 13.0 + i as f64 * LINE, &told, line);
+            canvas.label(left, top + 13.0 + i as f64 * LINE, &style, line);
         }
-        let mut y = top + self.story_height();
-        for row in &self.rows {
-            let middle = [left + 12.0, y + 11.0];
-            row.sign.draw(canvas, middle);
-            for (i, (line, aside)) in row.lines.iter().enumerate() {
-                let style = if *aside {
-                    Style {
-                        size: SMALL,
-                        color: palette::FAINT_INK,
-                        ..style
-                    }
-                } else {
-                    style
-                };
-                canvas.label(left + SIGN, y + 16.0 + i as f64 * LINE, &style, line);
+        for row in self.rows.placed(left, top + self.story_height()) {
+            row.sign.draw(canvas, row.center);
+            for ([x, y], style, text) in row.lines {
+                canvas.label(x, y, &style, text);
             }
-            y += row.height();
+        }
+    }
+}
+
+/// Adds the rows of patrols and coverage.
+fn task_rows(trace: &RunTrace, rows: &mut Rows<RowSign>) {
+    let task = &trace.task;
+    if let Some(share) = task.swept
+        && let Some(robot) = trace.robots.iter().find(|robot| robot.sweeps.is_some())
+    {
+        let text = format!("swept ground: {:.1} % of what can be swept", 100.0 * share);
+        rows.row(RowSign::Swept(robot.team), &text);
+    }
+    if !task.contours.is_empty() {
+        rows.row(RowSign::Contour, "contour of the patrol");
+    }
+    if !task.danger_zones.is_empty() {
+        rows.row(RowSign::Zone, "danger zone");
+    }
+    if !task.rectangles.is_empty() {
+        let text = match task.rectangles.len() {
+            1 => "the free space as one rectangle".to_owned(),
+            count => format!("the free space as {count} rectangles"),
+        };
+        rows.row(RowSign::Rectangle, &text);
+    }
+    for (is_reached, text) in [(true, "reached"), (false, "left out")] {
+        let ended = task.waypoints.iter();
+        let count = ended.filter(|w| w.is_reached == is_reached).count();
+        if count > 0 {
+            let s = if count == 1 { "" } else { "s" };
+            let text = format!("{count} waypoint{s} {text}");
+            rows.row(RowSign::Waypoint { is_reached }, &text);
         }
     }
 }
@@ -295,6 +294,31 @@ impl RowSign {
                 c = palette::EXIT,
             )),
             Self::Mark(kind) => sign(canvas, Sign::Mark(kind), at, HALO),
+            Self::Swept(team) => canvas.add(format_args!(
+                "<path d=\"M{} {y}L{} {y}\" stroke=\"{}\" stroke-width=\"14\" \
+                 stroke-linecap=\"round\" stroke-opacity=\"{SWEPT_OPACITY}\"/>\n",
+                Num(x - 6.0),
+                Num(x + 6.0),
+                palette::team(team),
+                y = Num(y),
+            )),
+            Self::Contour => canvas.add(format_args!(
+                "<path d=\"M{} {y}L{} {y}\" {CONTOUR}/>\n",
+                Num(x - 12.0),
+                Num(x + 12.0),
+                y = Num(y),
+            )),
+            Self::Zone => canvas.add(format_args!(
+                "<circle cx=\"{}\" cy=\"{}\" r=\"9\" {ZONE}/>\n",
+                Num(x),
+                Num(y),
+            )),
+            Self::Rectangle => canvas.add(format_args!(
+                "<rect x=\"{}\" y=\"{}\" width=\"22\" height=\"14\" {RECTANGLE}/>\n",
+                Num(x - 11.0),
+                Num(y - 7.0),
+            )),
+            Self::Waypoint { is_reached } => waypoint_signs(canvas, [at], is_reached, 4.0),
             Self::Wall => square(canvas, at, palette::WALL, palette::EDGE),
             Self::Obstacle => square(canvas, at, palette::OBSTACLE, palette::OBSTACLE),
         }

@@ -8,8 +8,10 @@ use serde_json::Value as Json;
 use sim_backend::spec::{RobotSpec, RulesSpec};
 
 use mission::fields_of_view::fields_of_view;
-use scenario::kind::{Kind, find};
+use scenario::kind::{ConfiguredKind, Kind, find};
 use viewer::FieldOfView;
+
+use super::task::TaskTrace;
 
 /// The parts of the logged scenario that a picture needs. Other parts are ignored, so that a
 /// picture does not depend on them.
@@ -51,22 +53,62 @@ impl LoggedScenario {
 
     /// Returns the fields of view whose parameters can be read.
     pub(crate) fn fields_of_view(&self, kinds: &[Kind]) -> Vec<FieldOfView> {
+        let lookouts = self.processes.iter().filter_map(|process| {
+            let configured = self.configured(process, kinds)?;
+            let lookout = configured.kind.lookout(&configured.robots, &self.robots)?;
+            Some((configured.name, lookout))
+        });
+        fields_of_view(&self.robots, lookouts)
+    }
+
+    /// Returns the geometry of the robots' tasks.
+    pub(crate) fn task(&self, kinds: &[Kind]) -> TaskTrace {
+        let mut task = TaskTrace::default();
+        for process in &self.processes {
+            let Some(configured) = self.configured(process, kinds) else {
+                continue;
+            };
+            let robots = configured.robots.iter();
+            for robot in robots.filter_map(|&robot| self.robots.get(robot)) {
+                task.add(configured.kind.sketch(robot, &self.world.map));
+            }
+        }
+        task
+    }
+
+    /// Returns the radius of the disc that a robot sweeps (m); `None` if its area is not accounted.
+    pub(crate) fn sweeps(&self, robot: &RobotSpec) -> Option<f64> {
+        let coverage = self.rules.coverage.as_ref()?;
+        let counts = coverage.counts(&robot.name, robot.team);
+        counts.then(|| coverage.radius.unwrap_or(robot.model().radius))
+    }
+
+    /// Returns a process with its parameters; `None` for an unknown kind.
+    fn configured<'a>(&self, process: &'a Json, kinds: &[Kind]) -> Option<LoggedProcess<'a>> {
         let index = |name: &Json| {
             self.robots
                 .iter()
                 .position(|r| Some(&*r.name) == name.as_str())
         };
-        let lookouts = self.processes.iter().filter_map(|process| {
-            let name = process.get("name")?.as_str()?;
-            let kind = find(kinds, process.get("kind")?.as_str()?)?;
-            let given = process.get("robots").and_then(Json::as_array);
-            let given: Vec<usize> = given.into_iter().flatten().filter_map(index).collect();
-            let params = process.get("params").and_then(Node::from_json);
-            // Parameters that cannot be read (for example, of another version) have their defaults.
-            let read = params.and_then(|params| kind.read(&params).ok());
-            let read = read.or_else(|| kind.read(&Node::empty_table(Origin::Implied)).ok());
-            Some((name, read?.lookout(&given, &self.robots)?))
-        });
-        fields_of_view(&self.robots, lookouts)
+        let name = process.get("name")?.as_str()?;
+        let kind = find(kinds, process.get("kind")?.as_str()?)?;
+        let robots = process.get("robots").and_then(Json::as_array);
+        let params = process.get("params").and_then(Node::from_json);
+        // Parameters that cannot be read (for example, of another version) have their defaults.
+        let read = params.and_then(|params| kind.read(&params).ok());
+        let read = read.or_else(|| kind.read(&Node::empty_table(Origin::Implied)).ok());
+        Some(LoggedProcess {
+            name,
+            kind: read?,
+            robots: robots.into_iter().flatten().filter_map(index).collect(),
+        })
     }
+}
+
+/// A process of the logged scenario.
+struct LoggedProcess<'a> {
+    name: &'a str,
+    kind: ConfiguredKind,
+    /// Its robots, by index.
+    robots: Vec<usize>,
 }

@@ -1,5 +1,5 @@
 //! One picture of a run from its log: the map, the trails, the robots' positions, captures and
-//! escapes.
+//! escapes; of patrols and coverage the contour, danger zones, rectangles, waypoints and swept ground.
 //!
 //! * [`RunTrace::read`] reads the content of the picture from a log, in bounded memory;
 //! * [`fn@draw`] draws it, as a pure function;
@@ -7,6 +7,7 @@
 
 mod draw;
 mod draw_layers;
+mod draw_task;
 mod labels;
 mod layers;
 mod layout;
@@ -17,6 +18,7 @@ pub(crate) mod logged;
 mod read;
 mod signs;
 pub(crate) mod static_scene;
+pub(crate) mod task;
 mod trace;
 mod trail;
 
@@ -26,5 +28,6 @@ mod tests;
 pub use draw::draw;
 pub use layers::{DominanceTrace, PlanTrace, TreeTrace};
 pub use static_scene::{Cells, Standing, StaticScene};
+pub use task::{TaskTrace, WaypointTrace};
 pub use trace::{BeliefTrace, Mark, MarkKind, RobotTrace, RunTrace};
 pub use trail::{Trail, TrailPoint};

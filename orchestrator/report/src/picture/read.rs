@@ -12,8 +12,10 @@ use mcap_log::{Condition, LogReadError, ReadProgress};
 
 use super::layers::Layers;
 use super::log_run::{LoggedRun, Purpose, is_near};
+use super::task::TaskTrace;
 use super::trace::{BeliefTrace, Mark, MarkKind, RobotTrace, RunTrace};
 use super::trail::{Trail, TrailPoint};
+use scenario::kind::Kind;
 use scenario::spec::MAX_ROBOTS;
 
 /// Maximum number of events that are marked.
@@ -34,12 +36,14 @@ impl RunTrace {
     pub fn read(
         log: &Path,
         at: Option<f64>,
+        kinds: &[Kind],
         watch: &mut ReadProgress,
     ) -> Result<(Self, Condition), LogReadError> {
         // Times of ticks are rounded to nanoseconds: the margin of 0.5 us includes the tick at
         // `at`.
         let until_ns = at.map_or(u64::MAX, |at| (at * 1e9 + 500.0) as u64);
         let (mut trails, mut marks) = (Trails::default(), Marks::default());
+        let mut ended = TaskTrace::default();
         let mut moment = Moment {
             is_shown: at.is_some(),
             ..Moment::default()
@@ -51,10 +55,15 @@ impl RunTrace {
                 Box::new(&mut trails),
                 Box::new(&mut marks),
                 Box::new(&mut moment),
+                Box::new(&mut ended),
             ],
             watch,
         )?;
-        finish(log, at, run, trails, marks, moment)
+        let (mut trace, condition) = finish(log, at, run, kinds, trails, moment)?;
+        ended.finish();
+        (trace.task.waypoints, trace.task.swept) = (ended.waypoints, ended.swept);
+        trace.marks = marks.0;
+        Ok((trace, condition))
     }
 }
 
@@ -209,8 +218,8 @@ fn finish(
     log: &Path,
     at: Option<f64>,
     mut run: LoggedRun,
+    kinds: &[Kind],
     trails: Trails,
-    marks: Marks,
     moment: Moment,
 ) -> Result<(RunTrace, Condition), LogReadError> {
     let scenario = run.facts.take_scenario(log)?;
@@ -230,9 +239,10 @@ fn finish(
     let changes = run.changes.into_iter();
     changes.for_each(|(_, change)| static_scene.apply(change));
 
+    let task = scenario.task(kinds);
     let robots: Vec<RobotTrace> = scenario
         .robots
-        .into_iter()
+        .iter()
         .zip(
             trails
                 .0
@@ -241,7 +251,8 @@ fn finish(
         )
         .map(|(spec, seen)| RobotTrace {
             radius: spec.model().radius,
-            name: spec.name,
+            sweeps: scenario.sweeps(spec),
+            name: spec.name.clone(),
             team: spec.team,
             pose: if seen.present { seen.pose } else { spec.start },
             active: seen.active || !seen.present,
@@ -270,7 +281,8 @@ fn finish(
         plans,
         trees,
         dominance,
-        marks: marks.0,
+        marks: Vec::new(),
+        task,
     };
     Ok((trace, run.condition))
 }

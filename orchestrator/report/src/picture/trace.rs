@@ -5,6 +5,7 @@ use sim_backend::team::Team;
 
 use super::layers::{DominanceTrace, PlanTrace, TreeTrace};
 use super::static_scene::StaticScene;
+use super::task::TaskTrace;
 use super::trail::Trail;
 
 /// The content of a picture of a run, up to one moment.
@@ -36,6 +37,8 @@ pub struct RunTrace {
     pub dominance: Option<DominanceTrace>,
     /// Events up to that moment, in order.
     pub marks: Vec<Mark>,
+    /// Geometry of the robots' tasks.
+    pub task: TaskTrace,
 }
 
 /// A robot and its trail.
@@ -53,6 +56,8 @@ pub struct RobotTrace {
     pub active: bool,
     /// Its trail.
     pub trail: Trail,
+    /// Radius of the disc that it sweeps (m); `None` if the swept area is not accounted.
+    pub sweeps: Option<f64>,
 }
 
 /// A belief about a robot.

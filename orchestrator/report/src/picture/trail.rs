@@ -26,48 +26,32 @@ impl TrailPoint {
 
 /// Past positions of a robot, oldest first.
 ///
-/// A trail has a fixed maximum number of points. When it is full, every other point is dropped, and
-/// from then on only every other state is stored.
-#[derive(Debug, Clone, PartialEq)]
+/// A trail has a fixed maximum number of points. When it is full, it is simplified to at most half of
+/// them.
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Trail {
     points: Vec<TrailPoint>,
-    /// Number of states per stored state.
-    stride: u64,
-    seen: u64,
     last: Option<TrailPoint>,
-}
-
-impl Default for Trail {
-    fn default() -> Self {
-        Self {
-            points: Vec::new(),
-            stride: 1,
-            seen: 0,
-            last: None,
-        }
-    }
 }
 
 impl Trail {
     /// Appends a point.
     pub fn push(&mut self, point: TrailPoint) {
         self.last = Some(point);
-        let taken = self.seen.is_multiple_of(self.stride);
-        self.seen += 1;
         let moved = self
             .points
             .last()
             .is_none_or(|last| last.distance(&point) >= MIN_STEP);
-        if !taken || !moved {
+        if !moved {
             return;
         }
-        if self.points.len() >= MAX_POINTS {
-            let mut index = 0;
-            self.points.retain(|_| {
-                index += 1;
-                index % 2 == 1
-            });
-            self.stride = self.stride.saturating_mul(2);
+        let mut tolerance = MIN_STEP;
+        while self.points.len() >= MAX_POINTS {
+            let simple = simplify(&self.points, tolerance);
+            if simple.len() <= MAX_POINTS / 2 {
+                self.points = simple;
+            }
+            tolerance *= 2.0;
         }
         self.points.push(point);
     }
@@ -143,6 +127,28 @@ mod tests {
         assert!(points.len() <= MAX_POINTS + 1, "{}", points.len());
         assert_eq!(points[0], point(0.0, 0.0));
         assert_eq!(points[points.len() - 1], point(999_999.0, 0.0));
+    }
+
+    #[test]
+    fn a_long_trail_keeps_the_corners_of_its_legs() {
+        // 1000 legs of 1 m in 40 states each: five times as many states as points.
+        let mut trail = Trail::default();
+        let corner = |leg: i32| [f64::from(leg % 2), 0.01 * f64::from(leg)];
+        for leg in 0..1000 {
+            let (from, to) = (corner(leg), corner(leg + 1));
+            for step in 0..40 {
+                let part = f64::from(step) / 40.0;
+                let at = [0, 1].map(|i| from[i] + part * (to[i] - from[i]));
+                trail.push(point(at[0], at[1]));
+            }
+        }
+        let points = trail.points();
+        assert!(points.len() <= MAX_POINTS + 1);
+        for leg in 0..1000 {
+            let [x, y] = corner(leg);
+            let is_near = |p: &TrailPoint| p.distance(&point(x, y)) < 0.01;
+            assert!(points.iter().any(is_near), "corner {leg} is lost");
+        }
     }
 
     #[test]

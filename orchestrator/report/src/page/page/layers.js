@@ -2,18 +2,24 @@
 
 /** Minimum radius of a robot on the page (px): smaller robots are enlarged. */
 const SMALLEST_DISC = 7;
-const trailCanvas = document.createElement('canvas');
-const trailPaint = trailCanvas.getContext('2d');
-let trailState = null;
 
 const some = (name) => lists[`${name}.time`].length > 0;
+
+/** Name of the swept ground, with its share at the end. */
+function sweptText() {
+  const share = facts.coverage && facts.coverage.coverable_fraction;
+  return Number.isFinite(share) ? `swept ground (${(100 * share).toFixed(1)} % of what can be swept, at the end)` : 'swept ground';
+}
 
 /** The layers, in the order of the legend. */
 const LAYERS = [
   { id: 'ground', text: 'map, obstacles, exits', colour: 'wall', there: true, on: true },
+  { id: 'swept', text: sweptText(), colour: 'neutral', there: facts.robots.some((robot) => robot.sweeps), on: true },
+  { id: 'task', text: 'contours, danger zones, rectangles of the free space', colour: 'ink',
+    there: Object.values(facts.task).some((all) => all.length > 0), on: true },
   { id: 'trails', text: 'paths so far', colour: 'police', there: frames > 1, on: true },
   { id: 'plans', text: 'planned paths', colour: 'plan', there: some('plans'), on: true },
-  { id: 'waypoints', text: 'waypoints: reached (filled), left out (cross)', colour: 'exit', there: some('waypoints'), on: true },
+  { id: 'waypoints', text: 'waypoints: reached (filled), left out (cross)', colour: 'police', there: some('waypoints'), on: true },
   { id: 'beliefs', text: 'beliefs of the Police about the evaders', colour: 'belief', there: some('beliefs'), on: true },
   { id: 'trees', text: 'search trees', colour: 'evader', there: some('trees'), on: true },
   { id: 'sight', text: 'fields of view (lines of sight on the map)', colour: 'police',
@@ -75,74 +81,6 @@ function drawSight(t) {
     paint.lineWidth = 1 / view.scale;
     paint.strokeStyle = colours[team];
     paint.stroke(path);
-  }
-  paint.globalAlpha = 1;
-}
-
-/** The trail of one robot between two states, simplified to the visible detail. */
-function strokeWay(ctx, robot, from, to) {
-  const base = robot * frames;
-  const nearest = 1 / view.scale;
-  ctx.beginPath();
-  let [lx, ly] = [xOf(lists.x[base + from]), yOf(lists.y[base + from])];
-  ctx.moveTo(lx, ly);
-  for (let i = from + 1; i <= to; i++) {
-    const x = xOf(lists.x[base + i]), y = yOf(lists.y[base + i]);
-    if (i === to || Math.abs(x - lx) + Math.abs(y - ly) > nearest) {
-      ctx.lineTo(x, y);
-      lx = x; ly = y;
-    }
-  }
-  ctx.stroke();
-}
-
-/** Margin of the trails' canvas beyond the map on each side, relative to the map's size. */
-const BEYOND = 0.4;
-
-/** The trails have a separate canvas, larger than the map: while the view is still or moves a
- * little (following a robot), only new parts are drawn. */
-function drawTrails(t, length) {
-  const frame = frameAt(t);
-  const from = length === Infinity ? 0 : frameAt(t - length);
-  const key = [view.scale, map.width, map.height, view.ratio, colours.police, length].join();
-  const beyond = [Math.round(map.width * BEYOND), Math.round(map.height * BEYOND)];
-  const pixels = view.scale * view.ratio;
-  const moved = () => [(view.x - trailState.x) * pixels, (trailState.y - view.y) * pixels];
-  const goesOn = trailState && trailState.key === key && trailState.frame <= frame && length === Infinity
-    && moved().every((d, i) => Math.abs(d) <= beyond[i]);
-  if (!goesOn) {
-    trailCanvas.width = map.width + 2 * beyond[0];
-    trailCanvas.height = map.height + 2 * beyond[1];
-    trailState = { x: view.x, y: view.y };
-  }
-  trailPaint.setTransform(pixels, 0, 0, -pixels, trailCanvas.width / 2 - trailState.x * pixels,
-    trailCanvas.height / 2 + trailState.y * pixels);
-  trailPaint.lineWidth = 2.4 / view.scale;
-  trailPaint.lineCap = trailPaint.lineJoin = 'round';
-  const begin = goesOn ? trailState.frame : from;
-  if (frame > begin) {
-    for (let robot = 0; robot < facts.robots.length; robot++) {
-      trailPaint.strokeStyle = teamColour(robot);
-      strokeWay(trailPaint, robot, begin, frame);
-    }
-  }
-  trailState = { key, frame, x: trailState.x, y: trailState.y };
-  const [dx, dy] = moved();
-  paint.setTransform(1, 0, 0, 1, 0, 0);
-  paint.globalAlpha = 0.55;
-  paint.drawImage(trailCanvas, -beyond[0] - dx, -beyond[1] - dy);
-  paint.globalAlpha = 1;
-  // The last part, to the robots' interpolated positions.
-  inMetres(paint);
-  paint.lineWidth = 2.4 / view.scale;
-  paint.globalAlpha = 0.55;
-  for (let robot = 0; robot < facts.robots.length; robot++) {
-    const a = robotAt(robot, frame), b = robotBetween(robot, t);
-    paint.strokeStyle = teamColour(robot);
-    paint.beginPath();
-    paint.moveTo(a.x, a.y);
-    paint.lineTo(b.x, b.y);
-    paint.stroke();
   }
   paint.globalAlpha = 1;
 }
@@ -291,7 +229,7 @@ function drawWaypoints(t) {
     const r = newest ? 5 : many ? 2 : 3;
     paint.globalAlpha = newest ? 1 : 0.55;
     if (lists['waypoints.outcome'][i] === 0) {
-      paint.fillStyle = colours.exit;
+      paint.fillStyle = colours.police;
       paint.fillRect(x - r, y - r, 2 * r, 2 * r);
     } else {
       paint.strokeStyle = colours.evader;
@@ -432,6 +370,8 @@ function drawMap(t, followed, trail) {
   drawGround(t);
   if (shown.sight) drawSight(t);
   if (shown.trees) drawTrees(t);
+  if (shown.swept) drawSwept(t, Infinity);
+  if (shown.task) drawTask();
   if (shown.trails) drawTrails(t, trail);
   if (shown.waypoints) drawWaypoints(t);
   if (shown.beliefs) drawBeliefs(t);

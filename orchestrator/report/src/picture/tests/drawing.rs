@@ -8,7 +8,7 @@ use sim_backend::team::Team;
 
 use crate::picture::{
     BeliefTrace, Cells, DominanceTrace, Mark, MarkKind, PlanTrace, RobotTrace, RunTrace, Standing,
-    StaticScene, Trail, TrailPoint, TreeTrace, draw,
+    StaticScene, TaskTrace, Trail, TrailPoint, TreeTrace, WaypointTrace, draw,
 };
 
 fn robot(name: &str, team: Team, way: impl IntoIterator<Item = (f64, f64)>) -> RobotTrace {
@@ -29,6 +29,7 @@ fn robot(name: &str, team: Team, way: impl IntoIterator<Item = (f64, f64)>) -> R
         pose,
         active: true,
         trail,
+        sweeps: None,
     }
 }
 
@@ -81,6 +82,7 @@ fn trace() -> RunTrace {
             at: [3.1, 2.6],
             time_s: 1.5,
         }],
+        task: TaskTrace::default(),
     }
 }
 
@@ -256,7 +258,7 @@ fn names_of_crowded_robots_do_not_overlap() {
     let document = Document::parse(&svg).unwrap();
     let boxes: Vec<[f64; 4]> = document
         .descendants()
-        .filter(|n| n.has_tag_name("text") && n.attribute("paint-order").is_some())
+        .filter(|n| n.has_tag_name("text") && n.attribute("class") == Some("halo"))
         .map(|n| {
             let number = |key| n.attribute(key).unwrap().parse::<f64>().unwrap();
             let half = n.text().unwrap().chars().count() as f64 * 14.0 * 0.66 / 2.0;
@@ -318,6 +320,20 @@ fn the_largest_run_makes_a_picture_of_at_most_400_kb() {
             edges: way.iter().map(|&to| [[1.234, 2.345], to]).collect(),
         })
         .collect();
+    for robot in &mut trace.robots {
+        robot.sweeps = Some(0.1);
+    }
+    trace.task = TaskTrace {
+        rectangles: vec![[[1.234, 1.234], [2.345, 2.345]]; 1000],
+        waypoints: (0..1500)
+            .map(|i| WaypointTrace {
+                at: [1.234, f64::from(i) * 1e-3],
+                is_reached: i % 2 == 0,
+            })
+            .collect(),
+        swept: Some(0.5),
+        ..TaskTrace::default()
+    };
     trace.static_scene.obstacles.clear();
     trace.static_scene.cells = Some(Cells {
         origin: [0.0, 0.0],
@@ -387,5 +403,80 @@ fn plans_trees_and_dominance_are_drawn_and_explained() {
     let words = texts(&document).join(" ");
     for text in ["planned path", "search tree", "reaches it safely"] {
         assert!(words.contains(text), "{text}: {words}");
+    }
+}
+
+#[test]
+fn patrols_and_coverage_show_their_contour_zones_rectangles_waypoints_and_swept_ground() {
+    let mut trace = trace();
+    let plain = draw(&trace);
+    for absent in [
+        "swept ground",
+        "contour",
+        "danger zone",
+        "rectangle",
+        "waypoint ",
+    ] {
+        let texts = texts(&Document::parse(&plain).unwrap()).join(" ");
+        assert!(!texts.contains(absent), "{absent}: {texts}");
+    }
+    trace.robots[2] = robot("a<b", Team::Neutral, [(1.0, 2.5), (2.0, 2.5), (2.0, 1.5)]);
+    trace.robots[2].sweeps = Some(0.1);
+    trace.task = TaskTrace {
+        contours: vec![vec![[1.0, 1.0], [3.0, 1.0], [1.0, 1.0]]],
+        danger_zones: vec![
+            Shape::Circle {
+                center: [1.0, 1.0],
+                radius: 0.5,
+            },
+            Shape::Rectangle {
+                center: [3.0, 1.0],
+                half_extents: [0.5, 0.2],
+                angle: 0.0,
+            },
+        ],
+        rectangles: vec![[[0.0, 0.0], [1.0, 2.0]], [[1.0, 0.0], [4.0, 3.0]]],
+        waypoints: [true, true, false]
+            .map(|is_reached| WaypointTrace {
+                at: [2.0, 2.5],
+                is_reached,
+            })
+            .to_vec(),
+        swept: Some(0.4567),
+    };
+    let svg = draw(&trace);
+    assert_on_page(&svg);
+    let document = Document::parse(&svg).unwrap();
+    let count = |name: &str| {
+        let group = class(&document, name)[0];
+        group.children().filter(Node::is_element).count()
+    };
+    let counts = [
+        "contours",
+        "danger-zones",
+        "rectangles",
+        "waypoints",
+        "swept",
+    ]
+    .map(count);
+    assert_eq!(counts, [1, 2, 2, 2, 1]);
+    let of_waypoints = class(&document, "waypoints")[0].children();
+    let moves: Vec<usize> = of_waypoints
+        .filter_map(|path| Some(path.attribute("d")?.matches('M').count()))
+        .collect();
+    assert_eq!(moves, [2, 2], "two squares, and two lines of a cross");
+    // 4 m are 760 px: a disc of radius 0.1 m sweeps 38 px.
+    let swept = class(&document, "swept")[0].first_element_child().unwrap();
+    assert_eq!(swept.attribute("stroke-width"), Some("38"));
+    let texts = texts(&document).join(" ");
+    for text in [
+        "swept ground: 45.7 %",
+        "contour of the patrol",
+        "danger zone",
+        "as 2 rectangles",
+        "2 waypoints reached",
+        "1 waypoint left out",
+    ] {
+        assert!(texts.contains(text), "{text}: {texts}");
     }
 }

@@ -5,12 +5,14 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use ipc_types::messages::perception::{BeliefHeader, Particle};
-use ipc_types::messages::robot::{PlanHeader, PlanPoint};
+use ipc_types::messages::robot::{PlanHeader, PlanPoint, WaypointEnd};
 use ipc_types::messages::world::{
-    MapCell, MapHeader, ObstacleEvent, RobotState, WorldEvent, WorldHeader,
+    CoverageState, MapCell, MapHeader, ObstacleEvent, RobotState, WorldEvent, WorldHeader,
 };
 use ipc_types::stamp::PlainHeader;
-use ipc_types::topics::{Belief, ObstacleEvents, Plan, Topic, WorldEvents, WorldMap, WorldState};
+use ipc_types::topics::{
+    Belief, Coverage, ObstacleEvents, Plan, Topic, Waypoints, WorldEvents, WorldMap, WorldState,
+};
 use ipc_types::{cdr, schema};
 use mcap_log::{ChannelId, ChannelSpec, LogOptions, LogWriter, Manifest, ManifestFile};
 use mcap_log::{Condition, LogReadError, ReadProgress};
@@ -173,7 +175,7 @@ impl Log {
 }
 
 fn read(path: &Path, at: Option<f64>) -> Result<(RunTrace, Condition), LogReadError> {
-    RunTrace::read(path, at, &mut ReadProgress::default())
+    RunTrace::read(path, at, kinds::KINDS, &mut ReadProgress::default())
 }
 
 fn drawn(path: &Path, at: Option<f64>) -> RunTrace {
@@ -363,4 +365,75 @@ fn no_flipped_byte_goes_unnoticed_or_breaks_the_reader() {
             assert_eq!(trace, sound, "byte {at}");
         }
     }
+}
+
+/// A coverage and a patrol.
+const TASKS: &str = r#"
+[world.map.vector]
+bounds = { min = [0.0, 0.0], max = [10.0, 10.0] }
+obstacles = [{ shape.rectangle = { center = [5.0, 5.0], half_extents = [2.5, 2.5] } }]
+[rules.coverage]
+robots = ["sweeper"]
+[[robots]]
+name = "sweeper"
+team = "neutral"
+start = { x = 1.0, y = 8.0, theta = 0.0 }
+radius = 0.1
+[[robots]]
+name = "guard"
+team = "neutral"
+start = { x = 1.0, y = 1.0, theta = 0.0 }
+[[processes]]
+name = "cover"
+kind = "coverage_chebyshev"
+robots = ["sweeper"]
+[[processes]]
+name = "patrol"
+kind = "patrol_awg"
+robots = ["guard"]
+[processes.params.mission]
+contour = [[1.0, 1.0], [9.0, 1.0], [9.0, 9.0]]
+danger_zones = [{ circle = { center = [9.0, 1.0], radius = 1.0 } }]
+"#;
+
+#[test]
+fn a_picture_shows_the_tasks_of_the_scenario_and_what_is_swept() {
+    let mut log = Log::new(TASKS);
+    let states = log.channel::<WorldState>(&schema::hash::<WorldState>());
+    let ends = log.channel::<Waypoints>(&schema::hash::<Waypoints>());
+    let coverage = log.channel::<Coverage>(&schema::hash::<Coverage>());
+    for (time, fraction) in [(0.0, 0.0), (5.0, 0.25), (10.0, 0.5)] {
+        let robots = [0, 1].map(|robot| RobotState {
+            robot,
+            ..RobotState::default()
+        });
+        log.write::<WorldState>(states, time, &WorldHeader::default(), &robots);
+        let end = WaypointEnd {
+            x: time,
+            outcome: u8::from(time == 10.0),
+            ..WaypointEnd::default()
+        };
+        log.write::<Waypoints>(ends, time, &PlainHeader::default(), &[end]);
+        let report = CoverageState {
+            coverable_fraction: fraction,
+            ..CoverageState::default()
+        };
+        log.write::<Coverage>(coverage, time, &PlainHeader::default(), &[report]);
+    }
+    let (_folder, path) = log.finish();
+    let trace = drawn(&path, None);
+    let task = &trace.task;
+    assert_eq!(task.rectangles.len(), 4);
+    assert_eq!(
+        task.contours,
+        [[[1.0, 1.0], [9.0, 1.0], [9.0, 9.0], [1.0, 1.0]]]
+    );
+    assert_eq!(task.danger_zones.len(), 1);
+    let reached: Vec<bool> = task.waypoints.iter().map(|w| w.is_reached).collect();
+    assert_eq!((reached, task.swept), (vec![true, true, false], Some(0.5)));
+    let sweeps: Vec<_> = trace.robots.iter().map(|robot| robot.sweeps).collect();
+    assert_eq!(sweeps, [Some(0.1), None]);
+    // Of a moment: what has ended and is swept by then.
+    let earlier = drawn(&path, Some(7.0)).task;
+    assert_eq!((earlier.waypoints.len(), earlier.swept), (2, Some(0.25)));
 }

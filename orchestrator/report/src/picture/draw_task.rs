@@ -1,0 +1,126 @@
+//! Drawing of the geometry of patrols and coverage.
+
+use draw::canvas::{Canvas, Num};
+use draw::palette;
+use geometry::shape::Shape;
+
+use super::draw::Bands;
+use super::layout::Layout;
+use super::static_scene::corners;
+use super::trace::RunTrace;
+
+/// Opacity of swept ground.
+pub(super) const SWEPT_OPACITY: f64 = 0.18;
+/// Style of a contour: a thin dark line.
+pub(super) const CONTOUR: &str =
+    "fill=\"none\" stroke=\"#1f2430\" stroke-width=\"1.6\" stroke-linejoin=\"round\"";
+/// Style of a danger zone: vermilion.
+pub(super) const ZONE: &str = "fill=\"#d55e00\" fill-opacity=\"0.12\" stroke=\"#d55e00\" \
+                               stroke-width=\"1.5\" stroke-dasharray=\"2 3\"";
+/// Style of a rectangle of the free space.
+pub(super) const RECTANGLE: &str =
+    "fill=\"none\" stroke=\"#5b6472\" stroke-width=\"1\" stroke-dasharray=\"5 3\"";
+
+/// Half the size of a waypoint among few and among many (px), and the number that is many.
+const SIZES: [f64; 2] = [3.5, 2.2];
+const MANY: usize = 300;
+
+/// Draws swept ground, danger zones, rectangles and contours, below the trails.
+pub(super) fn below(canvas: &mut Canvas, layout: &Layout, trace: &RunTrace, bands: &[Bands]) {
+    let task = &trace.task;
+    swept(canvas, layout, trace, bands);
+    canvas.add(format_args!(
+        "<g class=\"danger-zones\" clip-path=\"url(#map)\" {ZONE}>\n"
+    ));
+    for zone in &task.danger_zones {
+        if let Shape::Circle { center, radius } = zone {
+            layout.circle(canvas, *center, *radius);
+        } else {
+            canvas.add(format_args!("<path d=\""));
+            layout.outline(canvas, &corners(zone));
+            canvas.add(format_args!("\"/>\n"));
+        }
+    }
+    canvas.add(format_args!(
+        "</g>\n<g class=\"rectangles\" clip-path=\"url(#map)\" {RECTANGLE}>\n"
+    ));
+    for &[min, max] in &task.rectangles {
+        canvas.add(format_args!("<path d=\""));
+        layout.outline(canvas, &[min, [max[0], min[1]], max, [min[0], max[1]]]);
+        canvas.add(format_args!("\"/>\n"));
+    }
+    canvas.add(format_args!("</g>\n<g class=\"contours\" {CONTOUR}>\n"));
+    for contour in &task.contours {
+        canvas.add(format_args!("<path d=\""));
+        layout.line(canvas, contour.iter().copied());
+        canvas.add(format_args!("\"/>\n"));
+    }
+    canvas.add(format_args!("</g>\n"));
+}
+
+/// Draws the ground that discs have swept: lines as wide as the discs.
+fn swept(canvas: &mut Canvas, layout: &Layout, trace: &RunTrace, bands: &[Bands]) {
+    canvas.add(format_args!(
+        "<g class=\"swept\" clip-path=\"url(#map)\" fill=\"none\" stroke-linejoin=\"round\" \
+         stroke-linecap=\"round\" stroke-opacity=\"{SWEPT_OPACITY}\">\n"
+    ));
+    for (robot, bands) in trace.robots.iter().zip(bands) {
+        let Some(radius) = robot.sweeps else {
+            continue;
+        };
+        // One line for each robot: where it crosses itself it is not darker.
+        canvas.add(format_args!("<path d=\""));
+        let points = bands.iter().flatten();
+        layout.line(canvas, points.map(|point| [point.x, point.y]));
+        canvas.add(format_args!(
+            "\" stroke=\"{}\" stroke-width=\"{}\"/>\n",
+            palette::team(robot.team),
+            Num(2.0 * radius * layout.scale)
+        ));
+    }
+    canvas.add(format_args!("</g>\n"));
+}
+
+/// Draws the waypoints that have ended, over the trails.
+pub(super) fn waypoints(canvas: &mut Canvas, layout: &Layout, trace: &RunTrace) {
+    let all = &trace.task.waypoints;
+    let half = SIZES[usize::from(all.len() > MANY)];
+    canvas.add(format_args!("<g class=\"waypoints\">\n"));
+    for is_reached in [true, false] {
+        let places = all.iter().filter(|w| w.is_reached == is_reached);
+        let places = places.map(|w| layout.at(w.at));
+        waypoint_signs(canvas, places, is_reached, half);
+    }
+    canvas.add(format_args!("</g>\n"));
+}
+
+/// Draws waypoints at these places (px): squares if they were reached, else crosses; `half` is half
+/// their size (px).
+pub(super) fn waypoint_signs(
+    canvas: &mut Canvas,
+    places: impl IntoIterator<Item = [f64; 2]>,
+    is_reached: bool,
+    half: f64,
+) {
+    canvas.add(format_args!("<path fill=\"none\" d=\""));
+    for [x, y] in places {
+        if is_reached {
+            canvas.add(format_args!("M{} {}h0", Num(x), Num(y)));
+        } else {
+            let (left, right) = (Num(x - half), Num(x + half));
+            let (top, bottom) = (Num(y - half), Num(y + half));
+            canvas.add(format_args!(
+                "M{left} {top}L{right} {bottom}M{left} {bottom}L{right} {top}"
+            ));
+        }
+    }
+    let (color, width, cap) = if is_reached {
+        (palette::POLICE, 2.0 * half, "square")
+    } else {
+        (palette::EVADER, 1.8, "butt")
+    };
+    canvas.add(format_args!(
+        "\" stroke=\"{color}\" stroke-width=\"{}\" stroke-linecap=\"{cap}\"/>\n",
+        Num(width)
+    ));
+}

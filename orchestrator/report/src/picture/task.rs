@@ -1,0 +1,145 @@
+//! Geometry of patrols and coverage in a picture: contour, danger zones, rectangles, waypoints, swept
+//! share.
+
+use geometry::shape::Shape;
+use ipc_types::consumer::{Consumer, LoggedMessage};
+use ipc_types::messages::robot::WaypointEnd;
+use ipc_types::topics::{Coverage, TopicId, Waypoints};
+use runtime::kind::TaskSketch;
+
+use super::log_run::{LoggedRun, is_near};
+
+/// Maximum number of waypoints that are shown, the last ones.
+const MAX_WAYPOINTS: usize = 1500;
+/// Maximum number of rectangles that are shown.
+const MAX_RECTANGLES: usize = 1000;
+
+/// Geometry of the tasks of all robots.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct TaskTrace {
+    /// Contours of patrols: their corners in order (m).
+    pub contours: Vec<Vec<[f64; 2]>>,
+    /// Danger zones of patrols.
+    pub danger_zones: Vec<Shape>,
+    /// Rectangles of divided workplaces: smallest and largest corner (m).
+    pub rectangles: Vec<[[f64; 2]; 2]>,
+    /// Waypoints that ended up to that moment, in order.
+    pub waypoints: Vec<WaypointTrace>,
+    /// Share of the coverable area that is swept, 0 to 1; `None` if it is not accounted.
+    pub swept: Option<f64>,
+}
+
+/// A waypoint that has ended.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct WaypointTrace {
+    /// Position, x and y (m).
+    pub at: [f64; 2],
+    /// `true` if it was reached; `false` if it was left out.
+    pub is_reached: bool,
+}
+
+impl TaskTrace {
+    /// Adds the geometry of a robot's task; equal ones of several robots are shown once.
+    pub(crate) fn add(&mut self, sketch: TaskSketch) {
+        let TaskSketch {
+            contour,
+            danger_zones,
+            rectangles,
+        } = sketch;
+        if contour.len() > 1 && !self.contours.contains(&contour) {
+            self.contours.push(contour);
+        }
+        for zone in danger_zones {
+            if !self.danger_zones.contains(&zone) {
+                self.danger_zones.push(zone);
+            }
+        }
+        for rectangle in rectangles {
+            if self.rectangles.len() < MAX_RECTANGLES && !self.rectangles.contains(&rectangle) {
+                self.rectangles.push(rectangle);
+            }
+        }
+    }
+}
+
+impl Consumer<LoggedRun> for TaskTrace {
+    fn topics(&self) -> &[TopicId] {
+        &[TopicId::Waypoints, TopicId::Coverage]
+    }
+
+    fn message(&mut self, message: &LoggedMessage<'_>, run: &mut LoggedRun) {
+        if let Some((_, ends)) = run.decode::<Waypoints>(message) {
+            for end in &ends {
+                self.waypoint(end);
+            }
+        }
+        if let Some((_, reports)) = run.decode::<Coverage>(message) {
+            self.swept = reports.last().map(|report| report.coverable_fraction);
+        }
+    }
+}
+
+impl TaskTrace {
+    fn waypoint(&mut self, end: &WaypointEnd) {
+        let at = [end.x, end.y];
+        if !is_near(at) {
+            return;
+        }
+        // Half at a time: removing single ones would move all others.
+        if self.waypoints.len() >= 2 * MAX_WAYPOINTS {
+            self.waypoints.drain(..MAX_WAYPOINTS);
+        }
+        self.waypoints.push(WaypointTrace {
+            at,
+            is_reached: end.outcome == 0,
+        });
+    }
+
+    /// Drops the waypoints before the last ones.
+    pub(super) fn finish(&mut self) {
+        let surplus = self.waypoints.len().saturating_sub(MAX_WAYPOINTS);
+        self.waypoints.drain(..surplus);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_last_waypoints_are_shown_and_equal_tasks_once() {
+        let mut task = TaskTrace::default();
+        for i in 0..5000 {
+            task.waypoint(&WaypointEnd {
+                x: f64::from(i),
+                outcome: u8::from(i == 4999),
+                ..WaypointEnd::default()
+            });
+        }
+        task.waypoint(&WaypointEnd {
+            x: f64::NAN,
+            ..WaypointEnd::default()
+        });
+        task.finish();
+        assert_eq!(task.waypoints.len(), MAX_WAYPOINTS);
+        let last = task.waypoints.last().unwrap();
+        assert_eq!((last.at[0], last.is_reached), (4999.0, false));
+        let sketch = TaskSketch {
+            contour: vec![[0.0, 0.0], [1.0, 0.0]],
+            danger_zones: vec![Shape::Circle {
+                center: [0.0, 0.0],
+                radius: 1.0,
+            }],
+            rectangles: vec![[[0.0, 0.0], [1.0, 1.0]]],
+        };
+        task.add(sketch.clone());
+        task.add(sketch);
+        task.add(TaskSketch::default());
+        let counts = (
+            task.contours.len(),
+            task.danger_zones.len(),
+            task.rectangles.len(),
+        );
+        assert_eq!(counts, (1, 1, 1));
+    }
+}
