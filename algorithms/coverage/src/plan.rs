@@ -295,6 +295,25 @@ impl<S: chaotic_maps::Source> GoalSource for CoveragePlan<S> {
     }
 }
 
+/// Returns the rectangles into which a large loop with direct transits maps its points, in order; loops
+/// repeat them.
+pub fn frames(decomposition: &Decomposition, tour: &Tour) -> Vec<Aabb> {
+    let stops = tour.stops();
+    let mut frames = Vec::new();
+    for (here, there) in stops.iter().zip(stops.iter().cycle().skip(1)) {
+        let rectangle = |stop: &Stop| decomposition.rectangles().get(stop.rectangle).copied();
+        let (Some(from), Some(to)) = (rectangle(here), rectangle(there)) else {
+            continue;
+        };
+        frames.extend((0..here.iterations).map(|_| from));
+        if let Some(bridge) = decomposition.bridge(here.rectangle, there.rectangle) {
+            let gates = [from, to].map(|rectangle| overlap(&rectangle, &bridge.rectangle));
+            frames.extend(gates);
+        }
+    }
+    frames
+}
+
 /// Maps a point of [−1, 1]² onto a rectangle (Chebyshev coverage paper, Eq. 10).
 pub fn map(symmetric: [f64; 2], rectangle: &Aabb) -> Point2<f64> {
     let (center, half) = (rectangle.center(), rectangle.half_extents());

@@ -5,7 +5,7 @@
 mod drive;
 
 use chaotic_maps::{Emission, Key, KeyKind};
-use drive::{COVERED, Found, OCTAGON, coverage, patrol, watch};
+use drive::{Found, OCTAGON, coverage, patrol, watch, workplace};
 use observer::knowledge::{CatKind, CatKnowledge, ChebyshevForm, ChebyshevKnowledge};
 
 const NOISES: [f64; 3] = [0.0, 0.005, 0.01];
@@ -66,11 +66,14 @@ fn coverages(keys: u64, part: &str) {
             if !name.contains(part) {
                 continue;
             }
-            let rectangle = COVERED;
-            let knowledge = ChebyshevKnowledge { rectangle, form };
-            let layout = knowledge.layout().expect("a sound rectangle");
+            let knowledge = ChebyshevKnowledge {
+                form,
+                ..ChebyshevKnowledge::default()
+            };
             let found = |seed| {
-                let drive = coverage(&Key::from_seed(kind, seed).to_string());
+                let place = workplace(&[], [5.0, 5.0]);
+                let drive = coverage(&place, &Key::from_seed(kind, seed).to_string());
+                let layout = drive.layout(&knowledge);
                 let finder = knowledge.finder();
                 watch(drive, &layout, finder, (noise, seed), |_| false, 120)
             };

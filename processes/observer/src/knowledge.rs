@@ -3,8 +3,13 @@
 use crate::recovery::cat::{CatModulus, CatRecovery};
 use crate::recovery::chebyshev::ChebyshevRecovery;
 use chaotic_maps::{AnySource, Emission};
+use coverage::plan::{PlanSpec, frames};
+use coverage::sub_goals::params::FollowParams;
+use coverage::sub_goals::site::Site;
+use coverage::tour::{Iterations, Route, Tour};
+use geometry::shape::{Aabb, Convex};
 use nalgebra::{Point2, Vector2};
-use parameters::{Parameters, ParamsError, above, each, require, unit};
+use parameters::{Parameters, ParamsError, above, at_least, each, require, unit};
 use patrol::awg::{Awg, AwgParams, Preset};
 use patrol::contour::Contour;
 use patrol::danger::DangerZones;
@@ -153,39 +158,91 @@ pub enum ChebyshevForm {
 }
 
 /// Public knowledge of a coverage by two Chebyshev maps (Chebyshev coverage paper).
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct ChebyshevKnowledge {
-    /// Rectangle of the sub-goals: smallest x and y, largest x and y.
+    /// The only rectangle of the sub-goals: smallest x and y, largest x and y. Absent: the observer
+    /// divides the map into rectangles, as the robot does.
     #[schemars(transform = each(unit("m")))]
-    pub rectangle: [f64; 4],
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rectangle: Option<[f64; 4]>,
     /// Function of the state that is output.
     pub form: ChebyshevForm,
+    /// The robot's clearance from obstacles and walls (`follow.margin`).
+    #[schemars(transform = at_least(0).unit("m"))]
+    pub margin: f64,
+    /// Maximum distance by which rectangles extend beyond obstacles (`follow.tolerance`).
+    #[schemars(transform = above(0).unit("m"))]
+    pub tolerance: f64,
+    /// Order of the rectangles in a large loop.
+    pub route: Route,
+    /// Sub-goals of a large loop.
+    pub iterations: Iterations,
 }
 
 impl Default for ChebyshevKnowledge {
     fn default() -> Self {
+        let (plan, follow) = (PlanSpec::default(), FollowParams::default());
         Self {
-            rectangle: [0.0, 0.0, 10.0, 10.0],
+            rectangle: None,
             form: ChebyshevForm::default(),
+            margin: follow.margin,
+            tolerance: follow.tolerance,
+            route: plan.route,
+            iterations: plan.iterations,
         }
     }
 }
 
 impl Parameters for ChebyshevKnowledge {
     fn check_relations(&self) -> Result<(), ParamsError> {
-        self.layout().map(|_| ())
+        self.rectangle.map_or(Ok(()), |rectangle| {
+            Self::layout_of_rectangle(rectangle).map(|_| ())
+        })
     }
 }
 
 impl ChebyshevKnowledge {
-    /// Returns the single goal that is drawn repeatedly.
+    /// Returns the goals of a large loop in a map with these bounds and obstacles, of a robot of this
+    /// radius (m) that starts at `start` (m).
+    ///
+    /// # Errors
+    /// A text that names the invalid parameter or the fault of the map.
+    pub fn layout_of_map(
+        &self,
+        bounds: Aabb,
+        parts: &[Convex],
+        radius: f64,
+        start: Point2<f64>,
+    ) -> Result<Layout, String> {
+        let follow = FollowParams {
+            margin: self.margin,
+            tolerance: self.tolerance,
+            ..FollowParams::default()
+        };
+        let site = Site::new(bounds, parts, radius, &follow, start)?;
+        let first = site.decomposition.rectangle_at(site.start);
+        let first = first.ok_or("the robot starts outside the free space")?;
+        let tour = Tour::new(&site.decomposition, first, &self.route, &self.iterations)
+            .map_err(|e| e.to_string())?;
+        let slots = frames(&site.decomposition, &tour).into_iter().map(|r| {
+            let size = r.max - r.min;
+            Slot::Drawn(Frame {
+                origin: r.min,
+                first: Vector2::new(size.x, 0.0),
+                second: Vector2::new(0.0, size.y),
+            })
+        });
+        Layout::new(slots.collect()).ok_or_else(|| "the tour has no sub-goals".to_owned())
+    }
+
+    /// Returns the single goal that is drawn repeatedly in a rectangle.
     ///
     /// # Errors
     /// [`ParamsError`] if the rectangle is invalid.
-    pub fn layout(&self) -> Result<Layout, ParamsError> {
+    pub fn layout_of_rectangle(rectangle: [f64; 4]) -> Result<Layout, ParamsError> {
         const EXPECTED: &str = "[smallest x, smallest y, largest x, largest y], all finite";
-        let [left, bottom, right, top] = self.rectangle;
+        let [left, bottom, right, top] = rectangle;
         let text = format!("[{left}, {bottom}, {right}, {top}]");
         let (width, height) = (right - left, top - bottom);
         require(

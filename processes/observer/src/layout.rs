@@ -20,6 +20,11 @@ impl Frame {
         self.origin + self.first * x + self.second * y
     }
 
+    /// Returns the area in which its goals lie (m²).
+    pub fn area(&self) -> f64 {
+        self.first.perp(&self.second).abs()
+    }
+
     /// Returns the output of a goal; `None` if the axes are parallel.
     pub fn output(&self, goal: Point2<f64>) -> Option<[f64; 2]> {
         let area = self.first.perp(&self.second);
@@ -71,7 +76,7 @@ impl Layout {
     /// Returns the area in which a drawn goal lies (m²): that of the first; 1 if none is drawn.
     pub fn area(&self) -> f64 {
         let areas = self.slots.iter().filter_map(|slot| match slot {
-            Slot::Drawn(frame) => Some(frame.first.perp(&frame.second).abs()),
+            Slot::Drawn(frame) => Some(frame.area()),
             Slot::Fixed(_) => None,
         });
         areas.into_iter().find(|area| *area > 0.0).unwrap_or(1.0)
@@ -91,10 +96,36 @@ impl Layout {
         best.map(|(_, number)| number)
     }
 
-    /// Returns `true` if every goal is drawn, so that the robot's place in the round does not
-    /// matter.
-    pub fn is_uniform(&self) -> bool {
-        self.slots.len() == 1 && matches!(self.slots.first(), Some(Slot::Drawn(_)))
+    /// Returns the first and the last of the consecutive goals of a round that are drawn in the same
+    /// frame as the goal with this number in the round.
+    pub fn run_of(&self, number: u64) -> [u64; 2] {
+        let at = (number % self.round()) as usize;
+        let (before, after) = self.slots.split_at(at);
+        let slot = after.first();
+        let same = |other: &&Slot| Some(*other) == slot && matches!(other, Slot::Drawn(_));
+        let earlier = before.iter().rev().take_while(same).count();
+        let later = after.iter().skip(1).take_while(same).count();
+        [(at - earlier) as u64, (at + later) as u64]
+    }
+
+    /// Returns `true` if consecutive goals are drawn in one frame.
+    pub fn has_runs(&self) -> bool {
+        let pairs = self.slots.iter().zip(self.slots.iter().skip(1));
+        pairs
+            .into_iter()
+            .any(|(a, b)| a == b && matches!(a, Slot::Drawn(_)))
+    }
+
+    /// Returns minus the logarithm of the density of goals in a frame, relative to that of the first
+    /// one.
+    pub fn spread_cost(&self, frame: &Frame) -> f64 {
+        let ratio = frame.area() / self.area();
+        // Frames of one size have areas that differ by rounding.
+        if (ratio - 1.0).abs() < 1e-9 {
+            0.0
+        } else {
+            geometry::math::ln(ratio)
+        }
     }
 }
 
@@ -130,8 +161,21 @@ mod tests {
         assert_eq!(layout.slot(7), Slot::Fixed(corner));
         assert_eq!(layout.fixed_near(Point2::new(3.05, 0.0), 0.1), Some(1));
         assert_eq!(layout.fixed_near(Point2::new(3.5, 0.0), 0.1), None);
-        assert!(!layout.is_uniform());
-        assert!(Layout::new(vec![Slot::Drawn(frame)]).unwrap().is_uniform());
         assert_eq!(Layout::new(Vec::new()), None);
+    }
+
+    #[test]
+    fn goals_of_one_rectangle_are_a_run_and_large_rectangles_cost_more() {
+        let frame = |side: f64| Frame {
+            origin: Point2::origin(),
+            first: Vector2::x() * side,
+            second: Vector2::y(),
+        };
+        let slots = [1.0, 1.0, 1.0, 2.0, 1.0].map(|side| Slot::Drawn(frame(side)));
+        let layout = Layout::new(slots.to_vec()).unwrap();
+        let runs = [0, 1, 2, 3, 4, 6].map(|number| layout.run_of(number));
+        assert_eq!(runs, [[0, 2], [0, 2], [0, 2], [3, 3], [4, 4], [0, 2]]);
+        assert_eq!(layout.spread_cost(&frame(1.0)), 0.0);
+        assert!((layout.spread_cost(&frame(2.0)) - 2_f64.ln()).abs() < 1e-12);
     }
 }

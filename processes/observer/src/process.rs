@@ -10,13 +10,15 @@ use metrics::prediction::View;
 use nalgebra::Point2;
 use rand_chacha::ChaCha8Rng;
 use runtime::grids::{blurred_map, map_grids};
-use runtime::inputs::{MapInput, StateInput, reply_stamp};
+use runtime::inputs::{MapInput, ShapesInput, StateInput, reply_stamp};
 use runtime::kind::ViewSpec;
-use runtime::{Clock, Process, ProcessConfig, ProcessError, ProcessKind};
+use runtime::{Clock, Process, ProcessConfig, ProcessError, ProcessKind, RobotInfo};
 use sim_backend::spec::RobotSpec;
 use tracking::particle_filter::MotionLimits;
 use tracking::space::Space;
 
+use crate::knowledge::ChebyshevKnowledge;
+use crate::layout::Layout;
 use crate::moment::Look;
 use crate::params::{Method, ObserverParams};
 use crate::pose_sensor::PoseSensor;
@@ -54,6 +56,8 @@ pub struct ObserverProcess {
     targets: Vec<Target>,
     state: StateInput,
     map: MapInput,
+    /// The exact obstacles, if it divides the map.
+    shapes: Option<ShapesInput>,
     predictions: Publisher<Predictions>,
     /// Ticks between two reports.
     every: u64,
@@ -126,6 +130,12 @@ impl ProcessKind for ObserverProcess {
             every: ticks(params.period_s, run.tick_period()),
             state: StateInput::open(bus, run.robots.len())?,
             map: MapInput::open(bus)?,
+            shapes: params
+                .chebyshev
+                .as_ref()
+                .filter(|chebyshev| chebyshev.rectangle.is_none())
+                .map(|_| ShapesInput::open(bus))
+                .transpose()?,
             predictions: bus.publisher(PublisherOptions::new(config.index, capacity))?,
             config: config.clone(),
             params: params.clone(),
@@ -144,11 +154,17 @@ impl Process for ObserverProcess {
     fn connect(&mut self) -> Result<(), ProcessError> {
         self.state.connect()?;
         self.map.connect()?;
+        if let Some(shapes) = &self.shapes {
+            shapes.connect()?;
+        }
         self.predictions.update_connections()?;
         Ok(())
     }
 
     fn prepare(&mut self) -> Result<(), ProcessError> {
+        if let Some(shapes) = &mut self.shapes {
+            shapes.update()?;
+        }
         if self.map.update()? {
             let grids = map_grids(&self.map);
             let space = Space::new(&blurred_map(grids.blurred, grids.occupied)?);
@@ -241,7 +257,8 @@ impl Process for ObserverProcess {
     }
 
     fn rejected(&self) -> u64 {
-        self.state.rejected + self.map.rejected
+        let shapes = self.shapes.as_ref().map_or(0, |shapes| shapes.rejected);
+        self.state.rejected + self.map.rejected + shapes
     }
 }
 
@@ -306,9 +323,7 @@ impl ObserverProcess {
             );
         }
         if let Some(chebyshev) = &params.chebyshev {
-            let layout = chebyshev
-                .layout()
-                .map_err(|e| algorithm(e.within("chebyshev")))?;
+            let layout = self.layout(chebyshev, info)?;
             let finder = chebyshev.finder();
             watched.add(
                 Prediction::CHEBYSHEV_KEY,
@@ -321,6 +336,31 @@ impl ObserverProcess {
             noise: stream("eyes"),
             visible: false,
         })
+    }
+}
+
+impl ObserverProcess {
+    /// Returns the sub-goals of a robot that covers the map.
+    fn layout(
+        &self,
+        knowledge: &ChebyshevKnowledge,
+        robot: &RobotInfo,
+    ) -> Result<Layout, ProcessError> {
+        if let Some(rectangle) = knowledge.rectangle {
+            return ChebyshevKnowledge::layout_of_rectangle(rectangle)
+                .map_err(|e| ProcessError::Algorithm(e.within("chebyshev").to_string()));
+        }
+        let pieces = self.shapes.as_ref().and_then(|s| s.pieces.as_ref());
+        let layout = match pieces {
+            Some((bounds, parts)) => {
+                let start = robot.start.position();
+                knowledge.layout_of_map(*bounds, parts, robot.model.radius, start)
+            }
+            None => {
+                Err("the map has more pieces than world/shapes holds: give its `rectangle`".into())
+            }
+        };
+        layout.map_err(|reason| ProcessError::Algorithm(format!("`chebyshev`: {reason}")))
     }
 }
 

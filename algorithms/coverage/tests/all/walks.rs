@@ -1,8 +1,8 @@
 //! Plans driven on random maps.
 
-use chaotic_maps::{Key, KeyKind};
+use chaotic_maps::{Key, KeyKind, Source as _};
 use coverage::decomposition::Decomposition;
-use coverage::plan::{CoveragePlan, PlanError, PlanSpec};
+use coverage::plan::{CoveragePlan, PlanError, PlanSpec, frames, map};
 use coverage::tour::{Iterations, Route};
 use coverage::transit::Transit;
 use nalgebra::Point2;
@@ -52,6 +52,29 @@ fn direct_transits_take_exactly_two_sub_goals() {
     assert_eq!(dwell.leaving, dwell.transits);
     assert_eq!(dwell.crossing, dwell.transits);
     assert_eq!((dwell.longest, dwell.capped), (2, 0));
+}
+
+#[test]
+fn frames_of_a_loop_are_those_of_its_sub_goals() {
+    let mut maps = RandomMaps::new(8);
+    for count in [0, 1, 4, 8] {
+        let decomposition = loop {
+            if let Ok(decomposition) = Decomposition::new(&maps.next_map(count)) {
+                break decomposition;
+            }
+        };
+        let start = decomposition.rectangles()[0].center();
+        let mut source = Key::from_seed(KeyKind::Keyed, 1).source().unwrap();
+        let again = source.clone();
+        let spec = spec(Transit::Direct);
+        let mut plan = CoveragePlan::new(decomposition, start, &spec, again).unwrap();
+        let frames = frames(plan.decomposition(), plan.tour());
+        for frame in frames.iter().chain(&frames) {
+            let expected = map(source.next_symmetric(), frame);
+            assert_eq!(plan.step().unwrap().waypoint.point, expected);
+        }
+        assert_eq!(plan.step(), None, "the plan has two loops");
+    }
 }
 
 #[test]

@@ -42,6 +42,10 @@ const RECENT: usize = 3;
 const MAX_DEVIATION: f64 = 4.5;
 /// Number of goals computed ahead.
 const AHEAD: usize = 64;
+/// Standard deviation of an output from which on it says nothing: the goal counts as overlooked.
+const VAGUE: f64 = 0.2;
+/// Time from the start within which a robot is observed from its first goal on (s).
+const START_S: f64 = 1.0;
 
 /// Finds the state of a generator from its noisy outputs in the unit square.
 pub trait Finder: Clone {
@@ -66,12 +70,14 @@ pub trait Finder: Clone {
 struct Guess<F> {
     /// Number of the last one, in the round.
     at: u64,
+    /// `true` if the last one may be any of its run ([`Layout::run_of`]).
+    is_floating: bool,
     finder: F,
     /// Cost of overlooked goals, false detections and fixed goals.
     cost: f64,
     /// Detections since the last that fitted.
     outliers: u32,
-    /// The last ones: pairs of detection and goal of the route.
+    /// The last ones: pairs of detection and goal of the route, of a run the first.
     recent: [(u32, u64); RECENT],
 }
 
@@ -80,17 +86,30 @@ impl<F: Finder> Guess<F> {
         self.cost + self.finder.cost()
     }
 
-    fn with(&self, nth: u32, number: u64, finder: F, cost: f64) -> Self {
+    /// Returns the hypothesis that this detection is the goal with this number, in the run that begins
+    /// at `first`.
+    fn with(&self, nth: u32, [number, first]: [u64; 2], finder: F, cost: f64) -> Self {
         let [_, recent @ ..] = self.recent;
         let [b, c] = recent;
         Self {
             at: number,
+            is_floating: false,
             finder,
             cost,
             outliers: 0,
-            recent: [b, c, (nth, number)],
+            recent: [b, c, (nth, first)],
         }
     }
+}
+
+/// A future goal.
+#[derive(Debug, Clone, Copy)]
+struct Upcoming {
+    /// Number in the rounds.
+    number: u64,
+    /// Output that it is made from; `None` for a fixed goal.
+    output: Option<[f64; 2]>,
+    goal: Point2<f64>,
 }
 
 /// Finds the key of a robot's goals and then predicts the following ones.
@@ -112,8 +131,10 @@ pub struct KeyHunter<F> {
     /// Last observed position of the robot (m).
     last: Option<Point2<f64>>,
     /// Future goals, once the key is known, and the generator of further ones.
-    upcoming: VecDeque<(u64, Point2<f64>)>,
+    upcoming: VecDeque<Upcoming>,
     source: Option<AnySource>,
+    /// `true` while the end of the present run of goals is not known.
+    is_floating: bool,
     /// Number of detections since a future goal was reached.
     outliers: u32,
 }
@@ -135,13 +156,14 @@ impl<F: Finder> KeyHunter<F> {
             last: None,
             upcoming: VecDeque::new(),
             source: None,
+            is_floating: false,
             outliers: 0,
         }
     }
 
     /// Returns the future goals, nearest first; none while the key is not known.
     pub fn upcoming(&self) -> impl Iterator<Item = Point2<f64>> + '_ {
-        self.upcoming.iter().map(|(_, goal)| *goal)
+        self.upcoming.iter().map(|upcoming| upcoming.goal)
     }
 
     fn forget(&mut self) {
@@ -150,16 +172,19 @@ impl<F: Finder> KeyHunter<F> {
         self.outliers = 0;
         self.upcoming.clear();
         self.source = None;
+        self.is_floating = false;
     }
 
-    /// Returns a hypothesis that begins with a goal.
+    /// Returns a hypothesis that begins with a goal, anywhere in its run.
     fn begin(&self, number: u64, finder: F, cost: f64) -> Guess<F> {
+        let [first, last] = self.layout.run_of(number);
         Guess {
             at: number,
+            is_floating: first < last,
             finder,
             cost,
             outliers: 0,
-            recent: [(self.goals, number); RECENT],
+            recent: [(self.goals, first); RECENT],
         }
     }
 
@@ -169,6 +194,27 @@ impl<F: Finder> KeyHunter<F> {
             let guess = self.begin(number, self.blank.clone(), 0.0);
             self.guesses.push(guess);
         }
+    }
+
+    /// Coverage begins before the first goal of a round.
+    fn begin_at_start(&mut self) {
+        let last = self.layout.round() - 1;
+        if last > 0 && matches!(self.layout.slot(last), Slot::Drawn(_)) {
+            let mut guess = self.begin(last, self.blank.clone(), 0.0);
+            guess.is_floating = false;
+            self.guesses.push(guess);
+        }
+    }
+
+    /// Returns the goals that may follow that of a hypothesis after this number of overlooked ones:
+    /// their numbers, and `true` if a goal may be any of its run.
+    fn successors(&self, guess: &Guess<F>, overlooked: u64) -> Vec<(u64, bool)> {
+        if !guess.is_floating {
+            return vec![(guess.at + 1 + overlooked, false)];
+        }
+        let [_, last] = self.layout.run_of(guess.at);
+        let beyond = (0..=overlooked).map(|beyond| (last + 1 + beyond, false));
+        core::iter::once((guess.at, true)).chain(beyond).collect()
     }
 
     /// Processes a detection before the key is known; `lost` after a time out of sight.
@@ -184,26 +230,36 @@ impl<F: Finder> KeyHunter<F> {
                 });
             }
             let (mut finder, mut cost) = (guess.finder.clone(), guess.cost);
-            for number in guess.at + 1..=guess.at + 1 + OVERLOOKED {
-                // All laps are alike.
-                let number = number % self.layout.round();
-                let slot = self.layout.slot(number);
-                if let Some((finder, extra)) = self.place(&finder, &slot, goal) {
-                    next.push(guess.with(self.goals, number, finder, cost + extra));
+            for skipped in 0..=OVERLOOKED {
+                for (number, is_floating) in self.successors(guess, skipped) {
+                    // All laps are alike.
+                    let number = number % self.layout.round();
+                    let slot = self.layout.slot(number);
+                    if let Some((finder, extra)) = self.place(&finder, &slot, goal) {
+                        let [first, _] = self.layout.run_of(number);
+                        next.push(Guess {
+                            is_floating,
+                            ..guess.with(self.goals, [number, first], finder, cost + extra)
+                        });
+                    }
                 }
                 cost += overlooked;
-                if matches!(slot, Slot::Drawn(_)) {
+                let skipped = self.layout.slot(guess.at + 1 + skipped);
+                if guess.is_floating || matches!(skipped, Slot::Drawn(_)) {
                     finder.gap();
                 }
             }
         }
         let best = next.iter().map(Guess::score).fold(f64::INFINITY, f64::min);
         if self.strange <= best + MARGIN {
-            for number in 0..self.layout.round() {
+            let mut number = 0;
+            while number < self.layout.round() {
                 let slot = self.layout.slot(number);
+                let [_, last] = self.layout.run_of(number);
                 if let Some((finder, extra)) = self.place(&self.blank, &slot, goal) {
                     next.push(self.begin(number, finder, self.strange + extra));
                 }
+                number = last + 1;
             }
         }
         self.strange += OUTLIER_COST;
@@ -229,7 +285,13 @@ impl<F: Finder> KeyHunter<F> {
                     (-slack..=1.0 + slack).contains(&output[k])
                 });
                 let mut finder = finder.clone();
-                (inside && finder.observe(output, sd)).then_some((finder, 0.0))
+                let fits = if sd[0].max(sd[1]) > VAGUE {
+                    finder.gap();
+                    true
+                } else {
+                    finder.observe(output, sd)
+                };
+                (inside && fits).then(|| (finder, self.layout.spread_cost(frame)))
             }
         }
     }
@@ -244,19 +306,28 @@ impl<F: Finder> KeyHunter<F> {
             .iter()
             .take_while(|guess| guess.score() <= best + MARGIN_OF_CLAIM)
             .filter(|guess| guess.outliers == 0)
-            .filter_map(|guess| Some((guess.at, guess.finder.source()?)));
-        let Some((at, source)) = found.next() else {
+            .filter_map(|guess| Some((guess, guess.finder.source()?)));
+        let Some((first, source)) = found.next() else {
             return;
         };
         let next = source.clone().next_unit();
+        let mut at = (first.at, first.is_floating);
         let agree = found.all(|(other, mut source)| {
             let ([x, y], [u, v]) = (source.next_unit(), next);
-            other == at && (x - u).abs() < SAME && (y - v).abs() < SAME
+            let same_place = match (at.1, other.is_floating) {
+                (false, false) => other.at == at.0,
+                _ => self.layout.run_of(other.at) == self.layout.run_of(at.0),
+            };
+            if !other.is_floating {
+                at = (other.at, false);
+            }
+            same_place && (x - u).abs() < SAME && (y - v).abs() < SAME
         });
         if agree {
             self.forget();
             self.source = Some(source);
-            self.look_ahead(at + 1);
+            self.is_floating = at.1;
+            self.look_ahead(if at.1 { at.0 } else { at.0 + 1 });
         }
     }
 
@@ -271,7 +342,8 @@ impl<F: Finder> KeyHunter<F> {
             .upcoming
             .iter()
             .take(window)
-            .position(|(_, point)| (goal - point).norm() <= 2.0 * self.goal_error);
+            .position(|upcoming| (goal - upcoming.goal).norm() <= 2.0 * self.goal_error);
+        let found = found.or_else(|| self.realign(goal, window));
         if let Some(found) = found {
             self.reach(found + 1);
             return;
@@ -283,11 +355,53 @@ impl<F: Finder> KeyHunter<F> {
         }
     }
 
+    /// Finds a detection among the goals that the next outputs make in the present run, or after it:
+    /// the robot's place in the run may be mistaken. Returns its place among the future goals, which
+    /// continue from there.
+    fn realign(&mut self, goal: Point2<f64>, window: usize) -> Option<usize> {
+        let number = self
+            .upcoming
+            .front()
+            .filter(|_| self.layout.has_runs())?
+            .number;
+        let [first, last] = self.layout.run_of(number);
+        let is_near = |number: u64, at: usize| {
+            let output = self.upcoming.get(at).and_then(|upcoming| upcoming.output);
+            let (Slot::Drawn(frame), Some(output)) = (self.layout.slot(number), output) else {
+                return false;
+            };
+            (goal - frame.goal(output)).norm() <= 2.0 * self.goal_error
+        };
+        let stays = (0..window).find(|&at| first < last && is_near(number, at));
+        let leaves = || {
+            (0..=OVERLOOKED as usize).find_map(|beyond| {
+                let number = last + 1 + beyond as u64;
+                let at = (beyond..window).find(|&at| is_near(number, at))?;
+                Some((beyond, at))
+            })
+        };
+        let (begin, at) = match stays {
+            Some(at) => (0, at),
+            None => leaves().map(|(beyond, at)| (at - beyond, at))?,
+        };
+        self.is_floating = stays.is_some();
+        let mut numbers = last + 1..;
+        for upcoming in self.upcoming.iter_mut().skip(begin) {
+            let number = stays.map_or_else(|| numbers.next(), |_| Some(number))?;
+            if let (Slot::Drawn(frame), Some(output)) = (self.layout.slot(number), upcoming.output)
+            {
+                upcoming.number = number;
+                upcoming.goal = frame.goal(output);
+            }
+        }
+        Some(at)
+    }
+
     /// Drops future goals that the robot is observed to reach.
     fn keep_pace(&mut self, from: Point2<f64>, to: Point2<f64>, sigma: f64) {
         let reach = self.arrival + 3.0 * sigma;
-        while let Some(&(_, goal)) = self.upcoming.front()
-            && distance_to_segment(goal, from, to) <= reach
+        while let Some(next) = self.upcoming.front()
+            && distance_to_segment(next.goal, from, to) <= reach
         {
             self.reach(1);
         }
@@ -296,7 +410,8 @@ impl<F: Finder> KeyHunter<F> {
     /// Drops this number of future goals.
     fn reach(&mut self, count: usize) {
         self.outliers = 0;
-        let next = self.upcoming.back().map_or(0, |(number, _)| number + 1);
+        let step = u64::from(!self.is_floating);
+        let next = self.upcoming.back().map_or(0, |last| last.number + step);
         self.upcoming.drain(..count.min(self.upcoming.len()));
         self.look_ahead(next);
     }
@@ -307,12 +422,19 @@ impl<F: Finder> KeyHunter<F> {
             return;
         };
         while self.upcoming.len() < AHEAD {
-            let goal = match self.layout.slot(number) {
-                Slot::Fixed(point) => point,
-                Slot::Drawn(frame) => frame.goal(source.next_unit()),
+            let (output, goal) = match self.layout.slot(number) {
+                Slot::Fixed(point) => (None, point),
+                Slot::Drawn(frame) => {
+                    let output = source.next_unit();
+                    (Some(output), frame.goal(output))
+                }
             };
-            self.upcoming.push_back((number, goal));
-            number += 1;
+            self.upcoming.push_back(Upcoming {
+                number,
+                output,
+                goal,
+            });
+            number += u64::from(!self.is_floating);
         }
     }
 }
@@ -349,6 +471,9 @@ impl<F: Finder> Predictor for KeyHunter<F> {
             if !self.begun {
                 self.begun = true;
                 self.begin_at_fixed(seen.position);
+                if moment.look.time <= START_S {
+                    self.begin_at_start();
+                }
             }
             self.keep_pace(from, seen.position, seen.sigma);
         } else {

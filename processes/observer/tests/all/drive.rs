@@ -9,6 +9,7 @@ use geometry::map::{MapSpec, ObstacleSpec, VectorMap};
 use geometry::pose::Pose2;
 use geometry::shape::Shape;
 use nalgebra::Point2;
+use observer::knowledge::ChebyshevKnowledge;
 use observer::layout::Layout;
 use observer::legs::Legs;
 use observer::moment::{Look, Moment, Seen};
@@ -206,21 +207,33 @@ pub fn patrol(
     Drive::new(&place, &mission)
 }
 
-/// Bounds of the sub-goals of [`coverage`] (m).
-pub const COVERED: [f64; 4] = [0.15, 0.15, 9.85, 9.85];
-
-/// A coverage of 10 m by 10 m.
-pub fn coverage(key: &str) -> Drive<coverage_planners::ChebyshevPlanner> {
-    let place = Place {
+/// Returns 10 m by 10 m with these obstacles, and a robot that covers them.
+pub fn workplace(obstacles: &[Shape], start: [f64; 2]) -> Place {
+    Place {
         bounds: [[0.0, 0.0], [10.0, 10.0]],
-        obstacles: Vec::new(),
-        start: Pose2::new(5.0, 5.0, 0.0),
+        obstacles: obstacles.to_vec(),
+        start: Pose2::new(start[0], start[1], 0.0),
         radius: 0.1,
         v_max: 1.0,
         omega_max: 5.0,
         range: None,
-    };
-    Drive::new(&place, &format!("key = \"{key}\""))
+    }
+}
+
+/// A coverage of a workplace.
+pub fn coverage(place: &Place, key: &str) -> Drive<coverage_planners::ChebyshevPlanner> {
+    Drive::new(place, &format!("key = \"{key}\""))
+}
+
+impl<P> Drive<P> {
+    /// Returns the goals of a coverage, as an observer knows them.
+    pub fn layout(&self, knowledge: &ChebyshevKnowledge) -> Layout {
+        let (map, robot) = (self.world.map(), &self.world.robots()[0]);
+        let start = robot.pose.position();
+        knowledge
+            .layout_of_map(*map.bounds(), map.parts(), robot.radius(), start)
+            .unwrap()
+    }
 }
 
 /// Result of a search for a key.
@@ -233,35 +246,45 @@ pub struct Found {
     pub wrong: bool,
 }
 
-/// Watches a robot until its key is recovered or it has reached this number of goals; `unseen`
-/// returns `true` while it is out of sight (s).
-pub fn watch<P: Planner, F: Finder>(
-    mut drive: Drive<P>,
-    layout: &Layout,
-    finder: F,
-    (noise, seed): (f64, u64),
-    unseen: impl Fn(f64) -> bool,
-    most: usize,
-) -> Found {
-    let frame = GridFrame {
-        width: 10,
-        height: 10,
-        resolution: 0.1,
-        origin: Point2::new(0.0, 0.0),
-    };
-    let map = BlurredMap::new(&Grid::filled(frame, true), 0.1).unwrap();
-    let (space, who) = (Space::new(&map), Watch::new(&SensorParams::default()));
-    let mut rng = ChaCha8Rng::seed_from_u64(seed);
-    let mut legs = Legs::new(ARRIVAL);
-    let mut hunter = KeyHunter::new(layout.clone(), finder, ARRIVAL, 0.03);
-    for tick in 0_u64.. {
-        let pose = drive.pose();
-        let ((x, y), (turn, _)) = (gaussian_pair(&mut rng), gaussian_pair(&mut rng));
-        let time = tick as f64 * DT;
+/// Search for a key from noisy poses.
+pub struct Hunter<F> {
+    hunter: KeyHunter<F>,
+    legs: Legs,
+    noise: f64,
+    rng: ChaCha8Rng,
+    scene: (Space, Watch),
+    last: Option<Look>,
+}
+
+impl<F: Finder> Hunter<F> {
+    /// Returns a search for goals of this layout, with a noise (m, rad) of this seed.
+    pub fn new(layout: &Layout, finder: F, (noise, seed): (f64, u64)) -> Self {
+        let frame = GridFrame {
+            width: 10,
+            height: 10,
+            resolution: 0.1,
+            origin: Point2::new(0.0, 0.0),
+        };
+        let map = BlurredMap::new(&Grid::filled(frame, true), 0.1).unwrap();
+        Self {
+            hunter: KeyHunter::new(layout.clone(), finder, ARRIVAL, 0.03),
+            legs: Legs::new(ARRIVAL),
+            noise,
+            rng: ChaCha8Rng::seed_from_u64(seed),
+            scene: (Space::new(&map), Watch::new(&SensorParams::default())),
+            last: None,
+        }
+    }
+
+    /// Measures a pose at a tick; `seen` is `true` while the robot is in sight.
+    pub fn observe(&mut self, pose: Pose2, tick: u64, seen: bool) {
+        let rng = &mut self.rng;
+        let ((x, y), (turn, _)) = (gaussian_pair(rng), gaussian_pair(rng));
+        let noise = self.noise;
         let look = Look {
-            time,
+            time: tick as f64 * DT,
             dt: DT,
-            seen: (!unseen(time)).then(|| Seen {
+            seen: seen.then(|| Seen {
                 position: Point2::new(pose.x + noise * x, pose.y + noise * y),
                 heading: pose.theta + noise * turn,
                 sigma: noise,
@@ -269,23 +292,58 @@ pub fn watch<P: Planner, F: Finder>(
             }),
             visibility: 1.0,
         };
-        let goal = legs.observe(&look);
-        let goals_lost = look.seen.is_some() && legs.take_lost();
-        hunter.observe(&Moment {
+        let goal = self.legs.observe(&look);
+        let goals_lost = look.seen.is_some() && self.legs.take_lost();
+        self.last = Some(look);
+        self.hunter.observe(&Moment {
             look,
             goal,
             goals_lost,
-            space: &space,
-            watch: &who,
+            space: &self.scene.0,
+            watch: &self.scene.1,
         });
+    }
+
+    /// Returns the position predicted for a horizon (s) from the last measurement.
+    pub fn predict(&self, horizon: f64) -> Option<Point2<f64>> {
+        let moment = Moment {
+            look: self.last?,
+            goal: None,
+            goals_lost: false,
+            space: &self.scene.0,
+            watch: &self.scene.1,
+        };
+        self.hunter.predict(horizon, &moment)
+    }
+
+    /// Returns `true` if the key is known.
+    pub fn key_recovered(&self) -> bool {
+        self.hunter.key_recovered()
+    }
+}
+
+/// Watches a robot until its key is recovered or it has reached this number of goals; `unseen`
+/// returns `true` while it is out of sight (s).
+pub fn watch<P: Planner, F: Finder>(
+    mut drive: Drive<P>,
+    layout: &Layout,
+    finder: F,
+    noise: (f64, u64),
+    unseen: impl Fn(f64) -> bool,
+    most: usize,
+) -> Found {
+    let mut hunter = Hunter::new(layout, finder, noise);
+    for tick in 0_u64.. {
+        hunter.observe(drive.pose(), tick, !unseen(tick as f64 * DT));
         drive.tick();
         let reached = drive.reports.len();
-        let made_out = f64::from(hunter.goals_observed()) / reached.max(1) as f64;
+        let made_out = f64::from(hunter.hunter.goals_observed()) / reached.max(1) as f64;
         if hunter.key_recovered() {
+            let upcoming: Vec<_> = hunter.hunter.upcoming().take(COMPARED).collect();
             return Found {
                 after: Some(reached),
                 made_out,
-                wrong: !drive.goes_through(&hunter.upcoming().take(COMPARED).collect::<Vec<_>>()),
+                wrong: !drive.goes_through(&upcoming),
             };
         }
         if reached >= most {

@@ -1,6 +1,7 @@
 //! Recovery of keys from poses: of the maps, and never of a keyed stream.
 
 use chaotic_maps::{AnySource, Cat64, CatF64, CatP, ChebP, Emission, Key, Source};
+use geometry::shape::{Aabb, Shape};
 use nalgebra::Point2;
 use observer::knowledge::{CatKind, CatKnowledge, ChebyshevForm, ChebyshevKnowledge};
 use observer::layout::{Layout, Slot};
@@ -48,14 +49,14 @@ struct Hunt {
     made_out: u32,
 }
 
-/// Watches a robot for some goals.
+/// Watches a robot from one number of reached goals to another.
 fn hunt<F: Finder>(
     layout: &Layout,
     finder: F,
     source: AnySource,
     start: Point2<f64>,
     (sigma, heading_sigma): (f64, f64),
-    most: usize,
+    (unseen, most): (usize, usize),
 ) -> Hunt {
     let mut robot = Robot::new(start, goals(layout.clone(), source));
     let mut noisy = NoisyObserver::new(sigma, heading_sigma, 7);
@@ -64,7 +65,7 @@ fn hunt<F: Finder>(
     let mut pending: Vec<(u64, Point2<f64>)> = Vec::new();
     for tick in 0_u64.. {
         robot.tick();
-        noisy.look(robot.pose, true, &mut hunter);
+        noisy.look(robot.pose, robot.reached.len() >= unseen, &mut hunter);
         if hunter.key_recovered() && recovered_after.is_none() {
             recovered_after = Some(robot.reached.len());
         }
@@ -119,7 +120,7 @@ fn the_key_of_a_cat_map_is_recovered_within_a_lap_and_predicts_the_way() {
                 source.clone(),
                 start,
                 noise,
-                130,
+                (0, 130),
             );
             let after = found.recovered_after;
             assert!(
@@ -134,10 +135,10 @@ fn the_key_of_a_cat_map_is_recovered_within_a_lap_and_predicts_the_way() {
 #[test]
 fn the_key_of_chebyshev_maps_is_recovered_within_thirty_sub_goals() {
     let knowledge = ChebyshevKnowledge {
-        rectangle: [0.1, 0.1, 9.9, 9.9],
         form: ChebyshevForm::Arcsine,
+        ..ChebyshevKnowledge::default()
     };
-    let layout = knowledge.layout().unwrap();
+    let layout = ChebyshevKnowledge::layout_of_rectangle([0.1, 0.1, 9.9, 9.9]).unwrap();
     let state = (123_456_789_012_345_678, 987_654_321_098_765_432);
     let source = ChebP::new(state.0, state.1, Emission::Arcsine).unwrap();
     let start = Point2::new(5.0, 5.0);
@@ -147,11 +148,55 @@ fn the_key_of_chebyshev_maps_is_recovered_within_thirty_sub_goals() {
         AnySource::ChebP(source),
         start,
         (0.01, 0.01),
-        60,
+        (0, 60),
     );
     let after = found.recovered_after;
     assert!(after.is_some_and(|after| after < 30), "{after:?}");
     assert!(median(&found.errors) < 0.6);
+}
+
+/// Returns the goals of a coverage around a block of 5 m by 5 m: four rectangles.
+fn around_a_block(knowledge: &ChebyshevKnowledge, start: Point2<f64>) -> Layout {
+    let bounds = Aabb {
+        min: Point2::origin(),
+        max: Point2::new(10.0, 10.0),
+    };
+    let block = Shape::Rectangle {
+        center: [5.0, 5.0],
+        half_extents: [2.5, 2.5],
+        angle: 0.0,
+    };
+    let parts = block.parts().unwrap();
+    knowledge.layout_of_map(bounds, &parts, 0.1, start).unwrap()
+}
+
+#[test]
+fn a_coverage_of_several_rectangles_is_predicted_although_none_is_told() {
+    let knowledge = ChebyshevKnowledge::default();
+    let start = Point2::new(1.0, 8.0);
+    let layout = around_a_block(&knowledge, start);
+    assert!(layout.round() > 200);
+    // From the start, and by an observer that comes in the middle of a rectangle.
+    for (unseen, most) in [(0, 300), (20, 450)] {
+        let state = (123_456_789_012_345_678, 987_654_321_098_765_432);
+        let source = ChebP::new(state.0, state.1, Emission::Arcsine).unwrap();
+        let found = hunt(
+            &layout,
+            knowledge.finder(),
+            AnySource::ChebP(source),
+            start,
+            (0.01, 0.01),
+            (unseen, most),
+        );
+        let after = found.recovered_after;
+        assert!(
+            after.is_some_and(|after| after < unseen + 80),
+            "unseen {unseen}: {after:?}"
+        );
+        // Goals of all rectangles and of the transits between them follow.
+        let bad = found.errors.iter().filter(|error| **error > 1.5).count();
+        assert!(median(&found.errors) < 0.6 && 10 * bad < found.errors.len());
+    }
 }
 
 #[test]
@@ -168,19 +213,19 @@ fn a_keyed_stream_is_unpredictable() {
         key.source().unwrap(),
         start,
         (0.0, 0.0),
-        130,
+        (0, 130),
     );
     assert_eq!(found.recovered_after, None);
     assert!(found.errors.is_empty() && found.made_out > 100);
     let chebyshev = ChebyshevKnowledge::default();
-    let layout = chebyshev.layout().unwrap();
+    let layout = ChebyshevKnowledge::layout_of_rectangle([0.0, 0.0, 10.0, 10.0]).unwrap();
     let found = hunt(
         &layout,
         chebyshev.finder(),
         key.source().unwrap(),
         start,
         (0.0, 0.0),
-        60,
+        (0, 60),
     );
     assert_eq!(found.recovered_after, None);
     assert!(found.made_out > 50);

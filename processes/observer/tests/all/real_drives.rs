@@ -4,7 +4,8 @@
 use chaotic_maps::{Emission, Key, KeyKind};
 use observer::knowledge::{CatKind, CatKnowledge, ChebyshevKnowledge};
 
-use crate::drive::{COVERED, Found, OCTAGON, coverage, patrol, watch};
+use crate::drive::{Found, OCTAGON, coverage, patrol, watch, workplace};
+use geometry::shape::Shape;
 
 const NOISE: f64 = 0.01;
 
@@ -46,20 +47,35 @@ fn short_times_out_of_sight_do_not_hide_a_key() {
     assert!(!found.wrong);
 }
 
+fn coverage_watched(obstacles: &[Shape], start: [f64; 2], seed: u64) -> Found {
+    let knowledge = ChebyshevKnowledge::default();
+    let key = Key::from_seed(KeyKind::ChebP(Emission::Arcsine), seed);
+    let drive = coverage(&workplace(obstacles, start), &key.to_string());
+    let (layout, finder) = (drive.layout(&knowledge), knowledge.finder());
+    watch(drive, &layout, finder, (NOISE, seed), |_| false, 60)
+}
+
 #[test]
 fn the_key_of_a_coverage_is_recovered_within_thirty_sub_goals() {
-    let knowledge = ChebyshevKnowledge {
-        rectangle: COVERED,
-        ..ChebyshevKnowledge::default()
-    };
-    let layout = knowledge.layout().unwrap();
     for seed in [1, 2, 3] {
-        let key = Key::from_seed(KeyKind::ChebP(Emission::Arcsine), seed);
-        let drive = coverage(&key.to_string());
-        let finder = knowledge.finder();
-        let found = watch(drive, &layout, finder, (NOISE, seed), |_| false, 60);
+        let found = coverage_watched(&[], [5.0, 5.0], seed);
         let after = found.after;
         assert!(after.is_some_and(|after| after < 30), "{after:?}");
+        assert!(!found.wrong);
+    }
+}
+
+#[test]
+fn several_rectangles_do_not_hide_a_key_from_an_observer_that_knows_the_workplace() {
+    let block = Shape::Rectangle {
+        center: [5.0, 5.0],
+        half_extents: [2.5, 2.5],
+        angle: 0.0,
+    };
+    for seed in [1, 2] {
+        let found = coverage_watched(core::slice::from_ref(&block), [1.0, 8.0], seed);
+        let after = found.after;
+        assert!(after.is_some_and(|after| after < 40), "{after:?}");
         assert!(!found.wrong);
     }
 }
