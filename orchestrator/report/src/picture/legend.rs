@@ -40,6 +40,12 @@ enum RowSign {
     Mark(MarkKind),
     Wall,
     Obstacle,
+    Task(TaskSign),
+}
+
+/// Symbol of a part of a patrol or a coverage.
+#[derive(Debug, Clone, Copy)]
+enum TaskSign {
     Swept(Team),
     Contour,
     Zone,
@@ -122,7 +128,7 @@ impl Legend {
                 rows.row(RowSign::Mark(kind), text);
             }
         }
-        if trace.static_scene.has_vectors() || trace.static_scene.cells.is_some() {
+        if trace.static_scene.has_walls() {
             rows.row(RowSign::Wall, "walls and blocks");
         }
         if trace.static_scene.obstacles.values().any(|o| o.came) {
@@ -180,20 +186,20 @@ fn task_rows(trace: &RunTrace, rows: &mut Rows<RowSign>) {
         && let Some(robot) = trace.robots.iter().find(|robot| robot.sweeps.is_some())
     {
         let text = format!("swept ground: {:.1} % of what can be swept", 100.0 * share);
-        rows.row(RowSign::Swept(robot.team), &text);
+        rows.row(RowSign::Task(TaskSign::Swept(robot.team)), &text);
     }
     if !task.contours.is_empty() {
-        rows.row(RowSign::Contour, "contour of the patrol");
+        rows.row(RowSign::Task(TaskSign::Contour), "contour of the patrol");
     }
     if !task.danger_zones.is_empty() {
-        rows.row(RowSign::Zone, "danger zone");
+        rows.row(RowSign::Task(TaskSign::Zone), "danger zone");
     }
     if !task.rectangles.is_empty() {
         let text = match task.rectangles.len() {
             1 => "the free space as one rectangle".to_owned(),
             count => format!("the free space as {count} rectangles"),
         };
-        rows.row(RowSign::Rectangle, &text);
+        rows.row(RowSign::Task(TaskSign::Rectangle), &text);
     }
     for (is_reached, text) in [(true, "reached"), (false, "left out")] {
         let ended = task.waypoints.iter();
@@ -201,7 +207,7 @@ fn task_rows(trace: &RunTrace, rows: &mut Rows<RowSign>) {
         if count > 0 {
             let s = if count == 1 { "" } else { "s" };
             let text = format!("{count} waypoint{s} {text}");
-            rows.row(RowSign::Waypoint { is_reached }, &text);
+            rows.row(RowSign::Task(TaskSign::Waypoint { is_reached }), &text);
         }
     }
 }
@@ -294,6 +300,17 @@ impl RowSign {
                 c = palette::EXIT,
             )),
             Self::Mark(kind) => sign(canvas, Sign::Mark(kind), at, HALO),
+            Self::Wall => square(canvas, at, palette::WALL, palette::EDGE),
+            Self::Obstacle => square(canvas, at, palette::OBSTACLE, palette::OBSTACLE),
+            Self::Task(sign) => sign.draw(canvas, at),
+        }
+    }
+}
+
+impl TaskSign {
+    fn draw(self, canvas: &mut Canvas, at: [f64; 2]) {
+        let [x, y] = at;
+        match self {
             Self::Swept(team) => canvas.add(format_args!(
                 "<path d=\"M{} {y}L{} {y}\" stroke=\"{}\" stroke-width=\"14\" \
                  stroke-linecap=\"round\" stroke-opacity=\"{SWEPT_OPACITY}\"/>\n",
@@ -319,8 +336,6 @@ impl RowSign {
                 Num(y - 7.0),
             )),
             Self::Waypoint { is_reached } => waypoint_signs(canvas, [at], is_reached, 4.0),
-            Self::Wall => square(canvas, at, palette::WALL, palette::EDGE),
-            Self::Obstacle => square(canvas, at, palette::OBSTACLE, palette::OBSTACLE),
         }
     }
 }

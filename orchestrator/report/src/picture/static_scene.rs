@@ -98,6 +98,12 @@ impl StaticScene {
         !self.obstacles.is_empty()
     }
 
+    /// Returns `true` if there are walls or obstacles.
+    pub(super) fn has_walls(&self) -> bool {
+        let occupied = self.cells.iter().flat_map(|cells| &cells.occupied);
+        self.has_vectors() || occupied.into_iter().any(|&cell| cell)
+    }
+
     /// Applies a change of the obstacles.
     pub(super) fn apply(&mut self, change: ObstacleChange) {
         match change {
