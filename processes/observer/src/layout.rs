@@ -176,6 +176,6 @@ mod tests {
         let runs = [0, 1, 2, 3, 4, 6].map(|number| layout.run_of(number));
         assert_eq!(runs, [[0, 2], [0, 2], [0, 2], [3, 3], [4, 4], [0, 2]]);
         assert_eq!(layout.spread_cost(&frame(1.0)), 0.0);
-        assert!((layout.spread_cost(&frame(2.0)) - 2_f64.ln()).abs() < 1e-12);
+        assert!((layout.spread_cost(&frame(2.0)) - core::f64::consts::LN_2).abs() < 1e-12);
     }
 }

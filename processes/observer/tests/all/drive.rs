@@ -1,5 +1,7 @@
 //! Drive of a robot in the simulated world by its real planner, and an observer of its key.
 
+#![allow(dead_code, reason = "tests and examples use different parts")]
+
 use core::time::Duration;
 use std::sync::Arc;
 
@@ -248,7 +250,7 @@ pub struct Found {
 
 /// Search for a key from noisy poses.
 pub struct Hunter<F> {
-    hunter: KeyHunter<F>,
+    search: KeyHunter<F>,
     legs: Legs,
     noise: f64,
     rng: ChaCha8Rng,
@@ -267,7 +269,7 @@ impl<F: Finder> Hunter<F> {
         };
         let map = BlurredMap::new(&Grid::filled(frame, true), 0.1).unwrap();
         Self {
-            hunter: KeyHunter::new(layout.clone(), finder, ARRIVAL, 0.03),
+            search: KeyHunter::new(layout.clone(), finder, ARRIVAL, 0.03),
             legs: Legs::new(ARRIVAL),
             noise,
             rng: ChaCha8Rng::seed_from_u64(seed),
@@ -295,7 +297,7 @@ impl<F: Finder> Hunter<F> {
         let goal = self.legs.observe(&look);
         let goals_lost = look.seen.is_some() && self.legs.take_lost();
         self.last = Some(look);
-        self.hunter.observe(&Moment {
+        self.search.observe(&Moment {
             look,
             goal,
             goals_lost,
@@ -313,12 +315,12 @@ impl<F: Finder> Hunter<F> {
             space: &self.scene.0,
             watch: &self.scene.1,
         };
-        self.hunter.predict(horizon, &moment)
+        self.search.predict(horizon, &moment)
     }
 
     /// Returns `true` if the key is known.
     pub fn key_recovered(&self) -> bool {
-        self.hunter.key_recovered()
+        self.search.key_recovered()
     }
 }
 
@@ -337,9 +339,9 @@ pub fn watch<P: Planner, F: Finder>(
         hunter.observe(drive.pose(), tick, !unseen(tick as f64 * DT));
         drive.tick();
         let reached = drive.reports.len();
-        let made_out = f64::from(hunter.hunter.goals_observed()) / reached.max(1) as f64;
+        let made_out = f64::from(hunter.search.goals_observed()) / reached.max(1) as f64;
         if hunter.key_recovered() {
-            let upcoming: Vec<_> = hunter.hunter.upcoming().take(COMPARED).collect();
+            let upcoming: Vec<_> = hunter.search.upcoming().take(COMPARED).collect();
             return Found {
                 after: Some(reached),
                 made_out,
