@@ -257,7 +257,6 @@ fn every_built_in_scenario_runs_and_keeps_every_rule() {
         "chase",
         "chase_braitenberg",
         "chase_exact",
-        "chase_interception",
         "chase_popup",
         "chase_rrt_star",
         "hello",
@@ -310,32 +309,6 @@ fn every_built_in_scenario_runs_and_keeps_every_rule() {
 }
 
 #[test]
-fn police_with_tactics_keep_every_rule_and_play_the_same_game_twice() {
-    let sandbox = Sandbox::new();
-    let limit = "rules.time_limit=16";
-    let words = ["chase_interception", "--seed", "2", "--set", limit];
-    let (summary, history, log) = record(&sandbox, &words);
-    Game::in_city(&log).holds(&history, &summary);
-    assert!(history.states.last().unwrap().over, "{summary}");
-    // The evaders are far away then, and the guard is at the exit.
-    let guards = |state: &State| {
-        let near = |r: &&Robot| r.team == 1 && (r.x - 9.0).abs() < 1.5 && r.y.abs() < 1.5;
-        state.robots.iter().filter(near).count()
-    };
-    let early: Vec<usize> = history
-        .states
-        .iter()
-        .skip(240)
-        .take(20)
-        .map(guards)
-        .collect();
-    assert!(early.iter().all(|&guards| guards >= 1), "{early:?}");
-    let again = [&["run"][..], &words[..], &["--in-process", "--quiet"]].concat();
-    assert_eq!(sandbox.protean(again).json()["digest"], summary["digest"]);
-    sandbox.assert_nothing_left();
-}
-
-#[test]
 fn a_referee_judges_every_quarter_second_and_changes_no_game() {
     let sandbox = Sandbox::new();
     let short = ["--set", "rules.time_limit=12"];
@@ -363,7 +336,10 @@ fn a_referee_judges_every_quarter_second_and_changes_no_game() {
     }
     let again = [&["run", "chase_referee", "--in-process"][..], &short].concat();
     assert_eq!(sandbox.protean(again).json()["digest"], summary["digest"]);
-    let (alone, without, _) = record(&sandbox, &[&["chase"][..], &short].concat());
+    let text = scenario::builtin::scenario("chase_referee").unwrap().text;
+    let (game, _) = text.split_once("[[processes]]\nkind = \"referee\"").unwrap();
+    sandbox.file("alone.toml", &game.replace("maps/city.toml", "builtin:city"));
+    let (alone, without, _) = record(&sandbox, &[&["alone.toml"][..], &short].concat());
     assert!(alone.get("escape_possible_fraction").is_none());
     assert_eq!(without.states, history.states, "a referee steers no robot");
 }

@@ -13,7 +13,7 @@ struct Case {
     seeds: &'static [&'static str],
 }
 
-const CASES: [Case; 24] = [
+const CASES: [Case; 23] = [
     Case {
         scenario: "chase",
         set: &["rules.time_limit=5"],
@@ -56,11 +56,6 @@ const CASES: [Case; 24] = [
     Case {
         scenario: "chase_popup",
         set: &["run.dt=0.1", "rules.time_limit=80"],
-        seeds: &["1"],
-    },
-    Case {
-        scenario: "chase_interception",
-        set: &["rules.time_limit=4"],
         seeds: &["1"],
     },
     // Plans and trees.

@@ -21,7 +21,7 @@ impl Builtin {
 pub const DEFAULT: &str = "chase";
 
 /// All built-in scenarios; the default comes first.
-pub const SCENARIOS: [Builtin; 19] = [
+pub const SCENARIOS: [Builtin; 18] = [
     Builtin {
         name: "chase",
         text: include_str!("../../../scenarios/chase.toml"),
@@ -41,10 +41,6 @@ pub const SCENARIOS: [Builtin; 19] = [
     Builtin {
         name: "chase_braitenberg",
         text: include_str!("../../../scenarios/chase_braitenberg.toml"),
-    },
-    Builtin {
-        name: "chase_interception",
-        text: include_str!("../../../scenarios/chase_interception.toml"),
     },
     Builtin {
         name: "chase_rrt_star",

@@ -13,14 +13,12 @@ use planner_view::view::{RobotView, View};
 use sim_backend::team::Team;
 
 use crate::cut_off::{CutSearch, EvaderState, ExitBlocker, allot};
-use crate::exit_guard::ExitGuards;
 use crate::goals::estimate;
-use crate::interception::{Interceptor, meet_on_way};
 use crate::matching::{balanced, milliseconds};
 use crate::params::{AssignmentMethod, AssignmentParams};
 use crate::slots;
 
-/// Minimum gain in interception time of a change of target (s); prevents two pursuers from swapping
+/// Minimum gain in driving time of a change of target (s); prevents two pursuers from swapping
 /// repeatedly.
 const SWITCH_COST_S: f64 = 2.0;
 
@@ -62,23 +60,17 @@ impl Assigner {
         }
     }
 
-    /// Returns `true` if the time for targets has come. A time of NaN never has.
-    pub fn has_begun(&self, time_s: f64) -> bool {
-        time_s >= self.params.delay_s
-    }
-
-    /// Returns the order of `view.me`, which is not a guard, for this tick, if any.
+    /// Returns the order of `view.me` for this tick, if any.
     ///
     /// `finder` must have been prepared for the map.
     pub fn order(
         &mut self,
         map: &PlannerMap,
         finder: &mut RouteFinder,
-        interceptor: &mut Interceptor,
         view: &View<'_>,
-        guards: &ExitGuards,
     ) -> Option<Order> {
-        if !self.has_begun(view.time_s) {
+        let has_begun = view.time_s >= self.params.delay_s;
+        if !has_begun {
             self.targets.clear();
             self.places.clear();
             self.solved_for = None;
@@ -86,7 +78,7 @@ impl Assigner {
         }
         let target = match self.params.method {
             AssignmentMethod::NearestSticky => self.nearest_sticky(view),
-            AssignmentMethod::CutOff => self.matched(map, finder, interceptor, view, guards),
+            AssignmentMethod::CutOff => self.matched(map, finder, view),
         }?;
         let place = self.places.iter().find(|(who, _)| *who == view.me);
         Some(Order {
@@ -126,15 +118,9 @@ impl Assigner {
         &mut self,
         map: &PlannerMap,
         finder: &mut RouteFinder,
-        interceptor: &mut Interceptor,
         view: &View<'_>,
-        guards: &ExitGuards,
     ) -> Option<usize> {
-        let pursuers: Vec<&RobotView> = view
-            .active(Team::Police)
-            .filter(|pursuer| !guards.is_guard(pursuer.index))
-            .take(MAX_MATCHED)
-            .collect();
+        let pursuers: Vec<&RobotView> = view.active(Team::Police).take(MAX_MATCHED).collect();
         let evaders: Vec<(&RobotView, Point2<f64>)> = view
             .active(Team::Evader)
             .filter_map(|evader| {
@@ -153,20 +139,13 @@ impl Assigner {
             period,
         );
         if self.solved_for.as_ref() != Some(&teams) {
-            let costs = self.costs(map, finder, interceptor, view, (&pursuers, &evaders));
+            let costs = self.costs(map, finder, &pursuers, &evaders);
             self.targets = balanced(&costs, pursuers.len(), evaders.len())
                 .into_iter()
                 .map(|(row, column)| (teams.0[row], teams.1[column]))
                 .collect();
             self.solved_for = Some(teams);
-            let guarded = !guards.guards().is_empty();
-            self.cut_off(
-                map,
-                finder,
-                view,
-                (pursuers.as_slice(), evaders.as_slice()),
-                guarded,
-            );
+            self.cut_off(map, finder, view, (pursuers.as_slice(), evaders.as_slice()));
         }
         self.kept(view.me)
     }
@@ -178,7 +157,6 @@ impl Assigner {
         finder: &mut RouteFinder,
         view: &View<'_>,
         (pursuers, evaders): (&[&RobotView], &[(&RobotView, Point2<f64>)]),
-        guarded: bool,
     ) {
         self.places.clear();
         let Some(target) = self.kept(view.me) else {
@@ -204,7 +182,6 @@ impl Assigner {
         let evader = EvaderState {
             at,
             v_max: evader.v_max,
-            guarded,
         };
         let exits = view.usable_exits();
         let cut = self
@@ -221,47 +198,29 @@ impl Assigner {
             .map(|(_, target)| *target)
     }
 
-    /// Computes the predicted interception times (ms), pursuer by pursuer, less the cost of a
-    /// switch. A pursuer that is late everywhere counts with its arrival at the end of the evader's
-    /// path.
+    /// Computes the driving times of the pursuers to the evaders (ms), pursuer by pursuer, with the
+    /// cost of a switch.
     fn costs(
         &self,
         map: &PlannerMap,
         finder: &mut RouteFinder,
-        interceptor: &mut Interceptor,
-        view: &View<'_>,
-        (pursuers, evaders): (&[&RobotView], &[(&RobotView, Point2<f64>)]),
+        pursuers: &[&RobotView],
+        evaders: &[(&RobotView, Point2<f64>)],
     ) -> Vec<i64> {
-        let ways: Vec<_> = evaders
-            .iter()
-            .map(|(evader, at)| {
-                let exits = view.usable_exits();
-                interceptor
-                    .predict(map, finder, exits, *at, evader.v_max)
-                    .to_vec()
-            })
-            .collect();
         let mut costs = Vec::with_capacity(pursuers.len() * evaders.len());
         for (row, pursuer) in pursuers.iter().enumerate() {
             let here = pursuer.pose.position();
-            let places = ways.iter().flatten().map(|&(place, _)| place);
+            let places = evaders.iter().map(|&(_, at)| at);
             let routes = finder.lengths(map, slots::ASSIGNMENT + row, here, places);
-            let arrival = |to: Point2<f64>| {
+            for (evader, at) in evaders {
                 let distance = routes
-                    .and_then(|routes| routes.distance_to(to))
-                    .unwrap_or((to - here).norm());
-                interceptor.time_for(distance, pursuer)
-            };
-            for ((evader, at), way) in evaders.iter().zip(&ways) {
-                let time_s = meet_on_way(way, |place| Some(arrival(place))).map_or_else(
-                    || arrival(way.last().map_or(*at, |&(place, _)| place)),
-                    |meeting| meeting.time_s,
-                );
+                    .and_then(|routes| routes.distance_to(*at))
+                    .unwrap_or((at - here).norm());
                 let kept = self
                     .kept(pursuer.index)
                     .is_none_or(|kept| kept == evader.index);
                 let switch = if kept { 0.0 } else { SWITCH_COST_S };
-                costs.push(milliseconds(time_s + switch));
+                costs.push(milliseconds(distance / pursuer.v_max + switch));
             }
         }
         costs

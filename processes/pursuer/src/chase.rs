@@ -11,17 +11,13 @@ use planner_view::view::{RobotView, View};
 use sim_backend::team::Team;
 use steering::feedback_linearisation::command;
 use steering::potential_field::{
-    Body, Goal, Perturbation, Repulsor, attraction, attraction_to_rest, compose, obstacle,
-    repulsion,
+    Body, Goal, Perturbation, Repulsor, attraction, compose, obstacle, repulsion,
 };
 
 use crate::assignment::{Assigner, Order};
-use crate::exit_guard::{ExitGuards, GuardTask};
 use crate::goals::{Hypothesis, estimate, goals, hypotheses};
-use crate::interception::Interceptor;
-use crate::params::{GoalMethod, PursuerParams};
+use crate::params::PursuerParams;
 use crate::slots;
-use crate::targets::supposed;
 
 /// Distance to a visible target below which a pursuer that cuts it off drives at it (m).
 const CLOSE: f64 = 1.0;
@@ -35,8 +31,6 @@ pub struct Pursuer {
     limits: Limits,
     perturbation: Perturbation,
     assigner: Assigner,
-    guards: ExitGuards,
-    interceptor: Interceptor,
     finder: RouteFinder,
     hypotheses: Vec<Hypothesis>,
     goals: Vec<Goal>,
@@ -55,8 +49,6 @@ impl Pursuer {
             limits,
             perturbation: Perturbation::new(params.perturbation, seed),
             assigner: Assigner::new(params.assignment),
-            guards: ExitGuards::new(params.roles),
-            interceptor: Interceptor::new(params.goals.reach),
             finder: RouteFinder::default(),
             hypotheses: Vec::new(),
             goals: Vec::new(),
@@ -78,27 +70,7 @@ impl Pursuer {
             return Steering::stop();
         };
         self.finder.prepare(map, own.radius);
-        if self.assigner.has_begun(view.time_s) {
-            self.guards.choose(map, &mut self.finder, view);
-            let (finder, interceptor) = (&mut self.finder, &mut self.interceptor);
-            match self
-                .guards
-                .guard_task(map, finder, interceptor, view, &self.params)
-            {
-                Some(GuardTask::GuardPose(guard_pose)) => {
-                    return self.stand(map, view, own, guard_pose);
-                }
-                Some(GuardTask::Capture(target)) => {
-                    return self.pursue(map, view, own, target, GoalMethod::Interception);
-                }
-                None => {}
-            }
-        }
-        let (finder, interceptor) = (&mut self.finder, &mut self.interceptor);
-        let order = self
-            .assigner
-            .order(map, finder, interceptor, view, &self.guards);
-        match order {
+        match self.assigner.order(map, &mut self.finder, view) {
             None => Steering::stop(),
             Some(Order {
                 target,
@@ -106,9 +78,7 @@ impl Pursuer {
             }) if !self.is_close(map, view, own, target) => {
                 self.cut_off(map, view, own, target, place)
             }
-            Some(Order { target, .. }) => {
-                self.pursue(map, view, own, target, self.params.goals.method)
-            }
+            Some(Order { target, .. }) => self.pursue(map, view, own, target),
         }
     }
 
@@ -128,7 +98,6 @@ impl Pursuer {
         view: &View<'_>,
         own: &RobotView,
         target: usize,
-        method: GoalMethod,
     ) -> Steering {
         hypotheses(
             view,
@@ -161,27 +130,9 @@ impl Pursuer {
                 &mut self.goals,
             );
         }
-        if method == GoalMethod::Interception {
-            self.meet(map, view, own, target);
-        }
         Steering {
             target: Some(target),
             ..self.steer(map, view, own, at)
-        }
-    }
-
-    /// Moves the goals of the hypotheses to their first meeting places; goals without one stay.
-    fn meet(&mut self, map: &PlannerMap, view: &View<'_>, own: &RobotView, target: usize) {
-        let Some(robot) = view.robot(target) else {
-            return;
-        };
-        for ((pose, _), goal) in self.hypotheses.iter().zip(&mut self.goals) {
-            let supposed = supposed(robot, pose, self.params.knowledge);
-            let exits = view.usable_exits();
-            let finder = &mut self.finder;
-            if let Some(meeting) = self.interceptor.meeting(map, finder, own, exits, &supposed) {
-                goal.at = meeting.at;
-            }
         }
     }
 
@@ -229,36 +180,6 @@ impl Pursuer {
             target: None,
             aim: aim(&self.goals),
             waypoint: waypoint(&self.goals, at, pull, &bearings),
-            field,
-        }
-    }
-
-    /// Drives to a guard pose and stands there.
-    ///
-    /// The control point is the robot's centre, not the point ahead of it. Repulsion from
-    /// colleagues (which have their own guard poses) and perturbation are off.
-    fn stand(
-        &mut self,
-        map: &PlannerMap,
-        view: &View<'_>,
-        own: &RobotView,
-        guard_pose: Point2<f64>,
-    ) -> Steering {
-        let params = &self.params;
-        let here = own.pose.position();
-        let goal = Goal {
-            at: guard_pose,
-            weight: 1.0,
-        };
-        let bearings = bearings(&mut self.finder, params, map, here, [guard_pose]);
-        let pull = attraction_to_rest(here, [goal], &bearings);
-        let sum = pull + obstacle(map, here, params.obstacle.fidelity);
-        let field = in_bounds(params, map, view, own, here, sum);
-        Steering {
-            command: command(field, own.pose.theta, &self.limits, &params.feedback),
-            target: None,
-            aim: Some(guard_pose),
-            waypoint: waypoint(&[goal], here, pull, &bearings),
             field,
         }
     }

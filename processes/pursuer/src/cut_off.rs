@@ -13,7 +13,6 @@
 //! Cuts are therefore tried at the first places, and at a quarter, a half, three quarters and all of
 //! the remaining path to the exit. The first cut for which there are enough pursuers is used. If
 //! there is none (more exits than places), the shortest escape paths are cut and the rest stay open.
-//! The same holds if guards stand at the exits, where a cut would add nothing.
 //!
 //! One pursuer always drives at the target. Otherwise a complete cut would have no pursuer to close
 //! it, and a target that does not move would be surrounded for ever.
@@ -43,8 +42,6 @@ pub struct EvaderState {
     pub at: Point2<f64>,
     /// Its highest speed (m/s).
     pub v_max: f64,
-    /// `true` if the exits are guarded, so that they need not be blocked.
-    pub guarded: bool,
 }
 
 /// Pursuer that can take a place.
@@ -113,9 +110,6 @@ impl CutSearch {
         };
         let mut tight = None;
         for share in SHARES {
-            if evader.guarded && share >= 1.0 {
-                break;
-            }
             self.blocked.clear();
             self.blocked.resize(nodes, false);
             let mut cut = Cut::default();

@@ -7,7 +7,7 @@ use pathfinding::matrix::Matrix;
 pub const NEVER_MS: i64 = 10_000_000;
 
 /// Additional cost of a place beyond an evader's fair share (ms), so that all fair shares are
-/// filled first; above any sum of interception times of a full team.
+/// filled first; above any sum of driving times of a full team.
 const SURPLUS_MS: i64 = NEVER_MS * 1024;
 
 /// Converts a time to a cost (ms); [`NEVER_MS`] for NaN and infinity.

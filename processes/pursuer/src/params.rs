@@ -7,10 +7,6 @@ use serde::{Deserialize, Serialize};
 use steering::feedback_linearisation::FeedbackParams;
 use steering::potential_field::{ObstacleParams, PerturbationParams, RepulsionParams};
 
-mod tactics;
-
-pub use tactics::{GoalMethod, GoalParams, MAX_POST_RADIUS, RoleParams};
-
 /// Source of information on the opponents.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
@@ -43,8 +39,8 @@ pub enum AssignmentMethod {
     /// Each pursuer chases the nearest evader until it is caught or has escaped (the paper's).
     #[default]
     NearestSticky,
-    /// All pursuers are matched with all evaders at the minimum sum of predicted interception
-    /// times, with the pursuers spread evenly over the evaders. Those on one evader are then
+    /// All pursuers are matched with all evaders at the minimum sum of driving times, with the
+    /// pursuers spread evenly over the evaders. Those on one evader are then
     /// matched, at the minimum sum of driving times, with places that cut off its paths to the
     /// exits. Pursuers without a place (at least one) drive at it. Renewed every
     /// [`AssignmentParams::period_s`]. See [`crate::cut_off`].
@@ -95,10 +91,6 @@ pub struct PursuerParams {
     pub max_particles: usize,
     /// Assignment of pursuers to evaders.
     pub assignment: AssignmentParams,
-    /// Other roles than chasing.
-    pub roles: RoleParams,
-    /// Conversion of hypotheses to goals.
-    pub goals: GoalParams,
     /// Distance measure of directions to goals.
     pub goal_field: GoalField,
     /// Repulsion between pursuers, measured straight.
@@ -133,8 +125,6 @@ impl Default for PursuerParams {
             belief_goals: BeliefGoals::Particles,
             max_particles: 30,
             assignment: AssignmentParams::default(),
-            roles: RoleParams::default(),
-            goals: GoalParams::default(),
             goal_field: GoalField::Geodesic,
             scatter: RepulsionParams::default(),
             scatter_weight: 0.5,
@@ -169,8 +159,6 @@ impl PursuerParams {
                 knowledge: Knowledge::Exact,
                 ..AssignmentParams::default()
             },
-            roles: RoleParams::default(),
-            goals: GoalParams::default(),
             goal_field: GoalField::Straight,
             scatter: RepulsionParams::paper(),
             scatter_weight: 0.5,
@@ -218,15 +206,12 @@ mod tests {
     #[test]
     fn a_table_names_options_in_snake_case_and_refuses_unknown_keys() {
         let text = "knowledge = 'exact'\ngoal_field = 'straight'\n\
-                    [assignment]\nmethod = 'cut_off'\nperiod_s = 0.5\n\
-                    [goals]\nmethod = 'interception'\n[roles]\nexit_guard = 2\n";
+                    [assignment]\nmethod = 'cut_off'\nperiod_s = 0.5\n";
         let params: PursuerParams = toml::from_str(text).unwrap();
         assert_eq!(params.knowledge, Knowledge::Exact);
         assert_eq!(params.assignment.method, AssignmentMethod::CutOff);
         assert_eq!(params.assignment.delay_s, 1.0);
-        assert_eq!(params.goals.method, GoalMethod::Interception);
-        assert_eq!(params.roles.exit_guard, 2);
         assert!(toml::from_str::<PursuerParams>("knowlege = 'exact'").is_err());
-        assert!(toml::from_str::<PursuerParams>("[goals]\nrech = 1.0").is_err());
+        assert!(toml::from_str::<PursuerParams>("[assignment]\nperiod = 1.0").is_err());
     }
 }

@@ -28,30 +28,6 @@ pub fn attraction(
     goals: impl IntoIterator<Item = Goal>,
     bearings: &Bearings<'_>,
 ) -> Vector2<f64> {
-    direction(at, goals, bearings).map_or_else(Vector2::zeros, |(pull, norm, _)| {
-        pull * (FIELD_SPEED / norm)
-    })
-}
-
-/// As [`attraction`], but the pull weakens when all goals are close, so that the robot comes to rest
-/// there.
-pub fn attraction_to_rest(
-    at: Point2<f64>,
-    goals: impl IntoIterator<Item = Goal>,
-    bearings: &Bearings<'_>,
-) -> Vector2<f64> {
-    direction(at, goals, bearings).map_or_else(Vector2::zeros, |(pull, norm, total)| {
-        pull * (FIELD_SPEED * (norm / total).min(1.0) / norm)
-    })
-}
-
-/// The weighted sum of the pulls of the goals, its norm, and the sum of the weights; `None` where
-/// the pulls cancel.
-fn direction(
-    at: Point2<f64>,
-    goals: impl IntoIterator<Item = Goal>,
-    bearings: &Bearings<'_>,
-) -> Option<(Vector2<f64>, f64, f64)> {
     let mut pull = Vector2::zeros();
     let mut total = 0.0;
     for goal in goals {
@@ -66,7 +42,11 @@ fn direction(
     }
     let norm = pull.norm();
     // Below this the pulls of several goals cancel, and their direction is rounding error.
-    (norm.is_finite() && norm > 1e-9 * total).then_some((pull, norm, total))
+    if norm.is_finite() && norm > 1e-9 * total {
+        pull * (FIELD_SPEED / norm)
+    } else {
+        Vector2::zeros()
+    }
 }
 
 #[cfg(test)]
@@ -92,13 +72,6 @@ mod tests {
             let got = pull(&[(distance, 0.0, 0.3)]);
             assert!((got - Vector2::new(2.0, 0.0)).norm() < 1e-12);
         }
-    }
-
-    #[test]
-    fn a_pull_to_rest_weakens_near_the_goal_only() {
-        let pull = |x| attraction_to_rest(ORIGIN, goals(&[(x, 0.0, 1.0)]), &Bearings::Straight);
-        assert!(pull(0.02).norm() < 0.13);
-        assert!(pull(3.0).norm() > 1.999);
     }
 
     #[test]

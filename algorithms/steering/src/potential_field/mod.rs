@@ -10,7 +10,7 @@ mod obstacle;
 mod perturbation;
 mod repulsion;
 
-pub use attraction::{Goal, attraction, attraction_to_rest};
+pub use attraction::{Goal, attraction};
 pub use bodies::{Body, slide_around_bodies};
 pub use obstacle::{ObstacleParams, obstacle, slide_along_obstacles};
 pub use perturbation::{Perturbation, PerturbationParams};

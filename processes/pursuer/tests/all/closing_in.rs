@@ -8,7 +8,7 @@ use navigation::bearing::GoalField;
 use planner_view::limits::Limits;
 use planner_view::view::{BeliefView, ParticleView, RobotView};
 use proptest::prelude::*;
-use pursuer::params::{AssignmentMethod, BeliefGoals, GoalMethod, Knowledge};
+use pursuer::params::{AssignmentMethod, BeliefGoals, Knowledge};
 use pursuer::{Pursuer, PursuerParams};
 use sim_backend::team::Team;
 
@@ -287,7 +287,7 @@ proptest! {
         tame in prop::collection::vec(-20.0_f64..20.0, 32),
         particles in prop::collection::vec(prop::array::uniform4(prop::num::f32::ANY), 0..20),
         wild in any::<u32>(),
-        options in any::<[bool; 6]>(),
+        options in any::<[bool; 4]>(),
     ) {
         let (_, map) = &*CITY;
         let mut params = if options[0] { PursuerParams::paper() } else { PursuerParams::default() };
@@ -296,10 +296,6 @@ proptest! {
         if options[2] {
             params.assignment.method = AssignmentMethod::CutOff;
         }
-        if options[4] {
-            params.goals.method = GoalMethod::Interception;
-        }
-        params.roles.exit_guard = usize::from(options[5]);
         params.belief_goals = if options[3] { BeliefGoals::Particles } else { BeliefGoals::Mode };
         let mut pursuer = Pursuer::new(params, limits(), 1).unwrap();
         let pick = |i: usize| if wild >> i & 1 == 1 { numbers[i] } else { tame[i] };

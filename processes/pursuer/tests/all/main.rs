@@ -4,5 +4,5 @@
 mod support;
 
 mod closing_in;
+mod cutting_off;
 mod police;
-mod tactics;
