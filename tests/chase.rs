@@ -337,8 +337,13 @@ fn a_referee_judges_every_quarter_second_and_changes_no_game() {
     let again = [&["run", "chase_referee", "--in-process"][..], &short].concat();
     assert_eq!(sandbox.protean(again).json()["digest"], summary["digest"]);
     let text = scenario::builtin::scenario("chase_referee").unwrap().text;
-    let (game, _) = text.split_once("[[processes]]\nkind = \"referee\"").unwrap();
-    sandbox.file("alone.toml", &game.replace("maps/city.toml", "builtin:city"));
+    let (game, _) = text
+        .split_once("[[processes]]\nkind = \"referee\"")
+        .unwrap();
+    sandbox.file(
+        "alone.toml",
+        &game.replace("maps/city.toml", "builtin:city"),
+    );
     let (alone, without, _) = record(&sandbox, &[&["alone.toml"][..], &short].concat());
     assert!(alone.get("escape_possible_fraction").is_none());
     assert_eq!(without.states, history.states, "a referee steers no robot");

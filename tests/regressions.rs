@@ -4,5 +4,7 @@
 mod evader_aims_through_a_wall;
 #[path = "regressions/paced_world_runs_ahead.rs"]
 mod paced_world_runs_ahead;
+#[path = "regressions/police_push_at_the_exit_and_queue.rs"]
+mod police_push_at_the_exit_and_queue;
 #[path = "regressions/studio_opens_no_log.rs"]
 mod studio_opens_no_log;

@@ -123,12 +123,12 @@ fn exits(scenario: &ResolvedScenario) -> Vec<Region> {
 #[test]
 fn seeds_displace_the_chase_within_its_limits() {
     let nominal = load(
-        "chase",
+        "chase_exact",
         &["defaults.robot.start_jitter={}".to_owned()],
         None,
     )
     .unwrap();
-    let drawn = load("chase", &[], Some(2)).unwrap();
+    let drawn = load("chase_exact", &[], Some(2)).unwrap();
     for (a, b) in nominal.world.robots.iter().zip(&drawn.world.robots) {
         assert_ne!(a.start, b.start);
         assert!((a.start.x - b.start.x).abs() <= 0.05 && (a.start.y - b.start.y).abs() <= 0.05);
