@@ -31,6 +31,7 @@ pub mod schema;
 pub mod spec;
 pub mod starts;
 mod template;
+mod warnings;
 mod world;
 
 #[cfg(test)]

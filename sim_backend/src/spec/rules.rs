@@ -57,14 +57,18 @@ pub struct CaptureSpec {
     /// tick catches.
     #[schemars(transform = not_negative("s"))]
     pub dwell: f64,
+    /// `true`: distance alone decides (the paper's rule). `false`: the straight line between the centres must
+    /// also be free of walls and obstacles; other robots do not count.
+    pub through_walls: bool,
 }
 
 impl Default for CaptureSpec {
-    /// The chasing game's 0.3 m, without delay.
+    /// The chasing game's 0.3 m, without delay, also through walls.
     fn default() -> Self {
         Self {
             radius: 0.3,
             dwell: 0.0,
+            through_walls: true,
         }
     }
 }

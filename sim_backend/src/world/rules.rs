@@ -32,9 +32,11 @@ impl World {
         let mut nearest: Option<(usize, f64)> = None;
         for (i, police) in self.robots.iter().enumerate() {
             if police.team == Team::Police && police.is_active() {
-                let squared = (police.pose.position() - position).norm_squared();
+                let at = police.pose.position();
+                let squared = (at - position).norm_squared();
                 if squared < capture.radius * capture.radius
                     && nearest.is_none_or(|(_, least)| squared < least)
+                    && (capture.through_walls || self.map.line_of_sight(at, position))
                 {
                     nearest = Some((i, squared));
                 }

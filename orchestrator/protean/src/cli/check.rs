@@ -45,6 +45,7 @@ pub(super) fn run(kinds: &[Kind], args: &CheckArgs) -> ExitCode {
                 "processes": scenario.processes.iter().map(|p| &p.name).collect::<Vec<_>>(),
                 "events": scenario.events.len(),
                 "external_commands": scenario.uses_external_commands(),
+                "warnings": scenario.warnings(),
             }));
             ExitCode::SUCCESS
         }
@@ -61,6 +62,9 @@ pub(super) fn run(kinds: &[Kind], args: &CheckArgs) -> ExitCode {
                     process.name,
                     process.program.command_line().unwrap_or_default()
                 ));
+            }
+            for warning in scenario.warnings() {
+                text.push_str(&format!("\nwarning: {warning}"));
             }
             print(&text);
             ExitCode::SUCCESS

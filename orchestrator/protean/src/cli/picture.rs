@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 use std::process::ExitCode;
 
+use clap::builder::{PathBufValueParser, TypedValueParser as _};
 use mcap_log::derived;
 use platform::atomic_file::Readers;
 
@@ -24,14 +25,25 @@ Exit codes: 0 success, 1 the picture cannot be written, 2 the file is not a read
 pub(super) struct PictureArgs {
     /// Log file
     log: PathBuf,
-    /// Write the picture to FILE [default: the log's name with .svg]
-    #[arg(long, short, value_name = "FILE")]
+    /// Write the picture to FILE (SVG) [default: the log's name with .svg]
+    #[arg(long, short, value_name = "FILE", value_parser = PathBufValueParser::new().try_map(svg_file))]
     out: Option<PathBuf>,
     /// Draw the state and the beliefs at simulated time T (s) [default: the end]
     #[arg(long, value_name = "T")]
     at: Option<f64>,
     #[command(flatten)]
     force: ForceArg,
+}
+
+/// Refuses a name that promises another format than SVG.
+fn svg_file(file: PathBuf) -> Result<PathBuf, String> {
+    match file.extension() {
+        Some(extension) if !extension.eq_ignore_ascii_case("svg") => Err(format!(
+            "pictures are SVG files: expected a name that ends in .svg, for example {}",
+            file.with_extension("svg").display()
+        )),
+        _ => Ok(file),
+    }
 }
 
 /// Draws a log into an SVG file and prints the file's name.

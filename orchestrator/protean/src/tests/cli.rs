@@ -105,3 +105,21 @@ fn meaning(arg: &Arg) -> String {
     }
     text
 }
+
+#[test]
+fn a_picture_under_the_name_of_another_format_is_refused() {
+    let parse = |name: &str| {
+        let words = ["protean", "picture", "run.mcap", "--out", name];
+        program().try_get_matches_from(words)
+    };
+    for name in ["x.png", "x.jpeg"] {
+        let error = parse(name).unwrap_err().to_string();
+        assert!(
+            error.contains(name) && error.contains("example x.svg"),
+            "{error}"
+        );
+    }
+    for name in ["x.svg", "x.SVG", "x"] {
+        assert!(parse(name).is_ok(), "{name}");
+    }
+}

@@ -204,6 +204,21 @@ fn a_random_start_needs_no_start_and_the_log_has_it() {
 }
 
 #[test]
+fn a_capture_radius_that_needs_overlapping_bodies_has_a_warning() {
+    for (radius, warns) in [("0.3", false), ("0.21", false), ("0.2", true)] {
+        let text = changed(
+            "radius = 0.3 }\nexits",
+            &format!("radius = {radius} }}\nexits"),
+        );
+        let warnings = load(&text).unwrap().warnings();
+        assert_eq!(warnings.len(), usize::from(warns), "{warnings:?}");
+        for warning in warnings {
+            contains(&warning, &["rules.capture.radius is 0.2 m", "(0.21 m)"]);
+        }
+    }
+}
+
+#[test]
 fn the_exits_of_the_world_replace_those_of_the_map() {
     let text = changed(
         "[world.map.vector]",

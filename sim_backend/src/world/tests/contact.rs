@@ -245,7 +245,7 @@ proptest! {
     ) {
         let rules = RulesSpec {
             blocked: if stop { Blocked::Stop } else { Blocked::Slide },
-            capture: Some(crate::spec::CaptureSpec { radius: 0.3, dwell: 0.0 }),
+            capture: Some(crate::spec::CaptureSpec::default()),
             ..RulesSpec::default()
         };
         let map = WorldMap::new(&room(shapes.clone())).unwrap();

@@ -1,3 +1,4 @@
+use geometry::map::{ObstacleChange, ObstacleId};
 use geometry::region::Region;
 
 use super::*;
@@ -15,7 +16,11 @@ fn chase(rules: RulesSpec) -> World {
 
 fn capture(dwell: f64) -> RulesSpec {
     RulesSpec {
-        capture: Some(CaptureSpec { radius: 0.5, dwell }),
+        capture: Some(CaptureSpec {
+            radius: 0.5,
+            dwell,
+            ..CaptureSpec::default()
+        }),
         ..RulesSpec::default()
     }
 }
@@ -54,6 +59,55 @@ fn the_capture_radius_itself_does_not_catch() {
     world.step(&[drive(10.0, 0.0), None, None], TICK);
     assert_eq!(world.robots()[0].pose.x, -0.5);
     assert!(world.robots()[2].is_active());
+}
+
+#[test]
+fn a_thin_wall_shields_from_capture_if_the_rules_say_so() {
+    // A wall 4 cm thick between the two; a second Police robot comes round its end.
+    let wall = Shape::Rectangle {
+        center: [0.0, 0.0],
+        half_extents: [0.02, 1.0],
+        angle: 0.0,
+    };
+    for through_walls in [true, false] {
+        let robots = vec![
+            racer("p1", Team::Police, -0.2, 0.0, 0.0),
+            racer("p2", Team::Police, 3.0, 0.0, 0.0),
+            racer("e", Team::Evader, 0.2, 0.0, 0.0),
+        ];
+        let mut rules = capture(0.0);
+        rules.capture.as_mut().unwrap().through_walls = through_walls;
+        let mut world = world(room(vec![wall.clone()]), robots, rules);
+        world.step(&[], TICK);
+        assert_eq!(world.robots()[2].caught_by, through_walls.then_some(0));
+        // The far one comes within reach on the evader's side: it is farther away, and catches.
+        world.step(&[None, drive(-46.8, 0.0), None], TICK);
+        let by = if through_walls { 0 } else { 1 };
+        assert_eq!(world.robots()[2].caught_by, Some(by));
+    }
+}
+
+#[test]
+fn an_obstacle_that_appears_shields_from_capture_if_the_rules_say_so() {
+    let robots = vec![
+        racer("p", Team::Police, -0.25, 0.0, 0.0),
+        racer("e", Team::Evader, 0.3, 0.0, 0.0),
+    ];
+    let mut rules = capture(0.0);
+    rules.capture.as_mut().unwrap().through_walls = false;
+    let mut world = world(room(vec![]), robots, rules);
+    world
+        .apply(&ObstacleChange::Appear {
+            id: ObstacleId(7),
+            shape: Shape::Circle {
+                center: [0.0, 0.0],
+                radius: 0.05,
+            },
+        })
+        .unwrap();
+    world.step(&[drive(2.0, 0.0), None], TICK);
+    assert!((world.robots()[0].pose.x + 0.15).abs() < 1e-6);
+    assert!(world.robots()[1].is_active());
 }
 
 #[test]

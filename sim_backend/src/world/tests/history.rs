@@ -46,6 +46,7 @@ fn digest() -> u64 {
         capture: Some(CaptureSpec {
             radius: 0.25,
             dwell: 0.1,
+            ..CaptureSpec::default()
         }),
         ..RulesSpec::default()
     };

@@ -98,7 +98,7 @@ fn bad_values_are_named_with_robot_and_field() {
     );
     let capture = Some(CaptureSpec {
         radius: -1.0,
-        dwell: 0.0,
+        ..CaptureSpec::default()
     });
     let rules = RulesSpec {
         capture,
