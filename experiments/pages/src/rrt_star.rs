@@ -19,7 +19,7 @@ use sim_backend::team::Team;
 use super::plans::{Plan, Plans};
 
 /// The scenario with the map, robots and starts.
-const SCENARIO: &str = "chase_exact";
+const SCENARIO: &str = "chase_paper";
 /// Iterations of a plan: those after which the paper stopped searching on arcs.
 const ITERATIONS: u32 = 5000;
 /// Distance between two samples along the shortest path (m).

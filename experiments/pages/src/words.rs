@@ -16,6 +16,17 @@ pub fn shares(interval: Interval) -> String {
     )
 }
 
+/// Formats a share with its interval in whole percents: `64 % (58 … 69)`.
+pub fn percent(value: f64, interval: Interval) -> String {
+    let whole = |share: f64| format!("{:.0}", 100.0 * share);
+    format!(
+        "{} % ({} … {})",
+        whole(value),
+        whole(interval.low),
+        whole(interval.high)
+    )
+}
+
 /// Formats a difference of shares in points: `+12.5`.
 pub fn points(value: f64) -> String {
     let text = tenths(100.0 * value);

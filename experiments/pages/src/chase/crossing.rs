@@ -3,65 +3,75 @@
 use statistics::{Interval, Z95};
 
 use super::evidence::Study;
-use crate::statistics::Crossing;
-use crate::words::{hundredths, in_table, ratio};
+use crate::statistics::Crossings;
+use crate::words::{in_table, ratio};
 
-/// Returns the speed from which half of a method's evaders escape; `None` without games.
-pub(super) fn crossing(study: &Study, method: &str) -> Option<Crossing> {
+/// Returns the speeds at which the chance of a method crosses one half; `None` without games.
+pub(super) fn crossings(study: &Study, method: &str) -> Option<Crossings> {
     let cell = |r: f64| {
         let escapes = study.cell(method, r)?.escapes;
         Some((r, escapes.share()?, escapes.interval(Z95)))
     };
     let points: Vec<_> = study.ratios(method).into_iter().filter_map(cell).collect();
-    Crossing::of(&points)
+    Crossings::of(&points)
 }
 
-/// Returns the rows of the table of critical speeds: method, speed, interval.
+/// Returns the rows of the table of critical speeds: method, brackets, range.
 pub(super) fn rows(study: &Study) -> String {
     let mut text = String::new();
     for method in &study.methods {
-        let (value, interval) = match crossing(study, &method.name) {
-            Some(crossing) => {
-                let speeds = study.ratios(&method.name);
-                (
-                    speed(crossing.value, &speeds),
-                    range(crossing.range(), &speeds),
-                )
-            }
+        let (brackets, range) = match crossings(study, &method.name) {
+            Some(crossings) => (
+                brackets(study, &method.name, &crossings),
+                range(crossings.range),
+            ),
             None => ("–".to_owned(), "–".to_owned()),
         };
-        text += &format!("| {} | {value} | {interval} |\n", in_table(&method.title));
+        text += &format!("| {} | {brackets} | {range} |\n", in_table(&method.title));
     }
     text
 }
 
 /// Describes the critical speed of a method.
 pub(super) fn words(study: &Study, method: &str) -> Vec<String> {
-    let speeds = study.ratios(method);
-    let of = |crossing: Crossing| {
-        format!(
-            "Half escape from {} on ({})",
-            speed(crossing.value, &speeds),
-            range(crossing.range(), &speeds)
-        )
+    let of = |crossings: Crossings| {
+        vec![
+            format!(
+                "Half of the evaders escape: {}",
+                brackets(study, method, &crossings)
+            ),
+            format!("Range by the intervals: {}", range(crossings.range)),
+        ]
     };
-    crossing(study, method).map(of).into_iter().collect()
+    crossings(study, method).map(of).unwrap_or_default()
 }
 
-/// Formats a critical speed within the tested speeds.
-fn speed(value: f64, tried: &[f64]) -> String {
-    match (tried.first(), tried.last()) {
-        (Some(&first), _) if value == f64::NEG_INFINITY => format!("below {}", ratio(first)),
-        (_, Some(&last)) if value == f64::INFINITY => format!("above {}", ratio(last)),
-        _ => format!("{}×", hundredths(value)),
+/// Formats the brackets: `1.2× … 1.25×`, and `falls` where the chance does.
+fn brackets(study: &Study, method: &str, crossings: &Crossings) -> String {
+    let speeds = study.ratios(method);
+    let half = |r: &f64| {
+        let share = study.cell(method, *r).and_then(|cell| cell.escapes.share());
+        share.is_some_and(|share| share >= 0.5)
+    };
+    if crossings.brackets.is_empty() {
+        return match (speeds.first(), speeds.last()) {
+            (Some(first), _) if half(first) => format!("below {}", ratio(*first)),
+            (_, Some(last)) => format!("above {}", ratio(*last)),
+            _ => "–".to_owned(),
+        };
     }
+    let words = crossings.brackets.iter().map(|b| {
+        let falls = if b.rises { "" } else { "falls " };
+        format!("{falls}{} … {}", ratio(b.low), ratio(b.high))
+    });
+    words.collect::<Vec<_>>().join(", ")
 }
 
-fn range(interval: Interval, tried: &[f64]) -> String {
-    let (low, high) = (speed(interval.low, tried), speed(interval.high, tried));
-    if low == high {
-        low
-    } else {
-        format!("{low} … {high}")
+fn range(interval: Interval) -> String {
+    match (interval.low.is_finite(), interval.high.is_finite()) {
+        (true, true) => format!("{} … {}", ratio(interval.low), ratio(interval.high)),
+        (true, false) => format!("above {}", ratio(interval.low)),
+        (false, true) => format!("below {}", ratio(interval.high)),
+        (false, false) => "open".to_owned(),
     }
 }

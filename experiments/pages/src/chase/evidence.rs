@@ -7,13 +7,15 @@ use crate::plans::Plans;
 /// Input of the page. The page notes missing parts.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Evidence {
-    /// Escape chance by speed, our planners (the paper's Fig. 2).
+    /// Escape chance by speed, our planners on random layouts.
     pub speed: Option<Study>,
-    /// The same with the paper's parameters.
+    /// The same with RRT* evaders.
+    pub speed_rrt_star: Option<Study>,
+    /// Escape chance by speed, the published game (the paper's Fig. 2).
     pub speed_paper: Option<Study>,
-    /// Exact knowledge and particle filter (the paper's Fig. 3).
+    /// Exact knowledge and particle filter, our planners on random layouts.
     pub knowledge: Option<Study>,
-    /// The same with the paper's parameters.
+    /// The same in the published game (the paper's Fig. 3).
     pub knowledge_paper: Option<Study>,
     /// Single plans.
     pub plans: Option<Plans>,
@@ -58,6 +60,18 @@ pub struct Cell {
     pub held_out: u64,
     /// Failed games; they are not in other counts.
     pub failed: u64,
+}
+
+impl Evidence {
+    /// Returns the escape chances by speed of all our planners.
+    pub fn all_speeds(&self) -> Option<Study> {
+        let mut all = self.speed.clone()?;
+        if let Some(more) = &self.speed_rrt_star {
+            all.methods.extend_from_slice(&more.methods);
+            all.cells.extend_from_slice(&more.cells);
+        }
+        Some(all)
+    }
 }
 
 impl Study {

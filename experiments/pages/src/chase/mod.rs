@@ -43,17 +43,26 @@ pub fn page(evidence: &Evidence) -> Result<Page, TemplateError> {
     let mut values = Values::default();
     let mut images = Vec::new();
     let mut provenance = String::new();
-    for part in parts(evidence) {
+    let all_speeds = evidence.all_speeds();
+    for part in parts(evidence, &all_speeds) {
         let Some(study) = part.study else { continue };
         let name = part.experiment;
         values.keep(name);
-        values.set(format!("{name}.cells"), table::cells(study, part.published));
+        let cells = if part.published.is_empty() {
+            table::by_speed(study)
+        } else {
+            table::cells(study, part.published)
+        };
+        values.set(format!("{name}.cells"), cells);
         values.set(format!("{name}.crossings"), crossing::rows(study));
         images.push(Image {
             name: part.image,
             chart: curves::chart(study, part.published, part.title, part.conditions),
         });
         provenance += &crate::words::provenance(name, &study.seeds, &study.program);
+    }
+    if let Some(study) = &evidence.speed_rrt_star {
+        provenance += &crate::words::provenance(&study.name, &study.seeds, &study.program);
     }
     values.set("provenance", provenance);
     for claim in claims(evidence) {
@@ -70,12 +79,12 @@ pub fn page(evidence: &Evidence) -> Result<Page, TemplateError> {
     Ok(Page { text, images })
 }
 
-fn parts(evidence: &Evidence) -> [Part<'_>; 4] {
+fn parts<'a>(evidence: &'a Evidence, all_speeds: &'a Option<Study>) -> [Part<'a>; 4] {
     [
         Part {
-            study: &evidence.speed,
-            published: &published::SPEED,
-            title: "Chance of escape against speed",
+            study: all_speeds,
+            published: &[],
+            title: "Chance of escape against speed, random layouts",
             conditions: "Police 0.3 m/s with exact knowledge, our planners.",
             image: "chase-escape-vs-speed",
             experiment: "escape_vs_speed",
@@ -90,9 +99,9 @@ fn parts(evidence: &Evidence) -> [Part<'_>; 4] {
         },
         Part {
             study: &evidence.knowledge,
-            published: &published::KNOWLEDGE,
-            title: "Chance of escape and what the Police know",
-            conditions: "RRT* evaders, Police 0.3 m/s, our planners.",
+            published: &[],
+            title: "Chance of escape and what the Police know, random layouts",
+            conditions: "Police 0.3 m/s; evaders on a potential field that plans around them.",
             image: "chase-knowledge",
             experiment: "knowledge",
         },

@@ -49,6 +49,7 @@ impl Evidence {
     pub fn add(&mut self, results: &Results) -> Result<(), StudyError> {
         let places = [
             ("escape_vs_speed", &mut self.speed),
+            ("escape_vs_speed_rrt_star", &mut self.speed_rrt_star),
             ("escape_vs_speed_paper", &mut self.speed_paper),
             ("knowledge", &mut self.knowledge),
             ("knowledge_paper", &mut self.knowledge_paper),

@@ -1,22 +1,31 @@
-//! Values at which measured chances first reach one half, without a model.
+//! Brackets of the values at which measured chances cross one half, without interpolation.
 
 use statistics::Interval;
 
-/// Value at which chances first reach ½ as a quantity grows, by linear interpolation.
-///
-/// −∞ if they have reached it at the lowest value, +∞ if they never do.
+/// Two neighbouring measured values between which the chance crosses one half.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Crossing {
-    /// Crossing of the chances.
-    pub value: f64,
-    /// Crossing of the upper ends of their intervals: a lower bound.
+pub struct Bracket {
+    /// The lower value.
     pub low: f64,
-    /// Crossing of the lower ends: an upper bound.
+    /// The higher value.
     pub high: f64,
+    /// `true` if the chance rises from below one half to one half or more.
+    pub rises: bool,
 }
 
-impl Crossing {
-    /// Computes the crossing of points (value of the quantity, chance, its interval) in any order.
+/// Values of a quantity at which measured chances cross one half.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Crossings {
+    /// The brackets, ascending; empty if the chance never crosses one half.
+    pub brackets: Vec<Bracket>,
+    /// Range outside which the intervals exclude a crossing: from the last value up to which all intervals
+    /// lie below one half (−∞ if the first does not) to the first value from which all lie above it (+∞ if
+    /// the last does not).
+    pub range: Interval,
+}
+
+impl Crossings {
+    /// Computes the crossings of points (value of the quantity, chance, its interval) in any order.
     /// `None` without points, or if a number is not finite.
     pub fn of(points: &[(f64, f64, Interval)]) -> Option<Self> {
         let finite = |(x, y, i): &(f64, f64, Interval)| {
@@ -27,38 +36,25 @@ impl Crossing {
         }
         let mut points = points.to_vec();
         points.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let at = |height: fn(&(f64, f64, Interval)) -> f64| {
-            first(points.iter().map(|p| (p.0, height(p))))
-        };
+        let is_half = |p: &(f64, f64, Interval)| p.1 >= 0.5;
+        let brackets = points.iter().zip(points.iter().skip(1));
+        let brackets = brackets
+            .filter(|(a, b)| is_half(a) != is_half(b))
+            .map(|(a, b)| Bracket {
+                low: a.0,
+                high: b.0,
+                rises: is_half(b),
+            });
+        let below = points.iter().take_while(|p| p.2.high < 0.5).last();
+        let above = points.iter().rev().take_while(|p| p.2.low > 0.5).last();
         Some(Self {
-            value: at(|p| p.1),
-            low: at(|p| p.2.high),
-            high: at(|p| p.2.low),
+            brackets: brackets.collect(),
+            range: Interval {
+                low: below.map_or(f64::NEG_INFINITY, |p| p.0),
+                high: above.map_or(f64::INFINITY, |p| p.0),
+            },
         })
     }
-
-    /// Returns all values between [`low`](Self::low) and [`high`](Self::high).
-    pub fn range(&self) -> Interval {
-        Interval {
-            low: self.low,
-            high: self.high,
-        }
-    }
-}
-
-/// Returns the value at which points in ascending order first reach ½.
-fn first(points: impl Iterator<Item = (f64, f64)>) -> f64 {
-    let mut last: Option<(f64, f64)> = None;
-    for (x, y) in points {
-        if y >= 0.5 {
-            return match last {
-                None => f64::NEG_INFINITY,
-                Some((x0, y0)) => x0 + (x - x0) * (0.5 - y0) / (y - y0),
-            };
-        }
-        last = Some((x, y));
-    }
-    f64::INFINITY
 }
 
 #[cfg(test)]
@@ -68,53 +64,73 @@ mod tests {
 
     use super::*;
 
-    fn crossing(counts: &[(f64, u64)], of: u64) -> Crossing {
+    fn crossings(counts: &[(f64, u64)], of: u64) -> Crossings {
         let point = |&(x, hits): &(f64, u64)| (x, hits as f64 / of as f64, wilson(hits, of));
         let points: Vec<_> = counts.iter().map(point).collect();
-        Crossing::of(&points).unwrap()
+        Crossings::of(&points).unwrap()
+    }
+
+    fn bracket(low: f64, high: f64, rises: bool) -> Bracket {
+        Bracket { low, high, rises }
     }
 
     #[test]
-    fn the_crossing_is_interpolated_between_two_points() {
-        let c = crossing(&[(1.0, 10), (2.0, 90), (3.0, 40)], 100);
-        assert!((c.value - 1.5).abs() < 1e-12);
-        assert!(
-            1.0 < c.low && c.low < 1.5 && 1.5 < c.high && c.high < 2.0,
-            "{c:?}"
+    fn a_bracket_is_two_neighbours_and_the_range_leaves_out_what_is_sure() {
+        let c = crossings(
+            &[(1.0, 10), (1.5, 45), (1.25, 12), (2.0, 55), (3.0, 90)],
+            100,
         );
-        assert!((c.value - c.low - (c.high - c.value)).abs() < 0.01, "{c:?}");
-    }
-
-    #[test]
-    fn the_crossing_beyond_the_points_is_infinite() {
-        let never = crossing(&[(1.0, 0), (2.0, 3)], 100);
+        assert_eq!(c.brackets, [bracket(1.5, 2.0, true)]);
         assert_eq!(
-            (never.low, never.value, never.high),
-            (f64::INFINITY, f64::INFINITY, f64::INFINITY)
-        );
-        let always = crossing(&[(1.0, 100), (2.0, 100)], 100);
-        assert_eq!(
-            always.range(),
+            c.range,
             Interval {
-                low: f64::NEG_INFINITY,
-                high: f64::NEG_INFINITY
+                low: 1.25,
+                high: 3.0
             }
         );
-        let unsure = crossing(&[(1.0, 45), (2.0, 55)], 100);
+    }
+
+    #[test]
+    fn every_crossing_of_a_chance_that_is_not_monotone_is_listed() {
+        let c = crossings(&[(1.45, 100), (1.0, 0), (1.8, 26), (2.25, 73)], 100);
         assert_eq!(
-            (unsure.low, unsure.high),
+            c.brackets,
+            [
+                bracket(1.0, 1.45, true),
+                bracket(1.45, 1.8, false),
+                bracket(1.8, 2.25, true)
+            ]
+        );
+        assert_eq!((c.range.low, c.range.high), (1.0, 2.25));
+    }
+
+    #[test]
+    fn a_crossing_beyond_the_points_has_an_infinite_range() {
+        let never = crossings(&[(1.0, 0), (2.0, 3)], 100);
+        assert_eq!(never.brackets, []);
+        assert_eq!((never.range.low, never.range.high), (2.0, f64::INFINITY));
+        let always = crossings(&[(1.0, 100), (2.0, 100)], 100);
+        assert_eq!(
+            (always.range.low, always.range.high),
+            (f64::NEG_INFINITY, 1.0)
+        );
+        let unsure = crossings(&[(1.0, 45), (2.0, 55)], 100);
+        assert_eq!(unsure.brackets, [bracket(1.0, 2.0, true)]);
+        assert_eq!(
+            (unsure.range.low, unsure.range.high),
             (f64::NEG_INFINITY, f64::INFINITY)
         );
-        assert!((unsure.value - 1.5).abs() < 1e-12);
-        assert_eq!(Crossing::of(&[]), None);
+        assert_eq!(Crossings::of(&[]), None);
     }
 
     proptest! {
         #[test]
-        fn the_crossing_is_within_its_range(hits in prop::collection::vec(0_u64..=60, 1..8)) {
+        fn every_bracket_lies_in_the_range(hits in prop::collection::vec(0_u64..=60, 1..8)) {
             let counts: Vec<(f64, u64)> = (0_u32..).map(f64::from).zip(hits).collect();
-            let c = crossing(&counts, 60);
-            prop_assert!(c.low <= c.value && c.value <= c.high);
+            let c = crossings(&counts, 60);
+            for bracket in &c.brackets {
+                prop_assert!(c.range.low <= bracket.low && bracket.high <= c.range.high, "{c:?}");
+            }
         }
     }
 }

@@ -1,4 +1,4 @@
-//! Comparisons of shares, and values at which they reach one half, beyond the intervals of sweeps
+//! Comparisons of shares, and values at which they cross one half, beyond the intervals of sweeps
 //! ([`statistics`]).
 //!
 //! Outcomes of one game depend on each other: a [`Difference`] uses the equivalent number of
@@ -11,7 +11,7 @@ mod holm;
 mod newcombe;
 mod normal;
 
-pub use crossing::Crossing;
+pub use crossing::Crossings;
 pub use difference::{Difference, difference_of_differences};
 pub use fisher::fisher_exact;
 pub use holm::holm;

@@ -2,7 +2,7 @@
 
 use statistics::Interval;
 
-use super::super::crossing::{crossing, words};
+use super::super::crossing::{crossings, words};
 use super::super::evidence::Study;
 use super::super::published::{FIELD, LINE};
 use super::{Finding, Verdict};
@@ -32,14 +32,14 @@ pub(super) fn rrt(study: &Study) -> Finding {
 }
 
 fn within(study: &Study, method: &str, claimed: Interval) -> Finding {
-    let crossing = crossing(study, method).filter(|_| study.ratios(method).len() > 1);
-    let Some(crossing) = crossing else {
+    let crossings = crossings(study, method).filter(|_| study.ratios(method).len() > 1);
+    let Some(crossings) = crossings else {
         return Finding::missing(&format!("{method} at two speeds or more"));
     };
-    let range = crossing.range();
+    let range = crossings.range;
     let verdict = if range.is_within(&claimed) {
         Verdict::Confirmed
-    } else if !range.meets(&claimed) {
+    } else if range.low >= claimed.high || range.high <= claimed.low {
         Verdict::Refuted
     } else {
         Verdict::Undecided

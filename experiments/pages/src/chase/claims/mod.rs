@@ -69,12 +69,13 @@ pub(super) const MARGIN: f64 = 0.05;
 
 /// Returns all claims.
 pub fn claims(evidence: &Evidence) -> Vec<Claim> {
+    let all_speeds = evidence.all_speeds();
     let speed = |test: fn(&Study) -> Finding| {
         let of = |study: &Option<Study>, name: &str| {
             study.as_ref().map_or_else(|| Finding::missing(name), test)
         };
         (
-            of(&evidence.speed, "experiment escape_vs_speed"),
+            of(&all_speeds, "experiment escape_vs_speed"),
             of(&evidence.speed_paper, "experiment escape_vs_speed_paper"),
         )
     };

@@ -105,9 +105,10 @@ fn plans() -> Plans {
 fn evidence() -> Evidence {
     Evidence {
         speed: Some(speed()),
+        speed_rrt_star: None,
         speed_paper: None,
         knowledge: Some(knowledge()),
-        knowledge_paper: None,
+        knowledge_paper: Some(knowledge()),
         plans: Some(plans()),
     }
 }
@@ -121,7 +122,7 @@ fn the_page_is_what_it_was() {
 #[test]
 fn the_page_shows_its_pictures() {
     let page = page(&evidence()).unwrap();
-    assert_eq!(page.images.len(), 2);
+    assert_eq!(page.images.len(), 3);
     for image in &page.images {
         assert!(
             page.text.contains(&format!("(images/{}.svg)", image.name)),
@@ -138,24 +139,42 @@ fn the_page_shows_its_pictures() {
             );
         }
     }
-    let published: usize = page.images[0]
+    let published: usize = page.images[2]
         .chart
         .series
         .iter()
         .map(|s| s.reference.len())
         .sum();
-    assert_eq!(published, 12);
+    assert_eq!(published, 6);
 }
 
 #[test]
 fn every_cell_has_a_row() {
     let text = page(&evidence()).unwrap().text;
     let rows = text.lines().filter(|l| l.contains(" / 400 |")).count();
-    assert_eq!(rows, 7 * 4 + 7 * 2);
+    assert_eq!(rows, 7 * 2);
     assert!(
-        text.contains("| potential field | 2.0× | 200 | 200 / 400 | 50.0 % |"),
+        text.contains("| particle filter | 0.9× | 200 | 200 / 400 | 50.0 % |"),
         "{text}"
     );
+    assert!(text.contains("| games | 200 | 200 | 200 | 200 |"), "{text}");
+    assert!(
+        text.contains("| 2.0× | 2 % (1 … 5) | 50 % (43 … 57) | 80 % ("),
+        "{text}"
+    );
+}
+
+#[test]
+fn rrt_star_evaders_of_another_experiment_are_columns_beside_the_others() {
+    let mut evidence = evidence();
+    evidence.speed_rrt_star = Some(study(&[0.8, 1.0], &[("rrt_star_other", &[10, 90])]));
+    let text = page(&evidence).unwrap().text;
+    assert!(
+        text.contains("| rrt star arc | rrt star other |\n"),
+        "{text}"
+    );
+    assert!(text.contains("| rrt star other | 0.8× … 1.0× |"), "{text}");
+    assert!(text.contains("| 88 % (83 … 92) | – |\n"), "{text}");
 }
 
 #[test]

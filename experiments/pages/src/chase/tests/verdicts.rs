@@ -2,7 +2,7 @@
 
 use super::super::claims::{Verdict, claims};
 use super::super::evidence::{Evidence, Study};
-use super::{SPEEDS, evidence, knowledge, plan, speed, study};
+use super::{SPEEDS, evidence, knowledge, page, plan, speed, study};
 use crate::plans::Plans;
 
 fn verdict(evidence: &Evidence, letter: &str) -> Verdict {
@@ -44,7 +44,7 @@ fn clear_data_give_verdicts() {
     let evidence = evidence();
     for (letter, expected) in [
         ("a", Verdict::Confirmed),
-        ("b", Verdict::Confirmed),
+        ("b", Verdict::Undecided),
         ("c", Verdict::Refuted),
         ("d", Verdict::Confirmed),
         ("e", Verdict::Confirmed),
@@ -87,9 +87,28 @@ fn critical_speeds_are_judged_by_their_intervals() {
     let always = with(speed(), "rrt_star_line", &[100; 7]);
     assert_eq!(of_speed(always, "e"), Verdict::Refuted);
     let falling = with(speed(), "rrt_star_line", &[60, 55, 50, 40, 30, 20, 10]);
-    assert_eq!(of_speed(falling, "e"), Verdict::Refuted);
+    assert_eq!(of_speed(falling, "e"), Verdict::Undecided);
     let border = with(speed(), "rrt_star_line", &[5, 10, 20, 50, 70, 85, 95]);
     assert_eq!(of_speed(border, "e"), Verdict::Undecided);
+    // Two wide steps do not show where in them a chance crosses one half.
+    assert_eq!(of_speed(speed(), "b"), Verdict::Undecided);
+    let narrow = study(
+        &[1.0, 1.8, 1.9, 2.0, 3.0],
+        &[("potential_field", &[0, 10, 45, 60, 90])],
+    );
+    assert_eq!(of_speed(narrow, "b"), Verdict::Confirmed);
+}
+
+#[test]
+fn a_chance_that_falls_again_has_all_its_brackets_on_the_page() {
+    let falls = with(speed(), "potential_field", &[1, 2, 4, 100, 26, 73, 75]);
+    let evidence = Evidence {
+        speed: Some(falls),
+        ..Evidence::default()
+    };
+    let text = page(&evidence).unwrap().text;
+    let row = "| potential field | 1.0× … 1.5×, falls 1.5× … 2.0×, 2.0× … 2.5× | 1.0× … 2.5× |";
+    assert!(text.contains(row), "{text}");
 }
 
 #[test]
@@ -170,6 +189,6 @@ fn a_missing_cell_is_missing_data() {
         .cells
         .retain(|c| c.method != "rrt_star_line" || c.ratio < 3.0);
     assert_eq!(of_speed(study.clone(), "a"), Verdict::NoData);
-    assert_eq!(of_speed(study, "b"), Verdict::Confirmed);
+    assert_eq!(of_speed(study, "d"), Verdict::Confirmed);
     assert_eq!(verdict(&Evidence::default(), "f2"), Verdict::NoData);
 }
