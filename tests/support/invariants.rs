@@ -42,25 +42,37 @@ pub struct Game {
     pub omega_max: f64,
     /// Centre-to-centre distance below which Police catch (m); 0 if they do not.
     pub capture: f64,
-    /// Centres and radii (m).
-    pub exits: Vec<([f64; 2], f64)>,
+    pub exits: Vec<Exit>,
     pub time_limit_s: f64,
     /// `true` if a perception process tracks the evaders.
     pub perception: bool,
 }
 
+/// An exit: centre, and radius or half the sides (m).
+pub enum Exit {
+    Disc([f64; 2], f64),
+    Rectangle([f64; 2], [f64; 2]),
+}
+
 impl Game {
     /// The game of a log that plays in the city.
     pub fn in_city(log: &Path) -> Self {
-        Self::new(log, Walls::city(), vec![([9.0, 0.0], 0.5)])
+        // The gap, from the middle of the wall to the border of the map.
+        let gap = Exit::Rectangle([9.0, 0.0], [0.5, 1.25]);
+        Self::new(log, Walls::city(), vec![gap])
+    }
+
+    /// The game of a log of `chase_paper`.
+    pub fn in_published_city(log: &Path) -> Self {
+        Self::new(log, Walls::city(), vec![Exit::Disc([9.0, 0.0], 0.5)])
     }
 
     /// The game of a log that plays in the room of `hello.toml`.
     pub fn in_room(log: &Path) -> Self {
-        Self::new(log, Walls::hello(), vec![([3.5, 0.5], 0.2)])
+        Self::new(log, Walls::hello(), vec![Exit::Disc([3.5, 0.5], 0.2)])
     }
 
-    fn new(log: &Path, walls: Walls, exits: Vec<([f64; 2], f64)>) -> Self {
+    fn new(log: &Path, walls: Walls, exits: Vec<Exit>) -> Self {
         let scenario = scenario(log);
         let number = |value: Option<&toml::Value>, or: f64| {
             value.map_or(or, |v| {
@@ -103,7 +115,12 @@ impl Game {
     }
 
     fn in_exit(&self, p: [f64; 2]) -> bool {
-        self.exits.iter().any(|&(c, r)| between(c, p) <= r + 1e-12)
+        self.exits.iter().any(|exit| match *exit {
+            Exit::Disc(center, radius) => between(center, p) <= radius + 1e-12,
+            Exit::Rectangle(center, half) => {
+                (0..2).all(|i| (p[i] - center[i]).abs() <= half[i] + 1e-12)
+            }
+        })
     }
 
     /// Everything below, on the log of a finished lock-step run and the summary it printed.
