@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use crate::support::history::{History, Robot, State, manifest, scenario};
+use crate::support::history::{History, State, manifest, scenario};
 use crate::support::invariants::{Game, standing_obstacles, the_summary_says_what_the_log_holds};
 use crate::support::{Sandbox, python};
 use serde_json::Value as Json;
