@@ -12,7 +12,7 @@ const POLICE: u8 = 1;
 const ACTIVE: u8 = 0;
 const CAPTURED: u32 = 0;
 
-/// Summaries and histories of the default game with the seeds 1 to 12.
+/// Summaries and histories of the default game with the seeds 1 to 8: whole games, about 20 s on one core.
 static GAMES: LazyLock<Vec<(Json, History)>> = LazyLock::new(|| {
     let sandbox = Sandbox::new();
     let play = |seed: u32| {
@@ -22,7 +22,7 @@ static GAMES: LazyLock<Vec<(Json, History)>> = LazyLock::new(|| {
         let log = sandbox.path().join(summary["log"].as_str().unwrap());
         (summary, History::read(&log))
     };
-    (1..=12).map(play).collect()
+    (1..=8).map(play).collect()
 });
 
 #[test]
@@ -64,7 +64,7 @@ fn police_do_not_follow_an_evader_in_file() {
     }
     let share = f64::from(close) / f64::from(ticks);
     assert!(
-        share < 0.15,
+        share < 0.12,
         "two Police within 1 m in {share} of all ticks"
     );
 }
