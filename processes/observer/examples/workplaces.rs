@@ -37,6 +37,8 @@ struct Watched {
     /// Sub-goals reached when the key was known.
     after: Option<usize>,
     errors: Errors,
+    /// Number of moments since then, and of those with a prediction.
+    moments: [u64; 2],
 }
 
 fn rectangle_of(rectangles: &[Aabb], place: Point2<f64>) -> usize {
@@ -53,11 +55,15 @@ fn watched(place: &Place, rectangles: &[Aabb], seed: u64) -> Watched {
     let layout = drive.layout(&knowledge);
     let mut hunter = Hunter::new(&layout, knowledge.finder(), (NOISE, seed));
     let mut pending: BTreeMap<(u64, usize), Point2<f64>> = BTreeMap::new();
-    let (mut after, mut errors) = (None, Errors::new());
+    let (mut after, mut errors, mut moments) = (None, Errors::new(), [0; 2]);
     for tick in 0..(DURATION_S / DT) as u64 {
         hunter.observe(drive.pose(), tick, true);
         if hunter.key_recovered() && after.is_none() {
             after = Some(drive.reports.len());
+        }
+        if after.is_some() {
+            moments[0] += 1;
+            moments[1] += u64::from(hunter.predict(HORIZONS[0]).is_some());
         }
         for (horizon, ahead) in HORIZONS.iter().enumerate() {
             if let Some(predicted) = pending.remove(&(tick, horizon)) {
@@ -75,7 +81,11 @@ fn watched(place: &Place, rectangles: &[Aabb], seed: u64) -> Watched {
         }
         drive.tick();
     }
-    Watched { after, errors }
+    Watched {
+        after,
+        errors,
+        moments,
+    }
 }
 
 /// Returns mean and half of the 95 % interval of the keys' means.
@@ -103,11 +113,14 @@ fn table(name: &str, place: &Place) {
     let mut after: Vec<usize> = all.iter().filter_map(|w| w.after).collect();
     after.sort_unstable();
     let found = after.len();
+    let moments = |part: usize| all.iter().map(|w| w.moments[part]).sum::<u64>() as f64;
     println!(
-        "{name}: {} rectangles; key recovered {found} of {KEYS}, after {:?} sub-goals in the median, {:?} at most",
+        "{name}: {} rectangles; key recovered {found} of {KEYS}, after {:?} sub-goals in the median, {:?} at most; \
+         known for {:.1} % of the time since",
         rectangles.len(),
         after.get(found / 2),
         after.last(),
+        100.0 * moments(1) / moments(0).max(1.0),
     );
     let means = |rectangle: Option<usize>, horizon: usize| -> Vec<f64> {
         let sum = |w: &Watched| {

@@ -8,6 +8,7 @@ use geometry::math;
 use geometry::region::Region;
 use geometry::shape::Shape;
 
+use super::bands::{BANDS, Bands, bands};
 use super::draw_layers;
 use super::draw_task;
 use super::labels::{Area, Labels};
@@ -16,24 +17,15 @@ use super::legend::{Legend, scale_bar};
 use super::signs::{HALO, MARK, Sign, disc, sign};
 use super::static_scene::{corners, rectangle};
 use super::trace::{Mark, RunTrace};
-use super::trail::{TrailPoint, simplify};
 
 /// Minimum radius of a robot on the page (px): smaller robots are enlarged.
 const MIN_DISC: f64 = 8.0;
-/// Maximum number of points of all trails together.
-const MAX_TRAIL_POINTS: usize = 5000;
 /// Maximum number of dots of all beliefs together.
 const MAX_DOTS: usize = 2000;
 /// Font size of names (px).
 const NAME_SIZE: f64 = 14.0;
 /// Distance between the mean of a belief and its robot (px) below which the belief has no label.
 const NAMED_BELIEF: f64 = 45.0;
-
-/// Parts of a trail: their end (fraction of the time), width (px) and opacity.
-const BANDS: [(f64, f64, f64); 3] = [(0.6, 2.0, 0.40), (0.85, 2.6, 0.65), (1.0, 3.4, 1.0)];
-
-/// Parts of a trail; each begins at the last point of the one before.
-pub(super) type Bands = [Vec<TrailPoint>; BANDS.len()];
 
 /// Draws a run as an SVG document. The same trace gives the same document.
 ///
@@ -383,36 +375,4 @@ impl Picture<'_> {
             canvas.label(middle, area.bottom - 5.0, &style, text);
         }
     }
-}
-
-/// Returns the parts of all trails, simplified for this scale (px/m).
-fn bands(trace: &RunTrace, scale: f64) -> Vec<Bands> {
-    let robots = trace.robots.iter();
-    let trails: Vec<Vec<TrailPoint>> = robots.map(|robot| robot.trail.points()).collect();
-    // A third of a pixel is invisible; more only if there is too much to draw.
-    let mut tolerance = 0.3 / scale;
-    loop {
-        let bands: Vec<Bands> = trails.iter().map(|trail| split(trail, tolerance)).collect();
-        let points: usize = bands.iter().flatten().map(Vec::len).sum();
-        if points <= MAX_TRAIL_POINTS {
-            return bands;
-        }
-        tolerance *= 1.5;
-    }
-}
-
-/// Returns the parts of a trail, each simplified.
-fn split(trail: &[TrailPoint], tolerance: f64) -> Bands {
-    let (Some(first), Some(last)) = (trail.first(), trail.last()) else {
-        return Default::default();
-    };
-    let mut from = 0;
-    BANDS.map(|(part, _, _)| {
-        let until = first.time_s + part * (last.time_s - first.time_s);
-        let to = trail.partition_point(|p| p.time_s <= until).max(from + 1);
-        let band = trail.get(from..to.min(trail.len())).unwrap_or_default();
-        // The next part begins at the last point of this one.
-        from = to.min(trail.len()) - 1;
-        simplify(band, tolerance)
-    })
 }

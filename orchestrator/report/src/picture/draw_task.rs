@@ -4,7 +4,7 @@ use draw::canvas::{Canvas, Num};
 use draw::palette;
 use geometry::shape::Shape;
 
-use super::draw::Bands;
+use super::bands::Bands;
 use super::layout::Layout;
 use super::static_scene::corners;
 use super::trace::RunTrace;

@@ -5,6 +5,7 @@
 //! * [`fn@draw`] draws it, as a pure function;
 //! * `save` writes it to a file. On an error, no file remains.
 
+mod bands;
 mod draw;
 mod draw_layers;
 mod draw_task;

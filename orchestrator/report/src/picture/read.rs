@@ -7,7 +7,7 @@ use geometry::pose::Pose2;
 use ipc_types::consumer::{Consumer, LoggedMessage};
 use ipc_types::messages::perception::{BeliefHeader, Particle};
 use ipc_types::messages::world::{RobotState, WorldEvent};
-use ipc_types::topics::{Belief, Dominance, Plan, TopicId, Tree, WorldEvents};
+use ipc_types::topics::{Belief, Coverage, Dominance, Plan, TopicId, Tree, Waypoints, WorldEvents};
 use mcap_log::{Condition, LogReadError, ReadProgress};
 
 use super::layers::Layers;
@@ -211,6 +211,23 @@ impl Moment {
                 .collect(),
         };
         self.beliefs.insert(robot, (time_ns, belief));
+    }
+}
+
+impl Consumer<LoggedRun> for TaskTrace {
+    fn topics(&self) -> &[TopicId] {
+        &[TopicId::Waypoints, TopicId::Coverage]
+    }
+
+    fn message(&mut self, message: &LoggedMessage<'_>, run: &mut LoggedRun) {
+        if let Some((_, ends)) = run.decode::<Waypoints>(message) {
+            for end in ends.iter().filter(|end| is_near([end.x, end.y])) {
+                self.waypoint(end);
+            }
+        }
+        if let Some((_, reports)) = run.decode::<Coverage>(message) {
+            self.swept = reports.last().map(|report| report.coverable_fraction);
+        }
     }
 }
 

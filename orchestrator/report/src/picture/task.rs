@@ -2,12 +2,8 @@
 //! share.
 
 use geometry::shape::Shape;
-use ipc_types::consumer::{Consumer, LoggedMessage};
 use ipc_types::messages::robot::WaypointEnd;
-use ipc_types::topics::{Coverage, TopicId, Waypoints};
 use runtime::kind::TaskSketch;
-
-use super::log_run::{LoggedRun, is_near};
 
 /// Maximum number of waypoints that are shown, the last ones.
 const MAX_WAYPOINTS: usize = 1500;
@@ -62,29 +58,10 @@ impl TaskTrace {
     }
 }
 
-impl Consumer<LoggedRun> for TaskTrace {
-    fn topics(&self) -> &[TopicId] {
-        &[TopicId::Waypoints, TopicId::Coverage]
-    }
-
-    fn message(&mut self, message: &LoggedMessage<'_>, run: &mut LoggedRun) {
-        if let Some((_, ends)) = run.decode::<Waypoints>(message) {
-            for end in &ends {
-                self.waypoint(end);
-            }
-        }
-        if let Some((_, reports)) = run.decode::<Coverage>(message) {
-            self.swept = reports.last().map(|report| report.coverable_fraction);
-        }
-    }
-}
-
 impl TaskTrace {
-    fn waypoint(&mut self, end: &WaypointEnd) {
+    /// Adds a waypoint that has ended.
+    pub(super) fn waypoint(&mut self, end: &WaypointEnd) {
         let at = [end.x, end.y];
-        if !is_near(at) {
-            return;
-        }
         // Half at a time: removing single ones would move all others.
         if self.waypoints.len() >= 2 * MAX_WAYPOINTS {
             self.waypoints.drain(..MAX_WAYPOINTS);
@@ -116,10 +93,6 @@ mod tests {
                 ..WaypointEnd::default()
             });
         }
-        task.waypoint(&WaypointEnd {
-            x: f64::NAN,
-            ..WaypointEnd::default()
-        });
         task.finish();
         assert_eq!(task.waypoints.len(), MAX_WAYPOINTS);
         let last = task.waypoints.last().unwrap();

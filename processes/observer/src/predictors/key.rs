@@ -12,6 +12,10 @@ use chaotic_maps::{AnySource, Source as _};
 use nalgebra::Point2;
 use steering::go_to::distance_to_segment;
 
+mod guess;
+
+pub use self::guess::Finder;
+use self::guess::{Guess, MARGIN, RECENT, likeliest};
 use super::Predictor;
 use crate::layout::{Frame, Layout, Slot};
 use crate::moment::{Moment, ReachedGoal};
@@ -27,17 +31,11 @@ const OUTLIER_COST: f64 = 4.0;
 const MAX_OUTLIERS: u32 = 6;
 /// The same when the key has been found.
 const OUTLIERS_THAT_DROP_KEY: u32 = 12;
-/// Maximum excess of a hypothesis's cost over the best one.
-const MARGIN: f64 = 20.0;
-/// The same for a hypothesis with a recovered key.
+/// Maximum excess of the cost of a hypothesis with a recovered key over the best one.
 const MARGIN_OF_CLAIM: f64 = 10.0;
 /// Difference below which outputs belong to the same state: the sign of a Chebyshev map's state
 /// affects the last bits only.
 const SAME: f64 = 1e-9;
-/// Maximum number of hypotheses.
-const MAX_GUESSES: usize = 24;
-/// Hypotheses that agree on this number of last goals count as equal.
-const RECENT: usize = 3;
 /// Maximum deviation of a detection from a known goal (standard deviations).
 const MAX_DEVIATION: f64 = 4.5;
 /// Number of goals computed ahead.
@@ -46,61 +44,6 @@ const AHEAD: usize = 64;
 const VAGUE: f64 = 0.2;
 /// Time from the start within which a robot is observed from its first goal on (s).
 const START_S: f64 = 1.0;
-
-/// Finds the state of a generator from its noisy outputs in the unit square.
-pub trait Finder: Clone {
-    /// Processes the next output, its coordinates with these standard deviations; returns `true` if
-    /// it fits those before.
-    fn observe(&mut self, output: [f64; 2], sd: [f64; 2]) -> bool;
-
-    /// Skips an output that was not observed.
-    fn gap(&mut self);
-
-    /// Returns minus the logarithm of the outputs' likelihood relative to outputs anywhere in the
-    /// square.
-    fn cost(&self) -> f64;
-
-    /// Returns the generator after the last processed or skipped output; `None` while its state is
-    /// not known.
-    fn source(&self) -> Option<AnySource>;
-}
-
-/// Hypothesis that assigns the detections to goals of the route.
-#[derive(Debug, Clone)]
-struct Guess<F> {
-    /// Number of the last one, in the round.
-    at: u64,
-    /// `true` if the last one may be any of its run ([`Layout::run_of`]).
-    is_floating: bool,
-    finder: F,
-    /// Cost of overlooked goals, false detections and fixed goals.
-    cost: f64,
-    /// Detections since the last that fitted.
-    outliers: u32,
-    /// The last ones: pairs of detection and goal of the route, of a run the first.
-    recent: [(u32, u64); RECENT],
-}
-
-impl<F: Finder> Guess<F> {
-    fn score(&self) -> f64 {
-        self.cost + self.finder.cost()
-    }
-
-    /// Returns the hypothesis that this detection is the goal with this number, in the run that begins
-    /// at `first`.
-    fn with(&self, nth: u32, [number, first]: [u64; 2], finder: F, cost: f64) -> Self {
-        let [_, recent @ ..] = self.recent;
-        let [b, c] = recent;
-        Self {
-            at: number,
-            is_floating: false,
-            finder,
-            cost,
-            outliers: 0,
-            recent: [b, c, (nth, first)],
-        }
-    }
-}
 
 /// A future goal.
 #[derive(Debug, Clone, Copy)]
@@ -442,24 +385,6 @@ impl<F: Finder> KeyHunter<F> {
 /// Returns the standard deviations of an output that is computed from a goal.
 fn sd_of(frame: &Frame, goal: &ReachedGoal) -> [f64; 2] {
     [frame.first, frame.second].map(|axis| goal.sd / axis.norm())
-}
-
-/// Returns the hypotheses that are likely enough, the likeliest first.
-fn likeliest<F: Finder>(mut guesses: Vec<Guess<F>>) -> Vec<Guess<F>> {
-    guesses.sort_by(|a, b| a.score().total_cmp(&b.score()));
-    let limit = guesses.first().map_or(0.0, Guess::score) + MARGIN;
-    let mut kept: Vec<Guess<F>> = Vec::with_capacity(MAX_GUESSES);
-    for guess in guesses {
-        if guess.score() > limit || kept.len() == MAX_GUESSES {
-            break;
-        }
-        let known =
-            |other: &Guess<F>| other.recent == guess.recent && other.outliers == guess.outliers;
-        if !kept.iter().any(known) {
-            kept.push(guess);
-        }
-    }
-    kept
 }
 
 impl<F: Finder> Predictor for KeyHunter<F> {
