@@ -27,20 +27,10 @@ impl Drive {
         self.model.v_max.min(wheels)
     }
 
-    /// Returns the command within the limits of the speeds: each alone, then both together by the
-    /// speed of the wheels, which keeps the curvature. Non-finite values become a stop.
+    /// Returns the command within the limits of the speeds, without regard to those of their changes.
+    /// Non-finite values become a stop.
     pub fn clip(&self, twist: Twist2) -> Twist2 {
-        let model = &self.model;
-        if !twist.is_finite() {
-            return Twist2::STOP;
-        }
-        let v = twist.v.clamp(-model.v_reverse_max, model.v_max);
-        let omega = twist.omega.clamp(-model.omega_max, model.omega_max);
-        let fastest = v.abs() + 0.5 * omega.abs() * model.wheel_separation;
-        match model.wheel_speed_max {
-            Some(max) if fastest > max => Twist2::new(v * (max / fastest), omega * (max / fastest)),
-            _ => Twist2::new(v, omega),
-        }
+        Self::new(self.model.without_inertia()).execute(Twist2::STOP, twist, 0.0)
     }
 
     /// Returns the speeds that the simulator executes for `command` during `dt` (s) after

@@ -65,12 +65,7 @@ pub(crate) fn perturb(
     let omega =
         twist.omega * (1.0 - actuator.angular_slip) * (1.0 + actuator.angular_noise * n_omega)
             + v * actuator.veer * n_veer;
-    let unlimited = RobotModel {
-        acceleration: None,
-        angular_acceleration: None,
-        ..*model
-    };
-    limit(&unlimited, twist, Twist2::new(v, omega), 0.0)
+    limit(&model.without_inertia(), twist, Twist2::new(v, omega), 0.0)
 }
 
 /// sin(x)/x, accurate to rounding for every x.

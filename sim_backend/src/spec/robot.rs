@@ -210,6 +210,16 @@ impl RobotModel {
             wheel_speed_max: Some(0.15),
         }
     }
+
+    /// The same robot without limits on its accelerations.
+    #[must_use]
+    pub const fn without_inertia(&self) -> Self {
+        Self {
+            acceleration: None,
+            angular_acceleration: None,
+            ..*self
+        }
+    }
 }
 
 /// Imperfections of the drive.
