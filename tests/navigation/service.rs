@@ -128,7 +128,7 @@ fn labyrinth(robot: u32) -> (PlanRequest, Vec<ShapePoint>) {
 
 #[track_caller]
 fn answer(client: &mut OptimiserClient) -> PlanAnswer {
-    let answer = client.wait(PATIENCE).unwrap();
+    let answer = client.wait(Some(PATIENCE)).unwrap();
     answer.expect("something was asked")
 }
 

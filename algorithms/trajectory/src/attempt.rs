@@ -4,6 +4,7 @@ use geometry::math;
 use nalgebra::{Point2, Vector2};
 
 use crate::convex::curve_search::CurveSearch;
+use crate::convex::effort::Effort;
 use crate::convex::obstacle_planes::{NO_DEPTH, grow_margins};
 use crate::convex::scaling::Scaling;
 use crate::curve::bspline_basis::Basis;
@@ -67,17 +68,13 @@ pub struct Attempts<'a> {
     pub options: &'a Options,
     /// Remaining part of the robot's last plan.
     pub rest: Option<Rest>,
-    /// Convex programs solved so far.
-    pub programs: u32,
+    /// Work so far.
+    pub effort: &'a Effort,
 }
 
 impl Attempts<'_> {
     /// Makes one attempt; `None` if it fails.
-    pub fn attempt(
-        &mut self,
-        variant: Variant,
-        stop: &mut dyn FnMut() -> bool,
-    ) -> Option<Candidate> {
+    pub fn attempt(&self, variant: Variant, stop: &mut dyn FnMut() -> bool) -> Option<Candidate> {
         let headings = Headings {
             start: (!variant.turn_at_start).then_some(self.problem.start.theta),
             goal: self.problem.goal_heading.filter(|_| !variant.turn_at_goal),
@@ -120,19 +117,14 @@ impl Attempts<'_> {
     }
 
     /// The trajectory made faster, or unchanged if that fails.
-    pub fn refine(
-        &mut self,
-        mut candidate: Candidate,
-        stop: &mut dyn FnMut() -> bool,
-    ) -> Candidate {
+    pub fn refine(&self, mut candidate: Candidate, stop: &mut dyn FnMut() -> bool) -> Candidate {
         // The last plan kept the same limits: it is nearer to the optimum than any curve.
         let rest = self.rest.as_ref().map(|rest| rest.samples.as_slice());
         let mut found = None;
         for samples in rest.into_iter().chain([candidate.trajectory.samples()]) {
-            let search = Refinement::new(self.problem, self.obstacle_field, samples);
+            let search = Refinement::new(self.problem, self.obstacle_field, samples, self.effort);
             let Some(mut search) = search else { continue };
             found = search.run(stop);
-            self.programs += search.programs;
             if found.is_some() || stop() {
                 break;
             }
@@ -170,13 +162,14 @@ impl Attempts<'_> {
 
     /// A free curve of the family, with its points.
     fn search(
-        &mut self,
+        &self,
         curve: &dyn Curve,
         frame: &Scaling,
         mut from: Option<Vec<f64>>,
         stop: &mut dyn FnMut() -> bool,
     ) -> Option<(Vec<f64>, Vec<PathPoint>)> {
-        let mut search = CurveSearch::new(self.obstacle_field, self.guide, *frame, curve);
+        let mut search =
+            CurveSearch::new(self.obstacle_field, self.guide, *frame, curve, self.effort);
         search.shortest = self.shortest;
         search.near = self.rest.as_ref().map(|rest| &rest.guide);
         let theta = self.problem.start.theta;
@@ -203,7 +196,6 @@ impl Attempts<'_> {
             }
             from = Some(z);
         }
-        self.programs += search.programs;
         result
     }
 

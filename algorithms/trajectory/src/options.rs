@@ -63,6 +63,9 @@ pub struct Options {
     /// Reference point of `vmc` (m); absent: 2.25 diagonals of the bounds beyond their smaller
     /// corner.
     pub reference_point: Option<Point2<f64>>,
+    /// Work ([`Plan::work`](crate::Plan::work)) at which the search ends with its best result so
+    /// far; absent: no limit.
+    pub max_work: Option<u64>,
 }
 
 impl Default for Options {
@@ -77,6 +80,7 @@ impl Default for Options {
             control_points: None,
             nodes: 15,
             reference_point: None,
+            max_work: None,
         }
     }
 }

@@ -75,6 +75,9 @@ pub struct Plan {
     pub min_clearance: f64,
     /// Number of convex programs solved.
     pub iterations: u32,
+    /// Work of the search: the number of coefficients of its convex programs, once per step of
+    /// their solver. In proportion to it grows the computing time.
+    pub work: u64,
     /// Number of control points of the curve; 0 for a curve without.
     pub control_points: u32,
 }

@@ -1,6 +1,7 @@
 //! Solution of a problem by a plan.
 
 use crate::attempt::{Attempts, Candidate, Variant};
+use crate::convex::effort::Effort;
 use crate::drive::shortest_path_plan;
 use crate::drive::trajectory_builder::Trajectory;
 use crate::drive::turn_in_place;
@@ -19,9 +20,6 @@ use geometry::math;
 /// Gap to the lower bound, relative to it, below which the search ends; in addition to the cost of
 /// turning into the shortest path on the spot.
 const GOOD: f64 = 1e-3;
-/// Maximum length of the rest of the last plan, relative to the shortest path, for a start of the
-/// search there: a longer rest takes another route.
-const DETOUR: f64 = 1.03;
 /// Maximum allowed share of these turning costs, relative to the lower bound.
 const MAX_TURNING: f64 = 1.5e-3;
 
@@ -58,6 +56,7 @@ pub fn plan(
         Guess::Wavefront => grid_guide::guide(&exact, problem.start.position(), problem.goal),
         Guess::Tangent => None,
     };
+    let effort = Effort::new(options.max_work);
     let mut tried = CurveAttempt::default();
     if options.method != Method::Tangent
         && let Some(guide) = &guide
@@ -71,9 +70,8 @@ pub fn plan(
             shortest,
             options,
             rest: last
-                .and_then(|plan| previous_plan::rest(problem, &obstacle_field, plan))
-                .filter(|rest| rest.guide.length() <= DETOUR * shortest),
-            programs: 0,
+                .and_then(|plan| previous_plan::rest(problem, &obstacle_field, plan, shortest)),
+            effort: &effort,
         };
         // The result of a search in the controls is a local optimum whatever the bound.
         let enough = if inertia && options.refine {
@@ -81,7 +79,7 @@ pub fn plan(
         } else {
             good
         };
-        tried = try_curves(bench, enough, stop);
+        tried = try_curves(&bench, enough, stop);
     }
     let (checked, method, status) = match tried.best {
         Some(best) if tried.stopped => (best, options.method, Status::Deadline),
@@ -107,7 +105,8 @@ pub fn plan(
         lower_bound: bound,
         length: checked.trajectory.length(),
         min_clearance: checked.min_clearance,
-        iterations: tried.programs,
+        iterations: effort.programs(),
+        work: effort.work(),
         control_points: checked.control_points as u32,
         samples: checked.trajectory.into_samples(),
     })
@@ -142,18 +141,15 @@ impl Checked {
 #[derive(Default)]
 struct CurveAttempt {
     best: Option<Checked>,
-    /// Number of convex programs solved.
-    programs: u32,
     /// `true` if the search was stopped.
     stopped: bool,
 }
 
 /// Tries the variants in order until a plan takes no longer than `enough` (s).
-fn try_curves(
-    mut bench: Attempts<'_>,
-    enough: f64,
-    stop: &mut dyn FnMut() -> bool,
-) -> CurveAttempt {
+fn try_curves(bench: &Attempts<'_>, enough: f64, stop: &mut dyn FnMut() -> bool) -> CurveAttempt {
+    let effort = bench.effort;
+    let mut stop = || effort.is_spent() || stop();
+    let stop: &mut dyn FnMut() -> bool = &mut stop;
     let mut tried = CurveAttempt::default();
     let inertia = !bench.problem.limits.is_without_inertia();
     let most = if bench.options.fallbacks {
@@ -197,7 +193,8 @@ fn try_curves(
             break;
         }
     }
-    tried.programs = bench.programs;
+    // The end of the work is no deadline: it comes at the same point on every machine.
+    tried.stopped &= !effort.is_spent();
     tried
 }
 

@@ -37,8 +37,8 @@ struct Link {
     client: OptimiserClient,
     robot: u32,
     clock: Clock,
-    /// Maximum wait for an answer in lock-step.
-    patience: Duration,
+    /// Maximum wait for an answer in lock-step, if it has one.
+    answer_timeout: Option<Duration>,
     /// [`PlanRequest::last`](ipc_types::messages::optimiser::PlanRequest::last) of the newest plan.
     last: u64,
 }
@@ -96,7 +96,10 @@ impl Planner for NavigatorPlanner {
             client: OptimiserClient::open(bus, config.index)?,
             robot,
             clock: config.run.clock,
-            patience: self.patience(config.run.hang_timeout_s),
+            answer_timeout: self
+                .params
+                .answer_timeout_s
+                .and_then(|time_s| Duration::try_from_secs_f64(time_s).ok()),
             last: 0,
         });
         Ok(())
@@ -147,7 +150,7 @@ impl NavigatorPlanner {
             let asked = link.client.is_asking();
             let answer = match link.clock {
                 // In lock-step a plan takes effect at its tick, whenever it arrives.
-                Clock::LockStep => link.client.wait(link.patience)?,
+                Clock::LockStep => link.client.wait(link.answer_timeout)?,
                 Clock::RealTime { .. } => {
                     // Checked before the answer: an optimiser that answers and then ends has
                     // answered.
@@ -198,16 +201,6 @@ impl NavigatorPlanner {
             waypoint: None,
             field: Vector2::zeros(),
         })
-    }
-}
-
-impl NavigatorPlanner {
-    /// Returns the maximum wait for an answer in lock-step, when every other process waits for this
-    /// one.
-    fn patience(&self, hang_timeout_s: f64) -> Duration {
-        let time_s = self.params.answer_timeout_s;
-        let time_s = time_s.unwrap_or(0.8 * hang_timeout_s);
-        Duration::try_from_secs_f64(time_s).unwrap_or(Duration::MAX)
     }
 }
 

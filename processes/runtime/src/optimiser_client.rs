@@ -11,6 +11,8 @@ use crate::error::ProcessError;
 
 /// Maximum time for which a lost wake-up goes unnoticed.
 const POLL_INTERVAL: Duration = Duration::from_millis(50);
+/// Wait after which the log says what the process waits for.
+const LONG_WAIT: Duration = Duration::from_secs(5);
 
 /// An answer of the optimiser: header and samples.
 pub type PlanAnswer = Answer<OptimiserPlan>;
@@ -92,18 +94,20 @@ impl OptimiserClient {
     }
 
     /// Sleeps until the answer has arrived; `None` if no request is pending, or the optimiser ended
-    /// without an answer.
+    /// without an answer. On a busy machine an answer may take long: without a `limit`, the wait
+    /// lasts as long as the optimiser lives and the run lets this process live.
     ///
     /// # Errors
-    /// [`ProcessError::Protocol`] if the optimiser does not answer within `time`.
-    pub fn wait(&mut self, time: Duration) -> Result<Option<PlanAnswer>, ProcessError> {
+    /// [`ProcessError::Protocol`] if the optimiser does not answer within `limit`.
+    pub fn wait(&mut self, limit: Option<Duration>) -> Result<Option<PlanAnswer>, ProcessError> {
         let silent = |what: &str| {
             ProcessError::Protocol(format!("the optimiser {what} to a request for a plan"))
         };
         if self.open.is_none() {
             return Ok(None);
         }
-        let deadline = Instant::now() + time;
+        let begun = Instant::now();
+        let mut is_long = false;
         loop {
             // Checked before the answer: an optimiser that answers and then ends has answered.
             let gone = self.is_server_gone();
@@ -114,12 +118,17 @@ impl OptimiserClient {
                 self.open = None;
                 return Ok(None);
             }
-            let left = deadline.saturating_duration_since(Instant::now());
-            if left.is_zero() {
+            let waited = begun.elapsed();
+            if let Some(limit) = limit.filter(|limit| waited >= *limit) {
                 self.open = None;
-                return Err(silent(&format!("gave no answer within {time:?}")));
+                return Err(silent(&format!("gave no answer within {limit:?}")));
+            }
+            if waited >= LONG_WAIT && !is_long {
+                is_long = true;
+                tracing::warn!("no answer of the optimiser for {LONG_WAIT:?}: waits on");
             }
             if let Some(woken) = &self.woken {
+                let left = limit.map_or(POLL_INTERVAL, |limit| limit.saturating_sub(waited));
                 // The answer to another client wakes this one, too.
                 woken.wait(left.min(POLL_INTERVAL), |_| {})?;
             }

@@ -11,6 +11,7 @@
 use geometry::shape::{Contact, Convex};
 use nalgebra::{Point2, Vector2};
 
+use crate::convex::effort::Effort;
 use crate::convex::obstacle_planes::{HalfPlane, NO_DEPTH, surface};
 use crate::convex::quadratic_program::QuadraticProgram;
 use crate::convex::scaling::{Scaling, UNITS};
@@ -64,10 +65,9 @@ pub struct CurveSearch<'a> {
     pub shortest: f64,
     /// A path known to be near the curve, if there is one.
     pub near: Option<&'a Guide>,
-    /// Number of programs solved.
-    pub programs: u32,
     /// The only values of τ at which obstacles are tested; `None` for all.
     pub only_at: Option<Vec<f64>>,
+    effort: &'a Effort,
     slack_cost: f64,
 }
 
@@ -80,12 +80,13 @@ struct Hold {
 }
 
 impl<'a> CurveSearch<'a> {
-    /// Creates a search.
+    /// Creates a search whose work counts for `effort`.
     pub fn new(
         obstacle_field: &'a ObstacleField,
         guide: &'a Guide,
         frame: Scaling,
         curve: &'a dyn Curve,
+        effort: &'a Effort,
     ) -> Self {
         Self {
             obstacle_field,
@@ -95,8 +96,8 @@ impl<'a> CurveSearch<'a> {
             margins: vec![0.0; obstacle_field.obstacles.len()],
             shortest: guide.length(),
             near: None,
-            programs: 0,
             only_at: None,
+            effort,
             slack_cost: SLACK_COST,
         }
     }
@@ -122,8 +123,7 @@ impl<'a> CurveSearch<'a> {
             }
             let holds = self.holds(z.as_deref());
             let (program, obstacles) = self.program(&start, &holds, known);
-            self.programs += 1;
-            let solution = program.solve()?;
+            let solution = program.solve(self.effort)?;
             let variables = self.curve.variables();
             let depth = solution[variables..]
                 .iter()

@@ -4,6 +4,7 @@
 //! and solves one; [`obstacle_planes`] are its half-planes; [`scaling`] defines their coordinates.
 
 pub mod curve_search;
+pub mod effort;
 pub mod obstacle_planes;
 pub mod quadratic_program;
 pub mod scaling;

@@ -6,6 +6,8 @@ use clarabel::solver::{
 };
 use nalgebra::DMatrix;
 
+use crate::convex::effort::Effort;
+
 /// min ½ zᵀ H z + qᵀ z subject to A z ≤ b and C z = d.
 #[derive(Debug, Clone, PartialEq)]
 pub struct QuadraticProgram {
@@ -66,8 +68,8 @@ impl QuadraticProgram {
         self.equal.push(terms, value);
     }
 
-    /// Solves the program; `None` if the solver finds no solution.
-    pub fn solve(&self) -> Option<Vec<f64>> {
+    /// Solves the program and adds its work to `effort`; `None` if the solver finds no solution.
+    pub fn solve(&self, effort: &Effort) -> Option<Vec<f64>> {
         let n = self.linear.len();
         let costs = upper_triangle(&self.hessian);
         let (matrix, bounds) = self.matrix(n);
@@ -75,6 +77,9 @@ impl QuadraticProgram {
             SupportedConeT::ZeroConeT(self.equal.rows.len()),
             SupportedConeT::NonnegativeConeT(self.at_most.rows.len()),
         ];
+        let coefficients = matrix.nzval.len() + costs.nzval.len();
+        let mut steps = 0;
+        let mut found = None;
         // These programs are well scaled: Clarabel's equilibration would cost a third of the time.
         for careful in [false, true] {
             let mut solver = DefaultSolver::new(
@@ -87,14 +92,17 @@ impl QuadraticProgram {
             )
             .ok()?;
             solver.solve();
+            steps += solver.solution.iterations;
             let z = &solver.solution.x;
             let solved = matches!(solver.solution.status, SolverStatus::Solved)
                 || careful && matches!(solver.solution.status, SolverStatus::AlmostSolved);
             if solved && z.iter().all(|v| v.is_finite()) {
-                return Some(z.clone());
+                found = Some(z.clone());
+                break;
             }
         }
-        None
+        effort.add(steps, coefficients);
+        found
     }
 
     /// All rows, equalities first, and their right sides.
@@ -170,7 +178,7 @@ mod tests {
             program.add_linear(i, -target);
         }
         program.at_most([(0, 1.0), (1, 1.0)], 1.0);
-        let z = program.solve().unwrap();
+        let z = program.solve(&Effort::default()).unwrap();
         assert!(
             (z[0] - 0.0).abs() < 1e-6 && (z[1] - 1.0).abs() < 1e-6,
             "{z:?}"
@@ -184,7 +192,7 @@ mod tests {
         program.add_quadratic(0, 0, 1.0);
         program.add_quadratic(1, 1, 1.0);
         program.equal([(0, 1.0), (1, 1.0)], 1.0);
-        let z = program.solve().unwrap();
+        let z = program.solve(&Effort::default()).unwrap();
         assert!(
             (z[0] - 0.5).abs() < 1e-6 && (z[1] - 0.5).abs() < 1e-6,
             "{z:?}"
@@ -197,6 +205,6 @@ mod tests {
         program.add_quadratic(0, 0, 1.0);
         program.at_most([(0, 1.0)], -1.0);
         program.at_most([(0, -1.0)], -1.0);
-        assert_eq!(program.solve(), None);
+        assert_eq!(program.solve(&Effort::default()), None);
     }
 }

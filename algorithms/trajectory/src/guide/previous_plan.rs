@@ -11,7 +11,11 @@ use crate::problem::Problem;
 /// Maximum distance (m) of start and goal from the old plan.
 const NEAR: f64 = 0.05;
 /// Maximum penetration (m) of obstacles by the old plan: with more, it may pass on the wrong side.
+/// By as much it may be shorter than the shortest path: a shorter one leads through a gap that has
+/// closed.
 const MAX_PENETRATION: f64 = 0.03;
+/// Maximum length of the rest, relative to the shortest path: a longer one takes another route.
+const DETOUR: f64 = 1.03;
 
 /// The rest of a plan, from the point where it passes the start.
 #[derive(Debug, Clone, PartialEq)]
@@ -23,8 +27,13 @@ pub struct Rest {
 }
 
 /// The rest of a plan, if it still leads from the problem's start to its goal past the current
-/// obstacles.
-pub fn rest(problem: &Problem, obstacle_field: &ObstacleField, plan: &Plan) -> Option<Rest> {
+/// obstacles, and hardly farther than the shortest path of this length (m).
+pub fn rest(
+    problem: &Problem,
+    obstacle_field: &ObstacleField,
+    plan: &Plan,
+    shortest: f64,
+) -> Option<Rest> {
     let start = problem.start.position();
     let distance = |s: &Sample| (Point2::new(s.x, s.y) - start).norm();
     let (first, _) = plan
@@ -42,7 +51,8 @@ pub fn rest(problem: &Problem, obstacle_field: &ObstacleField, plan: &Plan) -> O
         .collect();
     let end = samples.last()?;
     let misses = (Point2::new(end.x, end.y) - problem.goal).norm();
-    if distance(&samples[0]) > NEAR || misses > NEAR {
+    let off = distance(samples.first()?);
+    if off > NEAR || misses > NEAR {
         return None;
     }
     let points = path_points::of_samples(&samples);
@@ -52,5 +62,9 @@ pub fn rest(problem: &Problem, obstacle_field: &ObstacleField, plan: &Plan) -> O
     }
     let corners: Vec<Point2<f64>> = points.iter().map(|p| p.at).collect();
     let guide = Guide::through(&corners)?;
+    let is_blocked = off + guide.length() + misses < shortest - MAX_PENETRATION;
+    if is_blocked || guide.length() > DETOUR * shortest {
+        return None;
+    }
     Some(Rest { samples, guide })
 }

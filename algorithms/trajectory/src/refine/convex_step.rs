@@ -59,7 +59,7 @@ impl Refinement<'_> {
             ];
             program.at_most(terms, -plane.line);
         }
-        let z = program.solve()?;
+        let z = program.solve(self.effort)?;
         let node = |k: usize| {
             let at = &z[EACH * k..EACH * (k + 1)];
             Node {

@@ -13,6 +13,7 @@ mod step_dynamics;
 
 use nalgebra::Point2;
 
+use crate::convex::effort::Effort;
 use crate::convex::obstacle_planes::{NO_DEPTH, grow_margins};
 use crate::obstacle_field::ObstacleField;
 use crate::path_points::{self, SPACING};
@@ -63,8 +64,7 @@ pub struct Refinement<'a> {
     time: f64,
     /// Additional margin of the nodes per obstacle (m).
     margins: Vec<f64>,
-    /// Number of programs solved.
-    pub programs: u32,
+    effort: &'a Effort,
     proximal: f64,
 }
 
@@ -74,6 +74,7 @@ impl<'a> Refinement<'a> {
         problem: &'a Problem,
         obstacle_field: &'a ObstacleField,
         samples: &[Sample],
+        effort: &'a Effort,
     ) -> Option<Self> {
         let time = samples.last()?.t;
         if !(time > 0.0 && time.is_finite()) {
@@ -89,7 +90,7 @@ impl<'a> Refinement<'a> {
             nodes,
             time,
             margins: vec![0.0; obstacle_field.obstacles.len()],
-            programs: 0,
+            effort,
             proximal: PROXIMAL[0],
         })
     }
@@ -100,11 +101,10 @@ impl<'a> Refinement<'a> {
         let mut trust = TRUST;
         // The first trajectory need not keep ends and limits; every trajectory that does is better.
         let mut merit = f64::INFINITY;
-        while self.programs < MAX_PROGRAMS {
+        for _ in 0..MAX_PROGRAMS {
             if stop() {
                 return None;
             }
-            self.programs += 1;
             let Some(next) = self.improved(trust) else {
                 // No step within the trust region closes the gaps.
                 trust *= 3.0;

@@ -2,11 +2,12 @@
 
 use core::f64::consts::{FRAC_PI_3, TAU};
 
+use geometry::shape::Convex;
 use nalgebra::Point2;
 use trajectory::options::{Constraints, Guess};
 use trajectory::{Method, Options, PlanError, Problem, Status};
 
-use crate::problems::{board, cluttered, disc, faults, options, plan};
+use crate::problems::{board, cluttered, disc, faults, motors, options, plan};
 
 #[test]
 fn every_method_finds_a_valid_plan_near_the_bound() {
@@ -185,4 +186,54 @@ fn the_last_plan_is_a_start_for_the_next() {
     assert_eq!(faults(&next, &warm), [""; 0]);
     assert!(warm.iterations <= cold.iterations);
     assert!((warm.final_time / cold.final_time - 1.0).abs() < 1e-3);
+}
+
+/// The board with a wall that has a gap of this width (m) on the straight way, and another one far
+/// away from it.
+fn walled(gap: f64) -> Problem {
+    let wall = |from: f64, to: f64| {
+        let middle = Point2::new(2.4, f64::midpoint(from, to));
+        Convex::rectangle(middle, [0.1, 0.5 * (to - from)], 0.0)
+    };
+    Problem {
+        obstacles: vec![wall(0.4, 1.78), wall(1.78 + gap, 3.6), disc(4.0, 2.7, 0.1)],
+        ..board()
+    }
+}
+
+#[test]
+fn a_last_plan_through_a_gap_that_has_closed_costs_nothing() {
+    let first = plan(&walled(0.2), &Options::default()).unwrap();
+    // The robot does not fit any more, but the path is hardly deeper than the clearance.
+    let closed = walled(0.14);
+    let cold = plan(&closed, &Options::default()).unwrap();
+    let warm = trajectory::plan(&closed, &Options::default(), Some(&first), &mut || false).unwrap();
+    assert!(cold.length > first.length + 0.1);
+    assert_eq!(warm, cold);
+}
+
+#[test]
+fn the_work_of_a_plan_has_a_limit_and_ends_at_the_same_point_every_time() {
+    let problem = Problem {
+        limits: motors(),
+        start_speed: Some(0.0),
+        start_turn_rate: Some(0.0),
+        goal_speed: Some(0.0),
+        ..cluttered()
+    };
+    let whole = plan(&problem, &Options::default()).unwrap();
+    for share in [0, 1, 2, 4, 8, 16] {
+        let options = Options {
+            max_work: Some(whole.work * share / 16),
+            ..Options::default()
+        };
+        let part = plan(&problem, &options).unwrap();
+        assert_eq!(plan(&problem, &options).unwrap(), part);
+        assert_eq!(faults(&problem, &part), [""; 0]);
+        assert!(part.work <= whole.work);
+        assert!(matches!(part.status, Status::Planned | Status::Fallback));
+        // The last program begins before the limit.
+        let mean = whole.work / u64::from(whole.iterations);
+        assert!(part.work <= whole.work * share / 16 + 8 * mean, "{part:?}");
+    }
 }

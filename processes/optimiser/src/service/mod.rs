@@ -10,9 +10,11 @@ mod recent_plans;
 
 use core::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::time::Duration;
 
 pub use dispatcher::{Dispatcher, DispatcherInput};
 pub use recent_plans::Memory;
+use rustix::time::{ClockId, clock_gettime};
 use trajectory::{Options, Plan, Problem};
 
 use crate::wire::Refusal;
@@ -31,10 +33,20 @@ pub fn solve(
     last: Option<&Plan>,
     stop: &mut dyn FnMut() -> bool,
 ) -> Result<Plan, Refusal> {
+    let begun = cpu_time();
     // No partial state of the planning outlives it.
     let planned = catch_unwind(AssertUnwindSafe(|| {
         trajectory::plan(problem, options, last, stop)
     }));
+    if let Ok(Ok(plan)) = &planned {
+        tracing::debug!(
+            "planned {:.3} s of motion: {} programs, work {}, {} us of CPU time",
+            plan.final_time,
+            plan.iterations,
+            plan.work,
+            cpu_time().saturating_sub(begun).as_micros()
+        );
+    }
     match planned {
         Ok(result) => result.map_err(Refusal::Plan),
         Err(panic) => {
@@ -43,6 +55,13 @@ pub fn solve(
             Err(Refusal::Failed(words))
         }
     }
+}
+
+/// CPU time of this thread, for the log only.
+fn cpu_time() -> Duration {
+    let time = clock_gettime(ClockId::ThreadCPUTime);
+    let seconds = Duration::from_secs(time.tv_sec.unsigned_abs());
+    seconds + Duration::from_nanos(time.tv_nsec.unsigned_abs())
 }
 
 fn words(panic: &(dyn Any + Send)) -> String {

@@ -68,6 +68,7 @@ mod tests {
             length: 0.0,
             min_clearance: 0.0,
             iterations: 0,
+            work: 0,
             control_points: 0,
         }
     }

@@ -11,6 +11,10 @@ use trajectory::options::{Constraints, Guess, Options};
 use trajectory::plan::Method;
 use trajectory::problem::{Problem, ProblemError, RobotLimits, START_TOLERANCE, Wheels};
 
+/// Work at which a plan without a time limit ends with its best trajectory so far, about 30 ms of a
+/// processor; and with the search in the controls of a robot with inertia, about 2 s.
+const MAX_WORK: [u64; 2] = [1 << 18, 1 << 24];
+
 /// Faults of a request that describes no problem.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum RequestError {
@@ -100,6 +104,7 @@ fn options(header: &PlanRequest) -> Result<Options, RequestError> {
         return Err(refused("flags", flags, "a sum of 1, 2 and 4"));
     }
     let defaults = Options::default();
+    let max_work = MAX_WORK[usize::from(!limits(header).is_without_inertia())];
     let (x, y) = (header.reference_x, header.reference_y);
     let options = Options {
         method,
@@ -115,6 +120,8 @@ fn options(header: &PlanRequest) -> Result<Options, RequestError> {
         control_points: unless_zero(header.control_points),
         nodes: unless_zero(header.nodes).unwrap_or(defaults.nodes),
         reference_point: (!(x.is_nan() && y.is_nan())).then(|| Point2::new(x, y)),
+        // A limit of time comes at another point on every machine.
+        max_work: (header.deadline_ns == 0).then_some(max_work),
     };
     options.validate()?;
     Ok(options)

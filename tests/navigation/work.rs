@@ -1,0 +1,35 @@
+//! The work of the plans of the built-in missions.
+
+use crate::support::Sandbox;
+
+/// Works of all plans of a mission, ascending.
+fn works(sandbox: &Sandbox, mission: &str) -> Vec<u64> {
+    let words = ["run", mission, "--in-process", "--quiet"];
+    let log = ["--log-level", "debug"];
+    let outcome = sandbox.protean(words).args(log).run();
+    assert_eq!(outcome.code, Some(0), "{outcome}");
+    let lines = outcome
+        .stderr
+        .lines()
+        .filter(|line| line.contains("planned"));
+    let mut works: Vec<u64> = lines
+        .map(|line| {
+            let (_, rest) = line.split_once("work ").expect("the work of a plan");
+            let (number, _) = rest.split_once(',').expect("more behind it");
+            number.parse().expect("a number")
+        })
+        .collect();
+    works.sort_unstable();
+    works
+}
+
+#[test]
+fn no_plan_of_a_mission_takes_much_longer_than_the_others() {
+    let sandbox = Sandbox::new();
+    for (mission, least) in [("popup", 2), ("popup_city", 20), ("single_lane", 4)] {
+        let works = works(&sandbox, mission);
+        assert!(works.len() >= least, "{mission}: {works:?}");
+        let (median, largest) = (works[works.len() / 2], works[works.len() - 1]);
+        assert!(largest <= 10 * median, "{mission}: {works:?}");
+    }
+}
