@@ -2,10 +2,14 @@
 
 #[path = "navigation/client.rs"]
 mod client;
+#[path = "navigation/lanes.rs"]
+mod lanes;
 #[path = "navigation/popups.rs"]
 mod popups;
 #[path = "navigation/service.rs"]
 mod service;
+#[path = "navigation/work.rs"]
+mod work;
 
 use crate::support::Sandbox;
 use crate::support::geometry::{Walls, between};

@@ -4,6 +4,7 @@
 //! - [`routes`]: paths along the streets of a grid, to all places at once;
 //! - [`bearing`]: direction to a point, straight or along the streets;
 //! - [`wavefront`]: first arrival times;
+//! - [`passing`]: ways past another robot in a narrow lane;
 //! - [`dominance`]: places that each team reaches first.
 //!
 //! All functions are pure: equal inputs give equal bits on every machine.
@@ -13,6 +14,7 @@
 
 pub mod bearing;
 pub mod dominance;
+pub mod passing;
 pub mod routes;
 pub mod tangent_graph;
 pub mod wavefront;

@@ -120,7 +120,7 @@ message! {
         x: f64 = "where, x [m]",
         y: f64 = "where, y [m]",
         value: f64 = "by kind: 0 when it has none",
-        kind: u32 = "index into the list of names of events: 0 captured, 1 escaped, 2 timed out, 3 goal reached, 4 contact begins, 5 contact ends, 6 invalid command, 7 missing command, 8 obstacle changed, 9 game over, 10 pushed out by an obstacle, 11 trapped by one, 12 released",
+        kind: u32 = "index into the list of names of events: 0 captured, 1 escaped, 2 timed out, 3 goal reached, 4 contact begins, 5 contact ends, 6 invalid command, 7 missing command, 8 obstacle changed, 9 game over, 10 pushed out by an obstacle, 11 trapped by one, 12 released, 13 stands before its goal",
         robot: u32 = "the robot it happened to, or 4294967295",
         other: u32 = "the other robot, the obstacle's id or the exit's index, or 4294967295",
         reserved: u32 = "always 0",
@@ -131,7 +131,7 @@ impl WorldEvent {
     /// Value for "no robot" or "no other".
     pub const NONE: u32 = u32::MAX;
     /// Names of the kinds by their code, for display and JSON.
-    pub const NAMES: [&'static str; 13] = [
+    pub const NAMES: [&'static str; 14] = [
         "captured",
         "escaped",
         "timed_out",
@@ -145,6 +145,7 @@ impl WorldEvent {
         "pushed_out",
         "trapped",
         "released",
+        "stands",
     ];
 
     /// The name of a kind; `unknown` for an unknown code.

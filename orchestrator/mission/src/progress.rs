@@ -94,6 +94,7 @@ impl EventPrinter {
             "pushed_out" => format!("{robot} pushed aside by an obstacle"),
             "trapped" => format!("{robot} trapped by an obstacle"),
             "released" => format!("{robot} free again"),
+            "stands" => format!("{robot} stands: no progress for {:.0} s", event.value),
             _ => return None,
         })
     }

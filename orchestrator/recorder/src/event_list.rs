@@ -16,6 +16,8 @@ pub(super) struct EventList {
     robots: Vec<String>,
     events: Vec<EventEntry>,
     omitted: u64,
+    /// Number of standstills, by robot.
+    standstills: Vec<u32>,
 }
 
 impl EventList {
@@ -25,17 +27,24 @@ impl EventList {
             robots: robots.iter().map(|robot| robot.name.clone()).collect(),
             events: Vec::new(),
             omitted: 0,
+            standstills: vec![0; robots.len()],
         }
     }
 
     fn add(&mut self, time_s: f64, event: &WorldEvent) {
+        let kind = WorldEvent::name_of(event.kind);
+        if kind == "stands"
+            && let Some(standstills) = self.standstills.get_mut(event.robot as usize)
+        {
+            *standstills += 1;
+        }
         if self.events.len() >= MAX_EVENTS {
             self.omitted += 1;
             return;
         }
         self.events.push(EventEntry {
             time_s,
-            kind: WorldEvent::name_of(event.kind).to_owned(),
+            kind: kind.to_owned(),
             robot: self.robots.get(event.robot as usize).cloned(),
             other: (event.other != WorldEvent::NONE).then_some(event.other),
             x: event.x,
@@ -59,6 +68,9 @@ impl Consumer for EventList {
 
 impl OutcomePart for EventList {
     fn finish(self: Box<Self>, summary: &mut Summary) {
+        for (robot, standstills) in summary.robots.iter_mut().zip(self.standstills) {
+            robot.standstills = standstills;
+        }
         summary.events = self.events;
         summary.events_omitted = self.omitted;
     }

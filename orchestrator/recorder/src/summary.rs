@@ -75,6 +75,9 @@ pub struct RobotOutcome {
     /// Number of ticks in fail-safe stops.
     #[serde(default)]
     pub fail_safe_ticks: u64,
+    /// Number of standstills before its goal; absent if 0.
+    #[serde(default, skip_serializing_if = "is_zero_count")]
+    pub standstills: u32,
     /// Share of the verdicts "escape possible" on this evader; absent unless a referee judged it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub escape_possible_fraction: Option<f64>,
@@ -280,6 +283,14 @@ pub struct TopicCount {
     reason = "serde requires a reference"
 )]
 fn is_zero(n: &u64) -> bool {
+    *n == 0
+}
+
+#[expect(
+    clippy::trivially_copy_pass_by_ref,
+    reason = "serde requires a reference"
+)]
+fn is_zero_count(n: &u32) -> bool {
     *n == 0
 }
 

@@ -21,7 +21,7 @@ impl Builtin {
 pub const DEFAULT: &str = "chase";
 
 /// All built-in scenarios; the default comes first.
-pub const SCENARIOS: [Builtin; 18] = [
+pub const SCENARIOS: [Builtin; 19] = [
     Builtin {
         name: "chase",
         text: include_str!("../../../scenarios/chase.toml"),
@@ -65,6 +65,10 @@ pub const SCENARIOS: [Builtin; 18] = [
     Builtin {
         name: "popup_city",
         text: include_str!("../../../scenarios/popup_city.toml"),
+    },
+    Builtin {
+        name: "single_lane",
+        text: include_str!("../../../scenarios/single_lane.toml"),
     },
     Builtin {
         name: "patrol_octagon",

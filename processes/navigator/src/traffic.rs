@@ -21,6 +21,8 @@ const GAP: f64 = 0.01;
 const SLACK: f64 = 3e-3;
 /// Additional clearance to other robots in plans (m), so that the plan can be driven.
 const EASE: f64 = 0.01;
+/// Deviation (m) of a robot that passes from the way that its place was found for.
+const SWAY: f64 = 0.02;
 /// Standstill after which a robot counts as an obstacle (s).
 const PARKED_S: f64 = 1.0;
 
@@ -37,6 +39,10 @@ pub struct Other {
     required: f64,
     /// Required distance if they are too near already (m).
     least: f64,
+    /// Distance between the two centres at which it passes this robot.
+    apart: f64,
+    /// `true` if it takes part in the game.
+    active: bool,
     /// `true` if it will not move soon.
     pub parked: bool,
 }
@@ -49,6 +55,11 @@ impl Other {
         // Both ends of the path must be possible.
         let room = |p: Point2<f64>| (p - self.at).norm() - clearance - 1e-6;
         wanted.min(room(start)).min(room(goal))
+    }
+
+    /// Returns the distance (m) between the two centres that lets it pass this robot at rest.
+    pub fn apart_to_pass(&self) -> f64 {
+        self.apart
     }
 }
 
@@ -79,17 +90,21 @@ impl Traffic {
                 _ => 0.0,
             };
             let touch = own.radius + other.radius;
-            let yields = if other.active && other.index < view.me {
+            // A robot that is parked leaves the room on purpose, or does not go on.
+            let yields = if !parked && other.index < view.me {
                 YIELD_DISTANCE
             } else {
                 0.0
             };
+            let at_rest = Drive::new(*own).reach(0.0, view.dt);
             self.others.push(Other {
                 index: other.index,
                 at: other.pose.position(),
                 radius: other.radius,
                 required: touch + reach + GAP + yields,
                 least: touch + reach + 0.5 * GAP,
+                apart: touch + at_rest + GAP + EASE + SWAY,
+                active: other.active,
                 parked,
             });
         }
@@ -98,6 +113,13 @@ impl Traffic {
     /// The other robots.
     pub fn others(&self) -> &[Other] {
         &self.others
+    }
+
+    /// The robot with this index, if it takes part in the game.
+    pub fn active(&self, index: usize) -> Option<&Other> {
+        self.others
+            .iter()
+            .find(|other| other.index == index && other.active)
     }
 
     /// Returns the distance (m) along a path that a robot may drive from the time `from` (s) on,

@@ -26,6 +26,7 @@ mod code {
     pub const PUSHED_OUT: u32 = 10;
     pub const TRAPPED: u32 = 11;
     pub const RELEASED: u32 = 12;
+    pub const STANDS: u32 = 13;
 }
 
 /// Status code of [`RobotState`].
@@ -123,6 +124,7 @@ pub fn world_event(kind: &EventKind, robots: &[Robot]) -> WorldEvent {
         }
         EventKind::Trapped { robot } => (code::TRAPPED, *robot as u32, none, 0.0),
         EventKind::Released { robot } => (code::RELEASED, *robot as u32, none, 0.0),
+        EventKind::Stands { robot, seconds } => (code::STANDS, *robot as u32, none, *seconds),
         EventKind::GameOver { reason } => (code::GAME_OVER, none, none, f64::from(*reason as u8)),
     };
     at_robot(

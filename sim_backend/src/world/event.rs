@@ -89,6 +89,14 @@ pub enum EventKind {
         /// The robot.
         robot: usize,
     },
+    /// A robot that has not arrived at its goal has stood for
+    /// [`STANDSTILL`](super::STANDSTILL); reported once per standstill.
+    Stands {
+        /// The robot.
+        robot: usize,
+        /// Duration of the standstill (s).
+        seconds: f64,
+    },
     /// The mission has ended.
     GameOver {
         /// Reason.

@@ -8,11 +8,13 @@ mod motion;
 mod obstacles;
 mod rules;
 mod sense;
+mod standstill;
 mod start;
 
 pub use coverage::{Coverage, CoverageFigures};
 pub use error::WorldError;
 pub use event::{ContactWith, EventKind, GameOver, ObstacleAction, WorldEvent};
+pub use standstill::STANDSTILL;
 
 use core::time::Duration;
 
@@ -20,6 +22,7 @@ use geometry::map::WorldMap;
 use geometry::pose::{Pose2, Twist2};
 use geometry::region::Region;
 use motion::Motion;
+use standstill::Rest;
 
 use crate::random::Stream;
 use crate::robot::{Robot, drive};
@@ -85,6 +88,7 @@ struct Extra {
     invalid_command: bool,
     /// Time for which Police have been within the capture radius.
     held: Duration,
+    rest: Rest,
 }
 
 /// Purposes of random streams; a robot's stream is its index times their number, plus this.
@@ -132,6 +136,7 @@ impl World {
                 odometry_pose: robot.pose,
                 invalid_command: false,
                 held: Duration::ZERO,
+                rest: Rest::new(robot.pose.position()),
             })
             .collect();
         let coverage = match &spec.rules.coverage {
@@ -164,8 +169,8 @@ impl World {
     ///
     /// Command *i* is for robot *i*. A missing command stops the robot; one that is not finite stops it
     /// and is reported; one beyond its limits is clamped. Robots out of the game ignore commands.
-    /// Captures, exits, goals and the time limit are decided, in this order, on the poses at the end of
-    /// the step.
+    /// Captures, exits, goals, standstills and the time limit are decided, in this order, on the poses at
+    /// the end of the step.
     ///
     /// Returns the events in the order of decision. The result is a function of the specification and the
     /// commands so far; a step allocates only if it has more events than any before.

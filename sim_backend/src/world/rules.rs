@@ -20,6 +20,7 @@ impl World {
             }
         }
         if self.over.is_none() {
+            self.report_standstills();
             self.test_end();
         }
     }

@@ -6,6 +6,7 @@ mod scenes;
 mod support;
 
 mod dominance;
+mod passing;
 mod routes;
 mod shortest_path;
 mod wavefront;

@@ -251,6 +251,10 @@ pub(super) fn text(scenario: &ResolvedScenario, report: &MissionReport) -> Strin
     if stops > 0 {
         text += &format!("fail-safe stops: {stops} (no fresh command)\n");
     }
+    for robot in s.robots.iter().filter(|robot| robot.standstills > 0) {
+        let (name, times) = (&robot.name, robot.standstills);
+        text += &format!("{name} stood before its goal for 10 s or more: {times} x\n");
+    }
     for process in &s.processes {
         text += &failures_text(process);
     }

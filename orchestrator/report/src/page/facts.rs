@@ -51,6 +51,7 @@ pub(super) fn outcome(gathered: &Gathered) -> Vec<RobotOutcome> {
                 contacts: state.contacts,
                 fail_safe_stops: 0,
                 fail_safe_ticks: 0,
+                standstills: 0,
                 escape_possible_fraction: None,
                 escape_impossible_from_s: None,
                 waypoints: None,

@@ -57,7 +57,7 @@ impl Consumer<Picture> for LogTopic {
 /// Returns an event as a log line.
 fn message(event: &WorldEvent, robots: &[RobotInfo], time_ns: u64) -> Log {
     let level = match WorldEvent::name_of(event.kind) {
-        "invalid_command" | "missing_command" => log::Level::Warning,
+        "invalid_command" | "missing_command" | "stands" => log::Level::Warning,
         "contact_begin" | "contact_end" => log::Level::Debug,
         _ => log::Level::Info,
     };
@@ -136,6 +136,7 @@ fn sentence(event: &WorldEvent, robots: &[RobotInfo]) -> String {
         "missing_command" => format!("{robot} received no command and stops"),
         "obstacle" => format!("obstacle {} changed", event.other),
         "game_over" => "the game is over".to_owned(),
+        "stands" => format!("{robot} stands: no progress for {:.0} s", event.value),
         other if has_robot => format!("{robot}: {}", other.replace('_', " ")),
         other => format!("{} event (code {})", other.replace('_', " "), event.kind),
     }

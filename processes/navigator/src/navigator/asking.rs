@@ -27,7 +27,7 @@ impl Navigator {
         stops: &Stops,
     ) -> Option<TrajectoryRequest> {
         let want = self.want?;
-        let goal = self.goal()?;
+        let goal = self.destination()?;
         let stands = own.twist.v.abs() < STANDING;
         let must_wait = view.time_s < self.not_before || self.halt && !stands;
         if self.asked.is_some() || must_wait {
@@ -135,10 +135,13 @@ impl Navigator {
         if self.ignore_robots {
             return Vec::new();
         }
-        let blocker = self.held_up.map(|(_, who)| who);
+        let blockers = [
+            self.held_up.map(|(_, who)| who),
+            self.giving_way.map(|giving_way| giving_way.to),
+        ];
         let others = self.traffic.others().iter();
         others
-            .filter(|other| other.parked || Some(other.index) == blocker)
+            .filter(|other| other.parked || blockers.contains(&Some(other.index)))
             .filter_map(|other| {
                 let radius = other.planned_radius(clearance, start, goal);
                 (radius > 0.0).then(|| Convex::disc(other.at, radius))

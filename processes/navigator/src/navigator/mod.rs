@@ -1,9 +1,12 @@
 //! Navigator of one robot: its requests, plans and commands.
 
 mod asking;
+mod giving_way;
 
 use geometry::pose::Twist2;
+use giving_way::GivingWay;
 use nalgebra::Point2;
+use navigation::passing::Trail;
 use planner_view::free_space::FreeSpace;
 use planner_view::view::View;
 use sim_backend::spec::RobotModel;
@@ -75,6 +78,12 @@ pub struct Navigator {
     traffic: Traffic,
     /// Time since which another robot blocks the path (s), and its index.
     held_up: Option<(f64, usize)>,
+    /// Time since which the robot stands before another one (s), and its index.
+    standoff: Option<(f64, usize)>,
+    /// `true` if the last plan around other robots failed.
+    is_boxed_in: bool,
+    giving_way: Option<GivingWay>,
+    trail: Trail,
     asked: Option<OpenRequest>,
     want: Option<ReplanReason>,
     /// Earliest time of the next request (s).
@@ -113,6 +122,10 @@ impl Navigator {
             pace: (0.0, 0.0),
             traffic: Traffic::default(),
             held_up: None,
+            standoff: None,
+            is_boxed_in: false,
+            giving_way: None,
+            trail: Trail::new(model.radius),
             asked: None,
             want: Some(ReplanReason::Need),
             not_before: 0.0,
@@ -168,6 +181,8 @@ impl Navigator {
         };
         self.known = None;
         self.ignore_robots = false;
+        self.is_boxed_in &= !asked.around_robots;
+        self.giving_way = self.giving_way.filter(|giving_way| !giving_way.waits);
         let left = self.follow.as_ref().map(Follow::left);
         let better = left.is_some_and(|left| trajectory.duration() < left - GAIN);
         if asked.want == ReplanReason::Better && !better {
@@ -206,8 +221,16 @@ impl Navigator {
             // Requests again at once, while the robot drives.
         } else if asked.stands {
             self.not_before = time_s + RETRY_S;
-            // Other robots may stand on the goal or all around; they may also leave.
-            self.ignore_robots = asked.around_robots && !self.ignore_robots;
+            match &self.giving_way {
+                // The other has not passed yet.
+                Some(giving_way) if giving_way.waits => {}
+                Some(_) => self.giving_way = None,
+                None => {
+                    // Other robots may stand on the goal or all around; they may also leave.
+                    self.is_boxed_in |= asked.around_robots;
+                    self.ignore_robots = asked.around_robots && !self.ignore_robots;
+                }
+            }
         } else {
             // More paths are possible from a standstill.
             self.halt = true;
@@ -237,6 +260,7 @@ impl Navigator {
         self.look_at_error(&motion, stands);
         self.look_at_goal(&motion, view.dt);
         let stops = self.look_at_others(&motion, view);
+        self.look_at_right_of_way(space, view, own);
         let (command, pace) = match &self.follow {
             Some(follow) => {
                 let pace = follow.pace(&self.drive, &motion, &stops, view.dt);
@@ -296,7 +320,9 @@ impl Navigator {
     /// Selects the next goal when the robot has reached this one, or will reach it before a plan
     /// could be ready.
     fn look_at_goal(&mut self, motion: &Motion, dt: f64) {
-        let Some(goal) = self.goal() else { return };
+        let Some(goal) = self.goal().filter(|_| self.giving_way.is_none()) else {
+            return;
+        };
         let Some(follow) = &self.follow else { return };
         let is_last = self.goal + 1 == self.goals.len() && !self.params.repeat;
         let ahead = if is_last { 0.0 } else { self.ahead(dt) };
@@ -330,12 +356,14 @@ impl Navigator {
             return stops;
         };
         let ahead = self.drive.reach(motion.twist.v, view.dt) + self.params.margin;
-        let Some((along, who)) = self.traffic.stop(&follow.trajectory, follow.tau, ahead) else {
+        let stop = self.traffic.stop(&follow.trajectory, follow.tau, ahead);
+        let stands = motion.twist.v.abs() < STANDING;
+        self.note_standoff(stop.map(|(_, who)| who), stands, view.time_s);
+        let Some((along, who)) = stop else {
             self.held_up = None;
             return stops;
         };
         stops.traffic = Some(along);
-        let stands = motion.twist.v.abs() < STANDING;
         match self.held_up {
             Some((since, _)) if stands => {
                 // The robot with the right of way replans first.

@@ -290,3 +290,33 @@ fn slip_and_noise_keep_within_the_limits_and_repeat_with_the_seed() {
     assert!(run(1).x < 2.4, "it slips: {}", run(1).x);
     assert_ne!(run(1).y, 0.0, "it veers");
 }
+
+#[test]
+fn a_robot_that_stands_before_its_goal_is_reported_once_per_standstill() {
+    let mut robot = racer("r", Team::Neutral, 0.0, 0.0, 0.0);
+    robot.goal = Some(Region::Circle {
+        center: [4.0, 0.0],
+        radius: 0.1,
+    });
+    let idle = racer("idle", Team::Neutral, 0.0, 3.0, 0.0);
+    let mut world = world(room(vec![]), vec![robot, idle], RulesSpec::default());
+    let mut reports = Vec::new();
+    // A turn on the spot is no progress, nor is less than 5 cm; between 15 s and 20 s it drives.
+    for tick in 1..=900 {
+        let command = match tick {
+            0..=300 => drive(0.002, 1.0),
+            301..=400 => drive(0.2, 0.0),
+            _ => None,
+        };
+        for event in world.step(&[command, None], TICK) {
+            assert!(
+                matches!(event.kind, EventKind::Stands { robot: 0, .. }),
+                "{event:?}"
+            );
+            reports.push(event.time.as_secs_f64());
+        }
+    }
+    assert_eq!(reports.len(), 2, "{reports:?}");
+    assert_eq!(reports[0], 10.0);
+    assert!((reports[1] - 30.0).abs() < 0.5, "{reports:?}");
+}

@@ -23,6 +23,7 @@ fn row(length_m: f64, mae_m: f64) -> Row {
         contacts: 0,
         fail_safe_stops: 0,
         fail_safe_ticks: 0,
+        standstills: 0,
         escape_possible_fraction: None,
         escape_impossible_from_s: None,
         waypoints: Some(WaypointOutcome {

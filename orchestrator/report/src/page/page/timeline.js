@@ -6,7 +6,7 @@ const LANES = [
   { text: 'obstacles', kinds: ['obstacle', 'pushed_out', 'trapped', 'released'], colour: 'obstacle' },
   { text: 'contacts', kinds: ['contact_begin', 'contact_end'], colour: 'evader' },
   { text: 'command errors', kinds: ['invalid_command', 'missing_command'], colour: 'belief-ink' },
-  { text: 'ends', kinds: ['timed_out', 'game_over'], colour: 'ink' },
+  { text: 'standstills, ends', kinds: ['stands', 'timed_out', 'game_over'], colour: 'ink' },
 ];
 /** Names of kinds of events, as in `protean picture`. */
 const EVENT_WORDS = { captured: 'caught', goal_reached: 'arrived', obstacle: 'obstacle changed' };
