@@ -60,7 +60,7 @@ impl ObstacleField {
         let refused = |what: &str, depth: f64| ProblemError {
             field: "start".to_owned(),
             value: format!("({}, {})", start.x, start.y),
-            expected: format!("a place no more than {tolerance} m {what}; it is {depth:.4} m"),
+            expected: format!("a place no more than {tolerance} {what}; it is {depth:.4}"),
         };
         let outside = beyond(&self.bounds, start);
         if outside > tolerance {
@@ -103,7 +103,7 @@ impl ObstacleField {
             let distance = obstacle.contact(goal).distance;
             if distance < self.clearance - GOAL_TOLERANCE {
                 return Err(refused(format!(
-                    "a place at least {} m from every obstacle; obstacles[{i}] is {distance:.4} m \
+                    "a place at least {} from every obstacle; obstacles[{i}] is {distance:.4} \
                      away",
                     self.clearance
                 )));
@@ -186,8 +186,8 @@ impl ExactObstacleField {
             .map_err(|e| {
                 PlanError::Invalid(ProblemError {
                     field: "obstacles".to_owned(),
-                    value: self.space.shapes().parts().len().to_string(),
-                    expected: e.to_string(),
+                    value: format!("a field of {} pieces", self.space.shapes().parts().len()),
+                    expected: format!("one in which the search stays within its limits: {e}"),
                 })
             })?
             .ok_or(PlanError::NoPath)

@@ -120,7 +120,7 @@ pub struct Problem {
     pub start_tolerance: f64,
 }
 
-/// Invalid field of a problem.
+/// Invalid field of a problem; numbers have the units of the problem.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[error("{field} = {value}: expected {expected}")]
 pub struct ProblemError {
@@ -201,7 +201,7 @@ impl Problem {
         not_negative("start_tolerance", self.start_tolerance)?;
         number("clearance", self.clearance)?;
         if self.clearance < MIN_CLEARANCE {
-            let expected = format!("at least {MIN_CLEARANCE} (m)");
+            let expected = format!("at least {MIN_CLEARANCE}");
             return Err(ProblemError::new("clearance", self.clearance, expected));
         }
         self.validate_speeds()?;
@@ -213,7 +213,7 @@ impl Problem {
         let turn = self.start_turn_rate.unwrap_or(0.0);
         number("start_turn_rate", turn)?;
         if turn.abs() > limits.top_turn_rate() {
-            let expected = format!("at most {} (rad/s) in magnitude", limits.top_turn_rate());
+            let expected = format!("at most {} in magnitude", limits.top_turn_rate());
             return Err(ProblemError::new("start_turn_rate", turn, expected));
         }
         let wheels = |omega: f64| {
@@ -230,7 +230,7 @@ impl Problem {
             // A measured speed must be accepted despite rounding.
             let most = limits.v_max.min(wheels(omega)).max(0.0);
             if speed > most * (1.0 + 1e-9) {
-                let expected = format!("at most {most} (m/s) by the limits");
+                let expected = format!("at most {most} by the limits");
                 return Err(ProblemError::new(field, speed, expected));
             }
         }

@@ -7,8 +7,8 @@ use super::loose::Loose;
 
 /// Maximum number of corners of a polygon.
 pub const MAX_CORNERS: usize = 1024;
-/// Maximum magnitude of a coordinate (px), speed (px/s) or size; the value in metres has its own limit.
-const MAX_PIXELS: f64 = 1e9;
+/// Maximum magnitude of a coordinate (px), speed (px/s) or size.
+const MAX_PIXELS: f64 = MAX_NUMBER;
 
 /// An invalid field of an instance.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -125,17 +125,12 @@ pub fn read_instance(id: &str, from: &Loose) -> Result<Instance, FieldError> {
         angular_acceleration: optional(from, "angular_acceleration_rad_s2", Positive, "rad/s²")?,
         obstacles: obstacles(from)?,
     };
-    in_metres(&instance)?;
-    Ok(instance)
-}
-
-/// Checks the ranges in metres.
-fn in_metres(instance: &Instance) -> Result<(), FieldError> {
-    instance.problem().validate().map_err(|error| FieldError {
+    instance.check().map_err(|error| FieldError {
         field: error.field,
         value: error.value,
-        expected: format!("{}, in SI units ({MAX_NUMBER:e} at most)", error.expected),
-    })
+        expected: format!("{} (px, s, rad)", error.expected),
+    })?;
+    Ok(instance)
 }
 
 fn bounds(from: &Loose) -> Result<[f64; 4], FieldError> {
@@ -146,8 +141,8 @@ fn bounds(from: &Loose) -> Result<[f64; 4], FieldError> {
         return Err(FieldError::new("bounds_px", found, EXPECTED));
     };
     let mut bounds = [0.0; 4];
-    for (i, (bound, value)) in bounds.iter_mut().zip(list).enumerate() {
-        *bound = number(Some(value), &format!("bounds_px[{i}]"), Range::Any, "px")?;
+    for (i, (bound, value)) in bounds.iter_mut().zip(list.iter()).enumerate() {
+        *bound = number(Some(&value), &format!("bounds_px[{i}]"), Range::Any, "px")?;
     }
     if bounds[0] < bounds[2] && bounds[1] < bounds[3] {
         return Ok(bounds);
@@ -189,7 +184,7 @@ fn obstacles(from: &Loose) -> Result<Vec<Body>, FieldError> {
         return Err(FieldError::new("obstacles", value_count(*count), expected));
     }
     let bodies = list.iter().enumerate();
-    bodies.map(|(i, body)| obstacle(i, body)).collect()
+    bodies.map(|(i, body)| obstacle(i, &body)).collect()
 }
 
 fn value_count(count: usize) -> String {
@@ -228,7 +223,14 @@ fn polygon(field: &str, value: &Loose) -> Result<Body, FieldError> {
         let Loose::List(pair, 2) = corner else {
             return Err(FieldError::new(field, corner, "a corner [x, y] (px)"));
         };
-        let at = |k: usize| number(pair.get(k), &format!("{field}[{k}]"), Range::Any, "px");
+        let at = |k: usize| {
+            number(
+                pair.get(k).as_ref(),
+                &format!("{field}[{k}]"),
+                Range::Any,
+                "px",
+            )
+        };
         corners.push([at(0)?, at(1)?]);
     }
     let convex = "the corners of a convex polygon with an area > 0, in order";

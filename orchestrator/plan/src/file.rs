@@ -1,8 +1,12 @@
 //! Files of instances: a JSON array.
 
+use core::fmt;
 use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
+
+use serde::de::{Deserializer as _, SeqAccess, Visitor};
 
 use super::field::{FieldError, read_instance};
 use super::instance::Instance;
@@ -16,7 +20,7 @@ pub const MAX_ID: usize = 200;
 /// An element of a file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Element {
-    /// Id of the instance.
+    /// Id of the instance; `element` and the index without a valid one.
     pub id: String,
     /// The instance, or its fault.
     pub instance: Result<Instance, FieldError>,
@@ -53,32 +57,6 @@ pub enum FileProblem {
         /// Description of the contents.
         found: String,
     },
-    /// An element is not an instance.
-    #[error("element {index} is {found}; expected an instance, an object")]
-    NotAnObject {
-        /// Index of the element, from 0.
-        index: usize,
-        /// Description of the element.
-        found: String,
-    },
-    /// An element has no valid id.
-    #[error("element {index}: id = {found}; expected a text of 1 to {MAX_ID} characters")]
-    Nameless {
-        /// Index of the element, from 0.
-        index: usize,
-        /// Value of the id.
-        found: String,
-    },
-    /// Two elements have the same id.
-    #[error("elements {first} and {second} have the same id {id:?}; expected different ones")]
-    Duplicate {
-        /// Id of both.
-        id: String,
-        /// Index of the first element.
-        first: usize,
-        /// Index of the second element.
-        second: usize,
-    },
 }
 
 /// Reads a file. Each invalid instance has its own error; the others are usable.
@@ -110,39 +88,76 @@ pub fn parse(bytes: &[u8]) -> Result<Vec<Element>, FileProblem> {
     if bytes.len() as u64 > MAX_FILE {
         return Err(FileProblem::TooLarge);
     }
-    // Not as one `Loose`, which limits the number of stored elements.
+    // Some editors begin a file with a byte-order mark.
+    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     let start = bytes.iter().find(|b| !b.is_ascii_whitespace());
     if start != Some(&b'[') {
         let json: Loose = serde_json::from_slice(bytes)?;
         let found = json.to_string();
         return Err(FileProblem::NotInstances { found });
     }
-    let list: Vec<Loose> = serde_json::from_slice(bytes)?;
-    if list.is_empty() {
+    let mut json = serde_json::Deserializer::from_slice(bytes);
+    let elements = json.deserialize_seq(ElementsVisitor)?;
+    json.end()?;
+    if elements.is_empty() {
         let found = "an empty array".to_owned();
         return Err(FileProblem::NotInstances { found });
     }
-    let mut elements = Vec::with_capacity(list.len());
-    let mut seen: BTreeMap<String, usize> = BTreeMap::new();
-    for (index, value) in list.iter().enumerate() {
-        if !matches!(value, Loose::Object(_)) {
-            let found = value.to_string();
-            return Err(FileProblem::NotAnObject { index, found });
-        }
-        let id = match value.get("id") {
-            Some(Loose::Text(id)) if (1..=MAX_ID).contains(&id.chars().count()) => id.clone(),
-            other => {
-                let found = other.map_or_else(|| "nothing".to_owned(), ToString::to_string);
-                return Err(FileProblem::Nameless { index, found });
-            }
-        };
-        if let Some(&first) = seen.get(&id) {
-            let second = index;
-            return Err(FileProblem::Duplicate { id, first, second });
-        }
-        seen.insert(id.clone(), index);
-        let instance = read_instance(&id, value);
-        elements.push(Element { id, instance });
-    }
     Ok(elements)
+}
+
+/// Reads the elements of the array one by one: the JSON of only one is in memory.
+struct ElementsVisitor;
+
+impl<'de> Visitor<'de> for ElementsVisitor {
+    type Value = Vec<Element>;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("an array of instances")
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<Vec<Element>, A::Error> {
+        let mut elements = Vec::new();
+        let mut ids = BTreeMap::new();
+        while let Some(json) = list.next_element::<Loose>()? {
+            let index = elements.len();
+            elements.push(match id(&json, index, &mut ids) {
+                Ok(id) => Element {
+                    instance: read_instance(&id, &json),
+                    id,
+                },
+                Err(error) => Element {
+                    id: format!("element {index}"),
+                    instance: Err(error),
+                },
+            });
+        }
+        Ok(elements)
+    }
+}
+
+/// Returns the id of an element. `ids` holds those of the elements before it.
+fn id(json: &Loose, index: usize, ids: &mut BTreeMap<String, usize>) -> Result<String, FieldError> {
+    if !matches!(json, Loose::Object(_)) {
+        let field = format!("element {index}");
+        return Err(FieldError::new(field, json, "an instance, an object"));
+    }
+    let id = match json.get("id") {
+        Some(Loose::Text(id)) if (1..=MAX_ID).contains(&id.chars().count()) => id.clone(),
+        other => {
+            let found = other.map_or_else(|| "nothing".to_owned(), ToString::to_string);
+            let expected = format!("a text of 1 to {MAX_ID} characters");
+            return Err(FieldError::new("id", found, expected));
+        }
+    };
+    match ids.entry(id.clone()) {
+        Entry::Occupied(first) => {
+            let expected = format!("an id of its own: element {} has it", first.get());
+            Err(FieldError::new("id", format!("{id:?}"), expected))
+        }
+        Entry::Vacant(place) => {
+            place.insert(index);
+            Ok(id)
+        }
+    }
 }

@@ -4,10 +4,15 @@ use geometry::pose::Pose2;
 use geometry::shape::{Aabb, Convex};
 use nalgebra::Point2;
 use serde_json::{Value as Json, json};
+use trajectory::obstacle_field::ObstacleField;
 use trajectory::problem::MIN_CLEARANCE;
-use trajectory::{Problem, RobotLimits, Wheels};
+use trajectory::{Problem, ProblemError, RobotLimits, Wheels};
 use trajectory_check::{Contract, Obstacle, WheelLimit};
 
+/// Smallest extent (m) of a problem that is planned in metres.
+const MIN_EXTENT: f64 = 0.1;
+/// Largest extent (m) of a problem that is planned in metres.
+const MAX_EXTENT: f64 = 200.0;
 /// Maximum depth (m) of a start in a grown obstacle: the tolerance of the check of plans.
 pub const START_TOLERANCE: f64 = 1e-3;
 
@@ -65,14 +70,64 @@ pub struct Instance {
 }
 
 impl Instance {
-    /// Returns the size of a pixel (m).
+    /// Returns the size of a pixel in the planner's unit of length.
+    ///
+    /// The unit is the metre if start, goal and obstacles then extend over [`MIN_EXTENT`] to
+    /// [`MAX_EXTENT`], else a power of ten of it: the tolerances of planner and check are lengths for
+    /// robots, while the problem has the same solution at any scale.
     pub fn scale(&self) -> f64 {
-        self.cm_per_px / 100.0
+        let mut scale = self.cm_per_px / 100.0;
+        let extent = self.extent();
+        if extent > 0.0 {
+            while scale * extent > MAX_EXTENT {
+                scale /= 10.0;
+            }
+            while scale * extent < MIN_EXTENT {
+                scale *= 10.0;
+            }
+        }
+        scale
     }
 
-    /// Converts the problem to SI units for the optimiser.
+    /// Returns the extent (px) of start, goal and obstacles within the bounds.
+    fn extent(&self) -> f64 {
+        let bodies = self.obstacles.iter().flat_map(|body| match body {
+            Body::Disc { x, y, r } => vec![[x - r, y - r], [x + r, y + r]],
+            Body::Polygon(corners) => corners.clone(),
+        });
+        let ends = [[self.start[0], self.start[1]], self.goal];
+        let [x0, y0, x1, y1] = self.bounds;
+        let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
+        for [x, y] in bodies.chain(ends) {
+            let point = [x.clamp(x0, x1), y.clamp(y0, y1)];
+            for axis in 0..2 {
+                low[axis] = low[axis].min(point[axis]);
+                high[axis] = high[axis].max(point[axis]);
+            }
+        }
+        (high[0] - low[0]).max(high[1] - low[1])
+    }
+
+    /// Checks the problem with the units of the file.
+    ///
+    /// # Errors
+    /// [`ProblemError`] names the first field that is out of range, also a start or goal that is not free.
+    pub fn check(&self) -> Result<(), ProblemError> {
+        let problem = Problem {
+            start_tolerance: START_TOLERANCE / self.scale(),
+            ..self.problem_at(1.0)
+        };
+        problem.validate()?;
+        ObstacleField::new(&problem).map(drop)
+    }
+
+    /// Converts the problem to the planner's unit of length.
     pub fn problem(&self) -> Problem {
-        let k = self.scale();
+        self.problem_at(self.scale())
+    }
+
+    /// Converts the problem; a pixel has this length.
+    fn problem_at(&self, k: f64) -> Problem {
         let [x, y, theta] = self.start;
         let point = |x: f64, y: f64| Point2::new(x * k, y * k);
         let [x0, y0, x1, y1] = self.bounds;
@@ -112,7 +167,7 @@ impl Instance {
         }
     }
 
-    /// Returns the conditions that a plan must meet (SI units), from the problem as given and not from the optimiser.
+    /// Returns the conditions that a plan must meet (in the planner's unit of length), from the problem as given and not from the optimiser.
     pub fn contract(&self) -> Contract {
         let k = self.scale();
         let [x, y, theta] = self.start;

@@ -10,6 +10,68 @@ const KEPT: usize = MAX_OBSTACLES + 1;
 /// Maximum length of a text in messages (characters).
 const SHOWN: usize = 60;
 
+/// The stored elements of a list. Numbers and points, which are most of a large file, take 8 and 16 bytes.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Items {
+    /// Numbers only.
+    Numbers(Vec<f64>),
+    /// Pairs of numbers only.
+    Points(Vec<[f64; 2]>),
+    /// Any values.
+    Any(Vec<Loose>),
+}
+
+impl Items {
+    /// Returns the number of stored elements.
+    fn len(&self) -> usize {
+        match self {
+            Self::Numbers(list) => list.len(),
+            Self::Points(list) => list.len(),
+            Self::Any(list) => list.len(),
+        }
+    }
+
+    /// Returns an element.
+    pub fn get(&self, index: usize) -> Option<Loose> {
+        match self {
+            Self::Numbers(list) => list.get(index).map(|v| Loose::Number(*v)),
+            Self::Points(list) => {
+                let pair = |point: &[f64; 2]| Loose::List(Self::Numbers(point.to_vec()), 2);
+                list.get(index).map(pair)
+            }
+            Self::Any(list) => list.get(index).cloned(),
+        }
+    }
+
+    /// Returns the elements in order.
+    pub fn iter(&self) -> impl Iterator<Item = Loose> + '_ {
+        (0..self.len()).filter_map(|index| self.get(index))
+    }
+
+    /// Appends an element.
+    fn push(&mut self, value: Loose) {
+        if self.len() == 0 {
+            *self = match &value {
+                Loose::Number(_) => Self::Numbers(Vec::new()),
+                Loose::List(Self::Numbers(_), 2) => Self::Points(Vec::new()),
+                _ => Self::Any(Vec::new()),
+            };
+        }
+        match (&mut *self, value) {
+            (Self::Numbers(list), Loose::Number(v)) => list.push(v),
+            (Self::Points(list), Loose::List(Self::Numbers(pair), 2)) => {
+                list.extend(<[f64; 2]>::try_from(pair));
+            }
+            (Self::Any(list), value) => list.push(value),
+            (_, value) => {
+                let mut list: Vec<Loose> = self.iter().collect();
+                list.push(value);
+                *self = Self::Any(list);
+            }
+        }
+    }
+}
+
 /// A JSON value.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Loose {
@@ -22,7 +84,7 @@ pub enum Loose {
     /// Text.
     Text(String),
     /// A list: its first elements and its length.
-    List(Vec<Loose>, usize),
+    List(Items, usize),
     /// An object with its entries in order.
     Object(Vec<(String, Loose)>),
 }
@@ -100,9 +162,9 @@ impl<'de> Visitor<'de> for LooseVisitor {
     }
 
     fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<Loose, A::Error> {
-        let mut kept = Vec::new();
+        let mut kept = Items::Any(Vec::new());
         while kept.len() < KEPT
-            && let Some(element) = list.next_element()?
+            && let Some(element) = list.next_element::<Loose>()?
         {
             kept.push(element);
         }

@@ -2,6 +2,7 @@ use std::sync::atomic::AtomicBool;
 
 use proptest::prelude::*;
 use serde_json::{Value as Json, json};
+use trajectory::obstacle_field::ObstacleField;
 
 use super::file::{FileProblem, parse};
 use super::generate::{NAMES, reference, with_reference};
@@ -90,7 +91,7 @@ fn what_is_wrong_is_named_with_field_value_and_expectation() {
         (
             "/cm_per_px",
             json!(1e300),
-            ["cm_per_px", "of at most 1e9 in size"],
+            ["cm_per_px", "of at most 1e6 in size"],
         ),
         (
             "/vmax_px_s",
@@ -127,7 +128,7 @@ fn what_is_wrong_is_named_with_field_value_and_expectation() {
         (
             "/start_speed",
             json!(21),
-            ["start_speed = 0.15", "at most 0.15"],
+            ["start_speed = 21", "at most 20"],
         ),
         ("/goal/x", json!("é"), ["goal.x = \"é\"", "(px)"]),
         ("/goal/theta", json!({}), ["goal.theta", "(rad)"]),
@@ -205,10 +206,6 @@ fn what_is_wrong_is_named_with_field_value_and_expectation() {
 
 #[test]
 fn files_without_instances_are_refused_as_a_whole() {
-    let twice = serde_json::to_string(&[good(), good()]).unwrap();
-    let mut nameless = good();
-    nameless["id"] = json!("");
-    let nameless = serde_json::to_string(&[nameless]).unwrap();
     let deep = "[".repeat(100_000);
     for (text, word) in [
         ("", "not JSON"),
@@ -216,10 +213,6 @@ fn files_without_instances_are_refused_as_a_whole() {
         (&deep, "not JSON"),
         ("{}", "expected an array"),
         ("[]", "at least one instance"),
-        ("[3]", "element 0 is 3"),
-        ("[{}]", "element 0: id = nothing"),
-        (&nameless, "1 to 200 characters"),
-        (&twice, "elements 0 and 1 have the same id \"a\""),
         (r#"[{"id": "a", "start": 1e999}]"#, "not JSON"),
         (r#"[{"id": "a", "id": "b"}]"#, "occurs twice"),
         ("[NaN]", "not JSON"),
@@ -230,6 +223,89 @@ fn files_without_instances_are_refused_as_a_whole() {
     let large = vec![b' '; super::file::MAX_FILE as usize + 1];
     assert!(matches!(parse(&large), Err(FileProblem::TooLarge)));
     assert!(parse(&[0xff, 0xfe, b'[']).is_err());
+}
+
+#[test]
+fn an_element_without_a_valid_id_leaves_the_others_usable() {
+    let mut nameless = good();
+    nameless["id"] = json!("");
+    let list = json!([good(), nameless, good(), 3, {}]);
+    let elements = parse(&serde_json::to_vec(&list).unwrap()).unwrap();
+    let ids: Vec<&str> = elements.iter().map(|e| e.id.as_str()).collect();
+    assert_eq!(
+        ids,
+        ["a", "element 1", "element 2", "element 3", "element 4"]
+    );
+    assert!(elements[0].instance.is_ok());
+    for (element, word) in elements[1..].iter().zip([
+        "id = \"\": expected a text of 1 to 200 characters",
+        "id = \"a\": expected an id of its own: element 0 has it",
+        "element 3 = 3: expected an instance",
+        "id = nothing",
+    ]) {
+        let error = element.instance.as_ref().unwrap_err().to_string();
+        assert!(error.contains(word), "{word:?} is missing in {error}");
+    }
+}
+
+#[test]
+fn a_byte_order_mark_is_skipped() {
+    let mut bytes = b"\xef\xbb\xbf".to_vec();
+    bytes.extend(serde_json::to_vec(&[good()]).unwrap());
+    assert!(parse(&bytes).unwrap()[0].instance.is_ok());
+}
+
+#[test]
+fn a_plan_does_not_depend_on_the_scale_of_the_board() {
+    let go = AtomicBool::new(false);
+    // A board of 0.64 mm, the usual one, and one of 640 km.
+    let answers = [1e-4, 0.75, 1e5].map(|cm_per_px| {
+        let instance = read_one(&changed("/cm_per_px", json!(cm_per_px))).unwrap();
+        solve(&instance, &PlanOptions::default(), 1, &go).unwrap()
+    });
+    for answer in &answers {
+        let (t, bound) = (answer.t_s.unwrap(), answer.lower_bound_s.unwrap());
+        assert_eq!(answer.honest, Some(true), "{answer:?}");
+        assert!(bound <= t, "{bound} {t}");
+        assert!((t - answers[1].t_s.unwrap()).abs() < 1e-2, "{t}");
+    }
+    // A board whose pixels are a thousand times as many.
+    let scaled = |v: &Json| json!(v.as_f64().unwrap() * 1000.0);
+    let mut json = good();
+    for pointer in [
+        "/vmax_px_s",
+        "/buffer_px",
+        "/start/x",
+        "/start/y",
+        "/goal/x",
+        "/goal/y",
+    ]
+    .into_iter()
+    .chain(["/obstacles/0/x", "/obstacles/0/y", "/obstacles/0/r"])
+    .chain(["/bounds_px/2", "/bounds_px/3"])
+    {
+        let value = json.pointer_mut(pointer).unwrap();
+        *value = scaled(value);
+    }
+    let answer = solve(&read_one(&json).unwrap(), &PlanOptions::default(), 1, &go).unwrap();
+    assert!(
+        (answer.t_s.unwrap() - answers[1].t_s.unwrap()).abs() < 1e-2,
+        "{answer:?}"
+    );
+}
+
+/// Grown, they overlap: their border has more arcs than there are discs.
+#[test]
+fn as_many_discs_as_are_promised_have_a_shortest_path() {
+    let discs: Vec<Json> = (0..4096)
+        .map(|i| json!({ "x": 30 + 7919 * i % 560, "y": 30 + 10_473 * i % 419, "r": 1.5 }))
+        .collect();
+    let mut json = changed("/obstacles", json!(discs));
+    json["buffer_px"] = json!(3);
+    let problem = read_one(&json).unwrap().problem();
+    let field = ObstacleField::new(&problem).unwrap().exact().unwrap();
+    let path = field.shortest(problem.start.position(), problem.goal);
+    assert!(path.unwrap().length > 5.0);
 }
 
 /// A million obstacles are counted but not stored.
@@ -328,13 +404,12 @@ fn answers_without_a_plan_contain_the_reason() {
     assert_eq!((answer.honest, answer.t_s), (None, None));
     assert!(answer.is_answer() && answer.error.is_some());
     let inside = json!([{ "x": 10, "y": 10, "r": 5 }]);
-    let answer = solved(&changed("/obstacles", inside));
-    assert_eq!(answer.status, Outcome::Invalid);
-    assert!(!answer.is_answer());
-    assert!(
-        answer.error.as_ref().unwrap().contains("start"),
-        "{answer:?}"
+    let error = read_one(&changed("/obstacles", inside)).unwrap_err();
+    assert_eq!(
+        (error.field.as_str(), error.value.as_str()),
+        ("start", "(10, 10)")
     );
+    assert!(error.expected.contains("px"), "{error}");
 }
 
 fn json_value() -> impl Strategy<Value = Json> {

@@ -78,8 +78,8 @@ pub enum GraphError {
     #[error("radius = {0}: expected a number of at least {MIN_RADIUS} (m)")]
     Radius(f64),
     /// The map has too many corners.
-    #[error("the map has more than {MAX_SITES} corners and discs that paths may bend around")]
-    TooManySites,
+    #[error("the map has more than {0} arcs around corners and discs that paths may bend around")]
+    TooManySites(usize),
     /// The map has too many tangents.
     #[error("the map has more than {MAX_TANGENTS} lines of sight between corners and discs")]
     TooManyTangents,
@@ -172,7 +172,7 @@ impl TangentGraph {
         }
         let sites = sites::find(space, radius, MAX_SITES);
         if sites.len() > MAX_SITES {
-            return Err(GraphError::TooManySites);
+            return Err(GraphError::TooManySites(MAX_SITES));
         }
         let graph = Graph::new(space, radius, sites)?;
         let inner = Inner {

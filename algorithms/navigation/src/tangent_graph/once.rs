@@ -13,6 +13,10 @@ use planner_view::free_space::FreeSpace;
 /// Successive upper bounds on the length of the path, as multiples of the straight distance.
 const LENGTH_BOUNDS: [f64; 4] = [1.01, 1.05, 1.2, 1.6];
 
+/// Maximum number of arcs for a single query. The border of a union of n discs has at most 6 n − 12 arcs, so this
+/// many suffice for as many discs as a graph has sites.
+const MAX_ONCE: usize = 6 * MAX_SITES;
+
 /// The shortest path of a disc of this radius (m) between two points (m); as
 /// [`TangentGraph::shortest`], but without the preparations that only pay for many queries.
 ///
@@ -33,9 +37,9 @@ pub fn shortest_once(
         return Err(GraphError::Radius(radius));
     }
     let direct = (to - from).norm();
-    let all = sites::find(space, radius, MAX_SITES);
-    if all.len() > MAX_SITES {
-        return Err(GraphError::TooManySites);
+    let all = sites::find(space, radius, MAX_ONCE);
+    if all.len() > MAX_ONCE {
+        return Err(GraphError::TooManySites(MAX_ONCE));
     }
     let detour = |site: &Site| {
         let [a, b] = [from, to].map(|end| ((end - site.center).norm() - site.radius).max(0.0));
