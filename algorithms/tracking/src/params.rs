@@ -6,6 +6,8 @@ use parameters::{Fidelity, Parameters, ParamsError, above, at_least, between, re
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::particle_filter::MotionLimits;
+
 /// Measurement of an opponent's heading.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase", deny_unknown_fields)]
@@ -82,11 +84,21 @@ pub struct FilterParams {
     /// which hypotheses circle in place while the opponent drives on.
     #[schemars(transform = at_least(0).unit("1/s"))]
     pub straighten_rate: f64,
+    /// Maximum speed of a hypothesis as a share of the opponent's, and a tenth of that backwards; absent:
+    /// the opponent's own limits. The published program multiplies speeds by the maximum twice:
+    /// its hypotheses reach a fifth of the real speed.
+    #[schemars(transform = above(0).at_most(1))]
+    pub speed_limit: Option<f64>,
+    /// Maximum turning rate of a hypothesis when lower than the opponent's own; absent: the
+    /// opponent's.
+    #[schemars(transform = above(0).unit("rad/s"))]
+    pub turn_limit: Option<f64>,
     /// `true` if an unseen hypothesis that would drive into an obstacle turns away from it; `false` if it is
     /// ruled out, as in the paper: then hypotheses that hardly move outlive the others.
     pub turn_at_walls: bool,
-    /// Variant of the filter. [`Fidelity::Published`]: walks that stay at the ends of their ranges,
-    /// equal weights before snapping, and a belief that is rebuilt only when no particle is possible.
+    /// Variant of the filter. [`Fidelity::Published`]: walks that stay at the ends of their ranges;
+    /// weights N(x)·N(y)/(1 + |Δheading|) of a noisy sighting, equal ones of an exact sighting; and
+    /// copies of one particle when no particle is possible.
     pub fidelity: Fidelity,
 }
 
@@ -98,6 +110,8 @@ impl Default for FilterParams {
             turn_walk: 1.0,
             cruise_rate: 0.5,
             straighten_rate: 8.0,
+            speed_limit: None,
+            turn_limit: None,
             turn_at_walls: true,
             fidelity: Fidelity::Ours,
         }
@@ -122,11 +136,8 @@ impl Parameters for PerceptionParams {
 
 impl PerceptionParams {
     /// The experiments' parameters: 30 particles, the exact heading in every sighting, uniform steps of ±25 %
-    /// of the maximum speed and ±40 % of the maximum turning rate per 0.05 s, and the published program's
-    /// traits.
-    ///
-    /// The programming errors of the original are not included: hypothesised speeds reach the real limit, and
-    /// the filter recovers from weights that are all zero.
+    /// of the maximum speed and ±40 % of the maximum turning rate of a hypothesis per 0.05 s, and the
+    /// published program's traits.
     pub fn paper() -> Self {
         Self {
             sensor: SensorParams {
@@ -140,6 +151,8 @@ impl PerceptionParams {
                 turn_walk: 0.4 * 2.581_988_897_471_611,
                 cruise_rate: 0.0,
                 straighten_rate: 0.0,
+                speed_limit: Some(0.2),
+                turn_limit: Some(0.5),
                 turn_at_walls: false,
                 fidelity: Fidelity::Published,
             },
@@ -158,10 +171,28 @@ impl Parameters for SensorParams {
     }
 }
 
+/// Speed backwards as a share of the speed forwards, for hypotheses with a limited speed.
+const REVERSE_SHARE: f64 = 0.1;
+
 /// Maximum number of particles of a filter.
 pub const MAX_PARTICLES: usize = 1_000_000;
 
 impl Parameters for FilterParams {}
+
+impl FilterParams {
+    /// Limits of the hypotheses about an opponent with these limits.
+    pub(crate) fn narrowed(&self, own: MotionLimits) -> MotionLimits {
+        let (v_max, v_reverse_max) = match self.speed_limit {
+            None => (own.v_max, own.v_reverse_max),
+            Some(share) => (share * own.v_max, REVERSE_SHARE * share * own.v_max),
+        };
+        MotionLimits {
+            v_max,
+            v_reverse_max,
+            omega_max: own.omega_max.min(self.turn_limit.unwrap_or(f64::INFINITY)),
+        }
+    }
+}
 
 #[cfg(test)]
 mod tests {

@@ -7,11 +7,14 @@
 //! 2. opponent seen with noise σ: Gaussian likelihood (also of the heading if the sensor has it);
 //! 3. opponent unseen: (1 − V)^(rate·dt), V the best visibility of the particle;
 //! 4. opponent seen with σ below 0.01 m: as case 2 with a width of a fraction of a step, then all
-//!    particles take the measured position.
+//!    particles take the measured position, and the heading if that was measured as precisely.
 //!
 //! If no weight is left (or the mean likelihood is below `LOST_BELOW`), the belief is rebuilt:
 //! around the measurement if there is one, else uniformly over free space. Unseen space that the
 //! opponent can have reached since it was last seen takes precedence over all free space.
+//!
+//! The published program weighs cases 2 and 4 otherwise and does not rebuild ([`parameters::Fidelity::Published`],
+//! module `published`).
 //!
 //! Random numbers come from one ChaCha8 stream per filter, and every sum has a fixed order: the same
 //! inputs give the same bits on every machine.
@@ -19,13 +22,13 @@
 mod cloud;
 mod predict;
 mod predict_mean;
+mod published;
 mod recover;
 mod resample;
 mod weigh;
 
 use geometry::pose::Pose2;
 use nalgebra::Point2;
-use parameters::Fidelity;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
@@ -43,7 +46,8 @@ use crate::watch::Watch;
 /// experiments.
 const CLEARING_RATE: f64 = 20.0;
 
-/// Measurement noise below which all particles take the measured position and heading (m, rad).
+/// Noise of a measured position below which all particles take it, and the measured heading if its
+/// noise is below this, too (m, rad).
 const SNAP_BELOW: f64 = 0.01;
 
 /// Width of the likelihood that is applied before snapping, as a multiple of the distance (angle)
@@ -102,6 +106,7 @@ impl ParticleFilter {
         space: &Space,
         mut rng: ChaCha8Rng,
     ) -> Self {
+        let limits = params.narrowed(limits);
         let mut particles = Cloud::default();
         particles.resize(params.particles.max(1));
         let n = particles.len();
@@ -173,13 +178,15 @@ impl ParticleFilter {
         self.predict_and_weigh(space, watch, sighting.measurement.as_ref(), dt);
 
         let (sum, squares) = weigh::totals(&self.weights);
-        let lost_below = match self.params.fidelity {
-            Fidelity::Ours => LOST_BELOW,
-            Fidelity::Published => 0.0,
-        };
+        let is_published = self.params.fidelity.is_published();
+        let lost_below = if is_published { 0.0 } else { LOST_BELOW };
         if sum > 0.0 && sum >= lost_below * self.len() as f64 {
             self.effective = sum * sum / squares;
             self.resample(sum);
+        } else if is_published {
+            published::collapse(&mut self.particles);
+            self.weights.fill(1.0);
+            self.effective = 1.0;
         } else {
             self.rebuild(space, watch, sighting.measurement.as_ref());
         }
@@ -196,15 +203,11 @@ impl ParticleFilter {
         dt: f64,
     ) {
         let motion = Motion::new(&self.params, self.limits, dt);
-        // The published program gives all particles equal weights before it snaps them.
-        let snap_width = match self.params.fidelity {
-            Fidelity::Ours => SNAP_WIDTH,
-            Fidelity::Published => 0.0,
-        };
+        let is_published = self.params.fidelity.is_published();
         let seen = measurement.map(|m| {
             let wide = |sigma: f64, step: f64| {
                 if sigma < SNAP_BELOW {
-                    snap_width * step
+                    SNAP_WIDTH * step
                 } else {
                     0.0
                 }
@@ -231,8 +234,10 @@ impl ParticleFilter {
             let weights = &mut self.weights[range];
             if let Some(seen) = &seen {
                 teleport.apply(&mut particles, &mut self.rng);
-                seen.weigh(&particles, weights);
-                weigh::drop_invalid(space, &particles, weights, places);
+                if !is_published {
+                    seen.weigh(&particles, weights);
+                    weigh::drop_invalid(space, &particles, weights, places);
+                }
                 continue;
             }
             if self.params.turn_at_walls {
@@ -240,6 +245,9 @@ impl ParticleFilter {
             }
             teleport.apply(&mut particles, &mut self.rng);
             unseen.weigh(&particles, weights);
+        }
+        if let Some(m) = measurement.filter(|_| is_published) {
+            published::weigh(space, &self.particles, m, &mut self.weights);
         }
     }
 
@@ -280,12 +288,14 @@ impl ParticleFilter {
         self.effective = self.len() as f64;
     }
 
-    /// Sets the quantities that were measured practically without noise.
+    /// Moves all particles to a measurement that is practically without noise. A noisy one leaves
+    /// them, and their headings, to their weights.
     fn snap(&mut self, m: &Measurement) {
-        if m.sigma < SNAP_BELOW {
-            self.particles.x.fill(m.position.x as f32);
-            self.particles.y.fill(m.position.y as f32);
+        if m.sigma >= SNAP_BELOW {
+            return;
         }
+        self.particles.x.fill(m.position.x as f32);
+        self.particles.y.fill(m.position.y as f32);
         if let Some((theta, sigma)) = m.heading
             && sigma < SNAP_BELOW
         {

@@ -9,6 +9,7 @@ use crate::params::{HeadingModel, PerceptionParams, SensorParams};
 use crate::sighting::sense;
 use crate::space::tests::room;
 
+mod published;
 mod steps;
 
 const DT: f64 = 0.05;

@@ -8,6 +8,7 @@ use geometry::grid::{Grid, GridFrame};
 use super::super::*;
 use super::{DT, LIMITS, distance, drive, rng, seen_at, watch_from};
 use crate::space::tests::room;
+use parameters::Fidelity;
 
 /// Spread and clearing after three seconds out of sight, at 10, 20 and 80 Hz.
 #[test]
