@@ -98,6 +98,8 @@ pub struct RrtStarEvader {
     off_path: f64,
     tree: Vec<ShownEdge>,
     tree_is_new: bool,
+    /// Output of the last tick.
+    last: Steering,
 }
 
 impl RrtStarEvader {
@@ -130,6 +132,7 @@ impl RrtStarEvader {
             off_path: 0.0,
             tree: Vec::new(),
             tree_is_new: false,
+            last: Steering::stop(),
         })
     }
 
@@ -160,8 +163,9 @@ impl RrtStarEvader {
     /// Returns the command of the robot `view.me` for this tick.
     ///
     /// It stands still if it is not listed or no longer takes part. Without a path to an exit it
-    /// drives as far towards one as it found a path, and otherwise flees by its potential field. It
-    /// also flees so where the map's exact geometry is not known.
+    /// drives as far towards one as it found a path, and otherwise flees by its potential field; by
+    /// the paper's rule its last command continues. It also flees so where the map's exact geometry
+    /// is not known.
     pub fn command(&mut self, map: &PlannerMap, view: &View<'_>) -> Steering {
         let Some(own) = view.own().filter(|own| own.active) else {
             self.route = None;
@@ -179,8 +183,15 @@ impl RrtStarEvader {
             self.begin(view.time_s, own, &goals, map.revision());
             self.take_up(view.time_s);
         }
-        let steering = self.follow(map, view, own);
-        steering.unwrap_or_else(|| self.flight.command(map, view))
+        let steering = self.follow(map, view, own).unwrap_or_else(|| {
+            if self.params.replan.rule.keeps_command() && !goals.is_empty() {
+                self.last
+            } else {
+                self.flight.command(map, view)
+            }
+        });
+        self.last = steering;
+        steering
     }
 
     fn look_round(&mut self, view: &View<'_>, own: &RobotView) {
@@ -244,8 +255,13 @@ impl RrtStarEvader {
         };
         self.tree = pending.tree;
         self.tree_is_new = true;
+        let drops = self.params.replan.rule.keeps_command();
+        if drops {
+            self.route = None;
+        }
         let complete_before = self.route.as_ref().is_some_and(|route| route.is_complete);
-        let Some(route) = pending.route else {
+        let found = pending.route.filter(|route| route.is_complete || !drops);
+        let Some(route) = found else {
             return;
         };
         // A path that ends elsewhere does not replace one to an exit.

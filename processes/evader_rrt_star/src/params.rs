@@ -19,9 +19,9 @@ pub enum Algorithm {
     #[default]
     Improved,
     /// The search of the program that the chasing-game paper's authors published: nodes keep their
-    /// first parent, only the cheapest parent is tried, samples come from the whole map, every plan
-    /// starts from an empty tree. Pursuers count as far as 1 mm, and arcs begin along the robot's
-    /// heading.
+    /// first parent, only the cheapest parent is tried, samples come from the whole map, a goal is
+    /// reached by samples at the goal only, every plan starts from an empty tree. Pursuers count as
+    /// far as 1 mm, and arcs begin along the robot's heading.
     Published,
 }
 
@@ -216,7 +216,9 @@ pub enum ReplanRule {
     /// The chasing-game paper's: every `period_s` it checks the pursuers' distances from the path's
     /// segments, each divided by a weight that begins with 1 and is itself divided by the square of
     /// every segment's length; it replans if the minimum is below 1.5. Within 0.3 m of the exit it
-    /// plans at every chance. It never checks that the robot is still on its path.
+    /// plans at every chance. It never checks that the robot is still on its path. A plan without a
+    /// path to an exit drops the last one: the last command continues, and the robot plans at every
+    /// chance.
     Paper,
 }
 
@@ -227,6 +229,12 @@ impl ReplanRule {
             Self::Periodic => 0.2,
             Self::Paper => 0.0,
         }
+    }
+
+    /// Returns `true` if the last command continues while there is no path to an exit; `false` if
+    /// the last path to one is kept, and without one the robot approaches an exit or flees.
+    pub fn keeps_command(self) -> bool {
+        self == Self::Paper
     }
 
     /// Distance from the path beyond which the robot no longer follows it (m).

@@ -71,8 +71,16 @@ impl<M: Motion> Search<M> {
     }
 
     /// Adds a node at a sample or, without a near node, towards it. The published search drops
-    /// samples without a near node.
+    /// samples without a near node, and reaches a goal by samples at the goal or within its
+    /// shortest edge of it only.
     fn extend(&mut self, scene: &Scene<'_>, sample: Point2<f64>) {
+        if !self.is_improved()
+            && let Some(goal) = self.goal_at(sample)
+        {
+            self.join_goal(scene, goal);
+            self.note_best(scene);
+            return;
+        }
         let mut at = sample;
         let mut near = core::mem::take(&mut self.near);
         self.index.near(at, self.radius(), &mut near);
@@ -102,8 +110,14 @@ impl<M: Motion> Search<M> {
         let node = self.add(at, &chosen);
         if self.is_improved() {
             self.rewire(scene, node);
+            self.offer_to_goals(scene, node);
+            self.note_best(scene);
         }
-        self.offer_to_goals(scene, node);
-        self.note_best(scene);
+    }
+
+    /// Returns the goal within the shortest edge of a point.
+    fn goal_at(&self, p: Point2<f64>) -> Option<u32> {
+        (1..=self.goals)
+            .find(|&goal| (self.tree.node(goal).at() - p).norm() < self.params.algorithm.min_edge())
     }
 }

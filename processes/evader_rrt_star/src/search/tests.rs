@@ -199,6 +199,29 @@ fn the_papers_search_never_rewires() {
 }
 
 #[test]
+fn the_papers_search_reaches_a_goal_by_samples_at_the_goal_alone() {
+    let collision_map = four_pillars();
+    let cost = by_length();
+    let scene = scene(&collision_map, &cost);
+    let params = |goal_bias| SearchParams {
+        goal_bias,
+        ..SearchParams::paper()
+    };
+    // Nodes in sight of the goal are no path to it.
+    let search = searched(&scene, Straight, params(0.0), 1, 200);
+    let in_sight = search.tree().nodes().iter().skip(2).any(|node| {
+        let (at, distance) = (node.at(), (node.at() - TO).norm());
+        distance < params(0.0).max_edge && collision_map.is_free_line(at, TO, RADIUS, &[])
+    });
+    assert!(in_sight && search.way().is_empty());
+    assert!(
+        !searched(&scene, Straight, params(0.05), 1, 200)
+            .way()
+            .is_empty()
+    );
+}
+
+#[test]
 fn a_goal_behind_walls_is_not_reached_but_come_near_to() {
     // A wall across the room.
     let bounds = Aabb {
