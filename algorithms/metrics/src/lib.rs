@@ -3,16 +3,20 @@
 //!
 //! - [`sequence`]: sequences of numbers and points (Lyapunov exponent, `v(xy)`);
 //! - [`path`]: a path against its reference (MAE, ANDC, MAA, RA);
-//! - [`driven`]: the driven path of a robot;
+//! - [`track`]: positions over time;
+//! - [`driven`]: the turns of a driven path;
 //! - [`coverage`]: coverage of a workplace by a path: rate and evenness;
 //! - [`prediction`]: accuracy of predictions of a robot's position.
 //!
 //! ```
 //! use metrics::path::mae_lap;
+//! use metrics::track::Track;
 //! use nalgebra::Point2;
 //!
 //! let line = [[0.0, 0.0], [4.0, 0.0]].map(Point2::from);
-//! let lap = [[0.0, 0.5], [4.0, 0.5]].map(Point2::from).to_vec();
+//! let mut lap = Track::default();
+//! lap.push(0.0, Point2::new(0.0, 0.5));
+//! lap.push(4.0, Point2::new(4.0, 0.5));
 //! // The lap runs half a metre beside its reference.
 //! assert_eq!(mae_lap(&line, &[lap], 10), Some(0.5));
 //! ```
@@ -25,3 +29,4 @@ pub mod driven;
 pub mod path;
 pub mod prediction;
 pub mod sequence;
+pub mod track;

@@ -1,10 +1,10 @@
 //! A path against its reference: deviation, sharpness of turns, required speed (cat-map patrol
 //! paper, §5.1).
 //!
-//! A *reference* is the polyline of a patrol without protection, a *lap* the polyline that it
-//! follows instead, from the reference's first point to its last. For a reference that is driven
-//! there and back, reverse every other lap first. Every function accepts any number of points and
-//! returns `None` without data to measure.
+//! A *reference* is the polyline of a patrol without protection, a *lap* the path that it follows
+//! instead, from the reference's first point to its last, with the time of each point. For a
+//! reference that is driven there and back, measure every other lap against its reverse. Every
+//! function accepts any number of points and returns `None` without data to measure.
 //!
 //! The paper leaves three readings open, which give different numbers: whether points of both paths
 //! correspond by length or by time (MAE), and whether a turn by 170° counts as 170° or as 10° (MAA).
@@ -15,7 +15,9 @@ mod turns;
 
 use nalgebra::Point2;
 
-pub use polyline::{Polyline, at_share_of_segments};
+use crate::track::Track;
+
+pub use polyline::Polyline;
 pub use turns::{Turns, headings};
 
 /// Points per lap at which a path is compared with its reference, as in the paper's figures.
@@ -25,10 +27,10 @@ pub const POINTS_PER_LAP: usize = 120;
 /// ratio, at `n` points per lap; mean over the laps (`MAE_lap`; paper, Eq. 11).
 ///
 /// `None` without laps, with `n` = 0 or with a path without points.
-pub fn mae_lap(reference: &[Point2<f64>], laps: &[Vec<Point2<f64>>], n: usize) -> Option<f64> {
+pub fn mae_lap(reference: &[Point2<f64>], laps: &[Track], n: usize) -> Option<f64> {
     let reference = Polyline::new(reference);
     mean_over(laps, |lap| {
-        let lap = Polyline::new(lap);
+        let lap = Polyline::new(lap.points());
         mean_distance(n, |share| Some((reference.at(share)?, lap.at(share)?)))
     })
 }
@@ -38,7 +40,7 @@ pub fn mae_lap(reference: &[Point2<f64>], laps: &[Vec<Point2<f64>>], n: usize) -
 ///
 /// For comparison only: a lap that is slightly longer than the mean shifts all later ones, so that
 /// the value depends on the key more than on the method.
-pub fn mae_joint(reference: &[Point2<f64>], laps: &[Vec<Point2<f64>>], n: usize) -> Option<f64> {
+pub fn mae_joint(reference: &[Point2<f64>], laps: &[Track], n: usize) -> Option<f64> {
     let reference = Polyline::new(reference);
     let joined = joined(laps);
     let path = Polyline::new(&joined);
@@ -55,18 +57,40 @@ pub fn mae_joint(reference: &[Point2<f64>], laps: &[Vec<Point2<f64>>], n: usize)
     })
 }
 
-/// Mean distance (m) between an unprotected robot and this one, at `n` equal steps of *time* per
-/// lap, each leg of a lap taking the same time; mean over the laps (`MAE_time`).
+/// Mean distance (m) between an unprotected robot, which drives the reference at constant speed, and
+/// this one, at `n` equal steps of *time* per lap; mean over the laps (`MAE_time`). Planned laps have
+/// the times of the patrol's clock ([`seconds_per_waypoint`]), so that a lap along the reference has
+/// an error of 0.
 ///
 /// Report this one: it is linear in the width of the zig-zag, through the origin, as the paper's own
 /// values are.
-pub fn mae_time(reference: &[Point2<f64>], laps: &[Vec<Point2<f64>>], n: usize) -> Option<f64> {
+pub fn mae_time(reference: &[Point2<f64>], laps: &[Track], n: usize) -> Option<f64> {
     let reference = Polyline::new(reference);
     mean_over(laps, |lap| {
-        mean_distance(n, |share| {
-            Some((reference.at(share)?, at_share_of_segments(lap, share)?))
-        })
+        let [begin_s, end_s] = lap.span()?;
+        mae_between(&reference, lap, begin_s, end_s, n)
     })
+}
+
+/// [`mae_time`] of the lap that a track contains from `begin_s` to `end_s` (s).
+pub fn mae_between(
+    reference: &Polyline<'_>,
+    track: &Track,
+    begin_s: f64,
+    end_s: f64,
+    n: usize,
+) -> Option<f64> {
+    mean_distance(n, |share| {
+        let at = track.at(begin_s + (end_s - begin_s) * share)?;
+        Some((reference.at(share)?, at))
+    })
+}
+
+/// Time between two waypoints of a leg by the clock of a patrol (s): one second where waypoints are
+/// inserted (τ = 1; paper, Eq. 10), otherwise the whole leg of this `length` (m) at the speed `v`
+/// (m/s) of an unprotected patrol.
+pub fn seconds_per_waypoint(length: f64, inserted: u64, v: f64) -> f64 {
+    if inserted > 0 { 1.0 } else { length / v }
 }
 
 /// Changes of direction per second in a lap of `legs` straight legs with a duration of `t_max` (s)
@@ -80,15 +104,16 @@ pub fn andc(legs: usize, t_max: f64) -> Option<f64> {
 /// Speed (m/s) at which a lap is driven in `t_max` (s).
 ///
 /// `None` without points or unless `t_max` > 0.
-pub fn speed(lap: &[Point2<f64>], t_max: f64) -> Option<f64> {
+pub fn speed(lap: &Track, t_max: f64) -> Option<f64> {
     let timed = t_max > 0.0 && t_max.is_finite();
-    (timed && !lap.is_empty()).then(|| Polyline::new(lap).length() / t_max)
+    (timed && !lap.points().is_empty()).then(|| Polyline::new(lap.points()).length() / t_max)
 }
 
 /// Laps joined end to end, as one path.
-pub fn joined(laps: &[Vec<Point2<f64>>]) -> Vec<Point2<f64>> {
-    let mut path: Vec<Point2<f64>> = Vec::with_capacity(laps.iter().map(Vec::len).sum());
-    for lap in laps {
+pub fn joined(laps: &[Track]) -> Vec<Point2<f64>> {
+    let points = laps.iter().map(|lap| lap.points().len()).sum();
+    let mut path: Vec<Point2<f64>> = Vec::with_capacity(points);
+    for lap in laps.iter().map(Track::points) {
         // A lap begins at the end of the previous one.
         let repeated = usize::from(path.last().is_some() && path.last() == lap.first());
         path.extend(lap.iter().skip(repeated));
@@ -127,29 +152,28 @@ impl PathMetrics {
     /// Measures laps with a duration of `t_max` (s) each, at [`POINTS_PER_LAP`].
     ///
     /// `None` without laps, with a lap or a reference without points, or unless `t_max` > 0.
-    pub fn of(reference: &[Point2<f64>], laps: &[Vec<Point2<f64>>], t_max: f64) -> Option<Self> {
+    pub fn of(reference: &[Point2<f64>], laps: &[Track], t_max: f64) -> Option<Self> {
         let first = laps.first()?;
         Some(Self {
             laps: laps.len(),
-            length_first: Polyline::new(first).length(),
-            length_mean: mean_over(laps, |lap| Some(Polyline::new(lap).length()))?,
+            length_first: Polyline::new(first.points()).length(),
+            length_mean: mean_over(laps, |lap| Some(Polyline::new(lap.points()).length()))?,
             speed_first: speed(first, t_max)?,
             speed_mean: mean_over(laps, |lap| speed(lap, t_max))?,
             mae_lap: mae_lap(reference, laps, POINTS_PER_LAP)?,
             mae_joint: mae_joint(reference, laps, POINTS_PER_LAP)?,
             mae_time: mae_time(reference, laps, POINTS_PER_LAP)?,
-            andc: mean_over(laps, |lap| andc(lap.len().saturating_sub(1), t_max))?,
-            turns_first: Turns::of(first),
+            andc: mean_over(laps, |lap| {
+                andc(lap.points().len().saturating_sub(1), t_max)
+            })?,
+            turns_first: Turns::of(first.points()),
             turns: Turns::of(&joined(laps)),
         })
     }
 }
 
 /// Mean of a metric over laps; `None` if there are none or if one of them has no value.
-fn mean_over(
-    laps: &[Vec<Point2<f64>>],
-    measure: impl Fn(&[Point2<f64>]) -> Option<f64>,
-) -> Option<f64> {
+fn mean_over(laps: &[Track], measure: impl Fn(&Track) -> Option<f64>) -> Option<f64> {
     let mut sum = 0.0;
     for lap in laps {
         sum += measure(lap)?;

@@ -14,6 +14,7 @@ mod laps;
 mod mode;
 
 use chaotic_maps::Source;
+use metrics::track::Track;
 use nalgebra::{Point2, Vector2};
 use planner_view::waypoint::{Waypoint, WaypointKind};
 
@@ -57,15 +58,11 @@ pub struct Leg {
 }
 
 impl Leg {
-    /// Time between two waypoints of the leg (s), if all are visited in time: one second where there
-    /// are additional waypoints (τ = 1, paper, Eq. 10), otherwise the whole leg at the speed `v`
-    /// (m/s).
+    /// Time between two waypoints of the leg (s), if all are visited in time, for an unprotected
+    /// patrol of `v` (m/s): [`metrics::path::seconds_per_waypoint`].
     pub fn seconds_per_waypoint(&self, v: f64) -> f64 {
-        if self.stretch.threatened {
-            1.0
-        } else {
-            self.stretch.segment.length / v
-        }
+        let length = self.stretch.segment.length;
+        metrics::path::seconds_per_waypoint(length, u64::from(self.inserted), v)
     }
 
     /// Number of waypoints of the leg: the additional ones and its end.
@@ -303,18 +300,34 @@ impl Awg {
         }
     }
 
-    /// A lap as a path, including its start, for measurements. Otherwise as [`Self::lap_into`].
-    pub fn lap_path(&self, lap: u32, source: &mut impl Source) -> Vec<Point2<f64>> {
+    /// A lap with its start and the times of its waypoints since then, for measurements. Otherwise
+    /// as [`Self::lap_into`].
+    pub fn lap_track(&self, lap: u32, source: &mut impl Source) -> Track {
         let mut waypoints = Vec::with_capacity(self.waypoints_per_lap() as usize);
         self.lap_into(lap, source, &mut waypoints);
+        self.track(lap, &waypoints)
+    }
+
+    /// The track of a lap with these waypoints, which [`Self::lap_into`] has made.
+    pub fn track(&self, lap: u32, waypoints: &[Waypoint]) -> Track {
         let legs = self.legs(lap);
         let start = legs
             .first()
             .map_or(self.start, |leg| leg.stretch.segment.from);
-        let mut path = Vec::with_capacity(waypoints.len() + 1);
-        path.push(start);
-        path.extend(waypoints.iter().map(|waypoint| waypoint.point));
-        path
+        let mut track = Track::default();
+        track.push(0.0, start);
+        let mut begun = 0.0;
+        let mut rest = waypoints.iter();
+        for leg in legs {
+            for j in 1..=leg.waypoints() {
+                if let Some(waypoint) = rest.next() {
+                    let due = begun + self.seconds_per_waypoint(leg) * j as f64;
+                    track.push(due, waypoint.point);
+                }
+            }
+            begun += self.leg_seconds(leg);
+        }
+        track
     }
 
     /// The lap (from 0), the index in its [`Self::legs`] and the waypoint of that leg (from 1) with

@@ -4,9 +4,11 @@
 //! - [`danger`]: the threatened parts of it;
 //! - [`awg`]: additional waypoints that make it a zig-zag, lap after lap;
 //! - [`alpha`]: the maximum width of the zig-zag for a lap in time;
+//! - [`room`]: the places of waypoints where the robot fits;
 //! - [`forecast`]: the robot's future positions, for an ally that has the key;
 //! - [`fto`]: fictive obstacles that the robot avoids as if they were real;
 //! - [`mission`]: a patrol as a scenario specifies it, with open parameters chosen;
+//! - [`remarks`]: what a user should know about a patrol before it starts;
 //! - [`mixed`]: additional waypoints where obstacles are small, fictive obstacles along large ones.
 //!
 //! ```
@@ -31,3 +33,5 @@ pub mod forecast;
 pub mod fto;
 pub mod mission;
 pub mod mixed;
+pub mod remarks;
+pub mod room;

@@ -17,6 +17,7 @@ use crate::alpha::{AlphaError, LAPS, alpha_max_driven, check_driven};
 use crate::awg::{Awg, AwgError, AwgParams, MAX_T_MAX, Preset};
 use crate::contour::{Contour, ContourError};
 use crate::danger::DangerZones;
+use crate::room::Room;
 
 pub use simulated_drive::SimulatedDrive;
 
@@ -40,7 +41,8 @@ pub struct MissionParams {
     /// Time limit of each lap.
     #[schemars(transform = above(0).at_most(MAX_T_MAX).unit("s"))]
     pub t_max: f64,
-    /// Width of the zig-zag; if absent, as large as the robot can drive in the time.
+    /// Width of the zig-zag; if absent, as large as the robot can drive in the time and as there is
+    /// room along the contour.
     #[schemars(transform = above(0).unit("m"))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub alpha: Option<f64>,
@@ -92,6 +94,41 @@ pub enum MissionError {
     Params(#[from] ParamsError),
 }
 
+/// Origin of the width of a zig-zag.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum AlphaChoice {
+    /// The scenario gives it.
+    Given,
+    /// As wide as the robot can drive in the time.
+    Time,
+    /// As wide as there is room along the contour; the time would allow more.
+    Room,
+    /// Without effect: there are no additional waypoints.
+    Unused,
+}
+
+impl AlphaChoice {
+    /// Its name in JSON.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Given => "given",
+            Self::Time => "time",
+            Self::Room => "room",
+            Self::Unused => "unused",
+        }
+    }
+
+    /// Its description.
+    pub fn reason(self) -> &'static str {
+        match self {
+            Self::Given => "as given",
+            Self::Time => "as wide as the robot can drive in the time",
+            Self::Room => "as wide as there is room along the contour",
+            Self::Unused => "without effect, since there are no additional waypoints",
+        }
+    }
+}
+
 /// A patrol with all parameters chosen.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mission {
@@ -101,6 +138,32 @@ pub struct Mission {
     pub awg: Awg,
     /// The key; with it and the above, an ally forecasts the patrol ([`crate::forecast`]).
     pub key: Key,
+    /// Areas in which the patrol is under threat; everywhere if empty.
+    pub danger_zones: DangerZones,
+    /// Origin of the width.
+    pub alpha_choice: AlphaChoice,
+    /// Minimum width that the room may leave (m).
+    least_alpha: f64,
+}
+
+impl Mission {
+    /// Reduces a width that the time alone has determined to what there is room for
+    /// ([`Room::widest`]), but not below the width at which the robot reaches every waypoint from the
+    /// contour. A narrower zig-zag needs less time.
+    #[must_use]
+    pub fn within(mut self, room: &Room<'_>) -> Self {
+        let alpha = self.awg.params().alpha;
+        if self.alpha_choice == AlphaChoice::Time {
+            let widest = room.widest(&self.awg, self.least_alpha, alpha);
+            if widest < alpha
+                && let Ok(awg) = self.awg.clone().with_alpha(widest)
+            {
+                self.awg = awg;
+                self.alpha_choice = AlphaChoice::Room;
+            }
+        }
+        self
+    }
 }
 
 /// Limits of a robot's drive.
@@ -154,8 +217,8 @@ impl MissionParams {
     /// Chooses the open parameters for a robot and the seed of its process. The clock of the waypoints
     /// is set so fast that laps driven by it end within `t_max`.
     ///
-    /// The width is tested by driving the first laps ([`SimulatedDrive`]), so that the choice depends
-    /// on scenario and key alone.
+    /// The width is tested by driving the first laps on empty ground ([`SimulatedDrive`]), so that the
+    /// choice depends on scenario and key alone; [`Mission::within`] adapts it to a map.
     ///
     /// # Errors
     /// [`MissionError`] for an invalid parameter, and for a robot that is too slow.
@@ -170,8 +233,12 @@ impl MissionParams {
         let key = self.key_or(seed);
         let v_max = drive.limits.v_max() * go_to.speed_fraction;
         awg.check_speed(v_max)?;
-        // Without additional waypoints there is no choice, and every width is valid.
-        if self.alpha.is_none() && awg.steps_per_lap() > 0 {
+        let alpha_choice = match self.alpha {
+            _ if awg.steps_per_lap() == 0 => AlphaChoice::Unused,
+            Some(_) => AlphaChoice::Given,
+            None => AlphaChoice::Time,
+        };
+        if alpha_choice == AlphaChoice::Time {
             let mut simulated_drive = SimulatedDrive::new(drive, go_to);
             let mut source = key.source()?;
             let alpha = alpha_max_driven(
@@ -188,7 +255,14 @@ impl MissionParams {
         let reserve_s = CLOCK_RESERVE_S.min(0.5 * self.margin * self.t_max);
         let tempo = (self.t_max - reserve_s) / awg.lap_time();
         let awg = awg.with_tempo(tempo.min(1.0))?;
-        Ok(Mission { contour, awg, key })
+        Ok(Mission {
+            contour,
+            awg,
+            key,
+            danger_zones: self.danger_zones.clone(),
+            alpha_choice,
+            least_alpha: 2.0 * go_to.arrived,
+        })
     }
 
     /// Returns `true` if [`Self::prepare`] would succeed, in a fraction of its time.

@@ -20,9 +20,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::awg::{Awg, Laps, Leg};
-
-/// Points per side of the square that is tested for known obstacles.
-const LATTICE: u32 = 6;
+use crate::room::square;
 
 /// Minimum number of waypoints for a share.
 const MIN_WAYPOINTS: u32 = 3;
@@ -63,21 +61,14 @@ impl Parameters for MixedParams {}
 ///
 /// `inside` returns `true` for a point (m) in an obstacle, enlarged by the robot's clearance.
 pub fn share_inside(awg: &Awg, leg: &Leg, inside: impl Fn(Point2<f64>) -> bool) -> f64 {
-    let mut found = 0u32;
+    let (mut found, mut all) = (0_u32, 0_u32);
     for j in 1..=leg.inserted {
-        let nominal = leg.nominal(j, awg.v());
-        for i in 0..LATTICE * LATTICE {
-            let middle = |k: u32| (f64::from(k) + 0.5) / f64::from(LATTICE);
-            let offset = leg.offset([middle(i % LATTICE), middle(i / LATTICE)]);
-            found += u32::from(inside(nominal + offset * awg.params().alpha));
+        for place in square(leg, leg.nominal(j, awg.v()), awg.params().alpha) {
+            all += 1;
+            found += u32::from(inside(place));
         }
     }
-    let all = leg.inserted * LATTICE * LATTICE;
-    if all == 0 {
-        0.0
-    } else {
-        f64::from(found) / f64::from(all)
-    }
+    f64::from(found) / f64::from(all.max(1))
 }
 
 /// Outcomes of a leg's additional waypoints.

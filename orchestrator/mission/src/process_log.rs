@@ -10,9 +10,12 @@ use ipc_types::stamp::{PlainHeader, Stamp};
 use ipc_types::topics::{ProcessEvents, ProcessLog};
 
 use super::error::MissionError;
+use super::launch::Launch;
+use super::plan::Plan;
 use super::recorder_thread::DrainRequests;
 use super::resources::RunResources;
 use super::stderr_lines::{MAX_TEXT_BYTES, StderrLine};
+use scenario::TaskRemark;
 
 /// Maximum number of lines that wait for the next check of the supervisor.
 const MAX_WAITING: usize = 4096;
@@ -84,11 +87,7 @@ impl ProcessEventLog {
     /// Sends the received lines in tick `tick`.
     pub(super) fn forward_lines(&self, tick: u64) {
         for line in self.line_receiver.try_iter().take(MAX_AT_ONCE) {
-            let header = LogHeader {
-                stamp: self.stamp(tick),
-                process: line.slot as u32,
-                level: level_of(&line.text),
-            };
+            let header = line_header(self.stamp(tick), &line);
             // A missing line in the log does not justify ending the run. A failed recorder ends the run itself.
             let _ = self.lines.send(header, line.text.as_bytes());
         }
@@ -103,11 +102,31 @@ impl ProcessEventLog {
     }
 }
 
+/// Returns remarks about tasks as lines of their processes.
+pub(super) fn remark_lines(plan: &Plan, remarks: &[TaskRemark]) -> Vec<StderrLine> {
+    let line = |remark: &TaskRemark| {
+        let of_process = |launch: &&Launch| launch.config.name == remark.process;
+        let slot = plan.launches.iter().find(of_process)?.config.index as usize;
+        let text = format!("{}: {}: {}", remark.severity, remark.robot, remark.message);
+        Some(StderrLine { slot, text })
+    };
+    remarks.iter().filter_map(line).collect()
+}
+
+/// Returns the header of a line in `process/log`.
+pub(super) fn line_header(stamp: Stamp, line: &StderrLine) -> LogHeader {
+    LogHeader {
+        stamp,
+        process: line.slot as u32,
+        level: level_of(&line.text),
+    }
+}
+
 /// Returns the severity of a line, by the first word as Protean's processes write it.
 fn level_of(line: &str) -> u32 {
     match line.split_whitespace().next().unwrap_or_default() {
         "TRACE" | "DEBUG" => 1,
-        "INFO" => 2,
+        "INFO" | "note:" => 2,
         "WARN" | "warning:" => 3,
         "ERROR" | "error:" | "Error:" => 4,
         _ if line.contains("panicked at") => 4,
@@ -125,6 +144,7 @@ mod tests {
         assert_eq!(level_of("ERROR it is the turn of tick 3"), 4);
         assert_eq!(level_of("thread 'main' panicked at src/x.rs:3:1:"), 4);
         assert_eq!(level_of("Traceback (most recent call last):"), 0);
+        assert_eq!(level_of("note: guard: α = 1.000 m"), 2);
         assert_eq!(level_of(""), 0);
     }
 }

@@ -15,7 +15,7 @@ use runtime::config::Clock;
 use viewer::LiveServer;
 
 use super::error::MissionError;
-use super::process_log::ProcessEventLog;
+use super::process_log::{ProcessEventLog, remark_lines};
 use super::progress::Progress;
 use super::recorder_thread::{DrainRequests, RecorderThread};
 use super::recording::{self, LogFile};
@@ -23,7 +23,7 @@ use super::report::MissionReport;
 use super::resources::RunResources;
 use super::shm_usage;
 use super::supervisor::Supervisor;
-use scenario::ResolvedScenario;
+use scenario::{ResolvedScenario, TaskRemark};
 
 /// Options of a run.
 #[derive(Debug, Clone, Default)]
@@ -44,6 +44,8 @@ pub struct MissionOptions {
     /// Maximum speed of a run in lock-step (simulated s/s); without it the run is as fast as possible. Its history
     /// stays the same.
     pub pace: Option<f64>,
+    /// Remarks for the log ([`ResolvedScenario::remarks`]).
+    pub remarks: Vec<TaskRemark>,
     /// Set by the caller (Ctrl-C) to end the run in order.
     pub interrupted: Arc<AtomicBool>,
 }
@@ -98,6 +100,10 @@ pub fn run(
     let hang_timeout = hang_timeout(scenario, options.pace);
     let launches = &resources.plan.launches;
     let event_log = ProcessEventLog::open(&resources, Arc::clone(&requests))?;
+    for line in remark_lines(&resources.plan, &options.remarks) {
+        // Without room a remark is missing in the log, as a line of a process is.
+        let _ = event_log.line_sender().try_send(line);
+    }
     let mut supervisor =
         Supervisor::new(&resources, launches, hang_timeout, !options.quiet)?.with_log(event_log);
     let recorder = RecorderThread::start(&resources, requests, recording, printer)?;

@@ -4,8 +4,9 @@
 use ipc_types::consumer::{Consumer, LoggedMessage};
 use ipc_types::messages::robot::WaypointEnd;
 use ipc_types::topics::{TopicId, Waypoints, WorldState};
-use metrics::driven::{STRAIGHT_WITHIN, Track, corners};
-use metrics::path::{self, POINTS_PER_LAP, Polyline, Turns};
+use metrics::driven::{STRAIGHT_WITHIN, corners};
+use metrics::path::{POINTS_PER_LAP, Polyline, Turns, mae_between, mae_time, seconds_per_waypoint};
+use metrics::track::Track;
 use nalgebra::Point2;
 
 use super::run_info::RobotInfo;
@@ -22,7 +23,16 @@ struct Lap {
     /// Start point and waypoints of the route.
     route: Vec<Point2<f64>>,
     /// Start point, waypoints of the route and inserted waypoints.
-    way: Vec<Point2<f64>>,
+    way: Vec<Stop>,
+}
+
+/// A waypoint of a lap.
+#[derive(Debug, Clone, Copy)]
+struct Stop {
+    at: Point2<f64>,
+    of_the_route: bool,
+    /// `true` if it lies inside an obstacle, so that it is not part of the planned path.
+    is_inside: bool,
 }
 
 /// Waypoints of all robots.
@@ -90,7 +100,7 @@ struct Open {
     lap: u32,
     began_s: f64,
     route: Vec<Point2<f64>>,
-    way: Vec<Point2<f64>>,
+    way: Vec<Stop>,
     /// Time at which the last waypoint of the route ended (s), and number of path points up to it.
     closed: Option<(f64, usize)>,
 }
@@ -149,10 +159,11 @@ impl Visits {
             let done = core::mem::replace(open, next);
             self.laps.extend(done.lap());
         }
-        // A waypoint inside an obstacle is not part of the planned path.
-        if end.outcome != 1 {
-            open.way.push(at);
-        }
+        open.way.push(Stop {
+            at,
+            of_the_route,
+            is_inside: end.outcome == 1,
+        });
         if of_the_route {
             open.route.push(at);
             open.closed = Some((end.ended_s, open.way.len()));
@@ -175,7 +186,7 @@ impl Visits {
         let (planned, driven): (Vec<_>, Vec<_>) = self
             .laps
             .iter()
-            .map(|lap| (lap.planned(), lap.driven(&self.track)))
+            .map(|lap| (lap.planned(self.lap_limit_s), lap.driven(&self.track)))
             .unzip();
         Some(WaypointOutcome {
             reached,
@@ -202,7 +213,11 @@ impl Open {
             lap,
             began_s,
             route: vec![at],
-            way: vec![at],
+            way: vec![Stop {
+                at,
+                of_the_route: true,
+                is_inside: false,
+            }],
             closed: None,
         }
     }
@@ -221,18 +236,52 @@ impl Open {
 }
 
 impl Lap {
-    fn planned(&self) -> Option<LapFigures> {
-        let mae = path::mae_time(
-            &self.route,
-            core::slice::from_ref(&self.way),
-            POINTS_PER_LAP,
-        )?;
-        Some(LapFigures::of(&self.way, &self.way, mae))
+    fn planned(&self, limit_s: Option<f64>) -> Option<LapFigures> {
+        let track = self.track(limit_s);
+        let mae = mae_time(&self.route, core::slice::from_ref(&track), POINTS_PER_LAP)?;
+        Some(LapFigures::of(track.points(), track.points(), mae))
+    }
+
+    /// The planned path by the clock of the patrol. Without a time limit of the lap (s), each leg
+    /// takes a time in proportion to its length.
+    fn track(&self, limit_s: Option<f64>) -> Track {
+        let v = limit_s.map(|limit_s| Polyline::new(&self.route).length() / limit_s);
+        let mut track = Track::default();
+        let Some((start, rest)) = self.way.split_first() else {
+            return track;
+        };
+        track.push(0.0, start.at);
+        let (mut from, mut begun_s) = (start.at, 0.0);
+        for leg in rest.split_inclusive(|stop| stop.of_the_route) {
+            let Some(end) = leg.last() else {
+                continue;
+            };
+            let length = (end.at - from).norm();
+            let inserted = leg.len() as u64 - 1;
+            let seconds = match v {
+                Some(v) => seconds_per_waypoint(length, inserted, v),
+                None => length / leg.len() as f64,
+            };
+            for (stop, number) in leg.iter().zip(1_u32..) {
+                if !stop.is_inside {
+                    track.push(begun_s + seconds * f64::from(number), stop.at);
+                }
+            }
+            begun_s += seconds * leg.len() as f64;
+            from = end.at;
+        }
+        track
     }
 
     fn driven(&self, track: &Track) -> Option<LapFigures> {
         let reference = Polyline::new(&self.route);
-        let mae = track.mae_time(&reference, self.began_s, self.ended_s, POINTS_PER_LAP)?;
+        let mae = mae_between(
+            &reference,
+            track,
+            self.began_s,
+            self.ended_s,
+            POINTS_PER_LAP,
+        )?;
         let way = track.between(self.began_s, self.ended_s);
         Some(LapFigures::of(&way, &corners(&way, STRAIGHT_WITHIN), mae))
     }
@@ -350,6 +399,19 @@ mod tests {
             "{planned:?} {driven:?}"
         );
         assert!(planned.length_m > 16.0 && planned.mae_m > 0.01);
+    }
+
+    #[test]
+    fn a_planned_lap_along_its_route_has_no_error_whatever_its_legs() {
+        let corners = [[9.0, 0.0], [9.0, 1.0], [3.0, 1.0], [0.0, 0.0]];
+        let mut ends = vec![end(0, 0, [0.0, 0.0], 0.0)];
+        for (lap, second) in [(0, 0.0), (1, 20.0)] {
+            for (corner, at_s) in corners.into_iter().zip([9.0, 10.0, 16.0, 19.0]) {
+                ends.push(end(lap, 0, corner, second + at_s));
+            }
+        }
+        let planned = visits(&ends).unwrap().planned.unwrap();
+        assert!(planned.mae_m < 1e-9, "{planned:?}");
     }
 
     #[test]

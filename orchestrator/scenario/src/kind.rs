@@ -10,7 +10,9 @@ use config::{Node, ReadError, read_once};
 use geometry::map::MapSpec;
 use ipc_types::bus::Bus;
 use parameters::ParamsError;
-use runtime::kind::{Need, Process, ProcessKind, Product, Task, TaskFault, TaskSketch, ViewSpec};
+use runtime::kind::{
+    Need, Process, ProcessKind, Product, Remark, Task, TaskFault, TaskSketch, ViewSpec,
+};
 use runtime::{ProcessConfig, ProcessError};
 use schemars::{Schema, SchemaGenerator};
 use serde_json::Value as Json;
@@ -171,6 +173,11 @@ impl ConfiguredKind {
         self.0.check_task(task)
     }
 
+    /// See [`ProcessKind::remarks`].
+    pub fn remarks(&self, task: &Task<'_>) -> Vec<Remark> {
+        self.0.remarks(task)
+    }
+
     /// Opens a process in this thread.
     ///
     /// # Errors
@@ -202,6 +209,7 @@ trait Configured: fmt::Debug + Send + Sync {
     fn sketch(&self, robot: &RobotSpec, map: &MapSpec) -> TaskSketch;
     fn lap_limit_s(&self) -> Option<f64>;
     fn check_task(&self, task: &Task<'_>) -> Result<(), TaskFault>;
+    fn remarks(&self, task: &Task<'_>) -> Vec<Remark>;
     fn open(&self, config: &ProcessConfig, bus: &Bus) -> Result<Box<dyn Process>, ProcessError>;
 }
 
@@ -256,6 +264,10 @@ impl<K: ProcessKind> Configured for Typed<K> {
 
     fn check_task(&self, task: &Task<'_>) -> Result<(), TaskFault> {
         K::check_task(&self.params, task)
+    }
+
+    fn remarks(&self, task: &Task<'_>) -> Vec<Remark> {
+        K::remarks(&self.params, task)
     }
 
     fn open(&self, config: &ProcessConfig, bus: &Bus) -> Result<Box<dyn Process>, ProcessError> {

@@ -74,6 +74,7 @@ impl Engine for InProcess {
             show: false,
             interrupted: Arc::clone(&call.interrupted),
             cache: Arc::clone(&self.cache),
+            ..InProcessOptions::default()
         };
         in_process::run(scenario, &options).map_err(|error| error.to_string())
     }

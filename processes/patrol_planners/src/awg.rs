@@ -17,6 +17,7 @@ use sim_backend::spec::RobotModel;
 use steering::waypoint_driver::{Situation, WaypointDriver};
 
 use crate::PatrolError;
+use crate::check::fitted;
 
 pub use params::{Pace, PatrolAwgParams};
 
@@ -35,6 +36,9 @@ pub struct PatrolAwg {
     /// Planned waypoints that the driver does not have yet.
     ahead: VecDeque<Waypoint>,
     driver: WaypointDriver,
+    radius: f64,
+    /// `true` if the zig-zag fits the map.
+    entered: bool,
     reports: Vec<WaypointReport>,
 }
 
@@ -64,8 +68,26 @@ impl PatrolAwg {
             laps,
             mission,
             driver: WaypointDriver::new(drive.driver(&params.driver), drive.limits, model.radius)?,
+            radius: model.radius,
+            entered: false,
             reports: Vec::new(),
         })
+    }
+
+    /// Fits the zig-zag to the first map; later changes of the map do not change it.
+    pub fn enter(&mut self, map: &PlannerMap) {
+        if core::mem::replace(&mut self.entered, true) {
+            return;
+        }
+        let (known, radius) = (self.obstacles_known, self.radius);
+        let Some(mission) = fitted(&self.mission, map, known, radius) else {
+            return;
+        };
+        if let Ok(source) = mission.key.source() {
+            self.laps = mission.awg.clone().laps(source);
+            self.ahead = self.laps.by_ref().take(SHOWN).collect();
+            self.mission = mission;
+        }
     }
 
     /// Returns the mission with all choices made.
@@ -92,6 +114,7 @@ impl PatrolAwg {
 
     /// Returns the command for this tick; a stop if its pose is not known.
     pub fn steer(&mut self, map: &PlannerMap, view: &View<'_>) -> Steering {
+        self.enter(map);
         self.reports.clear();
         let Some(own) = view.own() else {
             return Steering::stop();

@@ -11,7 +11,7 @@ use nalgebra::{Point2, Vector2};
 use patrol::awg::{Awg, Laps};
 use patrol::fto::{Carrier, Disc, Fto, merged};
 use patrol::mission::{Drive, Mission, MissionError};
-use patrol::mixed::{Method, MixedLaps};
+use patrol::mixed::{Method, MixedLaps, MixedParams};
 use planner_view::free_space::FreeSpace;
 use planner_view::map::PlannerMap;
 use planner_view::steering::Steering;
@@ -21,6 +21,7 @@ use sim_backend::spec::RobotModel;
 use steering::waypoint_driver::{Situation, WaypointDriver};
 
 use crate::PatrolError;
+use crate::check::fitted;
 
 pub use params::{PatrolFtoParams, Protection};
 
@@ -34,6 +35,22 @@ enum WaypointSource {
 }
 
 impl WaypointSource {
+    fn new(
+        mission: &Mission,
+        protection: Protection,
+        mixed: MixedParams,
+    ) -> Result<Self, PatrolError> {
+        let source = mission.key.source().map_err(MissionError::Key)?;
+        let laps = mission.awg.clone().laps(source);
+        Ok(match protection {
+            Protection::FictiveObstacles => Self::Contour(laps),
+            Protection::Mixed => {
+                let mixed = MixedLaps::new(mixed, laps).map_err(within("mixed"))?;
+                Self::Mixed(Box::new(mixed))
+            }
+        })
+    }
+
     fn awg(&self) -> &Awg {
         match self {
             Self::Contour(laps) => laps.awg(),
@@ -67,6 +84,10 @@ impl WaypointSource {
 #[derive(Debug, Clone)]
 pub struct PatrolFto {
     mission: Mission,
+    protection: Protection,
+    mixed: MixedParams,
+    /// `true` if the zig-zag fits the map.
+    entered: bool,
     obstacles_known: bool,
     way: WaypointSource,
     fto: Fto,
@@ -94,16 +115,11 @@ impl PatrolFto {
     ) -> Result<Self, PatrolError> {
         check(params)?;
         let mission = params.mission.prepare(drive, &params.driver.go_to, seed)?;
-        let source = mission.key.source().map_err(MissionError::Key)?;
-        let laps = mission.awg.clone().laps(source);
-        let way = match params.protection {
-            Protection::FictiveObstacles => WaypointSource::Contour(laps),
-            Protection::Mixed => {
-                let mixed = MixedLaps::new(params.mixed, laps).map_err(within("mixed"))?;
-                WaypointSource::Mixed(Box::new(mixed))
-            }
-        };
+        let way = WaypointSource::new(&mission, params.protection, params.mixed)?;
         Ok(Self {
+            protection: params.protection,
+            mixed: params.mixed,
+            entered: false,
             mission,
             obstacles_known: params.obstacles_known,
             way,
@@ -115,6 +131,20 @@ impl PatrolFto {
             ranges: Vec::new(),
             reports: Vec::new(),
         })
+    }
+
+    /// Fits the zig-zag of the mixture to the first map; later changes of the map do not change it.
+    pub fn enter(&mut self, map: &PlannerMap) {
+        if core::mem::replace(&mut self.entered, true) {
+            return;
+        }
+        // Legs among obstacles have another protection than a narrow zig-zag.
+        let Some(mission) = fitted(&self.mission, map, false, self.radius) else {
+            return;
+        };
+        if let Ok(way) = WaypointSource::new(&mission, self.protection, self.mixed) {
+            (self.way, self.mission) = (way, mission);
+        }
     }
 
     /// Returns the mission with all choices made.
@@ -144,6 +174,7 @@ impl PatrolFto {
 
     /// Returns the command for this tick; a stop if its pose is not known.
     pub fn steer(&mut self, map: &PlannerMap, view: &View<'_>) -> Steering {
+        self.enter(map);
         self.reports.clear();
         self.disc = None;
         let Some(own) = view.own() else {

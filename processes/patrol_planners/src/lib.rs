@@ -9,7 +9,7 @@
 #![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
 
 mod awg;
-mod check;
+pub mod check;
 mod fto;
 pub mod process;
 

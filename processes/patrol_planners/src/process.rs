@@ -8,20 +8,20 @@ use planner_view::steering::Steering;
 use planner_view::view::View;
 use planner_view::waypoint::WaypointReport;
 use runtime::config::RobotInfo;
-use runtime::kind::{Task, TaskFault, TaskSketch};
+use runtime::kind::{Remark, Task, TaskFault, TaskSketch};
 use sim_backend::spec::RobotSpec;
 
-use crate::check::check_task;
+use crate::check::{Waypoints, check_task, task_remarks};
 use crate::{PatrolAwg, PatrolAwgParams, PatrolFto, PatrolFtoParams};
 
 /// Maximum number of waypoints that may end in a tick.
 const WAYPOINTS: usize = 64;
 
-/// Returns the inputs of a patrol, with the exact shapes if it knows the obstacles.
-fn inputs(obstacles_known: bool) -> PlannerInputs {
+/// Inputs of a patrol: the exact shapes bound the zig-zag, and known obstacles are among them.
+fn inputs() -> PlannerInputs {
     PlannerInputs {
         scans: true,
-        shapes: obstacles_known,
+        shapes: true,
         ..PlannerInputs::default()
     }
 }
@@ -64,14 +64,31 @@ impl Planner for PatrolAwgPlanner {
         check_task(&params.mission, &params.driver, known, task, seed)
     }
 
-    fn inputs(params: &PatrolAwgParams) -> PlannerInputs {
-        inputs(params.obstacles_known)
+    fn remarks(params: &PatrolAwgParams, task: &Task<'_>, seed: u64) -> Vec<Remark> {
+        let known = params.obstacles_known;
+        let waypoints = Waypoints::ZigZag;
+        task_remarks(
+            &params.mission,
+            &params.driver,
+            known,
+            waypoints,
+            task,
+            seed,
+        )
+    }
+
+    fn inputs(_: &PatrolAwgParams) -> PlannerInputs {
+        inputs()
     }
 
     fn new(params: &PatrolAwgParams, robot: &RobotInfo, seed: u64) -> Result<Self, String> {
         PatrolAwg::new(params, &robot.model, seed)
             .map(Self)
             .map_err(|error| error.to_string())
+    }
+
+    fn prepare(&mut self, map: &PlannerMap, _: &RobotInfo) {
+        self.0.enter(map);
     }
 
     fn steer(&mut self, map: &PlannerMap, view: &View<'_>) -> Steering {
@@ -116,8 +133,20 @@ impl Planner for PatrolFtoPlanner {
         check_task(&params.mission, &params.driver, known, task, seed)
     }
 
-    fn inputs(params: &PatrolFtoParams) -> PlannerInputs {
-        inputs(params.obstacles_known)
+    fn remarks(params: &PatrolFtoParams, task: &Task<'_>, seed: u64) -> Vec<Remark> {
+        let waypoints = params.protection.waypoints();
+        task_remarks(
+            &params.mission,
+            &params.driver,
+            false,
+            waypoints,
+            task,
+            seed,
+        )
+    }
+
+    fn inputs(_: &PatrolFtoParams) -> PlannerInputs {
+        inputs()
     }
 
     fn new(params: &PatrolFtoParams, robot: &RobotInfo, seed: u64) -> Result<Self, String> {
@@ -132,6 +161,10 @@ impl Planner for PatrolFtoPlanner {
         PatrolFto::new(params, &drive, &robot.model, seed)
             .map(Self)
             .map_err(|error| error.to_string())
+    }
+
+    fn prepare(&mut self, map: &PlannerMap, _: &RobotInfo) {
+        self.0.enter(map);
     }
 
     fn steer(&mut self, map: &PlannerMap, view: &View<'_>) -> Steering {

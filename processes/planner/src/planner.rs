@@ -15,7 +15,7 @@ use planner_view::waypoint::WaypointReport;
 use rand::Rng as _;
 use runtime::config::{ProcessConfig, RobotInfo};
 use runtime::error::ProcessError;
-use runtime::kind::{Need, Task, TaskFault, TaskSketch};
+use runtime::kind::{Need, Remark, Task, TaskFault, TaskSketch};
 use sim_backend::spec::RobotSpec;
 
 use crate::outputs::{PlannedPoint, headed_for};
@@ -123,6 +123,12 @@ pub trait Planner: Sized + 'static {
     fn check_task(params: &Self::Params, task: &Task<'_>, seed: u64) -> Result<(), TaskFault> {
         let _ = (params, task, seed);
         Ok(())
+    }
+
+    /// Returns what a user should know about a task that [`Self::check_task`] accepts.
+    fn remarks(params: &Self::Params, task: &Task<'_>, seed: u64) -> Vec<Remark> {
+        let _ = (params, task, seed);
+        Vec::new()
     }
 
     /// Returns a planner for a robot; `seed` is its own.

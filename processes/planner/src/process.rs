@@ -16,7 +16,7 @@ use runtime::error::ProcessError;
 use runtime::inputs::{
     BeliefInput, Latest, MapInput, ScanInput, ShapesInput, StateInput, reply_stamp,
 };
-use runtime::kind::{Need, Process, ProcessKind, Product, Task, TaskFault, TaskSketch};
+use runtime::kind::{Need, Process, ProcessKind, Product, Remark, Task, TaskFault, TaskSketch};
 use sim_backend::spec::RobotSpec;
 
 use crate::maps::planner_map;
@@ -80,6 +80,11 @@ impl<P: Planner> ProcessKind for PlannerProcess<P> {
     fn check_task(params: &P::Params, task: &Task<'_>) -> Result<(), TaskFault> {
         let seed = planner_seed(task.run_seed, P::NAME, &task.robot.name);
         P::check_task(params, task, seed)
+    }
+
+    fn remarks(params: &P::Params, task: &Task<'_>) -> Vec<Remark> {
+        let seed = planner_seed(task.run_seed, P::NAME, &task.robot.name);
+        P::remarks(params, task, seed)
     }
 
     fn open(config: &ProcessConfig, params: &P::Params, bus: &Bus) -> Result<Self, ProcessError> {

@@ -106,6 +106,12 @@ pub trait ProcessKind: Process + Sized + 'static {
         Ok(())
     }
 
+    /// Returns what a user should know about a task that [`Self::check_task`] accepts.
+    fn remarks(params: &Self::Params, task: &Task<'_>) -> Vec<Remark> {
+        let _ = (params, task);
+        Vec::new()
+    }
+
     /// Opens the ports and sets up the algorithm.
     ///
     /// # Errors
@@ -188,6 +194,15 @@ pub struct Task<'a> {
     pub world_map: &'a WorldMap,
     /// Seed of the run.
     pub run_seed: u64,
+}
+
+/// Remark about a task that is no fault.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Remark {
+    /// Choice that the scenario leaves open.
+    Note(String),
+    /// Probable mistake.
+    Warning(String),
 }
 
 /// Faults of a task on a map.

@@ -1,4 +1,4 @@
-//! Points along a polyline, by length and by number of segments.
+//! Points along a polyline, by length.
 
 use nalgebra::Point2;
 
@@ -47,20 +47,4 @@ impl<'a> Polyline<'a> {
         let along = (wanted - before) / (reached - before);
         Some(start + (end - start) * along)
     }
-}
-
-/// The point after this share of the polyline's *segments*, regardless of their lengths; linear
-/// within a segment. Shares below 0 and above 1 are the ends; `None` without points or for NaN.
-pub fn at_share_of_segments(points: &[Point2<f64>], share: f64) -> Option<Point2<f64>> {
-    let segments = points.len().checked_sub(1)?;
-    if share.is_nan() {
-        return None;
-    }
-    let parameter = share.clamp(0.0, 1.0) * segments as f64;
-    let index = (parameter.floor() as usize).min(segments);
-    let start = points[index];
-    Some(match points.get(index + 1) {
-        Some(end) => start + (end - start) * (parameter - index as f64),
-        None => start,
-    })
 }

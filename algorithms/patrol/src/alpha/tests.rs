@@ -26,7 +26,8 @@ fn at_the_width_found_the_mean_lap_takes_just_the_time() {
     let awg = awg.with_alpha(alpha).unwrap();
     let mut generator = catp();
     let length: f64 = (0..5)
-        .map(|lap| metrics::path::Polyline::new(&awg.lap_path(lap, &mut generator)).length())
+        .map(|lap| awg.lap_track(lap, &mut generator))
+        .map(|lap| metrics::path::Polyline::new(lap.points()).length())
         .sum();
     assert!((length / 5.0 / 120.0 - 0.8).abs() < 1e-9);
 }
@@ -44,7 +45,7 @@ fn a_robot_that_turns_gets_less_and_keeps_its_time_on_every_lap() {
             let awg = awg.clone().with_alpha(alpha).unwrap();
             let mut generator = generator();
             let laps: Vec<_> = (0..LAPS)
-                .map(|lap| awg.lap_path(lap, &mut generator))
+                .map(|lap| awg.lap_track(lap, &mut generator).points().to_vec())
                 .collect();
             TurnThenDrive { v: 1.0, omega: 3.0 }
                 .lap_times(&laps)

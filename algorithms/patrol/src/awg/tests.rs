@@ -61,9 +61,9 @@ pub(crate) fn awg(contour: &Contour, t_max: f64, alpha: f64, mode: Mode) -> Awg 
     Awg::new(contour, &DangerZones::default(), params).unwrap()
 }
 
-/// Paths of the first laps.
-pub(crate) fn paths(awg: &Awg, laps: u32, source: &mut impl Source) -> Vec<Vec<Point2<f64>>> {
-    (0..laps).map(|lap| awg.lap_path(lap, source)).collect()
+/// The first laps.
+pub(crate) fn tracks(awg: &Awg, laps: u32, source: &mut impl Source) -> Vec<Track> {
+    (0..laps).map(|lap| awg.lap_track(lap, source)).collect()
 }
 
 #[test]
@@ -205,4 +205,32 @@ fn a_segment_shorter_than_a_second_gets_no_waypoint() {
     let awg = awg(&contour, 20.0, 0.5, Mode::default());
     let inserted: Vec<u32> = awg.legs(0).iter().map(|leg| leg.inserted).collect();
     assert_eq!(inserted, [0, 9, 9]);
+}
+
+#[test]
+fn a_lap_that_is_the_contour_has_no_error_by_the_clock() {
+    // Sides of 1 to 9 m, cut by zones into stretches without a waypoint.
+    let corners = points(&[(0.0, 0.0), (9.0, 0.0), (9.0, 1.0), (3.0, 1.0), (0.0, 4.0)]);
+    for contour in [Contour::closed(&corners), Contour::open(&corners)] {
+        let contour = contour.unwrap();
+        let zones: DangerZones = toml::from_str::<std::collections::BTreeMap<String, _>>(
+            "zones = [{ circle = { center = [2, 2], radius = 0.1 } }, \
+             { circle = { center = [9, 0.5], radius = 0.01 } }]",
+        )
+        .unwrap()
+        .remove("zones")
+        .unwrap();
+        let (t_max, mode) = (30.0, Mode::default());
+        let params = AwgParams {
+            t_max,
+            alpha: 1.0,
+            mode,
+        };
+        let awg = Awg::new(&contour, &zones, params).unwrap();
+        assert_eq!(awg.steps_per_lap(), 0);
+        assert!((awg.lap_time() - t_max).abs() < 1e-9);
+        let laps = [awg.lap_track(0, &mut catp())];
+        let error = metrics::path::mae_time(contour.points(), &laps, 120).unwrap();
+        assert!(error < 1e-9, "{error}");
+    }
 }

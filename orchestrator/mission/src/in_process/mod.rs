@@ -20,18 +20,21 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 use ipc_types::bus::{Bus, Publisher, PublisherOptions};
-use ipc_types::topics::ObstacleEvents;
+use ipc_types::stamp::Stamp;
+use ipc_types::topics::{ObstacleEvents, ProcessLog};
 use runtime::maps::Maps;
 
 use self::processes::LocalRun;
 use super::error::{InProcessError, MissionError};
 use super::plan::Plan;
+use super::process_log::{line_header, remark_lines};
 use super::progress::{EventPrinter, Progress};
 use super::recording::{self, LogFile};
 use super::report::MissionReport;
+use super::stderr_lines::MAX_TEXT_BYTES;
 use recorder::{DigestPrefixes, Recorder};
-use scenario::ResolvedScenario;
 use scenario::spec::Mode;
+use scenario::{ResolvedScenario, TaskRemark};
 
 /// Ticks between two updates of the progress display.
 const DISPLAY_INTERVAL: u64 = 256;
@@ -45,6 +48,8 @@ pub struct InProcessOptions {
     pub force: bool,
     /// `true` to show progress and events.
     pub show: bool,
+    /// Remarks for the log ([`ResolvedScenario::remarks`]).
+    pub remarks: Vec<TaskRemark>,
     /// Set by the caller (Ctrl-C) to end the run in order.
     pub interrupted: Arc<AtomicBool>,
     /// Data that runs share; pass the same cache to all runs of a sweep, in any scenario and thread.
@@ -126,9 +131,17 @@ fn execute(
     let mut recorder = Recorder::open(&bus, recording)?;
     let obstacles: Publisher<ObstacleEvents> =
         bus.publisher(PublisherOptions::new(plan.orchestrator_index(), 1))?;
+    let lines: Publisher<ProcessLog> = bus.publisher(PublisherOptions::new(
+        plan.orchestrator_index(),
+        MAX_TEXT_BYTES,
+    ))?;
     let mut processes = LocalRun::open(&plan, &bus)?;
     processes.connect()?;
     plan.send_obstacle_changes(&obstacles)?;
+    for line in remark_lines(&plan, &options.remarks) {
+        let header = line_header(Stamp::default(), &line);
+        lines.send(header, line.text.as_bytes())?;
+    }
     processes.prepare()?;
 
     let mut show = options.show.then(|| ProgressDisplay::new(scenario, &plan));

@@ -1,11 +1,13 @@
 //! The laps of a patrol, and the positions that an ally with the key predicts.
 
 use ::patrol::forecast::{Forecast, Predicted};
-use ::patrol::mission::{Drive, Mission};
+use ::patrol::mission::{AlphaChoice, Drive, Mission};
 use chaotic_maps::Key;
+use geometry::map::WorldMap;
 use metrics::path::PathMetrics;
-use nalgebra::Point2;
+use metrics::track::Track;
 use patrol_planners::PatrolAwgParams;
+use patrol_planners::check::{Waypoints, room_of, warnings};
 use planner_view::waypoint::{Waypoint, WaypointKind};
 use serde_json::{Value as Json, json};
 
@@ -22,6 +24,8 @@ pub struct Patrol {
     pub process: String,
     /// Name of its robot.
     pub robot: String,
+    /// Parts without protection, and waypoints where the robot does not fit.
+    pub warnings: Vec<String>,
     mission: Mission,
     forecast: Forecast,
 }
@@ -47,11 +51,15 @@ impl Patrol {
             .mission
             .prepare(&drive, &params.driver.go_to, router.seed(scenario))
             .map_err(|e| refused(&e))?;
+        let world_map = WorldMap::recent(&scenario.world.map).map_err(|e| refused(&e))?;
+        let (map, radius) = (world_map.shapes(), router.robot.model().radius);
+        let mission = mission.within(&room_of(map, params.obstacles_known, radius));
         let source = mission.key.source().map_err(|e| refused(&e))?;
         Ok(Self {
             process: router.process.name.clone(),
             robot: router.robot.name.clone(),
             forecast: Forecast::new(mission.awg.clone(), source),
+            warnings: warnings(&mission, Waypoints::ZigZag, map, radius),
             mission,
         })
     }
@@ -59,6 +67,11 @@ impl Patrol {
     /// Returns the width of its zig-zag (m).
     pub fn alpha(&self) -> f64 {
         self.mission.awg.params().alpha
+    }
+
+    /// Returns the origin of the width.
+    pub fn alpha_choice(&self) -> AlphaChoice {
+        self.mission.alpha_choice
     }
 
     /// Returns the maximum time of a lap (s).
@@ -94,20 +107,16 @@ impl Patrol {
     pub fn laps(&self, count: u32) -> Result<Laps, RouteError> {
         let start = self.waypoint(0)?;
         let mut waypoints = vec![start];
-        let mut paths: Vec<Vec<Point2<f64>>> = Vec::new();
+        let mut tracks: Vec<Track> = Vec::new();
         for lap in 0..count {
-            let first = waypoints.last().map_or(start.point, |last| last.point);
-            let lap = self.forecast.lap(lap).map_err(|e| self.refused(&e))?;
-            let mut path = vec![first];
-            path.extend(lap.iter().map(|waypoint| waypoint.point));
+            let of_lap = self.forecast.lap(lap).map_err(|e| self.refused(&e))?;
+            let track = self.mission.awg.track(lap, &of_lap);
             // Return laps along an open contour are measured in the direction of the contour.
-            if self.mission.contour.is_reversed_in(paths.len() as u32) {
-                path.reverse();
-            }
-            paths.push(path);
-            waypoints.extend(lap);
+            let is_reversed = self.mission.contour.is_reversed_in(lap);
+            tracks.push(if is_reversed { track.reversed() } else { track });
+            waypoints.extend(of_lap);
         }
-        let metrics = PathMetrics::of(self.mission.contour.points(), &paths, self.t_max());
+        let metrics = PathMetrics::of(self.mission.contour.points(), &tracks, self.t_max());
         Ok(Laps { waypoints, metrics })
     }
 
@@ -126,11 +135,13 @@ impl Patrol {
             "robot": self.robot,
             "key": self.key().to_string(),
             "alpha": self.alpha(),
+            "alpha_choice": self.alpha_choice().name(),
             "t_max": self.t_max(),
             "v": awg.v(),
             "contour_m": awg.contour_length(),
             "waypoints_per_lap": awg.waypoints_per_lap(),
             "lap_time_s": self.forecast.lap_time(),
+            "warnings": self.warnings,
         })
     }
 }

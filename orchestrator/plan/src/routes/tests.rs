@@ -40,6 +40,63 @@ fn laps_of_the_octagon_are_those_of_the_papers_formulas() {
     assert_eq!(laps.metrics_json()["laps"], 12);
 }
 
+const MISSION: &str = "processes.patrol.params.mission";
+
+/// The octagon, threatened within this distance of a point.
+fn threatened(center: [f64; 2], radius: f64) -> Patrol {
+    let zone = format!(
+        "{MISSION}.danger_zones=[{{ circle = {{ center = {center:?}, radius = {radius} }} }}]"
+    );
+    Patrol::of(&scenario("patrol_octagon", &[&zone]), None, None).unwrap()
+}
+
+#[test]
+fn a_patrol_with_a_danger_zone_is_planned_within_the_map() {
+    let patrol = threatened([5.0, 0.0], 2.0);
+    assert_eq!(patrol.alpha_choice().name(), "room");
+    assert_eq!(patrol.warnings, [""; 0]);
+    let laps = patrol.laps(12).unwrap();
+    for waypoint in &laps.waypoints {
+        let inside = |x: f64| (-1.78 - 1e-6..=16.78 + 1e-6).contains(&x);
+        let at = waypoint.point;
+        assert!(inside(at.x) && inside(at.y), "{waypoint:?}");
+    }
+}
+
+#[test]
+fn waypoints_outside_the_map_are_reported() {
+    let octagon = scenario("patrol_octagon", &[&format!("{MISSION}.alpha=6.0")]);
+    let patrol = Patrol::of(&octagon, None, None).unwrap();
+    assert_eq!(patrol.alpha_choice().name(), "given");
+    let [warning] = &patrol.warnings[..] else {
+        panic!("{:?}", patrol.warnings);
+    };
+    assert!(warning.contains("the robot does not fit"), "{warning}");
+}
+
+#[test]
+fn a_zone_without_a_contour_is_reported_and_the_lap_is_the_contour() {
+    let patrol = threatened([7.5, 7.5], 2.0);
+    assert_eq!(patrol.alpha_choice().name(), "unused");
+    assert!(patrol.warnings[0].contains("`danger_zones[0]`"));
+    let metrics = patrol.laps(2).unwrap().metrics.unwrap();
+    assert!(metrics.mae_time < 1e-9, "{}", metrics.mae_time);
+}
+
+#[test]
+fn the_error_of_a_partly_threatened_lap_is_that_of_its_zig_zag() {
+    // Two metres of 48: with equal times for all legs the error was metres.
+    let octagon =
+        format!("{MISSION}.danger_zones=[{{ circle = {{ center = [0.0, 7.5], radius = 1.0 }} }}]");
+    let octagon = scenario(
+        "patrol_octagon",
+        &[&octagon, &format!("{MISSION}.alpha=1.0")],
+    );
+    let patrol = Patrol::of(&octagon, None, None).unwrap();
+    let metrics = patrol.laps(12).unwrap().metrics.unwrap();
+    assert!(metrics.mae_time < 0.1, "{}", metrics.mae_time);
+}
+
 #[test]
 fn only_an_ally_with_the_key_predicts_the_path() {
     let octagon = scenario(

@@ -46,6 +46,7 @@ pub(super) fn run(kinds: &[Kind], args: &CheckArgs) -> ExitCode {
                 "events": scenario.events.len(),
                 "external_commands": scenario.uses_external_commands(),
                 "warnings": scenario.warnings(),
+                "remarks": scenario.remarks(),
             }));
             ExitCode::SUCCESS
         }
@@ -65,6 +66,9 @@ pub(super) fn run(kinds: &[Kind], args: &CheckArgs) -> ExitCode {
             }
             for warning in scenario.warnings() {
                 text.push_str(&format!("\nwarning: {warning}"));
+            }
+            for remark in scenario.remarks() {
+                text.push_str(&format!("\n{remark}"));
             }
             print(&text);
             ExitCode::SUCCESS

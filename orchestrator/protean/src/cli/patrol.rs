@@ -124,13 +124,18 @@ fn plan(
 
 fn plan_text(patrol: &Patrol, laps: &Laps) -> String {
     let mut text = format!(
-        "{}: {}, key {}, α = {:.3} m, t_max = {} s\n\n",
+        "{}: {}, key {}, α = {:.3} m ({}), t_max = {} s\n",
         patrol.process,
         patrol.robot,
         patrol.key(),
         patrol.alpha(),
+        patrol.alpha_choice().reason(),
         patrol.t_max(),
     );
+    for warning in &patrol.warnings {
+        text += &format!("warning: {warning}\n");
+    }
+    text.push('\n');
     text += "  number  lap  kind            x (m)     y (m)\n";
     for waypoint in &laps.waypoints {
         text += &format!(

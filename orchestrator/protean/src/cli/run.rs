@@ -15,7 +15,7 @@ use mission::{self, MissionError, MissionOptions, MissionReport};
 pub(super) use platform::signals::interrupt as handle_signals;
 use scenario::kind::Kind;
 use scenario::spec::Mode;
-use scenario::{Loader, ResolvedScenario};
+use scenario::{Loader, ResolvedScenario, TaskRemark};
 
 /// Levels that `--log-level` takes.
 const LEVELS: [&str; 5] = ["error", "warn", "info", "debug", "trace"];
@@ -35,15 +35,21 @@ pub fn run(kinds: &[Kind], target: &str, args: &RunArgs) -> ExitCode {
         eprintln!("error: cannot handle signals: {error}");
         return ExitCode::from(EXIT_FAILED);
     }
-    match execute(&scenario, args, interrupted) {
+    let remarks = scenario.remarks();
+    if !args.quiet.quiet {
+        for warning in remarks.iter().filter(|remark| remark.is_warning()) {
+            eprintln!("{warning}");
+        }
+    }
+    match execute(&scenario, args, remarks.clone(), interrupted) {
         Ok(report) => {
             if let Some(live) = report.live {
                 report_viewers(live, args.quiet.quiet);
             }
             if args.json.json {
-                print_json(&run_summary::json(&scenario, &report));
+                print_json(&run_summary::json(&scenario, &remarks, &report));
             } else {
-                print(&run_summary::text(&scenario, &report));
+                print(&run_summary::text(&scenario, &remarks, &report));
             }
             let lost = report.summary.topics.values().any(|topic| topic.gaps > 0);
             if report.interrupted || report.has_failures || lost {
@@ -62,6 +68,7 @@ pub fn run(kinds: &[Kind], target: &str, args: &RunArgs) -> ExitCode {
 fn execute(
     scenario: &ResolvedScenario,
     args: &RunArgs,
+    remarks: Vec<TaskRemark>,
     interrupted: Arc<AtomicBool>,
 ) -> Result<MissionReport, MissionError> {
     if args.in_process {
@@ -69,6 +76,7 @@ fn execute(
             out: args.out.clone(),
             force: args.force.force,
             show: !args.quiet.quiet,
+            remarks,
             interrupted,
             ..InProcessOptions::default()
         };
@@ -84,6 +92,7 @@ fn execute(
         live: args.live,
         // Without a pace, a run would end before a viewer shows it.
         pace: args.pace.or(args.live.map(|_| 1.0)).filter(|_| lock_step),
+        remarks,
         interrupted,
     };
     mission::run(scenario, &options)

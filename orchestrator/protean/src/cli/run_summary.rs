@@ -7,11 +7,15 @@ use mission::MissionReport;
 use recorder::{
     LapFigures, PredictionOutcome, ProcessOutcome, RobotOutcome, Summary, WaypointOutcome,
 };
-use scenario::ResolvedScenario;
+use scenario::{ResolvedScenario, TaskRemark};
 use tables::for_terminal;
 
 /// The one JSON object of `protean run --json`.
-pub(super) fn json(scenario: &ResolvedScenario, report: &MissionReport) -> Json {
+pub(super) fn json(
+    scenario: &ResolvedScenario,
+    remarks: &[TaskRemark],
+    report: &MissionReport,
+) -> Json {
     let s = &report.summary;
     let mut json = json!({
         "scenario": scenario.name,
@@ -32,6 +36,9 @@ pub(super) fn json(scenario: &ResolvedScenario, report: &MissionReport) -> Json 
     });
     if let Some(coverage) = &s.coverage {
         json["coverage"] = json!(coverage);
+    }
+    if !remarks.is_empty() {
+        json["remarks"] = json!(remarks);
     }
     if !s.processes.is_empty() {
         json["processes"] = json!(s.processes);
@@ -211,7 +218,11 @@ fn predictions_table(predictions: &[PredictionOutcome]) -> Table {
 }
 
 /// The summary for people.
-pub(super) fn text(scenario: &ResolvedScenario, report: &MissionReport) -> String {
+pub(super) fn text(
+    scenario: &ResolvedScenario,
+    remarks: &[TaskRemark],
+    report: &MissionReport,
+) -> String {
     let s = &report.summary;
     let robots = robots_table(s);
     let mut latency = table(&["hop", "p50 (us)", "p90 (us)", "p99 (us)", "max (us)"]);
@@ -271,6 +282,10 @@ pub(super) fn text(scenario: &ResolvedScenario, report: &MissionReport) -> Strin
         if let Some(waypoints) = &robot.waypoints {
             text += &waypoints_text(robot, waypoints);
         }
+    }
+    // The warnings have been shown before the run.
+    for note in remarks.iter().filter(|remark| !remark.is_warning()) {
+        text += &format!("{note}\n");
     }
     text += &format!("ticks     {}\n", s.ticks);
     text += &format!(

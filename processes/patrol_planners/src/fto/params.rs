@@ -8,6 +8,8 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use steering::waypoint_driver::DriverParams;
 
+use crate::check::Waypoints;
+
 /// Means by which the patrol is hard to predict.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
@@ -17,6 +19,16 @@ pub enum Protection {
     FictiveObstacles,
     /// Additional waypoints, and fictive obstacles along large real ones ([`patrol::mixed`]).
     Mixed,
+}
+
+impl Protection {
+    /// The part of the protection that waypoints provide.
+    pub(crate) fn waypoints(self) -> Waypoints {
+        match self {
+            Self::FictiveObstacles => Waypoints::Contour,
+            Self::Mixed => Waypoints::ZigZag,
+        }
+    }
 }
 
 /// Parameters of a [`PatrolFto`](crate::PatrolFto).

@@ -84,8 +84,8 @@ fn twelve_laps_of_the_octagon_in_all_four_readings() {
     ];
     for (mode, (x, y), expected) in rows {
         let awg = awg(&octagon(), 120.0, 1.7, mode);
-        let laps = paths(&awg, 12, &mut catp());
-        let first = laps[0][1];
+        let laps = tracks(&awg, 12, &mut catp());
+        let first = laps[0].points()[1];
         assert!(
             (first - Point2::new(x, y)).norm() < 1e-9,
             "{mode:?}: {first}"
@@ -141,7 +141,7 @@ fn numbers_of_waypoints_are_exact() {
     assert_eq!(nearest.waypoints_per_lap(), 120);
     close(floor.v(), 0.402_369, 1e-6);
     // Changes of direction per second: not the paper's 0.4024, which is v.
-    let laps = paths(&floor, 1, &mut catp());
+    let laps = tracks(&floor, 1, &mut catp());
     let found = PathMetrics::of(octagon().points(), &laps, 120.0).unwrap();
     close(found.andc, 116.0 / 120.0, 1e-12);
 }
@@ -161,7 +161,7 @@ fn the_square_of_case_2() {
         let rounding = Rounding::Floor;
         let awg = awg(&square(), t_max, 1.3, Mode { rounding, frame });
         assert_eq!(awg.waypoints_per_lap(), 96);
-        let laps = paths(&awg, 12, &mut catp());
+        let laps = tracks(&awg, 12, &mut catp());
         let found = PathMetrics::of(square().points(), &laps, t_max).unwrap();
         close(found.length_first, length, 1e-6);
         close(found.mae_time, mae, 1e-6);
@@ -173,14 +173,14 @@ fn the_segment_of_figure_5() {
     // 5 m at 0.5 m/s, alone.
     let contour = Contour::open(&points(&[(1.0, 4.0), (5.0, 1.0)])).unwrap();
     let awg = awg(&contour, 10.0, 2.0, ATAN2_FLOOR);
-    let path = awg.lap_path(0, &mut source("catf64:0.4,0.644"));
+    let lap = awg.lap_track(0, &mut source("catf64:0.4,0.644"));
     let expected = [
         (1.696, 3.948),
         (2.8752, 2.3936),
         (2.5296, 3.0328),
         (3.5136, 1.6048),
     ];
-    for (found, (x, y)) in path[1..].iter().zip(expected) {
+    for (found, (x, y)) in lap.points()[1..].iter().zip(expected) {
         assert!((found - Point2::new(x, y)).norm() < 1e-9, "{found}");
     }
 }
@@ -204,7 +204,7 @@ fn speeds_and_errors_of_figures_6_and_10() {
     for (alpha, expected) in rows {
         let laps = |mode| {
             let awg = awg(&octagon(), 120.0, alpha, mode);
-            paths(&awg, 12, &mut source("catf64:0.4,0.644"))
+            tracks(&awg, 12, &mut source("catf64:0.4,0.644"))
         };
         let (turned, printed) = (laps(ATAN2_FLOOR), laps(Preset::Printed.mode()));
         let of_turned = PathMetrics::of(reference, &turned, 120.0).unwrap();
@@ -228,7 +228,7 @@ fn speeds_and_errors_of_figures_6_and_10() {
 #[test]
 fn the_papers_key_in_the_best_fitting_reading() {
     let mode = Preset::PaperFit.mode();
-    let laps = paths(
+    let laps = tracks(
         &awg(&octagon(), 120.0, 1.7, mode),
         12,
         &mut source("catf64:0.4,0.644"),
@@ -238,13 +238,13 @@ fn the_papers_key_in_the_best_fitting_reading() {
     rounds_to(found.speed_first, 0.9845, 1e-4);
     rounds_to(found.turns_first.maa_fold, 0.7831, 1e-4);
     let case_2 = awg(&square(), square_time(), 1.3, mode);
-    let laps = paths(&case_2, 12, &mut source("catf64:0.4,0.644"));
+    let laps = tracks(&case_2, 12, &mut source("catf64:0.4,0.644"));
     rounds_to(
         mae_time(square().points(), &laps, 120).unwrap(),
         0.7160,
         1e-4,
     );
-    rounds_to(Turns::of(&laps[0]).maa_fold, 0.7956, 1e-4);
+    rounds_to(Turns::of(laps[0].points()).maa_fold, 0.7956, 1e-4);
 }
 
 #[test]
@@ -263,7 +263,7 @@ fn two_hundred_random_keys_stay_in_the_published_bands() {
     let mut outside = [(0, 0); 6];
     for seed in 0..200 {
         let mut generator = Key::from_seed(KeyKind::CatP, seed).source().unwrap();
-        let laps = paths(&awg, 12, &mut generator);
+        let laps = tracks(&awg, 12, &mut generator);
         let found = PathMetrics::of(octagon().points(), &laps, 120.0).unwrap();
         let values = [
             found.speed_first,

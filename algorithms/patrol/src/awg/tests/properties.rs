@@ -116,9 +116,9 @@ proptest! {
         let here = awg(&octagon(), 120.0, 1.7, Mode::default());
         let there = awg(&turned, 120.0, 1.7, Mode::default());
         let mut generator = key.source().unwrap();
-        let path = here.lap_path(0, &mut generator.clone());
-        let other = there.lap_path(0, &mut generator);
-        for (p, q) in path.iter().zip(&other) {
+        let path = here.lap_track(0, &mut generator.clone());
+        let other = there.lap_track(0, &mut generator);
+        for (p, q) in path.points().iter().zip(other.points()) {
             prop_assert!((turn(p) - q).norm() < 1e-9);
         }
     }
