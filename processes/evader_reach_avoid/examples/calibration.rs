@@ -54,9 +54,8 @@ const TACTICS: [(&str, &str); 2] = [
         "knowledge = 'exact'\nassignment.knowledge = 'exact'",
     ),
     (
-        "guard, cut off, intercept",
-        "knowledge = 'exact'\nroles.exit_guard = 1\ngoals.method = 'interception'\n\
-         assignment = { method = 'cut_off', knowledge = 'exact' }",
+        "cut off",
+        "knowledge = 'exact'\nassignment = { method = 'cut_off', knowledge = 'exact' }",
     ),
 ];
 
