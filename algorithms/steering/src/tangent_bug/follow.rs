@@ -36,6 +36,8 @@ pub(super) struct Follow {
     trail: Trail,
     /// Position and direction of the last decision.
     decided: Option<(Point2<f64>, Vector2<f64>)>,
+    /// Position at which an obstacle appeared on the path away from the boundary (m).
+    returned_at: Option<Point2<f64>>,
 }
 
 /// Next step of following.
@@ -61,7 +63,14 @@ impl Follow {
             wall,
             trail: Trail::default(),
             decided: None,
+            returned_at: None,
         }
+    }
+
+    /// Continues along the boundary at a position where the path away from it turned out to be closed (m). The
+    /// next scan from there may show it open again: beams miss edges.
+    pub(super) fn return_at(&mut self, here: Point2<f64>) {
+        self.returned_at = Some(here);
     }
 
     /// The side on which the robot goes around.
@@ -110,7 +119,10 @@ impl Follow {
             return Following::Leave(sight.goal);
         }
         let (reach, point) = Self::reach(view, sight, &run);
-        if reach < self.least - LEAVE_MARGIN {
+        let has_just_returned = self
+            .returned_at
+            .is_some_and(|at| (at - view.here).norm() < grown);
+        if reach < self.least - LEAVE_MARGIN && !has_just_returned {
             return Following::Leave(point);
         }
         if gap.is_none() {
@@ -129,7 +141,8 @@ impl Follow {
             return Following::Along(view.here + unit * view.free_towards(unit));
         }
         self.decided = Some((view.here, end.unit));
-        if self.trail.closes(view.here, end.unit, grown) {
+        self.trail.add(view.here, end.unit, grown);
+        if self.trail.is_closed(grown) {
             return Following::Closed;
         }
         Following::Along(view.here + end.unit * end.free)

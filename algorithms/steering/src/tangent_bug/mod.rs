@@ -13,8 +13,15 @@
 //! towards the goal, except for a few that begin because the goal is visible, ends nearer to it than the
 //! last, by a fixed margin, so their number is finite. The loop is closed when the robot drives along
 //! its own trail.
+//!
+//! Beams miss edges, so a real scan can close a loop falsely or lead in circles without any progress. In
+//! both cases the robot plans a path over the echoes that it remembers from the boundary (its detour), and
+//! gives up only if they enclose it or the goal.
 
+mod detour;
 mod follow;
+mod progress;
+mod remembered;
 mod run;
 mod surroundings;
 mod trail;
@@ -22,9 +29,12 @@ mod trail;
 use geometry::pose::Pose2;
 use nalgebra::{Point2, Vector2};
 
+use detour::Detour;
 use follow::{Follow, Following, is_turning};
 use parameters::{ParamsError, positive};
 use planner_view::view::ScanView;
+use progress::Progress;
+use remembered::Remembered;
 pub use run::Side;
 use run::{Run, RunEnd};
 pub(crate) use surroundings::echoes;
@@ -33,6 +43,9 @@ use surroundings::{Surroundings, nearest_direction};
 /// Cosine of the angle to the goal (85°) above which the path along a boundary no longer approaches the
 /// goal.
 const NO_NEARER: f64 = 0.087;
+/// Rise of the distance from the goal, in grown radii, at which motion towards the goal ends: a turn at speed
+/// takes room.
+const MAX_RISE: f64 = 0.5;
 /// Number of consecutive scans with nothing but boundary after which the robot counts as walled in.
 const ENCLOSED_LOOKS: u32 = 60;
 /// Number of times that a visible goal counts as reachable: between obstacles that leave slightly too
@@ -64,6 +77,8 @@ pub enum Mode {
     Boundary(Side),
     /// From a boundary to a point nearer to the goal.
     Leaving,
+    /// Along a path among the remembered obstacles.
+    Detour,
 }
 
 /// Result of a scan.
@@ -84,6 +99,8 @@ pub enum Advice {
 enum State {
     ToGoal {
         side: Option<Side>,
+        /// Minimum distance from the goal in this mode (m).
+        least: f64,
     },
     Following(Follow),
     Leaving {
@@ -92,7 +109,16 @@ enum State {
         /// Position of the decision (m).
         from: Point2<f64>,
     },
+    Detour(Detour),
     Unreachable,
+}
+
+impl State {
+    /// A new search.
+    const START: Self = Self::ToGoal {
+        side: None,
+        least: f64::INFINITY,
+    };
 }
 
 /// Transition of a state in one scan.
@@ -114,6 +140,8 @@ pub struct TangentBug {
     enclosed: u32,
     /// Number of times that the robot left a boundary only because the goal was visible.
     sightings: u32,
+    progress: Progress,
+    remembered: Remembered,
     view: Surroundings,
 }
 
@@ -127,9 +155,11 @@ impl TangentBug {
         Ok(Self {
             grown: radius + MARGIN,
             goal: None,
-            state: State::ToGoal { side: None },
+            state: State::START,
             enclosed: 0,
             sightings: 0,
+            progress: Progress::default(),
+            remembered: Remembered::default(),
             view: Surroundings::default(),
         })
     }
@@ -142,9 +172,11 @@ impl TangentBug {
     /// Clears the goal and all state of the path to it.
     pub fn reset(&mut self) {
         self.goal = None;
-        self.state = State::ToGoal { side: None };
+        self.state = State::START;
         self.enclosed = 0;
         self.sightings = 0;
+        self.progress = Progress::default();
+        self.remembered.clear();
     }
 
     /// The advice at a pose, with the scan made there, to come within `tolerance` (m) of a goal; a goal
@@ -169,9 +201,15 @@ impl TangentBug {
             self.reset();
             self.goal = Some(goal);
         }
-        let margin = MARGIN;
-        self.view.look(pose, scan, self.grown - margin, margin);
+        let radius = self.grown - MARGIN;
+        // Paths among remembered obstacles keep the whole margin; half of it remains for deviations.
+        let margin = match self.state {
+            State::Detour(_) => 0.5 * MARGIN,
+            _ => MARGIN,
+        };
+        self.view.look(pose, scan, radius, margin);
         let sight = Sight::new(&self.view, pose, goal, tolerance.max(0.0));
+        self.note(pose, scan, &sight);
         for _ in 0..MAX_CHANGES {
             let state = core::mem::replace(&mut self.state, State::Unreachable);
             match self.answer(state, &sight) {
@@ -183,26 +221,46 @@ impl TangentBug {
         Some(self.wait(Mode::ToGoal))
     }
 
+    /// Records the scan where it may be needed for a detour, and begins one if there is no progress.
+    fn note(&mut self, pose: &Pose2, scan: &ScanView<'_>, sight: &Sight) {
+        let stalls = self.progress.stalls(pose, sight.distance, self.grown);
+        let (is_last_resort, is_at_boundary) = match self.state {
+            State::Detour(_) => (true, true),
+            State::Following(_) | State::Leaving { .. } => (stalls, true),
+            State::ToGoal { .. } => (stalls, stalls),
+            State::Unreachable => return,
+        };
+        let due = is_last_resort || self.remembered.is_due(self.view.here, self.grown);
+        if is_at_boundary && due {
+            self.remembered.record(pose, scan, self.grown);
+        }
+        if is_last_resort && !matches!(self.state, State::Detour(_)) {
+            self.state = State::Detour(Detour::default());
+        }
+    }
+
     /// Gives a result in a state and sets `self.state` for the next scan, or changes the state.
     fn answer(&mut self, state: State, sight: &Sight) -> Change {
         match state {
             State::Unreachable => Change::Answer(Advice::Unreachable),
-            State::ToGoal { side } => self.approach(side, sight),
+            State::ToGoal { side, least } => self.approach(side, least, sight),
             State::Following(follow) => self.follow(follow, sight),
             State::Leaving {
                 point,
                 follow,
                 from,
             } => self.leave((point, from), follow, sight),
+            State::Detour(detour) => self.go_around(detour, sight),
         }
     }
 
-    /// Motion to the goal.
-    fn approach(&mut self, side: Option<Side>, sight: &Sight) -> Change {
+    /// Motion to the goal, as long as the distance from it falls.
+    fn approach(&mut self, side: Option<Side>, least: f64, sight: &Sight) -> Change {
+        let least = least.min(sight.distance);
         let blocking = sight.blocking(&self.view, JUMP);
         let Some(run) = blocking.filter(|_| !sight.is_open) else {
             self.enclosed = 0;
-            self.state = State::ToGoal { side: None };
+            self.state = State::ToGoal { side: None, least };
             return Change::Answer(Advice::Head {
                 towards: sight.goal,
                 mode: Mode::ToGoal,
@@ -228,7 +286,8 @@ impl TangentBug {
                 best = Some((side, end, cost));
             }
         }
-        let nearer = |end: &RunEnd| end.unit.dot(&sight.towards) >= NO_NEARER;
+        let falls = sight.distance <= least + MAX_RISE * self.grown;
+        let nearer = |end: &RunEnd| falls && end.unit.dot(&sight.towards) >= NO_NEARER;
         let Some((side, end, _)) = best.filter(|(_, end, _)| nearer(end)) else {
             let side = best.map(|(side, ..)| side).or(side).unwrap_or(Side::Right);
             let wall = self.view.obstacle(run.nearest(&self.view));
@@ -236,7 +295,10 @@ impl TangentBug {
             return Change::To(State::Following(follow));
         };
         self.enclosed = 0;
-        self.state = State::ToGoal { side: Some(side) };
+        self.state = State::ToGoal {
+            side: Some(side),
+            least,
+        };
         Change::Answer(Advice::Head {
             towards: self.view.here + end.unit * end.free,
             mode: Mode::Tangent(side),
@@ -252,14 +314,14 @@ impl TangentBug {
     fn follow(&mut self, mut follow: Follow, sight: &Sight) -> Change {
         let may_trust = self.may_trust();
         match follow.step(&self.view, sight, self.grown, may_trust) {
-            Following::Lost => Change::To(State::ToGoal { side: None }),
+            Following::Lost => Change::To(State::START),
             Following::Leave(point) => Change::To(State::Leaving {
                 point,
                 follow,
                 from: self.view.here,
             }),
             Following::Enclosed(towards) => self.walled_in(follow, towards),
-            Following::Closed => Change::To(State::Unreachable),
+            Following::Closed => Change::To(State::Detour(Detour::default())),
             Following::Along(towards) => {
                 self.enclosed = 0;
                 let mode = Mode::Boundary(follow.side());
@@ -273,7 +335,7 @@ impl TangentBug {
     fn leave(
         &mut self,
         (point, from): (Point2<f64>, Point2<f64>),
-        follow: Follow,
+        mut follow: Follow,
         sight: &Sight,
     ) -> Change {
         let to = point - self.view.here;
@@ -284,6 +346,7 @@ impl TangentBug {
             self.sightings += u32::from(!nearer);
             return Change::To(State::ToGoal {
                 side: Some(follow.side()),
+                least: sight.distance,
             });
         }
         let free = self.view.free_towards(to / left);
@@ -291,6 +354,7 @@ impl TangentBug {
         let turning = is_turning(&self.view, sight, from, to / left) && free > JUMP;
         if !turning && free + JUMP < left.min(self.view.reach) {
             // An obstacle has appeared in between: continue along the boundary.
+            follow.return_at(self.view.here);
             return Change::To(State::Following(follow));
         }
         self.state = State::Leaving {
@@ -309,10 +373,24 @@ impl TangentBug {
     fn walled_in(&mut self, follow: Follow, towards: Point2<f64>) -> Change {
         self.enclosed += 1;
         if self.enclosed >= ENCLOSED_LOOKS {
-            return Change::To(State::Unreachable);
+            return Change::To(State::Detour(Detour::default()));
         }
         let mode = Mode::Boundary(follow.side());
         self.state = State::Following(follow);
+        Change::Answer(Advice::Head { towards, mode })
+    }
+
+    /// The last resort: along paths among the remembered obstacles.
+    fn go_around(&mut self, mut detour: Detour, sight: &Sight) -> Change {
+        let (towards, mode) = if sight.is_reachable {
+            (sight.goal, Mode::ToGoal)
+        } else {
+            match detour.step(&self.view, sight, &self.remembered, self.grown) {
+                Some(point) => (point, Mode::Detour),
+                None => return Change::To(State::Unreachable),
+            }
+        };
+        self.state = State::Detour(detour);
         Change::Answer(Advice::Head { towards, mode })
     }
 
@@ -328,6 +406,8 @@ impl TangentBug {
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Sight {
     goal: Point2<f64>,
+    /// Distance from the goal at which it is reached (m).
+    tolerance: f64,
     /// d(x, goal) (m).
     distance: f64,
     /// Unit vector towards the goal.
@@ -355,6 +435,7 @@ impl Sight {
         let needed = distance - tolerance;
         Self {
             goal,
+            tolerance,
             distance,
             towards,
             forward: pose.forward(),

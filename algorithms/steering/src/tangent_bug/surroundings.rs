@@ -31,34 +31,50 @@ static UNITS: LazyLock<Vec<Vector2<f64>>> = LazyLock::new(|| {
         .collect()
 });
 
+/// The echo of each beam of a scan, relative to the robot's centre in world axes (m); `None` for a beam
+/// without one. Ranges below the minimum count as the minimum (REP-117: −∞); NaN counts as no echo.
+pub(super) fn hits(
+    pose: &Pose2,
+    scan: &ScanView<'_>,
+) -> impl Iterator<Item = Option<Vector2<f64>>> {
+    let ScanView {
+        angle_min,
+        angle_increment,
+        range_min,
+        range_max,
+        ranges,
+    } = *scan;
+    let theta = pose.theta;
+    ranges.iter().enumerate().map(move |(beam, &range)| {
+        let range = f64::from(range);
+        // In this form, NaN is no echo.
+        let echo = range <= range_max;
+        echo.then(|| {
+            let (sin, cos) = math::sincos(theta + angle_min + beam as f64 * angle_increment);
+            Vector2::new(cos, sin) * range.max(range_min).max(0.0)
+        })
+    })
+}
+
 /// Appends the echoes of a scan, relative to the robot's centre in world axes (m).
 ///
 /// Where two neighbouring echoes are so close that the robot (of this radius (m)) could not pass
-/// between them, points are inserted between them. Ranges below the minimum count as the minimum
-/// (REP-117: −∞); NaN counts as no echo.
+/// between them, points are inserted between them.
 pub(crate) fn echoes(pose: &Pose2, scan: &ScanView<'_>, radius: f64, into: &mut Vec<Vector2<f64>>) {
     into.clear();
     let mut before: Option<Vector2<f64>> = None;
     let mut first: Option<Vector2<f64>> = None;
-    for (beam, &range) in scan.ranges.iter().enumerate() {
-        let range = f64::from(range);
-        // In this form, NaN is no echo.
-        let echo = range <= scan.range_max;
-        if !echo {
-            before = None;
-            continue;
+    for (beam, hit) in hits(pose, scan).enumerate() {
+        if let Some(at) = hit {
+            if let Some(before) = before {
+                fill(before, at, radius, into);
+            }
+            into.push(at);
+            if beam == 0 {
+                first = Some(at);
+            }
         }
-        let angle = pose.theta + scan.angle_min + beam as f64 * scan.angle_increment;
-        let (sin, cos) = math::sincos(angle);
-        let at = Vector2::new(cos, sin) * range.max(scan.range_min).max(0.0);
-        if let Some(before) = before {
-            fill(before, at, radius, into);
-        }
-        into.push(at);
-        before = Some(at);
-        if beam == 0 {
-            first = Some(at);
-        }
+        before = hit;
     }
     if let (Some(last), Some(first)) = (before, first) {
         fill(last, first, radius, into);

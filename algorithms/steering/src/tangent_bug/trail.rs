@@ -26,12 +26,14 @@ pub(super) struct Trail {
     last: Option<Point2<f64>>,
     /// Distance at which the robot began to drive along its trail (m).
     since: Option<f64>,
+    /// Distance driven along the trail, in all (m).
+    again: f64,
 }
 
 impl Trail {
-    /// Adds the next position and direction of travel (a unit vector); returns `true` if the loop
-    /// is closed. `radius` is the robot's with its margin (m).
-    pub(super) fn closes(&mut self, at: Point2<f64>, heading: Vector2<f64>, radius: f64) -> bool {
+    /// Adds the next position and direction of travel (a unit vector); `radius` is the robot's with its margin
+    /// (m).
+    pub(super) fn add(&mut self, at: Point2<f64>, heading: Vector2<f64>, radius: f64) {
         let pitch = 0.05_f64.min(0.4 * radius);
         if let Some(last) = self.last {
             self.along += (at - last).norm();
@@ -42,10 +44,12 @@ impl Trail {
             .last()
             .map_or(f64::INFINITY, |mark| self.along - mark.along);
         if since_mark < pitch {
-            return false;
+            return;
         }
         if self.marks.len() >= MAX_MARKS {
-            return true;
+            self.again = f64::INFINITY;
+            self.since.get_or_insert(self.along);
+            return;
         }
         // The path around the smallest obstacle is 2π radii long.
         let old = self.along - 3.0 * radius;
@@ -59,10 +63,28 @@ impl Trail {
             heading,
             along: self.along,
         });
-        if !again {
+        if again {
+            self.again += if self.since.is_some() {
+                since_mark
+            } else {
+                0.0
+            };
+            self.since.get_or_insert(self.along);
+        } else {
             self.since = None;
-            return false;
         }
-        self.along - *self.since.get_or_insert(self.along) >= 2.5 * radius
+    }
+
+    /// Distance driven along the own trail, in all (m).
+    pub(super) fn again(&self) -> f64 {
+        self.again
+    }
+
+    /// Returns `true` if the loop is closed. `radius` is the robot's with its margin (m).
+    pub(super) fn is_closed(&self, radius: f64) -> bool {
+        let (Some(since), Some(last)) = (self.since, self.marks.last()) else {
+            return false;
+        };
+        self.marks.len() >= MAX_MARKS || last.along - since >= 2.5 * radius
     }
 }

@@ -5,6 +5,8 @@ mod support;
 
 mod avoidance;
 mod certain_escape;
+mod drive;
 mod escape;
 mod field_goldens;
+mod random_world;
 mod walls_and_bodies;

@@ -1,6 +1,6 @@
 //! The driver's handling of waypoints.
 
-use super::{DT, DriverParams, PATROL, Run, route, square};
+use crate::drive::{DT, PATROL, Run, route, square};
 use geometry::pose::{Pose2, Twist2};
 use geometry::shape::Convex;
 use nalgebra::Point2;
@@ -10,7 +10,7 @@ use planner_view::waypoint::WaypointOutcome::{InsideObstacle, Reached, TimedOut,
 use planner_view::waypoint::{Waypoint, WaypointKind, WaypointOutcome};
 use steering::go_to::{GoToParams, coast};
 use steering::waypoint_driver::{
-    Driving, Situation, WaypointDriver, lap_time, time_without_obstacles,
+    DriverParams, Driving, Situation, WaypointDriver, lap_time, time_without_obstacles,
 };
 
 fn inserted(number: u64, x: f64, y: f64) -> Waypoint {

@@ -2,7 +2,7 @@
 
 use core::f64::consts::{FRAC_PI_2, PI, TAU};
 
-use super::{Machine, PATROL, Run, square, wall};
+use crate::drive::{Machine, PATROL, Run, square, wall};
 use geometry::math;
 use geometry::pose::Pose2;
 use geometry::shape::Convex;
