@@ -100,6 +100,9 @@ pub struct WaypointOutcome {
     pub timed_out: u64,
     /// Number of waypoints left out because they are unreachable.
     pub unreachable: u64,
+    /// Number of those left out that belong to the route, which must be visited.
+    #[serde(default)]
+    pub route_left_out: u64,
     /// Maximum distance of the robot's centre from a waypoint that counts as reached (m).
     pub farthest_m: f64,
     /// Number of laps, from the first waypoint of the route to the last; absent without a route.

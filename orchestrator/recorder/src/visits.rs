@@ -87,6 +87,7 @@ struct Visits {
     /// `true` if a waypoint of a route has ended.
     has_route: bool,
     counts: [u64; WaypointEnd::OUTCOMES.len()],
+    route_left_out: u64,
     farthest: f64,
     laps: Vec<Lap>,
     open: Option<Open>,
@@ -112,6 +113,7 @@ impl Visits {
             lap_limit_s: robot.lap_limit_s,
             has_route: false,
             counts: Default::default(),
+            route_left_out: 0,
             farthest: 0.0,
             laps: Vec::new(),
             open: None,
@@ -134,6 +136,8 @@ impl Visits {
         }
         if end.outcome == 0 {
             self.farthest = self.farthest.max(end.closest);
+        } else if end.kind == 0 {
+            self.route_left_out += 1;
         }
         if self.waypoints >= MAX_POINTS {
             return;
@@ -193,6 +197,7 @@ impl Visits {
             inside_obstacle,
             timed_out,
             unreachable,
+            route_left_out: self.route_left_out,
             farthest_m: self.farthest,
             laps: self.has_route.then_some(self.laps.len() as u32),
             longest_lap_s: self
@@ -432,6 +437,17 @@ mod tests {
     }
 
     #[test]
+    fn a_waypoint_of_the_route_that_is_left_out_is_counted_apart() {
+        let mut ends = laps(2);
+        for (i, outcome) in [(2, 3), (3, 2)] {
+            ends[i].outcome = outcome;
+        }
+        let outcome = visits(&ends).unwrap();
+        assert_eq!((outcome.unreachable, outcome.timed_out), (1, 1));
+        assert_eq!(outcome.route_left_out, 1);
+    }
+
+    #[test]
     fn omitted_waypoints_are_counted_and_not_part_of_the_path() {
         let mut ends = laps(2);
         ends[3].outcome = 1;
@@ -444,6 +460,7 @@ mod tests {
             outcome.unreachable,
         );
         assert_eq!(counts, (1, 1, 0));
+        assert_eq!(outcome.route_left_out, 0);
         assert_eq!(outcome.farthest_m, 0.05);
         let whole = visits(&laps(2)).unwrap();
         assert!(outcome.planned.unwrap().turns < whole.planned.unwrap().turns);

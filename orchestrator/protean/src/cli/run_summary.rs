@@ -130,6 +130,9 @@ fn waypoints_text(robot: &RobotOutcome, w: &WaypointOutcome) -> String {
             format!(" ({})", reasons.join(", "))
         },
     );
+    if w.route_left_out > 0 {
+        text += &format!(", {} of the route", w.route_left_out);
+    }
     if let Some(laps) = w.laps {
         text += &format!("; {laps} laps");
     }
