@@ -96,13 +96,14 @@ pub(super) fn rows(study: &Study) -> String {
     text
 }
 
-/// Returns the mean of a value over a cell's missions, with its 95 % interval.
+/// Returns the mean of a value over a cell's missions, with its 95 % interval; without one if all missions have
+/// the same value.
 pub(super) fn mean(cell: &Cell, value: impl Fn(&Row) -> Option<f64>) -> String {
     let Some(mean) = cell.mean(value) else {
         return "–".into();
     };
     let half = mean.interval().width() / 2.0;
-    if half.is_finite() {
+    if half.is_finite() && half > 0.0 {
         format!("{} ± {}", hundredths(mean.value), hundredths(half))
     } else {
         hundredths(mean.value)

@@ -4,7 +4,7 @@ use draw::figures::{Chart, Point, Series, Unit};
 use sweep::Row;
 
 use super::alpha::mean;
-use super::evidence::Study;
+use super::evidence::{Knowledge, Study, least_error};
 
 /// Distances at which the covered part is compared (m).
 const WAYS: [f64; 4] = [250.0, 500.0, 1000.0, 2000.0];
@@ -55,12 +55,13 @@ pub(super) fn rows(study: &Study) -> String {
             })
             .collect();
         text += &format!(
-            "| {} | {} | {} | {} | {} |\n",
+            "| {} | {} | {} | {} | {} | {} |\n",
             cell.case.replace('_', " "),
             covered.join(" | "),
             mean(cell, |row| row.coverage.as_ref().map(|c| c.unevenness)),
-            mean(cell, |row| super::evidence::least_error(row, 2.0)),
-            mean(cell, |row| super::evidence::least_error(row, 5.0)),
+            mean(cell, |row| least_error(row, Knowledge::Sight, 2.0)),
+            mean(cell, |row| least_error(row, Knowledge::Sight, 5.0)),
+            mean(cell, |row| least_error(row, Knowledge::Method, 5.0)),
         );
     }
     text

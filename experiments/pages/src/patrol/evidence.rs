@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use recorder::LapFigures;
+use recorder::{LapFigures, PredictionOutcome};
 use statistics::Mean;
 use sweep::{Results, Row};
 
@@ -112,8 +112,30 @@ pub(super) fn laps(row: &Row, driven: bool) -> Option<&LapFigures> {
     }
 }
 
-/// Returns the smallest mean error of all prediction methods at this `horizon` (s) (m).
-pub(super) fn least_error(row: &Row, horizon: f64) -> Option<f64> {
+/// Knowledge of an observer.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Knowledge {
+    /// What it sees.
+    Sight,
+    /// The method that makes the goals, without the key.
+    Method,
+}
+
+impl Knowledge {
+    fn of(prediction: &PredictionOutcome) -> Self {
+        if prediction.method.ends_with("_key") {
+            Self::Method
+        } else {
+            Self::Sight
+        }
+    }
+}
+
+/// Returns the smallest mean error of the prediction methods with this knowledge at this `horizon` (s) (m).
+pub(super) fn least_error(row: &Row, knowledge: Knowledge, horizon: f64) -> Option<f64> {
     let of_horizon = row.predictions.iter().filter(|p| p.horizon_s == horizon);
-    of_horizon.filter_map(|p| p.mean_m).min_by(f64::total_cmp)
+    of_horizon
+        .filter(|p| Knowledge::of(p) == knowledge)
+        .filter_map(|p| p.mean_m)
+        .min_by(f64::total_cmp)
 }

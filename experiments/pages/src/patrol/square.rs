@@ -4,7 +4,7 @@ use recorder::LapFigures;
 use sweep::Row;
 
 use super::alpha::mean;
-use super::evidence::{Study, laps};
+use super::evidence::{Knowledge, Study, laps, least_error};
 
 /// Returns the rows of the table.
 pub(super) fn rows(study: &Study) -> String {
@@ -23,7 +23,7 @@ pub(super) fn rows(study: &Study) -> String {
             mean(cell, |row| waypoints(row)?.longest_lap_s),
             mean(cell, |row| waypoints(row).map(|w| w.left_out_share())),
             cell.rows.iter().map(|row| row.contacts).sum::<u32>(),
-            mean(cell, |row| super::evidence::least_error(row, 2.0)),
+            mean(cell, |row| least_error(row, Knowledge::Sight, 2.0)),
         );
     }
     text

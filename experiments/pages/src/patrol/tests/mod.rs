@@ -1,4 +1,6 @@
-use recorder::{CoverageByWay, CoverageOutcome, LapFigures, RobotOutcome, WaypointOutcome};
+use recorder::{
+    CoverageByWay, CoverageOutcome, LapFigures, PredictionOutcome, RobotOutcome, WaypointOutcome,
+};
 use sweep::{Outcome, Row};
 
 use super::evidence::{Cell, Study};
@@ -31,6 +33,7 @@ fn row(length_m: f64, mae_m: f64) -> Row {
             inside_obstacle: 10,
             timed_out: 0,
             unreachable: 0,
+            route_left_out: 0,
             farthest_m: 0.05,
             laps: Some(5),
             longest_lap_s: Some(118.0),
@@ -115,6 +118,43 @@ fn made_up() -> Evidence {
         square: Some(study("awg", "small", vec![row(75.0, 0.71)])),
         coverage: Some(study("chebyshev_raw", "", vec![row(1.0, 1.0)])),
     }
+}
+
+#[test]
+fn one_run_repeated_has_no_interval() {
+    let mut repeated = made_up();
+    repeated.square = Some(study("fto", "none", vec![row(75.0, 0.15); 5]));
+    let page = page(&repeated).unwrap();
+    let fto = line(&page, "| none | fto | 0.15 |");
+    assert!(!fto.contains('±'), "{fto}");
+}
+
+#[test]
+fn an_observer_that_knows_the_method_has_a_column_of_its_own() {
+    let prediction = |method: &str, mean_m| PredictionOutcome {
+        observer: 0,
+        robot: "sweeper".into(),
+        method: method.into(),
+        horizon_s: 5.0,
+        predictions: 100,
+        without: 0,
+        mean_m: Some(mean_m),
+        median_m: None,
+        rms_m: None,
+        goals_observed: 50,
+        key_recovered_s: None,
+        key_recovered_after: None,
+    };
+    let mut known = row(1.0, 1.0);
+    known.predictions = vec![
+        prediction("similar_goal_per_axis", 0.96),
+        prediction("kalman", 2.5),
+        prediction("chebyshev_key", 0.2),
+    ];
+    let mut evidence = made_up();
+    evidence.coverage = Some(study("chebyshev_arcsine", "", vec![known]));
+    let row = line(&page(&evidence).unwrap(), "| chebyshev arcsine |");
+    assert!(row.ends_with("| – | 0.96 | 0.20 |"), "{row}");
 }
 
 #[test]
