@@ -96,29 +96,6 @@ fn the_papers_follower_reaches_the_exit_as_well() {
 }
 
 #[test]
-fn a_failed_plan_of_the_papers_evader_drops_its_path_and_the_last_command_continues() {
-    let (_, map) = &*CITY;
-    let mut params = RrtStarParams::paper();
-    // Enough for the way round one corner, too few for the way through the city.
-    params.search.iterations = 300;
-    let mut evader = evader(&params);
-    let robots = |pose| {
-        [
-            robot(0, Team::Evader, pose, V_MAX),
-            robot(1, Team::Police, Pose2::new(7.5, -1.0, 0.0), 0.3),
-        ]
-    };
-    let near = robots(Pose2::new(7.5, -3.0, 1.5));
-    let first = evader.command(map, &view(0.0, &near, &[EXIT]));
-    assert!(evader.route().is_some_and(|route| route.is_complete));
-    assert_ne!(first.command, Twist2::STOP);
-    let far = robots(START);
-    let second = evader.command(map, &view(4.0, &far, &[EXIT]));
-    assert!(evader.route().is_none());
-    assert_eq!(second, first);
-}
-
-#[test]
 fn a_pursuer_in_a_street_turns_the_way_into_another() {
     let (_, map) = &*CITY;
     let lowest = |police: &[(f64, f64)]| {
