@@ -341,10 +341,7 @@ fn a_referee_judges_every_quarter_second_and_changes_no_game() {
     let (game, _) = text
         .split_once("[[processes]]\nkind = \"referee\"")
         .unwrap();
-    sandbox.file(
-        "alone.toml",
-        &game.replace("maps/city.toml", "builtin:city"),
-    );
+    sandbox.file("alone.toml", game.replace("maps/city.toml", "builtin:city"));
     let (alone, without, _) = record(&sandbox, &[&["alone.toml"][..], &short].concat());
     assert!(alone.get("escape_possible_fraction").is_none());
     assert_eq!(without.states, history.states, "a referee steers no robot");

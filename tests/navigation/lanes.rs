@@ -11,7 +11,7 @@ fn lane(bays: &[(f64, f64)], width: f64, limits: &str) -> String {
     ends.push(8.0);
     let blocks = ends.chunks(2).map(|pair| (pair[0], pair[1], width));
     let backs = bays.iter().map(|(at, half)| (at - half, at + half, 1.0));
-    let obstacles: String = blocks
+    let obstacles: Vec<String> = blocks
         .chain(backs)
         .map(|(from, to, low)| {
             let center = [f64::midpoint(from, to), f64::midpoint(low, 1.6)];
@@ -22,6 +22,7 @@ fn lane(bays: &[(f64, f64)], width: f64, limits: &str) -> String {
             )
         })
         .collect();
+    let obstacles = obstacles.concat();
     let robot = |name: &str, from: f64, theta: f64, to: f64| {
         format!(
             "[[robots]]\nname = \"{name}\"\nteam = \"neutral\"\nlimits = {{ {limits} }}\n\
@@ -36,7 +37,7 @@ fn lane(bays: &[(f64, f64)], width: f64, limits: &str) -> String {
          [[processes]]\nkind = \"optimiser\"\n\
          [[processes]]\nkind = \"navigator\"\nrobots = [\"east\", \"west\"]\n",
         robot("east", 0.4, 0.0, 7.6),
-        robot("west", 7.6, 3.14, 0.4),
+        robot("west", 7.6, core::f64::consts::PI, 0.4),
     )
 }
 

@@ -181,7 +181,7 @@ fn play(
     counts: &mut Counts,
 ) {
     let exits = world.exits().to_vec();
-    let centres: Vec<Point2<f64>> = exits.iter().map(|exit| exit.center()).collect();
+    let centres: Vec<Point2<f64>> = exits.iter().map(geometry::region::Region::center).collect();
     let mut police: Vec<PursuerPlanner> = Vec::new();
     let mut evaders: Vec<ReachAvoidPlanner> = Vec::new();
     for index in 0..POLICE + EVADERS {

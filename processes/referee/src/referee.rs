@@ -10,7 +10,7 @@ use steering::escape::{self, Robot};
 
 use crate::RefereeParams;
 
-/// What a referee knows of a game besides the map and the state.
+/// Data of a game for a referee, besides the map and the state.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Game {
     /// Exits of evaders.

@@ -69,7 +69,7 @@ impl Lane {
     }
 
     /// Distance (m) of a point from the middle of the lane.
-    fn from_middle(&self, p: Point2<f64>) -> f64 {
+    fn distance_to_middle(&self, p: Point2<f64>) -> f64 {
         (turned(-self.angle, p.x, p.y).y - WIDTH / 2.0).abs()
     }
 
@@ -97,7 +97,7 @@ proptest! {
             return Err(TestCaseError::fail("no place"));
         };
         prop_assert!(lane.space.is_free(place, CLEARANCE));
-        prop_assert!(lane.from_middle(place) >= APART - 1e-9);
+        prop_assert!(lane.distance_to_middle(place) >= APART - 1e-9);
         prop_assert!((lane.along(place) - bay).abs() < width / 2.0);
         // The robot gets there: back in the lane, then aside.
         let entry = lane.middle(bay);
@@ -113,7 +113,7 @@ proptest! {
         let Some(Retreat::Back(place)) = lane.retreat(x) else {
             return Err(TestCaseError::fail("not back"));
         };
-        prop_assert!(lane.from_middle(place) < 1e-9);
+        prop_assert!(lane.distance_to_middle(place) < 1e-9);
         prop_assert!(lane.along(place) > x + APART && lane.along(place) <= x + 2.0 * APART + 1e-9);
     }
 

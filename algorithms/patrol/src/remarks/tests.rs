@@ -47,7 +47,10 @@ fn a_sound_patrol_needs_no_remark() {
 fn a_zone_that_touches_no_contour_is_named() {
     let mission = zones(&format!("{SIDE}, {APART}"));
     let apart = Remark::ZoneApart { index: 1 };
-    assert_eq!(of_zig_zag(&mission, &room(1.0)), [apart.clone()]);
+    assert_eq!(
+        of_zig_zag(&mission, &room(1.0)),
+        std::slice::from_ref(&apart)
+    );
     assert_eq!(of_contour(&mission), [apart]);
 }
 

@@ -27,7 +27,7 @@ const TEMPLATE: &str = include_str!("../../templates/chase.md");
 
 /// One experiment of the page.
 struct Part<'a> {
-    study: &'a Option<Study>,
+    study: Option<&'a Study>,
     published: &'a [Published],
     title: &'static str,
     conditions: &'static str,
@@ -44,7 +44,7 @@ pub fn page(evidence: &Evidence) -> Result<Page, TemplateError> {
     let mut images = Vec::new();
     let mut provenance = String::new();
     let all_speeds = evidence.all_speeds();
-    for part in parts(evidence, &all_speeds) {
+    for part in parts(evidence, all_speeds.as_ref()) {
         let Some(study) = part.study else { continue };
         let name = part.experiment;
         values.keep(name);
@@ -79,7 +79,7 @@ pub fn page(evidence: &Evidence) -> Result<Page, TemplateError> {
     Ok(Page { text, images })
 }
 
-fn parts<'a>(evidence: &'a Evidence, all_speeds: &'a Option<Study>) -> [Part<'a>; 4] {
+fn parts<'a>(evidence: &'a Evidence, all_speeds: Option<&'a Study>) -> [Part<'a>; 4] {
     [
         Part {
             study: all_speeds,
@@ -90,7 +90,7 @@ fn parts<'a>(evidence: &'a Evidence, all_speeds: &'a Option<Study>) -> [Part<'a>
             experiment: "escape_vs_speed",
         },
         Part {
-            study: &evidence.speed_paper,
+            study: evidence.speed_paper.as_ref(),
             published: &published::SPEED,
             title: "Chance of escape against speed, the paper's parameters",
             conditions: "Police 0.3 m/s with exact knowledge, presets of the paper.",
@@ -98,7 +98,7 @@ fn parts<'a>(evidence: &'a Evidence, all_speeds: &'a Option<Study>) -> [Part<'a>
             experiment: "escape_vs_speed_paper",
         },
         Part {
-            study: &evidence.knowledge,
+            study: evidence.knowledge.as_ref(),
             published: &[],
             title: "Chance of escape and what the Police know, random layouts",
             conditions: "Police 0.3 m/s; evaders on a potential field that plans around them.",
@@ -106,7 +106,7 @@ fn parts<'a>(evidence: &'a Evidence, all_speeds: &'a Option<Study>) -> [Part<'a>
             experiment: "knowledge",
         },
         Part {
-            study: &evidence.knowledge_paper,
+            study: evidence.knowledge_paper.as_ref(),
             published: &published::KNOWLEDGE,
             title: "Chance of escape and what the Police know, the paper's parameters",
             conditions: "RRT* evaders, Police 0.3 m/s, presets of the paper.",

@@ -82,7 +82,7 @@ fn a_thin_wall_shields_from_capture_if_the_rules_say_so() {
         assert_eq!(world.robots()[2].caught_by, through_walls.then_some(0));
         // The far one comes within reach on the evader's side: it is farther away, and catches.
         world.step(&[None, drive(-46.8, 0.0), None], TICK);
-        let by = if through_walls { 0 } else { 1 };
+        let by = usize::from(!through_walls);
         assert_eq!(world.robots()[2].caught_by, Some(by));
     }
 }

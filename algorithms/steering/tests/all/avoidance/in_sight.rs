@@ -1,5 +1,6 @@
 //! A goal that becomes visible at every turn and is never reached.
 
+use geometry::math;
 use geometry::pose::Pose2;
 use nalgebra::{Point2, Vector2};
 use planner_view::view::ScanView;
@@ -64,7 +65,7 @@ fn obstacles_that_come_and_go_do_not_hold_the_robot_forever() {
             let ranges: Vec<f32> = (0..BEAMS)
                 .map(|beam| {
                     let angle = pose.theta + beam as f64 * (core::f64::consts::TAU / BEAMS as f64);
-                    let unit = Vector2::new(angle.cos(), angle.sin());
+                    let unit = Vector2::new(math::cos(angle), math::sin(angle));
                     let to = goal - pose.position();
                     let (along, beside) = (to.dot(&unit), to.perp(&unit).abs());
                     let to_wall = if along > 0.0 && beside < wall {
@@ -92,7 +93,7 @@ fn obstacles_that_come_and_go_do_not_hold_the_robot_forever() {
                     let to = towards - pose.position();
                     let step = to * (0.05 / to.norm().max(0.05));
                     let theta = if to.norm() > 0.0 {
-                        to.y.atan2(to.x)
+                        math::atan2(to.y, to.x)
                     } else {
                         pose.theta
                     };
