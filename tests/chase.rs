@@ -269,7 +269,7 @@ fn every_built_in_scenario_runs_and_keeps_every_rule() {
     for name in &names {
         let checked = sandbox.protean(["check", name]).json();
         assert_eq!(checked["ok"], true, "{checked}");
-        let other = ["popup", "patrol_", "coverage_"];
+        let other = ["popup", "single_lane", "patrol_", "coverage_"];
         if checked["external_commands"] == true || other.iter().any(|o| name.starts_with(o)) {
             // What the one starts need not be on this machine; the others are no chases, and are
             // played in `navigation`, `patrol` and `coverage`.

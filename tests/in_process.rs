@@ -58,6 +58,21 @@ const CASES: [Case; 23] = [
         set: &["run.dt=0.1", "rules.time_limit=80"],
         seeds: &["1"],
     },
+    Case {
+        scenario: "chase_paper",
+        set: &["rules.time_limit=4"],
+        seeds: &["1"],
+    },
+    Case {
+        scenario: "chase_layouts",
+        set: &["rules.time_limit=4"],
+        seeds: &["1"],
+    },
+    Case {
+        scenario: "single_lane",
+        set: &["rules.time_limit=20"],
+        seeds: &["1"],
+    },
     // Plans and trees.
     Case {
         scenario: "chase_rrt_star",
@@ -223,7 +238,10 @@ fn digest_outcome_and_metrics_are_those_of_the_run_with_processes() {
 #[test]
 fn obstacle_events_are_in_the_history() {
     let sandbox = Sandbox::new();
-    let case = &CASES[5];
+    let case = CASES
+        .iter()
+        .find(|case| case.scenario == "chase_popup")
+        .unwrap();
     let summary = run(&sandbox, case, "1", &["--in-process"]);
     let obstacles = summary["events"]
         .as_array()

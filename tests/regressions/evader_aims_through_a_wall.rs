@@ -5,7 +5,7 @@ use crate::support::Sandbox;
 
 fn outcome(set: &[&str]) -> (String, f64) {
     let sandbox = Sandbox::new();
-    let mut call = sandbox.protean(["run", "hello", "--in-process", "--quiet", "--json"]);
+    let mut call = sandbox.protean(["run", "hello", "--in-process", "--quiet"]);
     for change in set {
         call = call.set(change);
     }

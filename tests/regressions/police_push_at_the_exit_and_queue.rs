@@ -16,11 +16,19 @@ const CAPTURED: u32 = 0;
 static GAMES: LazyLock<Vec<(Json, History)>> = LazyLock::new(|| {
     let sandbox = Sandbox::new();
     let play = |seed: u32| {
-        let seed = seed.to_string();
-        let words = ["run", "chase", "--in-process", "--quiet", "--seed", &seed];
+        let (seed, log) = (seed.to_string(), format!("{seed}.mcap"));
+        let words = [
+            "run",
+            "chase",
+            "--in-process",
+            "--quiet",
+            "--seed",
+            &seed,
+            "--out",
+            &log,
+        ];
         let summary = sandbox.protean(words).json();
-        let log = sandbox.path().join(summary["log"].as_str().unwrap());
-        (summary, History::read(&log))
+        (summary, History::read(&sandbox.path().join(log)))
     };
     (1..=8).map(play).collect()
 });

@@ -86,7 +86,7 @@ pub fn mae_between(
     })
 }
 
-/// Time between two waypoints of a leg by the clock of a patrol (s): one second where waypoints are
+/// Time between two waypoints of a leg in the time of a patrol (s): one second where waypoints are
 /// inserted (τ = 1; paper, Eq. 10), otherwise the whole leg of this `length` (m) at the speed `v`
 /// (m/s) of an unprotected patrol.
 pub fn seconds_per_waypoint(length: f64, inserted: u64, v: f64) -> f64 {

@@ -1,4 +1,4 @@
-//! Positions over time: of a robot that drove, or of a lap by the clock of its patrol.
+//! Positions over time: of a robot that drove, or of a lap in the time of its patrol.
 
 use nalgebra::Point2;
 

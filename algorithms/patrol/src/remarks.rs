@@ -1,4 +1,4 @@
-//! What a user should know about a patrol before it starts: parts without protection, and waypoints
+//! Remarks on a patrol before it starts: parts without protection, and waypoints
 //! where the robot does not fit.
 
 use nalgebra::Point2;

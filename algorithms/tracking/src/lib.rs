@@ -51,6 +51,7 @@
 
 pub mod belief;
 pub mod fast;
+mod motion_limits;
 pub mod params;
 pub mod particle_filter;
 pub mod sighting;

@@ -6,7 +6,7 @@ use parameters::{Fidelity, Parameters, ParamsError, above, at_least, between, re
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::particle_filter::MotionLimits;
+use crate::motion_limits::MotionLimits;
 
 /// Measurement of an opponent's heading.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, JsonSchema)]

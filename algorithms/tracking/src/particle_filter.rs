@@ -33,10 +33,10 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
 use self::cloud::Cloud;
-pub use self::predict::MotionLimits;
 use self::predict::{Motion, Teleport};
 use self::weigh::{Seen, Unseen};
 use crate::belief::{Belief, Particle, moments};
+pub use crate::motion_limits::MotionLimits;
 use crate::params::FilterParams;
 use crate::sighting::{Measurement, Sighting};
 use crate::space::Space;

@@ -296,7 +296,7 @@ fn a_plan_does_not_depend_on_the_scale_of_the_board() {
 
 /// Grown, they overlap: their border has more arcs than there are discs.
 #[test]
-fn as_many_discs_as_are_promised_have_a_shortest_path() {
+fn as_many_discs_as_are_permitted_have_a_shortest_path() {
     let discs: Vec<Json> = (0..4096)
         .map(|i| json!({ "x": 30 + 7919 * i % 560, "y": 30 + 10_473 * i % 419, "r": 1.5 }))
         .collect();

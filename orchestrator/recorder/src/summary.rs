@@ -141,7 +141,7 @@ pub struct LapFigures {
     /// Length (m).
     pub length_m: f64,
     /// Mean distance from a robot that follows the route exactly, at equal times (MAE) (m): driven laps by the
-    /// time that they took, planned ones by the clock of the patrol.
+    /// time that they took, planned ones in the time of the patrol.
     pub mae_m: f64,
     /// Number of changes of direction in a lap.
     pub turns: f64,

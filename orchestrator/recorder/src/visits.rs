@@ -247,7 +247,7 @@ impl Lap {
         Some(LapFigures::of(track.points(), track.points(), mae))
     }
 
-    /// The planned path by the clock of the patrol. Without a time limit of the lap (s), each leg
+    /// The planned path in the time of the patrol. Without a time limit of the lap (s), each leg
     /// takes a time in proportion to its length.
     fn track(&self, limit_s: Option<f64>) -> Track {
         let v = limit_s.map(|limit_s| Polyline::new(&self.route).length() / limit_s);

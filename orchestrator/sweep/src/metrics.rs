@@ -74,7 +74,7 @@ metrics! {
     LapLength: Number, "length of a lap [m]", Mean(|r| laps(r, |w| Some(w.planned?.length_m)));
     /// Mean time of the longest lap (s).
     LongestLap: Number, "longest lap [s]", Mean(|r| laps(r, |w| w.longest_lap_s));
-    /// Mean distance of a lap through all its waypoints from the route, at equal times by the clock of the patrol (m).
+    /// Mean distance of a lap through all its waypoints from the route, at equal times in the time of the patrol (m).
     PlannedMae: Number, "distance from the route, as planned (MAE) [m]",
         Mean(|r| planned(r, |f| f.mae_m));
     /// Mean distance of driven laps from the route (m).

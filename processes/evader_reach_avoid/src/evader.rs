@@ -189,7 +189,7 @@ impl Evader {
     /// Chooses the course of an escape, or else a destination and the path to it.
     ///
     /// A course whose drive goes as planned stays safe for any motion of the pursuers, and is kept. If
-    /// something disturbed the drive, it is kept if it still is safe from where the robot is.
+    /// something changed the drive, it is kept if it still is safe from where the robot is.
     fn plan(&mut self, map: &PlannerMap, view: &View<'_>, own: &RobotView) {
         let robot = self.robot(view, own);
         let Some((_, arena)) = &self.arena else {

@@ -96,7 +96,7 @@ fn a_robot_that_turns_slowly_is_not_told_that_it_escapes() {
 fn a_body_that_fills_the_way_out_lets_nothing_through() {
     let mut city = Arena::city();
     city.rectangles
-        .extend([(8.0, 9.0, 0.2, 1.25), (8.0, 9.0, -1.25, -0.2)]);
+        .extend([(8.0, 9.0, 0.25, 1.25), (8.0, 9.0, -1.25, -0.25)]);
     let map = city.map();
     let mut robots = [
         robot(0, Team::Evader, 8.5, 0.0),

@@ -208,7 +208,7 @@ fn a_segment_shorter_than_a_second_gets_no_waypoint() {
 }
 
 #[test]
-fn a_lap_that_is_the_contour_has_no_error_by_the_clock() {
+fn a_lap_that_is_the_contour_has_no_error_over_time() {
     // Sides of 1 to 9 m, cut by zones into stretches without a waypoint.
     let corners = points(&[(0.0, 0.0), (9.0, 0.0), (9.0, 1.0), (3.0, 1.0), (0.0, 4.0)]);
     for contour in [Contour::closed(&corners), Contour::open(&corners)] {

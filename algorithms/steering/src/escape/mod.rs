@@ -14,10 +14,12 @@
 //! are at most one tick late, and no other evader stands in its way.
 
 mod course;
+mod robot;
 mod rollout;
 
 pub use course::Course;
-pub use rollout::{Robot, Rollout};
+pub use robot::Robot;
+pub use rollout::Rollout;
 
 use navigation::dominance::{Arena, Dominance, Runner};
 use planner_view::map::PlannerMap;

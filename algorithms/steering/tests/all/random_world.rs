@@ -14,7 +14,7 @@ use steering::tangent_bug;
 /// Half the width of the worlds (m).
 const HALF: f64 = 3.0;
 /// Time after which a drive counts as endless (s).
-const LONGEST_S: f64 = 900.0;
+const MAX_TIME_S: f64 = 900.0;
 /// Clearance beyond the grown radius with which a goal surely is reachable (m).
 const ROOM: f64 = 0.04;
 
@@ -64,7 +64,7 @@ impl RandomWorld {
             surely_not().then_some(false)
         };
         let mut run = Run::new(machine, self.space.clone(), self.start, params);
-        let outcome = run.go(self.goal, LONGEST_S);
+        let outcome = run.go(self.goal, MAX_TIME_S);
         Driven {
             reachable,
             outcome,

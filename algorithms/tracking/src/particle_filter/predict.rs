@@ -8,19 +8,9 @@ use rand_chacha::ChaCha8Rng;
 
 use super::cloud::Stretch;
 use crate::fast;
+use crate::motion_limits::MotionLimits;
 use crate::params::FilterParams;
 use crate::space::Space;
-
-/// Motion limits of an opponent.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct MotionLimits {
-    /// Maximum forward speed (m/s), ≥ 0.
-    pub v_max: f64,
-    /// Maximum backward speed (m/s), ≥ 0.
-    pub v_reverse_max: f64,
-    /// Maximum turning rate either way (rad/s), ≥ 0.
-    pub omega_max: f64,
-}
 
 /// Extent of the random walks beyond the maximum speed and turning rates, as a share of the range of
 /// speeds and of the turning rates to one side. Beyond the limit a hypothesis moves at the limit, as

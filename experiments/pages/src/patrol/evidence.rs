@@ -115,7 +115,7 @@ pub(super) fn laps(row: &Row, driven: bool) -> Option<&LapFigures> {
 /// Knowledge of an observer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Knowledge {
-    /// What it sees.
+    /// Knowledge of the observer.
     Sight,
     /// The method that makes the goals, without the key.
     Method,

@@ -35,7 +35,7 @@ pub(super) struct PictureArgs {
     force: ForceArg,
 }
 
-/// Refuses a name that promises another format than SVG.
+/// Refuses a name with the extension of another format than SVG.
 fn svg_file(file: PathBuf) -> Result<PathBuf, String> {
     match file.extension() {
         Some(extension) if !extension.eq_ignore_ascii_case("svg") => Err(format!(
