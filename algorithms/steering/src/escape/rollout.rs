@@ -1,11 +1,7 @@
 //! The drive along a course, computed in advance.
 
-use geometry::pose::{Pose2, Twist2};
 use navigation::dominance::{Arena, Dominance};
-use parameters::positive;
-use planner_view::limits::Limits;
 use planner_view::map::PlannerMap;
-use sim_backend::robot::{integrate, limit};
 use sim_backend::spec::RobotModel;
 
 use super::{Course, Robot};
