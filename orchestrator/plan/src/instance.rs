@@ -72,8 +72,8 @@ pub struct Instance {
 impl Instance {
     /// Returns the size of a pixel in the planner's unit of length.
     ///
-    /// The unit is the metre if start, goal and obstacles then extend over [`MIN_EXTENT`] to
-    /// [`MAX_EXTENT`], else a power of ten of it: the tolerances of planner and check are lengths for
+    /// The unit is the metre if start, goal and obstacles then extend over `MIN_EXTENT` to
+    /// `MAX_EXTENT`, else a power of ten of it: the tolerances of planner and check are lengths for
     /// robots, while the problem has the same solution at any scale.
     pub fn scale(&self) -> f64 {
         let mut scale = self.cm_per_px / 100.0;
