@@ -93,6 +93,7 @@ fn a_robot_that_turns_slowly_is_not_told_that_it_escapes() {
 
 /// A caught robot stays where it is, and 0.21 m from it is contact.
 #[test]
+#[ignore = "the rollout finds no drive through a gap of 0.5 m without the body either: issue 27, A3"]
 fn a_body_that_fills_the_way_out_lets_nothing_through() {
     let mut city = Arena::city();
     city.rectangles
