@@ -15,7 +15,7 @@ use super::plan::Plan;
 use super::recorder_thread::DrainRequests;
 use super::resources::RunResources;
 use super::stderr_lines::{MAX_TEXT_BYTES, StderrLine};
-use scenario::TaskRemark;
+use scenario::ScenarioRemark;
 
 /// Maximum number of lines that wait for the next check of the supervisor.
 const MAX_WAITING: usize = 4096;
@@ -103,11 +103,12 @@ impl ProcessEventLog {
 }
 
 /// Returns remarks about tasks as lines of their processes.
-pub(super) fn remark_lines(plan: &Plan, remarks: &[TaskRemark]) -> Vec<StderrLine> {
-    let line = |remark: &TaskRemark| {
-        let of_process = |launch: &&Launch| launch.config.name == remark.process;
+pub(super) fn remark_lines(plan: &Plan, remarks: &[ScenarioRemark]) -> Vec<StderrLine> {
+    let line = |remark: &ScenarioRemark| {
+        let (process, robot) = (remark.process.as_ref()?, remark.robot.as_ref()?);
+        let of_process = |launch: &&Launch| launch.config.name == *process;
         let slot = plan.launches.iter().find(of_process)?.config.index as usize;
-        let text = format!("{}: {}: {}", remark.severity, remark.robot, remark.message);
+        let text = format!("{}: {robot}: {}", remark.severity, remark.message);
         Some(StderrLine { slot, text })
     };
     remarks.iter().filter_map(line).collect()

@@ -23,7 +23,7 @@ use super::report::MissionReport;
 use super::resources::RunResources;
 use super::shm_usage;
 use super::supervisor::Supervisor;
-use scenario::{ResolvedScenario, TaskRemark};
+use scenario::{ResolvedScenario, ScenarioRemark};
 
 /// Options of a run.
 #[derive(Debug, Clone, Default)]
@@ -45,7 +45,7 @@ pub struct MissionOptions {
     /// stays the same.
     pub pace: Option<f64>,
     /// Remarks for the log ([`ResolvedScenario::remarks`]).
-    pub remarks: Vec<TaskRemark>,
+    pub remarks: Vec<ScenarioRemark>,
     /// Set by the caller (Ctrl-C) to end the run in order.
     pub interrupted: Arc<AtomicBool>,
 }

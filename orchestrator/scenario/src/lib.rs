@@ -32,7 +32,6 @@ pub mod schema;
 pub mod spec;
 pub mod starts;
 mod template;
-mod warnings;
 mod world;
 
 #[cfg(test)]
@@ -43,7 +42,7 @@ pub use draft::Draft;
 pub use events::{EventSpec, Moment};
 pub use failure::Supervision;
 pub use load::{Listed, Loader, list};
-pub use remarks::TaskRemark;
+pub use remarks::ScenarioRemark;
 pub use resolved::{ProcessSpec, Program, ResolvedScenario};
 pub use spec::OnFailure;
 pub use template::{MapCache, Template};

@@ -1,27 +1,30 @@
-//! Remarks of processes about their tasks, for commands to show.
+//! Remarks about a valid scenario, for commands to show: probable mistakes, choices of planners.
 
 use core::fmt;
 
 use geometry::map::WorldMap;
 use runtime::kind::{Remark, Task};
 use serde::Serialize;
+use sim_backend::team::Team;
 
 use super::resolved::ResolvedScenario;
 
-/// Remark of a process about its task with a robot.
+/// Remark about the rules, or of a process about its task with a robot.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-pub struct TaskRemark {
+pub struct ScenarioRemark {
     /// `note` or `warning`.
     pub severity: &'static str,
-    /// Name of the process.
-    pub process: String,
-    /// Name of the robot.
-    pub robot: String,
+    /// Name of the process, if it is about a task.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub process: Option<String>,
+    /// Name of the robot, if it is about a task.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub robot: Option<String>,
     /// Text in one line.
     pub message: String,
 }
 
-impl fmt::Display for TaskRemark {
+impl fmt::Display for ScenarioRemark {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self {
             severity,
@@ -29,11 +32,14 @@ impl fmt::Display for TaskRemark {
             robot,
             message,
         } = self;
-        write!(f, "{severity}: {process}, {robot}: {message}")
+        match (process, robot) {
+            (Some(process), Some(robot)) => write!(f, "{severity}: {process}, {robot}: {message}"),
+            _ => write!(f, "{severity}: {message}"),
+        }
     }
 }
 
-impl TaskRemark {
+impl ScenarioRemark {
     /// Returns `true` if it reports a probable mistake.
     pub fn is_warning(&self) -> bool {
         self.severity == "warning"
@@ -41,13 +47,13 @@ impl TaskRemark {
 }
 
 impl ResolvedScenario {
-    /// Returns the remarks of all processes about their tasks, in the order of the processes.
-    pub fn remarks(&self) -> Vec<TaskRemark> {
+    /// Returns the remarks about the rules, then those of all processes about their tasks, in the order of the processes.
+    pub fn remarks(&self) -> Vec<ScenarioRemark> {
+        let mut found = Vec::from_iter(self.capture_remark());
         // An invalid map has been refused.
         let Ok(world_map) = WorldMap::recent(&self.world.map) else {
-            return Vec::new();
+            return found;
         };
-        let mut found = Vec::new();
         for process in &self.processes {
             let Some(kind) = process.program.kind() else {
                 continue;
@@ -68,15 +74,35 @@ impl ResolvedScenario {
                         Remark::Note(message) => ("note", message),
                         Remark::Warning(message) => ("warning", message),
                     };
-                    TaskRemark {
+                    ScenarioRemark {
                         severity,
-                        process: process.name.clone(),
-                        robot: robot.name.clone(),
+                        process: Some(process.name.clone()),
+                        robot: Some(robot.name.clone()),
                         message,
                     }
                 }));
             }
         }
         found
+    }
+
+    /// Returns a warning if robots touch before a capture.
+    fn capture_remark(&self) -> Option<ScenarioRemark> {
+        let capture = self.rules().capture?;
+        let widest = |team: Team| {
+            let robots = self.world.robots.iter().filter(|r| r.team == team);
+            robots.map(|r| r.model().radius).reduce(f64::max)
+        };
+        let contact = widest(Team::Police)? + widest(Team::Evader)?;
+        (capture.radius < contact).then(|| ScenarioRemark {
+            severity: "warning",
+            process: None,
+            robot: None,
+            message: format!(
+                "rules.capture.radius is {} m, below the sum of the radii of a Police robot and an evader ({contact} m): \
+                 they touch before a capture",
+                capture.radius
+            ),
+        })
     }
 }

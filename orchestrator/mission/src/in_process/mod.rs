@@ -34,7 +34,7 @@ use super::report::MissionReport;
 use super::stderr_lines::MAX_TEXT_BYTES;
 use recorder::{DigestPrefixes, Recorder};
 use scenario::spec::Mode;
-use scenario::{ResolvedScenario, TaskRemark};
+use scenario::{ResolvedScenario, ScenarioRemark};
 
 /// Ticks between two updates of the progress display.
 const DISPLAY_INTERVAL: u64 = 256;
@@ -49,7 +49,7 @@ pub struct InProcessOptions {
     /// `true` to show progress and events.
     pub show: bool,
     /// Remarks for the log ([`ResolvedScenario::remarks`]).
-    pub remarks: Vec<TaskRemark>,
+    pub remarks: Vec<ScenarioRemark>,
     /// Set by the caller (Ctrl-C) to end the run in order.
     pub interrupted: Arc<AtomicBool>,
     /// Data that runs share; pass the same cache to all runs of a sweep, in any scenario and thread.

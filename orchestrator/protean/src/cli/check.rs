@@ -45,7 +45,6 @@ pub(super) fn run(kinds: &[Kind], args: &CheckArgs) -> ExitCode {
                 "processes": scenario.processes.iter().map(|p| &p.name).collect::<Vec<_>>(),
                 "events": scenario.events.len(),
                 "external_commands": scenario.uses_external_commands(),
-                "warnings": scenario.warnings(),
                 "remarks": scenario.remarks(),
             }));
             ExitCode::SUCCESS
@@ -63,9 +62,6 @@ pub(super) fn run(kinds: &[Kind], args: &CheckArgs) -> ExitCode {
                     process.name,
                     process.program.command_line().unwrap_or_default()
                 ));
-            }
-            for warning in scenario.warnings() {
-                text.push_str(&format!("\nwarning: {warning}"));
             }
             for remark in scenario.remarks() {
                 text.push_str(&format!("\n{remark}"));

@@ -15,7 +15,7 @@ use mission::{self, MissionError, MissionOptions, MissionReport};
 pub(super) use platform::signals::interrupt as handle_signals;
 use scenario::kind::Kind;
 use scenario::spec::Mode;
-use scenario::{Loader, ResolvedScenario, TaskRemark};
+use scenario::{Loader, ResolvedScenario, ScenarioRemark};
 
 /// Levels that `--log-level` takes.
 const LEVELS: [&str; 5] = ["error", "warn", "info", "debug", "trace"];
@@ -68,7 +68,7 @@ pub fn run(kinds: &[Kind], target: &str, args: &RunArgs) -> ExitCode {
 fn execute(
     scenario: &ResolvedScenario,
     args: &RunArgs,
-    remarks: Vec<TaskRemark>,
+    remarks: Vec<ScenarioRemark>,
     interrupted: Arc<AtomicBool>,
 ) -> Result<MissionReport, MissionError> {
     if args.in_process {

@@ -7,13 +7,13 @@ use mission::MissionReport;
 use recorder::{
     LapFigures, PredictionOutcome, ProcessOutcome, RobotOutcome, Summary, WaypointOutcome,
 };
-use scenario::{ResolvedScenario, TaskRemark};
+use scenario::{ResolvedScenario, ScenarioRemark};
 use tables::for_terminal;
 
 /// The one JSON object of `protean run --json`.
 pub(super) fn json(
     scenario: &ResolvedScenario,
-    remarks: &[TaskRemark],
+    remarks: &[ScenarioRemark],
     report: &MissionReport,
 ) -> Json {
     let s = &report.summary;
@@ -223,7 +223,7 @@ fn predictions_table(predictions: &[PredictionOutcome]) -> Table {
 /// The summary for people.
 pub(super) fn text(
     scenario: &ResolvedScenario,
-    remarks: &[TaskRemark],
+    remarks: &[ScenarioRemark],
     report: &MissionReport,
 ) -> String {
     let s = &report.summary;

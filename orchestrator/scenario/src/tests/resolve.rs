@@ -210,10 +210,13 @@ fn a_capture_radius_that_needs_overlapping_bodies_has_a_warning() {
             "radius = 0.3 }\nexits",
             &format!("radius = {radius} }}\nexits"),
         );
-        let warnings = load(&text).unwrap().warnings();
-        assert_eq!(warnings.len(), usize::from(warns), "{warnings:?}");
-        for warning in warnings {
-            contains(&warning, &["rules.capture.radius is 0.2 m", "(0.21 m)"]);
+        let remarks = load(&text).unwrap().remarks();
+        assert_eq!(remarks.len(), usize::from(warns), "{remarks:?}");
+        for remark in remarks {
+            contains(
+                &remark.to_string(),
+                &["warning: rules.capture.radius is 0.2 m", "(0.21 m)"],
+            );
         }
     }
 }
