@@ -56,7 +56,7 @@ fn a_program_that_does_not_exist_is_named() {
     let outcome = sandbox
         .protean(["run", "own.toml", "--allow-external"])
         .run();
-    outcome.refused(1, &["error: process liar: cannot be started: No such file"]);
+    outcome.refused(1, &["error: process liar cannot be started: No such file"]);
     assert_no_log(&sandbox);
 }
 

@@ -90,3 +90,16 @@ fn when_clean_has_returned_those_that_it_killed_are_gone() {
     assert_eq!(sandbox.processes(), [], "{cleaned}");
     sandbox.assert_nothing_left();
 }
+
+#[test]
+fn a_run_that_is_started_with_sigchld_ignored_knows_the_ends_of_its_processes() {
+    let sandbox = Sandbox::new();
+    let words = ["run", "hello", "--quiet", "--set", PATIENCE];
+    let call = sandbox
+        .protean(words)
+        .through("env", &["--ignore-signal=CHLD"]);
+    let outcome = call.run();
+    assert_eq!(outcome.code, Some(0), "{outcome}");
+    assert_eq!(outcome.stderr, "", "{outcome}");
+    sandbox.assert_nothing_left();
+}

@@ -1,6 +1,7 @@
 //! Location of the services of one run, separate from those of every other run.
 
 use std::fs::{DirEntry, Permissions};
+use std::io::ErrorKind;
 use std::os::unix::fs::{DirBuilderExt, PermissionsExt};
 use std::path::{Path, PathBuf};
 
@@ -122,7 +123,7 @@ impl RunSpace {
     pub fn wipe(&self) -> std::io::Result<()> {
         let mut first_error = None;
         let mut keep = |result: std::io::Result<()>| match result {
-            Err(e) if e.kind() != std::io::ErrorKind::NotFound && first_error.is_none() => {
+            Err(e) if e.kind() != ErrorKind::NotFound && first_error.is_none() => {
                 first_error = Some(e);
             }
             _ => {}
@@ -147,14 +148,15 @@ impl RunSpace {
     pub fn keep_others_out(&self) -> std::io::Result<()> {
         for segment in self.segments()? {
             // A segment that disappears meanwhile needs no change.
-            let Ok(found) = segment.metadata() else {
-                continue;
+            let found = match segment.metadata() {
+                Err(e) if e.kind() == ErrorKind::NotFound => continue,
+                found => found?,
             };
             let mode = found.permissions().mode();
             if mode & OTHERS != 0 {
                 let own = Permissions::from_mode(mode & !OTHERS & 0o7777);
                 match std::fs::set_permissions(segment.path(), own) {
-                    Err(e) if e.kind() != std::io::ErrorKind::NotFound => return Err(e),
+                    Err(e) if e.kind() != ErrorKind::NotFound => return Err(e),
                     _ => {}
                 }
             }
@@ -168,8 +170,8 @@ impl RunSpace {
             let name = entry.file_name();
             name.as_encoded_bytes().starts_with(self.prefix.as_bytes())
         };
-        let entries = std::fs::read_dir("/dev/shm")?;
-        Ok(entries.flatten().filter(of_run).collect())
+        let entries: std::io::Result<Vec<_>> = std::fs::read_dir("/dev/shm")?.collect();
+        Ok(entries?.into_iter().filter(of_run).collect())
     }
 }
 

@@ -35,7 +35,8 @@ pub(super) fn inject(
     let mut mission = Mission::start(scenario)?;
     let moment = Duration::from_secs_f64(outcome.moment * baseline.lasted_s);
     let injected = mission.inject(outcome, moment);
-    let runs = mission.runs();
+    let listed = |source| faulty_run::system("a mission cannot be examined")(source);
+    let runs = mission.runs().map_err(listed)?;
     let ended = mission.end(patience);
     if let Some(at) = injected {
         outcome.injected = true;
@@ -48,7 +49,9 @@ pub(super) fn inject(
         is_real_time: scenario.run.mode == Mode::RealTime,
     };
     check.end(&ended);
-    check.nothing_is_left(&mission, &runs, killed.is_some());
+    check
+        .nothing_is_left(&mission, &runs, killed.is_some())
+        .map_err(listed)?;
     check.log(&mission, killed);
     if let Some(last) = outcome.broken.last_mut() {
         mission.keep();
@@ -110,12 +113,17 @@ impl Check<'_> {
 
     /// Checks that no process, shared memory or file remains; after a killed orchestrator, once
     /// `clean` has run.
-    fn nothing_is_left(&mut self, mission: &Mission, runs: &[String], is_killed: bool) {
+    fn nothing_is_left(
+        &mut self,
+        mission: &Mission,
+        runs: &[String],
+        is_killed: bool,
+    ) -> std::io::Result<()> {
         let deadline = Instant::now() + GONE_WITHIN;
-        let mut living = mission.living();
+        let mut living = mission.living()?;
         while !living.is_empty() && Instant::now() < deadline {
             std::thread::sleep(Duration::from_millis(10));
-            living = mission.living();
+            living = mission.living()?;
         }
         for config in living {
             self.violated(format!("the process of {} still runs", config.display()));
@@ -123,11 +131,11 @@ impl Check<'_> {
         if is_killed {
             mission.clean();
         }
-        for run in mission.runs() {
+        for run in mission.runs()? {
             self.violated(format!("the directory of run {run} remains"));
         }
         for run in runs {
-            let segments = faulty_run::names(Path::new("/dev/shm"), &faulty_run::prefix(run));
+            let segments = faulty_run::names(Path::new("/dev/shm"), &faulty_run::prefix(run))?;
             if let Some(first) = segments.first() {
                 let count = segments.len();
                 self.violated(format!(
@@ -135,13 +143,14 @@ impl Check<'_> {
                 ));
             }
         }
+        Ok(())
     }
 
     /// Checks that the log is complete, or can be recovered and lacks at most the last second.
     fn log(&mut self, mission: &Mission, killed: Option<Instant>) {
         let log = mission.path().join(faulty_run::LOG);
         let mut kept = 0;
-        if log.exists() {
+        if !matches!(log.try_exists(), Ok(false)) {
             let recovered = mission.path().join("recovered.mcap");
             let mut read = || -> Result<LogInfo, DerivedError> {
                 if killed.is_none() {

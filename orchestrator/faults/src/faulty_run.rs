@@ -77,7 +77,7 @@ pub(super) struct Ended {
     pub(super) stderr: String,
 }
 
-fn system(what: impl Into<String>) -> impl FnOnce(std::io::Error) -> ChaosError {
+pub(super) fn system(what: impl Into<String>) -> impl FnOnce(std::io::Error) -> ChaosError {
     let what = what.into();
     move |source| ChaosError::System { what, source }
 }
@@ -173,27 +173,32 @@ impl Mission {
         }
         let file = format!("process-{}.json", fault.index);
         let is_target = |pid| {
-            let config = proc::variable(pid, CONFIG_VARIABLE);
+            let config = proc::variable(pid, CONFIG_VARIABLE).ok().flatten();
             config.is_some_and(|config| Path::new(&config).ends_with(&file))
         };
-        proc::all()
+        let all = proc::all().unwrap_or_default();
+        all.into_iter()
             .filter(|stat| stat.parent == orchestrator && stat.state != 'Z')
             .map(|stat| stat.pid)
             .find(|&pid| is_target(pid))
     }
 
     /// Returns the configurations of the living processes of the mission, whatever their parents.
-    pub(super) fn living(&self) -> Vec<PathBuf> {
-        let config = |pid| proc::variable(pid, CONFIG_VARIABLE).map(PathBuf::from);
-        proc::all()
-            .filter(|stat| stat.state != 'Z')
-            .filter_map(|stat| config(stat.pid))
-            .filter(|config| config.starts_with(self.path()))
-            .collect()
+    ///
+    /// # Errors
+    /// The error of the system if a process cannot be read.
+    pub(super) fn living(&self) -> std::io::Result<Vec<PathBuf>> {
+        let mut living = Vec::new();
+        for stat in proc::all()?.iter().filter(|stat| stat.state != 'Z') {
+            let config = proc::variable(stat.pid, CONFIG_VARIABLE)?.map(PathBuf::from);
+            living.extend(config.filter(|config| config.starts_with(self.path())));
+        }
+        Ok(living)
     }
 
     fn look_at_ticks(&mut self) {
-        let mut prefixes = self.runs().into_iter().map(|run| prefix(&run));
+        let runs = self.runs().unwrap_or_default();
+        let mut prefixes = runs.iter().map(|run| prefix(run));
         // The page is removed with the run.
         let page = prefixes.find_map(|prefix| TickBarrier::open(&prefix).ok());
         let ticks = page.map_or(0, |page| page.ticks_posted());
@@ -244,7 +249,10 @@ impl Mission {
     }
 
     /// Returns the names of its run directories: one during a run.
-    pub(super) fn runs(&self) -> Vec<String> {
+    ///
+    /// # Errors
+    /// The error of the system if they cannot be listed.
+    pub(super) fn runs(&self) -> std::io::Result<Vec<String>> {
         names(&self.path().join("rt/protean"), "r")
     }
 
@@ -262,13 +270,21 @@ impl Drop for Mission {
     }
 }
 
-/// Returns the names in a directory that begin with `beginning`; none if it cannot be read.
-pub(super) fn names(directory: &Path, beginning: &str) -> Vec<String> {
-    let entries = std::fs::read_dir(directory).into_iter().flatten().flatten();
-    entries
-        .map(|entry| entry.file_name().to_string_lossy().into_owned())
-        .filter(|name| name.starts_with(beginning))
-        .collect()
+/// Returns the names in a directory that begin with `beginning`; none if it does not exist.
+///
+/// # Errors
+/// The error of the system if they cannot be listed.
+pub(super) fn names(directory: &Path, beginning: &str) -> std::io::Result<Vec<String>> {
+    let entries = match std::fs::read_dir(directory) {
+        Err(e) if e.kind() == std::io::ErrorKind::NotFound => return Ok(Vec::new()),
+        entries => entries?,
+    };
+    let mut names = Vec::new();
+    for entry in entries {
+        let name = entry?.file_name().to_string_lossy().into_owned();
+        names.extend(name.starts_with(beginning).then_some(name));
+    }
+    Ok(names)
 }
 
 /// Returns the prefix of the names of a run's shared memory.

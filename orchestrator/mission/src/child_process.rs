@@ -1,15 +1,19 @@
 //! One process of a run: starting, observing and killing it.
 
-use std::os::fd::{AsFd as _, BorrowedFd, OwnedFd};
-use std::os::unix::process::{CommandExt as _, ExitStatusExt as _};
+use std::ffi::{OsStr, OsString};
+use std::fs::File;
+use std::os::fd::{AsFd as _, BorrowedFd};
+use std::os::unix::process::ExitStatusExt as _;
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, ExitStatus, Stdio};
+use std::process::ExitStatus;
 use std::sync::mpsc::SyncSender;
 use std::time::{Duration, Instant};
 
-use platform::{descriptors, proc, program};
+use platform::spawn::{self, Child, Program};
+use platform::{proc, program};
 use rustix::event::{PollFd, PollFlags, Timespec};
-use rustix::process::{Pid, PidfdFlags, Signal, WaitId, WaitIdOptions};
+use rustix::pipe::{PipeFlags, pipe_with};
+use rustix::process::{Signal, WaitId, WaitIdOptions, WaitOptions};
 
 use super::orphans::{self, CONFIG_VARIABLE};
 use super::stderr_lines::{StderrLine, StderrLines};
@@ -55,10 +59,9 @@ pub struct RunningProcess {
     pub slot: usize,
     /// The child process. It detects the end of the orchestrator by the end of its stdin.
     child: Child,
-    pidfd: OwnedFd,
     /// Configuration of an external program, which identifies the processes that it has started.
     external: Option<PathBuf>,
-    stderr: Option<StderrLines>,
+    stderr: StderrLines,
     /// Exit status, once the process has ended.
     pub exit: Option<ExitStatus>,
 }
@@ -83,47 +86,35 @@ impl RunningProcess {
             let name = name.to_owned();
             move |source: std::io::Error| ChildError { name, what, source }
         };
-        let mut command = match executable {
+        let own_name = OsString::from(format!("protean:{name}"));
+        let (file, arguments) = match executable {
             Executable::Kind(kind) => {
-                let mut command = Command::new(program::THIS);
-                command.arg0(format!("protean:{name}"));
-                command.args(["process", kind, "--config"]).arg(config);
-                command
+                let words = ["process", kind, "--config"].map(OsStr::new);
+                let arguments = [&*own_name].into_iter().chain(words);
+                let arguments = arguments.chain([config.as_os_str()]).collect();
+                (OsStr::new(program::THIS), arguments)
             }
             Executable::Command(words) => {
                 orphans::become_subreaper().map_err(failed("cannot be observed"))?;
-                let mut words = words.iter();
-                let mut command = Command::new(words.next().map_or("", |program| program));
-                command.args(words);
-                command
+                let arguments: Vec<&OsStr> = words.iter().map(OsStr::new).collect();
+                (arguments.first().copied().unwrap_or_default(), arguments)
             }
         };
-        command
-            .env(CONFIG_VARIABLE, config)
-            .stdin(Stdio::piped())
-            .stdout(Stdio::null())
-            .stderr(Stdio::piped())
-            // In a terminal, Ctrl-C goes to the orchestrator only, which then ends the run in order.
-            .process_group(0);
-        descriptors::inherit_only_standard_streams(&mut command);
-        die_with_this_thread(&mut command);
-        let mut child = command.spawn().map_err(failed("cannot be started"))?;
-        let pid = Pid::from_child(&child);
-        let pidfd = match rustix::process::pidfd_open(pid, PidfdFlags::empty()) {
-            Ok(pidfd) => pidfd,
-            Err(error) => {
-                let _ = child.kill();
-                let _ = child.wait();
-                return Err(failed("cannot be observed")(error.into()));
-            }
+        let program = Program {
+            file,
+            arguments,
+            variable: (CONFIG_VARIABLE, config.as_os_str()),
         };
-        let stderr = child.stderr.take();
-        let stderr = stderr.map(|stderr| StderrLines::read(stderr, name, slot, echo, lines));
+        let (reading, writing) =
+            pipe_with(PipeFlags::CLOEXEC).map_err(|e| failed("cannot be observed")(e.into()))?;
+        // Before the process exists: without a reader it would block when the pipe is full.
+        let stderr = StderrLines::read(File::from(reading), name, slot, echo, lines)
+            .map_err(failed("cannot be observed"))?;
+        let child = spawn::spawn(&program, &writing).map_err(failed("cannot be started"))?;
         Ok(Self {
             name: name.to_owned(),
             slot,
             child,
-            pidfd,
             external: matches!(executable, Executable::Command(_)).then(|| config.to_owned()),
             stderr,
             exit: None,
@@ -140,17 +131,18 @@ impl RunningProcess {
         }
         // Must run before the process is reaped: until then no other process can have its group. The kill ends
         // all processes that it started.
-        let _ = rustix::process::kill_process_group(Pid::from_child(&self.child), Signal::KILL);
-        match self.child.try_wait() {
-            Ok(Some(status)) => {
-                self.exit = Some(status);
+        let pid = self.child.pid;
+        let _ = rustix::process::kill_process_group(pid, Signal::KILL);
+        match rustix::process::waitpid(Some(pid), WaitOptions::NOHANG) {
+            Ok(Some((_, status))) => {
+                self.exit = Some(ExitStatus::from_raw(status.as_raw()));
                 if let Some(config) = &self.external {
                     // Includes processes outside the group.
-                    orphans::kill_with_config(config);
+                    if let Err(error) = orphans::kill_with_config(config) {
+                        tracing::warn!("process {}: its own may remain: {error}", self.name);
+                    }
                 }
-                if let Some(stderr) = &mut self.stderr {
-                    stderr.finish();
-                }
+                self.stderr.finish();
                 true
             }
             _ => false,
@@ -160,11 +152,9 @@ impl RunningProcess {
     /// Returns `true` if it has ended and is not reaped yet.
     fn has_ended(&self) -> bool {
         let options = WaitIdOptions::EXITED | WaitIdOptions::NOHANG | WaitIdOptions::NOWAIT;
-        match rustix::process::waitid(WaitId::PidFd(self.pidfd.as_fd()), options) {
-            Ok(status) => status.is_some(),
-            // `try_wait` determines the actual state.
-            Err(_) => true,
-        }
+        // Unknown means alive: the next check asks again.
+        rustix::process::waitid(WaitId::PidFd(self.child.pidfd.as_fd()), options)
+            .is_ok_and(|status| status.is_some())
     }
 
     /// Kills the process, also when it is stopped. Returns `true` if this call recorded its end (see
@@ -183,20 +173,24 @@ impl RunningProcess {
 
     /// Returns `true` if SIGSTOP or a debugger has stopped it.
     pub fn is_stopped(&self) -> bool {
-        proc::stat(self.child.id().cast_signed()).is_some_and(|stat| stat.is_stopped())
+        let pid = self.child.pid.as_raw_nonzero().get();
+        // It only selects which of several late processes is named.
+        proc::stat(pid).is_ok_and(|stat| stat.is_some_and(|stat| stat.is_stopped()))
     }
 
     /// Returns the last lines that it wrote to stderr.
     pub fn last_lines(&self) -> Vec<String> {
-        self.stderr
-            .as_ref()
-            .map(StderrLines::last)
-            .unwrap_or_default()
+        self.stderr.last()
+    }
+
+    /// Returns the reason why a process that has ended executed no program. Returns it once.
+    pub(super) fn start_error(&mut self) -> Option<std::io::Error> {
+        self.child.start_error()
     }
 
     /// Returns a descriptor that is readable when the process has ended; `None` once the end is recorded.
     pub(super) fn end(&self) -> Option<BorrowedFd<'_>> {
-        self.exit.is_none().then(|| self.pidfd.as_fd())
+        self.exit.is_none().then(|| self.child.pidfd.as_fd())
     }
 
     /// Sends the process a signal, unless its end is recorded.
@@ -204,7 +198,7 @@ impl RunningProcess {
         if self.exit.is_some() {
             return;
         }
-        let _ = rustix::process::pidfd_send_signal(&self.pidfd, signal);
+        let _ = rustix::process::pidfd_send_signal(&self.child.pidfd, signal);
     }
 }
 
@@ -228,28 +222,5 @@ pub fn describe_exit(status: ExitStatus) -> String {
         (Some(code), _) => format!("ended with exit code {code}"),
         (None, Some(signal)) => format!("was ended by signal {signal}"),
         (None, None) => "ended".into(),
-    }
-}
-
-/// Makes the system kill a process, also a stopped one, as soon as the thread that started it ends for any reason.
-#[expect(
-    unsafe_code,
-    reason = "the child must request it between fork and exec"
-)]
-fn die_with_this_thread(command: &mut Command) {
-    let parent = rustix::process::getpid();
-    let ask = move || {
-        rustix::process::set_parent_process_death_signal(Some(Signal::KILL))?;
-        // The parent may have ended before the request.
-        if rustix::process::getppid() == Some(parent) {
-            Ok(())
-        } else {
-            Err(std::io::Error::from(std::io::ErrorKind::BrokenPipe))
-        }
-    };
-    // SAFETY: between fork and exec only two system calls are made. Both are safe after a fork of a program
-    // with threads: they take no lock and allocate no memory (an error without a text needs none).
-    unsafe {
-        command.pre_exec(ask);
     }
 }

@@ -33,7 +33,7 @@ pub(super) enum Event {
     NotReady,
     /// The time of its restart has come.
     RestartDue,
-    /// Its restart failed; contains the reason.
+    /// Its program could not be started; contains the reason.
     NotStarted(String),
     /// The process was restarted and takes part again.
     Rejoined,
@@ -48,7 +48,7 @@ pub(super) enum Failure {
     Hung(Duration),
     /// It was not ready within this time.
     NotReady(Duration),
-    /// Its restart failed; contains the reason.
+    /// Its program could not be started; contains the reason.
     NotStarted(String),
 }
 

@@ -108,7 +108,7 @@ impl<'a> Executor<'a> {
         self.forward_lines();
         let ended = |(index, process): (usize, &mut RunningProcess)| {
             let has_ended = process.check_exit();
-            has_ended.then(|| (index, Event::Ended(describe_end(process))))
+            has_ended.then(|| (index, end_of(process)))
         };
         let processes = self.processes.iter_mut().enumerate();
         processes.filter_map(ended).collect()
@@ -223,6 +223,14 @@ impl<'a> Executor<'a> {
     /// Returns the last posted tick.
     fn tick(&self) -> u64 {
         self.ticks_posted().saturating_sub(1)
+    }
+}
+
+/// Returns the event of a process that has ended by itself.
+fn end_of(process: &mut RunningProcess) -> Event {
+    match process.start_error() {
+        Some(error) => Event::NotStarted(format!("cannot be started: {error}")),
+        None => Event::Ended(describe_end(process)),
     }
 }
 

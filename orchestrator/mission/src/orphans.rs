@@ -6,13 +6,15 @@
 //! processes with another environment. The orchestrator is therefore a "child subreaper": it becomes the parent of
 //! every descendant whose own parent ends, and kills its last children when its last run ends.
 
+use std::io::Result;
 use std::os::fd::{AsFd as _, OwnedFd};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use platform::proc;
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
+use rustix::io::Errno;
 use rustix::process::{
     Pid, PidfdFlags, Signal, WaitId, WaitIdOptions, getpid, pidfd_open, pidfd_send_signal,
     set_child_subreaper, waitid,
@@ -53,82 +55,98 @@ pub(super) fn begin_run() {
 ///
 /// # Errors
 /// The error of the system.
-pub(super) fn become_subreaper() -> std::io::Result<()> {
+pub(super) fn become_subreaper() -> Result<()> {
     let mut runs = runs();
     if runs.before.is_none() {
+        // First: a child that is not known would be killed.
+        let before = children()?;
         set_child_subreaper(Some(getpid()))?;
-        runs.before = Some(children());
+        runs.before = Some(before);
     }
     Ok(())
 }
 
 /// Kills the orphans of a run's external programs, after the processes of the run have ended.
-pub(super) fn end_run(root: &Path) {
+///
+/// # Errors
+/// The error of the system if they cannot be found.
+pub(super) fn end_run(root: &Path) -> Result<()> {
     let mut runs = runs();
     runs.running = runs.running.saturating_sub(1);
     let Some(before) = &runs.before else {
-        return;
+        return Ok(());
     };
-    kill_run(root);
+    kill_run(root)?;
     // Children without the variable may belong to any run. The lock prevents other runs from starting meanwhile.
-    if runs.running == 0 {
-        let deadline = Instant::now() + EXIT_TIMEOUT;
-        kill_until_none(deadline, || {
-            let mut children = children();
-            children.retain(|pid| !before.contains(pid));
-            children
-        });
+    if runs.running > 0 {
+        return Ok(());
     }
+    let deadline = Instant::now() + EXIT_TIMEOUT;
+    kill_until_none(deadline, || {
+        let mut children = children()?;
+        children.retain(|pid| !before.contains(pid));
+        Ok(children)
+    })
 }
 
 /// Kills every living process of a run and returns their ids.
-pub(super) fn kill_run(root: &Path) -> Vec<u32> {
+///
+/// # Errors
+/// The error of the system if they cannot be found: some may live.
+pub(super) fn kill_run(root: &Path) -> Result<Vec<u32>> {
     kill_all(|config| config.parent() == Some(root))
 }
 
 /// Kills every process with this configuration.
-pub(super) fn kill_with_config(config: &Path) {
-    kill_all(|its| its == config);
+///
+/// # Errors
+/// The error of the system if they cannot be found: some may live.
+pub(super) fn kill_with_config(config: &Path) -> Result<()> {
+    kill_all(|its| its == config).map(drop)
 }
 
 /// Kills every process whose configuration satisfies `is_wanted`; returns their ids, sorted.
-fn kill_all(is_wanted: impl Fn(&Path) -> bool) -> Vec<u32> {
-    let is_wanted = |pid: i32| {
-        proc::variable(pid, CONFIG_VARIABLE).is_some_and(|its| is_wanted(&PathBuf::from(its)))
+fn kill_all(is_wanted: impl Fn(&Path) -> bool) -> Result<Vec<u32>> {
+    let is_wanted = |pid: i32| -> Result<bool> {
+        let config = proc::variable(pid, CONFIG_VARIABLE)?;
+        Ok(config.is_some_and(|config| is_wanted(Path::new(&config))))
     };
     let mut killed = Vec::new();
     // A process that is starting another may have hidden it from the first search.
     for _ in 0..MAX_SEARCHES {
-        let found: Vec<i32> = proc::all()
-            .map(|stat| stat.pid)
-            .filter(|pid| !killed.contains(pid) && is_wanted(*pid))
-            .collect();
-        if found.is_empty() {
-            break;
-        }
         let mut ends = Vec::new();
-        for pid in found {
+        for pid in proc::all()?.into_iter().map(|stat| stat.pid) {
+            if killed.contains(&pid) || !is_wanted(pid)? {
+                continue;
+            }
             // Checked again: the descriptor prevents the reuse of the id.
-            if let Some(end) = open(pid).filter(|_| is_wanted(pid))
+            if let Some(end) = open(pid)?
+                && is_wanted(pid)?
                 && pidfd_send_signal(&end, Signal::KILL).is_ok()
             {
                 killed.push(pid);
                 ends.push(end);
             }
         }
+        if ends.is_empty() {
+            break;
+        }
         await_ends(&ends, Instant::now() + EXIT_TIMEOUT);
     }
     let mut killed: Vec<u32> = killed.into_iter().map(i32::unsigned_abs).collect();
     killed.sort_unstable();
-    killed
+    Ok(killed)
 }
 
 /// Kills processes until none is found: each search finds the children of the killed processes.
-fn kill_until_none(deadline: Instant, find: impl Fn() -> Vec<i32>) {
+fn kill_until_none(deadline: Instant, find: impl Fn() -> Result<Vec<i32>>) -> Result<()> {
     loop {
-        let ends: Vec<OwnedFd> = find().into_iter().filter_map(open).collect();
+        let mut ends = Vec::new();
+        for pid in find()? {
+            ends.extend(open(pid)?);
+        }
         if ends.is_empty() || Instant::now() >= deadline {
-            return;
+            return Ok(());
         }
         for end in &ends {
             let _ = pidfd_send_signal(end, Signal::KILL);
@@ -137,8 +155,16 @@ fn kill_until_none(deadline: Instant, find: impl Fn() -> Vec<i32>) {
     }
 }
 
-fn open(pid: i32) -> Option<OwnedFd> {
-    pidfd_open(Pid::from_raw(pid)?, PidfdFlags::empty()).ok()
+/// Returns a descriptor of a process, or `None` if it does not exist.
+fn open(pid: i32) -> Result<Option<OwnedFd>> {
+    let Some(pid) = Pid::from_raw(pid) else {
+        return Ok(None);
+    };
+    match pidfd_open(pid, PidfdFlags::empty()) {
+        Ok(process) => Ok(Some(process)),
+        Err(Errno::SRCH) => Ok(None),
+        Err(error) => Err(error.into()),
+    }
 }
 
 /// Waits until killed processes have ended, and reaps the children of this process among them.
@@ -154,10 +180,11 @@ fn await_ends(ends: &[OwnedFd], deadline: Instant) {
 }
 
 /// Returns the children of this process, including those that have ended.
-fn children() -> Vec<i32> {
+fn children() -> Result<Vec<i32>> {
     let this = getpid().as_raw_nonzero().get();
-    let all = proc::all();
-    all.filter(|stat| stat.parent == this)
+    let all = proc::all()?.into_iter();
+    Ok(all
+        .filter(|stat| stat.parent == this)
         .map(|stat| stat.pid)
-        .collect()
+        .collect())
 }

@@ -207,7 +207,9 @@ impl RunDirectory {
 
 impl Drop for RunDirectory {
     fn drop(&mut self) {
-        orphans::end_run(self.space.root());
+        if let Err(error) = orphans::end_run(self.space.root()) {
+            tracing::warn!("processes of external programs may remain: {error}");
+        }
         if let Err(error) = self.space.wipe() {
             tracing::warn!(
                 "{}: cannot be removed: {error}",
@@ -290,14 +292,18 @@ fn clean_one(root: PathBuf) -> Option<FoundDirectory> {
         // The run ended in order at this moment.
         return None;
     }
-    let killed = orphans::kill_run(&root);
-    let wiped = run_space(&root)
-        .map_err(|e| e.to_string())
-        .and_then(|space| space.wipe().map_err(|e| e.to_string()));
-    Some(match wiped {
-        Ok(()) => FoundDirectory::Removed { root, killed },
+    Some(match remove(&root) {
+        Ok(killed) => FoundDirectory::Removed { root, killed },
         Err(reason) => FoundDirectory::Failed(root, reason),
     })
+}
+
+/// Removes a run whose orchestrator has ended, unless one of its processes may live. Returns the killed processes.
+fn remove(root: &Path) -> Result<Vec<u32>, String> {
+    let space = run_space(root).map_err(|e| e.to_string())?;
+    let killed = orphans::kill_run(root).map_err(|e| e.to_string())?;
+    space.wipe().map_err(|e| e.to_string())?;
+    Ok(killed)
 }
 
 /// State of the lock in a directory.

@@ -1,8 +1,8 @@
 //! The lines that a process writes to stderr: read, shown, stored and forwarded.
 
 use std::collections::VecDeque;
-use std::io::{BufRead, BufReader, Read as _};
-use std::process::ChildStderr;
+use std::fs::File;
+use std::io::{self, BufRead, BufReader, Read as _};
 use std::sync::mpsc::{self, Receiver, SyncSender};
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
@@ -39,17 +39,20 @@ pub(super) struct StderrLines {
 impl StderrLines {
     /// Starts to read the stderr of a process. `echo` shows every line on this program's stderr after the name of the
     /// process. `lines` receives lines while it has room: a process that writes without end must not block the others.
+    ///
+    /// # Errors
+    /// The error of the system if no thread can be started: without a reader, the process would block.
     pub(super) fn read(
-        stderr: ChildStderr,
+        stderr: File,
         name: &str,
         slot: usize,
         echo: bool,
         lines: Option<SyncSender<StderrLine>>,
-    ) -> Self {
+    ) -> io::Result<Self> {
         let kept = Arc::new(Mutex::new(VecDeque::new()));
         let (to, name) = (Arc::clone(&kept), name.to_owned());
         let (reading, reader) = mpsc::channel();
-        let thread = std::thread::Builder::new()
+        std::thread::Builder::new()
             .name(format!("stderr-{slot}"))
             .spawn(move || {
                 let _reading = reading;
@@ -69,11 +72,11 @@ impl StderrLines {
                         kept.push_back(line);
                     }
                 }
-            });
-        Self {
+            })?;
+        Ok(Self {
             kept,
-            reader: thread.is_ok().then_some(reader),
-        }
+            reader: Some(reader),
+        })
     }
 
     /// Waits for the last lines of a process that has ended, until its end of the pipe is closed. A process outside its

@@ -19,32 +19,39 @@ pub fn raise_limit() {
 }
 
 /// Makes a command start its program with only standard input, output and error open.
-///
-/// The Rust standard library opens files with close-on-exec; iceoryx2 (0.10) opens the descriptors of
-/// services, ports and connections without it. A process started during a mission would inherit the
-/// descriptors of that mission and of every other one in this process, also if it is an external program.
-/// Linux before 5.11 cannot close all descriptors at once; there they stay open.
 #[expect(unsafe_code, reason = "the child runs it between fork and exec")]
 pub fn inherit_only_standard_streams(command: &mut Command) {
-    let first = libc::STDERR_FILENO.unsigned_abs() + 1;
-    let mark = move || {
-        // Marked close-on-exec instead of closed: the pipe that reports a failed exec must stay open.
-        // By number: C libraries older than Linux 5.11 do not define a name for the flag.
-        // SAFETY: takes numbers only, and changes only flags of this process's own descriptors.
-        unsafe {
-            libc::syscall(
-                libc::SYS_close_range,
-                first,
-                libc::c_uint::MAX,
-                libc::CLOSE_RANGE_CLOEXEC,
-            );
-        }
+    let mark = || {
+        close_on_exec();
         Ok(())
     };
     // SAFETY: between fork and exec the child makes one system call, which is safe after a fork of a program
     // with threads: it takes no lock and allocates no memory.
     unsafe {
         command.pre_exec(mark);
+    }
+}
+
+/// Marks all descriptors of this process except standard input, output and error to be closed when it executes
+/// another program.
+///
+/// The Rust standard library opens files with close-on-exec; iceoryx2 (0.10) opens the descriptors of
+/// services, ports and connections without it. A process started during a mission would inherit the
+/// descriptors of that mission and of every other one in this process, also if it is an external program.
+/// Linux before 5.11 cannot close all descriptors at once; there they stay open.
+#[expect(unsafe_code, reason = "`rustix` lacks the system call")]
+pub(crate) fn close_on_exec() {
+    let first = libc::STDERR_FILENO.unsigned_abs() + 1;
+    // Marked instead of closed: the pipe that reports a failed exec must stay open.
+    // By number: C libraries older than Linux 5.11 do not define a name for the flag.
+    // SAFETY: takes numbers only, and changes only flags of this process's own descriptors.
+    unsafe {
+        libc::syscall(
+            libc::SYS_close_range,
+            first,
+            libc::c_uint::MAX,
+            libc::CLOSE_RANGE_CLOEXEC,
+        );
     }
 }
 

@@ -11,4 +11,5 @@ pub mod program;
 pub mod progress;
 pub mod shell;
 pub mod signals;
+pub mod spawn;
 pub mod terminal;

@@ -1,8 +1,11 @@
 //! Reader of `/proc`: processes, their parents, states and environments.
 
 use std::ffi::{OsStr, OsString};
+use std::io::{Error, Result};
 
 use procfs::process::{Process, all_processes};
+use procfs::{ProcError, ProcResult};
+use rustix::io::Errno;
 
 /// Contents of `/proc/PID/stat`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -16,15 +19,6 @@ pub struct Stat {
 }
 
 impl Stat {
-    fn of(process: &Process) -> Option<Self> {
-        let stat = process.stat().ok()?;
-        Some(Self {
-            pid: stat.pid,
-            parent: stat.ppid,
-            state: stat.state,
-        })
-    }
-
     /// Returns `true` if a signal or a debugger has stopped the process.
     pub fn is_stopped(&self) -> bool {
         matches!(self.state, 'T' | 't')
@@ -32,21 +26,61 @@ impl Stat {
 }
 
 /// Returns all processes of the machine, without those that end meanwhile.
-pub fn all() -> impl Iterator<Item = Stat> {
-    let processes = all_processes().into_iter().flatten().flatten();
-    processes.filter_map(|process| Stat::of(&process))
+///
+/// # Errors
+/// The error of the system if a process cannot be read: a list without it would be wrong.
+pub fn all() -> Result<Vec<Stat>> {
+    let mut all = Vec::new();
+    for process in all_processes().map_err(error)? {
+        all.extend(existing(process.and_then(|process| stat_of(&process)))?);
+    }
+    Ok(all)
 }
 
 /// Returns the process with this id, if it exists.
-pub fn stat(pid: i32) -> Option<Stat> {
-    Stat::of(&Process::new(pid).ok()?)
+///
+/// # Errors
+/// The error of the system if it cannot be read.
+pub fn stat(pid: i32) -> Result<Option<Stat>> {
+    existing(Process::new(pid).and_then(|process| stat_of(&process)))
 }
 
 /// Returns a variable of the environment that a process was started with; `None` if the process has ended or
 /// belongs to another user.
-pub fn variable(pid: i32, name: &str) -> Option<OsString> {
-    let environment = Process::new(pid).ok()?.environ().ok()?;
-    environment.get(OsStr::new(name)).cloned()
+///
+/// # Errors
+/// The error of the system if the environment cannot be read.
+pub fn variable(pid: i32, name: &str) -> Result<Option<OsString>> {
+    let environment = Process::new(pid).and_then(|process| process.environ());
+    Ok(existing(environment)?.and_then(|mut all| all.remove(OsStr::new(name))))
+}
+
+fn stat_of(process: &Process) -> ProcResult<Stat> {
+    let stat = process.stat()?;
+    Ok(Stat {
+        pid: stat.pid,
+        parent: stat.ppid,
+        state: stat.state,
+    })
+}
+
+/// Returns what was read, or `None` if the process has ended or forbids it.
+fn existing<T>(read: ProcResult<T>) -> Result<Option<T>> {
+    match read {
+        Ok(found) => Ok(Some(found)),
+        Err(ProcError::NotFound(_) | ProcError::PermissionDenied(_)) => Ok(None),
+        Err(ProcError::Io(error, _)) if Errno::from_io_error(&error) == Some(Errno::SRCH) => {
+            Ok(None)
+        }
+        Err(other) => Err(error(other)),
+    }
+}
+
+fn error(of: ProcError) -> Error {
+    match of {
+        ProcError::Io(error, _) => error,
+        other => Error::other(other.to_string()),
+    }
 }
 
 #[cfg(test)]
@@ -67,23 +101,26 @@ mod tests {
             .unwrap();
         let pid = i32::try_from(child.id()).unwrap();
         let parent = i32::try_from(std::process::id()).unwrap();
-        let found = all().find(|stat| stat.pid == pid).unwrap();
+        let found = all().unwrap();
+        let found = found.iter().find(|stat| stat.pid == pid).unwrap();
         assert_eq!(found.parent, parent);
         // Between fork and exec the child still has the environment of its parent.
-        while variable(pid, "PROC_TEST").is_none() {
+        while variable(pid, "PROC_TEST").unwrap().is_none() {
             std::thread::yield_now();
         }
-        assert_eq!(variable(pid, "PROC_TEST").unwrap(), "a value");
-        assert_eq!(variable(pid, "PROC_TES"), None);
+        let value = |name| variable(pid, name).unwrap();
+        assert_eq!(value("PROC_TEST").unwrap(), "a value");
+        assert_eq!(value("PROC_TES"), None);
         kill_process(Pid::from_child(&child), Signal::STOP).unwrap();
-        while !stat(pid).unwrap().is_stopped() {
+        let now = || stat(pid).unwrap();
+        while !now().unwrap().is_stopped() {
             std::thread::yield_now();
         }
         kill_process(Pid::from_child(&child), Signal::KILL).unwrap();
-        while stat(pid).unwrap().state != 'Z' {
+        while now().unwrap().state != 'Z' {
             std::thread::yield_now();
         }
         child.wait().unwrap();
-        assert_eq!(stat(pid), None);
+        assert_eq!(now(), None);
     }
 }

@@ -18,3 +18,18 @@ pub fn interrupt(interrupted: &Arc<AtomicBool>) -> std::io::Result<()> {
     }
     flag::register(SIGHUP, Arc::clone(interrupted)).map(drop)
 }
+
+/// Restores the default of SIGCHLD if this program was started with that signal ignored: the system would then forget
+/// the end of every child, and a process that has ended could not be told from one that hangs.
+#[expect(unsafe_code, reason = "`rustix` and `signal-hook` set no default")]
+pub fn keep_ends_of_children() {
+    // SAFETY: queries and sets the action of one signal, before other threads exist; no function is installed.
+    unsafe {
+        let mut action: libc::sigaction = std::mem::zeroed();
+        if libc::sigaction(libc::SIGCHLD, std::ptr::null(), &raw mut action) == 0
+            && action.sa_sigaction == libc::SIG_IGN
+        {
+            libc::signal(libc::SIGCHLD, libc::SIG_DFL);
+        }
+    }
+}

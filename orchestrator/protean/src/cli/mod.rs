@@ -183,6 +183,7 @@ pub fn main_with(kinds: Vec<Kind>) -> ExitCode {
         return ExitCode::from(EXIT_INVALID);
     }
     platform::descriptors::raise_limit();
+    platform::signals::keep_ends_of_children();
     let arguments: Vec<OsString> = std::env::args_os().skip(1).collect();
     if let Some(message) = moved::message(&arguments) {
         eprintln!("{message}");
