@@ -220,17 +220,22 @@ fn digest_of_log(log: &Path) -> String {
     for message in mcap::MessageStream::new(&bytes).unwrap() {
         let message = message.unwrap();
         let topic = message.channel.topic.clone();
-        if topic.starts_with("/viewer/") || topic.starts_with("process/") || topic == "run/control"
-        {
+        if topic.starts_with('/') || topic.starts_with("process/") || topic == "run/control" {
             continue;
         }
         let source = u32::from_le_bytes(message.data[4 + 24..4 + 28].try_into().unwrap());
         let (count, hasher) = streams.entry((topic, source)).or_default();
         *count += 1;
-        let length = message.data.len() as u64 - LATER_CLOCKS;
+        // An empty sequence counts with the gap that its first element would need.
+        let facts = &message.channel.metadata;
+        let head = 4 + facts["header_bytes"].parse::<usize>().unwrap() + 4;
+        let is_empty = facts["element_align"] == "8" && message.data.len() == head;
+        let gap: &[u8] = if is_empty { &[0; 4] } else { &[] };
+        let length = (message.data.len() + gap.len()) as u64 - LATER_CLOCKS;
         hasher.update(&length.to_le_bytes());
         hasher.update(&message.data[4..4 + SIMULATED]);
         hasher.update(&message.data[4 + STAMP..]);
+        hasher.update(gap);
     }
     let mut all = blake3::Hasher::new();
     for ((topic, source), (count, hasher)) in streams {

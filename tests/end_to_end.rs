@@ -31,6 +31,7 @@ mod process;
 mod regressions;
 mod replay;
 mod report;
+mod ros;
 mod structure;
 mod supervision;
 mod sweep;

@@ -199,7 +199,7 @@ fn simulated(summary: &Json) -> Json {
     // Heartbeats and pictures for viewers belong to processes and logs.
     let topics = summary["topics"].as_object().unwrap();
     let counted = topics.iter().filter(|(name, _)| {
-        !name.starts_with("/viewer") && !name.starts_with("process/") && *name != "run/control"
+        !name.starts_with('/') && !name.starts_with("process/") && *name != "run/control"
     });
     simulated.insert(
         "topics".to_owned(),

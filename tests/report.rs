@@ -1,10 +1,7 @@
 //! The page of a log, in a real browser.
 
 use std::collections::BTreeMap;
-use std::path::Path;
 
-use foxglove::Decode as _;
-use foxglove::messages::{SceneEntity, SceneUpdate};
 use serde_json::{Value as Json, json};
 
 use crate::support::Sandbox;
@@ -154,22 +151,28 @@ fn area(corners: &[[f64; 2]]) -> f64 {
     (cross.sum::<f64>() / 2.0).abs()
 }
 
-/// Visible regions in the last picture up to a time: borders by the names of the fields of view.
-fn seen_in_viewers(log: &Path, until_ns: u64) -> (u64, BTreeMap<String, Vec<[f64; 2]>>) {
-    let bytes = std::fs::read(log).unwrap();
-    let pictures = mcap::MessageStream::new(&bytes)
-        .unwrap()
-        .map(Result::unwrap);
-    let last = pictures
-        .filter(|m| m.channel.topic == "/viewer/visibility" && m.log_time <= until_ns)
-        .last()
-        .expect("what is seen is drawn");
-    let update = SceneUpdate::decode(&*last.data).unwrap();
-    let border = |entity: &SceneEntity| {
-        let points = entity.lines[0].points.iter().map(|p| [p.x, p.y]);
-        (entity.id.clone(), points.collect())
-    };
-    (last.log_time, update.entities.iter().map(border).collect())
+/// Visible regions in the last picture up to a time (s): its time, and borders by the names of the fields of view.
+fn seen_in_viewers(sandbox: &Sandbox, until_s: u32) -> (f64, BTreeMap<String, Vec<[f64; 2]>>) {
+    let until = until_s.to_string();
+    let words = [
+        "cat",
+        "run.mcap",
+        "--topics",
+        "/fields_of_view",
+        "--end",
+        &until,
+    ];
+    let printed = sandbox.protean(words).run().stdout;
+    let last = printed.lines().last().expect("fields of view are drawn");
+    let last: Json = serde_json::from_str(last).unwrap();
+    let markers = last["message"]["markers"].as_array().unwrap();
+    let borders = markers.iter().filter_map(|marker| {
+        let name = marker["ns"].as_str().unwrap().strip_suffix(", border")?;
+        let points = marker["points"].as_array().unwrap().iter();
+        let points = points.map(|p| [p["x"].as_f64().unwrap(), p["y"].as_f64().unwrap()]);
+        Some((name.to_owned(), points.collect()))
+    });
+    (last["log_time_s"].as_f64().unwrap(), borders.collect())
 }
 
 /// Viewers get polygons from the map's cells, the page makes them from the shapes of the obstacles,
@@ -177,7 +180,6 @@ fn seen_in_viewers(log: &Path, until_ns: u64) -> (u64, BTreeMap<String, Vec<[f64
 #[test]
 fn what_is_seen_is_the_same_on_the_page_and_in_viewers() {
     let sandbox = Sandbox::new();
-    let log = sandbox.path().join("run.mcap");
     for set in [
         "log.compression=\"zstd\"",
         "processes.perception.params.sensor={range = 3.0, field_of_view = 2.0}",
@@ -188,17 +190,15 @@ fn what_is_seen_is_the_same_on_the_page_and_in_viewers() {
             .set(set)
             .json();
         sandbox.protean(["report", "run.mcap", "--force"]).json();
-        let times = [0, 6_000_000_000, 11_000_000_000];
-        let pictures = times.map(|time_ns| seen_in_viewers(&log, time_ns));
-        let steps = pictures.each_ref().map(|(time_ns, _)| {
-            let time_s = *time_ns as f64 / 1e9;
-            json!({ "eval": format!("protean.sightAt({time_s})") })
-        });
+        let pictures = [0, 6, 11].map(|time_s| seen_in_viewers(&sandbox, time_s));
+        let steps = pictures
+            .each_ref()
+            .map(|(time_s, _)| json!({ "eval": format!("protean.sightAt({time_s})") }));
         let Some(found) = browse(&sandbox.path().join("run.html"), &json!(steps)) else {
             return;
         };
         assert_eq!(found["errors"], json!([]));
-        for ((time_ns, seen), page) in pictures.iter().zip(found["answers"].as_array().unwrap()) {
+        for ((time_s, seen), page) in pictures.iter().zip(found["answers"].as_array().unwrap()) {
             assert!(seen.len() >= 2, "{set}: {seen:?}");
             let page: BTreeMap<String, Vec<[f64; 2]>> =
                 serde_json::from_value(page.clone()).unwrap();
@@ -210,7 +210,7 @@ fn what_is_seen_is_the_same_on_the_page_and_in_viewers() {
                 let (log, page) = (area(corners), area(&page[name]));
                 assert!(
                     (log - page).abs() < 0.05 * page.max(1.0),
-                    "{set}: {name} at {time_ns} ns: {log} m^2 in viewers, {page} m^2 on the page"
+                    "{set}: {name} at {time_s} s: {log} m^2 in viewers, {page} m^2 on the page"
                 );
             }
         }

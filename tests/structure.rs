@@ -56,7 +56,6 @@ const RULES: Rules = Rules {
     ],
     only: &[
         (&["clap"], &["protean", "benchmarks", "pages"]),
-        (&["foxglove"], &["viewer"]),
         (&["libc"], &["platform"]),
         (&["mcap"], &["mcap_log"]),
         (&["parquet"], &["tables"]),

@@ -120,7 +120,7 @@ fn shows_every_change_at_its_tick(history: &History) {
         assert_eq!(message.source, 0, "the simulator tells when they come");
     }
     // The wall at the start, and every change; and what stands, again every two seconds at most.
-    let (drawn, _) = history.counts["/viewer/obstacles"];
+    let (drawn, _) = history.counts["/obstacles"];
     let seconds = history.states.last().unwrap().tick / RATE;
     let fewest = 1 + told.len() as u64;
     assert!(

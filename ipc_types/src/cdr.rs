@@ -3,7 +3,7 @@
 //! CDR (little-endian, XCDR1) aligns every primitive to its size, counted from the end of the
 //! encapsulation header. The messages have no implicit padding and their first field has the
 //! alignment of the whole, so user header and elements are copied unchanged. Only the element count
-//! of a sequence and the gap after it are written.
+//! of a sequence and the gap before its first element are written; an empty sequence has no gap.
 
 use crate::message::Message;
 use crate::topics::{Arity, Topic};
@@ -44,7 +44,7 @@ pub fn encode<T: Topic>(header: &T::Header, elements: &[T::Element], out: &mut V
 }
 
 /// The bytes between user header and elements in the CDR form: for a sequence, the element count
-/// and the gap after it; else none.
+/// and the gap before the first element; else none.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct SequenceHead {
     bytes: [u8; 8],
@@ -58,10 +58,7 @@ impl SequenceHead {
         let [a, b, c, d] = (elements as u32).to_le_bytes();
         Self {
             bytes: [a, b, c, d, 0, 0, 0, 0],
-            len: match T::ARITY {
-                Arity::Many => 4 + sequence_gap::<T>(),
-                Arity::One => 0,
-            },
+            len: head_len::<T>(elements),
         }
     }
 
@@ -111,11 +108,10 @@ pub fn decode_into<T: Topic>(
         Arity::Many => {
             let (count, rest) = u32::read_from_prefix(rest).map_err(|_| wrong(0))?;
             let count = count as usize;
-            (
-                count,
-                rest.get(sequence_gap::<T>()..)
-                    .ok_or_else(|| wrong(count))?,
-            )
+            // Logs up to release 0.2 have the gap in empty sequences, too.
+            let has_gap = count > 0 || rest.len() == sequence_gap::<T>();
+            let gap = if has_gap { sequence_gap::<T>() } else { 0 };
+            (count, rest.get(gap..).ok_or_else(|| wrong(count))?)
         }
     };
     if count.checked_mul(size_of::<T::Element>()) != Some(rest.len()) {
@@ -137,10 +133,14 @@ pub fn view<T: Topic>(
     use zerocopy::FromBytes;
     let (header, _) = T::Header::read_from_prefix(bytes.get(ENCAPSULATION.len()..)?).ok()?;
     let size = size_of::<T::Element>();
-    let elements = bytes.get(encoded_len::<T>(0)..)?;
+    let head = ENCAPSULATION.len() + size_of::<T::Header>();
     let elements = match T::ARITY {
-        Arity::One => elements.get(..size)?,
-        Arity::Many => elements,
+        Arity::One => bytes.get(head..head + size)?,
+        // Shorter than the head of a sequence with elements: an empty one.
+        Arity::Many => {
+            bytes.get(head + head_len::<T>(0)..)?;
+            bytes.get(head + head_len::<T>(1)..).unwrap_or_default()
+        }
     };
     // The bytes of the log are not aligned: `read_from_bytes` copies, and all bytes are a valid
     // message.
@@ -152,14 +152,19 @@ pub fn view<T: Topic>(
 
 /// Length (bytes) of the CDR form of a message with this number of elements (saturating).
 pub fn encoded_len<T: Topic>(elements: usize) -> usize {
-    let sequence = if T::ARITY == Arity::Many {
-        4 + sequence_gap::<T>()
-    } else {
-        0
-    };
+    let head = ENCAPSULATION.len() + size_of::<T::Header>() + head_len::<T>(elements);
     elements
         .saturating_mul(size_of::<T::Element>())
-        .saturating_add(ENCAPSULATION.len() + size_of::<T::Header>() + sequence)
+        .saturating_add(head)
+}
+
+/// Length (bytes) of a sequence's count and gap.
+const fn head_len<T: Topic>(elements: usize) -> usize {
+    match T::ARITY {
+        Arity::One => 0,
+        Arity::Many if elements == 0 => 4,
+        Arity::Many => 4 + sequence_gap::<T>(),
+    }
 }
 
 /// Padding between a sequence's count (which ends at 4 modulo 8) and its first element.

@@ -51,7 +51,7 @@ fn a_replay_shows_all_that_the_log_holds() {
     let (info, channels) = viewer.greeted();
     assert_eq!(info["capabilities"], json!(["time"]));
     let topics: Vec<&str> = log.messages.keys().map(String::as_str).collect();
-    assert!(topics.contains(&"/viewer/visibility") && topics.contains(&"perception/belief"));
+    assert!(topics.contains(&"/fields_of_view") && topics.contains(&"perception/belief"));
     for topic in &topics {
         log.is_announced(topic, &channels[*topic]);
     }
@@ -80,7 +80,7 @@ fn a_replay_from_the_middle_sends_latched_messages_and_begins_again() {
     let replay = Watched::replay(&sandbox, "run.mcap", &words);
     let mut viewer = Viewer::connect(replay.url(), None, NOW).unwrap();
     let (_, channels) = viewer.greeted();
-    let topics = ["world/map", "/viewer/map", "world/state", "/viewer/scene"];
+    let topics = ["world/map", "/map", "world/state", "/obstacles"];
     viewer.subscribe(&channels, &topics);
     pass(&mut viewer);
     for _ in 0..2 {

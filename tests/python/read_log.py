@@ -11,7 +11,6 @@ import struct
 import sys
 
 from mcap.reader import make_reader
-from mcap_protobuf.decoder import DecoderFactory as Protobuf
 from mcap_ros2.decoder import DecoderFactory as Ros2
 
 messages, states, events, commands, beliefs = [], [], [], [], []
@@ -86,36 +85,41 @@ TAKE = {
 
 
 def see(topic, log_time, m):
-    """Asks every viewer message for what it is made of."""
-    kind = topic.split("/")[2]
-    if kind == "tf":
+    """Asks every message for viewers for what it is made of."""
+    kind = topic.split("/")[-1]
+    if kind in ("tf", "tf_static"):
         for t in m.transforms:
-            transforms.append([log_time, t.child_frame_id, t.translation.x, t.translation.y])
-    elif kind in ("particles", "walls"):
-        assert len(m.data) % m.point_stride == 0 and len(m.data) > 0
+            at = t.transform.translation
+            transforms.append([log_time, t.child_frame_id, at.x, at.y])
+    elif kind in ("beliefs", "walls"):
+        assert len(m.data) == m.point_step * m.width > 0
         offsets = {f.name: f.offset for f in m.fields}
         struct.unpack_from("<f", m.data, offsets["x"])
-    elif kind in ("map", "dominance"):
-        assert len(m.data) % m.row_stride == 0 and m.column_count > 0
-    elif kind == "log":
-        assert m.message
+    elif kind == "map":
+        assert len(m.data) == m.info.width * m.info.height > 0
+    elif kind == "rosout":
+        assert m.msg
     elif kind == "scan":
         assert len(m.ranges) > 0
-    elif kind == "poses":
-        assert m.frame_id == "map" and len(m.poses) > 0
+    elif kind == "clock":
+        assert m.clock.sec * 10**9 + m.clock.nanosec == log_time
+    elif kind == "odom":
+        assert m.header.frame_id == "map" and m.child_frame_id in topic
+    elif kind == "plan":
+        assert all(p.header.frame_id == "map" for p in m.poses)
     else:
-        assert kind in ("scene", "plan", "tree", "obstacles", "sight", "visibility"), kind
-        assert all(e.id and e.frame_id == "map" for e in m.entities)
+        assert kind in ("robots", "trails", "plans", "trees", "obstacles", "sight", "fields_of_view", "dominance"), kind
+        assert all(marker.header.frame_id == "map" for marker in m.markers)
     viewer[topic] = viewer.get(topic, 0) + 1
 
 
 with open(sys.argv[1], "rb") as file:
-    reader = make_reader(file, decoder_factories=[Ros2(), Protobuf()], validate_crcs=True)
+    reader = make_reader(file, decoder_factories=[Ros2()], validate_crcs=True)
     for schema, channel, message, decoded in reader.iter_decoded_messages(log_time_order=False):
         count = counts.setdefault(channel.topic, [0, 0])
         count[0] += 1
         count[1] += len(message.data)
-        if channel.topic.startswith("/viewer/"):
+        if channel.topic.startswith("/"):
             see(channel.topic, message.log_time, decoded)
             continue
         stamp = decoded.stamp

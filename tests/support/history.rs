@@ -185,14 +185,11 @@ impl History {
             .as_ref()
             .ok_or_else(|| format!("{topic}: no schema"))?;
         let encodings = (schema.encoding.as_str(), &*m.channel.message_encoding);
-        if topic.starts_with("/viewer/") {
-            if encodings != ("protobuf", "protobuf") || !schema.name.starts_with("foxglove.") {
-                return Err(format!("{topic}: {encodings:?} {}", schema.name));
-            }
-            return Ok(());
-        }
         if encodings != ("ros2msg", "cdr") {
             return Err(format!("{topic}: {encodings:?}"));
+        }
+        if topic.starts_with('/') {
+            return Ok(());
         }
         let bytes = &*m.data;
         let stamp = match topic {

@@ -1,5 +1,5 @@
 //! The ecosystem's own reader: the Python packages `mcap`, `mcap-ros2-support` and
-//! `mcap-protobuf-support` in an environment that the tests share.
+//! `rosbags` in an environment that the tests share.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;

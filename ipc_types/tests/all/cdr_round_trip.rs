@@ -104,6 +104,22 @@ fn errors_name_the_topic_and_the_lengths() {
 }
 
 #[test]
+fn an_empty_sequence_ends_with_its_count_as_strict_readers_expect() {
+    let (header, _) = message::<WorldState>(&[1], 0);
+    let mut bytes = Vec::new();
+    cdr::encode::<WorldState>(&header, &[], &mut bytes);
+    assert_eq!(bytes.len(), 4 + size_of_val(&header) + 4);
+    let (_, mut elements) = cdr::view::<WorldState>(&bytes).unwrap();
+    assert!(elements.next().is_none());
+    drop(elements);
+    assert!(cdr::view::<WorldState>(&bytes[..bytes.len() - 1]).is_none());
+    // As written up to release 0.2.
+    bytes.extend([0; 4]);
+    let (_, elements) = cdr::decode::<WorldState>(&bytes).unwrap();
+    assert!(elements.is_empty());
+}
+
+#[test]
 fn a_false_count_does_not_allocate() {
     let (header, _) = message::<WorldState>(&[0], 0);
     let mut bytes = Vec::new();

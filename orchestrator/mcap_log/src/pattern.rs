@@ -2,7 +2,7 @@
 
 use crate::LogReadError;
 
-/// Selection of topics by patterns: `world/state`, or with `*` for any characters, `/viewer/*`.
+/// Selection of topics by patterns: `world/state`, or with `*` for any characters, `/*/odom`.
 #[derive(Debug, Clone, Default)]
 pub struct Topics {
     /// Topics to include; empty for all.
@@ -85,8 +85,8 @@ mod tests {
             ("world/state", "world/state", true),
             ("world/state", "world/states", false),
             ("world", "world/state", false),
-            ("/viewer/*", "/viewer/particles/a", true),
-            ("/viewer/*", "world/state", false),
+            ("/*/odom", "/police_1/odom", true),
+            ("/*", "world/state", false),
             ("*", "", true),
             ("*/state", "world/state", true),
             ("w*d/*e", "world/state", true),

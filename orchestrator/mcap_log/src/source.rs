@@ -44,7 +44,7 @@ pub struct Logged {
     pub rank: usize,
     /// Id of its channel in the log.
     pub channel: u16,
-    /// Bytes in the log: CDR, or protobuf for viewer messages.
+    /// Bytes in the log: CDR.
     pub data: Vec<u8>,
 }
 
@@ -190,7 +190,7 @@ impl Source {
 
     /// Selects a channel if it is requested; the layout of a project topic must be that of this version.
     fn take_up(&mut self, channel: &Channel) -> Result<(), LogReadError> {
-        if channel.topic.starts_with("/viewer/") {
+        if channel.topic.starts_with('/') {
             if self.pictures && self.topics.take(&channel.topic) {
                 let played = Played {
                     rank: FOR_VIEWERS,

@@ -77,16 +77,24 @@ impl States {
     }
 }
 
-/// Returns `true` for a latched channel: project topics with history, viewer topics, and transient-local
-/// topics of ROS 2.
+/// Key of the quality of service in the metadata of a channel, as in ROS 2 bags.
+const QOS: &str = "offered_qos_profiles";
+
+/// Returns the metadata entry of a latched channel: the quality of service of transient-local topics.
+pub fn latched_entry() -> (String, String) {
+    let infinite = "{sec: 9223372036, nsec: 854775807}";
+    let profile = format!(
+        "- {{history: 1, depth: 1, reliability: 1, durability: 1, deadline: {infinite}, lifespan: {infinite}, \
+         liveliness: 1, liveliness_lease_duration: {infinite}, avoid_ros_namespace_conventions: false}}\n"
+    );
+    (QOS.to_owned(), profile)
+}
+
+/// Returns `true` for a latched channel: project topics with history, and transient-local topics of ROS 2.
 pub fn is_latched(topic: &str, metadata: &BTreeMap<String, String>) -> bool {
     if let Some(topic) = TopicId::from_name(topic) {
         return topic.facts().latched;
     }
-    if let Some(view) = topic.strip_prefix("/viewer/") {
-        // Every viewer message except a log line is a complete state.
-        return view != "log";
-    }
-    let qos = metadata.get("offered_qos_profiles");
+    let qos = metadata.get(QOS);
     qos.is_some_and(|qos| qos.contains("durability: 1") || qos.contains("transient_local"))
 }

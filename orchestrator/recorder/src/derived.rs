@@ -1,7 +1,5 @@
 //! Derived channels of a log, such as those for viewers, whose messages are made from those of the topics.
 
-use core::fmt::Display;
-use std::collections::BTreeMap;
 use std::ops::Range;
 
 use ipc_types::consumer::Consumer;
@@ -27,14 +25,12 @@ pub trait DerivedTopics: Consumer + Send {
 pub struct DerivedChannel {
     /// Name of the topic.
     pub topic: String,
-    /// Name of the schema.
+    /// Name of the ROS 2 message, `PACKAGE/msg/NAME`.
     pub schema_name: String,
-    /// Encoding: `protobuf`, …
-    pub schema_encoding: String,
-    /// Definition of the schema.
-    pub schema: Vec<u8>,
-    /// Encoding: `protobuf`, …
-    pub message_encoding: String,
+    /// Definition of the message (`ros2msg`).
+    pub schema: String,
+    /// `true` if late joiners get the last message.
+    pub latched: bool,
 }
 
 /// Messages of derived channels, in the order in which they are written.
@@ -42,8 +38,6 @@ pub struct DerivedChannel {
 pub struct DerivedMessages {
     bytes: Vec<u8>,
     messages: Vec<DerivedMessage>,
-    /// Channel and error of the first message that could not be encoded.
-    failure: Option<(usize, String)>,
 }
 
 #[derive(Debug)]
@@ -56,18 +50,14 @@ struct DerivedMessage {
 
 impl DerivedMessages {
     /// Adds the message that `encode` appends; returns its length (bytes).
-    pub fn push<E: Display>(
+    pub fn push(
         &mut self,
         channel: usize,
         time_ns: u64,
-        encode: impl FnOnce(&mut Vec<u8>) -> Result<(), E>,
+        encode: impl FnOnce(&mut Vec<u8>),
     ) -> usize {
         let start = self.bytes.len();
-        if let Err(error) = encode(&mut self.bytes) {
-            self.bytes.truncate(start);
-            self.failure.get_or_insert((channel, error.to_string()));
-            return 0;
-        }
+        encode(&mut self.bytes);
         let bytes = start..self.bytes.len();
         let length = bytes.len();
         self.messages.push(DerivedMessage {
@@ -97,13 +87,14 @@ impl DerivedLog {
         log: &mut LogWriter,
     ) -> Result<Self, LogWriteError> {
         let add = |channel: &DerivedChannel| {
+            let latched = channel.latched.then(mcap_log::states::latched_entry);
             let id = log.add_channel(&ChannelSpec {
                 topic: &channel.topic,
                 schema_name: &channel.schema_name,
-                schema_encoding: &channel.schema_encoding,
-                schema: &channel.schema,
-                message_encoding: &channel.message_encoding,
-                metadata: &BTreeMap::new(),
+                schema_encoding: "ros2msg",
+                schema: channel.schema.as_bytes(),
+                message_encoding: "cdr",
+                metadata: &latched.into_iter().collect(),
             })?;
             Ok(Channel { id, sequence: 0 })
         };
@@ -126,7 +117,6 @@ impl DerivedLog {
 
     fn write(&mut self, log: &mut LogWriter) -> Result<(), LogWriteError> {
         let ready = self.derived.ready();
-        let failure = ready.failure.take();
         for message in ready.messages.drain(..) {
             let Some(channel) = self.channels.get_mut(message.channel) else {
                 continue;
@@ -137,14 +127,6 @@ impl DerivedLog {
             log.write(channel.id, sequence, message.time_ns, message.time_ns, data)?;
         }
         ready.bytes.clear();
-        let Some((channel, reason)) = failure else {
-            return Ok(());
-        };
-        let channel = self.derived.channels().get(channel);
-        Err(LogWriteError::Encode {
-            path: log.path().to_owned(),
-            topic: channel.map_or_else(String::new, |channel| channel.topic.clone()),
-            reason,
-        })
+        Ok(())
     }
 }

@@ -67,6 +67,6 @@ impl DigestPrefixes {
 
 /// Returns the part of the header that the digest covers.
 fn header(message: &Parts<'_>) -> Vec<u8> {
-    let [stamp, rest, _, _] = message.without_clocks();
+    let [stamp, rest, _, _, _] = message.without_clocks();
     [stamp, rest].concat()
 }

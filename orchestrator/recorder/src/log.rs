@@ -134,7 +134,9 @@ fn metadata(topic: TopicId) -> BTreeMap<String, String> {
         ("simulated", facts.simulated.to_string()),
     ]
     .map(|(key, value)| (key.to_owned(), value))
-    .into()
+    .into_iter()
+    .chain(facts.latched.then(mcap_log::states::latched_entry))
+    .collect()
 }
 
 /// Returns the result of a run for the last metadata record of its log.

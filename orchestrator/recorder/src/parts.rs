@@ -2,7 +2,7 @@
 
 use ipc_types::cdr::SequenceHead;
 use ipc_types::stamp::Stamp;
-use ipc_types::topics::TopicId;
+use ipc_types::topics::{Arity, TopicId};
 
 /// Size of the encapsulation header (bytes).
 const ENCAPSULATION: usize = 4;
@@ -14,6 +14,8 @@ pub(super) struct Parts<'a> {
     pub(super) header: &'a [u8],
     /// See [`SequenceHead`].
     pub(super) head: &'a [u8],
+    /// Gap of an empty sequence: not part of the message, but of the digest since its first version.
+    gap: &'static [u8],
     /// Elements.
     pub(super) elements: &'a [u8],
     /// Number of elements.
@@ -31,6 +33,7 @@ impl<'a> Parts<'a> {
         Self {
             header,
             head,
+            gap: missing_gap(topic, head),
             elements,
             count,
         }
@@ -38,14 +41,17 @@ impl<'a> Parts<'a> {
 
     /// Returns the slices of a message in memory.
     pub(super) fn new(
+        topic: TopicId,
         header: &'a [u8],
         head: &'a SequenceHead,
         elements: &'a [u8],
         count: usize,
     ) -> Self {
+        let head = head.as_bytes();
         Self {
             header,
-            head: head.as_bytes(),
+            head,
+            gap: missing_gap(topic, head),
             elements,
             count,
         }
@@ -61,18 +67,26 @@ impl<'a> Parts<'a> {
     pub(super) fn history_len(&self) -> usize {
         const CLOCKS: usize = size_of::<Stamp>() - Stamp::SIMULATED_BYTES;
         const CLOCKS_AT_FIRST: usize = 3 * size_of::<u64>();
-        self.cdr_len().saturating_sub(CLOCKS) + CLOCKS_AT_FIRST
+        (self.cdr_len() + self.gap.len()).saturating_sub(CLOCKS) + CLOCKS_AT_FIRST
     }
 
     /// Returns the slices that belong to the simulated history, in order.
-    pub(super) fn without_clocks(&self) -> [&'a [u8]; 4] {
+    pub(super) fn without_clocks(&self) -> [&'a [u8]; 5] {
         [
             self.header
                 .get(..Stamp::SIMULATED_BYTES)
                 .unwrap_or_default(),
             self.header.get(size_of::<Stamp>()..).unwrap_or_default(),
             self.head,
+            self.gap,
             self.elements,
         ]
     }
+}
+
+/// Returns the gap that the head of a sequence has only before elements.
+fn missing_gap(topic: TopicId, head: &[u8]) -> &'static [u8] {
+    let facts = topic.facts();
+    let is_short = facts.arity == Arity::Many && facts.element.align == 8 && head.len() == 4;
+    if is_short { &[0; 4] } else { &[] }
 }

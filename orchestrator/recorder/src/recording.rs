@@ -95,6 +95,7 @@ impl Recording {
         let stamp = header.stamp();
         let head = SequenceHead::of::<T>(elements.len());
         let parts = Parts::new(
+            T::ID,
             header.as_bytes(),
             &head,
             elements.as_bytes(),

@@ -1,6 +1,6 @@
-//! Visualisation of a run in viewers (Foxglove, Lichtblick, Rerun).
+//! Visualisation of a run in viewers (Foxglove, Lichtblick, RViz, Rerun, PlotJuggler).
 //!
-//! * `topics`: the `/viewer/…` topics, which [`viewer_topics`] derives from the messages of a run: a
+//! * `topics`: the viewer topics, ROS 2 messages that [`viewer_topics`] derives from the messages of a run: a
 //!   [`recorder::Recording`] writes them into the log;
 //! * `live`: [`LiveServer`], which sends logged messages to viewers during the run.
 
@@ -9,6 +9,7 @@
 
 mod field_of_view;
 mod live;
+mod ros;
 mod topics;
 
 #[cfg(test)]

@@ -39,12 +39,12 @@ fn a_part_begins_with_the_last_states_from_before_it() {
         "world/map",
         "world/shapes",
         "world/state",
-        "/viewer/map",
-        "/viewer/scene",
+        "/map",
+        "/obstacles",
     ] {
         assert!(topics.contains(&topic), "{topic}: {topics:?}");
     }
-    for topic in ["robot/command", "world/event", "/viewer/log", "robot/scan"] {
+    for topic in ["robot/command", "world/event", "/rosout", "robot/scan"] {
         assert!(!topics.contains(&topic), "{topic}: {topics:?}");
     }
     for message in &read[..restored] {

@@ -42,14 +42,4 @@ pub enum LogWriteError {
         /// Error of the operating system or of the MCAP writer.
         source: io::Error,
     },
-    /// A viewer message could not be encoded.
-    #[error("cannot encode a message of {topic} for the log {path}: {reason}")]
-    Encode {
-        /// The file.
-        path: PathBuf,
-        /// The viewer topic.
-        topic: String,
-        /// Error of the encoder.
-        reason: String,
-    },
 }

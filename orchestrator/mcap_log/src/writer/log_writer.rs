@@ -155,7 +155,7 @@ impl LogWriter {
             .compression_level(level.cast_unsigned())
             // Worker threads would delay output until the chunk ends, and use a third core.
             .compression_threads(0)
-            .profile("")
+            .profile("ros2")
             .library(concat!("protean/", env!("CARGO_PKG_VERSION")))
             // `LogWriter` closes the chunks, so that every chunk ends at a boundary of `LogFile`.
             .chunk_size(None)

@@ -327,25 +327,26 @@ impl LogObserver for BroadcastHandle {
 
 #[cfg(test)]
 mod tests {
+    use mcap_log::states::latched_entry;
+
     use super::*;
 
-    fn spec(topic: &str) -> ChannelSpec<'_> {
-        static NOTHING: BTreeMap<String, String> = BTreeMap::new();
+    fn spec<'a>(topic: &'a str, metadata: &'a BTreeMap<String, String>) -> ChannelSpec<'a> {
         ChannelSpec {
             topic,
             schema_name: "Thing",
             schema_encoding: "ros2msg",
             schema: b"uint8 x",
             message_encoding: "cdr",
-            metadata: &NOTHING,
+            metadata,
         }
     }
 
     fn broadcaster() -> (Arc<Broadcaster>, BroadcastHandle) {
         let broadcaster = Arc::new(Broadcaster::default());
         let mut tap = broadcaster.tap();
-        tap.channel(&spec("/viewer/map"));
-        tap.channel(&spec("/viewer/log"));
+        tap.channel(&spec("/map", &BTreeMap::from([latched_entry()])));
+        tap.channel(&spec("/rosout", &BTreeMap::new()));
         (broadcaster, tap)
     }
 

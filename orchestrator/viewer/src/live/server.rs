@@ -250,7 +250,7 @@ mod tests {
     fn server(stall_timeout: Duration) -> LiveServer {
         let server = LiveServer::with_stall_timeout(0, stall_timeout).unwrap();
         server.tap().channel(&ChannelSpec {
-            topic: "/viewer/log",
+            topic: "/rosout",
             schema_name: "Thing",
             schema_encoding: "ros2msg",
             schema: b"uint8 x",

@@ -1,9 +1,10 @@
-//! A channel of messages in a schema of the viewers.
+//! A channel of ROS 2 messages.
 
 use core::marker::PhantomData;
 
-use foxglove::Encode;
 use recorder::{DerivedChannel, DerivedMessages};
+
+use crate::ros::{self, RosType};
 
 /// Encoder of messages of one type for one channel of the log.
 #[derive(Debug)]
@@ -12,18 +13,15 @@ pub(super) struct ViewerChannel<M> {
     message: PhantomData<fn(&M)>,
 }
 
-impl<M: Encode> ViewerChannel<M> {
-    /// Adds a channel to a list.
-    pub(super) fn add(channels: &mut Vec<DerivedChannel>, topic: &str) -> Self {
-        let (name, encoding, data) = M::get_schema().map_or_else(Default::default, |schema| {
-            (schema.name, schema.encoding, schema.data.to_vec())
-        });
+impl<M: RosType> ViewerChannel<M> {
+    /// Adds a channel to a list; `latched`: late joiners get the last message.
+    pub(super) fn add(channels: &mut Vec<DerivedChannel>, topic: &str, latched: bool) -> Self {
+        let (schema_name, schema) = ros::definition::<M>();
         channels.push(DerivedChannel {
             topic: topic.to_owned(),
-            schema_name: name,
-            schema_encoding: encoding,
-            schema: data,
-            message_encoding: M::get_message_encoding(),
+            schema_name,
+            schema,
+            latched,
         });
         Self {
             place: channels.len() - 1,
@@ -33,6 +31,6 @@ impl<M: Encode> ViewerChannel<M> {
 
     /// Adds a message to the output; returns its length (bytes).
     pub(super) fn write(&self, out: &mut DerivedMessages, time_ns: u64, message: &M) -> usize {
-        out.push(self.place, time_ns, |bytes| message.encode(bytes))
+        out.push(self.place, time_ns, |bytes| ros::encode(message, bytes))
     }
 }

@@ -1,26 +1,28 @@
 //! Dominance regions of the teams, as coloured cells over the map.
 
-use foxglove::messages::Grid;
 use ipc_types::consumer::{Consumer, LoggedMessage};
 use ipc_types::messages::referee::{DominanceCell, DominanceHeader};
 use ipc_types::topics::{Dominance, TopicId};
 
 use super::channel::ViewerChannel;
-use super::grid::{self, GridPlace};
-use super::palette;
 use super::picture::Picture;
+use super::primitives::{kind, marker, picture};
+use super::{grid, palette};
+use crate::ros::messages::{ColorRGBA, MarkerArray, Point, Vector3};
 
 /// Margin at which the opacity is maximal (s).
 const STRONG: f32 = 10.0;
-/// Minimum and maximum opacity (0 to 255).
-const ALPHA: (f32, f32) = (30.0, 120.0);
+/// Minimum and maximum opacity.
+const ALPHA: (f32, f32) = (0.12, 0.47);
+/// Height of a cell (m): above the map.
+const HEIGHT: f64 = 0.005;
 
-/// `/viewer/dominance`, for every message of a referee.
-pub(super) struct DominanceTopic(ViewerChannel<Grid>);
+/// `/dominance`, for every message of a referee.
+pub(super) struct DominanceTopic(ViewerChannel<MarkerArray>);
 
 impl DominanceTopic {
     pub(super) fn new(picture: &mut Picture) -> Self {
-        Self(picture.add_channel("/viewer/dominance"))
+        Self(picture.add_latched_channel("/dominance"))
     }
 }
 
@@ -31,9 +33,9 @@ impl Consumer<Picture> for DominanceTopic {
 
     fn message(&mut self, message: &LoggedMessage<'_>, picture: &mut Picture) {
         if let Some((header, cells)) = message.view::<Dominance>()
-            && let Some(grid) = draw(&header, message.time_ns, cells)
+            && let Some(regions) = draw(&header, message.time_ns, cells)
         {
-            self.0.write(&mut picture.ready, message.time_ns, &grid);
+            self.0.write(&mut picture.ready, message.time_ns, &regions);
         }
     }
 }
@@ -45,29 +47,47 @@ fn draw(
     header: &DominanceHeader,
     time_ns: u64,
     cells: impl ExactSizeIterator<Item = DominanceCell>,
-) -> Option<Grid> {
+) -> Option<MarkerArray> {
     if !grid::fits(header.width, header.height, cells.len()) {
         return None;
     }
-    let mut data = Vec::with_capacity(cells.len() * grid::CELL_BYTES);
-    for cell in cells {
-        // `min` ignores NaN; a cast of a float saturates.
+    let mut regions = picture(time_ns);
+    let mut marker = marker(
+        "dominance",
+        0,
+        kind::CUBE_LIST,
+        ColorRGBA::default(),
+        time_ns,
+    );
+    let side = header.resolution;
+    marker.scale = Vector3 {
+        x: side,
+        y: side,
+        z: HEIGHT,
+    };
+    for (index, cell) in (0_u32..).zip(cells) {
+        // `min` ignores NaN.
         let strength = cell.margin.abs().min(STRONG) / STRONG;
-        let alpha = (ALPHA.0 + (ALPHA.1 - ALPHA.0) * strength) as u8;
-        let ([red, green, blue], alpha) = match cell.owner {
+        let alpha = ALPHA.0 + (ALPHA.1 - ALPHA.0) * strength;
+        let (rgb, alpha) = match cell.owner {
             1 => (palette::POLICE, alpha),
             2 => (palette::EVADER, alpha),
-            3 => (palette::CUT_OFF, ALPHA.0 as u8),
-            _ => ([0; 3], 0),
+            3 => (palette::CUT_OFF, ALPHA.0),
+            _ => continue,
         };
-        data.extend_from_slice(&[red, green, blue, alpha]);
+        let centre = |origin: f64, cell: u32| origin + (f64::from(cell) + 0.5) * side;
+        marker.points.push(Point {
+            x: centre(header.origin_x, index % header.width),
+            y: centre(header.origin_y, index / header.width),
+            z: HEIGHT / 2.0,
+        });
+        marker.colors.push(palette::color(rgb, alpha));
     }
-    let place = GridPlace {
-        origin: [header.origin_x, header.origin_y],
-        resolution: header.resolution,
-        width: header.width,
-    };
-    grid::coloured(&place, time_ns, data)
+    // Viewers refuse a list without points.
+    if !marker.points.is_empty() {
+        regions.markers.push(marker);
+    }
+    Some(regions)
 }
 
 #[cfg(test)]
@@ -97,13 +117,16 @@ mod tests {
             cell(3, 4.0),
             cell(2, f32::NAN),
         ];
-        let grid = draw(&header, 0, cells.into_iter()).unwrap();
-        let (cells, _) = grid.data.as_chunks::<4>();
-        assert_eq!(cells[0], [0; 4]);
-        assert_eq!(cells[1][..3], palette::POLICE);
-        assert_eq!(cells[2], [213, 94, 0, 120]);
-        assert_eq!(cells[3][..3], palette::CUT_OFF);
-        assert!(cells[1][3] < cells[2][3]);
+        let regions = draw(&header, 0, cells.into_iter()).unwrap();
+        let marker = &regions.markers[1];
+        let columns: Vec<f64> = marker.points.iter().map(|p| p.x).collect();
+        assert_eq!(columns, [0.2 * 1.5, 0.2 * 2.5, 0.2 * 3.5, 0.2 * 4.5]);
+        let colors = &marker.colors;
+        assert_eq!(colors[1], palette::color(palette::EVADER, ALPHA.1));
+        assert_eq!(colors[2], palette::color(palette::CUT_OFF, ALPHA.0));
+        assert!(colors[0].a < colors[1].a);
         assert!(draw(&header, 0, [cell(1, 0.0)].into_iter()).is_none());
+        let none = draw(&header, 0, [cell(0, 0.0); 5].into_iter()).unwrap();
+        assert_eq!(none.markers.len(), 1, "removes the earlier regions");
     }
 }

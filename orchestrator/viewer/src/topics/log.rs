@@ -1,6 +1,5 @@
 //! Events and stderr of processes as log lines.
 
-use foxglove::messages::{Log, log};
 use ipc_types::consumer::{Consumer, LoggedMessage};
 use ipc_types::messages::process::{LogHeader, ProcessEvent};
 use ipc_types::messages::world::WorldEvent;
@@ -9,9 +8,16 @@ use recorder::{ProcessInfo, RobotInfo};
 
 use super::channel::ViewerChannel;
 use super::picture::Picture;
-use super::primitives::timestamp;
+use super::primitives::time;
+use crate::ros::messages::Log;
 
-/// `/viewer/log`.
+/// Levels of log lines.
+const DEBUG: u8 = 10;
+const INFO: u8 = 20;
+const WARN: u8 = 30;
+const ERROR: u8 = 40;
+
+/// `/rosout`.
 pub(super) struct LogTopic {
     channel: ViewerChannel<Log>,
     processes: Vec<ProcessInfo>,
@@ -20,7 +26,7 @@ pub(super) struct LogTopic {
 impl LogTopic {
     pub(super) fn new(processes: &[ProcessInfo], picture: &mut Picture) -> Self {
         Self {
-            channel: picture.add_channel("/viewer/log"),
+            channel: picture.add_channel("/rosout"),
             processes: processes.to_vec(),
         }
     }
@@ -57,14 +63,14 @@ impl Consumer<Picture> for LogTopic {
 /// Returns an event as a log line.
 fn message(event: &WorldEvent, robots: &[RobotInfo], time_ns: u64) -> Log {
     let level = match WorldEvent::name_of(event.kind) {
-        "invalid_command" | "missing_command" | "stands" => log::Level::Warning,
-        "contact_begin" | "contact_end" => log::Level::Debug,
-        _ => log::Level::Info,
+        "invalid_command" | "missing_command" | "stands" => WARN,
+        "contact_begin" | "contact_end" => DEBUG,
+        _ => INFO,
     };
     Log {
-        timestamp: Some(timestamp(time_ns)),
-        level: level as i32,
-        message: sentence(event, robots),
+        stamp: time(time_ns),
+        level,
+        msg: sentence(event, robots),
         name: "world".to_owned(),
         ..Log::default()
     }
@@ -76,19 +82,19 @@ fn process_event(event: &ProcessEvent, processes: &[ProcessInfo], time_ns: u64) 
     let tick = event.tick;
     let (level, message) = match event.kind {
         ProcessEvent::LEFT => (
-            log::Level::Error,
+            ERROR,
             format!("{name} failed at tick {tick}: it {}", event.reason_text()),
         ),
-        ProcessEvent::BACK => (log::Level::Info, format!("{name} is back at tick {tick}")),
+        ProcessEvent::BACK => (INFO, format!("{name} is back at tick {tick}")),
         _ => (
-            log::Level::Error,
+            ERROR,
             format!("{name} is not restarted: {}", event.reason_text()),
         ),
     };
     Log {
-        timestamp: Some(timestamp(time_ns)),
-        level: level as i32,
-        message,
+        stamp: time(time_ns),
+        level,
+        msg: message,
         name: "supervisor".to_owned(),
         ..Log::default()
     }
@@ -97,10 +103,15 @@ fn process_event(event: &ProcessEvent, processes: &[ProcessInfo], time_ns: u64) 
 /// Returns a line of stderr of a process as a log line.
 fn process_log(header: &LogHeader, text: &[u8], processes: &[ProcessInfo], time_ns: u64) -> Log {
     Log {
-        timestamp: Some(timestamp(time_ns)),
-        // The levels of viewers equal those of the message.
-        level: i32::try_from(header.level).unwrap_or_default(),
-        message: String::from_utf8_lossy(text).into_owned(),
+        stamp: time(time_ns),
+        // The message has 1 for debug to 4 for errors, and 0 for unknown.
+        level: match header.level {
+            1 => DEBUG,
+            3 => WARN,
+            4.. => ERROR,
+            _ => INFO,
+        },
+        msg: String::from_utf8_lossy(text).into_owned(),
         name: process_name(header.process, processes),
         ..Log::default()
     }

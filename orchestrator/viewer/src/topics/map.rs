@@ -1,37 +1,49 @@
-//! The map as coloured cells.
+//! The map and the frame in its middle.
 
-use foxglove::messages::Grid;
 use ipc_types::consumer::{Consumer, LoggedMessage};
 use ipc_types::messages::world::{MapCell, MapHeader};
 use ipc_types::topics::{TopicId, WorldMap};
 
 use super::channel::ViewerChannel;
-use super::grid::{self, GridPlace};
-use super::palette;
+use super::grid;
 use super::picture::Picture;
-use super::primitives::timestamp;
+use super::primitives::{header, pose, time, transform};
 use super::repetition::Repetition;
+use crate::ros::messages::{MapMetaData, OccupancyGrid, TFMessage};
 
-/// `/viewer/map`, at every revision, and repeated.
+/// Frame in the middle of the map, as target of cameras; robot names cannot contain `/`.
+const CENTRE_FRAME: &str = "map/centre";
+
+/// Value of an occupied cell.
+const OCCUPIED: i8 = 100;
+
+/// `/map` and `/tf_static`, at every revision, and repeated.
 pub(super) struct MapTopic {
-    channel: ViewerChannel<Grid>,
-    grid: Option<Grid>,
+    map: ViewerChannel<OccupancyGrid>,
+    frames: ViewerChannel<TFMessage>,
+    /// Map and its middle (m).
+    drawn: Option<(OccupancyGrid, [f64; 2])>,
     repetition: Repetition,
 }
 
 impl MapTopic {
     pub(super) fn new(picture: &mut Picture) -> Self {
         Self {
-            channel: picture.add_channel("/viewer/map"),
-            grid: None,
+            map: picture.add_latched_channel("/map"),
+            frames: picture.add_latched_channel("/tf_static"),
+            drawn: None,
             repetition: Repetition::default(),
         }
     }
 
     fn draw(&mut self, time_ns: u64, picture: &mut Picture) {
-        if let Some(grid) = &mut self.grid {
-            grid.timestamp = Some(timestamp(time_ns));
-            let bytes = self.channel.write(&mut picture.ready, time_ns, grid);
+        if let Some((grid, centre)) = &mut self.drawn {
+            grid.header.stamp = time(time_ns);
+            let bytes = self.map.write(&mut picture.ready, time_ns, grid);
+            let frames = TFMessage {
+                transforms: vec![transform(CENTRE_FRAME, *centre, 0.0, time_ns)],
+            };
+            self.frames.write(&mut picture.ready, time_ns, &frames);
             self.repetition.drawn(time_ns, bytes);
         }
     }
@@ -46,7 +58,7 @@ impl Consumer<Picture> for MapTopic {
         if let Some((header, cells)) = message.view::<WorldMap>()
             && let Some(grid) = draw(&header, message.time_ns, cells)
         {
-            self.grid = Some(grid);
+            self.drawn = Some((grid, centre(&header)));
             self.draw(message.time_ns, picture);
         }
     }
@@ -58,33 +70,37 @@ impl Consumer<Picture> for MapTopic {
     }
 }
 
-/// Draws a map: obstacles are dark; free cells are lighter with distance from obstacles (by the blurred map).
-/// Returns `None` if the number of cells differs from the header.
+/// Returns the middle of a map (m).
+fn centre(of: &MapHeader) -> [f64; 2] {
+    let middle = |origin: f64, cells: u32| origin + 0.5 * f64::from(cells) * of.resolution;
+    [
+        middle(of.origin_x, of.width),
+        middle(of.origin_y, of.height),
+    ]
+}
+
+/// Converts a map; returns `None` if the number of cells differs from the header.
 fn draw(
-    header: &MapHeader,
+    of: &MapHeader,
     time_ns: u64,
     cells: impl ExactSizeIterator<Item = MapCell>,
-) -> Option<Grid> {
-    if !grid::fits(header.width, header.height, cells.len()) {
+) -> Option<OccupancyGrid> {
+    if !grid::fits(of.width, of.height, cells.len()) {
         return None;
     }
-    let mut data = Vec::with_capacity(cells.len() * grid::CELL_BYTES);
-    for cell in cells {
-        let grey = if cell.occupied != 0 {
-            palette::WALL_GREY
-        } else {
-            let edge = f32::from(palette::EDGE_GREY);
-            // A cast of a float saturates, also for NaN.
-            (edge + (255.0 - edge) * cell.blurred.clamp(0.0, 1.0)) as u8
-        };
-        data.extend_from_slice(&[grey, grey, grey, u8::MAX]);
-    }
-    let place = GridPlace {
-        origin: [header.origin_x, header.origin_y],
-        resolution: header.resolution,
-        width: header.width,
-    };
-    grid::coloured(&place, time_ns, data)
+    Some(OccupancyGrid {
+        header: header(time_ns),
+        info: MapMetaData {
+            map_load_time: time(0),
+            resolution: of.resolution as f32,
+            width: of.width,
+            height: of.height,
+            origin: pose(of.origin_x, of.origin_y, 0.0, 0.0),
+        },
+        data: cells
+            .map(|cell| if cell.occupied != 0 { OCCUPIED } else { 0 })
+            .collect(),
+    })
 }
 
 #[cfg(test)]
@@ -92,7 +108,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn cells_are_coloured_by_row_and_a_wrong_header_draws_nothing() {
+    fn cells_are_free_or_occupied_and_a_wrong_header_draws_nothing() {
         let header = MapHeader {
             width: 2,
             height: 1,
@@ -110,8 +126,8 @@ mod tests {
             },
         ];
         let grid = draw(&header, 1_500_000_000, cells.into_iter()).unwrap();
-        assert_eq!(grid.data.as_ref(), [60, 60, 60, 255, 255, 255, 255, 255]);
-        assert_eq!((grid.row_stride, grid.column_count), (8, 2));
+        assert_eq!(grid.data, [100, 0]);
+        assert_eq!(centre(&header), [0.5, 0.25]);
         let lie = MapHeader {
             width: u32::MAX,
             height: u32::MAX,

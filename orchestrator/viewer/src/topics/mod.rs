@@ -1,5 +1,5 @@
-//! The `/viewer/…` topics: a run in the standard schemas of the viewers (Foxglove, Lichtblick, Rerun),
-//! beside the lossless topics.
+//! The viewer topics: a run in the messages that ROS 2 tools and viewers draw, beside the lossless topics. Their names
+//! begin with `/`; those of the lossless topics do not.
 //!
 //! The topics draw complete ticks, at most `rate_hz` times per simulated second, and always the first and the
 //! last state and every tick with an event. Every message is a complete picture of its topic, so that after a
@@ -47,7 +47,7 @@ fn topics(run: &RunInfo, options: &ViewerOptions, picture: &mut Picture) -> Vec<
         Box::new(robot_lines::LinesTopic::plans(picture)),
         Box::new(robot_lines::LinesTopic::trees(picture)),
         Box::new(log::LogTopic::new(&run.processes, picture)),
-        Box::new(points::ParticlesTopic::new(picture)),
+        Box::new(points::BeliefsTopic::new(picture)),
         Box::new(points::ScansTopic::new(picture)),
     ]
 }
@@ -85,7 +85,7 @@ impl Default for ViewerOptions {
 ///
 /// let run = recorder::RunInfo::default();
 /// let topics = viewer_topics(&run, &ViewerOptions::default()).unwrap();
-/// assert_eq!(topics.channels()[0].topic, "/viewer/scene");
+/// assert_eq!(topics.channels()[0].topic, "/robots");
 ///
 /// let off = ViewerOptions { rate_hz: 0.0, ..ViewerOptions::default() };
 /// assert!(viewer_topics(&run, &off).is_none());

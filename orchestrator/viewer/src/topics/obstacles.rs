@@ -2,10 +2,6 @@
 
 use std::collections::BTreeMap;
 
-use foxglove::messages::{
-    Color, CubePrimitive, CylinderPrimitive, LinePrimitive, Point3, SceneEntity, SceneUpdate,
-    TriangleListPrimitive, Vector3, line_primitive,
-};
 use geometry::shape::Shape;
 use ipc_types::consumer::{Consumer, LoggedMessage};
 use ipc_types::messages::world::ObstacleEvent;
@@ -14,8 +10,9 @@ use ipc_types::topics::{ObstacleEvents, TopicId};
 use super::channel::ViewerChannel;
 use super::palette;
 use super::picture::Picture;
-use super::primitives::{deletion, entity, pose};
+use super::primitives::{kind, marker, picture, pose, width};
 use super::repetition::Repetition;
+use crate::ros::messages::{ColorRGBA, Marker, MarkerArray, Point, Vector3};
 
 /// Codes of `ObstacleEvent::action`.
 const DISAPPEAR: u8 = 1;
@@ -23,12 +20,9 @@ const DISAPPEAR: u8 = 1;
 /// Height of obstacles (m): below plans, so that paths across them are visible.
 const HEIGHT: f64 = 0.05;
 
-/// Width of a polygon's outline (pixels).
-const OUTLINE_PIXELS: f64 = 3.0;
-
-/// `/viewer/obstacles`, at every change, and repeated.
+/// `/obstacles`, at every change, and repeated.
 pub(super) struct ObstaclesTopic {
-    channel: ViewerChannel<SceneUpdate>,
+    channel: ViewerChannel<MarkerArray>,
     obstacles: Obstacles,
     repetition: Repetition,
 }
@@ -37,7 +31,7 @@ impl ObstaclesTopic {
     /// Creates the topic; `standing` are the obstacles that exist from the beginning.
     pub(super) fn new(standing: &[ObstacleEvent], picture: &mut Picture) -> Self {
         let mut topic = Self {
-            channel: picture.add_channel("/viewer/obstacles"),
+            channel: picture.add_latched_channel("/obstacles"),
             obstacles: Obstacles::default(),
             repetition: Repetition::default(),
         };
@@ -51,8 +45,8 @@ impl ObstaclesTopic {
     }
 
     fn draw(&mut self, time_ns: u64, picture: &mut Picture) {
-        let update = self.obstacles.draw(time_ns);
-        let bytes = self.channel.write(&mut picture.ready, time_ns, &update);
+        let obstacles = self.obstacles.draw(time_ns, picture.line_width());
+        let bytes = self.channel.write(&mut picture.ready, time_ns, &obstacles);
         self.repetition.drawn(time_ns, bytes);
     }
 }
@@ -82,8 +76,7 @@ impl Consumer<Picture> for ObstaclesTopic {
 #[derive(Debug, Default)]
 struct Obstacles {
     /// Obstacles with their colours, by id.
-    standing: BTreeMap<u32, (ObstacleEvent, Color)>,
-    gone: Vec<u32>,
+    standing: BTreeMap<u32, (ObstacleEvent, ColorRGBA)>,
 }
 
 impl Obstacles {
@@ -97,91 +90,67 @@ impl Obstacles {
     fn apply(&mut self, event: &ObstacleEvent) {
         if event.action == DISAPPEAR {
             self.standing.remove(&event.id);
-            self.gone.push(event.id);
         } else {
             self.standing.insert(event.id, (*event, palette::OBSTACLE));
         }
     }
 
-    /// Returns all current obstacles, and deletions of removed ones.
-    fn draw(&mut self, time_ns: u64) -> SceneUpdate {
-        let id = |id: u32| format!("obstacle {id}");
-        let deletions = self
-            .gone
-            .drain(..)
-            .map(|gone| deletion(id(gone), time_ns))
-            .collect();
-        let entities = self
-            .standing
-            .iter()
-            .map(|(&key, (event, color))| draw(event, *color, entity(id(key), time_ns)))
-            .collect();
-        SceneUpdate {
-            deletions,
-            entities,
+    /// Returns all current obstacles; `line` is the width of outlines (m).
+    fn draw(&self, time_ns: u64, line: f64) -> MarkerArray {
+        let mut obstacles = picture(time_ns);
+        for (event, color) in self.standing.values() {
+            let markers = &mut obstacles.markers;
+            let new = |kind: i32| marker("obstacle", event.id, kind, color.clone(), time_ns);
+            draw(event, new, line, markers);
         }
+        obstacles
     }
 }
 
-fn draw(event: &ObstacleEvent, color: Color, mut entity: SceneEntity) -> SceneEntity {
-    let at = Some(pose(event.x, event.y, HEIGHT / 2.0, event.theta));
-    let color = Some(color);
+/// Adds the markers of an obstacle.
+fn draw(event: &ObstacleEvent, new: impl Fn(i32) -> Marker, line: f64, markers: &mut Vec<Marker>) {
+    let solid = |kind: i32, x: f64, y: f64| Marker {
+        pose: pose(event.x, event.y, HEIGHT / 2.0, event.theta),
+        scale: Vector3 { x, y, z: HEIGHT },
+        ..new(kind)
+    };
     match event.shape {
-        0 => entity.cylinders.push(CylinderPrimitive {
-            pose: at,
-            size: Some(Vector3 {
-                x: 2.0 * event.radius,
-                y: 2.0 * event.radius,
-                z: HEIGHT,
-            }),
-            bottom_scale: 1.0,
-            top_scale: 1.0,
-            color,
-        }),
-        1 => entity.cubes.push(CubePrimitive {
-            pose: at,
-            size: Some(Vector3 {
-                x: 2.0 * event.half_x,
-                y: 2.0 * event.half_y,
-                z: HEIGHT,
-            }),
-            color,
-        }),
+        0 => markers.push(solid(
+            kind::CYLINDER,
+            2.0 * event.radius,
+            2.0 * event.radius,
+        )),
+        1 => markers.push(solid(kind::CUBE, 2.0 * event.half_x, 2.0 * event.half_y)),
         _ => {
             let count = (event.vertex_count as usize).min(event.vertices.len() / 2);
             let corners = event.vertices.chunks_exact(2).take(count);
             let vertices: Vec<[f64; 2]> = corners.map(|xy| [xy[0], xy[1]]).collect();
-            let points = vertices.iter().map(|&[x, y]| top(x, y)).collect();
+            let mut outline: Vec<Point> = vertices.iter().map(|&[x, y]| top(x, y)).collect();
+            outline.extend(outline.first().cloned());
             let fill = triangles(vertices);
             if !fill.is_empty() {
-                entity.triangles.push(TriangleListPrimitive {
-                    pose: Some(pose(0.0, 0.0, 0.0, 0.0)),
+                markers.push(Marker {
                     points: fill,
-                    color,
-                    ..TriangleListPrimitive::default()
+                    ..new(kind::TRIANGLE_LIST)
                 });
             }
-            entity.lines.push(LinePrimitive {
-                r#type: line_primitive::Type::LineLoop as i32,
-                pose: Some(pose(0.0, 0.0, 0.0, 0.0)),
-                thickness: OUTLINE_PIXELS,
-                scale_invariant: true,
-                points,
-                color,
-                ..LinePrimitive::default()
+            markers.push(Marker {
+                ns: "outline".to_owned(),
+                scale: width(line),
+                points: outline,
+                ..new(kind::LINE_STRIP)
             });
         }
     }
-    entity
 }
 
 /// Returns a point at the height of obstacles.
-fn top(x: f64, y: f64) -> Point3 {
-    Point3 { x, y, z: HEIGHT }
+fn top(x: f64, y: f64) -> Point {
+    Point { x, y, z: HEIGHT }
 }
 
 /// Triangulates a polygon; returns three points per triangle, none if the polygon is not simple.
-fn triangles(vertices: Vec<[f64; 2]>) -> Vec<Point3> {
+fn triangles(vertices: Vec<[f64; 2]>) -> Vec<Point> {
     let parts = Shape::Polygon { vertices }.parts().unwrap_or_default();
     let mut points = Vec::new();
     for part in parts {
@@ -213,8 +182,8 @@ mod tests {
         hook.vertices[..12].copy_from_slice(&corners);
         let mut obstacles = Obstacles::default();
         obstacles.apply(&hook);
-        let update = obstacles.draw(0);
-        let points = &update.entities[0].triangles[0].points;
+        let drawn = obstacles.draw(0, 0.1);
+        let points = &drawn.markers[1].points;
         let area: f64 = points
             .chunks_exact(3)
             .map(|t| {
@@ -226,7 +195,7 @@ mod tests {
             })
             .sum();
         assert!((area - 3.0).abs() < 1e-9, "{area}");
-        assert_eq!(update.entities[0].lines[0].points.len(), 6);
+        assert_eq!(drawn.markers[2].points.len(), 7, "closed");
     }
 
     #[test]
@@ -245,21 +214,20 @@ mod tests {
         };
         obstacles.apply(&circle);
         obstacles.apply(&polygon);
-        let update = obstacles.draw(0);
-        assert_eq!(update.entities.len(), 2);
-        assert_eq!(update.entities[0].cylinders[0].size.unwrap().x, 1.0);
+        let drawn = obstacles.draw(0, 0.1);
         assert_eq!(
-            update.entities[1].lines[0].points.len(),
-            16,
-            "only existing obstacles"
+            drawn.markers.len(),
+            3,
+            "a marker that removes all others, and two obstacles"
         );
+        assert_eq!(drawn.markers[1].scale.x, 1.0);
+        assert_eq!(drawn.markers[2].points.len(), 17, "only existing obstacles");
         obstacles.apply(&ObstacleEvent {
             action: DISAPPEAR,
             ..circle
         });
-        let update = obstacles.draw(1);
-        assert_eq!(update.deletions[0].id, "obstacle 4");
-        assert_eq!(update.entities.len(), 1);
-        assert!(obstacles.draw(2).deletions.is_empty());
+        let drawn = obstacles.draw(1, 0.1);
+        let ids: Vec<i32> = drawn.markers.iter().skip(1).map(|m| m.id).collect();
+        assert_eq!(ids, [9]);
     }
 }

@@ -1,22 +1,19 @@
 //! Colours of the viewer topics.
 
 use draw::palette;
-use foxglove::messages::Color;
+
+use crate::ros::messages::ColorRGBA;
 
 /// Colour of obstacles that appear and disappear: orange.
-pub(super) const OBSTACLE: Color = color(palette::rgb(palette::OBSTACLE), 0.85);
+pub(super) const OBSTACLE: ColorRGBA = color(palette::rgb(palette::OBSTACLE), 0.85);
 /// Colour of obstacles that exist from the beginning: grey, as on the map.
-pub(super) const BUILDING: Color = color([105, 112, 122], 1.0);
+pub(super) const BUILDING: ColorRGBA = color([105, 112, 122], 1.0);
 /// Colour of lines of sight: reddish purple.
-pub(super) const SIGHT: Color = color(palette::rgb(palette::BELIEF), 1.0);
+pub(super) const SIGHT: ColorRGBA = color(palette::rgb(palette::BELIEF), 1.0);
 /// Opacity of visible areas and of their borders; lower layers stay visible.
-pub(super) const SEEN: (f64, f64) = (0.1, 0.4);
+pub(super) const SEEN: (f32, f32) = (0.1, 0.4);
 /// Colour of names and headings: black.
-pub(super) const INK: Color = color([0, 0, 0], 1.0);
-/// Grey level of a cell in an obstacle.
-pub(super) const WALL_GREY: u8 = 60;
-/// Grey level of a free cell beside an obstacle; far from obstacles a cell is white.
-pub(super) const EDGE_GREY: u8 = 200;
+pub(super) const INK: ColorRGBA = color([0, 0, 0], 1.0);
 
 /// The Police: blue.
 pub(super) const POLICE: [u8; 3] = palette::rgb(palette::POLICE);
@@ -25,19 +22,19 @@ pub(super) const EVADER: [u8; 3] = palette::rgb(palette::EVADER);
 /// Cells that evaders reach first, but not safely: orange.
 pub(super) const CUT_OFF: [u8; 3] = palette::rgb(palette::OBSTACLE);
 
-const fn color([r, g, b]: [u8; 3], a: f64) -> Color {
-    Color {
-        r: r as f64 / 255.0,
-        g: g as f64 / 255.0,
-        b: b as f64 / 255.0,
+/// Returns a colour with an opacity, 0 to 1.
+pub(super) const fn color([r, g, b]: [u8; 3], a: f32) -> ColorRGBA {
+    ColorRGBA {
+        r: r as f32 / 255.0,
+        g: g as f32 / 255.0,
+        b: b as f32 / 255.0,
         a,
     }
 }
 
 /// Returns the colour of a team by its code in `RobotState`: police blue, evaders vermilion, others bluish
-/// green; paler for a robot that is out of the game.
-pub(super) fn team(team: u8, active: bool) -> Color {
-    let alpha = if active { 1.0 } else { 0.35 };
+/// green.
+pub(super) fn team(team: u8, alpha: f32) -> ColorRGBA {
     match team {
         1 => color(POLICE, alpha),
         2 => color(EVADER, alpha),

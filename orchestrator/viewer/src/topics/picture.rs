@@ -1,12 +1,12 @@
 //! State of the current tick, shared by all viewer topics, and their output.
 
-use foxglove::Encode;
 use ipc_types::consumer::LoggedMessage;
 use ipc_types::messages::world::{RobotState, WorldHeader};
 use ipc_types::topics::{TopicId, WorldEvents, WorldState};
 use recorder::{DerivedChannel, DerivedMessages, RobotInfo};
 
 use super::channel::ViewerChannel;
+use crate::ros::RosType;
 
 /// State of the current tick, shared by all viewer topics, and their output.
 #[derive(Debug)]
@@ -90,16 +90,28 @@ impl Picture {
     }
 
     /// Adds a channel to the log.
-    pub(super) fn add_channel<M: Encode>(&mut self, topic: &str) -> ViewerChannel<M> {
-        ViewerChannel::add(&mut self.channels, topic)
+    pub(super) fn add_channel<M: RosType>(&mut self, topic: &str) -> ViewerChannel<M> {
+        ViewerChannel::add(&mut self.channels, topic, false)
     }
 
-    /// Adds a channel for every robot: `/viewer/PREFIX/NAME`.
-    pub(super) fn add_channels<M: Encode>(&mut self, prefix: &str) -> Vec<ViewerChannel<M>> {
-        let names = self.robots.iter().map(|robot| robot.name.clone());
-        let topics: Vec<String> = names
-            .map(|name| format!("/viewer/{prefix}/{name}"))
-            .collect();
+    /// Adds a channel whose last message late joiners get.
+    pub(super) fn add_latched_channel<M: RosType>(&mut self, topic: &str) -> ViewerChannel<M> {
+        ViewerChannel::add(&mut self.channels, topic, true)
+    }
+
+    /// Adds a channel for every robot: `/ROBOT/NAME`.
+    pub(super) fn add_robot_channels<M: RosType>(&mut self, name: &str) -> Vec<ViewerChannel<M>> {
+        let topics = self
+            .robots
+            .iter()
+            .map(|robot| format!("/{}/{name}", robot.name));
+        let topics: Vec<String> = topics.collect();
         topics.iter().map(|topic| self.add_channel(topic)).collect()
+    }
+
+    /// Returns the width of lines (m) that suits the size of the robots.
+    pub(super) fn line_width(&self) -> f64 {
+        let largest = self.robots.iter().map(|robot| robot.radius);
+        largest.reduce(f64::max).unwrap_or(0.1) * 0.3
     }
 }

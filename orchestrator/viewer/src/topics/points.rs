@@ -1,52 +1,75 @@
-//! Particles and range scans.
+//! Beliefs and range scans.
 
-use foxglove::messages::{
-    LaserScan, PackedElementField, PointCloud, packed_element_field::NumericType,
-};
 use ipc_types::consumer::{Consumer, LoggedMessage};
-use ipc_types::message::Message;
 use ipc_types::messages::perception::Particle;
 use ipc_types::messages::robot::ScanHeader;
 use ipc_types::topics::{Belief, Scan, TopicId};
 
 use super::channel::ViewerChannel;
 use super::picture::Picture;
-use super::primitives::{MAP_FRAME, pose, timestamp};
+use super::primitives::{cloud, header};
+use crate::ros::messages::{Header, LaserScan, PointCloud2};
 
-/// `/viewer/particles/ROBOT`: the belief about a robot.
-pub(super) struct ParticlesTopic(Vec<ViewerChannel<PointCloud>>);
+/// Fields of a particle in the cloud; `robot` is the index of the robot that the belief is about.
+const FIELDS: [&str; 6] = ["x", "y", "z", "theta", "weight", "robot"];
 
-impl ParticlesTopic {
+/// `/beliefs`: the particles of all beliefs of a tick.
+pub(super) struct BeliefsTopic {
+    channel: ViewerChannel<PointCloud2>,
+    /// Points of the beliefs of the current tick.
+    points: Vec<u8>,
+}
+
+impl BeliefsTopic {
     pub(super) fn new(picture: &mut Picture) -> Self {
-        Self(picture.add_channels("particles"))
+        Self {
+            channel: picture.add_channel("/beliefs"),
+            points: Vec::new(),
+        }
     }
 }
 
-impl Consumer<Picture> for ParticlesTopic {
+impl Consumer<Picture> for BeliefsTopic {
     fn topics(&self) -> &[TopicId] {
         &[TopicId::Belief]
     }
 
     fn message(&mut self, message: &LoggedMessage<'_>, picture: &mut Picture) {
-        let time_ns = message.time_ns;
-        if picture.is_drawing(time_ns)
+        if picture.is_drawing(message.time_ns)
             && let Some((header, particles)) = message.view::<Belief>()
-            && let Some(channel) = self.0.get(header.robot as usize)
         {
-            let length = particles.len() * size_of::<Particle>();
-            let start = message.bytes.len().saturating_sub(length);
-            let particles = message.bytes.get(start..).unwrap_or_default();
-            channel.write(&mut picture.ready, time_ns, &cloud(time_ns, particles));
+            for Particle {
+                x,
+                y,
+                theta,
+                weight,
+            } in particles
+            {
+                for value in [x, y, 0.0, theta, weight, header.robot as f32] {
+                    self.points.extend(value.to_le_bytes());
+                }
+            }
+        }
+    }
+
+    fn end_of_tick(&mut self, picture: &mut Picture) {
+        if !self.points.is_empty() {
+            let time_ns = picture.now_ns();
+            let points = core::mem::take(&mut self.points);
+            let cloud = cloud(time_ns, &FIELDS, points);
+            self.channel.write(&mut picture.ready, time_ns, &cloud);
+            self.points = cloud.data;
+            self.points.clear();
         }
     }
 }
 
-/// `/viewer/scan/ROBOT`.
+/// `/ROBOT/scan`.
 pub(super) struct ScansTopic(Vec<ViewerChannel<LaserScan>>);
 
 impl ScansTopic {
     pub(super) fn new(picture: &mut Picture) -> Self {
-        Self(picture.add_channels("scan"))
+        Self(picture.add_robot_channels("scan"))
     }
 }
 
@@ -68,45 +91,27 @@ impl Consumer<Picture> for ScansTopic {
     }
 }
 
-/// Returns a belief as a point cloud with the unchanged bytes of the particles; all fields can be used for
-/// colouring.
-fn cloud(time_ns: u64, particles: &[u8]) -> PointCloud {
-    const { assert!(size_of::<Particle>() == 16) };
-    let descriptor = Particle::DESCRIPTOR;
-    let fields = descriptor
-        .fields
-        .iter()
-        .map(|field| PackedElementField {
-            name: field.name.to_owned(),
-            offset: field.offset as u32,
-            r#type: NumericType::Float32 as i32,
-        })
-        .collect();
-    PointCloud {
-        timestamp: Some(timestamp(time_ns)),
-        frame_id: MAP_FRAME.to_owned(),
-        pose: Some(pose(0.0, 0.0, 0.0, 0.0)),
-        point_stride: descriptor.size as u32,
-        fields,
-        data: particles.to_vec().into(),
-    }
-}
-
 /// Returns a range scan in the frame of its robot.
 fn scan(
-    header: &ScanHeader,
+    of: &ScanHeader,
     time_ns: u64,
     robot: &str,
     ranges: impl ExactSizeIterator<Item = f32>,
 ) -> LaserScan {
     let beams = ranges.len().saturating_sub(1) as f64;
     LaserScan {
-        timestamp: Some(timestamp(time_ns)),
-        frame_id: robot.to_owned(),
-        pose: Some(pose(0.0, 0.0, 0.0, 0.0)),
-        start_angle: header.angle_min,
-        end_angle: header.angle_min + beams * header.angle_increment,
-        ranges: ranges.map(f64::from).collect(),
+        header: Header {
+            frame_id: robot.to_owned(),
+            ..header(time_ns)
+        },
+        angle_min: of.angle_min as f32,
+        angle_max: (of.angle_min + beams * of.angle_increment) as f32,
+        angle_increment: of.angle_increment as f32,
+        time_increment: 0.0,
+        scan_time: 0.0,
+        range_min: 0.0,
+        range_max: of.range_max as f32,
+        ranges: ranges.collect(),
         intensities: Vec::new(),
     }
 }

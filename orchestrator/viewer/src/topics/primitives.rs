@@ -1,20 +1,54 @@
 //! Primitives shared by several topics.
 
-use foxglove::messages::packed_element_field::NumericType;
-use foxglove::messages::{
-    PackedElementField, Pose, Quaternion, SceneEntity, SceneEntityDeletion, Timestamp, Vector3,
-    scene_entity_deletion,
-};
 use geometry::math::sincos;
 
-/// Frame of all entities.
+use crate::ros::messages::{
+    ColorRGBA, Duration, Header, Marker, MarkerArray, Point, PointCloud2, PointField, Pose,
+    Quaternion, Time, Transform, TransformStamped, Vector3,
+};
+
+/// Frame of all drawings.
 pub(super) const MAP_FRAME: &str = "map";
 
-/// Converts simulated time (ns) to the timestamp of viewers.
-pub(super) fn timestamp(time_ns: u64) -> Timestamp {
-    // A run of more than 136 years ends at the largest time.
-    let seconds = u32::try_from(time_ns / 1_000_000_000).unwrap_or(u32::MAX);
-    Timestamp::new(seconds, (time_ns % 1_000_000_000) as u32)
+/// Kinds of markers (`Marker::type`).
+pub(super) mod kind {
+    pub(crate) const ARROW: i32 = 0;
+    pub(crate) const CUBE: i32 = 1;
+    pub(crate) const CYLINDER: i32 = 3;
+    pub(crate) const LINE_STRIP: i32 = 4;
+    pub(crate) const LINE_LIST: i32 = 5;
+    pub(crate) const CUBE_LIST: i32 = 6;
+    pub(crate) const TEXT: i32 = 9;
+    pub(crate) const TRIANGLE_LIST: i32 = 11;
+}
+
+/// Value of `Marker::action` that removes all markers of the topic.
+const DELETE_ALL: i32 = 3;
+
+/// Value of `PointField::datatype` for `f32`.
+const FLOAT32: u8 = 7;
+
+/// Converts simulated time (ns) to the time of ROS.
+pub(super) fn time(time_ns: u64) -> Time {
+    Time {
+        // A run of more than 68 years ends at the largest time.
+        sec: i32::try_from(time_ns / 1_000_000_000).unwrap_or(i32::MAX),
+        nanosec: (time_ns % 1_000_000_000) as u32,
+    }
+}
+
+/// Converts a duration (s, not negative) to that of ROS.
+pub(super) fn duration(seconds: f64) -> Duration {
+    let Time { sec, nanosec } = time((seconds * 1e9) as u64);
+    Duration { sec, nanosec }
+}
+
+/// Returns a header in the map frame.
+pub(super) fn header(time_ns: u64) -> Header {
+    Header {
+        stamp: time(time_ns),
+        frame_id: MAP_FRAME.to_owned(),
+    }
 }
 
 /// Returns a rotation about the vertical axis (rad).
@@ -31,36 +65,85 @@ pub(super) fn yaw(theta: f64) -> Quaternion {
 /// Returns a pose in the plane at height `z` (m).
 pub(super) fn pose(x: f64, y: f64, z: f64, theta: f64) -> Pose {
     Pose {
-        position: Some(Vector3 { x, y, z }),
-        orientation: Some(yaw(theta)),
+        position: Point { x, y, z },
+        orientation: yaw(theta),
     }
 }
 
-/// Returns an empty entity in the map frame.
-pub(super) fn entity(id: String, time_ns: u64) -> SceneEntity {
-    SceneEntity {
-        timestamp: Some(timestamp(time_ns)),
-        frame_id: MAP_FRAME.to_owned(),
-        id,
-        ..SceneEntity::default()
+/// Creates a list of markers that replaces all earlier ones of the topic.
+pub(super) fn picture(time_ns: u64) -> MarkerArray {
+    MarkerArray {
+        markers: vec![Marker {
+            header: header(time_ns),
+            action: DELETE_ALL,
+            pose: pose(0.0, 0.0, 0.0, 0.0),
+            ..Marker::default()
+        }],
     }
 }
 
-/// Returns the deletion of an entity.
-pub(super) fn deletion(id: String, time_ns: u64) -> SceneEntityDeletion {
-    SceneEntityDeletion {
-        timestamp: Some(timestamp(time_ns)),
-        r#type: scene_entity_deletion::Type::MatchingId as i32,
-        id,
+/// Creates a marker at the origin; `name` and `id` identify it.
+pub(super) fn marker(name: &str, id: u32, kind: i32, color: ColorRGBA, time_ns: u64) -> Marker {
+    Marker {
+        header: header(time_ns),
+        ns: name.to_owned(),
+        id: id as i32,
+        r#type: kind,
+        pose: pose(0.0, 0.0, 0.0, 0.0),
+        scale: Vector3 {
+            x: 1.0,
+            y: 1.0,
+            z: 1.0,
+        },
+        color,
+        ..Marker::default()
     }
 }
 
-/// Returns the fields of packed elements, each with name and offset (bytes), all of one type.
-pub(super) fn packed_fields(kind: NumericType, fields: &[(&str, u32)]) -> Vec<PackedElementField> {
-    let field = |&(name, offset): &(&str, u32)| PackedElementField {
-        name: name.to_owned(),
-        offset,
-        r#type: kind as i32,
+/// Returns the scale of lines of this width (m).
+pub(super) fn width(width: f64) -> Vector3 {
+    Vector3 {
+        x: width,
+        y: 0.0,
+        z: 0.0,
+    }
+}
+
+/// Creates a cloud of points with fields of type `f32`, from the bytes of its points.
+pub(super) fn cloud(time_ns: u64, fields: &[&str], data: Vec<u8>) -> PointCloud2 {
+    let place = |(index, name): (usize, &&str)| PointField {
+        name: (*name).to_owned(),
+        offset: 4 * index as u32,
+        datatype: FLOAT32,
+        count: 1,
     };
-    fields.iter().map(field).collect()
+    let step = 4 * fields.len();
+    PointCloud2 {
+        header: header(time_ns),
+        height: 1,
+        width: (data.len() / step.max(1)) as u32,
+        fields: fields.iter().enumerate().map(place).collect(),
+        is_bigendian: false,
+        point_step: step as u32,
+        row_step: data.len() as u32,
+        data,
+        is_dense: true,
+    }
+}
+
+/// Returns a frame of the map.
+pub(super) fn transform(
+    child: &str,
+    [x, y]: [f64; 2],
+    theta: f64,
+    time_ns: u64,
+) -> TransformStamped {
+    TransformStamped {
+        header: header(time_ns),
+        child_frame_id: child.to_owned(),
+        transform: Transform {
+            translation: Vector3 { x, y, z: 0.0 },
+            rotation: yaw(theta),
+        },
+    }
 }

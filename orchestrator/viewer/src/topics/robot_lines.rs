@@ -1,62 +1,64 @@
 //! Planned paths and search trees of planners, as lines.
 
-use foxglove::messages::{Color, LinePrimitive, Point3, SceneEntity, SceneUpdate, line_primitive};
+use geometry::math::atan2;
 use ipc_types::consumer::{Consumer, LoggedMessage};
 use ipc_types::messages::robot::{PlanPoint, TreeEdge};
 use ipc_types::messages::world::RobotState;
 use ipc_types::topics::{Plan, TopicId, Tree};
-use recorder::RobotInfo;
 
 use super::channel::ViewerChannel;
 use super::palette;
 use super::picture::Picture;
-use super::primitives::{deletion, entity, pose};
+use super::primitives::{header, kind, marker, picture, pose, width};
 use super::repetition::Repetition;
+use crate::ros::messages::{MarkerArray, Path, Point, PoseStamped};
 
 /// Style of lines.
 #[derive(Debug)]
 struct Style {
-    /// First word of entity ids, before the robot's name.
-    what: &'static str,
-    kind: line_primitive::Type,
-    /// Width (pixels).
-    pixels: f64,
+    /// Namespace of the markers.
+    name: &'static str,
+    kind: i32,
+    /// Width as a part of the usual width of lines.
+    width: f64,
     /// Opacity, 0 to 1.
-    opacity: f64,
+    opacity: f32,
     /// Height (m): above map and obstacles; plans above trees.
     height: f64,
 }
 
 const PLAN: Style = Style {
-    what: "plan",
-    kind: line_primitive::Type::LineStrip,
-    pixels: 2.0,
+    name: "plan",
+    kind: kind::LINE_STRIP,
+    width: 1.0,
     opacity: 0.8,
     height: 0.07,
 };
 
 const TREE: Style = Style {
-    what: "tree",
-    kind: line_primitive::Type::LineList,
-    pixels: 1.0,
+    name: "tree",
+    kind: kind::LINE_LIST,
+    width: 0.5,
     opacity: 0.3,
     height: 0.06,
 };
 
-/// `/viewer/plan` or `/viewer/tree`: the newest plan or tree of every robot, drawn with its tick.
+/// `/plans` or `/trees`: the newest plan or tree of every robot, drawn with its tick; plans also as `/ROBOT/plan`.
 pub(super) struct LinesTopic {
     takes: [TopicId; 1],
-    channel: ViewerChannel<SceneUpdate>,
+    channel: ViewerChannel<MarkerArray>,
+    paths: Vec<ViewerChannel<Path>>,
     lines: RobotLines,
 }
 
 impl LinesTopic {
-    /// Creates the topic of planned paths.
+    /// Creates the topics of planned paths.
     pub(super) fn plans(picture: &mut Picture) -> Self {
         Self {
             takes: [TopicId::Plan],
-            channel: picture.add_channel("/viewer/plan"),
-            lines: RobotLines::plans(picture.robots.len()),
+            channel: picture.add_latched_channel("/plans"),
+            paths: picture.add_robot_channels("plan"),
+            lines: RobotLines::new(&PLAN, picture.robots.len()),
         }
     }
 
@@ -64,8 +66,9 @@ impl LinesTopic {
     pub(super) fn trees(picture: &mut Picture) -> Self {
         Self {
             takes: [TopicId::Tree],
-            channel: picture.add_channel("/viewer/tree"),
-            lines: RobotLines::trees(picture.robots.len()),
+            channel: picture.add_latched_channel("/trees"),
+            paths: Vec::new(),
+            lines: RobotLines::new(&TREE, picture.robots.len()),
         }
     }
 }
@@ -85,11 +88,15 @@ impl Consumer<Picture> for LinesTopic {
     }
 
     fn end_of_tick(&mut self, picture: &mut Picture) {
-        let time_ns = picture.now_ns();
-        let update = self.lines.draw(&picture.robots, &picture.states, time_ns);
-        if let Some(update) = update {
-            let bytes = self.channel.write(&mut picture.ready, time_ns, &update);
-            self.lines.drawn(time_ns, bytes);
+        let (time_ns, line) = (picture.now_ns(), picture.line_width());
+        let drawn = self.lines.draw(&picture.states, time_ns, line);
+        let Some((lines, paths)) = drawn else { return };
+        let bytes = self.channel.write(&mut picture.ready, time_ns, &lines);
+        self.lines.repetition.drawn(time_ns, bytes);
+        for (robot, path) in paths {
+            if let Some(channel) = self.paths.get(robot) {
+                channel.write(&mut picture.ready, time_ns, &path);
+            }
         }
     }
 }
@@ -104,7 +111,7 @@ struct RobotLines {
 
 #[derive(Debug, Clone, Default)]
 struct Lines {
-    points: Vec<Point3>,
+    points: Vec<Point>,
     /// `true` if the lines begin at the robot: paths without times do not contain its position.
     from_robot: bool,
     /// `true` if viewers show it.
@@ -114,16 +121,7 @@ struct Lines {
 }
 
 impl RobotLines {
-    /// Creates plans for this many robots.
-    fn plans(robots: usize) -> Self {
-        Self::new(&PLAN, robots)
-    }
-
-    /// Creates trees for this many robots.
-    fn trees(robots: usize) -> Self {
-        Self::new(&TREE, robots)
-    }
-
+    /// Creates the lines of this many robots.
     fn new(style: &'static Style, robots: usize) -> Self {
         Self {
             style,
@@ -152,67 +150,74 @@ impl RobotLines {
         let z = self.style.height;
         if let Some(lines) = self.lines.get_mut(robot) {
             lines.points.clear();
-            lines.points.extend(points.map(|[x, y]| Point3 { x, y, z }));
+            lines.points.extend(points.map(|[x, y]| Point { x, y, z }));
             lines.changed = true;
         }
     }
 
-    /// Returns the lines of all active robots, if any changed since the last picture or a repetition is due.
+    /// Returns the lines of all active robots, and by robot those that changed, as paths, if any changed since
+    /// the last picture or a repetition is due. `line` is the usual width of lines (m).
     fn draw(
         &mut self,
-        robots: &[RobotInfo],
         states: &[RobotState],
         time_ns: u64,
-    ) -> Option<SceneUpdate> {
+        line: f64,
+    ) -> Option<(MarkerArray, Vec<(usize, Path)>)> {
         let style = self.style;
         let repetition = self.repetition.is_due(time_ns);
-        let mut update = SceneUpdate::default();
-        let mut changed = false;
+        let mut all = picture(time_ns);
+        let mut paths = Vec::new();
+        let mut draws = false;
         for state in states {
             let robot = state.robot as usize;
-            let (Some(info), Some(lines)) = (robots.get(robot), self.lines.get_mut(robot)) else {
+            let Some(lines) = self.lines.get_mut(robot) else {
                 continue;
             };
             let wanted = state.status == 0 && !lines.points.is_empty();
-            let id = format!("{} {}", style.what, info.name);
+            let changed = lines.changed || wanted != lines.shown;
+            draws |= changed || (repetition && wanted);
+            lines.shown = wanted;
+            lines.changed = false;
+            let mut points = Vec::new();
             if wanted {
-                let start = Point3 {
+                let start = Point {
                     x: state.x,
                     y: state.y,
                     z: style.height,
                 };
-                let start = lines.from_robot.then_some(start);
-                update.entities.push(SceneEntity {
-                    lines: vec![LinePrimitive {
-                        r#type: style.kind as i32,
-                        pose: Some(pose(0.0, 0.0, 0.0, 0.0)),
-                        thickness: style.pixels,
-                        scale_invariant: true,
-                        points: start
-                            .into_iter()
-                            .chain(lines.points.iter().copied())
-                            .collect(),
-                        color: Some(Color {
-                            a: style.opacity,
-                            ..palette::team(state.team, true)
-                        }),
-                        ..LinePrimitive::default()
-                    }],
-                    ..entity(id, time_ns)
-                });
-            } else if lines.shown {
-                update.deletions.push(deletion(id, time_ns));
+                points.extend(lines.from_robot.then_some(start));
+                points.extend_from_slice(&lines.points);
             }
-            changed |= lines.changed || wanted != lines.shown || (repetition && wanted);
-            lines.shown = wanted;
-            lines.changed = false;
+            if changed {
+                paths.push((robot, path(&points, time_ns)));
+            }
+            if wanted {
+                let color = palette::team(state.team, style.opacity);
+                let mut marker = marker(style.name, state.robot, style.kind, color, time_ns);
+                marker.scale = width(line * style.width);
+                marker.points = points;
+                all.markers.push(marker);
+            }
         }
-        changed.then_some(update)
+        draws.then_some((all, paths))
     }
+}
 
-    /// Records a drawing of this size (bytes).
-    fn drawn(&mut self, time_ns: u64, bytes: usize) {
-        self.repetition.drawn(time_ns, bytes);
+/// Returns points as a path; the heading at a point is that towards the next one.
+fn path(points: &[Point], time_ns: u64) -> Path {
+    let mut theta = 0.0;
+    let poses = points.iter().enumerate().map(|(index, point)| {
+        if let Some(next) = points.get(index + 1) {
+            theta = atan2(next.y - point.y, next.x - point.x);
+        }
+        PoseStamped {
+            header: header(time_ns),
+            pose: pose(point.x, point.y, 0.0, theta),
+        }
+    });
+    Path {
+        poses: poses.collect(),
+        header: header(time_ns),
     }
 }
 
@@ -221,45 +226,32 @@ mod tests {
     use super::*;
 
     /// Checks that lines from `set` are drawn with `points` points, repeated, and removed with the robot.
-    fn drawn_until_out(
-        mut lines: RobotLines,
-        set: impl Fn(&mut RobotLines),
-        id: &str,
-        points: usize,
-    ) {
-        let robots = [RobotInfo {
-            name: "thief".to_owned(),
-            radius: 0.1,
-            visits_waypoints: false,
-            lap_limit_s: None,
-        }];
+    fn drawn_until_out(style: &'static Style, set: impl Fn(&mut RobotLines), points: usize) {
+        let mut lines = RobotLines::new(style, 1);
         let mut state = RobotState::default();
-        assert!(lines.draw(&robots, &[state], 0).is_none());
+        assert!(lines.draw(&[state], 0, 0.1).is_none());
         set(&mut lines);
-        let update = lines.draw(&robots, &[state], 1).unwrap();
-        assert_eq!(update.entities[0].id, id);
-        assert_eq!(update.entities[0].lines[0].points.len(), points);
-        lines.drawn(1, 100);
-        assert!(lines.draw(&robots, &[state], 2).is_none());
+        let (drawn, paths) = lines.draw(&[state], 1, 0.1).unwrap();
+        assert_eq!(drawn.markers[1].points.len(), points);
+        assert_eq!(paths[0].1.poses.len(), points);
+        lines.repetition.drawn(1, 100);
+        assert!(lines.draw(&[state], 2, 0.1).is_none());
         // Repeated later: viewers may have lost it.
-        let update = lines.draw(&robots, &[state], 2_000_000_001).unwrap();
-        assert_eq!(update.entities[0].lines[0].points.len(), points);
-        lines.drawn(2_000_000_001, 100);
+        let (drawn, paths) = lines.draw(&[state], 2_000_000_001, 0.1).unwrap();
+        assert_eq!(drawn.markers[1].points.len(), points);
+        assert!(paths.is_empty());
+        lines.repetition.drawn(2_000_000_001, 100);
         state.status = 1;
-        let update = lines.draw(&robots, &[state], 3_000_000_000).unwrap();
-        assert_eq!(update.deletions[0].id, id);
-        assert!(lines.draw(&robots, &[state], 9_000_000_000).is_none());
+        let (drawn, paths) = lines.draw(&[state], 3_000_000_000, 0.1).unwrap();
+        assert_eq!(drawn.markers.len(), 1, "removes the lines");
+        assert_eq!(paths[0].1.poses.len(), 0);
+        assert!(lines.draw(&[state], 9_000_000_000, 0.1).is_none());
     }
 
     #[test]
     fn a_tree_is_repeated_and_removed_with_its_robot() {
         let edges = || [TreeEdge::default(); 3].into_iter();
-        drawn_until_out(
-            RobotLines::trees(1),
-            |lines| lines.set_tree(0, edges()),
-            "tree thief",
-            6,
-        );
+        drawn_until_out(&TREE, |lines| lines.set_tree(0, edges()), 6);
     }
 
     #[test]
@@ -270,12 +262,20 @@ mod tests {
                 time_s,
                 ..PlanPoint::default()
             };
-            drawn_until_out(
-                RobotLines::plans(1),
-                |lines| lines.set_plan(0, [point; 3].into_iter()),
-                "plan thief",
-                points,
-            );
+            let plan = |lines: &mut RobotLines| lines.set_plan(0, [point; 3].into_iter());
+            drawn_until_out(&PLAN, plan, points);
+        }
+    }
+
+    #[test]
+    fn the_heading_of_a_path_is_that_of_its_segments() {
+        let points = [[0.0, 0.0], [0.0, 2.0], [-1.0, 2.0]].map(|[x, y]| Point { x, y, z: 0.1 });
+        let path = path(&points, 0);
+        let half = |p: &PoseStamped| 2.0 * p.pose.orientation.z.asin();
+        let headings: Vec<f64> = path.poses.iter().map(half).collect();
+        let right = core::f64::consts::FRAC_PI_2;
+        for (found, expected) in headings.iter().zip([right, 2.0 * right, 2.0 * right]) {
+            assert!((found - expected).abs() < 1e-12, "{headings:?}");
         }
     }
 }

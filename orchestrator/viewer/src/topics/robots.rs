@@ -1,198 +1,181 @@
-//! Robots: discs with heading arrows and names, trails and frames.
+//! Robots: discs with heading arrows and names, trails, frames and odometry.
 
-use foxglove::messages::{
-    ArrowPrimitive, Color, CylinderPrimitive, Duration, FrameTransform, FrameTransforms,
-    KeyValuePair, LinePrimitive, Point3, PosesInFrame, SceneEntity, SceneUpdate, TextPrimitive,
-    Vector3, line_primitive,
-};
 use ipc_types::consumer::{Consumer, LoggedMessage};
 use ipc_types::messages::world::RobotState;
-use ipc_types::topics::{TopicId, WorldMap};
+use ipc_types::topics::TopicId;
 use recorder::{RobotInfo, status_name};
 
 use super::channel::ViewerChannel;
+use super::palette;
 use super::picture::Picture;
-use super::primitives::{MAP_FRAME, entity, pose, timestamp, yaw};
-use super::{grid, palette};
-
-/// Frame in the middle of the map, as target of cameras; robot names cannot contain `/`.
-const CENTRE_FRAME: &str = "map/centre";
+use super::primitives::{duration, header, kind, marker, picture, pose, time, transform, width};
+use crate::ros::messages::{
+    Clock, ColorRGBA, Marker, MarkerArray, Odometry, Point, PoseWithCovariance, TFMessage, Twist,
+    TwistWithCovariance, Vector3,
+};
 
 /// Status code of an active robot.
 const ACTIVE: u8 = 0;
 
+/// Opacity of a robot that is out of the game.
+const OUT: f32 = 0.35;
+
+/// Opacity of trails.
+const TRAIL: f32 = 0.6;
+
 /// Height of names (m): above obstacles.
 const NAME_HEIGHT: f64 = 0.5;
 
-/// Distance of a name from the edge of its robot (m).
-const NAME_GAP: f64 = 0.45;
+/// Size of names, and their distance from the robot's edge, as multiples of its radius.
+const NAME: (f64, f64) = (3.0, 4.0);
 
-/// Font size of names (pixels).
-const FONT_PIXELS: f64 = 14.0;
-
-/// Width of trails (pixels).
-const TRAIL_PIXELS: f64 = 2.0;
-
-/// `/viewer/scene`, `/viewer/tf` and `/viewer/poses`.
+/// `/robots`, `/trails`, `/tf`, `/clock`, and `/ROBOT/odom` for every robot.
 pub(super) struct RobotsTopic {
-    scene: ViewerChannel<SceneUpdate>,
-    transforms: ViewerChannel<FrameTransforms>,
-    poses: ViewerChannel<PosesInFrame>,
+    robots: ViewerChannel<MarkerArray>,
+    trails: ViewerChannel<MarkerArray>,
+    frames: ViewerChannel<TFMessage>,
+    clock: ViewerChannel<Clock>,
+    odometry: Vec<ViewerChannel<Odometry>>,
     trail: Trail,
     trail_s: f64,
-    /// Middle of the map (m).
-    centre: Option<[f64; 2]>,
 }
 
 impl RobotsTopic {
     /// Creates the topics; `trail_s` is the duration of trails (simulated s).
     pub(super) fn new(trail_s: f64, picture: &mut Picture) -> Self {
         Self {
-            scene: picture.add_channel("/viewer/scene"),
-            transforms: picture.add_channel("/viewer/tf"),
-            poses: picture.add_channel("/viewer/poses"),
+            robots: picture.add_channel("/robots"),
+            trails: picture.add_channel("/trails"),
+            frames: picture.add_channel("/tf"),
+            clock: picture.add_channel("/clock"),
+            odometry: picture.add_robot_channels("odom"),
             trail: Trail::default(),
             trail_s: if trail_s.is_finite() {
                 trail_s.max(0.0)
             } else {
                 0.0
             },
-            centre: None,
         }
     }
 }
 
 impl Consumer<Picture> for RobotsTopic {
     fn topics(&self) -> &[TopicId] {
-        &[TopicId::WorldMap]
+        &[]
     }
 
-    fn message(&mut self, message: &LoggedMessage<'_>, _: &mut Picture) {
-        if let Some((header, cells)) = message.view::<WorldMap>()
-            && grid::fits(header.width, header.height, cells.len())
-        {
-            let middle =
-                |origin: f64, cells: u32| origin + 0.5 * f64::from(cells) * header.resolution;
-            self.centre = Some([
-                middle(header.origin_x, header.width),
-                middle(header.origin_y, header.height),
-            ]);
-        }
-    }
+    fn message(&mut self, _: &LoggedMessage<'_>, _: &mut Picture) {}
 
     fn end_of_tick(&mut self, picture: &mut Picture) {
-        let (time_ns, robots, states) = (picture.now_ns(), &picture.robots, &picture.states);
-        let update = draw(robots, states, time_ns, &mut self.trail, self.trail_s);
-        let transforms = transforms(robots, states, self.centre, time_ns);
-        let poses = poses(states, time_ns);
-        self.scene.write(&mut picture.ready, time_ns, &update);
-        self.transforms
-            .write(&mut picture.ready, time_ns, &transforms);
-        self.poses.write(&mut picture.ready, time_ns, &poses);
+        let (time_ns, line) = (picture.now_ns(), picture.line_width());
+        let (robots, states, ready) = (&picture.robots, &picture.states, &mut picture.ready);
+        let clock = Clock {
+            clock: time(time_ns),
+        };
+        self.clock.write(ready, time_ns, &clock);
+        self.robots
+            .write(ready, time_ns, &draw(robots, states, time_ns));
+        self.frames
+            .write(ready, time_ns, &frames(robots, states, time_ns));
+        if self.trail_s > 0.0 {
+            let trails = self
+                .trail
+                .extend(robots.len(), states, time_ns, self.trail_s, line);
+            if !trails.markers.is_empty() {
+                self.trails.write(ready, time_ns, &trails);
+            }
+        }
+        for state in states.iter().filter(|state| state.present != 0) {
+            let robot = state.robot as usize;
+            if let (Some(info), Some(channel)) = (robots.get(robot), self.odometry.get(robot)) {
+                channel.write(ready, time_ns, &odometry(info, state, time_ns));
+            }
+        }
     }
+}
+
+/// Draws the robots of a state.
+fn draw(robots: &[RobotInfo], states: &[RobotState], time_ns: u64) -> MarkerArray {
+    let mut all = picture(time_ns);
+    for state in states {
+        if let Some(info) = robots.get(state.robot as usize) {
+            all.markers.extend(robot(info, state, time_ns));
+        }
+    }
+    all
+}
+
+/// Returns body, heading and name of a robot.
+fn robot(info: &RobotInfo, state: &RobotState, time_ns: u64) -> [Marker; 3] {
+    let active = state.status == ACTIVE;
+    let (diameter, height) = (2.0 * info.radius, info.radius);
+    let text = if active {
+        info.name.clone()
+    } else {
+        let status = status_name(state.status).replace('_', " ");
+        format!("{} ({status})", info.name)
+    };
+    let alpha = if active { 1.0 } else { OUT };
+    let ink = ColorRGBA {
+        a: alpha,
+        ..palette::INK
+    };
+    let new =
+        |name: &str, kind: i32, color: ColorRGBA| marker(name, state.robot, kind, color, time_ns);
+    let at = |z| pose(state.x, state.y, z, state.theta);
+    let above = state.y + NAME.1 * info.radius;
+    [
+        Marker {
+            pose: at(height / 2.0),
+            scale: Vector3 {
+                x: diameter,
+                y: diameter,
+                z: height,
+            },
+            ..new("body", kind::CYLINDER, palette::team(state.team, alpha))
+        },
+        Marker {
+            pose: at(1.2 * height),
+            scale: Vector3 {
+                x: 1.2 * diameter,
+                y: 0.3 * diameter,
+                z: 0.3 * diameter,
+            },
+            ..new("heading", kind::ARROW, ink)
+        },
+        Marker {
+            pose: pose(state.x, above, NAME_HEIGHT, 0.0),
+            scale: Vector3 {
+                x: 0.0,
+                y: 0.0,
+                z: NAME.0 * info.radius,
+            },
+            text,
+            ..new("name", kind::TEXT, palette::INK)
+        },
+    ]
 }
 
 /// Positions of the robots in the last picture.
 #[derive(Debug, Default)]
 struct Trail {
     last: Vec<Option<(f64, f64)>>,
-    pictures: u64,
-}
-
-/// Draws the robots of a state and the next segment of their trails.
-fn draw(
-    robots: &[RobotInfo],
-    states: &[RobotState],
-    time_ns: u64,
-    trail: &mut Trail,
-    trail_s: f64,
-) -> SceneUpdate {
-    let mut entities = Vec::with_capacity(states.len() + 1);
-    for state in states {
-        if let Some(info) = robots.get(state.robot as usize) {
-            entities.push(robot(info, state, time_ns));
-        }
-    }
-    if trail_s > 0.0 {
-        entities.extend(trail.extend(robots.len(), states, time_ns, trail_s));
-    }
-    SceneUpdate {
-        deletions: Vec::new(),
-        entities,
-    }
-}
-
-fn robot(info: &RobotInfo, state: &RobotState, time_ns: u64) -> SceneEntity {
-    let active = state.status == ACTIVE;
-    let color = palette::team(state.team, active);
-    let diameter = 2.0 * info.radius;
-    let height = info.radius;
-    let text = if active {
-        info.name.clone()
-    } else {
-        format!(
-            "{} ({})",
-            info.name,
-            status_name(state.status).replace('_', " ")
-        )
-    };
-    let at = |z| Some(pose(state.x, state.y, z, state.theta));
-    SceneEntity {
-        metadata: vec![KeyValuePair {
-            key: "status".to_owned(),
-            value: status_name(state.status).to_owned(),
-        }],
-        cylinders: vec![CylinderPrimitive {
-            pose: at(height / 2.0),
-            size: Some(Vector3 {
-                x: diameter,
-                y: diameter,
-                z: height,
-            }),
-            bottom_scale: 1.0,
-            top_scale: 1.0,
-            color: Some(color),
-        }],
-        arrows: vec![ArrowPrimitive {
-            pose: at(1.2 * height),
-            shaft_length: 0.8 * diameter,
-            shaft_diameter: 0.2 * diameter,
-            head_length: 0.4 * diameter,
-            head_diameter: 0.45 * diameter,
-            color: Some(Color {
-                a: color.a,
-                ..palette::INK
-            }),
-        }],
-        texts: vec![TextPrimitive {
-            pose: Some(pose(
-                state.x,
-                state.y + info.radius + NAME_GAP,
-                NAME_HEIGHT,
-                0.0,
-            )),
-            billboard: true,
-            font_size: FONT_PIXELS,
-            scale_invariant: true,
-            color: Some(palette::INK),
-            text,
-        }],
-        ..entity(info.name.clone(), time_ns)
-    }
+    pictures: u32,
 }
 
 impl Trail {
-    /// Returns the paths of all robots since the last picture, as one entity with a lifetime.
+    /// Returns the paths of all robots since the last picture, with a lifetime; `line` is their width (m).
     fn extend(
         &mut self,
         robots: usize,
         states: &[RobotState],
         time_ns: u64,
         trail_s: f64,
-    ) -> Option<SceneEntity> {
+        line: f64,
+    ) -> MarkerArray {
         self.last.resize(robots, None);
-        // One list of lines per colour.
-        let mut lines: Vec<(u8, Vec<Point3>)> = Vec::new();
+        let mut trails = MarkerArray::default();
+        self.pictures = self.pictures.wrapping_add(1);
         for state in states {
             let Some(last) = self.last.get_mut(state.robot as usize) else {
                 continue;
@@ -201,71 +184,61 @@ impl Trail {
             let Some(from) = from.filter(|&from| from != (state.x, state.y)) else {
                 continue;
             };
-            let piece = [from, (state.x, state.y)].map(|(x, y)| Point3 { x, y, z: 0.01 });
-            match lines.iter_mut().find(|(team, _)| *team == state.team) {
-                Some((_, points)) => points.extend(piece),
-                None => lines.push((state.team, piece.to_vec())),
-            }
+            let piece = [from, (state.x, state.y)].map(|(x, y)| Point { x, y, z: 0.01 });
+            let name = format!("team {}", state.team);
+            let trail = match trails.markers.iter_mut().find(|trail| trail.ns == name) {
+                Some(trail) => trail,
+                None => {
+                    let color = palette::team(state.team, TRAIL);
+                    let mut trail = marker(&name, self.pictures, kind::LINE_LIST, color, time_ns);
+                    trail.lifetime = duration(trail_s);
+                    trail.scale = width(line);
+                    trails.markers.push_mut(trail)
+                }
+            };
+            trail.points.extend(piece);
         }
-        if lines.is_empty() {
-            return None;
-        }
-        self.pictures += 1;
-        let lines = lines
-            .into_iter()
-            .map(|(team, points)| LinePrimitive {
-                r#type: line_primitive::Type::LineList as i32,
-                pose: Some(pose(0.0, 0.0, 0.0, 0.0)),
-                thickness: TRAIL_PIXELS,
-                scale_invariant: true,
-                points,
-                color: Some(Color {
-                    a: 0.6,
-                    ..palette::team(team, true)
-                }),
-                ..LinePrimitive::default()
-            })
-            .collect();
-        Some(SceneEntity {
-            lifetime: Some(Duration::saturating_from_secs_f64(trail_s)),
-            lines,
-            ..entity(format!("trail {}", self.pictures), time_ns)
-        })
+        trails
     }
 }
 
-/// Returns the poses of the robots, for viewers that do not draw scenes.
-fn poses(states: &[RobotState], time_ns: u64) -> PosesInFrame {
-    let present = states.iter().filter(|state| state.present != 0);
-    PosesInFrame {
-        timestamp: Some(timestamp(time_ns)),
-        frame_id: MAP_FRAME.to_owned(),
-        poses: present
-            .map(|state| pose(state.x, state.y, 0.0, state.theta))
-            .collect(),
+/// Returns pose and velocity of a robot.
+fn odometry(info: &RobotInfo, state: &RobotState, time_ns: u64) -> Odometry {
+    Odometry {
+        header: header(time_ns),
+        child_frame_id: info.name.clone(),
+        pose: PoseWithCovariance {
+            pose: pose(state.x, state.y, 0.0, state.theta),
+            covariance: [[0.0; 6]; 6],
+        },
+        twist: TwistWithCovariance {
+            twist: Twist {
+                linear: Vector3 {
+                    x: state.v,
+                    ..Vector3::default()
+                },
+                angular: Vector3 {
+                    z: state.omega,
+                    ..Vector3::default()
+                },
+            },
+            covariance: [[0.0; 6]; 6],
+        },
     }
 }
 
-/// Returns a frame per robot and one in the middle of the map.
-fn transforms(
-    robots: &[RobotInfo],
-    states: &[RobotState],
-    centre: Option<[f64; 2]>,
-    time_ns: u64,
-) -> FrameTransforms {
-    let frame = |name: &str, [x, y]: [f64; 2], theta: f64| FrameTransform {
-        timestamp: Some(timestamp(time_ns)),
-        parent_frame_id: MAP_FRAME.to_owned(),
-        child_frame_id: name.to_owned(),
-        translation: Some(Vector3 { x, y, z: 0.0 }),
-        rotation: Some(yaw(theta)),
-    };
-    let of_robots = states.iter().filter_map(|state| {
+/// Returns a frame per robot.
+fn frames(robots: &[RobotInfo], states: &[RobotState], time_ns: u64) -> TFMessage {
+    let frame = |state: &RobotState| {
         let info = robots.get(state.robot as usize)?;
-        Some(frame(&info.name, [state.x, state.y], state.theta))
-    });
-    let of_map = centre.map(|centre| frame(CENTRE_FRAME, centre, 0.0));
-    FrameTransforms {
-        transforms: of_robots.chain(of_map).collect(),
+        Some(transform(
+            &info.name,
+            [state.x, state.y],
+            state.theta,
+            time_ns,
+        ))
+    };
+    TFMessage {
+        transforms: states.iter().filter_map(frame).collect(),
     }
 }

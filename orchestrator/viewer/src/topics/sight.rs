@@ -1,6 +1,5 @@
 //! Lines of sight between robots.
 
-use foxglove::messages::{Color, LinePrimitive, Point3, SceneEntity, SceneUpdate, line_primitive};
 use ipc_types::consumer::{Consumer, LoggedMessage};
 use ipc_types::messages::perception::Sighting;
 use ipc_types::messages::world::RobotState;
@@ -9,27 +8,24 @@ use ipc_types::topics::{Sightings, TopicId};
 use super::channel::ViewerChannel;
 use super::palette;
 use super::picture::Picture;
-use super::primitives::{deletion, entity, pose};
+use super::primitives::{kind, marker, picture, width};
+use crate::ros::messages::{ColorRGBA, MarkerArray, Point};
 
-/// Id of the entity.
-const ID: &str = "sight";
-/// Width of a line (pixels).
-const PIXELS: f64 = 1.5;
 /// Height of the lines (m): above plans.
 const HEIGHT: f64 = 0.08;
 /// Opacity of the weakest sighting.
-const FAINT: f64 = 0.2;
+const FAINT: f32 = 0.2;
 
-/// `/viewer/sight`.
+/// `/sight`.
 pub(super) struct SightTopic {
-    channel: ViewerChannel<SceneUpdate>,
+    channel: ViewerChannel<MarkerArray>,
     sight: Sight,
 }
 
 impl SightTopic {
     pub(super) fn new(picture: &mut Picture) -> Self {
         Self {
-            channel: picture.add_channel("/viewer/sight"),
+            channel: picture.add_channel("/sight"),
             sight: Sight::default(),
         }
     }
@@ -48,8 +44,9 @@ impl Consumer<Picture> for SightTopic {
 
     fn end_of_tick(&mut self, picture: &mut Picture) {
         let time_ns = picture.now_ns();
-        if let Some(update) = self.sight.draw(&picture.states, time_ns) {
-            self.channel.write(&mut picture.ready, time_ns, &update);
+        let line = picture.line_width() / 2.0;
+        if let Some(lines) = self.sight.draw(&picture.states, time_ns, line) {
+            self.channel.write(&mut picture.ready, time_ns, &lines);
         }
     }
 }
@@ -69,48 +66,36 @@ impl Sight {
     }
 
     /// Returns a line from every seen robot to the robot that sees it best, with opacity by quality; `None`
-    /// if there are no lines to draw or remove.
-    fn draw(&mut self, states: &[RobotState], time_ns: u64) -> Option<SceneUpdate> {
+    /// if there are no lines to draw or remove. `line` is the width of a line (m).
+    fn draw(&mut self, states: &[RobotState], time_ns: u64, line: f64) -> Option<MarkerArray> {
         let place = |robot: u32| {
             let state = states.iter().find(|state| state.robot == robot)?;
-            Some(Point3 {
+            Some(Point {
                 x: state.x,
                 y: state.y,
                 z: HEIGHT,
             })
         };
-        let (mut points, mut colors) = (Vec::new(), Vec::new());
+        let mut lines = marker("sight", 0, kind::LINE_LIST, palette::SIGHT, time_ns);
+        lines.scale = width(line);
         for sighting in &self.sightings {
             if let (Some(from), Some(to)) = (place(sighting.observer), place(sighting.robot)) {
-                let visibility = sighting.visibility.clamp(0.0, 1.0);
-                let color = Color {
+                let visibility = sighting.visibility.clamp(0.0, 1.0) as f32;
+                let color = ColorRGBA {
                     a: FAINT + (1.0 - FAINT) * visibility,
                     ..palette::SIGHT
                 };
-                points.extend([from, to]);
-                colors.extend([color, color]);
+                lines.points.extend([from, to]);
+                lines.colors.extend([color.clone(), color]);
             }
         }
-        let mut update = SceneUpdate::default();
-        let (shown, shows) = (self.shown, !points.is_empty());
+        let shows = !lines.points.is_empty();
+        let shown = core::mem::replace(&mut self.shown, shows);
+        let mut sight = picture(time_ns);
         if shows {
-            update.entities.push(SceneEntity {
-                lines: vec![LinePrimitive {
-                    r#type: line_primitive::Type::LineList as i32,
-                    pose: Some(pose(0.0, 0.0, 0.0, 0.0)),
-                    thickness: PIXELS,
-                    scale_invariant: true,
-                    points,
-                    colors,
-                    ..LinePrimitive::default()
-                }],
-                ..entity(ID.to_owned(), time_ns)
-            });
-        } else {
-            update.deletions.push(deletion(ID.to_owned(), time_ns));
+            sight.markers.push(lines);
         }
-        self.shown = shows;
-        (shows || shown).then_some(update)
+        (shows || shown).then_some(sight)
     }
 }
 
@@ -126,7 +111,7 @@ mod tests {
             ..RobotState::default()
         });
         let mut sight = Sight::default();
-        assert!(sight.draw(&states, 0).is_none(), "no sightings");
+        assert!(sight.draw(&states, 0, 0.1).is_none(), "no sightings");
         let seen = Sighting {
             robot: 1,
             observer: 0,
@@ -139,15 +124,16 @@ mod tests {
             ..seen
         };
         sight.set([seen, unobserved].into_iter());
-        let update = sight.draw(&states, 1).unwrap();
-        let line = &update.entities[0].lines[0];
+        let drawn = sight.draw(&states, 1, 0.1).unwrap();
+        let line = &drawn.markers[1];
         assert_eq!(
             line.points.iter().map(|p| p.x).collect::<Vec<_>>(),
             [1.0, 5.0]
         );
-        assert!((line.colors[0].a - 0.6).abs() < 1e-12);
+        assert!((line.colors[0].a - 0.6).abs() < 1e-6);
         sight.set([Sighting { seen: 0, ..seen }].into_iter());
-        assert_eq!(sight.draw(&states, 2).unwrap().deletions[0].id, ID);
-        assert!(sight.draw(&states, 3).is_none());
+        let drawn = sight.draw(&states, 2, 0.1).unwrap();
+        assert_eq!(drawn.markers.len(), 1, "removes the line");
+        assert!(sight.draw(&states, 3, 0.1).is_none());
     }
 }

@@ -3,9 +3,6 @@
 //! The recorder computes them from the map and the poses of the robots; processes do not send them, so that
 //! the run does not depend on them.
 
-use foxglove::messages::{
-    Color, LinePrimitive, Point3, SceneEntity, SceneUpdate, TriangleListPrimitive, line_primitive,
-};
 use geometry::grid::{Grid, GridFrame};
 use geometry::pose::Pose2;
 use geometry::visibility::polygon::{Viewpoint, Walls};
@@ -17,29 +14,28 @@ use sim_backend::team::Team;
 
 use super::channel::ViewerChannel;
 use super::picture::Picture;
-use super::primitives::{deletion, entity, pose};
+use super::primitives::{kind, marker, picture, width};
 use super::{grid, palette};
 use crate::field_of_view::{FieldOfView, ViewOrigin};
+use crate::ros::messages::{Marker, MarkerArray, Point};
 
 /// Minimum time between two pictures (simulated ns): polygons are large, and robots slow.
 const PERIOD_NS: u64 = 200_000_000;
 /// Height of the polygons (m): above the map and trails, below obstacles.
 const HEIGHT: f64 = 0.02;
-/// Width of the border (pixels).
-const PIXELS: f64 = 1.0;
 /// Resolution of corners (1/m): a power of two, so that most bits of a coordinate are 0 and compress well.
 const PARTS_OF_A_METRE: f64 = 1024.0;
 
-/// `/viewer/visibility`.
+/// `/fields_of_view`.
 pub(super) struct VisibilityTopic {
-    channel: ViewerChannel<SceneUpdate>,
+    channel: ViewerChannel<MarkerArray>,
     visibility: Visibility,
 }
 
 impl VisibilityTopic {
     pub(super) fn new(fields_of_view: &[FieldOfView], picture: &mut Picture) -> Self {
         Self {
-            channel: picture.add_channel("/viewer/visibility"),
+            channel: picture.add_channel("/fields_of_view"),
             visibility: Visibility::new(fields_of_view.to_vec()),
         }
     }
@@ -59,9 +55,12 @@ impl Consumer<Picture> for VisibilityTopic {
     }
 
     fn end_of_tick(&mut self, picture: &mut Picture) {
-        let (time_ns, states) = (picture.now_ns(), &picture.states);
-        if let Some(update) = self.visibility.draw(states, time_ns, picture.wanted) {
-            self.channel.write(&mut picture.ready, time_ns, &update);
+        let (time_ns, line) = (picture.now_ns(), picture.line_width() / 2.0);
+        let areas = self
+            .visibility
+            .draw(&picture.states, time_ns, picture.wanted, line);
+        if let Some(areas) = areas {
+            self.channel.write(&mut picture.ready, time_ns, &areas);
         }
     }
 }
@@ -72,24 +71,20 @@ struct Visibility {
     fields: Vec<DrawnField>,
     walls: Option<Walls>,
     due_ns: u64,
+    /// `true` if viewers show a polygon.
+    shown: bool,
 }
 
 #[derive(Debug)]
 struct DrawnField {
     field: FieldOfView,
-    /// `true` if viewers show its polygon.
-    shown: bool,
     /// Last viewpoint and visible area, reused for fixed points and waiting robots.
     last: Option<(Viewpoint, Vec<Point2<f64>>)>,
 }
 
 impl DrawnField {
     fn new(field: FieldOfView) -> Self {
-        Self {
-            field,
-            shown: false,
-            last: None,
-        }
+        Self { field, last: None }
     }
 
     /// Returns the border of the visible area of a pose.
@@ -111,6 +106,7 @@ impl Visibility {
             fields: fields.into_iter().map(DrawnField::new).collect(),
             walls: None,
             due_ns: 0,
+            shown: false,
         }
     }
 
@@ -135,8 +131,14 @@ impl Visibility {
     }
 
     /// Draws the visible areas if a picture is due or `wanted`; returns `None` if there are no polygons to
-    /// show or remove.
-    fn draw(&mut self, states: &[RobotState], time_ns: u64, wanted: bool) -> Option<SceneUpdate> {
+    /// show or remove. `line` is the width of borders (m).
+    fn draw(
+        &mut self,
+        states: &[RobotState],
+        time_ns: u64,
+        wanted: bool,
+        line: f64,
+    ) -> Option<MarkerArray> {
         let walls = self.walls.as_ref()?;
         if time_ns < self.due_ns && !wanted {
             return None;
@@ -144,26 +146,35 @@ impl Visibility {
         if time_ns >= self.due_ns {
             self.due_ns = (time_ns / PERIOD_NS + 1).saturating_mul(PERIOD_NS);
         }
-        let mut update = SceneUpdate::default();
-        for drawn in &mut self.fields {
+        let mut areas = picture(time_ns);
+        for (id, drawn) in (0..).zip(&mut self.fields) {
+            let Some((at, team)) = apex(&drawn.field, states) else {
+                continue;
+            };
             let all_round = drawn.field.limits().is_all_round();
-            let seen = apex(&drawn.field, states).and_then(|(at, team)| {
-                let seen = drawn.seen(at, walls);
-                (seen.len() > 1).then(|| polygon(at.position(), seen, all_round, team))
-            });
-            let name = &drawn.field.name;
-            if let Some((triangles, lines)) = seen {
-                update.entities.push(SceneEntity {
-                    triangles: vec![triangles],
-                    lines: vec![lines],
-                    ..entity(name.clone(), time_ns)
-                });
-                drawn.shown = true;
-            } else if core::mem::take(&mut drawn.shown) {
-                update.deletions.push(deletion(name.clone(), time_ns));
+            let (inside, border) = outline(at.position(), drawn.seen(at, walls), all_round);
+            if inside.is_empty() {
+                continue;
             }
+            let name = &drawn.field.name;
+            let new = |kind: i32, opacity: f32| {
+                marker(name, id, kind, palette::team(team, opacity), time_ns)
+            };
+            let (fill, edge) = palette::SEEN;
+            areas.markers.push(Marker {
+                points: inside,
+                ..new(kind::TRIANGLE_LIST, fill)
+            });
+            areas.markers.push(Marker {
+                ns: format!("{name}, border"),
+                scale: width(line),
+                points: border,
+                ..new(kind::LINE_STRIP, edge)
+            });
         }
-        (!update.entities.is_empty() || !update.deletions.is_empty()).then_some(update)
+        let shows = areas.markers.len() > 1;
+        let shown = core::mem::replace(&mut self.shown, shows);
+        (shows || shown).then_some(areas)
     }
 }
 
@@ -180,56 +191,30 @@ fn apex(field: &FieldOfView, states: &[RobotState]) -> Option<(Pose2, u8)> {
     }
 }
 
-/// Returns the area as a fan of triangles around the apex, and its border.
-fn polygon(
-    apex: Point2<f64>,
-    seen: &[Point2<f64>],
-    all_round: bool,
-    team: u8,
-) -> (TriangleListPrimitive, LinePrimitive) {
+/// Returns the area as a fan of triangles around the apex, three points each, and its closed border; both are
+/// empty if fewer than two points are seen.
+fn outline(apex: Point2<f64>, seen: &[Point2<f64>], all_round: bool) -> (Vec<Point>, Vec<Point>) {
+    if seen.len() < 2 {
+        return (Vec::new(), Vec::new());
+    }
     let round = |value: f64| (value * PARTS_OF_A_METRE).round() / PARTS_OF_A_METRE;
-    let point = |p: &Point2<f64>| Point3 {
+    let point = |p: &Point2<f64>| Point {
         x: round(p.x),
         y: round(p.y),
         z: HEIGHT,
     };
-    // Border first, then the apex: the border is written twice with the same bytes, which compress well.
-    let mut points: Vec<Point3> = seen.iter().map(point).collect();
-    let apex_at = points.len() as u32;
-    points.push(point(&apex));
-    let mut border = points.clone();
-    if all_round {
-        border.pop();
+    let apex = point(&apex);
+    let mut border: Vec<Point> = seen.iter().map(point).collect();
+    if !all_round {
+        border.push(apex.clone());
     }
-    let last = if all_round { apex_at } else { apex_at - 1 };
-    let indices = (0..last)
-        .flat_map(|corner| [apex_at, corner, (corner + 1) % apex_at])
+    border.extend(border.first().cloned());
+    // Triangles at the apex itself have no area.
+    let sides = border.windows(2).filter(|ends| !ends.contains(&apex));
+    let inside = sides
+        .flat_map(|ends| [apex.clone(), ends[0].clone(), ends[1].clone()])
         .collect();
-    let color = |opacity| {
-        Some(Color {
-            a: opacity,
-            ..palette::team(team, true)
-        })
-    };
-    let (inside, outline) = palette::SEEN;
-    let at = Some(pose(0.0, 0.0, 0.0, 0.0));
-    let triangles = TriangleListPrimitive {
-        pose: at,
-        points,
-        color: color(inside),
-        indices,
-        ..TriangleListPrimitive::default()
-    };
-    let lines = LinePrimitive {
-        r#type: line_primitive::Type::LineLoop as i32,
-        pose: at,
-        thickness: PIXELS,
-        scale_invariant: true,
-        points: border,
-        color: color(outline),
-        ..LinePrimitive::default()
-    };
-    (triangles, lines)
+    (inside, border)
 }
 
 #[cfg(test)]
@@ -260,10 +245,9 @@ mod tests {
         }
     }
 
-    fn area(triangles: &TriangleListPrimitive) -> f64 {
-        let corner = |index: &u32| &triangles.points[*index as usize];
-        let area = triangles.indices.chunks_exact(3).map(|three| {
-            let [a, b, c] = [corner(&three[0]), corner(&three[1]), corner(&three[2])];
+    fn area(triangles: &[Point]) -> f64 {
+        let area = triangles.chunks_exact(3).map(|three| {
+            let [a, b, c] = [&three[0], &three[1], &three[2]];
             0.5 * ((b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x))
         });
         area.sum()
@@ -280,20 +264,27 @@ mod tests {
             present: 1,
             ..RobotState::default()
         };
-        assert!(visibility.draw(&[state], 0, true).is_none(), "no map yet");
+        assert!(
+            visibility.draw(&[state], 0, true, 0.1).is_none(),
+            "no map yet"
+        );
         visibility.map(&header, cells.iter().copied());
-        let update = visibility.draw(&[state], 0, false).unwrap();
-        let triangles = &update.entities[0].triangles[0];
+        let update = visibility.draw(&[state], 0, false, 0.1).unwrap();
+        let triangles = &update.markers[1].points;
         assert!((area(triangles) - 4.0).abs() < 0.01, "{triangles:?}");
-        // The corners, and the first one again.
-        assert_eq!(update.entities[0].lines[0].points.len(), 5);
+        // Four corners and the place where the sweep begins, twice.
+        assert_eq!(update.markers[2].points.len(), 6);
         // Only when due, or at an event.
-        assert!(visibility.draw(&[state], 1, false).is_none());
-        assert!(visibility.draw(&[state], 2, true).is_some());
+        assert!(visibility.draw(&[state], 1, false, 0.1).is_none());
+        assert!(visibility.draw(&[state], 2, true, 0.1).is_some());
         state.status = 1;
-        let update = visibility.draw(&[state], PERIOD_NS, false).unwrap();
-        assert_eq!(update.deletions[0].id, "field");
-        assert!(visibility.draw(&[state], 2 * PERIOD_NS, false).is_none());
+        let update = visibility.draw(&[state], PERIOD_NS, false, 0.1).unwrap();
+        assert_eq!(update.markers.len(), 1, "removes the polygon");
+        assert!(
+            visibility
+                .draw(&[state], 2 * PERIOD_NS, false, 0.1)
+                .is_none()
+        );
     }
 
     #[test]
@@ -302,12 +293,11 @@ mod tests {
         let origin = ViewOrigin::Point([0.25, 0.25]);
         let mut visibility = Visibility::new(vec![field(origin, None)]);
         visibility.map(&header, cells.iter().copied());
-        let before = visibility.draw(&[], 0, true).unwrap();
+        let before = visibility.draw(&[], 0, true, 0.1).unwrap();
         cells[9 + 1].occupied = 1;
         visibility.map(&header, cells.into_iter());
-        let after = visibility.draw(&[], 1, true).unwrap();
-        let [before, after] =
-            [&before, &after].map(|update| area(&update.entities[0].triangles[0]));
+        let after = visibility.draw(&[], 1, true, 0.1).unwrap();
+        let [before, after] = [&before, &after].map(|update| area(&update.markers[1].points));
         assert!(
             (before - 4.0).abs() < 0.01 && after < 2.5,
             "{before} {after}"
@@ -324,12 +314,12 @@ mod tests {
         ahead.range = Some(0.5);
         let mut visibility = Visibility::new(vec![ahead]);
         visibility.map(&header, cells.into_iter());
-        let update = visibility.draw(&[], 0, false).unwrap();
-        let triangles = &update.entities[0].triangles[0];
+        let update = visibility.draw(&[], 0, false, 0.1).unwrap();
+        let triangles = &update.markers[1].points;
         let quarter = core::f64::consts::PI * 0.25 / 4.0;
         assert!((area(triangles) - quarter).abs() < 0.01, "{triangles:?}");
-        let border = &update.entities[0].lines[0].points;
-        let last = border.last().unwrap();
+        let border = &update.markers[2].points;
+        let last = &border[border.len() - 2];
         assert_eq!((last.x, last.y), (1.0, 1.0));
     }
 }

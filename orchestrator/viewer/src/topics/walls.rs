@@ -1,7 +1,5 @@
-//! Outlines of obstacles as points, for viewers that draw neither grids nor scenes.
+//! Outlines of obstacles as points, for viewers that draw neither maps nor markers.
 
-use foxglove::messages::PointCloud;
-use foxglove::messages::packed_element_field::NumericType;
 use ipc_types::consumer::{Consumer, LoggedMessage};
 use ipc_types::messages::world::{MapCell, MapHeader};
 use ipc_types::topics::{TopicId, WorldMap};
@@ -9,17 +7,15 @@ use ipc_types::topics::{TopicId, WorldMap};
 use super::channel::ViewerChannel;
 use super::grid;
 use super::picture::Picture;
-use super::primitives::{MAP_FRAME, packed_fields, pose, timestamp};
+use super::primitives::cloud;
+use crate::ros::messages::PointCloud2;
 
-/// Size of a point (bytes): x, y, z as `f32`.
-const STRIDE: u32 = 12;
-
-/// `/viewer/walls`, at every revision of the map.
-pub(super) struct WallsTopic(ViewerChannel<PointCloud>);
+/// `/walls`, at every revision of the map.
+pub(super) struct WallsTopic(ViewerChannel<PointCloud2>);
 
 impl WallsTopic {
     pub(super) fn new(picture: &mut Picture) -> Self {
-        Self(picture.add_channel("/viewer/walls"))
+        Self(picture.add_latched_channel("/walls"))
     }
 }
 
@@ -44,7 +40,7 @@ fn draw(
     header: &MapHeader,
     time_ns: u64,
     cells: impl ExactSizeIterator<Item = MapCell>,
-) -> PointCloud {
+) -> PointCloud2 {
     let width = header.width.max(1) as usize;
     let solid: Vec<bool> = cells.map(|cell| cell.occupied != 0).collect();
     let is_free = |index: Option<usize>| index.is_some_and(|i| solid.get(i) == Some(&false));
@@ -66,14 +62,7 @@ fn draw(
             data.extend(point.iter().flat_map(|value| value.to_le_bytes()));
         }
     }
-    PointCloud {
-        timestamp: Some(timestamp(time_ns)),
-        frame_id: MAP_FRAME.to_owned(),
-        pose: Some(pose(0.0, 0.0, 0.0, 0.0)),
-        point_stride: STRIDE,
-        fields: packed_fields(NumericType::Float32, &[("x", 0), ("y", 4), ("z", 8)]),
-        data: data.into(),
-    }
+    cloud(time_ns, &["x", "y", "z"], data)
 }
 
 #[cfg(test)]
@@ -96,7 +85,10 @@ mod tests {
         });
         let cells: Vec<MapCell> = cells.collect();
         let cloud = draw(&header, 0, cells.into_iter());
-        assert_eq!(cloud.data.len(), 8 * STRIDE as usize);
+        assert_eq!(
+            (cloud.width, cloud.point_step, cloud.data.len()),
+            (8, 12, 96)
+        );
         let first: Vec<f32> = cloud.data[..12]
             .chunks_exact(4)
             .map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]]))

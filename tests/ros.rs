@@ -1,0 +1,32 @@
+//! Logs in the tools of ROS 2.
+
+use std::collections::BTreeMap;
+
+use crate::support::{Sandbox, python};
+
+/// Messages by topic.
+type Counts = BTreeMap<String, u64>;
+
+#[test]
+fn strict_ros_readers_decode_the_logs_of_all_built_in_missions() {
+    let sandbox = Sandbox::new();
+    let listed = sandbox.protean(["list"]).json();
+    let mut written: BTreeMap<String, Counts> = BTreeMap::new();
+    for scenario in listed["scenarios"].as_array().unwrap() {
+        let name = scenario["name"].as_str().unwrap();
+        let out = format!("{name}.mcap");
+        let run = sandbox.protean(["run", name, "--out", &out]);
+        let summary = run.set("rules.time_limit=1").json();
+        let topics = summary["topics"].as_object().unwrap().iter();
+        let counts =
+            topics.map(|(topic, count)| (topic.clone(), count["messages"].as_u64().unwrap()));
+        written.insert(
+            name.to_owned(),
+            counts.filter(|(_, count)| *count > 0).collect(),
+        );
+    }
+    let read: Option<BTreeMap<String, Counts>> = python::call("read_rosbag.py", sandbox.path());
+    if let Some(read) = read {
+        assert_eq!(read, written);
+    }
+}
