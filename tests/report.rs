@@ -151,8 +151,8 @@ fn area(corners: &[[f64; 2]]) -> f64 {
     (cross.sum::<f64>() / 2.0).abs()
 }
 
-/// Visible regions in the last picture up to a time (s): its time, and borders by the names of the fields of view.
-fn seen_in_viewers(sandbox: &Sandbox, until_s: u32) -> (f64, BTreeMap<String, Vec<[f64; 2]>>) {
+/// Visible regions in the last picture up to a time (s): its time, and areas (m²) by the names of the fields of view.
+fn seen_in_viewers(sandbox: &Sandbox, until_s: u32) -> (f64, BTreeMap<String, f64>) {
     let until = until_s.to_string();
     let words = [
         "cat",
@@ -166,13 +166,17 @@ fn seen_in_viewers(sandbox: &Sandbox, until_s: u32) -> (f64, BTreeMap<String, Ve
     let last = printed.lines().last().expect("fields of view are drawn");
     let last: Json = serde_json::from_str(last).unwrap();
     let markers = last["message"]["markers"].as_array().unwrap();
-    let borders = markers.iter().filter_map(|marker| {
-        let name = marker["ns"].as_str().unwrap().strip_suffix(", border")?;
-        let points = marker["points"].as_array().unwrap().iter();
-        let points = points.map(|p| [p["x"].as_f64().unwrap(), p["y"].as_f64().unwrap()]);
-        Some((name.to_owned(), points.collect()))
-    });
-    (last["log_time_s"].as_f64().unwrap(), borders.collect())
+    let areas = markers
+        .iter()
+        .filter(|marker| marker["ns"] != "")
+        .map(|marker| {
+            let points = marker["points"].as_array().unwrap().iter();
+            let points = points.map(|p| [p["x"].as_f64().unwrap(), p["y"].as_f64().unwrap()]);
+            let points: Vec<[f64; 2]> = points.collect();
+            let name = marker["ns"].as_str().unwrap().to_owned();
+            (name, points.chunks_exact(3).map(area).sum())
+        });
+    (last["log_time_s"].as_f64().unwrap(), areas.collect())
 }
 
 /// Viewers get polygons from the map's cells, the page makes them from the shapes of the obstacles,
@@ -206,8 +210,8 @@ fn what_is_seen_is_the_same_on_the_page_and_in_viewers() {
                 page.keys().collect::<Vec<_>>(),
                 seen.keys().collect::<Vec<_>>()
             );
-            for (name, corners) in seen {
-                let (log, page) = (area(corners), area(&page[name]));
+            for (name, area_in_log) in seen {
+                let (log, page) = (*area_in_log, area(&page[name]));
                 assert!(
                     (log - page).abs() < 0.05 * page.max(1.0),
                     "{set}: {name} at {time_s} s: {log} m^2 in viewers, {page} m^2 on the page"

@@ -23,6 +23,11 @@ impl Topics {
         self.only.iter().any(|pattern| pattern == topic)
     }
 
+    /// Returns `true` if no pattern selects topics.
+    pub fn is_unlimited(&self) -> bool {
+        self.only.is_empty()
+    }
+
     /// Checks that every pattern matches a topic.
     ///
     /// # Errors

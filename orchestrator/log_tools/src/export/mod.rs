@@ -10,6 +10,7 @@ use mcap_log::Condition;
 use mcap_log::ReadProgress;
 use mcap_log::Topics;
 use mcap_log::derived;
+use mcap_log::output::MANIFEST;
 use mcap_log::reader::{Channel, Item, Reader};
 use mcap_log::{DerivedError, LogReadError};
 use platform::atomic_file::{AtomicFile, Readers};
@@ -57,6 +58,9 @@ pub struct Exported {
     pub source: Condition,
 }
 
+/// Reason why a viewer topic has no table.
+const REPEATS: &str = "for viewers, repeats other topics; --topics selects it";
+
 /// Treatment of a channel.
 enum Fate {
     /// The topic is not selected.
@@ -96,6 +100,7 @@ pub fn export(
         skipped: BTreeMap::new(),
         names: BTreeMap::new(),
         tables: 0,
+        is_run: false,
     };
     while let Some(item) = reader.next()? {
         match item {
@@ -104,6 +109,7 @@ pub fn export(
                 let schema = reader.schema(channel.schema_id);
                 export.channel(&channel, schema.as_deref())?;
             }
+            Item::Metadata(record) => export.is_run |= record.name == MANIFEST,
             _ => {}
         }
     }
@@ -126,6 +132,8 @@ struct Export<'a> {
     names: BTreeMap<String, u16>,
     /// Number of tables begun.
     tables: usize,
+    /// `true` for the log of a run.
+    is_run: bool,
 }
 
 impl Export<'_> {
@@ -136,7 +144,10 @@ impl Export<'_> {
         schema: Option<&mcap_log::reader::Schema>,
     ) -> Result<(), LogReadError> {
         let topics = &self.options.topics;
-        let fate = if topics.take(&channel.topic) {
+        let repeats = self.is_run && channel.topic.starts_with('/');
+        let fate = if repeats && topics.is_unlimited() {
+            Fate::Skipped(Some((channel.topic.clone(), REPEATS.to_owned())))
+        } else if topics.take(&channel.topic) {
             match layout(channel, schema) {
                 Ok(layout) => {
                     let extension = match self.options.format {

@@ -9,11 +9,11 @@ pub struct ChannelSpec<'a> {
     pub topic: &'a str,
     /// Name of the schema.
     pub schema_name: &'a str,
-    /// Encoding of the schema: `ros2msg`, `protobuf`, …
+    /// Encoding of the schema: `ros2msg`, …
     pub schema_encoding: &'a str,
     /// Definition of the schema.
     pub schema: &'a [u8],
-    /// Encoding of the messages: `cdr`, `protobuf`, …
+    /// Encoding of the messages: `cdr`, …
     pub message_encoding: &'a str,
     /// Additional metadata.
     pub metadata: &'a BTreeMap<String, String>,

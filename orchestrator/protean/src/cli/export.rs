@@ -13,8 +13,8 @@ use log_tools::{ExportOptions, export};
 
 /// Help below the options.
 pub(super) const HELP: &str = "\
-Every topic with ROS 2 messages becomes a file: `world/state` becomes `world.state.csv`. The viewer topics of Protean
-have another encoding and are skipped. A row is one element of a message (a robot, a particle); it repeats log_time_ns,
+Every topic with ROS 2 messages becomes a file: `world/state` becomes `world.state.csv`. The viewer topics of a run,
+whose names begin with /, repeat the others and are skipped unless --topics selects them. A row is one element of a message (a robot, a particle); it repeats log_time_ns,
 publish_time_ns, sequence and the fields of the message. A message without elements is one row. Columns of nested
 fields are named `stamp.tick`, elements of short arrays `bounds.0`. Byte arrays are written as text or 0x…; nested
 sequences as JSON. Floating-point numbers are written with enough digits to read the same value back.

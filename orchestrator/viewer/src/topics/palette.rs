@@ -10,8 +10,8 @@ pub(super) const OBSTACLE: ColorRGBA = color(palette::rgb(palette::OBSTACLE), 0.
 pub(super) const BUILDING: ColorRGBA = color([105, 112, 122], 1.0);
 /// Colour of lines of sight: reddish purple.
 pub(super) const SIGHT: ColorRGBA = color(palette::rgb(palette::BELIEF), 1.0);
-/// Opacity of visible areas and of their borders; lower layers stay visible.
-pub(super) const SEEN: (f32, f32) = (0.1, 0.4);
+/// Opacity of visible areas; lower layers stay visible.
+pub(super) const SEEN: f32 = 0.12;
 /// Colour of names and headings: black.
 pub(super) const INK: ColorRGBA = color([0, 0, 0], 1.0);
 

@@ -10,21 +10,22 @@ use super::picture::Picture;
 use super::primitives::{cloud, header};
 use crate::ros::messages::{Header, LaserScan, PointCloud2};
 
-/// Fields of a particle in the cloud; `robot` is the index of the robot that the belief is about.
-const FIELDS: [&str; 6] = ["x", "y", "z", "theta", "weight", "robot"];
+/// Fields of a particle and their offsets (bytes): the bytes are those of `perception/belief`, which lets the
+/// compression of the log find them again. Its weight is also its height (m), because viewers require one.
+const FIELDS: [(&str, u32); 5] = [("x", 0), ("y", 4), ("z", 12), ("theta", 8), ("weight", 12)];
 
 /// `/beliefs`: the particles of all beliefs of a tick.
 pub(super) struct BeliefsTopic {
     channel: ViewerChannel<PointCloud2>,
-    /// Points of the beliefs of the current tick.
-    points: Vec<u8>,
+    /// Particles of the current tick.
+    particles: Vec<u8>,
 }
 
 impl BeliefsTopic {
     pub(super) fn new(picture: &mut Picture) -> Self {
         Self {
             channel: picture.add_channel("/beliefs"),
-            points: Vec::new(),
+            particles: Vec::new(),
         }
     }
 }
@@ -36,30 +37,21 @@ impl Consumer<Picture> for BeliefsTopic {
 
     fn message(&mut self, message: &LoggedMessage<'_>, picture: &mut Picture) {
         if picture.is_drawing(message.time_ns)
-            && let Some((header, particles)) = message.view::<Belief>()
+            && let Some((_, particles)) = message.view::<Belief>()
         {
-            for Particle {
-                x,
-                y,
-                theta,
-                weight,
-            } in particles
-            {
-                for value in [x, y, 0.0, theta, weight, header.robot as f32] {
-                    self.points.extend(value.to_le_bytes());
-                }
-            }
+            let length = particles.len() * size_of::<Particle>();
+            let start = message.bytes.len().saturating_sub(length);
+            let particles = message.bytes.get(start..).unwrap_or_default();
+            self.particles.extend_from_slice(particles);
         }
     }
 
     fn end_of_tick(&mut self, picture: &mut Picture) {
-        if !self.points.is_empty() {
+        if !self.particles.is_empty() {
             let time_ns = picture.now_ns();
-            let points = core::mem::take(&mut self.points);
-            let cloud = cloud(time_ns, &FIELDS, points);
+            let particles = core::mem::take(&mut self.particles);
+            let cloud = cloud(time_ns, &FIELDS, size_of::<Particle>(), particles);
             self.channel.write(&mut picture.ready, time_ns, &cloud);
-            self.points = cloud.data;
-            self.points.clear();
         }
     }
 }

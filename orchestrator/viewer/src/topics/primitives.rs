@@ -109,20 +109,24 @@ pub(super) fn width(width: f64) -> Vector3 {
     }
 }
 
-/// Creates a cloud of points with fields of type `f32`, from the bytes of its points.
-pub(super) fn cloud(time_ns: u64, fields: &[&str], data: Vec<u8>) -> PointCloud2 {
-    let place = |(index, name): (usize, &&str)| PointField {
-        name: (*name).to_owned(),
-        offset: 4 * index as u32,
+/// Creates a cloud of points of `step` bytes from their bytes; `fields` are names and offsets of `f32` values.
+pub(super) fn cloud(
+    time_ns: u64,
+    fields: &[(&str, u32)],
+    step: usize,
+    data: Vec<u8>,
+) -> PointCloud2 {
+    let field = |&(name, offset): &(&str, u32)| PointField {
+        name: name.to_owned(),
+        offset,
         datatype: FLOAT32,
         count: 1,
     };
-    let step = 4 * fields.len();
     PointCloud2 {
         header: header(time_ns),
         height: 1,
-        width: (data.len() / step.max(1)) as u32,
-        fields: fields.iter().enumerate().map(place).collect(),
+        width: (data.len() / step) as u32,
+        fields: fields.iter().map(field).collect(),
         is_bigendian: false,
         point_step: step as u32,
         row_step: data.len() as u32,

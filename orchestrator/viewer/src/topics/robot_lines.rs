@@ -1,6 +1,5 @@
 //! Planned paths and search trees of planners, as lines.
 
-use geometry::math::atan2;
 use ipc_types::consumer::{Consumer, LoggedMessage};
 use ipc_types::messages::robot::{PlanPoint, TreeEdge};
 use ipc_types::messages::world::RobotState;
@@ -203,17 +202,11 @@ impl RobotLines {
     }
 }
 
-/// Returns points as a path; the heading at a point is that towards the next one.
+/// Returns points as a path, without headings: those would be most of the log of a mission with plans.
 fn path(points: &[Point], time_ns: u64) -> Path {
-    let mut theta = 0.0;
-    let poses = points.iter().enumerate().map(|(index, point)| {
-        if let Some(next) = points.get(index + 1) {
-            theta = atan2(next.y - point.y, next.x - point.x);
-        }
-        PoseStamped {
-            header: header(time_ns),
-            pose: pose(point.x, point.y, 0.0, theta),
-        }
+    let poses = points.iter().map(|point| PoseStamped {
+        header: header(time_ns),
+        pose: pose(point.x, point.y, 0.0, 0.0),
     });
     Path {
         poses: poses.collect(),
@@ -264,18 +257,6 @@ mod tests {
             };
             let plan = |lines: &mut RobotLines| lines.set_plan(0, [point; 3].into_iter());
             drawn_until_out(&PLAN, plan, points);
-        }
-    }
-
-    #[test]
-    fn the_heading_of_a_path_is_that_of_its_segments() {
-        let points = [[0.0, 0.0], [0.0, 2.0], [-1.0, 2.0]].map(|[x, y]| Point { x, y, z: 0.1 });
-        let path = path(&points, 0);
-        let half = |p: &PoseStamped| 2.0 * p.pose.orientation.z.asin();
-        let headings: Vec<f64> = path.poses.iter().map(half).collect();
-        let right = core::f64::consts::FRAC_PI_2;
-        for (found, expected) in headings.iter().zip([right, 2.0 * right, 2.0 * right]) {
-            assert!((found - expected).abs() < 1e-12, "{headings:?}");
         }
     }
 }

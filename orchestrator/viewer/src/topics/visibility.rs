@@ -14,7 +14,7 @@ use sim_backend::team::Team;
 
 use super::channel::ViewerChannel;
 use super::picture::Picture;
-use super::primitives::{kind, marker, picture, width};
+use super::primitives::{kind, marker, picture};
 use super::{grid, palette};
 use crate::field_of_view::{FieldOfView, ViewOrigin};
 use crate::ros::messages::{Marker, MarkerArray, Point};
@@ -55,11 +55,8 @@ impl Consumer<Picture> for VisibilityTopic {
     }
 
     fn end_of_tick(&mut self, picture: &mut Picture) {
-        let (time_ns, line) = (picture.now_ns(), picture.line_width() / 2.0);
-        let areas = self
-            .visibility
-            .draw(&picture.states, time_ns, picture.wanted, line);
-        if let Some(areas) = areas {
+        let (time_ns, states) = (picture.now_ns(), &picture.states);
+        if let Some(areas) = self.visibility.draw(states, time_ns, picture.wanted) {
             self.channel.write(&mut picture.ready, time_ns, &areas);
         }
     }
@@ -131,14 +128,8 @@ impl Visibility {
     }
 
     /// Draws the visible areas if a picture is due or `wanted`; returns `None` if there are no polygons to
-    /// show or remove. `line` is the width of borders (m).
-    fn draw(
-        &mut self,
-        states: &[RobotState],
-        time_ns: u64,
-        wanted: bool,
-        line: f64,
-    ) -> Option<MarkerArray> {
+    /// show or remove.
+    fn draw(&mut self, states: &[RobotState], time_ns: u64, wanted: bool) -> Option<MarkerArray> {
         let walls = self.walls.as_ref()?;
         if time_ns < self.due_ns && !wanted {
             return None;
@@ -152,24 +143,14 @@ impl Visibility {
                 continue;
             };
             let all_round = drawn.field.limits().is_all_round();
-            let (inside, border) = outline(at.position(), drawn.seen(at, walls), all_round);
-            if inside.is_empty() {
+            let points = triangles(at.position(), drawn.seen(at, walls), all_round);
+            if points.is_empty() {
                 continue;
             }
-            let name = &drawn.field.name;
-            let new = |kind: i32, opacity: f32| {
-                marker(name, id, kind, palette::team(team, opacity), time_ns)
-            };
-            let (fill, edge) = palette::SEEN;
+            let color = palette::team(team, palette::SEEN);
             areas.markers.push(Marker {
-                points: inside,
-                ..new(kind::TRIANGLE_LIST, fill)
-            });
-            areas.markers.push(Marker {
-                ns: format!("{name}, border"),
-                scale: width(line),
-                points: border,
-                ..new(kind::LINE_STRIP, edge)
+                points,
+                ..marker(&drawn.field.name, id, kind::TRIANGLE_LIST, color, time_ns)
             });
         }
         let shows = areas.markers.len() > 1;
@@ -191,12 +172,9 @@ fn apex(field: &FieldOfView, states: &[RobotState]) -> Option<(Pose2, u8)> {
     }
 }
 
-/// Returns the area as a fan of triangles around the apex, three points each, and its closed border; both are
-/// empty if fewer than two points are seen.
-fn outline(apex: Point2<f64>, seen: &[Point2<f64>], all_round: bool) -> (Vec<Point>, Vec<Point>) {
-    if seen.len() < 2 {
-        return (Vec::new(), Vec::new());
-    }
+/// Returns the area as a fan of triangles around the apex, three points each; none if fewer than two points are
+/// seen.
+fn triangles(apex: Point2<f64>, seen: &[Point2<f64>], all_round: bool) -> Vec<Point> {
     let round = |value: f64| (value * PARTS_OF_A_METRE).round() / PARTS_OF_A_METRE;
     let point = |p: &Point2<f64>| Point {
         x: round(p.x),
@@ -204,17 +182,12 @@ fn outline(apex: Point2<f64>, seen: &[Point2<f64>], all_round: bool) -> (Vec<Poi
         z: HEIGHT,
     };
     let apex = point(&apex);
-    let mut border: Vec<Point> = seen.iter().map(point).collect();
-    if !all_round {
-        border.push(apex.clone());
-    }
-    border.extend(border.first().cloned());
-    // Triangles at the apex itself have no area.
-    let sides = border.windows(2).filter(|ends| !ends.contains(&apex));
-    let inside = sides
-        .flat_map(|ends| [apex.clone(), ends[0].clone(), ends[1].clone()])
-        .collect();
-    (inside, border)
+    let first = seen.first().filter(|_| all_round && seen.len() > 1);
+    let corners: Vec<Point> = seen.iter().chain(first).map(point).collect();
+    let sides = corners.windows(2);
+    sides
+        .flat_map(|side| [side[0].clone(), side[1].clone(), apex.clone()])
+        .collect()
 }
 
 #[cfg(test)]
@@ -264,27 +237,18 @@ mod tests {
             present: 1,
             ..RobotState::default()
         };
-        assert!(
-            visibility.draw(&[state], 0, true, 0.1).is_none(),
-            "no map yet"
-        );
+        assert!(visibility.draw(&[state], 0, true).is_none(), "no map yet");
         visibility.map(&header, cells.iter().copied());
-        let update = visibility.draw(&[state], 0, false, 0.1).unwrap();
+        let update = visibility.draw(&[state], 0, false).unwrap();
         let triangles = &update.markers[1].points;
         assert!((area(triangles) - 4.0).abs() < 0.01, "{triangles:?}");
-        // Four corners and the place where the sweep begins, twice.
-        assert_eq!(update.markers[2].points.len(), 6);
         // Only when due, or at an event.
-        assert!(visibility.draw(&[state], 1, false, 0.1).is_none());
-        assert!(visibility.draw(&[state], 2, true, 0.1).is_some());
+        assert!(visibility.draw(&[state], 1, false).is_none());
+        assert!(visibility.draw(&[state], 2, true).is_some());
         state.status = 1;
-        let update = visibility.draw(&[state], PERIOD_NS, false, 0.1).unwrap();
+        let update = visibility.draw(&[state], PERIOD_NS, false).unwrap();
         assert_eq!(update.markers.len(), 1, "removes the polygon");
-        assert!(
-            visibility
-                .draw(&[state], 2 * PERIOD_NS, false, 0.1)
-                .is_none()
-        );
+        assert!(visibility.draw(&[state], 2 * PERIOD_NS, false).is_none());
     }
 
     #[test]
@@ -293,10 +257,10 @@ mod tests {
         let origin = ViewOrigin::Point([0.25, 0.25]);
         let mut visibility = Visibility::new(vec![field(origin, None)]);
         visibility.map(&header, cells.iter().copied());
-        let before = visibility.draw(&[], 0, true, 0.1).unwrap();
+        let before = visibility.draw(&[], 0, true).unwrap();
         cells[9 + 1].occupied = 1;
         visibility.map(&header, cells.into_iter());
-        let after = visibility.draw(&[], 1, true, 0.1).unwrap();
+        let after = visibility.draw(&[], 1, true).unwrap();
         let [before, after] = [&before, &after].map(|update| area(&update.markers[1].points));
         assert!(
             (before - 4.0).abs() < 0.01 && after < 2.5,
@@ -305,7 +269,7 @@ mod tests {
     }
 
     #[test]
-    fn the_border_of_a_field_of_view_includes_its_apex() {
+    fn a_limited_field_of_view_is_a_sector() {
         let (header, cells) = rooms();
         let mut ahead = field(
             ViewOrigin::Point([1.0, 1.0]),
@@ -314,12 +278,9 @@ mod tests {
         ahead.range = Some(0.5);
         let mut visibility = Visibility::new(vec![ahead]);
         visibility.map(&header, cells.into_iter());
-        let update = visibility.draw(&[], 0, false, 0.1).unwrap();
+        let update = visibility.draw(&[], 0, false).unwrap();
         let triangles = &update.markers[1].points;
         let quarter = core::f64::consts::PI * 0.25 / 4.0;
         assert!((area(triangles) - quarter).abs() < 0.01, "{triangles:?}");
-        let border = &update.markers[2].points;
-        let last = &border[border.len() - 2];
-        assert_eq!((last.x, last.y), (1.0, 1.0));
     }
 }

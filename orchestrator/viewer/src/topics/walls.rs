@@ -62,7 +62,7 @@ fn draw(
             data.extend(point.iter().flat_map(|value| value.to_le_bytes()));
         }
     }
-    cloud(time_ns, &["x", "y", "z"], data)
+    cloud(time_ns, &[("x", 0), ("y", 4), ("z", 8)], 12, data)
 }
 
 #[cfg(test)]
