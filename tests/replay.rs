@@ -170,7 +170,7 @@ fn a_subscriber_gets_what_was_recorded_byte_for_byte() {
     let sandbox = Sandbox::new();
     sandbox.record("chase");
     let expected = logged(&sandbox.path().join("run.mcap"), 0, u64::MAX);
-    for speed in [&["--rate", "20"][..], &["--as-fast-as-possible"]] {
+    for speed in [&["--pace", "20"][..], &["--as-fast-as-possible"]] {
         let known = sandbox.runs();
         let call = sandbox.protean(["replay", "run.mcap", "--json", "--loop"]);
         let mut replay = speed.iter().fold(call, Call::arg).start();
@@ -233,7 +233,7 @@ fn a_replay_that_is_ended_leaves_nothing() {
     sandbox.record("chase_exact");
     for (words, signal) in [
         (&["--loop"][..], rustix::process::Signal::INT),
-        (&["--rate", "0.01"], rustix::process::Signal::TERM),
+        (&["--pace", "0.01"], rustix::process::Signal::TERM),
     ] {
         let known = sandbox.runs();
         let call = sandbox.protean(["replay", "run.mcap", "--json"]);
@@ -349,11 +349,11 @@ fn what_cannot_be_played_or_tested_is_refused() {
             2,
             &["text.mcap", "not an MCAP file"],
         ),
-        (&["run.mcap", "--rate", "0"], 2, &["--rate 0", "above 0"]),
+        (&["run.mcap", "--pace", "0"], 2, &["--pace 0", "above 0"]),
         (
-            &["run.mcap", "--rate", "NaN"],
+            &["run.mcap", "--pace", "NaN"],
             2,
-            &["--rate NaN", "above 0"],
+            &["--pace NaN", "above 0"],
         ),
         (&["run.mcap", "--start", "2", "--end", "1"], 2, &["--start"]),
         (

@@ -9,6 +9,7 @@ use ipc_types::messages::world::WorldEvent;
 use ipc_types::topics::{TopicId, WorldEvents};
 use platform::eprintln;
 use platform::progress;
+use recorder::EventNames;
 
 /// Interval between plain lines if stderr is not a terminal.
 const PLAIN_INTERVAL: Duration = Duration::from_secs(5);
@@ -39,12 +40,12 @@ impl Progress {
     }
 
     /// Returns a printer for the recorder's thread that writes events above the bar.
-    pub fn events(&self, robots: Vec<String>, quiet: bool) -> EventPrinter {
+    pub fn events(&self, names: EventNames, quiet: bool) -> EventPrinter {
         EventPrinter {
             bar: self.bar.clone(),
             plain: self.plain,
             quiet,
-            robots,
+            names,
         }
     }
 
@@ -72,32 +73,7 @@ pub struct EventPrinter {
     bar: ProgressBar,
     plain: bool,
     quiet: bool,
-    robots: Vec<String>,
-}
-
-impl EventPrinter {
-    fn name(&self, robot: u32) -> &str {
-        self.robots.get(robot as usize).map_or("?", String::as_str)
-    }
-
-    /// Describes an event in words; `None` for events that are too frequent to show.
-    fn describe(&self, event: &WorldEvent) -> Option<String> {
-        let robot = self.name(event.robot);
-        Some(match WorldEvent::name_of(event.kind) {
-            "captured" => format!("{robot} caught by {}", self.name(event.other)),
-            "escaped" => format!("{robot} escaped"),
-            "timed_out" => format!("{robot} ran out of time"),
-            "goal_reached" => format!("{robot} reached its goal"),
-            "invalid_command" => format!("{robot} stopped: invalid command"),
-            "missing_command" => format!("{robot} stopped: no command"),
-            "obstacle" => format!("obstacle {} changed", event.other),
-            "pushed_out" => format!("{robot} pushed aside by an obstacle"),
-            "trapped" => format!("{robot} trapped by an obstacle"),
-            "released" => format!("{robot} free again"),
-            "stands" => format!("{robot} stands: no progress for {:.0} s", event.value),
-            _ => return None,
-        })
-    }
+    names: EventNames,
 }
 
 impl Consumer for EventPrinter {
@@ -118,13 +94,16 @@ impl Consumer for EventPrinter {
 
 impl EventPrinter {
     fn print(&self, time_s: f64, event: &WorldEvent) {
-        if let Some(words) = self.describe(event) {
-            let line = format!("{time_s:8.2} s  {words}");
-            if self.plain {
-                eprintln!("{line}");
-            } else {
-                self.bar.println(line);
-            }
+        // Too frequent, or part of the summary.
+        if ["contact_begin", "contact_end", "game_over"].contains(&WorldEvent::name_of(event.kind))
+        {
+            return;
+        }
+        let line = format!("{time_s:8.2} s  {}", self.names.words(event));
+        if self.plain {
+            eprintln!("{line}");
+        } else {
+            self.bar.println(line);
         }
     }
 }

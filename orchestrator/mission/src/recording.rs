@@ -40,7 +40,7 @@ pub(super) fn create(
     digest_prefixes: Arc<DigestPrefixes>,
     mirror: Option<Box<dyn LogObserver>>,
 ) -> Result<Recording, MissionError> {
-    let run = run_info(plan);
+    let run = run_info(scenario, plan);
     let recording = Recording::new(&run, digest_prefixes);
     let Some(log) = log else {
         return Ok(recording);
@@ -154,10 +154,11 @@ fn manifest(scenario: &ResolvedScenario, run: &RunInfo, plan: &Plan) -> Manifest
 }
 
 /// Returns the description of the run for the recorder.
-fn run_info(plan: &Plan) -> RunInfo {
+pub(super) fn run_info(scenario: &ResolvedScenario, plan: &Plan) -> RunInfo {
     RunInfo {
         processes: processes(plan),
         robots: robots(plan),
+        obstacles: scenario.obstacle_names(),
         tick_period_ns: plan.run.tick_period_ns,
     }
 }

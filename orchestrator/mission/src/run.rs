@@ -93,8 +93,8 @@ pub fn run(
     });
     let recording = recording::create(scenario, &resources.plan, log, Arc::default(), mirror)?;
     let progress = Progress::new(scenario.world.rules.time_limit, options.quiet);
-    let robots = scenario.world.robots.iter().map(|r| r.name.clone());
-    let printer = progress.events(robots.collect(), options.quiet);
+    let names = recording::run_info(scenario, &resources.plan).event_names();
+    let printer = progress.events(names, options.quiet);
 
     let requests = Arc::<DrainRequests>::default();
     let hang_timeout = hang_timeout(scenario, options.pace);

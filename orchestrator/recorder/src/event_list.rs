@@ -4,7 +4,8 @@ use ipc_types::consumer::{Consumer, LoggedMessage};
 use ipc_types::messages::world::WorldEvent;
 use ipc_types::topics::{TopicId, WorldEvents};
 
-use super::run_info::RobotInfo;
+use super::event_names::EventNames;
+use super::run_info::RunInfo;
 use super::summary::{EventEntry, OutcomePart, Summary};
 
 /// Maximum number of events in a summary; the log contains all.
@@ -13,7 +14,7 @@ const MAX_EVENTS: usize = 100_000;
 /// The events so far.
 #[derive(Debug)]
 pub(super) struct EventList {
-    robots: Vec<String>,
+    names: EventNames,
     events: Vec<EventEntry>,
     omitted: u64,
     /// Number of standstills, by robot.
@@ -21,13 +22,13 @@ pub(super) struct EventList {
 }
 
 impl EventList {
-    /// Creates the list for a run with these robots.
-    pub(super) fn new(robots: &[RobotInfo]) -> Self {
+    /// Creates the list of a run.
+    pub(super) fn new(run: &RunInfo) -> Self {
         Self {
-            robots: robots.iter().map(|robot| robot.name.clone()).collect(),
+            names: run.event_names(),
             events: Vec::new(),
             omitted: 0,
-            standstills: vec![0; robots.len()],
+            standstills: vec![0; run.robots.len()],
         }
     }
 
@@ -42,10 +43,14 @@ impl EventList {
             self.omitted += 1;
             return;
         }
+        let obstacle = (kind == "obstacle")
+            .then(|| self.names.obstacles.get(&event.other))
+            .flatten();
         self.events.push(EventEntry {
             time_s,
             kind: kind.to_owned(),
-            robot: self.robots.get(event.robot as usize).cloned(),
+            robot: self.names.robots.get(event.robot as usize).cloned(),
+            obstacle: obstacle.cloned(),
             other: (event.other != WorldEvent::NONE).then_some(event.other),
             x: event.x,
             y: event.y,

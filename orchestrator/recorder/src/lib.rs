@@ -21,6 +21,7 @@ mod digest;
 mod digest_prefixes;
 mod error;
 mod event_list;
+mod event_names;
 mod log;
 mod message_audit;
 mod outages;
@@ -48,6 +49,7 @@ pub use bus::Recorder;
 pub use derived::{DerivedChannel, DerivedMessages, DerivedTopics};
 pub use digest_prefixes::DigestPrefixes;
 pub use error::RecorderError;
+pub use event_names::EventNames;
 pub use recording::Recording;
 pub use run_info::{ProcessInfo, RobotInfo, RunInfo};
 pub use summary::{

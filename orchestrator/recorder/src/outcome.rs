@@ -7,25 +7,27 @@ use super::event_list::EventList;
 use super::outages::Outages;
 use super::predicted::Predicted;
 use super::robots::Robots;
-use super::run_info::{ProcessInfo, RobotInfo};
+use super::run_info::RunInfo;
 use super::summary::OutcomePart;
 use super::verdicts::VerdictTotals;
 use super::visits::AllVisits;
 
 /// Creates the parts of the summary of a run.
-pub(super) fn parts(
-    robots: &[RobotInfo],
-    processes: &[ProcessInfo],
-    tick_period_ns: u64,
-) -> Consumers<dyn OutcomePart> {
+pub(super) fn parts(run: &RunInfo) -> Consumers<dyn OutcomePart> {
+    let RunInfo {
+        processes,
+        robots,
+        tick_period_ns,
+        ..
+    } = run;
     Consumers::new(vec![
         // First, because the other parts complete the entries that it creates.
-        Box::new(Robots::new(robots, tick_period_ns)),
-        Box::new(EventList::new(robots)),
+        Box::new(Robots::new(robots, *tick_period_ns)),
+        Box::new(EventList::new(run)),
         Box::new(Covered::default()),
         Box::new(VerdictTotals::new(robots.len())),
         Box::new(AllVisits::new(robots)),
         Box::new(Predicted::default()),
-        Box::new(Outages::new(processes, tick_period_ns)),
+        Box::new(Outages::new(processes, *tick_period_ns)),
     ])
 }

@@ -63,7 +63,7 @@ impl Recording {
             reorder_buffer: ReorderBuffer::default(),
             begun: VecDeque::new(),
             output: Output {
-                outcome: outcome::parts(&run.robots, processes, tick_period_ns),
+                outcome: outcome::parts(run),
                 log: None,
                 tick_period_ns,
                 tick: 0,

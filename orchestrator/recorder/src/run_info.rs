@@ -1,5 +1,9 @@
 //! Description of a run for the recorder.
 
+use std::collections::BTreeMap;
+
+use super::event_names::EventNames;
+
 /// A process of the run.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ProcessInfo {
@@ -34,6 +38,18 @@ pub struct RunInfo {
     pub processes: Vec<ProcessInfo>,
     /// All robots.
     pub robots: Vec<RobotInfo>,
+    /// Names of the obstacles that have one, by id.
+    pub obstacles: BTreeMap<u32, String>,
     /// Simulated time between two ticks (ns), > 0.
     pub tick_period_ns: u64,
+}
+
+impl RunInfo {
+    /// Returns the names for events.
+    pub fn event_names(&self) -> EventNames {
+        EventNames {
+            robots: self.robots.iter().map(|robot| robot.name.clone()).collect(),
+            obstacles: self.obstacles.clone(),
+        }
+    }
 }

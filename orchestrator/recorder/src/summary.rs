@@ -256,6 +256,9 @@ pub struct EventEntry {
     /// Name of the robot, if the event has one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub robot: Option<String>,
+    /// Name of the obstacle, if the event is about one that has a name.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub obstacle: Option<String>,
     /// Index of the other robot, id of the obstacle or index of the exit, depending on the kind.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub other: Option<u32>,

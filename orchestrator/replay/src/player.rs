@@ -62,7 +62,7 @@ pub fn replay(
         return Err(LogReadError::Argument(text.to_owned()).into());
     }
     if options.rate.is_nan() || options.rate <= 0.0 {
-        let text = format!("--rate {}: expected a factor above 0", options.rate);
+        let text = format!("--pace {}: expected a factor above 0", options.rate);
         return Err(LogReadError::Argument(text).into());
     }
     let before = to.saturating_add(1);

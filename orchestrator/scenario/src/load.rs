@@ -92,7 +92,14 @@ impl<'k> Loader<'k> {
                         "the path of a scenario, or the name of a built-in one: {}",
                         list_choices(&names)
                     ));
-                if let Some(near) = nearest(stem, names) {
+                if path
+                    .extension()
+                    .is_some_and(|extension| extension == "mcap")
+                {
+                    problem = problem.help(format!(
+                        "it is a log: `protean verify {target}` runs its scenario again, `protean report {target}` shows it"
+                    ));
+                } else if let Some(near) = nearest(stem, names) {
                     problem = problem.help(format!("did you mean `{near}`?"));
                 }
                 return Err(problem.into());

@@ -1,6 +1,9 @@
 //! A scenario with all values filled in: the complete input of a run.
 
+use std::collections::BTreeMap;
+
 use config::{Node, write_document};
+use geometry::map::MapSpec;
 use platform::shell::quote;
 use runtime::kind::{Need, Product};
 use serde_json::{Value as Json, json};
@@ -115,6 +118,23 @@ pub struct ResolvedScenario {
 }
 
 impl ResolvedScenario {
+    /// Returns the names of the obstacles that have one, by id.
+    pub fn obstacle_names(&self) -> BTreeMap<u32, String> {
+        let obstacles = match &self.world.map {
+            MapSpec::Vector(map) => map.obstacles.as_slice(),
+            _ => &[],
+        };
+        let of_map = (0..).zip(obstacles.iter().map(|obstacle| obstacle.name.clone()));
+        let of_events = self
+            .events
+            .iter()
+            .map(|event| (event.id, event.obstacle.clone()));
+        of_map
+            .filter(|(_, name)| !name.is_empty())
+            .chain(of_events)
+            .collect()
+    }
+
     /// Returns the rules of the game.
     pub fn rules(&self) -> &RulesSpec {
         &self.world.rules

@@ -192,8 +192,8 @@ struct ProgressDisplay {
 impl ProgressDisplay {
     fn new(scenario: &ResolvedScenario, plan: &Plan) -> Self {
         let progress = Progress::new(scenario.world.rules.time_limit, false);
-        let robots = plan.run.robots.iter().map(|r| r.name.clone()).collect();
-        let events = progress.events(robots, false);
+        let names = recording::run_info(scenario, plan).event_names();
+        let events = progress.events(names, false);
         Self { progress, events }
     }
 }

@@ -46,7 +46,7 @@ use scenario::kind::{Kind, find};
 use common::JsonArg;
 #[cfg(test)]
 pub(crate) use help::HEADINGS;
-use output::EXIT_INVALID;
+use output::{EXIT_INVALID, print};
 use run_args::{DEFAULT_SCENARIO, RunArgs};
 
 /// Simulate, record and measure missions of 2-D robots: pursuit-evasion, patrol and coverage.
@@ -194,6 +194,24 @@ pub fn main_with(kinds: Vec<Kind>) -> ExitCode {
     output::exit_code(command(kinds, cli))
 }
 
+/// Returns the completion script of a shell; it completes the names of the built-in scenarios, too.
+fn completions(shell: clap_complete::Shell) -> String {
+    // As long as the program, which ends with the command.
+    let names = scenario::list()
+        .into_iter()
+        .map(|scenario| &*scenario.name.leak());
+    let names = clap::builder::PossibleValuesParser::new(names);
+    let mut program = program();
+    for command in ["run", "check", "chaos"] {
+        program = program.mut_subcommand(command, |command| {
+            command.mut_arg("scenario", |argument| argument.value_parser(names.clone()))
+        });
+    }
+    let mut script = Vec::new();
+    clap_complete::generate(shell, &mut program, "protean", &mut script);
+    String::from_utf8_lossy(&script).trim_end().to_owned()
+}
+
 /// Returns a name that two kinds share.
 fn duplicate(kinds: &[Kind]) -> Option<&'static str> {
     let mut rest = kinds;
@@ -233,10 +251,21 @@ fn command(kinds: &'static [Kind], cli: Cli) -> ExitCode {
         Command::Clean { json } => clean::clean(json.json),
         Command::Schema { subject } => schema::schema(kinds, subject),
         Command::Completions { shell } => {
-            let mut stdout = std::io::stdout();
-            clap_complete::generate(shell, &mut program(), "protean", &mut stdout);
+            print(&completions(shell));
             ExitCode::SUCCESS
         }
         Command::Process { kind, config } => process::run(kinds, &kind, &config),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn completion_scripts_know_the_built_in_scenarios() {
+        for shell in [clap_complete::Shell::Bash, clap_complete::Shell::Zsh] {
+            assert!(completions(shell).contains("single_lane"), "{shell}");
+        }
     }
 }

@@ -1,4 +1,4 @@
-//! Commands that were moved or removed, with what to type instead.
+//! First words that are no commands, with what to type instead.
 
 use std::ffi::{OsStr, OsString};
 
@@ -31,9 +31,19 @@ const MOVED: &[Row] = &[
     ),
 ];
 
-/// Returns the message for a command line (without the program's name) that begins with a removed command.
+/// Returns the message for a command line (without the program's name) that begins with a removed command, or with a
+/// scenario.
 pub(super) fn message(arguments: &[OsString]) -> Option<String> {
-    find(MOVED, arguments)
+    find(MOVED, arguments).or_else(|| scenario(arguments.first()?.to_str()?))
+}
+
+fn scenario(word: &str) -> Option<String> {
+    let is_built_in = scenario::list()
+        .iter()
+        .any(|built_in| built_in.name == word);
+    (is_built_in || word.ends_with(".toml")).then(|| {
+        format!("error: `{word}` is a scenario, not a command; run it with `protean run {word}`")
+    })
 }
 
 fn find(rows: &[Row], arguments: &[OsString]) -> Option<String> {
@@ -69,6 +79,18 @@ mod tests {
         assert_eq!(answer("sweep"), None);
         assert_eq!(answer("run bench"), None);
         assert_eq!(answer(""), None);
+    }
+
+    #[test]
+    fn a_scenario_without_a_command_is_answered_with_run() {
+        for word in ["chase", "my/own.toml"] {
+            let message = message(&[word.into()]).unwrap();
+            assert!(
+                message.ends_with(&format!("`protean run {word}`")),
+                "{message}"
+            );
+        }
+        assert_eq!(message(&["sweep".into(), "a.toml".into()]), None);
     }
 
     #[test]

@@ -19,7 +19,7 @@ use scenario::kind::Kind;
 pub(super) const HELP: &str = "\
 Publishes the messages of a log in a run of its own; viewers and processes join it like any run (stderr shows its root
 and prefix). Messages and stamps are those of the log, byte for byte. The messages of a tick are sent together; the
-time between ticks is simulated time divided by --rate. Latched topics (map, state …) are sent first, with their value
+time between ticks is simulated time divided by --pace. Latched topics (map, state …) are sent first, with their value
 before the start. run/control reports the state of the replay (1 playing, 4 ended) and its rate. A subscriber without
 free buffers delays the replay and ends it after 10 s; no message is dropped.
 
@@ -44,10 +44,10 @@ pub(super) struct ReplayArgs {
     /// Log file
     log: PathBuf,
     /// Replay FACTOR times as fast as real time
-    #[arg(long, value_name = "FACTOR", default_value = "1")]
-    rate: f64,
+    #[arg(long, alias = "rate", value_name = "FACTOR", default_value = "1")]
+    pace: f64,
     /// Replay as fast as the subscribers can receive
-    #[arg(long, conflicts_with = "rate")]
+    #[arg(long, conflicts_with = "pace")]
     as_fast_as_possible: bool,
     #[command(flatten)]
     part: PartArgs,
@@ -59,7 +59,7 @@ pub(super) struct ReplayArgs {
     live: Option<u16>,
     /// Test this process of the scenario against the log (repeatable)
     #[arg(long, value_name = "PROCESS", conflicts_with_all = [
-        "rate", "as_fast_as_possible", "start", "again", "topics", "exclude", "live",
+        "pace", "as_fast_as_possible", "start", "again", "topics", "exclude", "live",
     ])]
     test: Vec<String>,
     /// With --test: override a value of the scenario, e.g. `processes.police_1.params.gain=2`
@@ -98,7 +98,7 @@ fn play(
         rate: if args.as_fast_as_possible {
             f64::INFINITY
         } else {
-            args.rate
+            args.pace
         },
         start_s: args.part.start,
         end_s: args.part.end,

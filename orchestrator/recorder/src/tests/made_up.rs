@@ -356,6 +356,7 @@ pub fn run_info() -> RunInfo {
                 lap_limit_s: None,
             })
             .to_vec(),
+        obstacles: Default::default(),
         tick_period_ns: PERIOD_NS,
     }
 }

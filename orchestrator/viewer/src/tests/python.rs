@@ -66,7 +66,7 @@ fn python_decodes_every_message_of_the_log() {
         "unsorted 0",
         "particles 40 780.0",
         "frames police_1 police_2 baddie_1",
-        "log baddie_1 was caught by police_1",
+        "log baddie_1 caught by police_1",
         "markers body heading name body heading name body heading name",
     ] {
         assert!(

@@ -4,7 +4,7 @@ use ipc_types::consumer::{Consumer, LoggedMessage};
 use ipc_types::messages::process::{LogHeader, ProcessEvent};
 use ipc_types::messages::world::WorldEvent;
 use ipc_types::topics::{ProcessEvents, ProcessLog, TopicId, WorldEvents};
-use recorder::{ProcessInfo, RobotInfo};
+use recorder::{EventNames, ProcessInfo, RunInfo};
 
 use super::channel::ViewerChannel;
 use super::picture::Picture;
@@ -20,14 +20,16 @@ const ERROR: u8 = 40;
 /// `/rosout`.
 pub(super) struct LogTopic {
     channel: ViewerChannel<Log>,
+    names: EventNames,
     processes: Vec<ProcessInfo>,
 }
 
 impl LogTopic {
-    pub(super) fn new(processes: &[ProcessInfo], picture: &mut Picture) -> Self {
+    pub(super) fn new(run: &RunInfo, picture: &mut Picture) -> Self {
         Self {
             channel: picture.add_channel("/rosout"),
-            processes: processes.to_vec(),
+            names: run.event_names(),
+            processes: run.processes.clone(),
         }
     }
 }
@@ -42,10 +44,10 @@ impl Consumer<Picture> for LogTopic {
     }
 
     fn message(&mut self, logged: &LoggedMessage<'_>, picture: &mut Picture) {
-        let (time_ns, processes) = (logged.time_ns, &self.processes);
+        let (time_ns, names, processes) = (logged.time_ns, &self.names, &self.processes);
         let mut lines = Vec::new();
         if let Some((_, events)) = logged.view::<WorldEvents>() {
-            lines.extend(events.map(|event| message(&event, &picture.robots, time_ns)));
+            lines.extend(events.map(|event| message(&event, names, time_ns)));
         }
         if let Some((_, events)) = logged.view::<ProcessEvents>() {
             lines.extend(events.map(|event| process_event(&event, processes, time_ns)));
@@ -61,7 +63,7 @@ impl Consumer<Picture> for LogTopic {
 }
 
 /// Returns an event as a log line.
-fn message(event: &WorldEvent, robots: &[RobotInfo], time_ns: u64) -> Log {
+fn message(event: &WorldEvent, names: &EventNames, time_ns: u64) -> Log {
     let level = match WorldEvent::name_of(event.kind) {
         "invalid_command" | "missing_command" | "stands" => WARN,
         "contact_begin" | "contact_end" => DEBUG,
@@ -70,7 +72,7 @@ fn message(event: &WorldEvent, robots: &[RobotInfo], time_ns: u64) -> Log {
     Log {
         stamp: time(time_ns),
         level,
-        msg: sentence(event, robots),
+        msg: names.words(event),
         name: "world".to_owned(),
         ..Log::default()
     }
@@ -122,74 +124,5 @@ fn process_name(index: u32, processes: &[ProcessInfo]) -> String {
     match known.find(|process| process.index == index) {
         Some(process) => process.name.clone(),
         None => format!("process {index}"),
-    }
-}
-
-/// Returns an event as a sentence.
-fn sentence(event: &WorldEvent, robots: &[RobotInfo]) -> String {
-    let name = |index: u32| match robots.get(index as usize) {
-        Some(robot) => robot.name.clone(),
-        None if index == WorldEvent::NONE => "an obstacle".to_owned(),
-        None => format!("robot {index}"),
-    };
-    let (robot, other) = (name(event.robot), name(event.other));
-    let has_robot = event.robot != WorldEvent::NONE;
-    match WorldEvent::name_of(event.kind) {
-        "captured" if event.other == WorldEvent::NONE => format!("{robot} was caught"),
-        "captured" => format!("{robot} was caught by {other}"),
-        "escaped" => format!("{robot} escaped"),
-        "timed_out" if has_robot => format!("{robot} reached the time limit"),
-        "timed_out" => "the time limit is reached".to_owned(),
-        "goal_reached" => format!("{robot} reached its goal"),
-        "contact_begin" => format!("{robot} touches {other}"),
-        "contact_end" => format!("{robot} no longer touches {other}"),
-        "invalid_command" => format!("{robot} received an invalid command and stops"),
-        "missing_command" => format!("{robot} received no command and stops"),
-        "obstacle" => format!("obstacle {} changed", event.other),
-        "game_over" => "the game is over".to_owned(),
-        "stands" => format!("{robot} stands: no progress for {:.0} s", event.value),
-        other if has_robot => format!("{robot}: {}", other.replace('_', " ")),
-        other => format!("{} event (code {})", other.replace('_', " "), event.kind),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn sentences_name_the_robots() {
-        let robots = ["police_1", "baddie_1"]
-            .map(|name| RobotInfo {
-                name: name.to_owned(),
-                radius: 0.1,
-                visits_waypoints: false,
-                lap_limit_s: None,
-            })
-            .to_vec();
-        let say = |kind, robot, other| {
-            sentence(
-                &WorldEvent {
-                    kind,
-                    robot,
-                    other,
-                    ..WorldEvent::default()
-                },
-                &robots,
-            )
-        };
-        let none = WorldEvent::NONE;
-        assert_eq!(say(0, 1, 0), "baddie_1 was caught by police_1");
-        assert_eq!(say(1, 1, 0), "baddie_1 escaped");
-        assert_eq!(say(4, 0, none), "police_1 touches an obstacle");
-        assert_eq!(say(4, 0, 1), "police_1 touches baddie_1");
-        assert_eq!(say(8, none, 12), "obstacle 12 changed");
-        assert_eq!(say(77, none, none), "unknown event (code 77)");
-        assert!(
-            WorldEvent::NAMES
-                .iter()
-                .enumerate()
-                .all(|(kind, _)| { !say(kind as u32, 1, 0).contains("unknown") })
-        );
     }
 }

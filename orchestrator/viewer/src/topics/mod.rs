@@ -46,7 +46,7 @@ fn topics(run: &RunInfo, options: &ViewerOptions, picture: &mut Picture) -> Vec<
         Box::new(obstacles::ObstaclesTopic::new(&options.obstacles, picture)),
         Box::new(robot_lines::LinesTopic::plans(picture)),
         Box::new(robot_lines::LinesTopic::trees(picture)),
-        Box::new(log::LogTopic::new(&run.processes, picture)),
+        Box::new(log::LogTopic::new(run, picture)),
         Box::new(points::BeliefsTopic::new(picture)),
         Box::new(points::ScansTopic::new(picture)),
     ]
