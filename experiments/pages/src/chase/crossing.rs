@@ -9,7 +9,7 @@ use crate::words::{in_table, ratio};
 /// Returns the speeds at which the chance of a method crosses one half; `None` without games.
 pub(super) fn crossings(study: &Study, method: &str) -> Option<Crossings> {
     let cell = |r: f64| {
-        let escapes = study.cell(method, r)?.escapes;
+        let escapes = study.cell(method, r)?.escapes();
         Some((r, escapes.share()?, escapes.interval(Z95)))
     };
     let points: Vec<_> = study.ratios(method).into_iter().filter_map(cell).collect();
@@ -50,7 +50,9 @@ pub(super) fn words(study: &Study, method: &str) -> Vec<String> {
 fn brackets(study: &Study, method: &str, crossings: &Crossings) -> String {
     let speeds = study.ratios(method);
     let half = |r: &f64| {
-        let share = study.cell(method, *r).and_then(|cell| cell.escapes.share());
+        let share = study
+            .cell(method, *r)
+            .and_then(|cell| cell.escapes().share());
         share.is_some_and(|share| share >= 0.5)
     };
     if crossings.brackets.is_empty() {

@@ -19,10 +19,10 @@ pub(super) fn chart(
     let series = study.methods.iter().map(|method| {
         let cells = study.cells.iter().filter(|c| c.method == method.name);
         let points = cells.filter_map(|cell| {
-            let interval = cell.escapes.interval(Z95);
+            let interval = cell.escapes().interval(Z95);
             Some(Point {
                 x: cell.ratio,
-                y: cell.escapes.share()?,
+                y: cell.escapes().share()?,
                 interval: Some((interval.low, interval.high)),
             })
         });
@@ -43,7 +43,7 @@ pub(super) fn chart(
             reference: reference.collect(),
         }
     });
-    let games: Vec<u64> = study.cells.iter().map(|c| c.escapes.groups()).collect();
+    let games: Vec<u64> = study.cells.iter().map(|c| c.escapes().groups()).collect();
     let games = match (games.iter().min(), games.iter().max()) {
         (Some(least), Some(most)) if least == most => format!("{most} games per point"),
         (Some(least), Some(most)) => format!("{least} to {most} games per point"),

@@ -3,6 +3,7 @@
 use statistics::Sample;
 
 use crate::plans::Plans;
+use crate::statistics::BySeed;
 
 /// Input of the page. The page notes missing parts.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -52,14 +53,21 @@ pub struct Cell {
     pub method: String,
     /// Speed of the evaders relative to the Police.
     pub ratio: f64,
-    /// Escaped evaders, game by game.
-    pub escapes: Sample,
+    /// Escaped evaders and all evaders, game by game.
+    pub games: BySeed,
     /// Evaders that were caught.
     pub caught: u64,
     /// Evaders that were still in the game at the time limit.
     pub held_out: u64,
     /// Failed games; they are not in other counts.
     pub failed: u64,
+}
+
+impl Cell {
+    /// Returns the escapes of all games.
+    pub fn escapes(&self) -> Sample {
+        self.games.values().copied().collect()
+    }
 }
 
 impl Evidence {
@@ -80,7 +88,7 @@ impl Study {
         self.cells
             .iter()
             .find(|c| c.method == method && same(c.ratio, ratio))
-            .filter(|c| c.escapes.members() > 0)
+            .filter(|c| c.escapes().members() > 0)
     }
 
     /// Returns the speeds of a method that have games, ascending.
@@ -88,18 +96,25 @@ impl Study {
         let cells = self
             .cells
             .iter()
-            .filter(|c| c.method == method && c.escapes.members() > 0);
+            .filter(|c| c.method == method && c.escapes().members() > 0);
         let mut ratios: Vec<f64> = cells.map(|c| c.ratio).collect();
         ratios.sort_by(f64::total_cmp);
         ratios
     }
 
-    /// Returns the games of a method at several speeds as one sample; `None` if one of them has
-    /// none.
-    pub fn pooled(&self, method: &str, ratios: &[f64]) -> Option<Sample> {
-        ratios.iter().try_fold(Sample::default(), |sum, &ratio| {
-            Some(sum.with(&self.cell(method, ratio)?.escapes))
-        })
+    /// Returns the games of a method at several speeds, those of one seed as one; `None` if a speed has
+    /// none. Seeds that a speed lacks are left out.
+    pub fn pooled(&self, method: &str, ratios: &[f64]) -> Option<BySeed> {
+        let cells: Option<Vec<&Cell>> = ratios.iter().map(|&r| self.cell(method, r)).collect();
+        let (first, others) = cells?.split_first().map(|(f, o)| (*f, o.to_vec()))?;
+        let games = first.games.iter().filter_map(|(seed, &game)| {
+            let sum = others.iter().try_fold(game, |(hits, members), cell| {
+                let more = cell.games.get(seed)?;
+                Some((hits + more.0, members + more.1))
+            });
+            Some((*seed, sum?))
+        });
+        Some(games.collect())
     }
 
     /// Returns the title of a method.

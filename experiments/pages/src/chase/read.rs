@@ -92,7 +92,7 @@ impl Study {
                 cell.failed += 1;
                 continue;
             }
-            cell.escapes.add(row.escaped, row.evaders);
+            cell.games.insert(mission.seed, (row.escaped, row.evaders));
             cell.caught += u64::from(row.caught);
             cell.held_out += u64::from(row.held_out);
         }

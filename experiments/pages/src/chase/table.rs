@@ -28,8 +28,8 @@ pub(super) fn by_speed(study: &Study) -> String {
         for method in &study.methods {
             let cell = study.cell(&method.name, speed);
             let chance = cell.and_then(|cell| {
-                let interval = cell.escapes.interval(Z95);
-                Some(percent(cell.escapes.share()?, interval))
+                let interval = cell.escapes().interval(Z95);
+                Some(percent(cell.escapes().share()?, interval))
             });
             text += &format!(" {} |", chance.unwrap_or_else(|| "–".to_owned()));
         }
@@ -41,7 +41,7 @@ pub(super) fn by_speed(study: &Study) -> String {
 /// Returns the number of games per cell of a method, failed ones apart.
 fn games(study: &Study, method: &str) -> String {
     let cells = || study.cells.iter().filter(|c| c.method == method);
-    let counts = || cells().map(|c| c.escapes.groups());
+    let counts = || cells().map(|c| c.escapes().groups());
     let played = match (counts().min(), counts().max()) {
         (Some(least), Some(most)) if least < most => format!("{least} to {most}"),
         (least, _) => least.unwrap_or(0).to_string(),
@@ -57,7 +57,7 @@ fn games(study: &Study, method: &str) -> String {
 pub(super) fn cells(study: &Study, published: &[Published]) -> String {
     let mut text = String::new();
     for cell in &study.cells {
-        let sample = &cell.escapes;
+        let sample = cell.escapes();
         let by_game = sample.interval(Z95);
         let theirs = find(published, &cell.method, cell.ratio);
         let (value, inside, alike) = match theirs {

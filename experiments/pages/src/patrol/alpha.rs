@@ -99,11 +99,14 @@ pub(super) fn rows(study: &Study) -> String {
 /// Returns the mean of a value over a cell's missions, with its 95 % interval; without one if all missions have
 /// the same value.
 pub(super) fn mean(cell: &Cell, value: impl Fn(&Row) -> Option<f64>) -> String {
-    let Some(mean) = cell.mean(value) else {
+    let Some(mean) = cell.mean(&value) else {
         return "–".into();
     };
     let half = mean.interval().width() / 2.0;
-    if half.is_finite() && half > 0.0 {
+    let mut values = cell.rows.iter().filter_map(value);
+    let first = values.next();
+    let differ = values.any(|v| Some(v) != first);
+    if half.is_finite() && differ {
         format!("{} ± {}", hundredths(mean.value), hundredths(half))
     } else {
         hundredths(mean.value)

@@ -29,7 +29,7 @@ pub fn fisher_exact((a, n): (u64, u64), (b, m): (u64, u64)) -> f64 {
 }
 
 /// Returns the logarithm of the number of ways to choose `k` of `n`; `k` ≤ `n`.
-fn ln_choose(n: u64, k: u64) -> f64 {
+pub(super) fn ln_choose(n: u64, k: u64) -> f64 {
     let ln_factorial = |v: u64| ln_gamma(v as f64 + 1.0);
     ln_factorial(n) - ln_factorial(k) - ln_factorial(n - k)
 }

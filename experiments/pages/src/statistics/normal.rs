@@ -9,11 +9,6 @@ pub fn upper_tail(z: f64) -> f64 {
     0.5 * erfc(z / SQRT_2)
 }
 
-/// Returns the probability that its distance from 0 exceeds `z`: the two-sided p-value of `z`.
-pub fn two_sided(z: f64) -> f64 {
-    erfc(z.abs() / SQRT_2)
-}
-
 /// Returns the `z` ≥ 0 that a standard normal variable exceeds with this probability.
 ///
 /// `tail` is clamped to 10⁻³⁰⁰ … ½; NaN counts as ½.
@@ -55,7 +50,6 @@ mod tests {
     fn tails_and_quantiles_are_those_of_the_tables() {
         assert!((upper_tail(0.0) - 0.5).abs() < 1e-15);
         assert!((upper_tail(1.644_853_626_951_472_2) - 0.05).abs() < 1e-12);
-        assert!((two_sided(-2.575_829_303_548_900_4) - 0.01).abs() < 1e-12);
         assert!((z_of_tail(0.025) - Z95).abs() < 1e-12);
         assert!((simultaneous_z(1) - Z95).abs() < 1e-12);
         // 0.05 / 8 to both sides together.

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use sweep::planning::{PlanResults, PlanRow};
 
 use crate::place::{PlaceError, empty_place};
+use crate::statistics::BySeed;
 
 /// Name of the experiment of Table 2.
 pub(super) const SENSITIVITY: &str = "vmc_lp_sensitivity";
@@ -97,16 +98,38 @@ impl Study {
         self.cells.get(&(case.to_owned(), value.to_owned()))
     }
 
+    /// Returns the failures among the solvable problems of a case, by seed; `None` if there are no such
+    /// problems.
+    pub(super) fn failed_seeds(&self, case: &str, value: &str) -> Option<BySeed> {
+        let plans = self.cell(case, value)?.iter();
+        let failures = plans
+            .filter(|(_, plan)| !plan.unsolvable)
+            .map(|(seed, plan)| (*seed, (u32::from(plan.time.is_none()), 1)));
+        let failures: BySeed = failures.collect();
+        (!failures.is_empty()).then_some(failures)
+    }
+
     /// Returns the numbers of failed and of solvable problems of a case; `None` if there are no
     /// problems.
     pub(super) fn failures(&self, case: &str, value: &str) -> Option<(u64, u64)> {
-        let plans = self.cell(case, value)?.values();
-        let (failed, of) = plans
-            .filter(|p| !p.unsolvable)
-            .fold((0, 0), |(failed, of), p| {
-                (failed + u64::from(p.time.is_none()), of + 1)
+        let failures = self.failed_seeds(case, value)?;
+        let failed = failures.values().map(|f| u64::from(f.0)).sum();
+        Some((failed, failures.len() as u64))
+    }
+
+    /// Returns `true` if two values are one and the same set of runs: the same problems with the same plans in
+    /// every case.
+    pub(super) fn are_same_runs(&self, a: &str, b: &str) -> bool {
+        let of = |value: &str| {
+            let cells = self.cells.iter().filter(|((_, v), _)| v == value);
+            let runs = cells.flat_map(|((case, _), cell)| {
+                let plan = |(seed, plan): (&u64, &Plan)| (*seed, plan.unsolvable, plan.time);
+                cell.iter().map(plan).map(|run| (case.clone(), run))
             });
-        (of > 0).then_some((failed, of))
+            runs.collect::<Vec<_>>()
+        };
+        let runs = of(a);
+        !runs.is_empty() && runs == of(b)
     }
 
     /// Returns the number of problems of a value without a solution.

@@ -1,11 +1,11 @@
 //! Table 2: sensitivity of the methods to their parameters.
 
 use draw::figures::{Chart, Point, Series, Unit};
-use statistics::{Interval, wilson};
+use statistics::{Interval, Z95, wilson};
 
 use super::evidence::Study;
 use super::published::{RUNS, Sensitivity, Setting, TABLE_2};
-use crate::statistics::{fisher_exact, holm, newcombe};
+use crate::statistics::{Difference, fisher_exact, holm};
 use crate::template::Values;
 use crate::words::{p_value, point_range, points, shares};
 
@@ -32,10 +32,10 @@ enum Against {
 }
 
 impl Against {
-    fn of(ours: (u64, u64), published: u64, p: f64) -> Self {
+    fn of(ours: (u64, u64), published: (u64, u64), p: f64) -> Self {
         if p >= 0.05 {
             Self::Agrees
-        } else if share(ours) < share((published, RUNS)) {
+        } else if share(ours) < share(published) {
             Self::Fewer
         } else {
             Self::More
@@ -68,36 +68,71 @@ fn settings() -> impl Iterator<Item = (&'static Sensitivity, &'static Setting)> 
         .flat_map(|row| row.settings.iter().map(move |setting| (row, setting)))
 }
 
+/// Settings that are one and the same set of runs here.
+type Group = Vec<(&'static Sensitivity, &'static Setting)>;
+
+/// Returns the settings of the table, each set of runs once.
+fn groups(study: &Study) -> Vec<Group> {
+    let mut groups: Vec<Group> = Vec::new();
+    for (row, setting) in settings() {
+        let same = |group: &&mut Group| {
+            let first = group.first();
+            first.is_some_and(|(_, first)| study.are_same_runs(first.name, setting.name))
+        };
+        match groups.iter_mut().find(same) {
+            Some(group) => group.push((row, setting)),
+            None => groups.push(vec![(row, setting)]),
+        }
+    }
+    groups
+}
+
+/// Returns the published failures and runs of a group. Equal counts may be one set of runs as well and count
+/// once.
+fn published(group: &Group) -> (u64, u64) {
+    let mut counts: Vec<u64> = group.iter().map(|(_, setting)| setting.failed).collect();
+    counts.sort_unstable();
+    counts.dedup();
+    (counts.iter().sum(), RUNS * counts.len() as u64)
+}
+
+/// Returns the first cells of a row: parameters, settings and published counts.
+fn title(group: &Group) -> String {
+    let lines = |of: fn(&(&'static Sensitivity, &'static Setting)) -> String| {
+        let lines: Vec<String> = group.iter().map(of).collect();
+        lines.join("<br>")
+    };
+    format!(
+        "| {} | {} | {} |",
+        lines(|(row, _)| row.parameter.to_owned()),
+        lines(|(_, setting)| setting.title.to_owned()),
+        lines(|(_, setting)| format!("{}/{RUNS}", setting.failed)),
+    )
+}
+
 /// Returns our counts of a case beside the published ones.
 fn counts(study: &Study, case: &str) -> String {
-    let ours: Vec<Option<(u64, u64)>> = settings()
-        .map(|(_, setting)| study.failures(case, setting.name))
+    let ours = |group: &Group| study.failures(case, group.first()?.1.name);
+    let groups = groups(study);
+    let tested: Vec<_> = groups.iter().filter_map(|g| Some((g, ours(g)?))).collect();
+    let p: Vec<f64> = tested
+        .iter()
+        .map(|(group, ours)| fisher_exact(*ours, published(group)))
         .collect();
-    let p: Vec<f64> = settings()
-        .zip(&ours)
-        .map(|((_, setting), ours)| {
-            ours.map_or(1.0, |ours| fisher_exact(ours, (setting.failed, RUNS)))
-        })
-        .collect();
-    let p = holm(&p);
+    let mut p = holm(&p).into_iter();
     let mut text = String::new();
-    for (((row, setting), ours), p) in settings().zip(&ours).zip(p) {
-        let Some(ours) = *ours else {
-            text += &format!(
-                "| {} | {} | {}/{RUNS} | – | – | no results | |\n",
-                row.parameter, setting.title, setting.failed
-            );
+    for group in &groups {
+        text += &title(group);
+        let Some((ours, p)) = ours(group).and_then(|ours| Some((ours, p.next()?))) else {
+            text += " – | – | no results | |\n";
             continue;
         };
         text += &format!(
-            "| {} | {} | {}/{RUNS} | {}/{} | {} | {} | {} |\n",
-            row.parameter,
-            setting.title,
-            setting.failed,
+            " {}/{} | {} | {} | {} |\n",
             ours.0,
             ours.1,
             shares(wilson(ours.0, ours.1)),
-            Against::of(ours, setting.failed, p).words(),
+            Against::of(ours, published(group), p).words(),
             p_value(p),
         );
     }
@@ -107,13 +142,13 @@ fn counts(study: &Study, case: &str) -> String {
 /// Returns a table with a column for every case.
 fn overview(study: &Study) -> String {
     let mut text = String::new();
-    for (row, setting) in settings() {
-        text += &format!(
-            "| {} | {} | {}/{RUNS} |",
-            row.parameter, setting.title, setting.failed
-        );
+    for group in groups(study) {
+        let Some((_, setting)) = group.first() else {
+            continue;
+        };
+        text += &title(&group);
         for (case, _) in CASES {
-            let applies = row.of_lp || case.starts_with("vmc");
+            let applies = case.starts_with("vmc") || group.iter().any(|(row, _)| row.of_lp);
             text += &match study.failures(case, setting.name).filter(|_| applies) {
                 Some((failed, of)) => {
                     format!(" {failed}/{of} ({}) |", shares(wilson(failed, of)))
@@ -126,29 +161,26 @@ fn overview(study: &Study) -> String {
     text
 }
 
-/// Tests if changing a parameter changes the chance to fail.
+/// Tests if changing a parameter changes the chance to fail, on the same seeds.
 fn changes(study: &Study, case: &str) -> String {
     let rows: Vec<_> = TABLE_2
         .iter()
         .filter(|row| row.of_lp || case.starts_with("vmc"))
         .filter_map(|row| {
-            let [a, b] = row.settings;
-            let (a, b) = (study.failures(case, a.name)?, study.failures(case, b.name)?);
-            Some((row, a, b))
+            let failed = |setting: Setting| study.failed_seeds(case, setting.name);
+            let [before, after] = row.settings;
+            let change = Difference::of(&failed(after)?, &failed(before)?)?;
+            Some((row, change))
         })
         .collect();
-    let p: Vec<f64> = rows.iter().map(|(_, a, b)| fisher_exact(*a, *b)).collect();
+    let p: Vec<f64> = rows.iter().map(|(_, change)| change.p_value).collect();
     let mut text = String::new();
-    for ((row, a, b), p) in rows.iter().zip(holm(&p)) {
+    for ((row, change), p) in rows.iter().zip(holm(&p)) {
         let [first, second] = row.settings.map(|s| s.failed as f64 / RUNS as f64);
-        let interval = newcombe((share(*a), wilson(a.0, a.1)), (share(*b), wilson(b.0, b.1)));
-        // The change from the first setting to the second.
-        let change = Interval {
-            low: -interval.high,
-            high: -interval.low,
-        };
+        let interval = change.interval(Z95);
+        let [second_alone, first_alone] = change.larger;
         text += &format!(
-            "| {} | {} | {} | {} | {} | {} | {} |\n",
+            "| {} | {} | {} | {} | {} | {first_alone}, {second_alone} | {} | {} |\n",
             row.parameter,
             if row.sensitive {
                 "sensitive"
@@ -156,9 +188,9 @@ fn changes(study: &Study, case: &str) -> String {
                 "less sensitive"
             },
             points(second - first),
-            points(share(*b) - share(*a)),
-            point_range(change),
-            verdict(row, second - first, (share(*b) - share(*a), change), p),
+            points(change.value),
+            point_range(interval),
+            verdict(row, second - first, (change.value, interval), p),
             p_value(p),
         );
     }

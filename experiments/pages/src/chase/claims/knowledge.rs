@@ -23,8 +23,8 @@ pub(super) fn raises(study: &Study) -> Finding {
             study.title(EXACT),
             ratio(r)
         );
-        pairs.push((label, a.escapes, b.escapes));
-        reversed.push((String::new(), b.escapes, a.escapes));
+        pairs.push((label, &a.games, &b.games));
+        reversed.push((String::new(), &b.games, &a.games));
     }
     let (Some(comparisons), Some(reversed)) = (family(&pairs), family(&reversed)) else {
         return Finding::missing("games in every cell");
@@ -52,14 +52,17 @@ pub(super) fn raises(study: &Study) -> Finding {
 /// Claim (f), second part: a conjecture of the paper.
 pub(super) fn fades(study: &Study) -> Finding {
     let high = [2.0, 2.5, 3.0];
-    let rise = |speeds: &[f64]| {
-        let (filter, exact) = (study.pooled(FILTER, speeds)?, study.pooled(EXACT, speeds)?);
-        Difference::of(&filter, &exact)
+    let rises = || {
+        let of =
+            |speeds: &[f64]| Some([study.pooled(FILTER, speeds)?, study.pooled(EXACT, speeds)?]);
+        let ([a, b], [c, d]) = (of(&KNOWLEDGE_RATIOS)?, of(&high)?);
+        let less = difference_of_differences([&a, &b, &c, &d])?;
+        Some((Difference::of(&a, &b)?, Difference::of(&c, &d)?, less))
     };
-    let (Some(slow), Some(fast)) = (rise(&KNOWLEDGE_RATIOS), rise(&high)) else {
+    let Some((slow, fast, less)) = rises() else {
         return Finding::missing("both kinds of knowledge at 0.8× to 1.0× and at 2.0× to 3.0×");
     };
-    let (value, interval) = difference_of_differences(&slow, &fast, Z95);
+    let interval = less.interval();
     let verdict = if interval.low > 0.0 {
         Verdict::Confirmed
     } else if interval.high < 0.0 {
@@ -82,7 +85,7 @@ pub(super) fn fades(study: &Study) -> Finding {
             rise(&high, &fast),
             format!(
                 "Less by {} points ({})",
-                points(value),
+                points(less.value),
                 point_range(interval)
             ),
         ],

@@ -21,7 +21,7 @@ pub(super) fn order(study: &Study) -> Finding {
                 study.title(second),
                 ratio(r)
             );
-            pairs.push((label, a.escapes, b.escapes));
+            pairs.push((label, &a.games, &b.games));
         }
     }
     let Some(comparisons) = family(&pairs) else {
@@ -51,7 +51,7 @@ pub(super) fn drop(study: &Study) -> Finding {
         return Finding::missing("the potential field at 2.0×, 2.5× and 3.0×");
     };
     let label = format!("{} less {}", ratios(&faster), ratio(2.0));
-    let Some(comparisons) = family(&[(label, fast, slow.escapes)]) else {
+    let Some(comparisons) = family(&[(label, &fast, &slow.games)]) else {
         return Finding::missing("games in every cell");
     };
     let verdict = match comparisons.first().map(|c| c.order) {
@@ -77,7 +77,8 @@ pub(super) fn never(study: &Study) -> Finding {
     let z = simultaneous_z(speeds.len());
     let cells = speeds.iter().filter_map(|&r| {
         let cell = study.cell(BRAITENBERG, r)?;
-        Some((r, cell.escapes.share()?, cell.escapes.interval(z)))
+        let escapes = cell.escapes();
+        Some((r, escapes.share()?, escapes.interval(z)))
     });
     let cells: Vec<_> = cells.collect();
     let verdict = if cells.iter().any(|c| c.2.low > 0.5) {

@@ -3,24 +3,33 @@
 mod results;
 mod verdicts;
 
-use draw::figures::draw;
-use statistics::Sample;
-
 use super::evidence::{Cell, Evidence, Method, Study};
 use super::page;
 use crate::plans::{Plan, Plans};
+use crate::statistics::BySeed;
+use draw::figures::draw;
 
-/// Returns `games` games of two evaders, with `escaped` escapes spread evenly.
-fn sample(escaped: u32, games: u32) -> Sample {
-    let pairs = escaped / 2;
-    let single = escaped % 2;
-    (0..games)
-        .map(|i| match i {
-            i if i < pairs => (2, 2),
-            i if i < pairs + single => (1, 2),
-            _ => (0, 2),
-        })
+/// Number of games of a cell.
+const GAMES: u64 = 200;
+
+/// Returns games of two evaders; in this share of them (%) both escape. Which these are depends on the cell
+/// alone: cells are independent.
+fn games(cell: u64, percent: u32) -> BySeed {
+    let mut order: Vec<u64> = (1..=GAMES).collect();
+    order.sort_by_key(|&seed| mixed(seed ^ mixed(cell)));
+    let escaped = |rank: u64| 100 * rank < u64::from(percent) * GAMES;
+    (0..)
+        .zip(order)
+        .map(|(rank, seed)| (seed, if escaped(rank) { (2, 2) } else { (0, 2) }))
         .collect()
+}
+
+/// The generator `SplitMix64`: distributes the bits of a number.
+fn mixed(value: u64) -> u64 {
+    let z = value.wrapping_add(0x9e37_79b9_7f4a_7c15);
+    let z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    z ^ (z >> 31)
 }
 
 /// Returns a study of 200 games per cell: methods with their chances (%) at each speed.
@@ -29,7 +38,10 @@ fn study(ratios: &[f64], methods: &[(&str, &[u32])]) -> Study {
         ratios.iter().zip(*percents).map(|(&ratio, percent)| Cell {
             method: (*name).to_owned(),
             ratio,
-            escapes: sample(percent * 4, 200),
+            games: games(
+                name.bytes().map(u64::from).sum::<u64>() * 100 + (10.0 * ratio) as u64,
+                *percent,
+            ),
             caught: u64::from(400 - percent * 4),
             ..Cell::default()
         })

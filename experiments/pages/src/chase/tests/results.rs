@@ -56,7 +56,7 @@ fn results_become_a_study_once() {
     assert_eq!(study.title("potential_field"), "Potential field");
     let cell = study.cell("potential_field", 2.0).unwrap();
     assert_eq!(
-        (cell.escapes.hits(), cell.escapes.groups(), cell.caught),
+        (cell.escapes().hits(), cell.games.len(), cell.caught),
         (6, 3, 0)
     );
     let error = evidence.add(&results).unwrap_err();

@@ -31,14 +31,14 @@ fn without_results_the_page_has_a_note() {
 #[test]
 fn counts_are_compared_with_the_published_ones() {
     let mut study = Study::default();
-    let mut put = |value: &str, failed| {
+    let mut put = |value: &str, failed, time| {
         let key = ("vmc".to_owned(), value.to_owned());
-        study.cells.insert(key, plans(500, failed, 39.0, 2.0));
+        study.cells.insert(key, plans(500, failed, time, 2.0));
     };
-    put("radius_5_15", 3);
-    put("radius_20_30", 4);
-    put("obstacles_1_10", 3);
-    put("obstacles_30_40", 60);
+    put("radius_5_15", 3, 39.0);
+    put("radius_20_30", 4, 39.0);
+    put("obstacles_1_10", 3, 38.0);
+    put("obstacles_30_40", 60, 38.0);
     let evidence = Evidence {
         sensitivity: Some(study),
         versus: None,
@@ -54,6 +54,39 @@ fn counts_are_compared_with_the_published_ones() {
     assert!(line("| obstacles | sensitive | +9.8 | +11.4 |").contains("confirmed"));
     assert!(line("| nodes | 10 | 20/500 | – |").contains("no results"));
     assert_eq!(page.images.len(), 1);
+}
+
+#[test]
+fn settings_of_one_set_of_runs_are_counted_once() {
+    let mut study = Study::default();
+    for (value, failed, time) in [
+        ("degree_4", 15, 39.0),
+        ("nodes_15", 15, 39.0),
+        ("radius_5_15", 15, 39.0),
+        ("degree_6", 5, 38.0),
+    ] {
+        let key = ("vmc".to_owned(), value.to_owned());
+        study.cells.insert(key, plans(500, failed, time, 2.0));
+    }
+    let evidence = Evidence {
+        sensitivity: Some(study),
+        versus: None,
+    };
+    let text = page(&evidence).unwrap().text;
+    // 15 of 500 against 2 of 500 and 6 of 500 (twice): Fisher's test of 15/500 and 8/1000 gives 0.00266, Holm's
+    // correction over two tests, 15/500 and 5/500, doubles it.
+    let row =
+        "| degree<br>nodes<br>radius | 4<br>15<br>5 … 15 px | 2/500<br>6/500<br>6/500 | 15/500 |";
+    let row = text.lines().find(|l| l.starts_with(row)).unwrap();
+    assert!(row.ends_with("more fail here | p = 0.0053 |"), "{row}");
+    assert!(!text.contains("| nodes | 15 | 6/500 | 15/500"), "{text}");
+    // 10 seeds fail with degree 4 alone: 2 / 2¹⁰ by McNemar's exact test.
+    let row = "| degree | less sensitive | +0.6 | −2.0 | ";
+    let row = text.lines().find(|l| l.starts_with(row)).unwrap();
+    assert!(
+        row.contains("| 10, 0 |") && row.ends_with("p = 0.0020 |"),
+        "{row}"
+    );
 }
 
 #[test]
