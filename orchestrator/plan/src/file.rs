@@ -6,7 +6,7 @@ use std::collections::btree_map::Entry;
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
-use serde::de::{Deserializer as _, SeqAccess, Visitor};
+use serde::de::{Deserializer as _, IgnoredAny, SeqAccess, Visitor};
 
 use super::field::{FieldError, read_instance};
 use super::instance::Instance;
@@ -14,6 +14,8 @@ use super::loose::Loose;
 
 /// Maximum size of a file (bytes).
 pub const MAX_FILE: u64 = 64 << 20;
+/// Maximum number of invalid instances of a usable file.
+pub const MAX_INVALID: usize = 1000;
 /// Maximum length of an id (characters).
 pub const MAX_ID: usize = 200;
 
@@ -51,6 +53,14 @@ pub enum FileProblem {
     /// It is not valid JSON.
     #[error("not JSON: {0}; expected an array of instances")]
     Json(#[from] serde_json::Error),
+    /// More than [`MAX_INVALID`] instances are invalid.
+    #[error(
+        "more than {MAX_INVALID} invalid instances, the first: {first}; expected an array of instances"
+    )]
+    TooManyInvalid {
+        /// Error of the first one.
+        first: FieldError,
+    },
     /// It is JSON, but not an array of instances.
     #[error("{found}; expected an array of at least one instance")]
     NotInstances {
@@ -59,7 +69,7 @@ pub enum FileProblem {
     },
 }
 
-/// Reads a file. Each invalid instance has its own error; the others are usable.
+/// Reads a file. Each of up to [`MAX_INVALID`] invalid instances has its own error; the others are usable.
 ///
 /// # Errors
 /// [`FileError`] if the whole file is unusable.
@@ -103,7 +113,12 @@ pub fn parse(bytes: &[u8]) -> Result<Vec<Element>, FileProblem> {
         let found = "an empty array".to_owned();
         return Err(FileProblem::NotInstances { found });
     }
-    Ok(elements)
+    let mut errors = elements.iter().filter_map(|e| e.instance.as_ref().err());
+    let first = errors.next().cloned();
+    match (first, errors.nth(MAX_INVALID - 1)) {
+        (Some(first), Some(_)) => Err(FileProblem::TooManyInvalid { first }),
+        _ => Ok(elements),
+    }
 }
 
 /// Reads the elements of the array one by one: the JSON of only one is in memory.
@@ -119,6 +134,7 @@ impl<'de> Visitor<'de> for ElementsVisitor {
     fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<Vec<Element>, A::Error> {
         let mut elements = Vec::new();
         let mut ids = BTreeMap::new();
+        let mut invalid = 0;
         while let Some(json) = list.next_element::<Loose>()? {
             let index = elements.len();
             elements.push(match id(&json, index, &mut ids) {
@@ -131,6 +147,16 @@ impl<'de> Visitor<'de> for ElementsVisitor {
                     instance: Err(error),
                 },
             });
+            // Each error takes more memory than its text in the file.
+            invalid += usize::from(
+                elements
+                    .last()
+                    .is_some_and(|e: &Element| e.instance.is_err()),
+            );
+            if invalid > MAX_INVALID {
+                while list.next_element::<IgnoredAny>()?.is_some() {}
+                break;
+            }
         }
         Ok(elements)
     }

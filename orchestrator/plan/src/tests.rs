@@ -249,6 +249,28 @@ fn an_element_without_a_valid_id_leaves_the_others_usable() {
 }
 
 #[test]
+fn many_numbers_instead_of_instances_take_no_memory_for_errors() {
+    let list = |invalid: usize| {
+        let mut list = vec![good()];
+        list.extend((0..invalid).map(|number| json!(number)));
+        parse(&serde_json::to_vec(&list).unwrap())
+    };
+    let most = super::file::MAX_INVALID;
+    assert_eq!(list(most).unwrap().len(), most + 1);
+    let error = list(most + 1).unwrap_err().to_string();
+    assert!(
+        error.starts_with("more than 1000 invalid instances, the first: element 1 = 0:"),
+        "{error}"
+    );
+    // The rest of the file is read, but must be JSON.
+    let broken = format!("[{}1", "1,".repeat(most + 1));
+    assert!(matches!(
+        parse(broken.as_bytes()),
+        Err(FileProblem::Json(_))
+    ));
+}
+
+#[test]
 fn a_byte_order_mark_is_skipped() {
     let mut bytes = b"\xef\xbb\xbf".to_vec();
     bytes.extend(serde_json::to_vec(&[good()]).unwrap());
