@@ -8,8 +8,9 @@ use std::sync::{Arc, LazyLock};
 
 use arena::{Arena, DT, Kinematic, street_starts, view};
 use evader_rrt_star::RrtStarEvader;
-use evader_rrt_star::params::{Follower, Primitive, RrtStarParams};
+use evader_rrt_star::params::{Follower, Primitive, ReplanRule, RrtStarParams};
 use geometry::pose::{Pose2, Twist2};
+use geometry::shape::Convex;
 use nalgebra::Point2;
 use planner_view::limits::Limits;
 use planner_view::map::PlannerMap;
@@ -139,6 +140,49 @@ fn a_plan_holds_only_after_the_time_that_it_takes() {
     let mut evader = self::evader(&params);
     evader.command(map, &view(0.0, &robots, &[EXIT]));
     assert!(evader.route().is_some());
+}
+
+/// The published program forgets a path when the next search finds none; the default keeps it.
+#[test]
+fn a_failed_plan_drops_the_path_by_the_papers_rule_only() {
+    let wall = |x: f64, y: f64, half| Convex::rectangle(Point2::new(x, y), half, 0.0);
+    let room = vec![
+        wall(0.0, 1.0, [1.2, 0.1]),
+        wall(0.0, -1.0, [1.2, 0.1]),
+        wall(1.0, 0.0, [0.1, 1.2]),
+        wall(-1.0, 0.0, [0.1, 1.2]),
+    ];
+    let map = CITY
+        .1
+        .clone()
+        .with_space(Arc::new(support::space(room, 9.5)));
+    let (outside, inside) = (Point2::new(1.8, 0.0), Point2::new(0.0, 0.0));
+    let robots = [
+        robot(0, Team::Evader, Pose2::new(1.8, -1.5, 0.0), V_MAX),
+        // Near enough that the paper's rule plans again.
+        robot(1, Team::Police, Pose2::new(2.6, -0.5, 0.0), 0.3),
+    ];
+    for rule in [ReplanRule::Paper, ReplanRule::Periodic] {
+        let mut params = RrtStarParams::default();
+        params.replan.rule = rule;
+        params.replan.period_s = 0.5;
+        params.timing.time_per_iteration_s = 0.0;
+        let mut evader = evader(&params);
+        evader.command(&map, &view(0.0, &robots, &[outside]));
+        assert!(
+            evader.route().is_some_and(|route| route.is_complete),
+            "{rule:?}"
+        );
+        let mut plans = 0;
+        for tick in 1..60 {
+            let time = f64::from(tick) * DT;
+            evader.command(&map, &view(time, &robots, &[inside]));
+            plans += u32::from(evader.take_tree().is_some());
+        }
+        assert!(plans > 1, "{rule:?}: no plan failed");
+        let keeps = evader.route().is_some();
+        assert_eq!(keeps, rule == ReplanRule::Periodic, "{rule:?}");
+    }
 }
 
 #[test]
