@@ -170,6 +170,18 @@ fn around_a_block(knowledge: &ChebyshevKnowledge, start: Point2<f64>) -> Layout 
     knowledge.layout_of_map(bounds, &parts, 0.1, start).unwrap()
 }
 
+/// Returns the stretches of predictions with errors above `limit` (m); those less than 5 s apart are one.
+fn stretches(errors: &[f64], limit: f64) -> Vec<std::ops::Range<usize>> {
+    let mut found: Vec<std::ops::Range<usize>> = Vec::new();
+    for (index, _) in errors.iter().enumerate().filter(|(_, e)| **e > limit) {
+        match found.last_mut().filter(|last| index < last.end + 100) {
+            Some(last) => last.end = index + 1,
+            None => found.push(index..index + 1),
+        }
+    }
+    found
+}
+
 #[test]
 fn a_coverage_of_several_rectangles_is_predicted_although_none_is_told() {
     let knowledge = ChebyshevKnowledge::default();
@@ -194,8 +206,15 @@ fn a_coverage_of_several_rectangles_is_predicted_although_none_is_told() {
             "unseen {unseen}: {after:?}"
         );
         // Goals of all rectangles and of the transits between them follow.
-        let bad = found.errors.iter().filter(|error| **error > 1.5).count();
-        assert!(median(&found.errors) < 0.6 && 10 * bad < found.errors.len());
+        assert!(median(&found.errors) < 0.6);
+        // After a mistaken goal the observer looks for the robot elsewhere, until later goals set it right.
+        let lost = stretches(&found.errors, 1.5);
+        let longest = lost.iter().map(|s| s.end - s.start).max();
+        assert!(longest.is_none_or(|ticks| ticks < 1600), "80 s: {lost:?}");
+        let total: usize = lost.iter().map(|s| s.end - s.start).sum();
+        assert!(10 * total < found.errors.len(), "{lost:?}");
+        let last = lost.last().map_or(0, |stretch| stretch.end);
+        assert!(last + 1600 < found.errors.len(), "{lost:?}");
     }
 }
 
