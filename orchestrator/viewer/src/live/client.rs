@@ -14,6 +14,7 @@ use tungstenite::{Error, Message, WebSocket, accept_hdr_with_config};
 
 use super::broadcaster::{Broadcaster, Frame};
 use super::handshake::{self, Token};
+use super::seat::Seat;
 use super::wire;
 
 /// Timeout of the handshake.
@@ -41,12 +42,15 @@ pub(super) struct ServerState {
 }
 
 /// Serves one connection until it ends; the stream must be non-blocking.
-pub(super) fn serve(server_state: &ServerState, stream: TcpStream, wake: OwnedFd) {
+pub(super) fn serve(server_state: &ServerState, stream: TcpStream, seat: &Seat) {
     let broadcaster = &*server_state.broadcaster;
-    let Some(socket) = handshake(broadcaster, &server_state.token, stream) else {
+    let Some(socket) = handshake(broadcaster, &server_state.token, stream, seat) else {
         return;
     };
-    let wake = Arc::new(wake);
+    if !seat.admit() {
+        return;
+    }
+    let wake = Arc::clone(seat.wake());
     let Some(id) = broadcaster.join(&server_state.session, Arc::clone(&wake)) else {
         return;
     };
@@ -74,6 +78,7 @@ fn handshake(
     broadcaster: &Broadcaster,
     token: &Token,
     stream: TcpStream,
+    seat: &Seat,
 ) -> Option<WebSocket<TcpStream>> {
     let deadline = Instant::now() + HANDSHAKE_TIMEOUT;
     #[expect(clippy::result_large_err, reason = "signature of the library")]
@@ -90,12 +95,13 @@ fn handshake(
             // Refused, with a reason in the response; or not a WebSocket client.
             Err(HandshakeError::Failure(_)) => return None,
             Err(HandshakeError::Interrupted(half)) => {
-                if Instant::now() >= deadline || broadcaster.is_closed() {
+                if Instant::now() >= deadline || seat.is_dismissed() || broadcaster.is_closed() {
                     return None;
                 }
                 // Responses fit every buffer: the request is incomplete.
                 let stream = half.get_ref().get_ref();
-                wait(&mut [PollFd::new(stream, PollFlags::IN)]).ok()?;
+                let woken = PollFd::new(&**seat.wake(), PollFlags::IN);
+                wait(&mut [PollFd::new(stream, PollFlags::IN), woken]).ok()?;
                 result = half.handshake();
             }
         }

@@ -18,6 +18,7 @@ mod broadcaster;
 mod client;
 mod error;
 mod handshake;
+mod seat;
 mod server;
 mod wire;
 

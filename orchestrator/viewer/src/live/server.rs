@@ -1,7 +1,7 @@
 //! Live server: the port and its threads.
 
 use std::io;
-use std::net::{Ipv4Addr, SocketAddr, TcpListener};
+use std::net::{Ipv4Addr, SocketAddr, TcpListener, TcpStream};
 use std::os::fd::OwnedFd;
 use std::sync::Arc;
 use std::thread::JoinHandle;
@@ -13,9 +13,12 @@ use super::broadcaster::{BroadcastHandle, Broadcaster, LiveTotals};
 use super::client::{self, ServerState};
 use super::error::LiveError;
 use super::handshake::Token;
+use super::seat::Seat;
 
-/// Maximum number of simultaneous connections.
-const MAX_CONNECTIONS: usize = 32;
+/// Maximum number of viewers.
+const MAX_VIEWERS: usize = 32;
+/// Maximum number of connections that have not presented the token; one more replaces the oldest of them.
+const MAX_NEWCOMERS: usize = 32;
 /// Default time without reading after which a viewer is disconnected.
 const STALL_TIMEOUT: Duration = Duration::from_secs(10);
 /// Pause after the operating system failed to accept a connection, for example without free descriptors,
@@ -127,20 +130,16 @@ struct Acceptor {
     end: Arc<OwnedFd>,
 }
 
-/// Result of accepting a connection.
-enum ConnectionAttempt {
-    /// A viewer connected; its thread.
-    Viewer(JoinHandle<()>),
-    /// No connection is pending.
-    NonePending,
-    /// The operating system cannot accept a connection now.
-    Failed,
+/// A connection and its thread.
+struct Connection {
+    thread: JoinHandle<()>,
+    seat: Arc<Seat>,
 }
 
 impl Acceptor {
     /// Accepts connections until the end, and until all viewers have disconnected.
     fn run(&self, listener: &TcpListener) {
-        let mut threads: Vec<JoinHandle<()>> = Vec::new();
+        let mut connections: Vec<Connection> = Vec::new();
         let mut failed = false;
         while !self.server_state.broadcaster.is_closed() {
             let mut fds = [
@@ -155,54 +154,57 @@ impl Acceptor {
             };
             // The only possible error is an interruption.
             let _ = poll(&mut fds[..wanted], limit);
-            threads.retain(|thread| !thread.is_finished());
             failed = loop {
-                match self.accept(listener, threads.len()) {
-                    ConnectionAttempt::Viewer(thread) => threads.push(thread),
-                    ConnectionAttempt::NonePending => break false,
-                    ConnectionAttempt::Failed => break true,
+                match listener.accept() {
+                    Ok((stream, _)) => {
+                        connections.retain(|connection| !connection.thread.is_finished());
+                        self.admit(stream, &mut connections);
+                    }
+                    Err(e) if e.kind() == io::ErrorKind::ConnectionAborted => {}
+                    Err(e) => break e.kind() != io::ErrorKind::WouldBlock,
                 }
             };
         }
-        for thread in threads {
-            let _ = thread.join();
+        for connection in connections {
+            let _ = connection.thread.join();
         }
     }
 
-    /// Starts a thread for the next connection, if there is one. Closes connections beyond the maximum.
-    fn accept(&self, listener: &TcpListener, there: usize) -> ConnectionAttempt {
-        loop {
-            let (stream, _) = match listener.accept() {
-                Ok(accepted) => accepted,
-                Err(e) if e.kind() == io::ErrorKind::ConnectionAborted => continue,
-                Err(e) if e.kind() == io::ErrorKind::WouldBlock => {
-                    return ConnectionAttempt::NonePending;
-                }
-                Err(_) => return ConnectionAttempt::Failed,
-            };
-            if there >= MAX_CONNECTIONS
-                || stream.set_nonblocking(true).is_err()
-                || stream.set_nodelay(true).is_err()
-            {
-                continue;
-            }
-            let Ok(wake) = wake_up() else {
-                continue;
-            };
-            let server_state = self.server_state.clone();
-            let serve = move || client::serve(&server_state, stream, wake);
-            let thread = std::thread::Builder::new().name("viewer".into());
-            if let Ok(thread) = thread.spawn(serve) {
-                return ConnectionAttempt::Viewer(thread);
-            }
+    /// Starts a thread for a connection, or closes it if there are too many viewers.
+    fn admit(&self, stream: TcpStream, connections: &mut Vec<Connection>) {
+        let viewers = connections.iter().filter(|c| c.seat.is_viewer()).count();
+        if viewers >= MAX_VIEWERS {
+            return;
         }
+        // A real viewer presents the token at once, long before so many others have connected after it.
+        if connections.len() - viewers >= MAX_NEWCOMERS
+            && let Some(oldest) = connections.iter().position(|c| !c.seat.is_viewer())
+        {
+            let oldest = connections.remove(oldest);
+            oldest.seat.dismiss();
+            let _ = oldest.thread.join();
+        }
+        if let Ok(connection) = self.connect(stream) {
+            connections.push(connection);
+        }
+    }
+
+    fn connect(&self, stream: TcpStream) -> io::Result<Connection> {
+        stream.set_nonblocking(true)?;
+        stream.set_nodelay(true)?;
+        let seat = Arc::new(Seat::new(wake_up()?));
+        let (server_state, own) = (self.server_state.clone(), Arc::clone(&seat));
+        let serve = move || client::serve(&server_state, stream, &own);
+        let thread = std::thread::Builder::new()
+            .name("viewer".into())
+            .spawn(serve)?;
+        Ok(Connection { thread, seat })
     }
 }
 
 #[cfg(test)]
 mod tests {
     use std::collections::BTreeMap;
-    use std::net::TcpStream;
     use std::time::Instant;
 
     use mcap_log::{ChannelSpec, LogObserver as _};
@@ -258,6 +260,19 @@ mod tests {
             metadata: &BTreeMap::new(),
         });
         server
+    }
+
+    #[test]
+    fn connections_without_the_token_keep_no_viewer_out() {
+        let server = server(LIMIT);
+        let address = server.address;
+        let half_open: Vec<TcpStream> = (0..3 * MAX_NEWCOMERS)
+            .map(|_| TcpStream::connect(address).unwrap())
+            .collect();
+        let viewers: Vec<_> = (0..4).map(|_| viewer(&server)).collect();
+        assert_eq!(viewers.len(), server.totals().viewers as usize);
+        drop((half_open, viewers));
+        server.finish();
     }
 
     #[test]
