@@ -5,7 +5,9 @@
 
 pub mod atomic_file;
 pub mod descriptors;
+pub mod limits;
 pub mod machine;
+pub mod own_file;
 pub mod proc;
 pub mod program;
 pub mod progress;

@@ -33,3 +33,13 @@ pub fn keep_ends_of_children() {
         }
     }
 }
+
+/// Ignores SIGXFSZ, so that a write beyond the limit of file sizes (`ulimit -f`) is an error that names the file and
+/// does not end the program.
+#[expect(unsafe_code, reason = "`rustix` and `signal-hook` ignore no signal")]
+pub fn refuse_large_files() {
+    // SAFETY: sets the action of one signal, before other threads exist; no function is installed.
+    unsafe {
+        libc::signal(libc::SIGXFSZ, libc::SIG_IGN);
+    }
+}

@@ -12,7 +12,7 @@ use std::borrow::Cow;
 /// and characters that change the writing direction.
 fn is_control(c: char) -> bool {
     (c.is_control() && c != '\n' && c != '\t')
-        || matches!(c, '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
+        || matches!(c, '\u{61c}' | '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
 }
 
 /// Escapes every character that controls a terminal, as `\u001b`. JSON and TOML read the escape as the

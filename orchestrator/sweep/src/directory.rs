@@ -1,10 +1,11 @@
 //! Lock and manifest of a directory of results.
 
-use std::fs::File;
+use std::fs::{File, OpenOptions};
 use std::io::{self, Write as _};
 use std::path::Path;
 
 use platform::atomic_file::{AtomicFile, Existing, Readers};
+use platform::own_file;
 use rustix::fs::{FlockOperation, flock};
 
 use super::error::SweepError;
@@ -47,7 +48,10 @@ impl Drop for Lock {
 /// [`SweepError::InUse`] if another sweep uses it.
 pub(super) fn lock(directory: &Path) -> Result<Lock, SweepError> {
     let path = directory.join(LOCK);
-    let file = File::create(&path).map_err(SweepError::io(&path, "cannot create the lock file"))?;
+    let mut options = OpenOptions::new();
+    options.create(true).write(true);
+    let file = own_file::open(&path, &options);
+    let file = file.map_err(SweepError::io(&path, "cannot open the lock file"))?;
     match flock(&file, FlockOperation::NonBlockingLockExclusive) {
         Ok(()) => Ok(Lock(file)),
         Err(rustix::io::Errno::WOULDBLOCK) => Err(SweepError::InUse {

@@ -1,20 +1,28 @@
 //! The journal of a sweep: one line of JSON for every finished mission, in order of completion.
 //!
 //! A line is appended by a single write, so that a killed sweep leaves complete lines and at most
-//! one torn last line. Opening the journal cuts it off, and its mission runs again.
+//! one torn last line. A line begins with a checksum. Opening the journal removes lines that are incomplete or
+//! changed, and their missions run again.
 
 use std::fs::{File, OpenOptions};
 use std::io::{self, Read as _, Write as _};
 use std::path::{Path, PathBuf};
 
+use platform::own_file;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
+use super::directory::replace;
 use super::error::SweepError;
 use super::row::Row;
 
 /// Name of the file.
 pub(super) const FILE: &str = "journal.jsonl";
+
+/// First key of a line, up to its value.
+const CHECK: &str = "\"check\":\"";
+/// Number of hexadecimal digits of a checksum (BLAKE3).
+const CHECK_DIGITS: usize = 16;
 
 /// A line.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -43,48 +51,40 @@ pub(super) struct Journal {
 pub(super) struct Opened<R = Row> {
     pub journal: Journal,
     pub entries: Vec<Entry<R>>,
-    /// `true` if the last line was torn, and has been cut off.
-    pub torn: bool,
+    /// Numbers of the lines that were incomplete or changed, and have been removed.
+    pub damaged: Vec<usize>,
 }
 
 impl Journal {
     /// Opens the journal of a directory, creates it if necessary, and reads it.
     ///
     /// # Errors
-    /// It cannot be read or written, or a line before the last is damaged.
+    /// It cannot be read or written.
     pub fn open<R: DeserializeOwned>(directory: &Path) -> Result<Opened<R>, SweepError> {
         let path = directory.join(FILE);
-        let mut file = OpenOptions::new()
-            .create(true)
-            .read(true)
-            .append(true)
-            .open(&path)
-            .map_err(SweepError::io(&path, "cannot open the journal"))?;
-        let is_file = file
-            .metadata()
-            .map_err(SweepError::io(&path, "cannot open the journal"))?
-            .is_file();
-        if !is_file {
-            let source = io::Error::from(io::ErrorKind::InvalidInput);
-            return Err(SweepError::io(&path, "the journal is not a regular file")(
-                source,
-            ));
-        }
+        let mut file = open_file(&path)?;
         let mut bytes = Vec::new();
         file.read_to_end(&mut bytes)
             .map_err(SweepError::io(&path, "cannot read the journal"))?;
-        let (entries, whole) = parse(&path, &bytes)?;
-        let torn = whole < bytes.len();
-        if torn {
-            file.set_len(whole as u64).map_err(SweepError::io(
-                &path,
-                "cannot remove the incomplete last line",
-            ))?;
+        let mut entries = Vec::new();
+        let (mut kept, mut damaged) = (Vec::new(), Vec::new());
+        for (number, line) in bytes.split_inclusive(|&b| b == b'\n').enumerate() {
+            match parse(line) {
+                Some(entry) => {
+                    entries.push(entry);
+                    kept.extend_from_slice(line);
+                }
+                None => damaged.push(number + 1),
+            }
+        }
+        if !damaged.is_empty() {
+            replace(&path, &kept)?;
+            file = open_file(&path)?;
         }
         Ok(Opened {
             journal: Self { file, path },
             entries,
-            torn,
+            damaged,
         })
     }
 
@@ -95,10 +95,7 @@ impl Journal {
     pub fn append<R: Serialize>(&mut self, entry: &Entry<R>) -> Result<(), SweepError> {
         let written = serde_json::to_vec(entry)
             .map_err(io::Error::from)
-            .and_then(|mut line| {
-                line.push(b'\n');
-                self.file.write_all(&line)
-            });
+            .and_then(|json| self.file.write_all(&checked(&json)));
         written.map_err(SweepError::io(&self.path, "cannot write the journal"))
     }
 
@@ -112,39 +109,39 @@ impl Journal {
     }
 }
 
-/// Parses the entries; returns them and the length of the complete lines (bytes).
-fn parse<R: DeserializeOwned>(
-    path: &Path,
-    bytes: &[u8],
-) -> Result<(Vec<Entry<R>>, usize), SweepError> {
-    let mut entries = Vec::new();
-    let mut whole = 0;
-    for (number, line) in bytes.split_inclusive(|&b| b == b'\n').enumerate() {
-        let end = whole + line.len();
-        let last = end == bytes.len();
-        let read = line
-            .strip_suffix(b"\n")
-            .map(serde_json::from_slice::<Entry<R>>);
-        match read {
-            Some(Ok(entry)) => entries.push(entry),
-            // The line was cut short, or the machine failed before all of it was on the disk.
-            None => break,
-            Some(Err(_)) if last => break,
-            Some(Err(error)) => {
-                let found =
-                    String::from_utf8_lossy(line.get(..line.len().min(60)).unwrap_or_default());
-                return Err(SweepError::Damaged {
-                    path: path.to_owned(),
-                    line: number + 1,
-                    what: format!("not a line of a journal ({error})"),
-                    found: format!("{:?}", found.trim_end()),
-                    expected: "one JSON object per mission; remove the line to run its mission again",
-                });
-            }
-        }
-        whole = end;
+fn open_file(path: &Path) -> Result<File, SweepError> {
+    let mut options = OpenOptions::new();
+    options.create(true).read(true).append(true);
+    own_file::open(path, &options).map_err(SweepError::io(path, "cannot open the journal"))
+}
+
+/// Returns the line of an object of JSON: the object, with its checksum as first key.
+fn checked(json: &[u8]) -> Vec<u8> {
+    let rest = json.strip_prefix(b"{").unwrap_or(json);
+    [
+        format!("{{{CHECK}{}\",", checksum(rest)).as_bytes(),
+        rest,
+        b"\n",
+    ]
+    .concat()
+}
+
+/// Parses a line; returns `None` if it is incomplete or changed.
+fn parse<R: DeserializeOwned>(line: &[u8]) -> Option<Entry<R>> {
+    let line = line.strip_suffix(b"\n")?;
+    let line = line.strip_prefix(b"{")?.strip_prefix(CHECK.as_bytes())?;
+    let (check, rest) = line.split_at_checked(CHECK_DIGITS)?;
+    let rest = rest.strip_prefix(b"\",")?;
+    if check != checksum(rest).as_bytes() {
+        return None;
     }
-    Ok((entries, whole))
+    serde_json::from_slice(&[b"{", rest].concat()).ok()
+}
+
+fn checksum(bytes: &[u8]) -> String {
+    let mut hash = blake3::hash(bytes).to_hex().to_string();
+    hash.truncate(CHECK_DIGITS);
+    hash
 }
 
 #[cfg(test)]
@@ -184,37 +181,55 @@ mod tests {
             std::fs::write(directory.path().join(FILE), kept).unwrap();
             let opened = Journal::open::<Row>(directory.path()).unwrap();
             prop_assert_eq!(opened.entries.len(), lines);
-            prop_assert_eq!(opened.torn, !kept.is_empty() && !kept.ends_with(b"\n"));
+            prop_assert_eq!(!opened.damaged.is_empty(), !kept.is_empty() && !kept.ends_with(b"\n"));
             let mut journal = opened.journal;
             journal.append(&entry(9)).unwrap();
             drop(journal);
             let again = Journal::open::<Row>(directory.path()).unwrap();
-            prop_assert!(!again.torn);
+            prop_assert!(again.damaged.is_empty());
             prop_assert_eq!(again.entries.len(), lines + 1);
             prop_assert_eq!(again.entries.last().unwrap(), &entry(9));
         }
     }
 
     #[test]
-    fn a_damaged_line_in_the_middle_is_named() {
-        let directory = tempfile::tempdir().unwrap();
-        let mut bytes = written(3);
-        bytes[0] = b'#';
-        std::fs::write(directory.path().join(FILE), &bytes).unwrap();
-        let error = Journal::open::<Row>(directory.path())
-            .err()
-            .unwrap()
-            .to_string();
-        for word in ["journal.jsonl:1", "not a line", "remove the line"] {
-            assert!(error.contains(word), "{error}");
+    fn a_changed_journal_is_not_believed() {
+        let bytes = written(3);
+        let lines: Vec<&[u8]> = bytes.split_inclusive(|&b| b == b'\n').collect();
+        let second = lines[0].len()..lines[0].len() + lines[1].len();
+        for at in second.clone() {
+            let mut changed = bytes.clone();
+            changed[at] ^= 1;
+            let directory = tempfile::tempdir().unwrap();
+            std::fs::write(directory.path().join(FILE), &changed).unwrap();
+            let opened = Journal::open::<Row>(directory.path()).unwrap();
+            // The line feed joins or splits lines.
+            assert!(opened.damaged.contains(&2), "{at}: {:?}", opened.damaged);
+            assert!(
+                opened
+                    .entries
+                    .iter()
+                    .all(|found| *found == entry(found.seed)),
+                "{at}"
+            );
+            assert!(opened.entries.iter().all(|found| found.seed != 1), "{at}");
+            let again = Journal::open::<Row>(directory.path()).unwrap();
+            assert_eq!(
+                (again.damaged.len(), again.entries),
+                (0, opened.entries),
+                "{at}"
+            );
         }
-        // A damaged last line is accepted: the machine may have failed while it was written.
-        let mut bytes = written(2);
-        let start = bytes.iter().position(|&b| b == b'\n').unwrap() + 1;
-        bytes[start..start + 4].fill(0);
-        std::fs::write(directory.path().join(FILE), &bytes).unwrap();
-        let opened = Journal::open::<Row>(directory.path()).unwrap();
-        assert!(opened.torn);
-        assert_eq!(opened.entries, [entry(0)]);
+    }
+
+    #[test]
+    fn a_link_in_the_place_of_the_journal_is_not_followed() {
+        let directory = tempfile::tempdir().unwrap();
+        let other = directory.path().join("precious");
+        std::fs::write(&other, "text").unwrap();
+        std::os::unix::fs::symlink(&other, directory.path().join(FILE)).unwrap();
+        let refused = Journal::open::<Row>(directory.path()).err().unwrap();
+        assert!(refused.to_string().contains("symbolic link"), "{refused}");
+        assert_eq!(std::fs::read(&other).unwrap(), b"text");
     }
 }

@@ -7,7 +7,7 @@ use super::kind::Kind;
 use super::seeds::Seeds;
 
 /// Version of the files in a directory of results; other versions are refused.
-pub const FORMAT: u32 = 2;
+pub const FORMAT: u32 = 3;
 
 /// Experiment and program of a directory of results.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

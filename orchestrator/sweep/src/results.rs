@@ -68,7 +68,10 @@ impl<R: Record> Results<R> {
                 }
                 manifest.seeds = manifest.seeds.union(&theirs.seeds);
             }
-            None if directory.join(journal::FILE).exists() || directory.join(TABLE).exists() => {
+            None if [journal::FILE, TABLE, EXPERIMENT]
+                .map(|file| directory.join(file).exists())
+                .contains(&true) =>
+            {
                 return Err(SweepError::NotResults {
                     path: directory.to_owned(),
                     file: MANIFEST,
@@ -117,9 +120,9 @@ impl<R: Record> Results<R> {
             notes: Vec::new(),
             _lock: lock,
         };
-        if opened.torn {
+        for line in opened.damaged {
             results.notes.push(format!(
-                "{}: the last line was incomplete and has been removed; its mission runs again",
+                "{}:{line}: the line was incomplete or changed and has been removed; its mission runs again",
                 directory.join(journal::FILE).display()
             ));
         }

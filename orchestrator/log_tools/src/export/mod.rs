@@ -297,10 +297,11 @@ fn file_name(channel: &Channel, extension: &str, names: &mut BTreeMap<String, u1
         .map(safe)
         .take(200)
         .collect();
-    let name = name.trim_start_matches('.');
+    // Neither hidden nor an option of a command.
+    let name = name.trim_start_matches(['.', '-']);
     let name = if name.is_empty() { "topic" } else { name };
     let mut name = name.to_owned();
-    if names.contains_key(&name) {
+    while names.contains_key(&name) {
         name = format!("{name}-{}", channel.id);
     }
     names.insert(name.clone(), channel.id);

@@ -7,6 +7,7 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
+use platform::own_file;
 use rustix::fs::{FlockOperation, flock};
 
 use crate::LogWriteError;
@@ -20,8 +21,8 @@ const PRIVATE: u32 = 0o600;
 
 /// Creates the file of a log and locks it while it is open.
 ///
-/// Without `force` the file must not exist. With `force` it truncates an existing regular file that no other
-/// run has locked.
+/// Without `force` the file must not exist. With `force` it truncates an existing regular file of this user that no
+/// other run has locked; symbolic links are not followed.
 pub(super) fn create(path: &Path, force: bool) -> Result<File, LogWriteError> {
     let failed = |source| LogWriteError::Create {
         path: path.to_owned(),
@@ -32,8 +33,7 @@ pub(super) fn create(path: &Path, force: bool) -> Result<File, LogWriteError> {
     match options.clone().create_new(true).open(path) {
         Ok(file) => lock(path, file),
         Err(e) if e.kind() == io::ErrorKind::AlreadyExists => {
-            // Checked before opening: opening a FIFO would block.
-            if !path.metadata().map_err(failed)?.is_file() {
+            if !path.symlink_metadata().map_err(failed)?.is_file() {
                 return Err(LogWriteError::NotAFile {
                     path: path.to_owned(),
                 });
@@ -43,7 +43,7 @@ pub(super) fn create(path: &Path, force: bool) -> Result<File, LogWriteError> {
                     path: path.to_owned(),
                 });
             }
-            let file = lock(path, options.open(path).map_err(failed)?)?;
+            let file = lock(path, own_file::open(path, options).map_err(failed)?)?;
             file.set_permissions(Permissions::from_mode(PRIVATE))
                 .and_then(|()| file.set_len(0))
                 .map_err(failed)?;

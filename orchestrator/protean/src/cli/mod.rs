@@ -46,7 +46,7 @@ use scenario::kind::{Kind, find};
 use common::JsonArg;
 #[cfg(test)]
 pub(crate) use help::HEADINGS;
-use output::{EXIT_INVALID, print};
+use output::{EXIT_FAILED, EXIT_INVALID, print};
 use run_args::{DEFAULT_SCENARIO, RunArgs};
 
 /// Simulate, record and measure missions of 2-D robots: pursuit-evasion, patrol and coverage.
@@ -184,6 +184,7 @@ pub fn main_with(kinds: Vec<Kind>) -> ExitCode {
     }
     platform::descriptors::raise_limit();
     platform::signals::keep_ends_of_children();
+    platform::signals::refuse_large_files();
     let arguments: Vec<OsString> = std::env::args_os().skip(1).collect();
     if let Some(message) = moved::message(&arguments) {
         eprintln!("{message}");
@@ -191,7 +192,14 @@ pub fn main_with(kinds: Vec<Kind>) -> ExitCode {
     }
     let cli = Cli::from_arg_matches(&program().get_matches());
     let cli = cli.unwrap_or_else(|error| error.format(&mut program()).exit());
-    output::exit_code(command(kinds, cli))
+    let code = output::exit_code(command(kinds, cli));
+    // Shared memory is limited as files are; the errors of the system do not name the limit.
+    if code == ExitCode::from(EXIT_FAILED)
+        && let Some(limits) = platform::limits::in_force()
+    {
+        eprintln!("note: {limits}");
+    }
+    code
 }
 
 /// Returns the completion script of a shell; it completes the names of the built-in scenarios, too.
