@@ -19,6 +19,7 @@ mod external_bridge;
 pub mod fields_of_view;
 pub mod in_process;
 mod launch;
+mod lost_memory;
 mod obstacle_schedule;
 mod orphans;
 pub mod plan;

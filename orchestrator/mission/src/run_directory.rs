@@ -14,6 +14,7 @@ use std::path::{Path, PathBuf};
 use ipc_types::bus::{BusError, RunSpace};
 use rustix::fs::{FlockOperation, flock};
 
+use super::lost_memory;
 use super::orphans;
 
 /// File that the orchestrator of a run keeps locked.
@@ -248,7 +249,20 @@ pub enum FoundDirectory {
 /// # Errors
 /// [`RunDirectoryError`] if the base directory is unusable; the result contains parts that could not be removed.
 pub fn clean() -> Result<Vec<FoundDirectory>, RunDirectoryError> {
-    clean_below(&base())
+    let base = base();
+    let mut found = clean_below(&base)?;
+    // Unknown means that it exists.
+    match lost_memory::remove(|run| base.join(run).try_exists().unwrap_or(true)) {
+        Ok(lost) => found.extend(lost.into_iter().map(|root| FoundDirectory::Removed {
+            root,
+            killed: Vec::new(),
+        })),
+        Err(error) => found.push(FoundDirectory::Failed(
+            PathBuf::from("/dev/shm"),
+            error.to_string(),
+        )),
+    }
+    Ok(found)
 }
 
 /// Does the same as [`clean`] for the runs in one directory.
