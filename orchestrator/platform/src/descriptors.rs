@@ -18,6 +18,13 @@ pub fn raise_limit() {
     let _ = setrlimit(Resource::Nofile, raised);
 }
 
+/// Returns the number of files that this process may still open, less some for its own use.
+pub fn available() -> u64 {
+    const OWN: u64 = 40;
+    let limit = getrlimit(Resource::Nofile).current;
+    limit.map_or(u64::MAX, |limit| limit.saturating_sub(OWN))
+}
+
 /// Makes a command start its program with only standard input, output and error open.
 #[expect(unsafe_code, reason = "the child runs it between fork and exec")]
 pub fn inherit_only_standard_streams(command: &mut Command) {

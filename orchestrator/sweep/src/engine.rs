@@ -1,14 +1,18 @@
 //! Engines: ways to execute a single mission.
 
 use std::path::PathBuf;
-use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Condvar, Mutex, PoisonError};
+use std::time::Duration;
 
 use rustix::thread::{CpuSet, sched_getaffinity, sched_setaffinity};
 
 use mission::in_process::{self, InProcessOptions};
 use mission::{self, MissionOptions, MissionReport};
 use scenario::ResolvedScenario;
+
+/// Interval at which a waiting mission checks for an interruption.
+const CHECK_INTERVAL: Duration = Duration::from_millis(200);
 
 /// Options of an engine beside the scenario.
 #[derive(Debug, Clone, Default)]
@@ -31,12 +35,72 @@ pub trait Engine: Sync {
     fn needs_pinning(&self) -> bool;
 }
 
-/// Engine that runs every mission as separate OS processes, in lock-step.
-#[derive(Debug, Clone, Copy)]
-pub struct Processes;
+/// Engine that runs every mission as separate OS processes, in lock-step. A mission waits until the limit of open files
+/// has room for it.
+#[derive(Debug)]
+pub struct Processes {
+    /// Descriptors that no mission uses.
+    free: Mutex<u64>,
+    freed: Condvar,
+    limit: u64,
+}
+
+impl Processes {
+    /// Creates the engine; `limit` is the number of files that this process may have open.
+    pub fn new(limit: u64) -> Self {
+        Self {
+            free: Mutex::new(limit),
+            freed: Condvar::new(),
+            limit,
+        }
+    }
+
+    /// Waits for the descriptors of a mission.
+    fn reserve(&self, wanted: u64, interrupted: &AtomicBool) -> Result<Reserved<'_>, String> {
+        if wanted > self.limit {
+            return Err(format!(
+                "this mission needs about {wanted} open files, the limit is {} (`ulimit -n`)",
+                self.limit
+            ));
+        }
+        let mut free = self.free.lock().unwrap_or_else(PoisonError::into_inner);
+        while *free < wanted {
+            if interrupted.load(Ordering::Relaxed) {
+                return Err("interrupted".to_owned());
+            }
+            let waited = self.freed.wait_timeout(free, CHECK_INTERVAL);
+            free = waited.unwrap_or_else(PoisonError::into_inner).0;
+        }
+        *free -= wanted;
+        Ok(Reserved {
+            of: self,
+            descriptors: wanted,
+        })
+    }
+}
+
+/// Descriptors of a mission, until this is dropped.
+struct Reserved<'a> {
+    of: &'a Processes,
+    descriptors: u64,
+}
+
+impl Drop for Reserved<'_> {
+    fn drop(&mut self) {
+        *self.of.free.lock().unwrap_or_else(PoisonError::into_inner) += self.descriptors;
+        self.of.freed.notify_all();
+    }
+}
+
+/// Returns the number of descriptors that a mission uses at most in this process: measured 165, and 10 for each process.
+fn descriptors(scenario: &ResolvedScenario) -> u64 {
+    let processes = scenario.processes.len() as u64 + 1;
+    200 + 16 * processes
+}
 
 impl Engine for Processes {
     fn execute(&self, scenario: &ResolvedScenario, call: &Call) -> Result<MissionReport, String> {
+        let _reserved = self.reserve(descriptors(scenario), &call.interrupted)?;
         let options = MissionOptions {
             out: call.log.clone(),
             force: true,
@@ -100,4 +164,30 @@ pub(super) fn stay_on(processor: usize) {
     let mut set = CpuSet::new();
     set.set(processor);
     let _ = sched_setaffinity(None, &set);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn missions_wait_for_descriptors_and_impossible_ones_are_refused() {
+        let engine = Processes::new(100);
+        let interrupted = AtomicBool::new(false);
+        let refused = engine.reserve(101, &interrupted).err().unwrap();
+        assert!(
+            refused.contains("101") && refused.contains("`ulimit -n`"),
+            "{refused}"
+        );
+        let first = engine.reserve(60, &interrupted).unwrap();
+        std::thread::scope(|scope| {
+            let second = scope.spawn(|| engine.reserve(60, &interrupted).is_ok());
+            drop(first);
+            assert!(second.join().unwrap());
+        });
+        let held = engine.reserve(60, &interrupted).unwrap();
+        interrupted.store(true, Ordering::Relaxed);
+        assert!(engine.reserve(60, &interrupted).is_err());
+        drop(held);
+    }
 }

@@ -72,7 +72,7 @@ impl SweepKind for Mission {
         if args.in_process {
             Box::new(InProcess::default())
         } else {
-            Box::new(Processes)
+            Box::new(Processes::new(platform::descriptors::available()))
         }
     }
 
