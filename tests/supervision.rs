@@ -203,6 +203,34 @@ fn in_lock_step_a_run_goes_on_without_those_that_were_killed_and_their_robots_st
 }
 
 #[test]
+fn a_run_whose_optimiser_was_killed_while_it_owed_a_plan_is_the_same_up_to_then() {
+    let sandbox = Sandbox::new();
+    let words = [
+        "run",
+        "popup_city",
+        "--json",
+        "--quiet",
+        "--out",
+        "run.mcap",
+        "--set",
+        "rules.time_limit=60",
+        "--set",
+        "processes.optimiser.on_failure=continue",
+    ];
+    let running = sandbox.protean(words).start();
+    let run = sandbox.next_run(&BTreeSet::new());
+    // The first plans are asked for in tick 0 and due in tick 1, which waits for them.
+    wait_for_tick(&run, 2);
+    kill(&sandbox, "optimiser");
+    let summary = finished(&running.finish());
+    let (left, _) = outage(&summary, "optimiser");
+    for more in [&["verify"][..], &["verify", "--in-process"]] {
+        same_up_to(&sandbox, more, "same", ("optimiser", left));
+    }
+    sandbox.assert_nothing_left();
+}
+
+#[test]
 fn one_that_stands_still_in_lock_step_is_killed() {
     let sandbox = Sandbox::new();
     let (running, _) = in_the_air(&sandbox, &["--set", "run.hang_timeout_s=3"], 50);

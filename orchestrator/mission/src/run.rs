@@ -46,6 +46,8 @@ pub struct MissionOptions {
     pub pace: Option<f64>,
     /// Remarks for the log ([`ResolvedScenario::remarks`]).
     pub remarks: Vec<ScenarioRemark>,
+    /// Tick after which the run ends in order, if it is not over earlier; some more ticks may follow.
+    pub last_tick: Option<u64>,
     /// Set by the caller (Ctrl-C) to end the run in order.
     pub interrupted: Arc<AtomicBool>,
 }
@@ -110,6 +112,7 @@ pub fn run(
     let mut active = ActiveRun {
         resources: &resources,
         interrupted: &options.interrupted,
+        last_tick: options.last_tick,
         recorder: &recorder,
         progress,
         start,
@@ -153,7 +156,7 @@ fn hang_timeout(scenario: &ResolvedScenario, pace: Option<f64>) -> Duration {
 /// Cause of the end of a run without failures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum EndCause {
-    /// The game is over, or the recorder has ended; its result contains the cause.
+    /// The game is over, its last tick is done, or the recorder has ended; its result contains the cause.
     Over,
     /// The caller interrupted the run.
     Interrupted,
@@ -163,6 +166,7 @@ enum EndCause {
 struct ActiveRun<'a> {
     resources: &'a RunResources,
     interrupted: &'a AtomicBool,
+    last_tick: Option<u64>,
     recorder: &'a RecorderThread,
     progress: Progress,
     start: Instant,
@@ -213,7 +217,11 @@ impl ActiveRun<'_> {
             let over = barrier.is_over();
             let tick_period = self.resources.plan.run.tick_period();
             self.progress.at(ticks as f64 * tick_period);
-            if over || self.recorder.is_finished() {
+            // The last tick is done when another one is posted.
+            let is_enough = self
+                .last_tick
+                .is_some_and(|last| ticks > last.saturating_add(1));
+            if over || is_enough || self.recorder.is_finished() {
                 return Ok(EndCause::Over);
             }
             // Checked first: full shared memory is then the cause of a process's end.

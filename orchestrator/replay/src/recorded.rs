@@ -39,8 +39,11 @@ pub(super) struct Recorded {
     pub(super) over: bool,
     /// `true` if no data of the file is missing.
     pub(super) whole: bool,
+    /// Last tick of the log.
+    pub(super) last_tick: u64,
     /// First relevant process that failed. The effects depend on the moment within its tick, which the log does not
-    /// contain; the comparison therefore ends before that tick.
+    /// contain. A process that has done a tick may still owe an answer in it; the comparison therefore ends before
+    /// the last tick that the process has done.
     pub(super) left: Option<ProcessExit>,
 }
 
@@ -58,6 +61,7 @@ impl Recorded {
         let mut reader = Reader::open(log, Some(watch))?;
         let mut topics = BTreeSet::new();
         let (mut states, mut events) = (None, None);
+        let mut last_time_ns = 0;
         while let Some(item) = reader.next()? {
             match item {
                 Item::Metadata(record) => match record.name.as_str() {
@@ -80,6 +84,7 @@ impl Recorded {
                 }
                 Item::Message(header, data) => {
                     let id = Some(header.channel_id);
+                    last_time_ns = last_time_ns.max(header.log_time);
                     let body = data.get(ENCAPSULATION..).unwrap_or_default();
                     if id == states {
                         recorded.over = WorldHeader::read_from_prefix(body)
@@ -93,6 +98,7 @@ impl Recorded {
         }
         recorded.whole = reader.condition().data;
         recorded.origin.check(log)?;
+        recorded.last_tick = last_time_ns / recorded.tick_period_ns();
         // A version with fewer topics recorded fewer messages.
         if !recorded.filtered
             && !topics.is_empty()
@@ -129,10 +135,26 @@ impl Recorded {
 
     /// Returns the log time up to which messages are compared (ns).
     pub(super) fn compared_before(&self) -> u64 {
-        let period = self.origin.manifest.get("tick_period_ns");
-        let period_ns: u64 = period.and_then(|text| text.parse().ok()).unwrap_or(1);
         let left = self.left.as_ref();
-        left.map_or(u64::MAX, |left| left.tick.saturating_mul(period_ns))
+        left.map_or(u64::MAX, |left| {
+            let last_done = left.tick.saturating_sub(1);
+            last_done.saturating_mul(self.tick_period_ns())
+        })
+    }
+
+    /// Returns the last tick that a repetition needs: the log of a part tells the length of its whole run.
+    pub(super) fn last_needed(&self) -> u64 {
+        let ticks = self.result.get("ticks").filter(|_| self.filtered);
+        let ticks = ticks.and_then(|ticks| ticks.parse().ok());
+        let last = ticks.map_or(self.last_tick, |ticks: u64| ticks.max(self.last_tick));
+        let left = self.left.as_ref();
+        left.map_or(last, |left| left.tick.min(last))
+    }
+
+    fn tick_period_ns(&self) -> u64 {
+        let period = self.origin.manifest.get("tick_period_ns");
+        let period = period.and_then(|text| text.parse().ok());
+        period.filter(|period| *period > 0).unwrap_or(1)
     }
 
     /// Returns the version that recorded the log, if it differs from this one.

@@ -41,9 +41,9 @@ pub struct Rerun {
     /// Digest of the run in the log; absent if the run did not reach its end.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub digest_logged: Option<String>,
-    /// Digest of the new run.
+    /// Digest of the new run; it means nothing without that of the log.
     pub digest: String,
-    /// First process that failed in the recorded run; the comparison ends before its tick.
+    /// First process that failed in the recorded run; the comparison ends before the last tick that it has done.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub left: Option<ProcessExit>,
     /// `true` if the log contains the whole run, without a failure.
@@ -108,7 +108,13 @@ pub fn rerun(
         source,
     })?;
     let again = folder.path().join("again.mcap");
-    let report = run_again(&scenario, &again, options.in_process, watch)?;
+    let report = run_again(
+        &scenario,
+        &again,
+        recorded.last_needed(),
+        options.in_process,
+        watch,
+    )?;
     if report.interrupted {
         return Err(LogReadError::Interrupted.into());
     }
@@ -142,10 +148,11 @@ pub fn rerun(
     })
 }
 
-/// Runs a scenario with its log at `out`.
+/// Runs a scenario with its log at `out`, up to this tick.
 fn run_again(
     scenario: &ResolvedScenario,
     out: &Path,
+    last_tick: u64,
     in_process: bool,
     watch: &ReadProgress,
 ) -> Result<MissionReport, MissionError> {
@@ -153,6 +160,7 @@ fn run_again(
     if in_process {
         let options = InProcessOptions {
             out,
+            last_tick: Some(last_tick),
             show: !watch.quiet,
             interrupted,
             ..InProcessOptions::default()
@@ -161,6 +169,7 @@ fn run_again(
     } else {
         let options = MissionOptions {
             out,
+            last_tick: Some(last_tick),
             quiet: watch.quiet,
             interrupted,
             ..MissionOptions::default()

@@ -172,6 +172,23 @@ fn a_truncated_log_is_compared_up_to_its_end() {
 }
 
 #[test]
+fn a_repetition_does_not_go_on_past_the_end_of_the_log() {
+    let folder = tempfile::tempdir().unwrap();
+    let log = folder.path().join("a.mcap");
+    let set = ["rules.time_limit=60".to_owned()];
+    let scenario = load("chase_exact", &set, Some(3)).unwrap();
+    let options = InProcessOptions {
+        out: Some(log.clone()),
+        last_tick: Some(7),
+        ..InProcessOptions::default()
+    };
+    let ticks = in_process::run(&scenario, &options).unwrap().summary.ticks;
+    let done = rerun(&log, kinds::KINDS, IN_PROCESS, &mut watch()).unwrap();
+    assert!(done.same && !done.whole, "{done:?}");
+    assert_eq!((ticks, done.ticks), (7, 7));
+}
+
+#[test]
 fn runs_that_cannot_be_repeated_are_refused_with_the_reason() {
     let folder = tempfile::tempdir().unwrap();
     let (log, other) = (folder.path().join("a.mcap"), folder.path().join("b.mcap"));

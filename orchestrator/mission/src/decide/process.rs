@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use runtime::kind::Product;
+use runtime::kind::{Need, Product};
 
 use super::{Action, Failure, OnFailure};
 use crate::plan::Launch;
@@ -16,6 +16,7 @@ pub(super) struct Process {
     /// Indices of the processes whose messages of a tick it waits for.
     pub(super) upstream: Vec<usize>,
     pub(super) makes_plans: bool,
+    pub(super) needs_plans: bool,
     pub(super) drives_robots: bool,
     pub(super) participation: Participation,
     pub(super) failures: u32,
@@ -57,6 +58,7 @@ impl Process {
             ready_timeout: Duration::from_secs_f64(launch.supervision.ready_timeout_s),
             upstream: config.upstream.iter().filter_map(position).collect(),
             makes_plans: launch.makes(Product::Plans),
+            needs_plans: launch.kind().is_some_and(|kind| kind.needs(Need::Plans)),
             drives_robots: !config.robots.is_empty(),
             participation: Participation::Active,
             failures: 0,

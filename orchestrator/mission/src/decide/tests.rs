@@ -11,6 +11,7 @@ fn process(on_failure: OnFailure) -> Process {
         ready_timeout: Duration::from_secs(60),
         upstream: Vec::new(),
         makes_plans: false,
+        needs_plans: false,
         drives_robots: true,
         participation: Participation::Active,
         failures: 0,
@@ -206,6 +207,26 @@ fn in_lock_step_the_blocking_process_is_reported() {
         "others may wait for its plans"
     );
     assert_eq!(blocking_process([0, 7, 7, 7], 2, 3), 3, "it is stopped");
+}
+
+#[test]
+fn a_process_that_waits_for_a_plan_is_not_blamed_for_the_optimiser() {
+    let blamed = |stopped: usize, optimiser: SlotState| {
+        let mut state = state(true, OnFailure::Abort);
+        state.processes[1].makes_plans = true;
+        state.processes[2].needs_plans = true;
+        // Its own step is done, the plan is not.
+        let mut seen = seen([0, 8, 7, 8]);
+        seen[1].state = optimiser;
+        let start = state.last_progress;
+        assert_eq!(state.timed_events(start, 8, &seen, |_| false), []);
+        let mut events = state.timed_events(start + TIMEOUT, 8, &seen, |slot| slot == stopped);
+        events.remove(0).0
+    };
+    assert_eq!(blamed(0, SlotState::Prepared), 1);
+    assert_eq!(blamed(1, SlotState::Prepared), 1);
+    assert_eq!(blamed(2, SlotState::Prepared), 2, "it is stopped");
+    assert_eq!(blamed(0, SlotState::Dead), 2, "no optimiser lives");
 }
 
 #[test]

@@ -121,7 +121,8 @@ impl State {
     }
 
     /// Returns the process for which all others wait in this tick. A stopped process, or one that others wait for,
-    /// takes precedence over one that may be waiting itself.
+    /// takes precedence over one that may be waiting itself. A process that makes plans may owe one after its own
+    /// step.
     fn blocking_process(
         &self,
         tick: u64,
@@ -132,9 +133,15 @@ impl State {
             let seen = seen.get(index);
             seen.is_some_and(|seen| seen.state.takes_part() && seen.done <= tick)
         };
-        let processes = self.processes.iter().enumerate();
-        let owing: Vec<(usize, &Process)> = processes
-            .filter(|(index, process)| !process.is_simulator && owes(*index))
+        let processes = || self.processes.iter().enumerate();
+        let is_plan_due = processes().any(|(index, process)| process.needs_plans && owes(index));
+        let may_owe_plan = |index: usize, process: &Process| {
+            let seen = seen.get(index);
+            is_plan_due && process.makes_plans && seen.is_some_and(|seen| seen.state.takes_part())
+        };
+        let owing: Vec<(usize, &Process)> = processes()
+            .filter(|(_, process)| !process.is_simulator)
+            .filter(|(index, process)| owes(*index) || may_owe_plan(*index, process))
             .collect();
         let first = |is_it: &dyn Fn(usize, &Process) -> bool| {
             let mut owing = owing.iter();

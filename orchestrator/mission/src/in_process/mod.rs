@@ -50,6 +50,8 @@ pub struct InProcessOptions {
     pub show: bool,
     /// Remarks for the log ([`ResolvedScenario::remarks`]).
     pub remarks: Vec<ScenarioRemark>,
+    /// Last tick of the run, if it is not over earlier.
+    pub last_tick: Option<u64>,
     /// Set by the caller (Ctrl-C) to end the run in order.
     pub interrupted: Arc<AtomicBool>,
     /// Data that runs share; pass the same cache to all runs of a sweep, in any scenario and thread.
@@ -158,9 +160,11 @@ fn execute(
             }
             None => recorder.take(tick, &mut ())?,
         }
-        let interrupted = options.interrupted.load(Ordering::Relaxed);
-        if over || interrupted {
-            break !over;
+        if over || options.last_tick.is_some_and(|last| tick >= last) {
+            break false;
+        }
+        if options.interrupted.load(Ordering::Relaxed) {
+            break true;
         }
         processes.advance();
     };

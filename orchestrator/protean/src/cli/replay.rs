@@ -193,8 +193,8 @@ fn verified_text(done: &Verified) -> String {
         None if done.whole => "result    IDENTICAL".to_owned(),
         None => match &done.left {
             Some(left) => format!(
-                "result    identical up to tick {}, at which {} {}; later ticks are not compared",
-                left.tick, left.process, left.reason
+                "result    identical up to the failure: {} {} in tick {}, later ticks are not compared",
+                left.process, left.reason, left.tick
             ),
             None => "result    identical up to the end of the incomplete log".to_owned(),
         },

@@ -94,6 +94,7 @@ fn execute(
         pace: args.pace.or(args.live.map(|_| 1.0)).filter(|_| lock_step),
         remarks,
         interrupted,
+        last_tick: None,
     };
     mission::run(scenario, &options)
 }

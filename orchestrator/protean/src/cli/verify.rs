@@ -12,8 +12,8 @@ use scenario::kind::Kind;
 /// Help below the options.
 pub(super) const HELP: &str = "\
 Runs the scenario, seed and events of the log again, and compares the digest and every message of the simulated history
-(all topics but clocks and heartbeats). If the run was killed or interrupted, the comparison ends with the log; if a
-process failed, it ends at the first failure.
+(all topics but clocks and heartbeats). If the run was killed or interrupted, the new run ends with the log; if a process
+failed, both end at the first failure.
 
 Exit codes: 0 identical, 1 different (the output lists the first difference of every topic) or the run failed, 2 the
 run cannot be repeated, 3 identical up to the end of an incomplete log or the first failure of a process; or
@@ -70,7 +70,7 @@ fn text(done: &Rerun) -> String {
                 done.digest
             );
         }
-        None => text += &format!("digest    none in the log, {} now\n", done.digest),
+        None => text += "digest    none in the log\n",
     }
     let Some(comparison) = &done.comparison else {
         text += "messages  not compared: the log contains a part of its run";
@@ -82,9 +82,9 @@ fn text(done: &Rerun) -> String {
         None if done.same => {
             text += &match &done.left {
                 Some(left) => format!(
-                    "result    identical up to tick {}, at which process {} {}; later ticks are not \
+                    "result    identical up to the failure: process {} {} in tick {}, later ticks are not \
                      compared",
-                    left.tick, left.process, left.reason
+                    left.process, left.reason, left.tick
                 ),
                 None => format!(
                     "result    identical up to tick {}, the last tick in the log",
