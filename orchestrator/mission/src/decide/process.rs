@@ -9,6 +9,10 @@ use crate::plan::Launch;
 
 /// A supervised process.
 #[derive(Debug)]
+#[expect(
+    clippy::struct_excessive_bools,
+    reason = "independent properties of its kind"
+)]
 pub(super) struct Process {
     pub(super) is_simulator: bool,
     pub(super) on_failure: OnFailure,
