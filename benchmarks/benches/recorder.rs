@@ -323,7 +323,7 @@ fn run_info() -> RunInfo {
                 lap_limit_s: None,
             })
             .collect(),
-        obstacles: Default::default(),
+        obstacles: std::collections::BTreeMap::new(),
         tick_period_ns: PERIOD_NS,
     }
 }

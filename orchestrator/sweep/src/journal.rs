@@ -53,39 +53,44 @@ pub(super) struct Opened<R = Row> {
     pub entries: Vec<Entry<R>>,
     /// Numbers of the lines that were incomplete or changed, and have been removed.
     pub damaged: Vec<usize>,
+    /// `true` if the last of them has no end.
+    pub is_torn: bool,
 }
 
 impl Journal {
-    /// Opens the journal of a directory, creates it if necessary, and reads it.
+    /// Opens the journal of a directory to continue it: creates it if necessary, reads it, and removes damaged lines.
     ///
     /// # Errors
     /// It cannot be read or written.
     pub fn open<R: DeserializeOwned>(directory: &Path) -> Result<Opened<R>, SweepError> {
-        let path = directory.join(FILE);
-        let mut file = open_file(&path)?;
-        let mut bytes = Vec::new();
-        file.read_to_end(&mut bytes)
-            .map_err(SweepError::io(&path, "cannot read the journal"))?;
-        let mut entries = Vec::new();
-        let (mut kept, mut damaged) = (Vec::new(), Vec::new());
-        for (number, line) in bytes.split_inclusive(|&b| b == b'\n').enumerate() {
-            match parse(line) {
-                Some(entry) => {
-                    entries.push(entry);
-                    kept.extend_from_slice(line);
-                }
-                None => damaged.push(number + 1),
-            }
+        let (mut opened, kept) = load(directory)?;
+        if !opened.damaged.is_empty() {
+            let path = &opened.journal.path;
+            replace(path, &kept)?;
+            opened.journal.file = open_file(path)?;
         }
-        if !damaged.is_empty() {
-            replace(&path, &kept)?;
-            file = open_file(&path)?;
+        Ok(opened)
+    }
+
+    /// Opens the journal of a directory to read it. A last line that a killed sweep left incomplete is ignored.
+    ///
+    /// # Errors
+    /// It cannot be read, or a line was changed.
+    pub fn read<R: DeserializeOwned>(directory: &Path) -> Result<Opened<R>, SweepError> {
+        let (mut opened, _) = load(directory)?;
+        if opened.is_torn {
+            opened.damaged.pop();
         }
-        Ok(Opened {
-            journal: Self { file, path },
-            entries,
-            damaged,
-        })
+        match opened.damaged.first() {
+            None => Ok(opened),
+            Some(&line) => Err(SweepError::Damaged {
+                path: opened.journal.path,
+                line,
+                what: "the line was changed".to_owned(),
+                found: "another checksum".to_owned(),
+                expected: "the line as written; the sweep itself removes it and runs its mission again",
+            }),
+        }
     }
 
     /// Appends a line. After an error the journal cannot be used until it is opened again.
@@ -107,6 +112,34 @@ impl Journal {
         let synced = self.file.sync_all();
         synced.map_err(SweepError::io(&self.path, "cannot write the journal"))
     }
+}
+
+/// Reads a journal; returns also its lines without the damaged ones.
+fn load<R: DeserializeOwned>(directory: &Path) -> Result<(Opened<R>, Vec<u8>), SweepError> {
+    let path = directory.join(FILE);
+    let mut file = open_file(&path)?;
+    let mut bytes = Vec::new();
+    file.read_to_end(&mut bytes)
+        .map_err(SweepError::io(&path, "cannot read the journal"))?;
+    let mut entries = Vec::new();
+    let (mut kept, mut damaged) = (Vec::new(), Vec::new());
+    for (number, line) in bytes.split_inclusive(|&b| b == b'\n').enumerate() {
+        match parse(line) {
+            Some(entry) => {
+                entries.push(entry);
+                kept.extend_from_slice(line);
+            }
+            None => damaged.push(number + 1),
+        }
+    }
+    let journal = Journal { file, path };
+    let opened = Opened {
+        journal,
+        entries,
+        damaged,
+        is_torn: !bytes.is_empty() && !bytes.ends_with(b"\n"),
+    };
+    Ok((opened, kept))
 }
 
 fn open_file(path: &Path) -> Result<File, SweepError> {
@@ -202,6 +235,8 @@ mod tests {
             changed[at] ^= 1;
             let directory = tempfile::tempdir().unwrap();
             std::fs::write(directory.path().join(FILE), &changed).unwrap();
+            let refused = Journal::read::<Row>(directory.path()).err().unwrap();
+            assert!(refused.to_string().contains("journal.jsonl:"), "{refused}");
             let opened = Journal::open::<Row>(directory.path()).unwrap();
             // The line feed joins or splits lines.
             assert!(opened.damaged.contains(&2), "{at}: {:?}", opened.damaged);

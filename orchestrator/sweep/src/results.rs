@@ -17,7 +17,7 @@ use super::directory::{
     Lock, MANIFEST, lock, read_manifest, replace, replace_with, write_manifest,
 };
 use super::error::SweepError;
-use super::journal::{self, Entry, Journal};
+use super::journal::{self, Entry, Journal, Opened};
 use super::manifest::Manifest;
 use super::mission_id::{MissionId, missions};
 use super::row::{Record, Row};
@@ -69,7 +69,7 @@ impl<R: Record> Results<R> {
                 manifest.seeds = manifest.seeds.union(&theirs.seeds);
             }
             None if [journal::FILE, TABLE, EXPERIMENT]
-                .map(|file| directory.join(file).exists())
+                .map(|file| directory.join(file).symlink_metadata().is_ok())
                 .contains(&true) =>
             {
                 return Err(SweepError::NotResults {
@@ -82,7 +82,7 @@ impl<R: Record> Results<R> {
         }
         write_manifest(directory, &manifest)?;
         replace(&directory.join(EXPERIMENT), experiment.as_bytes())?;
-        Self::with(directory, manifest, lock)
+        Self::with(directory, manifest, lock, Journal::open(directory)?)
     }
 
     /// Opens existing results of any experiment.
@@ -106,11 +106,15 @@ impl<R: Record> Results<R> {
             });
         }
         let lock = lock(directory)?;
-        Self::with(directory, manifest, lock)
+        Self::with(directory, manifest, lock, Journal::read(directory)?)
     }
 
-    fn with(directory: &Path, manifest: Manifest, lock: Lock) -> Result<Self, SweepError> {
-        let opened = Journal::open::<R>(directory)?;
+    fn with(
+        directory: &Path,
+        manifest: Manifest,
+        lock: Lock,
+        opened: Opened<R>,
+    ) -> Result<Self, SweepError> {
         let mut results = Self {
             directory: directory.to_owned(),
             manifest,

@@ -356,7 +356,7 @@ pub fn run_info() -> RunInfo {
                 lap_limit_s: None,
             })
             .to_vec(),
-        obstacles: Default::default(),
+        obstacles: std::collections::BTreeMap::new(),
         tick_period_ns: PERIOD_NS,
     }
 }

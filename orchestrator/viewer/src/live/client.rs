@@ -12,9 +12,9 @@ use tungstenite::handshake::server::{ErrorResponse, Request, Response};
 use tungstenite::protocol::WebSocketConfig;
 use tungstenite::{Error, Message, WebSocket, accept_hdr_with_config};
 
+use super::admission::Admission;
 use super::broadcaster::{Broadcaster, Frame};
 use super::handshake::{self, Token};
-use super::seat::Seat;
 use super::wire;
 
 /// Timeout of the handshake.
@@ -42,15 +42,15 @@ pub(super) struct ServerState {
 }
 
 /// Serves one connection until it ends; the stream must be non-blocking.
-pub(super) fn serve(server_state: &ServerState, stream: TcpStream, seat: &Seat) {
+pub(super) fn serve(server_state: &ServerState, stream: TcpStream, admission: &Admission) {
     let broadcaster = &*server_state.broadcaster;
-    let Some(socket) = handshake(broadcaster, &server_state.token, stream, seat) else {
+    let Some(socket) = handshake(broadcaster, &server_state.token, stream, admission) else {
         return;
     };
-    if !seat.admit() {
+    if !admission.admit() {
         return;
     }
-    let wake = Arc::clone(seat.wake());
+    let wake = Arc::clone(admission.wake());
     let Some(id) = broadcaster.join(&server_state.session, Arc::clone(&wake)) else {
         return;
     };
@@ -78,7 +78,7 @@ fn handshake(
     broadcaster: &Broadcaster,
     token: &Token,
     stream: TcpStream,
-    seat: &Seat,
+    admission: &Admission,
 ) -> Option<WebSocket<TcpStream>> {
     let deadline = Instant::now() + HANDSHAKE_TIMEOUT;
     #[expect(clippy::result_large_err, reason = "signature of the library")]
@@ -95,12 +95,13 @@ fn handshake(
             // Refused, with a reason in the response; or not a WebSocket client.
             Err(HandshakeError::Failure(_)) => return None,
             Err(HandshakeError::Interrupted(half)) => {
-                if Instant::now() >= deadline || seat.is_dismissed() || broadcaster.is_closed() {
+                if Instant::now() >= deadline || admission.is_dismissed() || broadcaster.is_closed()
+                {
                     return None;
                 }
                 // Responses fit every buffer: the request is incomplete.
                 let stream = half.get_ref().get_ref();
-                let woken = PollFd::new(&**seat.wake(), PollFlags::IN);
+                let woken = PollFd::new(&**admission.wake(), PollFlags::IN);
                 wait(&mut [PollFd::new(stream, PollFlags::IN), woken]).ok()?;
                 result = half.handshake();
             }

@@ -14,11 +14,11 @@
 //! web pages in a browser on this machine; a proxy in front of it would leave its port open. The project
 //! therefore implements the handshake, and uses the messages of that crate.
 
+mod admission;
 mod broadcaster;
 mod client;
 mod error;
 mod handshake;
-mod seat;
 mod server;
 mod wire;
 

@@ -9,11 +9,11 @@ use std::time::Duration;
 
 use rustix::event::{EventfdFlags, PollFd, PollFlags, Timespec, eventfd, poll};
 
+use super::admission::Admission;
 use super::broadcaster::{BroadcastHandle, Broadcaster, LiveTotals};
 use super::client::{self, ServerState};
 use super::error::LiveError;
 use super::handshake::Token;
-use super::seat::Seat;
 
 /// Maximum number of viewers.
 const MAX_VIEWERS: usize = 32;
@@ -133,7 +133,7 @@ struct Acceptor {
 /// A connection and its thread.
 struct Connection {
     thread: JoinHandle<()>,
-    seat: Arc<Seat>,
+    admission: Arc<Admission>,
 }
 
 impl Acceptor {
@@ -172,17 +172,19 @@ impl Acceptor {
 
     /// Starts a thread for a connection, or closes it if there are too many viewers.
     fn admit(&self, stream: TcpStream, connections: &mut Vec<Connection>) {
-        let viewers = connections.iter().filter(|c| c.seat.is_viewer()).count();
+        let viewers = connections
+            .iter()
+            .filter(|c| c.admission.is_viewer())
+            .count();
         if viewers >= MAX_VIEWERS {
             return;
         }
         // A real viewer presents the token at once, long before so many others have connected after it.
         if connections.len() - viewers >= MAX_NEWCOMERS
-            && let Some(oldest) = connections.iter().position(|c| !c.seat.is_viewer())
+            && let Some(oldest) = connections.iter().position(|c| c.admission.dismiss())
         {
-            let oldest = connections.remove(oldest);
-            oldest.seat.dismiss();
-            let _ = oldest.thread.join();
+            // It ends at once.
+            let _ = connections.remove(oldest).thread.join();
         }
         if let Ok(connection) = self.connect(stream) {
             connections.push(connection);
@@ -192,13 +194,13 @@ impl Acceptor {
     fn connect(&self, stream: TcpStream) -> io::Result<Connection> {
         stream.set_nonblocking(true)?;
         stream.set_nodelay(true)?;
-        let seat = Arc::new(Seat::new(wake_up()?));
-        let (server_state, own) = (self.server_state.clone(), Arc::clone(&seat));
+        let admission = Arc::new(Admission::new(wake_up()?));
+        let (server_state, own) = (self.server_state.clone(), Arc::clone(&admission));
         let serve = move || client::serve(&server_state, stream, &own);
         let thread = std::thread::Builder::new()
             .name("viewer".into())
             .spawn(serve)?;
-        Ok(Connection { thread, seat })
+        Ok(Connection { thread, admission })
     }
 }
 
@@ -269,8 +271,14 @@ mod tests {
         let half_open: Vec<TcpStream> = (0..3 * MAX_NEWCOMERS)
             .map(|_| TcpStream::connect(address).unwrap())
             .collect();
-        let viewers: Vec<_> = (0..4).map(|_| viewer(&server)).collect();
-        assert_eq!(viewers.len(), server.totals().viewers as usize);
+        let mut viewers: Vec<_> = (0..4).map(|_| viewer(&server)).collect();
+        for viewer in &mut viewers {
+            let greeting = viewer.read().unwrap();
+            assert!(
+                greeting.to_text().unwrap().contains("serverInfo"),
+                "{greeting}"
+            );
+        }
         drop((half_open, viewers));
         server.finish();
     }

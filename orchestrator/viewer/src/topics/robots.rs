@@ -186,17 +186,18 @@ impl Trail {
             };
             let piece = [from, (state.x, state.y)].map(|(x, y)| Point { x, y, z: 0.01 });
             let name = format!("team {}", state.team);
-            let trail = match trails.markers.iter_mut().find(|trail| trail.ns == name) {
-                Some(trail) => trail,
-                None => {
-                    let color = palette::team(state.team, TRAIL);
-                    let mut trail = marker(&name, self.pictures, kind::LINE_LIST, color, time_ns);
-                    trail.lifetime = duration(trail_s);
-                    trail.scale = width(line);
-                    trails.markers.push_mut(trail)
-                }
-            };
-            trail.points.extend(piece);
+            let known = trails.markers.iter_mut().find(|trail| trail.ns == name);
+            if let Some(trail) = known {
+                trail.points.extend(piece);
+                continue;
+            }
+            let color = palette::team(state.team, TRAIL);
+            trails.markers.push(Marker {
+                lifetime: duration(trail_s),
+                scale: width(line),
+                points: piece.to_vec(),
+                ..marker(&name, self.pictures, kind::LINE_LIST, color, time_ns)
+            });
         }
         trails
     }

@@ -11,13 +11,13 @@ const DISMISSED: u8 = 2;
 
 /// State of a connection, shared by its thread and the thread that accepts connections.
 #[derive(Debug)]
-pub(super) struct Seat {
+pub(super) struct Admission {
     state: AtomicU8,
     /// Event descriptor that wakes the thread of the connection.
     wake: Arc<OwnedFd>,
 }
 
-impl Seat {
+impl Admission {
     /// Creates the state of a connection without the token.
     pub(super) fn new(wake: OwnedFd) -> Self {
         Self {
@@ -39,14 +39,15 @@ impl Seat {
         from.is_ok()
     }
 
-    /// Ends the connection if it is not a viewer.
-    pub(super) fn dismiss(&self) {
+    /// Ends the connection; returns `false` if it has become a viewer.
+    pub(super) fn dismiss(&self) -> bool {
         let from =
             self.state
                 .compare_exchange(NEWCOMER, DISMISSED, Ordering::AcqRel, Ordering::Acquire);
         if from.is_ok() {
             let _ = rustix::io::write(&*self.wake, &1_u64.to_ne_bytes());
         }
+        from.is_ok()
     }
 
     /// Returns `true` if the connection presented the token.
