@@ -35,5 +35,6 @@ mod ros;
 mod structure;
 mod supervision;
 mod sweep;
+mod system_calls;
 mod triggers;
 mod viewers;
