@@ -6,6 +6,7 @@ use iceoryx2::port::update_connections::UpdateConnections;
 use iceoryx2::port::{BackpressureAction, LoanError};
 use iceoryx2::prelude::{AllocationStrategy, BackpressureStrategy, Node, ipc};
 
+use super::ports::degrade;
 use super::service::{self, Agreed};
 use crate::clock::monotonic_ns;
 use crate::error::{BusError, SendError};
@@ -62,7 +63,8 @@ pub(super) fn open<H: Header, E: Message>(
         } else {
             AllocationStrategy::Static
         })
-        .max_loaned_samples(1);
+        .max_loaned_samples(1)
+        .set_degradation_handler(degrade);
     let patience = options.patience;
     let builder = if options.overflow {
         builder

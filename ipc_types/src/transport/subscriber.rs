@@ -5,6 +5,7 @@ use core::mem::ManuallyDrop;
 use iceoryx2::port::update_connections::UpdateConnections;
 use iceoryx2::prelude::{Node, ipc};
 
+use super::ports::degrade;
 use super::service::{self, Agreed};
 use crate::error::{BusError, ReceiveError};
 use crate::message::Message;
@@ -60,6 +61,7 @@ pub(super) fn open<H: Header, E: Message>(
     let inner = service::open::<H, E>(node, agreed)?
         .subscriber_builder()
         .buffer_size(buffer)
+        .set_degradation_handler(degrade)
         .create()
         .map_err(|e| BusError::Port {
             topic,
