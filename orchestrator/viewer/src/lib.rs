@@ -1,4 +1,4 @@
-//! Visualisation of a run in viewers (Foxglove, Lichtblick, RViz, Rerun, PlotJuggler).
+//! Visualisation of a run in viewers (Foxglove, Lichtblick, `RViz`, Rerun, `PlotJuggler`).
 //!
 //! * `topics`: the viewer topics, ROS 2 messages that [`viewer_topics`] derives from the messages of a run: a
 //!   [`recorder::Recording`] writes them into the log;

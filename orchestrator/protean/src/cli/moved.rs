@@ -1,6 +1,7 @@
 //! First words that are no commands, with what to type instead.
 
 use std::ffi::{OsStr, OsString};
+use std::path::Path;
 
 /// First words of a removed command, and what to type instead.
 type Row = (&'static [&'static str], &'static str);
@@ -41,7 +42,11 @@ fn scenario(word: &str) -> Option<String> {
     let is_built_in = scenario::list()
         .iter()
         .any(|built_in| built_in.name == word);
-    (is_built_in || word.ends_with(".toml")).then(|| {
+    (is_built_in
+        || Path::new(word)
+            .extension()
+            .is_some_and(|extension| extension == "toml"))
+    .then(|| {
         format!("error: `{word}` is a scenario, not a command; run it with `protean run {word}`")
     })
 }
