@@ -6,6 +6,7 @@
 //! `static`, which refers to the code for its messages.
 
 mod agreement;
+mod degradation;
 mod event;
 mod exchange;
 mod node;

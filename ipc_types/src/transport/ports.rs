@@ -1,6 +1,5 @@
 //! The service and the ports of a topic.
 
-use iceoryx2::port::{DegradationAction, DegradationCause, DegradationInfo};
 use iceoryx2::prelude::{Node, ipc};
 
 use super::publisher::{self, Sender, SenderOptions};
@@ -34,19 +33,5 @@ impl<H: Header, E: Message> Ports<H, E> {
             publisher: publisher::open::<H, E>,
             subscriber: subscriber::open::<H, E>,
         }
-    }
-}
-
-/// Reaction of a port to a connection that fails: by default, iceoryx2 continues without a connection that cannot be
-/// established (for example with too many open files), and the messages over it are lost.
-#[expect(
-    clippy::needless_pass_by_value,
-    reason = "the signature of a handler of iceoryx2"
-)]
-pub(super) fn degrade(cause: DegradationCause, _: &DegradationInfo) -> DegradationAction {
-    match cause {
-        DegradationCause::FailedToEstablishConnection => DegradationAction::DegradeAndFail,
-        // The other end is dead: the supervisor decides.
-        DegradationCause::ConnectionCorrupted => DegradationAction::Warn,
     }
 }

@@ -6,7 +6,7 @@ use iceoryx2::port::update_connections::UpdateConnections;
 use iceoryx2::port::{BackpressureAction, LoanError};
 use iceoryx2::prelude::{AllocationStrategy, BackpressureStrategy, Node, ipc};
 
-use super::ports::degrade;
+use super::degradation::degrade;
 use super::service::{self, Agreed};
 use crate::clock::monotonic_ns;
 use crate::error::{BusError, SendError};

@@ -5,7 +5,7 @@ use core::mem::ManuallyDrop;
 use iceoryx2::port::update_connections::UpdateConnections;
 use iceoryx2::prelude::{Node, ipc};
 
-use super::ports::degrade;
+use super::degradation::degrade;
 use super::service::{self, Agreed};
 use crate::error::{BusError, ReceiveError};
 use crate::message::Message;
