@@ -10,7 +10,7 @@ pub fn in_force() -> Option<String> {
     ];
     let named = limits.iter().filter_map(|(resource, what, command)| {
         let bytes = getrlimit(*resource).current?;
-        Some(format!("{what} {:.1} MB (`{command}`)", bytes as f64 / 1e6))
+        Some(format!("{what} {} kB (`{command}`)", bytes / 1000))
     });
     let named: Vec<String> = named.collect();
     (!named.is_empty()).then(|| format!("the shell limits the size {}", named.join(" and ")))

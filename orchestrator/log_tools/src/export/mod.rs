@@ -348,3 +348,30 @@ impl Drop for Folder<'_> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_of_tables_are_no_options_no_paths_and_differ() {
+        let mut names = BTreeMap::new();
+        let mut name = |id: u16, topic: &str| {
+            let channel = Channel {
+                id,
+                schema_id: 0,
+                topic: topic.to_owned(),
+                message_encoding: "cdr".to_owned(),
+                metadata: BTreeMap::new(),
+            };
+            file_name(&channel, "csv", &mut names)
+        };
+        assert_eq!(name(1, "-rf"), "rf.csv");
+        assert_eq!(name(2, "../x"), "x.csv");
+        assert_eq!(name(3, "a/b"), "a.b.csv");
+        assert_eq!(name(4, "/a.b"), "a.b-4.csv");
+        assert_eq!(name(5, "c-7"), "c-7.csv");
+        assert_eq!(name(6, "c"), "c.csv");
+        assert_eq!(name(7, "c"), "c-7-7.csv");
+    }
+}
