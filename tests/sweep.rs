@@ -177,7 +177,9 @@ fn a_killed_sweep_goes_on_where_it_was() {
     let outcome = sweep(&sandbox, "killed", &["--json"]);
     assert_eq!(outcome.code, Some(0), "{outcome}");
     assert!(
-        outcome.stderr.contains("the last line was incomplete"),
+        outcome
+            .stderr
+            .contains("the line was incomplete or changed"),
         "{outcome}"
     );
     assert_eq!(outcome.json()["known"], done);

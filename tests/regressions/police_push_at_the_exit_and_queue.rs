@@ -71,8 +71,6 @@ fn police_do_not_follow_an_evader_in_file() {
         ticks += 1;
     }
     let share = f64::from(close) / f64::from(ticks);
-    assert!(
-        share < 0.12,
-        "two Police within 1 m in {share} of all ticks"
-    );
+    // 0.24 to 0.5 with Police that follow in file; these come near each other when they cut off the last evader.
+    assert!(share < 0.2, "two Police within 1 m in {share} of all ticks");
 }
