@@ -152,7 +152,7 @@ fn run() {
 }
 
 #[test]
-#[ignore = "minutes: docs/how-to/faults.md"]
+#[ignore = "a run can wait without limit for a segment of size 0: docs/how-to/faults.md"]
 fn a_run_in_which_any_system_call_fails_keeps_the_guarantees() {
     run();
 }
@@ -283,7 +283,7 @@ fn resume() {
 }
 
 #[test]
-#[ignore = "minutes: docs/how-to/faults.md"]
+#[ignore = "a run can wait without limit for a segment of size 0: docs/how-to/faults.md"]
 fn a_sweep_in_which_any_system_call_fails_is_resumed_to_the_same_table() {
     resume();
 }
