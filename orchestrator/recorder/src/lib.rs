@@ -26,6 +26,7 @@ mod log;
 mod message_audit;
 mod outages;
 mod outcome;
+mod outcome_words;
 mod parts;
 mod predicted;
 mod recording;
@@ -50,6 +51,7 @@ pub use derived::{DerivedChannel, DerivedMessages, DerivedTopics};
 pub use digest_prefixes::DigestPrefixes;
 pub use error::RecorderError;
 pub use event_names::EventNames;
+pub use outcome_words::outcome_words;
 pub use recording::Recording;
 pub use run_info::{ProcessInfo, RobotInfo, RunInfo};
 pub use summary::{

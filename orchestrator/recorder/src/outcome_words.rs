@@ -1,0 +1,207 @@
+//! The outcome of a run in words.
+
+use super::summary::{CoverageOutcome, RobotOutcome};
+
+/// Outcomes of evaders, the better for them first, and their words.
+const EVADERS: [(&str, &str); 6] = [
+    ("escaped", "escaped"),
+    ("goal_reached", "reached the goal"),
+    ("timed_out", "held out"),
+    ("active", "still free"),
+    ("disabled", "disabled"),
+    ("caught", "caught"),
+];
+
+/// Returns who won or what was achieved, as one line without a full stop.
+///
+/// ```
+/// use recorder::{RobotOutcome, outcome_words};
+///
+/// let evader = |outcome: &str, time_s| RobotOutcome {
+///     team: "evader".to_owned(),
+///     outcome: outcome.to_owned(),
+///     time_s,
+///     ..RobotOutcome::default()
+/// };
+/// let one_each = [evader("caught", 29.1), evader("escaped", 40.0)];
+/// assert_eq!(outcome_words(&one_each, None), "1 of 2 evaders escaped, 1 caught");
+/// let caught = [evader("caught", 29.1), evader("caught", 135.7)];
+/// let words = "the Police win: 2 of 2 evaders caught, the last after 135.7 s";
+/// assert_eq!(outcome_words(&caught, None), words);
+/// ```
+pub fn outcome_words(robots: &[RobotOutcome], coverage: Option<&CoverageOutcome>) -> String {
+    let parts = [
+        evaders(robots),
+        goals(robots),
+        coverage.map(|c| {
+            let share = 100.0 * c.coverable_fraction;
+            format!("{share:.1} % of the coverable area visited")
+        }),
+        waypoints(robots),
+    ];
+    let parts: Vec<String> = parts.into_iter().flatten().collect();
+    if parts.is_empty() {
+        format!("no outcome after {:.1} s", last_s(robots.iter()))
+    } else {
+        parts.join("; ")
+    }
+}
+
+/// Time of the last of these outcomes (s).
+fn last_s<'a>(robots: impl Iterator<Item = &'a RobotOutcome>) -> f64 {
+    robots.map(|robot| robot.time_s).fold(0.0, f64::max)
+}
+
+/// The outcomes of the evaders; `None` without evaders.
+fn evaders(robots: &[RobotOutcome]) -> Option<String> {
+    let evaders = || robots.iter().filter(|robot| robot.team == "evader");
+    let all = evaders().count();
+    let count = |outcome| evaders().filter(|robot| robot.outcome == outcome).count();
+    let mut words = String::new();
+    for (outcome, word) in EVADERS {
+        match count(outcome) {
+            0 => {}
+            some if words.is_empty() && all == 1 => words = format!("{some} evader {word}"),
+            some if words.is_empty() => words = format!("{some} of {all} evaders {word}"),
+            some => words += &format!(", {some} {word}"),
+        }
+    }
+    let (caught, open) = (count("caught"), count("active") + count("disabled"));
+    let winner = match (caught, open) {
+        _ if all == 0 => return None,
+        (caught, _) if caught == all => "the Police win: ",
+        (0, 0) => "the evaders win: ",
+        _ => return Some(words),
+    };
+    let last = if all == 1 { "" } else { "the last " };
+    let last_s = last_s(evaders());
+    Some(format!("{winner}{words}, {last}after {last_s:.1} s"))
+}
+
+/// The outcomes of the other robots that have goals; `None` if no goal was decided.
+fn goals(robots: &[RobotOutcome]) -> Option<String> {
+    let others = || robots.iter().filter(|robot| robot.team != "evader");
+    let reached = || others().filter(|robot| robot.outcome == "goal_reached");
+    let is_decided = |robot: &RobotOutcome| robot.outcome == "timed_out";
+    if reached().count() == 0 && !others().any(is_decided) {
+        return None;
+    }
+    let (reached, last_s, all) = (reached().count(), last_s(reached()), others().count());
+    Some(match (reached, all) {
+        (0, _) => "no robot reached its goal".to_owned(),
+        (1, 1) => format!("the robot reached its goal after {last_s:.1} s"),
+        _ => format!("{reached} of {all} robots reached their goals, the last after {last_s:.1} s"),
+    })
+}
+
+/// The outcomes of all waypoints; `None` without waypoints.
+fn waypoints(robots: &[RobotOutcome]) -> Option<String> {
+    let visits = || robots.iter().filter_map(|robot| robot.waypoints.as_ref());
+    let reached: u64 = visits().map(|w| w.reached).sum();
+    let left_out: u64 = visits()
+        .map(|w| w.inside_obstacle + w.timed_out + w.unreachable)
+        .sum();
+    let all = reached + left_out;
+    let laps: u32 = visits().filter_map(|w| w.laps).sum();
+    let laps = match laps {
+        0 => String::new(),
+        1 => " in 1 lap".to_owned(),
+        laps => format!(" in {laps} laps"),
+    };
+    (all > 0).then(|| format!("{reached} of {all} waypoints reached{laps}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::summary::WaypointOutcome;
+    use super::*;
+
+    fn robot(team: &str, outcome: &str, time_s: f64) -> RobotOutcome {
+        RobotOutcome {
+            team: team.to_owned(),
+            outcome: outcome.to_owned(),
+            time_s,
+            ..RobotOutcome::default()
+        }
+    }
+
+    #[test]
+    fn the_team_without_a_loss_wins() {
+        let police = robot("police", "active", 50.0);
+        for (evaders, words) in [
+            (
+                vec![("escaped", 30.0), ("timed_out", 50.0)],
+                "the evaders win: 1 of 2 evaders escaped, 1 held out, the last after 50.0 s",
+            ),
+            (
+                vec![("caught", 12.34)],
+                "the Police win: 1 evader caught, after 12.3 s",
+            ),
+            (
+                vec![("caught", 12.0), ("active", 50.0)],
+                "1 of 2 evaders still free, 1 caught",
+            ),
+            (
+                vec![("caught", 1.0), ("timed_out", 50.0), ("escaped", 2.0)],
+                "1 of 3 evaders escaped, 1 held out, 1 caught",
+            ),
+        ] {
+            let evaders = evaders.into_iter().map(|(o, t)| robot("evader", o, t));
+            let robots: Vec<_> = [police.clone()].into_iter().chain(evaders).collect();
+            assert_eq!(outcome_words(&robots, None), words);
+        }
+    }
+
+    #[test]
+    fn robots_with_goals_waypoints_and_areas_have_words() {
+        let drives = robot("neutral", "active", 60.0);
+        let arrived = robot("neutral", "goal_reached", 41.2);
+        let late = robot("neutral", "timed_out", 60.0);
+        let words = |robots: &[RobotOutcome]| outcome_words(robots, None);
+        assert_eq!(
+            words(std::slice::from_ref(&drives)),
+            "no outcome after 60.0 s"
+        );
+        assert_eq!(words(&[late.clone()]), "no robot reached its goal");
+        assert_eq!(
+            words(&[arrived.clone()]),
+            "the robot reached its goal after 41.2 s"
+        );
+        assert_eq!(
+            words(&[arrived, late]),
+            "1 of 2 robots reached their goals, the last after 41.2 s"
+        );
+        let guard = RobotOutcome {
+            waypoints: Some(WaypointOutcome {
+                reached: 190,
+                inside_obstacle: 1,
+                timed_out: 2,
+                unreachable: 0,
+                route_left_out: 0,
+                farthest_m: 0.1,
+                laps: Some(5),
+                longest_lap_s: None,
+                lap_limit_s: None,
+                planned: None,
+                driven: None,
+            }),
+            ..drives
+        };
+        let coverage = CoverageOutcome {
+            fraction: 0.5,
+            coverable_fraction: 0.982,
+            free_m2: 1.0,
+            visited_m2: 0.5,
+            mean_idleness_s: 1.0,
+            worst_idleness_s: 2.0,
+            unevenness: 0.1,
+            way_m: 10.0,
+            by_way: Vec::new(),
+        };
+        assert_eq!(
+            outcome_words(&[guard], Some(&coverage)),
+            "98.2 % of the coverable area visited; 190 of 193 waypoints reached in 5 laps"
+        );
+        assert_eq!(outcome_words(&[], None), "no outcome after 0.0 s");
+    }
+}
