@@ -7,7 +7,7 @@ use toml::de::{DeTable, DeValue};
 /// One member of the workspace.
 #[derive(Debug)]
 pub struct Package {
-    /// Its name.
+    /// The name of its library, or its own without one: what sources and other manifests call it.
     pub name: String,
     /// Its folder, relative to the root of the workspace.
     pub folder: PathBuf,
@@ -70,7 +70,16 @@ fn expand(root: &Path, member: &str) -> Vec<PathBuf> {
 fn parse(folder: PathBuf, text: &str) -> Package {
     let manifest = DeTable::parse(text).unwrap();
     let table = manifest.get_ref();
-    let name = table["package"].get_ref()["name"].get_ref().as_str();
+    let name_of = |section: &str| {
+        table
+            .get(section)?
+            .get_ref()
+            .as_table()?
+            .get("name")?
+            .get_ref()
+            .as_str()
+    };
+    let name = name_of("lib").or_else(|| name_of("package"));
     let mut package = Package {
         name: name.unwrap().to_owned(),
         folder,

@@ -1,6 +1,6 @@
 //! Drives a robot through random worlds by `TangentBug`, and counts the goals that it does not reach.
 //!
-//! `cargo run --release -p steering --example random_worlds [worlds] [first]`: 2000 worlds from number
+//! `cargo run --release -p protean-steering --example random_worlds [worlds] [first]`: 2000 worlds from number
 //! 100 000 by default, for sensors with a range of 0.5 m and of 3.5 m.
 
 use drive::{Machine, PATROL};
