@@ -54,32 +54,13 @@ impl<R: Record> Results<R> {
         manifest: &Manifest,
         experiment: &str,
     ) -> Result<Self, SweepError> {
+        // Before anything is written: a directory that is refused stays as it is.
+        continued(directory, manifest)?;
         std::fs::create_dir_all(directory)
             .map_err(SweepError::io(directory, "cannot create the directory"))?;
         let lock = lock(directory)?;
-        let mut manifest = manifest.clone();
-        match read_manifest(directory)? {
-            Some(theirs) => {
-                if let Some(difference) = manifest.difference(&theirs) {
-                    return Err(SweepError::Other {
-                        path: directory.to_owned(),
-                        difference,
-                    });
-                }
-                manifest.seeds = manifest.seeds.union(&theirs.seeds);
-            }
-            None if [journal::FILE, TABLE, EXPERIMENT]
-                .map(|file| directory.join(file).symlink_metadata().is_ok())
-                .contains(&true) =>
-            {
-                return Err(SweepError::NotResults {
-                    path: directory.to_owned(),
-                    file: MANIFEST,
-                    expected: "choose another --out, or an empty directory",
-                });
-            }
-            None => {}
-        }
+        // Again: another sweep may have begun meanwhile.
+        let manifest = continued(directory, manifest)?;
         write_manifest(directory, &manifest)?;
         replace(&directory.join(EXPERIMENT), experiment.as_bytes())?;
         Self::with(directory, manifest, lock, Journal::open(directory)?)
@@ -348,6 +329,36 @@ impl<R: Record> Results<R> {
         }
         Ok(())
     }
+}
+
+/// Returns the manifest of an experiment with the seeds whose results a directory already contains.
+///
+/// # Errors
+/// [`SweepError`] if the directory contains anything but results of this experiment.
+fn continued(directory: &Path, manifest: &Manifest) -> Result<Manifest, SweepError> {
+    let mut manifest = manifest.clone();
+    let Some(theirs) = read_manifest(directory)? else {
+        let is_used = [journal::FILE, TABLE, EXPERIMENT]
+            .map(|file| directory.join(file).symlink_metadata().is_ok())
+            .contains(&true);
+        return if is_used {
+            Err(SweepError::NotResults {
+                path: directory.to_owned(),
+                file: MANIFEST,
+                expected: "choose another --out, or an empty directory",
+            })
+        } else {
+            Ok(manifest)
+        };
+    };
+    if let Some(difference) = manifest.difference(&theirs) {
+        return Err(SweepError::Other {
+            path: directory.to_owned(),
+            difference,
+        });
+    }
+    manifest.seeds = manifest.seeds.union(&theirs.seeds);
+    Ok(manifest)
 }
 
 /// Describes the first field in which two rows differ.

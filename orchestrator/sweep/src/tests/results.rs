@@ -151,6 +151,45 @@ fn a_second_sweep_in_a_directory_is_refused() {
 }
 
 #[test]
+fn a_directory_that_is_refused_stays_as_it_is() {
+    let names = |directory: &Path| {
+        let entries = std::fs::read_dir(directory).unwrap();
+        let mut names: Vec<_> = entries.map(|entry| entry.unwrap().file_name()).collect();
+        names.sort();
+        names
+    };
+    let directory = tempfile::tempdir().unwrap();
+    let users = directory.path().join("experiment.toml");
+    std::fs::write(&users, "their own").unwrap();
+    let error = open(directory.path()).err().unwrap().to_string();
+    assert!(error.contains("has no manifest.json"), "{error}");
+    assert_eq!(names(directory.path()), ["experiment.toml"]);
+    assert_eq!(std::fs::read_to_string(&users).unwrap(), "their own");
+    // Copied results of another experiment, without the lock.
+    std::fs::write(directory.path().join("manifest.json"), "no json").unwrap();
+    open(directory.path()).err().unwrap();
+    assert_eq!(
+        names(directory.path()),
+        ["experiment.toml", "manifest.json"]
+    );
+}
+
+#[test]
+fn a_link_in_the_place_of_the_lock_is_refused_and_its_target_stays() {
+    let directory = tempfile::tempdir().unwrap();
+    let target = directory.path().join("target");
+    std::fs::write(&target, "their own").unwrap();
+    let results = directory.path().join("results");
+    std::fs::create_dir(&results).unwrap();
+    std::os::unix::fs::symlink(&target, results.join("lock")).unwrap();
+    let error = open(&results).err().unwrap().to_string();
+    assert!(error.contains("results/lock"), "{error}");
+    assert!(error.contains("it is a symbolic link"), "{error}");
+    assert_eq!(std::fs::read_to_string(&target).unwrap(), "their own");
+    assert_eq!(std::fs::read_dir(&results).unwrap().count(), 1);
+}
+
+#[test]
 fn more_seeds_continue_the_same_results() {
     let directory = tempfile::tempdir().unwrap();
     open(directory.path())
