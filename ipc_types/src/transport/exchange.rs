@@ -4,6 +4,7 @@ use iceoryx2::prelude::{Node, ipc};
 use iceoryx2::service::port_factory::request_response::PortFactory;
 
 use super::agreement;
+use super::degradation::Failures;
 use super::service::{Agreed, TopicHolder, service_name};
 use crate::clock::monotonic_ns;
 use crate::error::{BusError, ReceiveError, SendError};
@@ -128,15 +129,14 @@ fn open_client<QH: Header, QE: Message, AH: Header, AE: Message>(
     capacity: usize,
 ) -> Result<Box<dyn Client<QH, QE, AH, AE>>, BusError> {
     let topic = agreed.topic;
-    let port = open::<QH, QE, AH, AE>(node, agreed)?
+    let failures = Failures::default();
+    let created = open::<QH, QE, AH, AE>(node, agreed)?
         .client_builder()
         .initial_max_slice_len(capacity)
-        .create()
-        .map_err(|e| BusError::Port {
-            topic,
-            port: "client",
-            reason: format!("{e:?}"),
-        })?;
+        .set_request_degradation_handler(failures.handler())
+        .set_response_degradation_handler(failures.handler())
+        .create();
+    let port = failures.checked(topic, "client", created)?;
     Ok(Box::new(Named { topic, port }))
 }
 
@@ -146,15 +146,14 @@ fn open_server<QH: Header, QE: Message, AH: Header, AE: Message>(
     capacity: usize,
 ) -> Result<Box<dyn Server<QH, QE, AH, AE>>, BusError> {
     let topic = agreed.topic;
-    let port = open::<QH, QE, AH, AE>(node, agreed)?
+    let failures = Failures::default();
+    let created = open::<QH, QE, AH, AE>(node, agreed)?
         .server_builder()
         .initial_max_slice_len(capacity)
-        .create()
-        .map_err(|e| BusError::Port {
-            topic,
-            port: "server",
-            reason: format!("{e:?}"),
-        })?;
+        .set_request_degradation_handler(failures.handler())
+        .set_response_degradation_handler(failures.handler())
+        .create();
+    let port = failures.checked(topic, "server", created)?;
     Ok(Box::new(Named { topic, port }))
 }
 

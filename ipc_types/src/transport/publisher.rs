@@ -6,7 +6,7 @@ use iceoryx2::port::update_connections::UpdateConnections;
 use iceoryx2::port::{BackpressureAction, LoanError};
 use iceoryx2::prelude::{AllocationStrategy, BackpressureStrategy, Node, ipc};
 
-use super::degradation::degrade;
+use super::degradation::Failures;
 use super::service::{self, Agreed};
 use crate::clock::monotonic_ns;
 use crate::error::{BusError, SendError};
@@ -55,6 +55,7 @@ pub(super) fn open<H: Header, E: Message>(
     options: SenderOptions,
 ) -> Result<Box<dyn Sender<H, E>>, BusError> {
     let factory = service::open::<H, E>(node, agreed)?;
+    let failures = Failures::default();
     let builder = factory
         .publisher_builder()
         .initial_max_slice_len(options.capacity.max(1))
@@ -64,7 +65,7 @@ pub(super) fn open<H: Header, E: Message>(
             AllocationStrategy::Static
         })
         .max_loaned_samples(1)
-        .set_degradation_handler(degrade);
+        .set_degradation_handler(failures.handler());
     let patience = options.patience;
     let builder = if options.overflow {
         builder
@@ -80,11 +81,7 @@ pub(super) fn open<H: Header, E: Message>(
                 }
             })
     };
-    let inner = builder.create().map_err(|e| BusError::Port {
-        topic: agreed.topic,
-        port: "publisher",
-        reason: format!("{e:?}"),
-    })?;
+    let inner = failures.checked(agreed.topic, "publisher", builder.create())?;
     Ok(Box::new(Port {
         topic: agreed.topic,
         inner,

@@ -5,7 +5,7 @@ use core::mem::ManuallyDrop;
 use iceoryx2::port::update_connections::UpdateConnections;
 use iceoryx2::prelude::{Node, ipc};
 
-use super::degradation::degrade;
+use super::degradation::Failures;
 use super::service::{self, Agreed};
 use crate::error::{BusError, ReceiveError};
 use crate::message::Message;
@@ -58,16 +58,13 @@ pub(super) fn open<H: Header, E: Message>(
     buffer: usize,
 ) -> Result<Box<dyn Receiver<H, E>>, BusError> {
     let topic = agreed.topic;
-    let inner = service::open::<H, E>(node, agreed)?
+    let failures = Failures::default();
+    let created = service::open::<H, E>(node, agreed)?
         .subscriber_builder()
         .buffer_size(buffer)
-        .set_degradation_handler(degrade)
-        .create()
-        .map_err(|e| BusError::Port {
-            topic,
-            port: "subscriber",
-            reason: format!("{e:?}"),
-        })?;
+        .set_degradation_handler(failures.handler())
+        .create();
+    let inner = failures.checked(topic, "subscriber", created)?;
     Ok(Box::new(Port { topic, inner }))
 }
 

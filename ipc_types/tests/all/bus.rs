@@ -111,6 +111,24 @@ fn a_message_sent_in_place_is_the_content_of_the_memory() {
 }
 
 #[test]
+fn a_port_that_cannot_connect_is_refused() {
+    let (space, bus) = joined("unconnected");
+    let _service = bus.create::<WorldState>().unwrap();
+    let _publisher = bus
+        .publisher::<WorldState>(PublisherOptions::new(7, 2))
+        .unwrap();
+    let memory = std::fs::read_dir("/dev/shm").unwrap().flatten();
+    let memory = memory.map(|entry| entry.path()).find(|path| {
+        let name = path.file_name().unwrap().to_string_lossy();
+        name.starts_with(space.0.prefix()) && name.ends_with(".data")
+    });
+    std::fs::remove_file(memory.unwrap()).unwrap();
+    let error = bus.subscriber::<WorldState>().err().unwrap().to_string();
+    let expected = "cannot create a subscriber of topic world/state: it cannot connect";
+    assert!(error.starts_with(expected), "{error}");
+}
+
+#[test]
 fn runs_do_not_see_each_other() {
     let (a, b) = (Space::new("a"), Space::new("b"));
     a.0.create_root().unwrap();
