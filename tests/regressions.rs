@@ -2,6 +2,8 @@
 
 #[path = "regressions/evader_aims_through_a_wall.rs"]
 mod evader_aims_through_a_wall;
+#[path = "regressions/false_length_in_a_log_ends_the_program.rs"]
+mod false_length_in_a_log_ends_the_program;
 #[path = "regressions/paced_world_runs_ahead.rs"]
 mod paced_world_runs_ahead;
 #[path = "regressions/patrol_outside_the_map.rs"]
