@@ -21,7 +21,6 @@ kind = "optimiser"
 [[processes]]
 kind = "navigator"
 robots = ["scout"]
-params = { answer_timeout_s = 0.3 }
 "#;
 
 struct Navigator {
@@ -70,27 +69,6 @@ impl Navigator {
         let message = self.commands.receive().unwrap().expect("a command");
         (message.elements()[0].v, message.elements()[0].omega)
     }
-
-    /// The tick in which the answer is due must be its last, and the reason the optimiser.
-    #[track_caller]
-    fn ends(mut self, words: &str) {
-        self.world.send(1, &self.world.robots);
-        assert!(!self.world.turn(&self.rig, 1));
-        let (status, output) = self.rig.process.end();
-        assert!(!status.success(), "{output}");
-        assert!(
-            output.contains("the optimiser") && output.contains(words),
-            "{output}"
-        );
-    }
-}
-
-#[test]
-fn an_optimiser_that_is_silent_ends_the_navigator_by_name() {
-    let navigator = navigator(true);
-    navigator.world.tick(&navigator.rig, 0);
-    let _held = navigator.request();
-    navigator.ends("no answer within 300ms");
 }
 
 #[test]

@@ -1,7 +1,5 @@
 //! The optimiser process, spoken to over iceoryx2.
 
-use std::time::Duration;
-
 use crate::process::send_map;
 use crate::support::rig::{Rig, World};
 use ipc_types::messages::optimiser::{PlanRequest, PlanResponse, TrajectorySample};
@@ -38,9 +36,6 @@ team = "neutral"
 "#
     )
 }
-
-/// Real time after which an answer counts as lost.
-const PATIENCE: Duration = Duration::from_secs(60);
 
 fn optimiser(workers: u32) -> Rig {
     let mut rig = Rig::new(&room(workers), "optimiser");
@@ -128,7 +123,7 @@ fn labyrinth(robot: u32) -> (PlanRequest, Vec<ShapePoint>) {
 
 #[track_caller]
 fn answer(client: &mut OptimiserClient) -> PlanAnswer {
-    let answer = client.wait(Some(PATIENCE)).unwrap();
+    let answer = client.wait().unwrap();
     answer.expect("something was asked")
 }
 

@@ -282,7 +282,6 @@ impl Drop for RuntimeExchange {
 fn run_config(root: &Path, prefix: &str) -> RunConfig {
     RunConfig {
         pace: None,
-        hang_timeout_s: 10.0,
         root: root.to_owned(),
         prefix: prefix.to_owned(),
         seed: 1,

@@ -3,6 +3,7 @@
 //! This module does not wait, call the system or read a clock. The executor detects events and takes the actions.
 
 mod process;
+mod silence;
 #[cfg(test)]
 mod tests;
 mod timeouts;
@@ -12,6 +13,8 @@ use std::time::{Duration, Instant};
 use ipc_types::messages::process::ProcessEvent;
 
 use self::process::{Participation, Process};
+pub(super) use self::silence::Activity;
+use self::silence::Silence;
 pub(super) use self::timeouts::{Observation, StartStep};
 use super::error::MissionError;
 use super::plan::Launch;
@@ -156,8 +159,7 @@ pub(super) struct State {
     hang_timeout: Duration,
     processes: Vec<Process>,
     has_begun: bool,
-    last_posted: u64,
-    last_progress: Instant,
+    silence: Silence,
     has_failures: bool,
 }
 
@@ -173,8 +175,7 @@ impl State {
                 .map(|launch| Process::new(launch, launches, now))
                 .collect(),
             has_begun: false,
-            last_posted: 0,
-            last_progress: now,
+            silence: Silence::new(now),
             has_failures: false,
         }
     }
@@ -182,7 +183,7 @@ impl State {
     /// Starts to measure time, at the first tick.
     pub(super) fn begin(&mut self, now: Instant) {
         self.has_begun = true;
-        self.last_progress = now;
+        self.silence.restart(now);
         for process in &mut self.processes {
             process.since = now;
         }

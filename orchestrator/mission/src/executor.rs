@@ -8,7 +8,7 @@ use ipc_types::messages::process::ProcessEvent;
 use runtime::lockstep::{BarrierMonitor, Phase};
 
 use super::child_process::{ChildError, RunningProcess};
-use super::decide::{Action, Event, Moment, Observation};
+use super::decide::{Action, Activity, Event, Moment, Observation};
 use super::error::MissionError;
 use super::external_bridge::ExternalBridge;
 use super::plan::Launch;
@@ -114,9 +114,13 @@ impl<'a> Executor<'a> {
         processes.filter_map(ended).collect()
     }
 
-    /// Returns `true` if a signal or a debugger has stopped a process.
-    pub(super) fn is_stopped(&self, index: usize) -> bool {
-        self.processes[index].is_stopped()
+    /// Returns what the system reports about a process.
+    pub(super) fn activity(&self, index: usize) -> Activity {
+        let process = &self.processes[index];
+        Activity {
+            is_stopped: process.is_stopped(),
+            cpu: process.cpu_time(),
+        }
     }
 
     /// Returns the number of posted ticks.

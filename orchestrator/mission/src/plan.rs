@@ -192,7 +192,6 @@ fn run_config(scenario: &ResolvedScenario, map: &WorldMap) -> RunConfig {
         tick_period_ns: (scenario.run.dt * 1e9).round() as u64,
         clock,
         pace: None,
-        hang_timeout_s: scenario.run.hang_timeout_s,
         processor: (scenario.run.pin == spec::Pin::OneCore).then(first_processor),
         processes: scenario.processes.len() as u32 + 1,
         events: scenario.events.len() as u32,

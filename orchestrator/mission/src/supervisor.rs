@@ -121,10 +121,8 @@ impl<'a> Supervisor<'a> {
     pub fn handle_events(&mut self) -> Result<(), MissionError> {
         self.check_ends()?;
         let (seen, posted) = (self.executor.observe(), self.executor.ticks_posted());
-        let is_stopped = |index| self.executor.is_stopped(index);
-        let events = self
-            .state
-            .timed_events(Instant::now(), posted, &seen, is_stopped);
+        let look = |index| self.executor.activity(index);
+        let events = self.state.timed_events(Instant::now(), posted, &seen, look);
         events
             .into_iter()
             .try_for_each(|(index, event)| self.handle(index, event))

@@ -3,6 +3,7 @@
 use std::ffi::{OsStr, OsString};
 use std::io::{Error, Result};
 use std::path::PathBuf;
+use std::time::Duration;
 
 use procfs::process::{MMapPath, Process, all_processes};
 use procfs::{ProcError, ProcResult};
@@ -24,6 +25,34 @@ impl Stat {
     pub fn is_stopped(&self) -> bool {
         matches!(self.state, 'T' | 't')
     }
+}
+
+/// Time on the processor, summed over the threads of a process.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct CpuTime {
+    /// Time for which they ran.
+    pub ran: Duration,
+    /// Time for which they could have run and waited for a core.
+    pub waited: Duration,
+}
+
+/// Returns the processor time of the process with this id, if it exists and the kernel measures it.
+///
+/// # Errors
+/// The error of the system if it cannot be read.
+pub fn cpu_time(pid: i32) -> Result<Option<CpuTime>> {
+    let Some(threads) = existing(Process::new(pid).and_then(|process| process.tasks()))? else {
+        return Ok(None);
+    };
+    let mut sum = CpuTime::default();
+    for thread in threads {
+        let times = existing(thread.and_then(|thread| thread.schedstat()))?;
+        if let Some(times) = times {
+            sum.ran += Duration::from_nanos(times.sum_exec_runtime);
+            sum.waited += Duration::from_nanos(times.run_delay);
+        }
+    }
+    Ok(Some(sum))
 }
 
 /// Returns all processes of the machine, without those that end meanwhile.
@@ -129,6 +158,32 @@ mod tests {
     use rustix::process::{Pid, Signal, kill_process};
 
     use super::*;
+
+    #[test]
+    fn a_process_that_computes_gains_processor_time_and_one_that_sleeps_gains_none() {
+        let child =
+            |program: &str, args: &[&str]| Command::new(program).args(args).spawn().unwrap();
+        let mut children = [
+            child("sh", &["-c", "while :; do :; done"]),
+            child("sleep", &["60"]),
+        ];
+        let spent = |child: &std::process::Child| {
+            let time = cpu_time(i32::try_from(child.id()).unwrap())
+                .unwrap()
+                .unwrap();
+            time.ran + time.waited
+        };
+        let second = Duration::from_secs(1);
+        while spent(&children[0]) < second / 5 {
+            std::thread::yield_now();
+        }
+        assert!(spent(&children[1]) < second / 5);
+        for child in &mut children {
+            child.kill().unwrap();
+            child.wait().unwrap();
+            assert_eq!(cpu_time(i32::try_from(child.id()).unwrap()).unwrap(), None);
+        }
+    }
 
     #[test]
     fn a_child_is_found_with_its_parent_state_and_environment() {

@@ -39,7 +39,8 @@ pub struct RunSpec {
     pub real_time_factor: f64,
     /// Cores on which the processes may run.
     pub pin: Pin,
-    /// Wall-clock time without an answer after which a process counts as hung.
+    /// Real time without an answer after which a process counts as hung. The time for which it waits for a core
+    /// does not count.
     #[schemars(transform = between(0.1, 3600.0).unit("s"))]
     pub hang_timeout_s: f64,
     /// Wall-clock time within which the simulator, and every process without its own value, must become

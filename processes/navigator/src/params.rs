@@ -92,10 +92,6 @@ pub struct NavigatorParams {
     /// Time for which another robot may block the path before the robot plans around it.
     #[schemars(transform = at_least(0).unit("s"))]
     pub patience_s: f64,
-    /// Real time after which the optimiser counts as hung in lock-step; absent: the wait lasts as
-    /// long as the optimiser lives and the run does not consider this process as hung.
-    #[schemars(transform = above(0).at_most(3600).unit("s"))]
-    pub answer_timeout_s: Option<f64>,
 }
 
 impl Default for NavigatorParams {
@@ -110,7 +106,6 @@ impl Default for NavigatorParams {
             max_error: 0.015,
             speed_fraction: 1.0,
             patience_s: 0.5,
-            answer_timeout_s: None,
         }
     }
 }

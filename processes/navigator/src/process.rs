@@ -1,7 +1,6 @@
 //! Connects [`Navigator`] to its topics and to the optimiser.
 
 use parameters::check;
-use std::time::Duration;
 
 use geometry::region::Region;
 use ipc_types::bus::Bus;
@@ -37,8 +36,6 @@ struct Link {
     client: OptimiserClient,
     robot: u32,
     clock: Clock,
-    /// Maximum wait for an answer in lock-step, if it has one.
-    answer_timeout: Option<Duration>,
     /// [`PlanRequest::last`](ipc_types::messages::optimiser::PlanRequest::last) of the newest plan.
     last: u64,
 }
@@ -96,10 +93,6 @@ impl Planner for NavigatorPlanner {
             client: OptimiserClient::open(bus, config.index)?,
             robot,
             clock: config.run.clock,
-            answer_timeout: self
-                .params
-                .answer_timeout_s
-                .and_then(|time_s| Duration::try_from_secs_f64(time_s).ok()),
             last: 0,
         });
         Ok(())
@@ -150,7 +143,7 @@ impl NavigatorPlanner {
             let asked = link.client.is_asking();
             let answer = match link.clock {
                 // In lock-step a plan takes effect at its tick, whenever it arrives.
-                Clock::LockStep => link.client.wait(link.answer_timeout)?,
+                Clock::LockStep => link.client.wait()?,
                 Clock::RealTime { .. } => {
                     // Checked before the answer: an optimiser that answers and then ends has
                     // answered.

@@ -53,8 +53,6 @@ pub struct RunConfig {
     pub clock: Clock,
     /// Pace in lock-step (simulated s per s); `None`: as fast as possible.
     pub pace: Option<f64>,
-    /// Real time without an answer after which a process counts as hung (s).
-    pub hang_timeout_s: f64,
     /// Processor to pin to; `None`: chosen by the system.
     pub processor: Option<u32>,
     /// Number of processes of the run.

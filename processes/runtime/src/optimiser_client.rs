@@ -94,21 +94,15 @@ impl OptimiserClient {
     }
 
     /// Sleeps until the answer has arrived; `None` if no request is pending, or the optimiser ended
-    /// without an answer. On a busy machine an answer may take long: without a `limit`, the wait
-    /// lasts as long as the optimiser lives and the run lets this process live.
+    /// without an answer. The wait has no time limit: a plan may take long on a busy machine, and the
+    /// run ends an optimiser that hangs.
     ///
     /// # Errors
-    /// [`ProcessError::Protocol`] if the optimiser does not answer within `limit`.
-    pub fn wait(&mut self, limit: Option<Duration>) -> Result<Option<PlanAnswer>, ProcessError> {
-        let silent = |what: &str| {
-            ProcessError::Protocol(format!("the optimiser {what} to a request for a plan"))
-        };
-        if self.open.is_none() {
-            return Ok(None);
-        }
+    /// [`ProcessError`] if the transport fails.
+    pub fn wait(&mut self) -> Result<Option<PlanAnswer>, ProcessError> {
         let begun = Instant::now();
         let mut is_long = false;
-        loop {
+        while self.open.is_some() {
             // Checked before the answer: an optimiser that answers and then ends has answered.
             let gone = self.is_server_gone();
             if let Some(answer) = self.poll()? {
@@ -118,20 +112,15 @@ impl OptimiserClient {
                 self.open = None;
                 return Ok(None);
             }
-            let waited = begun.elapsed();
-            if let Some(limit) = limit.filter(|limit| waited >= *limit) {
-                self.open = None;
-                return Err(silent(&format!("gave no answer within {limit:?}")));
-            }
-            if waited >= LONG_WAIT && !is_long {
+            if begun.elapsed() >= LONG_WAIT && !is_long {
                 is_long = true;
                 tracing::warn!("no answer of the optimiser for {LONG_WAIT:?}: waits on");
             }
             if let Some(woken) = &self.woken {
-                let left = limit.map_or(POLL_INTERVAL, |limit| limit.saturating_sub(waited));
                 // The answer to another client wakes this one, too.
-                woken.wait(left.min(POLL_INTERVAL), |_| {})?;
+                woken.wait(POLL_INTERVAL, |_| {})?;
             }
         }
+        Ok(None)
     }
 }

@@ -36,8 +36,7 @@ fn state(in_lock_step: bool, on_failure: OnFailure) -> State {
             process(on_failure),
         ],
         has_begun: false,
-        last_posted: 0,
-        last_progress: Instant::now(),
+        silence: Silence::new(Instant::now()),
         has_failures: false,
     };
     state.begin(Instant::now());
@@ -170,19 +169,27 @@ fn seen(done: [u64; 4]) -> [Observation; 4] {
     })
 }
 
+/// The activity of a process of which only this is known.
+fn stopped(is_stopped: bool) -> Activity {
+    Activity {
+        is_stopped,
+        ..Activity::default()
+    }
+}
+
 #[test]
 fn in_lock_step_the_blocking_process_is_reported() {
-    let never = |_: usize| false;
-    let blocking_process = |done: [u64; 4], planner: usize, stopped: usize| {
+    let never = |_: usize| Activity::default();
+    let blocking_process = |done: [u64; 4], planner: usize, halted: usize| {
         let mut state = state(true, OnFailure::Abort);
         // The third process waits for messages of the first one.
         state.processes[3].upstream = vec![1];
         state.processes[planner].makes_plans = true;
-        let start = state.last_progress;
+        let start = Instant::now();
         let seen = seen(done);
         assert_eq!(state.timed_events(start, 8, &seen, never), []);
         assert_eq!(state.timed_events(start + TIMEOUT / 2, 8, &seen, never), []);
-        let events = state.timed_events(start + TIMEOUT, 8, &seen, |slot| slot == stopped);
+        let events = state.timed_events(start + TIMEOUT, 8, &seen, |slot| stopped(slot == halted));
         assert_eq!(state.timed_events(start + TIMEOUT, 8, &seen, never), []);
         let [(slot, Event::Silent)] = events[..] else {
             panic!("{events:?}");
@@ -211,16 +218,20 @@ fn in_lock_step_the_blocking_process_is_reported() {
 
 #[test]
 fn a_process_that_waits_for_a_plan_is_not_blamed_for_the_optimiser() {
-    let blamed = |stopped: usize, optimiser: SlotState| {
+    let blamed = |halted: usize, optimiser: SlotState| {
         let mut state = state(true, OnFailure::Abort);
         state.processes[1].makes_plans = true;
         state.processes[2].needs_plans = true;
         // Its own step is done, the plan is not.
         let mut seen = seen([0, 8, 7, 8]);
         seen[1].state = optimiser;
-        let start = state.last_progress;
-        assert_eq!(state.timed_events(start, 8, &seen, |_| false), []);
-        let mut events = state.timed_events(start + TIMEOUT, 8, &seen, |slot| slot == stopped);
+        let start = Instant::now();
+        assert_eq!(
+            state.timed_events(start, 8, &seen, |_| Activity::default()),
+            []
+        );
+        let mut events =
+            state.timed_events(start + TIMEOUT, 8, &seen, |slot| stopped(slot == halted));
         events.remove(0).0
     };
     assert_eq!(blamed(0, SlotState::Prepared), 1);
@@ -229,13 +240,79 @@ fn a_process_that_waits_for_a_plan_is_not_blamed_for_the_optimiser() {
     assert_eq!(blamed(0, SlotState::Dead), 2, "no optimiser lives");
 }
 
+/// The optimiser (1) and a navigator (2) that needs its plans and has not done tick 7.
+fn with_an_optimiser() -> (State, [Observation; 4]) {
+    let mut state = state(true, OnFailure::Abort);
+    state.processes[1].makes_plans = true;
+    state.processes[2].needs_plans = true;
+    (state, seen([0, 8, 7, 8]))
+}
+
+#[test]
+fn a_navigator_that_loops_is_not_blamed_on_the_optimiser() {
+    for busy in [1, 2] {
+        let (mut state, seen) = with_an_optimiser();
+        let start = Instant::now();
+        let spent = |time: Duration| {
+            move |slot: usize| {
+                let mut activity = Activity::default();
+                if slot == busy {
+                    activity.cpu.ran = time;
+                }
+                activity
+            }
+        };
+        state.timed_events(start, 8, &seen, spent(Duration::ZERO));
+        state.timed_events(start + TIMEOUT / 5, 8, &seen, spent(Duration::ZERO));
+        let end = start + 2 * TIMEOUT;
+        let events = state.timed_events(end, 8, &seen, spent(TIMEOUT));
+        assert_eq!(events, [(busy, Event::Silent)]);
+    }
+}
+
+#[test]
+fn waiting_for_a_core_does_not_count_as_a_hang() {
+    let (mut state, seen) = with_an_optimiser();
+    let start = Instant::now();
+    let waited = |time: Duration| {
+        move |slot: usize| {
+            let mut activity = Activity::default();
+            if slot == 1 {
+                activity.cpu.waited = time;
+            }
+            activity
+        }
+    };
+    state.timed_events(start, 8, &seen, waited(Duration::ZERO));
+    state.timed_events(start + TIMEOUT / 5, 8, &seen, waited(Duration::ZERO));
+    let at = |tenths: u32| TIMEOUT * tenths / 10;
+    for (time, wait, is_hung) in [(10, 1, false), (100, 91, false), (101, 91, true)] {
+        let events = state.timed_events(start + at(time), 8, &seen, waited(at(wait)));
+        assert_eq!(!events.is_empty(), is_hung, "{time} {wait}");
+    }
+}
+
+#[test]
+fn a_tick_of_many_slow_steps_is_no_hang() {
+    let (mut state, _) = with_an_optimiser();
+    let start = Instant::now();
+    for (tenths, done) in [[0, 7, 7, 7], [0, 8, 7, 7], [0, 8, 8, 7]]
+        .into_iter()
+        .enumerate()
+    {
+        let now = start + TIMEOUT * u32::try_from(9 * tenths).unwrap() / 10;
+        let events = state.timed_events(now, 8, &seen(done), |_| Activity::default());
+        assert_eq!(events, [], "{done:?}");
+    }
+}
+
 #[test]
 fn in_real_time_each_process_without_progress_is_reported() {
     let mut state = state(false, OnFailure::Restart);
-    let start = state.last_progress;
+    let start = Instant::now();
     let half = TIMEOUT / 2;
     let look = |state: &mut State, now: Instant, posted: u64, done: [u64; 4]| {
-        let events = state.timed_events(now, posted, &seen(done), |_| false);
+        let events = state.timed_events(now, posted, &seen(done), |_| Activity::default());
         let slots = events.into_iter().map(|(slot, event)| {
             assert_eq!(event, Event::Silent);
             slot
@@ -260,14 +337,14 @@ fn in_real_time_each_process_without_progress_is_reported() {
 #[test]
 fn a_restart_waits_for_its_delay_and_a_vacant_slot_and_has_a_timeout() {
     let mut state = state(false, OnFailure::Restart);
-    let now = state.last_progress;
+    let now = Instant::now();
     state.decide(1, ended(), at(now));
     assert!(state.is_restarting());
     let mut seen = seen([8; 4]);
     seen[1].state = SlotState::Starting;
     let due = now + RESTART_DELAY;
     let look = |state: &mut State, now: Instant, seen: &[Observation]| {
-        let events = state.timed_events(now, 8, seen, |_| false);
+        let events = state.timed_events(now, 8, seen, |_| Activity::default());
         events
             .into_iter()
             .map(|(slot, event)| {
@@ -284,7 +361,7 @@ fn a_restart_waits_for_its_delay_and_a_vacant_slot_and_has_a_timeout() {
     state.decide(1, Event::RestartDue, at(due));
     assert_eq!(look(&mut state, due, &seen), []);
     let late = due + state.ready_timeout(1);
-    state.last_progress = late;
+    state.silence.restart(late);
     state
         .processes
         .iter_mut()

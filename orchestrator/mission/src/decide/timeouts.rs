@@ -4,6 +4,7 @@ use std::time::{Duration, Instant};
 
 use runtime::lockstep::SlotState;
 
+use super::silence::Activity;
 use super::{Event, Participation, Process, State};
 
 /// Observed state of a process.
@@ -51,14 +52,14 @@ impl State {
         }
     }
 
-    /// Returns the events up to `now` and tick `posted`, except the ends of processes. `is_stopped` returns
-    /// `true` for a process stopped by a signal.
+    /// Returns the events up to `now` and tick `posted`, except the ends of processes. `look` returns what the
+    /// system reports about a process; it is called when the run makes no progress.
     pub(crate) fn timed_events(
         &mut self,
         now: Instant,
         posted: u64,
         seen: &[Observation],
-        is_stopped: impl Fn(usize) -> bool,
+        look: impl Fn(usize) -> Activity,
     ) -> Vec<(usize, Event)> {
         let mut events = Vec::new();
         for (index, (process, seen)) in self.processes.iter().zip(seen).enumerate() {
@@ -75,7 +76,7 @@ impl State {
                 _ => {}
             }
         }
-        let silent = self.silent(now, posted, seen, is_stopped);
+        let silent = self.silent(now, posted, seen, look);
         events.extend(silent.into_iter().map(|index| (index, Event::Silent)));
         events
     }
@@ -86,18 +87,11 @@ impl State {
         now: Instant,
         posted: u64,
         seen: &[Observation],
-        is_stopped: impl Fn(usize) -> bool,
+        look: impl Fn(usize) -> Activity,
     ) -> Vec<usize> {
-        if posted != self.last_posted {
-            (self.last_posted, self.last_progress) = (posted, now);
-        } else if now - self.last_progress >= self.hang_timeout {
-            self.last_progress = now;
-            let owing = self.in_lock_step.then(|| {
-                let tick = posted.saturating_sub(1);
-                self.blocking_process(tick, seen, is_stopped)
-            });
-            let simulator = || self.processes.iter().position(|p| p.is_simulator);
-            return owing.flatten().or_else(simulator).into_iter().collect();
+        if let Some(index) = self.blocks_the_run(now, posted, seen, look) {
+            self.silence.restart(now);
+            return vec![index];
         }
         if self.in_lock_step {
             return Vec::new();
@@ -120,14 +114,45 @@ impl State {
         silent
     }
 
-    /// Returns the process for which all others wait in this tick. A stopped process, or one that others wait for,
-    /// takes precedence over one that may be waiting itself. A process that makes plans may owe one after its own
-    /// step.
+    /// Returns the process for which the whole run has waited for longer than the hang timeout. The time for which
+    /// that process waited for a core does not count: on a busy machine it may be long.
+    fn blocks_the_run(
+        &mut self,
+        now: Instant,
+        posted: u64,
+        seen: &[Observation],
+        look: impl Fn(usize) -> Activity,
+    ) -> Option<usize> {
+        // In lock-step every step that ends is progress; in real time the world goes on by itself.
+        let done = seen.iter().filter(|_| self.in_lock_step);
+        let progress = done.fold(posted, |sum, seen| sum.wrapping_add(seen.done));
+        let lasts = self.silence.lasts(progress, now);
+        let begins = !self.silence.has_begun() && lasts >= self.hang_timeout / 10;
+        if !begins && lasts < self.hang_timeout {
+            return None;
+        }
+        let activities: Vec<Activity> = (0..self.processes.len()).map(look).collect();
+        if begins {
+            self.silence.begin(now, &activities);
+        }
+        let tick = posted.saturating_sub(1);
+        let blocking = self
+            .in_lock_step
+            .then(|| self.blocking_process(tick, seen, now, &activities));
+        let simulator = || self.processes.iter().position(|p| p.is_simulator);
+        let index = blocking.flatten().or_else(simulator)?;
+        let counts = lasts.saturating_sub(self.silence.waited(index, &activities));
+        (counts >= self.hang_timeout).then_some(index)
+    }
+
+    /// Returns the process for which all others wait in this tick. A stopped process takes precedence, then one that
+    /// computes, then one that others wait for. A process that makes plans may owe one after its own step.
     fn blocking_process(
         &self,
         tick: u64,
         seen: &[Observation],
-        is_stopped: impl Fn(usize) -> bool,
+        now: Instant,
+        activities: &[Activity],
     ) -> Option<usize> {
         let owes = |index: usize| {
             let seen = seen.get(index);
@@ -149,7 +174,8 @@ impl State {
                 .find(|(index, process)| is_it(*index, process))
                 .map(|(index, _)| *index)
         };
-        first(&|index, _| is_stopped(index))
+        first(&|index, _| activities.get(index).is_some_and(|of| of.is_stopped))
+            .or_else(|| first(&|index, _| self.silence.is_busy(index, now, activities)))
             .or_else(|| first(&|_, process| process.makes_plans))
             .or_else(|| first(&|_, process| !process.upstream.iter().any(|&up| owes(up))))
     }

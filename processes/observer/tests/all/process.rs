@@ -33,7 +33,6 @@ fn config() -> ProcessConfig {
             tick_period_ns: 50_000_000,
             clock: Clock::LockStep,
             pace: None,
-            hang_timeout_s: 10.0,
             processor: None,
             processes: 2,
             events: 0,
