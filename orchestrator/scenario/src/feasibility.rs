@@ -10,7 +10,7 @@ use sim_backend::world::{World, WorldError};
 
 use super::context::Context;
 use super::robots::Robot;
-use super::starts::{self, Draw, MAX_DRAWS, Placement, passages};
+use super::starts::{self, Placement, passages};
 
 /// Checks that every robot starts in free space, draws the displaced starts, and checks that exits and
 /// goals are reachable. Reports all problems and returns the starts.
@@ -38,22 +38,17 @@ pub fn resolve(
     }
     let starts = match starts::place(placements, seed, &world_map, rules) {
         Ok(starts) => starts,
-        Err(index) => {
-            let robot = robots.get(index)?;
-            let message = format!(
-                "robot `{}` has no allowed start in {MAX_DRAWS} draws",
-                robot.spec.name
+        Err(refused) => {
+            let robot = robots.get(refused.index)?;
+            let message = refused.message(&robot.spec.name);
+            let problem = ctx.problem(
+                &robot.node,
+                &robot.path,
+                refused.key(),
+                Code::Geometry,
+                message,
             );
-            let problem = ctx
-                .problem(
-                    &robot.node,
-                    &robot.path,
-                    robot.draw.as_ref().map_or("start", Draw::key),
-                    Code::Geometry,
-                    message,
-                )
-                .expected(robot.draw.as_ref().map_or("", Draw::remedy));
-            ctx.problems.push(problem);
+            ctx.problems.push(refused.explain(problem));
             return None;
         }
     };

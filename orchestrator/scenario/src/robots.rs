@@ -10,7 +10,10 @@ use super::context::Context;
 use super::spec::{Defaults, MAX_ROBOTS, RobotBlock, Teams};
 use super::starts::Draw;
 
+mod counts;
+
 /// A robot as read, before its start is drawn.
+#[derive(Clone)]
 pub struct Robot {
     /// Specification with the start of the scenario; the default pose if it has none.
     pub spec: RobotSpec,
@@ -70,28 +73,36 @@ pub fn resolve(ctx: &mut Context<'_>) -> Option<Vec<Robot>> {
         ctx.problems.push(problem);
         return None;
     }
-    if blocks.len() > MAX_ROBOTS {
-        let (path, node) = &blocks[MAX_ROBOTS];
-        let problem = ctx
-            .block_problem(node.origin, path, Code::Limit, "too many robots")
-            .value(blocks.len())
-            .expected(format!("at most {MAX_ROBOTS} robots"));
-        ctx.problems.push(problem);
+    if let Some((path, node)) = blocks.get(MAX_ROBOTS) {
+        report_too_many(ctx, path, node, blocks.len());
         return None;
     }
+    let mut complete = counts::check(ctx, &blocks);
     let mut robots: Vec<Robot> = Vec::with_capacity(blocks.len());
-    let mut complete = true;
     for (path, node) in blocks {
         let merged = inherit(ctx, &node);
-        match read_robot(ctx, merged, path) {
-            Some(robot) => {
-                complete &= check_unique(ctx, &robots, &robot);
-                robots.push(robot);
-            }
-            None => complete = false,
+        let Some((robot, count)) = read_robot(ctx, merged, path.clone()) else {
+            complete = false;
+            continue;
+        };
+        for robot in counts::expand(robot, count) {
+            complete &= check_unique(ctx, &robots, &robot);
+            robots.push(robot);
+        }
+        if robots.len() > MAX_ROBOTS {
+            report_too_many(ctx, &path, &node, robots.len());
+            return None;
         }
     }
     complete.then_some(robots)
+}
+
+fn report_too_many(ctx: &mut Context<'_>, path: &FieldPath, node: &Node, found: usize) {
+    let problem = ctx
+        .block_problem(node.origin, path, Code::Limit, "too many robots")
+        .value(found)
+        .expected(format!("at most {MAX_ROBOTS} robots"));
+    ctx.problems.push(problem);
 }
 
 /// Reports faults in `[defaults]` and `[teams]`, also in values that no robot inherits.
@@ -104,14 +115,14 @@ fn check_inherited(ctx: &mut Context<'_>) {
     if let Some(node) = teams {
         let _: Option<Teams> = ctx.read(&node, &paths[1]);
     }
-    for path in [
-        "defaults.robot",
-        "teams.neutral",
-        "teams.police",
-        "teams.evader",
+    for (path, keys) in [
+        ("defaults.robot", &["name", "start", "count"][..]),
+        ("teams.neutral", &["name", "start"]),
+        ("teams.police", &["name", "start"]),
+        ("teams.evader", &["name", "start"]),
     ] {
         let path = FieldPath::parse(path);
-        for key in ["name", "start"] {
+        for key in keys {
             let table = ctx.root.at(&path).and_then(Node::as_table);
             let Some(entry) = table.and_then(|t| t.entry(key)) else {
                 continue;
@@ -149,7 +160,12 @@ fn inherit(ctx: &Context<'_>, robot: &Node) -> Node {
     merged
 }
 
-fn read_robot(ctx: &mut Context<'_>, node: Node, path: FieldPath) -> Option<Robot> {
+/// Reads one block; returns its robot under the block's name, and its `count`.
+fn read_robot(
+    ctx: &mut Context<'_>,
+    node: Node,
+    path: FieldPath,
+) -> Option<(Robot, Option<usize>)> {
     let block: RobotBlock = ctx.read(&node, &path)?;
     let missing = |ctx: &mut Context<'_>, key: &str, expected: &str| {
         let problem = ctx
@@ -180,7 +196,8 @@ fn read_robot(ctx: &mut Context<'_>, node: Node, path: FieldPath) -> Option<Robo
         None => (block.name?, block.team?, block.start?),
         Some(_) => (block.name?, block.team?, block.start.unwrap_or_default()),
     };
-    let name_ok = check_name(ctx, &node, &path, &name);
+    let name_ok = check_name(ctx, &node, &path, &name)
+        & counts::check_block(ctx, &node, &path, &name, block.count);
     let spec = RobotSpec {
         name,
         team,
@@ -209,12 +226,13 @@ fn read_robot(ctx: &mut Context<'_>, node: Node, path: FieldPath) -> Option<Robo
         block.random_start.as_ref(),
     );
     let random = block.random_start.map(Draw::Random);
-    (name_ok && spec_ok && draws_ok).then_some(Robot {
+    let robot = Robot {
         spec,
         draw: random.or(block.start_jitter.map(Draw::Jitter)),
         node,
         path,
-    })
+    };
+    (name_ok && spec_ok && draws_ok).then_some((robot, block.count))
 }
 
 /// Reports faults of an optional table of the robot.

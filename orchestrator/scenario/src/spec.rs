@@ -227,13 +227,17 @@ pub(super) enum Grouping {
     Together,
 }
 
-/// One robot, the values that a team's robots share (`[teams.…]`), or the values that all robots share
+/// Some equal robots, the values that a team's robots share (`[teams.…]`), or the values that all robots share
 /// (`[defaults.robot]`). All keys are optional, since each of the three may contain them.
 #[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub(super) struct RobotBlock {
     /// Unique name, 1 to 48 of a–z, A–Z, 0–9, `_`, `-`. Required; not inherited.
     pub name: Option<String>,
+    /// Number of equal robots, named `name_1`, `name_2` and so on, at random starts; if absent, one robot
+    /// named `name`. In a team's table: that of the team's only block without a `count`.
+    #[schemars(transform = between(1, MAX_ROBOTS))]
+    pub count: Option<usize>,
     /// Team of the robot. Required.
     pub team: Option<Team>,
     /// Pose at time 0, free of walls and other robots. Required without `random_start`; not inherited.

@@ -13,10 +13,11 @@ use rand_chacha::rand_core::{Rng, SeedableRng};
 use sim_backend::spec::{RobotSpec, RulesSpec};
 use sim_backend::team::Team;
 
+pub use self::no_start::NoStart;
+use self::no_start::{Fault, MAX_DRAWS};
 use super::spec::{Distribution, RandomStart, StartJitter};
 
-/// Maximum number of draws for one robot until its start is allowed.
-pub const MAX_DRAWS: usize = 1000;
+mod no_start;
 
 /// Domain of the start jitter, which separates it from other uses of the run's seed.
 const JITTER_DOMAIN: u64 = 0x7374_6172_745f_6a69;
@@ -38,16 +39,6 @@ impl Draw {
         match self {
             Self::Jitter(_) => "start_jitter",
             Self::Random(_) => "random_start",
-        }
-    }
-
-    /// Returns the remedy for a robot without an allowed start.
-    pub fn remedy(&self) -> &'static str {
-        match self {
-            Self::Jitter(_) => "room around the start, or less jitter",
-            Self::Random(_) => {
-                "free places from which an evader reaches an exit and a robot its goal, or smaller distances"
-            }
         }
     }
 }
@@ -86,13 +77,13 @@ impl Placement {
 /// the others.
 ///
 /// # Errors
-/// The index of the first robot without an allowed start in [`MAX_DRAWS`] draws.
+/// The first robot without an allowed start in [`MAX_DRAWS`] draws.
 pub fn place(
     robots: &[Placement],
     seed: u64,
     map: &WorldMap,
     rules: &RulesSpec,
-) -> Result<Vec<Pose2>, usize> {
+) -> Result<Vec<Pose2>, NoStart> {
     let exits: Vec<Region> = map.exits().iter().chain(&rules.exits).copied().collect();
     let mut placed: Vec<(&Placement, Pose2)> = robots
         .iter()
@@ -110,13 +101,17 @@ pub fn place(
                 };
                 let mut rng = ChaCha8Rng::seed_from_u64(seed ^ domain);
                 rng.set_stream(i as u64);
+                let mut refused = NoStart::new(i, *draw);
                 let pose = (0..MAX_DRAWS)
                     .map(|_| match draw {
                         Draw::Jitter(jitter) => displaced(robot.start, jitter, &mut rng),
                         Draw::Random(random) => anywhere(random, map, &mut rng),
                     })
-                    .find(|pose| is_allowed(pose.position(), robot, draw, &placed, map, &exits))
-                    .ok_or(i)?;
+                    .find(|pose| {
+                        let fault = fault(pose.position(), robot, draw, &placed, map, &exits);
+                        fault.map(|fault| refused.count(fault)).is_none()
+                    })
+                    .ok_or(refused)?;
                 placed.push((robot, pose));
                 pose
             }
@@ -126,15 +121,15 @@ pub fn place(
     Ok(poses)
 }
 
-/// Returns `true` if a robot may start at a point (m).
-fn is_allowed(
+/// Returns the reason why a robot may not start at a point (m), if there is one.
+fn fault(
     at: Point2<f64>,
     robot: &Placement,
     draw: &Draw,
     placed: &[(&Placement, Pose2)],
     map: &WorldMap,
     exits: &[Region],
-) -> bool {
+) -> Option<Fault> {
     let away = |other: &Placement| {
         let bodies = robot.radius + other.radius;
         match draw {
@@ -145,34 +140,50 @@ fn is_allowed(
             Draw::Random(random) => bodies.max(random.robot_distance),
         }
     };
-    map.is_clear(at, robot.radius)
-        && placed
-            .iter()
-            .all(|(other, pose)| (pose.position() - at).norm() > away(other))
-        && match draw {
-            Draw::Jitter(_) => true,
-            Draw::Random(random) => suits(at, robot, random, map, exits),
-        }
+    let region = match draw {
+        Draw::Jitter(_) => None,
+        Draw::Random(random) => random.region,
+    };
+    if region.is_some_and(|region| !region.contains(at)) {
+        return Some(Fault::Region);
+    }
+    if !map.is_clear(at, robot.radius) {
+        return Some(Fault::Wall);
+    }
+    let is_near = |(other, pose): &(&Placement, Pose2)| {
+        let distance = (pose.position() - at).norm();
+        distance <= away(other)
+    };
+    if placed.iter().any(is_near) {
+        return Some(Fault::Robot);
+    }
+    match draw {
+        Draw::Jitter(_) => None,
+        Draw::Random(random) => unsuited(at, robot, random, map, exits),
+    }
 }
 
-/// Returns `true` if a random start lies in its region, far enough from the exits, and leads to an exit and
-/// to the goal.
-fn suits(
+/// Returns [`Fault::Exit`] or [`Fault::Reach`] if a free place does not suit a random start.
+fn unsuited(
     at: Point2<f64>,
     robot: &Placement,
     random: &RandomStart,
     map: &WorldMap,
     exits: &[Region],
-) -> bool {
-    if random.region.is_some_and(|region| !region.contains(at)) {
-        return false;
+) -> Option<Fault> {
+    let evades = robot.team == Team::Evader && !exits.is_empty();
+    let is_far = |exit: &Region| (exit.center() - at).norm() >= random.exit_distance;
+    if evades && !exits.iter().all(is_far) {
+        return Some(Fault::Exit);
+    }
+    if !evades && robot.goal.is_none() {
+        return None;
     }
     let passages = passages(map, robot.radius);
     let reach = passages.reach([at]);
-    let evades = robot.team == Team::Evader && !exits.is_empty();
-    let is_far = |exit: &Region| (exit.center() - at).norm() >= random.exit_distance;
-    robot.goal.is_none_or(|goal| reach.meets(&goal))
-        && (!evades || exits.iter().all(is_far) && exits.iter().any(|exit| reach.meets(exit)))
+    let reaches = robot.goal.is_none_or(|goal| reach.meets(&goal))
+        && (!evades || exits.iter().any(|exit| reach.meets(exit)));
+    (!reaches).then_some(Fault::Reach)
 }
 
 fn is_opponent(a: Team, b: Team) -> bool {

@@ -6,7 +6,7 @@ use config::{Code, Diagnostic, Diagnostics};
 use geometry::map::{MapSpec, WorldMap};
 
 use super::resolved::ResolvedScenario;
-use super::starts::{self, Draw, MAX_DRAWS, Placement};
+use super::starts::{self, Placement};
 
 /// The common part of the runs of a scenario with different seeds. Setting a seed is far cheaper than
 /// resolving the scenario again, and has the same result.
@@ -66,17 +66,14 @@ impl Template {
             return Ok(scenario);
         };
         let starts = starts::place(&self.placements, seed, world_map, scenario.rules());
-        let starts = starts.map_err(|index| {
-            let robot = scenario.world.robots.get(index);
+        let starts = starts.map_err(|refused| {
+            let robot = scenario.world.robots.get(refused.index);
             let name = robot.map_or("", |r| r.name.as_str());
-            let draw = self.placements.get(index).and_then(|p| p.draw.as_ref());
-            Diagnostic::new(
-                Code::Geometry,
-                format!("robot `{name}` has no allowed start in {MAX_DRAWS} draws"),
-            )
-            .field(format!("robots.{name}.{}", draw.map_or("start", Draw::key)))
-            .value(format!("seed {seed}"))
-            .expected(draw.map_or("", Draw::remedy))
+            let problem = Diagnostic::new(Code::Geometry, refused.message(name))
+                .field(format!("robots.{name}.{}", refused.key()));
+            refused
+                .explain(problem)
+                .help(format!("this happens with seed {seed}"))
         })?;
         for (robot, start) in scenario.world.robots.iter_mut().zip(starts) {
             robot.start = start;

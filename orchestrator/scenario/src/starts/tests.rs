@@ -1,5 +1,6 @@
 use geometry::map::{ObstacleSpec, VectorMap};
 use geometry::shape::Shape;
+use proptest::prelude::*;
 
 use super::*;
 
@@ -50,7 +51,7 @@ fn divided() -> VectorMap {
 
 fn draw(robots: &[Placement], seed: u64, map: &VectorMap) -> Result<Vec<Pose2>, usize> {
     let map = WorldMap::from_vectors(map).unwrap();
-    place(robots, seed, &map, &RulesSpec::default())
+    place(robots, seed, &map, &RulesSpec::default()).map_err(|refused| refused.index)
 }
 
 #[test]
@@ -173,6 +174,73 @@ fn random_starts_fill_the_free_space_and_keep_their_distances() {
         quadrants.iter().all(|n| (300..500).contains(n)),
         "headings: {quadrants:?}"
     );
+}
+
+#[test]
+fn a_region_without_room_is_named_as_the_reason() {
+    let map = WorldMap::from_vectors(&field([-5.0, -5.0])).unwrap();
+    let rule = RandomStart {
+        region: Some(Region::Rectangle {
+            center: [0.0, 0.0],
+            half_extents: [1.0, 1.0],
+            angle: 0.3,
+        }),
+        robot_distance: 1.5,
+        ..RandomStart::default()
+    };
+    let robots = [random(Team::Police, rule); 6];
+    let refused = place(&robots, 3, &map, &RulesSpec::default()).unwrap_err();
+    assert!((2..6).contains(&refused.index), "{refused:?}");
+    let text = refused
+        .explain(config::Diagnostic::new(
+            config::Code::Geometry,
+            refused.message("police_6"),
+        ))
+        .to_string();
+    for part in [
+        "robot `police_6` has no allowed start in 1000 draws",
+        "1000 draws too near to another robot",
+        "a larger region, fewer robots or smaller distances",
+    ] {
+        assert!(text.contains(part), "{part:?} is not in {text}");
+    }
+}
+
+proptest! {
+    #[test]
+    fn starts_of_equal_robots_keep_region_and_distance_and_depend_on_the_seed_alone(
+        seed in any::<u64>(),
+        count in 1_usize..12,
+        distance in 0.0_f64..0.8,
+        center in [-2.0_f64..2.0, -2.0_f64..2.0],
+        angle in -3.0_f64..3.0,
+        round in any::<bool>(),
+    ) {
+        let region = if round {
+            Region::Circle { center, radius: 2.5 }
+        } else {
+            Region::Rectangle { center, half_extents: [2.5, 1.8], angle }
+        };
+        let rule = RandomStart {
+            region: Some(region),
+            robot_distance: distance,
+            ..RandomStart::default()
+        };
+        let map = field([-5.0, -5.0]);
+        let robots = vec![random(Team::Police, rule); count];
+        let starts = draw(&robots, seed, &map);
+        prop_assert_eq!(&starts, &draw(&robots, seed, &map));
+        let starts = starts.unwrap();
+        for (i, start) in starts.iter().enumerate() {
+            prop_assert!(region.contains(start.position()));
+            for other in &starts[..i] {
+                let apart = (start.position() - other.position()).norm();
+                prop_assert!(apart > distance.max(0.2), "{apart}");
+            }
+        }
+        let fewer = draw(&robots[..count - 1], seed, &map).unwrap();
+        prop_assert_eq!(&starts[..count - 1], &fewer[..]);
+    }
 }
 
 #[test]

@@ -1,5 +1,6 @@
 //! Tests of the scenario system as a whole.
 
+mod counts;
 mod event_messages;
 mod messages;
 mod messages_of_parts;

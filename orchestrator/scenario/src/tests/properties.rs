@@ -24,7 +24,7 @@ proptest! {
                 "shape = { polygon = { vertices = [[0,0],[1,1],[0,1],[1,0]] } }", "max_cells = 1",
                 "when = { robot = 'thief', travelled = 1e-3 }", "when = { robot = 'cop', within = 9, of = [0, 0] }",
                 "when = { robot = 'cop', progress = 0.5 }", "after_s = 1e9", "when = 3",
-                "resolution = 1e-300", "resolution = 1e5", "radius = 1e5", "name = ''", "name = 'wall'",
+                "count = 3", "count = 1", "resolution = 1e-300", "resolution = 1e5", "radius = 1e5", "name = ''", "name = 'wall'",
             ]).prop_map(str::to_owned),
         ],
     ) {
