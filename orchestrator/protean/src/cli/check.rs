@@ -1,15 +1,21 @@
 //! `protean check`.
 
+use std::io::{self, Write as _};
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
+use clap::builder::{PathBufValueParser, TypedValueParser as _};
+use platform::atomic_file::{AtomicFile, Existing, Readers};
 use platform::eprintln;
+use report::picture::{RunTrace, draw};
 use serde_json::json;
 
-use super::common::JsonArg;
-use super::output::{EXIT_INVALID, print, print_json};
+use super::common::{ForceArg, JsonArg};
+use super::output::{EXIT_FAILED, EXIT_INVALID, print, print_json};
+use super::picture::svg_file;
 use super::run_args::OverrideArgs;
-use scenario::Loader;
 use scenario::kind::Kind;
+use scenario::{Loader, ResolvedScenario};
 
 /// Arguments of `protean check`.
 #[derive(Debug, clap::Args)]
@@ -21,6 +27,11 @@ pub(super) struct CheckArgs {
     /// Print the scenario with all defaults and overrides filled in
     #[arg(long)]
     print: bool,
+    /// Draw the world before it runs: write FILE (SVG)
+    #[arg(long, value_name = "FILE", value_parser = PathBufValueParser::new().try_map(svg_file))]
+    picture: Option<PathBuf>,
+    #[command(flatten)]
+    force: ForceArg,
     #[command(flatten)]
     json: JsonArg,
 }
@@ -31,6 +42,11 @@ pub(super) fn run(kinds: &[Kind], args: &CheckArgs) -> ExitCode {
     let loaded = Loader::new(kinds)
         .allow_outside(overrides.allow_outside)
         .load(target, &overrides.set, overrides.seed);
+    if let (Ok(scenario), Some(file)) = (&loaded, &args.picture)
+        && let Err(code) = write_picture(scenario, file, args.force.force)
+    {
+        return ExitCode::from(code);
+    }
     match loaded {
         Ok(scenario) if args.print => {
             print(scenario.to_toml().trim_end());
@@ -78,6 +94,32 @@ pub(super) fn run(kinds: &[Kind], args: &CheckArgs) -> ExitCode {
             ExitCode::from(EXIT_INVALID)
         }
     }
+}
+
+/// Draws a scenario into a file; prints an error and returns the exit code if that is impossible.
+fn write_picture(scenario: &ResolvedScenario, file: &Path, force: bool) -> Result<(), u8> {
+    let trace = RunTrace::before_run(scenario).map_err(|error| {
+        eprintln!("error: {error}");
+        EXIT_INVALID
+    })?;
+    let write = || -> io::Result<()> {
+        let mut out = AtomicFile::create(file, Existing::of_force(force), Readers::All)?;
+        out.write_all(draw(&trace).as_bytes())?;
+        out.commit()
+    };
+    write().map_err(|error| match error.kind() {
+        io::ErrorKind::AlreadyExists => {
+            eprintln!(
+                "error: {} exists; add --force to overwrite it",
+                file.display()
+            );
+            EXIT_INVALID
+        }
+        _ => {
+            eprintln!("error: cannot write {}: {error}", file.display());
+            EXIT_FAILED
+        }
+    })
 }
 
 /// Returns a count with its noun: `1 robot`, `2 robots`.

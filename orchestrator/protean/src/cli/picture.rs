@@ -36,7 +36,7 @@ pub(super) struct PictureArgs {
 }
 
 /// Refuses a name with the extension of another format than SVG.
-fn svg_file(file: PathBuf) -> Result<PathBuf, String> {
+pub(super) fn svg_file(file: PathBuf) -> Result<PathBuf, String> {
     match file.extension() {
         Some(extension) if !extension.eq_ignore_ascii_case("svg") => Err(format!(
             "pictures are SVG files: expected a name that ends in .svg, for example {}",

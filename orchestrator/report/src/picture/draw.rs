@@ -15,7 +15,7 @@ use super::labels::{Area, Labels};
 use super::layout::Layout;
 use super::legend::{Legend, scale_bar};
 use super::signs::{HALO, MARK, Sign, disc, sign};
-use super::static_scene::{corners, rectangle};
+use super::static_scene::corners;
 use super::trace::{Mark, RunTrace};
 
 /// Minimum radius of a robot on the page (px): smaller robots are enlarged.
@@ -97,7 +97,9 @@ fn words(trace: &RunTrace) -> (String, String) {
     } else {
         format!(", seed {}", trace.seed)
     };
-    let when = if trace.time_s < trace.end_s {
+    let when = if trace.is_before_run() {
+        "before it runs".to_owned()
+    } else if trace.time_s < trace.end_s {
         format!(
             "after {:.1} s of {:.1} s simulated",
             trace.time_s, trace.end_s
@@ -211,19 +213,7 @@ impl Picture<'_> {
             c = palette::EXIT
         ));
         for exit in &self.trace.static_scene.exits {
-            match *exit {
-                Region::Circle { center, radius } => self.layout.circle(canvas, center, radius),
-                Region::Rectangle {
-                    center,
-                    half_extents,
-                    angle,
-                } => {
-                    canvas.add(format_args!("<path d=\""));
-                    self.layout
-                        .outline(canvas, &rectangle(center, half_extents, angle));
-                    canvas.add(format_args!("\"/>\n"));
-                }
-            }
+            self.layout.region(canvas, exit);
         }
         canvas.add(format_args!(
             "</g>\n</g>\n<rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" fill=\"none\" \

@@ -1,4 +1,4 @@
-//! Drawing of the geometry of patrols and coverage.
+//! Drawing of the geometry of the robots' tasks.
 
 use draw::canvas::{Canvas, Num};
 use draw::palette;
@@ -17,6 +17,9 @@ pub(super) const CONTOUR: &str =
 /// Style of a danger zone: vermilion.
 pub(super) const ZONE: &str = "fill=\"#d55e00\" fill-opacity=\"0.12\" stroke=\"#d55e00\" \
                                stroke-width=\"1.5\" stroke-dasharray=\"2 3\"";
+/// Style of a robot's goal: blue-green, dotted.
+pub(super) const GOAL: &str = "fill=\"#009e73\" fill-opacity=\"0.12\" stroke=\"#009e73\" \
+                               stroke-width=\"2\" stroke-dasharray=\"2 3\"";
 /// Style of a rectangle of the free space.
 pub(super) const RECTANGLE: &str =
     "fill=\"none\" stroke=\"#5b6472\" stroke-width=\"1\" stroke-dasharray=\"5 3\"";
@@ -25,7 +28,7 @@ pub(super) const RECTANGLE: &str =
 const SIZES: [f64; 2] = [3.5, 2.2];
 const MANY: usize = 300;
 
-/// Draws swept ground, danger zones, rectangles and contours, below the trails.
+/// Draws swept ground, danger zones, rectangles, goals and contours, below the trails.
 pub(super) fn below(canvas: &mut Canvas, layout: &Layout, trace: &RunTrace, bands: &[Bands]) {
     let task = &trace.task;
     swept(canvas, layout, trace, bands);
@@ -49,6 +52,12 @@ pub(super) fn below(canvas: &mut Canvas, layout: &Layout, trace: &RunTrace, band
         layout.outline(canvas, &[min, [max[0], min[1]], max, [min[0], max[1]]]);
         canvas.add(format_args!("\"/>\n"));
     }
+    canvas.add(format_args!(
+        "</g>\n<g class=\"goals\" clip-path=\"url(#map)\" {GOAL}>\n"
+    ));
+    task.goals
+        .iter()
+        .for_each(|goal| layout.region(canvas, goal));
     canvas.add(format_args!("</g>\n<g class=\"contours\" {CONTOUR}>\n"));
     for contour in &task.contours {
         canvas.add(format_args!("<path d=\""));

@@ -1,8 +1,10 @@
 //! Layout of the page.
 
 use draw::canvas::{Canvas, Num};
+use geometry::region::Region;
 
 use super::labels::Area;
+use super::static_scene::rectangle;
 
 /// Maximum width and height of the map on the page (px).
 const MAX_SIDE_PX: f64 = 760.0;
@@ -104,6 +106,22 @@ impl Layout {
         }
         if !points.is_empty() {
             canvas.add(format_args!("Z"));
+        }
+    }
+
+    /// Draws a region, to be clipped.
+    pub(super) fn region(&self, canvas: &mut Canvas, region: &Region) {
+        match *region {
+            Region::Circle { center, radius } => self.circle(canvas, center, radius),
+            Region::Rectangle {
+                center,
+                half_extents,
+                angle,
+            } => {
+                canvas.add(format_args!("<path d=\""));
+                self.outline(canvas, &rectangle(center, half_extents, angle));
+                canvas.add(format_args!("\"/>\n"));
+            }
         }
     }
 

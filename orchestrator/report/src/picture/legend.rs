@@ -5,7 +5,7 @@ use draw::legend::Legend as Rows;
 use draw::palette;
 use sim_backend::team::Team;
 
-use super::draw_task::{CONTOUR, RECTANGLE, SWEPT_OPACITY, ZONE, waypoint_signs};
+use super::draw_task::{CONTOUR, GOAL, RECTANGLE, SWEPT_OPACITY, ZONE, waypoint_signs};
 use super::layout::LEGEND;
 use super::signs::{HALO, Sign, disc, sign};
 use super::trace::{MarkKind, RunTrace};
@@ -43,10 +43,11 @@ enum RowSign {
     Task(TaskSign),
 }
 
-/// Symbol of a part of a patrol or a coverage.
+/// Symbol of a part of a robot's task.
 #[derive(Debug, Clone, Copy)]
 enum TaskSign {
     Swept(Team),
+    Goal,
     Contour,
     Zone,
     Rectangle,
@@ -94,7 +95,9 @@ impl Legend {
             let outcomes = outcomes.take(MAX_OUTCOMES);
             outcomes.for_each(|outcome| rows.detail(&outcome));
         }
-        rows.row(RowSign::Trail, "path so far; later parts are bolder");
+        if !trace.is_before_run() {
+            rows.row(RowSign::Trail, "path so far; later parts are bolder");
+        }
         task_rows(trace, &mut rows);
         if !trace.beliefs.is_empty() {
             let text = "belief of the Police about the evaders: particles of their filter";
@@ -132,7 +135,12 @@ impl Legend {
             rows.row(RowSign::Wall, "walls and blocks");
         }
         if trace.static_scene.obstacles.values().any(|o| o.came) {
-            rows.row(RowSign::Obstacle, "changed during the run");
+            let text = if trace.is_before_run() {
+                "appears during the run"
+            } else {
+                "changed during the run"
+            };
+            rows.row(RowSign::Obstacle, text);
         }
         // The whole description is in the scenario.
         let mut description = wrap(&trace.description, DESCRIPTION_SIZE, LEGEND);
@@ -179,7 +187,7 @@ impl Legend {
     }
 }
 
-/// Adds the rows of patrols and coverage.
+/// Adds the rows of the robots' tasks.
 fn task_rows(trace: &RunTrace, rows: &mut Rows<RowSign>) {
     let task = &trace.task;
     if let Some(share) = task.swept
@@ -187,6 +195,9 @@ fn task_rows(trace: &RunTrace, rows: &mut Rows<RowSign>) {
     {
         let text = format!("swept ground: {:.1} % of what can be swept", 100.0 * share);
         rows.row(RowSign::Task(TaskSign::Swept(robot.team)), &text);
+    }
+    if !task.goals.is_empty() {
+        rows.row(RowSign::Task(TaskSign::Goal), "goal of a robot");
     }
     if !task.contours.is_empty() {
         rows.row(RowSign::Task(TaskSign::Contour), "contour of the patrol");
@@ -327,6 +338,11 @@ impl TaskSign {
             )),
             Self::Zone => canvas.add(format_args!(
                 "<circle cx=\"{}\" cy=\"{}\" r=\"9\" {ZONE}/>\n",
+                Num(x),
+                Num(y),
+            )),
+            Self::Goal => canvas.add(format_args!(
+                "<circle cx=\"{}\" cy=\"{}\" r=\"9\" {GOAL}/>\n",
                 Num(x),
                 Num(y),
             )),

@@ -63,7 +63,7 @@ impl LoggedScenario {
 
     /// Returns the geometry of the robots' tasks.
     pub(crate) fn task(&self, kinds: &[Kind]) -> TaskTrace {
-        let mut task = TaskTrace::default();
+        let mut task = TaskTrace::of_goals(&self.robots);
         for process in &self.processes {
             let Some(configured) = self.configured(process, kinds) else {
                 continue;

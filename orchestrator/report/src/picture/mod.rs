@@ -2,10 +2,12 @@
 //! escapes; of patrols and coverage the contour, danger zones, rectangles, waypoints and swept ground.
 //!
 //! * [`RunTrace::read`] reads the content of the picture from a log, in bounded memory;
+//! * [`RunTrace::before_run`] takes it from a scenario, without a run;
 //! * [`fn@draw`] draws it, as a pure function;
 //! * `save` writes it to a file. On an error, no file remains.
 
 mod bands;
+mod before_run;
 mod draw;
 mod draw_layers;
 mod draw_task;

@@ -128,18 +128,23 @@ impl StaticScene {
         if !sound {
             return;
         }
-        let origin = [header.origin_x, header.origin_y];
-        self.min = origin;
-        self.max = [
-            origin[0] + width as f64 * header.resolution,
-            origin[1] + height as f64 * header.resolution,
-        ];
-        let fine = Cells {
-            origin,
+        self.set_cells(Cells {
+            origin: [header.origin_x, header.origin_y],
             side: header.resolution,
             width,
             occupied: cells.iter().map(|cell| cell.occupied != 0).collect(),
-        };
+        });
+    }
+
+    /// Sets the walls and the bounds to those of a grid.
+    pub(super) fn set_cells(&mut self, fine: Cells) {
+        let (width, side) = (fine.width.max(1), fine.side);
+        let height = fine.occupied.len() / width;
+        self.min = fine.origin;
+        self.max = [
+            fine.origin[0] + width as f64 * side,
+            fine.origin[1] + height as f64 * side,
+        ];
         let factor = width.max(height).div_ceil(MAX_CELLS);
         self.cells = Some(if factor > 1 {
             fine.coarser(factor)

@@ -1,9 +1,11 @@
-//! Geometry of patrols and coverage in a picture: contour, danger zones, rectangles, waypoints, swept
+//! Geometry of the robots' tasks in a picture: goals, contour, danger zones, rectangles, waypoints, swept
 //! share.
 
+use geometry::region::Region;
 use geometry::shape::Shape;
 use ipc_types::messages::robot::WaypointEnd;
 use runtime::kind::TaskSketch;
+use sim_backend::spec::RobotSpec;
 
 /// Maximum number of waypoints that are shown, the last ones.
 const MAX_WAYPOINTS: usize = 1500;
@@ -13,6 +15,8 @@ const MAX_RECTANGLES: usize = 1000;
 /// Geometry of the tasks of all robots.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct TaskTrace {
+    /// Goals of robots.
+    pub goals: Vec<Region>,
     /// Contours of patrols: their corners in order (m).
     pub contours: Vec<Vec<[f64; 2]>>,
     /// Danger zones of patrols.
@@ -35,6 +39,17 @@ pub struct WaypointTrace {
 }
 
 impl TaskTrace {
+    /// The geometry of the tasks of these robots, with the goals alone.
+    pub(crate) fn of_goals(robots: &[RobotSpec]) -> Self {
+        let mut task = Self::default();
+        for goal in robots.iter().filter_map(|robot| robot.goal) {
+            if !task.goals.contains(&goal) {
+                task.goals.push(goal);
+            }
+        }
+        task
+    }
+
     /// Adds the geometry of a robot's task; equal ones of several robots are shown once.
     pub(crate) fn add(&mut self, sketch: TaskSketch) {
         let TaskSketch {

@@ -21,7 +21,7 @@ pub struct RunTrace {
     pub seed: String,
     /// Moment of the picture (simulated s).
     pub time_s: f64,
-    /// End of the run (simulated s).
+    /// End of the run (simulated s); 0 for a picture of a scenario, without a run.
     pub end_s: f64,
     /// Walls, obstacles, exits.
     pub static_scene: StaticScene,
@@ -39,6 +39,13 @@ pub struct RunTrace {
     pub marks: Vec<Mark>,
     /// Geometry of the robots' tasks.
     pub task: TaskTrace,
+}
+
+impl RunTrace {
+    /// Returns `true` for a picture of a scenario, without a run.
+    pub(super) fn is_before_run(&self) -> bool {
+        self.end_s <= 0.0
+    }
 }
 
 /// A robot and its trail.

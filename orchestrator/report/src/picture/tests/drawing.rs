@@ -324,6 +324,7 @@ fn the_largest_run_makes_a_picture_of_at_most_400_kb() {
         robot.sweeps = Some(0.1);
     }
     trace.task = TaskTrace {
+        goals: Vec::new(),
         rectangles: vec![[[1.234, 1.234], [2.345, 2.345]]; 1000],
         waypoints: (0..1500)
             .map(|i| WaypointTrace {
@@ -423,6 +424,7 @@ fn patrols_and_coverage_show_their_contour_zones_rectangles_waypoints_and_swept_
     trace.robots[2] = robot("a<b", Team::Neutral, [(1.0, 2.5), (2.0, 2.5), (2.0, 1.5)]);
     trace.robots[2].sweeps = Some(0.1);
     trace.task = TaskTrace {
+        goals: Vec::new(),
         contours: vec![vec![[1.0, 1.0], [3.0, 1.0], [1.0, 1.0]]],
         danger_zones: vec![
             Shape::Circle {
