@@ -9,9 +9,8 @@ use std::process::ExitStatus;
 use std::sync::mpsc::SyncSender;
 use std::time::{Duration, Instant};
 
-use platform::proc::CpuTime;
+use platform::program;
 use platform::spawn::{self, Child, Program};
-use platform::{proc, program};
 use rustix::event::{PollFd, PollFlags, Timespec};
 use rustix::pipe::{PipeFlags, pipe_with};
 use rustix::process::{Signal, WaitId, WaitIdOptions, WaitOptions};
@@ -172,19 +171,8 @@ impl RunningProcess {
         false
     }
 
-    /// Returns `true` if SIGSTOP or a debugger has stopped it.
-    pub fn is_stopped(&self) -> bool {
-        // It only selects which of several late processes is named.
-        proc::stat(self.pid()).is_ok_and(|stat| stat.is_some_and(|stat| stat.is_stopped()))
-    }
-
-    /// Returns its processor time; zero if unknown, so that all time without progress counts as a hang.
-    pub fn cpu_time(&self) -> CpuTime {
-        let time = proc::cpu_time(self.pid());
-        time.ok().flatten().unwrap_or_default()
-    }
-
-    fn pid(&self) -> i32 {
+    /// Returns its process id.
+    pub(super) fn pid(&self) -> i32 {
         self.child.pid.as_raw_nonzero().get()
     }
 

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use ipc_types::messages::process::ProcessEvent;
+use platform::proc;
 use runtime::lockstep::{BarrierMonitor, Phase};
 
 use super::child_process::{ChildError, RunningProcess};
@@ -114,12 +115,17 @@ impl<'a> Executor<'a> {
         processes.filter_map(ended).collect()
     }
 
-    /// Returns what the system reports about a process.
+    /// Returns what the system reports about a process, or about this one for the index after the last. Processor time
+    /// that is unknown is zero: all time without progress then counts as a hang.
     pub(super) fn activity(&self, index: usize) -> Activity {
-        let process = &self.processes[index];
+        let process = self.processes.iter().nth(index);
+        let own = rustix::process::getpid().as_raw_nonzero().get();
+        let pid = process.map_or(own, RunningProcess::pid);
         Activity {
-            is_stopped: process.is_stopped(),
-            cpu: process.cpu_time(),
+            // It only selects which of several late processes is named.
+            is_stopped: proc::stat(pid)
+                .is_ok_and(|stat| stat.is_some_and(|stat| stat.is_stopped())),
+            cpu: proc::cpu_time(pid).ok().flatten().unwrap_or_default(),
         }
     }
 

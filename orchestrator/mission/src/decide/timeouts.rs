@@ -53,7 +53,8 @@ impl State {
     }
 
     /// Returns the events up to `now` and tick `posted`, except the ends of processes. `look` returns what the
-    /// system reports about a process; it is called when the run makes no progress.
+    /// system reports about a process, or about this one for the index after the last; it is called when the run
+    /// makes no progress.
     pub(crate) fn timed_events(
         &mut self,
         now: Instant,
@@ -115,7 +116,7 @@ impl State {
     }
 
     /// Returns the process for which the whole run has waited for longer than the hang timeout. The time for which
-    /// that process waited for a core does not count: on a busy machine it may be long.
+    /// that process, or the recorder in this one, waited for a core does not count: on a busy machine it may be long.
     fn blocks_the_run(
         &mut self,
         now: Instant,
@@ -131,7 +132,8 @@ impl State {
         if !begins && lasts < self.hang_timeout {
             return None;
         }
-        let activities: Vec<Activity> = (0..self.processes.len()).map(look).collect();
+        let own = self.processes.len();
+        let activities: Vec<Activity> = (0..=own).map(look).collect();
         if begins {
             self.silence.begin(now, &activities);
         }
@@ -141,7 +143,8 @@ impl State {
             .then(|| self.blocking_process(tick, seen, now, &activities));
         let simulator = || self.processes.iter().position(|p| p.is_simulator);
         let index = blocking.flatten().or_else(simulator)?;
-        let counts = lasts.saturating_sub(self.silence.waited(index, &activities));
+        let waited = |index: usize| self.silence.waited(index, &activities);
+        let counts = lasts.saturating_sub(waited(index).max(waited(own)));
         (counts >= self.hang_timeout).then_some(index)
     }
 
