@@ -118,7 +118,7 @@ impl<'a> Executor<'a> {
     /// Returns what the system reports about a process, or about this one for the index after the last. Processor time
     /// that is unknown is zero: all time without progress then counts as a hang.
     pub(super) fn activity(&self, index: usize) -> Activity {
-        let process = self.processes.iter().nth(index);
+        let process = self.processes.get(index);
         let own = rustix::process::getpid().as_raw_nonzero().get();
         let pid = process.map_or(own, RunningProcess::pid);
         Activity {
