@@ -1,9 +1,11 @@
 //! Checks that the starts of all robots are free and that their goals and the exits are reachable.
 
 use config::{Code, Diagnostic, FieldPath, Step};
-use geometry::map::{MapSpec, VectorMap, WorldMap};
+use geometry::grid::Grid;
+use geometry::map::{MapSpec, Occupancy, VectorMap, WorldMap};
 use geometry::pose::Pose2;
 use geometry::region::Region;
+use nalgebra::{Point2, Vector2};
 use sim_backend::spec::{RulesSpec, WorldSpec};
 use sim_backend::team::Team;
 use sim_backend::world::{World, WorldError};
@@ -11,18 +13,19 @@ use sim_backend::world::{World, WorldError};
 use super::context::Context;
 use super::robots::Robot;
 use super::starts::{self, Placement, passages};
+use super::world::MapSetup;
 
 /// Checks that every robot starts in free space, draws the displaced starts, and checks that exits and
 /// goals are reachable. Reports all problems and returns the starts.
 pub fn resolve(
     ctx: &mut Context<'_>,
-    map: &MapSpec,
+    setup: &MapSetup,
     robots: &[Robot],
     placements: &[Placement],
     rules: &RulesSpec,
     seed: u64,
 ) -> Option<Vec<Pose2>> {
-    let world_map = match WorldMap::recent(map) {
+    let world_map = match WorldMap::recent(&setup.map) {
         Ok(world_map) => world_map,
         Err(e) => {
             let path = FieldPath::key("world").then("map");
@@ -32,7 +35,8 @@ pub fn resolve(
             return None;
         }
     };
-    let fine = check_walls(ctx, &world_map, robots) & check_overlaps(ctx, robots);
+    let fine = check_walls(ctx, &world_map, setup.occupancy.as_ref(), robots)
+        & check_overlaps(ctx, robots);
     if !fine {
         return None;
     }
@@ -114,7 +118,12 @@ fn check_world(
     ctx.problems.push(problem);
 }
 
-fn check_walls(ctx: &mut Context<'_>, world_map: &WorldMap, robots: &[Robot]) -> bool {
+fn check_walls(
+    ctx: &mut Context<'_>,
+    world_map: &WorldMap,
+    occupancy: Option<&Grid<Occupancy>>,
+    robots: &[Robot],
+) -> bool {
     let mut fine = true;
     for robot in robots.iter().filter(|robot| robot.has_start()) {
         let at = robot.spec.start.position();
@@ -124,7 +133,10 @@ fn check_walls(ctx: &mut Context<'_>, world_map: &WorldMap, robots: &[Robot]) ->
         }
         let name = &robot.spec.name;
         let distance = world_map.distance(at);
-        let message = if distance > 0.0 {
+        let is_unknown = occupancy.is_some_and(|map| covers_unknown(map, at, radius));
+        let message = if is_unknown {
+            format!("robot `{name}` starts on a cell that the map marks unknown")
+        } else if distance > 0.0 {
             format!(
                 "robot `{name}` starts in a wall: {distance:.3} m from its centre to the wall, \
                  {radius} m to its edge"
@@ -132,14 +144,52 @@ fn check_walls(ctx: &mut Context<'_>, world_map: &WorldMap, robots: &[Robot]) ->
         } else {
             format!("robot `{name}` starts in a wall or outside the map")
         };
-        let problem = ctx
+        let mut problem = ctx
             .problem(&robot.node, &robot.path, "start", Code::Geometry, message)
             .value(format!("x = {}, y = {} (m)", at.x, at.y))
             .expected(format!("a place at least {radius} m from every wall"));
+        if is_unknown {
+            problem = problem.help(
+                "map = { file = { path = \"…\", unknown = \"free\" } } makes unknown cells free",
+            );
+        }
         ctx.problems.push(problem);
         fine = false;
     }
     fine
+}
+
+/// Returns `true` if the cell of a disc's centre is unknown, or if the disc (m) covers unknown cells and neither an
+/// occupied one nor the edge of the map.
+fn covers_unknown(map: &Grid<Occupancy>, center: Point2<f64>, radius: f64) -> bool {
+    let Some(own) = map.at(center) else {
+        return false;
+    };
+    if *own != Occupancy::Free {
+        return *own == Occupancy::Unknown;
+    }
+    let frame = map.frame;
+    let corner = Vector2::new(radius, radius);
+    let (Some(from), Some(to)) = (
+        frame.cell_at(center - corner),
+        frame.cell_at(center + corner),
+    ) else {
+        return false;
+    };
+    let half = 0.5 * frame.resolution;
+    let mut is_unknown = false;
+    for row in from.1..=to.1 {
+        for column in from.0..=to.0 {
+            let away = frame.center(column, row) - center;
+            let outside = away.map(|d| (d.abs() - half).max(0.0));
+            match map.cells.get(frame.index(column, row)) {
+                Some(Occupancy::Occupied) if outside.norm() < radius => return false,
+                Some(Occupancy::Unknown) if outside.norm() < radius => is_unknown = true,
+                _ => {}
+            }
+        }
+    }
+    is_unknown
 }
 
 fn check_overlaps(ctx: &mut Context<'_>, robots: &[Robot]) -> bool {

@@ -85,7 +85,7 @@ pub(super) fn resolve(
         .iter()
         .map(|r| Placement::new(&r.spec, r.draw))
         .collect();
-    let starts = feasibility::resolve(ctx, &map_setup.map, &robots, &placements, &rules, run.seed)?;
+    let starts = feasibility::resolve(ctx, &map_setup, &robots, &placements, &rules, run.seed)?;
     check_end(ctx, &map_setup.map, &robots, &rules);
     let specs = robots.into_iter().zip(starts).map(|(r, start)| {
         let mut spec = r.spec;

@@ -4,7 +4,10 @@ use std::path::Path;
 
 use config::{Code, FieldPath, Node, SourceKind, nearest, parse_document};
 use geometry::extent::MAX_COORDINATE;
-use geometry::map::{MAX_EXITS, MapSpec, RosMap, UnknownCells, VectorMap, VectorMapError};
+use geometry::grid::Grid;
+use geometry::map::{
+    MAX_EXITS, MapSpec, Occupancy, RosMap, UnknownCells, VectorMap, VectorMapError,
+};
 use geometry::region::Region;
 use geometry::shape::ShapeError;
 use parameters::{Parameters, ParamsError, above, between};
@@ -60,6 +63,8 @@ impl Default for WorldBlock {
 pub struct MapSetup {
     /// The map, written out; never [`MapSpec::File`].
     pub map: MapSpec,
+    /// What a ROS map knows of its cells.
+    pub occupancy: Option<Grid<Occupancy>>,
     /// Standard deviation of the map's Gaussian blur (m).
     pub blur_sigma: f64,
 }
@@ -90,11 +95,17 @@ pub fn resolve(ctx: &mut Context<'_>, base: &Base) -> Option<MapSetup> {
         return None;
     };
     let spec: MapSpec = ctx.read(map_node, &path)?;
+    let mut occupancy = None;
     let mut map = match spec {
         MapSpec::File {
             path: file,
             unknown,
-        } => load(ctx, base, map_node, &path, &file.to_string_lossy(), unknown)?,
+        } => {
+            let file = file.to_string_lossy();
+            let loaded = load(ctx, base, map_node, &path, &file, unknown)?;
+            occupancy = loaded.1;
+            loaded.0
+        }
         MapSpec::Vector(map) => {
             check_vectors(ctx, map_node.get("vector")?, &path.then("vector"), &map).then_some(())?;
             MapSpec::Vector(map)
@@ -132,6 +143,7 @@ pub fn resolve(ctx: &mut Context<'_>, base: &Base) -> Option<MapSetup> {
     check_size(ctx, &node, &map)?;
     Some(MapSetup {
         map,
+        occupancy,
         blur_sigma: block.blur_sigma,
     })
 }
@@ -162,6 +174,9 @@ fn check_size(ctx: &mut Context<'_>, node: &Node, map: &MapSpec) -> Option<()> {
     None
 }
 
+/// A map, and what it knows of its cells if it is a ROS map.
+type Loaded = (MapSpec, Option<Grid<Occupancy>>);
+
 /// Reads the file of `map = "…"`.
 fn load(
     ctx: &mut Context<'_>,
@@ -170,7 +185,7 @@ fn load(
     path: &FieldPath,
     file: &str,
     unknown: UnknownCells,
-) -> Option<MapSpec> {
+) -> Option<Loaded> {
     let named = file.strip_prefix(BUILTIN);
     let found = match named {
         Some(name) => {
@@ -198,7 +213,7 @@ fn load(
         }
     };
     match found {
-        Found::Text(text) => parse_vectors(ctx, file, text),
+        Found::Text(text) => Some((parse_vectors(ctx, file, text)?, None)),
         Found::Disk(real) => {
             let extension = Path::new(file)
                 .extension()
@@ -206,7 +221,7 @@ fn load(
                 .unwrap_or("");
             match extension.to_ascii_lowercase().as_str() {
                 "toml" => match read_text(&real, MAX_MAP_FILE) {
-                    Ok(text) => parse_vectors(ctx, file, &text),
+                    Ok(text) => Some((parse_vectors(ctx, file, &text)?, None)),
                     Err(e) => report(ctx, node, path, e, None),
                 },
                 "yaml" | "yml" => load_ros(ctx, base, node, path, &real, file, unknown),
@@ -229,7 +244,7 @@ fn report(
     path: &FieldPath,
     refused: Refused,
     help: Option<String>,
-) -> Option<MapSpec> {
+) -> Option<Loaded> {
     let place = if node.as_table().is_some() {
         "file.path"
     } else {
@@ -254,7 +269,7 @@ fn load_ros(
     real: &Path,
     file: &str,
     unknown: UnknownCells,
-) -> Option<MapSpec> {
+) -> Option<Loaded> {
     let file_error = |e: String| Refused {
         message: e,
         expected: "a ROS map".to_owned(),
@@ -281,8 +296,12 @@ fn load_ros(
         }
     };
     // The checked file is the one that is read: the YAML may be a link to another folder.
-    match ros.load_image(&image, unknown) {
-        Ok(cells) => Some(MapSpec::Cells(cells)),
+    let loaded = ros.load_image(&image).and_then(|cells| {
+        let map = ros.cell_map(&cells, unknown)?;
+        Ok((MapSpec::Cells(map), Some(cells)))
+    });
+    match loaded {
+        Ok(loaded) => Some(loaded),
         Err(e) => report(ctx, node, path, file_error(e.to_string()), None),
     }
 }

@@ -25,6 +25,17 @@ pub enum UnknownCells {
     Free,
 }
 
+/// What an occupancy map knows of a cell.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Occupancy {
+    /// Free space.
+    Free,
+    /// An obstacle.
+    Occupied,
+    /// Nothing.
+    Unknown,
+}
+
 /// An occupancy grid as run lengths. Cells are counted row by row from the one with the smallest x
 /// and y; the edge of the grid is a wall.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -94,6 +105,19 @@ impl CellMap {
             runs,
             exits: Vec::new(),
         }
+    }
+
+    /// Converts an occupancy map, whose unknown cells have this meaning.
+    pub fn from_occupancy(map: &Grid<Occupancy>, unknown: UnknownCells) -> Self {
+        let cells = map.cells.iter().map(|cell| match cell {
+            Occupancy::Free => false,
+            Occupancy::Occupied => true,
+            Occupancy::Unknown => unknown == UnknownCells::Occupied,
+        });
+        Self::from_grid(&Grid {
+            frame: map.frame,
+            cells: cells.collect(),
+        })
     }
 
     /// Checks every field.

@@ -2,9 +2,11 @@
 
 mod cells;
 mod field;
+mod image;
 mod index;
 mod passage;
 mod pgm;
+mod png_image;
 mod query;
 mod recent;
 mod ros;
@@ -15,11 +17,11 @@ mod vector;
 mod world_map;
 mod world_queries;
 
-pub use cells::{CellMap, MAX_RUNS, UnknownCells};
+pub use cells::{CellMap, MAX_RUNS, Occupancy, UnknownCells};
+pub use image::{Image, ImageError, MAX_PIXELS, Pixel};
 pub use passage::{Passages, Reach};
-pub use pgm::{MAX_PIXELS, Pgm, PgmError};
 pub use query::Hit;
-pub use ros::{RosMap, RosMapError};
+pub use ros::{RosMap, RosMapError, RosMode};
 pub use segment::TOUCHING;
 pub use shape_map::ShapeMap;
 pub use spec::{MapError, MapSpec};

@@ -2,126 +2,45 @@
 
 use std::io::{self, BufRead, Read};
 
-/// Maximum number of pixels of an image: no scenario may have a map of more cells.
-pub const MAX_PIXELS: usize = 25_000_000;
+use super::image::{Image, ImageError, check_size};
 
-/// A gray image.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Pgm {
-    /// Number of columns.
-    pub width: usize,
-    /// Number of rows.
-    pub height: usize,
-    /// The value of white, in [1, 65535].
-    pub maxval: u16,
-    /// Gray values row by row from the *top*; `pixels.len() == width * height`, none above
-    /// `maxval`.
-    pub pixels: Vec<u16>,
-}
-
-/// Reason why an image is invalid.
-#[derive(Debug, thiserror::Error)]
-pub enum PgmError {
-    /// The file cannot be read.
-    #[error(transparent)]
-    Io(#[from] io::Error),
-    /// The file does not start like a PGM.
-    #[error("magic number is {found}: expected P2 or P5")]
-    BadMagic {
-        /// The first two bytes.
-        found: String,
-    },
-    /// A number of the header is missing or wrong.
-    #[error("header: {field} = {value}: expected {expected}")]
-    BadHeader {
-        /// Name of the number.
-        field: &'static str,
-        /// Actual value.
-        value: String,
-        /// Expected value.
-        expected: &'static str,
-    },
-    /// The header declares more pixels than the maximum.
-    #[error("header: {width} × {height} pixels: expected at most {MAX_PIXELS} pixels")]
-    TooLarge {
-        /// Declared columns.
-        width: u64,
-        /// Declared rows.
-        height: u64,
-    },
-    /// The file ends before its last pixel.
-    #[error("truncated: {found} pixels of {width} × {height} = {expected} declared in the header")]
-    Truncated {
-        /// Actual number of pixels.
-        found: usize,
-        /// Declared columns.
-        width: usize,
-        /// Declared rows.
-        height: usize,
-        /// Declared number of pixels.
-        expected: usize,
-    },
-    /// A pixel is not a number, or brighter than white.
-    #[error("pixel {index}: {value}: expected a number in [0, {maxval}]")]
-    BadPixel {
-        /// Index of the pixel, from the top left.
-        index: usize,
-        /// Actual value.
-        value: String,
-        /// The value of white.
-        maxval: u16,
-    },
-}
-
-impl Pgm {
-    /// Reads an image; memory use grows with the content of the file, not with the claims of its
-    /// header.
-    ///
-    /// # Errors
-    /// The error names the invalid part of the file and the expected value.
-    ///
-    /// ```
-    /// use geometry::map::Pgm;
-    ///
-    /// let image = Pgm::read("P2 3 1 255 0 128 255".as_bytes())?;
-    /// assert_eq!(image.pixels, [0, 128, 255]);
-    /// # Ok::<(), geometry::map::PgmError>(())
-    /// ```
-    pub fn read(mut input: impl BufRead) -> Result<Self, PgmError> {
-        let mut magic = [0; 2];
-        let got = read_up_to(&mut input, &mut magic)?;
-        let plain = match &magic[..got] {
-            b"P2" => true,
-            b"P5" => false,
-            other => {
-                let found = format!("\"{}\"", other.escape_ascii());
-                return Err(PgmError::BadMagic { found });
-            }
-        };
-        let width = header_number(&mut input, "width", "a number of pixels > 0")?;
-        let height = header_number(&mut input, "height", "a number of pixels > 0")?;
-        if width.saturating_mul(height) > MAX_PIXELS as u64 {
-            return Err(PgmError::TooLarge { width, height });
+/// Reads an image.
+///
+/// # Errors
+/// As [`Image::read`].
+pub fn read(mut input: impl BufRead) -> Result<Image, ImageError> {
+    let mut magic = [0; 2];
+    let got = read_up_to(&mut input, &mut magic)?;
+    let plain = match &magic[..got] {
+        b"P2" => true,
+        b"P5" => false,
+        other => {
+            let found = format!("\"{}\"", other.escape_ascii());
+            return Err(ImageError::BadMagic { found });
         }
-        let maxval = header_number(&mut input, "maxval", "a number in [1, 65535]")?;
-        let maxval = u16::try_from(maxval).map_err(|_| PgmError::BadHeader {
-            field: "maxval",
-            value: maxval.to_string(),
-            expected: "a number in [1, 65535]",
-        })?;
-        let (width, height) = (width as usize, height as usize);
-        let pixels = if plain {
-            plain_pixels(&mut input, width, height, maxval)?
-        } else {
-            raw_pixels(&mut input, width, height, maxval)?
-        };
-        Ok(Self {
-            width,
-            height,
-            maxval,
-            pixels,
-        })
-    }
+    };
+    let width = header_number(&mut input, "width", "a number of pixels > 0")?;
+    let height = header_number(&mut input, "height", "a number of pixels > 0")?;
+    check_size(width, height)?;
+    let maxval = header_number(&mut input, "maxval", "a number in [1, 65535]")?;
+    let maxval = u16::try_from(maxval).map_err(|_| ImageError::BadHeader {
+        field: "maxval",
+        value: maxval.to_string(),
+        expected: "a number in [1, 65535]",
+    })?;
+    let (width, height) = (width as usize, height as usize);
+    let samples = if plain {
+        plain_pixels(&mut input, width, height, maxval)?
+    } else {
+        raw_pixels(&mut input, width, height, maxval)?
+    };
+    Ok(Image {
+        width,
+        height,
+        channels: 1,
+        maxval,
+        samples,
+    })
 }
 
 fn read_up_to(input: &mut impl Read, buffer: &mut [u8]) -> io::Result<usize> {
@@ -174,13 +93,13 @@ fn header_number(
     input: &mut impl BufRead,
     field: &'static str,
     expected: &'static str,
-) -> Result<u64, PgmError> {
+) -> Result<u64, ImageError> {
     let word = next_word(input)?;
     match word.as_deref().and_then(|w| w.parse().ok()) {
         Some(number) if number > 0 => Ok(number),
         _ => {
             let value = word.unwrap_or_else(|| "the end of the file".to_owned());
-            Err(PgmError::BadHeader {
+            Err(ImageError::BadHeader {
                 field,
                 value,
                 expected,
@@ -194,12 +113,12 @@ fn plain_pixels(
     width: usize,
     height: usize,
     maxval: u16,
-) -> Result<Vec<u16>, PgmError> {
+) -> Result<Vec<u16>, ImageError> {
     let expected = width * height;
     let mut pixels = Vec::new();
     while pixels.len() < expected {
         let Some(word) = next_word(input)? else {
-            return Err(PgmError::Truncated {
+            return Err(ImageError::Truncated {
                 found: pixels.len(),
                 width,
                 height,
@@ -209,7 +128,7 @@ fn plain_pixels(
         match word.parse::<u16>() {
             Ok(value) if value <= maxval => pixels.push(value),
             _ => {
-                return Err(PgmError::BadPixel {
+                return Err(ImageError::BadPixel {
                     index: pixels.len(),
                     value: word,
                     maxval,
@@ -225,7 +144,7 @@ fn raw_pixels(
     width: usize,
     height: usize,
     maxval: u16,
-) -> Result<Vec<u16>, PgmError> {
+) -> Result<Vec<u16>, ImageError> {
     let expected = width * height;
     let bytes_per_pixel = if maxval < 256 { 1 } else { 2 };
     let mut bytes = Vec::new();
@@ -234,7 +153,7 @@ fn raw_pixels(
         .read_to_end(&mut bytes)?;
     let found = bytes.len() / bytes_per_pixel;
     if found < expected {
-        return Err(PgmError::Truncated {
+        return Err(ImageError::Truncated {
             found,
             width,
             height,
@@ -251,7 +170,7 @@ fn raw_pixels(
     };
     match pixels.iter().position(|&value| value > maxval) {
         None => Ok(pixels),
-        Some(index) => Err(PgmError::BadPixel {
+        Some(index) => Err(ImageError::BadPixel {
             index,
             value: pixels[index].to_string(),
             maxval,
@@ -261,10 +180,10 @@ fn raw_pixels(
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use super::{Image, ImageError};
 
-    fn read(bytes: &[u8]) -> Result<Pgm, PgmError> {
-        Pgm::read(bytes)
+    fn read(bytes: &[u8]) -> Result<Image, ImageError> {
+        super::read(bytes)
     }
 
     #[test]
@@ -275,21 +194,21 @@ mod tests {
         let (plain, raw) = (plain.unwrap(), read(&raw).unwrap());
         assert_eq!(plain, raw);
         assert_eq!((plain.width, plain.height, plain.maxval), (3, 2, 255));
-        assert_eq!(plain.pixels, [0, 1, 2, 253, 254, 255]);
+        assert_eq!(plain.samples, [0, 1, 2, 253, 254, 255]);
     }
 
     #[test]
     fn sixteen_bit_pixels_are_big_endian() {
         let mut raw = b"P5 2 1 65535\n".to_vec();
         raw.extend([0x01, 0x02, 0xff, 0xff]);
-        assert_eq!(read(&raw).unwrap().pixels, [0x0102, 0xffff]);
+        assert_eq!(read(&raw).unwrap().samples, [0x0102, 0xffff]);
     }
 
     #[test]
     fn the_first_pixel_may_look_like_white_space_or_a_comment() {
         let mut raw = b"P5 2 1 255\n".to_vec();
         raw.extend(*b"\n#");
-        assert_eq!(read(&raw).unwrap().pixels, [10, 35]);
+        assert_eq!(read(&raw).unwrap().samples, [10, 35]);
     }
 
     #[test]
@@ -297,9 +216,9 @@ mod tests {
         let message = |bytes: &[u8]| read(bytes).unwrap_err().to_string();
         assert_eq!(
             message(b"P6\n1 1\n255\n\0"),
-            "magic number is \"P6\": expected P2 or P5"
+            "magic number is \"P6\": expected P2 or P5 of a PGM image, or a PNG image"
         );
-        assert_eq!(message(b""), "magic number is \"\": expected P2 or P5");
+        assert!(message(b"").starts_with("magic number is \"\": expected P2 or P5"));
         assert!(message(b"P5\n").starts_with("header: width = the end of the file"));
         assert!(message(b"P5\n0 3 255\n").starts_with("header: width = 0"));
         assert!(message(b"P5\n3 -3 255\n").starts_with("header: height = -3"));
@@ -321,8 +240,8 @@ mod tests {
             "{error}"
         );
         let error = read(b"P5\n18446744073709551615 18446744073709551615 255\n").unwrap_err();
-        assert!(matches!(error, PgmError::TooLarge { .. }));
+        assert!(matches!(error, ImageError::TooLarge { .. }));
         let error = read(b"P5\n99999999999999999999999 1 255\n").unwrap_err();
-        assert!(matches!(error, PgmError::BadHeader { .. }));
+        assert!(matches!(error, ImageError::BadHeader { .. }));
     }
 }

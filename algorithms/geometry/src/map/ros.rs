@@ -1,4 +1,4 @@
-//! ROS `map_server` maps: a YAML file and a gray image.
+//! ROS `map_server` maps: a YAML file and an image.
 //!
 //! Only the YAML subset that `map_server` writes is supported: lines of `key: value`.
 
@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 
 use nalgebra::Point2;
 
-use super::{CellMap, Pgm, PgmError, UnknownCells};
+use super::{CellMap, Image, ImageError, Occupancy, Pixel, UnknownCells};
 use parameters::ParamsError;
 
 use crate::extent::MAX_COORDINATE;
@@ -25,7 +25,7 @@ const KEYS: &str = "image, resolution, origin, negate, occupied_thresh, free_thr
 pub struct RosMap {
     /// The YAML file.
     pub path: PathBuf,
-    /// The image, a PGM file; relative to the YAML file's directory.
+    /// The image, a PGM or PNG file; relative to the YAML file's directory.
     pub image: PathBuf,
     /// Side of a pixel (m).
     pub resolution: f64,
@@ -38,6 +38,21 @@ pub struct RosMap {
     /// Pixels with a lower probability of occupation are free, in [0, 1]; in between they are
     /// unknown.
     pub free_thresh: f64,
+    /// Meaning of a pixel.
+    pub mode: RosMode,
+}
+
+/// Meaning of a pixel of a ROS map. All modes know free, occupied and unknown cells here: a probability between the
+/// thresholds is unknown.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum RosMode {
+    /// The mean of all its samples, the alpha of a transparent image included, is the probability.
+    #[default]
+    Trinary,
+    /// The mean of its colours is the probability; a pixel that is not opaque is unknown.
+    Scale,
+    /// The mean of its colours, from 0 to 255, is the probability in percent; more than 100 is unknown.
+    Raw,
 }
 
 /// Reason why a ROS map is invalid.
@@ -77,7 +92,7 @@ pub enum RosMapError {
         /// The image's file.
         path: PathBuf,
         /// Error of the image.
-        source: PgmError,
+        source: ImageError,
     },
     /// The map as a whole is invalid (its size, its position).
     #[error("map {}: {source}", path.display())]
@@ -120,13 +135,14 @@ impl RosMap {
     ///
     /// ```
     /// use std::path::Path;
-    /// use geometry::map::{RosMap, UnknownCells, Pgm};
+    /// use geometry::map::{Image, Occupancy, RosMap};
     ///
     /// let text = "image: room.pgm\nresolution: 0.5\norigin: [0, 0, 0]\nnegate: 0\n\
     ///             occupied_thresh: 0.65\nfree_thresh: 0.25\n";
     /// let map = RosMap::parse(Path::new("room.yaml"), text)?;
-    /// let image = Pgm::read("P2 3 1 255 0 254 254".as_bytes())?;
-    /// assert_eq!(map.classify(&image, UnknownCells::Occupied).runs, [0, 1, 2]);
+    /// let image = Image::read("P2 3 1 255 0 254 205".as_bytes())?;
+    /// let cells = [Occupancy::Occupied, Occupancy::Free, Occupancy::Free];
+    /// assert_eq!(map.classify(&image).cells, cells);
     /// # Ok::<(), Box<dyn core::error::Error>>(())
     /// ```
     pub fn parse(path: &Path, text: &str) -> Result<Self, RosMapError> {
@@ -159,7 +175,7 @@ impl RosMap {
                 "image" => {
                     let name = unquote(value);
                     if name.is_empty() {
-                        return Err(bad("image is empty", "the path of a PGM file"));
+                        return Err(bad("image is empty", "the path of a PGM or PNG file"));
                     }
                     image.replace(PathBuf::from(name)).is_some()
                 }
@@ -196,10 +212,13 @@ impl RosMap {
                     .replace(number(0.0, 1.0, "a number in [0, 1]")?)
                     .is_some(),
                 "mode" => {
-                    if unquote(value) != "trinary" {
-                        return Err(bad(&format!("mode = {value}"), "trinary"));
-                    }
-                    mode.replace(()).is_some()
+                    let named = match unquote(value) {
+                        "trinary" => RosMode::Trinary,
+                        "scale" => RosMode::Scale,
+                        "raw" => RosMode::Raw,
+                        _ => return Err(bad(&format!("mode = {value}"), "trinary, scale or raw")),
+                    };
+                    mode.replace(named).is_some()
                 }
                 _ => return Err(bad(&format!("key {key}"), KEYS)),
             };
@@ -219,7 +238,15 @@ impl RosMap {
             negate: negate.unwrap_or(false),
             occupied_thresh: occupied.ok_or(missing("occupied_thresh"))?,
             free_thresh: free.ok_or(missing("free_thresh"))?,
+            mode: mode.unwrap_or_default(),
         };
+        if map.negate && map.mode == RosMode::Raw {
+            let source = ParamsError::new("negate", &1, "0 with mode = raw".to_owned());
+            return Err(RosMapError::Field {
+                path: path.to_owned(),
+                source,
+            });
+        }
         if map.free_thresh > map.occupied_thresh {
             let expected = format!("at most occupied_thresh = {}", map.occupied_thresh);
             let source = ParamsError::new("free_thresh", &map.free_thresh, expected);
@@ -235,10 +262,10 @@ impl RosMap {
     ///
     /// # Errors
     /// The error names the image's file and its fault.
-    pub fn load(&self, unknown: UnknownCells) -> Result<CellMap, RosMapError> {
+    pub fn load(&self) -> Result<Grid<Occupancy>, RosMapError> {
         match self.path.parent() {
-            Some(directory) => self.load_image(&directory.join(&self.image), unknown),
-            None => self.load_image(&self.image, unknown),
+            Some(directory) => self.load_image(&directory.join(&self.image)),
+            None => self.load_image(&self.image),
         }
     }
 
@@ -246,15 +273,27 @@ impl RosMap {
     ///
     /// # Errors
     /// As [`Self::load`].
-    pub fn load_image(&self, path: &Path, unknown: UnknownCells) -> Result<CellMap, RosMapError> {
+    pub fn load_image(&self, path: &Path) -> Result<Grid<Occupancy>, RosMapError> {
         let image = open(path)
-            .map_err(PgmError::Io)
-            .and_then(|file| Pgm::read(BufReader::new(file.take(MAX_IMAGE))))
+            .map_err(ImageError::Io)
+            .and_then(|file| Image::read(BufReader::new(file.take(MAX_IMAGE))))
             .map_err(|source| RosMapError::Image {
                 path: path.to_owned(),
                 source,
             })?;
-        let map = self.classify(&image, unknown);
+        Ok(self.classify(&image))
+    }
+
+    /// Returns the map of classified pixels, whose unknown cells have this meaning.
+    ///
+    /// # Errors
+    /// The error names the fault of the map as a whole.
+    pub fn cell_map(
+        &self,
+        cells: &Grid<Occupancy>,
+        unknown: UnknownCells,
+    ) -> Result<CellMap, RosMapError> {
+        let map = CellMap::from_occupancy(cells, unknown);
         map.validate().map_err(|source| RosMapError::Field {
             path: self.path.clone(),
             source,
@@ -262,34 +301,49 @@ impl RosMap {
         Ok(map)
     }
 
-    /// Classifies gray values as free or occupied: probability = 1 − gray/white, or gray/white if
-    /// negated. The image's top row has the largest y.
-    pub fn classify(&self, image: &Pgm, unknown: UnknownCells) -> CellMap {
-        let white = f64::from(image.maxval);
-        let occupied = |gray: u16| {
-            let brightness = f64::from(gray) / white;
-            let probability = if self.negate {
-                brightness
-            } else {
-                1.0 - brightness
-            };
-            if probability > self.occupied_thresh {
-                true
-            } else if probability < self.free_thresh {
-                false
-            } else {
-                unknown == UnknownCells::Occupied
-            }
-        };
+    /// Classifies pixels as free, occupied or unknown. The image's top row has the largest y.
+    pub fn classify(&self, image: &Image) -> Grid<Occupancy> {
         let frame = GridFrame {
             width: image.width,
             height: image.height,
             resolution: self.resolution,
             origin: Point2::new(self.origin[0], self.origin[1]),
         };
-        let rows = image.pixels.chunks_exact(image.width).rev();
-        let cells = rows.flatten().map(|&gray| occupied(gray)).collect();
-        CellMap::from_grid(&Grid { frame, cells })
+        let mut cells: Vec<Occupancy> = image
+            .pixels()
+            .rev()
+            .map(|pixel| self.occupancy(pixel, image.maxval))
+            .collect();
+        // Reversed pixels have the right order of rows, and the wrong one of columns.
+        cells
+            .chunks_exact_mut(image.width.max(1))
+            .for_each(<[Occupancy]>::reverse);
+        Grid { frame, cells }
+    }
+
+    fn occupancy(&self, pixel: Pixel, maxval: u16) -> Occupancy {
+        let is_opaque = pixel.alpha.is_none_or(|alpha| alpha == maxval);
+        let (sum, samples) = match (self.mode, pixel.alpha) {
+            // A gray with alpha counts as three equal colours.
+            (RosMode::Trinary, Some(alpha)) => (pixel.color + u32::from(alpha), 4.0),
+            _ => (pixel.color, 3.0),
+        };
+        let brightness = f64::from(sum) / (samples * f64::from(maxval));
+        let probability = match self.mode {
+            RosMode::Scale if !is_opaque => return Occupancy::Unknown,
+            RosMode::Raw => (brightness * 255.0).round() / 100.0,
+            _ if self.negate => brightness,
+            _ => 1.0 - brightness,
+        };
+        if probability > 1.0 {
+            Occupancy::Unknown
+        } else if probability > self.occupied_thresh {
+            Occupancy::Occupied
+        } else if probability < self.free_thresh {
+            Occupancy::Free
+        } else {
+            Occupancy::Unknown
+        }
     }
 }
 

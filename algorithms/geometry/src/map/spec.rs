@@ -146,7 +146,10 @@ fn load_file(path: &Path, unknown: UnknownCells) -> Result<MapSpec, MapError> {
                 .map_err(|e| MapError::vector(Some(path), e))?;
             Ok(MapSpec::Vector(map))
         }
-        "yaml" | "yml" => Ok(MapSpec::Cells(RosMap::read(path)?.load(unknown)?)),
+        "yaml" | "yml" => {
+            let ros = RosMap::read(path)?;
+            Ok(MapSpec::Cells(ros.cell_map(&ros.load()?, unknown)?))
+        }
         _ => Err(MapError::UnknownKind {
             path: path.to_owned(),
         }),

@@ -8,38 +8,68 @@ fn parse(text: &str) -> Result<RosMap, RosMapError> {
     RosMap::parse(Path::new("maps/office.yaml"), text)
 }
 
+use Occupancy::{Free, Occupied, Unknown};
+
 #[test]
 fn the_top_row_of_the_image_has_the_largest_y() {
-    let image = Pgm::read(&b"P2 2 3 255\n 0 255\n 255 255\n 255 205\n"[..]).unwrap();
-    let grid = parse(YAML)
-        .unwrap()
-        .classify(&image, UnknownCells::Occupied)
-        .to_grid()
-        .unwrap();
+    let image = Image::read(&b"P2 2 3 255\n 0 255\n 255 255\n 255 205\n"[..]).unwrap();
+    let grid = parse(YAML).unwrap().classify(&image);
     // Black, top left: smallest x, largest y.
-    assert_eq!(grid.at(Point2::new(-0.75, 3.25)), Some(&true));
-    assert_eq!(grid.at(Point2::new(-0.75, 2.25)), Some(&false));
+    assert_eq!(grid.at(Point2::new(-0.75, 3.25)), Some(&Occupied));
+    assert_eq!(grid.at(Point2::new(-0.75, 2.25)), Some(&Free));
     // Unknown gray, bottom right.
-    assert_eq!(grid.at(Point2::new(-0.25, 2.25)), Some(&true));
-    let free = parse(YAML)
-        .unwrap()
-        .classify(&image, UnknownCells::Free)
-        .to_grid()
-        .unwrap();
-    assert_eq!(free.at(Point2::new(-0.25, 2.25)), Some(&false));
-    assert_eq!(free.at(Point2::new(-0.75, 3.25)), Some(&true));
+    assert_eq!(grid.at(Point2::new(-0.25, 2.25)), Some(&Unknown));
+    let cells = |unknown| CellMap::from_occupancy(&grid, unknown).runs;
+    assert_eq!(cells(UnknownCells::Occupied), [1, 1, 2, 1, 1]);
+    assert_eq!(cells(UnknownCells::Free), [4, 1, 1]);
 }
 
 #[test]
 fn negated_maps_and_deep_images_are_classified_by_probability() {
     let yaml = YAML.replace("negate: 0", "negate: 1");
-    let image = Pgm::read(&b"P2 3 1 1000\n 1000 0 400\n"[..]).unwrap();
-    let grid = parse(&yaml)
-        .unwrap()
-        .classify(&image, UnknownCells::Occupied)
-        .to_grid()
-        .unwrap();
-    assert_eq!(grid.cells, [true, false, true]);
+    let image = Image::read(&b"P2 3 1 1000\n 1000 0 400\n"[..]).unwrap();
+    let grid = parse(&yaml).unwrap().classify(&image);
+    assert_eq!(grid.cells, [Occupied, Free, Unknown]);
+}
+
+#[test]
+fn colours_are_averaged_and_alpha_counts_by_mode() {
+    let classified = |channels: usize, samples: &[u16], mode: &str| {
+        let image = Image {
+            width: samples.len() / channels,
+            height: 1,
+            channels,
+            maxval: 255,
+            samples: samples.to_vec(),
+        };
+        let yaml = YAML.replace("negate: 0", mode);
+        parse(&yaml).unwrap().classify(&image).cells
+    };
+    // (255 + 255 + 0) / 3 is a third from white: unknown, as (255 + 255 + 255 + 0) / 4 is.
+    let colours = [0, 0, 0, 255, 255, 255, 255, 255, 0];
+    let expected = [Occupied, Free, Unknown];
+    assert_eq!(classified(3, &colours, "mode: trinary"), expected);
+    assert_eq!(classified(3, &colours, "mode: scale"), expected);
+    let transparent = [
+        255, 255, 255, 0, 255, 255, 255, 255, 0, 0, 0, 255, 0, 0, 0, 0,
+    ];
+    assert_eq!(
+        classified(4, &transparent, "mode: trinary"),
+        [Unknown, Free, Occupied, Occupied]
+    );
+    assert_eq!(
+        classified(4, &transparent, "mode: scale"),
+        [Unknown, Free, Occupied, Unknown]
+    );
+    // Gray and alpha as three grays and alpha.
+    assert_eq!(
+        classified(2, &[255, 0, 255, 255, 0, 255], "mode: trinary"),
+        [Unknown, Free, Occupied]
+    );
+    assert_eq!(
+        classified(1, &[0, 19, 50, 66, 100, 101, 255], "mode: raw"),
+        [Free, Free, Unknown, Occupied, Occupied, Unknown, Unknown]
+    );
 }
 
 #[test]
@@ -66,7 +96,8 @@ fn broken_yaml_names_file_line_value_and_expectation() {
     assert!(message("image:", "image =").contains("line 1"));
     assert!(message("image: ./office.pgm", "# no image").contains("image is missing"));
     assert!(message("negate: 0", "resolution: 1").contains("line 4: resolution a second time"));
-    assert!(message("negate: 0", "mode: scale").contains("mode = scale: expected trinary"));
+    assert!(message("negate: 0", "mode: none").contains("mode = none: expected trinary, scale"));
+    assert!(message("negate: 0", "negate: 1\nmode: raw").contains("`negate` is 1"));
 }
 
 #[test]
@@ -75,28 +106,17 @@ fn files_are_read_relative_to_the_yaml_and_errors_name_them() {
     std::fs::create_dir_all(&directory).unwrap();
     let yaml = directory.join("office.yaml");
     std::fs::write(&yaml, YAML).unwrap();
-    let error = RosMap::read(&yaml)
-        .unwrap()
-        .load(UnknownCells::Free)
-        .unwrap_err()
-        .to_string();
+    let error = RosMap::read(&yaml).unwrap().load().unwrap_err().to_string();
     assert!(error.contains("office.pgm"), "{error}");
     std::fs::write(directory.join("office.pgm"), b"P5 2 2 255\n\0\xff\xff").unwrap();
-    let error = RosMap::read(&yaml)
-        .unwrap()
-        .load(UnknownCells::Free)
-        .unwrap_err()
-        .to_string();
+    let error = RosMap::read(&yaml).unwrap().load().unwrap_err().to_string();
     assert!(
         error.contains("office.pgm") && error.contains("3 pixels of 2 × 2"),
         "{error}"
     );
     std::fs::write(directory.join("office.pgm"), b"P5 2 2 255\n\0\xff\xff\xff").unwrap();
-    let map = RosMap::read(&yaml)
-        .unwrap()
-        .load(UnknownCells::Free)
-        .unwrap();
-    assert_eq!(map.runs, [2, 1, 1]);
+    let map = RosMap::read(&yaml).unwrap().load().unwrap();
+    assert_eq!(map.cells, [Free, Free, Occupied, Free]);
     let error = RosMap::read(&directory.join("none.yaml"))
         .unwrap_err()
         .to_string();
