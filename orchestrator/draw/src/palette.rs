@@ -27,22 +27,50 @@ pub const BELIEF: &str = "#cc79a7";
 /// Names of beliefs: the same hue, dark enough for text.
 pub const BELIEF_INK: &str = "#8f3d6c";
 
-/// Returns the paler colour of a robot that is out of the game.
-pub fn out_of_play(team: &str) -> &'static str {
-    match team {
-        POLICE => "#80b8d8",
-        EVADER => "#eaaf80",
-        _ => "#80cfb9",
-    }
+/// Shades of the colour of the Police, the first the colour itself.
+const POLICE_SHADES: [&str; 4] = [POLICE, "#56b4e9", "#003a63", "#6a5acd"];
+/// Shades of the colour of the evaders.
+const EVADER_SHADES: [&str; 4] = [EVADER, "#f5945c", "#8c2d04", "#a6761d"];
+/// Shades of the colour of neutral robots.
+const NEUTRAL_SHADES: [&str; 4] = [NEUTRAL, "#66c2a5", "#00573f", "#8a9a00"];
+/// Times since the last visit of ground, the latest visits first: blue to vermilion.
+pub const IDLENESS: [&str; 4] = [POLICE, "#56b4e9", "#f0e442", EVADER];
+
+/// Returns the paler colour of a robot that is out of the game: halfway to the background.
+pub fn out_of_play(color: &str) -> String {
+    let [r, g, b] = rgb(color).map(|part| (u16::from(part) + 256) / 2);
+    format!("#{r:02x}{g:02x}{b:02x}")
 }
 
 /// Returns the colour of a team: police blue, evaders vermilion, others bluish green.
 pub fn team(team: Team) -> &'static str {
+    shades(team)[0]
+}
+
+/// Returns the shades of a team's colour, which tell its robots apart; the first is that of the team.
+pub fn shades(team: Team) -> [&'static str; 4] {
     match team {
-        Team::Police => POLICE,
-        Team::Evader => EVADER,
-        Team::Neutral => NEUTRAL,
+        Team::Police => POLICE_SHADES,
+        Team::Evader => EVADER_SHADES,
+        Team::Neutral => NEUTRAL_SHADES,
     }
+}
+
+/// Returns the bounds of the times since the last visit (s) that [`IDLENESS`] distinguishes: the first colour is for
+/// times below the first bound, the last for all from the last bound. `end_s` is the end of the run or picture.
+///
+/// ```
+/// assert_eq!(draw::palette::idleness_bounds(900.0), [50.0, 100.0, 200.0]);
+/// ```
+pub fn idleness_bounds(end_s: f64) -> [f64; IDLENESS.len() - 1] {
+    // The largest of 1, 2 or 5 times a power of ten that is at most half the run; powers of ten are exact here.
+    let half = (end_s / 2.0).clamp(1e-3, 1e9);
+    let steps = (-3..=9).flat_map(|power| [1.0, 2.0, 5.0].map(|step| step * 10.0_f64.powi(power)));
+    let last = steps
+        .take_while(|step| *step <= half)
+        .last()
+        .unwrap_or(half);
+    [last / 4.0, last / 2.0, last]
 }
 
 /// Returns red, green and blue of a colour `#rrggbb`.
@@ -70,5 +98,6 @@ mod tests {
     fn a_colour_has_the_components_of_its_digits() {
         assert_eq!(rgb("#0072b2"), [0, 114, 178]);
         assert_eq!(rgb("#ffffff"), [255, 255, 255]);
+        assert_eq!(out_of_play("#0072b2"), "#80b9d9");
     }
 }

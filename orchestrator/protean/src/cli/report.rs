@@ -1,6 +1,6 @@
 //! `protean report`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use super::common::{ForceArg, JsonArg, QuietArg};
@@ -12,7 +12,7 @@ use scenario::kind::Kind;
 /// Help below the options.
 pub(super) const HELP: &str = "\
 The page is one file without external resources. It animates the mission (space, arrow keys; `?` lists the keys) and
-shows events, figures, latencies, outcome and scenario. A log that is truncated or lacks topics is shown as far as
+shows events, figures, latencies, outcome and scenario. Two logs are shown side by side with one clock. A log that is truncated or lacks topics is shown as far as
 possible; the page lists what is missing.
 
 Exit codes: 0 success, 1 the page cannot be written, 2 the file is not a readable Protean log, 3 the log is incomplete
@@ -21,9 +21,10 @@ Exit codes: 0 success, 1 the page cannot be written, 2 the file is not a readabl
 /// Arguments of `protean report`.
 #[derive(Debug, clap::Args)]
 pub(super) struct ReportArgs {
-    /// Log file
-    log: PathBuf,
-    /// Write the page to FILE [default: the log's name with .html]
+    /// Log file; two: side by side
+    #[arg(value_name = "LOG", required = true, num_args = 1..=2)]
+    logs: Vec<PathBuf>,
+    /// Write the page to FILE [default: the log's name with .html; of two logs: FIRST-SECOND.html]
     #[arg(long, short, value_name = "FILE")]
     out: Option<PathBuf>,
     #[command(flatten)]
@@ -37,15 +38,25 @@ pub(super) struct ReportArgs {
 /// Writes the page and prints the file's name.
 pub fn run(kinds: &'static [Kind], args: &ReportArgs) -> ExitCode {
     logs::command(args.quiet.quiet, |watch| {
-        let out = args.out.clone();
-        let out = out.unwrap_or_else(|| args.log.with_extension("html"));
-        let report = report(&args.log, kinds, &out, args.force.force, watch)?;
-        let code = logs::of_condition(&args.log, &report.condition);
-        if args.json.json {
-            print_json(&serde_json::json!(report));
-        } else {
-            print(&out.display().to_string());
+        let logs: Vec<&Path> = args.logs.iter().map(PathBuf::as_path).collect();
+        let out = args.out.clone().unwrap_or_else(|| page_of(&logs));
+        let reports = report(&logs, kinds, &out, args.force.force, watch)?;
+        let codes = logs.iter().zip(&reports);
+        let codes = codes.map(|(log, report)| logs::of_condition(log, &report.condition));
+        let failed = codes.filter(|code| *code != ExitCode::SUCCESS).last();
+        match &*reports {
+            _ if !args.json.json => print(&out.display().to_string()),
+            [report] => print_json(&serde_json::json!(report)),
+            reports => print_json(&serde_json::json!(reports)),
         }
-        Ok(code)
+        Ok(failed.unwrap_or(ExitCode::SUCCESS))
     })
+}
+
+/// File for the page of these logs, beside the first.
+fn page_of(logs: &[&Path]) -> PathBuf {
+    let names = logs.iter().filter_map(|log| log.file_stem());
+    let names: Vec<_> = names.map(|name| name.to_string_lossy()).collect();
+    let first = logs.first().copied().unwrap_or(Path::new(""));
+    first.with_file_name(format!("{}.html", names.join("-")))
 }

@@ -15,8 +15,11 @@ use super::gather::Gathered;
 use super::timing::PER_DECADE;
 use crate::picture::TaskTrace;
 use crate::picture::static_scene::corners;
-use recorder::{RobotOutcome, status_name};
+use recorder::{CoverageOutcome, EventNames, RobotOutcome, outcome_words, status_name};
+use scenario::Loader;
+use scenario::files::Base;
 use scenario::kind::Kind;
+use sim_backend::team::Team;
 
 /// Outcomes of the robots: from the result of the run, else from the last state in the log.
 pub(super) fn outcome(gathered: &Gathered) -> Vec<RobotOutcome> {
@@ -180,7 +183,18 @@ fn task(task: &TaskTrace) -> Json {
     })
 }
 
-fn events(gathered: &Gathered) -> Json {
+/// Names of robots and obstacles. Without a scenario that this version can parse, obstacles have none.
+fn names(gathered: &Gathered, kinds: &[Kind]) -> EventNames {
+    let text = &gathered.facts.scenario_text;
+    let loaded = Loader::new(kinds).load_text("scenario.toml", text, &Base::Nothing, &[], None);
+    let robots = gathered.scenario.robots.iter();
+    EventNames {
+        robots: robots.map(|robot| robot.name.clone()).collect(),
+        obstacles: loaded.map_or_else(|_| Default::default(), |s| s.obstacle_names()),
+    }
+}
+
+fn events(gathered: &Gathered, names: &EventNames) -> Json {
     let name = |robot: u32| (robot != WorldEvent::NONE).then_some(robot);
     gathered
         .happened
@@ -194,7 +208,8 @@ fn events(gathered: &Gathered) -> Json {
                 name(e.other),
                 e.x,
                 e.y,
-                e.value
+                e.value,
+                names.words(e)
             ])
         })
         .collect()
@@ -235,10 +250,16 @@ pub(super) fn facts(gathered: &mut Gathered, kinds: &[Kind]) -> Json {
         .robots
         .iter()
         .map(|r| {
-            let sweeps = gathered.scenario.sweeps(r);
+            let sweeps = gathered.scenario.sweeps(r, kinds);
             json!({ "name": r.name, "team": r.team, "radius": r.model().radius, "sweeps": sweeps })
         })
         .collect();
+    let robots_outcome = outcome(gathered);
+    let coverage = gathered.facts.result.get("coverage");
+    let coverage: Option<CoverageOutcome> =
+        coverage.and_then(|text| serde_json::from_str(text).ok());
+    let bounds = palette::idleness_bounds(seconds(gathered.end_ns)).map(Some);
+    let idleness: Vec<Option<f64>> = bounds.into_iter().chain([None]).collect();
     json!({
         "title": gathered.scenario.title,
         "description": gathered.scenario.description,
@@ -255,13 +276,16 @@ pub(super) fn facts(gathered: &mut Gathered, kinds: &[Kind]) -> Json {
         "robots": robots,
         "eyes": gathered.scenario.fields_of_view(kinds),
         "task": task(&gathered.scenario.task(kinds)),
-        "outcome": outcome(gathered),
-        "coverage": parsed("coverage"),
+        "result": outcome_words(&robots_outcome, coverage.as_ref()),
+        "outcome": robots_outcome,
+        "idleness": idleness,
+        "dominance": gathered.layers.regions.grid(),
+        "coverage": coverage,
         "predictions": parsed("predictions"),
         "missing": missing(gathered),
         "topics": gathered.counts,
         "ground": static_scene(gathered),
-        "events": events(gathered),
+        "events": events(gathered, &names(gathered, kinds)),
         "event_kinds": WorldEvent::NAMES,
         "methods": Prediction::METHODS,
         "horizons_s": gathered.layers.horizons_s,
@@ -275,7 +299,7 @@ pub(super) fn facts(gathered: &mut Gathered, kinds: &[Kind]) -> Json {
 
 /// The colours of `protean picture`, as variables of a style sheet.
 pub(super) fn colours() -> String {
-    [
+    let mut all = [
         ("paper", palette::PAPER),
         ("wall", palette::WALL),
         ("edge", palette::EDGE),
@@ -283,12 +307,21 @@ pub(super) fn colours() -> String {
         ("faint", palette::FAINT_INK),
         ("obstacle", palette::OBSTACLE),
         ("exit", palette::EXIT),
-        ("police", palette::POLICE),
-        ("evader", palette::EVADER),
-        ("neutral", palette::team(sim_backend::team::Team::Neutral)),
         ("belief", palette::BELIEF),
         ("belief-ink", palette::BELIEF_INK),
     ]
     .map(|(name, colour)| format!("--{name}:{colour};"))
-    .concat()
+    .concat();
+    let numbered = [
+        ("police", palette::shades(Team::Police)),
+        ("evader", palette::shades(Team::Evader)),
+        ("neutral", palette::shades(Team::Neutral)),
+        ("idleness", palette::IDLENESS),
+    ];
+    for (name, colours) in numbered {
+        for (i, colour) in colours.iter().enumerate() {
+            all += &format!("--{name}-{i}:{colour};");
+        }
+    }
+    all
 }

@@ -4,28 +4,46 @@ use serde_json::Value as Json;
 
 const PAGE: &str = include_str!("page/page.html");
 const STYLE: &str = include_str!("page/page.css");
-/// The scripts, each after those that it uses.
-const SCRIPTS: [&str; 9] = [
+/// Scripts of the whole page.
+const SHARED: [&str; 1] = [include_str!("page/clock.js")];
+/// The scripts of a run, each after those that it uses.
+const VIEWER: [&str; 10] = [
     include_str!("page/data.js"),
     include_str!("page/ground.js"),
     include_str!("page/view.js"),
     include_str!("page/paths.js"),
+    include_str!("page/areas.js"),
     include_str!("page/layers.js"),
     include_str!("page/timeline.js"),
     include_str!("page/plots.js"),
     include_str!("page/tables.js"),
     include_str!("page/player.js"),
 ];
+/// The script that starts all.
+const START: [&str; 1] = [include_str!("page/start.js")];
 
-/// Inserts facts (JSON) and data (base64) into the page.
-pub(super) fn page(facts: &Json, data: &str, colours: &str) -> String {
-    let title = facts
-        .get("title")
-        .and_then(Json::as_str)
-        .filter(|title| !title.is_empty())
-        .or_else(|| facts.get("scenario").and_then(Json::as_str))
-        .unwrap_or("Mission");
-    let mut page = String::with_capacity(data.len() + (256 << 10));
+/// A run on the page: its facts (JSON), and its lists of numbers (base64).
+#[derive(Debug)]
+pub(super) struct Run {
+    pub(super) facts: Json,
+    pub(super) data: String,
+}
+
+impl Run {
+    fn title(&self) -> &str {
+        let title = self.facts.get("title").and_then(Json::as_str);
+        title
+            .filter(|title| !title.is_empty())
+            .or_else(|| self.facts.get("scenario").and_then(Json::as_str))
+            .unwrap_or("Mission")
+    }
+}
+
+/// Inserts runs into the page.
+pub(super) fn page(runs: &[Run], colours: &str) -> String {
+    let titles: Vec<&str> = runs.iter().map(Run::title).collect();
+    let size: usize = runs.iter().map(|run| run.data.len()).sum();
+    let mut page = String::with_capacity(size + (256 << 10));
     let mut rest = PAGE;
     // Inserted parts are not searched for placeholders: they may contain any text.
     while let Some((before, after)) = rest.split_once("{{") {
@@ -34,12 +52,21 @@ pub(super) fn page(facts: &Json, data: &str, colours: &str) -> String {
         };
         page.push_str(before);
         match mark {
-            "title" => page.push_str(&escaped(title)),
+            "title" => page.push_str(&escaped(&titles.join(", "))),
             "colours" => page.push_str(colours),
             "style" => page.push_str(STYLE),
-            "facts" => page.push_str(&in_script(&facts.to_string())),
-            "data" => page.push_str(data),
-            "scripts" => SCRIPTS.iter().for_each(|script| page.push_str(script)),
+            "runs" => {
+                for Run { facts, data } in runs {
+                    page.push_str("<script class=\"facts\" type=\"application/json\">");
+                    page.push_str(&in_script(&facts.to_string()));
+                    page.push_str("</script>\n<script type=\"application/octet-stream\">");
+                    page.push_str(data);
+                    page.push_str("</script>\n");
+                }
+            }
+            "shared" => SHARED.iter().for_each(|script| page.push_str(script)),
+            "viewer" => VIEWER.iter().for_each(|script| page.push_str(script)),
+            "start" => START.iter().for_each(|script| page.push_str(script)),
             _ => {}
         }
         rest = after;
@@ -69,10 +96,15 @@ mod tests {
 
     use super::*;
 
+    fn run(facts: Json) -> Run {
+        let data = "QUJD".to_owned();
+        Run { facts, data }
+    }
+
     #[test]
     fn names_from_the_log_are_escaped() {
         let evil = "</script><script>alert(1)</script>{{data}}<!--";
-        let page = page(&json!({ "title": evil, "x": evil }), "QUJD", "--ink:#000;");
+        let page = page(&[run(json!({ "title": evil, "x": evil }))], "--ink:#000;");
         assert!(!page.contains("alert(1)<"), "escaped");
         assert_eq!(page.matches("QUJD").count(), 1);
         assert!(page.contains("&lt;/script&gt;"));
@@ -81,9 +113,15 @@ mod tests {
 
     #[test]
     fn the_page_is_complete_and_loads_nothing() {
-        let page = page(&json!({ "scenario": "chase" }), "QUJD", "");
+        let page = page(
+            &[
+                run(json!({ "scenario": "chase" })),
+                run(json!({ "title": "Hello" })),
+            ],
+            "",
+        );
         assert!(page.starts_with("<!doctype html>") && page.trim_end().ends_with("</html>"));
-        assert!(page.contains("<title>chase"));
+        assert!(page.contains("<title>chase, Hello"));
         assert!(page.contains("default-src 'none'"));
         for outside in ["http://", "https://", "src=", "@import", "url("] {
             assert!(!page.contains(outside), "{outside}");

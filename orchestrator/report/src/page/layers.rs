@@ -1,12 +1,15 @@
-//! Layers drawn over the robots: beliefs, plans, trees, scans, predictions.
+//! Layers drawn over the robots: beliefs, plans, trees, scans, predictions, verdicts; dominance regions.
 
 use ipc_types::consumer::{Consumer, LoggedMessage};
 use ipc_types::messages::observer::Prediction;
 use ipc_types::messages::perception::{BeliefHeader, Particle};
+use ipc_types::messages::referee::Verdict;
 use ipc_types::messages::robot::{PlanPoint, ScanHeader, TreeEdge};
-use ipc_types::topics::{Belief, Plan, Predictions, Scan, TopicId, Tree};
+use ipc_types::topics::{Belief, Dominance, Plan, Predictions, Scan, TopicId, Tree, Verdicts};
 
+use super::regions::Regions;
 use super::sampled::Sampled;
+use crate::picture::layers::is_aimed;
 use crate::picture::log_run::LoggedRun;
 use scenario::spec::MAX_ROBOTS;
 
@@ -29,6 +32,8 @@ const BEAMS: usize = 90;
 const ALL_BEAMS: usize = 300_000;
 /// Maximum number of predictions that are stored.
 const ALL_PREDICTIONS: usize = 150_000;
+/// Maximum number of verdicts that are stored.
+const ALL_VERDICTS: usize = 60_000;
 /// Maximum number of different horizons of predictions.
 const HORIZONS: usize = 16;
 
@@ -39,6 +44,15 @@ pub(super) struct Cloud {
     pub(super) mean: [f64; 2],
     /// Points that represent equal shares of the belief, x and y (m).
     pub(super) points: Vec<[f32; 2]>,
+}
+
+/// A planned path.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(super) struct Path {
+    /// Its points, x and y (m).
+    pub(super) points: Vec<[f64; 2]>,
+    /// `true` if the last point is what the robot heads for in the end, not a part of the path.
+    pub(super) has_aim: bool,
 }
 
 /// An edge of a search tree.
@@ -74,10 +88,12 @@ pub(super) struct MethodPrediction {
 #[derive(Debug)]
 pub(super) struct Layers {
     pub(super) beliefs: Sampled<Cloud>,
-    pub(super) plans: Sampled<Vec<[f64; 2]>>,
+    pub(super) plans: Sampled<Path>,
     pub(super) trees: Sampled<Vec<Edge>>,
     pub(super) scans: Sampled<Beams>,
     pub(super) predictions: Sampled<Vec<MethodPrediction>>,
+    pub(super) verdicts: Sampled<Verdict>,
+    pub(super) regions: Regions,
     /// The horizons of predictions (s).
     pub(super) horizons_s: Vec<f64>,
 }
@@ -88,10 +104,12 @@ impl Default for Layers {
             beliefs: Sampled::new(BELIEF_INTERVAL, ALL_PARTICLES, |cloud| {
                 cloud.points.len() + 8
             }),
-            plans: Sampled::new(PLAN_INTERVAL, ALL_POINTS, |points| points.len() + 2),
+            plans: Sampled::new(PLAN_INTERVAL, ALL_POINTS, |path| path.points.len() + 2),
             trees: Sampled::new(BELIEF_INTERVAL, ALL_EDGES, |edges| edges.len() + 2),
             scans: Sampled::new(PLAN_INTERVAL, ALL_BEAMS, |beams| beams.ranges.len() + 4),
             predictions: Sampled::new(PLAN_INTERVAL, ALL_PREDICTIONS, |all| all.len() + 2),
+            verdicts: Sampled::new(PLAN_INTERVAL, ALL_VERDICTS, |_| 1),
+            regions: Regions::default(),
             horizons_s: Vec::new(),
         }
     }
@@ -105,6 +123,8 @@ impl Consumer<LoggedRun> for Layers {
             TopicId::Tree,
             TopicId::Scan,
             TopicId::Predictions,
+            TopicId::Verdicts,
+            TopicId::Dominance,
         ]
     }
 
@@ -134,6 +154,14 @@ impl Consumer<LoggedRun> for Layers {
         if let Some((_, predictions)) = run.decode::<Predictions>(message) {
             self.predictions(time_ns, &predictions);
         }
+        if let Some((_, verdicts)) = run.decode::<Verdicts>(message) {
+            for verdict in verdicts.iter().filter(|verdict| is_known(verdict.robot)) {
+                self.verdicts.push(time_ns, verdict.robot, *verdict);
+            }
+        }
+        if let Some((header, cells)) = run.decode::<Dominance>(message) {
+            self.regions.push(time_ns, &header, &cells);
+        }
     }
 }
 
@@ -147,11 +175,12 @@ impl Layers {
     }
 
     fn plan(&mut self, time_ns: u64, robot: u32, points: &[PlanPoint]) {
+        let has_aim = is_aimed(points);
         let points = spread(points, POINTS)
             .map(|p| [p.x, p.y])
             .filter(|p| p.iter().all(|c| c.is_finite()))
             .collect();
-        self.plans.push(time_ns, robot, points);
+        self.plans.push(time_ns, robot, Path { points, has_aim });
     }
 
     fn tree(&mut self, time_ns: u64, robot: u32, edges: &[TreeEdge]) {

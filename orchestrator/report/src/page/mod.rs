@@ -14,6 +14,7 @@ mod layers;
 mod measured;
 mod pack;
 mod plots;
+mod regions;
 mod sampled;
 mod scene;
 mod timing;
@@ -30,6 +31,7 @@ use platform::atomic_file::Readers;
 use serde::Serialize;
 
 use self::gather::Gathered;
+use self::html::Run;
 use self::pack::{Lists, Raster};
 use recorder::RobotOutcome;
 use scenario::kind::Kind;
@@ -58,31 +60,45 @@ pub struct Report {
     pub condition: Condition,
 }
 
-/// Writes the page of a log. On an error, no file remains.
+/// Writes the page of one log, or of several logs side by side. On an error, no file remains.
 ///
 /// # Errors
-/// [`DerivedError`]: the log cannot be read, is not a Protean log of this version, or the page
-/// cannot be written.
+/// [`DerivedError`]: a log cannot be read, is not a Protean log of this version, or the page cannot
+/// be written.
 pub fn report(
-    log: &Path,
+    logs: &[&Path],
     kinds: &'static [Kind],
     out: &Path,
     force: bool,
     watch: &mut ReadProgress,
-) -> Result<Report, DerivedError> {
-    // Fails before the log is read if the page may not be written there.
-    let mut file = derived::create(out, log, force, Readers::Owner)?;
-    let mut gathered = Gathered::read(log, kinds, watch)?;
-    let (page, mut report) = page(&mut gathered, kinds).map_err(derived::failed(out))?;
-    file.write_all(page.as_bytes())
-        .and_then(|()| file.commit())
-        .map_err(derived::failed(out))?;
-    out.clone_into(&mut report.page);
-    Ok(report)
+) -> Result<Vec<Report>, DerivedError> {
+    // Fails before a log is read if the page may not be written there.
+    let mut file = None;
+    for log in logs {
+        file = Some(derived::create(out, log, force, Readers::Owner)?);
+    }
+    let (mut runs, mut reports) = (Vec::new(), Vec::new());
+    for log in logs {
+        let mut gathered = Gathered::read(log, kinds, watch)?;
+        let (run, report) = run(&mut gathered, kinds).map_err(derived::failed(out))?;
+        runs.push(run);
+        reports.push(report);
+    }
+    let page = html::page(&runs, &facts::colours());
+    if let Some(mut file) = file {
+        file.write_all(page.as_bytes())
+            .and_then(|()| file.commit())
+            .map_err(derived::failed(out))?;
+    }
+    for report in &mut reports {
+        out.clone_into(&mut report.page);
+        report.bytes = page.len() as u64;
+    }
+    Ok(reports)
 }
 
-/// Returns the HTML of the page and its summary.
-fn page(gathered: &mut Gathered, kinds: &[Kind]) -> std::io::Result<(String, Report)> {
+/// Returns a run for the page and its summary.
+fn run(gathered: &mut Gathered, kinds: &[Kind]) -> std::io::Result<(Run, Report)> {
     fit_bounds(gathered);
     let raster = Raster::of(gathered.static_scene.min, gathered.static_scene.max);
     let frames = gathered.frames.len();
@@ -95,11 +111,10 @@ fn page(gathered: &mut Gathered, kinds: &[Kind]) -> std::io::Result<(String, Rep
         facts.insert("raster".to_owned(), serde_json::json!(raster));
         facts.insert("lists".to_owned(), lists.contents());
     }
-    let page = html::page(&facts, &lists.finish()?, &facts::colours());
     let text = |key: &str| facts.get(key).and_then(serde_json::Value::as_str);
     let report = Report {
         page: PathBuf::new(),
-        bytes: page.len() as u64,
+        bytes: 0,
         scenario: text("scenario").unwrap_or_default().to_owned(),
         digest: text("digest").map(str::to_owned),
         sim_time_s: gathered.end_ns as f64 / 1e9,
@@ -108,7 +123,8 @@ fn page(gathered: &mut Gathered, kinds: &[Kind]) -> std::io::Result<(String, Rep
         missing: facts::missing(gathered),
         condition: gathered.condition.clone(),
     };
-    Ok((page, report))
+    let data = lists.finish()?;
+    Ok((Run { facts, data }, report))
 }
 
 /// Without a map in the log, the bounds of the world are those of the robots' positions.

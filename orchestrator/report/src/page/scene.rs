@@ -1,10 +1,11 @@
 //! Moving things on the page, as lists of numbers.
 
 use geometry::pose::Pose2;
+use ipc_types::messages::referee::Verdict;
 
 use super::gather::{Frame, Gathered};
-use super::layers::{Beams, Cloud, Edge, Layers, MethodPrediction};
-use super::pack::{Lists, Raster, pack_angle, pack_time};
+use super::layers::{Beams, Cloud, Edge, Layers, MethodPrediction, Path};
+use super::pack::{Lists, NONE, Raster, pack_angle, pack_time};
 use super::sampled::Sample;
 use crate::picture::Cells;
 
@@ -24,6 +25,8 @@ pub(super) fn pack(gathered: &mut Gathered, raster: Raster, lists: &mut Lists) {
         trees,
         scans,
         predictions,
+        verdicts,
+        regions,
         horizons_s: _,
     } = layers;
     clouds(&beliefs.finish(), raster, lists);
@@ -31,6 +34,8 @@ pub(super) fn pack(gathered: &mut Gathered, raster: Raster, lists: &mut Lists) {
     edges(&trees.finish(), raster, lists);
     beams(&scans.finish(), lists);
     predicted(&predictions.finish(), raster, lists);
+    judged(&verdicts.finish(), lists);
+    owners(&regions.finish(), lists);
     waypoints(gathered, raster, lists);
     rectangles(gathered, raster, lists);
 }
@@ -147,10 +152,34 @@ fn put_places(name: &str, places: impl Iterator<Item = [u16; 2]>, lists: &mut Li
     lists.u16(&format!("{name}.y"), y, 1);
 }
 
-fn plan_points(all: &[Sample<Vec<[f64; 2]>>], raster: Raster, lists: &mut Lists) {
-    index("plans", all, Vec::len, lists);
-    let places = all.iter().flat_map(|s| &s.item).map(|&p| raster.pack(p));
-    put_places("plans", places, lists);
+fn plan_points(all: &[Sample<Path>], raster: Raster, lists: &mut Lists) {
+    index("plans", all, |path| path.points.len(), lists);
+    let aims = all.iter().map(|s| u8::from(s.item.has_aim)).collect();
+    lists.u8("plans.aim", aims, 0);
+    let points = all.iter().flat_map(|s| &s.item.points);
+    put_places("plans", points.map(|&p| raster.pack(p)), lists);
+}
+
+/// Packs verdicts: margins in 1/100 s, [`NONE`] without a finite one.
+fn judged(all: &[Sample<Verdict>], lists: &mut Lists) {
+    index("verdicts", all, |_| 1, lists);
+    let possible = all.iter().map(|s| u8::from(s.item.escape_possible != 0));
+    lists.u8("verdicts.possible", possible.collect(), 0);
+    let margin = |verdict: &Verdict| {
+        let margin = verdict.margin;
+        // The cast saturates below 0.
+        let code = (margin * 100.0).round().min(f64::from(NONE - 1)) as u16;
+        if margin.is_finite() { code } else { NONE }
+    };
+    let margins = all.iter().map(|s| margin(&s.item)).collect();
+    lists.u16("verdicts.margin", margins, 1);
+}
+
+/// Packs the owners of dominance regions; a list is like the one before, cell by cell.
+fn owners(all: &[Sample<Vec<u8>>], lists: &mut Lists) {
+    index("dominance", all, Vec::len, lists);
+    let owners = all.iter().flat_map(|s| &s.item).copied().collect();
+    lists.u8("dominance.owner", owners, 0);
 }
 
 fn edges(all: &[Sample<Vec<Edge>>], raster: Raster, lists: &mut Lists) {

@@ -31,10 +31,11 @@ fn play(folder: &Path) -> (PathBuf, Summary) {
 /// Writes the page of a log, and returns the facts in it.
 fn facts(log: &Path) -> (Report, Json) {
     let out = log.with_extension("html");
-    let report = report(log, KINDS, &out, true, &mut watch()).unwrap();
+    let mut reports = report(&[log], KINDS, &out, true, &mut watch()).unwrap();
+    let report = reports.remove(0);
     let page = std::fs::read_to_string(&out).unwrap();
     assert_eq!(page.len() as u64, report.bytes);
-    let start = "<script id=\"facts\" type=\"application/json\">";
+    let start = "<script class=\"facts\" type=\"application/json\">";
     let (_, rest) = page.split_once(start).unwrap();
     let (json, _) = rest.split_once("</script>").unwrap();
     (report, serde_json::from_str(json).unwrap())
@@ -56,6 +57,8 @@ fn the_page_shows_the_result_of_the_run() {
         facts["events"].as_array().unwrap().len(),
         summary.events.len()
     );
+    let words = recorder::outcome_words(&summary.robots, summary.coverage.as_ref());
+    assert_eq!(facts["result"], words.as_str());
     let lists = facts["lists"].as_array().unwrap();
     let length = |name: &str| {
         let list = lists.iter().find(|list| list["name"] == name).unwrap();
@@ -75,7 +78,7 @@ fn the_page_shows_the_result_of_the_run() {
     }
     // Neither another page nor the log is replaced without `force`.
     let again = super::report(
-        &log,
+        &[&log],
         KINDS,
         &log.with_extension("html"),
         false,
@@ -85,7 +88,7 @@ fn the_page_shows_the_result_of_the_run() {
         matches!(again, Err(DerivedError::Exists { .. })),
         "{again:?}"
     );
-    let itself = super::report(&log, KINDS, &log, true, &mut watch());
+    let itself = super::report(&[&log], KINDS, &log, true, &mut watch());
     assert!(
         matches!(itself, Err(DerivedError::IsTheLog { .. })),
         "{itself:?}"
@@ -125,8 +128,8 @@ fn a_truncated_log_is_shown_as_far_as_it_goes() {
     let out = folder.path().join("any.html");
     for part in 0..40 {
         std::fs::write(&cut, &bytes[..bytes.len() * part / 40]).unwrap();
-        match super::report(&cut, KINDS, &out, true, &mut watch()) {
-            Ok(report) => assert!(!report.missing.is_empty()),
+        match super::report(&[&cut], KINDS, &out, true, &mut watch()) {
+            Ok(reports) => assert!(!reports[0].missing.is_empty()),
             Err(DerivedError::Log(LogReadError::NotMcap { .. } | LogReadError::Foreign { .. })) => {
             }
             Err(other) => panic!("{other}"),
@@ -157,4 +160,25 @@ fn missing_topics_are_named() {
     assert_eq!(facts["outcome"], serde_json::json!(summary.robots));
     assert_eq!(facts["run_digest"], summary.digest.as_str());
     assert_eq!(facts["digest"], Json::Null);
+}
+
+#[test]
+fn a_page_of_two_logs_has_both_runs() {
+    let folder = tempfile::tempdir().unwrap();
+    let (log, summary) = play(folder.path());
+    let other = folder.path().join("other.mcap");
+    std::fs::copy(&log, &other).unwrap();
+    let out = folder.path().join("both.html");
+    let reports = super::report(&[&log, &other], KINDS, &out, false, &mut watch()).unwrap();
+    let page = std::fs::read_to_string(&out).unwrap();
+    for report in &reports {
+        assert_eq!(report.robots, summary.robots);
+        assert_eq!((&report.page, report.bytes), (&out, page.len() as u64));
+    }
+    assert_eq!(page.matches("<script class=\"facts\"").count(), 2);
+    let itself = super::report(&[&log, &other], KINDS, &other, true, &mut watch());
+    assert!(
+        matches!(itself, Err(DerivedError::IsTheLog { .. })),
+        "{itself:?}"
+    );
 }

@@ -120,6 +120,12 @@ impl Layers {
     }
 }
 
+/// Returns `true` if the last point of a plan is what the robot heads for in the end, not a part of its path: planners
+/// without a path publish the next point and the last one, without times.
+pub(crate) fn is_aimed(points: &[PlanPoint]) -> bool {
+    points.len() == 2 && points.iter().all(|p| p.time_s == 0.0)
+}
+
 fn near(p: [f32; 2]) -> bool {
     p.iter().all(|c| c.abs() <= MAX_COORDINATE)
 }

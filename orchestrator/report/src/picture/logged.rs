@@ -76,11 +76,24 @@ impl LoggedScenario {
         task
     }
 
-    /// Returns the radius of the disc that a robot sweeps (m); `None` if its area is not accounted.
-    pub(crate) fn sweeps(&self, robot: &RobotSpec) -> Option<f64> {
-        let coverage = self.rules.coverage.as_ref()?;
-        let counts = coverage.counts(&robot.name, robot.team);
-        counts.then(|| coverage.radius.unwrap_or(robot.model().radius))
+    /// Returns the radius of the disc that a robot sweeps (m): that of the rules, else that of a robot with a patrol or
+    /// an area to cover; `None` for others.
+    pub(crate) fn sweeps(&self, robot: &RobotSpec, kinds: &[Kind]) -> Option<f64> {
+        if let Some(coverage) = &self.rules.coverage {
+            let counts = coverage.counts(&robot.name, robot.team);
+            return counts.then(|| coverage.radius.unwrap_or(robot.model().radius));
+        }
+        let processes = self.processes.iter();
+        let processes = processes.filter_map(|process| self.configured(process, kinds));
+        let mut own = processes.filter(|process| {
+            let mut robots = process.robots.iter().filter_map(|&i| self.robots.get(i));
+            robots.any(|other| other.name == robot.name)
+        });
+        let has_task = own.any(|process| {
+            let sketch = process.kind.sketch(robot, &self.world.map);
+            !sketch.contour.is_empty() || !sketch.rectangles.is_empty()
+        });
+        has_task.then(|| robot.model().radius)
     }
 
     /// Returns a process with its parameters; `None` for an unknown kind.

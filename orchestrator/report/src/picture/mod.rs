@@ -12,7 +12,7 @@ mod draw;
 mod draw_layers;
 mod draw_task;
 mod labels;
-mod layers;
+pub(crate) mod layers;
 mod layout;
 mod legend;
 pub(crate) mod log_facts;

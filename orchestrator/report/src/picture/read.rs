@@ -268,7 +268,7 @@ fn finish(
         )
         .map(|(spec, seen)| RobotTrace {
             radius: spec.model().radius,
-            sweeps: scenario.sweeps(spec),
+            sweeps: scenario.sweeps(spec, kinds),
             name: spec.name.clone(),
             team: spec.team,
             pose: if seen.present { seen.pose } else { spec.start },

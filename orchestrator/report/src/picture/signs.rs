@@ -40,11 +40,12 @@ pub(super) fn disc(
         Num(at[1]),
         Num(radius)
     );
+    let pale = palette::out_of_play(color);
     // A rim around both shapes, and both shapes over it in one colour.
     canvas.add(format_args!(
         "<g fill=\"{HALO}\" stroke=\"{HALO}\" stroke-width=\"3.5\" stroke-linejoin=\"round\">{shape}</g>\n\
          <g fill=\"{}\">{shape}</g>\n",
-        if active { color } else { palette::out_of_play(color) },
+        if active { color } else { &pale },
     ));
 }
 

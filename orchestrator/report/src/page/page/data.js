@@ -1,8 +1,6 @@
 // Content of the log: facts, and lists of numbers.
 
-const facts = JSON.parse(document.getElementById('facts').textContent);
-const $ = (id) => document.getElementById(id);
-const words = (name) => name.replaceAll('_', ' ');
+const $ = (id) => root.getElementById(id);
 
 /** Decodes base64. */
 function fromBase64(text) {
@@ -33,21 +31,10 @@ function unpackLists(data) {
   return lists;
 }
 
-/** Index of the last of these ascending numbers that is at most a value; -1 if all are above. */
-function lastUpTo(numbers, value, length = numbers.length) {
-  let low = 0, high = length;
-  while (low < high) {
-    const middle = (low + high) >> 1;
-    if (numbers[middle] <= value) low = middle + 1; else high = middle;
-  }
-  return low - 1;
-}
-
 /** Seconds in the time unit of the lists. */
 const ticksOf = (seconds) => Math.round(seconds * 1e4);
 
-const lists = unpackLists(await inflate(fromBase64($('data').textContent)));
-$('data').remove();
+const lists = unpackLists(await inflate(fromBase64(packed)));
 const { raster } = facts;
 const xOf = (n) => raster.origin[0] + n * raster.step;
 const yOf = (n) => raster.origin[1] + n * raster.step;
@@ -98,7 +85,7 @@ function byRobot(name) {
 }
 
 const layerItems = {};
-for (const name of ['beliefs', 'plans', 'trees', 'scans', 'predictions']) layerItems[name] = byRobot(name);
+for (const name of ['beliefs', 'plans', 'trees', 'scans', 'predictions', 'verdicts', 'dominance']) layerItems[name] = byRobot(name);
 
 /** The last item of a robot in a layer up to a time: index, begin and count of its parts, age (s). */
 function latest(name, robot, t) {

@@ -3,6 +3,7 @@
 /** Minimum radius of a robot on the page (px): smaller robots are enlarged. */
 const SMALLEST_DISC = 7;
 
+function methodColour(method) { return colours.curves[(method + 1) % colours.curves.length]; }
 const some = (name) => lists[`${name}.time`].length > 0;
 
 /** Name of the swept ground, with its share at the end. */
@@ -14,21 +15,29 @@ function sweptText() {
 /** The layers, in the order of the legend. */
 const LAYERS = [
   { id: 'ground', text: 'map, obstacles, exits', colour: 'wall', there: true, on: true },
-  { id: 'swept', text: sweptText(), colour: 'neutral', there: facts.robots.some((robot) => robot.sweeps), on: true },
-  { id: 'task', text: 'contours, danger zones, rectangles of the free space', colour: 'ink',
-    there: Object.values(facts.task).some((all) => all.length > 0), on: true },
-  { id: 'trails', text: 'paths so far', colour: 'police', there: frames > 1, on: true },
-  { id: 'plans', text: 'planned paths', colour: 'plan', there: some('plans'), on: true },
+  { id: 'dominance', text: 'dominance regions: who is first there', there: some('dominance'), on: true,
+    parts: [['police', 'the Police'], ['evader', 'an evader, safely'], ['obstacle', 'an evader, but can be cut off']] },
+  { id: 'swept', text: sweptText(), colour: sweepers.length ? teamOf(sweepers[0]) : 'neutral', there: sweepers.length > 0, on: false },
+  { id: 'idleness', text: 'idleness: time since the last visit', there: sweepers.length > 0, on: true,
+    parts: facts.idleness.map((age, i) => [`idleness-${i}`, age === null ? 'longer' : `below ${age} s`]) },
+  { id: 'contours', text: 'contours of patrols', colour: 'ink', there: facts.task.contours.length > 0, on: true },
+  { id: 'danger_zones', text: 'danger zones', colour: 'evader', there: facts.task.danger_zones.length > 0, on: true },
+  { id: 'rectangles', text: 'rectangles of the free space', colour: 'faint', there: facts.task.rectangles.length > 0, on: true },
+  { id: 'trails', text: 'paths so far', colour: facts.robots.length ? teamOf(0) : 'ink', there: frames > 1, on: true },
+  { id: 'plans', text: 'planned paths; a ring: what the robot heads for', colour: 'plan', there: some('plans'), on: true },
   { id: 'waypoints', text: 'waypoints: reached (filled), left out (cross)', colour: 'police', there: some('waypoints'), on: true },
   { id: 'beliefs', text: 'beliefs of the Police about the evaders', colour: 'belief', there: some('beliefs'), on: true },
   { id: 'trees', text: 'search trees', colour: 'evader', there: some('trees'), on: true },
   { id: 'sight', text: 'fields of view (lines of sight on the map)', colour: 'police',
     there: facts.eyes.length > 0, on: false },
   { id: 'scans', text: 'range scans', colour: 'obstacle', there: some('scans'), on: false },
-  { id: 'predictions', text: 'predictions of the observers', colour: 'belief-ink', there: some('predictions'), on: true },
+  { id: 'predictions', text: 'predictions of the observers', there: some('predictions'), on: true,
+    parts: [...new Set(lists['predictions.method'])].sort().map((method) => [methodColour(method), words(facts.methods[method] || 'unknown')]) },
+  { id: 'verdicts', text: 'verdicts of the referee on the evaders', there: some('verdicts'), on: true,
+    parts: [['exit', 'escape possible'], ['police', 'can be stopped']] },
   { id: 'names', text: 'names', colour: 'ink', there: true, on: true },
-];
-const shown = Object.fromEntries(LAYERS.map((layer) => [layer.id, layer.there && layer.on]));
+].filter((layer) => layer.there);
+const shown = Object.fromEntries(LAYERS.map((layer) => [layer.id, layer.on]));
 
 function drawGround(t) {
   const ground = groundAt(t);
@@ -105,19 +114,38 @@ function oldAfter(name) {
 }
 const OLD = Object.fromEntries(Object.keys(layerItems).map((name) => [name, oldAfter(name)]));
 
+/** Planned paths at a time: their points (m) from where the robots were when they planned, and the points they head for. */
+function plansAt(t) {
+  const plans = [];
+  eachLatest('plans', t, Infinity, (robot, { item, begin, count, age }) => {
+    const points = [], aim = lists['plans.aim'][item];
+    if (robot < facts.robots.length) {
+      const { x, y } = robotAt(robot, frameAt(t - age));
+      points.push([x, y]);
+    }
+    for (let i = begin; i < begin + count; i++) points.push([xOf(lists['plans.x'][i]), yOf(lists['plans.y'][i])]);
+    plans.push({ robot, aim: aim ? points.pop() : null, points });
+  });
+  return plans;
+}
+
 function drawPlans(t) {
   inMetres(paint);
-  paint.lineWidth = 1.8 / view.scale;
-  paint.setLineDash([6 / view.scale, 4 / view.scale]);
-  eachLatest('plans', t, Infinity, (robot, { begin, count }) => {
-    paint.strokeStyle = robot < facts.robots.length ? teamColour(robot) : colours.plan;
+  for (const { robot, points, aim } of plansAt(t)) {
+    paint.strokeStyle = robot < facts.robots.length ? robotColour(robot) : colours.plan;
+    paint.lineWidth = 1.8 / view.scale;
+    paint.setLineDash([6 / view.scale, 4 / view.scale]);
     paint.beginPath();
-    const state = robot < facts.robots.length ? robotBetween(robot, t) : null;
-    if (state && count === 1) paint.moveTo(state.x, state.y);
-    for (let i = begin; i < begin + count; i++) paint.lineTo(xOf(lists['plans.x'][i]), yOf(lists['plans.y'][i]));
+    points.forEach(([x, y], i) => (i ? paint.lineTo(x, y) : paint.moveTo(x, y)));
     paint.stroke();
-  });
-  paint.setLineDash([]);
+    paint.setLineDash([]);
+    if (!aim) continue;
+    for (const radius of [6, 1]) {
+      paint.beginPath();
+      paint.arc(...aim, radius / view.scale, 0, 2 * Math.PI);
+      paint.stroke();
+    }
+  }
 }
 
 function drawTrees(t) {
@@ -132,7 +160,7 @@ function drawTrees(t) {
         paint.moveTo(xOf((x[i] + bx[i]) & 65535), yOf((y[i] + by[i]) & 65535));
         paint.lineTo(xOf(x[i]), yOf(y[i]));
       }
-      paint.strokeStyle = robot < facts.robots.length ? teamColour(robot) : colours.plan;
+      paint.strokeStyle = robot < facts.robots.length ? robotColour(robot) : colours.plan;
       paint.globalAlpha = chosen ? 0.95 : 0.3;
       paint.lineWidth = (chosen ? 2 : 1) / view.scale;
       paint.stroke();
@@ -186,8 +214,6 @@ function drawScans(t) {
     paint.globalAlpha = 1;
   });
 }
-
-const methodColour = (method) => colours.curves[(method + 1) % colours.curves.length];
 
 function drawPredictions(t) {
   inPixels(paint);
@@ -253,7 +279,7 @@ function drawRobots(t, followed) {
     const [x, y] = toScreen(state.x, state.y);
     const r = discOf(robot);
     paint.globalAlpha = state.status === 0 ? 1 : PALE;
-    paint.fillStyle = teamColour(robot);
+    paint.fillStyle = robotColour(robot);
     paint.strokeStyle = colours.paper;
     paint.lineWidth = 2;
     paint.beginPath();
@@ -285,7 +311,7 @@ function drawMarks(t) {
     const name = facts.event_kinds[kind];
     if (!['captured', 'escaped', 'goal_reached'].includes(name)) continue;
     const [x, y] = toScreen(ex, ey);
-    paint.strokeStyle = robot === null ? colours.ink : teamColour(robot);
+    paint.strokeStyle = robot === null ? colours.ink : robotColour(robot);
     if (name === 'captured') {
       for (const [width, colour] of [[6, paint.strokeStyle], [3, colours.ink]]) {
         paint.strokeStyle = colour;
@@ -323,13 +349,18 @@ function drawNames(t) {
   for (let robot = 0; robot < facts.robots.length; robot++) {
     const state = robotBetween(robot, t);
     if (!state.present) continue;
-    const { name } = facts.robots[robot];
+    const verdict = shown.verdicts && state.status === 0 ? verdictOn(robot, t) : null;
+    const name = facts.robots[robot].name + (verdict ? `: ${verdict.text}` : '');
     const [x, y] = toScreen(state.x, state.y);
-    const far = 1.3 * discOf(robot) + 4;
+    const far = 1.3 * discOf(robot) + (verdict ? 8 : 4);
     const width = paint.measureText(name).width;
-    const places = [[x + far, y - far], [x + far, y + far], [x - far - width, y - far], [x - far - width, y + far]];
+    const beside = [[x + far, y - far], [x + far, y + far], [x - far - width, y - far], [x - far - width, y + far]];
     const box = ([px, py]) => [px - 1, py - 8, px + width + 1, py + 8];
-    const at = places.find((place) => free(box(place))) || places[0];
+    const inside = beside.filter((place) => {
+      const [left, top, right, bottom] = box(place);
+      return left >= 0 && top >= 0 && right <= view.width && bottom <= view.height;
+    });
+    const at = inside.find((place) => free(box(place))) || inside[0] || beside[0];
     taken.push(box(at));
     paint.lineWidth = 3.5;
     paint.strokeStyle = colours.paper;
@@ -368,10 +399,12 @@ function drawMap(t, followed, trail) {
   paint.fillStyle = colours.paper;
   paint.fillRect(0, 0, map.width, map.height);
   drawGround(t);
+  if (shown.dominance) drawDominance(t);
   if (shown.sight) drawSight(t);
   if (shown.trees) drawTrees(t);
   if (shown.swept) drawSwept(t, Infinity);
-  if (shown.task) drawTask();
+  if (shown.idleness) drawIdleness(t);
+  drawTask();
   if (shown.trails) drawTrails(t, trail);
   if (shown.waypoints) drawWaypoints(t);
   if (shown.beliefs) drawBeliefs(t);
@@ -380,6 +413,7 @@ function drawMap(t, followed, trail) {
   if (shown.predictions) drawPredictions(t);
   drawMarks(t);
   drawRobots(t, followed);
+  if (shown.verdicts) drawVerdicts(t);
   if (shown.names) drawNames(t);
   drawScaleBar();
 }

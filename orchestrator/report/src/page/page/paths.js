@@ -46,7 +46,7 @@ function pathLayer(widthOf, opacity) {
     const robots = facts.robots.map((_, robot) => robot).filter((robot) => widthOf(robot) > 0);
     for (const robot of frame > begin ? robots : []) {
       ctx.lineWidth = widthOf(robot);
-      ctx.strokeStyle = teamColour(robot);
+      ctx.strokeStyle = robotColour(robot);
       strokeWay(ctx, robot, begin, frame);
     }
     state = { key, frame, x: state.x, y: state.y };
@@ -61,7 +61,7 @@ function pathLayer(widthOf, opacity) {
     for (const robot of robots) {
       const a = robotAt(robot, frame), b = robotBetween(robot, t);
       paint.lineWidth = widthOf(robot);
-      paint.strokeStyle = teamColour(robot);
+      paint.strokeStyle = robotColour(robot);
       paint.beginPath();
       paint.moveTo(a.x, a.y);
       paint.lineTo(b.x, b.y);
@@ -78,20 +78,25 @@ const drawSwept = pathLayer((robot) => 2 * (facts.robots[robot].sweeps || 0), 0.
 function drawTask() {
   inMetres(paint);
   const { contours, danger_zones: zones, rectangles } = facts.task;
-  const zonePath = new Path2D();
-  for (const zone of zones) tracePath(zonePath, zone);
-  paint.globalAlpha = 0.12;
-  paint.fillStyle = paint.strokeStyle = colours.evader;
-  paint.fill(zonePath);
-  paint.globalAlpha = 1;
-  paint.lineWidth = 1.5 / view.scale;
-  paint.setLineDash([2 / view.scale, 3 / view.scale]);
-  paint.stroke(zonePath);
-  paint.strokeStyle = colours.faint;
-  paint.lineWidth = 1 / view.scale;
-  paint.setLineDash([5 / view.scale, 3 / view.scale]);
-  for (const [[x0, y0], [x1, y1]] of rectangles) paint.strokeRect(x0, y0, x1 - x0, y1 - y0);
+  if (shown.danger_zones) {
+    const zonePath = new Path2D();
+    for (const zone of zones) tracePath(zonePath, zone);
+    paint.globalAlpha = 0.12;
+    paint.fillStyle = paint.strokeStyle = colours.evader;
+    paint.fill(zonePath);
+    paint.globalAlpha = 1;
+    paint.lineWidth = 1.5 / view.scale;
+    paint.setLineDash([2 / view.scale, 3 / view.scale]);
+    paint.stroke(zonePath);
+  }
+  if (shown.rectangles) {
+    paint.strokeStyle = colours.faint;
+    paint.lineWidth = 1 / view.scale;
+    paint.setLineDash([5 / view.scale, 3 / view.scale]);
+    for (const [[x0, y0], [x1, y1]] of rectangles) paint.strokeRect(x0, y0, x1 - x0, y1 - y0);
+  }
   paint.setLineDash([]);
+  if (!shown.contours) return;
   paint.strokeStyle = colours.ink;
   paint.lineWidth = 1.6 / view.scale;
   for (const contour of contours) {

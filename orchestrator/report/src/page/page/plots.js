@@ -3,18 +3,13 @@
 const plots = [];
 const PAD = { left: 52, right: 12, top: 8, bottom: 22 };
 
-/** Formats a number with the necessary digits. */
-function short(value) {
+/** Formats a number with the digits that a range of this size needs: three; without one, of its own size. */
+function short(value, span = Math.abs(value)) {
   if (!Number.isFinite(value)) return '–';
-  if (Number.isInteger(value)) return String(value);
-  const size = Math.abs(value);
-  return size >= 1000 ? value.toFixed(0) : size >= 100 ? value.toFixed(1) : size >= 1 ? value.toFixed(2) : value.toPrecision(3).replace(/\.?0+$/, '') || '0';
-}
-
-function element(tag, properties = {}, ...children) {
-  const made = Object.assign(document.createElement(tag), properties);
-  made.append(...children);
-  return made;
+  if (Number.isInteger(value) || span === 0) return String(+value.toPrecision(3));
+  const digits = Math.max(0, Math.min(6, 2 - Math.floor(Math.log10(span))));
+  const text = value.toFixed(digits);
+  return Number(text) === 0 ? '0' : text;
 }
 
 for (const { title, unit, steps, curves } of facts.plots) {
@@ -40,13 +35,13 @@ for (const { title, unit, steps, curves } of facts.plots) {
       curve.on = !curve.on;
       button.setAttribute('aria-pressed', String(curve.on));
       plot.picture = null;
-      player.redraw();
+      clock.redraw();
     });
     legend.append(button);
     plot.curves.push(curve);
   });
   canvas.addEventListener('pointerdown', (event) => {
-    const seek = (e) => player.seek((e.offsetX - PAD.left) / (canvas.clientWidth - PAD.left - PAD.right) * end);
+    const seek = (e) => clock.seek((e.offsetX - PAD.left) / (canvas.clientWidth - PAD.left - PAD.right) * axisEnd());
     seek(event);
     canvas.setPointerCapture(event.pointerId);
     canvas.onpointermove = seek;
@@ -56,21 +51,12 @@ for (const { title, unit, steps, curves } of facts.plots) {
 }
 $('figures-title').hidden = plots.length === 0;
 
-/** Members of a team have colours that resemble the team's. */
-const TEAM_CURVES = {
-  police: ['#56b4e9', '#6a5acd', '#00a5b5'], evader: ['#e69f00', '#b03a2e', '#f2a27e'], neutral: ['#7bb661', '#3b8f86', '#a9c23f'],
-};
-
-function curveColour(plot, curve) {
+function curveColour(curve) {
   if (curve.method !== null) return methodColour(curve.method);
-  if (curve.robot === null || !facts.robots[curve.robot]) return colours.curves[curve.i % colours.curves.length];
-  const { team } = facts.robots[curve.robot];
-  const before = plot.curves.slice(0, curve.i).filter((c) => facts.robots[c.robot]?.team === team).length;
-  const all = [teamColour(curve.robot), ...(TEAM_CURVES[team] || TEAM_CURVES.neutral)];
-  return all[before % all.length];
+  return facts.robots[curve.robot] ? robotColour(curve.robot) : colours.curves[curve.i % colours.curves.length];
 }
 
-const plotX = (canvas, t) => PAD.left + (canvas.clientWidth - PAD.left - PAD.right) * (end > 0 ? t / end : 0);
+const plotX = (canvas, t) => PAD.left + (canvas.clientWidth - PAD.left - PAD.right) * (end > 0 ? t / axisEnd() : 0);
 
 function drawPlotPicture(plot) {
   const { canvas } = plot;
@@ -86,6 +72,7 @@ function drawPlotPicture(plot) {
     if (on) for (const value of values) { if (value < least) least = value; if (value > most) most = value; }
   }
   if (most === least) most = least + 1;
+  plot.span = most - least;
   const bottom = canvas.clientHeight - PAD.bottom, high = bottom - PAD.top;
   const y = (value) => bottom - (value - least) / (most - least) * high;
   ctx.font = '12px system-ui, sans-serif';
@@ -98,10 +85,9 @@ function drawPlotPicture(plot) {
     ctx.textAlign = 'right';
     ctx.fillText(String(value), PAD.left - 6, y(value));
   }
-  ctx.textAlign = 'center';
-  for (const t of axisSteps(0, end, 6)) ctx.fillText(`${t} s`, Math.min(plotX(canvas, t), canvas.clientWidth - 16), bottom + 12);
+  for (const t of axisSteps(0, axisEnd(), 6)) fillInside(ctx, `${t} s`, plotX(canvas, t), bottom + 12, canvas.clientWidth);
   for (const curve of plot.curves) {
-    const colour = curveColour(plot, curve);
+    const colour = curveColour(curve);
     curve.dash.style.background = colour;
     if (!curve.on) continue;
     ctx.strokeStyle = colour;
@@ -144,7 +130,7 @@ function drawPlots(t) {
     ctx.globalAlpha = 1;
     for (const curve of plot.curves) {
       const i = lastUpTo(curve.time, ticksOf(t));
-      const text = `${curve.name} ${i < 0 ? '–' : short(curve.values[i])}`;
+      const text = `${curve.name} ${i < 0 ? '–' : short(curve.values[i], plot.span)}`;
       if (curve.label.textContent !== text) curve.label.textContent = text;
     }
   }
@@ -192,7 +178,7 @@ function drawHistograms() {
       ctx.beginPath(); ctx.moveTo(x(decade), 4); ctx.lineTo(x(decade), bottom); ctx.stroke();
       ctx.fillStyle = colours.faint;
       const [number, unit] = duration(10 ** decade / 1e3).split(' ');
-      ctx.fillText(`${+number} ${unit}`, Math.min(Math.max(x(decade), 18), canvas.clientWidth - 20), bottom + 11);
+      fillInside(ctx, `${+number} ${unit}`, x(decade), bottom + 11, canvas.clientWidth);
     }
     const { first, counts } = hop.histogram;
     const most = Math.max(...counts);

@@ -16,6 +16,8 @@ function card(title, content) {
 }
 
 $('title').textContent = facts.title || facts.scenario || 'Mission';
+$('source').textContent = [facts.scenario, facts.seed && `seed ${facts.seed}`].filter(Boolean).join(', ');
+$('result').textContent = facts.result;
 $('caption').textContent = facts.description.trim();
 if (facts.missing.length) {
   $('missing').hidden = false;
@@ -24,13 +26,20 @@ if (facts.missing.length) {
 
 function named(name, colour) {
   const dot = element('span', { className: 'dot' });
-  dot.style.background = `var(--${colour})`;
-  return element('span', {}, dot, name);
+  dot.style.background = colour;
+  return element('span', { className: 'named' }, dot, element('span', {}, name));
 }
 if (facts.outcome.length) {
-  $('outcome').append(table(['robot', 'outcome', 'time [s]', 'driven [m]', 'contacts'], facts.outcome.map((r) => [
-    named(r.name, r.team), words(r.outcome), r.time_s.toFixed(2), r.distance_m.toFixed(2), r.contacts,
-  ]), [0, 1]));
+  const colourOf = (robot) => (facts.robots[robot] ? `var(--${teamOf(robot)}-${places[robot] % 4})` : 'var(--ink)');
+  const rows = facts.outcome.map((r, robot) => ({ ...r, named: named(r.name, colourOf(robot)) }));
+  $('outcome').append(table(['robot', 'outcome', 'time [s]', 'driven [m]', 'contacts'],
+    rows.map((r) => [r.named, words(r.outcome), r.time_s.toFixed(2), r.distance_m.toFixed(2), r.contacts]), [0, 1]));
+  const judged = rows.filter((r) => r.escape_possible_fraction !== undefined);
+  if (judged.length) {
+    $('outcome').append(table(['verdicts of the referee', 'escape possible', 'impossible from [s]'], judged.map((r) => [
+      r.named.cloneNode(true), `${(100 * r.escape_possible_fraction).toFixed(0)} %`, r.escape_impossible_from_s?.toFixed(2) ?? '–',
+    ])));
+  }
 } else {
   $('outcome').textContent = 'not in the log';
 }
@@ -78,21 +87,17 @@ if (unplotted.length) {
 }
 $('scenario').textContent = facts.text;
 
-for (const layer of LAYERS) {
-  const box = element('input', { type: 'checkbox', checked: shown[layer.id], disabled: !layer.there, id: `layer-${layer.id}` });
-  const swatch = element('span', { className: 'swatch' });
-  swatch.style.background = `var(--${layer.colour})`;
-  const label = element('label', { className: layer.there ? '' : 'none' }, box, swatch, layer.there ? layer.text : `${layer.text}: not in this log`);
-  box.addEventListener('change', () => { shown[layer.id] = box.checked; player.redraw(); });
-  $('layers').append(element('li', {}, label));
+/** A colour of the style sheet by name, or any colour. */
+const cssColour = (colour) => (colour.startsWith('#') ? colour : `var(--${colour})`);
+function swatch(colour, className) {
+  const made = element('span', { className });
+  made.style.background = cssColour(colour);
+  return made;
 }
-if (some('predictions')) {
-  const methods = [...new Set(lists['predictions.method'])].sort();
-  const legend = element('div', { className: 'legend' });
-  for (const method of methods) {
-    const dash = element('span', { className: 'dash' });
-    dash.style.background = methodColour(method);
-    legend.append(element('span', {}, dash, words(facts.methods[method] || 'unknown')));
-  }
-  $('layers').append(element('li', {}, legend));
+for (const layer of LAYERS) {
+  const box = element('input', { type: 'checkbox', checked: layer.on, id: `layer-${layer.id}` });
+  const label = element('label', {}, box, ...(layer.colour ? [swatch(layer.colour, 'swatch')] : []), layer.text);
+  box.addEventListener('change', () => { shown[layer.id] = box.checked; clock.redraw(); });
+  const parts = (layer.parts || []).map(([colour, text]) => element('span', {}, swatch(colour, 'dash'), text));
+  $('layers').append(element('li', {}, label, ...(parts.length ? [element('div', { className: 'legend' }, ...parts)] : [])));
 }

@@ -8,21 +8,20 @@ const LANES = [
   { text: 'command errors', kinds: ['invalid_command', 'missing_command'], colour: 'belief-ink' },
   { text: 'standstills, ends', kinds: ['stands', 'timed_out', 'game_over'], colour: 'ink' },
 ];
-/** Names of kinds of events, as in `protean picture`. */
-const EVENT_WORDS = { captured: 'caught', goal_reached: 'arrived', obstacle: 'obstacle changed' };
 const eventsCanvas = $('events');
-const LANE = 17, GUTTER = 118, RIGHT = 12;
+const LANE = 17, GUTTER = 118, RIGHT = 14;
 
 /** Markers: time, lane, text; `small` for one of many. */
-const markers = facts.events.map(([time, kind, robot, other]) => {
-  const name = facts.event_kinds[kind] || 'unknown';
-  const who = robot === null ? '' : `${facts.robots[robot] ? facts.robots[robot].name : `robot ${robot}`} `;
-  let by = '';
-  if (name === 'captured' && other !== null && facts.robots[other]) by = ` by ${facts.robots[other].name}`;
-  else if (name.startsWith('contact') && other !== null && facts.robots[other]) by = `: ${facts.robots[other].name}`;
-  else if (name === 'obstacle' && other !== null) by = ` (${other})`;
-  return { time, lane: LANES.findIndex((lane) => lane.kinds.includes(name)), text: `${who}${EVENT_WORDS[name] || words(name)}${by}` };
+const markers = facts.events.map(([time, kind, , , , , , text]) => {
+  const name = facts.event_kinds[kind];
+  return { time, lane: LANES.findIndex((lane) => lane.kinds.includes(name)), text };
 });
+/** Time at which the page opens: shortly before the first event that decides something, else early in the run. */
+const opening = (() => {
+  const first = (...kinds) => facts.events.find(([, kind]) => kinds.includes(facts.event_kinds[kind]))?.[0];
+  const decisive = first('captured', 'escaped', 'goal_reached') ?? first('obstacle');
+  return decisive === undefined ? end / 4 : Math.max(0, decisive - 5);
+})();
 const waypointTimes = lists['waypoints.time'];
 if (waypointTimes.length) {
   LANES.push({ text: 'waypoints', kinds: [], colour: 'exit' });
@@ -41,18 +40,17 @@ const usedLanes = LANES.map((_, i) => i).filter((i) => markers.some((m) => m.lan
 for (const marker of markers) marker.row = usedLanes.indexOf(marker.lane);
 const markerTimes = markers.map((m) => m.time);
 
-const eventX = (t) => GUTTER + (eventsCanvas.clientWidth - GUTTER - RIGHT) * (end > 0 ? t / end : 0);
-const eventT = (x) => Math.min(end, Math.max(0, (x - GUTTER) / (eventsCanvas.clientWidth - GUTTER - RIGHT) * end));
+/** End of the axes of time (s): that of the longest run on the page. */
+const axisEnd = () => Math.max(end, clock.end);
+const eventX = (t) => GUTTER + (eventsCanvas.clientWidth - GUTTER - RIGHT) * (end > 0 ? t / axisEnd() : 0);
+const eventT = (x) => Math.min(axisEnd(), Math.max(0, (x - GUTTER) / (eventsCanvas.clientWidth - GUTTER - RIGHT) * axisEnd()));
 let eventPicture = null;
 
-/** Round steps of an axis: about `count` of them between two values. */
-function axisSteps(from, to, count) {
-  const rough = Math.max((to - from) / count, 1e-12);
-  const power = 10 ** Math.floor(Math.log10(rough));
-  const step = [1, 2, 5, 10].find((s) => s * power >= rough * 0.999) * power;
-  const steps = [];
-  for (let i = Math.ceil(from / step - 1e-9); i * step <= to + step * 1e-9; i++) steps.push(+(i * step).toPrecision(10));
-  return steps;
+/** Writes a centred text, moved so that it stays inside the canvas. */
+function fillInside(ctx, text, x, y, width) {
+  const half = ctx.measureText(text).width / 2 + 1;
+  ctx.textAlign = 'center';
+  ctx.fillText(text, Math.max(half, Math.min(x, width - half)), y);
 }
 
 function drawEventPicture() {
@@ -68,12 +66,11 @@ function drawEventPicture() {
   ctx.font = '12px system-ui, sans-serif';
   ctx.textBaseline = 'middle';
   const bottom = height - 20;
-  for (const t of axisSteps(0, end, 10)) {
+  for (const t of axisSteps(0, axisEnd(), Math.max(2, Math.min(10, (eventsCanvas.clientWidth - GUTTER) / 60)))) {
     ctx.strokeStyle = colours.line;
     ctx.beginPath(); ctx.moveTo(eventX(t), 0); ctx.lineTo(eventX(t), bottom); ctx.stroke();
     ctx.fillStyle = colours.faint;
-    ctx.textAlign = 'center';
-    ctx.fillText(`${t} s`, Math.min(eventX(t), eventsCanvas.clientWidth - 16), bottom + 11);
+    fillInside(ctx, `${t} s`, eventX(t), bottom + 11, eventsCanvas.clientWidth);
   }
   usedLanes.forEach((lane, row) => {
     ctx.fillStyle = colours.faint;
@@ -103,6 +100,8 @@ function drawEvents(t) {
   const ratio = window.devicePixelRatio || 1;
   ctx.fillStyle = colours.ink;
   ctx.fillRect(Math.round((eventX(t) - 0.75) * ratio), 0, Math.round(1.5 * ratio), eventsCanvas.height - 20 * ratio);
+  const text = eventText(t);
+  if ($('event-words').textContent !== text) $('event-words').textContent = text;
 }
 
 /** The marker under a point of the canvas. */
@@ -116,4 +115,14 @@ function markerAt(x, y) {
   return best;
 }
 
-const sayMarker = (marker) => (marker ? `${marker.time.toFixed(2)} s: ${marker.text}` : '');
+/** The marker under the pointer. */
+let hovered = null;
+
+/** Text of the marker under the pointer, else of the last ones up to a time. */
+function eventText(t) {
+  const last = lastUpTo(markerTimes, t + 1e-6);
+  const shownOnes = hovered ? [hovered] : markers.filter((marker) => last >= 0 && Math.abs(marker.time - markerTimes[last]) < 1e-6);
+  if (!shownOnes.length) return markers.length ? 'no event so far' : '';
+  const others = shownOnes.length > 3 ? [`${shownOnes.length - 3} more`] : [];
+  return `${shownOnes[0].time.toFixed(2)} s: ${[...shownOnes.slice(0, 3).map(({ text }) => text), ...others].join(', ')}`;
+}

@@ -8,14 +8,25 @@ const colours = {};
 /** Takes the colours of the light or dark scheme from the style sheet. */
 function readColours() {
   const style = getComputedStyle(document.documentElement);
-  for (const name of ['paper', 'wall', 'edge', 'ink', 'faint', 'obstacle', 'exit', 'police', 'evader', 'neutral', 'belief',
-    'belief-ink', 'card', 'line', 'plan']) colours[name] = style.getPropertyValue(`--${name}`).trim();
+  for (const name of ['paper', 'wall', 'edge', 'ink', 'faint', 'obstacle', 'exit', 'belief', 'belief-ink',
+    'card', 'line', 'plan']) colours[name] = style.getPropertyValue(`--${name}`).trim();
+  colours.shades = {};
+  for (const team of ['police', 'evader', 'neutral']) {
+    colours.shades[team] = [0, 1, 2, 3].map((shade) => style.getPropertyValue(`--${team}-${shade}`).trim());
+    [colours[team]] = colours.shades[team];
+  }
+  colours.idleness = facts.idleness.map((_, i) => style.getPropertyValue(`--idleness-${i}`).trim());
   colours.curves = [colours.police, colours.evader, colours.exit, colours.belief, colours.obstacle, colours.ink,
     '#7a6cc9', '#a0522d', '#56b4e9', '#999933'];
 }
 readColours();
 
-const teamColour = (robot) => colours[facts.robots[robot].team] || colours.neutral;
+/** Teams whose robots have no team of this list look neutral. */
+const teamOf = (robot) => (colours.shades[facts.robots[robot].team] ? facts.robots[robot].team : 'neutral');
+/** Place of a robot among those of its team. */
+const places = facts.robots.map((_, robot) => facts.robots.slice(0, robot).filter((_, other) => teamOf(other) === teamOf(robot)).length);
+/** Colour of a robot: a shade of its team's. */
+const robotColour = (robot) => colours.shades[teamOf(robot)][places[robot] % 4];
 /** Paler colour of robots that have left the game, as in `protean picture`. */
 const PALE = 0.45;
 

@@ -1,0 +1,120 @@
+// The clock of the page: one time for all runs on it; and functions without a run.
+
+const words = (name) => name.replaceAll('_', ' ');
+
+function element(tag, properties = {}, ...children) {
+  const made = Object.assign(document.createElement(tag), properties);
+  made.append(...children);
+  return made;
+}
+
+/** Index of the last of these ascending numbers that is at most a value; -1 if all are above. */
+function lastUpTo(numbers, value, length = numbers.length) {
+  let low = 0, high = length;
+  while (low < high) {
+    const middle = (low + high) >> 1;
+    if (numbers[middle] <= value) low = middle + 1; else high = middle;
+  }
+  return low - 1;
+}
+
+/** Round steps of an axis: about `count` of them between two values. */
+function axisSteps(from, to, count) {
+  const rough = Math.max((to - from) / count, 1e-12);
+  const power = 10 ** Math.floor(Math.log10(rough));
+  const step = [1, 2, 5, 10].find((s) => s * power >= rough * 0.999) * power;
+  const steps = [];
+  for (let i = Math.ceil(from / step - 1e-9); i * step <= to + step * 1e-9; i++) steps.push(+(i * step).toPrecision(10));
+  return steps;
+}
+
+const SPEEDS = [0.25, 0.5, 1, 2, 4, 8, 16, 32, 64];
+/** Maximum duration of playing a run at the speed of the beginning (s). */
+const LONGEST_PLAY = 60;
+
+const control = (id) => document.getElementById(id);
+const clock = {
+  t: 0, end: 0, playing: false, speed: 1, viewers: [], waiting: false, before: 0, drawn: 0, address: 0,
+
+  /** Schedules one redraw. */
+  redraw() {
+    if (this.waiting) return;
+    this.waiting = true;
+    requestAnimationFrame((now) => this.step(now));
+  },
+
+  step(now) {
+    this.waiting = false;
+    if (this.playing) {
+      // After a pause of the browser, playback continues at the same time.
+      this.t += Math.min(0.25, Math.max(0, (now - this.before) / 1e3)) * this.speed;
+      if (this.t >= this.end) { this.t = this.end; this.pause(); }
+    }
+    this.before = now;
+    this.draw();
+    if (this.playing) this.redraw();
+  },
+
+  draw() {
+    for (const run of this.viewers) run.draw(this.t);
+    control('scrub').value = this.t;
+    control('clock').textContent = `${this.t.toFixed(2)} s of ${this.end.toFixed(2)} s`;
+    this.drawn += 1;
+  },
+
+  play() {
+    if (this.playing) return;
+    if (this.t >= this.end) this.t = 0;
+    this.playing = true;
+    this.before = performance.now();
+    control('play').textContent = 'Pause';
+    this.redraw();
+  },
+
+  pause() {
+    this.playing = false;
+    control('play').textContent = 'Play';
+    this.writeAddress();
+    this.redraw();
+  },
+
+  toggle() { if (this.playing) this.pause(); else this.play(); },
+
+  seek(t) {
+    this.t = Math.min(this.end, Math.max(0, Number.isFinite(t) ? t : 0));
+    this.writeAddress();
+    this.redraw();
+  },
+
+  setSpeed(speed) {
+    this.speed = speed;
+    control('speed').value = String(speed);
+  },
+
+  changeSpeed(by) {
+    this.setSpeed(SPEEDS[Math.min(SPEEDS.length - 1, Math.max(0, SPEEDS.indexOf(this.speed) + by))]);
+  },
+
+  /** Seeks the next or the previous event of any run. */
+  toEvent(direction) {
+    const times = this.viewers.map(({ markerTimes: all }) => (direction > 0
+      ? all[lastUpTo(all, this.t + 1e-6) + 1] ?? Infinity : all[lastUpTo(all, this.t - 1e-3)] ?? -Infinity));
+    const time = direction > 0 ? Math.min(...times) : Math.max(...times);
+    if (Number.isFinite(time)) this.seek(time);
+  },
+
+  /** Seeks a number of states forward. */
+  toFrame(by) {
+    this.pause();
+    this.seek(this.viewers[0].frameTime(this.t, by));
+  },
+
+  /** Writes the time into the address, `#t=18`, once the time stays. */
+  writeAddress() {
+    clearTimeout(this.address);
+    this.address = setTimeout(() => history.replaceState(null, '', `#t=${+this.t.toFixed(2)}`), 250);
+  },
+
+  /** Time in the address (s); none: NaN. */
+  addressed: () => Number.parseFloat(/(?:^#|&)t=([0-9.]+)/.exec(location.hash)?.[1]),
+};

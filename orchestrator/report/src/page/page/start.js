@@ -1,0 +1,85 @@
+// Start: the runs of the page, its controls and keys, and the interface for tests.
+
+const sources = [...document.querySelectorAll('script.facts')].map((script) => {
+  const packed = script.nextElementSibling;
+  const source = { facts: JSON.parse(script.textContent), packed: packed.textContent };
+  packed.remove();
+  return source;
+});
+const isPair = sources.length > 1;
+document.body.classList.toggle('pair', isPair);
+for (const { facts, packed } of sources) {
+  const host = element('div', { className: 'run' });
+  control('runs').append(host);
+  let root = document;
+  if (isPair) {
+    // Two instances of the same elements on a page: each in a tree of its own.
+    root = host.attachShadow({ mode: 'open' });
+    root.append(control('style').cloneNode(true), control('viewer').content.cloneNode(true));
+  } else {
+    host.append(control('viewer').content.cloneNode(true));
+    control('bar').prepend(control('controls'));
+  }
+  clock.viewers.push(await viewer(root, facts, packed));
+}
+clock.end = Math.max(...clock.viewers.map((run) => run.end));
+control('scrub').max = clock.end;
+
+for (const speed of SPEEDS) control('speed').append(element('option', { value: String(speed), textContent: `${speed}×` }));
+clock.setSpeed(SPEEDS.find((speed) => speed >= 1 && clock.end / speed <= LONGEST_PLAY) ?? SPEEDS.at(-1));
+control('play').addEventListener('click', () => clock.toggle());
+control('previous').addEventListener('click', () => clock.toEvent(-1));
+control('next').addEventListener('click', () => clock.toEvent(1));
+control('scrub').addEventListener('input', () => clock.seek(Number(control('scrub').value)));
+control('speed').addEventListener('change', () => clock.setSpeed(Number(control('speed').value)));
+control('help').addEventListener('click', () => control('keys').showModal());
+window.addEventListener('hashchange', () => { if (clock.addressed() >= 0) clock.seek(clock.addressed()); });
+
+const all = (act) => () => clock.viewers.forEach(act);
+const KEYS = {
+  ' ': () => clock.toggle(),
+  ArrowLeft: (event) => clock.seek(clock.t - (event.shiftKey ? 10 : 1)),
+  ArrowRight: (event) => clock.seek(clock.t + (event.shiftKey ? 10 : 1)),
+  ',': () => clock.toFrame(-1), '.': () => clock.toFrame(1),
+  ArrowUp: () => clock.changeSpeed(1), ArrowDown: () => clock.changeSpeed(-1),
+  Home: () => clock.seek(0), End: () => clock.seek(clock.end),
+  '+': all((run) => run.zoom(1.4)), '=': all((run) => run.zoom(1.4)), '-': all((run) => run.zoom(1 / 1.4)),
+  0: all((run) => run.showAll()),
+  n: () => clock.toEvent(1), p: () => clock.toEvent(-1),
+  f: all((run) => run.followNext()),
+  '?': () => control('keys').showModal(),
+};
+document.addEventListener('keydown', (event) => {
+  const at = event.composedPath()[0];
+  if (event.ctrlKey || event.altKey || event.metaKey || control('keys').open) return;
+  if (at.tagName === 'SELECT' || (at.tagName === 'INPUT' && at.type !== 'range' && event.key === ' ')) return;
+  // A focused button or section handles the space key.
+  if (event.key === ' ' && (at.tagName === 'BUTTON' || at.tagName === 'SUMMARY')) return;
+  const action = KEYS[event.key];
+  if (!action) return;
+  event.preventDefault();
+  action(event);
+  clock.redraw();
+});
+
+const refreshAll = () => clock.viewers.forEach((run) => run.refresh());
+new ResizeObserver(refreshAll).observe(document.body);
+matchMedia('(prefers-color-scheme: dark)').addEventListener('change', refreshAll);
+window.addEventListener('scroll', () => clock.redraw(), { passive: true });
+
+/** Interface for tests and the browser console. */
+window.protean = {
+  ...clock.viewers[0].open,
+  runs: clock.viewers.map((run) => run.open),
+  end_s: clock.end,
+  seek: (t) => clock.seek(t), play: () => clock.play(), pause: () => clock.pause(),
+  toEvent: (direction) => clock.toEvent(direction),
+  get t() { return clock.t; },
+  get playing() { return clock.playing; },
+  get drawn() { return clock.drawn; },
+};
+clock.t = Math.min(clock.end, clock.addressed() >= 0 ? clock.addressed() : Math.min(...clock.viewers.map((run) => run.opening)));
+refreshAll();
+clock.draw();
+document.documentElement.dataset.ready = 'yes';
+window.protean.loaded_ms = performance.now();
