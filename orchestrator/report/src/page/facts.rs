@@ -177,6 +177,7 @@ fn static_scene(gathered: &Gathered) -> Json {
 /// Geometry of the robots' tasks.
 fn task(task: &TaskTrace) -> Json {
     json!({
+        "goals": task.goals.iter().map(region).collect::<Vec<_>>(),
         "contours": task.contours,
         "danger_zones": task.danger_zones.iter().map(shape).collect::<Vec<_>>(),
         "rectangles": task.rectangles,

@@ -66,7 +66,7 @@ pub fn draw(trace: &RunTrace) -> String {
     let bands = bands(trace, layout.scale);
     picture.static_scene(&mut canvas);
     draw_layers::dominance(&mut canvas, &layout, trace);
-    draw_task::below(&mut canvas, &layout, trace, &bands);
+    draw_task::below(&mut canvas, &layout, trace);
     draw_layers::plans(&mut canvas, &layout, trace);
     picture.trails(&mut canvas, &bands);
     draw_task::waypoints(&mut canvas, &layout, trace);
@@ -230,8 +230,8 @@ impl Picture<'_> {
         canvas.add(format_args!(
             "<g class=\"trails\" fill=\"none\" stroke-linejoin=\"round\" stroke-linecap=\"butt\">\n"
         ));
-        for (robot, bands) in self.trace.robots.iter().zip(bands) {
-            let color = palette::team(robot.team);
+        for (robot, bands) in bands.iter().enumerate() {
+            let color = self.trace.color(robot);
             for (band, (_, width, opacity)) in bands.iter().zip(BANDS) {
                 if band.len() < 2 {
                     continue;
@@ -248,10 +248,10 @@ impl Picture<'_> {
             }
         }
         canvas.add(format_args!("</g>\n"));
-        for (robot, bands) in self.trace.robots.iter().zip(bands) {
+        for (robot, bands) in bands.iter().enumerate() {
             if let Some(start) = bands.iter().flatten().next() {
                 let at = self.layout.at([start.x, start.y]);
-                sign(canvas, Sign::Start, at, palette::team(robot.team));
+                sign(canvas, Sign::Start, at, self.trace.color(robot));
             }
         }
     }
@@ -277,13 +277,21 @@ impl Picture<'_> {
     }
 
     fn robots(&mut self, canvas: &mut Canvas) {
-        for (robot, &radius) in self.trace.robots.iter().zip(&self.discs) {
+        for (i, (robot, &radius)) in self.trace.robots.iter().zip(&self.discs).enumerate() {
             let at = self.layout.at([robot.pose.x, robot.pose.y]);
-            let color = palette::team(robot.team);
+            let color = self.trace.color(i);
             canvas.add(format_args!("<g class=\"robot\">\n"));
             disc(canvas, at, radius, robot.pose.theta, color, robot.active);
             canvas.add(format_args!("</g>\n"));
             self.labels.reserve(Area::around(at, radius + 2.0));
+        }
+        for verdict in &self.trace.verdicts {
+            let robot = self.trace.robots.get(verdict.robot);
+            if let Some((robot, radius)) = robot.zip(self.discs.get(verdict.robot)) {
+                let at = self.layout.at([robot.pose.x, robot.pose.y]);
+                draw_layers::verdict_sign(canvas, at, radius + 6.0, verdict.is_possible);
+                self.labels.reserve(Area::around(at, radius + 8.0));
+            }
         }
         for mark in &self.trace.marks {
             let at = self.layout.at(mark.at);
@@ -315,7 +323,7 @@ impl Picture<'_> {
             .map(|mark| (mark.robot, mark))
             .collect();
         for (i, robot) in self.trace.robots.iter().enumerate() {
-            let color = palette::team(robot.team);
+            let color = self.trace.color(i);
             let radius = self.discs.get(i).copied().unwrap_or(MIN_DISC);
             let (at, text) = match outcomes.get(&i) {
                 Some(mark) => {

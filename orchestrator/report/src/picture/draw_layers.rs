@@ -49,10 +49,6 @@ fn fill(canvas: &mut Canvas, layout: &Layout, cells: &Cells, color: &str, opacit
 
 /// Draws the trees, and the plans over them.
 pub(super) fn plans(canvas: &mut Canvas, layout: &Layout, trace: &RunTrace) {
-    let color = |robot: usize| {
-        let robot = trace.robots.get(robot);
-        robot.map_or(palette::FAINT_INK, |r| palette::team(r.team))
-    };
     let edges: usize = trace.trees.iter().map(|tree| tree.edges.len()).sum();
     let step = edges.div_ceil(MAX_EDGES).max(1);
     canvas.add(format_args!(
@@ -60,7 +56,10 @@ pub(super) fn plans(canvas: &mut Canvas, layout: &Layout, trace: &RunTrace) {
          stroke-opacity=\"0.45\">\n"
     ));
     for tree in &trace.trees {
-        canvas.add(format_args!("<path stroke=\"{}\" d=\"", color(tree.robot)));
+        canvas.add(format_args!(
+            "<path stroke=\"{}\" d=\"",
+            trace.color(tree.robot)
+        ));
         for [from, to] in tree.edges.iter().step_by(step) {
             let [x, y] = layout.at(from.map(f64::from));
             canvas.add(format_args!("M{} {}", Num(x), Num(y)));
@@ -76,7 +75,10 @@ pub(super) fn plans(canvas: &mut Canvas, layout: &Layout, trace: &RunTrace) {
     let points: usize = trace.plans.iter().map(|plan| plan.points.len()).sum();
     let step = points.div_ceil(MAX_POINTS).max(1);
     for plan in &trace.plans {
-        canvas.add(format_args!("<path stroke=\"{}\" d=\"", color(plan.robot)));
+        canvas.add(format_args!(
+            "<path stroke=\"{}\" d=\"",
+            trace.color(plan.robot)
+        ));
         let inner = plan.points.len().saturating_sub(1);
         let shown = plan.points.iter().take(inner).step_by(step);
         for (i, point) in shown.chain(plan.points.last()).enumerate() {
@@ -86,5 +88,44 @@ pub(super) fn plans(canvas: &mut Canvas, layout: &Layout, trace: &RunTrace) {
         }
         canvas.add(format_args!("\"/>\n"));
     }
+    canvas.add(format_args!(
+        "</g>\n<g class=\"aims\" clip-path=\"url(#map)\" fill=\"none\" stroke-width=\"1.8\">\n"
+    ));
+    for plan in &trace.plans {
+        if let Some(aim) = plan.aim {
+            aim_sign(
+                canvas,
+                layout.at(aim.map(f64::from)),
+                trace.color(plan.robot),
+            );
+        }
+    }
     canvas.add(format_args!("</g>\n"));
+}
+
+/// Draws a ring at what a robot heads for (px).
+pub(super) fn aim_sign(canvas: &mut Canvas, [x, y]: [f64; 2], color: &str) {
+    for radius in [6.0, 1.0] {
+        canvas.add(format_args!(
+            "<circle cx=\"{}\" cy=\"{}\" r=\"{radius}\" stroke=\"{color}\"/>\n",
+            Num(x),
+            Num(y)
+        ));
+    }
+}
+
+/// Draws a ring of this radius around an evader (px): whether it can escape.
+pub(super) fn verdict_sign(canvas: &mut Canvas, [x, y]: [f64; 2], radius: f64, is_possible: bool) {
+    let (color, dashes) = if is_possible {
+        (palette::EXIT, "")
+    } else {
+        (palette::POLICE, " stroke-dasharray=\"4 3\"")
+    };
+    canvas.add(format_args!(
+        "<circle class=\"verdict\" cx=\"{}\" cy=\"{}\" r=\"{}\" fill=\"none\" stroke=\"{color}\" \
+         stroke-width=\"2.5\"{dashes}/>\n",
+        Num(x),
+        Num(y),
+        Num(radius)
+    ));
 }

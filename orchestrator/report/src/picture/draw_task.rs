@@ -4,13 +4,13 @@ use draw::canvas::{Canvas, Num};
 use draw::palette;
 use geometry::shape::Shape;
 
-use super::bands::Bands;
+use super::bands::ages;
 use super::layout::Layout;
 use super::static_scene::corners;
 use super::trace::RunTrace;
 
 /// Opacity of swept ground.
-pub(super) const SWEPT_OPACITY: f64 = 0.18;
+pub(super) const SWEPT_OPACITY: f64 = 0.45;
 /// Style of a contour: a thin dark line.
 pub(super) const CONTOUR: &str =
     "fill=\"none\" stroke=\"#1f2430\" stroke-width=\"1.6\" stroke-linejoin=\"round\"";
@@ -29,9 +29,9 @@ const SIZES: [f64; 2] = [3.5, 2.2];
 const MANY: usize = 300;
 
 /// Draws swept ground, danger zones, rectangles, goals and contours, below the trails.
-pub(super) fn below(canvas: &mut Canvas, layout: &Layout, trace: &RunTrace, bands: &[Bands]) {
+pub(super) fn below(canvas: &mut Canvas, layout: &Layout, trace: &RunTrace) {
     let task = &trace.task;
-    swept(canvas, layout, trace, bands);
+    swept(canvas, layout, trace);
     canvas.add(format_args!(
         "<g class=\"danger-zones\" clip-path=\"url(#map)\" {ZONE}>\n"
     ));
@@ -67,25 +67,29 @@ pub(super) fn below(canvas: &mut Canvas, layout: &Layout, trace: &RunTrace, band
     canvas.add(format_args!("</g>\n"));
 }
 
-/// Draws the ground that discs have swept: lines as wide as the discs.
-fn swept(canvas: &mut Canvas, layout: &Layout, trace: &RunTrace, bands: &[Bands]) {
+/// Draws the ground that discs have swept: lines as wide as the discs, in the colours of the time since then. Later
+/// visits cover earlier ones.
+fn swept(canvas: &mut Canvas, layout: &Layout, trace: &RunTrace) {
     canvas.add(format_args!(
         "<g class=\"swept\" clip-path=\"url(#map)\" fill=\"none\" stroke-linejoin=\"round\" \
-         stroke-linecap=\"round\" stroke-opacity=\"{SWEPT_OPACITY}\">\n"
+         stroke-linecap=\"round\" opacity=\"{SWEPT_OPACITY}\">\n"
     ));
-    for (robot, bands) in trace.robots.iter().zip(bands) {
-        let Some(radius) = robot.sweeps else {
-            continue;
-        };
-        // One line for each robot: where it crosses itself it is not darker.
-        canvas.add(format_args!("<path d=\""));
-        let points = bands.iter().flatten();
-        layout.line(canvas, points.map(|point| [point.x, point.y]));
-        canvas.add(format_args!(
-            "\" stroke=\"{}\" stroke-width=\"{}\"/>\n",
-            palette::team(robot.team),
-            Num(2.0 * radius * layout.scale)
-        ));
+    let all = ages(trace, layout.scale);
+    for (age, color) in palette::IDLENESS.iter().rev().enumerate() {
+        for (robot, ages) in trace.robots.iter().zip(&all) {
+            let (Some(radius), Some(line)) = (robot.sweeps, ages.get(age)) else {
+                continue;
+            };
+            if line.len() < 2 {
+                continue;
+            }
+            canvas.add(format_args!("<path d=\""));
+            layout.line(canvas, line.iter().map(|point| [point.x, point.y]));
+            canvas.add(format_args!(
+                "\" stroke=\"{color}\" stroke-width=\"{}\"/>\n",
+                Num(2.0 * radius * layout.scale)
+            ));
+        }
     }
     canvas.add(format_args!("</g>\n"));
 }

@@ -1,8 +1,8 @@
-//! Plans, trees and dominance regions in a picture of a moment.
+//! Plans, trees, verdicts and dominance regions in a picture of a moment.
 
 use std::collections::BTreeMap;
 
-use ipc_types::messages::referee::{DominanceCell, DominanceHeader};
+use ipc_types::messages::referee::{DominanceCell, DominanceHeader, Verdict};
 use ipc_types::messages::robot::{PlanPoint, TreeEdge};
 
 use super::static_scene::Cells;
@@ -19,8 +19,32 @@ const MAX_COORDINATE: f32 = 1e6;
 pub struct PlanTrace {
     /// Index of the robot.
     pub robot: usize,
-    /// Its points, x and y (m).
+    /// Its points, x and y (m); the first is the robot's position.
     pub points: Vec<[f32; 2]>,
+    /// What the robot heads for in the end, if the path does not go there, x and y (m).
+    pub aim: Option<[f32; 2]>,
+}
+
+/// The verdict of a referee on an evader.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct VerdictTrace {
+    /// Index of the evader.
+    pub robot: usize,
+    /// `true` if it can escape whatever the Police do.
+    pub is_possible: bool,
+    /// How much earlier than any pursuer it is at the exit (s).
+    pub margin_s: f64,
+}
+
+impl VerdictTrace {
+    /// Returns the verdict in words.
+    pub(super) fn words(&self) -> String {
+        match self.margin_s {
+            _ if !self.is_possible => "can be stopped".to_owned(),
+            margin if margin.is_finite() => format!("escape possible by {margin:.1} s"),
+            _ => "escape possible".to_owned(),
+        }
+    }
 }
 
 /// The search tree of a robot's plan.
@@ -43,25 +67,47 @@ pub struct DominanceTrace {
     pub cut_off: Cells,
 }
 
-/// The last plan and tree of every robot and the last dominance regions, updated by messages.
+/// Layers of the robots that are still in the game.
+pub(super) struct Finished {
+    pub(super) plans: Vec<PlanTrace>,
+    pub(super) trees: Vec<TreeTrace>,
+    pub(super) verdicts: Vec<VerdictTrace>,
+    pub(super) dominance: Option<DominanceTrace>,
+}
+
+/// The last plan, tree and verdict of every robot and the last dominance regions, updated by messages.
 #[derive(Debug, Default)]
 pub(super) struct Layers {
+    verdicts: BTreeMap<usize, VerdictTrace>,
     plans: BTreeMap<usize, PlanTrace>,
     trees: BTreeMap<usize, TreeTrace>,
     dominance: Option<DominanceTrace>,
 }
 
 impl Layers {
-    /// Replaces the plan of a robot; a plan without points removes it.
-    pub(super) fn plan(&mut self, robot: usize, points: &[PlanPoint]) {
-        let points = points
-            .iter()
-            // A value that does not fit an f32 becomes infinite, and is rejected below.
-            .map(|p| [p.x as f32, p.y as f32])
-            .filter(|&p| near(p))
-            .take(MAX_PARTS)
-            .collect();
-        self.plans.insert(robot, PlanTrace { robot, points });
+    /// Replaces the plan of a robot at a position (m); a plan without points removes it.
+    pub(super) fn plan(&mut self, robot: usize, at: Option<[f64; 2]>, points: &[PlanPoint]) {
+        let is_aimed = is_aimed(points);
+        let planned = points.iter().map(|p| [p.x, p.y]).take(MAX_PARTS);
+        // Without a plan, no line from the robot.
+        let start = at.filter(|_| !points.is_empty());
+        let all = start.into_iter().chain(planned);
+        // A value that does not fit an f32 becomes infinite, and is rejected.
+        let all = all.map(|p| p.map(|c| c as f32)).filter(|&p| near(p));
+        let mut points: Vec<[f32; 2]> = all.collect();
+        let aim = if is_aimed { points.pop() } else { None };
+        self.plans.insert(robot, PlanTrace { robot, points, aim });
+    }
+
+    /// Replaces the verdict on a robot.
+    pub(super) fn verdict(&mut self, verdict: &Verdict) {
+        let robot = verdict.robot as usize;
+        let verdict = VerdictTrace {
+            robot,
+            is_possible: verdict.escape_possible != 0,
+            margin_s: verdict.margin,
+        };
+        self.verdicts.insert(robot, verdict);
     }
 
     /// Replaces the tree of a robot.
@@ -102,21 +148,20 @@ impl Layers {
     }
 
     /// Returns the layers of the robots that are still in the game.
-    pub(super) fn finish(
-        self,
-        plays: impl Fn(usize) -> bool,
-    ) -> (Vec<PlanTrace>, Vec<TreeTrace>, Option<DominanceTrace>) {
+    pub(super) fn finish(self, plays: impl Fn(usize) -> bool) -> Finished {
         let plans = self.plans.into_values();
         let trees = self.trees.into_values();
-        (
-            plans
+        let verdicts = self.verdicts.into_values();
+        Finished {
+            plans: plans
                 .filter(|p| plays(p.robot) && p.points.len() > 1)
                 .collect(),
-            trees
+            trees: trees
                 .filter(|t| plays(t.robot) && !t.edges.is_empty())
                 .collect(),
-            self.dominance,
-        )
+            verdicts: verdicts.filter(|v| plays(v.robot)).collect(),
+            dominance: self.dominance,
+        }
     }
 }
 
@@ -141,10 +186,20 @@ mod tests {
             x,
             ..PlanPoint::default()
         };
-        layers.plan(0, &[at(1.0), at(2.0)]);
-        layers.plan(0, &[at(3.0), at(f64::NAN), at(1e9), at(4.0)]);
-        layers.plan(1, &[at(1.0), at(2.0)]);
-        layers.plan(2, &[]);
+        let start = Some([0.5, 0.0]);
+        layers.plan(0, start, &[at(1.0), at(2.0)]);
+        layers.plan(0, start, &[at(3.0), at(f64::NAN), at(1e9), at(4.0)]);
+        layers.plan(1, start, &[at(1.0), at(2.0)]);
+        layers.plan(2, start, &[]);
+        layers.plan(4, start, &[at(1.0), at(2.0)]);
+        for (robot, escape_possible) in [(1, 1), (4, 0), (4, 1)] {
+            layers.verdict(&Verdict {
+                robot,
+                escape_possible,
+                margin: 2.34,
+                ..Verdict::default()
+            });
+        }
         layers.tree(0, &[TreeEdge::default()]);
         layers.tree(
             3,
@@ -153,11 +208,19 @@ mod tests {
                 ..TreeEdge::default()
             }],
         );
-        let (plans, trees, dominance) = layers.finish(|robot| robot != 1);
-        assert_eq!(plans.len(), 1);
-        assert_eq!(plans[0].points, [[3.0, 0.0], [4.0, 0.0]]);
-        assert_eq!(trees.len(), 1);
-        assert!(dominance.is_none());
+        let done = layers.finish(|robot| robot != 1);
+        assert_eq!(done.plans.len(), 2);
+        assert_eq!(done.plans[0].points, [[0.5, 0.0], [3.0, 0.0], [4.0, 0.0]]);
+        // Two points without times: the next one, and the one that the robot heads for.
+        assert_eq!(done.plans[1].points, [[0.5, 0.0], [1.0, 0.0]]);
+        assert_eq!(
+            (done.plans[0].aim, done.plans[1].aim),
+            (None, Some([2.0, 0.0]))
+        );
+        assert_eq!(done.trees.len(), 1);
+        let words: Vec<String> = done.verdicts.iter().map(VerdictTrace::words).collect();
+        assert_eq!(words, ["escape possible by 2.3 s"]);
+        assert!(done.dominance.is_none());
     }
 
     #[test]

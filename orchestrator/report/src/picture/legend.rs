@@ -5,6 +5,7 @@ use draw::legend::Legend as Rows;
 use draw::palette;
 use sim_backend::team::Team;
 
+use super::draw_layers::verdict_sign;
 use super::draw_task::{CONTOUR, GOAL, RECTANGLE, SWEPT_OPACITY, ZONE, waypoint_signs};
 use super::layout::LEGEND;
 use super::signs::{HALO, Sign, disc, sign};
@@ -36,6 +37,7 @@ enum RowSign {
     Plan,
     Tree,
     Area(&'static str),
+    Verdict { is_possible: bool },
     Exit,
     Mark(MarkKind),
     Wall,
@@ -46,12 +48,15 @@ enum RowSign {
 /// Symbol of a part of a robot's task.
 #[derive(Debug, Clone, Copy)]
 enum TaskSign {
-    Swept(Team),
+    /// In this colour.
+    Swept(&'static str),
     Goal,
     Contour,
     Zone,
     Rectangle,
-    Waypoint { is_reached: bool },
+    Waypoint {
+        is_reached: bool,
+    },
 }
 
 /// The legend of one picture.
@@ -83,6 +88,12 @@ impl Legend {
             }
             let text = format!("{count} {}", if count == 1 { one } else { many });
             rows.row(RowSign::Robot(team), &text);
+            let verdicts = trace.verdicts.iter().filter_map(|verdict| {
+                let (_, robot) = members().find(|(i, _)| *i == verdict.robot)?;
+                Some(format!("{}: {}", robot.name, verdict.words()))
+            });
+            let verdicts = verdicts.take(MAX_OUTCOMES);
+            verdicts.for_each(|verdict| rows.detail(&verdict));
             let outcomes = trace.marks.iter().filter_map(|mark| {
                 let (_, robot) = members().find(|(i, _)| *i == mark.robot)?;
                 Some(format!(
@@ -104,7 +115,9 @@ impl Legend {
             rows.row(RowSign::Belief, text);
         }
         if !trace.plans.is_empty() {
-            rows.row(RowSign::Plan, "planned path");
+            let has_aim = trace.plans.iter().any(|plan| plan.aim.is_some());
+            let ring = ["", "; a ring: what the robot heads for"][usize::from(has_aim)];
+            rows.row(RowSign::Plan, &format!("planned path{ring}"));
         }
         if !trace.trees.is_empty() {
             let text = "search tree of an evader";
@@ -117,6 +130,14 @@ impl Legend {
                 (palette::POLICE, "the Police are first"),
             ] {
                 rows.row(RowSign::Area(color), text);
+            }
+        }
+        for (is_possible, text) in [
+            (true, "can escape, says the referee"),
+            (false, "can be stopped, says the referee"),
+        ] {
+            if trace.verdicts.iter().any(|v| v.is_possible == is_possible) {
+                rows.row(RowSign::Verdict { is_possible }, text);
             }
         }
         if !trace.static_scene.exits.is_empty() {
@@ -190,11 +211,21 @@ impl Legend {
 /// Adds the rows of the robots' tasks.
 fn task_rows(trace: &RunTrace, rows: &mut Rows<RowSign>) {
     let task = &trace.task;
-    if let Some(share) = task.swept
-        && let Some(robot) = trace.robots.iter().find(|robot| robot.sweeps.is_some())
-    {
-        let text = format!("swept ground: {:.1} % of what can be swept", 100.0 * share);
-        rows.row(RowSign::Task(TaskSign::Swept(robot.team)), &text);
+    if !trace.is_before_run() && trace.robots.iter().any(|robot| robot.sweeps.is_some()) {
+        let text = match task.swept {
+            Some(share) => format!("swept ground: {:.1} % of what can be swept", 100.0 * share),
+            None => "swept ground".to_owned(),
+        };
+        let [new, middle, old] = palette::idleness_bounds(trace.time_s);
+        let ages = [
+            format!("{text}; last visit less than {new} s ago"),
+            format!("less than {middle} s ago"),
+            format!("less than {old} s ago"),
+            "longer ago".to_owned(),
+        ];
+        for (color, text) in palette::IDLENESS.into_iter().zip(ages) {
+            rows.row(RowSign::Task(TaskSign::Swept(color)), &text);
+        }
     }
     if !task.goals.is_empty() {
         rows.row(RowSign::Task(TaskSign::Goal), "goal of a robot");
@@ -303,6 +334,7 @@ impl RowSign {
                 Num(x - 9.0),
                 Num(y - 7.0),
             )),
+            Self::Verdict { is_possible } => verdict_sign(canvas, at, 8.0, is_possible),
             Self::Exit => canvas.add(format_args!(
                 "<circle cx=\"{}\" cy=\"{}\" r=\"9\" fill=\"{c}\" fill-opacity=\"0.18\" \
                  stroke=\"{c}\" stroke-width=\"2\" stroke-dasharray=\"4 3\"/>\n",
@@ -322,12 +354,11 @@ impl TaskSign {
     fn draw(self, canvas: &mut Canvas, at: [f64; 2]) {
         let [x, y] = at;
         match self {
-            Self::Swept(team) => canvas.add(format_args!(
-                "<path d=\"M{} {y}L{} {y}\" stroke=\"{}\" stroke-width=\"14\" \
+            Self::Swept(color) => canvas.add(format_args!(
+                "<path d=\"M{} {y}L{} {y}\" stroke=\"{color}\" stroke-width=\"14\" \
                  stroke-linecap=\"round\" stroke-opacity=\"{SWEPT_OPACITY}\"/>\n",
                 Num(x - 6.0),
                 Num(x + 6.0),
-                palette::team(team),
                 y = Num(y),
             )),
             Self::Contour => canvas.add(format_args!(

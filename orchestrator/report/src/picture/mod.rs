@@ -29,7 +29,7 @@ mod trail;
 mod tests;
 
 pub use draw::draw;
-pub use layers::{DominanceTrace, PlanTrace, TreeTrace};
+pub use layers::{DominanceTrace, PlanTrace, TreeTrace, VerdictTrace};
 pub use static_scene::{Cells, Standing, StaticScene};
 pub use task::{TaskTrace, WaypointTrace};
 pub use trace::{BeliefTrace, Mark, MarkKind, RobotTrace, RunTrace};

@@ -7,7 +7,9 @@ use geometry::pose::Pose2;
 use ipc_types::consumer::{Consumer, LoggedMessage};
 use ipc_types::messages::perception::{BeliefHeader, Particle};
 use ipc_types::messages::world::{RobotState, WorldEvent};
-use ipc_types::topics::{Belief, Coverage, Dominance, Plan, TopicId, Tree, Waypoints, WorldEvents};
+use ipc_types::topics::{
+    Belief, Coverage, Dominance, Plan, TopicId, Tree, Verdicts, Waypoints, WorldEvents,
+};
 use mcap_log::{Condition, LogReadError, ReadProgress};
 
 use super::layers::Layers;
@@ -75,7 +77,7 @@ struct Trails(Vec<Seen>);
 #[derive(Default)]
 struct Marks(Vec<Mark>);
 
-/// Beliefs, plans and dominance regions at a moment.
+/// Beliefs, plans, verdicts and dominance regions at a moment.
 #[derive(Default)]
 struct Moment {
     /// `true` for a picture of a moment; a picture of the end shows none of them.
@@ -167,6 +169,7 @@ impl Consumer<LoggedRun> for Moment {
                 TopicId::Plan,
                 TopicId::Tree,
                 TopicId::Dominance,
+                TopicId::Verdicts,
             ]
         } else {
             &[]
@@ -180,7 +183,9 @@ impl Consumer<LoggedRun> for Moment {
         if let Some((header, points)) = run.decode::<Plan>(message)
             && (header.robot as usize) < MAX_ROBOTS
         {
-            self.layers.plan(header.robot as usize, &points);
+            let state = run.states.iter().find(|s| s.robot == header.robot);
+            let at = state.map(|s| [s.x, s.y]);
+            self.layers.plan(header.robot as usize, at, &points);
         }
         if let Some((header, edges)) = run.decode::<Tree>(message)
             && (header.robot as usize) < MAX_ROBOTS
@@ -189,6 +194,12 @@ impl Consumer<LoggedRun> for Moment {
         }
         if let Some((header, cells)) = run.decode::<Dominance>(message) {
             self.layers.dominance(&header, &cells);
+        }
+        if let Some((_, verdicts)) = run.decode::<Verdicts>(message) {
+            let known = verdicts
+                .iter()
+                .filter(|verdict| (verdict.robot as usize) < MAX_ROBOTS);
+            known.for_each(|verdict| self.layers.verdict(verdict));
         }
     }
 }
@@ -277,7 +288,7 @@ fn finish(
         })
         .collect();
     let plays = |robot: usize| robots.get(robot).is_some_and(|r| r.active);
-    let (plans, trees, dominance) = moment.layers.finish(plays);
+    let layers = moment.layers.finish(plays);
     let entry = |key| run.facts.manifest.get(key).cloned().unwrap_or_default();
     let trace = RunTrace {
         title: scenario.title,
@@ -295,9 +306,10 @@ fn finish(
             .filter(|(time, _)| time + 2 * run.tick_period_ns >= now_ns)
             .map(|(_, belief)| belief)
             .collect(),
-        plans,
-        trees,
-        dominance,
+        plans: layers.plans,
+        trees: layers.trees,
+        dominance: layers.dominance,
+        verdicts: layers.verdicts,
         marks: Vec::new(),
         task,
     };

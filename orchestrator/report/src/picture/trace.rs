@@ -1,9 +1,10 @@
 //! The content of a picture of a run.
 
+use draw::palette;
 use geometry::pose::Pose2;
 use sim_backend::team::Team;
 
-use super::layers::{DominanceTrace, PlanTrace, TreeTrace};
+use super::layers::{DominanceTrace, PlanTrace, TreeTrace, VerdictTrace};
 use super::static_scene::StaticScene;
 use super::task::TaskTrace;
 use super::trail::Trail;
@@ -35,6 +36,8 @@ pub struct RunTrace {
     pub trees: Vec<TreeTrace>,
     /// Dominance regions of the teams; `None` at the end and without a referee.
     pub dominance: Option<DominanceTrace>,
+    /// Verdicts of a referee at that moment; empty at the end and without a referee.
+    pub verdicts: Vec<VerdictTrace>,
     /// Events up to that moment, in order.
     pub marks: Vec<Mark>,
     /// Geometry of the robots' tasks.
@@ -45,6 +48,20 @@ impl RunTrace {
     /// Returns `true` for a picture of a scenario, without a run.
     pub(super) fn is_before_run(&self) -> bool {
         self.end_s <= 0.0
+    }
+
+    /// Returns the colour of a robot: a shade of its team's.
+    pub(super) fn color(&self, robot: usize) -> &'static str {
+        let Some(team) = self.robots.get(robot).map(|robot| robot.team) else {
+            return palette::FAINT_INK;
+        };
+        let before = self.robots.iter().take(robot);
+        let place = before.filter(|other| other.team == team).count();
+        let shades = palette::shades(team);
+        shades
+            .get(place % shades.len())
+            .copied()
+            .unwrap_or(palette::FAINT_INK)
     }
 }
 

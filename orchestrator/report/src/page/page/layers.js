@@ -20,6 +20,7 @@ const LAYERS = [
   { id: 'swept', text: sweptText(), colour: sweepers.length ? teamOf(sweepers[0]) : 'neutral', there: sweepers.length > 0, on: false },
   { id: 'idleness', text: 'idleness: time since the last visit', there: sweepers.length > 0, on: true,
     parts: facts.idleness.map((age, i) => [`idleness-${i}`, age === null ? 'longer' : `below ${age} s`]) },
+  { id: 'goals', text: 'goals of the robots', colour: 'exit', there: facts.task.goals.length > 0, on: true },
   { id: 'contours', text: 'contours of patrols', colour: 'ink', there: facts.task.contours.length > 0, on: true },
   { id: 'danger_zones', text: 'danger zones', colour: 'evader', there: facts.task.danger_zones.length > 0, on: true },
   { id: 'rectangles', text: 'rectangles of the free space', colour: 'faint', there: facts.task.rectangles.length > 0, on: true },

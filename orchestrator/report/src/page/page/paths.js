@@ -74,10 +74,20 @@ function pathLayer(widthOf, opacity) {
 const drawTrails = pathLayer(() => 2.4 / view.scale, 0.55);
 const drawSwept = pathLayer((robot) => 2 * (facts.robots[robot].sweeps || 0), 0.2);
 
-/** Geometry of patrols and coverage: danger zones, rectangles of the free space, contours. */
+/** Geometry of the robots' tasks: goals, danger zones, rectangles of the free space, contours. */
 function drawTask() {
   inMetres(paint);
-  const { contours, danger_zones: zones, rectangles } = facts.task;
+  const { goals, contours, danger_zones: zones, rectangles } = facts.task;
+  if (shown.goals) {
+    paint.strokeStyle = colours.exit;
+    paint.lineWidth = 1.6 / view.scale;
+    for (const goal of goals) {
+      const path = new Path2D();
+      // A small disc is drawn larger.
+      tracePath(path, goal.circle ? { circle: [...goal.circle.slice(0, 2), Math.max(goal.circle[2], 5 / view.scale)] } : goal);
+      paint.stroke(path);
+    }
+  }
   if (shown.danger_zones) {
     const zonePath = new Path2D();
     for (const zone of zones) tracePath(zonePath, zone);

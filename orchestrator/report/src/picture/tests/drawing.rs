@@ -8,7 +8,7 @@ use sim_backend::team::Team;
 
 use crate::picture::{
     BeliefTrace, Cells, DominanceTrace, Mark, MarkKind, PlanTrace, RobotTrace, RunTrace, Standing,
-    StaticScene, TaskTrace, Trail, TrailPoint, TreeTrace, WaypointTrace, draw,
+    StaticScene, TaskTrace, Trail, TrailPoint, TreeTrace, VerdictTrace, WaypointTrace, draw,
 };
 
 fn robot(name: &str, team: Team, way: impl IntoIterator<Item = (f64, f64)>) -> RobotTrace {
@@ -76,6 +76,7 @@ fn trace() -> RunTrace {
         plans: Vec::new(),
         trees: Vec::new(),
         dominance: None,
+        verdicts: Vec::new(),
         marks: vec![Mark {
             kind: MarkKind::Captured,
             robot: 1,
@@ -312,6 +313,7 @@ fn the_largest_run_makes_a_picture_of_at_most_400_kb() {
         .map(|robot| PlanTrace {
             robot,
             points: way.clone(),
+            aim: None,
         })
         .collect();
     trace.trees = (0..64)
@@ -377,6 +379,7 @@ fn plans_trees_and_dominance_are_drawn_and_explained() {
     trace.plans = vec![PlanTrace {
         robot: 1,
         points: vec![[3.0, 2.5], [3.0, 1.0], [3.5, 2.5]],
+        aim: Some([3.5, 2.7]),
     }];
     trace.trees = vec![TreeTrace {
         robot: 1,
@@ -387,9 +390,19 @@ fn plans_trees_and_dominance_are_drawn_and_explained() {
         evader: cells([false, true]),
         cut_off: cells([false, false]),
     });
+    trace.verdicts = vec![VerdictTrace {
+        robot: 1,
+        is_possible: true,
+        margin_s: 4.5,
+    }];
     let svg = draw(&trace);
     assert_on_page(&svg);
     let document = Document::parse(&svg).unwrap();
+    assert_eq!(
+        class(&document, "verdict").len(),
+        2,
+        "on the map and in the legend"
+    );
     let commands = |name: &str| {
         let group = class(&document, name)[0];
         let paths = group.children().filter_map(|path| path.attribute("d"));
@@ -402,7 +415,13 @@ fn plans_trees_and_dominance_are_drawn_and_explained() {
     // A rectangle has four commands.
     assert_eq!(commands("dominance"), [4, 4, 0]);
     let words = texts(&document).join(" ");
-    for text in ["planned path", "search tree", "reaches it safely"] {
+    for text in [
+        "planned path; a ring",
+        "search tree",
+        "reaches it safely",
+        "evader \"x\": escape possible by 4.5 s",
+        "can escape, says the referee",
+    ] {
         assert!(words.contains(text), "{text}: {words}");
     }
 }
@@ -473,6 +492,7 @@ fn patrols_and_coverage_show_their_contour_zones_rectangles_waypoints_and_swept_
     let texts = texts(&document).join(" ");
     for text in [
         "swept ground: 45.7 %",
+        "less than 0.25 s ago",
         "contour of the patrol",
         "danger zone",
         "as 2 rectangles",

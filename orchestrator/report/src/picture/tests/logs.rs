@@ -237,7 +237,9 @@ fn a_picture_of_a_moment_shows_its_belief_and_no_later_events() {
         (1, [3.0, 0.0])
     );
     assert_eq!(trace.plans.len(), 1);
-    assert_eq!(trace.plans[0].points, [[0.0, 0.0], [3.0, 0.0]]);
+    // From the robot to the next point; the last one is what it heads for.
+    assert_eq!(trace.plans[0].points, [[1.0, 0.5], [0.0, 0.0]]);
+    assert_eq!(trace.plans[0].aim, Some([3.0, 0.0]));
     // A captured robber has neither a belief nor a plan.
     let trace = drawn(&path, Some(7.0));
     assert!(trace.beliefs.is_empty() && trace.plans.is_empty());
