@@ -111,6 +111,9 @@ struct Done<R> {
 
 /// Executes the missions that are not finished and records each as soon as it ends.
 ///
+/// The order is seed by seed: every cell has its first mission before any has its second, so that the rate so far
+/// predicts the time left, and an interrupted sweep has rows of all cells.
+///
 /// # Errors
 /// [`SweepError`] if the results cannot be stored; everything recorded before is kept.
 pub fn run<S: Subject>(
@@ -120,12 +123,13 @@ pub fn run<S: Subject>(
     options: &RunOptions,
 ) -> Result<RunReport, SweepError> {
     let start = Instant::now();
-    let (open, known) = to_do(
+    let (mut open, known) = to_do(
         experiment,
         Some(results),
         options.shard,
         options.retry_failed,
     );
+    open.sort_by_key(|mission| (mission.seed, mission.cell));
     let logs = results.directory().join("logs");
     if options.log != LogPolicy::None {
         std::fs::create_dir_all(&logs)

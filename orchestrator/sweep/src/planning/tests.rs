@@ -42,9 +42,13 @@ fn load(text: &str) -> Result<PlanExperiment, Diagnostics> {
 }
 
 fn carry_out(experiment: &PlanExperiment, out: &Path, shard: &str) {
+    carry_out_jobs(experiment, out, shard, 2);
+}
+
+fn carry_out_jobs(experiment: &PlanExperiment, out: &Path, shard: &str, jobs: usize) {
     let mut results = PlanResults::open(out, &experiment.manifest(), &experiment.text).unwrap();
     let options = RunOptions {
-        jobs: 2,
+        jobs,
         shard: Shard::parse(shard).unwrap(),
         retry_failed: false,
         log: LogPolicy::None,
@@ -90,6 +94,35 @@ fn merged_shards_equal_the_whole_byte_for_byte() {
     // Results of one kind are not accepted as those of the other.
     let error = Results::<crate::Row>::read(&at("whole")).err().unwrap();
     assert!(error.to_string().contains("Planning"), "{error}");
+}
+
+#[test]
+fn every_cell_has_its_first_mission_before_any_has_its_second() {
+    let experiment = load(SMALL).unwrap();
+    let order = |out: &Path| {
+        let journal = std::fs::read_to_string(out.join("journal.jsonl")).unwrap();
+        let number = |line: &str, key| {
+            let json: serde_json::Value = serde_json::from_str(line).unwrap();
+            json[key].as_u64().unwrap()
+        };
+        let lines = journal.lines();
+        lines
+            .map(|line| (number(line, "seed"), number(line, "cell")))
+            .collect::<Vec<_>>()
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let of = |shard: &str| {
+        let out = folder.path().join(shard.replace('/', "-"));
+        carry_out_jobs(&experiment, &out, shard, 1);
+        order(&out)
+    };
+    let whole: Vec<_> = (1..=4)
+        .flat_map(|seed| (0..4).map(move |cell| (seed, cell)))
+        .collect();
+    assert_eq!(of("1/1"), whole);
+    // A part has the missions that it had in any order: cell by cell, every third one.
+    let part = [(1, 0), (1, 3), (2, 2), (3, 1), (4, 0), (4, 3)];
+    assert_eq!(of("1/3"), part);
 }
 
 #[test]
