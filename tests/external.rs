@@ -1,4 +1,4 @@
-//! An external planner: the example in Python takes part in lock-step by events.
+//! External programs: their output and folder, and the planner in Python, which takes part in lock-step by events.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -7,6 +7,7 @@ use rustix::process::Signal;
 
 use crate::support::call::PATIENCE;
 use crate::support::history::{History, State};
+use crate::support::programs::driven_by;
 use crate::support::sandbox::signal;
 use crate::support::{SOON, Sandbox, skipped, until, wait_for_tick};
 
@@ -29,12 +30,12 @@ fn prepare(sandbox: &Sandbox) -> bool {
     let messages = sandbox.protean(["schema", "messages"]).run();
     assert_eq!(messages.code, Some(0), "{messages}");
     sandbox.file("planners/protean_messages.py", messages.stdout.clone());
-    let planner = sandbox.file(
+    sandbox.file(
         "planners/planner.py",
         file("scenarios/planners/to_the_exit.py"),
     );
     sandbox.file("maps/hello.toml", file("scenarios/maps/hello.toml"));
-    let words = [python.to_str().unwrap(), planner.to_str().unwrap()];
+    let words = [python.to_str().unwrap(), "planners/planner.py"];
     let command = format!("command = {words:?}");
     let scenario = file("scenarios/hello_python.toml");
     let theirs = scenario
@@ -43,6 +44,41 @@ fn prepare(sandbox: &Sandbox) -> bool {
         .unwrap();
     sandbox.file("hello_python.toml", scenario.replace(theirs, &command));
     true
+}
+
+/// Writes to stdout; its panic is followed by a long backtrace.
+const PANICKING: &str = r#"
+echo "in $(pwd)"
+{ echo "thread 'main' panicked at src/main.rs:7:9:"; echo "no way out"; echo "stack backtrace:"; seq 100; } >&2
+exit 101
+"#;
+
+#[test]
+fn a_program_runs_beside_its_scenario_and_its_output_is_shown_with_its_panic() {
+    let sandbox = Sandbox::new();
+    sandbox.file("far/away/panicking.sh", PANICKING);
+    let program = r#"command = ["/bin/sh", "away/panicking.sh"]"#;
+    sandbox.file("far/own.toml", driven_by("own", program));
+    let words = ["run", "far/own.toml", "--allow-external"];
+    let outcome = sandbox.protean(words).run();
+    let folder = format!("[own] in {}\n", sandbox.path().join("far").display());
+    let error = "error: process own ended with exit code 101";
+    let (panic, message) = ("\n    thread 'main' panicked at", "\n    no way out");
+    outcome.refused(
+        1,
+        &[&folder, error, panic, message, "\n    …\n", "\n    100"],
+    );
+
+    let program = r#"command = ["./panicking.sh"]
+folder = "away""#;
+    let path = sandbox.file("far/away/panicking.sh", format!("#!/bin/sh\n{PANICKING}"));
+    let mode = std::os::unix::fs::PermissionsExt::from_mode(0o755);
+    std::fs::set_permissions(path, mode).unwrap();
+    sandbox.file("far/own.toml", driven_by("own", program));
+    let outcome = sandbox.protean(words).run();
+    let folder = format!("[own] in {}\n", sandbox.path().join("far/away").display());
+    outcome.refused(1, &[&folder, error]);
+    sandbox.assert_nothing_left();
 }
 
 #[test]

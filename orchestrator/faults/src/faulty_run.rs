@@ -15,8 +15,8 @@ use serde_json::Value as Json;
 use tempfile::TempDir;
 
 use super::{ChaosError, FaultKind, Outcome};
-use mission::CONFIG_VARIABLE;
 use mission::child_process::describe_exit;
+use runtime::config::CONFIG_VARIABLE;
 use scenario::ResolvedScenario;
 use scenario::spec::Mode;
 

@@ -11,12 +11,13 @@ use std::time::{Duration, Instant};
 
 use platform::program;
 use platform::spawn::{self, Child, Program};
+use runtime::config::CONFIG_VARIABLE;
 use rustix::event::{PollFd, PollFlags, Timespec};
 use rustix::pipe::{PipeFlags, pipe_with};
 use rustix::process::{Signal, WaitId, WaitIdOptions, WaitOptions};
 
-use super::orphans::{self, CONFIG_VARIABLE};
-use super::stderr_lines::{StderrLine, StderrLines};
+use super::orphans;
+use super::output_lines::{OutputLine, OutputLines};
 
 /// Maximum time for the system to end a killed process.
 const KILL_TIMEOUT: Duration = Duration::from_secs(5);
@@ -45,9 +46,13 @@ impl ChildError {
 pub enum Executable {
     /// One of Protean's own kinds: this program executes itself.
     Kind(String),
-    /// An external program with its arguments. The environment variable `PROTEAN_CONFIG` contains the path of
-    /// its configuration.
-    Command(Vec<String>),
+    /// An external program. The environment variable `PROTEAN_CONFIG` contains the path of its configuration.
+    Command {
+        /// Its path and arguments.
+        words: Vec<String>,
+        /// Its working directory.
+        folder: String,
+    },
 }
 
 /// One process of the run.
@@ -61,7 +66,7 @@ pub struct RunningProcess {
     child: Child,
     /// Configuration of an external program, which identifies the processes that it has started.
     external: Option<PathBuf>,
-    stderr: StderrLines,
+    output: OutputLines,
     /// Exit status, once the process has ended.
     pub exit: Option<ExitStatus>,
 }
@@ -69,7 +74,7 @@ pub struct RunningProcess {
 impl RunningProcess {
     /// Starts a process of the run with the configuration at `config`.
     ///
-    /// With `echo`, its stderr appears on this program's stderr, each line after the name of the process. `lines`
+    /// With `echo`, its output appears on this program's stderr, each line after the name of the process. `lines`
     /// receives every line while it has room.
     ///
     /// # Errors
@@ -80,43 +85,45 @@ impl RunningProcess {
         executable: &Executable,
         config: &Path,
         echo: bool,
-        lines: Option<SyncSender<StderrLine>>,
+        lines: Option<SyncSender<OutputLine>>,
     ) -> Result<Self, ChildError> {
         let failed = |what: &'static str| {
             let name = name.to_owned();
             move |source: std::io::Error| ChildError { name, what, source }
         };
         let own_name = OsString::from(format!("protean:{name}"));
-        let (file, arguments) = match executable {
+        let (file, arguments, folder) = match executable {
             Executable::Kind(kind) => {
                 let words = ["process", kind, "--config"].map(OsStr::new);
                 let arguments = [&*own_name].into_iter().chain(words);
                 let arguments = arguments.chain([config.as_os_str()]).collect();
-                (OsStr::new(program::THIS), arguments)
+                (OsStr::new(program::THIS), arguments, None)
             }
-            Executable::Command(words) => {
+            Executable::Command { words, folder } => {
                 orphans::become_subreaper().map_err(failed("cannot be observed"))?;
                 let arguments: Vec<&OsStr> = words.iter().map(OsStr::new).collect();
-                (arguments.first().copied().unwrap_or_default(), arguments)
+                let file = arguments.first().copied().unwrap_or_default();
+                (file, arguments, Some(OsStr::new(folder)))
             }
         };
         let program = Program {
             file,
             arguments,
             variable: (CONFIG_VARIABLE, config.as_os_str()),
+            folder,
         };
         let (reading, writing) =
             pipe_with(PipeFlags::CLOEXEC).map_err(|e| failed("cannot be observed")(e.into()))?;
         // Before the process exists: without a reader it would block when the pipe is full.
-        let stderr = StderrLines::read(File::from(reading), name, slot, echo, lines)
+        let output = OutputLines::read(File::from(reading), name, slot, echo, lines)
             .map_err(failed("cannot be observed"))?;
         let child = spawn::spawn(&program, &writing).map_err(failed("cannot be started"))?;
         Ok(Self {
             name: name.to_owned(),
             slot,
             child,
-            external: matches!(executable, Executable::Command(_)).then(|| config.to_owned()),
-            stderr,
+            external: matches!(executable, Executable::Command { .. }).then(|| config.to_owned()),
+            output,
             exit: None,
         })
     }
@@ -142,7 +149,7 @@ impl RunningProcess {
                         tracing::warn!("process {}: its own may remain: {error}", self.name);
                     }
                 }
-                self.stderr.finish();
+                self.output.finish();
                 true
             }
             _ => false,
@@ -176,9 +183,9 @@ impl RunningProcess {
         self.child.pid.as_raw_nonzero().get()
     }
 
-    /// Returns the last lines that it wrote to stderr.
+    /// Returns the last lines of its output.
     pub fn last_lines(&self) -> Vec<String> {
-        self.stderr.last()
+        self.output.last()
     }
 
     /// Returns the reason why a process that has ended executed no program. Returns it once.

@@ -67,7 +67,7 @@ pub enum MissionError {
         how: String,
         /// Time of the end: `before it was ready`, `at tick 17`.
         when: String,
-        /// Last lines that it wrote to stderr.
+        /// Last lines of its output.
         last_lines: Vec<String>,
     },
     /// A process did not become ready.
@@ -77,7 +77,7 @@ pub enum MissionError {
         name: String,
         /// Time that the orchestrator waited.
         waited: Duration,
-        /// Last lines that it wrote to stderr.
+        /// Last lines of its output.
         last_lines: Vec<String>,
     },
     /// A process is alive but does not answer.
@@ -89,7 +89,7 @@ pub enum MissionError {
         tick: u64,
         /// Time that the orchestrator waited.
         waited: Duration,
-        /// Last lines that it wrote to stderr.
+        /// Last lines of its output.
         last_lines: Vec<String>,
     },
     /// A run in one process is impossible or failed.

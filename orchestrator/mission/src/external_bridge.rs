@@ -4,6 +4,9 @@
 //! events. [`TURN_EVENT`] with the process's index starts a turn; the process answers each with [`DONE_EVENT`] and
 //! its index. It sends the first answer without a turn, when its ports are open. The second one answers the turn in
 //! which it connects its ports. After that, each tick is one turn. [`END_OF_TURNS`] added to the index marks the end.
+//!
+//! A program that uses the crate `runtime` waits at the barrier itself and never answers; its thread then waits for the
+//! end of the run or of the process.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -48,7 +51,7 @@ impl ExternalBridge {
         let stop = Arc::new(AtomicBool::new(false));
         let external: Vec<&ProcessConfig> = launches
             .iter()
-            .filter(|launch| matches!(launch.executable(), Executable::Command(_)))
+            .filter(|launch| matches!(launch.executable(), Executable::Command { .. }))
             .map(|launch| &launch.config)
             .collect();
         let mut bridge = Self {

@@ -50,7 +50,10 @@ impl Launch {
     /// Returns the program to execute.
     pub fn executable(&self) -> Executable {
         match &self.role {
-            Role::Process(Program::Command { words, .. }) => Executable::Command(words.clone()),
+            Role::Process(Program::Command { words, folder, .. }) => Executable::Command {
+                words: words.clone(),
+                folder: folder.clone(),
+            },
             Role::Simulator(_) | Role::Process(Program::Kind(_)) => {
                 Executable::Kind(self.config.kind.clone())
             }

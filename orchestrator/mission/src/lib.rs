@@ -3,7 +3,7 @@
 //!
 //! * [`plan`], `launch`, `obstacle_schedule`: configuration of every process;
 //! * [`run_directory`], `resources`, `shm_usage`, `orphans`: resources of a run, and of abandoned runs;
-//! * [`child_process`], `stderr_lines`, [`process_group`], `external_bridge`: processes and their turns;
+//! * [`child_process`], `output_lines`, [`process_group`], `external_bridge`: processes and their turns;
 //! * `supervisor`, `decide`, `executor`, `process_log`: events of processes and the reactions;
 //! * `recording`, [`fields_of_view`], `recorder_thread`, `progress`, [`report`]: log, display and summary;
 //! * `run`: a run with operating-system processes; [`in_process`]: a run in one thread of this process.
@@ -22,6 +22,7 @@ mod launch;
 mod lost_memory;
 mod obstacle_schedule;
 mod orphans;
+mod output_lines;
 pub mod plan;
 pub mod process_group;
 mod process_log;
@@ -33,11 +34,9 @@ pub mod resources;
 mod run;
 pub mod run_directory;
 mod shm_usage;
-mod stderr_lines;
 pub mod supervisor;
 
 pub use error::{InProcessError, MissionError};
-pub use orphans::CONFIG_VARIABLE;
 pub use report::MissionReport;
 pub use run::{MissionOptions, run};
 pub use shm_usage::ShmFull;

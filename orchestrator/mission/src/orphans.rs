@@ -13,15 +13,13 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use platform::proc;
+use runtime::config::CONFIG_VARIABLE;
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::io::Errno;
 use rustix::process::{
     Pid, PidfdFlags, Signal, WaitId, WaitIdOptions, getpid, pidfd_open, pidfd_send_signal,
     set_child_subreaper, waitid,
 };
-
-/// Environment variable with the path of a process's configuration.
-pub const CONFIG_VARIABLE: &str = "PROTEAN_CONFIG";
 
 /// Maximum number of searches for living processes.
 const MAX_SEARCHES: u32 = 16;

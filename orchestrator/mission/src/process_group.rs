@@ -34,7 +34,7 @@ pub enum AwaitError {
     Ended {
         /// Name of the process.
         name: String,
-        /// Last lines that it wrote to stderr.
+        /// Last lines of its output.
         last_lines: Vec<String>,
     },
     /// The time limit has passed.
@@ -43,7 +43,7 @@ pub enum AwaitError {
 }
 
 impl ProcessGroup {
-    /// Writes the configuration of a process below `root` and starts it in the next slot, with its stderr shown.
+    /// Writes the configuration of a process below `root` and starts it in the next slot, with its output shown.
     ///
     /// # Errors
     /// [`ChildError`] names the process and the reason.

@@ -1,4 +1,4 @@
-//! Messages of the supervisor for the log: exits and restarts of processes, and their stderr.
+//! Messages of the supervisor for the log: exits and restarts of processes, and their output.
 
 use std::sync::Arc;
 use std::sync::mpsc::{self, Receiver, SyncSender};
@@ -11,10 +11,10 @@ use ipc_types::topics::{ProcessEvents, ProcessLog};
 
 use super::error::MissionError;
 use super::launch::Launch;
+use super::output_lines::{MAX_TEXT_BYTES, OutputLine, begins_panic};
 use super::plan::Plan;
 use super::recorder_thread::DrainRequests;
 use super::resources::RunResources;
-use super::stderr_lines::{MAX_TEXT_BYTES, StderrLine};
 use scenario::ScenarioRemark;
 
 /// Maximum number of lines that wait for the next check of the supervisor.
@@ -29,8 +29,8 @@ const MAX_WAIT: Duration = Duration::from_millis(100);
 pub(super) struct ProcessEventLog {
     events: Publisher<ProcessEvents>,
     lines: Publisher<ProcessLog>,
-    line_receiver: Receiver<StderrLine>,
-    line_sender: SyncSender<StderrLine>,
+    line_receiver: Receiver<OutputLine>,
+    line_sender: SyncSender<OutputLine>,
     recorder: Arc<DrainRequests>,
     tick_period_ns: u64,
 }
@@ -67,7 +67,7 @@ impl ProcessEventLog {
     }
 
     /// Returns the sender for the output lines of the processes.
-    pub(super) fn line_sender(&self) -> SyncSender<StderrLine> {
+    pub(super) fn line_sender(&self) -> SyncSender<OutputLine> {
         self.line_sender.clone()
     }
 
@@ -103,19 +103,19 @@ impl ProcessEventLog {
 }
 
 /// Returns remarks about tasks as lines of their processes.
-pub(super) fn remark_lines(plan: &Plan, remarks: &[ScenarioRemark]) -> Vec<StderrLine> {
+pub(super) fn remark_lines(plan: &Plan, remarks: &[ScenarioRemark]) -> Vec<OutputLine> {
     let line = |remark: &ScenarioRemark| {
         let (process, robot) = (remark.process.as_ref()?, remark.robot.as_ref()?);
         let of_process = |launch: &&Launch| launch.config.name == *process;
         let slot = plan.launches.iter().find(of_process)?.config.index as usize;
         let text = format!("{}: {robot}: {}", remark.severity, remark.message);
-        Some(StderrLine { slot, text })
+        Some(OutputLine { slot, text })
     };
     remarks.iter().filter_map(line).collect()
 }
 
 /// Returns the header of a line in `process/log`.
-pub(super) fn line_header(stamp: Stamp, line: &StderrLine) -> LogHeader {
+pub(super) fn line_header(stamp: Stamp, line: &OutputLine) -> LogHeader {
     LogHeader {
         stamp,
         process: line.slot as u32,
@@ -130,7 +130,7 @@ fn level_of(line: &str) -> u32 {
         "INFO" | "note:" => 2,
         "WARN" | "warning:" => 3,
         "ERROR" | "error:" | "Error:" => 4,
-        _ if line.contains("panicked at") => 4,
+        _ if begins_panic(line) => 4,
         _ => 0,
     }
 }

@@ -8,6 +8,7 @@ use mcap_log::{
     Compression, LogObserver, LogOptions, LogWriteError, LogWriter, Manifest, ManifestFile,
 };
 
+use super::child_process::Executable;
 use super::error::MissionError;
 use super::plan::Plan;
 use super::report;
@@ -172,7 +173,11 @@ pub fn processes(plan: &Plan) -> Vec<ProcessInfo> {
         .map(|(index, launch)| ProcessInfo {
             index: index as u32,
             name: launch.config.name.clone(),
-            kind: launch.config.kind.clone(),
+            // Each external program is a kind of its own.
+            kind: match launch.executable() {
+                Executable::Kind(kind) => kind,
+                Executable::Command { .. } => launch.config.name.clone(),
+            },
             reads_beliefs: plan.reads_beliefs(index),
         })
         .collect();

@@ -28,7 +28,7 @@ pub struct Supervisor<'a> {
 }
 
 impl<'a> Supervisor<'a> {
-    /// Assigns each of these processes its slot at the barrier; with `echo`, their stderr is shown.
+    /// Assigns each of these processes its slot at the barrier; with `echo`, their output is shown.
     ///
     /// # Errors
     /// [`MissionError`] if the external bridge cannot be started.

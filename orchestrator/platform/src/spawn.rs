@@ -28,6 +28,8 @@ pub struct Program<'a> {
     pub arguments: Vec<&'a OsStr>,
     /// Name and value of a variable in addition to the environment of this process.
     pub variable: (&'a str, &'a OsStr),
+    /// Working directory; `None`: that of this process.
+    pub folder: Option<&'a OsStr>,
 }
 
 /// Child that [`spawn`] has started.
@@ -53,7 +55,7 @@ impl Child {
     }
 }
 
-/// Starts a program with an empty stdout, a pipe as stdin, and `stderr`, in a process group of its own. It inherits no
+/// Starts a program with `output` as stdout and stderr and a pipe as stdin, in a process group of its own. It inherits no
 /// other descriptor. The system kills it, also when it is stopped, as soon as the thread that started it ends for any
 /// reason.
 ///
@@ -63,8 +65,7 @@ impl Child {
     unsafe_code,
     reason = "no other function returns before the program is executed"
 )]
-pub fn spawn(program: &Program<'_>, stderr: &OwnedFd) -> Result<Child> {
-    let null = File::options().write(true).open("/dev/null")?;
+pub fn spawn(program: &Program<'_>, output: &OwnedFd) -> Result<Child> {
     let (stdin, child_stdin) = {
         let (reading, writing) = pipe_with(PipeFlags::CLOEXEC)?;
         (writing, reading)
@@ -74,11 +75,12 @@ pub fn spawn(program: &Program<'_>, stderr: &OwnedFd) -> Result<Child> {
         file: c_string(program.file)?,
         arguments: c_strings(program.arguments.iter().copied())?,
         environment: environment(program.variable)?,
+        folder: program.folder.map(c_string).transpose()?,
         parent: getpid().as_raw_nonzero().get(),
         streams: [
             child_stdin.as_raw_fd(),
-            null.as_raw_fd(),
-            stderr.as_raw_fd(),
+            output.as_raw_fd(),
+            output.as_raw_fd(),
         ],
         report: report.as_raw_fd(),
     };
@@ -110,6 +112,7 @@ struct Image {
     file: CString,
     arguments: Vec<CString>,
     environment: Vec<CString>,
+    folder: Option<CString>,
     parent: c_int,
     /// Descriptors that become stdin, stdout and stderr.
     streams: [RawFd; 3],
@@ -135,6 +138,7 @@ impl Image {
                 && (0..)
                     .zip(self.streams)
                     .all(|(to, from)| libc::dup2(from, to) == to)
+                && (self.folder.as_ref()).is_none_or(|folder| libc::chdir(folder.as_ptr()) == 0)
             {
                 descriptors::close_on_exec();
                 // Rust programs ignore it; others expect the default.
@@ -186,16 +190,17 @@ mod tests {
 
     use super::*;
 
-    /// Starts a program; returns what it wrote to stderr, its exit code and its start error.
-    fn run(words: &[&str]) -> (String, Option<i32>, Option<Error>) {
-        let (reading, stderr) = pipe_with(PipeFlags::CLOEXEC).unwrap();
+    /// Starts a program; returns its output, its exit code and its start error.
+    fn run(words: &[&str], folder: Option<&str>) -> (String, Option<i32>, Option<Error>) {
+        let (reading, output) = pipe_with(PipeFlags::CLOEXEC).unwrap();
         let program = Program {
             file: OsStr::new(words[0]),
             arguments: words.iter().map(OsStr::new).collect(),
             variable: ("SPAWN_TEST", OsStr::new("a value")),
+            folder: folder.map(OsStr::new),
         };
-        let mut child = spawn(&program, &stderr).unwrap();
-        drop(stderr);
+        let mut child = spawn(&program, &output).unwrap();
+        drop(output);
         let mut text = String::new();
         File::from(reading).read_to_string(&mut text).unwrap();
         let ended = waitid(WaitId::PidFd(child.pidfd.as_fd()), WaitIdOptions::EXITED);
@@ -204,27 +209,31 @@ mod tests {
     }
 
     #[test]
-    fn a_program_is_found_and_gets_its_arguments_variable_and_three_descriptors_only() {
+    fn a_program_is_found_and_gets_its_arguments_variable_folder_and_three_descriptors_only() {
         let file = tempfile::tempfile().unwrap();
         rustix::io::fcntl_setfd(&file, rustix::io::FdFlags::empty()).unwrap();
-        let script = "echo \"$1 $SPAWN_TEST $(ps -o pgid= -p $$ | tr -d ' ')\" >&2; echo lost; \
+        let script = "echo \"$1 $SPAWN_TEST $(ps -o pgid= -p $$ | tr -d ' ')\" >&2; pwd; \
                       for fd in /proc/$$/fd/*; do test -e \"$fd\" && echo \"${fd##*/}\" >&2; done; echo $$ >&2; exit 5";
-        let (text, code, error) = run(&["sh", "-c", script, "sh", "word"]);
+        let (text, code, error) = run(&["sh", "-c", script, "sh", "word"], Some("/usr"));
         let lines: Vec<&str> = text.lines().collect();
         let pid = *lines.last().unwrap();
-        assert_eq!(lines, [&*format!("word a value {pid}"), "0", "1", "2", pid]);
+        assert_eq!(
+            lines,
+            [&*format!("word a value {pid}"), "/usr", "0", "1", "2", pid]
+        );
         assert_eq!(code, Some(5));
         assert!(error.is_none(), "{error:?}");
     }
 
     #[test]
     fn a_program_that_cannot_be_executed_has_the_reason() {
-        for (file, kind) in [
-            ("./there-is-no-such-program", ErrorKind::NotFound),
-            ("there-is-no-such-program", ErrorKind::NotFound),
-            ("/etc/passwd", ErrorKind::PermissionDenied),
+        for (file, folder, kind) in [
+            ("./there-is-no-such-program", None, ErrorKind::NotFound),
+            ("there-is-no-such-program", None, ErrorKind::NotFound),
+            ("/etc/passwd", None, ErrorKind::PermissionDenied),
+            ("sh", Some("/there-is-no-such-folder"), ErrorKind::NotFound),
         ] {
-            let (text, code, error) = run(&[file]);
+            let (text, code, error) = run(&[file], folder);
             assert_eq!((text.as_str(), code), ("", Some(NOT_EXECUTED)), "{file}");
             assert_eq!(error.map(|error| error.kind()), Some(kind), "{file}");
         }
@@ -232,13 +241,14 @@ mod tests {
 
     #[test]
     fn a_zero_byte_is_refused() {
-        let (_, stderr) = pipe_with(PipeFlags::CLOEXEC).unwrap();
+        let (_, output) = pipe_with(PipeFlags::CLOEXEC).unwrap();
         let program = Program {
             file: OsStr::new("sh\0"),
             arguments: Vec::new(),
             variable: ("SPAWN_TEST", OsStr::new("")),
+            folder: None,
         };
-        let error = spawn(&program, &stderr).unwrap_err();
+        let error = spawn(&program, &output).unwrap_err();
         assert_eq!(error.to_string(), "\"sh\\0\" has a zero byte");
     }
 }

@@ -1,6 +1,6 @@
 //! Output to a terminal without control characters.
 //!
-//! Titles of scenarios, topics of logs and stderr of processes are untrusted input. Control characters in
+//! Titles of scenarios, topics of logs and output of processes are untrusted input. Control characters in
 //! them could move the cursor, overwrite earlier output, change the title or fill the clipboard. They are
 //! therefore written as escapes.
 //!

@@ -47,6 +47,25 @@ fn refused<T>(message: impl Into<String>, expected: impl Into<String>) -> Result
 }
 
 impl Base {
+    /// Returns the absolute path of a folder in the scenario; without a folder of its own, relative paths refer to the
+    /// current one.
+    ///
+    /// # Errors
+    /// A text, if the path is not UTF-8 or the current folder is unknown.
+    pub fn absolute(&self, path: &str) -> Result<String, String> {
+        let base = match self {
+            Self::Folder { folder, .. } => folder.as_path(),
+            Self::Builtin | Self::Nothing => Path::new("."),
+        };
+        let full = std::path::absolute(base.join(path)).map_err(|error| error.to_string())?;
+        let text = full.to_str().map(|text| text.trim_end_matches('/'));
+        match text {
+            Some("") => Ok("/".to_owned()),
+            Some(text) => Ok(text.to_owned()),
+            None => Err(format!("{}: the path is not UTF-8", full.display())),
+        }
+    }
+
     /// Finds the file that a path in the scenario refers to.
     ///
     /// # Errors

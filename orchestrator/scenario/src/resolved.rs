@@ -23,6 +23,8 @@ pub enum Program {
     Command {
         /// Its path and arguments.
         words: Vec<String>,
+        /// Its working directory, an absolute path.
+        folder: String,
         /// Its parameters as written.
         params: Json,
     },
@@ -42,10 +44,10 @@ impl ProcessSpec {
 }
 
 impl Program {
-    /// Returns the command line of an external program for review by the user: quoted as for a shell, always
-    /// on one line. Returns `None` for a kind of this program.
+    /// Returns the command line of an external program and its working directory for review by the user: quoted as
+    /// for a shell, always on one line. Returns `None` for a kind of this program.
     pub fn command_line(&self) -> Option<String> {
-        let Self::Command { words, .. } = self else {
+        let Self::Command { words, folder, .. } = self else {
             return None;
         };
         let shown = |word: &String| {
@@ -55,7 +57,8 @@ impl Program {
                 quote(word)
             }
         };
-        Some(words.iter().map(shown).collect::<Vec<_>>().join(" "))
+        let line = words.iter().map(shown).collect::<Vec<_>>().join(" ");
+        Some(format!("{line} (in {})", shown(folder)))
     }
 
     /// Returns the kind, if it is one of this program.
@@ -176,7 +179,10 @@ impl ResolvedScenario {
                 });
                 match &p.program {
                     Program::Kind(kind) => block["kind"] = json!(kind.kind().name),
-                    Program::Command { words, .. } => block["command"] = json!(words),
+                    Program::Command { words, folder, .. } => {
+                        block["command"] = json!(words);
+                        block["folder"] = json!(folder);
+                    }
                 }
                 if !p.robots.is_empty() {
                     block["robots"] = p.robots.iter().map(robot_name).collect();
@@ -212,13 +218,18 @@ mod tests {
         let line = |words: &[&str]| {
             Program::Command {
                 words: words.iter().map(|&w| w.to_owned()).collect(),
+                folder: "/my missions".to_owned(),
                 params: Json::Null,
             }
             .command_line()
         };
-        assert_eq!(line(&["./a", "b"]).unwrap(), "./a b");
-        assert_eq!(line(&["sh", "-c", "x; y", ""]).unwrap(), "sh -c 'x; y' ''");
+        assert_eq!(line(&["./a", "b"]).unwrap(), "./a b (in '/my missions')");
+        let quoted = line(&["sh", "-c", "x; y", ""]).unwrap();
+        assert!(quoted.starts_with("sh -c 'x; y' '' (in "), "{quoted}");
         let forged = line(&["ls", "\nStart them? [y/N] n\n"]).unwrap();
-        assert_eq!(forged, r#"ls "\nStart them? [y/N] n\n""#);
+        assert!(
+            forged.starts_with(r#"ls "\nStart them? [y/N] n\n" (in "#),
+            "{forged}"
+        );
     }
 }

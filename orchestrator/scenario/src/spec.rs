@@ -278,6 +278,9 @@ pub(super) struct ProcessBlock {
     pub kind: Option<String>,
     /// An external program and its arguments; runs only with `--allow-external`.
     pub command: Option<Vec<String>>,
+    /// Working directory of the external program, to which relative paths in `command` refer; relative to the
+    /// scenario's folder, which is used if absent.
+    pub folder: Option<String>,
     /// Names of the robots that it drives; this or `team`.
     pub robots: Option<Vec<String>>,
     /// Team whose robots it drives.

@@ -12,6 +12,9 @@ use serde::{Deserialize, Serialize};
 use sim_backend::spec::RobotModel;
 use sim_backend::team::Team;
 
+/// Environment variable with the path of a process's configuration.
+pub const CONFIG_VARIABLE: &str = "PROTEAN_CONFIG";
+
 /// Configuration of a process, except for the parameters of its kind.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ProcessConfig {
@@ -134,6 +137,14 @@ pub enum ConfigError {
         /// Position and kind of the fault.
         source: serde_json::Error,
     },
+    /// The kind cannot read its parameters.
+    #[error("parameters of {process}: {source}")]
+    Params {
+        /// Name of the process.
+        process: String,
+        /// Fault and expectation.
+        source: serde_json::Error,
+    },
 }
 
 /// Reads the file that the orchestrator wrote: the configuration, and the parameters of the kind.
@@ -142,8 +153,8 @@ pub enum ConfigError {
 /// [`ConfigError`] names the file and the place in it.
 pub fn load<P: DeserializeOwned>(path: &Path) -> Result<(ProcessConfig, P), ConfigError> {
     let (config, params) = load_untyped(path)?;
-    let params = serde_json::from_value(params).map_err(|source| ConfigError::Syntax {
-        path: path.to_owned(),
+    let params = serde_json::from_value(params).map_err(|source| ConfigError::Params {
+        process: config.name.clone(),
         source,
     })?;
     Ok((config, params))

@@ -26,12 +26,12 @@ use runtime::maps::Maps;
 
 use self::processes::LocalRun;
 use super::error::{InProcessError, MissionError};
+use super::output_lines::MAX_TEXT_BYTES;
 use super::plan::Plan;
 use super::process_log::{line_header, remark_lines};
 use super::progress::{EventPrinter, Progress};
 use super::recording::{self, LogFile};
 use super::report::MissionReport;
-use super::stderr_lines::MAX_TEXT_BYTES;
 use recorder::{DigestPrefixes, Recorder};
 use scenario::spec::Mode;
 use scenario::{ResolvedScenario, ScenarioRemark};
@@ -256,6 +256,7 @@ mod tests {
         let mut scenario = game(1);
         scenario.processes[0].program = scenario::Program::Command {
             words: vec!["./mine".into()],
+            folder: "/".into(),
             params: serde_json::Value::Null,
         };
         let error = run(&scenario, &InProcessOptions::default()).unwrap_err();

@@ -47,7 +47,7 @@ pub struct VerifyOptions {
     pub in_process: bool,
     /// `true` if external programs may be started.
     pub allow_external: bool,
-    /// `true` to hide the stderr of the processes.
+    /// `true` to hide the output of the processes.
     pub quiet: bool,
 }
 

@@ -9,6 +9,7 @@ use geometry::map::MapSpec;
 use runtime::kind::Product;
 
 use super::context::Context;
+use super::files::Base;
 use super::resolved::ProcessSpec;
 use super::robots::Robot;
 use super::spec::{MAX_PROCESSES, RunSpec};
@@ -19,6 +20,7 @@ use read::Read;
 /// its task on this map. Reports all problems.
 pub fn resolve(
     ctx: &mut Context<'_>,
+    base: &Base,
     robots: Option<&[Robot]>,
     map: Option<&MapSpec>,
     run: &RunSpec,
@@ -26,7 +28,7 @@ pub fn resolve(
     let mut read: Vec<Read> = Vec::new();
     let before = ctx.problems.len();
     for (path, node) in ctx.blocks("processes") {
-        read::block(ctx, &node, &path, robots, run, &mut read);
+        read::block(ctx, base, &node, &path, robots, run, &mut read);
     }
     if let Some(extra) = read.get(MAX_PROCESSES) {
         let problem = ctx

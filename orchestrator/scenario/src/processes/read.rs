@@ -5,6 +5,7 @@ use sim_backend::team::Team;
 
 use crate::context::Context;
 use crate::failure;
+use crate::files::Base;
 use crate::kind::{ConfiguredKind, Kind, ParamsProblem, find};
 use crate::resolved::{ProcessSpec, Program};
 use crate::robots::{Robot, check_name};
@@ -23,6 +24,7 @@ pub struct Read {
 /// Reads the processes of a block, one or one for each robot, and reports all problems.
 pub fn block(
     ctx: &mut Context<'_>,
+    base: &Base,
     node: &Node,
     path: &FieldPath,
     robots: Option<&[Robot]>,
@@ -55,7 +57,20 @@ pub fn block(
             let Some(params) = ctx.read(&params, &path.then("params")) else {
                 return;
             };
-            (Program::Command { words, params }, None)
+            let folder = match base.absolute(block.folder.as_deref().unwrap_or_default()) {
+                Ok(folder) => folder,
+                Err(message) => {
+                    let problem = ctx.problem(node, path, "folder", Code::File, message);
+                    ctx.problems.push(problem);
+                    return;
+                }
+            };
+            let program = Program::Command {
+                words,
+                folder,
+                params,
+            };
+            (program, None)
         }
     };
     let Some(driven) = read_robots(ctx, node, path, &block, kind, robots) else {
@@ -104,6 +119,15 @@ fn read_program<'k>(
     block: &ProcessBlock,
 ) -> Option<Named<'k>> {
     let problem = match (&block.kind, &block.command) {
+        (Some(_), None) if block.folder.is_some() => ctx
+            .problem(
+                node,
+                path,
+                "folder",
+                Code::Requirement,
+                "`folder` without `command`",
+            )
+            .expected("no `folder`: it is the working directory of an external program"),
         (Some(kind), None) => {
             if let Some(kind) = find(ctx.kinds, kind) {
                 return Some(Named::Kind(kind));

@@ -31,6 +31,11 @@ fn process_kinds_are_known_or_the_nearest_is_suggested() {
     );
     refused(
         "kind = \"pursuer\"",
+        "kind = \"pursuer\"\nfolder = \"x\"",
+        &["`folder` without `command`"],
+    );
+    refused(
+        "kind = \"pursuer\"",
         "command = []",
         &["the command names no program"],
     );

@@ -48,14 +48,14 @@ fn processes_are_expanded_named_and_ordered() {
     assert!(load(&both).is_err());
     let two = changed(
         "[[processes]]\nkind = \"pursuer\"\nrobots = [\"cop\"]\n[[processes]]\nkind = \"evader_potential\"\nteam = \"evader\"",
-        "[[processes]]\nname = \"own\"\ncommand = [\"./planner\", \"-v\"]\nrobots = [\"thief\", \"cop\"]\nparams = { any = [1, \"x\"] }",
+        "[[processes]]\nname = \"own\"\ncommand = [\"./planner\", \"-v\"]\nfolder = \"/missions/\"\nrobots = [\"thief\", \"cop\"]\nparams = { any = [1, \"x\"] }",
     );
     let s = load(&two).unwrap();
     let names: Vec<&str> = s.processes.iter().map(|p| p.name.as_str()).collect();
     assert_eq!(names, ["perception", "own_cop", "own_thief"]);
     assert_eq!(
         s.processes[1].program.command_line().as_deref(),
-        Some("./planner -v")
+        Some("./planner -v (in /missions)")
     );
     assert_eq!(
         s.processes[1].program.params(),
@@ -307,6 +307,26 @@ fn the_ready_timeout_of_a_process_defaults_to_that_of_the_run() {
     assert_eq!(load(&s.to_toml()).unwrap(), s);
     let error = load_with(GOOD, &["run.ready_timeout_s=0"]).unwrap_err();
     contains(&error, &["run.ready_timeout_s"]);
+}
+
+#[test]
+fn external_programs_run_in_the_folder_of_the_scenario() {
+    let dir = tempfile::tempdir().unwrap();
+    let folder = |line: &str| {
+        let program = format!("command = [\"./mine\"]\nname = \"x\"{line}");
+        let path = dir.path().join("game.toml");
+        std::fs::write(&path, changed("kind = \"evader_potential\"", &program)).unwrap();
+        let target = path.display().to_string();
+        let s = Loader::new(KINDS).load(&target, &[], None).unwrap();
+        assert_eq!(load(&s.to_toml()).unwrap(), s);
+        let mut commands = s.external_commands();
+        commands.next().unwrap().program.command_line().unwrap()
+    };
+    let root = dir.path().display();
+    assert_eq!(folder(""), format!("./mine (in {root})"));
+    let line = "\nfolder = \"./target/release\"";
+    assert_eq!(folder(line), format!("./mine (in {root}/target/release)"));
+    assert_eq!(folder("\nfolder = \"/\""), "./mine (in /)");
 }
 
 #[test]

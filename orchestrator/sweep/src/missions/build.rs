@@ -10,7 +10,7 @@ use crate::grid::Written;
 use crate::options::LoadOptions;
 use crate::parameters::{Parameter, ScaleError};
 use crate::reader::Reader;
-use scenario::{Draft, MapCache, ResolvedScenario, spec};
+use scenario::{Draft, MapCache, Program, ResolvedScenario, spec};
 
 /// An applied override, and its origin.
 struct Made {
@@ -215,6 +215,12 @@ fn fingerprint(mut scenario: ResolvedScenario) -> String {
     scenario.log = spec::LogSpec::default();
     scenario.run.pin = defaults.pin;
     scenario.run.hang_timeout_s = defaults.hang_timeout_s;
+    for process in &mut scenario.processes {
+        if let Program::Command { folder, .. } = &mut process.program {
+            // Another one on each machine.
+            folder.clear();
+        }
+    }
     blake3::hash(scenario.to_toml().as_bytes())
         .to_hex()
         .to_string()

@@ -1,4 +1,4 @@
-//! Events and stderr of processes as log lines.
+//! Events and output of processes as log lines.
 
 use ipc_types::consumer::{Consumer, LoggedMessage};
 use ipc_types::messages::process::{LogHeader, ProcessEvent};
@@ -102,7 +102,7 @@ fn process_event(event: &ProcessEvent, processes: &[ProcessInfo], time_ns: u64) 
     }
 }
 
-/// Returns a line of stderr of a process as a log line.
+/// Returns a line of output of a process as a log line.
 fn process_log(header: &LogHeader, text: &[u8], processes: &[ProcessInfo], time_ns: u64) -> Log {
     Log {
         stamp: time(time_ns),

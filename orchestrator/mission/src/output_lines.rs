@@ -1,4 +1,4 @@
-//! The lines that a process writes to stderr: read, shown, stored and forwarded.
+//! The lines that a process writes to stdout or stderr: read, shown, stored and forwarded.
 
 use std::collections::VecDeque;
 use std::fs::File;
@@ -11,6 +11,8 @@ use platform::eprintln;
 
 /// Number of last lines of a process that are stored, to be shown if it fails.
 const MAX_STORED_LINES: usize = 20;
+/// Maximum number of lines of a panic's message that are stored beside them.
+const MAX_PANIC_LINES: usize = 6;
 /// Maximum time until the last lines of a process that has ended arrive.
 const LAST_LINES_TIMEOUT: Duration = Duration::from_millis(500);
 /// Maximum length of a stored line, including its end (bytes).
@@ -19,9 +21,9 @@ const MAX_LINE_BYTES: u64 = 2048;
 /// the line was cut.
 pub(super) const MAX_TEXT_BYTES: usize = MAX_LINE_BYTES as usize * 3 + 64;
 
-/// A line that a process wrote to stderr.
+/// A line of a process's output.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct StderrLine {
+pub struct OutputLine {
     /// Index of the process in the run.
     pub slot: usize,
     /// Text without the end of the line.
@@ -30,46 +32,43 @@ pub struct StderrLine {
 
 /// The last lines of a process, read by a thread.
 #[derive(Debug)]
-pub(super) struct StderrLines {
-    kept: Arc<Mutex<VecDeque<String>>>,
-    /// Closed when every process that could write to this stderr has ended.
+pub(super) struct OutputLines {
+    kept: Arc<Mutex<LastLines>>,
+    /// Closed when every process that could write to this pipe has ended.
     reader: Option<Receiver<()>>,
 }
 
-impl StderrLines {
-    /// Starts to read the stderr of a process. `echo` shows every line on this program's stderr after the name of the
+impl OutputLines {
+    /// Starts to read the output of a process. `echo` shows every line on this program's stderr after the name of the
     /// process. `lines` receives lines while it has room: a process that writes without end must not block the others.
     ///
     /// # Errors
     /// The error of the system if no thread can be started: without a reader, the process would block.
     pub(super) fn read(
-        stderr: File,
+        output: File,
         name: &str,
         slot: usize,
         echo: bool,
-        lines: Option<SyncSender<StderrLine>>,
+        lines: Option<SyncSender<OutputLine>>,
     ) -> io::Result<Self> {
-        let kept = Arc::new(Mutex::new(VecDeque::new()));
+        let kept = Arc::new(Mutex::new(LastLines::default()));
         let (to, name) = (Arc::clone(&kept), name.to_owned());
         let (reading, reader) = mpsc::channel();
         std::thread::Builder::new()
-            .name(format!("stderr-{slot}"))
+            .name(format!("output-{slot}"))
             .spawn(move || {
                 let _reading = reading;
-                let mut stderr = BufReader::new(stderr);
-                while let Some(line) = next_line(&mut stderr) {
+                let mut output = BufReader::new(output);
+                while let Some(line) = next_line(&mut output) {
                     if echo {
                         eprintln!("[{name}] {line}");
                     }
                     if let Some(lines) = &lines {
                         let text = line.clone();
-                        let _ = lines.try_send(StderrLine { slot, text });
+                        let _ = lines.try_send(OutputLine { slot, text });
                     }
                     if let Ok(mut kept) = to.lock() {
-                        if kept.len() == MAX_STORED_LINES {
-                            kept.pop_front();
-                        }
-                        kept.push_back(line);
+                        kept.push(line);
                     }
                 }
             })?;
@@ -90,8 +89,58 @@ impl StderrLines {
     /// Returns the stored lines; the oldest comes first.
     pub(super) fn last(&self) -> Vec<String> {
         let kept = self.kept.lock();
-        kept.map(|kept| kept.iter().cloned().collect())
-            .unwrap_or_default()
+        kept.map(|kept| kept.lines()).unwrap_or_default()
+    }
+}
+
+/// Returns `true` if a line begins the message of a panic.
+pub(super) fn begins_panic(line: &str) -> bool {
+    line.contains("panicked at")
+}
+
+/// The last lines of a process, and the message of its last panic, which a backtrace would push out.
+#[derive(Debug, Default)]
+struct LastLines {
+    lines: VecDeque<String>,
+    /// Number of all lines.
+    count: usize,
+    panic: Vec<String>,
+    /// Number of lines before the panic.
+    before_panic: usize,
+    in_message: bool,
+}
+
+impl LastLines {
+    fn push(&mut self, line: String) {
+        if begins_panic(&line) {
+            self.panic.clear();
+            self.before_panic = self.count;
+            self.in_message = true;
+        } else if self.panic.len() == MAX_PANIC_LINES || line == "stack backtrace:" {
+            self.in_message = false;
+        }
+        if self.in_message {
+            self.panic.push(line.clone());
+        }
+        if self.lines.len() == MAX_STORED_LINES {
+            self.lines.pop_front();
+        }
+        self.lines.push_back(line);
+        self.count += 1;
+    }
+
+    /// Returns the message of the panic, as far as the last lines do not contain it, and the last lines.
+    fn lines(&self) -> Vec<String> {
+        let dropped = self.count - self.lines.len();
+        let missing = dropped.saturating_sub(self.before_panic);
+        let panic = self.panic.iter().take(missing);
+        let gap = (missing > self.panic.len()).then(|| "…".to_owned());
+        let gap = gap.filter(|_| !self.panic.is_empty());
+        panic
+            .cloned()
+            .chain(gap)
+            .chain(self.lines.iter().cloned())
+            .collect()
     }
 }
 
@@ -145,6 +194,35 @@ mod tests {
         text.extend(b"\nnext\n");
         let cut = format!("{}y …", "x".repeat(most - 1));
         assert_eq!(lines(&text), [&*cut, "next"]);
+    }
+
+    #[test]
+    fn the_message_of_a_panic_survives_a_long_backtrace() {
+        let stored = |lines: &[&str], frames: usize| {
+            let mut last = LastLines::default();
+            let frames = (0..frames).map(|i| format!("{i}: frame"));
+            for line in lines.iter().map(|&line| line.to_owned()).chain(frames) {
+                last.push(line);
+            }
+            last.lines()
+        };
+        let panic = [
+            "start",
+            "thread 'main' panicked at src/main.rs:3:5:",
+            "no map",
+            "stack backtrace:",
+        ];
+        let lines = stored(&panic, 100);
+        assert_eq!(lines[..4], [panic[1], panic[2], "…", "80: frame"]);
+        assert_eq!(
+            (lines.len(), lines.last().unwrap().as_str()),
+            (23, "99: frame")
+        );
+        // Not twice, if the last lines contain it.
+        assert_eq!(stored(&panic, 16)[..3], panic[..3]);
+        assert_eq!(stored(&panic, 18)[..3], [panic[1], panic[2], panic[3]][..]);
+        assert_eq!(stored(&panic, 19)[..3], [panic[1], panic[2], panic[3]][..]);
+        assert_eq!(stored(&["start"], 20)[0], "0: frame");
     }
 
     proptest! {
