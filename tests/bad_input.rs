@@ -381,7 +381,7 @@ fn programs_of_the_scenarios_own_need_permission() {
 #[test]
 fn a_new_scenario_runs_and_is_not_overwritten_unasked() {
     let sandbox = Sandbox::new();
-    for name in ["hello", "chase", "patrol_octagon"] {
+    for name in scenario::builtin::SCENARIOS.map(|built_in| built_in.name) {
         let file = format!("own/{name}.toml");
         let made = sandbox.protean(["new", &file, "--from", name]).run();
         assert_eq!(made.code, Some(0), "{made}");

@@ -41,9 +41,9 @@ const RULES: Rules = Rules {
             "statistics",
             "tracking",
         ],
-        &["navigation", "planner"],
+        &["navigation"],
         &["steering", "trajectory"],
-        &["coverage", "patrol"],
+        &["coverage", "patrol", "planner"],
         // One crate per kind of process, or per family of kinds; none depends on another one.
         &["processes/*"],
         &["recorder", "scenario"],

@@ -2,6 +2,7 @@
 //! robot.
 //!
 //! - [`Planner`]: the trait of an algorithm;
+//! - [`main`]: the main function of a program that is a process of a planner;
 //! - [`PlannerProcess`]: its process, which reads the state, the map, beliefs and scans, and sends
 //!   commands, plans, trees and waypoints;
 //! - [`planner_map`], [`robot_views`], [`limits`]: conversions of messages to inputs of algorithms.
@@ -9,14 +10,26 @@
 #![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
 #![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
 
+mod main_function;
 mod maps;
 mod outputs;
 mod planner;
 mod process;
 mod views;
 
+pub use main_function::main;
 pub use maps::planner_map;
 pub use outputs::{MAX_PLAN_POINTS, PlannedPoint, headed_for};
 pub use planner::{Planner, PlannerInputs, limits, planner_seed};
 pub use process::PlannerProcess;
 pub use views::robot_views;
+
+pub use planner_view::limits::Limits;
+pub use planner_view::map::PlannerMap;
+pub use planner_view::steering::Steering;
+pub use planner_view::view::View;
+pub use runtime::config::RobotInfo;
+pub use runtime::kind::Need;
+
+// What planners outside the workspace use, so that they depend on this crate alone.
+pub use {geometry, nalgebra, parameters, planner_view, runtime, steering};

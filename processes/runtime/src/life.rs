@@ -124,6 +124,11 @@ impl Setup {
 pub fn run<K: ProcessKind>(config: &Path) -> ExitCode {
     run_with(config, |config, params| {
         let setup = Setup::new(config)?;
+        // An external program alone knows its kind.
+        let config = &ProcessConfig {
+            kind: K::NAME.to_owned(),
+            ..config.clone()
+        };
         live(config, setup, &|bus| {
             Ok(Box::new(kind::open::<K>(config, params, bus)?))
         })

@@ -1,5 +1,7 @@
 //! `protean new`.
 
+mod project;
+
 use std::fs;
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
@@ -17,17 +19,22 @@ use super::run_args::DEFAULT_SCENARIO;
 pub(super) const HELP: &str = "\
 The file is a copy of a built-in scenario. A map file that the scenario uses is written to the folder maps beside it.
 
+With --rust, FILE is the folder of a new Cargo project: a planner, its mission and a test.
+
 Exit codes: 0 written, 1 a file cannot be written, 2 wrong usage, or a file exists and --force is absent.";
 
 /// Arguments of `protean new`.
 #[derive(Debug, clap::Args)]
 pub(super) struct NewArgs {
-    /// Scenario file to write, for example `mine.toml`
+    /// Scenario file to write, for example `mine.toml`; with `--rust` the folder of the project
     #[arg(value_name = "FILE")]
     file: PathBuf,
     /// Built-in scenario to copy (see `protean list`)
     #[arg(long, value_name = "SCENARIO", default_value = DEFAULT_SCENARIO)]
     from: String,
+    /// Write a project with a planner in Rust
+    #[arg(long, conflicts_with = "from")]
+    rust: bool,
     #[command(flatten)]
     force: ForceArg,
 }
@@ -37,6 +44,8 @@ pub(super) struct NewArgs {
 enum NewError {
     #[error("{}: expected a file name that ends in .toml", _0.display())]
     Name(PathBuf),
+    #[error("{}: expected a folder whose name has only ASCII letters, digits, `_` and `-` and begins with a letter", _0.display())]
+    ProjectName(PathBuf),
     #[error("no built-in scenario {0:?}; expected one of {1}")]
     Unknown(String, String),
     #[error("{} exists; add --force to overwrite it", _0.display())]
@@ -45,7 +54,7 @@ enum NewError {
     Write(PathBuf, io::Error),
 }
 
-/// Writes a scenario and the map that it uses.
+/// Writes a scenario and the map that it uses, or a project.
 pub(super) fn run(args: &NewArgs) -> ExitCode {
     match write(args) {
         Ok(files) => {
@@ -53,7 +62,12 @@ pub(super) fn run(args: &NewArgs) -> ExitCode {
                 print(&file.display().to_string());
             }
             let file = args.file.to_string_lossy();
-            eprintln!("next: {}", shell::line(["protean", "run", &file]));
+            if args.rust {
+                let folder = shell::line(["cd", &file]);
+                eprintln!("next: {folder} && cargo build --release && protean run hall.toml");
+            } else {
+                eprintln!("next: {}", shell::line(["protean", "run", &file]));
+            }
             ExitCode::SUCCESS
         }
         Err(error) => {
@@ -68,6 +82,19 @@ pub(super) fn run(args: &NewArgs) -> ExitCode {
 
 /// Writes the files; returns their paths.
 fn write(args: &NewArgs) -> Result<Vec<PathBuf>, NewError> {
+    let files = if args.rust {
+        let name = project::name(&args.file);
+        let name = name.ok_or_else(|| NewError::ProjectName(args.file.clone()))?;
+        project::files(&args.file, name)
+    } else {
+        scenario_files(args)?
+    };
+    write_all(&files, Existing::of_force(args.force.force))?;
+    Ok(files.into_iter().map(|(path, _)| path).collect())
+}
+
+/// Returns the scenario and the map that it uses.
+fn scenario_files(args: &NewArgs) -> Result<Vec<(PathBuf, String)>, NewError> {
     if args.file.extension().is_none_or(|end| end != "toml") {
         return Err(NewError::Name(args.file.clone()));
     }
@@ -76,15 +103,18 @@ fn write(args: &NewArgs) -> Result<Vec<PathBuf>, NewError> {
         return Err(NewError::Unknown(args.from.clone(), names));
     };
     let folder = args.file.parent().unwrap_or(Path::new(""));
-    let mut files = vec![(args.file.clone(), scenario.text)];
+    let mut files = vec![(args.file.clone(), scenario.text.to_owned())];
     if let Some((path, text)) = scenario.map() {
         let path = folder.join(path);
         // Several scenarios of a folder share a map.
         if !fs::read(&path).is_ok_and(|found| found == text.as_bytes()) {
-            files.push((path, text));
+            files.push((path, text.to_owned()));
         }
     }
-    let existing = Existing::of_force(args.force.force);
+    Ok(files)
+}
+
+fn write_all(files: &[(PathBuf, String)], existing: Existing) -> Result<(), NewError> {
     if existing == Existing::Keep
         && let Some((path, _)) = files
             .iter()
@@ -92,13 +122,13 @@ fn write(args: &NewArgs) -> Result<Vec<PathBuf>, NewError> {
     {
         return Err(NewError::Exists(path.clone()));
     }
-    for (path, text) in &files {
+    for (path, text) in files {
         write_file(path, text, existing).map_err(|error| match error.kind() {
             io::ErrorKind::AlreadyExists => NewError::Exists(path.clone()),
             _ => NewError::Write(path.clone(), error),
         })?;
     }
-    Ok(files.into_iter().map(|(path, _)| path).collect())
+    Ok(())
 }
 
 fn write_file(path: &Path, text: &str, existing: Existing) -> io::Result<()> {

@@ -4,20 +4,14 @@
 
 use core::f64::consts::PI;
 
-use geometry::math;
-use geometry::region::Region;
-use nalgebra::{Point2, Vector2};
-use parameters::{Parameters, above, at_least};
-use planner::{Planner, PlannerInputs, limits};
-use planner_view::limits::Limits;
-use planner_view::map::PlannerMap;
-use planner_view::steering::Steering;
-use planner_view::view::View;
-use runtime::config::RobotInfo;
-use runtime::kind::Need;
+use planner::geometry::math;
+use planner::geometry::region::Region;
+use planner::nalgebra::{Point2, Vector2};
+use planner::parameters::{Parameters, above, at_least};
+use planner::steering::go_to::{GoToParams, go_to};
+use planner::{Limits, Planner, PlannerInputs, PlannerMap, RobotInfo, Steering, View, limits};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use steering::go_to::{GoToParams, go_to};
 
 /// Directions that are tried on each side of the direction of the goal.
 const DIRECTIONS: i32 = 24;
@@ -58,7 +52,7 @@ pub struct NearestFree {
 }
 
 impl Planner for NearestFree {
-    const NAME: &'static str = "nearest_free";
+    const NAME: &'static str = "my_planner";
     const SUMMARY: &'static str = "drives to its goal in the nearest free direction";
 
     type Params = NearestFreeParams;
@@ -67,16 +61,12 @@ impl Planner for NearestFree {
         PlannerInputs::default()
     }
 
-    fn needs(_: &NearestFreeParams) -> Vec<Need> {
-        vec![Need::Goal]
-    }
-
     fn new(params: &NearestFreeParams, robot: &RobotInfo, _seed: u64) -> Result<Self, String> {
         let goal = robot.goal.as_ref().map(Region::center);
         Ok(Self {
             params: *params,
             limits: limits(robot)?,
-            goal: goal.ok_or_else(|| format!("{} has no goal", robot.name))?,
+            goal: goal.ok_or_else(|| format!("robot {} has no `goal`", robot.name))?,
         })
     }
 
