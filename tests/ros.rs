@@ -25,6 +25,11 @@ fn strict_ros_readers_decode_the_logs_of_all_built_in_missions() {
             counts.filter(|(_, count)| *count > 0).collect(),
         );
     }
+    let exported = sandbox.protean(["export", "hello.mcap", "--ros2bag", "bag"]);
+    let bag = exported.json();
+    let of_hello = written["hello"].clone();
+    assert_eq!(bag["messages"], of_hello.values().sum::<u64>());
+    written.insert("bag".to_owned(), of_hello);
     let read: Option<BTreeMap<String, Counts>> = python::call("read_rosbag.py", sandbox.path());
     if let Some(read) = read {
         assert_eq!(read, written);

@@ -1,4 +1,4 @@
-"""Decodes every message of logs with `rosbags`, which accepts only what strict ROS 2 programs write.
+"""Decodes every message of logs and bags with `rosbags`, which accepts only what strict ROS 2 programs write.
 
 usage: read_rosbag.py DIRECTORY
 Standard output: {log: {topic: number of messages}}.
@@ -12,7 +12,9 @@ import sys
 from rosbags.highlevel import AnyReader
 
 counts = {}
-for log in sorted(pathlib.Path(sys.argv[1]).glob("*.mcap")):
+folder = pathlib.Path(sys.argv[1])
+bags = [file.parent for file in folder.glob("*/metadata.yaml")]
+for log in sorted(folder.glob("*.mcap")) + bags:
     count = counts[log.stem] = collections.Counter()
     with AnyReader([log]) as reader:
         for connection, _, data in reader.messages():

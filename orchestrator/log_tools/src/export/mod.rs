@@ -1,9 +1,10 @@
-//! Export of the messages of a log as tables, one file for each topic.
+//! Export of a log: the messages as tables, one file for each topic, or the whole as a ROS 2 bag.
 
 mod columns;
+mod folder;
+mod ros2bag;
 
 use std::collections::BTreeMap;
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use mcap_log::Condition;
@@ -18,6 +19,8 @@ use serde::Serialize;
 use tables::{self, Cell, Format, Rows};
 
 use self::columns::Layout;
+use self::folder::Folder;
+pub use self::ros2bag::{Ros2Bag, ros2bag};
 use crate::message_json::schema_of;
 
 /// Maximum number of tables; each is an open file.
@@ -306,47 +309,6 @@ fn file_name(channel: &Channel, extension: &str, names: &mut BTreeMap<String, u1
     }
     names.insert(name.clone(), channel.id);
     format!("{name}.{extension}")
-}
-
-/// Directory of the tables; removed again if it was created for them and stays empty.
-struct Folder<'a> {
-    path: &'a Path,
-    made: bool,
-}
-
-impl<'a> Folder<'a> {
-    fn make(path: &'a Path, force: bool) -> Result<Self, DerivedError> {
-        let failed = |source| DerivedError::Write {
-            path: path.to_owned(),
-            source,
-        };
-        let made = match fs::create_dir(path) {
-            Ok(()) => true,
-            Err(e) if e.kind() == std::io::ErrorKind::AlreadyExists && path.is_dir() => {
-                if !force && fs::read_dir(path).map_err(failed)?.next().is_some() {
-                    return Err(DerivedError::Exists {
-                        path: path.to_owned(),
-                    });
-                }
-                false
-            }
-            Err(e) => return Err(failed(e)),
-        };
-        Ok(Self { path, made })
-    }
-
-    fn keep(mut self) {
-        self.made = false;
-    }
-}
-
-impl Drop for Folder<'_> {
-    fn drop(&mut self) {
-        if self.made {
-            // Removes only an empty directory: other files in it belong to the user.
-            let _ = fs::remove_dir(self.path);
-        }
-    }
 }
 
 #[cfg(test)]

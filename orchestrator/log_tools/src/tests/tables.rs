@@ -7,7 +7,7 @@ use tables::Format;
 
 use super::record_run;
 use super::support::{theirs, watch};
-use crate::{ExportOptions, Exported, export};
+use crate::{ExportOptions, Exported, export, ros2bag};
 
 fn options(format: Format, only: &[&str]) -> ExportOptions {
     ExportOptions {
@@ -142,4 +142,22 @@ fn parquet_and_text_have_the_same_values() {
         }
         assert_eq!(rows as u64, table.rows, "{topic}");
     }
+}
+
+#[test]
+fn a_bag_of_a_cut_log_is_refused_and_leaves_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let (log, bag) = (folder.path().join("run.mcap"), folder.path().join("bag"));
+    record_run(&log, 6);
+    let whole = std::fs::read(&log).unwrap();
+    std::fs::write(&log, &whole[..whole.len() - 100]).unwrap();
+    let error = ros2bag(&log, &bag, false, &mut watch()).unwrap_err();
+    assert!(error.to_string().contains("protean recover"), "{error}");
+    assert!(!bag.exists());
+    std::fs::write(&log, &whole).unwrap();
+    let made = ros2bag(&log, &bag, false, &mut watch()).unwrap();
+    assert_eq!(made.messages, theirs(&log).len() as u64);
+    assert_eq!(std::fs::read(&made.log).unwrap(), whole);
+    let again = ros2bag(&log, &bag, false, &mut watch()).unwrap_err();
+    assert!(matches!(again, DerivedError::Exists { .. }), "{again}");
 }

@@ -1,6 +1,6 @@
 //! `protean export`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use platform::eprintln;
@@ -9,17 +9,20 @@ use tables::Format;
 use super::common::{ForceArg, JsonArg, QuietArg};
 use super::logs::{self, TopicArgs};
 use super::output::{EXIT_PARTIAL, print, print_json};
-use log_tools::{ExportOptions, export};
+use log_tools::{ExportOptions, Ros2Bag, export, ros2bag};
 
 /// Help below the options.
 pub(super) const HELP: &str = "\
-Every topic with ROS 2 messages becomes a file: `world/state` becomes `world.state.csv`. The viewer topics of a run,
-whose names begin with /, repeat the others and are skipped unless --topics selects them. A row is one element of a message (a robot, a particle); it repeats log_time_ns,
-publish_time_ns, sequence and the fields of the message. A message without elements is one row. Columns of nested
-fields are named `stamp.tick`, elements of short arrays `bounds.0`. Byte arrays are written as text or 0x…; nested
-sequences as JSON. Floating-point numbers are written with enough digits to read the same value back.
+With --out, every topic with ROS 2 messages becomes a table: `world/state` becomes `world.state.csv`. The viewer topics
+of a run, whose names begin with /, repeat the others and are skipped unless --topics selects them. A row is one element
+of a message (a robot, a particle); it repeats log_time_ns, publish_time_ns, sequence and the fields of the message. A
+message without elements is one row. Columns of nested fields are named `stamp.tick`, elements of short arrays
+`bounds.0`. Byte arrays are written as text or 0x…; nested sequences as JSON. Floating-point numbers are written with
+enough digits to read the same value back.
 
-Exit codes: 0 success, 1 the tables cannot be written, 2 wrong usage, or the file is not a readable MCAP file,
+With --ros2bag, the directory gets a copy of the log and the metadata.yaml that `ros2 bag` expects.
+
+Exit codes: 0 success, 1 the files cannot be written, 2 wrong usage, or the file is not a readable MCAP file,
 3 messages are missing or could not be decoded (stderr lists them).";
 
 /// Values of `--format`.
@@ -46,8 +49,11 @@ pub(super) struct ExportArgs {
     /// Log file
     log: PathBuf,
     /// Write the tables to directory DIR
-    #[arg(long, short, value_name = "DIR")]
-    out: PathBuf,
+    #[arg(long, short, value_name = "DIR", required_unless_present = "ros2bag")]
+    out: Option<PathBuf>,
+    /// Write a ROS 2 bag to directory DIR instead of tables
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["out", "format", "topics", "exclude"])]
+    ros2bag: Option<PathBuf>,
     /// File format of the tables
     #[arg(long, value_enum, default_value_t = FormatArg::Csv)]
     format: FormatArg,
@@ -61,15 +67,46 @@ pub(super) struct ExportArgs {
     quiet: QuietArg,
 }
 
-/// Writes the messages of a log to tables.
+/// Exports a log.
 pub fn run(args: ExportArgs) -> ExitCode {
+    match (&args.ros2bag, &args.out) {
+        (Some(out), _) => bag(&args, out),
+        (None, out) => tables(&args, out.as_deref().unwrap_or(Path::new("."))),
+    }
+}
+
+/// Writes a log as a ROS 2 bag.
+fn bag(args: &ExportArgs, out: &Path) -> ExitCode {
+    logs::command(args.quiet.quiet, |watch| {
+        let bag = ros2bag(&args.log, out, args.force.force, watch)?;
+        if args.json.json {
+            print_json(&serde_json::json!(bag));
+        } else {
+            let Ros2Bag {
+                log,
+                metadata,
+                messages,
+                topics,
+            } = bag;
+            print(&format!(
+                "{}: {messages} messages of {topics} topics",
+                log.display()
+            ));
+            print(&metadata.display().to_string());
+        }
+        Ok(ExitCode::SUCCESS)
+    })
+}
+
+/// Writes the messages of a log to tables.
+fn tables(args: &ExportArgs, out: &Path) -> ExitCode {
     let options = ExportOptions {
         format: args.format.into(),
-        topics: args.topics.into(),
+        topics: args.topics.clone().into(),
         force: args.force.force,
     };
     logs::command(args.quiet.quiet, |watch| {
-        let done = export(&args.log, &args.out, &options, watch)?;
+        let done = export(&args.log, out, &options, watch)?;
         let code = logs::of_condition(&args.log, &done.source);
         if args.json.json {
             print_json(&serde_json::json!(done));

@@ -14,7 +14,7 @@ use log_tools::Difference;
 use replay::ReplayError;
 
 /// Selection of topics.
-#[derive(Debug, clap::Args)]
+#[derive(Debug, Clone, clap::Args)]
 pub(super) struct TopicArgs {
     /// Take only these topics; `*` matches any text, e.g. `world/*,robot/command`
     #[arg(long, value_name = "TOPIC", value_delimiter = ',')]
