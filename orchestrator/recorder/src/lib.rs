@@ -31,6 +31,7 @@ mod parts;
 mod predicted;
 mod recording;
 mod reorder_buffer;
+mod robot_names;
 mod robots;
 mod run_info;
 mod sequence;
@@ -53,6 +54,7 @@ pub use error::RecorderError;
 pub use event_names::EventNames;
 pub use outcome_words::outcome_words;
 pub use recording::Recording;
+pub use robot_names::{ROBOTS_TOPIC, robot_names};
 pub use run_info::{ProcessInfo, RobotInfo, RunInfo};
 pub use summary::{
     CoverageByWay, CoverageOutcome, EventEntry, LapFigures, Outage, PredictionOutcome,

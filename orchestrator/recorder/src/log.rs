@@ -8,6 +8,7 @@ use ipc_types::topics::TopicId;
 use mcap_log::{ChannelId, ChannelSpec, LogWriteError, LogWriter};
 
 use super::derived::{DerivedLog, DerivedTopics};
+use super::robot_names;
 use super::summary::{Summary, TopicCount};
 
 /// Writer of messages in the order of arrival.
@@ -24,6 +25,7 @@ impl Log {
     /// Adds all channels to an empty log.
     pub(super) fn new(
         mut writer: LogWriter,
+        robots: &[String],
         derived: Option<Box<dyn DerivedTopics>>,
     ) -> Result<Self, LogWriteError> {
         let channel = |topic: &TopicId| {
@@ -37,6 +39,7 @@ impl Log {
             })
         };
         let channels = TopicId::ALL.iter().map(channel).collect::<Result<_, _>>()?;
+        robot_names::write(robots, &mut writer)?;
         let derived = derived
             .map(|derived| DerivedLog::new(derived, &mut writer))
             .transpose()?;

@@ -48,6 +48,8 @@ pub struct Recording {
 struct Output {
     outcome: Consumers<dyn OutcomePart>,
     log: Option<Log>,
+    /// Names of the robots, by index.
+    robots: Vec<String>,
     tick_period_ns: u64,
     /// Newest tick that was written, at least in part.
     tick: u64,
@@ -65,6 +67,7 @@ impl Recording {
             output: Output {
                 outcome: outcome::parts(run),
                 log: None,
+                robots: run.event_names().robots,
                 tick_period_ns,
                 tick: 0,
             },
@@ -81,7 +84,7 @@ impl Recording {
         log: LogWriter,
         derived: Option<Box<dyn DerivedTopics>>,
     ) -> Result<Self, LogWriteError> {
-        self.output.log = Some(Log::new(log, derived)?);
+        self.output.log = Some(Log::new(log, &self.output.robots, derived)?);
         Ok(self)
     }
 

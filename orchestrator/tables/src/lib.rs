@@ -78,6 +78,11 @@ impl Column {
         let name = name.into();
         Self { name, kind }
     }
+
+    /// Returns its name.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
 }
 
 /// A cell of a table: a value of the type of its column, or empty.

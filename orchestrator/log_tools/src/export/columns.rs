@@ -60,6 +60,16 @@ impl Layout {
         &self.columns
     }
 
+    /// Returns the positions of the columns whose numbers are indices of robots, by their names in Protean's messages.
+    pub(super) fn columns_with_robots(&self) -> impl Iterator<Item = usize> {
+        let is_robot = |column: &Column| {
+            let name = column.name().rsplit('.').next();
+            matches!(name, Some("robot" | "observer" | "target"))
+        };
+        let columns = self.columns.iter().enumerate();
+        columns.filter_map(move |(at, column)| is_robot(column).then_some(at))
+    }
+
     /// Passes on the rows of a message, each beginning with the cells in `first`. A message without elements has one
     /// row; a message that cannot be decoded has none.
     pub(super) fn rows(

@@ -15,8 +15,9 @@ use mcap_log::output::MANIFEST;
 use mcap_log::reader::{Channel, Item, Reader};
 use mcap_log::{DerivedError, LogReadError};
 use platform::atomic_file::{AtomicFile, Readers};
+use recorder::{ROBOTS_TOPIC, robot_names};
 use serde::Serialize;
-use tables::{self, Cell, Format, Rows};
+use tables::{self, Cell, Column, Format, Rows, Type};
 
 use self::columns::Layout;
 use self::folder::Folder;
@@ -78,6 +79,8 @@ enum Fate {
 struct Open {
     topic: String,
     layout: Layout,
+    /// Positions of the columns that state a robot by index.
+    robot_columns: Vec<usize>,
     sink: Option<Box<dyn Rows<AtomicFile>>>,
     table: Table,
 }
@@ -104,6 +107,8 @@ pub fn export(
         names: BTreeMap::new(),
         tables: 0,
         is_run: false,
+        robots_channel: None,
+        robots: Vec::new(),
     };
     while let Some(item) = reader.next()? {
         match item {
@@ -137,6 +142,10 @@ struct Export<'a> {
     tables: usize,
     /// `true` for the log of a run.
     is_run: bool,
+    /// Channel of the names of the robots.
+    robots_channel: Option<u16>,
+    /// Names of the robots, by index; empty if the log does not state them.
+    robots: Vec<String>,
 }
 
 impl Export<'_> {
@@ -146,6 +155,9 @@ impl Export<'_> {
         channel: &Channel,
         schema: Option<&mcap_log::reader::Schema>,
     ) -> Result<(), LogReadError> {
+        if channel.topic == ROBOTS_TOPIC {
+            self.robots_channel = Some(channel.id);
+        }
         let topics = &self.options.topics;
         let repeats = self.is_run && channel.topic.starts_with('/');
         let fate = if repeats && topics.is_unlimited() {
@@ -161,6 +173,7 @@ impl Export<'_> {
                     Fate::Table(Box::new(Open {
                         topic: channel.topic.clone(),
                         layout,
+                        robot_columns: Vec::new(),
                         sink: None,
                         table: Table {
                             file: self.out.join(name),
@@ -191,6 +204,9 @@ impl Export<'_> {
         header: &mcap_log::MessageHeader,
         data: &[u8],
     ) -> Result<(), DerivedError> {
+        if self.robots_channel == Some(header.channel_id) {
+            self.robots = robot_names(data).unwrap_or_default();
+        }
         match self.channels.get_mut(&header.channel_id) {
             None | Some(Fate::Ignored) => Ok(()),
             Some(Fate::Skipped(reason)) => {
@@ -206,9 +222,9 @@ impl Export<'_> {
                         ))
                         .into());
                     }
-                    open.begin(self.log, self.options)?;
+                    open.begin(self.log, self.options, &self.robots)?;
                 }
-                open.take(header, data)
+                open.take(header, data, &self.robots)
             }
         }
     }
@@ -244,15 +260,36 @@ impl Export<'_> {
 }
 
 impl Open {
-    fn begin(&mut self, log: &Path, options: &ExportOptions) -> Result<(), DerivedError> {
+    /// Creates the table. If the names of the robots are known, each column with the index of one has another with
+    /// the name, after all others.
+    fn begin(
+        &mut self,
+        log: &Path,
+        options: &ExportOptions,
+        robots: &[String],
+    ) -> Result<(), DerivedError> {
+        let mut columns = self.layout.columns().to_vec();
+        if !robots.is_empty() && self.topic != ROBOTS_TOPIC {
+            self.robot_columns = self.layout.columns_with_robots().collect();
+            let names = self.robot_columns.iter().filter_map(|at| columns.get(*at));
+            let names =
+                names.map(|column| Column::new(format!("{}_name", column.name()), Type::Text));
+            let names: Vec<Column> = names.collect();
+            columns.extend(names);
+        }
         let path = &self.table.file;
         let file = derived::create(path, log, options.force, Readers::All)?;
-        let rows = tables::begin(options.format, file, self.layout.columns());
+        let rows = tables::begin(options.format, file, &columns);
         self.sink = Some(rows.map_err(derived::failed(path))?);
         Ok(())
     }
 
-    fn take(&mut self, header: &mcap_log::MessageHeader, data: &[u8]) -> Result<(), DerivedError> {
+    fn take(
+        &mut self,
+        header: &mcap_log::MessageHeader,
+        data: &[u8],
+        robots: &[String],
+    ) -> Result<(), DerivedError> {
         let Some(rows) = &mut self.sink else {
             return Ok(());
         };
@@ -262,9 +299,20 @@ impl Open {
             Cell::UInt(u64::from(header.sequence)),
         ];
         let mut written = 0;
+        let mut named = Vec::new();
         let result = self.layout.rows(&first, data, &mut |cells| {
             written += 1;
-            rows.row(cells)
+            if self.robot_columns.is_empty() {
+                return rows.row(cells);
+            }
+            named.clear();
+            named.extend_from_slice(cells);
+            let names = self
+                .robot_columns
+                .iter()
+                .map(|at| name_of(cells.get(*at), robots));
+            named.extend(names);
+            rows.row(&named)
         });
         self.table.rows += written;
         match result {
@@ -284,6 +332,17 @@ impl Open {
 /// Returns the columns of a channel, or the reason why it has no table.
 fn layout(channel: &Channel, schema: Option<&mcap_log::reader::Schema>) -> Result<Layout, String> {
     Layout::new(&schema_of(channel, schema)?).map_err(|error| error.to_string())
+}
+
+/// Returns the name of the robot with the index in a cell; empty if there is none.
+fn name_of(index: Option<&Cell>, robots: &[String]) -> Cell {
+    let Some(Cell::UInt(index)) = index else {
+        return Cell::Empty;
+    };
+    let name = usize::try_from(*index)
+        .ok()
+        .and_then(|index| robots.get(index));
+    name.map_or(Cell::Empty, |name| Cell::Text(name.clone()))
 }
 
 /// Returns the file name: `world/state` becomes `world.state.csv`; a name in use gets the channel's number.

@@ -5,7 +5,7 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use mcap_log::{LogOptions, ReadProgress};
-use recorder::Recording;
+use recorder::{ROBOTS_TOPIC, Recording};
 
 use super::made_up::{PERIOD_NS, Sent, recording, run};
 use super::support::{Read, theirs};
@@ -20,7 +20,8 @@ fn is_command(sent: &Sent) -> bool {
     matches!(sent, Sent::Command(..))
 }
 
-/// Returns the messages of a log whose chunks close at every check, except those for viewers.
+/// Returns the messages of a log whose chunks close at every check, except those that the
+/// recorder adds.
 fn lossless(path: &Path) -> Vec<Read> {
     let out = path.with_extension("saved");
     let mut watch = ReadProgress::new(std::sync::Arc::default(), true);
@@ -28,7 +29,7 @@ fn lossless(path: &Path) -> Vec<Read> {
     let info = LogInfo::read(&out, &mut watch).unwrap();
     assert!(info.condition.is_whole(), "{:?}", info.condition);
     let mut read = theirs(&out);
-    read.retain(|m| !m.0.starts_with('/'));
+    read.retain(|m| !m.0.starts_with('/') && m.0 != ROBOTS_TOPIC);
     read
 }
 

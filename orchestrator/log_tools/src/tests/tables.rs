@@ -71,6 +71,7 @@ fn every_protean_topic_is_a_table_with_a_row_for_every_element() {
         ("stamp.tick", "4"),
         ("robots.index", "2"),
         ("robots.robot", "2"),
+        ("robots.robot_name", "baddie_1"),
         ("robots.y", "2"),
         ("robots.x", "0.4"),
     ] {

@@ -17,8 +17,9 @@ With --out, every topic with ROS 2 messages becomes a table: `world/state` becom
 of a run, whose names begin with /, repeat the others and are skipped unless --topics selects them. A row is one element
 of a message (a robot, a particle); it repeats log_time_ns, publish_time_ns, sequence and the fields of the message. A
 message without elements is one row. Columns of nested fields are named `stamp.tick`, elements of short arrays
-`bounds.0`. Byte arrays are written as text or 0x…; nested sequences as JSON. Floating-point numbers are written with
-enough digits to read the same value back.
+`bounds.0`. The index of a robot (`robot`) has a second column with its name (`robot_name`), last in the table. Byte
+arrays are written as text or 0x…; nested sequences as JSON. Floating-point numbers are written with enough digits to
+read the same value back.
 
 With --ros2bag, the directory gets a copy of the log and the metadata.yaml that `ros2 bag` expects.
 
