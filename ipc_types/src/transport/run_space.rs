@@ -115,29 +115,22 @@ impl RunSpace {
         Ok(config)
     }
 
-    /// Removes all files and shared memory of the run. Call it only when none of its processes is
-    /// alive.
+    /// Removes all shared memory of the run, then its files: a run is found by its root as long as memory of it is left.
+    /// Call it only when none of its processes is alive.
     ///
     /// # Errors
-    /// The first failure; the rest is removed nevertheless.
+    /// The first failure; the root stays then.
     pub fn wipe(&self) -> std::io::Result<()> {
-        let mut first_error = None;
-        let mut keep = |result: std::io::Result<()>| match result {
-            Err(e) if e.kind() != ErrorKind::NotFound && first_error.is_none() => {
-                first_error = Some(e);
-            }
-            _ => {}
+        let gone = |result: std::io::Result<()>| match result {
+            Err(e) if e.kind() == ErrorKind::NotFound => Ok(()),
+            removed => removed,
         };
-        match self.segments() {
-            Ok(segments) => {
-                for segment in segments {
-                    keep(std::fs::remove_file(segment.path()));
-                }
-            }
-            Err(e) => keep(Err(e)),
+        let mut removed = Ok(());
+        for segment in self.segments()? {
+            removed = removed.and(gone(std::fs::remove_file(segment.path())));
         }
-        keep(std::fs::remove_dir_all(&self.root));
-        first_error.map_or(Ok(()), Err)
+        removed?;
+        gone(std::fs::remove_dir_all(&self.root))
     }
 
     /// Removes the permissions of other users: iceoryx2 creates the segment with the nodes of a run

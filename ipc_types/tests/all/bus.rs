@@ -307,3 +307,16 @@ fn a_wiped_space_leaves_nothing() {
         .collect();
     assert!(left.is_empty(), "{left:?}");
 }
+
+#[test]
+fn a_run_keeps_its_root_while_memory_of_it_cannot_be_removed() {
+    let (space, bus) = joined("kept");
+    drop(bus);
+    let odd = std::path::Path::new("/dev/shm").join(format!("{}odd", space.0.prefix()));
+    std::fs::create_dir(&odd).unwrap();
+    assert!(space.0.wipe().is_err());
+    assert!(space.0.root().exists());
+    std::fs::remove_dir(&odd).unwrap();
+    space.0.wipe().unwrap();
+    assert!(!space.0.root().exists());
+}
