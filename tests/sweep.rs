@@ -341,16 +341,7 @@ fn a_dry_run_lists_the_missions_and_runs_none() {
 #[test]
 fn two_sweeps_do_not_share_a_directory() {
     let sandbox = sandbox();
-    let words = [
-        "sweep",
-        "small.toml",
-        "--out",
-        "out",
-        "--jobs",
-        "1",
-        "--quiet",
-    ];
-    let running = sandbox.protean(words).start();
+    let running = sandbox.sweep_in_order().start();
     until("the first sweep", Duration::from_secs(20), || {
         sandbox
             .path()

@@ -102,6 +102,12 @@ impl Sandbox {
         Call::new(self, program)
     }
 
+    /// A call that runs the missions of `small.toml` one after the other, with results in `out`.
+    pub fn sweep_in_order(&self) -> Call<'_> {
+        let words = ["sweep", "small.toml", "--out", "out", "--jobs", "1"];
+        self.protean(words).arg("--quiet")
+    }
+
     /// A short run of a scenario with the log `run.mcap`; its summary.
     pub fn record(&self, scenario: &str) -> Json {
         self.protean(["run", scenario, "--seed", "3", "--out", "run.mcap"])
@@ -189,6 +195,12 @@ impl Sandbox {
     #[track_caller]
     pub fn assert_nothing_left(&self) {
         assert!(!self.runs().is_empty(), "no run was ever started here");
+        self.assert_empty();
+    }
+
+    /// Does the same where a run may not have started.
+    #[track_caller]
+    pub fn assert_empty(&self) {
         assert_eq!(self.processes(), [], "processes");
         assert_eq!(self.runtime_files(), [] as [PathBuf; 0], "runtime files");
         assert_eq!(self.shared_memory(), [] as [PathBuf; 0], "shared memory");

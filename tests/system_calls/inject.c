@@ -79,6 +79,7 @@ int main(int count, char **words) {
     /* The child shares the descriptors until it executes the program. */
     int child = syscall(SYS_clone, CLONE_FILES | SIGCHLD, NULL, NULL, NULL, NULL);
     if (child == 0) {
+        unsetenv("LD_LIBRARY_PATH"); /* Cargo sets it; the loader would search there with more calls. */
         *listener = install(words[2]);
         if (*listener > 0)
             execvp(words[5], words + 5);
