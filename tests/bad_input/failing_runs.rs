@@ -61,6 +61,26 @@ fn a_program_that_does_not_exist_is_named() {
 }
 
 #[test]
+fn a_limit_of_the_shell_is_named_with_the_failure() {
+    let sandbox = Sandbox::new();
+    // As a process ends whose allocation fails.
+    let aborts = driven_by("[\"/bin/sh\", \"-c\", \"kill -ABRT $$\"]");
+    sandbox.file("aborts.toml", aborts);
+    for (scenario, limit, value, failure) in [
+        ("hello", "-f", "10", "error: "),
+        ("hello", "-v", "300000", "error: "),
+        ("aborts.toml", "-v", "9000000", "was ended by signal 6"),
+    ] {
+        let script = "ulimit \"$0\" \"$1\" && shift && exec \"$@\"";
+        let call = sandbox.protean(["run", scenario, "--allow-external"]);
+        let outcome = call.through("sh", &["-c", script, limit, value]).run();
+        let named = format!("`ulimit {limit}`");
+        outcome.refused(1, &[failure, "note: the shell limits the size of", &named]);
+    }
+    sandbox.assert_nothing_left();
+}
+
+#[test]
 fn logs_that_cannot_be_written() {
     let sandbox = Sandbox::new();
     let out = |path: &str| sandbox.protean(["run", "hello", "--out"]).arg(path).run();

@@ -8,7 +8,10 @@ use crate::support::call::Outcome;
 #[track_caller]
 fn harmless(outcome: &Outcome) {
     for text in [&outcome.stdout, &outcome.stderr] {
-        let steers = |c: char| c.is_control() && c != '\n' && c != '\t' || c == '\u{202e}';
+        let steers = |c: char| {
+            c.is_control() && c != '\n' && c != '\t'
+                || matches!(c, '\u{61c}' | '\u{202e}' | '\u{2067}')
+        };
         assert!(!text.contains(steers), "{text:?}");
     }
 }
@@ -16,7 +19,7 @@ fn harmless(outcome: &Outcome) {
 #[test]
 fn titles_topics_and_stderr_lines_are_escaped_on_the_terminal() {
     let sandbox = Sandbox::new();
-    let evil = "\\u001b]0;owned\\u0007\\u009b31m\\u202e</script><script>alert(1)</script>\\\"'";
+    let evil = "\\u001b]0;owned\\u0007\\u009b31m\\u202e\\u061c\\u2067</script><script>alert(1)</script>\\\"'";
     let title = format!("title = \"{evil}\"");
     let text = changed("title = \"Hello\"", &title).replacen(
         "[world]",
@@ -32,7 +35,7 @@ fn titles_topics_and_stderr_lines_are_escaped_on_the_terminal() {
     harmless(&ran);
     assert!(
         ran.stdout
-            .contains("\\u001b]0;owned\\u0007\\u009b31m\\u202e"),
+            .contains("\\u001b]0;owned\\u0007\\u009b31m\\u202e\\u061c\\u2067"),
         "{ran}"
     );
     for call in [

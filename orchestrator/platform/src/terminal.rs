@@ -60,6 +60,8 @@ mod tests {
             ("\u{9b}31m", "\\u009b31m"),
             ("over\rwritten\u{8}", "over\\u000dwritten\\u0008"),
             ("abc\u{202e}txt", "abc\\u202etxt"),
+            ("\u{61c}\u{200e}\u{200f}", "\\u061c\\u200e\\u200f"),
+            ("\u{202a}\u{2066}\u{2069}", "\\u202a\\u2066\\u2069"),
             ("line\n\ttab — naïve ✓", "line\n\ttab — naïve ✓"),
         ] {
             assert_eq!(escape_controls(text), shown);
