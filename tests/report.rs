@@ -141,6 +141,96 @@ fn a_page_plays_the_mission_in_a_browser_and_shows_what_the_log_says() {
     sandbox.assert_nothing_left();
 }
 
+#[test]
+fn a_page_opens_before_the_first_decision_and_two_runs_share_its_clock() {
+    let sandbox = Sandbox::new();
+    for (log, seed) in [("a.mcap", "1"), ("b.mcap", "2")] {
+        let words = ["run", "popup", "--in-process", "--seed", seed, "--out", log];
+        sandbox.protean(words).json();
+    }
+    let reports = sandbox.protean(["report", "a.mcap", "b.mcap"]).json();
+    assert_eq!(reports[0]["page"], "a-b.html");
+    assert_eq!(reports[1]["page"], "a-b.html");
+    let times = |kinds: &str| {
+        format!(
+            "protean.runs.map(({{ facts }}) => facts.events.filter((e) => {kinds}.includes(facts.event_kinds[e[1]]))\
+             .map((e) => e[0]))"
+        )
+    };
+    let later =
+        |value: &str| format!("new Promise((done) => setTimeout(() => done({value}), 500))");
+    let steps = json!([
+        { "eval": times("['goal_reached']") },
+        { "eval": times("['obstacle']") },
+        { "eval": "protean.t" },
+        { "key": "p" },
+        { "eval": later("[protean.t, location.hash]") },
+        { "eval": "protean.runs.map((run) => run.root.getElementById('event-words').textContent)" },
+        { "eval": "protean.runs.map((run) => [run.plansAt(5)[0][0], [run.at(5).robots[0].x, run.at(5).robots[0].y]])" },
+        { "eval": "protean.runs.map((run) => run.root.getElementById('result').textContent)" },
+        { "eval": "protean.runs.map((run) => [...run.root.querySelectorAll('#layers label')].map((l) => l.textContent))" },
+        { "eval": "location.hash = '#t=18'" },
+        { "eval": later("[protean.t, document.getElementById('clock').textContent]") },
+    ]);
+    let Some(found) = browse(&sandbox.path().join("a-b.html"), &steps) else {
+        return;
+    };
+    assert_eq!(found["errors"], json!([]));
+    let mut answers = found["answers"].as_array().unwrap().iter();
+    let mut next = || answers.next().unwrap();
+    let all = |times: &Json| -> Vec<f64> {
+        let runs = times.as_array().unwrap().iter();
+        let times = runs.flat_map(|run| run.as_array().unwrap());
+        times.map(|time| time.as_f64().unwrap()).collect()
+    };
+    let (goals, obstacles) = (all(next()), all(next()));
+    assert_eq!((goals.len(), obstacles.len()), (2, 4));
+    let opens = next().as_f64().unwrap();
+    let first = goals.iter().copied().fold(f64::INFINITY, f64::min);
+    assert!((first - 5.0 - opens).abs() < 1e-6, "{opens} s, {goals:?}");
+    let last = obstacles.iter().copied().fold(0.0, f64::max);
+    let back = next();
+    assert_eq!(back[0].as_f64(), Some(last), "the previous event");
+    let address = back[1].as_str().unwrap().trim_start_matches("#t=");
+    assert!(
+        (address.parse::<f64>().unwrap() - last).abs() < 0.01,
+        "{back}"
+    );
+    let words = next();
+    for run in 0..2 {
+        let words = words[run].as_str().unwrap();
+        assert!(words.contains("popup_2 appeared"), "{words}");
+    }
+    for ends in next().as_array().unwrap() {
+        let apart = |i: usize| ends[0][i].as_f64().unwrap() - ends[1][i].as_f64().unwrap();
+        assert!(
+            apart(0).hypot(apart(1)) < 0.1,
+            "a plan begins at its robot: {ends}"
+        );
+    }
+    let results = next();
+    for run in 0..2 {
+        let result = results[run].as_str().unwrap();
+        assert!(
+            result.starts_with("the robot reached its goal after"),
+            "{result}"
+        );
+    }
+    for layers in next().as_array().unwrap() {
+        let layers = layers.to_string();
+        assert!(layers.contains("planned paths"), "{layers}");
+        for lacking in ["belief", "dominance", "idleness", "not in this log"] {
+            assert!(!layers.contains(lacking), "{lacking}: {layers}");
+        }
+    }
+    let sought = next();
+    assert_eq!(sought[0].as_f64(), Some(18.0));
+    assert!(
+        sought[1].as_str().unwrap().starts_with("18.00 s of"),
+        "{sought}"
+    );
+}
+
 /// Area of a polygon of corners.
 fn area(corners: &[[f64; 2]]) -> f64 {
     let next = corners.iter().cycle().skip(1);

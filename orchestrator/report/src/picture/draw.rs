@@ -323,7 +323,7 @@ impl Picture<'_> {
             .map(|mark| (mark.robot, mark))
             .collect();
         for (i, robot) in self.trace.robots.iter().enumerate() {
-            let color = self.trace.color(i);
+            let color = palette::team(robot.team);
             let radius = self.discs.get(i).copied().unwrap_or(MIN_DISC);
             let (at, text) = match outcomes.get(&i) {
                 Some(mark) => {
