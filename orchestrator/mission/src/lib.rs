@@ -5,7 +5,7 @@
 //! * [`run_directory`], `resources`, `shm_usage`, `orphans`: resources of a run, and of abandoned runs;
 //! * [`child_process`], `output_lines`, [`process_group`], `external_bridge`: processes and their turns;
 //! * `supervisor`, `decide`, `executor`, `process_log`: events of processes and the reactions;
-//! * `recording`, [`fields_of_view`], `recorder_thread`, `progress`, [`report`]: log, display and summary;
+//! * `recording`, [`fields_of_view`], `recorder_thread`, `progress`, `team_colours`, [`report`]: log, display and summary;
 //! * `run`: a run with operating-system processes; [`in_process`]: a run in one thread of this process.
 
 #![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
@@ -35,8 +35,10 @@ mod run;
 pub mod run_directory;
 mod shm_usage;
 pub mod supervisor;
+mod team_colours;
 
 pub use error::{InProcessError, MissionError};
 pub use report::MissionReport;
 pub use run::{MissionOptions, run};
 pub use shm_usage::ShmFull;
+pub use team_colours::team_colours;

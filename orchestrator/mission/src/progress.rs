@@ -1,6 +1,6 @@
 //! Progress display of a run: a progress bar on a terminal, plain lines elsewhere.
 
-use std::io::IsTerminal as _;
+use std::io::{IsTerminal as _, Write as _};
 use std::time::{Duration, Instant};
 
 use indicatif::ProgressBar;
@@ -9,6 +9,7 @@ use ipc_types::messages::world::WorldEvent;
 use ipc_types::topics::{TopicId, WorldEvents};
 use platform::eprintln;
 use platform::progress;
+use platform::terminal::{Colours, is_coloured};
 use recorder::EventNames;
 
 /// Interval between plain lines if stderr is not a terminal.
@@ -39,9 +40,16 @@ impl Progress {
         }
     }
 
-    /// Returns a printer for the recorder's thread that writes events above the bar.
-    pub fn events(&self, names: EventNames, quiet: bool) -> EventPrinter {
+    /// Returns a printer for the recorder's thread that writes events above the bar, in these colours if stderr is
+    /// coloured.
+    pub fn events(&self, names: EventNames, colours: Colours, quiet: bool) -> EventPrinter {
+        let coloured = is_coloured(&std::io::stderr());
         EventPrinter {
+            colours: if coloured {
+                colours
+            } else {
+                Colours::default()
+            },
             bar: self.bar.clone(),
             plain: self.plain,
             quiet,
@@ -74,6 +82,7 @@ pub struct EventPrinter {
     plain: bool,
     quiet: bool,
     names: EventNames,
+    colours: Colours,
 }
 
 impl Consumer for EventPrinter {
@@ -100,8 +109,10 @@ impl EventPrinter {
             return;
         }
         let line = format!("{time_s:8.2} s  {}", self.names.words(event));
+        let line = self.colours.paint(&line);
         if self.plain {
-            eprintln!("{line}");
+            // A closed stderr is ignored.
+            let _ = writeln!(std::io::stderr().lock(), "{line}");
         } else {
             self.bar.println(line);
         }

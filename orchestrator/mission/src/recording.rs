@@ -7,6 +7,7 @@ use std::sync::Arc;
 use mcap_log::{
     Compression, LogObserver, LogOptions, LogWriteError, LogWriter, Manifest, ManifestFile,
 };
+use platform::eprintln;
 
 use super::child_process::Executable;
 use super::error::MissionError;
@@ -28,6 +29,8 @@ pub(super) struct LogFile<'a> {
     pub(super) path: Option<&'a Path>,
     /// `true` if the file may be overwritten.
     pub(super) force: bool,
+    /// `true` to write no note on the first log in `logs/`.
+    pub(super) quiet: bool,
 }
 
 /// Starts recording a run, into a log if requested; the observer gets each message that is written to the log.
@@ -76,6 +79,9 @@ fn create_log(
         ..LogOptions::default()
     };
     let manifest = manifest(scenario, run, plan);
+    if log.path.is_none() && !log.quiet && !Path::new(DIRECTORY).exists() {
+        eprintln!("logs are written to ./{DIRECTORY}; --out FILE selects another place");
+    }
     loop {
         let path = match log.path {
             Some(path) => path.to_owned(),

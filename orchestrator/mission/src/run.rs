@@ -23,6 +23,7 @@ use super::report::MissionReport;
 use super::resources::RunResources;
 use super::shm_usage;
 use super::supervisor::Supervisor;
+use super::team_colours;
 use scenario::{ResolvedScenario, ScenarioRemark};
 
 /// Options of a run.
@@ -92,11 +93,12 @@ pub fn run(
     let log = (!options.without_log).then_some(LogFile {
         path: options.out.as_deref(),
         force: options.force,
+        quiet: options.quiet,
     });
     let recording = recording::create(scenario, &resources.plan, log, Arc::default(), mirror)?;
     let progress = Progress::new(scenario.world.rules.time_limit, options.quiet);
     let names = recording::run_info(scenario, &resources.plan).event_names();
-    let printer = progress.events(names, options.quiet);
+    let printer = progress.events(names, team_colours(scenario), options.quiet);
 
     let requests = Arc::<DrainRequests>::default();
     let hang_timeout = hang_timeout(scenario, options.pace);

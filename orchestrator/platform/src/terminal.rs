@@ -7,6 +7,10 @@
 //! Code that writes to stderr imports the [`eprintln!`](crate::eprintln) macro of this crate by name.
 
 use std::borrow::Cow;
+use std::collections::BTreeMap;
+
+use anstream::stream::RawStream;
+use anstream::{AutoStream, ColorChoice};
 
 /// Returns `true` if a character controls the terminal: control characters except line feed and tabulator,
 /// and characters that change the writing direction.
@@ -31,6 +35,47 @@ pub fn escape_controls(text: &str) -> Cow<'_, str> {
         }
     }
     Cow::Owned(shown)
+}
+
+/// Returns `true` if output to the stream is coloured: on a terminal, unless `NO_COLOR` is set; elsewhere only with
+/// `CLICOLOR_FORCE`.
+pub fn is_coloured(stream: &impl RawStream) -> bool {
+    AutoStream::choice(stream) != ColorChoice::Never
+}
+
+/// Words that output shows in colour.
+#[derive(Debug, Clone, Default)]
+pub struct Colours(BTreeMap<String, u8>);
+
+impl FromIterator<(String, u8)> for Colours {
+    /// Collects words, each with its colour of the 256 that terminals have.
+    fn from_iter<T: IntoIterator<Item = (String, u8)>>(words: T) -> Self {
+        Self(words.into_iter().collect())
+    }
+}
+
+impl Colours {
+    /// Returns a text with its control characters escaped and the words coloured.
+    #[must_use]
+    pub fn paint<'a>(&self, text: &'a str) -> Cow<'a, str> {
+        let plain = escape_controls(text);
+        if self.0.is_empty() {
+            return plain;
+        }
+        let is_in_word = |c: char| c.is_alphanumeric() || c == '_' || c == '-';
+        let mut painted = String::with_capacity(2 * plain.len());
+        for part in plain.split_inclusive(|c| !is_in_word(c)) {
+            let word = part.trim_end_matches(|c| !is_in_word(c));
+            match self.0.get(word) {
+                Some(colour) => {
+                    let rest = part.strip_prefix(word).unwrap_or_default();
+                    painted += &format!("\u{1b}[38;5;{colour}m{word}\u{1b}[0m{rest}");
+                }
+                None => painted += part,
+            }
+        }
+        Cow::Owned(painted)
+    }
 }
 
 /// Prints to stderr as the standard macro does, with control characters escaped. Ignores a closed stderr.
@@ -67,6 +112,16 @@ mod tests {
             assert_eq!(escape_controls(text), shown);
         }
         assert!(matches!(escape_controls("plain"), Cow::Borrowed(_)));
+    }
+
+    #[test]
+    fn whole_words_are_coloured_and_nothing_else() {
+        let colours = Colours::from_iter([("evader_1".to_owned(), 166)]);
+        let painted = colours.paint("evader_1 (evader_1)\tlogs/evader_1-2.mcap evader_10\u{7}");
+        let word = "\u{1b}[38;5;166mevader_1\u{1b}[0m";
+        let rest = "\tlogs/evader_1-2.mcap evader_10\\u0007";
+        assert_eq!(painted, format!("{word} ({word}){rest}"));
+        assert_eq!(Colours::default().paint("evader_1"), "evader_1");
     }
 
     proptest! {

@@ -10,7 +10,8 @@ mod parquet;
 use std::fmt;
 use std::io::{self, Write};
 
-use comfy_table::{CellAlignment, LineStyle, Table, TableStyle};
+use comfy_table::{CellAlignment, ContentArrangement, LineStyle, Table, TableStyle};
+use terminal_size::{Width, terminal_size_of};
 
 /// File format of a table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -26,10 +27,14 @@ const STYLE: TableStyle =
     TableStyle::new().header_separator(LineStyle::none().fill('─').junction('─'));
 
 /// Returns a table for a terminal with these columns: the first `texts` columns are left-aligned, the others
-/// right-aligned.
+/// right-aligned. If stdout is a terminal, cells are wrapped so that the table is no wider.
 pub fn for_terminal<'a>(header: impl IntoIterator<Item = &'a str>, texts: usize) -> Table {
     let mut table = Table::new();
     table.load_style(STYLE).set_header(header);
+    if let Some((Width(columns), _)) = terminal_size_of(io::stdout()) {
+        table.set_content_arrangement(ContentArrangement::Dynamic);
+        table.set_width(columns);
+    }
     for column in table.column_iter_mut().skip(texts) {
         column.set_cell_alignment(CellAlignment::Right);
     }

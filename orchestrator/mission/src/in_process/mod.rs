@@ -32,6 +32,7 @@ use super::process_log::{line_header, remark_lines};
 use super::progress::{EventPrinter, Progress};
 use super::recording::{self, LogFile};
 use super::report::MissionReport;
+use super::team_colours;
 use recorder::{DigestPrefixes, Recorder};
 use scenario::spec::Mode;
 use scenario::{ResolvedScenario, ScenarioRemark};
@@ -127,6 +128,7 @@ fn execute(
     let log = options.out.as_deref().map(|path| LogFile {
         path: Some(path),
         force: options.force,
+        quiet: !options.show,
     });
     let digest_prefixes = options.cache.digest_prefixes();
     let recording = recording::create(scenario, &plan, log, digest_prefixes, None)?;
@@ -197,7 +199,7 @@ impl ProgressDisplay {
     fn new(scenario: &ResolvedScenario, plan: &Plan) -> Self {
         let progress = Progress::new(scenario.world.rules.time_limit, false);
         let names = recording::run_info(scenario, plan).event_names();
-        let events = progress.events(names, false);
+        let events = progress.events(names, team_colours(scenario), false);
         Self { progress, events }
     }
 }

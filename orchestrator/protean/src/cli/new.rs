@@ -8,11 +8,11 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use platform::atomic_file::{AtomicFile, Existing, Readers};
-use platform::{eprintln, shell};
+use platform::eprintln;
 use scenario::builtin;
 
 use super::common::ForceArg;
-use super::output::{EXIT_FAILED, EXIT_INVALID, print};
+use super::output::{EXIT_FAILED, EXIT_INVALID, command_line, print};
 use super::run_args::DEFAULT_SCENARIO;
 
 /// Help below the options.
@@ -66,7 +66,7 @@ pub(super) fn run(args: &NewArgs) -> ExitCode {
                 let folder = shell::line(["cd", &file]);
                 eprintln!("next: {folder} && cargo build --release && protean run hall.toml");
             } else {
-                eprintln!("next: {}", shell::line(["protean", "run", &file]));
+                eprintln!("next: {}", command_line(&["run", &file]));
             }
             ExitCode::SUCCESS
         }

@@ -4,7 +4,8 @@ use std::process::ExitCode;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use config::Diagnostics;
-use platform::eprintln;
+use platform::terminal::{Colours, is_coloured};
+use platform::{eprintln, shell};
 
 /// Exit code of a run that failed.
 pub const EXIT_FAILED: u8 = 1;
@@ -25,13 +26,29 @@ pub(super) fn print_error(error: &(dyn std::error::Error + 'static)) {
 /// `true` if a result could not be written to stdout.
 static RESULT_LOST: AtomicBool = AtomicBool::new(false);
 
+/// Returns a command line of this program, which is named as the user named it.
+pub(super) fn command_line(words: &[&str]) -> String {
+    let program = std::env::args().next();
+    let program = program.unwrap_or_else(|| "protean".to_owned());
+    shell::line([program.as_str()].into_iter().chain(words.iter().copied()))
+}
+
 /// Writes a line to stdout, with control characters escaped. A closed pipe (`protean list | head`) is not an error.
 /// After another error, the exit code [`EXIT_FAILED`] replaces success.
 pub(super) fn print(text: &str) {
+    print_coloured(text, Colours::default());
+}
+
+/// Does the same, with words in these colours if stdout is coloured.
+pub(super) fn print_coloured(text: &str, colours: Colours) {
     use std::io::{ErrorKind, Write as _};
     let mut out = std::io::stdout().lock();
-    let written =
-        writeln!(out, "{}", platform::terminal::escape_controls(text)).and_then(|()| out.flush());
+    let colours = if is_coloured(&out) {
+        colours
+    } else {
+        Colours::default()
+    };
+    let written = writeln!(out, "{}", colours.paint(text)).and_then(|()| out.flush());
     if let Err(error) = written
         && error.kind() != ErrorKind::BrokenPipe
         && !RESULT_LOST.swap(true, Ordering::Relaxed)

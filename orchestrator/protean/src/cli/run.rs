@@ -7,7 +7,7 @@ use std::sync::atomic::AtomicBool;
 use platform::eprintln;
 use viewer::LiveTotals;
 
-use super::output::{EXIT_FAILED, EXIT_INVALID, EXIT_PARTIAL, print, print_json};
+use super::output::{EXIT_FAILED, EXIT_INVALID, EXIT_PARTIAL, print_coloured, print_json};
 use super::run_args::RunArgs;
 use super::run_summary;
 use mission::in_process::{self, InProcessOptions};
@@ -49,7 +49,8 @@ pub fn run(kinds: &[Kind], target: &str, args: &RunArgs) -> ExitCode {
             if args.json.json {
                 print_json(&run_summary::json(&scenario, &remarks, &report));
             } else {
-                print(&run_summary::text(&scenario, &remarks, &report));
+                let text = run_summary::text(&scenario, &remarks, &report, args.latency);
+                print_coloured(&text, mission::team_colours(&scenario));
             }
             let lost = report.summary.topics.values().any(|topic| topic.gaps > 0);
             if report.interrupted || report.has_failures || lost {

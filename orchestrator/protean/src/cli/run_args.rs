@@ -26,6 +26,10 @@ pub(super) struct OverrideArgs {
 
 /// Arguments of `protean run`, besides the scenario.
 #[derive(Debug, Clone, Default, clap::Args)]
+#[expect(
+    clippy::struct_excessive_bools,
+    reason = "one per switch of the command line"
+)]
 pub(super) struct RunArgs {
     #[command(flatten)]
     pub(super) overrides: OverrideArgs,
@@ -41,6 +45,9 @@ pub(super) struct RunArgs {
     /// Limit lock-step to FACTOR times real time; the result is the same
     #[arg(long, value_name = "FACTOR", conflicts_with_all = ["real_time", "in_process"])]
     pub(super) pace: Option<f64>,
+    /// Show the latency of every hop between processes
+    #[arg(long, conflicts_with = "in_process")]
+    pub(super) latency: bool,
     /// Write the log to FILE [default: logs/SCENARIO-SEED.mcap]
     #[arg(long, short, value_name = "FILE")]
     pub(super) out: Option<PathBuf>,

@@ -5,10 +5,13 @@ use serde_json::{Value as Json, json};
 
 use mission::MissionReport;
 use recorder::{
-    LapFigures, PredictionOutcome, ProcessOutcome, RobotOutcome, Summary, WaypointOutcome,
+    LapFigures, PredictionOutcome, ProcessOutcome, RobotOutcome, Summary, TopicCount,
+    WaypointOutcome, outcome_words,
 };
 use scenario::{ResolvedScenario, ScenarioRemark};
 use tables::for_terminal;
+
+use super::output::command_line;
 
 /// The one JSON object of `protean run --json`.
 pub(super) fn json(
@@ -220,46 +223,45 @@ fn predictions_table(predictions: &[PredictionOutcome]) -> Table {
     found
 }
 
-/// The summary for people.
+/// Latencies of every hop.
+fn latency_table(s: &Summary) -> Table {
+    let mut latency = table(&["hop", "p50 (us)", "p90 (us)", "p99 (us)", "max (us)"]);
+    for (hop, p) in &s.latency_us {
+        let cells = [p.p50, p.p90, p.p99, p.max].map(|value| format!("{value:.1}"));
+        latency.add_row([hop.clone()].into_iter().chain(cells));
+    }
+    latency
+}
+
+/// The summary for people: first the verdict, last what to do next.
 pub(super) fn text(
     scenario: &ResolvedScenario,
     remarks: &[ScenarioRemark],
     report: &MissionReport,
+    with_latency: bool,
 ) -> String {
     let s = &report.summary;
-    let robots = robots_table(s);
-    let mut latency = table(&["hop", "p50 (us)", "p90 (us)", "p99 (us)", "max (us)"]);
-    for (hop, p) in &s.latency_us {
-        let cell = |value: f64| format!("{value:.1}");
-        latency.add_row([
-            hop.clone(),
-            cell(p.p50),
-            cell(p.p90),
-            cell(p.p99),
-            cell(p.max),
-        ]);
-    }
-    let messages: u64 = s.topics.values().map(|t| t.messages).sum();
-    let gaps: u64 = s.topics.values().map(|t| t.gaps).sum();
-    let rejected: u64 = s.topics.values().map(|t| t.rejected).sum();
     let mut text = format!(
-        "{} (seed {}): {:.2} s simulated in {:.2} s, {:.0}x real time{}\n\n{robots}\n\n",
+        "{}{}\n{} (seed {}): {:.2} s simulated in {:.2} s, {:.0}x real time, {} ticks\n\n{}\n\n",
+        if report.interrupted {
+            "interrupted: "
+        } else {
+            ""
+        },
+        outcome_words(&s.robots, s.coverage.as_ref()),
         scenario.name,
         scenario.run.seed,
         s.sim_time_s,
         report.wall_time_s,
         factor(report),
-        if report.interrupted {
-            ", interrupted"
-        } else {
-            ""
-        },
+        s.ticks,
+        robots_table(s),
     );
     if let Some(predictions) = &s.predictions {
         text += &format!("{}\n\n", predictions_table(predictions));
     }
-    if !s.latency_us.is_empty() {
-        text += &format!("{latency}\n\n");
+    if with_latency {
+        text += &format!("{}\n\n", latency_table(s));
     }
     let stops: u32 = s.robots.iter().map(|r| r.fail_safe_stops).sum();
     if stops > 0 {
@@ -290,24 +292,38 @@ pub(super) fn text(
     for note in remarks.iter().filter(|remark| !remark.is_warning()) {
         text += &format!("{note}\n");
     }
-    text += &format!("ticks     {}\n", s.ticks);
-    text += &format!(
-        "messages  {messages} on {} topics, {gaps} lost",
-        s.topics.len()
-    );
-    if rejected > 0 {
-        text += &format!(", {rejected} rejected");
-    }
-    text += &format!("\ndigest    {}\n", s.digest);
+    text + &messages_text(s) + &format!("digest    {}\n", s.digest) + &log_text(s)
+}
+
+/// Counts of the messages, as a line of text.
+fn messages_text(s: &Summary) -> String {
+    let sum = |count: fn(&TopicCount) -> u64| s.topics.values().map(count).sum::<u64>();
+    let rejected = match sum(|topic| topic.rejected) {
+        0 => String::new(),
+        rejected => format!(", {rejected} rejected"),
+    };
+    format!(
+        "messages  {} on {} topics, {} lost{rejected}\n",
+        sum(|topic| topic.messages),
+        s.topics.len(),
+        sum(|topic| topic.gaps),
+    )
+}
+
+/// The log and what to do with it.
+fn log_text(s: &Summary) -> String {
     if s.log.as_os_str().is_empty() {
-        text += if s.ticks == 0 {
-            "log       none (the run ended before the first tick)"
+        let why = if s.ticks == 0 {
+            " (the run ended before the first tick)"
         } else {
-            "log       none"
+            "; --out FILE writes one"
         };
-    } else {
-        let megabytes = s.log_bytes as f64 * 1e-6;
-        text += &format!("log       {} ({megabytes:.1} MB)", s.log.display());
+        return format!("log       none{why}");
     }
-    text
+    let log = s.log.to_string_lossy();
+    format!(
+        "log       {log} ({:.1} MB)\nnext      {}",
+        s.log_bytes as f64 * 1e-6,
+        command_line(&["report", &log, "--open"]),
+    )
 }
