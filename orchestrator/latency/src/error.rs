@@ -43,7 +43,8 @@ impl LatencyError {
         match self {
             Self::Lacks { .. } => true,
             Self::Log(error) => !matches!(**error, LogReadError::Interrupted),
-            Self::Mission(_) | Self::Link(_) | Self::System { .. } => false,
+            Self::Mission(error) => error.is_refusal(),
+            Self::Link(_) | Self::System { .. } => false,
         }
     }
 }

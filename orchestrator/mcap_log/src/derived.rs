@@ -25,6 +25,14 @@ pub enum DerivedError {
         /// The log.
         path: PathBuf,
     },
+    /// The output could not be created.
+    #[error("cannot create {}: {source}", path.display())]
+    Create {
+        /// The file or directory.
+        path: PathBuf,
+        /// Error of the operating system.
+        source: io::Error,
+    },
     /// The output could not be written; a file that existed before is unchanged.
     #[error("cannot write {}: {source}", path.display())]
     Write {
@@ -39,7 +47,7 @@ pub enum DerivedError {
 ///
 /// # Errors
 /// [`DerivedError::IsTheLog`]; [`DerivedError::Exists`] without `force` if the file exists;
-/// [`DerivedError::Write`].
+/// [`DerivedError::Create`].
 pub fn create(
     path: &Path,
     log: &Path,
@@ -51,13 +59,13 @@ pub fn create(
     {
         return Err(DerivedError::IsTheLog { path: a });
     }
-    AtomicFile::create(path, Existing::of_force(force), readers).map_err(failed(path))
+    AtomicFile::create(path, Existing::of_force(force), readers).map_err(refused(path))
 }
 
 /// Writes a file made from `log`, completely or not at all.
 ///
 /// # Errors
-/// As [`create`].
+/// As [`create`]; [`DerivedError::Write`].
 pub fn write(
     bytes: &[u8],
     path: &Path,
@@ -68,6 +76,19 @@ pub fn write(
     let mut file = create(path, log, force, readers)?;
     file.write_all(bytes).map_err(failed(path))?;
     file.commit().map_err(failed(path))
+}
+
+/// Returns the constructor of the error of a file or directory that cannot be created.
+pub fn refused(path: &Path) -> impl Fn(io::Error) -> DerivedError {
+    let path = path.to_owned();
+    move |source| {
+        let path = path.clone();
+        if source.kind() == io::ErrorKind::AlreadyExists {
+            DerivedError::Exists { path }
+        } else {
+            DerivedError::Create { path, source }
+        }
+    }
 }
 
 /// Returns the constructor of the error of a file that cannot be written.
@@ -115,7 +136,7 @@ mod tests {
         let log = folder.path().join("a.mcap");
         let missing = folder.path().join("no/such/a.svg");
         let error = save("svg", &missing, &log, false).unwrap_err();
-        assert!(matches!(error, DerivedError::Write { .. }), "{error}");
+        assert!(matches!(error, DerivedError::Create { .. }), "{error}");
         // A directory exists at the path of the file.
         let taken = folder.path().join("taken");
         fs::create_dir(&taken).unwrap();

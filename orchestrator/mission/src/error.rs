@@ -100,6 +100,21 @@ pub enum MissionError {
     RecorderLost,
 }
 
+impl MissionError {
+    /// Returns `true` if nothing was started: what was requested is impossible.
+    pub fn is_refusal(&self) -> bool {
+        match self {
+            Self::Log(error) => !matches!(error, LogWriteError::Write { .. }),
+            Self::Live(error) => matches!(error, LiveError::Listen { .. }),
+            Self::InProcess(error) => !matches!(
+                error,
+                InProcessError::Process { .. } | InProcessError::Panicked { .. }
+            ),
+            _ => false,
+        }
+    }
+}
+
 /// Error of a run in one process.
 #[derive(Debug, thiserror::Error)]
 pub enum InProcessError {

@@ -86,8 +86,8 @@ fn create_log(
         let path = match log.path {
             Some(path) => path.to_owned(),
             None => free_path(&scenario.name, scenario.run.seed).map_err(|source| {
-                MissionError::System {
-                    what: "cannot create the directory logs".into(),
+                LogWriteError::Create {
+                    path: DIRECTORY.into(),
                     source,
                 }
             })?,

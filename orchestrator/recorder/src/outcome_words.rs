@@ -17,15 +17,16 @@ const EVADERS: [(&str, &str); 6] = [
 /// ```
 /// use recorder::{RobotOutcome, outcome_words};
 ///
-/// let evader = |outcome: &str, time_s| RobotOutcome {
+/// let evader = |name: &str, outcome: &str, time_s| RobotOutcome {
+///     name: name.to_owned(),
 ///     team: "evader".to_owned(),
 ///     outcome: outcome.to_owned(),
 ///     time_s,
 ///     ..RobotOutcome::default()
 /// };
-/// let one_each = [evader("caught", 29.1), evader("escaped", 40.0)];
-/// assert_eq!(outcome_words(&one_each, None), "1 of 2 evaders escaped, 1 caught");
-/// let caught = [evader("caught", 29.1), evader("caught", 135.7)];
+/// let one_each = [evader("a", "caught", 29.1), evader("b", "escaped", 40.0)];
+/// assert_eq!(outcome_words(&one_each, None), "1 of 2 evaders escaped (b), 1 caught");
+/// let caught = [evader("a", "caught", 29.1), evader("b", "caught", 135.7)];
 /// let words = "the Police win: 2 of 2 evaders caught, the last after 135.7 s";
 /// assert_eq!(outcome_words(&caught, None), words);
 /// ```
@@ -41,7 +42,7 @@ pub fn outcome_words(robots: &[RobotOutcome], coverage: Option<&CoverageOutcome>
     ];
     let parts: Vec<String> = parts.into_iter().flatten().collect();
     if parts.is_empty() {
-        format!("no outcome after {:.1} s", last_s(robots.iter()))
+        format!("ended after {:.1} s", last_s(robots.iter()))
     } else {
         parts.join("; ")
     }
@@ -50,6 +51,15 @@ pub fn outcome_words(robots: &[RobotOutcome], coverage: Option<&CoverageOutcome>
 /// Time of the last of these outcomes (s).
 fn last_s<'a>(robots: impl Iterator<Item = &'a RobotOutcome>) -> f64 {
     robots.map(|robot| robot.time_s).fold(0.0, f64::max)
+}
+
+/// Names of the robots with this outcome.
+fn names<'a>(robots: impl Iterator<Item = &'a RobotOutcome>, outcome: &str) -> String {
+    let names = robots.filter(|robot| robot.outcome == outcome);
+    names
+        .map(|robot| robot.name.as_str())
+        .collect::<Vec<_>>()
+        .join(", ")
 }
 
 /// The outcomes of the evaders; `None` without evaders.
@@ -62,7 +72,12 @@ fn evaders(robots: &[RobotOutcome]) -> Option<String> {
         match count(outcome) {
             0 => {}
             some if words.is_empty() && all == 1 => words = format!("{some} evader {word}"),
-            some if words.is_empty() => words = format!("{some} of {all} evaders {word}"),
+            some if words.is_empty() => {
+                words = format!("{some} of {all} evaders {word}");
+                if outcome == "escaped" && some < all {
+                    words += &format!(" ({})", names(evaders(), outcome));
+                }
+            }
             some => words += &format!(", {some} {word}"),
         }
     }
@@ -118,6 +133,7 @@ mod tests {
 
     fn robot(team: &str, outcome: &str, time_s: f64) -> RobotOutcome {
         RobotOutcome {
+            name: "r".to_owned(),
             team: team.to_owned(),
             outcome: outcome.to_owned(),
             time_s,
@@ -131,7 +147,7 @@ mod tests {
         for (evaders, words) in [
             (
                 vec![("escaped", 30.0), ("timed_out", 50.0)],
-                "the evaders win: 1 of 2 evaders escaped, 1 held out, the last after 50.0 s",
+                "the evaders win: 1 of 2 evaders escaped (r), 1 held out, the last after 50.0 s",
             ),
             (
                 vec![("caught", 12.34)],
@@ -143,7 +159,7 @@ mod tests {
             ),
             (
                 vec![("caught", 1.0), ("timed_out", 50.0), ("escaped", 2.0)],
-                "1 of 3 evaders escaped, 1 held out, 1 caught",
+                "1 of 3 evaders escaped (r), 1 held out, 1 caught",
             ),
         ] {
             let evaders = evaders.into_iter().map(|(o, t)| robot("evader", o, t));
@@ -158,10 +174,7 @@ mod tests {
         let arrived = robot("neutral", "goal_reached", 41.2);
         let late = robot("neutral", "timed_out", 60.0);
         let words = |robots: &[RobotOutcome]| outcome_words(robots, None);
-        assert_eq!(
-            words(std::slice::from_ref(&drives)),
-            "no outcome after 60.0 s"
-        );
+        assert_eq!(words(std::slice::from_ref(&drives)), "ended after 60.0 s");
         assert_eq!(words(&[late.clone()]), "no robot reached its goal");
         assert_eq!(
             words(&[arrived.clone()]),
@@ -202,6 +215,6 @@ mod tests {
             outcome_words(&[guard], Some(&coverage)),
             "98.2 % of the coverable area visited; 190 of 193 waypoints reached in 5 laps"
         );
-        assert_eq!(outcome_words(&[], None), "no outcome after 0.0 s");
+        assert_eq!(outcome_words(&[], None), "ended after 0.0 s");
     }
 }

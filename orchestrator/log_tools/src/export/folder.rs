@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use mcap_log::DerivedError;
+use mcap_log::{DerivedError, derived};
 
 /// Directory of exported files; removed again if it was created for them and stays empty.
 pub(super) struct Folder<'a> {
@@ -14,21 +14,18 @@ pub(super) struct Folder<'a> {
 impl<'a> Folder<'a> {
     /// Creates the directory; with `force` it may exist and contain files.
     pub(super) fn make(path: &'a Path, force: bool) -> Result<Self, DerivedError> {
-        let failed = |source| DerivedError::Write {
-            path: path.to_owned(),
-            source,
-        };
+        let refused = derived::refused(path);
         let made = match fs::create_dir(path) {
             Ok(()) => true,
             Err(e) if e.kind() == std::io::ErrorKind::AlreadyExists && path.is_dir() => {
-                if !force && fs::read_dir(path).map_err(failed)?.next().is_some() {
+                if !force && fs::read_dir(path).map_err(&refused)?.next().is_some() {
                     return Err(DerivedError::Exists {
                         path: path.to_owned(),
                     });
                 }
                 false
             }
-            Err(e) => return Err(failed(e)),
+            Err(e) => return Err(refused(e)),
         };
         Ok(Self { path, made })
     }

@@ -7,7 +7,7 @@ use std::path::PathBuf;
 #[derive(Debug, thiserror::Error)]
 pub enum LogWriteError {
     /// The file exists already and may not be overwritten.
-    #[error("{path} exists already; choose another name or allow it to be overwritten")]
+    #[error("{path} exists already; choose another name with --out or overwrite it with --force")]
     Exists {
         /// The file.
         path: PathBuf,

@@ -7,10 +7,11 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use log_tools::{CatOptions, cat};
+use mcap_log::Topics;
 use platform::eprintln;
 use platform::terminal::escape_controls;
 
-use super::logs::{self, PartArgs};
+use super::logs::{self, ExcludeArg, SpanArgs};
 use super::output::EXIT_FAILED;
 
 /// Help below the options.
@@ -25,7 +26,7 @@ Numbers that are not finite become text.
 
 Examples:
   protean cat logs/chase-1.mcap --limit 5
-  protean cat logs/chase-1.mcap --topics robot/command | jq .message
+  protean cat logs/chase-1.mcap robot/command | jq .message
 
 Exit codes: 0 success, 1 the output cannot be written, 2 wrong usage, or the file is not a readable MCAP file,
 3 interrupted, or messages of the log are missing.";
@@ -35,8 +36,16 @@ Exit codes: 0 success, 1 the output cannot be written, 2 wrong usage, or the fil
 pub(super) struct CatArgs {
     /// Log file
     log: PathBuf,
+    /// Topics [default: all]; `*` matches any text, e.g. `'world/*'`
+    #[arg(value_name = "TOPIC")]
+    topics: Vec<String>,
+    /// Old form of the topics
+    #[arg(long = "topics", hide = true, value_delimiter = ',')]
+    more_topics: Vec<String>,
     #[command(flatten)]
-    part: PartArgs,
+    exclude: ExcludeArg,
+    #[command(flatten)]
+    span: SpanArgs,
     /// Stop after N messages
     #[arg(long, value_name = "N")]
     limit: Option<NonZeroU64>,
@@ -45,9 +54,12 @@ pub(super) struct CatArgs {
 /// Prints the messages of a log.
 pub fn run(args: CatArgs) -> ExitCode {
     let options = CatOptions {
-        start_s: args.part.start,
-        end_s: args.part.end,
-        topics: args.part.topics.into(),
+        start_s: args.span.start,
+        end_s: args.span.end,
+        topics: Topics {
+            only: [args.topics, args.more_topics].concat(),
+            without: args.exclude.exclude,
+        },
         limit: args.limit,
     };
     // Progress would mix with the messages.

@@ -39,8 +39,8 @@ pub(super) struct FilterArgs {
 /// Copies a part of a log to a new log.
 pub fn run(args: FilterArgs) -> ExitCode {
     let options = FilterOptions {
-        start_s: args.part.start,
-        end_s: args.part.end,
+        start_s: args.part.span.start,
+        end_s: args.part.span.end,
         topics: args.part.topics.into(),
         force: args.force.force,
     };

@@ -1,7 +1,7 @@
 //! `protean latency`.
 
 use std::io::Write as _;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -10,7 +10,7 @@ use mcap_log::{DerivedError, ReadProgress, derived};
 use platform::atomic_file::Readers;
 use platform::eprintln;
 
-use super::common::{ExternalArg, ForceArg, QuietArg};
+use super::common::{ExternalArg, ForceArg, JsonArg, QuietArg};
 use super::logs;
 use super::output::{EXIT_FAILED, EXIT_INVALID, EXIT_PARTIAL, print, print_json};
 use super::run::{handle_signals, refuse_external};
@@ -33,7 +33,7 @@ the baselines. The stages of a tick add up to the whole.
 
 Examples:
   protean latency --rate 20 --rate 200
-  protean latency hello --duration 5 --json
+  protean latency hello --duration 5 --out latency.json
   protean latency logs/chase-1.mcap
 
 docs/how-to/latency.md explains every row and every field of the JSON object. Ctrl-C keeps what was measured.
@@ -56,8 +56,8 @@ pub(super) struct LatencyArgs {
     /// Ticks per second (Hz) [default: the scenario's]; repeatable: one mission for each
     #[arg(long, value_name = "HZ", conflicts_with = "of")]
     rate: Vec<f64>,
-    /// Measure from the stamps in a log
-    #[arg(long, value_name = "LOG", conflicts_with_all = ["target", "seed", "set"])]
+    /// Old form of a log as the target
+    #[arg(long, hide = true, conflicts_with_all = ["target", "seed", "set"])]
     of: Option<PathBuf>,
     /// Measure no baselines
     #[arg(long)]
@@ -65,9 +65,11 @@ pub(super) struct LatencyArgs {
     /// Repeat the baselines less often
     #[arg(long)]
     quick: bool,
-    /// Print one JSON object, or write it to FILE
-    #[arg(long, value_name = "FILE", num_args = 0..=1, default_missing_value = "-")]
-    json: Option<PathBuf>,
+    /// Write the JSON object to FILE
+    #[arg(long, short, value_name = "FILE")]
+    out: Option<PathBuf>,
+    #[command(flatten)]
+    json: JsonArg,
     /// Write the log of the mission to FILE
     #[arg(long, value_name = "FILE", conflicts_with = "of")]
     log: Option<PathBuf>,
@@ -107,9 +109,9 @@ fn measure(
     ipc_types::bus::quiet_transport();
     // The output file is checked before the measurement.
     let log = log_of(args);
-    let to_file = args.json.as_deref().filter(|out| *out != Path::new("-"));
     let beside = log.clone().or_else(|| args.log.clone()).unwrap_or_default();
-    let json = to_file
+    let out = args.out.as_deref();
+    let json = out
         .map(|out| {
             let file = derived::create(out, &beside, args.force.force, Readers::All)?;
             Ok((out, file))
@@ -139,7 +141,7 @@ fn measure(
             .and_then(|()| file.commit())
             .map_err(|error| refusal_of_file(&derived::failed(out)(error)))?;
     }
-    if args.json.as_deref() == Some(Path::new("-")) {
+    if args.json.json {
         print_json(&report.json());
     } else {
         print(&text(&report));
@@ -233,9 +235,9 @@ fn missions(
             }
             Err(error) => {
                 // A mission that was interrupted early is not a failure.
-                let (text, _) = refusal(&error);
+                let (text, code) = refusal(&error);
                 let ended = interrupted.load(Ordering::SeqCst);
-                return Err((text, if ended { EXIT_PARTIAL } else { EXIT_FAILED }));
+                return Err((text, if ended { EXIT_PARTIAL } else { code }));
             }
         };
         let mut run = Run {

@@ -11,6 +11,7 @@ use platform::eprintln;
 use super::output::{EXIT_FAILED, EXIT_INVALID, EXIT_PARTIAL};
 use super::run::handle_signals;
 use log_tools::Difference;
+use mission::MissionError;
 use replay::ReplayError;
 
 /// Selection of topics.
@@ -19,29 +20,43 @@ pub(super) struct TopicArgs {
     /// Take only these topics; `*` matches any text, e.g. `world/*,robot/command`
     #[arg(long, value_name = "TOPIC", value_delimiter = ',')]
     topics: Vec<String>,
+    #[command(flatten)]
+    exclude: ExcludeArg,
+}
+
+/// The option `--exclude`.
+#[derive(Debug, clap::Args)]
+pub(super) struct ExcludeArg {
     /// Leave these topics out
     #[arg(long, value_name = "TOPIC", value_delimiter = ',')]
-    exclude: Vec<String>,
+    pub(super) exclude: Vec<String>,
 }
 
 impl From<TopicArgs> for Topics {
     fn from(args: TopicArgs) -> Self {
         Self {
             only: args.topics,
-            without: args.exclude,
+            without: args.exclude.exclude,
         }
     }
 }
 
-/// Selection of a part of a log.
+/// Selection of a time span of a log.
 #[derive(Debug, clap::Args)]
-pub(super) struct PartArgs {
+pub(super) struct SpanArgs {
     /// Start at simulated time T (s)
     #[arg(long, value_name = "T")]
     pub(super) start: Option<f64>,
     /// End at simulated time T (s)
     #[arg(long, value_name = "T")]
     pub(super) end: Option<f64>,
+}
+
+/// Selection of a part of a log.
+#[derive(Debug, clap::Args)]
+pub(super) struct PartArgs {
+    #[command(flatten)]
+    pub(super) span: SpanArgs,
     #[command(flatten)]
     pub(super) topics: TopicArgs,
 }
@@ -82,8 +97,17 @@ impl CommandError {
         match self {
             Self::Log(error) | Self::Replay(ReplayError::Log(error)) => exit_code_of_read(error),
             Self::Derived(error) => exit_code_of_derived(error),
-            Self::Replay(ReplayError::Mission(_)) => EXIT_FAILED,
+            Self::Replay(ReplayError::Mission(error)) => exit_code_of_mission(error),
         }
+    }
+}
+
+/// Returns the exit code of a command whose run ends with this error.
+pub(super) fn exit_code_of_mission(error: &MissionError) -> u8 {
+    if error.is_refusal() {
+        EXIT_INVALID
+    } else {
+        EXIT_FAILED
     }
 }
 
@@ -100,7 +124,9 @@ pub(super) fn exit_code_of_derived(error: &DerivedError) -> u8 {
     match error {
         DerivedError::Log(error) => exit_code_of_read(error),
         DerivedError::Write { .. } => EXIT_FAILED,
-        DerivedError::Exists { .. } | DerivedError::IsTheLog { .. } => EXIT_INVALID,
+        DerivedError::Exists { .. }
+        | DerivedError::IsTheLog { .. }
+        | DerivedError::Create { .. } => EXIT_INVALID,
     }
 }
 

@@ -190,7 +190,8 @@ pub fn main_with(kinds: Vec<Kind>) -> ExitCode {
         eprintln!("{message}");
         return ExitCode::from(EXIT_INVALID);
     }
-    let cli = Cli::from_arg_matches(&program().get_matches());
+    let arguments = std::env::args_os().take(1).chain(moved::present(arguments));
+    let cli = Cli::from_arg_matches(&program().get_matches_from(arguments));
     let cli = cli.unwrap_or_else(|error| error.format(&mut program()).exit());
     let code = output::exit_code(command(kinds, cli));
     // Shared memory is limited as files are; the errors of the system do not name the limit.

@@ -1,4 +1,4 @@
-//! First words that are no commands, with what to type instead.
+//! Command lines of earlier versions: removed commands, with what to type instead, and changed options.
 
 use std::ffi::{OsStr, OsString};
 use std::path::Path;
@@ -36,6 +36,29 @@ const MOVED: &[Row] = &[
 /// scenario.
 pub(super) fn message(arguments: &[OsString]) -> Option<String> {
     find(MOVED, arguments).or_else(|| scenario(arguments.first()?.to_str()?))
+}
+
+/// Returns the command line with the present spelling of options whose form has changed: `latency --json FILE`.
+pub(super) fn present(arguments: Vec<OsString>) -> Vec<OsString> {
+    if arguments.first().is_none_or(|command| command != "latency") {
+        return arguments;
+    }
+    let is_file = |value: &OsString| {
+        Path::new(value)
+            .extension()
+            .is_some_and(|end| end == "json")
+    };
+    let mut present: Vec<OsString> = Vec::new();
+    for argument in arguments {
+        let after_json = present.last().is_some_and(|last| last == "--json");
+        if after_json && is_file(&argument) {
+            present.pop();
+            present.extend(["--out".into(), argument]);
+        } else if !(after_json && argument == "-") {
+            present.push(argument);
+        }
+    }
+    present
 }
 
 fn scenario(word: &str) -> Option<String> {
@@ -84,6 +107,19 @@ mod tests {
         assert_eq!(answer("sweep"), None);
         assert_eq!(answer("run bench"), None);
         assert_eq!(answer(""), None);
+    }
+
+    #[test]
+    fn an_old_form_of_an_option_becomes_the_present_one() {
+        for (old, now) in [
+            ("latency --json a.json chase", "latency --out a.json chase"),
+            ("latency chase --json -", "latency chase --json"),
+            ("latency --json chase", "latency --json chase"),
+            ("plan a.json --json b.json", "plan a.json --json b.json"),
+        ] {
+            let words = old.split(' ').map(OsString::from).collect();
+            assert_eq!(present(words).join(OsStr::new(" ")), now);
+        }
     }
 
     #[test]

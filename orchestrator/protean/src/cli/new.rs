@@ -3,16 +3,16 @@
 mod project;
 
 use std::fs;
-use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use platform::atomic_file::{AtomicFile, Existing, Readers};
+use mcap_log::DerivedError;
 use platform::eprintln;
 use scenario::builtin;
 
 use super::common::ForceArg;
-use super::output::{EXIT_FAILED, EXIT_INVALID, command_line, print};
+use super::logs::exit_code_of_derived;
+use super::output::{self, EXIT_INVALID, command_line, create, print};
 use super::run_args::DEFAULT_SCENARIO;
 
 /// Help below the options.
@@ -48,10 +48,10 @@ enum NewError {
     ProjectName(PathBuf),
     #[error("no built-in scenario {0:?}; expected one of {1}")]
     Unknown(String, String),
-    #[error("{} exists; add --force to overwrite it", _0.display())]
+    #[error("{} exists already; choose another name or overwrite it with --force", _0.display())]
     Exists(PathBuf),
-    #[error("cannot write {}: {_1}", _0.display())]
-    Write(PathBuf, io::Error),
+    #[error(transparent)]
+    Refused(#[from] DerivedError),
 }
 
 /// Writes a scenario and the map that it uses, or a project.
@@ -73,7 +73,7 @@ pub(super) fn run(args: &NewArgs) -> ExitCode {
         Err(error) => {
             eprintln!("error: {error}");
             ExitCode::from(match error {
-                NewError::Write(..) => EXIT_FAILED,
+                NewError::Refused(error) => exit_code_of_derived(&error),
                 _ => EXIT_INVALID,
             })
         }
@@ -89,7 +89,7 @@ fn write(args: &NewArgs) -> Result<Vec<PathBuf>, NewError> {
     } else {
         scenario_files(args)?
     };
-    write_all(&files, Existing::of_force(args.force.force))?;
+    write_all(&files, args.force.force)?;
     Ok(files.into_iter().map(|(path, _)| path).collect())
 }
 
@@ -114,28 +114,20 @@ fn scenario_files(args: &NewArgs) -> Result<Vec<(PathBuf, String)>, NewError> {
     Ok(files)
 }
 
-fn write_all(files: &[(PathBuf, String)], existing: Existing) -> Result<(), NewError> {
-    if existing == Existing::Keep
+fn write_all(files: &[(PathBuf, String)], force: bool) -> Result<(), NewError> {
+    if !force
         && let Some((path, _)) = files
             .iter()
             .find(|(path, _)| path.symlink_metadata().is_ok())
     {
         return Err(NewError::Exists(path.clone()));
     }
+    let mut created = Vec::new();
     for (path, text) in files {
-        write_file(path, text, existing).map_err(|error| match error.kind() {
-            io::ErrorKind::AlreadyExists => NewError::Exists(path.clone()),
-            _ => NewError::Write(path.clone(), error),
-        })?;
+        created.push((create(path, force)?, path, text));
+    }
+    for (file, path, text) in created {
+        output::write(file, path, text)?;
     }
     Ok(())
-}
-
-fn write_file(path: &Path, text: &str, existing: Existing) -> io::Result<()> {
-    if let Some(folder) = path.parent() {
-        fs::create_dir_all(folder)?;
-    }
-    let mut file = AtomicFile::create(path, existing, Readers::All)?;
-    file.write_all(text.as_bytes())?;
-    file.commit()
 }

@@ -1,9 +1,13 @@
 //! Output of commands to the terminal, and their exit codes.
 
+use std::io::Write as _;
+use std::path::Path;
 use std::process::ExitCode;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use config::Diagnostics;
+use mcap_log::{DerivedError, derived};
+use platform::atomic_file::{AtomicFile, Readers};
 use platform::terminal::{Colours, is_coloured};
 use platform::{eprintln, shell};
 
@@ -26,6 +30,27 @@ pub(super) fn print_error(error: &(dyn std::error::Error + 'static)) {
 /// `true` if a result could not be written to stdout.
 static RESULT_LOST: AtomicBool = AtomicBool::new(false);
 
+/// Creates an output file that is not made from a log, and its folder.
+///
+/// # Errors
+/// [`DerivedError::Exists`] without `force` if the file exists; [`DerivedError::Create`].
+pub(super) fn create(path: &Path, force: bool) -> Result<AtomicFile, DerivedError> {
+    if let Some(folder) = path.parent() {
+        std::fs::create_dir_all(folder).map_err(derived::refused(folder))?;
+    }
+    derived::create(path, Path::new(""), force, Readers::All)
+}
+
+/// Writes the content of such a file.
+///
+/// # Errors
+/// [`DerivedError::Write`].
+pub(super) fn write(mut file: AtomicFile, path: &Path, text: &str) -> Result<(), DerivedError> {
+    file.write_all(text.as_bytes())
+        .and_then(|()| file.commit())
+        .map_err(derived::failed(path))
+}
+
 /// Returns a command line of this program, which is named as the user named it.
 pub(super) fn command_line(words: &[&str]) -> String {
     let program = std::env::args().next();
@@ -41,7 +66,7 @@ pub(super) fn print(text: &str) {
 
 /// Does the same, with words in these colours if stdout is coloured.
 pub(super) fn print_coloured(text: &str, colours: Colours) {
-    use std::io::{ErrorKind, Write as _};
+    use std::io::ErrorKind;
     let mut out = std::io::stdout().lock();
     let colours = if is_coloured(&out) {
         colours

@@ -7,14 +7,14 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use clap::{Subcommand, ValueEnum};
-use platform::atomic_file::save;
+use platform::atomic_file::AtomicFile;
 use platform::eprintln;
 use platform::progress::Progress;
 use trajectory::Method;
 use trajectory::options::{Constraints, Guess};
 
-use super::common::QuietArg;
-use super::output::{EXIT_FAILED, EXIT_INVALID, EXIT_PARTIAL, print};
+use super::common::{ForceArg, QuietArg};
+use super::output::{EXIT_FAILED, EXIT_INVALID, EXIT_PARTIAL, create, print, write};
 use super::plan_generate;
 use super::run::handle_signals;
 use plan::batch::{Settings, solve_all};
@@ -83,6 +83,8 @@ struct FileArgs {
     /// Write the JSON objects to FILE
     #[arg(long, short, value_name = "FILE")]
     out: Option<PathBuf>,
+    #[command(flatten)]
+    force: ForceArg,
     #[command(flatten)]
     quiet: QuietArg,
 }
@@ -203,6 +205,14 @@ fn plan(args: &FileArgs) -> ExitCode {
             return ExitCode::from(EXIT_INVALID);
         }
     };
+    let out = args.out.as_deref();
+    let out = match out.map(|out| create(out, args.force.force)).transpose() {
+        Ok(out) => out,
+        Err(error) => {
+            eprintln!("error: {error}");
+            return ExitCode::from(EXIT_INVALID);
+        }
+    };
     elements.truncate(args.limit.map_or(usize::MAX, |n| n as usize));
     let interrupted = Arc::new(AtomicBool::new(false));
     if let Err(error) = handle_signals(&interrupted) {
@@ -216,7 +226,7 @@ fn plan(args: &FileArgs) -> ExitCode {
         jobs: args.jobs.map_or_else(processors, usize::from),
         repeat: args.repeat,
     };
-    let mut output = AnswerWriter::new(args, file, elements.len());
+    let mut output = AnswerWriter::new(args, file, out, elements.len());
     let solved = solve_all(&elements, &settings, &interrupted, |index, answer| {
         output.add(index, answer);
     });
@@ -240,12 +250,13 @@ struct AnswerWriter<'a> {
     /// Lines that wait for earlier ones.
     waiting: BTreeMap<usize, String>,
     next: usize,
+    out: Option<AtomicFile>,
     /// Content of the output file.
     lines: String,
 }
 
 impl<'a> AnswerWriter<'a> {
-    fn new(args: &'a FileArgs, file: &'a Path, total: usize) -> Self {
+    fn new(args: &'a FileArgs, file: &'a Path, out: Option<AtomicFile>, total: usize) -> Self {
         Self {
             args,
             file,
@@ -255,6 +266,7 @@ impl<'a> AnswerWriter<'a> {
             refused: 0,
             waiting: BTreeMap::new(),
             next: 0,
+            out,
             lines: String::new(),
         }
     }
@@ -269,7 +281,7 @@ impl<'a> AnswerWriter<'a> {
                 .say(&format!("error: {file}: {}: {why}", answer.id));
         }
         self.progress.done(false, String::new);
-        if !self.args.json && self.args.out.is_none() {
+        if !self.args.json && self.out.is_none() {
             return;
         }
         if !self.args.samples {
@@ -292,7 +304,7 @@ impl<'a> AnswerWriter<'a> {
         if self.args.json {
             print(line);
         }
-        if self.args.out.is_some() {
+        if self.out.is_some() {
             self.lines.push_str(line);
             self.lines.push('\n');
         }
@@ -303,8 +315,8 @@ impl<'a> AnswerWriter<'a> {
         for line in std::mem::take(&mut self.waiting).into_values() {
             self.line(&line);
         }
-        if let Some(out) = &self.args.out
-            && let Err(error) = save(self.lines.as_bytes(), out)
+        if let (Some(file), Some(path)) = (self.out.take(), &self.args.out)
+            && let Err(error) = write(file, path, &self.lines)
         {
             eprintln!("error: {error}");
             return ExitCode::from(EXIT_FAILED);

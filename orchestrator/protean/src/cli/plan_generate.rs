@@ -4,10 +4,10 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::builder::PossibleValuesParser;
-use platform::atomic_file::save;
 use platform::eprintln;
 
-use super::output::{EXIT_FAILED, EXIT_INVALID, print};
+use super::common::ForceArg;
+use super::output::{EXIT_FAILED, EXIT_INVALID, create, print, write};
 use plan::Recipe;
 use plan::generate::{NAMES, with_reference};
 
@@ -42,6 +42,8 @@ pub(super) struct GenerateArgs {
     /// Write the instances to FILE [default: stdout]
     #[arg(long, short, value_name = "FILE")]
     out: Option<PathBuf>,
+    #[command(flatten)]
+    force: ForceArg,
 }
 
 /// Generates random instances.
@@ -56,6 +58,11 @@ pub(super) fn generate(args: &GenerateArgs) -> ExitCode {
     let Some(last) = args.seed.checked_add(u64::from(args.count) - 1) else {
         return invalid("--seed: the last seed would be larger than 2^64 - 1");
     };
+    let out = args.out.as_deref();
+    let file = match out.map(|out| create(out, args.force.force)).transpose() {
+        Ok(file) => file,
+        Err(error) => return invalid(&error.to_string()),
+    };
     let mut without = 0;
     let lines: Vec<String> = (args.seed..=last)
         .map(|seed| {
@@ -69,10 +76,10 @@ pub(super) fn generate(args: &GenerateArgs) -> ExitCode {
     if without > 0 {
         eprintln!("note: {without} of {} instances have no path", args.count);
     }
-    match &args.out {
+    match file.zip(out) {
         None => print(&text),
-        Some(out) => {
-            if let Err(error) = save(format!("{text}\n").as_bytes(), out) {
+        Some((file, out)) => {
+            if let Err(error) = write(file, out, &format!("{text}\n")) {
                 eprintln!("error: {error}");
                 return ExitCode::from(EXIT_FAILED);
             }

@@ -100,8 +100,8 @@ fn play(
         } else {
             args.pace
         },
-        start_s: args.part.start,
-        end_s: args.part.end,
+        start_s: args.part.span.start,
+        end_s: args.part.span.end,
         again: args.again,
         topics: args.part.topics.into(),
         live: args.live,
@@ -133,7 +133,7 @@ fn test(
     let options = VerifyOptions {
         processes: args.test,
         changes: args.set,
-        end_s: args.part.end,
+        end_s: args.part.span.end,
         in_process: args.in_process,
         allow_external: args.allow_external,
         quiet: args.quiet.quiet,

@@ -1,11 +1,13 @@
 //! `protean report`.
 
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
+use std::process::{Command, ExitCode};
+
+use platform::eprintln;
 
 use super::common::{ForceArg, JsonArg, QuietArg};
 use super::logs;
-use super::output::{print, print_json};
+use super::output::{EXIT_FAILED, print, print_json};
 use report::page::report;
 use scenario::kind::Kind;
 
@@ -15,7 +17,7 @@ The page is one file without external resources. It animates the mission (space,
 shows events, figures, latencies, outcome and scenario. Two logs are shown side by side with one clock. A log that is truncated or lacks topics is shown as far as
 possible; the page lists what is missing.
 
-Exit codes: 0 success, 1 the page cannot be written, 2 the file is not a readable Protean log, 3 the log is incomplete
+Exit codes: 0 success, 1 the page cannot be written or shown, 2 the file is not a readable Protean log, 3 the log is incomplete
 (stderr lists what is missing).";
 
 /// Arguments of `protean report`.
@@ -27,6 +29,9 @@ pub(super) struct ReportArgs {
     /// Write the page to FILE [default: the log's name with .html; of two logs: FIRST-SECOND.html]
     #[arg(long, short, value_name = "FILE")]
     out: Option<PathBuf>,
+    /// Show the page in the browser (xdg-open)
+    #[arg(long)]
+    open: bool,
     #[command(flatten)]
     force: ForceArg,
     #[command(flatten)]
@@ -49,6 +54,15 @@ pub fn run(kinds: &'static [Kind], args: &ReportArgs) -> ExitCode {
             [report] => print_json(&serde_json::json!(report)),
             reports => print_json(&serde_json::json!(reports)),
         }
+        if args.open
+            && let Err(why) = open(&out)
+        {
+            eprintln!(
+                "error: cannot show the page with xdg-open: {why}; open {} in a browser",
+                out.display()
+            );
+            return Ok(ExitCode::from(EXIT_FAILED));
+        }
         Ok(failed.unwrap_or(ExitCode::SUCCESS))
     })
 }
@@ -59,4 +73,16 @@ fn page_of(logs: &[&Path]) -> PathBuf {
     let names: Vec<_> = names.map(|name| name.to_string_lossy()).collect();
     let first = logs.first().copied().unwrap_or(Path::new(""));
     first.with_file_name(format!("{}.html", names.join("-")))
+}
+
+/// Shows a page in the browser.
+fn open(page: &Path) -> Result<(), String> {
+    // A name that begins with a hyphen is no option.
+    let page = page.canonicalize().map_err(|error| error.to_string())?;
+    let ended = Command::new("xdg-open").arg(page).status();
+    match ended {
+        Ok(status) if status.success() => Ok(()),
+        Ok(status) => Err(status.to_string()),
+        Err(error) => Err(error.to_string()),
+    }
 }

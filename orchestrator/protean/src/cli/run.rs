@@ -7,6 +7,7 @@ use std::sync::atomic::AtomicBool;
 use platform::eprintln;
 use viewer::LiveTotals;
 
+use super::logs::exit_code_of_mission;
 use super::output::{EXIT_FAILED, EXIT_INVALID, EXIT_PARTIAL, print_coloured, print_json};
 use super::run_args::RunArgs;
 use super::run_summary;
@@ -61,7 +62,7 @@ pub fn run(kinds: &[Kind], target: &str, args: &RunArgs) -> ExitCode {
         }
         Err(error) => {
             eprintln!("error: {error}");
-            ExitCode::from(EXIT_FAILED)
+            ExitCode::from(exit_code_of_mission(&error))
         }
     }
 }

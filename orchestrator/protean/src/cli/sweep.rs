@@ -130,12 +130,16 @@ fn run_of<S: SweepKind>(
         return invalid(format!("error: {message}"));
     }
     let out = place(args, &experiment.name, shard);
-    let ended = if args.dry_run {
-        dry_run(&experiment, args, shard, &out)
-    } else {
-        carry_out(&experiment, path, args, shard, &out)
-    };
-    ended.unwrap_or_else(|error| failed(&error))
+    if args.dry_run {
+        let listed = dry_run(&experiment, args, shard, &out);
+        return listed.unwrap_or_else(|error| invalid(format!("error: {error}")));
+    }
+    match open(&experiment, path, args, &out) {
+        Ok(results) => {
+            carry_out(&experiment, results, args, shard).unwrap_or_else(|error| failed(&error))
+        }
+        Err(error) => invalid(format!("error: {error}")),
+    }
 }
 
 /// Returns the directory of the results.
@@ -195,26 +199,37 @@ fn take_over<R: Record>(
     Ok(())
 }
 
-fn carry_out<S: SweepKind>(
+/// Opens the results, with what figures need and with the missions of other results.
+fn open<S: SweepKind>(
     experiment: &ExperimentOf<S>,
     path: &Path,
     args: &SweepRunArgs,
-    shard: Shard,
     out: &Path,
-) -> Result<ExitCode, SweepError> {
-    let interrupted = interruptible()?;
+) -> Result<Results<S::Row>, SweepError> {
     let mut results = Results::open(out, &experiment.manifest(), &experiment.text)?;
     let folder = path
         .parent()
         .filter(|folder| !folder.as_os_str().is_empty());
     S::keep_published(folder.unwrap_or(Path::new(".")), &results)?;
     take_over(&mut results, args, S::UNIT)?;
+    Ok(results)
+}
+
+fn carry_out<S: SweepKind>(
+    experiment: &ExperimentOf<S>,
+    mut results: Results<S::Row>,
+    args: &SweepRunArgs,
+    shard: Shard,
+) -> Result<ExitCode, SweepError> {
+    let interrupted = interruptible()?;
     let jobs = args.jobs.map_or_else(processors, usize::from);
     let options = RunOptions {
         jobs,
         shard,
         retry_failed: args.retry_failed,
-        log: args.log.map_or_else(LogPolicy::default, LogPolicy::from),
+        log: args
+            .keep_logs
+            .map_or_else(LogPolicy::default, LogPolicy::from),
         timeout: Duration::from_secs_f64(experiment.run.timeout_s),
         quiet: args.quiet.quiet,
         interrupted,

@@ -103,8 +103,8 @@ pub(super) struct SweepRunArgs {
     #[arg(long, value_name = "DIR")]
     pub(super) reuse: Vec<PathBuf>,
     /// Missions that keep their log, in folder logs of the results
-    #[arg(long, value_name = "WHICH")]
-    pub(super) log: Option<LogPolicyArg>,
+    #[arg(long, alias = "log", value_name = "WHICH")]
+    pub(super) keep_logs: Option<LogPolicyArg>,
     #[command(flatten)]
     pub(super) external: ExternalArg,
     /// Let the experiment and its scenarios use files outside their folders

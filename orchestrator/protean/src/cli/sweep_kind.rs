@@ -101,8 +101,8 @@ impl SweepKind for Task {
     const TO_DO: &'static str = "plans to make";
 
     fn check(_: &ExperimentOf<Self>, args: &SweepRunArgs) -> Result<(), String> {
-        match args.log {
-            Some(_) => Err("--log: plans have no logs; remove the option".to_owned()),
+        match args.keep_logs {
+            Some(_) => Err("--keep-logs: plans have no logs; remove the option".to_owned()),
             None => Ok(()),
         }
     }
