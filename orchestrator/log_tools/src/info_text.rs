@@ -47,7 +47,7 @@ pub fn text(info: &LogInfo) -> String {
                 .iter()
                 .map(|(source, gaps)| format!("{gaps} of source {source}"))
                 .collect();
-            text += &format!("lost      {name}: {}\n", of.join(", "));
+            text += &format!("lost        {name}: {}\n", of.join(", "));
         }
     }
     text += &condition(info);
@@ -67,10 +67,10 @@ fn head(info: &LogInfo) -> String {
     );
     let mut line = |name: &str, value: &str| {
         if !value.is_empty() {
-            text += &format!("{name:<10}{value}\n");
+            text += &format!("{name:<12}{value}\n");
         }
     };
-    line("library", &info.library);
+    line("written by", &info.library);
     line("profile", &info.profile);
     line("mode", info.mode.as_deref().unwrap_or_default());
     line("machine", info.machine.as_deref().unwrap_or_default());
@@ -88,11 +88,12 @@ fn head(info: &LogInfo) -> String {
         let entries: Vec<String> = entries.map(|(k, v)| format!("{k} {v}")).collect();
         entries.join(", ")
     };
-    line("cut", &list(&info.filtered));
+    line("cut out", &list(&info.filtered));
     line("recovered", &list(&info.recovered));
     for robot in &info.robots {
         let outcome = robot.outcome.replace('_', " ");
-        let what = format!("{} {outcome} at {:.2} s", robot.name, robot.time_s);
+        let when = if outcome == "active" { "until" } else { "at" };
+        let what = format!("{} {outcome} {when} {:.2} s", robot.name, robot.time_s);
         line("outcome", &what);
     }
     for (name, bytes) in &info.attachments {
@@ -103,61 +104,51 @@ fn head(info: &LogInfo) -> String {
 
 fn condition(info: &LogInfo) -> String {
     let c = &info.condition;
-    let chunks: Vec<String> = c
-        .chunks
-        .iter()
-        .map(|(name, chunks)| {
-            let name = if name.is_empty() {
-                "uncompressed"
-            } else {
-                name
-            };
-            format!(
-                "{} {name} ({:.2} MB, uncompressed {:.2} MB)",
-                chunks.count,
-                chunks.compressed_bytes as f64 * 1e-6,
-                chunks.uncompressed_bytes as f64 * 1e-6
-            )
-        })
-        .collect();
+    let mb = |bytes: u64| bytes as f64 * 1e-6;
     let mut text = format!(
-        "messages  {} in {:.2} MB\nchunks    {}{}\n",
+        "messages    {} in a file of {:.2} MB\n",
         info.messages,
-        c.file_bytes as f64 * 1e-6,
-        if chunks.is_empty() {
-            "none".to_owned()
-        } else {
-            chunks.join(", ")
-        },
-        match c.chunks_unchecked {
-            0 => String::new(),
-            n => format!("; {n} without a checksum"),
-        }
+        mb(c.file_bytes)
     );
+    for (compression, chunks) in &c.chunks {
+        let (count, packed) = (chunks.count, mb(chunks.compressed_bytes));
+        text += &match compression.as_str() {
+            "" => format!("data        {packed:.2} MB in {count} chunks, not compressed\n"),
+            name => format!(
+                "data        {:.2} MB, compressed with {name} to {packed:.2} MB in {count} chunks\n",
+                mb(chunks.uncompressed_bytes)
+            ),
+        };
+    }
+    if c.chunks_unchecked > 0 {
+        text += &format!(
+            "unchecked   {} chunks have no checksum\n",
+            c.chunks_unchecked
+        );
+    }
     if info.unsorted > 0 {
         text += &format!(
-            "order     {} messages follow a later one of their topic\n",
+            "order       {} messages follow a later one of their topic\n",
             info.unsorted
         );
     }
-    let has = |there: bool| if there { "yes" } else { "no" };
-    text += &format!(
-        "summary   {}, index of all chunks: {}\n",
-        has(c.summary),
-        has(c.index)
-    );
+    text += match (c.summary, c.index) {
+        (true, true) => "index       complete: programs can jump to any time\n",
+        (true, false) => "index       of a part of the chunks: programs must read the whole file\n",
+        (false, _) => "index       none: programs must read the whole file\n",
+    };
     if c.is_whole() {
-        text += "condition complete: every checksum is correct\n";
+        text += "condition   complete: every checksum is correct\n";
     } else {
-        text += "condition INCOMPLETE: `protean recover` makes a log of the readable part\n";
+        text += "condition   INCOMPLETE: `protean recover` makes a log of the readable part\n";
         for line in c.lines() {
-            text += &format!("          {line}\n");
+            text += &format!("            {line}\n");
         }
         if let Some(lost) = c
             .claimed_messages
             .and_then(|n| n.checked_sub(info.messages))
         {
-            text += &format!("          {lost} messages are lost\n");
+            text += &format!("            {lost} messages are lost\n");
         }
     }
     text

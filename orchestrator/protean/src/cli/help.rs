@@ -42,6 +42,31 @@ pub(super) fn with_headings(program: Command) -> Command {
         .help_template(template)
 }
 
+/// Returns the program with help texts that the terminal wraps: each paragraph is one line.
+pub(super) fn for_terminal(program: Command) -> Command {
+    let text = program.get_after_long_help().map(ToString::to_string);
+    let program = match text {
+        Some(text) => program.after_long_help(with_long_lines(&text)),
+        None => program,
+    };
+    program.max_term_width(120).mut_subcommands(for_terminal)
+}
+
+/// Joins the lines of paragraphs; indented lines stay.
+fn with_long_lines(text: &str) -> String {
+    let mut joined = String::with_capacity(text.len());
+    let mut in_paragraph = false;
+    for line in text.lines() {
+        let is_text = !line.is_empty() && !line.starts_with(' ');
+        if !joined.is_empty() {
+            joined.push(if in_paragraph && is_text { ' ' } else { '\n' });
+        }
+        joined += line;
+        in_paragraph = is_text;
+    }
+    joined
+}
+
 /// The description of `help`, which clap adds later.
 const HELP: &str = "Print the help of a command";
 
@@ -85,7 +110,15 @@ mod tests {
             !help.contains("--pace") && !help.contains("--seed"),
             "{help}"
         );
-        assert!(help.lines().all(|line| line.len() <= 100), "{help}");
+        let commands = help.lines().filter(|line| line.starts_with("  "));
+        assert!(commands.map(str::len).all(|n| n <= 80), "{help}");
+    }
+
+    #[test]
+    fn paragraphs_become_lines_and_examples_stay() {
+        let text = "One\ntwo.\n\nThree:\n  a  b\n  c\n\nFour\nfive.";
+        let joined = "One two.\n\nThree:\n  a  b\n  c\n\nFour five.";
+        assert_eq!(with_long_lines(text), joined);
     }
 
     #[test]

@@ -37,6 +37,7 @@ Examples:
   protean latency logs/chase-1.mcap
 
 docs/how-to/latency.md explains every row and every field of the JSON object. Ctrl-C keeps what was measured.
+
 Exit codes: 0 success, 1 a measurement failed, 2 wrong usage, or the log has no latencies, 3 interrupted, or the log is
 incomplete.";
 

@@ -79,7 +79,7 @@ enum Command {
         #[command(flatten)]
         json: JsonArg,
     },
-    /// Write an HTML page about a log: animated mission, events, figures, latencies
+    /// Write an HTML page about a log: animation, events, figures
     #[command(after_long_help = report::HELP)]
     Report(report::ReportArgs),
     /// Draw a log as an SVG picture: map, paths, captures and escapes
@@ -103,7 +103,7 @@ enum Command {
     /// Publish a log again, or test processes against it
     #[command(after_long_help = replay::HELP)]
     Replay(replay::ReplayArgs),
-    /// Run the scenario of a log again and verify that the result is identical
+    /// Run the scenario of a log again and compare every message
     #[command(alias = "rerun", after_long_help = verify::HELP)]
     Verify(verify::VerifyArgs),
     /// Run an experiment: many missions, one table of results
@@ -132,7 +132,7 @@ enum Command {
     /// Inject faults into runs and check the guarantees
     #[command(after_long_help = chaos::HELP)]
     Chaos(chaos::ChaosArgs),
-    /// Remove what killed runs left behind: processes, shared memory, files
+    /// Remove processes, shared memory and files of killed runs
     Clean {
         #[command(flatten)]
         json: JsonArg,
@@ -191,8 +191,8 @@ pub fn main_with(kinds: Vec<Kind>) -> ExitCode {
         return ExitCode::from(EXIT_INVALID);
     }
     let arguments = std::env::args_os().take(1).chain(moved::present(arguments));
-    let cli = Cli::from_arg_matches(&program().get_matches_from(arguments));
-    let cli = cli.unwrap_or_else(|error| error.format(&mut program()).exit());
+    let cli = Cli::from_arg_matches(&help::for_terminal(program()).get_matches_from(arguments));
+    let cli = cli.unwrap_or_else(|error| error.format(&mut help::for_terminal(program())).exit());
     let code = output::exit_code(command(kinds, cli));
     // Shared memory is limited as files are; the errors of the system do not name the limit.
     if code == ExitCode::from(EXIT_FAILED)
