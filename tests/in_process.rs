@@ -273,7 +273,7 @@ fn a_log_is_written_when_asked_for_and_is_the_same_but_for_the_clocks() {
     let again = sandbox
         .protean(["run", "hello", "--in-process", "--out", "one.mcap"])
         .run();
-    assert_eq!(again.code, Some(1), "{again}");
+    assert_eq!(again.code, Some(2), "{again}");
     assert!(again.stderr.contains("exists already"), "{again}");
 }
 

@@ -376,7 +376,7 @@ fn other_hosts_are_refused_and_viewers_of_all_versions_accepted() {
         .arg(run.address().rsplit(':').next().unwrap())
         .run();
     second.refused(
-        1,
+        2,
         &[
             "error: cannot serve live viewers on ",
             run.address(),

@@ -151,13 +151,15 @@ fn the_table_and_the_file_say_the_same_as_the_lines() {
     let again = sandbox.protean(words).run();
     assert_eq!(without_time(&again.stdout), without_time(&text));
     assert!(!text.contains("samples"));
-    // What cannot be written leaves nothing half-written.
+    // What exists is kept, and what cannot be written leaves nothing half-written.
     sandbox.file("taken/x", "");
     let words = ["plan", SMALL, "--limit", "1", "--out", "taken", "--quiet"];
-    sandbox
-        .protean(words)
+    let call = || sandbox.protean(words);
+    call()
         .run()
-        .refused(1, &["cannot write", "taken"]);
+        .refused(2, &["taken exists already", "--force"]);
+    let forced = call().arg("--force").run();
+    forced.refused(1, &["cannot write", "taken"]);
 }
 
 #[test]

@@ -85,15 +85,15 @@ fn logs_that_cannot_be_written() {
     let sandbox = Sandbox::new();
     let out = |path: &str| sandbox.protean(["run", "hello", "--out"]).arg(path).run();
     let before = sandbox.files();
-    out("no/such/x.mcap").refused(1, &["cannot create the log no/such/x.mcap: No such file"]);
+    out("no/such/x.mcap").refused(2, &["cannot create the log no/such/x.mcap: No such file"]);
     assert_eq!(sandbox.files(), before);
     let folder = sandbox.path().join("folder.mcap");
     std::fs::create_dir(&folder).unwrap();
-    out("folder.mcap").refused(1, &["folder.mcap is not a regular file"]);
-    out("/dev/null").refused(1, &["/dev/null is not a regular file"]);
+    out("folder.mcap").refused(2, &["folder.mcap is not a regular file"]);
+    out("/dev/null").refused(2, &["/dev/null is not a regular file"]);
 
     let precious = sandbox.file("precious.mcap", "not to be lost");
-    out("precious.mcap").refused(1, &["precious.mcap exists already", "overwritten"]);
+    out("precious.mcap").refused(2, &["precious.mcap exists already", "--force"]);
     assert_eq!(std::fs::read(&precious).unwrap(), b"not to be lost");
     let forced = sandbox
         .protean(["run", "hello", "--out", "precious.mcap", "--force"])
@@ -135,13 +135,13 @@ fn a_log_that_another_run_is_writing_is_left_alone() {
     wait_for_tick(&sandbox.next_run(&BTreeSet::new()), 5);
     let second = ["run", "hello", "--out", "shared.mcap"];
     let exists = ["shared.mcap exists already"];
-    sandbox.protean(second).run().refused(1, &exists);
+    sandbox.protean(second).run().refused(2, &exists);
     let in_use = ["shared.mcap is being written by another run"];
     sandbox
         .protean(second)
         .arg("--force")
         .run()
-        .refused(1, &in_use);
+        .refused(2, &in_use);
     assert!(first.is_alive());
     first.signal(Signal::INT);
     let outcome = first.finish();

@@ -53,7 +53,7 @@ fn a_directory_that_cannot_be_written_to_is_reported_at_once() {
     let words = ["run", "hello", "--out", "/proc/run.mcap"];
     let outcome = sandbox.protean(words).run();
     outcome.refused(
-        1,
+        2,
         &["error: cannot create the log /proc/run.mcap: No such file"],
     );
     sandbox.assert_nothing_left();
@@ -72,7 +72,7 @@ fn a_directory_that_cannot_be_written_to_is_reported_at_once() {
             return;
         };
         let stderr = String::from_utf8_lossy(&outcome.stderr);
-        assert_eq!(outcome.status.code(), Some(1), "{stderr}");
+        assert_eq!(outcome.status.code(), Some(2), "{stderr}");
         let ended_by_disk = stderr.lines().any(|line| {
             line.starts_with("error: cannot ")
                 && line.contains(path)

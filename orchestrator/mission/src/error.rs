@@ -35,6 +35,9 @@ pub enum MissionError {
     /// The log cannot be created.
     #[error(transparent)]
     Log(#[from] LogWriteError),
+    /// The directory of logs without a given path cannot be created.
+    #[error("cannot create the directory logs: {0}")]
+    LogDirectory(std::io::Error),
     /// Live viewers cannot be served.
     #[error(transparent)]
     Live(#[from] LiveError),
@@ -105,6 +108,7 @@ impl MissionError {
     pub fn is_refusal(&self) -> bool {
         match self {
             Self::Log(error) => !matches!(error, LogWriteError::Write { .. }),
+            Self::LogDirectory(_) => true,
             Self::Live(error) => matches!(error, LiveError::Listen { .. }),
             Self::InProcess(error) => !matches!(
                 error,

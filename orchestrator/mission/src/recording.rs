@@ -85,12 +85,9 @@ fn create_log(
     loop {
         let path = match log.path {
             Some(path) => path.to_owned(),
-            None => free_path(&scenario.name, scenario.run.seed).map_err(|source| {
-                LogWriteError::Create {
-                    path: DIRECTORY.into(),
-                    source,
-                }
-            })?,
+            None => {
+                free_path(&scenario.name, scenario.run.seed).map_err(MissionError::LogDirectory)?
+            }
         };
         match LogWriter::create(&path, &options, &manifest) {
             // Another run took the path at the same moment: try the next one.

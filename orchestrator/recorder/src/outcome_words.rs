@@ -71,7 +71,7 @@ fn evaders(robots: &[RobotOutcome]) -> Option<String> {
     for (outcome, word) in EVADERS {
         match count(outcome) {
             0 => {}
-            some if words.is_empty() && all == 1 => words = format!("{some} evader {word}"),
+            1 if all == 1 => words = format!("{} {word}", names(evaders(), outcome)),
             some if words.is_empty() => {
                 words = format!("{some} of {all} evaders {word}");
                 if outcome == "escaped" && some < all {
@@ -82,15 +82,17 @@ fn evaders(robots: &[RobotOutcome]) -> Option<String> {
         }
     }
     let (caught, open) = (count("caught"), count("active") + count("disabled"));
+    let has_police = robots.iter().any(|robot| robot.team == "police");
     let winner = match (caught, open) {
         _ if all == 0 => return None,
+        (0, 0) if !has_police => "",
         (caught, _) if caught == all => "the Police win: ",
         (0, 0) => "the evaders win: ",
         _ => return Some(words),
     };
-    let last = if all == 1 { "" } else { "the last " };
+    let last = if all == 1 { "" } else { ", the last" };
     let last_s = last_s(evaders());
-    Some(format!("{winner}{words}, {last}after {last_s:.1} s"))
+    Some(format!("{winner}{words}{last} after {last_s:.1} s"))
 }
 
 /// The outcomes of the other robots that have goals; `None` if no goal was decided.
@@ -151,7 +153,7 @@ mod tests {
             ),
             (
                 vec![("caught", 12.34)],
-                "the Police win: 1 evader caught, after 12.3 s",
+                "the Police win: r caught after 12.3 s",
             ),
             (
                 vec![("caught", 12.0), ("active", 50.0)],
@@ -166,6 +168,8 @@ mod tests {
             let robots: Vec<_> = [police.clone()].into_iter().chain(evaders).collect();
             assert_eq!(outcome_words(&robots, None), words);
         }
+        let alone = [robot("evader", "escaped", 21.15)];
+        assert_eq!(outcome_words(&alone, None), "r escaped after 21.1 s");
     }
 
     #[test]

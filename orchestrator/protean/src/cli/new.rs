@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use mcap_log::DerivedError;
-use platform::eprintln;
+use platform::{eprintln, shell};
 use scenario::builtin;
 
 use super::common::ForceArg;

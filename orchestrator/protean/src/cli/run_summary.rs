@@ -84,7 +84,7 @@ fn robots_table(s: &Summary) -> Table {
     ];
     let judged = s.escape_possible_fraction.is_some();
     if judged {
-        header.extend(["escape possible", "impossible from (s)"]);
+        header.extend(["can escape", "not from (s)"]);
     }
     let mut robots = table(&header);
     for r in &s.robots {
@@ -137,7 +137,7 @@ fn waypoints_text(robot: &RobotOutcome, w: &WaypointOutcome) -> String {
         text += &format!(", {} of the route", w.route_left_out);
     }
     if let Some(laps) = w.laps {
-        text += &format!("; {laps} laps");
+        text += &format!("; {laps} {}", if laps == 1 { "lap" } else { "laps" });
     }
     if let Some(longest) = w.longest_lap_s {
         text += &format!(", longest {longest:.1} s");
