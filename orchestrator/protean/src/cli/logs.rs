@@ -8,10 +8,9 @@ use std::sync::atomic::AtomicBool;
 use mcap_log::{Condition, DerivedError, LogReadError, ReadProgress, Topics};
 use platform::eprintln;
 
-use super::output::{EXIT_FAILED, EXIT_INVALID, EXIT_PARTIAL};
+use super::output::{EXIT_FAILED, EXIT_INVALID, EXIT_PARTIAL, exit_code_of_mission};
 use super::run::handle_signals;
 use log_tools::Difference;
-use mission::MissionError;
 use replay::ReplayError;
 
 /// Selection of topics.
@@ -99,15 +98,6 @@ impl CommandError {
             Self::Derived(error) => exit_code_of_derived(error),
             Self::Replay(ReplayError::Mission(error)) => exit_code_of_mission(error),
         }
-    }
-}
-
-/// Returns the exit code of a command whose run ends with this error.
-pub(super) fn exit_code_of_mission(error: &MissionError) -> u8 {
-    if error.is_refusal() {
-        EXIT_INVALID
-    } else {
-        EXIT_FAILED
     }
 }
 

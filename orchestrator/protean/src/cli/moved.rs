@@ -49,7 +49,13 @@ pub(super) fn present(arguments: Vec<OsString>) -> Vec<OsString> {
             .is_some_and(|end| end == "json")
     };
     let mut present: Vec<OsString> = Vec::new();
-    for argument in arguments {
+    let split = |argument: OsString| match argument.to_str().and_then(|a| a.strip_prefix("--json="))
+    {
+        Some("-") => vec!["--json".into()],
+        Some(file) => vec!["--out".into(), file.into()],
+        None => vec![argument],
+    };
+    for argument in arguments.into_iter().flat_map(split) {
         let after_json = present.last().is_some_and(|last| last == "--json");
         if after_json && is_file(&argument) {
             present.pop();
@@ -114,6 +120,8 @@ mod tests {
         for (old, now) in [
             ("latency --json a.json chase", "latency --out a.json chase"),
             ("latency chase --json -", "latency chase --json"),
+            ("latency --json=- chase", "latency --json chase"),
+            ("latency --json=a chase", "latency --out a chase"),
             ("latency --json chase", "latency --json chase"),
             ("plan a.json --json b.json", "plan a.json --json b.json"),
         ] {

@@ -7,6 +7,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use config::Diagnostics;
 use mcap_log::{DerivedError, derived};
+use mission::MissionError;
 use platform::atomic_file::{AtomicFile, Readers};
 use platform::terminal::{Colours, is_coloured};
 use platform::{eprintln, shell};
@@ -17,6 +18,15 @@ pub const EXIT_FAILED: u8 = 1;
 pub const EXIT_INVALID: u8 = 2;
 /// Exit code for a partial result: an interrupted run, a log with missing messages.
 pub const EXIT_PARTIAL: u8 = 3;
+
+/// Returns the exit code of a command whose run ends with this error.
+pub(super) fn exit_code_of_mission(error: &MissionError) -> u8 {
+    if error.is_refusal() {
+        EXIT_INVALID
+    } else {
+        EXIT_FAILED
+    }
+}
 
 /// Prints an error to stderr; diagnostics of a scenario have their own form.
 pub(super) fn print_error(error: &(dyn std::error::Error + 'static)) {

@@ -7,8 +7,9 @@ use std::sync::atomic::AtomicBool;
 use platform::eprintln;
 use viewer::LiveTotals;
 
-use super::logs::exit_code_of_mission;
-use super::output::{EXIT_FAILED, EXIT_INVALID, EXIT_PARTIAL, print_coloured, print_json};
+use super::output::{
+    EXIT_FAILED, EXIT_INVALID, EXIT_PARTIAL, exit_code_of_mission, print_coloured, print_json,
+};
 use super::run_args::RunArgs;
 use super::run_summary;
 use mission::in_process::{self, InProcessOptions};
