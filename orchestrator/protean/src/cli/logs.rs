@@ -24,7 +24,7 @@ pub(super) struct TopicArgs {
 }
 
 /// The option `--exclude`.
-#[derive(Debug, clap::Args)]
+#[derive(Debug, Clone, clap::Args)]
 pub(super) struct ExcludeArg {
     /// Leave these topics out
     #[arg(long, value_name = "TOPIC", value_delimiter = ',')]
