@@ -63,7 +63,7 @@ impl Default for WorldBlock {
 pub struct MapSetup {
     /// The map, written out; never [`MapSpec::File`].
     pub map: MapSpec,
-    /// What a ROS map knows of its cells.
+    /// States of the cells of a ROS map.
     pub occupancy: Option<Grid<Occupancy>>,
     /// Standard deviation of the map's Gaussian blur (m).
     pub blur_sigma: f64,
@@ -174,7 +174,7 @@ fn check_size(ctx: &mut Context<'_>, node: &Node, map: &MapSpec) -> Option<()> {
     None
 }
 
-/// A map, and what it knows of its cells if it is a ROS map.
+/// A map, and the states of its cells if it is a ROS map.
 type Loaded = (MapSpec, Option<Grid<Occupancy>>);
 
 /// Reads the file of `map = "…"`.

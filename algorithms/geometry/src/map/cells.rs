@@ -25,14 +25,14 @@ pub enum UnknownCells {
     Free,
 }
 
-/// What an occupancy map knows of a cell.
+/// State of a cell of an occupancy map.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Occupancy {
     /// Free space.
     Free,
     /// An obstacle.
     Occupied,
-    /// Nothing.
+    /// Not known.
     Unknown,
 }
 

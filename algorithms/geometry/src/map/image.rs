@@ -1,8 +1,6 @@
 //! Images of maps: gray or coloured, with or without transparency.
 
-use std::io::{self, BufRead};
-
-use super::{pgm, png_image};
+use std::io;
 
 /// Maximum number of pixels of an image: no scenario may have a map of more cells.
 pub const MAX_PIXELS: usize = 25_000_000;
@@ -90,27 +88,6 @@ pub enum ImageError {
 }
 
 impl Image {
-    /// Reads a PGM (P2, P5) or PNG image; memory use grows with the content of the file, not with the claims
-    /// of its header.
-    ///
-    /// # Errors
-    /// The error names the invalid part of the file and the expected value.
-    ///
-    /// ```
-    /// use geometry::map::Image;
-    ///
-    /// let image = Image::read("P2 3 1 255 0 128 255".as_bytes())?;
-    /// assert_eq!(image.samples, [0, 128, 255]);
-    /// # Ok::<(), geometry::map::ImageError>(())
-    /// ```
-    pub fn read(mut input: impl BufRead) -> Result<Self, ImageError> {
-        if png_image::is_png(input.fill_buf()?) {
-            png_image::read(input)
-        } else {
-            pgm::read(input)
-        }
-    }
-
     /// Returns the pixels row by row from the top.
     pub fn pixels(&self) -> impl DoubleEndedIterator<Item = Pixel> + ExactSizeIterator {
         let pixels = self.samples.chunks_exact(self.channels.max(1));

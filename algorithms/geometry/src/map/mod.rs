@@ -1,6 +1,7 @@
 //! Maps: the specifications in scenarios, and the maps for computations.
 
 mod cells;
+mod decode;
 mod field;
 mod image;
 mod index;

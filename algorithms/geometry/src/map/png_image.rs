@@ -73,7 +73,7 @@ mod tests {
     }
 
     fn pixels(color: ColorType, depth: BitDepth, data: &[u8]) -> Vec<(u32, Option<u16>)> {
-        let image = Image::read(&encoded(color, depth, data)[..]).unwrap();
+        let image = read(&encoded(color, depth, data)[..]).unwrap();
         assert_eq!((image.width, image.height), (2, 1));
         image.pixels().map(|p| (p.color, p.alpha)).collect()
     }
@@ -115,16 +115,16 @@ mod tests {
     fn damaged_and_enormous_files_are_refused() {
         let file = encoded(ColorType::Rgb, BitDepth::Eight, &[1, 2, 3, 4, 5, 6]);
         for end in 4..file.len() - 13 {
-            let found = Image::read(&file[..end]).unwrap_err();
+            let found = read(&file[..end]).unwrap_err();
             assert!(matches!(found, ImageError::Png(_)), "{end}: {found}");
         }
         let mut flipped = file.clone();
         flipped[45] ^= 0x20;
-        assert!(Image::read(&flipped[..]).is_err());
+        assert!(read(&flipped[..]).is_err());
         let mut large = Vec::new();
         let encoder = Encoder::new(&mut large, 100_000, 10_000);
         drop(encoder.write_header().unwrap());
-        let found = Image::read(&large[..]).unwrap_err().to_string();
+        let found = read(&large[..]).unwrap_err().to_string();
         assert!(found.contains("100000 × 10000 pixels"), "{found}");
     }
 }
