@@ -22,6 +22,7 @@ mod latency;
 mod lifecycle;
 mod live;
 mod logs;
+mod maps;
 mod missions;
 mod navigation;
 mod patrol;

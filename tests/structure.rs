@@ -35,6 +35,7 @@ const RULES: Rules = Rules {
         &["sim_backend"],
         &[
             "draw",
+            "import",
             "mcap_log",
             "planner_view",
             "runtime",

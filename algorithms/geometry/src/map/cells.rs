@@ -201,7 +201,7 @@ impl CellMap {
 /// of a row and as many following rows as contain the whole run.
 ///
 /// Corners on the same cell border have the same bits, so that adjacent rectangles leave no gap.
-pub(super) fn rectangles(grid: &Grid<bool>) -> Vec<Aabb> {
+pub fn rectangles(grid: &Grid<bool>) -> Vec<Aabb> {
     let GridFrame {
         width,
         height,

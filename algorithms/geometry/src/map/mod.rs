@@ -18,7 +18,7 @@ mod vector;
 mod world_map;
 mod world_queries;
 
-pub use cells::{CellMap, MAX_RUNS, Occupancy, UnknownCells};
+pub use cells::{CellMap, MAX_RUNS, Occupancy, UnknownCells, rectangles};
 pub use image::{Image, ImageError, MAX_PIXELS, Pixel};
 pub use passage::{Passages, Reach};
 pub use query::Hit;

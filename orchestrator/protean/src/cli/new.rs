@@ -2,10 +2,12 @@
 
 mod project;
 
+use std::borrow::Cow;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
+use import::{ImportError, Imported, Sizes};
 use mcap_log::DerivedError;
 use platform::{eprintln, shell};
 use scenario::builtin;
@@ -17,7 +19,9 @@ use super::run_args::DEFAULT_SCENARIO;
 
 /// Help below the options.
 pub(super) const HELP: &str = "\
-The file is a copy of a built-in scenario. A map file that the scenario uses is written to the folder maps beside it.
+The file is a copy of a built-in scenario, or made from a file of a benchmark: a MovingAI map (.map) or problems on one \
+(.scen), or a street graph (.graphml, OpenStreetMap .osm). A map file that the scenario uses is written to the folder \
+maps beside it.
 
 With --rust, FILE is the folder of a new Cargo project: a planner, its mission and a test.
 
@@ -29,12 +33,18 @@ pub(super) struct NewArgs {
     /// Scenario file to write, for example `mine.toml`; with `--rust` the folder of the project
     #[arg(value_name = "FILE")]
     file: PathBuf,
-    /// Built-in scenario to copy (see `protean list`)
+    /// Built-in scenario to copy (see `protean list`), or a file: .map, .scen, .graphml or .osm
     #[arg(long, value_name = "SCENARIO", default_value = DEFAULT_SCENARIO)]
     from: String,
     /// Write a project with a planner in Rust
     #[arg(long, conflicts_with = "from")]
     rust: bool,
+    /// Side of a cell of a .map (m)
+    #[arg(long, value_name = "M", default_value_t = Sizes::default().cell, value_parser = length)]
+    cell: f64,
+    /// Width of the streets of a street graph (m)
+    #[arg(long, value_name = "M", default_value_t = Sizes::default().street, value_parser = length)]
+    street: f64,
     #[command(flatten)]
     force: ForceArg,
 }
@@ -46,8 +56,12 @@ enum NewError {
     Name(PathBuf),
     #[error("{}: expected a folder whose name has only ASCII letters, digits, `_` and `-` and begins with a letter", _0.display())]
     ProjectName(PathBuf),
-    #[error("no built-in scenario {0:?}; expected one of {1}")]
+    #[error(
+        "no built-in scenario {0:?}; expected one of {1}, or a .map, .scen, .graphml or .osm file"
+    )]
     Unknown(String, String),
+    #[error(transparent)]
+    Import(#[from] ImportError),
     #[error("{} exists already; choose another name or overwrite it with --force", _0.display())]
     Exists(PathBuf),
     #[error(transparent)]
@@ -98,17 +112,14 @@ fn scenario_files(args: &NewArgs) -> Result<Vec<(PathBuf, String)>, NewError> {
     if args.file.extension().is_none_or(|end| end != "toml") {
         return Err(NewError::Name(args.file.clone()));
     }
-    let Some(scenario) = builtin::scenario(&args.from) else {
-        let names = builtin::SCENARIOS.map(|scenario| scenario.name).join(", ");
-        return Err(NewError::Unknown(args.from.clone(), names));
-    };
+    let (text, map) = content(args)?;
     let folder = args.file.parent().unwrap_or(Path::new(""));
-    let mut files = vec![(args.file.clone(), scenario.text.to_owned())];
-    if let Some((path, text)) = scenario.map() {
-        let path = folder.join(path);
+    let mut files = vec![(args.file.clone(), text.into_owned())];
+    if let Some((path, text)) = map {
+        let path = folder.join(&*path);
         // Several scenarios of a folder share a map.
         if !fs::read(&path).is_ok_and(|found| found == text.as_bytes()) {
-            files.push((path, text.to_owned()));
+            files.push((path, text.into_owned()));
         }
     }
     Ok(files)
@@ -130,4 +141,39 @@ fn write_all(files: &[(PathBuf, String)], force: bool) -> Result<(), NewError> {
         output::write(file, path, text)?;
     }
     Ok(())
+}
+
+type Text = Cow<'static, str>;
+
+/// Returns the text of the scenario, and path and text of its map.
+fn content(args: &NewArgs) -> Result<(Text, Option<(Text, Text)>), NewError> {
+    if let Some(scenario) = builtin::scenario(&args.from) {
+        let map = scenario
+            .map()
+            .map(|(path, text)| (path.into(), text.into()));
+        return Ok((scenario.text.into(), map));
+    }
+    let file = Path::new(&args.from);
+    if !import::is_importable(file) {
+        let names = builtin::SCENARIOS.map(|scenario| scenario.name).join(", ");
+        return Err(NewError::Unknown(args.from.clone(), names));
+    }
+    let sizes = Sizes {
+        cell: args.cell,
+        street: args.street,
+    };
+    let Imported {
+        scenario,
+        map_path,
+        map,
+    } = import::import(file, sizes)?;
+    Ok((scenario.into(), Some((map_path.into(), map.into()))))
+}
+
+/// Parses a length (m).
+fn length(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(length) if length > 0.0 && length <= 1000.0 => Ok(length),
+        _ => Err("expected a number > 0 and ≤ 1000 (m)".to_owned()),
+    }
 }

@@ -1,0 +1,232 @@
+//! Imports of small files, and of broken ones.
+
+use std::fs;
+use std::path::PathBuf;
+
+use geometry::map::{VectorMap, WorldMap};
+use nalgebra::Point2;
+use proptest::prelude::*;
+
+use super::{EXTENSIONS, Imported, Sizes, import};
+
+const MAP: &str = "type octile\nheight 4\nwidth 6\nmap\n@@@@@@\n@..G.@\n@.TWS@\n@@@@.@\n";
+const SCEN: &str = "version 1\n0\tmaps/room.map\t6\t4\t1\t1\t4\t3\t5.0\n\
+                    0\tmaps/room.map\t6\t4\t1\t1\t4\t1\t3.0\n0\tmaps/room.map\t6\t4\t1\t2\t4\t1\t4.0\n";
+const OSM: &str = r#"<?xml version="1.0"?>
+<osm version="0.6">
+ <node id="1" lat="48.0000" lon="16.0000"/>
+ <node id="2" lat="48.0000" lon="16.0010"/>
+ <node id="3" lat="48.0005" lon="16.0010"/>
+ <node id="4" lat="49.0000" lon="17.0000"/>
+ <way id="7"><nd ref="1"/><nd ref="2"/><nd ref="3"/><nd ref="99"/><tag k="highway" v="residential"/></way>
+ <way id="8"><nd ref="1"/><nd ref="4"/><tag k="power" v="line"/></way>
+</osm>"#;
+const GRAPHML: &str = r#"<?xml version="1.0"?>
+<graphml xmlns="http://graphml.graphdrawing.org/xmlns">
+ <key id="d0" for="node" attr.name="x" attr.type="string"/>
+ <key id="d1" for="node" attr.name="y" attr.type="string"/>
+ <key id="d2" for="edge" attr.name="geometry" attr.type="string"/>
+ <graph edgedefault="directed">
+  <node id="a"><data key="d0">0</data><data key="d1">0</data></node>
+  <node id="b"><data key="d0">60</data><data key="d1">40</data></node>
+  <edge source="a" target="b"><data key="d2">LINESTRING (0 0, 60 0, 60 40)</data></edge>
+ </graph>
+</graphml>"#;
+
+struct Folder(tempfile::TempDir);
+
+impl Folder {
+    fn new(files: &[(&str, &str)]) -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        for (name, text) in files {
+            fs::write(folder.path().join(name), text).unwrap();
+        }
+        Self(folder)
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+}
+
+fn imported(name: &str, text: &str, sizes: Sizes) -> Result<Imported, String> {
+    let folder = Folder::new(&[(name, text)]);
+    import(&folder.path(name), sizes).map_err(|e| e.to_string())
+}
+
+fn world(imported: &Imported) -> WorldMap {
+    let map: VectorMap = toml::from_str(&imported.map).unwrap();
+    map.validate().unwrap();
+    WorldMap::from_vectors(&map).unwrap()
+}
+
+#[test]
+fn a_map_of_cells_is_the_same_world_with_its_first_row_on_top() {
+    let sizes = Sizes {
+        cell: 0.5,
+        ..Sizes::default()
+    };
+    let found = imported("room.map", MAP, sizes).unwrap();
+    assert_eq!(found.map_path, "maps/room.toml");
+    assert!(found.scenario.contains("map = \"maps/room.toml\""));
+    let world = world(&found);
+    let is_free = |column: f64, row: f64| {
+        let at = Point2::new(0.5 * (column + 0.5), 0.5 * (3.5 - row));
+        world.is_clear(at, 0.2)
+    };
+    let rows: Vec<&str> = MAP.lines().skip(4).collect();
+    for (row, cells) in rows.iter().enumerate() {
+        for (column, cell) in cells.chars().enumerate() {
+            let free = is_free(column as f64, row as f64);
+            assert_eq!(free, ".GS".contains(cell), "{column}, {row}");
+        }
+    }
+    assert!((world.frame().resolution - 0.125).abs() < 1e-12);
+}
+
+#[test]
+fn free_cells_that_are_cut_off_become_obstacles() {
+    let text = "type octile\nheight 1\nwidth 6\nmap\n..@...\n";
+    let world = world(&imported("a.map", text, Sizes::default()).unwrap());
+    assert!(!world.is_clear(Point2::new(1.0, 0.5), 0.1));
+    assert!(world.is_clear(Point2::new(4.5, 0.5), 0.4));
+}
+
+#[test]
+fn problems_become_robots_with_starts_and_goals_on_the_map_beside_them() {
+    let folder = Folder::new(&[("room.map", MAP), ("room.map.scen", SCEN)]);
+    let found = import(&folder.path("room.map.scen"), Sizes::default()).unwrap();
+    // The second problem begins where the first does.
+    for part in [
+        "start = { x = 1.5, y = 2.5, theta = 0.0 }",
+        "center = [4.5, 0.5]",
+        "start = { x = 1.5, y = 1.5, theta = 0.0 }",
+        "center = [4.5, 2.5]",
+    ] {
+        assert!(found.scenario.contains(part), "{part}\n{}", found.scenario);
+    }
+    assert!(!found.scenario.contains("robot_3"));
+    let alone = Folder::new(&[("room.map.scen", SCEN)]);
+    let error = import(&alone.path("room.map.scen"), Sizes::default()).unwrap_err();
+    assert!(
+        error
+            .to_string()
+            .contains("expected the map maps/room.map beside it")
+    );
+}
+
+#[test]
+fn streets_are_free_corridors() {
+    // 0.0010° of longitude at 48° are 74 m, 0.0005° of latitude 56 m.
+    let sizes = Sizes {
+        street: 6.0,
+        ..Sizes::default()
+    };
+    let osm = world(&imported("a.osm", OSM, sizes).unwrap());
+    let graph = world(&imported("a.graphml", GRAPHML, sizes).unwrap());
+    for (world, corners) in [
+        (&osm, [[-37.2, -27.8], [37.2, -27.8], [37.2, 27.8]]),
+        (&graph, [[-30.0, -20.0], [30.0, -20.0], [30.0, 20.0]]),
+    ] {
+        for pair in corners.windows(2) {
+            for share in [0.0, 0.3, 0.7, 1.0] {
+                let [x, y] = [0, 1].map(|i| pair[0][i] + share * (pair[1][i] - pair[0][i]));
+                let distance = world.distance(Point2::new(x, y));
+                assert!((1.9..4.5).contains(&distance), "{x}, {y}: {distance}");
+            }
+        }
+        let [first, _, last] = corners;
+        let off = Point2::new(first[0], last[1]);
+        assert!(world.distance(off) <= 0.0, "no street at {off}");
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(128))]
+
+    #[test]
+    fn a_file_with_a_part_replaced_never_panics(
+        of in 0..4_usize,
+        at in 0.0..1.0_f64,
+        length in 0..12_usize,
+        with in prop_oneof![
+            ".{0,8}",
+            prop::sample::select(vec!["NaN", "inf", "-1", "1e308", "99999999999999999999", "\n", "\t", "<", "/>"])
+                .prop_map(str::to_owned),
+        ],
+    ) {
+        let text: Vec<char> = [MAP, SCEN, GRAPHML, OSM][of].chars().collect();
+        let at = (at * text.len() as f64) as usize;
+        let end = text.len().min(at + length);
+        let changed: String = text[..at].iter().chain(with.chars().collect::<Vec<_>>().iter()).chain(&text[end..]).collect();
+        let name = format!("room.{}", EXTENSIONS[of]);
+        let folder = Folder::new(&[("room.map", MAP), (&name, &changed)]);
+        if let Ok(found) = import(&folder.path(&name), Sizes::default()) {
+            world(&found);
+        }
+    }
+}
+
+#[test]
+fn broken_files_are_explained() {
+    for (name, text, expected) in [
+        (
+            "a.map",
+            "type octile\nheight x\n",
+            "a.map, line 2: \"x\": expected height",
+        ),
+        (
+            "a.map",
+            "octile\n",
+            "line 1: \"octile\": expected type octile",
+        ),
+        (
+            "a.map",
+            "type octile\nheight 1\nwidth 2\nmap\n.x\n",
+            "line 5: \".x\": expected 2 of the characters",
+        ),
+        (
+            "a.map",
+            "type octile\nheight 2\nwidth 1\nmap\n.\n",
+            "1 rows of cells: expected 2 rows",
+        ),
+        (
+            "a.map",
+            "type octile\nheight 99999\nwidth 99999\nmap\n",
+            "99999 × 99999 cells: expected at most 25000000",
+        ),
+        (
+            "a.map",
+            "type octile\nheight 1\nwidth 1\nmap\n@\n",
+            "no free cell",
+        ),
+        ("a.scen", "version 2\n", "expected version 1"),
+        ("a.scen", "version 1\n", "no problem"),
+        ("a.scen", "version 1\n0 m 1 1 0 0 0\n", "line 2"),
+        (
+            "a.scen",
+            "version 1\n0 m 1 1 0 0 0 1 1\n",
+            "positions on the map",
+        ),
+        ("a.osm", "<osm>", "a.osm: "),
+        ("a.osm", "<gpx/>", "an element <gpx>: expected <osm>"),
+        ("a.osm", "<osm/>", "no street"),
+        (
+            "a.osm",
+            "<osm>\n<node id='1' lat='x' lon='2'/></osm>",
+            "line 2",
+        ),
+        ("a.graphml", "<a/>", "no <graph>"),
+        ("a.graphml", "<graph>\n<node id='a'/></graph>", "line 2"),
+        (
+            "a.graphml",
+            &GRAPHML.replace(">60<", ">1e7<"),
+            "streets on 10000.0 km × 0.0 km: expected a smaller part",
+        ),
+        ("a.txt", "", "unknown kind of file: expected .map"),
+    ] {
+        let error = imported(name, text, Sizes::default()).unwrap_err();
+        assert!(error.contains(expected), "{expected:?} is not in {error:?}");
+    }
+    assert!(import(&PathBuf::from("/nowhere/a.map"), Sizes::default()).is_err());
+}

@@ -1,0 +1,121 @@
+//! Maps and scenarios from other programs' files, checked, drawn and run.
+
+use std::fs;
+
+use crate::support::Sandbox;
+
+/// A PNG image of 8 × 6 gray pixels: free, with two unknown columns on the right.
+fn png() -> Vec<u8> {
+    let mut file = Vec::new();
+    let mut encoder = png::Encoder::new(&mut file, 8, 6);
+    encoder.set_color(png::ColorType::Grayscale);
+    let pixels: Vec<u8> = (0..48).map(|i| if i % 8 < 6 { 254 } else { 205 }).collect();
+    let mut writer = encoder.write_header().unwrap();
+    writer.write_image_data(&pixels).unwrap();
+    writer.finish().unwrap();
+    file
+}
+
+const ROOM: &str = r#"
+[world]
+map = { file = { path = "room.yaml" } }
+[rules]
+time_limit = 2.0
+exits = [{ circle = { center = [0.5, 2.5], radius = 0.2 } }]
+[[robots]]
+name = "thief"
+team = "evader"
+start = { x = 2.0, y = 1.5, theta = 0.0 }
+[[processes]]
+kind = "evader_potential"
+team = "evader"
+"#;
+
+#[test]
+fn a_png_map_of_map_server_runs_and_a_start_on_an_unknown_cell_is_named() {
+    let sandbox = Sandbox::new();
+    sandbox.file("room.png", png());
+    let yaml = "image: room.png\nmode: trinary\nresolution: 0.5\norigin: [0, 0, 0]\nnegate: 0\n\
+                occupied_thresh: 0.65\nfree_thresh: 0.196\n";
+    sandbox.file("room.yaml", yaml);
+    sandbox.file("a.toml", ROOM);
+    let words = ["run", "a.toml", "--in-process", "--out", "a.mcap"];
+    let summary = sandbox.protean(words).json();
+    assert_eq!(summary["robots"][0]["name"], "thief");
+
+    let unknown = ROOM.replace("x = 2.0", "x = 3.25");
+    sandbox.file("b.toml", &unknown);
+    sandbox.protean(["check", "b.toml"]).run().refused(
+        2,
+        &[
+            "robot `thief` starts on a cell that the map marks unknown",
+            "b.toml:10",
+            "unknown = \"free\"",
+        ],
+    );
+    let free = unknown.replace("room.yaml\"", "room.yaml\", unknown = \"free\"");
+    sandbox.file("b.toml", free);
+    let checked = sandbox.protean(["check", "b.toml"]).run();
+    assert_eq!(checked.code, Some(0), "{checked}");
+}
+
+#[test]
+fn a_check_draws_the_world_and_keeps_an_existing_picture() {
+    let sandbox = Sandbox::new();
+    let words = ["check", "chase_layouts", "--picture", "world.svg"];
+    let checked = sandbox.protean(words).set("teams.police.count=8").run();
+    assert_eq!(checked.code, Some(0), "{checked}");
+    let picture = fs::read_to_string(sandbox.path().join("world.svg")).unwrap();
+    for part in ["<svg", "police_8", "evader_2", "before it runs"] {
+        assert!(picture.contains(part), "{part}");
+    }
+    let again = sandbox.protean(words).run();
+    again.refused(2, &["world.svg", "--force"]);
+    let forced = sandbox.protean(words).arg("--force").run();
+    assert_eq!(forced.code, Some(0), "{forced}");
+}
+
+/// Rooms, two corridors wide, and problems between them.
+const GRID: &str = "type octile\nheight 10\nwidth 14\nmap\n@@@@@@@@@@@@@@\n@......@.....@\n@......@.....@\n\
+                    @............@\n@......@.....@\n@@.@@@@@.@@@@@\n@..TT........@\n@............@\n\
+                    @......WW....@\n@@@@@@@@@@@@@@\n";
+const PROBLEMS: &str = "version 1\n0\tgrid.map\t14\t10\t1\t1\t12\t8\t20\n\
+                        0\tgrid.map\t14\t10\t12\t1\t1\t8\t20\n";
+const STREETS: &str = r#"<osm version="0.6">
+<node id="1" lat="48.0000" lon="16.0000"/><node id="2" lat="48.0000" lon="16.0010"/>
+<node id="3" lat="48.0006" lon="16.0010"/><node id="4" lat="48.0006" lon="16.0000"/>
+<way id="7"><nd ref="1"/><nd ref="2"/><nd ref="3"/><nd ref="4"/><nd ref="1"/><tag k="highway" v="residential"/></way>
+</osm>"#;
+
+#[test]
+fn benchmark_files_become_scenarios_that_check_and_run() {
+    let sandbox = Sandbox::new();
+    sandbox.file("grid.map", GRID);
+    sandbox.file("grid.map.scen", PROBLEMS);
+    sandbox.file("streets.osm", STREETS);
+    for (from, name) in [
+        ("grid.map", "chase"),
+        ("grid.map.scen", "problems"),
+        ("streets.osm", "streets"),
+    ] {
+        let file = format!("own/{name}.toml");
+        let made = sandbox.protean(["new", &file, "--from", from]).run();
+        assert_eq!(made.code, Some(0), "{made}");
+        let checked = sandbox.protean(["check", &file]).run();
+        assert_eq!(checked.code, Some(0), "{checked}");
+        assert!(checked.stdout.lines().count() == 1, "no remark: {checked}");
+        let log = format!("{name}.mcap");
+        let words = ["run", &file, "--in-process", "--out", &log];
+        let summary = sandbox.protean(words).set("rules.time_limit=10").json();
+        assert!(summary["digest"].is_string(), "{summary}");
+    }
+    let problems = sandbox.protean(["check", "own/problems.toml"]).json();
+    assert_eq!(problems["robots"].as_array().unwrap().len(), 2);
+    let refused = sandbox.protean(["new", "x.toml", "--from", "no.map"]).run();
+    refused.refused(2, &["no.map"]);
+    sandbox.file("bad.map", "type octile\nheight 2\n");
+    let refused = sandbox
+        .protean(["new", "x.toml", "--from", "bad.map"])
+        .run();
+    refused.refused(2, &["bad.map, line 3", "expected width"]);
+}
