@@ -169,7 +169,7 @@ fn a_page_opens_before_the_first_decision_and_two_runs_share_its_clock() {
         { "eval": "protean.runs.map((run) => [run.plansAt(5)[0][0], [run.at(5).robots[0].x, run.at(5).robots[0].y]])" },
         { "eval": "protean.runs.map((run) => run.root.getElementById('result').textContent)" },
         { "eval": "protean.runs.map((run) => [...run.root.querySelectorAll('#layers label')].map((l) => l.textContent))" },
-        { "eval": "location.hash = '#t=18'" },
+        { "eval": "void (location.hash = '#t=18')" },
         { "eval": later("[protean.t, document.getElementById('clock').textContent]") },
     ]);
     let Some(found) = browse(&sandbox.path().join("a-b.html"), &steps) else {
@@ -223,6 +223,7 @@ fn a_page_opens_before_the_first_decision_and_two_runs_share_its_clock() {
             assert!(!layers.contains(lacking), "{lacking}: {layers}");
         }
     }
+    assert_eq!(next(), &Json::Null);
     let sought = next();
     assert_eq!(sought[0].as_f64(), Some(18.0));
     assert!(

@@ -21,7 +21,7 @@ pub struct PlanTrace {
     pub robot: usize,
     /// Its points, x and y (m); the first is the robot's position.
     pub points: Vec<[f32; 2]>,
-    /// What the robot heads for in the end, if the path does not go there, x and y (m).
+    /// The point that the robot heads for in the end, if the path does not go there, x and y (m).
     pub aim: Option<[f32; 2]>,
 }
 
@@ -32,7 +32,7 @@ pub struct VerdictTrace {
     pub robot: usize,
     /// `true` if it can escape whatever the Police do.
     pub is_possible: bool,
-    /// How much earlier than any pursuer it is at the exit (s).
+    /// Time by which it is at the exit before any pursuer (s).
     pub margin_s: f64,
 }
 

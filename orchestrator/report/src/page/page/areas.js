@@ -80,7 +80,7 @@ function drawIdleness(t) {
   });
 }
 
-/** Opacities of the dominance regions, as in `protean picture`; their owners: nobody, Police, evaders, cut off. */
+/** Opacities of the dominance regions, as in `protean picture`; their owners: none, Police, evaders, cut off. */
 const OWNER_OPACITY = [0, 0.16, 0.22, 0.16];
 const dominanceCells = cellLayer();
 function drawDominance(t) {
