@@ -63,7 +63,7 @@ impl Default for WorldBlock {
 pub struct MapSetup {
     /// The map, written out; never [`MapSpec::File`].
     pub map: MapSpec,
-    /// States of the cells of a ROS map.
+    /// Occupancy of the cells of a ROS map.
     pub occupancy: Option<Grid<Occupancy>>,
     /// Standard deviation of the map's Gaussian blur (m).
     pub blur_sigma: f64,

@@ -25,7 +25,7 @@ pub enum UnknownCells {
     Free,
 }
 
-/// State of a cell of an occupancy map.
+/// Occupancy of a cell of an occupancy map.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Occupancy {
     /// Free space.

@@ -240,22 +240,25 @@ impl RosMap {
             free_thresh: free.ok_or(missing("free_thresh"))?,
             mode: mode.unwrap_or_default(),
         };
-        if map.negate && map.mode == RosMode::Raw {
-            let source = ParamsError::new("negate", &1, "0 with mode = raw".to_owned());
-            return Err(RosMapError::Field {
-                path: path.to_owned(),
-                source,
-            });
+        map.checked()
+    }
+
+    /// Checks the relations between the fields.
+    fn checked(self) -> Result<Self, RosMapError> {
+        let field = |source| RosMapError::Field {
+            path: self.path.clone(),
+            source,
+        };
+        if self.negate && self.mode == RosMode::Raw {
+            let expected = "0 with mode = raw".to_owned();
+            return Err(field(ParamsError::new("negate", &1, expected)));
         }
-        if map.free_thresh > map.occupied_thresh {
-            let expected = format!("at most occupied_thresh = {}", map.occupied_thresh);
-            let source = ParamsError::new("free_thresh", &map.free_thresh, expected);
-            return Err(RosMapError::Field {
-                path: path.to_owned(),
-                source,
-            });
+        if self.free_thresh > self.occupied_thresh {
+            let expected = format!("at most occupied_thresh = {}", self.occupied_thresh);
+            let source = ParamsError::new("free_thresh", &self.free_thresh, expected);
+            return Err(field(source));
         }
-        Ok(map)
+        Ok(self)
     }
 
     /// Reads the image and classifies its pixels.

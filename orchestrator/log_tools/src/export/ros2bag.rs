@@ -66,7 +66,7 @@ pub fn ros2bag(
     Ok(bag)
 }
 
-/// What `metadata.yaml` states about a log.
+/// Content of `metadata.yaml`.
 #[derive(Default)]
 struct Description {
     start_ns: u64,

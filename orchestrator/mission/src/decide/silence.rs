@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use platform::proc::CpuTime;
 
-/// What the system reports about a process.
+/// State and processor time of a process, by the system.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Activity {
     /// A signal or a debugger has stopped it.
