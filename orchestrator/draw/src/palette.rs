@@ -38,7 +38,7 @@ pub const IDLENESS: [&str; 4] = [POLICE, "#56b4e9", "#f0e442", EVADER];
 
 /// Returns the paler colour of a robot that is out of the game: halfway to the background.
 pub fn out_of_play(color: &str) -> String {
-    let [r, g, b] = rgb(color).map(|part| (u16::from(part) + 256) / 2);
+    let [r, g, b] = rgb(color).map(|part| u16::from(part).midpoint(256));
     format!("#{r:02x}{g:02x}{b:02x}")
 }
 
