@@ -179,9 +179,12 @@ mod tests {
         let late = robot("neutral", "timed_out", 60.0);
         let words = |robots: &[RobotOutcome]| outcome_words(robots, None);
         assert_eq!(words(std::slice::from_ref(&drives)), "ended after 60.0 s");
-        assert_eq!(words(&[late.clone()]), "no robot reached its goal");
         assert_eq!(
-            words(&[arrived.clone()]),
+            words(std::slice::from_ref(&late)),
+            "no robot reached its goal"
+        );
+        assert_eq!(
+            words(std::slice::from_ref(&arrived)),
             "the robot reached its goal after 41.2 s"
         );
         assert_eq!(

@@ -191,7 +191,10 @@ fn names(gathered: &Gathered, kinds: &[Kind]) -> EventNames {
     let robots = gathered.scenario.robots.iter();
     EventNames {
         robots: robots.map(|robot| robot.name.clone()).collect(),
-        obstacles: loaded.map_or_else(|_| Default::default(), |s| s.obstacle_names()),
+        obstacles: loaded.map_or_else(
+            |_| std::collections::BTreeMap::default(),
+            |s| s.obstacle_names(),
+        ),
     }
 }
 

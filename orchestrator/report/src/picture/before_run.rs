@@ -28,7 +28,11 @@ impl RunTrace {
             });
         }
         // In the order of time: the first appearance of each obstacle that the map lacks.
-        for change in scenario.events.iter().filter_map(|event| event.change()) {
+        for change in scenario
+            .events
+            .iter()
+            .filter_map(scenario::EventSpec::change)
+        {
             if let ObstacleChange::Appear { id, .. } = &change
                 && !static_scene.obstacles.contains_key(&id.0)
             {

@@ -70,42 +70,7 @@ impl Legend {
     /// Builds the rows for the content of the picture.
     pub(super) fn of(trace: &RunTrace) -> Self {
         let mut rows = Rows::new(LEGEND);
-        for (team, one, many) in [
-            (Team::Police, "Police robot", "Police robots"),
-            (Team::Evader, "evader", "evaders"),
-            (Team::Neutral, "robot", "robots"),
-        ] {
-            let members = || {
-                trace
-                    .robots
-                    .iter()
-                    .enumerate()
-                    .filter(|(_, r)| r.team == team)
-            };
-            let count = members().count();
-            if count == 0 {
-                continue;
-            }
-            let text = format!("{count} {}", if count == 1 { one } else { many });
-            rows.row(RowSign::Robot(team), &text);
-            let verdicts = trace.verdicts.iter().filter_map(|verdict| {
-                let (_, robot) = members().find(|(i, _)| *i == verdict.robot)?;
-                Some(format!("{}: {}", robot.name, verdict.words()))
-            });
-            let verdicts = verdicts.take(MAX_OUTCOMES);
-            verdicts.for_each(|verdict| rows.detail(&verdict));
-            let outcomes = trace.marks.iter().filter_map(|mark| {
-                let (_, robot) = members().find(|(i, _)| *i == mark.robot)?;
-                Some(format!(
-                    "{} {}, {:.1} s",
-                    robot.name,
-                    mark.kind.words(),
-                    mark.time_s
-                ))
-            });
-            let outcomes = outcomes.take(MAX_OUTCOMES);
-            outcomes.for_each(|outcome| rows.detail(&outcome));
-        }
+        team_rows(trace, &mut rows);
         if !trace.is_before_run() {
             rows.row(RowSign::Trail, "path so far; later parts are bolder");
         }
@@ -205,6 +170,46 @@ impl Legend {
                 canvas.label(x, y, &style, text);
             }
         }
+    }
+}
+
+/// Adds the robots of each team, their verdicts and their ends.
+fn team_rows(trace: &RunTrace, rows: &mut Rows<RowSign>) {
+    for (team, one, many) in [
+        (Team::Police, "Police robot", "Police robots"),
+        (Team::Evader, "evader", "evaders"),
+        (Team::Neutral, "robot", "robots"),
+    ] {
+        let members = || {
+            trace
+                .robots
+                .iter()
+                .enumerate()
+                .filter(|(_, r)| r.team == team)
+        };
+        let count = members().count();
+        if count == 0 {
+            continue;
+        }
+        let text = format!("{count} {}", if count == 1 { one } else { many });
+        rows.row(RowSign::Robot(team), &text);
+        let verdicts = trace.verdicts.iter().filter_map(|verdict| {
+            let (_, robot) = members().find(|(i, _)| *i == verdict.robot)?;
+            Some(format!("{}: {}", robot.name, verdict.words()))
+        });
+        let verdicts = verdicts.take(MAX_OUTCOMES);
+        verdicts.for_each(|verdict| rows.detail(&verdict));
+        let outcomes = trace.marks.iter().filter_map(|mark| {
+            let (_, robot) = members().find(|(i, _)| *i == mark.robot)?;
+            Some(format!(
+                "{} {}, {:.1} s",
+                robot.name,
+                mark.kind.words(),
+                mark.time_s
+            ))
+        });
+        let outcomes = outcomes.take(MAX_OUTCOMES);
+        outcomes.for_each(|outcome| rows.detail(&outcome));
     }
 }
 
