@@ -1,17 +1,16 @@
 //! `protean check`.
 
-use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::builder::{PathBufValueParser, TypedValueParser as _};
-use platform::atomic_file::{AtomicFile, Existing, Readers};
 use platform::eprintln;
 use report::picture::{RunTrace, draw};
 use serde_json::json;
 
 use super::common::{ForceArg, JsonArg};
-use super::output::{EXIT_FAILED, EXIT_INVALID, print, print_json};
+use super::logs::exit_code_of_derived;
+use super::output::{self, EXIT_INVALID, print, print_json};
 use super::picture::svg_file;
 use super::run_args::OverrideArgs;
 use scenario::kind::Kind;
@@ -102,23 +101,11 @@ fn write_picture(scenario: &ResolvedScenario, file: &Path, force: bool) -> Resul
         eprintln!("error: {error}");
         EXIT_INVALID
     })?;
-    let write = || -> io::Result<()> {
-        let mut out = AtomicFile::create(file, Existing::of_force(force), Readers::All)?;
-        out.write_all(draw(&trace).as_bytes())?;
-        out.commit()
-    };
-    write().map_err(|error| match error.kind() {
-        io::ErrorKind::AlreadyExists => {
-            eprintln!(
-                "error: {} exists; add --force to overwrite it",
-                file.display()
-            );
-            EXIT_INVALID
-        }
-        _ => {
-            eprintln!("error: cannot write {}: {error}", file.display());
-            EXIT_FAILED
-        }
+    let written =
+        output::create(file, force).and_then(|out| output::write(out, file, &draw(&trace)));
+    written.map_err(|error| {
+        eprintln!("error: {error}");
+        exit_code_of_derived(&error)
     })
 }
 

@@ -69,10 +69,10 @@ pub(super) struct ExportArgs {
 }
 
 /// Exports a log.
-pub fn run(args: ExportArgs) -> ExitCode {
+pub fn run(args: &ExportArgs) -> ExitCode {
     match (&args.ros2bag, &args.out) {
-        (Some(out), _) => bag(&args, out),
-        (None, out) => tables(&args, out.as_deref().unwrap_or(Path::new("."))),
+        (Some(out), _) => bag(args, out),
+        (None, out) => tables(args, out.as_deref().unwrap_or(Path::new("."))),
     }
 }
 

@@ -246,7 +246,7 @@ fn command(kinds: &'static [Kind], cli: Cli) -> ExitCode {
         Command::Picture(args) => picture::run(kinds, &args),
         Command::Info(args) => info::run(&args),
         Command::Cat(args) => cat::run(args),
-        Command::Export(args) => export::run(args),
+        Command::Export(args) => export::run(&args),
         Command::Filter(args) => filter::run(args),
         Command::Recover(args) => recover::run(&args),
         Command::Replay(args) => replay::run(kinds, args),

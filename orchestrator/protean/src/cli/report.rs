@@ -48,7 +48,14 @@ pub fn run(kinds: &'static [Kind], args: &ReportArgs) -> ExitCode {
         let reports = report(&logs, kinds, &out, args.force.force, watch)?;
         let codes = logs.iter().zip(&reports);
         let codes = codes.map(|(log, report)| logs::of_condition(log, &report.condition));
-        let failed = codes.filter(|code| *code != ExitCode::SUCCESS).last();
+        // Each reports what its log lacks.
+        let code = codes.fold(ExitCode::SUCCESS, |last, code| {
+            if code == ExitCode::SUCCESS {
+                last
+            } else {
+                code
+            }
+        });
         match &*reports {
             _ if !args.json.json => print(&out.display().to_string()),
             [report] => print_json(&serde_json::json!(report)),
@@ -63,7 +70,7 @@ pub fn run(kinds: &'static [Kind], args: &ReportArgs) -> ExitCode {
             );
             return Ok(ExitCode::from(EXIT_FAILED));
         }
-        Ok(failed.unwrap_or(ExitCode::SUCCESS))
+        Ok(code)
     })
 }
 

@@ -26,10 +26,6 @@ pub(super) struct OverrideArgs {
 
 /// Arguments of `protean run`, besides the scenario.
 #[derive(Debug, Clone, Default, clap::Args)]
-#[expect(
-    clippy::struct_excessive_bools,
-    reason = "one per switch of the command line"
-)]
 pub(super) struct RunArgs {
     #[command(flatten)]
     pub(super) overrides: OverrideArgs,
