@@ -46,11 +46,6 @@ fn navigator(is_served: bool) -> Navigator {
 }
 
 impl Navigator {
-    fn request(&self) -> ActiveRequest<OptimiserPlan> {
-        let server = self.server.as_ref().unwrap();
-        server.receive().unwrap().expect("a request")
-    }
-
     /// The next request; the robot stands until then.
     fn asked(&self, tick: &mut u64) -> ActiveRequest<OptimiserPlan> {
         loop {

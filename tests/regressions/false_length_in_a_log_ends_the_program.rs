@@ -1,4 +1,4 @@
-//! A length of 4 GiB in a record of a log ended `picture` by an abort where memory was limited.
+//! A length of 2³² bytes in a record of a log ended `picture` by an abort where memory was limited.
 
 use mcap::records::op;
 
