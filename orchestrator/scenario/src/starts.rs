@@ -77,7 +77,7 @@ impl Placement {
 /// the others.
 ///
 /// # Errors
-/// The first robot without an allowed start in [`MAX_DRAWS`] draws.
+/// The first robot without an allowed start in `MAX_DRAWS` draws.
 pub fn place(
     robots: &[Placement],
     seed: u64,

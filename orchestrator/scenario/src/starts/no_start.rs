@@ -51,7 +51,7 @@ impl Fault {
     }
 }
 
-/// A robot without an allowed start in [`MAX_DRAWS`] draws, with the reasons.
+/// A robot without an allowed start in `MAX_DRAWS` draws, with the reasons.
 #[derive(Debug, Clone, Copy)]
 pub struct NoStart {
     /// Index of the robot.
