@@ -220,7 +220,10 @@ fn digest_of_log(log: &Path) -> String {
     for message in mcap::MessageStream::new(&bytes).unwrap() {
         let message = message.unwrap();
         let topic = message.channel.topic.clone();
-        if topic.starts_with('/') || topic.starts_with("process/") || topic == "run/control" {
+        if topic.starts_with('/') || topic.starts_with("process/") {
+            continue;
+        }
+        if ["run/control", "world/robots"].contains(&&*topic) {
             continue;
         }
         let source = u32::from_le_bytes(message.data[4 + 24..4 + 28].try_into().unwrap());
