@@ -196,10 +196,11 @@ fn simulated(summary: &Json) -> Json {
     ] {
         simulated.insert(field.to_owned(), summary[field].clone());
     }
-    // Heartbeats and pictures for viewers belong to processes and logs.
+    // Heartbeats, names and pictures for viewers belong to processes and logs.
     let topics = summary["topics"].as_object().unwrap();
     let counted = topics.iter().filter(|(name, _)| {
-        !name.starts_with('/') && !name.starts_with("process/") && *name != "run/control"
+        let other = ["run/control", "world/robots"];
+        !name.starts_with('/') && !name.starts_with("process/") && !other.contains(&name.as_str())
     });
     simulated.insert(
         "topics".to_owned(),
