@@ -175,6 +175,9 @@ pub fn mark_incomplete(mut metadata: Metadata) -> Metadata {
     metadata
 }
 
+/// Topic with the names of the robots. The recorder writes it; it is not on the bus.
+pub const ROBOTS_TOPIC: &str = "world/robots";
+
 /// Name of the metadata record with the manifest.
 pub const MANIFEST: &str = "protean";
 /// Name of the metadata record with the result of a run.

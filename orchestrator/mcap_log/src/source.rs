@@ -10,7 +10,7 @@ use std::rc::Rc;
 use mcap::records::MessageHeader;
 
 use super::known;
-use super::output::MANIFEST;
+use super::output::{MANIFEST, ROBOTS_TOPIC};
 use super::reader::{Channel, ChunkPlace, Item, Reader, Schema};
 use super::states::{States, is_latched};
 use crate::LogReadError;
@@ -190,7 +190,7 @@ impl Source {
 
     /// Selects a channel if it is requested; the layout of a project topic must be that of this version.
     fn take_up(&mut self, channel: &Channel) -> Result<(), LogReadError> {
-        if channel.topic.starts_with('/') {
+        if channel.topic.starts_with('/') || channel.topic == ROBOTS_TOPIC {
             if self.pictures && self.topics.take(&channel.topic) {
                 let played = Played {
                     rank: FOR_VIEWERS,

@@ -52,9 +52,10 @@ pub use derived::{DerivedChannel, DerivedMessages, DerivedTopics};
 pub use digest_prefixes::DigestPrefixes;
 pub use error::RecorderError;
 pub use event_names::EventNames;
+pub use mcap_log::output::ROBOTS_TOPIC;
 pub use outcome_words::outcome_words;
 pub use recording::Recording;
-pub use robot_names::{ROBOTS_TOPIC, robot_names};
+pub use robot_names::robot_names;
 pub use run_info::{ProcessInfo, RobotInfo, RunInfo};
 pub use summary::{
     CoverageByWay, CoverageOutcome, EventEntry, LapFigures, Outage, PredictionOutcome,

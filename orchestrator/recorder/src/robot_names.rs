@@ -1,11 +1,10 @@
 //! The topic `world/robots`: the names of the robots, which all other messages state by index.
 
+use mcap_log::output::ROBOTS_TOPIC;
 use mcap_log::ros2::{Cdr, Number, Schema};
 use mcap_log::states::latched_entry;
 use mcap_log::{ChannelSpec, LogWriteError, LogWriter};
 
-/// Name of the topic. The recorder writes it; it is not on the bus.
-pub const ROBOTS_TOPIC: &str = "world/robots";
 /// Definition of its message.
 const SCHEMA: &str = "\
 protean/RobotName[] robots
