@@ -314,11 +314,11 @@ set.options = { method = "lp" }
 [[cases]]
 name = "vmc"
 set.options = { method = "vmc", control_points = 8, fallbacks = false }
-[parameters.obstacles]
+[parameters.discs]
 levels.few = { instances.obstacles = [1, 10] }
 levels.many = { instances.obstacles = [30, 40] }
 [grid]
-obstacles = ["few", "many"]
+discs = ["few", "many"]
 "#;
 
 #[test]

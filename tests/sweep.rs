@@ -6,6 +6,7 @@ mod engines;
 #[path = "sweep/failures.rs"]
 mod failures;
 
+use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::OnceLock;
 use std::time::Duration;
@@ -143,8 +144,17 @@ fn a_row_is_what_the_same_mission_alone_results_in() {
     let alone = sandbox.protean(words).json();
     assert_eq!(alone["digest"], field("digest"));
     assert_eq!(alone["ticks"].to_string(), field("ticks"));
-    let robots: Json = serde_json::from_str(&field("robots")).unwrap();
-    assert_eq!(alone["robots"], robots);
+    let path = sandbox.path().join("out/robots.csv");
+    let mut robots = csv::Reader::from_path(path).unwrap();
+    let robots = robots.deserialize().map(Result::unwrap);
+    let last: BTreeMap<String, String> = robots.last().unwrap();
+    let joined = ["case", "limit", "seed"].map(|name| last[name].clone());
+    assert_eq!(joined, ["shy", "3", "2"]);
+    let robot = &alone["robots"][0];
+    assert_eq!(robot["name"], last["robot"]);
+    assert_eq!(robot["outcome"], last["outcome"]);
+    assert_eq!(robot["distance_m"].to_string(), last["distance_m"]);
+    assert_eq!(robot["contacts"].to_string(), last["contacts"]);
 }
 
 #[test]
@@ -265,6 +275,17 @@ fn shards_merge_to_the_table_of_the_whole() {
     let outcome = merge(&[&two]);
     assert_eq!(outcome.code, Some(0), "{outcome}");
     assert_eq!(table(&sandbox, "merged"), whole);
+    let summary = sweep_json(&sandbox, "at_once", &["--in-process"], 0);
+    assert_eq!(summary["carried_out"], MISSIONS);
+    for name in ["results", "robots", "predictions"] {
+        for extension in ["csv", "parquet"] {
+            let of = |out: &str| {
+                let path = sandbox.path().join(out).join(format!("{name}.{extension}"));
+                std::fs::read(path).unwrap()
+            };
+            assert!(of("merged") == of("at_once"), "{name}.{extension}");
+        }
+    }
     assert_eq!(merge(&[&one]).code, Some(0));
     // What was merged can be gone on with.
     let summary = sweep_json(&sandbox, "merged", &["--seeds", "1..4", "--in-process"], 0);

@@ -1,10 +1,73 @@
-//! Columns of results: name, type and value in one place, for header, CSV and Parquet.
+//! Columns and tables of results: name, type and value in one place, for header, CSV and Parquet.
 
-use std::io;
+use tables::{Cell, Column, Type};
 
-use tables::{Cell, Type};
+/// A part of the result of a mission that is a row of a table: the result itself, or one of its robots.
+pub trait Part<R>: Sized + 'static {
+    /// Name of the files of the table, without extension.
+    const TABLE: &'static str;
 
-/// A column of the table of results, after the columns of the parameters and `seed`.
+    /// Heading and rows of the table in the reference: `Robots`, `one row per mission and robot`.
+    const REFERENCE: [&'static str; 2];
+
+    /// The columns of the table after `case`, the parameters and `seed`.
+    const COLUMNS: &'static [ResultColumn<Self>];
+
+    /// Returns the rows of a mission, in order.
+    fn of(row: &R) -> &[Self];
+}
+
+/// A table of results, with any number of rows for each mission.
+pub struct ResultTable<R: 'static> {
+    /// Name of its files, without extension.
+    pub name: &'static str,
+    columns: fn() -> Vec<Column>,
+    rows: fn(&R) -> Vec<Vec<Cell>>,
+    reference: fn() -> String,
+}
+
+impl<R> ResultTable<R> {
+    /// Returns the table of a kind of parts.
+    pub(super) const fn of<P: Part<R>>() -> Self {
+        Self {
+            name: P::TABLE,
+            columns: || {
+                let columns = P::COLUMNS.iter();
+                columns.map(|c| Column::new(c.name, c.kind())).collect()
+            },
+            rows: |row| {
+                let parts = P::of(row).iter();
+                let cells = |part| P::COLUMNS.iter().map(|c| c.cell(part)).collect();
+                parts.map(cells).collect()
+            },
+            reference: || {
+                let (name, [heading, rows]) = (P::TABLE, P::REFERENCE);
+                let lines: String = P::COLUMNS.iter().map(ResultColumn::reference).collect();
+                format!(
+                    "\n## {heading}\n\n`{name}.csv`, `{name}.parquet`: {rows}.\n\n\
+                     | column | type | meaning |\n|---|---|---|\n{lines}"
+                )
+            },
+        }
+    }
+
+    /// Returns its columns after `case`, the parameters and `seed`.
+    pub(super) fn columns(&self) -> Vec<Column> {
+        (self.columns)()
+    }
+
+    /// Returns the cells of these columns for each of its rows of a mission.
+    pub(super) fn rows(&self, row: &R) -> Vec<Vec<Cell>> {
+        (self.rows)(row)
+    }
+
+    /// Returns its section of the reference.
+    pub(super) fn reference(&self) -> String {
+        (self.reference)()
+    }
+}
+
+/// A column of a table of results.
 pub struct ResultColumn<R: 'static> {
     /// Name.
     pub name: &'static str,
@@ -20,8 +83,6 @@ enum Get<R: 'static> {
     Float(fn(&R) -> Option<f64>),
     /// Text; an empty text is no value.
     Text(fn(&R) -> &str),
-    /// JSON as text; an empty text is no value.
-    Json(fn(&R) -> serde_json::Result<String>),
 }
 
 impl<R> ResultColumn<R> {
@@ -61,52 +122,32 @@ impl<R> ResultColumn<R> {
         Self { name, meaning, get }
     }
 
-    pub(super) const fn json(
-        name: &'static str,
-        meaning: &'static str,
-        get: fn(&R) -> serde_json::Result<String>,
-    ) -> Self {
-        let get = Get::Json(get);
-        Self { name, meaning, get }
-    }
-
-    pub(super) fn kind(&self) -> Type {
+    fn kind(&self) -> Type {
         match self.get {
             Get::Bool(_) => Type::Bool,
             Get::Int(_) => Type::Int,
             Get::Float(_) => Type::F64,
-            Get::Text(_) | Get::Json(_) => Type::Text,
+            Get::Text(_) => Type::Text,
         }
     }
 
     /// Returns its line of the reference.
-    pub(super) fn reference(&self) -> String {
-        let kind = match self.get {
-            Get::Json(_) => "JSON",
-            _ => self.kind().name(),
-        };
+    fn reference(&self) -> String {
+        let kind = self.kind().name();
         format!("| `{}` | {kind} | {} |\n", self.name, self.meaning)
     }
 
     /// Returns the value of a row.
-    ///
-    /// # Errors
-    /// A value cannot be written as JSON.
-    pub(super) fn cell(&self, row: &R) -> io::Result<Cell> {
-        let text = |text: String| {
-            if text.is_empty() {
-                Cell::Empty
-            } else {
-                Cell::Text(text)
-            }
-        };
-        Ok(match self.get {
+    fn cell(&self, row: &R) -> Cell {
+        match self.get {
             Get::Bool(get) => get(row).map_or(Cell::Empty, Cell::Bool),
             // Counts and ticks are below 2^63.
             Get::Int(get) => get(row).map_or(Cell::Empty, |v| Cell::Int(v.cast_signed())),
             Get::Float(get) => get(row).map_or(Cell::Empty, Cell::F64),
-            Get::Text(get) => text(get(row).to_owned()),
-            Get::Json(get) => text(get(row)?),
-        })
+            Get::Text(get) => match get(row) {
+                "" => Cell::Empty,
+                text => Cell::Text(text.to_owned()),
+            },
+        }
     }
 }

@@ -14,6 +14,7 @@ use super::row::Record as _;
 use super::seeds::Seeds;
 use super::spec::{FigureSpec, MAX_CELLS, MAX_MISSIONS, RunSpec, TopLevel};
 use super::subject::Subject;
+use super::table::is_taken;
 use super::{grid, parameters};
 use scenario::files::read_text;
 
@@ -88,7 +89,7 @@ impl<S: Subject> ExperimentOf<S> {
         let top: Option<TopLevel> = reader.read(&root, &FieldPath::default());
         let name = root.get("name").and_then(Node::as_str).unwrap_or(stem);
         check_name(reader, &FieldPath::key("name"), name);
-        let parameters = parameters::read(reader);
+        let parameters = parameters::read(reader, is_taken::<S::Row>);
         let combinations = grid::read(reader, &parameters);
         let seeds = read_seeds(reader, options);
         let run = read_run(reader);

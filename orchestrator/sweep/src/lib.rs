@@ -11,7 +11,7 @@
 //!
 //! | modules | content |
 //! |---|---|
-//! | `cell`, `kind`, `columns`, `row`, `metrics` | cells, rows of results, and metrics of rows |
+//! | `cell`, `kind`, `columns`, `row`, `long_tables`, `metrics` | cells, rows of results, their tables, and metrics of rows |
 //! | [`spec`], `seeds`, `mission_id`, `options` | the keys of the file, and options beside it |
 //! | `manifest`, `table`, `directory`, `journal`, `results`, [`merge`] | the directory of results |
 //! | `reader`, `assignments`, `parameters`, `grid`, `parts`, `cases` | parts of the file during reading |
@@ -34,6 +34,7 @@ pub mod figures;
 mod grid;
 mod journal;
 mod kind;
+mod long_tables;
 mod manifest;
 pub mod merge;
 mod metrics;
@@ -61,7 +62,7 @@ mod tests;
 
 pub use cases::Case;
 pub use cell::{Cell, Value};
-pub use columns::ResultColumn;
+pub use columns::{Part, ResultColumn, ResultTable};
 pub use directory::kind_of;
 pub use error::SweepError;
 pub use experiment::{Column, ExperimentOf};

@@ -7,7 +7,6 @@ use super::assignments::{self, Assignment};
 use super::cell::Value;
 use super::reader::Reader;
 use super::spec::ParameterSpec;
-use super::table::is_taken;
 use scenario::Draft;
 
 /// A parameter that is varied.
@@ -35,24 +34,26 @@ enum Scale {
     Key(String, String),
 }
 
-/// Reads all parameters.
-pub(super) fn read(reader: &mut Reader) -> Vec<Parameter> {
+/// Reads all parameters; `is_taken` tells the names of other columns of the results.
+pub(super) fn read(reader: &mut Reader, is_taken: fn(&str) -> bool) -> Vec<Parameter> {
     let tables = reader.table("parameters");
     tables
         .into_iter()
-        .filter_map(|(name, path, node)| read_one(reader, name, &path, &node))
+        .filter_map(|(name, path, node)| {
+            if !is_column(&name) || is_taken(&name) {
+                reader.refuse(
+                    &path,
+                    Code::OutOfRange,
+                    &format!("`{name}` cannot be the name of a column"),
+                    "1 to 48 of a-z, A-Z, 0-9, `_`, `-`, and not the name of another column of the results",
+                );
+            }
+            read_one(reader, name, &path, &node)
+        })
         .collect()
 }
 
 fn read_one(reader: &mut Reader, name: String, path: &FieldPath, node: &Node) -> Option<Parameter> {
-    if !is_column(&name) {
-        reader.refuse(
-            path,
-            Code::OutOfRange,
-            &format!("`{name}` cannot be the name of a column"),
-            "1 to 48 of a-z, A-Z, 0-9, `_`, `-`, and not the name of another column of the results",
-        );
-    }
     let spec: ParameterSpec = reader.read(node, path)?;
     let effect = match (node.get("set"), node.get("levels")) {
         (Some(set), None) => Effect::Key {
@@ -95,10 +96,10 @@ fn read_one(reader: &mut Reader, name: String, path: &FieldPath, node: &Node) ->
     })
 }
 
-/// Returns `true` if results can have a column of this name.
+/// Returns `true` if a column can have this name.
 fn is_column(name: &str) -> bool {
     let plain = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
-    (1..=48).contains(&name.len()) && name.chars().all(plain) && !is_taken(name)
+    (1..=48).contains(&name.len()) && name.chars().all(plain)
 }
 
 fn key(reader: &mut Reader, path: &FieldPath, node: &Node) -> Option<String> {

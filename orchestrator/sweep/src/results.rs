@@ -6,6 +6,7 @@
 //! | `experiment.toml` | the experiment file |
 //! | `journal.jsonl` | every finished mission, in order of completion |
 //! | `results.csv`, `results.parquet` | the same as a table, in the order of the experiment |
+//! | `robots.csv`, `predictions.csv`, … | the robots and predictions of missions, in the same order |
 //! | `logs/` | logs of missions, if they are kept |
 
 use std::collections::BTreeMap;
@@ -20,15 +21,13 @@ use super::error::SweepError;
 use super::journal::{self, Entry, Journal, Opened};
 use super::manifest::Manifest;
 use super::mission_id::{MissionId, missions};
-use super::row::{Record, Row};
+use super::row::{RESULTS, Record, Row};
 use super::table;
 
 /// Name of the copy of the experiment file.
 const EXPERIMENT: &str = "experiment.toml";
-/// Name of the table as text.
-const TABLE: &str = "results.csv";
-/// Name of the table with typed columns.
-const TYPED_TABLE: &str = "results.parquet";
+/// Formats of the tables, and the extensions of their files.
+const FORMATS: [(&str, Format); 2] = [("csv", Format::Csv), ("parquet", Format::Parquet)];
 
 /// A directory of results, locked while it is open.
 pub struct Results<R = Row> {
@@ -316,16 +315,19 @@ impl<R: Record> Results<R> {
         std::fs::read_to_string(&path).map_err(SweepError::io(&path, "cannot read the experiment"))
     }
 
-    /// Writes the table, as text and as Parquet; each file is replaced atomically.
+    /// Writes the tables, as text and as Parquet; each file is replaced atomically.
     ///
     /// # Errors
     /// [`SweepError::Io`].
     pub fn write_tables(&self) -> Result<(), SweepError> {
         self.journal.sync()?;
-        for (name, format) in [(TABLE, Format::Csv), (TYPED_TABLE, Format::Parquet)] {
-            replace_with(&self.directory.join(name), |file| {
-                table::write(format, file, &self.manifest, self.rows())
-            })?;
+        for table in R::TABLES {
+            for (extension, format) in FORMATS {
+                let path = self.directory.join(format!("{}.{extension}", table.name));
+                replace_with(&path, |file| {
+                    table::write(table, format, file, &self.manifest, self.rows())
+                })?;
+            }
         }
         Ok(())
     }
@@ -338,7 +340,7 @@ impl<R: Record> Results<R> {
 fn continued(directory: &Path, manifest: &Manifest) -> Result<Manifest, SweepError> {
     let mut manifest = manifest.clone();
     let Some(theirs) = read_manifest(directory)? else {
-        let is_used = [journal::FILE, TABLE, EXPERIMENT]
+        let is_used = [journal::FILE, &format!("{RESULTS}.csv"), EXPERIMENT]
             .map(|file| directory.join(file).symlink_metadata().is_ok())
             .contains(&true);
         return if is_used {

@@ -3,18 +3,21 @@
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
-use super::columns::ResultColumn;
+use super::columns::{Part, ResultColumn, ResultTable};
 use super::kind::Kind;
 use mission::MissionReport;
 use recorder::{CoverageOutcome, PredictionOutcome, RobotOutcome, Summary};
+
+/// Name of the files of the table with one row per mission.
+pub(super) const RESULTS: &str = "results";
 
 /// A row of results. It does not depend on the machine or on the engine.
 pub trait Record: Clone + PartialEq + Serialize + DeserializeOwned + Send + 'static {
     /// Kind of the missions.
     const KIND: Kind;
 
-    /// The columns of its table after `case`, the parameters and `seed`.
-    const COLUMNS: &'static [ResultColumn<Self>];
+    /// The tables of results: of the rows themselves, then of parts of them.
+    const TABLES: &'static [ResultTable<Self>];
 
     /// Returns the row of a mission that failed, with the reason.
     fn failed(error: String) -> Self;
@@ -159,6 +162,29 @@ impl Row {
 impl Record for Row {
     const KIND: Kind = Kind::Missions;
 
+    const TABLES: &'static [ResultTable<Self>] = &[
+        ResultTable::of::<Self>(),
+        ResultTable::of::<RobotOutcome>(),
+        ResultTable::of::<PredictionOutcome>(),
+    ];
+
+    fn failed(error: String) -> Self {
+        Self::failed(error)
+    }
+
+    fn is_failed(&self) -> bool {
+        Self::is_failed(self)
+    }
+
+    fn error(&self) -> &str {
+        &self.error
+    }
+}
+
+impl Part<Self> for Row {
+    const TABLE: &'static str = RESULTS;
+    const REFERENCE: [&'static str; 2] = ["Missions", "one row per mission"];
+
     const COLUMNS: &'static [ResultColumn<Self>] = &[
         ResultColumn::text(
             "outcome",
@@ -231,34 +257,10 @@ impl Record for Row {
             |r| &r.digest,
         ),
         ResultColumn::text("error", "Reason of a failure.", |r| &r.error),
-        ResultColumn::json(
-            "robots",
-            "Name, team, outcome, time (s), distance (m), contacts, waypoints and laps of every robot.",
-            |r| match known(r, &r.robots) {
-                Some(robots) => serde_json::to_string(robots),
-                None => Ok(String::new()),
-            },
-        ),
-        ResultColumn::json(
-            "predictions",
-            "Errors of every `observer` by robot, method and horizon, and times of recovered keys; empty without one.",
-            |r| match r.predictions.as_slice() {
-                [] => Ok(String::new()),
-                predictions => serde_json::to_string(predictions),
-            },
-        ),
     ];
 
-    fn failed(error: String) -> Self {
-        Self::failed(error)
-    }
-
-    fn is_failed(&self) -> bool {
-        Self::is_failed(self)
-    }
-
-    fn error(&self) -> &str {
-        &self.error
+    fn of(row: &Self) -> &[Self] {
+        std::slice::from_ref(row)
     }
 }
 

@@ -4,7 +4,7 @@
 use parameters::{Reference, for_people, schema_generator};
 use schemars::Schema;
 
-use super::columns::ResultColumn;
+use super::columns::ResultTable;
 use super::planning::PlanRow;
 use super::row::{Record as _, Row};
 use super::spec::{CaseSpec, FigureSpec, ParameterSpec, RunSpec, SeedsSpec, TopLevel};
@@ -33,14 +33,7 @@ pub fn reference() -> String {
 
 /// Returns the columns of the tables of results as tables in Markdown.
 pub fn result_columns() -> String {
-    format!(
-        "\n## Missions\n\n{}\n## Plans\n\n{}",
-        columns_table(Row::COLUMNS),
-        columns_table(PlanRow::COLUMNS)
-    )
-}
-
-fn columns_table<R>(columns: &[ResultColumn<R>]) -> String {
-    let lines: String = columns.iter().map(ResultColumn::reference).collect();
-    format!("| column | type | meaning |\n|---|---|---|\n{lines}")
+    let missions = Row::TABLES.iter().map(ResultTable::reference);
+    let plans = PlanRow::TABLES.iter().map(ResultTable::reference);
+    missions.chain(plans).collect()
 }

@@ -1,23 +1,25 @@
-//! Rows of results as a table: `results.csv`, `results.parquet`.
+//! Tables of results as files: `results.csv`, `results.parquet`, and those of parts of missions.
 //!
-//! The columns are `case`, the parameters, `seed`, and those of the kind of row
-//! ([`Record::COLUMNS`]).
+//! The columns are `case`, the parameters, `seed`, and those of the table ([`Record::TABLES`]).
 
 use std::io::{self, Write};
 
 use tables::{self, Cell, Column, Format, Type};
 
 use super::cell::Value;
+use super::columns::ResultTable;
 use super::manifest::Manifest;
 use super::mission_id::MissionId;
-use super::row::{Record, Row};
+use super::row::Record;
 
-/// Returns `true` if every table of missions has a column of this name, so that no parameter can.
-pub(super) fn is_taken(name: &str) -> bool {
-    ["case", "seed"].contains(&name) || Row::COLUMNS.iter().any(|column| column.name == name)
+/// Returns `true` if a table of these rows has a column of this name, so that no parameter can.
+pub(super) fn is_taken<R: Record>(name: &str) -> bool {
+    let tables = R::TABLES.iter();
+    let mut columns = tables.flat_map(ResultTable::columns);
+    ["case", "seed"].contains(&name) || columns.any(|column| column.name() == name)
 }
 
-/// Writes the rows in their order.
+/// Writes a table, mission by mission in their order.
 ///
 /// Numbers have the shortest form that reads back as the same number. Missing values are empty, in
 /// Parquet null.
@@ -25,6 +27,7 @@ pub(super) fn is_taken(name: &str) -> bool {
 /// # Errors
 /// The error of the writer.
 pub(super) fn write<'a, R: Record + 'a, W: Write + Send + 'static>(
+    table: &ResultTable<R>,
     format: Format,
     file: W,
     manifest: &Manifest,
@@ -41,12 +44,11 @@ pub(super) fn write<'a, R: Record + 'a, W: Write + Send + 'static>(
     let names = manifest.parameters.iter().zip(&parameters);
     columns.extend(names.map(|(name, &kind)| Column::new(name, kind)));
     columns.push(Column::new("seed", Type::Int));
-    columns.extend(R::COLUMNS.iter().map(|c| Column::new(c.name, c.kind())));
-    let mut table = tables::begin(format, file, &columns)?;
-    let mut cells = Vec::with_capacity(columns.len());
+    columns.extend(table.columns());
+    let mut written = tables::begin(format, file, &columns)?;
     for (mission, row) in rows {
         let cell = manifest.cells.get(mission.cell);
-        cells.clear();
+        let mut cells = Vec::with_capacity(columns.len());
         cells.push(cell.map_or(Cell::Empty, |c| Cell::Text(c.case.clone())));
         for (index, &kind) in parameters.iter().enumerate() {
             let value = cell.and_then(|c| c.values.get(index));
@@ -54,12 +56,14 @@ pub(super) fn write<'a, R: Record + 'a, W: Write + Send + 'static>(
         }
         // Seeds are below 2^63.
         cells.push(Cell::Int(mission.seed.cast_signed()));
-        for column in R::COLUMNS {
-            cells.push(column.cell(row)?);
+        let of_mission = cells.len();
+        for own in table.rows(row) {
+            cells.truncate(of_mission);
+            cells.extend(own);
+            written.row(&cells)?;
         }
-        table.row(&cells)?;
     }
-    table.finish()
+    written.finish()
 }
 
 /// Returns the type of all values of a parameter.
@@ -89,14 +93,44 @@ fn parameter(value: &Value, kind: Type) -> Cell {
 
 #[cfg(test)]
 mod tests {
+    use std::collections::BTreeMap;
+
     use parquet::file::reader::{FileReader as _, SerializedFileReader};
     use parquet::record::Field;
     use tempfile::NamedTempFile;
 
-    use super::super::Outcome;
     use super::super::tests::{GOOD, load};
+    use super::super::{Outcome, Row};
     use super::*;
-    use recorder::PredictionOutcome;
+    use recorder::{LapFigures, PredictionOutcome, RobotOutcome, WaypointOutcome};
+
+    /// A robot that visits waypoints.
+    fn guard() -> RobotOutcome {
+        let lap = LapFigures {
+            length_m: 40.5,
+            mae_m: 0.3,
+            turns: 12.0,
+            maa: 0.7,
+            maa_fold: 0.6,
+        };
+        RobotOutcome {
+            name: "guard".to_owned(),
+            waypoints: Some(WaypointOutcome {
+                reached: 12,
+                inside_obstacle: 1,
+                timed_out: 0,
+                unreachable: 2,
+                route_left_out: 0,
+                farthest_m: 0.2,
+                laps: Some(3),
+                longest_lap_s: Some(61.5),
+                lap_limit_s: None,
+                planned: Some(lap),
+                driven: None,
+            }),
+            ..RobotOutcome::default()
+        }
+    }
 
     fn rows() -> Vec<(MissionId, Row)> {
         let of = |cell, seed| {
@@ -120,66 +154,137 @@ mod tests {
                     key_recovered_s: None,
                     key_recovered_after: None,
                 }],
-                ..Row::failed(if seed == 2 { "broken" } else { "" })
+                robots: vec![guard(), RobotOutcome::default()],
+                outcome: Outcome::Ended,
+                ..Row::failed("")
             };
             let row = if seed == 1 {
-                let outcome = Outcome::Ended;
-                Row { outcome, ..row }
-            } else {
                 row
+            } else {
+                Row::failed("broken")
             };
             (MissionId { cell, seed }, row)
         };
         (0..6).flat_map(|cell| [of(cell, 1), of(cell, 2)]).collect()
     }
 
-    fn written(format: Format) -> NamedTempFile {
+    fn written(table: &ResultTable<Row>, format: Format) -> NamedTempFile {
         let manifest = load(GOOD).unwrap().manifest();
         let rows = rows();
         let file = NamedTempFile::new().unwrap();
-        write(format, file, &manifest, rows.iter().map(|(m, r)| (*m, r))).unwrap()
+        let rows = rows.iter().map(|(m, r)| (*m, r));
+        write(table, format, file, &manifest, rows).unwrap()
+    }
+
+    /// Returns the lines of a table after the header, by column.
+    fn lines(table: &ResultTable<Row>) -> Vec<BTreeMap<String, String>> {
+        let file = written(table, Format::Csv);
+        let mut csv = csv::Reader::from_path(file.path()).unwrap();
+        csv.deserialize().map(Result::unwrap).collect()
     }
 
     #[test]
     fn parquet_and_csv_have_equal_values() {
-        let (text, parquet) = (written(Format::Csv), written(Format::Parquet));
-        let mut csv = csv::Reader::from_path(text.path()).unwrap();
-        let names = csv.headers().unwrap().clone();
-        let at = |name: &str| names.iter().position(|n| n == name).unwrap();
-        let reader = SerializedFileReader::new(parquet.reopen().unwrap()).unwrap();
-        let read: Vec<_> = reader
-            .get_row_iter(None)
-            .unwrap()
-            .map(Result::unwrap)
-            .collect();
-        let records: Vec<_> = csv.records().map(Result::unwrap).collect();
-        assert_eq!((read.len(), records.len()), (12, 12));
-        for (record, row) in records.iter().zip(&read) {
-            for (index, (name, field)) in row.get_column_iter().enumerate() {
-                assert_eq!(*name, names[index]);
-                let text = match field {
-                    Field::Null => String::new(),
-                    Field::Str(v) => v.clone(),
-                    Field::Long(v) => v.to_string(),
-                    Field::Double(v) if name == "relative_speed" => {
-                        // A column of numbers contains 2 as 2.0.
-                        assert_eq!(record[index].parse::<f64>().unwrap(), *v);
-                        continue;
-                    }
-                    Field::Double(v) => v.to_string(),
-                    other => panic!("{name}: {other:?}"),
-                };
-                assert_eq!(record[index], text, "{name}");
+        for (table, length) in Row::TABLES.iter().zip([12, 12, 6]) {
+            let (text, parquet) = (written(table, Format::Csv), written(table, Format::Parquet));
+            let mut csv = csv::Reader::from_path(text.path()).unwrap();
+            let names = csv.headers().unwrap().clone();
+            let reader = SerializedFileReader::new(parquet.reopen().unwrap()).unwrap();
+            let read: Vec<_> = reader
+                .get_row_iter(None)
+                .unwrap()
+                .map(Result::unwrap)
+                .collect();
+            let records: Vec<_> = csv.records().map(Result::unwrap).collect();
+            assert_eq!((read.len(), records.len()), (length, length));
+            for (record, row) in records.iter().zip(&read) {
+                for (index, (name, field)) in row.get_column_iter().enumerate() {
+                    assert_eq!(*name, names[index]);
+                    let text = match field {
+                        Field::Null => String::new(),
+                        Field::Str(v) => v.clone(),
+                        Field::Long(v) => v.to_string(),
+                        Field::Double(v) if name == "relative_speed" => {
+                            // A column of numbers contains 2 as 2.0.
+                            assert_eq!(record[index].parse::<f64>().unwrap(), *v);
+                            continue;
+                        }
+                        Field::Double(v) => v.to_string(),
+                        other => panic!("{name}: {other:?}"),
+                    };
+                    assert_eq!(record[index], text, "{name}");
+                }
             }
         }
-        let first: Vec<_> = read[0].get_column_iter().map(|(_, f)| f.clone()).collect();
-        assert_eq!(first[at("seed")], Field::Long(1));
-        assert_eq!(first[at("first_escape_s")], Field::Double(0.1 + 0.2));
-        assert_eq!(first[at("first_capture_s")], Field::Null);
-        let Field::Str(predictions) = &first[at("predictions")] else {
-            panic!("predictions are no text: {:?}", first[at("predictions")]);
+    }
+
+    #[test]
+    fn values_of_a_mission_are_typed() {
+        let parquet = written(&Row::TABLES[0], Format::Parquet);
+        let reader = SerializedFileReader::new(parquet.reopen().unwrap()).unwrap();
+        let first = reader.get_row_iter(None).unwrap().next().unwrap().unwrap();
+        let first: BTreeMap<_, _> = first.get_column_iter().collect();
+        let at = |name: &str| first[&name.to_owned()];
+        assert_eq!(*at("seed"), Field::Long(1));
+        assert_eq!(*at("first_escape_s"), Field::Double(0.1 + 0.2));
+        assert_eq!(*at("first_capture_s"), Field::Null);
+    }
+
+    #[test]
+    fn long_tables_have_the_cell_and_the_seed_of_every_robot_and_prediction() {
+        let [results, robots, predictions] = Row::TABLES else {
+            panic!("three tables");
         };
-        let predictions: Vec<PredictionOutcome> = serde_json::from_str(predictions).unwrap();
-        assert_eq!(predictions, rows()[0].1.predictions);
+        assert!(!lines(results)[0].contains_key("robots"));
+        let (robots, predictions) = (lines(robots), lines(predictions));
+        let robot = |index: usize, name: &str| robots[index][name].clone();
+        let keys = [
+            "case",
+            "relative_speed",
+            "seed",
+            "robot",
+            "waypoints_reached",
+        ];
+        assert_eq!(
+            keys.map(|k| robot(0, k)),
+            ["potential", "0.8", "1", "guard", "12"]
+        );
+        assert_eq!(keys.map(|k| robot(1, k)), ["potential", "0.8", "1", "", ""]);
+        assert_eq!(robot(2, "relative_speed"), "1.5");
+        assert_eq!(
+            (robot(0, "planned_turns"), robot(0, "driven_turns")),
+            ("12".into(), String::new())
+        );
+        let prediction = |name: &str| predictions[5][name].clone();
+        let keys = [
+            "case",
+            "relative_speed",
+            "seed",
+            "robot",
+            "predictor",
+            "horizon_s",
+            "mean_m",
+            "median_m",
+        ];
+        let expected = [
+            "braitenberg",
+            "2",
+            "1",
+            "evader_1",
+            "curve, \"fitted\"",
+            "2",
+            "0.25",
+            "",
+        ];
+        assert_eq!(keys.map(prediction), expected);
+    }
+
+    #[test]
+    fn columns_of_all_tables_are_no_names_of_parameters() {
+        for name in ["case", "seed", "outcome", "robot", "horizon_s"] {
+            assert!(is_taken::<Row>(name), "{name}");
+        }
+        assert!(!is_taken::<Row>("method") && !is_taken::<Row>("gap"));
+        assert!(is_taken::<crate::planning::PlanRow>("gap"));
     }
 }

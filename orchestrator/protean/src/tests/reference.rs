@@ -56,7 +56,7 @@ fn the_reference_of_experiments_is_what_the_code_declares() {
 
 #[test]
 fn the_reference_of_result_columns_is_what_the_code_declares() {
-    let text = "The columns of `results.csv` and `results.parquet` after `case`, the parameters and `seed`; \
+    let text = "The columns of the tables of a sweep after `case`, the parameters and `seed`, by which the tables join; \
                 [experiments](experiment.md#results) and [plans](plans.md#experiments) describe the files. \
                 A missing value is an empty field of the CSV file and null in Parquet.";
     let tables = sweep::schema::result_columns();

@@ -2,9 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::columns::ResultColumn;
+use crate::columns::{Part, ResultColumn, ResultTable};
 use crate::kind::Kind;
-use crate::row::Record;
+use crate::row::{RESULTS, Record};
 use plan::{Answer, Outcome};
 
 /// The result of one plan. It does not depend on the machine.
@@ -67,6 +67,37 @@ impl PlanRow {
 impl Record for PlanRow {
     const KIND: Kind = Kind::Planning;
 
+    const TABLES: &'static [ResultTable<Self>] = &[ResultTable::of::<Self>()];
+
+    fn failed(error: String) -> Self {
+        Self {
+            outcome: Outcome::Failed,
+            honest: None,
+            obstacles: 0,
+            t_s: None,
+            lower_bound_s: None,
+            gap: None,
+            length_px: None,
+            min_clearance_px: None,
+            iterations: None,
+            control_points: None,
+            error,
+        }
+    }
+
+    fn error(&self) -> &str {
+        &self.error
+    }
+
+    fn is_failed(&self) -> bool {
+        matches!(self.outcome, Outcome::Invalid | Outcome::Failed)
+    }
+}
+
+impl Part<Self> for PlanRow {
+    const TABLE: &'static str = RESULTS;
+    const REFERENCE: [&'static str; 2] = ["Plans", "one row per plan"];
+
     const COLUMNS: &'static [ResultColumn<Self>] = &[
         ResultColumn::text(
             "outcome",
@@ -111,27 +142,7 @@ impl Record for PlanRow {
         ),
     ];
 
-    fn failed(error: String) -> Self {
-        Self {
-            outcome: Outcome::Failed,
-            honest: None,
-            obstacles: 0,
-            t_s: None,
-            lower_bound_s: None,
-            gap: None,
-            length_px: None,
-            min_clearance_px: None,
-            iterations: None,
-            control_points: None,
-            error,
-        }
-    }
-
-    fn error(&self) -> &str {
-        &self.error
-    }
-
-    fn is_failed(&self) -> bool {
-        matches!(self.outcome, Outcome::Invalid | Outcome::Failed)
+    fn of(row: &Self) -> &[Self] {
+        std::slice::from_ref(row)
     }
 }
