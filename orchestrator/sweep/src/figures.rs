@@ -1,7 +1,7 @@
 //! The figures of an experiment, drawn from its results: `figures/NAME.svg`.
 //!
 //! All inputs are in the directory of the results: the rows, the experiment file with its
-//! `[[figures]]`, and the published points for comparison, which [`keep_published`] copies there.
+//! `[[figures]]` (without any: one of the main outcome), and the published points for comparison, which [`keep_published`] copies there.
 
 use std::collections::BTreeMap;
 use std::path::{Component, Path, PathBuf};
@@ -13,6 +13,7 @@ use serde::Deserialize;
 use super::cell::Value;
 use super::error::SweepError;
 use super::manifest::ManifestCell;
+use super::metrics::Metric;
 use super::results::Results;
 use super::row::Row;
 use super::spec::FigureSpec;
@@ -26,7 +27,15 @@ const FOLDER: &str = "figures";
 struct Shown {
     cases: Vec<Titled>,
     parameters: BTreeMap<String, Titled>,
-    figures: Vec<FigureSpec>,
+    figures: Option<Vec<FigureSpec>>,
+}
+
+impl Shown {
+    /// Returns the figures; without the key, [`default_figure`].
+    fn figures(&self, results: &Results) -> Vec<FigureSpec> {
+        let default = || default_figure(results).into_iter().collect();
+        self.figures.clone().unwrap_or_else(default)
+    }
 }
 
 #[derive(Debug, Clone, Default, Deserialize)]
@@ -52,7 +61,7 @@ struct Published {
 /// # Errors
 /// [`SweepError::Io`]; [`SweepError::Figure`] if a path leads out of the folder.
 pub fn keep_published(folder: &Path, results: &Results) -> Result<(), SweepError> {
-    for figure in shown(results)?.figures {
+    for figure in shown(results)?.figures(results) {
         let Some(compare) = figure.compare else {
             continue;
         };
@@ -93,8 +102,9 @@ pub fn write(results: &Results) -> Result<Vec<PathBuf>, SweepError> {
 /// As [`fn@write`].
 pub fn charts(results: &Results) -> Result<Vec<(String, Chart)>, SweepError> {
     let shown = shown(results)?;
-    let figures = shown.figures.iter();
+    let figures = shown.figures(results);
     figures
+        .iter()
         .map(|figure| {
             let published = match &figure.compare {
                 Some(compare) => read_published(&results.directory().join(compare))?,
@@ -106,6 +116,35 @@ pub fn charts(results: &Results) -> Result<Vec<(String, Chart)>, SweepError> {
             ))
         })
         .collect()
+}
+
+/// Returns the figure of an experiment without the key `figures`: the main outcome over the first parameter with
+/// several values; `None` without such a parameter.
+fn default_figure(results: &Results) -> Option<FigureSpec> {
+    let manifest = results.manifest();
+    let varies = |axis: &usize| {
+        let mut values = manifest.cells.iter().map(|cell| cell.values.get(*axis));
+        let first = values.next();
+        values.any(|value| Some(value) != first)
+    };
+    let axis = (0..manifest.parameters.len()).find(varies)?;
+    let rows: Vec<&Row> = results.rows().map(|(_, row)| row).collect();
+    let outcomes = [
+        Metric::EscapeChance,
+        Metric::Coverage,
+        Metric::LapLength,
+        Metric::GameTime,
+    ];
+    let metric = outcomes
+        .into_iter()
+        .find(|metric| metric.measure(&rows).is_some())?;
+    Some(FigureSpec {
+        name: "outcome".to_owned(),
+        title: String::new(),
+        x: manifest.parameters.get(axis)?.clone(),
+        metric,
+        compare: None,
+    })
 }
 
 fn put(bytes: &[u8], path: &Path) -> Result<(), SweepError> {

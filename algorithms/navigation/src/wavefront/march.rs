@@ -12,7 +12,7 @@ use planner_view::map::PlannerMap;
 #[derive(Debug, Clone, Default)]
 pub struct Wave {
     nodes: usize,
-    /// Decided times of nodes and bends, infinite for others and for nowhere.
+    /// Final times of nodes and bends; infinite where undecided, and at [`Medium::nowhere`].
     times: Vec<f32>,
     labels: Vec<u32>,
     /// Best times so far.

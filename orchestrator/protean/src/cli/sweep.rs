@@ -239,6 +239,12 @@ fn carry_out<S: SweepKind>(
     let written = results.write_tables();
     let report = ran?;
     written?;
-    S::draw(&results)?;
-    Ok(conclude::<S>(&results, Some(&report), args.json.json))
+    let figures = S::draw(&results)?;
+    let code = conclude::<S>(&results, Some(&report), args.json.json);
+    if !args.json.json {
+        for figure in figures {
+            print(&format!("figure    {}", figure.display()));
+        }
+    }
+    Ok(code)
 }

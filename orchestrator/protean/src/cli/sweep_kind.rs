@@ -1,6 +1,6 @@
 //! Differences of `protean sweep` between missions of robots and plans.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use platform::eprintln;
 use serde_json::{Value as Json, json};
@@ -36,12 +36,12 @@ pub(super) trait SweepKind: Subject {
         Ok(())
     }
 
-    /// Draws the figures.
+    /// Draws the figures; returns their files.
     ///
     /// # Errors
     /// [`SweepError`] if one cannot be drawn.
-    fn draw(_results: &Results<Self::Row>) -> Result<(), SweepError> {
-        Ok(())
+    fn draw(_results: &Results<Self::Row>) -> Result<Vec<PathBuf>, SweepError> {
+        Ok(Vec::new())
     }
 
     /// Returns the summary as JSON.
@@ -84,8 +84,8 @@ impl SweepKind for Mission {
         figures::keep_published(folder, results)
     }
 
-    fn draw(results: &Results) -> Result<(), SweepError> {
-        figures::write(results).map(drop)
+    fn draw(results: &Results) -> Result<Vec<PathBuf>, SweepError> {
+        figures::write(results)
     }
 
     fn json(results: &Results, report: Option<&RunReport>) -> Json {

@@ -75,6 +75,26 @@ fn cells_become_points_with_published_ones() {
 }
 
 #[test]
+fn without_figures_the_main_outcome_is_drawn_over_the_first_parameter_that_varies() {
+    let (before, _) = GOOD.split_once("[[figures]]").unwrap();
+    for (text, expected) in [
+        (before.to_owned(), 1),
+        (format!("figures = []\n{before}"), 0),
+    ] {
+        let directory = tempfile::tempdir().unwrap();
+        let results = results(directory.path(), &text);
+        let charts = figures::charts(&results).unwrap();
+        assert_eq!(charts.len(), expected);
+        for (name, chart) in charts {
+            assert_eq!(name, "outcome");
+            assert_eq!(chart.x_label, "evader speed / Police speed");
+            assert_eq!(chart.y_label, "evaders that escape");
+            assert_eq!(chart.series.len(), 2);
+        }
+    }
+}
+
+#[test]
 fn published_points_must_exist_and_be_valid() {
     let folder = tempfile::tempdir().unwrap();
     let directory = tempfile::tempdir().unwrap();
