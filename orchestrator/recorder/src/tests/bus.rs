@@ -43,6 +43,8 @@ enum Clock {
 struct Turns {
     clock: Clock,
     completed: AtomicU64,
+    /// Completed ticks when the recorder began to take messages.
+    taken: AtomicU64,
     recorded: AtomicU64,
     ended: AtomicBool,
 }
@@ -50,14 +52,18 @@ struct Turns {
 impl Wakeup for Turns {
     fn wait(&self, timeout: Duration) {
         if self.clock == Clock::RealTime {
-            let completed = self.completed.load(Ordering::Acquire);
-            self.recorded.store(completed, Ordering::Release);
+            // Later ticks may have been sent since.
+            let taken = self.taken.load(Ordering::Acquire);
+            self.recorded.store(taken, Ordering::Release);
         }
         std::thread::sleep(timeout.min(Duration::from_millis(1)));
     }
     fn completed_tick(&self) -> Option<u64> {
-        let completed = self.completed.load(Ordering::Acquire).checked_sub(1);
-        completed.filter(|_| self.clock == Clock::LockStep)
+        let completed = self.completed.load(Ordering::Acquire);
+        self.taken.store(completed, Ordering::Release);
+        completed
+            .checked_sub(1)
+            .filter(|_| self.clock == Clock::LockStep)
     }
     fn recorded(&self, tick: u64) {
         self.recorded.store(tick + 1, Ordering::Release);
@@ -94,6 +100,7 @@ fn record(clock: Clock, name: &str) -> crate::Summary {
     let turns = Turns {
         clock,
         completed: AtomicU64::new(0),
+        taken: AtomicU64::new(0),
         recorded: AtomicU64::new(0),
         ended: AtomicBool::new(false),
     };
