@@ -3,13 +3,10 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
-use rustix::process::Signal;
-
 use crate::support::call::PATIENCE;
 use crate::support::history::{History, State};
 use crate::support::programs::driven_by;
-use crate::support::sandbox::signal;
-use crate::support::{SOON, Sandbox, skipped, until, wait_for_tick};
+use crate::support::{Sandbox, skipped, wait_for_tick};
 
 /// The repository's file with this path.
 fn file(path: &str) -> String {
@@ -126,16 +123,7 @@ fn a_planner_in_python_that_is_killed_is_started_again_and_rejoins() {
         .start();
     let run = sandbox.next_run(&BTreeSet::new());
     wait_for_tick(&run, 20);
-    let planner = || -> Option<u32> {
-        let mut all = sandbox.processes().into_iter();
-        let planner = all.find(|process| process.name.contains("python"));
-        planner.map(|process| process.pid)
-    };
-    let first = planner().unwrap();
-    signal(first, Signal::KILL);
-    until("its successor", SOON, || {
-        planner().filter(|&pid| pid != first)
-    });
+    sandbox.kill_and_await_successor("python");
     let outcome = running.finish();
     assert_eq!(outcome.code, Some(3), "{outcome}");
     let summary = outcome.json();

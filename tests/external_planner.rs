@@ -5,12 +5,10 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::LazyLock;
 
-use rustix::process::Signal;
 use serde_json::Value as Json;
 
 use crate::support::call::PATIENCE;
-use crate::support::sandbox::signal;
-use crate::support::{PROTEAN, SOON, Sandbox, until, wait_for_tick};
+use crate::support::{PROTEAN, Sandbox, wait_for_tick};
 
 /// The root of the repository.
 fn root() -> PathBuf {
@@ -185,16 +183,7 @@ fn a_planner_in_a_project_of_its_own_that_is_killed_is_started_again() {
         .start();
     let run = sandbox.next_run(&BTreeSet::new());
     wait_for_tick(&run, 20);
-    let planner = || -> Option<u32> {
-        let mut all = sandbox.processes().into_iter();
-        let planner = all.find(|process| process.name.contains("release/my_planner"));
-        planner.map(|process| process.pid)
-    };
-    let first = planner().unwrap();
-    signal(first, Signal::KILL);
-    until("its successor", SOON, || {
-        planner().filter(|&pid| pid != first)
-    });
+    sandbox.kill_and_await_successor("release/my_planner");
     let outcome = running.finish();
     assert_eq!(outcome.code, Some(3), "{outcome}");
     let summary = outcome.json();

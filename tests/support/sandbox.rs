@@ -191,6 +191,18 @@ impl Sandbox {
         })
     }
 
+    /// Kills the program with this in its name, and waits for the program that takes its place.
+    pub fn kill_and_await_successor(&self, part_of_name: &str) {
+        let find = || {
+            let mut all = self.processes().into_iter();
+            all.find(|process| process.name.contains(part_of_name))
+                .map(|process| process.pid)
+        };
+        let first = find().unwrap();
+        signal(first, Signal::KILL);
+        until("its successor", SOON, || find().filter(|&pid| pid != first));
+    }
+
     /// Asserts that nothing but logs is left of the runs, of which there was at least one.
     #[track_caller]
     pub fn assert_nothing_left(&self) {

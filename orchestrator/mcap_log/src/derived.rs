@@ -80,27 +80,22 @@ pub fn write(
 
 /// Returns the constructor of the error of a file or directory that cannot be created.
 pub fn refused(path: &Path) -> impl Fn(io::Error) -> DerivedError {
-    let path = path.to_owned();
-    move |source| {
-        let path = path.clone();
-        if source.kind() == io::ErrorKind::AlreadyExists {
-            DerivedError::Exists { path }
-        } else {
-            DerivedError::Create { path, source }
-        }
-    }
+    exists_or(path, |path, source| DerivedError::Create { path, source })
 }
 
 /// Returns the constructor of the error of a file that cannot be written.
 pub fn failed(path: &Path) -> impl Fn(io::Error) -> DerivedError {
+    exists_or(path, |path, source| DerivedError::Write { path, source })
+}
+
+fn exists_or(
+    path: &Path,
+    other: fn(PathBuf, io::Error) -> DerivedError,
+) -> impl Fn(io::Error) -> DerivedError {
     let path = path.to_owned();
-    move |source| {
-        let path = path.clone();
-        if source.kind() == io::ErrorKind::AlreadyExists {
-            DerivedError::Exists { path }
-        } else {
-            DerivedError::Write { path, source }
-        }
+    move |source| match source.kind() {
+        io::ErrorKind::AlreadyExists => DerivedError::Exists { path: path.clone() },
+        _ => other(path.clone(), source),
     }
 }
 
