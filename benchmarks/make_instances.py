@@ -2,11 +2,9 @@
 """Draws planning instances; the same count and seed give the same file.
 
     python3 benchmarks/make_instances.py base --count 30 --seed 1 benchmarks/instances/base_small.json
-    python3 benchmarks/make_instances.py dynamics --count 40 --seed 1 benchmarks/instances/dynamics.json
 
-`base` limits speed and turn rate only. `dynamics` is a robot like the TurtleBot3 Burger, with limited
-wheels and accelerations, half of the time moving at the start, half of the time with a heading to end
-in. Only numpy is needed.
+The recipes, and the command for every file in `benchmarks/instances`: see
+`benchmarks/collocation_baseline/README.md`. Only numpy is needed.
 """
 
 import argparse
@@ -17,7 +15,7 @@ import random
 import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
-from ipopt_baseline import guess, instance  # noqa: E402
+from collocation_baseline import guess, instance  # noqa: E402
 
 CM_PER_PX = 0.75
 WIDTH, HEIGHT = 640.0, 480.0
@@ -54,29 +52,30 @@ def draw_discs(draw, count, smallest, largest):
     ]
 
 
-def base(draw, _index):
-    """From one corner of the board to the other, among 10 to 20 small discs."""
+def across(draw, discs, radii, heading):
+    """From one corner of the board to the other; speed and turn rate may step."""
     start = {"x": draw.uniform(0.0, 20.0), "y": draw.uniform(0.0, 20.0)}
-    start["theta"] = round(math.radians(draw.uniform(40.0, 45.0, 6)), 6)
+    start["theta"] = round(math.radians(draw.uniform(*heading, 6)), 6)
     goal = {"x": draw.uniform(WIDTH - 20.0, WIDTH), "y": draw.uniform(HEIGHT - 20.0, HEIGHT)}
     return {
         "cm_per_px": CM_PER_PX,
         "vmax_px_s": 20.0,
+        "v_min": 0.0,
         "wmax_rad_s": 16.0,
         "buffer_px": 10.0,
         "bounds_px": [0.0, 0.0, WIDTH, HEIGHT],
         "start": start,
         "start_speed": None,
         "goal": goal,
-        "obstacles": draw_discs(draw, draw.integer(10, 20), 5.0, 15.0),
+        "obstacles": draw_discs(draw, draw.integer(*discs), *radii),
     }
 
 
-def dynamics(draw, index):
-    """0.22 m/s, 2.84 rad/s, wheels 0.16 m apart, 0.5 m/s^2, 3 rad/s^2, among 5 to 15 discs."""
+def inertia(draw, index, discs, limits):
+    """A robot with wheels 0.16 m apart and limited accelerations, moving or with a given last heading half of the time."""
     metres = 100.0 / CM_PER_PX
     v_max = round(0.22 * metres, 6)
-    acceleration = round(0.5 * metres, 6)
+    turn_rate, acceleration, angular_acceleration = limits
     margin = 10.0
     place = lambda: {"x": draw.uniform(margin, WIDTH - margin), "y": draw.uniform(margin, HEIGHT - margin)}
     start, goal = place(), place()
@@ -90,27 +89,70 @@ def dynamics(draw, index):
     return {
         "cm_per_px": CM_PER_PX,
         "vmax_px_s": v_max,
-        "wmax_rad_s": 2.84,
+        "v_min": 0.0,
+        "wmax_rad_s": turn_rate,
         "buffer_px": 14.0,
         "bounds_px": [0.0, 0.0, WIDTH, HEIGHT],
         "wheel_speed_px_s": v_max,
         "wheel_separation_px": round(0.16 * metres, 6),
         "acceleration_px_s2": acceleration,
-        "angular_acceleration_rad_s2": 3.0,
+        "angular_acceleration_rad_s2": angular_acceleration,
         "start": start,
         "start_speed": speed if moving else 0.0,
         "start_turn_rate": 0.0,
         "goal": goal,
         "goal_speed": 0.0,
-        "obstacles": draw_discs(draw, draw.integer(5, 15), 10.0, 30.0),
+        "obstacles": draw_discs(draw, draw.integer(*discs), 10.0, 30.0),
     }
+
+
+def slow_turning(draw, index, reverse):
+    """A turning radius of 10 to 100 px; any heading, a given last one half of the time, every fifth goal near."""
+    margin = 10.0
+    place = lambda: {"x": draw.uniform(margin, WIDTH - margin), "y": draw.uniform(margin, HEIGHT - margin)}
+    start, goal = place(), place()
+    start["theta"] = draw.uniform(-math.pi, math.pi, 6)
+    final = draw.uniform(-math.pi, math.pi, 6)
+    away, direction = draw.uniform(20.0, 100.0), draw.uniform(-math.pi, math.pi, 6)
+    if index % 5 == 4:
+        goal["x"] = round(start["x"] + away * math.cos(direction), 3)
+        goal["y"] = round(start["y"] + away * math.sin(direction), 3)
+    if index % 2 == 1:
+        goal["theta"] = final
+    return {
+        "cm_per_px": CM_PER_PX,
+        "vmax_px_s": 20.0,
+        "v_min": -20.0 if reverse else 0.0,
+        "wmax_rad_s": round(0.2 * 10.0 ** draw.uniform(0.0, 1.0, 6), 4),
+        "buffer_px": 10.0,
+        "bounds_px": [0.0, 0.0, WIDTH, HEIGHT],
+        "start": start,
+        "start_speed": None,
+        "goal": goal,
+        "obstacles": draw_discs(draw, draw.integer(0, 16), 12.0, 30.0),
+    }
+
+
+BURGER = (2.84, round(0.5 * 100.0 / CM_PER_PX, 6), 3.0)
+RECIPES = {
+    "base": lambda draw, _: across(draw, (10, 20), (5.0, 15.0), (40.0, 45.0)),
+    "obs30_40": lambda draw, _: across(draw, (30, 40), (5.0, 15.0), (40.0, 45.0)),
+    "dense": lambda draw, _: across(draw, (30, 40), (20.0, 30.0), (0.0, 90.0)),
+    "dynamics": lambda draw, index: inertia(draw, index, (5, 15), BURGER),
+    "heavy": lambda draw, index: inertia(draw, index, (5, 15), (1.2, 12.0, 0.6)),
+    "crowded": lambda draw, index: inertia(draw, index, (18, 28), BURGER),
+    "slow_turning": lambda draw, index: slow_turning(draw, index, reverse=False),
+    "slow_turning_reverse": lambda draw, index: slow_turning(draw, index, reverse=True),
+}
 
 
 def acceptable(raw):
     """Ends clear and apart, room to brake straight ahead, and a path on a grid."""
     start, goal = raw["start"], raw["goal"]
     ends = [(start["x"], start["y"]), (goal["x"], goal["y"])]
-    if math.dist(*ends) < 250.0:
+    if math.dist(*ends) < (19.9 if raw["row"].startswith("slow") else 250.0):
+        return False
+    if not all(0.0 <= x <= WIDTH and 0.0 <= y <= HEIGHT for x, y in ends):
         return False
     brake = 0.0
     if raw["start_speed"]:
@@ -125,22 +167,23 @@ def acceptable(raw):
             return False
     if not clear(ends[1], raw["obstacles"], raw["buffer_px"]):
         return False
-    return guess.grid_path(instance.parse({"id": "", **raw})) is not None
+    return guess.grid_path(instance.parse(raw)) is not None
 
 
 def make(kind, count, seed):
     draw = Draw(seed)
     drawn = []
     while len(drawn) < count:
-        raw = {"base": base, "dynamics": dynamics}[kind](draw, len(drawn))
+        name = {"id": f"{kind}-{seed}-{len(drawn):04d}", "row": kind, "seed": seed}
+        raw = name | RECIPES[kind](draw, len(drawn))
         if acceptable(raw):
-            drawn.append({"id": f"{kind}-{seed}-{len(drawn):04d}", "row": kind, "seed": seed, **raw})
+            drawn.append(raw)
     return drawn
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
-    parser.add_argument("kind", choices=("base", "dynamics"))
+    parser.add_argument("kind", choices=RECIPES)
     parser.add_argument("out", metavar="OUT.json")
     parser.add_argument("--count", type=int, default=40)
     parser.add_argument("--seed", type=int, default=1)

@@ -2,7 +2,7 @@
 //! large discs, and with obstacles that have appeared.
 //!
 //! Baseline: the exact shortest path alone (`tangent`), with which every method begins. For a
-//! comparison with IPOPT see `benchmarks/ipopt_baseline`.
+//! comparison with FATROP and IPOPT see `benchmarks/collocation_baseline`.
 
 use std::hint::black_box;
 

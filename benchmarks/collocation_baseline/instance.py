@@ -17,6 +17,7 @@ class Instance:
 
     id: str
     cm_per_px: float
+    v_min: float  # -v_max to 0 (forwards only)
     v_max: float
     w_max: float
     bounds: tuple  # x0, y0, x1, y1: for the robot's centre
@@ -33,7 +34,6 @@ class Instance:
     angular_acceleration: float | None
     centres: np.ndarray  # (n, 2)
     radii: np.ndarray  # (n,): grown by the buffer
-    lower_bound_s: float | None
 
     @property
     def millimetre(self):
@@ -41,14 +41,9 @@ class Instance:
         return 0.1 / self.cm_per_px
 
     @property
-    def has_dynamics(self):
-        """`True` if more than speed and turn rate, each alone, is limited."""
-        return (
-            self.acceleration is not None
-            or self.angular_acceleration is not None
-            or self.wheel_speed is not None
-            or self.start_turn_rate is not None
-        )
+    def has_inertia(self):
+        """`False` if speed and turn rate may step."""
+        return self.acceleration is not None or self.angular_acceleration is not None
 
 
 def number(value, name, positive=False):
@@ -77,10 +72,12 @@ def parse(raw):
         bounds = tuple(number(edge, "bounds_px") for edge in raw["bounds_px"])
         if len(bounds) != 4:
             raise Refused("bounds_px has not four numbers")
+        v_max = number(raw["vmax_px_s"], "vmax_px_s", positive=True)
         instance = Instance(
             id=str(raw["id"]),
             cm_per_px=number(raw["cm_per_px"], "cm_per_px", positive=True),
-            v_max=number(raw["vmax_px_s"], "vmax_px_s", positive=True),
+            v_min=-v_max if raw.get("v_min") is None else number(raw["v_min"], "v_min"),
+            v_max=v_max,
             w_max=number(raw["wmax_rad_s"], "wmax_rad_s", positive=True),
             bounds=bounds,
             start=(number(start["x"], "start.x"), number(start["y"], "start.y")),
@@ -96,12 +93,13 @@ def parse(raw):
             angular_acceleration=optional(raw, "angular_acceleration_rad_s2", positive=True),
             centres=discs[:, :2],
             radii=discs[:, 2] + buffer_px,
-            lower_bound_s=optional(raw.get("reference") or {}, "t_lb_s"),
         )
     except (KeyError, TypeError) as error:
         raise Refused(f"is malformed: {type(error).__name__} {error}") from None
     if (instance.wheel_speed is None) != (instance.wheel_separation is None):
         raise Refused("wheel_speed_px_s and wheel_separation_px belong together")
+    if not -instance.v_max <= instance.v_min <= 0.0:
+        raise Refused(f"v_min is {instance.v_min:g}, expected {-instance.v_max:g} to 0")
     return instance
 
 
