@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Comparison of the RRT* of Protean and OMPL in the city of the chasing game. SEEDS=21 by default.
-# Intermediate results go to a temporary folder; the table to stdout.
+# With OMPL_PYTHON, a Python that has the wheel `ompl` 2, its planners too. Intermediate results go to a temporary folder; the table to stdout.
 set -euo pipefail
 here="$(cd "$(dirname "$0")" && pwd)"
 seeds="${SEEDS:-21}"
@@ -24,4 +24,14 @@ for planner in RRTstar InformedRRTstar; do
         done
     done
 done
+if [[ -n "${OMPL_PYTHON:-}" ]]; then
+    g++ -O3 -march=native -std=c++17 -shared -fPIC "$here/city.cpp" -o "$work/libcity.so"
+    for planner in RRTstar InformedRRTstar BITstar AORRTC; do
+        for query in 0 1 2; do
+            for ((seed = 0; seed < seeds; seed++)); do
+                "$OMPL_PYTHON" "$here/newest.py" "$work/libcity.so" "$planner" "$query" "$seed" "$budget_ms" >> "$work/all.csv"
+            done
+        done
+    done
+fi
 awk -f "$here/table.awk" "$work/all.csv"
