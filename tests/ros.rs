@@ -3,12 +3,13 @@
 use std::collections::BTreeMap;
 
 use crate::support::{Sandbox, python};
+use crate::viewers::assert_layouts_fit;
 
 /// Messages by topic.
 type Counts = BTreeMap<String, u64>;
 
 #[test]
-fn strict_ros_readers_decode_the_logs_of_all_built_in_missions() {
+fn strict_ros_readers_decode_and_layouts_of_viewers_fit_the_logs_of_all_built_in_missions() {
     let sandbox = Sandbox::new();
     let listed = sandbox.protean(["list"]).json();
     let mut written: BTreeMap<String, Counts> = BTreeMap::new();
@@ -17,6 +18,7 @@ fn strict_ros_readers_decode_the_logs_of_all_built_in_missions() {
         let out = format!("{name}.mcap");
         let run = sandbox.protean(["run", name, "--out", &out]);
         let summary = run.set("rules.time_limit=1").json();
+        assert_layouts_fit(&sandbox.path().join(&out));
         let topics = summary["topics"].as_object().unwrap().iter();
         let counts =
             topics.map(|(topic, count)| (topic.clone(), count["messages"].as_u64().unwrap()));

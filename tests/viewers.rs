@@ -1,7 +1,7 @@
 //! Logs and live runs in the viewers that people have.
 
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use serde_json::{Value as Json, json};
@@ -78,23 +78,24 @@ fn names_what_is_there(path: &str, schemas: &BTreeMap<String, (String, String)>)
     }
 }
 
-#[test]
-fn the_layout_names_only_what_a_log_of_the_default_chase_holds() {
-    let sandbox = Sandbox::new();
-    sandbox
-        .protean(["run", "chase", "--out", "run.mcap"])
-        .set("rules.time_limit=1")
-        .json();
-    let schemas = schemas(&sandbox.path().join("run.mcap"));
-    let layout: Json = serde_json::from_slice(&std::fs::read(layout()).unwrap()).unwrap();
-    let panels = layout["configById"].as_object().unwrap();
+/// The view for Rerun.
+fn rerun_view() -> PathBuf {
+    layout().with_file_name("rerun-blueprint.py")
+}
+
+/// The layout for Foxglove.
+fn foxglove_layout() -> Json {
+    serde_json::from_slice(&std::fs::read(layout()).unwrap()).unwrap()
+}
+
+/// Asserts that the layout for Foxglove and the view for Rerun name only what a log holds.
+pub fn assert_layouts_fit(log: &Path) {
+    let schemas = schemas(log);
+    let layout = foxglove_layout();
     let mut shown = 0;
-    for (panel, config) in panels {
-        for topic in config["topics"]
-            .as_object()
-            .into_iter()
-            .flat_map(|t| t.keys())
-        {
+    for (panel, config) in layout["configById"].as_object().unwrap() {
+        let topics = config["topics"].as_object();
+        for topic in topics.into_iter().flat_map(|t| t.keys()) {
             let (schema, _) = schemas
                 .get(topic)
                 .unwrap_or_else(|| panic!("{panel}: {topic}"));
@@ -118,7 +119,19 @@ fn the_layout_names_only_what_a_log_of_the_default_chase_holds() {
         }
     }
     assert!(shown > 20, "{shown}");
-    // Every panel has its place, and every place its panel.
+    let view = std::fs::read_to_string(rerun_view()).unwrap();
+    let words = view.split('"').skip(1).step_by(2);
+    let topics: Vec<&str> = words.filter(|word| word.starts_with('/')).collect();
+    assert!(topics.len() > 3, "{topics:?}");
+    for topic in topics {
+        assert!(schemas.contains_key(topic), "{topic} of the view for Rerun");
+    }
+}
+
+#[test]
+fn every_panel_of_the_layout_has_its_place_and_every_place_its_panel() {
+    let layout = foxglove_layout();
+    let panels = layout["configById"].as_object().unwrap();
     let places = layout["layout"].to_string();
     for panel in panels.keys() {
         assert!(
@@ -132,7 +145,7 @@ fn the_layout_names_only_what_a_log_of_the_default_chase_holds() {
 /// The panel looks at the middle of the map from so far that all of it is seen, whatever the mission.
 #[test]
 fn the_layout_shows_the_whole_map_of_any_log() {
-    let layout: Json = serde_json::from_slice(&std::fs::read(layout()).unwrap()).unwrap();
+    let layout = foxglove_layout();
     let panel = &layout["configById"]["3D!mission"];
     assert_eq!(panel["cameraState"]["perspective"], false);
     let shown = panel["cameraState"]["distance"].as_f64().unwrap();
@@ -316,8 +329,8 @@ fn a_log_opens_in_rerun() {
         .protean(["run", "chase", "--out", "run.mcap"])
         .set("rules.time_limit=20")
         .json();
-    let rerun = |words: &[&str]| {
-        let output = Command::new(python.with_file_name("rerun"))
+    let run = |program: &Path, words: &[&str]| {
+        let output = Command::new(program)
             .args(words)
             .current_dir(sandbox.path())
             // It keeps its settings in the home directory.
@@ -330,6 +343,7 @@ fn a_log_opens_in_rerun() {
         assert!(output.status.success(), "{words:?}: {stdout}\n{errors}");
         stdout
     };
+    let rerun = |words: &[&str]| run(&python.with_file_name("rerun"), words);
     rerun(&["mcap", "check", "run.mcap"]);
     let info = rerun(&["mcap", "info", "run.mcap"]);
     for (topic, counts) in summary["topics"].as_object().unwrap() {
@@ -340,9 +354,14 @@ fn a_log_opens_in_rerun() {
         let messages = line.split_whitespace().nth(2).unwrap();
         assert_eq!(messages, counts["messages"].to_string(), "{line}");
     }
-    rerun(&["mcap", "convert", "run.mcap", "-o", "run.rrd"]);
+    let view = rerun_view();
+    run(
+        &python,
+        &[view.to_str().unwrap(), "run.mcap", "--save", "run.rrd"],
+    );
     let chunks = rerun(&["rrd", "print", "run.rrd"]);
     for (entity, component) in [
+        ("/viewport", "ViewportBlueprint:root_container"),
         ("/walls", "Points3D:positions"),
         ("/beliefs", "Points3D:positions"),
         ("/tf", "Transform3D:translation"),

@@ -10,7 +10,7 @@ use ipc_types::topics::{ObstacleEvents, TopicId};
 use super::channel::ViewerChannel;
 use super::palette;
 use super::picture::Picture;
-use super::primitives::{kind, marker, picture, pose, width};
+use super::primitives::{add_triangles, kind, marker, picture, pose, width};
 use super::repetition::Repetition;
 use crate::ros::messages::{ColorRGBA, Marker, MarkerArray, Point, Vector3};
 
@@ -99,16 +99,21 @@ impl Obstacles {
     fn draw(&self, time_ns: u64, line: f64) -> MarkerArray {
         let mut obstacles = picture(time_ns);
         for (event, color) in self.standing.values() {
-            let markers = &mut obstacles.markers;
-            let new = |kind: i32| marker("obstacle", event.id, kind, color.clone(), time_ns);
-            draw(event, new, line, markers);
+            draw(event, color, line, time_ns, &mut obstacles.markers);
         }
         obstacles
     }
 }
 
 /// Adds the markers of an obstacle.
-fn draw(event: &ObstacleEvent, new: impl Fn(i32) -> Marker, line: f64, markers: &mut Vec<Marker>) {
+fn draw(
+    event: &ObstacleEvent,
+    color: &ColorRGBA,
+    line: f64,
+    time_ns: u64,
+    markers: &mut Vec<Marker>,
+) {
+    let new = |kind: i32| marker("obstacle", event.id, kind, color.clone(), time_ns);
     let solid = |kind: i32, x: f64, y: f64| Marker {
         pose: pose(event.x, event.y, HEIGHT / 2.0, event.theta),
         scale: Vector3 { x, y, z: HEIGHT },
@@ -127,13 +132,7 @@ fn draw(event: &ObstacleEvent, new: impl Fn(i32) -> Marker, line: f64, markers: 
             let vertices: Vec<[f64; 2]> = corners.map(|xy| [xy[0], xy[1]]).collect();
             let mut outline: Vec<Point> = vertices.iter().map(|&[x, y]| top(x, y)).collect();
             outline.extend(outline.first().cloned());
-            let fill = triangles(vertices);
-            if !fill.is_empty() {
-                markers.push(Marker {
-                    points: fill,
-                    ..new(kind::TRIANGLE_LIST)
-                });
-            }
+            add_triangles(markers, "fill", color, &triangles(vertices), time_ns);
             markers.push(Marker {
                 ns: "outline".to_owned(),
                 scale: width(line),

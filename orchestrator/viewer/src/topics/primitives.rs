@@ -25,6 +25,9 @@ pub(super) mod kind {
 /// Value of `Marker::action` that removes all markers of the topic.
 const DELETE_ALL: i32 = 3;
 
+/// Triangles of a marker: few enough that the last one of a field of view is not mostly empty.
+const TRIANGLES: usize = 32;
+
 /// Value of `PointField::datatype` for `f32`.
 const FLOAT32: u8 = 7;
 
@@ -100,6 +103,27 @@ pub(super) fn marker(name: &str, id: u32, kind: i32, color: ColorRGBA, time_ns: 
     }
 }
 
+/// Adds triangles, three points each, as markers of this name.
+///
+/// Every marker has [`TRIANGLES`] triangles, the last one some without area: Foxglove Studio draws a marker with the
+/// object of a removed one, whose normals keep their number. Triangles beyond it get no light and look grey.
+pub(super) fn add_triangles(
+    markers: &mut Vec<Marker>,
+    name: &str,
+    color: &ColorRGBA,
+    points: &[Point],
+    time_ns: u64,
+) {
+    for part in points.chunks(3 * TRIANGLES) {
+        let id = markers.len() as u32;
+        let mut triangles = marker(name, id, kind::TRIANGLE_LIST, color.clone(), time_ns);
+        triangles.points = part.to_vec();
+        let last = part.last().cloned().unwrap_or_default();
+        triangles.points.resize(3 * TRIANGLES, last);
+        markers.push(triangles);
+    }
+}
+
 /// Returns the scale of lines of this width (m).
 pub(super) fn width(width: f64) -> Vector3 {
     Vector3 {
@@ -149,5 +173,23 @@ pub(super) fn transform(
             translation: Vector3 { x, y, z: 0.0 },
             rotation: yaw(theta),
         },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn fields_of_view_keep_their_colour_while_playing_because_all_markers_have_as_many_triangles() {
+        let color = ColorRGBA::default();
+        for triangles in [0, 1, TRIANGLES, TRIANGLES + 1, 100] {
+            let mut markers = Vec::new();
+            let points = vec![Point::default(); 3 * triangles];
+            add_triangles(&mut markers, "field", &color, &points, 0);
+            assert_eq!(markers.len(), triangles.div_ceil(TRIANGLES));
+            assert!(markers.iter().all(|m| m.points.len() == 3 * TRIANGLES));
+            assert!(markers.iter().map(|m| m.id as usize).eq(0..markers.len()));
+        }
     }
 }

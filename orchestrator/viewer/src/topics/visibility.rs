@@ -14,10 +14,10 @@ use sim_backend::team::Team;
 
 use super::channel::ViewerChannel;
 use super::picture::Picture;
-use super::primitives::{kind, marker, picture};
+use super::primitives::{add_triangles, picture};
 use super::{grid, palette};
 use crate::field_of_view::{FieldOfView, ViewOrigin};
-use crate::ros::messages::{Marker, MarkerArray, Point};
+use crate::ros::messages::{MarkerArray, Point};
 
 /// Minimum time between two pictures (simulated ns): polygons are large, and robots slow.
 const PERIOD_NS: u64 = 200_000_000;
@@ -138,20 +138,15 @@ impl Visibility {
             self.due_ns = (time_ns / PERIOD_NS + 1).saturating_mul(PERIOD_NS);
         }
         let mut areas = picture(time_ns);
-        for (id, drawn) in (0..).zip(&mut self.fields) {
+        for drawn in &mut self.fields {
             let Some((at, team)) = apex(&drawn.field, states) else {
                 continue;
             };
             let all_round = drawn.field.limits().is_all_round();
             let points = triangles(at.position(), drawn.seen(at, walls), all_round);
-            if points.is_empty() {
-                continue;
-            }
             let color = palette::team(team, palette::SEEN);
-            areas.markers.push(Marker {
-                points,
-                ..marker(&drawn.field.name, id, kind::TRIANGLE_LIST, color, time_ns)
-            });
+            let name = &drawn.field.name;
+            add_triangles(&mut areas.markers, name, &color, &points, time_ns);
         }
         let shows = areas.markers.len() > 1;
         let shown = core::mem::replace(&mut self.shown, shows);
