@@ -50,6 +50,11 @@ fn a_page_plays_the_mission_in_a_browser_and_shows_what_the_log_says() {
          const data = map.getContext('2d').getImageData(0, 0, map.width, map.height).data; const seen = new Set(); \
          for (let i = 0; i < data.length; i += 4) seen.add((data[i] << 16) | (data[i + 1] << 8) | data[i + 2]); \
          return { colours: seen.size, police: seen.has(0x0072b2), evader: seen.has(0xd55e00), wall: seen.has(0xcfd4db) }; })()";
+    // On a small map: the numbers of names and of pairs that overlap, at several times.
+    let names = "new Promise((done) => { document.getElementById('map-box').style.width = '150px'; \
+         const overlap = (a, b) => a[0] < b[2] && b[0] < a[2] && a[1] < b[3] && b[1] < a[3]; \
+         setTimeout(() => { const all = [1, 2, 3, 4, 5, 6].map((t) => protean.namesAt(t)); \
+         done([all.flat().length, all.flatMap((boxes) => boxes.flatMap((a, i) => boxes.slice(i + 1).filter((b) => overlap(a, b)))).length]); }, 300); })";
     let steps = json!([
         { "eval": "protean.outcome" },
         { "eval": "[...document.querySelectorAll('#outcome tbody tr')].map((row) => [...row.cells].map((cell) => cell.textContent))" },
@@ -67,6 +72,7 @@ fn a_page_plays_the_mission_in_a_browser_and_shows_what_the_log_says() {
         { "eval": "protean.t" },
         { "eval": "document.getElementById('run').textContent" },
         { "eval": "document.querySelectorAll('*').length" },
+        { "eval": names },
     ]);
     let Some(found) = browse(&sandbox.path().join("run.html"), &steps) else {
         return;
@@ -138,6 +144,9 @@ fn a_page_plays_the_mission_in_a_browser_and_shows_what_the_log_says() {
         nodes < 1000,
         "{nodes} elements for a page that draws on canvases"
     );
+    let names = next();
+    assert!(names[0].as_u64().unwrap() > 12, "{names}");
+    assert_eq!(names[1], 0, "names overlap: {names}");
     sandbox.assert_nothing_left();
 }
 

@@ -334,40 +334,65 @@ function drawMarks(t) {
   }
 }
 
-/** Names beside the robots, if there is room. */
-function drawNames(t) {
-  inPixels(paint);
-  paint.font = '13px system-ui, sans-serif';
-  paint.textBaseline = 'middle';
-  paint.lineJoin = 'round';
+/** Distances between a name and its robot (px), the preferred first. */
+const NAME_GAPS = [0, 11, 22, 33];
+
+/** Left ends of a text of this width beside a point, at a distance (px). */
+function besides(x, y, far, width) {
+  const left = x - far - width, right = x + far, middle = x - width / 2, high = Math.max(far, 13);
+  return [[right, y - far], [right, y + far], [left, y - far], [left, y + far], [right, y], [left, y], [middle, y - high], [middle, y + high]];
+}
+
+/** Places of the names beside the robots: each where it covers no robot and no other name, or none. */
+function placeNames(t) {
+  paint.font = `${view.width < 500 ? 11 : 13}px system-ui, sans-serif`;
   const taken = facts.robots.map((_, robot) => {
     const state = robotBetween(robot, t);
     const [x, y] = toScreen(state.x, state.y);
     const r = discOf(robot);
     return [x - r, y - r, x + r, y + r];
   });
-  const free = (box) => taken.every((other) => box[2] < other[0] || box[0] > other[2] || box[3] < other[1] || box[1] > other[3]);
+  const boxOf = ([px, py], width) => [px - 1, py - 8, px + width + 1, py + 8];
+  const isFree = ([left, top, right, bottom]) => left >= 0 && top >= 0 && right <= view.width && bottom <= view.height
+    && taken.every((other) => right < other[0] || left > other[2] || bottom < other[1] || top > other[3]);
+  const placed = [];
   for (let robot = 0; robot < facts.robots.length; robot++) {
     const state = robotBetween(robot, t);
     if (!state.present) continue;
     const verdict = shown.verdicts && state.status === 0 ? verdictOn(robot, t) : null;
-    const name = facts.robots[robot].name + (verdict ? `: ${verdict.text}` : '');
-    const [x, y] = toScreen(state.x, state.y);
-    const far = 1.3 * discOf(robot) + (verdict ? 8 : 4);
-    const width = paint.measureText(name).width;
-    const beside = [[x + far, y - far], [x + far, y + far], [x - far - width, y - far], [x - far - width, y + far]];
-    const box = ([px, py]) => [px - 1, py - 8, px + width + 1, py + 8];
-    const inside = beside.filter((place) => {
-      const [left, top, right, bottom] = box(place);
-      return left >= 0 && top >= 0 && right <= view.width && bottom <= view.height;
-    });
-    const at = inside.find((place) => free(box(place))) || inside[0] || beside[0];
-    taken.push(box(at));
+    const text = facts.robots[robot].name + (verdict ? `: ${verdict.text}` : '');
+    const from = toScreen(state.x, state.y);
+    const disc = 1.3 * discOf(robot), far = disc + (verdict ? 8 : 4);
+    const width = paint.measureText(text).width;
+    for (const gap of NAME_GAPS) {
+      const at = besides(...from, far + gap, width).find((place) => isFree(boxOf(place, width)));
+      if (!at) continue;
+      const box = boxOf(at, width);
+      taken.push(box);
+      placed.push({ text, at, box, from, disc, isFar: gap > 0, isOut: state.status !== 0 });
+      break;
+    }
+  }
+  return placed;
+}
+
+/** Names beside the robots, with a line to the robot where it is not near. */
+function drawNames(t) {
+  inPixels(paint);
+  paint.textBaseline = 'middle';
+  paint.lineJoin = 'round';
+  for (const { text, at, box, from: [x, y], disc, isFar, isOut } of placeNames(t)) {
+    paint.strokeStyle = paint.fillStyle = isOut ? colours.faint : colours.ink;
+    if (isFar) {
+      const to = [Math.min(Math.max(x, box[0]), box[2]), Math.min(Math.max(y, box[1]), box[3])];
+      const part = disc / Math.hypot(to[0] - x, to[1] - y);
+      paint.lineWidth = 1;
+      paint.beginPath(); paint.moveTo(x + part * (to[0] - x), y + part * (to[1] - y)); paint.lineTo(...to); paint.stroke();
+    }
     paint.lineWidth = 3.5;
     paint.strokeStyle = colours.paper;
-    paint.strokeText(name, ...at);
-    paint.fillStyle = state.status === 0 ? colours.ink : colours.faint;
-    paint.fillText(name, ...at);
+    paint.strokeText(text, ...at);
+    paint.fillText(text, ...at);
   }
 }
 

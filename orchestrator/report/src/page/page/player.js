@@ -120,6 +120,8 @@ return {
     },
     /** Planned paths at a time (s): their points by robot, the first the robot's position. */
     plansAt: (t) => Object.fromEntries(plansAt(t).map(({ robot, points }) => [robot, points])),
+    /** Boxes of the names on the map at a time (s): left, top, right, bottom (px). */
+    namesAt: (t) => placeNames(t).map(({ box }) => box),
     /** Fields of view at a time (s): polygons by name. */
     sightAt: (t) => Object.fromEntries(sightAt(t).map(({ name, corners }) => [name, corners])),
   },

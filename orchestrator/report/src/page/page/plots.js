@@ -173,9 +173,12 @@ function drawHistograms() {
     ctx.font = '12px system-ui, sans-serif';
     ctx.textAlign = 'center';
     ctx.textBaseline = 'middle';
+    // Labels need 58 px, the last one more: it is moved inside.
+    const apart = Math.ceil(58 / Math.max(x(from + 1) - x(from), 1));
     for (let decade = from; decade <= to; decade++) {
       ctx.strokeStyle = colours.line;
       ctx.beginPath(); ctx.moveTo(x(decade), 4); ctx.lineTo(x(decade), bottom); ctx.stroke();
+      if ((decade - from) % apart !== 0) continue;
       ctx.fillStyle = colours.faint;
       const [number, unit] = duration(10 ** decade / 1e3).split(' ');
       fillInside(ctx, `${+number} ${unit}`, x(decade), bottom + 11, canvas.clientWidth);
