@@ -1,6 +1,6 @@
 """Shows a log in Rerun, from above: walls, robots, beliefs and events. Needs rerun-sdk.
 
-usage: rerun-blueprint.py LOG [--save FILE.rrd]
+usage: rerun-blueprint.py LOG [--size METRES] [--save FILE.rrd]
 """
 
 import argparse
@@ -10,13 +10,14 @@ import rerun.blueprint as rrb
 
 parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
 parser.add_argument("log")
+parser.add_argument("--size", type=float, default=21, help="what to show around the centre of the map [m]")
 rr.script_add_args(parser)
 args = parser.parse_args()
 mission = rrb.Spatial3DView(
     name="mission",
     contents=["/walls", "/beliefs", "/tf"],
     spatial_information=rrb.SpatialInformation("map/centre"),
-    eye_controls=rrb.EyeControls3D(position=(0, 0, 21), look_target=(0, 0, 0), eye_up=(0, 1, 0)),
+    eye_controls=rrb.EyeControls3D(position=(0, 0, args.size), look_target=(0, 0, 0), eye_up=(0, 1, 0)),
     overrides={
         "/walls": rr.Points3D.from_fields(colors=0xAAB2BDFF, radii=0.03),
         "/beliefs": rr.Points3D.from_fields(colors=0xCC79A7FF, radii=0.03),

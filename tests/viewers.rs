@@ -11,9 +11,9 @@ use crate::support::{Sandbox, python, skipped};
 
 /// Counts pixels of the colours that matter, in a screenshot. Buildings are the obstacles, of one
 /// colour alone; the map is what is nearly white: panels are white or light grey, what lies behind
-/// the map is darker.
+/// the map is darker. Fields of view are blue on it; drawn without light they are grey.
 const COLOURS: &str = "(data) => {
-    const seen = { police: 0, evader: 0, building: 0, map: 0, sum: 0 };
+    const seen = { police: 0, evader: 0, building: 0, map: 0, unlit: 0, sum: 0 };
     const near = (value, wanted) => Math.abs(value - wanted) < 4;
     for (let i = 0; i < data.length; i += 4) {
         const [r, g, b] = [data[i], data[i + 1], data[i + 2]];
@@ -21,6 +21,7 @@ const COLOURS: &str = "(data) => {
         if (r > b + 100 && r > g + 40) seen.evader += 1;
         if (near(r, 112) && near(g, 119) && near(b, 129)) seen.building += 1;
         if (r === g && g === b && r > 245 && r < 255) seen.map += 1;
+        if (r === g && g === b && near(r, 220)) seen.unlit += 1;
         seen.sum = (seen.sum * 31 + (r << 16 | g << 8 | b)) % 4294967291;
     }
     return seen;
@@ -276,6 +277,11 @@ fn a_log_opens_in_foxglove_studio_and_plays() {
     assert_eq!(from, 8.0, "opened where it was asked to");
     assert!(to.as_f64().unwrap() > 10.5);
     assert_ne!(before["sum"], after["sum"], "the picture moves");
+    // There are 1800 such pixels; 13 000 where markers differ in their numbers of triangles.
+    assert!(
+        after["unlit"].as_u64().unwrap() < 6000,
+        "fields of view turn grey: {after}"
+    );
     assert_eq!((decoded, broken), (&json!(true), &json!(false)));
     asks_only_this_machine(&found);
 }
