@@ -266,17 +266,15 @@ fn seen_in_viewers(sandbox: &Sandbox, until_s: u32) -> (f64, BTreeMap<String, f6
     let last = printed.lines().last().expect("fields of view are drawn");
     let last: Json = serde_json::from_str(last).unwrap();
     let markers = last["message"]["markers"].as_array().unwrap();
-    let areas = markers
-        .iter()
-        .filter(|marker| marker["ns"] != "")
-        .map(|marker| {
-            let points = marker["points"].as_array().unwrap().iter();
-            let points = points.map(|p| [p["x"].as_f64().unwrap(), p["y"].as_f64().unwrap()]);
-            let points: Vec<[f64; 2]> = points.collect();
-            let name = marker["ns"].as_str().unwrap().to_owned();
-            (name, points.chunks_exact(3).map(area).sum())
-        });
-    (last["log_time_s"].as_f64().unwrap(), areas.collect())
+    let mut areas: BTreeMap<String, f64> = BTreeMap::new();
+    for marker in markers.iter().filter(|marker| marker["ns"] != "") {
+        let points = marker["points"].as_array().unwrap().iter();
+        let points = points.map(|p| [p["x"].as_f64().unwrap(), p["y"].as_f64().unwrap()]);
+        let points: Vec<[f64; 2]> = points.collect();
+        let name = marker["ns"].as_str().unwrap().to_owned();
+        *areas.entry(name).or_default() += points.chunks_exact(3).map(area).sum::<f64>();
+    }
+    (last["log_time_s"].as_f64().unwrap(), areas)
 }
 
 /// Viewers get polygons from the map's cells, the page makes them from the shapes of the obstacles,
