@@ -33,6 +33,8 @@ class Shape:
     acceleration: bool
     angular_acceleration: bool
     wheels: bool
+    # Which bounds of speed (least, greatest) and turn rate the wheels imply.
+    implied: tuple
     # Given states: columns of `Solution.states` at the first and at the last node.
     first: tuple
     last: tuple
@@ -43,13 +45,18 @@ class Shape:
         first = speeds(instance.start_speed, instance.start_turn_rate) if instance.has_inertia else ()
         last = speeds(instance.goal_speed) if instance.has_inertia else ()
         theta = () if instance.goal_theta is None else (2,)
+        wheel, implied = instance.wheel_speed, (False, False, False)
+        if wheel is not None:
+            fastest_turn = 2.0 * wheel / instance.wheel_separation
+            implied = (instance.v_min <= -wheel, instance.v_max >= wheel, instance.w_max >= fastest_turn)
         return cls(
             intervals=intervals,
             discs=len(instance.radii),
             inertia=instance.has_inertia,
             acceleration=instance.acceleration is not None,
             angular_acceleration=instance.angular_acceleration is not None,
-            wheels=instance.wheel_speed is not None,
+            wheels=wheel is not None,
+            implied=implied,
             first=(0, 1, 2, *first),
             last=(0, 1, *theta, *last),
         )
@@ -196,15 +203,14 @@ class Program:
         ])
         shortest = max(math.dist(instance.start, instance.goal) / instance.v_max, 1e-2) / n
         x0, y0, x1, y1 = (edge / UNIT for edge in instance.bounds)
-        (least, most), turn = lengths(instance.v_min, instance.v_max), instance.w_max
+        speeds = (*lengths(instance.v_min, instance.v_max), instance.w_max)
         # FATROP slows down where a bound is stated twice, and needs room between bounds: those that
         # the wheels imply are left out, the interval is bound at the first node only, and given
         # states are equalities.
-        if shape.wheels:
-            wheel = instance.wheel_speed
-            least = -math.inf if instance.v_min <= -wheel else least
-            most = math.inf if instance.v_max >= wheel else most
-            turn = math.inf if turn >= 2.0 * wheel / instance.wheel_separation else turn
+        least, most, turn = (
+            free if implied else bound
+            for free, implied, bound in zip((-math.inf, math.inf, math.inf), shape.implied, speeds)
+        )
         low = self._in_order([x0, y0, -math.inf], [least, -turn], shortest)
         high = self._in_order([x1, y1, math.inf], [most, turn], 50.0 * shortest)
         for bound, free in ((low, -math.inf), (high, math.inf)):
