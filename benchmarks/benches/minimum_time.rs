@@ -2,7 +2,8 @@
 //! large discs, and with obstacles that have appeared.
 //!
 //! Baseline: the exact shortest path alone (`tangent`), with which every method begins. For a
-//! comparison with FATROP and IPOPT see `benchmarks/collocation_baseline`.
+//! comparison with FATROP and IPOPT see `benchmarks/collocation_baseline`, with Drake's graphs of
+//! convex sets `benchmarks/drake_baseline.py`.
 
 use std::hint::black_box;
 
