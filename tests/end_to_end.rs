@@ -37,5 +37,6 @@ mod structure;
 mod supervision;
 mod sweep;
 mod system_calls;
+mod teams;
 mod triggers;
 mod viewers;

@@ -318,6 +318,7 @@ fn run_info() -> RunInfo {
         robots: (0..ROBOTS)
             .map(|robot| RobotInfo {
                 name: format!("robot_{robot}"),
+                team: if robot < 4 { "police" } else { "evader" }.to_owned(),
                 radius: 0.1,
                 visits_waypoints: false,
                 lap_limit_s: None,

@@ -21,7 +21,7 @@ use parry2d_f64::query::{PointQuery, Ray, RayCast};
 use parry2d_f64::shape::Compound;
 use sim_backend::random::Stream;
 use sim_backend::spec::{CaptureSpec, RobotSpec, RulesSpec, ScanSpec, WorldSpec};
-use sim_backend::team::Team;
+use sim_backend::team::Role;
 use sim_backend::world::World;
 
 const DT: Duration = Duration::from_millis(50);
@@ -46,8 +46,8 @@ fn city() -> MapSpec {
 
 fn world() -> World {
     let robots = STARTS.iter().enumerate().map(|(i, &(x, y, theta))| {
-        let team = if i < 4 { Team::Police } else { Team::Evader };
-        let mut robot = RobotSpec::new(&format!("robot_{i}"), team, Pose2::new(x, y, theta));
+        let role = if i < 4 { Role::Pursuer } else { Role::Evader };
+        let mut robot = RobotSpec::new(&format!("robot_{i}"), role, Pose2::new(x, y, theta));
         robot.limits.v_max = Some(0.5);
         robot.limits.v_reverse_max = Some(0.5);
         robot.scan = Some(ScanSpec {

@@ -8,7 +8,7 @@ use geometry::map::{MapSpec, ObstacleSpec, VectorMap};
 use geometry::pose::{Pose2, Twist2};
 use geometry::shape::Shape;
 use sim_backend::spec::{CaptureSpec, RobotSpec, RulesSpec, ScanSpec, WorldSpec};
-use sim_backend::team::Team;
+use sim_backend::team::Role;
 use sim_backend::world::World;
 
 static ALLOCATIONS: AtomicUsize = AtomicUsize::new(0);
@@ -51,8 +51,8 @@ fn steps_scans_and_views_do_not_allocate() {
         (3.0, 1.0),
     ];
     let robots = places.iter().enumerate().map(|(i, &(x, y))| {
-        let team = if i < 4 { Team::Police } else { Team::Evader };
-        let mut robot = RobotSpec::new(&format!("r{i}"), team, Pose2::new(x, y, i as f64));
+        let role = if i < 4 { Role::Pursuer } else { Role::Evader };
+        let mut robot = RobotSpec::new(&format!("r{i}"), role, Pose2::new(x, y, i as f64));
         robot.scan = Some(ScanSpec::default());
         robot
     });

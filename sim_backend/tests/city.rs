@@ -6,7 +6,7 @@ use geometry::map::{MapSpec, UnknownCells, WorldMap};
 use geometry::pose::{Pose2, Twist2};
 use nalgebra::Point2;
 use sim_backend::spec::{RobotSpec, RulesSpec, WorldSpec};
-use sim_backend::team::Team;
+use sim_backend::team::Role;
 use sim_backend::world::{World, WorldError};
 
 fn map_spec(name: &str) -> MapSpec {
@@ -95,10 +95,10 @@ fn the_chase_can_start_and_the_exit_can_be_reached() {
     let robots = vec![
         RobotSpec::new(
             "police",
-            Team::Police,
+            Role::Pursuer,
             Pose2::new(7.5, 4.5, core::f64::consts::PI),
         ),
-        RobotSpec::new("baddie", Team::Evader, Pose2::new(-4.5, 7.5, 0.0)),
+        RobotSpec::new("baddie", Role::Evader, Pose2::new(-4.5, 7.5, 0.0)),
     ];
     let spec = WorldSpec {
         map: map_spec("city.toml"),
@@ -120,7 +120,7 @@ fn hello_has_a_wall_to_drive_around() {
         map: map_spec("hello.toml"),
         robots: vec![RobotSpec::new(
             "a",
-            Team::Neutral,
+            Role::Neutral,
             Pose2::new(0.5, 0.5, 0.0),
         )],
         rules: RulesSpec::default(),

@@ -286,7 +286,7 @@ impl World {
                 y: robot.start.y,
                 theta: robot.start.theta,
                 robot: index as u32,
-                team: robot.team.code(),
+                team: robot.role.code(),
                 present: 1,
                 ..RobotState::default()
             })

@@ -6,7 +6,7 @@
 
 use geometry::pose::{Pose2, Twist2};
 use nalgebra::Point2;
-use sim_backend::team::Team;
+use sim_backend::team::{Role, Team};
 
 /// One robot, as the world's state reports it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -126,11 +126,39 @@ impl<'a> View<'a> {
         self.robot(self.me)
     }
 
-    /// The robots of a team that still take part and have sane numbers, in the listed order.
-    pub fn active(&self, team: Team) -> impl Iterator<Item = &'a RobotView> + use<'a> {
+    /// The robots that still take part and have sane numbers, in the listed order.
+    fn active(&self) -> impl Iterator<Item = &'a RobotView> + use<'a> {
         self.robots
             .iter()
-            .filter(move |robot| robot.team == team && robot.active && robot.is_sane())
+            .filter(|robot| robot.active && robot.is_sane())
+    }
+
+    /// The team of the planner's own robot, if it is listed.
+    fn team(&self) -> Option<Team> {
+        let own = self.robots.iter().find(|robot| robot.index == self.me);
+        own.map(|own| own.team)
+    }
+
+    /// The robots of this role that are hostile to the planner's own robot, in play and with sane numbers, in the
+    /// listed order: all of the role if its own team does not have the opposite role.
+    pub fn opponents(&self, role: Role) -> impl Iterator<Item = &'a RobotView> + use<'a> {
+        let own = self.team();
+        self.active()
+            .filter(move |robot| is_opponent(own, robot.team, role))
+    }
+
+    /// Returns `true` if a robot is one of the [opponents](Self::opponents) of this role, whatever its numbers.
+    pub fn is_opponent(&self, robot: &RobotView, role: Role) -> bool {
+        robot.active && is_opponent(self.team(), robot.team, role)
+    }
+
+    /// The robots of the planner's own team, itself included, in play and with sane numbers, in the listed order: all
+    /// of the role if its own team does not have it.
+    pub fn team_mates(&self, role: Role) -> impl Iterator<Item = &'a RobotView> + use<'a> {
+        let own = self.team().filter(|own| own.role == role);
+        self.active().filter(move |robot| {
+            robot.team.role == role && own.is_none_or(|own| own.is_same(robot.team))
+        })
     }
 
     /// The bodies of robots that no longer take part but still block the path, with sane numbers.
@@ -167,14 +195,20 @@ impl<'a> View<'a> {
     }
 }
 
+/// Returns `true` if a team of this role is hostile to the own team, or the own team does not have the opposite role.
+fn is_opponent(own: Option<Team>, other: Team, role: Role) -> bool {
+    let own = own.filter(|own| own.role.opposite() == Some(role));
+    other.role == role && own.is_none_or(|own| own.is_hostile_to(other))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn robot(index: usize, team: Team, active: bool, x: f64) -> RobotView {
+    fn robot(index: usize, team: impl Into<Team>, active: bool, x: f64) -> RobotView {
         RobotView {
             index,
-            team,
+            team: team.into(),
             active,
             present: true,
             pose: Pose2 {
@@ -191,8 +225,8 @@ mod tests {
     #[test]
     fn robots_are_found_by_their_index_not_their_place() {
         let robots = [
-            robot(7, Team::Police, true, 1.0),
-            robot(2, Team::Evader, true, 2.0),
+            robot(7, Role::Pursuer, true, 1.0),
+            robot(2, Role::Evader, true, 2.0),
         ];
         let view = View {
             time_s: 0.0,
@@ -211,31 +245,77 @@ mod tests {
     #[test]
     fn invalid_and_retired_robots_are_left_out() {
         let robots = [
-            robot(0, Team::Evader, true, f64::NAN),
-            robot(1, Team::Evader, false, 1.0),
-            robot(2, Team::Evader, true, 2.0),
+            robot(0, Role::Evader, true, f64::NAN),
+            robot(1, Role::Evader, false, 1.0),
+            robot(2, Role::Evader, true, 2.0),
+            robot(3, Role::Pursuer, true, 3.0),
         ];
         let exits = [Point2::new(f64::INFINITY, 0.0), Point2::new(9.0, 0.0)];
         let view = View {
             time_s: 0.0,
             dt: 0.05,
-            me: 0,
+            me: 1,
             robots: &robots,
             beliefs: &[],
             exits: &exits,
             scan: None,
         };
-        assert!(view.own().is_none());
-        assert_eq!(
-            view.active(Team::Evader)
-                .map(|r| r.index)
-                .collect::<Vec<_>>(),
-            [2]
-        );
+        assert!(view.robot(0).is_none());
+        let indices = |robots: Vec<&RobotView>| robots.iter().map(|r| r.index).collect::<Vec<_>>();
+        assert_eq!(indices(view.team_mates(Role::Evader).collect()), [2]);
+        assert_eq!(indices(view.opponents(Role::Pursuer).collect()), [3]);
         assert_eq!(
             view.usable_exits().collect::<Vec<_>>(),
             [Point2::new(9.0, 0.0)]
         );
+    }
+
+    #[test]
+    fn opponents_are_the_robots_of_hostile_teams() {
+        // Two teams of pursuers, of which one is hostile to the evaders; a neutral robot.
+        let roles = [
+            Role::Pursuer,
+            Role::Pursuer,
+            Role::Evader,
+            Role::Evader,
+            Role::Neutral,
+        ];
+        let teams = Team::of_robots(
+            roles.len(),
+            |i| roles[i],
+            |i, j| i == j || (i.min(j), i.max(j)) == (2, 3),
+            |i, j| matches!((i.min(j), i.max(j)), (0, 2 | 3)),
+        );
+        let robots: Vec<RobotView> = (0..roles.len())
+            .map(|i| robot(i, teams[i], true, i as f64))
+            .collect();
+        for (me, role, opponents, mates) in [
+            (0, Role::Pursuer, &[2, 3][..], &[0][..]),
+            (1, Role::Pursuer, &[], &[1]),
+            (2, Role::Evader, &[0], &[2, 3]),
+            // In the place of an evader: robots of another role, and one that is not listed.
+            (4, Role::Evader, &[0, 1], &[2, 3]),
+            (7, Role::Evader, &[0, 1], &[2, 3]),
+        ] {
+            let view = View {
+                time_s: 0.0,
+                dt: 0.05,
+                me,
+                robots: &robots,
+                beliefs: &[],
+                exits: &[],
+                scan: None,
+            };
+            let indices =
+                |robots: Vec<&RobotView>| robots.iter().map(|r| r.index).collect::<Vec<_>>();
+            let others = role.opposite().unwrap();
+            assert_eq!(indices(view.opponents(others).collect()), opponents);
+            assert_eq!(indices(view.team_mates(role).collect()), mates);
+            for robot in &robots {
+                let is_opponent = opponents.contains(&robot.index);
+                assert_eq!(view.is_opponent(robot, others), is_opponent);
+            }
+        }
     }
 
     #[test]

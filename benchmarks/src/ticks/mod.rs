@@ -28,7 +28,7 @@ use runtime::lockstep::{BarrierLeader, BarrierMonitor, Phase, SlotState, TickBar
 use runtime::{Process, ProcessError, ProcessKind};
 use serde::Serialize;
 use sim_backend::spec::Preset;
-use sim_backend::team::Team;
+use sim_backend::team::Role;
 use statistics::{Spread, paired_ratio};
 
 pub use self::raw::planner as raw_planner;
@@ -296,7 +296,9 @@ fn run_config(root: &Path, prefix: &str) -> RunConfig {
         robots: (0..PLANNERS)
             .map(|index| RobotInfo {
                 name: format!("robot_{index}"),
-                team: Team::Police,
+                team: "police".into(),
+                role: Role::Pursuer,
+                opponents: Vec::new(),
                 model: Preset::default().model(),
                 beams: 0,
                 start: Pose2::default(),

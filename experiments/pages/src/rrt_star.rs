@@ -14,7 +14,7 @@ use planner_view::free_space::FreeSpace;
 use planner_view::limits::Limits;
 use runtime::seed::stream;
 use sim_backend::spec::RobotModel;
-use sim_backend::team::Team;
+use sim_backend::team::Role;
 
 use super::plans::{Plan, Plans};
 
@@ -98,9 +98,9 @@ impl Setting {
         let space = FreeSpace::new(map.parts().to_vec(), *map.bounds(), map.frame().resolution)
             .map_err(failed)?;
         let robots = &scenario.world.robots;
-        let evader = robots.iter().find(|r| r.team == Team::Evader);
+        let evader = robots.iter().find(|r| r.role() == Role::Evader);
         let evader = evader.ok_or_else(|| failed("it has no evader"))?;
-        let pursuers = || robots.iter().filter(|r| r.team == Team::Police);
+        let pursuers = || robots.iter().filter(|r| r.role() == Role::Pursuer);
         let model = evader.model();
         Ok(Self {
             graph: TangentGraph::new(&space, model.radius).map_err(failed)?,

@@ -1,6 +1,6 @@
 //! Colours that are distinguishable with any colour vision (Okabe and Ito's palette), as `#rrggbb`.
 
-use sim_backend::team::Team;
+use sim_backend::team::Role;
 
 /// Background.
 pub const PAPER: &str = "#ffffff";
@@ -16,8 +16,8 @@ pub const FAINT_INK: &str = "#5b6472";
 pub const OBSTACLE: &str = "#e69f00";
 /// Exits: bluish green.
 pub const EXIT: &str = "#009e73";
-/// The Police: blue.
-pub const POLICE: &str = "#0072b2";
+/// Pursuers: blue.
+pub const PURSUER: &str = "#0072b2";
 /// Evaders: vermilion.
 pub const EVADER: &str = "#d55e00";
 /// Neutral robots: bluish green.
@@ -27,14 +27,14 @@ pub const BELIEF: &str = "#cc79a7";
 /// Names of beliefs: the same hue, dark enough for text.
 pub const BELIEF_INK: &str = "#8f3d6c";
 
-/// Shades of the colour of the Police, the first the colour itself.
-const POLICE_SHADES: [&str; 4] = [POLICE, "#56b4e9", "#003a63", "#6a5acd"];
+/// Shades of the colour of pursuers, the first the colour itself.
+const PURSUER_SHADES: [&str; 4] = [PURSUER, "#56b4e9", "#003a63", "#6a5acd"];
 /// Shades of the colour of the evaders.
 const EVADER_SHADES: [&str; 4] = [EVADER, "#f5945c", "#8c2d04", "#a6761d"];
 /// Shades of the colour of neutral robots.
 const NEUTRAL_SHADES: [&str; 4] = [NEUTRAL, "#66c2a5", "#00573f", "#8a9a00"];
 /// Times since the last visit of ground, the latest visits first: blue to vermilion.
-pub const IDLENESS: [&str; 4] = [POLICE, "#56b4e9", "#f0e442", EVADER];
+pub const IDLENESS: [&str; 4] = [PURSUER, "#56b4e9", "#f0e442", EVADER];
 
 /// Returns the paler colour of a robot that is out of the game: halfway to the background.
 pub fn out_of_play(color: &str) -> String {
@@ -42,17 +42,17 @@ pub fn out_of_play(color: &str) -> String {
     format!("#{r:02x}{g:02x}{b:02x}")
 }
 
-/// Returns the colour of a team: police blue, evaders vermilion, others bluish green.
-pub fn team(team: Team) -> &'static str {
-    shades(team)[0]
+/// Returns the colour of a role: pursuers blue, evaders vermilion, others bluish green.
+pub fn role(role: Role) -> &'static str {
+    shades(role)[0]
 }
 
-/// Returns the shades of a team's colour, which tell its robots apart; the first is that of the team.
-pub fn shades(team: Team) -> [&'static str; 4] {
-    match team {
-        Team::Police => POLICE_SHADES,
-        Team::Evader => EVADER_SHADES,
-        Team::Neutral => NEUTRAL_SHADES,
+/// Returns the shades of a role's colour, which tell its robots apart; the first is that of the role.
+pub fn shades(role: Role) -> [&'static str; 4] {
+    match role {
+        Role::Pursuer => PURSUER_SHADES,
+        Role::Evader => EVADER_SHADES,
+        Role::Neutral => NEUTRAL_SHADES,
     }
 }
 

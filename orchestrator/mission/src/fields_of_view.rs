@@ -4,7 +4,7 @@ use geometry::visibility::polygon::SightLimits;
 use runtime::kind::ViewSpec;
 use scenario::ResolvedScenario;
 use sim_backend::spec::RobotSpec;
-use sim_backend::team::Team;
+use sim_backend::team::Role;
 use viewer::{FieldOfView, ViewOrigin};
 
 /// Returns the fields of view of a scenario's processes.
@@ -55,7 +55,7 @@ pub fn fields_of_view<'a>(
         }
     }
     if !has_lookout {
-        let police = (0..robots.len()).filter(|&robot| robots[robot].team == Team::Police);
+        let police = (0..robots.len()).filter(|&robot| robots[robot].role() == Role::Pursuer);
         for robot in police {
             let origin = ViewOrigin::Robot(robot as u32);
             add(name(robot).to_owned(), "", origin, SightLimits::default());

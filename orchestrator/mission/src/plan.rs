@@ -179,7 +179,13 @@ fn run_config(scenario: &ResolvedScenario, map: &WorldMap) -> RunConfig {
     let (world, rules) = (&scenario.world, &scenario.world.rules);
     let robot = |robot: &RobotSpec| RobotInfo {
         name: robot.name.clone(),
-        team: robot.team,
+        team: robot.team.clone(),
+        role: robot.role(),
+        opponents: (0..)
+            .zip(&world.robots)
+            .filter(|(_, other)| robot.is_hostile_to(other))
+            .map(|(index, _)| index)
+            .collect(),
         model: robot.model(),
         beams: robot.scan.as_ref().map_or(0, |scan| scan.beams as u32),
         start: robot.start,

@@ -199,6 +199,7 @@ pub fn robots(plan: &Plan) -> Vec<RobotInfo> {
     robots
         .map(|(r, index)| RobotInfo {
             name: r.name.clone(),
+            team: r.team.clone(),
             radius: r.model.radius,
             visits_waypoints: plan.visits_waypoints(index),
             lap_limit_s: plan.lap_limit_s(index),

@@ -59,6 +59,6 @@ pub use robot_names::robot_names;
 pub use run_info::{ProcessInfo, RobotInfo, RunInfo};
 pub use summary::{
     CoverageByWay, CoverageOutcome, EventEntry, LapFigures, Outage, PredictionOutcome,
-    ProcessOutcome, RobotOutcome, Summary, TopicCount, WaypointOutcome, status_name, team_name,
+    ProcessOutcome, RobotOutcome, Summary, TopicCount, WaypointOutcome, role_name, status_name,
 };
 pub use wakeup::Wakeup;

@@ -9,6 +9,7 @@ use mcap_log::{ChannelId, ChannelSpec, LogWriteError, LogWriter};
 
 use super::derived::{DerivedLog, DerivedTopics};
 use super::robot_names;
+use super::run_info::RobotInfo;
 use super::summary::{Summary, TopicCount};
 
 /// Writer of messages in the order of arrival.
@@ -25,7 +26,7 @@ impl Log {
     /// Adds all channels to an empty log.
     pub(super) fn new(
         mut writer: LogWriter,
-        robots: &[String],
+        robots: &[RobotInfo],
         derived: Option<Box<dyn DerivedTopics>>,
     ) -> Result<Self, LogWriteError> {
         let channel = |topic: &TopicId| {

@@ -64,7 +64,7 @@ fn names<'a>(robots: impl Iterator<Item = &'a RobotOutcome>, outcome: &str) -> S
 
 /// The outcomes of the evaders; `None` without evaders.
 fn evaders(robots: &[RobotOutcome]) -> Option<String> {
-    let evaders = || robots.iter().filter(|robot| robot.team == "evader");
+    let evaders = || robots.iter().filter(|robot| robot.role() == "evader");
     let all = evaders().count();
     let count = |outcome| evaders().filter(|robot| robot.outcome == outcome).count();
     let mut words = String::new();
@@ -82,12 +82,12 @@ fn evaders(robots: &[RobotOutcome]) -> Option<String> {
         }
     }
     let (caught, open) = (count("caught"), count("active") + count("disabled"));
-    let has_police = robots.iter().any(|robot| robot.team == "police");
+    let has_pursuers = robots.iter().any(|robot| robot.role() == "pursuer");
     let winner = match (caught, open) {
         _ if all == 0 => return None,
-        (0, 0) if !has_police => "",
-        (caught, _) if caught == all => "the Police win: ",
-        (0, 0) => "the evaders win: ",
+        (0, 0) if !has_pursuers => String::new(),
+        (caught, _) if caught == all => winner(robots, "pursuer", ("police", "Police")),
+        (0, 0) => winner(robots, "evader", ("evader", "evaders")),
         _ => return Some(words),
     };
     let last = if all == 1 { "" } else { ", the last" };
@@ -95,9 +95,22 @@ fn evaders(robots: &[RobotOutcome]) -> Option<String> {
     Some(format!("{winner}{words}{last} after {last_s:.1} s"))
 }
 
+/// Returns the words for the victory of the robots of a role, which the robots of its `standard` team have without
+/// their team's name.
+fn winner(robots: &[RobotOutcome], role: &str, (standard, name): (&str, &str)) -> String {
+    let mut teams = robots.iter().filter(|robot| robot.role() == role);
+    let first = teams.next().map_or(standard, |robot| &robot.team);
+    let is_one = teams.all(|robot| robot.team == first);
+    match first {
+        _ if !is_one => format!("the {role}s win: "),
+        team if team == standard => format!("the {name} win: "),
+        team => format!("team {team} wins: "),
+    }
+}
+
 /// The outcomes of the other robots that have goals; `None` if no goal was decided.
 fn goals(robots: &[RobotOutcome]) -> Option<String> {
-    let others = || robots.iter().filter(|robot| robot.team != "evader");
+    let others = || robots.iter().filter(|robot| robot.role() != "evader");
     let reached = || others().filter(|robot| robot.outcome == "goal_reached");
     let is_decided = |robot: &RobotOutcome| robot.outcome == "timed_out";
     if reached().count() == 0 && !others().any(is_decided) {
@@ -168,6 +181,26 @@ mod tests {
             let robots: Vec<_> = [police.clone()].into_iter().chain(evaders).collect();
             assert_eq!(outcome_words(&robots, None), words);
         }
+        let of = |team: &str, role: &str, outcome| RobotOutcome {
+            role: role.to_owned(),
+            ..robot(team, outcome, 12.34)
+        };
+        let guards = of("guards", "pursuer", "active");
+        let (dogs, thief) = (of("dogs", "pursuer", "active"), "thieves");
+        let caught = of(thief, "evader", "caught");
+        let words = |robots: &[RobotOutcome]| outcome_words(robots, None);
+        assert_eq!(
+            words(&[guards.clone(), caught.clone()]),
+            "team guards wins: r caught after 12.3 s"
+        );
+        assert_eq!(
+            words(&[guards.clone(), dogs, caught]),
+            "the pursuers win: r caught after 12.3 s"
+        );
+        assert_eq!(
+            words(&[guards, of(thief, "evader", "escaped")]),
+            "team thieves wins: r escaped after 12.3 s"
+        );
         let alone = [robot("evader", "escaped", 21.15)];
         assert_eq!(outcome_words(&alone, None), "r escaped after 21.1 s");
     }

@@ -21,7 +21,7 @@ use super::message_audit::MessageAudit;
 use super::outcome;
 use super::parts::Parts;
 use super::reorder_buffer::{Entry, ReorderBuffer};
-use super::run_info::RunInfo;
+use super::run_info::{RobotInfo, RunInfo};
 use super::summary::{OutcomePart, Summary, TopicCount};
 
 /// Maximum wait for the messages of a tick before the available ones are written: in real time, where no
@@ -48,8 +48,8 @@ pub struct Recording {
 struct Output {
     outcome: Consumers<dyn OutcomePart>,
     log: Option<Log>,
-    /// Names of the robots, by index.
-    robots: Vec<String>,
+    /// The robots, by index.
+    robots: Vec<RobotInfo>,
     tick_period_ns: u64,
     /// Newest tick that was written, at least in part.
     tick: u64,
@@ -67,7 +67,7 @@ impl Recording {
             output: Output {
                 outcome: outcome::parts(run),
                 log: None,
-                robots: run.event_names().robots,
+                robots: run.robots.clone(),
                 tick_period_ns,
                 tick: 0,
             },

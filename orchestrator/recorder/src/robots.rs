@@ -5,7 +5,7 @@ use ipc_types::messages::world::RobotState;
 use ipc_types::topics::{TopicId, WorldState};
 
 use super::run_info::RobotInfo;
-use super::summary::{OutcomePart, RobotOutcome, Summary, seconds, status_name, team_name};
+use super::summary::{OutcomePart, RobotOutcome, Summary, role_name, seconds, status_name};
 
 /// Outcomes of the robots so far.
 #[derive(Debug)]
@@ -18,6 +18,7 @@ pub(super) struct Robots {
 #[derive(Debug, Clone)]
 struct Robot {
     name: String,
+    team: String,
     /// Last state.
     state: RobotState,
     /// Time of the last change of status (s).
@@ -34,6 +35,7 @@ impl Robots {
     pub(super) fn new(robots: &[RobotInfo], tick_period_ns: u64) -> Self {
         let robots = robots.iter().map(|robot| Robot {
             name: robot.name.clone(),
+            team: robot.team.clone(),
             state: RobotState::default(),
             decided_s: 0.0,
             stops: 0,
@@ -88,7 +90,8 @@ impl OutcomePart for Robots {
         summary.sim_time_s = self.time_s();
         let robots = self.list.into_iter().map(|robot| RobotOutcome {
             name: robot.name,
-            team: team_name(robot.state.team).to_owned(),
+            team: robot.team,
+            role: role_name(robot.state.team).to_owned(),
             outcome: status_name(robot.state.status).to_owned(),
             time_s: robot.decided_s,
             distance_m: robot.state.distance,

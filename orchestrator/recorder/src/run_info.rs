@@ -22,6 +22,8 @@ pub struct ProcessInfo {
 pub struct RobotInfo {
     /// Its name.
     pub name: String,
+    /// Name of its team.
+    pub team: String,
     /// Radius (m), > 0.
     pub radius: f64,
     /// `true` if it may visit waypoints; then its path is kept for the summary.

@@ -59,8 +59,11 @@ pub(super) trait OutcomePart: Consumer + Send {
 pub struct RobotOutcome {
     /// Name.
     pub name: String,
-    /// `neutral`, `police` or `evader`.
+    /// Name of its team.
     pub team: String,
+    /// Role of its team, `neutral`, `pursuer` or `evader`. [`Self::role`] also reads outcomes of before, without it.
+    #[serde(default)]
+    pub role: String,
     /// `active`, `caught`, `escaped`, `timed_out`, `goal_reached` or `disabled`.
     pub outcome: String,
     /// Time of the outcome, or of the end of the run for an active robot (s).
@@ -87,6 +90,17 @@ pub struct RobotOutcome {
     /// Outcome of its waypoints; absent unless its planner visits waypoints.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub waypoints: Option<WaypointOutcome>,
+}
+
+impl RobotOutcome {
+    /// Returns the role of its team.
+    pub fn role(&self) -> &str {
+        match (&*self.role, &*self.team) {
+            ("", "police") => "pursuer",
+            ("", team) => team,
+            (role, _) => role,
+        }
+    }
 }
 
 /// Outcome of the waypoints of a robot.
@@ -306,9 +320,9 @@ pub(super) fn seconds(ns: u64) -> f64 {
     ns as f64 / 1e9
 }
 
-/// Returns the name of a team code of `RobotState`.
-pub fn team_name(team: u8) -> &'static str {
-    ["neutral", "police", "evader"]
+/// Returns the name of the role with this team code of `RobotState`.
+pub fn role_name(team: u8) -> &'static str {
+    ["neutral", "pursuer", "evader"]
         .get(usize::from(team))
         .copied()
         .unwrap_or("unknown")

@@ -356,6 +356,7 @@ mod tests {
     fn new() -> Visits {
         Visits::new(&RobotInfo {
             name: "guard".into(),
+            team: "neutral".into(),
             radius: 0.2,
             visits_waypoints: true,
             lap_limit_s: Some(15.0),

@@ -7,7 +7,7 @@ use geometry::pose::Pose2;
 use geometry::region::Region;
 use nalgebra::{Point2, Vector2};
 use sim_backend::spec::{RulesSpec, WorldSpec};
-use sim_backend::team::Team;
+use sim_backend::team::Role;
 use sim_backend::world::{World, WorldError};
 
 use super::context::Context;
@@ -229,7 +229,7 @@ fn check_exits(
     let evaders: Vec<(&Robot, &Pose2)> = robots
         .iter()
         .zip(starts)
-        .filter(|(r, _)| r.spec.team == Team::Evader)
+        .filter(|(r, _)| r.spec.role() == Role::Evader)
         .collect();
     let slimmest = evaders
         .iter()

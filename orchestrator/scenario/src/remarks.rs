@@ -5,7 +5,7 @@ use core::fmt;
 use geometry::map::WorldMap;
 use runtime::kind::{Remark, Task};
 use serde::Serialize;
-use sim_backend::team::Team;
+use sim_backend::team::Role;
 
 use super::resolved::ResolvedScenario;
 
@@ -89,17 +89,19 @@ impl ResolvedScenario {
     /// Returns a warning if robots touch before a capture.
     fn capture_remark(&self) -> Option<ScenarioRemark> {
         let capture = self.rules().capture?;
-        let widest = |team: Team| {
-            let robots = self.world.robots.iter().filter(|r| r.team == team);
-            robots.map(|r| r.model().radius).reduce(f64::max)
-        };
-        let contact = widest(Team::Police)? + widest(Team::Evader)?;
+        let robots = &self.world.robots;
+        let pairs = robots
+            .iter()
+            .flat_map(|a| robots.iter().map(move |b| (a, b)));
+        let hostile = pairs.filter(|(a, b)| a.role() == Role::Pursuer && a.is_hostile_to(b));
+        let contact = hostile.map(|(a, b)| a.model().radius + b.model().radius);
+        let contact = contact.reduce(f64::max)?;
         (capture.radius < contact).then(|| ScenarioRemark {
             severity: "warning",
             process: None,
             robot: None,
             message: format!(
-                "rules.capture.radius is {} m, below the sum of the radii of a Police robot and an evader ({contact} m): \
+                "rules.capture.radius is {} m, below the sum of the radii of a pursuer and an evader ({contact} m): \
                  they touch before a capture",
                 capture.radius
             ),

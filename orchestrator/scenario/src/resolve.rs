@@ -1,19 +1,21 @@
 //! Resolution of a whole scenario: each part by its own reader, then the relations between the parts.
 
+use std::collections::BTreeMap;
+
 use config::{Code, Diagnostic, FieldPath};
 use geometry::map::MapSpec;
 use schemars::JsonSchema;
 use serde::Deserialize;
 use serde::de::IgnoredAny;
-use sim_backend::spec::{RulesSpec, WorldSpec};
-use sim_backend::team::Team;
+use sim_backend::spec::{RobotSpec, RulesSpec, WorldSpec};
+use sim_backend::team::Role;
 
 use super::context::Context;
 use super::events::EventBlock;
 use super::files::Base;
 use super::resolved::ResolvedScenario;
 use super::robots::Robot;
-use super::spec::{Defaults, LogSpec, MAX_TICKS, ProcessBlock, RobotBlock, RunSpec, Teams};
+use super::spec::{Defaults, LogSpec, MAX_TICKS, ProcessBlock, RobotBlock, RunSpec};
 use super::starts::Placement;
 use super::world::WorldBlock;
 use super::{events, feasibility, processes, robots, world};
@@ -39,8 +41,8 @@ pub(super) struct TopLevel {
     pub rules: Option<IgnoredAny>,
     /// Values that all robots share.
     pub defaults: Option<Defaults>,
-    /// Values that the robots of a team share.
-    pub teams: Option<Teams>,
+    /// Values that the robots of a team share, by its name: keys as in `[[robots]]`.
+    pub teams: Option<BTreeMap<String, RobotBlock>>,
     /// The robots, 1 to 64.
     #[schemars(with = "Option<Vec<RobotBlock>>")]
     pub robots: Option<Vec<IgnoredAny>>,
@@ -81,9 +83,11 @@ pub(super) fn resolve(
         return None;
     }
     check_ticks(ctx, &run, &rules);
+    let specs: Vec<RobotSpec> = robots.iter().map(|r| r.spec.clone()).collect();
     let placements: Vec<Placement> = robots
         .iter()
-        .map(|r| Placement::new(&r.spec, r.draw))
+        .zip(RobotSpec::teams(&specs))
+        .map(|(r, team)| Placement::new(&r.spec, team, r.draw))
         .collect();
     let starts = feasibility::resolve(ctx, &map_setup, &robots, &placements, &rules, run.seed)?;
     check_end(ctx, &map_setup.map, &robots, &rules);
@@ -137,7 +141,7 @@ fn check_end(ctx: &mut Context<'_>, map: &MapSpec, robots: &[Robot], rules: &Rul
         MapSpec::File { .. } => false,
     };
     let game = rules.capture.is_some() || !rules.exits.is_empty() || map_exits;
-    let evaders = robots.iter().any(|r| r.spec.team == Team::Evader);
+    let evaders = robots.iter().any(|r| r.spec.role() == Role::Evader);
     let goals = robots.iter().any(|r| r.spec.goal.is_some());
     if rules.time_limit.is_some() || goals || game && evaders {
         return;

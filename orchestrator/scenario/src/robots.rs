@@ -1,16 +1,18 @@
 //! `[[robots]]`, with the values inherited from their team and from the defaults.
 
+use std::collections::BTreeMap;
+
 use config::{Code, FieldPath, Node, Value};
 use geometry::pose::Pose2;
 use parameters::{Parameters, faults};
 use sim_backend::spec::RobotSpec;
-use sim_backend::team::Team;
 
 use super::context::Context;
-use super::spec::{Defaults, MAX_ROBOTS, RobotBlock, Teams};
+use super::spec::{Defaults, MAX_ROBOTS, RobotBlock};
 use super::starts::Draw;
 
 mod counts;
+mod teams;
 
 /// A robot as read, before its start is drawn.
 #[derive(Clone)]
@@ -35,15 +37,21 @@ impl Robot {
 /// Maximum length of the name of a robot or process (bytes).
 pub const MAX_NAME: usize = 48;
 
-/// Reports a name that is empty, too long, or has characters that messages, file names or process tables
-/// do not permit.
-pub fn check_name(ctx: &mut Context<'_>, node: &Node, path: &FieldPath, name: &str) -> bool {
+/// Reports a name, the value of a key, that is empty, too long, or has characters that messages, file names or
+/// process tables do not permit.
+pub fn check_name(
+    ctx: &mut Context<'_>,
+    node: &Node,
+    path: &FieldPath,
+    key: &str,
+    name: &str,
+) -> bool {
     let allowed = |b: u8| b.is_ascii_alphanumeric() || b == b'_' || b == b'-';
     if !name.is_empty() && name.len() <= MAX_NAME && name.bytes().all(allowed) {
         return true;
     }
     let problem = ctx
-        .problem(node, path, "name", Code::OutOfRange, "name not allowed")
+        .problem(node, path, key, Code::OutOfRange, "name not allowed")
         .value(format!("{name:?}"))
         .expected(format!(
             "1 to {MAX_NAME} of the characters a–z, A–Z, 0–9, _ and -"
@@ -94,6 +102,7 @@ pub fn resolve(ctx: &mut Context<'_>) -> Option<Vec<Robot>> {
             return None;
         }
     }
+    complete = complete && teams::check(ctx, &robots);
     complete.then_some(robots)
 }
 
@@ -113,15 +122,14 @@ fn check_inherited(ctx: &mut Context<'_>) {
         let _: Option<Defaults> = ctx.read(&node, &paths[0]);
     }
     if let Some(node) = teams {
-        let _: Option<Teams> = ctx.read(&node, &paths[1]);
+        let _: Option<BTreeMap<String, RobotBlock>> = ctx.read(&node, &paths[1]);
     }
-    for (path, keys) in [
-        ("defaults.robot", &["name", "start", "count"][..]),
-        ("teams.neutral", &["name", "start"]),
-        ("teams.police", &["name", "start"]),
-        ("teams.evader", &["name", "start"]),
-    ] {
-        let path = FieldPath::parse(path);
+    let defaults = FieldPath::key("defaults").then("robot");
+    let of_team = |team: &String| (FieldPath::key("teams").then(team), &["name", "start"][..]);
+    let teams = teams::tables(ctx);
+    let tables = teams.iter().map(of_team);
+    for (path, keys) in core::iter::once((defaults, &["name", "start", "count"][..])).chain(tables)
+    {
         for key in keys {
             let table = ctx.root.at(&path).and_then(Node::as_table);
             let Some(entry) = table.and_then(|t| t.entry(key)) else {
@@ -183,7 +191,7 @@ fn read_robot(
         missing(ctx, "name", "name = \"…\"");
     }
     if block.team.is_none() {
-        missing(ctx, "team", "team = \"police\", \"evader\" or \"neutral\"");
+        missing(ctx, "team", "team = \"…\"");
     }
     if block.start.is_none() && block.random_start.is_none() {
         missing(
@@ -192,15 +200,18 @@ fn read_robot(
             "start = { x = 0.0, y = 0.0, theta = 0.0 } (m, m, rad)",
         );
     }
-    let (name, team, start): (String, Team, Pose2) = match block.random_start {
+    let (name, team, start): (String, String, Pose2) = match block.random_start {
         None => (block.name?, block.team?, block.start?),
         Some(_) => (block.name?, block.team?, block.start.unwrap_or_default()),
     };
-    let name_ok = check_name(ctx, &node, &path, &name)
+    let team_ok = teams::check_block(ctx, &node, &path, &team, block.role);
+    let name_ok = check_name(ctx, &node, &path, "name", &name)
         & counts::check_block(ctx, &node, &path, &name, block.count);
     let spec = RobotSpec {
         name,
         team,
+        role: block.role,
+        hostile_to: block.hostile_to,
         start,
         preset: block.preset.unwrap_or_default(),
         radius: block.radius,
@@ -211,7 +222,7 @@ fn read_robot(
         odometry: block.odometry,
         goal: block.goal,
     };
-    let spec_ok = ctx.check(&node, &path, &spec);
+    let spec_ok = team_ok && ctx.check(&node, &path, &spec);
     let draws_ok = check_draw(
         ctx,
         &node,

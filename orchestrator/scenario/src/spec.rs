@@ -10,7 +10,7 @@ use schemars::JsonSchema;
 use serde::de::IgnoredAny;
 use serde::{Deserialize, Serialize};
 use sim_backend::spec::{ActuatorSpec, LimitsSpec, OdometrySpec, Preset, ScanSpec};
-use sim_backend::team::Team;
+use sim_backend::team::Role;
 
 /// Maximum number of robots in a scenario.
 pub const MAX_ROBOTS: usize = 64;
@@ -182,7 +182,7 @@ pub struct RandomStart {
     /// Minimum distance of centres from every other robot.
     #[schemars(transform = between(0, 1000).unit("m"))]
     pub robot_distance: f64,
-    /// Minimum distance of centres between Police and evaders.
+    /// Minimum distance of centres from robots of hostile teams.
     #[schemars(transform = between(0, 1000).unit("m"))]
     pub opponent_distance: f64,
     /// Minimum distance of an evader from the centre of every exit.
@@ -238,8 +238,14 @@ pub(super) struct RobotBlock {
     /// named `name`. In a team's table: that of the team's only block without a `count`.
     #[schemars(transform = between(1, MAX_ROBOTS))]
     pub count: Option<usize>,
-    /// Team of the robot. Required.
-    pub team: Option<Team>,
+    /// Name of the robot's team, characters as for `name`. Required.
+    pub team: Option<String>,
+    /// Role of the team; in its `[teams.TEAM]`. Required, except for teams called `police` (pursuers), `evader` and
+    /// `neutral`.
+    pub role: Option<Role>,
+    /// Names of the teams to which the team is hostile, of the opposite role; in its `[teams.TEAM]`. Two teams are
+    /// hostile if one of them names the other, or if both lack this key and one has pursuers, the other evaders.
+    pub hostile_to: Option<Vec<String>>,
     /// Pose at time 0, free of walls and other robots. Required without `random_start`; not inherited.
     pub start: Option<Pose2>,
     /// Random displacement of the start; none if absent.
@@ -283,8 +289,8 @@ pub(super) struct ProcessBlock {
     pub folder: Option<String>,
     /// Names of the robots that it drives; this or `team`.
     pub robots: Option<Vec<String>>,
-    /// Team whose robots it drives.
-    pub team: Option<Team>,
+    /// Name of the team whose robots it drives.
+    pub team: Option<String>,
     /// Number of processes for the robots; `"one_per_robot"` if absent.
     pub grouping: Option<Grouping>,
     /// Reaction to a failure of the process; `"abort"` if absent.
@@ -305,16 +311,4 @@ pub(super) struct ProcessBlock {
 pub(super) struct Defaults {
     /// Keys of all robots.
     pub robot: Option<RobotBlock>,
-}
-
-/// Values that the robots of each team share.
-#[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub(super) struct Teams {
-    /// Keys of the neutral robots.
-    pub neutral: Option<RobotBlock>,
-    /// Keys of the Police robots.
-    pub police: Option<RobotBlock>,
-    /// Keys of the evaders.
-    pub evader: Option<RobotBlock>,
 }

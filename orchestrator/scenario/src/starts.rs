@@ -11,7 +11,7 @@ use nalgebra::Point2;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 use sim_backend::spec::{RobotSpec, RulesSpec};
-use sim_backend::team::Team;
+use sim_backend::team::{Role, Team};
 
 pub use self::no_start::NoStart;
 use self::no_start::{Fault, MAX_DRAWS};
@@ -60,11 +60,11 @@ pub struct Placement {
 
 impl Placement {
     /// The robot of a specification.
-    pub fn new(spec: &RobotSpec, draw: Option<Draw>) -> Self {
+    pub fn new(spec: &RobotSpec, team: Team, draw: Option<Draw>) -> Self {
         Self {
             start: spec.start,
             radius: spec.model().radius,
-            team: spec.team,
+            team,
             goal: spec.goal,
             draw,
         }
@@ -134,7 +134,7 @@ fn fault(
         let bodies = robot.radius + other.radius;
         match draw {
             Draw::Jitter(_) => bodies,
-            Draw::Random(random) if is_opponent(robot.team, other.team) => bodies
+            Draw::Random(random) if robot.team.is_hostile_to(other.team) => bodies
                 .max(random.robot_distance)
                 .max(random.opponent_distance),
             Draw::Random(random) => bodies.max(random.robot_distance),
@@ -171,7 +171,7 @@ fn unsuited(
     map: &WorldMap,
     exits: &[Region],
 ) -> Option<Fault> {
-    let evades = robot.team == Team::Evader && !exits.is_empty();
+    let evades = robot.team.role == Role::Evader && !exits.is_empty();
     let is_far = |exit: &Region| (exit.center() - at).norm() >= random.exit_distance;
     if evades && !exits.iter().all(is_far) {
         return Some(Fault::Exit);
@@ -184,13 +184,6 @@ fn unsuited(
     let reaches = robot.goal.is_none_or(|goal| reach.meets(&goal))
         && (!evades || exits.iter().any(|exit| reach.meets(exit)));
     (!reaches).then_some(Fault::Reach)
-}
-
-fn is_opponent(a: Team, b: Team) -> bool {
-    matches!(
-        (a, b),
-        (Team::Police, Team::Evader) | (Team::Evader, Team::Police)
-    )
 }
 
 /// Returns the cells that a disc of this radius (m) can pass. A cell counts as passable within one cell's

@@ -10,7 +10,12 @@ impl Part<Row> for RobotOutcome {
 
     const COLUMNS: &'static [ResultColumn<Self>] = &[
         ResultColumn::text("robot", "Name of the robot.", |r| &r.name),
-        ResultColumn::text("team", "`police`, `evader` or `neutral`.", |r| &r.team),
+        ResultColumn::text("team", "Name of its team.", |r| &r.team),
+        ResultColumn::text(
+            "role",
+            "Role of its team: `pursuer`, `evader` or `neutral`.",
+            |r| r.role(),
+        ),
         ResultColumn::text(
             "outcome",
             "`active`, `caught`, `escaped`, `timed_out`, `goal_reached` or `disabled`.",

@@ -109,7 +109,7 @@ impl Row {
     }
 
     fn of_summary(summary: &Summary) -> Self {
-        let evaders = || summary.robots.iter().filter(|r| r.team == "evader");
+        let evaders = || summary.robots.iter().filter(|r| r.role() == "evader");
         let count = |outcome: &str| evaders().filter(|r| r.outcome == outcome).count() as u32;
         let first = |outcome: &str| {
             let times = evaders().filter(|r| r.outcome == outcome).map(|r| r.time_s);

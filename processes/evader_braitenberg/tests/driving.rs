@@ -8,7 +8,7 @@ use geometry::pose::{Pose2, Twist2};
 use planner_view::limits::Limits;
 use planner_view::view::{RobotView, ScanView, View};
 use proptest::prelude::*;
-use sim_backend::team::Team;
+use sim_backend::team::Role;
 use support::{Arena, DT, Kinematic, street_starts};
 
 const V_MAX: f64 = 0.6;
@@ -19,7 +19,7 @@ fn limits() -> Limits {
 }
 
 fn robot(pose: Pose2) -> RobotView {
-    support::robot(0, Team::Evader, pose, V_MAX)
+    support::robot(0, Role::Evader, pose, V_MAX)
 }
 
 fn view<'a>(robots: &'a [RobotView], scan: Option<ScanView<'a>>) -> View<'a> {

@@ -27,7 +27,7 @@ use runtime::config::RobotInfo;
 use sim_backend::random::Stream;
 use sim_backend::robot::RobotStatus;
 use sim_backend::spec::{CaptureSpec, RobotSpec, RulesSpec, WorldSpec};
-use sim_backend::team::Team;
+use sim_backend::team::Role;
 use sim_backend::world::World;
 use statistics::wilson;
 
@@ -84,12 +84,12 @@ fn world(map: &MapSpec, seed: u64, relative_speed: f64) -> World {
     let mut poses: Vec<Pose2> = Vec::new();
     loop {
         let robots = poses.iter().enumerate().map(|(i, &pose)| {
-            let (team, v_max) = if i < POLICE {
-                (Team::Police, POLICE_SPEED)
+            let (role, v_max) = if i < POLICE {
+                (Role::Pursuer, POLICE_SPEED)
             } else {
-                (Team::Evader, POLICE_SPEED * relative_speed)
+                (Role::Evader, POLICE_SPEED * relative_speed)
             };
-            let mut robot = RobotSpec::new(&format!("robot_{i}"), team, pose);
+            let mut robot = RobotSpec::new(&format!("robot_{i}"), role, pose);
             robot.limits.v_max = Some(v_max);
             robot.limits.v_reverse_max = Some(v_max);
             robot
@@ -164,7 +164,13 @@ fn info(world: &World, index: usize) -> RobotInfo {
     let robot = &world.robots()[index];
     RobotInfo {
         name: format!("robot_{index}"),
-        team: robot.team,
+        team: robot.team_name.clone(),
+        role: robot.team.role,
+        opponents: (0..)
+            .zip(world.robots())
+            .filter(|(_, other)| robot.team.is_hostile_to(other.team))
+            .map(|(index, _)| index)
+            .collect(),
         model: robot.model,
         beams: 0,
         start: robot.pose,
@@ -212,7 +218,9 @@ fn play(
         views(&world, &mut robots);
         let judged = tick <= LAST_VERDICT;
         let open = |robot: &RobotView| {
-            robot.active && robot.team == Team::Evader && (judged || told[robot.index].is_some())
+            robot.active
+                && robot.team.role == Role::Evader
+                && (judged || told[robot.index].is_some())
         };
         if !robots.iter().any(open) {
             break;

@@ -10,7 +10,7 @@ use planner_view::map::PlannerMap;
 use planner_view::steering::Steering;
 use planner_view::view::{RobotView, View};
 use sim_backend::spec::RobotModel;
-use sim_backend::team::Team;
+use sim_backend::team::Role;
 use steering::escape::{self, Course, Robot, Rollout};
 use steering::feedback_linearisation::command;
 use steering::potential_field::{Body, Goal, attraction, compose, obstacle};
@@ -110,7 +110,7 @@ impl Evader {
         let Some(own) = view.own().filter(|own| own.active) else {
             return Steering::stop();
         };
-        let chase = view.active(Team::Police).map(|robot| robot.radius);
+        let chase = view.opponents(Role::Pursuer).map(|robot| robot.radius);
         self.prepare(map, chase.fold(own.radius, f64::min));
         // Saturates for absurd times; NaN becomes 0.
         let period = Some((view.time_s / self.params.period_s).floor() as i64);
@@ -297,11 +297,11 @@ pub fn worth(margin: f64, way_out: f64, speed: f64, params: &ReachAvoidParams) -
     margin.min(params.enough_s) - params.exit_weight * way_out / speed
 }
 
-/// Lists what can stop an evader: pursuers within the capture radius (m) or in contact, and other
+/// Lists what can stop an evader: hostile pursuers within the capture radius (m) or in contact, and other
 /// bodies, except evaders in play, in contact.
 fn obstructions(view: &View<'_>, own: &RobotView, capture: f64, runners: &mut Vec<Runner>) {
     runners.clear();
-    let evades = |other: &RobotView| other.active && other.team == Team::Evader;
+    let evades = |other: &RobotView| other.active && other.team.role == Role::Evader;
     runners.extend(
         view.other_bodies(own)
             .filter(|other| !evades(other))
@@ -310,9 +310,10 @@ fn obstructions(view: &View<'_>, own: &RobotView, capture: f64, runners: &mut Ve
                 Runner {
                     at: other.pose.position(),
                     speed: if other.active { other.v_max } else { 0.0 },
-                    reach: match other.team {
-                        Team::Police if other.active => capture.max(contact),
-                        _ => contact,
+                    reach: if view.is_opponent(other, Role::Pursuer) {
+                        capture.max(contact)
+                    } else {
+                        contact
                     },
                 }
             }),

@@ -8,7 +8,7 @@ use geometry::region::Region;
 use nalgebra::Point2;
 use planner_view::map::PlannerMap;
 use sim_backend::spec::{Preset, RobotModel};
-use sim_backend::team::Team;
+use sim_backend::team::Role;
 use support::{Arena, CITY, DT, EXIT, Kinematic, robot, street_starts, view};
 
 const V_MAX: f64 = 0.45;
@@ -34,7 +34,7 @@ fn circle(at: Point2<f64>, radius: f64) -> Region {
 fn drive(arena: &Arena, map: &PlannerMap, body: &mut Kinematic, exit: Region) -> Option<f64> {
     let mut evader = evader(exit);
     (0..1800).map(|tick| f64::from(tick) * DT).find(|&time| {
-        let robots = [robot(0, Team::Evader, body.pose, V_MAX)];
+        let robots = [robot(0, Role::Evader, body.pose, V_MAX)];
         let steering = evader.command(map, &view(time, &robots, &[exit.center()]));
         body.step(arena, steering.command, DT);
         exit.contains(body.pose.position())
@@ -93,8 +93,8 @@ fn it_keeps_its_course_once_its_escape_is_certain() {
         let time = f64::from(tick) * DT;
         let pursuer = geometry::pose::Pose2::new(7.5, 7.0 - 0.3 * time, -1.57);
         let robots = [
-            robot(0, Team::Evader, body.pose, V_MAX),
-            robot(1, Team::Police, pursuer, 0.3),
+            robot(0, Role::Evader, body.pose, V_MAX),
+            robot(1, Role::Pursuer, pursuer, 0.3),
         ];
         let steering = evader.command(map, &view(time, &robots, &[EXIT]));
         body.step(&CITY.0, steering.command, DT);

@@ -8,7 +8,7 @@ use planner_view::limits::Limits;
 use planner_view::map::PlannerMap;
 use planner_view::steering::Steering;
 use planner_view::view::{RobotView, View};
-use sim_backend::team::Team;
+use sim_backend::team::Role;
 use steering::feedback_linearisation::EPSILON;
 use steering::path_tracking::{PathTracker, TrackingParams};
 use steering::potential_evader::{Evader, EvaderParams};
@@ -196,14 +196,14 @@ impl RrtStarEvader {
 
     fn look_round(&mut self, view: &View<'_>, own: &RobotView) {
         self.pursuers.clear();
-        let police = view.active(Team::Police);
+        let police = view.opponents(Role::Pursuer);
         self.pursuers.extend(police.map(|robot| Pursuer {
             at: robot.pose.position(),
             v_max: robot.v_max,
         }));
         self.bodies.clear();
         let standing = view.bodies().filter(|robot| {
-            let pursues = robot.active && robot.team == Team::Police;
+            let pursues = view.is_opponent(robot, Role::Pursuer);
             robot.index != own.index && !pursues && robot.twist.v.abs() < STANDING
         });
         self.bodies.extend(standing.map(|robot| Body {

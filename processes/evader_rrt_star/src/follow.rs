@@ -8,7 +8,7 @@ use planner_view::free_space::FreeSpace;
 use planner_view::limits::Limits;
 use planner_view::map::PlannerMap;
 use planner_view::view::{RobotView, View};
-use sim_backend::team::Team;
+use sim_backend::team::Role;
 use steering::feedback_linearisation::{EPSILON, command};
 use steering::path_tracking::{PathTracker, Tracking, TrackingParams};
 use steering::potential_evader::EvaderParams;
@@ -68,7 +68,7 @@ pub fn by_field(
     });
     let pull = attraction(at, goal, &Bearings::Straight);
     let fellows = view
-        .active(Team::Evader)
+        .team_mates(Role::Evader)
         .filter(|robot| robot.index != own.index)
         .map(|robot| Repulsor {
             at: robot.pose.position(),

@@ -15,7 +15,7 @@ use nalgebra::Point2;
 use planner_view::limits::Limits;
 use planner_view::map::PlannerMap;
 use planner_view::view::RobotView;
-use sim_backend::team::Team;
+use sim_backend::team::Role;
 use support::{EXIT, POLICE, START};
 
 const V_MAX: f64 = 0.6;
@@ -27,10 +27,10 @@ static CITY: LazyLock<(Arena, PlannerMap)> = LazyLock::new(|| {
 });
 
 /// Returns a robot at full speed, as planners see it.
-fn robot(index: usize, team: Team, pose: Pose2, v_max: f64) -> RobotView {
+fn robot(index: usize, role: Role, pose: Pose2, v_max: f64) -> RobotView {
     RobotView {
         twist: Twist2::new(v_max, 0.0),
-        ..arena::robot(index, team, pose, v_max)
+        ..arena::robot(index, role, pose, v_max)
     }
 }
 
@@ -50,9 +50,9 @@ fn run(
     let mut evader = evader(params);
     let mut time = 0.0;
     while time < seconds {
-        let mut robots = vec![robot(0, Team::Evader, body.pose, V_MAX)];
+        let mut robots = vec![robot(0, Role::Evader, body.pose, V_MAX)];
         let police = police.iter().enumerate();
-        robots.extend(police.map(|(i, &pose)| robot(i + 1, Team::Police, pose, 0.3)));
+        robots.extend(police.map(|(i, &pose)| robot(i + 1, Role::Pursuer, pose, 0.3)));
         let steering = evader.command(map, &view(time, &robots, &[EXIT]));
         body.step(arena, steering.command, DT);
         time += DT;
@@ -106,10 +106,10 @@ fn a_pursuer_in_a_street_turns_the_way_into_another() {
             },
             ..RrtStarParams::default()
         });
-        let mut robots = vec![robot(0, Team::Evader, Pose2::new(0.0, 1.5, 0.0), V_MAX)];
+        let mut robots = vec![robot(0, Role::Evader, Pose2::new(0.0, 1.5, 0.0), V_MAX)];
         let police = police.iter().enumerate();
         robots.extend(
-            police.map(|(i, &(x, y))| robot(i + 1, Team::Police, Pose2::new(x, y, 0.0), 0.3)),
+            police.map(|(i, &(x, y))| robot(i + 1, Role::Pursuer, Pose2::new(x, y, 0.0), 0.3)),
         );
         evader.command(map, &view(0.0, &robots, &[EXIT]));
         let route = evader.route().unwrap();
@@ -129,7 +129,7 @@ fn a_plan_holds_only_after_the_time_that_it_takes() {
     // A plan takes 0.3 s: in force after six ticks.
     params.timing.time_per_iteration_s = 0.3 / f64::from(params.search.iterations);
     let mut evader = evader(&params);
-    let robots = [robot(0, Team::Evader, START, V_MAX)];
+    let robots = [robot(0, Role::Evader, START, V_MAX)];
     for tick in 0..10 {
         let time = f64::from(tick) * DT;
         evader.command(map, &view(time, &robots, &[EXIT]));
@@ -158,9 +158,9 @@ fn a_failed_plan_drops_the_path_by_the_papers_rule_only() {
         .with_space(Arc::new(support::space(room, 9.5)));
     let (outside, inside) = (Point2::new(1.8, 0.0), Point2::new(0.0, 0.0));
     let robots = [
-        robot(0, Team::Evader, Pose2::new(1.8, -1.5, 0.0), V_MAX),
+        robot(0, Role::Evader, Pose2::new(1.8, -1.5, 0.0), V_MAX),
         // Near enough that the paper's rule plans again.
-        robot(1, Team::Police, Pose2::new(2.6, -0.5, 0.0), 0.3),
+        robot(1, Role::Pursuer, Pose2::new(2.6, -0.5, 0.0), 0.3),
     ];
     for rule in [ReplanRule::Paper, ReplanRule::Periodic] {
         let mut params = RrtStarParams::default();
@@ -201,8 +201,8 @@ fn without_an_exit_or_with_one_behind_walls_it_goes_on_within_its_limits() {
     let (_, map) = &*CITY;
     let limits = Limits::new(V_MAX, V_MAX, 2.84).unwrap();
     let robots = [
-        robot(0, Team::Evader, START, V_MAX),
-        robot(1, Team::Police, Pose2::new(-3.0, 7.5, 0.0), 0.3),
+        robot(0, Role::Evader, START, V_MAX),
+        robot(1, Role::Pursuer, Pose2::new(-3.0, 7.5, 0.0), 0.3),
     ];
     // None; in a block; not a number; beyond the edge of the world.
     let nowhere = Point2::new(f64::NAN, 0.0);
@@ -228,7 +228,7 @@ fn a_start_that_touches_a_wall_is_led_away_from_it() {
     // The wall of the ring road is at y = 8; the body reaches 5 mm into it.
     for y in [7.9, 7.895, 7.87] {
         let mut evader = evader(&RrtStarParams::default());
-        let robots = [robot(0, Team::Evader, Pose2::new(-4.5, y, 0.0), V_MAX)];
+        let robots = [robot(0, Role::Evader, Pose2::new(-4.5, y, 0.0), V_MAX)];
         for tick in 0..3 {
             let time = f64::from(tick) * DT;
             evader.command(map, &view(time, &robots, &[EXIT]));
@@ -244,7 +244,7 @@ fn a_map_without_exact_shapes_leaves_the_potential_field() {
     let (arena, _) = &*CITY;
     let map = arena.map();
     let mut evader = evader(&RrtStarParams::default());
-    let robots = [robot(0, Team::Evader, START, V_MAX)];
+    let robots = [robot(0, Role::Evader, START, V_MAX)];
     let steering = evader.command(&map, &view(0.0, &robots, &[EXIT]));
     assert!(steering.command.v > 0.0);
     assert!(evader.route().is_none());
@@ -254,7 +254,7 @@ fn a_map_without_exact_shapes_leaves_the_potential_field() {
 fn an_inactive_robot_stands_still_and_has_no_plan() {
     let (_, map) = &*CITY;
     let mut evader = evader(&RrtStarParams::default());
-    let mut robots = [robot(0, Team::Evader, START, V_MAX)];
+    let mut robots = [robot(0, Role::Evader, START, V_MAX)];
     for tick in 0..3 {
         let time = f64::from(tick) * DT;
         evader.command(map, &view(time, &robots, &[EXIT]));

@@ -161,7 +161,7 @@ impl Traffic {
 mod tests {
     use geometry::pose::{Pose2, Twist2};
     use planner_view::view::RobotView;
-    use sim_backend::team::Team;
+    use sim_backend::team::Role;
 
     use super::*;
     use crate::trajectory::Sample;
@@ -169,7 +169,7 @@ mod tests {
     fn robot(index: usize, x: f64, v: f64) -> RobotView {
         RobotView {
             index,
-            team: Team::Neutral,
+            team: Role::Neutral.into(),
             active: true,
             present: true,
             pose: Pose2::new(x, 0.0, 0.0),

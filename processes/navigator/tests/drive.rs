@@ -7,7 +7,7 @@ use geometry::pose::{Pose2, Twist2};
 use navigator::drive::Drive;
 use proptest::prelude::*;
 use sim_backend::spec::{LimitsSpec, RobotSpec, RulesSpec, WorldSpec};
-use sim_backend::team::Team;
+use sim_backend::team::Role;
 use sim_backend::world::World;
 use steering::go_to::coast;
 
@@ -17,7 +17,7 @@ const DT: Duration = Duration::from_millis(50);
 fn world(limits: LimitsSpec) -> World {
     let robot = RobotSpec {
         limits,
-        ..RobotSpec::new("scout", Team::Neutral, Pose2::new(0.0, 0.0, 0.3))
+        ..RobotSpec::new("scout", Role::Neutral, Pose2::new(0.0, 0.0, 0.3))
     };
     World::new(WorldSpec {
         map: MapSpec::Vector(VectorMap::empty([-50.0, -50.0], [50.0, 50.0], 0.5)),

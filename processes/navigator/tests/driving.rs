@@ -12,7 +12,7 @@ use parameters::check;
 use planner_view::free_space::FreeSpace;
 use planner_view::view::{RobotView, View};
 use sim_backend::spec::RobotModel;
-use sim_backend::team::Team;
+use sim_backend::team::Role;
 
 const DT: f64 = 0.05;
 
@@ -113,7 +113,7 @@ impl Rig {
         }
         let robots = [RobotView {
             index: 0,
-            team: Team::Neutral,
+            team: Role::Neutral.into(),
             active: true,
             present: true,
             pose: self.pose,

@@ -13,13 +13,13 @@ use runtime::inputs::{MapInput, StateInput, reply_stamp};
 use runtime::kind::{Product, ViewSpec};
 use runtime::{Clock, Process, ProcessConfig, ProcessError, ProcessKind};
 use sim_backend::spec::RobotSpec;
-use sim_backend::team::Team;
+use sim_backend::team::Role;
 
 use tracking::params::PerceptionParams;
 use tracking::particle_filter::MotionLimits;
 use tracking::tracker::{Perception, TargetSetup, TargetTruth, Track};
 
-/// Perception of one team: the common view of its members, and their beliefs.
+/// Perception of some robots: their common view, and their beliefs about opponents.
 pub struct PerceptionProcess {
     config: ProcessConfig,
     params: PerceptionParams,
@@ -36,7 +36,7 @@ pub struct PerceptionProcess {
 impl ProcessKind for PerceptionProcess {
     const NAME: &'static str = "perception";
     const SUMMARY: &'static str =
-        "sightings of the Police, and their beliefs about robots out of sight";
+        "sightings of the pursuers, and their beliefs about robots out of sight";
     const MAKES: &'static [Product] = &[Product::Beliefs];
 
     type Params = PerceptionParams;
@@ -49,16 +49,16 @@ impl ProcessKind for PerceptionProcess {
         params.filter.particles
     }
 
-    /// Its viewpoints are its robots, or all of the Police.
+    /// Its viewpoints are its robots, or all pursuers.
     fn lookout(
         params: &PerceptionParams,
         given: &[usize],
         robots: &[RobotSpec],
     ) -> Option<ViewSpec> {
-        let police = || (0..robots.len()).filter(|&robot| robots[robot].team == Team::Police);
+        let pursuers = || (0..robots.len()).filter(|&i| robots[i].role() == Role::Pursuer);
         Some(ViewSpec {
             robots: if given.is_empty() {
-                police().collect()
+                pursuers().collect()
             } else {
                 given.to_vec()
             },
@@ -76,14 +76,14 @@ impl ProcessKind for PerceptionProcess {
         bus: &Bus,
     ) -> Result<Self, ProcessError> {
         let robots = &config.run.robots;
-        let of_team = |team: Team| {
+        let of_role = |role: Role| {
             (0..robots.len())
-                .filter(|&i| robots[i].team == team)
+                .filter(|&i| robots[i].role == role)
                 .collect::<Vec<_>>()
         };
-        // Without a list of robots its viewpoints are all Police.
+        // Without a list of robots its viewpoints are all pursuers.
         let observers = if config.robots.is_empty() {
-            of_team(Team::Police)
+            of_role(Role::Pursuer)
         } else {
             config
                 .robots
@@ -94,11 +94,18 @@ impl ProcessKind for PerceptionProcess {
         };
         let side = observers
             .first()
-            .map_or(Team::Police, |&first| robots[first].team);
-        let targets = of_team(if side == Team::Evader {
-            Team::Police
+            .map_or(Role::Pursuer, |&first| robots[first].role);
+        let mut targets = of_role(if side == Role::Evader {
+            Role::Pursuer
         } else {
-            Team::Evader
+            Role::Evader
+        });
+        // Observers of the opposite role follow the robots that are hostile to them.
+        targets.retain(|&target| {
+            let side = robots[target].role.opposite();
+            let mut opposite = observers.iter().filter(|&&i| Some(robots[i].role) == side);
+            let is_hostile = |&i: &usize| robots[i].opponents.contains(&(target as u32));
+            opposite.clone().next().is_none() || opposite.any(is_hostile)
         });
         Ok(Self {
             state: StateInput::open(bus, robots.len())?,

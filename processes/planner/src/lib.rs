@@ -5,7 +5,7 @@
 //! - [`main`]: the main function of a program that is a process of a planner;
 //! - [`PlannerProcess`]: its process, which reads the state, the map, beliefs and scans, and sends
 //!   commands, plans, trees and waypoints;
-//! - [`planner_map`], [`robot_views`], [`limits`]: conversions of messages to inputs of algorithms.
+//! - [`planner_map`], [`robot_views`], [`teams`], [`limits`]: conversions of messages to inputs of algorithms.
 
 #![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
 #![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
@@ -22,7 +22,7 @@ pub use maps::planner_map;
 pub use outputs::{MAX_PLAN_POINTS, PlannedPoint, headed_for};
 pub use planner::{Planner, PlannerInputs, limits, planner_seed};
 pub use process::PlannerProcess;
-pub use views::robot_views;
+pub use views::{robot_views, teams};
 
 pub use planner_view::limits::Limits;
 pub use planner_view::map::PlannerMap;

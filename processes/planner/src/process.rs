@@ -18,11 +18,12 @@ use runtime::inputs::{
 };
 use runtime::kind::{Need, Process, ProcessKind, Product, Remark, Task, TaskFault, TaskSketch};
 use sim_backend::spec::RobotSpec;
+use sim_backend::team::Team;
 
 use crate::maps::planner_map;
 use crate::outputs::{MAX_PLAN_POINTS, Outputs, PlannedPoint};
 use crate::planner::{Planner, planner_seed};
-use crate::views::robot_views;
+use crate::views::{robot_views, teams};
 
 struct Driven<P> {
     robot: u32,
@@ -44,6 +45,7 @@ pub struct PlannerProcess<P: Planner> {
     map: Option<Arc<PlannerMap>>,
     exits: Vec<Point2<f64>>,
     driven: Vec<Driven<P>>,
+    teams: Vec<Team>,
     views: Vec<RobotView>,
     particles: Vec<ParticleView>,
     planned: Vec<PlannedPoint>,
@@ -129,6 +131,7 @@ impl<P: Planner> ProcessKind for PlannerProcess<P> {
             waypoints: (P::WAYPOINTS > 0)
                 .then(|| bus.publisher(PublisherOptions::new(config.index, P::WAYPOINTS)))
                 .transpose()?,
+            teams: teams(&config.run.robots),
             config: config.clone(),
             map: None,
             exits: config.run.exits.iter().map(Region::center).collect(),
@@ -203,7 +206,12 @@ impl<P: Planner> Process for PlannerProcess<P> {
             // In real time a state may arrive before the map. Without a command the robot stands.
             return Ok(());
         };
-        robot_views(&self.state, &self.config.run.robots, &mut self.views);
+        robot_views(
+            &self.state,
+            &self.config.run.robots,
+            &self.teams,
+            &mut self.views,
+        );
         // Particles of all beliefs in one buffer; the views refer to it.
         self.particles.clear();
         let beliefs = self.beliefs.as_ref().map_or(&[][..], |b| &b.latest);

@@ -8,10 +8,10 @@ use runtime::inputs::StateInput;
 use sim_backend::team::Team;
 
 /// Returns the view of a robot from the world's state.
-fn robot_view(index: usize, state: &RobotState, info: &RobotInfo) -> RobotView {
+fn robot_view(index: usize, state: &RobotState, info: &RobotInfo, team: Team) -> RobotView {
     RobotView {
         index,
-        team: Team::from_code(state.team).unwrap_or(info.team),
+        team,
         active: state.status == 0,
         present: state.present != 0,
         pose: Pose2::new(state.x, state.y, state.theta),
@@ -21,9 +21,26 @@ fn robot_view(index: usize, state: &RobotState, info: &RobotInfo) -> RobotView {
     }
 }
 
-/// Replaces `views` by the views of the robots in the newest state.
-pub fn robot_views(state: &StateInput, infos: &[RobotInfo], views: &mut Vec<RobotView>) {
+/// Replaces `views` by the views of the robots in the newest state. `teams` are the [teams] of the robots.
+pub fn robot_views(
+    state: &StateInput,
+    infos: &[RobotInfo],
+    teams: &[Team],
+    views: &mut Vec<RobotView>,
+) {
     views.clear();
-    let robots = state.robots.iter().zip(infos).enumerate();
-    views.extend(robots.map(|(index, (state, info))| robot_view(index, state, info)));
+    let robots = state.robots.iter().zip(infos).zip(teams).enumerate();
+    views
+        .extend(robots.map(|(index, ((state, info), &team))| robot_view(index, state, info, team)));
+}
+
+/// Returns the teams of the robots.
+pub fn teams(robots: &[RobotInfo]) -> Vec<Team> {
+    let is_hostile = |i: usize, j: usize| robots[i].opponents.contains(&(j as u32));
+    Team::of_robots(
+        robots.len(),
+        |i| robots[i].role,
+        |i, j| robots[i].team == robots[j].team,
+        is_hostile,
+    )
 }

@@ -10,7 +10,7 @@ use nalgebra::Point2;
 use navigation::routes::RouteFinder;
 use planner_view::map::PlannerMap;
 use planner_view::view::{RobotView, View};
-use sim_backend::team::Team;
+use sim_backend::team::Role;
 
 use crate::cut_off::{CutSearch, EvaderState, ExitBlocker, allot};
 use crate::goals::estimate;
@@ -88,9 +88,10 @@ impl Assigner {
     }
 
     fn nearest_sticky(&mut self, view: &View<'_>) -> Option<usize> {
-        let kept = self
-            .kept(view.me)
-            .filter(|&kept| view.active(Team::Evader).any(|evader| evader.index == kept));
+        let kept = self.kept(view.me).filter(|&kept| {
+            view.opponents(Role::Evader)
+                .any(|evader| evader.index == kept)
+        });
         let target = kept.or_else(|| self.nearest(view));
         self.targets.clear();
         self.targets.extend(target.map(|target| (view.me, target)));
@@ -101,7 +102,7 @@ impl Assigner {
     fn nearest(&self, view: &View<'_>) -> Option<usize> {
         let here = view.own()?.pose.position();
         let mut best: Option<(f64, usize)> = None;
-        for evader in view.active(Team::Evader) {
+        for evader in view.opponents(Role::Evader) {
             let Some(pose) = estimate(view, evader.index, self.params.knowledge) else {
                 continue;
             };
@@ -120,9 +121,9 @@ impl Assigner {
         finder: &mut RouteFinder,
         view: &View<'_>,
     ) -> Option<usize> {
-        let pursuers: Vec<&RobotView> = view.active(Team::Police).take(MAX_MATCHED).collect();
+        let pursuers: Vec<&RobotView> = view.team_mates(Role::Pursuer).take(MAX_MATCHED).collect();
         let evaders: Vec<(&RobotView, Point2<f64>)> = view
-            .active(Team::Evader)
+            .opponents(Role::Evader)
             .filter_map(|evader| {
                 let pose = estimate(view, evader.index, self.params.knowledge)?;
                 Some((evader, pose.position()))

@@ -8,7 +8,7 @@ use planner_view::limits::Limits;
 use planner_view::map::PlannerMap;
 use planner_view::steering::Steering;
 use planner_view::view::{RobotView, View};
-use sim_backend::team::Team;
+use sim_backend::team::Role;
 use steering::feedback_linearisation::command;
 use steering::potential_field::{
     Body, Goal, Perturbation, Repulsor, attraction, compose, obstacle, repulsion,
@@ -185,7 +185,7 @@ impl Pursuer {
     }
 }
 
-/// Returns the field at a point with this sum of parts. Evaders in play are no obstacles.
+/// Returns the field at a point with this sum of parts. Hostile evaders in play are no obstacles.
 fn in_bounds(
     params: &PursuerParams,
     map: &PlannerMap,
@@ -196,7 +196,7 @@ fn in_bounds(
 ) -> Vector2<f64> {
     let bodies = view
         .other_bodies(own)
-        .filter(|other| !(other.active && other.team == Team::Evader))
+        .filter(|other| !view.is_opponent(other, Role::Evader))
         .map(Body::from);
     compose(
         map,
@@ -233,7 +233,7 @@ fn scatter(
     at: Point2<f64>,
 ) -> Vector2<f64> {
     let colleagues = view
-        .active(Team::Police)
+        .team_mates(Role::Pursuer)
         .filter(|other| params.fidelity.is_published() || other.index != own.index)
         .map(|other| (other, params.scatter_weight));
     let wrecks = view.wrecks().map(|wreck| (wreck, params.wreck_weight));

@@ -7,12 +7,12 @@ use ipc_types::messages::referee::{DominanceCell, DominanceHeader, Verdict};
 use ipc_types::stamp::{PlainHeader, Stamp};
 use ipc_types::topics::{Dominance, Verdicts};
 use navigation::dominance::{Cell, Owner};
-use planner::{planner_map, robot_views};
+use planner::{planner_map, robot_views, teams};
 use planner_view::map::PlannerMap;
 use planner_view::view::RobotView;
 use runtime::inputs::{MapInput, StateInput, reply_stamp};
 use runtime::{Clock, Process, ProcessConfig, ProcessError, ProcessKind};
-use sim_backend::team::Team;
+use sim_backend::team::{Role, Team};
 
 use crate::params::RefereeParams;
 use crate::referee::{Game, Judgement, Referee};
@@ -33,6 +33,7 @@ pub struct RefereeProcess {
     map_input: MapInput,
     verdicts: Publisher<Verdicts>,
     cells: Publisher<Dominance>,
+    teams: Vec<Team>,
     views: Vec<RobotView>,
 }
 
@@ -73,7 +74,7 @@ impl ProcessKind for RefereeProcess {
         bus: &Bus,
     ) -> Result<Self, ProcessError> {
         let run = &config.run;
-        let evaders = run.robots.iter().filter(|robot| robot.team == Team::Evader);
+        let evaders = run.robots.iter().filter(|robot| robot.role == Role::Evader);
         let tick_s = run.tick_period();
         Ok(Self {
             referee: Referee::new(
@@ -94,6 +95,7 @@ impl ProcessKind for RefereeProcess {
             verdicts: bus.publisher(PublisherOptions::new(config.index, evaders.count()))?,
             cells: bus.publisher(PublisherOptions::new(config.index, run.map_cells as usize))?,
             views: Vec::with_capacity(run.robots.len()),
+            teams: teams(&run.robots),
             config: config.clone(),
         })
     }
@@ -129,7 +131,12 @@ impl Process for RefereeProcess {
         if !with_verdicts && !with_cells {
             return Ok(());
         }
-        robot_views(&self.state, &self.config.run.robots, &mut self.views);
+        robot_views(
+            &self.state,
+            &self.config.run.robots,
+            &self.teams,
+            &mut self.views,
+        );
         let stamp = reply_stamp(&self.state.header, self.state.received_ns);
         let judgements = self.referee.judge(map, &self.views);
         if with_verdicts && !judgements.is_empty() {
@@ -168,7 +175,7 @@ impl RefereeProcess {
             let robots = &self.config.run.robots;
             let radii = robots
                 .iter()
-                .filter(|robot| robot.team != Team::Neutral)
+                .filter(|robot| robot.role != Role::Neutral)
                 .map(|robot| robot.model.radius);
             let radius = radii.fold(f64::INFINITY, f64::min);
             if radius.is_finite() {

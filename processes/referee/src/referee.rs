@@ -5,7 +5,7 @@ use navigation::dominance::{Arena, Cell, Dominance, Runner, Verdict};
 use planner_view::map::PlannerMap;
 use planner_view::view::RobotView;
 use sim_backend::spec::RobotModel;
-use sim_backend::team::Team;
+use sim_backend::team::{Role, Team};
 use steering::escape::{self, Robot};
 
 use crate::RefereeParams;
@@ -15,7 +15,7 @@ use crate::RefereeParams;
 pub struct Game {
     /// Exits of evaders.
     pub exits: Vec<Region>,
-    /// Distance within which Police catch (m).
+    /// Distance within which pursuers catch (m).
     pub capture: f64,
     /// Bodies and limits of the robots, by index.
     pub models: Vec<RobotModel>,
@@ -84,14 +84,36 @@ impl Referee {
     ///
     /// All robots count as narrow as the narrowest of them.
     pub fn judge(&mut self, map: &PlannerMap, robots: &[RobotView]) -> &[Judgement] {
+        self.judgements.clear();
+        self.prepare(map, narrowest(robots));
+        let in_play = |robot: &&RobotView| robot.active && robot.team.role == Role::Evader;
+        let mut judged: Vec<Team> = Vec::new();
+        for robot in robots.iter().filter(in_play) {
+            if !judged.iter().any(|team| team.has_opponents_of(robot.team)) {
+                judged.push(robot.team);
+            }
+        }
+        for team in &judged {
+            self.assess(map, robots, |pursuer| pursuer.is_hostile_to(*team));
+            self.judge_evaders(map, robots, *team);
+        }
+        if judged.len() != 1 {
+            // For the cells.
+            self.assess(map, robots, |_| true);
+            self.judgements.sort_by_key(|judgement| judgement.robot);
+        }
+        &self.judgements
+    }
+
+    /// Computes the dominance of all robots, of which these pursuers catch; the others are bodies that move.
+    fn assess(&mut self, map: &PlannerMap, robots: &[RobotView], catches: impl Fn(Team) -> bool) {
         self.police.clear();
         self.evaders.clear();
         self.police_robots.clear();
         self.evader_robots.clear();
-        self.judgements.clear();
         let widest = robots
             .iter()
-            .filter(|robot| robot.active && robot.team == Team::Evader && robot.is_sane())
+            .filter(|robot| robot.active && robot.team.role == Role::Evader && robot.is_sane())
             .fold(0.0_f64, |widest, robot| widest.max(robot.radius));
         for robot in robots
             .iter()
@@ -102,12 +124,12 @@ impl Referee {
                 speed: if robot.active { robot.v_max } else { 0.0 },
                 reach: widest + robot.radius,
             };
-            match robot.team {
-                Team::Evader if robot.active => {
+            match robot.team.role {
+                Role::Evader if robot.active => {
                     self.evaders.push(runner);
                     self.evader_robots.push(robot.index);
                 }
-                Team::Police if robot.active => {
+                Role::Pursuer if robot.active && catches(robot.team) => {
                     self.police.push(Runner {
                         reach: runner.reach.max(self.game.capture),
                         ..runner
@@ -120,42 +142,47 @@ impl Referee {
                 }
             }
         }
-        let radius = narrowest(robots);
-        self.prepare(map, radius);
         if let Some((_, _, arena)) = &self.arena {
             self.dominance
                 .assess(map, arena, &self.police, &self.evaders);
-            let evaders = self.evader_robots.iter().zip(&self.evaders).enumerate();
-            for (i, (&index, runner)) in evaders {
-                let robot = robots.iter().find(|robot| robot.index == index);
-                let verdict = self.dominance.verdicts().get(i).copied();
-                let (Some(robot), Some(mut verdict)) = (robot, verdict) else {
-                    continue;
-                };
-                if verdict.escape_possible {
-                    let drive = self.game.models.get(index).map(|model| Robot {
-                        pose: robot.pose,
-                        twist: robot.twist,
-                        model: *model,
-                        dt: self.game.dt,
-                    });
-                    let escape = drive.and_then(|drive| {
-                        escape::plan(map, arena, &mut self.dominance, i, runner, &drive)
-                    });
-                    verdict.escape_possible = escape.is_some();
-                    verdict.time = escape.as_ref().map_or(f64::INFINITY, |found| found.time);
-                    if let Some(escape) = escape {
-                        verdict.exit = Some(escape.exit);
-                        verdict.margin = escape.margin;
-                    }
-                }
-                self.judgements.push(Judgement {
-                    robot: index,
-                    verdict,
-                });
-            }
         }
-        &self.judgements
+    }
+
+    /// Judges the evaders that have the same opponents as this team.
+    fn judge_evaders(&mut self, map: &PlannerMap, robots: &[RobotView], team: Team) {
+        let Some((_, _, arena)) = &self.arena else {
+            return;
+        };
+        let evaders = self.evader_robots.iter().zip(&self.evaders).enumerate();
+        for (i, (&index, runner)) in evaders {
+            let robot = robots.iter().find(|robot| robot.index == index);
+            let robot = robot.filter(|robot| robot.team.has_opponents_of(team));
+            let verdict = self.dominance.verdicts().get(i).copied();
+            let (Some(robot), Some(mut verdict)) = (robot, verdict) else {
+                continue;
+            };
+            if verdict.escape_possible {
+                let drive = self.game.models.get(index).map(|model| Robot {
+                    pose: robot.pose,
+                    twist: robot.twist,
+                    model: *model,
+                    dt: self.game.dt,
+                });
+                let escape = drive.and_then(|drive| {
+                    escape::plan(map, arena, &mut self.dominance, i, runner, &drive)
+                });
+                verdict.escape_possible = escape.is_some();
+                verdict.time = escape.as_ref().map_or(f64::INFINITY, |found| found.time);
+                if let Some(escape) = escape {
+                    verdict.exit = Some(escape.exit);
+                    verdict.margin = escape.margin;
+                }
+            }
+            self.judgements.push(Judgement {
+                robot: index,
+                verdict,
+            });
+        }
     }
 
     /// Returns the robot that reaches every cell first, at the moment judged last. The cells lie in
@@ -185,7 +212,7 @@ impl Referee {
 pub(crate) fn narrowest(robots: &[RobotView]) -> f64 {
     let radius = robots
         .iter()
-        .filter(|robot| robot.team != Team::Neutral && robot.is_sane())
+        .filter(|robot| robot.team.role != Role::Neutral && robot.is_sane())
         .map(|robot| robot.radius)
         .fold(f64::INFINITY, f64::min);
     if radius.is_finite() { radius } else { 0.0 }

@@ -10,12 +10,12 @@ use planner_view::view::RobotView;
 use proptest::prelude::*;
 use referee::{Game, Referee, RefereeParams};
 use sim_backend::spec::{Preset, RobotModel};
-use sim_backend::team::Team;
+use sim_backend::team::{Role, Team};
 use support::{Arena, EXIT};
 
-fn robot(index: usize, team: Team, x: f64, y: f64) -> RobotView {
-    let v_max = if team == Team::Evader { 0.45 } else { 0.3 };
-    support::robot(index, team, Pose2::new(x, y, 0.0), v_max)
+fn robot(index: usize, role: Role, x: f64, y: f64) -> RobotView {
+    let v_max = if role == Role::Evader { 0.45 } else { 0.3 };
+    support::robot(index, role, Pose2::new(x, y, 0.0), v_max)
 }
 
 fn game() -> Game {
@@ -43,9 +43,9 @@ fn referee() -> Referee {
 fn only_evaders_that_play_are_judged_and_only_police_that_play_count() {
     let map = Arena::city().map();
     let mut robots = [
-        robot(0, Team::Police, 8.5, 0.0),
-        robot(1, Team::Evader, 4.5, 0.0),
-        robot(2, Team::Evader, 4.5, 4.5),
+        robot(0, Role::Pursuer, 8.5, 0.0),
+        robot(1, Role::Evader, 4.5, 0.0),
+        robot(2, Role::Evader, 4.5, 4.5),
     ];
     robots[2].active = false;
     let mut referee = referee();
@@ -72,13 +72,46 @@ fn only_evaders_that_play_are_judged_and_only_police_that_play_count() {
     assert!(referee.judge(&map, &robots)[0].verdict.escape_possible);
 }
 
+/// The pursuer catches from afar, and without catching is too far from the way to the exit to be in it.
+#[test]
+fn an_evader_is_judged_against_the_pursuers_of_hostile_teams() {
+    let map = Arena::city().map();
+    let mut robots = [
+        robot(0, Role::Pursuer, 7.5, 4.5),
+        robot(1, Role::Evader, 4.5, 0.0),
+        robot(2, Role::Evader, 4.5, 0.5),
+    ];
+    let possible = |robots: &[RobotView]| {
+        let game = Game {
+            capture: 2.0,
+            ..game()
+        };
+        let mut referee = Referee::new(RefereeParams::default(), game);
+        let judged = referee.judge(&map, robots).to_vec();
+        assert!(referee.cells(&map).is_some());
+        judged
+            .iter()
+            .map(|judgement| (judgement.robot, judgement.verdict.escape_possible))
+            .collect::<Vec<_>>()
+    };
+    assert_eq!(possible(&robots), [(1, false), (2, false)]);
+    // Three teams; the pursuer is hostile to robot 2.
+    let roles = robots.map(|robot| robot.team.role);
+    let is_hostile = |i: usize, j: usize| (i.min(j), i.max(j)) == (0, 2);
+    let teams = Team::of_robots(3, |i| roles[i], |i, j| i == j, is_hostile);
+    for (robot, team) in robots.iter_mut().zip(teams) {
+        robot.team = team;
+    }
+    assert_eq!(possible(&robots), [(1, true), (2, false)]);
+}
+
 /// Half a turn at 0.2 rad/s takes 16 s: enough for a pursuer to come to the exit.
 #[test]
 fn a_robot_that_turns_slowly_is_not_told_that_it_escapes() {
     let map = Arena::city().map();
     let robots = [
-        robot(0, Team::Police, 7.5, 6.0),
-        robot(1, Team::Evader, 4.5, 0.0),
+        robot(0, Role::Pursuer, 7.5, 6.0),
+        robot(1, Role::Evader, 4.5, 0.0),
     ];
     assert!(referee().judge(&map, &robots)[0].verdict.escape_possible);
     let mut game = game();
@@ -99,8 +132,8 @@ fn a_body_that_fills_the_way_out_lets_nothing_through() {
         .extend([(8.0, 9.0, 0.25, 1.25), (8.0, 9.0, -1.25, -0.25)]);
     let map = city.map();
     let mut robots = [
-        robot(0, Team::Evader, 8.5, 0.0),
-        robot(1, Team::Evader, 7.5, 0.0),
+        robot(0, Role::Evader, 8.5, 0.0),
+        robot(1, Role::Evader, 7.5, 0.0),
     ];
     robots[0].active = false;
     assert!(!referee().judge(&map, &robots)[0].verdict.escape_possible);
@@ -113,8 +146,8 @@ fn a_new_map_changes_the_verdict() {
     let mut arena = Arena::city();
     let map = arena.map();
     let robots = [
-        robot(0, Team::Police, 7.5, 6.0),
-        robot(1, Team::Evader, 4.5, 0.0),
+        robot(0, Role::Pursuer, 7.5, 6.0),
+        robot(1, Role::Evader, 4.5, 0.0),
     ];
     let mut referee = referee();
     assert!(referee.judge(&map, &robots)[0].verdict.escape_possible);
@@ -143,9 +176,9 @@ proptest! {
             .map(|i| RobotView {
                 radius: numbers[5 * i + 3],
                 v_max: numbers[5 * i + 4],
-                ..robot(i, [Team::Police, Team::Evader][i % 2], numbers[5 * i], numbers[5 * i + 1])
+                ..robot(i, [Role::Pursuer, Role::Evader][i % 2], numbers[5 * i], numbers[5 * i + 1])
             })
-            .chain([robot(9, Team::Evader, 1.5, 1.5)])
+            .chain([robot(9, Role::Evader, 1.5, 1.5)])
             .collect();
         let mut referee = referee();
         let judged = referee.judge(&map, &robots).to_vec();

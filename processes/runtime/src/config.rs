@@ -10,7 +10,7 @@ use ipc_types::topics::RunSize;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use sim_backend::spec::RobotModel;
-use sim_backend::team::Team;
+use sim_backend::team::Role;
 
 /// Environment variable with the path of a process's configuration.
 pub const CONFIG_VARIABLE: &str = "PROTEAN_CONFIG";
@@ -72,7 +72,7 @@ pub struct RunConfig {
     pub robots: Vec<RobotInfo>,
     /// Regions through which evaders escape.
     pub exits: Vec<Region>,
-    /// Distance below which a police robot catches an evader (m); 0 if there is no capture.
+    /// Distance below which a pursuer catches a hostile evader (m); 0 if there is no capture.
     pub capture_radius: f64,
     /// Lowest severity in the log on stderr: `error`, `warn`, `info`, `debug`, `trace`.
     pub log_level: String,
@@ -84,8 +84,12 @@ pub struct RunConfig {
 pub struct RobotInfo {
     /// Name in the scenario.
     pub name: String,
-    /// Its side.
-    pub team: Team,
+    /// Name of its team.
+    pub team: String,
+    /// Role of its team.
+    pub role: Role,
+    /// Indices of the robots of the teams that are hostile to its own.
+    pub opponents: Vec<u32>,
     /// Its body and limits.
     pub model: RobotModel,
     /// Number of beams of its range scan; 0 without one.

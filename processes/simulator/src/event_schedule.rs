@@ -173,7 +173,7 @@ mod tests {
     use geometry::pose::Pose2;
     use geometry::shape::Shape;
     use sim_backend::spec::{RulesSpec, WorldSpec};
-    use sim_backend::team::Team;
+    use sim_backend::team::Role;
     use sim_backend::world::World;
 
     use super::*;
@@ -181,7 +181,7 @@ mod tests {
     fn specs() -> Vec<RobotSpec> {
         vec![RobotSpec::new(
             "scout",
-            Team::Neutral,
+            Role::Neutral,
             Pose2::new(1.0, 1.0, 0.0),
         )]
     }

@@ -84,7 +84,7 @@ pub fn robot_state(index: usize, robot: &Robot, flags: Flags) -> RobotState {
         distance: robot.distance_travelled,
         robot: index as u32,
         contacts: robot.contacts.episodes(),
-        team: robot.team.code(),
+        team: robot.team.role.code(),
         status: status_code(robot.status),
         in_contact: u8::from(flags.in_contact),
         fail_safe: u8::from(flags.fail_safe),

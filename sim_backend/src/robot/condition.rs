@@ -44,7 +44,7 @@ fn share(goal: &Region, start: Point2<f64>, at: Point2<f64>) -> f64 {
 mod tests {
     use super::*;
     use crate::spec::RobotSpec;
-    use crate::team::Team;
+    use crate::team::Role;
     use geometry::pose::Pose2;
 
     fn start() -> Pose2 {
@@ -53,12 +53,12 @@ mod tests {
 
     /// A robot that must go from (1, 1) to (5, 1).
     fn robot() -> Robot {
-        let mut spec = RobotSpec::new("scout", Team::Neutral, start());
+        let mut spec = RobotSpec::new("scout", Role::Neutral, start());
         spec.goal = Some(Region::Circle {
             center: [5.0, 1.0],
             radius: 0.3,
         });
-        Robot::new(&spec)
+        Robot::new(&spec, Role::Neutral.into())
     }
 
     fn holds(condition: Condition, robot: &Robot) -> bool {

@@ -16,7 +16,7 @@ use crate::team::Team;
 pub enum RobotStatus {
     /// The robot is in the game.
     Active = 0,
-    /// An evader that Police caught.
+    /// An evader that a pursuer caught.
     Caught = 1,
     /// An evader that reached an exit.
     Escaped = 2,
@@ -73,6 +73,8 @@ pub struct Robot {
     pub name: String,
     /// Team.
     pub team: Team,
+    /// Name of its team.
+    pub team_name: String,
     /// Body and limits.
     pub model: RobotModel,
     /// Goal.
@@ -103,10 +105,11 @@ pub struct Robot {
 
 impl Robot {
     /// Creates the robot at rest at its specified start.
-    pub(crate) fn new(spec: &RobotSpec) -> Self {
+    pub(crate) fn new(spec: &RobotSpec, team: Team) -> Self {
         Self {
             name: spec.name.clone(),
-            team: spec.team,
+            team,
+            team_name: spec.team.clone(),
             model: spec.model(),
             goal: spec.goal,
             pose: Pose2::new(spec.start.x, spec.start.y, spec.start.theta),

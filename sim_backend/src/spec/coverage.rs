@@ -5,8 +5,6 @@ use parameters::Parameters;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::team::Team;
-
 /// Accounting of the free area that robots have visited, and of the time since then.
 ///
 /// ```toml
@@ -26,8 +24,8 @@ pub struct CoverageSpec {
     pub resolution: Option<f64>,
     /// Names of the robots that count, in addition to those of `teams`.
     pub robots: Vec<String>,
-    /// Teams whose robots count. All robots count if `robots` and `teams` are both empty.
-    pub teams: Vec<Team>,
+    /// Names of the teams whose robots count. All robots count if `robots` and `teams` are both empty.
+    pub teams: Vec<String>,
     /// Time between two reports.
     #[schemars(transform = positive("s"))]
     pub period: f64,
@@ -47,9 +45,9 @@ impl Default for CoverageSpec {
 
 impl CoverageSpec {
     /// Returns `true` if a robot counts.
-    pub fn counts(&self, name: &str, team: Team) -> bool {
+    pub fn counts(&self, name: &str, team: &str) -> bool {
         (self.robots.is_empty() && self.teams.is_empty())
-            || self.teams.contains(&team)
+            || self.teams.iter().any(|counted| counted == team)
             || self.robots.iter().any(|robot| robot == name)
     }
 }
@@ -65,11 +63,11 @@ mod tests {
     #[test]
     fn without_a_choice_all_robots_count() {
         let all = CoverageSpec::default();
-        assert!(all.counts("walle", Team::Police));
+        assert!(all.counts("walle", "police"));
         let some: CoverageSpec = toml::from_str("robots = ['walle']\nteams = ['evader']").unwrap();
-        assert!(some.counts("walle", Team::Neutral));
-        assert!(some.counts("eve", Team::Evader));
-        assert!(!some.counts("auto", Team::Neutral));
+        assert!(some.counts("walle", "neutral"));
+        assert!(some.counts("eve", "evader"));
+        assert!(!some.counts("auto", "neutral"));
     }
 
     #[test]

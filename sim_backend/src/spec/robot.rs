@@ -8,7 +8,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::{OdometrySpec, ScanSpec};
-use crate::team::Team;
+use crate::team::{Role, Team};
 
 /// A robot of the scenario: a preset body, with optional overrides.
 ///
@@ -25,8 +25,15 @@ use crate::team::Team;
 pub struct RobotSpec {
     /// Unique name, used in messages, logs and the summary.
     pub name: String,
-    /// Team.
-    pub team: Team,
+    /// Name of its team.
+    pub team: String,
+    /// Role of its team. A team called `police`, `evader` or `neutral` need not state it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub role: Option<Role>,
+    /// Names of the teams to which its team is hostile, of the opposite role. Two teams are hostile if one of them
+    /// names the other, or if both lack this key and have opposite roles.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub hostile_to: Option<Vec<String>>,
     /// Pose at time 0.
     pub start: Pose2,
     /// The robot whose body and limits are the defaults.
@@ -59,11 +66,13 @@ pub struct RobotSpec {
 }
 
 impl RobotSpec {
-    /// A robot with the default preset, perfect drive and no sensors.
-    pub fn new(name: &str, team: Team, start: Pose2) -> Self {
+    /// A robot of this role's standard team, with the default preset, perfect drive and no sensors.
+    pub fn new(name: &str, role: Role, start: Pose2) -> Self {
         Self {
             name: name.to_owned(),
-            team,
+            team: role.team().to_owned(),
+            role: None,
+            hostile_to: None,
             start,
             preset: Preset::default(),
             radius: None,
@@ -74,6 +83,34 @@ impl RobotSpec {
             odometry: None,
             goal: None,
         }
+    }
+
+    /// The role of its team.
+    pub fn role(&self) -> Role {
+        let standard = || Role::of_team(&self.team).unwrap_or(Role::Neutral);
+        self.role.unwrap_or_else(standard)
+    }
+
+    /// Returns `true` if its team and that of another robot are hostile.
+    pub fn is_hostile_to(&self, other: &Self) -> bool {
+        let names = |a: &Self, b: &Self| {
+            a.hostile_to
+                .as_ref()
+                .is_some_and(|names| names.contains(&b.team))
+        };
+        let neither_states = self.hostile_to.is_none() && other.hostile_to.is_none();
+        self.role().opposite() == Some(other.role())
+            && (neither_states || names(self, other) || names(other, self))
+    }
+
+    /// Returns the teams of robots, at most 64 teams, by robot.
+    pub fn teams(robots: &[Self]) -> Vec<Team> {
+        Team::of_robots(
+            robots.len(),
+            |i| robots[i].role(),
+            |i, j| robots[i].team == robots[j].team,
+            |i, j| robots[i].is_hostile_to(&robots[j]),
+        )
     }
 
     /// The preset with this robot's overrides applied.
@@ -102,6 +139,27 @@ impl Parameters for RobotSpec {
             "name",
             "\"\"",
             "a name of at least one character",
+        )?;
+        let standard = Role::of_team(&self.team);
+        let given = || self.role.map_or("nothing", Role::name);
+        require(
+            self.role.is_some() || standard.is_some(),
+            "role",
+            given(),
+            format!(
+                "the role of team `{}`: pursuer, evader or neutral",
+                self.team
+            ),
+        )?;
+        require(
+            self.role.is_none() || standard.is_none() || self.role == standard,
+            "role",
+            given(),
+            format!(
+                "{}, the role of `{}`",
+                standard.map_or("", Role::name),
+                self.team
+            ),
         )?;
         let scan = self.scan.as_ref();
         scan.map_or(Ok(()), Parameters::check_relations)
@@ -292,7 +350,7 @@ mod tests {
         )
         .unwrap_err();
         assert!(error.to_string().contains("vmax"), "{error}");
-        let mut spec = RobotSpec::new("a", Team::Police, Pose2::default());
+        let mut spec = RobotSpec::new("a", Role::Pursuer, Pose2::default());
         spec.limits.v_max = Some(-1.0);
         assert!(
             check(&spec)
@@ -308,5 +366,68 @@ mod tests {
                 .to_string()
                 .starts_with("`actuator.slip` is 1")
         );
+    }
+
+    #[test]
+    fn opposite_roles_are_hostile_unless_a_team_states_its_opponents() {
+        use Role::{Evader, Neutral, Pursuer};
+
+        let robot = |(team, role, hostile_to): (&str, Role, Option<&[&str]>)| RobotSpec {
+            team: team.to_owned(),
+            role: Some(role),
+            hostile_to: hostile_to.map(|names| names.iter().map(|&name| name.into()).collect()),
+            ..RobotSpec::new("r", role, Pose2::default())
+        };
+        let default = [
+            ("police", Pursuer, None),
+            ("guards", Pursuer, None),
+            ("thieves", Evader, None),
+            ("thieves", Evader, None),
+            ("van", Neutral, None),
+        ];
+        let stated: [(&str, Role, Option<&[&str]>); 5] = [
+            ("north", Pursuer, Some(&["red"])),
+            ("south", Pursuer, None),
+            ("red", Evader, None),
+            ("blue", Evader, Some(&["south", "van"])),
+            ("van", Neutral, None),
+        ];
+        // South and red both lack the key; north and blue have it and do not name each other.
+        for (robots, hostile) in [
+            (default, [(0, 2), (0, 3), (1, 2), (1, 3)].as_slice()),
+            (stated, &[(0, 2), (1, 2), (1, 3)]),
+        ] {
+            let robots = robots.map(robot);
+            let teams = RobotSpec::teams(&robots);
+            for (i, a) in robots.iter().enumerate() {
+                assert!(check(a).is_ok());
+                for (j, b) in robots.iter().enumerate() {
+                    let expected = hostile.contains(&(i.min(j), i.max(j)));
+                    assert_eq!(a.is_hostile_to(b), expected, "{i} {j}");
+                    assert_eq!(teams[i].is_hostile_to(teams[j]), expected, "{i} {j}");
+                    assert_eq!(teams[i].is_same(teams[j]), a.team == b.team, "{i} {j}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_role_of_a_team_is_stated_or_known_by_its_name() {
+        let mut spec = RobotSpec::new("a", Role::Pursuer, Pose2::default());
+        assert!(check(&spec).is_ok());
+        let text = toml::to_string(&spec).unwrap();
+        assert!(
+            !text.contains("role") && !text.contains("hostile_to"),
+            "{text}"
+        );
+        spec.role = Some(Role::Evader);
+        let error = check(&spec).unwrap_err().to_string();
+        assert!(error.contains("`role` is evader"), "{error}");
+        assert!(error.contains("pursuer, the role of `police`"), "{error}");
+        (spec.team, spec.role) = ("guards".to_owned(), None);
+        let error = check(&spec).unwrap_err().to_string();
+        assert!(error.contains("the role of team `guards`"), "{error}");
+        spec.role = Some(Role::Pursuer);
+        assert!(check(&spec).is_ok());
     }
 }

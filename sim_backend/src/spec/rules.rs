@@ -13,7 +13,7 @@ use super::CoverageSpec;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct RulesSpec {
-    /// Capture of evaders by Police; none if absent.
+    /// Capture of evaders by pursuers of hostile teams; none if absent.
     pub capture: Option<CaptureSpec>,
     /// Exits for evaders, in addition to those of the map.
     #[schemars(length(max = MAX_EXITS))]
@@ -46,14 +46,14 @@ impl Default for RulesSpec {
     }
 }
 
-/// Capture of an evader by Police.
+/// Capture of an evader by a pursuer of a hostile team.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct CaptureSpec {
-    /// Distance of centres below which a Police robot catches an evader.
+    /// Distance of centres below which a pursuer catches an evader.
     #[schemars(transform = positive("m"))]
     pub radius: f64,
-    /// Time for which a Police robot must have been that near without interruption. At 0 the first
+    /// Time for which a pursuer must have been that near without interruption. At 0 the first
     /// tick catches.
     #[schemars(transform = not_negative("s"))]
     pub dwell: f64,

@@ -18,11 +18,11 @@ pub struct WorldEvent {
 /// Kind of event. Robots are given by their index.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum EventKind {
-    /// Police caught an evader.
+    /// A pursuer caught an evader.
     Captured {
         /// The evader.
         evader: usize,
-        /// The nearest Police robot (of equally near ones the first) within the radius.
+        /// The nearest hostile pursuer (of equally near ones the first) within the radius.
         by: usize,
         /// Distance of their centres (m).
         distance: f64,

@@ -26,7 +26,9 @@ use standstill::Rest;
 
 use crate::random::Stream;
 use crate::robot::{Robot, drive};
-use crate::spec::{ActuatorSpec, OdometrySpec, OutOfPlay, RulesSpec, ScanSpec, WorldSpec};
+use crate::spec::{
+    ActuatorSpec, OdometrySpec, OutOfPlay, RobotSpec, RulesSpec, ScanSpec, WorldSpec,
+};
 
 /// Maximum number of robots in one world.
 pub const MAX_ROBOTS: usize = 1024;
@@ -38,11 +40,11 @@ pub const MAX_ROBOTS: usize = 1024;
 /// # use geometry::map::{MapSpec, VectorMap};
 /// # use geometry::pose::{Pose2, Twist2};
 /// # use sim_backend::spec::{RobotSpec, RulesSpec, WorldSpec};
-/// # use sim_backend::team::Team;
+/// # use sim_backend::team::Role;
 /// # use sim_backend::world::World;
 /// let mut world = World::new(WorldSpec {
 ///     map: MapSpec::Vector(VectorMap::empty([0.0, 0.0], [4.0, 3.0], 0.05)),
-///     robots: vec![RobotSpec::new("walle", Team::Neutral, Pose2::new(1.0, 1.5, 0.0))],
+///     robots: vec![RobotSpec::new("walle", Role::Neutral, Pose2::new(1.0, 1.5, 0.0))],
 ///     rules: RulesSpec::default(),
 ///     seed: 1,
 /// })?;
@@ -86,7 +88,7 @@ struct Extra {
     odometry_pose: Pose2,
     /// `true` if its last command was invalid.
     invalid_command: bool,
-    /// Time for which Police have been within the capture radius.
+    /// Time for which hostile pursuers have been within the capture radius.
     held: Duration,
     rest: Rest,
 }
@@ -117,7 +119,9 @@ impl World {
     /// As [`Self::new`].
     pub fn on_map(map: WorldMap, spec: WorldSpec) -> Result<Self, WorldError> {
         start::check_specs(&spec.robots, &spec.rules)?;
-        let robots: Vec<Robot> = spec.robots.iter().map(Robot::new).collect();
+        let teams = RobotSpec::teams(&spec.robots);
+        let robots = spec.robots.iter().zip(teams);
+        let robots: Vec<Robot> = robots.map(|(spec, team)| Robot::new(spec, team)).collect();
         let exits: Vec<Region> = map
             .exits()
             .iter()

@@ -4,13 +4,13 @@ use core::time::Duration;
 
 use super::{EventKind, GameOver, World};
 use crate::robot::RobotStatus;
-use crate::team::Team;
+use crate::team::Role;
 
 impl World {
     /// Applies the rules to the poses at the end of a step of length `dt`.
     pub(super) fn apply_rules(&mut self, dt: Duration) {
         for i in 0..self.robots.len() {
-            if self.robots[i].is_active() && self.robots[i].team == Team::Evader {
+            if self.robots[i].is_active() && self.robots[i].team.role == Role::Evader {
                 self.test_capture(i, dt);
             }
         }
@@ -29,11 +29,14 @@ impl World {
         let Some(capture) = self.rules.capture else {
             return;
         };
-        let position = self.robots[evader].pose.position();
+        let (team, position) = (
+            self.robots[evader].team,
+            self.robots[evader].pose.position(),
+        );
         let mut nearest: Option<(usize, f64)> = None;
-        for (i, police) in self.robots.iter().enumerate() {
-            if police.team == Team::Police && police.is_active() {
-                let at = police.pose.position();
+        for (i, pursuer) in self.robots.iter().enumerate() {
+            if pursuer.team.is_hostile_to(team) && pursuer.is_active() {
+                let at = pursuer.pose.position();
                 let squared = (at - position).norm_squared();
                 if squared < capture.radius * capture.radius
                     && nearest.is_none_or(|(_, least)| squared < least)
@@ -62,7 +65,7 @@ impl World {
 
     fn test_arrival(&mut self, i: usize) {
         let position = self.robots[i].pose.position();
-        if self.robots[i].team == Team::Evader
+        if self.robots[i].team.role == Role::Evader
             && let Some(exit) = self.exits.iter().position(|exit| exit.contains(position))
         {
             self.finish(i, RobotStatus::Escaped);
@@ -79,7 +82,7 @@ impl World {
     fn test_end(&mut self) {
         let contends = |i: usize| {
             let robot = &self.robots[i];
-            robot.team == Team::Evader || robot.goal.is_some()
+            robot.team.role == Role::Evader || robot.goal.is_some()
         };
         let contenders = (0..self.robots.len()).filter(|&i| contends(i)).count();
         let open = (0..self.robots.len())
@@ -94,7 +97,7 @@ impl World {
         {
             for i in 0..self.robots.len() {
                 let robot = &self.robots[i];
-                if robot.is_active() && (robot.team == Team::Evader || robot.goal.is_some()) {
+                if robot.is_active() && (robot.team.role == Role::Evader || robot.goal.is_some()) {
                     self.finish(i, RobotStatus::TimedOut);
                     self.emit(EventKind::TimedOut { robot: i });
                 }

@@ -25,9 +25,9 @@ impl World {
     /// # use geometry::map::{MapSpec, VectorMap};
     /// # use geometry::pose::Pose2;
     /// # use sim_backend::spec::{RobotSpec, RulesSpec, ScanSpec, WorldSpec};
-    /// # use sim_backend::team::Team;
+    /// # use sim_backend::team::Role;
     /// # use sim_backend::world::World;
-    /// let mut robot = RobotSpec::new("walle", Team::Neutral, Pose2::new(1.0, 1.5, 0.0));
+    /// let mut robot = RobotSpec::new("walle", Role::Neutral, Pose2::new(1.0, 1.5, 0.0));
     /// robot.scan = Some(ScanSpec { beams: 1, noise: 0.0, ..ScanSpec::default() });
     /// let world = World::new(WorldSpec {
     ///     map: MapSpec::Vector(VectorMap::empty([0.0, 0.0], [4.0, 3.0], 0.05)),

@@ -7,7 +7,7 @@ use parameters::check;
 use super::{MAX_ROBOTS, WorldError};
 use crate::robot::Robot;
 use crate::spec::{RobotSpec, RulesSpec};
-use crate::team::Team;
+use crate::team::Role;
 
 /// Checks robots and rules separately.
 pub(super) fn check_specs(robots: &[RobotSpec], rules: &RulesSpec) -> Result<(), WorldError> {
@@ -91,7 +91,7 @@ pub(super) fn check_places(
     for (index, robot) in robots.iter().enumerate() {
         let (x, y, radius) = (robot.pose.x, robot.pose.y, robot.radius());
         let name = || robot.name.clone();
-        if robot.team == Team::Evader && !exits.is_empty() && !reaches_any(map, robot, exits) {
+        if robot.team.role == Role::Evader && !exits.is_empty() && !reaches_any(map, robot, exits) {
             return Err(WorldError::ExitUnreachable {
                 index,
                 name: name(),

@@ -12,7 +12,7 @@ use geometry::shape::Shape;
 
 use super::*;
 use crate::spec::{LimitsSpec, RobotSpec};
-use crate::team::Team;
+use crate::team::Role;
 
 const TICK: Duration = Duration::from_millis(50);
 
@@ -31,8 +31,8 @@ fn room(obstacles: Vec<Shape>) -> MapSpec {
 }
 
 /// A robot of radius 0.1 m with limits of 100 m/s and 100 rad/s.
-fn racer(name: &str, team: Team, x: f64, y: f64, theta: f64) -> RobotSpec {
-    let mut robot = RobotSpec::new(name, team, Pose2::new(x, y, theta));
+fn racer(name: &str, role: Role, x: f64, y: f64, theta: f64) -> RobotSpec {
+    let mut robot = RobotSpec::new(name, role, Pose2::new(x, y, theta));
     robot.radius = Some(0.1);
     robot.limits = LimitsSpec {
         v_max: Some(100.0),

@@ -12,7 +12,7 @@ use geometry::pose::{Pose2, Twist2};
 use nalgebra::Point2;
 use planner_view::map::PlannerMap;
 use planner_view::view::{RobotView, View};
-use sim_backend::team::Team;
+use sim_backend::team::Role;
 
 /// Radius of the TurtleBot3 Burger's body as a disc (m).
 pub const RADIUS: f64 = 0.105;
@@ -32,10 +32,10 @@ pub static CITY: LazyLock<(Arena, PlannerMap)> = LazyLock::new(|| {
 });
 
 /// A robot that takes part and stands still, as planners see it.
-pub fn robot(index: usize, team: Team, pose: Pose2, v_max: f64) -> RobotView {
+pub fn robot(index: usize, role: Role, pose: Pose2, v_max: f64) -> RobotView {
     RobotView {
         index,
-        team,
+        team: role.into(),
         active: true,
         present: true,
         pose,

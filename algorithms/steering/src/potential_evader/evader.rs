@@ -12,7 +12,7 @@ use planner_view::limits::Limits;
 use planner_view::map::PlannerMap;
 use planner_view::steering::Steering;
 use planner_view::view::View;
-use sim_backend::team::Team;
+use sim_backend::team::Role;
 
 use super::params::{EvaderParams, ThreatParams};
 
@@ -157,7 +157,9 @@ impl Evader {
         } = self.params.threat;
         self.threats.clear();
         if gain > 0.0 {
-            let police = view.active(Team::Police).map(|robot| robot.pose.position());
+            let police = view
+                .opponents(Role::Pursuer)
+                .map(|robot| robot.pose.position());
             self.threats
                 .extend(police.map(|at| Threat { at, gain, reach }));
         }
@@ -177,9 +179,11 @@ impl Evader {
 fn repulsors(view: &View<'_>, own: usize, params: &EvaderParams) -> impl Iterator<Item = Repulsor> {
     let (police, fellow) = (params.police_weight, params.fellow_weight);
     let wreck = params.wreck_weight;
-    let police = view.active(Team::Police).map(move |robot| (robot, police));
+    let police = view
+        .opponents(Role::Pursuer)
+        .map(move |robot| (robot, police));
     let fellows = view
-        .active(Team::Evader)
+        .team_mates(Role::Evader)
         .filter(move |robot| robot.index != own)
         .map(move |robot| (robot, fellow));
     let wrecks = view.wrecks().map(move |robot| (robot, wreck));

@@ -6,7 +6,7 @@ use nalgebra::Point2;
 use planner_view::limits::Limits;
 use planner_view::view::RobotView;
 use proptest::prelude::*;
-use sim_backend::team::Team;
+use sim_backend::team::Role;
 use steering::potential_evader::{Evader, EvaderParams};
 
 const EXIT_RADIUS: f64 = 0.5;
@@ -22,12 +22,12 @@ fn run(params: &EvaderParams, body: &mut Kinematic, police: &[Pose2], seconds: f
     let mut evader = Evader::new(*params, limits(v_max), 7).unwrap();
     let mut time = 0.0;
     while time < seconds {
-        let mut robots = vec![robot(0, Team::Evader, body.pose, v_max)];
+        let mut robots = vec![robot(0, Role::Evader, body.pose, v_max)];
         robots.extend(
             police
                 .iter()
                 .enumerate()
-                .map(|(i, &pose)| robot(i + 1, Team::Police, pose, 0.3)),
+                .map(|(i, &pose)| robot(i + 1, Role::Pursuer, pose, 0.3)),
         );
         let steering = evader.command(map, &view(time, &robots, &[EXIT]));
         body.step(arena, steering.command, DT);
@@ -59,7 +59,7 @@ fn an_evader_does_not_stop_with_its_axle_before_a_small_exit() {
             let mut evader = Evader::new(EvaderParams::default(), limits(0.3), 7).unwrap();
             let mut body = Kinematic::new(7.5, -0.8, theta);
             let escapes = (0..600).any(|tick| {
-                let robots = [robot(0, Team::Evader, body.pose, 0.3)];
+                let robots = [robot(0, Role::Evader, body.pose, 0.3)];
                 let time = f64::from(tick) * DT;
                 let steering = evader.command(map, &view(time, &robots, &[exit]));
                 body.step(arena, steering.command, DT);
@@ -133,8 +133,8 @@ fn the_evader_passes_a_body_that_blocks_the_middle_of_the_street() {
         let mut least = f64::INFINITY;
         for tick in 0..400 {
             let mut robots = [
-                robot(0, Team::Evader, body.pose, 0.6),
-                robot(1, Team::Evader, wreck, 0.6),
+                robot(0, Role::Evader, body.pose, 0.6),
+                robot(1, Role::Evader, wreck, 0.6),
             ];
             robots[1].active = false;
             let time = f64::from(tick) * DT;
@@ -153,7 +153,7 @@ fn the_evader_passes_a_body_that_blocks_the_middle_of_the_street() {
 fn a_caught_or_unknown_evader_stands_still() {
     let (_, map) = &*CITY;
     let mut evader = Evader::new(EvaderParams::default(), limits(0.6), 1).unwrap();
-    let mut caught = robot(0, Team::Evader, Pose2::new(1.5, 1.5, 0.0), 0.6);
+    let mut caught = robot(0, Role::Evader, Pose2::new(1.5, 1.5, 0.0), 0.6);
     caught.active = false;
     assert_eq!(
         evader.command(map, &view(0.0, &[caught], &[EXIT])).command,
@@ -182,7 +182,7 @@ proptest! {
         let robots: Vec<_> = (0..5)
             .map(|i| RobotView {
                 index: i % 4,
-                team: if i % 2 == 0 { Team::Evader } else { Team::Police },
+                team: if i % 2 == 0 { Role::Evader } else { Role::Pursuer }.into(),
                 active: true,
                 present: true,
                 pose: Pose2 { x: pick(4 * i), y: pick(4 * i + 1), theta: pick(4 * i + 2) },

@@ -142,8 +142,8 @@ struct Export<'a> {
     tables: usize,
     /// `true` for the log of a run.
     is_run: bool,
-    /// Channel of the names of the robots.
-    robots_channel: Option<u16>,
+    /// Channel of the names of the robots, and its schema.
+    robots_channel: Option<(u16, Vec<u8>)>,
     /// Names of the robots, by index; empty if the log does not state them.
     robots: Vec<String>,
 }
@@ -156,7 +156,8 @@ impl Export<'_> {
         schema: Option<&mcap_log::reader::Schema>,
     ) -> Result<(), LogReadError> {
         if channel.topic == ROBOTS_TOPIC {
-            self.robots_channel = Some(channel.id);
+            let schema = schema.map(|schema| schema.data.clone());
+            self.robots_channel = schema.map(|schema| (channel.id, schema));
         }
         let topics = &self.options.topics;
         let repeats = self.is_run && channel.topic.starts_with('/');
@@ -204,8 +205,10 @@ impl Export<'_> {
         header: &mcap_log::MessageHeader,
         data: &[u8],
     ) -> Result<(), DerivedError> {
-        if self.robots_channel == Some(header.channel_id) {
-            self.robots = robot_names(data).unwrap_or_default();
+        if let Some((channel, schema)) = &self.robots_channel
+            && *channel == header.channel_id
+        {
+            self.robots = robot_names(schema, data).unwrap_or_default();
         }
         match self.channels.get_mut(&header.channel_id) {
             None | Some(Fate::Ignored) => Ok(()),

@@ -351,6 +351,12 @@ pub fn run_info() -> RunInfo {
         robots: ["police_1", "police_2", "baddie_1"]
             .map(|name| RobotInfo {
                 name: name.to_owned(),
+                team: if name.starts_with("police") {
+                    "police"
+                } else {
+                    "evader"
+                }
+                .to_owned(),
                 radius: 0.1,
                 visits_waypoints: false,
                 lap_limit_s: None,

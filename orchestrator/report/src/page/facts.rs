@@ -15,11 +15,12 @@ use super::gather::Gathered;
 use super::timing::PER_DECADE;
 use crate::picture::TaskTrace;
 use crate::picture::static_scene::corners;
+use crate::picture::trace::pursuers;
 use recorder::{CoverageOutcome, EventNames, RobotOutcome, outcome_words, status_name};
 use scenario::Loader;
 use scenario::files::Base;
 use scenario::kind::Kind;
-use sim_backend::team::Team;
+use sim_backend::team::Role;
 
 /// Outcomes of the robots: from the result of the run, else from the last state in the log.
 pub(super) fn outcome(gathered: &Gathered) -> Vec<RobotOutcome> {
@@ -45,9 +46,11 @@ pub(super) fn outcome(gathered: &Gathered) -> Vec<RobotOutcome> {
             } else {
                 since
             };
+            let spec = gathered.scenario.robots.get(robot as usize);
             RobotOutcome {
                 name: gathered.name(robot),
-                team: recorder::team_name(state.team).to_owned(),
+                team: spec.map(|spec| spec.team.clone()).unwrap_or_default(),
+                role: recorder::role_name(state.team).to_owned(),
                 outcome: status_name(state.status).to_owned(),
                 time_s: time_ns as f64 / 1e9,
                 distance_m: state.distance,
@@ -255,9 +258,15 @@ pub(super) fn facts(gathered: &mut Gathered, kinds: &[Kind]) -> Json {
         .iter()
         .map(|r| {
             let sweeps = gathered.scenario.sweeps(r, kinds);
-            json!({ "name": r.name, "team": r.team, "radius": r.model().radius, "sweeps": sweeps })
+            json!({
+                "name": r.name, "team": r.team, "role": r.role(),
+                "radius": r.model().radius, "sweeps": sweeps,
+            })
         })
         .collect();
+    let specs = gathered.scenario.robots.iter();
+    let named = specs.map(|spec| (spec.team.as_str(), spec.role()));
+    let pursuers = pursuers(named);
     let robots_outcome = outcome(gathered);
     let coverage = gathered.facts.result.get("coverage");
     let coverage: Option<CoverageOutcome> =
@@ -278,6 +287,7 @@ pub(super) fn facts(gathered: &mut Gathered, kinds: &[Kind]) -> Json {
         "end_s": seconds(gathered.end_ns),
         "tick_period_s": seconds(gathered.tick_period_ns),
         "robots": robots,
+        "pursuers": pursuers,
         "eyes": gathered.scenario.fields_of_view(kinds),
         "task": task(&gathered.scenario.task(kinds)),
         "result": outcome_words(&robots_outcome, coverage.as_ref()),
@@ -317,9 +327,9 @@ pub(super) fn colours() -> String {
     .map(|(name, colour)| format!("--{name}:{colour};"))
     .concat();
     let numbered = [
-        ("police", palette::shades(Team::Police)),
-        ("evader", palette::shades(Team::Evader)),
-        ("neutral", palette::shades(Team::Neutral)),
+        ("pursuer", palette::shades(Role::Pursuer)),
+        ("evader", palette::shades(Role::Evader)),
+        ("neutral", palette::shades(Role::Neutral)),
         ("idleness", palette::IDLENESS),
     ];
     for (name, colours) in numbered {

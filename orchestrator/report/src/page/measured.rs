@@ -19,7 +19,7 @@ const VALUES: usize = 1500;
 /// Maximum number of curves.
 const CURVES: usize = 400;
 /// Codes in [`RobotState`].
-const POLICE: u8 = 1;
+const PURSUER: u8 = 1;
 const EVADER: u8 = 2;
 const CAUGHT: u8 = 1;
 const ESCAPED: u8 = 2;
@@ -123,11 +123,11 @@ impl Measured {
             self.add(Figure::Outcome, Curve::Named(name), time_ns, count as f64);
         }
         for evader in evaders() {
-            let pursuers = robots.iter().filter(|s| s.team == POLICE && s.status == 0);
+            let pursuers = robots.iter().filter(|s| s.team == PURSUER && s.status == 0);
             let nearest = pursuers
                 .map(|s| math::hypot(s.x - evader.x, s.y - evader.y))
                 .fold(f64::INFINITY, f64::min);
-            // An evader that has left the game has no nearest Police robot.
+            // An evader that has left the game has no nearest pursuer.
             let nearest = if evader.status == 0 {
                 nearest
             } else {
@@ -217,7 +217,7 @@ mod tests {
         };
         let mut measured = Measured::default();
         let evader = |status| robot(2, EVADER, status, 0.0);
-        let (off, on) = (robot(0, POLICE, 5, 1.0), robot(1, POLICE, 0, 3.0));
+        let (off, on) = (robot(0, PURSUER, 5, 1.0), robot(1, PURSUER, 0, 3.0));
         measured.state(0, &[off, on, evader(0)]);
         measured.state(1, &[off, on, evader(CAUGHT)]);
         assert_eq!(

@@ -11,7 +11,7 @@ use super::pack::{Lists, Range, pack_time};
 fn heading(figure: Figure) -> (String, &'static str) {
     let (title, unit) = match figure {
         Figure::Outcome => ("Evaders", ""),
-        Figure::Nearest => ("Distance from an evader to the nearest Police robot", "m"),
+        Figure::Nearest => ("Distance from an evader to the nearest pursuer", "m"),
         Figure::Coverage => ("Area visited", "%"),
         Figure::Idleness => ("Time since the last visit", "s"),
         Figure::BeliefError => ("Belief error: distance from its mean to the evader", "m"),

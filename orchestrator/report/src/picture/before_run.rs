@@ -51,7 +51,8 @@ impl RunTrace {
         }
         let robots = world.robots.iter().map(|spec| RobotTrace {
             name: spec.name.clone(),
-            team: spec.team,
+            team: spec.team.clone(),
+            role: spec.role(),
             radius: spec.model().radius,
             pose: spec.start,
             active: true,

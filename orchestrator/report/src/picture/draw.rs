@@ -323,7 +323,7 @@ impl Picture<'_> {
             .map(|mark| (mark.robot, mark))
             .collect();
         for (i, robot) in self.trace.robots.iter().enumerate() {
-            let color = palette::team(robot.team);
+            let color = palette::role(robot.role);
             let radius = self.discs.get(i).copied().unwrap_or(MIN_DISC);
             let (at, text) = match outcomes.get(&i) {
                 Some(mark) => {

@@ -23,7 +23,7 @@ pub(super) fn dominance(canvas: &mut Canvas, layout: &Layout, trace: &RunTrace) 
         "<g class=\"dominance\" clip-path=\"url(#map)\" stroke=\"none\">\n"
     ));
     for (cells, color, opacity) in [
-        (&dominance.police, palette::POLICE, 0.16),
+        (&dominance.police, palette::PURSUER, 0.16),
         (&dominance.evader, palette::EVADER, 0.22),
         (&dominance.cut_off, palette::OBSTACLE, 0.16),
     ] {
@@ -119,7 +119,7 @@ pub(super) fn verdict_sign(canvas: &mut Canvas, [x, y]: [f64; 2], radius: f64, i
     let (color, dashes) = if is_possible {
         (palette::EXIT, "")
     } else {
-        (palette::POLICE, " stroke-dasharray=\"4 3\"")
+        (palette::PURSUER, " stroke-dasharray=\"4 3\"")
     };
     canvas.add(format_args!(
         "<circle class=\"verdict\" cx=\"{}\" cy=\"{}\" r=\"{}\" fill=\"none\" stroke=\"{color}\" \

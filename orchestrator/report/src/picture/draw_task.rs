@@ -128,7 +128,7 @@ pub(super) fn waypoint_signs(
         }
     }
     let (color, width, cap) = if is_reached {
-        (palette::POLICE, 2.0 * half, "square")
+        (palette::PURSUER, 2.0 * half, "square")
     } else {
         (palette::EVADER, 1.8, "butt")
     };

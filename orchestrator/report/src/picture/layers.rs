@@ -30,7 +30,7 @@ pub struct PlanTrace {
 pub struct VerdictTrace {
     /// Index of the evader.
     pub robot: usize,
-    /// `true` if it can escape whatever the Police do.
+    /// `true` if it can escape whatever the pursuers do.
     pub is_possible: bool,
     /// Time by which it is at the exit before any pursuer (s).
     pub margin_s: f64,

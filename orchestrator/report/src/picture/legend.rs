@@ -3,13 +3,13 @@
 use draw::canvas::{Canvas, Num, Style, wrap};
 use draw::legend::Legend as Rows;
 use draw::palette;
-use sim_backend::team::Team;
+use sim_backend::team::Role;
 
 use super::draw_layers::verdict_sign;
 use super::draw_task::{CONTOUR, GOAL, RECTANGLE, SWEPT_OPACITY, ZONE, waypoint_signs};
 use super::layout::LEGEND;
 use super::signs::{HALO, Sign, disc, sign};
-use super::trace::{MarkKind, RunTrace};
+use super::trace::{MarkKind, RunTrace, pursuers};
 
 /// Font size of the legend (px).
 const SIZE: f64 = 14.5;
@@ -31,13 +31,16 @@ const MAX_OUTCOMES: usize = 8;
 /// Symbol of a row.
 #[derive(Debug, Clone, Copy)]
 enum RowSign {
-    Robot(Team),
+    /// In this colour.
+    Robot(&'static str),
     Trail,
     Belief,
     Plan,
     Tree,
     Area(&'static str),
-    Verdict { is_possible: bool },
+    Verdict {
+        is_possible: bool,
+    },
     Exit,
     Mark(MarkKind),
     Wall,
@@ -70,14 +73,16 @@ impl Legend {
     /// Builds the rows for the content of the picture.
     pub(super) fn of(trace: &RunTrace) -> Self {
         let mut rows = Rows::new(LEGEND);
+        let named = trace.robots.iter();
+        let pursuers = pursuers(named.map(|robot| (robot.team.as_str(), robot.role)));
         team_rows(trace, &mut rows);
         if !trace.is_before_run() {
             rows.row(RowSign::Trail, "path so far; later parts are bolder");
         }
         task_rows(trace, &mut rows);
         if !trace.beliefs.is_empty() {
-            let text = "belief of the Police about the evaders: particles of their filter";
-            rows.row(RowSign::Belief, text);
+            let text = format!("belief of {pursuers} about the evaders: particles of their filter");
+            rows.row(RowSign::Belief, &text);
         }
         if !trace.plans.is_empty() {
             let has_aim = trace.plans.iter().any(|plan| plan.aim.is_some());
@@ -89,10 +94,11 @@ impl Legend {
             rows.row(RowSign::Tree, text);
         }
         if trace.dominance.is_some() {
+            let first = format!("{pursuers} are first");
             for (color, text) in [
                 (palette::EVADER, "an evader reaches it safely"),
                 (palette::OBSTACLE, "an evader is first, but can be cut off"),
-                (palette::POLICE, "the Police are first"),
+                (palette::PURSUER, &first),
             ] {
                 rows.row(RowSign::Area(color), text);
             }
@@ -175,24 +181,30 @@ impl Legend {
 
 /// Adds the robots of each team, their verdicts and their ends.
 fn team_rows(trace: &RunTrace, rows: &mut Rows<RowSign>) {
-    for (team, one, many) in [
-        (Team::Police, "Police robot", "Police robots"),
-        (Team::Evader, "evader", "evaders"),
-        (Team::Neutral, "robot", "robots"),
-    ] {
-        let members = || {
-            trace
-                .robots
-                .iter()
-                .enumerate()
-                .filter(|(_, r)| r.team == team)
-        };
-        let count = members().count();
-        if count == 0 {
-            continue;
+    let robots = || trace.robots.iter().enumerate();
+    // Pursuers, evaders, neutral robots; the teams of a role in the order of their first robots.
+    let mut teams: Vec<(Role, &str, usize)> = Vec::new();
+    for role in [Role::Pursuer, Role::Evader, Role::Neutral] {
+        for (i, robot) in robots().filter(|(_, robot)| robot.role == role) {
+            if teams.iter().all(|&(_, team, _)| team != robot.team) {
+                teams.push((role, &robot.team, i));
+            }
         }
-        let text = format!("{count} {}", if count == 1 { one } else { many });
-        rows.row(RowSign::Robot(team), &text);
+    }
+    for (role, team, first) in teams {
+        let members = || robots().filter(|(_, robot)| robot.team == team);
+        let count = members().count();
+        let words = match role {
+            Role::Pursuer if team == role.team() => "Police robot",
+            Role::Pursuer => "pursuer",
+            Role::Evader => "evader",
+            Role::Neutral => "robot",
+        };
+        let mut text = format!("{count} {words}{}", if count == 1 { "" } else { "s" });
+        if team != role.team() {
+            text += &format!(", team {team}");
+        }
+        rows.row(RowSign::Robot(trace.color(first)), &text);
         let verdicts = trace.verdicts.iter().filter_map(|verdict| {
             let (_, robot) = members().find(|(i, _)| *i == verdict.robot)?;
             Some(format!("{}: {}", robot.name, verdict.words()))
@@ -263,7 +275,7 @@ impl RowSign {
     fn draw(&self, canvas: &mut Canvas, at: [f64; 2]) {
         let [x, y] = at;
         match *self {
-            Self::Robot(team) => disc(canvas, at, 7.5, 0.0, palette::team(team), true),
+            Self::Robot(color) => disc(canvas, at, 7.5, 0.0, color, true),
             Self::Trail => {
                 let ink = palette::FAINT_INK;
                 for (from, to, width, opacity) in [

@@ -80,7 +80,7 @@ impl LoggedScenario {
     /// an area to cover; `None` for others.
     pub(crate) fn sweeps(&self, robot: &RobotSpec, kinds: &[Kind]) -> Option<f64> {
         if let Some(coverage) = &self.rules.coverage {
-            let counts = coverage.counts(&robot.name, robot.team);
+            let counts = coverage.counts(&robot.name, &robot.team);
             return counts.then(|| coverage.radius.unwrap_or(robot.model().radius));
         }
         let processes = self.processes.iter();

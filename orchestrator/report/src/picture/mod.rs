@@ -22,7 +22,7 @@ mod read;
 mod signs;
 pub(crate) mod static_scene;
 pub(crate) mod task;
-mod trace;
+pub(crate) mod trace;
 mod trail;
 
 #[cfg(test)]

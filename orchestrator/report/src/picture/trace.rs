@@ -2,7 +2,7 @@
 
 use draw::palette;
 use geometry::pose::Pose2;
-use sim_backend::team::Team;
+use sim_backend::team::Role;
 
 use super::layers::{DominanceTrace, PlanTrace, TreeTrace, VerdictTrace};
 use super::static_scene::StaticScene;
@@ -50,18 +50,28 @@ impl RunTrace {
         self.end_s <= 0.0
     }
 
-    /// Returns the colour of a robot: a shade of its team's.
+    /// Returns the colour of a robot: a shade of its role's.
     pub(super) fn color(&self, robot: usize) -> &'static str {
-        let Some(team) = self.robots.get(robot).map(|robot| robot.team) else {
+        let Some(role) = self.robots.get(robot).map(|robot| robot.role) else {
             return palette::FAINT_INK;
         };
         let before = self.robots.iter().take(robot);
-        let place = before.filter(|other| other.team == team).count();
-        let shades = palette::shades(team);
+        let place = before.filter(|other| other.role == role).count();
+        let shades = palette::shades(role);
         shades
             .get(place % shades.len())
             .copied()
             .unwrap_or(palette::FAINT_INK)
+    }
+}
+
+/// Returns the name in texts of the pursuers among robots with these teams and roles.
+pub(crate) fn pursuers<'a>(mut robots: impl Iterator<Item = (&'a str, Role)>) -> &'static str {
+    let is_police = |(team, role)| role != Role::Pursuer || team == Role::Pursuer.team();
+    if robots.all(is_police) {
+        "the Police"
+    } else {
+        "the pursuers"
     }
 }
 
@@ -70,8 +80,10 @@ impl RunTrace {
 pub struct RobotTrace {
     /// Name.
     pub name: String,
-    /// Team.
-    pub team: Team,
+    /// Name of its team.
+    pub team: String,
+    /// Role of its team.
+    pub role: Role,
     /// Radius of its disc (m).
     pub radius: f64,
     /// Pose (m, m, rad).

@@ -1,7 +1,6 @@
 //! Reading one `[[processes]]` block.
 
 use config::{Code, FieldPath, Node, Origin, Step, describe, suggest};
-use sim_backend::team::Team;
 
 use crate::context::Context;
 use crate::failure;
@@ -39,7 +38,7 @@ pub fn block(
     };
     let fallback = block.kind.clone().unwrap_or_default();
     let name = block.name.clone().unwrap_or(fallback);
-    if !check_name(ctx, node, path, &name) {
+    if !check_name(ctx, node, path, "name", &name) {
         return;
     }
     let (program, kind) = match named {
@@ -317,7 +316,7 @@ fn read_robots(
     let Some(robots) = robots else {
         return Some(Vec::new());
     };
-    let mut driven = match (named, block.team) {
+    let mut driven = match (named, &block.team) {
         (Some(names), _) => named_robots(ctx, node, path, names, robots)?,
         (None, Some(team)) => team_robots(ctx, node, path, team, robots)?,
         (None, None) => Vec::new(),
@@ -330,7 +329,7 @@ fn read_robots(
                 Code::Requirement,
                 "this process drives no robot",
             )
-            .expected("robots = [\"…\"] or team = \"police\", \"evader\" or \"neutral\"");
+            .expected("robots = [\"…\"] or team = \"…\"");
         ctx.problems.push(problem);
         return None;
     }
@@ -373,22 +372,18 @@ fn team_robots(
     ctx: &mut Context<'_>,
     node: &Node,
     path: &FieldPath,
-    team: Team,
+    team: &str,
     robots: &[Robot],
 ) -> Option<Vec<usize>> {
     let of_team = |(i, r): (usize, &Robot)| (r.spec.team == team).then_some(i);
     let driven: Vec<usize> = robots.iter().enumerate().filter_map(of_team).collect();
     if driven.is_empty() {
-        let problem = ctx
-            .problem(
-                node,
-                path,
-                "team",
-                Code::UnknownName,
-                "no robot is in this team",
-            )
-            .expected("the team of at least one robot");
-        ctx.problems.push(problem);
+        let mut teams: Vec<&str> = robots.iter().map(|r| r.spec.team.as_str()).collect();
+        teams.sort_unstable();
+        teams.dedup();
+        let message = format!("no robot is in team `{team}`");
+        let blank = ctx.problem(node, path, "team", Code::UnknownName, message);
+        ctx.problems.push(suggest(blank, team, &teams, ""));
         return None;
     }
     Some(driven)

@@ -2,14 +2,15 @@
 
 use config::{Code, FieldPath, Node};
 
-use super::{Robot, check_name, inherit};
+use super::{Robot, check_name, inherit, teams};
 use crate::context::Context;
 use crate::spec::MAX_ROBOTS;
 
 /// Reports a team's `count` that does not belong to exactly one block.
 pub fn check(ctx: &mut Context<'_>, blocks: &[(FieldPath, Node)]) -> bool {
     let mut holds = true;
-    for team in ["neutral", "police", "evader"] {
+    for team in teams::tables(ctx) {
+        let team = team.as_str();
         let path = FieldPath::key("teams").then(team).then("count");
         let Some(count) = ctx.root.at(&path).cloned() else {
             continue;
@@ -56,7 +57,7 @@ pub fn check_block(
         let expected = "random_start = { region = …, robot_distance = 0.5 } (m)".to_owned();
         (Code::Requirement, message, expected)
     } else {
-        return check_name(ctx, node, path, &numbered(name, count));
+        return check_name(ctx, node, path, "name", &numbered(name, count));
     };
     let problem = ctx
         .problem(node, path, "count", code, message)

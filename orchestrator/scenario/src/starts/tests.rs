@@ -8,7 +8,7 @@ fn jittered(x: f64, jitter: f64) -> Placement {
     Placement {
         start: Pose2::new(x, 0.0, 0.0),
         radius: 0.1,
-        team: Team::Neutral,
+        team: Role::Neutral.into(),
         goal: None,
         draw: (jitter > 0.0).then_some(Draw::Jitter(StartJitter {
             x: jitter,
@@ -19,9 +19,9 @@ fn jittered(x: f64, jitter: f64) -> Placement {
     }
 }
 
-fn random(team: Team, random: RandomStart) -> Placement {
+fn random(role: Role, random: RandomStart) -> Placement {
     Placement {
-        team,
+        team: role.into(),
         draw: Some(Draw::Random(random)),
         ..jittered(0.0, 0.0)
     }
@@ -57,7 +57,7 @@ fn draw(robots: &[Placement], seed: u64, map: &VectorMap) -> Result<Vec<Pose2>, 
 #[test]
 fn the_same_seed_draws_the_same_starts_and_another_does_not() {
     let map = field([-5.0, -5.0]);
-    let anywhere = random(Team::Police, RandomStart::default());
+    let anywhere = random(Role::Pursuer, RandomStart::default());
     for robots in [
         [jittered(0.0, 0.05), jittered(1.0, 0.05)],
         [jittered(0.0, 0.05), anywhere],
@@ -131,7 +131,7 @@ fn a_robot_without_an_allowed_start_is_reported() {
         robot_distance: 30.0,
         ..RandomStart::default()
     };
-    let robots = [jittered(0.0, 0.0), random(Team::Neutral, distant)];
+    let robots = [jittered(0.0, 0.0), random(Role::Neutral, distant)];
     assert_eq!(draw(&robots, 1, &map), Err(1));
 }
 
@@ -145,10 +145,10 @@ fn random_starts_fill_the_free_space_and_keep_their_distances() {
         ..RandomStart::default()
     };
     let robots = [
-        random(Team::Police, rule),
-        random(Team::Evader, rule),
-        random(Team::Police, rule),
-        random(Team::Evader, rule),
+        random(Role::Pursuer, rule),
+        random(Role::Evader, rule),
+        random(Role::Pursuer, rule),
+        random(Role::Evader, rule),
     ];
     let mut police_left = 0;
     let mut quadrants = [0; 4];
@@ -160,7 +160,7 @@ fn random_starts_fill_the_free_space_and_keep_their_distances() {
                 let least = if robot.team == rival.team { 0.6 } else { 2.0 };
                 assert!((pose.position() - other.position()).norm() > least);
             }
-            if robot.team == Team::Evader {
+            if robot.team.role == Role::Evader {
                 assert!(pose.x > 0.0, "no way to the exit from {pose:?}");
                 assert!((pose.position() - Point2::new(4.0, 0.0)).norm() >= 1.5);
             } else {
@@ -188,7 +188,7 @@ fn a_region_without_room_is_named_as_the_reason() {
         robot_distance: 1.5,
         ..RandomStart::default()
     };
-    let robots = [random(Team::Police, rule); 6];
+    let robots = [random(Role::Pursuer, rule); 6];
     let refused = place(&robots, 3, &map, &RulesSpec::default()).unwrap_err();
     assert!((2..6).contains(&refused.index), "{refused:?}");
     let text = refused
@@ -227,7 +227,7 @@ proptest! {
             ..RandomStart::default()
         };
         let map = field([-5.0, -5.0]);
-        let robots = vec![random(Team::Police, rule); count];
+        let robots = vec![random(Role::Pursuer, rule); count];
         let starts = draw(&robots, seed, &map);
         prop_assert_eq!(&starts, &draw(&robots, seed, &map));
         let starts = starts.unwrap();
@@ -267,7 +267,7 @@ fn random_starts_stay_in_their_region_and_reach_their_goal() {
         };
         let robot = Placement {
             goal: Some(left),
-            ..random(Team::Neutral, rule)
+            ..random(Role::Neutral, rule)
         };
         for seed in 0..100 {
             let start = draw(&[robot], seed, &map).unwrap()[0];

@@ -40,7 +40,7 @@ fn unknown_keys_are_named_and_the_nearest_is_suggested() {
     refused(
         "[teams.police]",
         "[teams.polize]",
-        &["unknown key `polize`", "did you mean `police`?"],
+        &["no robot is in team `polize`", "did you mean `police`?"],
     );
     refused(
         "action = \"appear\"",

@@ -127,7 +127,7 @@ fn every_robot_is_driven_by_exactly_one_process() {
     refused(
         "robots = [\"cop\"]",
         "team = \"neutral\"",
-        &["no robot is in this team"],
+        &["no robot is in team `neutral`"],
     );
     refused(
         "params = { particles = 200 }",

@@ -6,6 +6,7 @@ mod messages;
 mod messages_of_parts;
 mod properties;
 mod resolve;
+mod teams;
 
 use ipc_types::bus::Bus;
 use parameters::{Parameters, ParamsError};

@@ -1,6 +1,6 @@
 //! Meaning of a valid experiment file.
 
-use sim_backend::team::Team;
+use sim_backend::team::Role;
 
 use super::super::{Metric, Seeds, Value};
 use super::*;
@@ -50,7 +50,7 @@ fn a_cell_is_the_scenario_with_its_overrides_and_the_seed() {
         .world
         .robots
         .iter()
-        .filter(|r| r.team == Team::Evader)
+        .filter(|r| r.role() == Role::Evader)
     {
         assert_eq!(robot.model().v_max, 0.45);
         assert_eq!(robot.scan.as_ref().unwrap().beams, 72);

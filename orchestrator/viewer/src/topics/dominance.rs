@@ -70,7 +70,7 @@ fn draw(
         let strength = cell.margin.abs().min(STRONG) / STRONG;
         let alpha = ALPHA.0 + (ALPHA.1 - ALPHA.0) * strength;
         let (rgb, alpha) = match cell.owner {
-            1 => (palette::POLICE, alpha),
+            1 => (palette::PURSUER, alpha),
             2 => (palette::EVADER, alpha),
             3 => (palette::CUT_OFF, ALPHA.0),
             _ => continue,

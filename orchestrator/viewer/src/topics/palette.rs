@@ -16,7 +16,7 @@ pub(super) const SEEN: f32 = 0.12;
 pub(super) const INK: ColorRGBA = color([0, 0, 0], 1.0);
 
 /// The Police: blue.
-pub(super) const POLICE: [u8; 3] = palette::rgb(palette::POLICE);
+pub(super) const PURSUER: [u8; 3] = palette::rgb(palette::PURSUER);
 /// Evaders: vermilion.
 pub(super) const EVADER: [u8; 3] = palette::rgb(palette::EVADER);
 /// Cells that evaders reach first, but not safely: orange.
@@ -32,11 +32,11 @@ pub(super) const fn color([r, g, b]: [u8; 3], a: f32) -> ColorRGBA {
     }
 }
 
-/// Returns the colour of a team by its code in `RobotState`: police blue, evaders vermilion, others bluish
+/// Returns the colour of a role by its code in `RobotState`: pursuers blue, evaders vermilion, others bluish
 /// green.
-pub(super) fn team(team: u8, alpha: f32) -> ColorRGBA {
-    match team {
-        1 => color(POLICE, alpha),
+pub(super) fn role(role: u8, alpha: f32) -> ColorRGBA {
+    match role {
+        1 => color(PURSUER, alpha),
         2 => color(EVADER, alpha),
         _ => color(palette::rgb(palette::NEUTRAL), alpha),
     }

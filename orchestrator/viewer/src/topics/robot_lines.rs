@@ -191,7 +191,7 @@ impl RobotLines {
                 paths.push((robot, path(&points, time_ns)));
             }
             if wanted {
-                let color = palette::team(state.team, style.opacity);
+                let color = palette::role(state.team, style.opacity);
                 let mut marker = marker(style.name, state.robot, style.kind, color, time_ns);
                 marker.scale = width(line * style.width);
                 marker.points = points;

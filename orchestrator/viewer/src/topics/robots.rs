@@ -132,7 +132,7 @@ fn robot(info: &RobotInfo, state: &RobotState, time_ns: u64) -> [Marker; 3] {
                 y: diameter,
                 z: height,
             },
-            ..new("body", kind::CYLINDER, palette::team(state.team, alpha))
+            ..new("body", kind::CYLINDER, palette::role(state.team, alpha))
         },
         Marker {
             pose: at(1.2 * height),
@@ -191,7 +191,7 @@ impl Trail {
                 trail.points.extend(piece);
                 continue;
             }
-            let color = palette::team(state.team, TRAIL);
+            let color = palette::role(state.team, TRAIL);
             trails.markers.push(Marker {
                 lifetime: duration(trail_s),
                 scale: width(line),

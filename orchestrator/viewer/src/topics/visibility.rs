@@ -10,7 +10,7 @@ use ipc_types::consumer::{Consumer, LoggedMessage};
 use ipc_types::messages::world::{MapCell, MapHeader, RobotState};
 use ipc_types::topics::{TopicId, WorldMap};
 use nalgebra::Point2;
-use sim_backend::team::Team;
+use sim_backend::team::Role;
 
 use super::channel::ViewerChannel;
 use super::picture::Picture;
@@ -144,7 +144,7 @@ impl Visibility {
             };
             let all_round = drawn.field.limits().is_all_round();
             let points = triangles(at.position(), drawn.seen(at, walls), all_round);
-            let color = palette::team(team, palette::SEEN);
+            let color = palette::role(team, palette::SEEN);
             let name = &drawn.field.name;
             add_triangles(&mut areas.markers, name, &color, &points, time_ns);
         }
@@ -158,7 +158,7 @@ impl Visibility {
 /// game.
 fn apex(field: &FieldOfView, states: &[RobotState]) -> Option<(Pose2, u8)> {
     match field.origin {
-        ViewOrigin::Point([x, y]) => Some((Pose2::new(x, y, 0.0), Team::Neutral as u8)),
+        ViewOrigin::Point([x, y]) => Some((Pose2::new(x, y, 0.0), Role::Neutral as u8)),
         ViewOrigin::Robot(robot) => {
             let state = states.iter().find(|state| state.robot == robot)?;
             let looks = state.status == 0 && state.present != 0;

@@ -9,7 +9,7 @@ use planner_view::free_space::FreeSpace;
 use planner_view::view::RobotView;
 use planner_view::waypoint::WaypointOutcome;
 use sim_backend::spec::RobotModel;
-use sim_backend::team::Team;
+use sim_backend::team::Role;
 use steering::go_to::coast;
 
 use crate::follower::Follower;
@@ -48,7 +48,9 @@ fn map(parts: Vec<Convex>, revision: u64, exact: bool) -> PlannerMap {
 fn robot() -> RobotInfo {
     RobotInfo {
         name: "mop".into(),
-        team: Team::Neutral,
+        team: "neutral".into(),
+        role: Role::Neutral,
+        opponents: Vec::new(),
         model: RobotModel::turtlebot3_burger(),
         beams: 0,
         start: Pose2::new(0.5, 0.5, 0.0),
@@ -69,7 +71,7 @@ fn run(planner: &mut ChebyshevPlanner, map: &PlannerMap, ticks: u32) -> Vec<Wayp
     for tick in 0..ticks {
         let me = RobotView {
             index: 0,
-            team: Team::Neutral,
+            team: Role::Neutral.into(),
             active: true,
             present: true,
             pose,

@@ -27,7 +27,7 @@ use rand_chacha::ChaCha8Rng;
 use runtime::RobotInfo;
 use serde::Deserialize as _;
 use sim_backend::spec::{LimitsSpec, RobotSpec, RulesSpec, ScanSpec, WorldSpec};
-use sim_backend::team::Team;
+use sim_backend::team::Role;
 use sim_backend::world::World;
 use tracking::params::SensorParams;
 use tracking::sighting::gaussian_pair;
@@ -65,7 +65,7 @@ pub struct Drive<P> {
 impl<P: Planner> Drive<P> {
     /// Returns a drive with these parameters of the planner, in the form of a scenario.
     pub fn new(place: &Place, params: &str) -> Self {
-        let mut spec = RobotSpec::new("guard", Team::Neutral, place.start);
+        let mut spec = RobotSpec::new("guard", Role::Neutral, place.start);
         spec.radius = Some(place.radius);
         spec.wheel_separation = Some(1.5 * place.radius);
         spec.limits = LimitsSpec {
@@ -83,7 +83,9 @@ impl<P: Planner> Drive<P> {
         });
         let info = RobotInfo {
             name: "guard".into(),
-            team: Team::Neutral,
+            team: "neutral".into(),
+            role: Role::Neutral,
+            opponents: Vec::new(),
             model: spec.model(),
             beams: if place.range.is_some() { 72 } else { 0 },
             start: place.start,
@@ -127,7 +129,7 @@ impl<P: Planner> Drive<P> {
         let state = &self.world.robots()[0];
         let robots = [RobotView {
             index: 0,
-            team: Team::Neutral,
+            team: Role::Neutral.into(),
             active: true,
             present: true,
             pose: state.pose,

@@ -12,14 +12,16 @@ use runtime::{Clock, ProcessConfig, ProcessError, RobotInfo, RunConfig};
 use runtime::{Process as _, ProcessKind as _};
 use serde_json::json;
 use sim_backend::spec::RobotModel;
-use sim_backend::team::Team;
+use sim_backend::team::Role;
 
 const CELLS: u32 = 60;
 
 fn config() -> ProcessConfig {
     let robot = |name: &str, x: f64| RobotInfo {
         name: name.into(),
-        team: Team::Neutral,
+        team: "neutral".into(),
+        role: Role::Neutral,
+        opponents: Vec::new(),
         model: RobotModel::turtlebot3_burger(),
         beams: 0,
         start: Pose2::new(x, 1.0, 0.0),

@@ -14,7 +14,7 @@ use planner_view::steering::Steering;
 use planner_view::view::{RobotView, ScanView, View};
 use planner_view::waypoint::WaypointReport;
 use sim_backend::spec::{LimitsSpec, RobotModel, RobotSpec, RulesSpec, ScanSpec, WorldSpec};
-use sim_backend::team::Team;
+use sim_backend::team::Role;
 use sim_backend::world::World;
 
 /// Tick of the drive.
@@ -34,7 +34,7 @@ fn sensor(radius: f64) -> ScanSpec {
 
 /// A robot of 1 m/s at a pose.
 pub fn robot(start: Pose2) -> RobotSpec {
-    let mut spec = RobotSpec::new("walle", Team::Neutral, start);
+    let mut spec = RobotSpec::new("walle", Role::Neutral, start);
     spec.radius = Some(0.15);
     spec.limits = LimitsSpec {
         v_max: Some(1.0),
@@ -103,7 +103,7 @@ pub fn drive(
         poses.push(state.pose);
         let robots = [RobotView {
             index: 0,
-            team: Team::Neutral,
+            team: Role::Neutral.into(),
             active: true,
             present: true,
             pose: state.pose,

@@ -10,10 +10,10 @@ use planner_view::view::{BeliefView, ParticleView, RobotView};
 use proptest::prelude::*;
 use pursuer::params::{AssignmentMethod, BeliefGoals, Knowledge};
 use pursuer::{Pursuer, PursuerParams};
-use sim_backend::team::Team;
+use sim_backend::team::Role;
 
-fn robot(index: usize, team: Team, pose: Pose2) -> RobotView {
-    support::robot(index, team, pose, V_POLICE)
+fn robot(index: usize, role: Role, pose: Pose2) -> RobotView {
+    support::robot(index, role, pose, V_POLICE)
 }
 
 fn limits() -> Limits {
@@ -27,8 +27,8 @@ fn chase(params: &PursuerParams, body: &mut Kinematic, target: Pose2, seconds: f
     let mut time = 0.0;
     while time < seconds {
         let robots = [
-            robot(0, Team::Police, body.pose),
-            robot(1, Team::Evader, target),
+            robot(0, Role::Pursuer, body.pose),
+            robot(1, Role::Evader, target),
         ];
         let steering = pursuer.command(map, &view(time, 0, &robots, &[]));
         body.step(arena, steering.command, DT);
@@ -78,8 +78,8 @@ fn no_robot_moves_before_the_delay_or_without_a_target() {
     let (_, map) = &*CITY;
     let mut pursuer = Pursuer::new(exact(), limits(), 5).unwrap();
     let mut robots = [
-        robot(0, Team::Police, Pose2::new(7.5, 1.5, 0.0)),
-        robot(1, Team::Evader, Pose2::new(1.5, 1.5, 0.0)),
+        robot(0, Role::Pursuer, Pose2::new(7.5, 1.5, 0.0)),
+        robot(1, Role::Evader, Pose2::new(1.5, 1.5, 0.0)),
     ];
     let early = pursuer.command(map, &view(0.95, 0, &robots, &[]));
     assert_eq!((early.command, early.target), (Twist2::STOP, None));
@@ -96,9 +96,9 @@ fn the_nearest_target_is_kept_until_it_leaves_the_game() {
     let (_, map) = &*CITY;
     let mut pursuer = Pursuer::new(exact(), limits(), 5).unwrap();
     let mut robots = [
-        robot(0, Team::Police, Pose2::new(0.0, 1.5, 0.0)),
-        robot(1, Team::Evader, Pose2::new(3.0, 1.5, 0.0)),
-        robot(2, Team::Evader, Pose2::new(-4.0, 1.5, 0.0)),
+        robot(0, Role::Pursuer, Pose2::new(0.0, 1.5, 0.0)),
+        robot(1, Role::Evader, Pose2::new(3.0, 1.5, 0.0)),
+        robot(2, Role::Evader, Pose2::new(-4.0, 1.5, 0.0)),
     ];
     assert_eq!(
         pursuer.command(map, &view(1.0, 0, &robots, &[])).target,
@@ -123,10 +123,10 @@ fn the_papers_start_gives_the_papers_targets() {
     let mut robots: Vec<_> = police
         .iter()
         .enumerate()
-        .map(|(i, &pose)| robot(i, Team::Police, pose))
+        .map(|(i, &pose)| robot(i, Role::Pursuer, pose))
         .collect();
-    robots.push(robot(4, Team::Evader, Pose2::new(-4.5, 7.5, 0.0)));
-    robots.push(robot(5, Team::Evader, Pose2::new(-4.5, -7.5, 0.0)));
+    robots.push(robot(4, Role::Evader, Pose2::new(-4.5, 7.5, 0.0)));
+    robots.push(robot(5, Role::Evader, Pose2::new(-4.5, -7.5, 0.0)));
     for (me, expected) in [(0, 4), (1, 4), (2, 5), (3, 5)] {
         let mut pursuer = Pursuer::new(PursuerParams::paper(), limits(), 5).unwrap();
         let steering = pursuer.command(map, &view(1.0, me, &robots, &[]));
@@ -146,10 +146,10 @@ fn all_pursuers_agree_on_a_balanced_matching() {
     let mut robots: Vec<_> = [4.5, 1.5, -1.5, -4.5]
         .iter()
         .enumerate()
-        .map(|(i, &y)| robot(i, Team::Police, Pose2::new(7.5, y, 0.0)))
+        .map(|(i, &y)| robot(i, Role::Pursuer, Pose2::new(7.5, y, 0.0)))
         .collect();
-    robots.push(robot(4, Team::Evader, Pose2::new(1.5, 1.5, 0.0)));
-    robots.push(robot(5, Team::Evader, Pose2::new(-7.5, -7.5, 0.0)));
+    robots.push(robot(4, Role::Evader, Pose2::new(1.5, 1.5, 0.0)));
+    robots.push(robot(5, Role::Evader, Pose2::new(-7.5, -7.5, 0.0)));
     for tick in 0..60 {
         let time = 1.0 + f64::from(tick) * DT;
         robots[4].pose.x -= 0.02;
@@ -184,9 +184,9 @@ fn a_pursuer_without_information_stands_still_and_one_with_a_belief_follows_it()
     };
     params.knowledge = Knowledge::Belief;
     let robots = [
-        robot(0, Team::Police, Pose2::new(0.0, 1.5, 0.0)),
+        robot(0, Role::Pursuer, Pose2::new(0.0, 1.5, 0.0)),
         // The truth is to the east, the belief to the west.
-        robot(1, Team::Evader, Pose2::new(6.0, 1.5, 0.0)),
+        robot(1, Role::Evader, Pose2::new(6.0, 1.5, 0.0)),
     ];
     let mut pursuer = Pursuer::new(params, limits(), 5).unwrap();
     let blind = pursuer.command(map, &view(1.0, 0, &robots, &[]));
@@ -227,11 +227,11 @@ fn a_pursuer_without_information_stands_still_and_one_with_a_belief_follows_it()
 fn the_look_ahead_point_stays_in_the_street() {
     let (arena, map) = &*CITY;
     let robots = [
-        robot(0, Team::Police, Pose2::new(-7.5, 1.5, 0.0)),
+        robot(0, Role::Pursuer, Pose2::new(-7.5, 1.5, 0.0)),
         // Heads for a block 0.5 m ahead.
         robot(
             1,
-            Team::Evader,
+            Role::Evader,
             Pose2::new(1.5, 1.5, core::f64::consts::FRAC_PI_4),
         ),
     ];
@@ -261,9 +261,9 @@ fn two_pursuers_on_one_target_keep_apart() {
         for tick in 0..300 {
             let time = 1.0 + f64::from(tick) * DT;
             let robots = [
-                robot(0, Team::Police, bodies[0].pose),
-                robot(1, Team::Police, bodies[1].pose),
-                robot(2, Team::Evader, target),
+                robot(0, Role::Pursuer, bodies[0].pose),
+                robot(1, Role::Pursuer, bodies[1].pose),
+                robot(2, Role::Evader, target),
             ];
             for (me, pursuer) in team.iter_mut().enumerate() {
                 let steering = pursuer.command(map, &view(time, me, &robots, &[]));
@@ -302,7 +302,7 @@ proptest! {
         let robots: Vec<_> = (0..5)
             .map(|i| RobotView {
                 index: i % 4,
-                team: if i % 2 == 0 { Team::Police } else { Team::Evader },
+                team: if i % 2 == 0 { Role::Pursuer } else { Role::Evader }.into(),
                 active: true,
                 present: true,
                 pose: Pose2 { x: pick(4 * i), y: pick(4 * i + 1), theta: pick(4 * i + 2) },

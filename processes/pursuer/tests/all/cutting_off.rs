@@ -12,11 +12,11 @@ use planner_view::view::{RobotView, View};
 use pursuer::cut_off::{CutSearch, EvaderState, ExitBlocker};
 use pursuer::params::AssignmentMethod;
 use pursuer::{Pursuer, PursuerParams};
-use sim_backend::team::Team;
+use sim_backend::team::Role;
 
 fn evader(index: usize, pose: Pose2, v_max: f64) -> RobotView {
     RobotView {
-        team: Team::Evader,
+        team: Role::Evader.into(),
         twist: Twist2 {
             v: v_max,
             omega: 0.0,

@@ -4,7 +4,7 @@ use geometry::pose::Pose2;
 use planner_view::view::{BeliefView, RobotView, View};
 use pursuer::PursuerParams;
 use pursuer::params::Knowledge;
-use sim_backend::team::Team;
+use sim_backend::team::Role;
 
 use crate::support::{self, EXIT};
 
@@ -15,7 +15,7 @@ pub const V_POLICE: f64 = 0.3;
 
 /// Returns a robot of the Police that stands still.
 pub fn police(index: usize, pose: Pose2) -> RobotView {
-    support::robot(index, Team::Police, pose, V_POLICE)
+    support::robot(index, Role::Pursuer, pose, V_POLICE)
 }
 
 /// Returns the view and beliefs of the robot `me`.

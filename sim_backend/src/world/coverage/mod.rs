@@ -21,6 +21,7 @@ use self::swept::SweptPath;
 use super::motion::Motion;
 use crate::robot::Robot;
 use crate::spec::CoverageSpec;
+use crate::team::Role;
 use parameters::ParamsError;
 
 /// Maximum number of accounted cells: 24 bytes each.
@@ -102,11 +103,11 @@ fn part(some: usize, all: usize) -> f64 {
 /// # use geometry::map::{MapSpec, VectorMap};
 /// # use geometry::pose::{Pose2, Twist2};
 /// # use sim_backend::spec::{CoverageSpec, RobotSpec, RulesSpec, WorldSpec};
-/// # use sim_backend::team::Team;
+/// # use sim_backend::team::Role;
 /// # use sim_backend::world::World;
 /// let mut world = World::new(WorldSpec {
 ///     map: MapSpec::Vector(VectorMap::empty([0.0, 0.0], [4.0, 3.0], 0.05)),
-///     robots: vec![RobotSpec::new("walle", Team::Neutral, Pose2::new(1.0, 1.5, 0.0))],
+///     robots: vec![RobotSpec::new("walle", Role::Neutral, Pose2::new(1.0, 1.5, 0.0))],
 ///     rules: RulesSpec { coverage: Some(CoverageSpec::default()), ..RulesSpec::default() },
 ///     seed: 1,
 /// })?;
@@ -155,10 +156,19 @@ impl Coverage {
                 format!("the name of a robot: {}", names.join(", ")),
             ));
         }
+        // The standard teams may have no robots.
+        let is_known = |team: &String| {
+            Role::of_team(team).is_some() || robots.iter().any(|robot| robot.team_name == *team)
+        };
+        if let Some(unknown) = spec.teams.iter().position(|team| !is_known(team)) {
+            let field = format!("coverage.teams[{unknown}]");
+            let expected = "a team with robots in it";
+            return Err(ParamsError::new(&field, &spec.teams[unknown], expected));
+        }
         let sweepers: Vec<_> = robots
             .iter()
             .enumerate()
-            .filter(|(_, robot)| spec.counts(&robot.name, robot.team))
+            .filter(|(_, robot)| spec.counts(&robot.name, &robot.team_name))
             .map(|(i, robot)| Sweeper {
                 robot: i,
                 reach: spec.radius.unwrap_or(robot.radius()),

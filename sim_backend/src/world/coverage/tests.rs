@@ -9,7 +9,7 @@ use proptest::prelude::*;
 use super::*;
 use crate::robot::drive::integrate;
 use crate::spec::{LimitsSpec, OutOfPlay, RobotSpec, RulesSpec, WorldSpec};
-use crate::team::Team;
+use crate::team::Role;
 use crate::world::{World, WorldError};
 
 const TICK: Duration = Duration::from_millis(50);
@@ -20,7 +20,7 @@ fn room() -> VectorMap {
 }
 
 fn robot(name: &str, x: f64, y: f64, theta: f64) -> RobotSpec {
-    let mut robot = RobotSpec::new(name, Team::Neutral, Pose2::new(x, y, theta));
+    let mut robot = RobotSpec::new(name, Role::Neutral, Pose2::new(x, y, theta));
     robot.radius = Some(0.1);
     robot.limits = LimitsSpec {
         v_max: Some(50.0),
@@ -210,7 +210,7 @@ fn a_stay_is_one_visit_and_idleness_is_the_time_since() {
 #[test]
 fn only_the_named_robots_and_teams_count_and_only_in_the_game() {
     let mut caught = robot("eve", 3.0, 1.0, 0.0);
-    caught.team = Team::Evader;
+    caught.team = "evader".to_owned();
     let robots = vec![
         robot("walle", 1.0, 1.0, 0.0),
         robot("auto", 1.0, 2.0, 0.0),
@@ -218,7 +218,7 @@ fn only_the_named_robots_and_teams_count_and_only_in_the_game() {
     ];
     let spec = CoverageSpec {
         robots: vec!["walle".into()],
-        teams: vec![Team::Evader],
+        teams: vec!["evader".into()],
         ..CoverageSpec::default()
     };
     let mut world = World::new(WorldSpec {
@@ -313,11 +313,19 @@ fn rules_that_do_not_fit_the_world_are_named() {
         "{error}"
     );
     let error = refused(CoverageSpec {
-        teams: vec![Team::Police],
+        teams: vec!["police".into()],
         ..CoverageSpec::default()
     });
     assert!(
-        error.contains("`rules.coverage.teams` is [Police]"),
+        error.contains("`rules.coverage.teams` is [\"police\"]"),
+        "{error}"
+    );
+    let error = refused(CoverageSpec {
+        teams: vec!["neutral".into(), "gards".into()],
+        ..CoverageSpec::default()
+    });
+    assert!(
+        error.contains("`rules.coverage.teams[1]` is gards"),
         "{error}"
     );
     let error = refused(CoverageSpec {

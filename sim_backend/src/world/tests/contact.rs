@@ -20,7 +20,7 @@ fn no_robot_tunnels_through_a_thin_wall() {
     let map = room(vec![wall(0.0, 0.0, 1e-6, 5.0)]);
     let mut world = world(
         map,
-        vec![racer("a", Team::Neutral, -3.0, 0.0, 0.0)],
+        vec![racer("a", Role::Neutral, -3.0, 0.0, 0.0)],
         RulesSpec::default(),
     );
     world.step(&[drive(100.0, 0.0)], Duration::from_secs(1));
@@ -47,7 +47,7 @@ fn a_blocked_robot_slides_or_stops_by_the_rules() {
             blocked,
             ..RulesSpec::default()
         };
-        let robot = racer("a", Team::Neutral, 0.0, -4.7, heading);
+        let robot = racer("a", Role::Neutral, 0.0, -4.7, heading);
         let mut world = world(room(vec![]), vec![robot], rules);
         world.step(&[drive(2.0f64.sqrt(), 0.0)], Duration::from_secs(1));
         let p = position(&world, 0);
@@ -69,7 +69,7 @@ fn a_blocked_robot_slides_or_stops_by_the_rules() {
 
 #[test]
 fn a_corner_holds_a_robot_without_counting_it_again_and_again() {
-    let robot = racer("a", Team::Neutral, 4.0, 4.0, 0.8);
+    let robot = racer("a", Role::Neutral, 4.0, 4.0, 0.8);
     let mut world = world(room(vec![]), vec![robot], RulesSpec::default());
     for _ in 0..100 {
         world.step(&[drive(1.0, 0.0)], TICK);
@@ -88,7 +88,7 @@ fn sliding_around_a_round_obstacle_keeps_contact_precision() {
         center: [0.0, 0.0],
         radius: 1.0,
     }]);
-    let robot = racer("a", Team::Neutral, -2.0, 0.3, 0.0);
+    let robot = racer("a", Role::Neutral, -2.0, 0.3, 0.0);
     let mut world = world(map, vec![robot], RulesSpec::default());
     let mut touched = false;
     for _ in 0..200 {
@@ -113,8 +113,8 @@ fn sliding_around_a_round_obstacle_keeps_contact_precision() {
 #[test]
 fn a_standing_robot_is_not_pushed_and_blocks_a_moving_one() {
     let robots = vec![
-        racer("runner", Team::Neutral, -2.0, 0.0, 0.0),
-        racer("post", Team::Neutral, 0.0, 0.0, 0.0),
+        racer("runner", Role::Neutral, -2.0, 0.0, 0.0),
+        racer("post", Role::Neutral, 0.0, 0.0, 0.0),
     ];
     let mut world = world(room(vec![]), robots, RulesSpec::default());
     world.step(&[drive(50.0, 0.0), None], Duration::from_secs(1));
@@ -138,8 +138,8 @@ fn a_standing_robot_is_not_pushed_and_blocks_a_moving_one() {
 #[test]
 fn two_that_drive_at_each_other_meet_in_the_middle() {
     let robots = vec![
-        racer("a", Team::Neutral, -2.0, 0.0, 0.0),
-        racer("b", Team::Neutral, 2.0, 0.0, core::f64::consts::PI),
+        racer("a", Role::Neutral, -2.0, 0.0, 0.0),
+        racer("b", Role::Neutral, 2.0, 0.0, core::f64::consts::PI),
     ];
     let mut world = world(room(vec![]), robots, RulesSpec::default());
     world.step(
@@ -153,8 +153,8 @@ fn two_that_drive_at_each_other_meet_in_the_middle() {
 #[test]
 fn a_robot_that_hits_from_behind_stops_and_the_other_drives_on() {
     let robots = vec![
-        racer("slow", Team::Neutral, 0.0, 0.0, 0.0),
-        racer("fast", Team::Neutral, -1.0, 0.0, 0.0),
+        racer("slow", Role::Neutral, 0.0, 0.0, 0.0),
+        racer("fast", Role::Neutral, -1.0, 0.0, 0.0),
     ];
     let mut world = world(room(vec![]), robots, RulesSpec::default());
     world.step(&[drive(1.0, 0.0), drive(3.0, 0.0)], Duration::from_secs(1));
@@ -170,7 +170,7 @@ fn a_robot_that_hits_from_behind_stops_and_the_other_drives_on() {
 #[test]
 fn near_walls_the_arc_is_exact_as_long_as_nothing_is_touched() {
     let start = Pose2::new(4.85, 0.0, core::f64::consts::FRAC_PI_2 + 0.2);
-    let mut spec = racer("a", Team::Neutral, start.x, start.y, start.theta);
+    let mut spec = racer("a", Role::Neutral, start.x, start.y, start.theta);
     spec.name = "near".to_owned();
     let mut world = world(room(vec![]), vec![spec], RulesSpec::default());
     let twist = Twist2::new(0.4, 0.3);
@@ -256,7 +256,7 @@ proptest! {
                 (other.start.position() - p).norm() >= radius + other.radius.unwrap()
             });
             if free {
-                let team = [Team::Police, Team::Evader, Team::Neutral][i % 3];
+                let team = [Role::Pursuer, Role::Evader, Role::Neutral][i % 3];
                 let mut robot = racer(&format!("r{i}"), team, x, y, theta);
                 robot.radius = Some(radius);
                 robots.push(robot);
@@ -289,9 +289,9 @@ proptest! {
     ) {
         let run = || {
             let robots = vec![
-                racer("a", Team::Police, -0.5, 0.0, 0.0),
-                racer("b", Team::Evader, 0.5, 0.0, 3.0),
-                racer("c", Team::Neutral, 0.0, 0.5, 1.0),
+                racer("a", Role::Pursuer, -0.5, 0.0, 0.0),
+                racer("b", Role::Evader, 0.5, 0.0, 3.0),
+                racer("c", Role::Neutral, 0.0, 0.5, 1.0),
             ];
             let mut world = world(room(vec![wall(2.0, 2.0, 0.5, 0.5)]), robots, RulesSpec::default());
             let mut events = Vec::new();

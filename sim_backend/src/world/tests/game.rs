@@ -7,9 +7,9 @@ use crate::spec::CaptureSpec;
 
 fn chase(rules: RulesSpec) -> World {
     let robots = vec![
-        racer("p1", Team::Police, -1.0, 0.0, 0.0),
-        racer("p2", Team::Police, 1.0, 0.0, core::f64::consts::PI),
-        racer("e", Team::Evader, 0.0, 0.0, core::f64::consts::FRAC_PI_2),
+        racer("p1", Role::Pursuer, -1.0, 0.0, 0.0),
+        racer("p2", Role::Pursuer, 1.0, 0.0, core::f64::consts::PI),
+        racer("e", Role::Evader, 0.0, 0.0, core::f64::consts::FRAC_PI_2),
     ];
     world(room(vec![]), robots, rules)
 }
@@ -53,6 +53,30 @@ fn two_police_at_once_are_one_capture_by_the_nearer_then_by_the_first() {
     assert_eq!(world.robots()[2].caught_by, Some(0));
 }
 
+/// Both pursuers are near enough, and the nearer is not of a hostile team.
+#[test]
+fn only_pursuers_of_hostile_teams_catch() {
+    let mut robots = vec![
+        racer("guard", Role::Pursuer, -0.2, 0.0, 0.0),
+        racer("ranger", Role::Pursuer, 0.4, 0.0, 0.0),
+        racer("poacher", Role::Evader, 0.0, 0.0, 0.0),
+        racer("thief", Role::Evader, 0.0, 3.0, 0.0),
+    ];
+    for (robot, team) in robots
+        .iter_mut()
+        .zip(["guards", "rangers", "poachers", "thieves"])
+    {
+        (robot.team, robot.role) = (team.to_owned(), Some(robot.role()));
+    }
+    robots[0].hostile_to = Some(vec!["thieves".to_owned()]);
+    robots[2].hostile_to = Some(vec!["rangers".to_owned()]);
+    let mut world = world(room(vec![]), robots, capture(0.0));
+    world.step(&[], TICK);
+    assert_eq!(world.robots()[2].caught_by, Some(1));
+    assert_eq!(world.robots()[3].status, RobotStatus::Active);
+    assert!(!world.is_over());
+}
+
 #[test]
 fn the_capture_radius_itself_does_not_catch() {
     let mut world = chase(capture(0.0));
@@ -71,9 +95,9 @@ fn a_thin_wall_shields_from_capture_if_the_rules_say_so() {
     };
     for through_walls in [true, false] {
         let robots = vec![
-            racer("p1", Team::Police, -0.2, 0.0, 0.0),
-            racer("p2", Team::Police, 3.0, 0.0, 0.0),
-            racer("e", Team::Evader, 0.2, 0.0, 0.0),
+            racer("p1", Role::Pursuer, -0.2, 0.0, 0.0),
+            racer("p2", Role::Pursuer, 3.0, 0.0, 0.0),
+            racer("e", Role::Evader, 0.2, 0.0, 0.0),
         ];
         let mut rules = capture(0.0);
         rules.capture.as_mut().unwrap().through_walls = through_walls;
@@ -90,8 +114,8 @@ fn a_thin_wall_shields_from_capture_if_the_rules_say_so() {
 #[test]
 fn an_obstacle_that_appears_shields_from_capture_if_the_rules_say_so() {
     let robots = vec![
-        racer("p", Team::Police, -0.25, 0.0, 0.0),
-        racer("e", Team::Evader, 0.3, 0.0, 0.0),
+        racer("p", Role::Pursuer, -0.25, 0.0, 0.0),
+        racer("e", Role::Evader, 0.3, 0.0, 0.0),
     ];
     let mut rules = capture(0.0);
     rules.capture.as_mut().unwrap().through_walls = false;
@@ -204,7 +228,7 @@ fn time_runs_out_exactly_and_without_drift() {
 
 #[test]
 fn a_neutral_robot_arrives_at_its_goal() {
-    let mut robot = racer("walker", Team::Neutral, 0.0, 0.0, 0.0);
+    let mut robot = racer("walker", Role::Neutral, 0.0, 0.0, 0.0);
     robot.goal = Some(Region::Rectangle {
         center: [2.0, 0.0],
         half_extents: [0.49, 0.5],
@@ -223,7 +247,7 @@ fn a_neutral_robot_arrives_at_its_goal() {
 
 #[test]
 fn bad_commands_stop_the_robot_and_are_reported_once() {
-    let robot = racer("a", Team::Neutral, 0.0, 0.0, 0.0);
+    let robot = racer("a", Role::Neutral, 0.0, 0.0, 0.0);
     let mut world = world(room(vec![]), vec![robot], RulesSpec::default());
     world.step(&[drive(1.0, 0.0)], TICK);
     let x = world.robots()[0].pose.x;
@@ -261,7 +285,7 @@ fn a_step_of_no_length_moves_nothing() {
 #[test]
 fn slip_and_noise_keep_within_the_limits_and_repeat_with_the_seed() {
     let run = |seed| {
-        let mut robot = racer("a", Team::Neutral, 0.0, 0.0, 0.0);
+        let mut robot = racer("a", Role::Neutral, 0.0, 0.0, 0.0);
         robot.limits.v_max = Some(1.0);
         robot.limits.omega_max = Some(2.0);
         robot.actuator = crate::spec::ActuatorSpec {
@@ -293,12 +317,12 @@ fn slip_and_noise_keep_within_the_limits_and_repeat_with_the_seed() {
 
 #[test]
 fn a_robot_that_stands_before_its_goal_is_reported_once_per_standstill() {
-    let mut robot = racer("r", Team::Neutral, 0.0, 0.0, 0.0);
+    let mut robot = racer("r", Role::Neutral, 0.0, 0.0, 0.0);
     robot.goal = Some(Region::Circle {
         center: [4.0, 0.0],
         radius: 0.1,
     });
-    let idle = racer("idle", Team::Neutral, 0.0, 3.0, 0.0);
+    let idle = racer("idle", Role::Neutral, 0.0, 3.0, 0.0);
     let mut world = world(room(vec![]), vec![robot, idle], RulesSpec::default());
     let mut reports = Vec::new();
     // A turn on the spot is no progress, nor is less than 5 cm; between 15 s and 20 s it drives.

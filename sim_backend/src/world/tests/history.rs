@@ -27,9 +27,9 @@ fn digest() -> u64 {
         angle: 0.4,
     };
     let robots = (0..6).map(|i| {
-        let team = if i < 4 { Team::Police } else { Team::Evader };
+        let role = if i < 4 { Role::Pursuer } else { Role::Evader };
         let x = -4.0 + 1.5 * f64::from(i);
-        let mut robot = racer(&format!("r{i}"), team, x, -2.0, f64::from(i));
+        let mut robot = racer(&format!("r{i}"), role, x, -2.0, f64::from(i));
         robot.limits.v_max = Some(1.0);
         robot.actuator = ActuatorSpec {
             noise: 0.1,
@@ -91,7 +91,7 @@ proptest! {
     ) {
         let robots = (0..5)
             .map(|i| {
-                racer(&format!("r{i}"), Team::Neutral, -3.0 + 1.5 * f64::from(i), 0.0, f64::from(i))
+                racer(&format!("r{i}"), Role::Neutral, -3.0 + 1.5 * f64::from(i), 0.0, f64::from(i))
             })
             .collect();
         let mut world = world(room(vec![]), robots, RulesSpec::default());

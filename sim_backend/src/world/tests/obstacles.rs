@@ -12,7 +12,7 @@ fn block(x: f64, y: f64, half: f64) -> Shape {
 
 #[test]
 fn obstacles_come_move_and_go_and_the_map_follows() {
-    let robot = racer("a", Team::Neutral, -3.0, 0.0, 0.0);
+    let robot = racer("a", Role::Neutral, -3.0, 0.0, 0.0);
     let mut world = world(room(vec![]), vec![robot], RulesSpec::default());
     let id = ObstacleId(7);
     let clear = |world: &World| {
@@ -54,7 +54,7 @@ fn obstacles_come_move_and_go_and_the_map_follows() {
 
 #[test]
 fn impossible_changes_are_refused_and_change_nothing() {
-    let robot = racer("a", Team::Neutral, -3.0, 0.0, 0.0);
+    let robot = racer("a", Role::Neutral, -3.0, 0.0, 0.0);
     let mut world = world(
         room(vec![block(0.0, 0.0, 0.5)]),
         vec![robot],
@@ -90,8 +90,8 @@ fn impossible_changes_are_refused_and_change_nothing() {
 #[test]
 fn a_robot_under_a_new_obstacle_is_pushed_to_the_nearest_free_place() {
     let robots = vec![
-        racer("under", Team::Neutral, 0.3, 0.0, 0.0),
-        racer("beside", Team::Neutral, 1.0, 1.0, 0.0),
+        racer("under", Role::Neutral, 0.3, 0.0, 0.0),
+        racer("beside", Role::Neutral, 1.0, 1.0, 0.0),
     ];
     let mut world = world(room(vec![]), robots, RulesSpec::default());
     world
@@ -121,7 +121,7 @@ fn no_robot_is_pushed_through_another_wall() {
         half_extents: [5.0, 0.01],
         angle: 0.0,
     };
-    let robot = racer("a", Team::Neutral, 0.0, 0.0, 0.0);
+    let robot = racer("a", Role::Neutral, 0.0, 0.0, 0.0);
     let mut world = world(room(vec![thin]), vec![robot], RulesSpec::default());
     let shape = Shape::Rectangle {
         center: [0.0, 0.2],
@@ -143,7 +143,7 @@ fn no_robot_is_pushed_through_another_wall() {
 
 #[test]
 fn without_a_free_place_a_robot_is_trapped_until_the_obstacle_goes() {
-    let robot = racer("a", Team::Neutral, 0.0, 0.0, 0.0);
+    let robot = racer("a", Role::Neutral, 0.0, 0.0, 0.0);
     let mut world = world(room(vec![]), vec![robot], RulesSpec::default());
     let id = ObstacleId(1);
     world

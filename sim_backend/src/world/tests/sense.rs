@@ -2,9 +2,9 @@ use super::*;
 use crate::spec::{OdometrySpec, ScanSpec};
 
 fn scanner(spec: ScanSpec) -> World {
-    let mut robot = racer("a", Team::Neutral, 0.0, 0.0, core::f64::consts::FRAC_PI_2);
+    let mut robot = racer("a", Role::Neutral, 0.0, 0.0, core::f64::consts::FRAC_PI_2);
     robot.scan = Some(spec);
-    let other = racer("b", Team::Neutral, 0.0, -2.0, 0.0);
+    let other = racer("b", Role::Neutral, 0.0, -2.0, 0.0);
     let wall = Shape::Rectangle {
         center: [0.0, 3.0],
         half_extents: [1.0, 0.5],
@@ -63,7 +63,7 @@ fn scan_noise_depends_on_the_tick_and_not_on_the_number_of_calls() {
 #[test]
 fn odometry_is_exact_without_noise_and_drifts_with_it() {
     let drive_around = |spec: Option<OdometrySpec>, slip: f64| {
-        let mut robot = racer("a", Team::Neutral, 0.0, 0.0, 0.0);
+        let mut robot = racer("a", Role::Neutral, 0.0, 0.0, 0.0);
         robot.odometry = spec;
         robot.actuator.slip = slip;
         let mut world = world(room(vec![]), vec![robot], RulesSpec::default());
@@ -87,9 +87,9 @@ fn odometry_is_exact_without_noise_and_drifts_with_it() {
 #[test]
 fn robots_see_each_other_unless_a_wall_is_between() {
     let robots = vec![
-        racer("a", Team::Neutral, -2.0, 0.0, 0.0),
-        racer("b", Team::Neutral, 2.0, 0.0, 0.0),
-        racer("c", Team::Neutral, -2.0, 2.0, 0.0),
+        racer("a", Role::Neutral, -2.0, 0.0, 0.0),
+        racer("b", Role::Neutral, 2.0, 0.0, 0.0),
+        racer("c", Role::Neutral, -2.0, 2.0, 0.0),
     ];
     let wall = Shape::Rectangle {
         center: [0.0, 0.0],

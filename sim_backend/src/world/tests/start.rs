@@ -15,7 +15,7 @@ fn message(map: MapSpec, robots: Vec<RobotSpec>, rules: RulesSpec) -> String {
 }
 
 fn robot(name: &str, x: f64, y: f64) -> RobotSpec {
-    racer(name, Team::Evader, x, y, 0.0)
+    racer(name, Role::Evader, x, y, 0.0)
 }
 
 #[test]
@@ -146,7 +146,7 @@ fn an_exit_or_goal_behind_a_gap_that_is_too_narrow_is_unreachable() {
         text.starts_with("robots[0] \"tom\" cannot reach any exit"),
         "{text}"
     );
-    let mut walker = racer("walker", Team::Neutral, -2.0, 0.0, 0.0);
+    let mut walker = racer("walker", Role::Neutral, -2.0, 0.0, 0.0);
     walker.goal = Some(exit);
     let text = message(map(0.04), vec![walker], RulesSpec::default());
     assert!(

@@ -19,6 +19,7 @@ fn row(length_m: f64, mae_m: f64) -> Row {
     row.robots = vec![RobotOutcome {
         name: "guard".into(),
         team: "neutral".into(),
+        role: "neutral".into(),
         outcome: "active".into(),
         time_s: 600.0,
         distance_m: 580.0,

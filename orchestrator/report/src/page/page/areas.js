@@ -80,13 +80,13 @@ function drawIdleness(t) {
   });
 }
 
-/** Opacities of the dominance regions, as in `protean picture`; their owners: none, Police, evaders, cut off. */
+/** Opacities of the dominance regions, as in `protean picture`; their owners: none, pursuers, evaders, cut off. */
 const OWNER_OPACITY = [0, 0.16, 0.22, 0.16];
 const dominanceCells = cellLayer();
 function drawDominance(t) {
   const found = latest('dominance', 0, t);
   if (!found || found.age > OLD.dominance) return;
-  const shades = [colours.paper, colours.police, colours.evader, colours.obstacle]
+  const shades = [colours.paper, colours.pursuer, colours.evader, colours.obstacle]
     .map((colour, owner) => [...rgbOf(colour), 255 * OWNER_OPACITY[owner]]);
   const { size, origin, side } = facts.dominance;
   dominanceCells(size, origin, side, (i) => shades[lists['dominance.owner'][found.begin + i]] || NOTHING);
@@ -108,7 +108,7 @@ function drawVerdicts(t) {
     const verdict = verdictOn(robot, t), state = facts.robots[robot] && robotBetween(robot, t);
     if (!verdict || !state || state.status !== 0) continue;
     const [x, y] = toScreen(state.x, state.y);
-    paint.strokeStyle = verdict.isPossible ? colours.exit : colours.police;
+    paint.strokeStyle = verdict.isPossible ? colours.exit : colours.pursuer;
     paint.lineWidth = 2.5;
     paint.setLineDash(verdict.isPossible ? [] : [4, 3]);
     paint.beginPath();

@@ -16,26 +16,26 @@ function sweptText() {
 const LAYERS = [
   { id: 'ground', text: 'map, obstacles, exits', colour: 'wall', there: true, on: true },
   { id: 'dominance', text: 'dominance regions: who is first there', there: some('dominance'), on: true,
-    parts: [['police', 'the Police'], ['evader', 'an evader, safely'], ['obstacle', 'an evader, but can be cut off']] },
-  { id: 'swept', text: sweptText(), colour: sweepers.length ? teamOf(sweepers[0]) : 'neutral', there: sweepers.length > 0, on: false },
+    parts: [['pursuer', facts.pursuers], ['evader', 'an evader, safely'], ['obstacle', 'an evader, but can be cut off']] },
+  { id: 'swept', text: sweptText(), colour: sweepers.length ? roleOf(sweepers[0]) : 'neutral', there: sweepers.length > 0, on: false },
   { id: 'idleness', text: 'idleness: time since the last visit', there: sweepers.length > 0, on: true,
     parts: facts.idleness.map((age, i) => [`idleness-${i}`, age === null ? 'longer' : `below ${age} s`]) },
   { id: 'goals', text: 'goals of the robots', colour: 'exit', there: facts.task.goals.length > 0, on: true },
   { id: 'contours', text: 'contours of patrols', colour: 'ink', there: facts.task.contours.length > 0, on: true },
   { id: 'danger_zones', text: 'danger zones', colour: 'evader', there: facts.task.danger_zones.length > 0, on: true },
   { id: 'rectangles', text: 'rectangles of the free space', colour: 'faint', there: facts.task.rectangles.length > 0, on: true },
-  { id: 'trails', text: 'paths so far', colour: facts.robots.length ? teamOf(0) : 'ink', there: frames > 1, on: true },
+  { id: 'trails', text: 'paths so far', colour: facts.robots.length ? roleOf(0) : 'ink', there: frames > 1, on: true },
   { id: 'plans', text: 'planned paths; a ring: what the robot heads for', colour: 'plan', there: some('plans'), on: true },
-  { id: 'waypoints', text: 'waypoints: reached (filled), left out (cross)', colour: 'police', there: some('waypoints'), on: true },
-  { id: 'beliefs', text: 'beliefs of the Police about the evaders', colour: 'belief', there: some('beliefs'), on: true },
+  { id: 'waypoints', text: 'waypoints: reached (filled), left out (cross)', colour: 'pursuer', there: some('waypoints'), on: true },
+  { id: 'beliefs', text: `beliefs of ${facts.pursuers} about the evaders`, colour: 'belief', there: some('beliefs'), on: true },
   { id: 'trees', text: 'search trees', colour: 'evader', there: some('trees'), on: true },
-  { id: 'sight', text: 'fields of view (lines of sight on the map)', colour: 'police',
+  { id: 'sight', text: 'fields of view (lines of sight on the map)', colour: 'pursuer',
     there: facts.eyes.length > 0, on: false },
   { id: 'scans', text: 'range scans', colour: 'obstacle', there: some('scans'), on: false },
   { id: 'predictions', text: 'predictions of the observers', there: some('predictions'), on: true,
     parts: [...new Set(lists['predictions.method'])].sort().map((method) => [methodColour(method), words(facts.methods[method] || 'unknown')]) },
   { id: 'verdicts', text: 'verdicts of the referee on the evaders', there: some('verdicts'), on: true,
-    parts: [['exit', 'escape possible'], ['police', 'can be stopped']] },
+    parts: [['exit', 'escape possible'], ['pursuer', 'can be stopped']] },
   { id: 'names', text: 'names', colour: 'ink', there: true, on: true },
 ].filter((layer) => layer.there);
 const shown = Object.fromEntries(LAYERS.map((layer) => [layer.id, layer.on]));
@@ -66,7 +66,7 @@ function drawGround(t) {
   paint.setLineDash([]);
 }
 
-/** Fields of view at a time: their polygons, with the teams of their robots. */
+/** Fields of view at a time: their polygons, with the roles of their robots. */
 function sightAt(t) {
   const { edges } = groundAt(t);
   if (edges.length > MAX_EDGES) return [];
@@ -74,22 +74,22 @@ function sightAt(t) {
     const state = view.robot === undefined ? { x: view.point[0], y: view.point[1], theta: 0, status: 0, present: true }
       : robotBetween(view.robot, t);
     const looks = state.status === 0 && state.present;
-    const team = view.robot === undefined ? 'neutral' : facts.robots[view.robot].team;
-    return { name: view.name, team, corners: looks ? seenFrom(state, view, edges) : [] };
+    const role = view.robot === undefined ? 'neutral' : roleOf(view.robot);
+    return { name: view.name, role, corners: looks ? seenFrom(state, view, edges) : [] };
   }).filter(({ corners }) => corners.length > 2);
 }
 
 function drawSight(t) {
   inMetres(paint);
-  for (const { team, corners } of sightAt(t)) {
+  for (const { role, corners } of sightAt(t)) {
     const path = new Path2D();
     tracePath(path, { corners });
     paint.globalAlpha = 0.1;
-    paint.fillStyle = colours[team];
+    paint.fillStyle = colours[role];
     paint.fill(path);
     paint.globalAlpha = 0.35;
     paint.lineWidth = 1 / view.scale;
-    paint.strokeStyle = colours[team];
+    paint.strokeStyle = colours[role];
     paint.stroke(path);
   }
   paint.globalAlpha = 1;
@@ -256,7 +256,7 @@ function drawWaypoints(t) {
     const r = newest ? 5 : many ? 2 : 3;
     paint.globalAlpha = newest ? 1 : 0.55;
     if (lists['waypoints.outcome'][i] === 0) {
-      paint.fillStyle = colours.police;
+      paint.fillStyle = colours.pursuer;
       paint.fillRect(x - r, y - r, 2 * r, 2 * r);
     } else {
       paint.strokeStyle = colours.evader;

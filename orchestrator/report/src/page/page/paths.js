@@ -29,7 +29,7 @@ function pathLayer(widthOf, opacity) {
   return (t, length) => {
     const frame = frameAt(t);
     const from = length === Infinity ? 0 : frameAt(t - length);
-    const key = [view.scale, map.width, map.height, view.ratio, colours.police, length].join();
+    const key = [view.scale, map.width, map.height, view.ratio, colours.pursuer, length].join();
     const beyond = [Math.round(map.width * BEYOND), Math.round(map.height * BEYOND)];
     const pixels = view.scale * view.ratio;
     const moved = () => [(view.x - state.x) * pixels, (state.y - view.y) * pixels];

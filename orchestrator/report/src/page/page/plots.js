@@ -185,7 +185,7 @@ function drawHistograms() {
     }
     const { first, counts } = hop.histogram;
     const most = Math.max(...counts);
-    ctx.fillStyle = colours.police;
+    ctx.fillStyle = colours.pursuer;
     counts.forEach((count, i) => {
       const a = x((first + i) / facts.per_decade), b = x((first + i + 1) / facts.per_decade);
       const h = count === 0 ? 0 : Math.max(1, count / most * (bottom - 6));

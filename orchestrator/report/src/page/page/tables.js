@@ -30,7 +30,7 @@ function named(name, colour) {
   return element('span', { className: 'named' }, dot, element('span', {}, name));
 }
 if (facts.outcome.length) {
-  const colourOf = (robot) => (facts.robots[robot] ? `var(--${teamOf(robot)}-${places[robot] % 4})` : 'var(--ink)');
+  const colourOf = (robot) => (facts.robots[robot] ? `var(--${roleOf(robot)}-${places[robot] % 4})` : 'var(--ink)');
   const rows = facts.outcome.map((r, robot) => ({ ...r, named: named(r.name, colourOf(robot)) }));
   $('outcome').append(table(['robot', 'outcome', 'time [s]', 'driven [m]', 'contacts'],
     rows.map((r) => [r.named, words(r.outcome), r.time_s.toFixed(2), r.distance_m.toFixed(2), r.contacts]), [0, 1]));

@@ -1,7 +1,7 @@
 // The events of the run on a time axis.
 
 const LANES = [
-  { text: 'caught', kinds: ['captured'], colour: 'police' },
+  { text: 'caught', kinds: ['captured'], colour: 'pursuer' },
   { text: 'escaped, arrived', kinds: ['escaped', 'goal_reached'], colour: 'exit' },
   { text: 'obstacles', kinds: ['obstacle', 'pushed_out', 'trapped', 'released'], colour: 'obstacle' },
   { text: 'contacts', kinds: ['contact_begin', 'contact_end'], colour: 'evader' },

@@ -11,22 +11,22 @@ function readColours() {
   for (const name of ['paper', 'wall', 'edge', 'ink', 'faint', 'obstacle', 'exit', 'belief', 'belief-ink',
     'card', 'line', 'plan']) colours[name] = style.getPropertyValue(`--${name}`).trim();
   colours.shades = {};
-  for (const team of ['police', 'evader', 'neutral']) {
-    colours.shades[team] = [0, 1, 2, 3].map((shade) => style.getPropertyValue(`--${team}-${shade}`).trim());
-    [colours[team]] = colours.shades[team];
+  for (const role of ['pursuer', 'evader', 'neutral']) {
+    colours.shades[role] = [0, 1, 2, 3].map((shade) => style.getPropertyValue(`--${role}-${shade}`).trim());
+    [colours[role]] = colours.shades[role];
   }
   colours.idleness = facts.idleness.map((_, i) => style.getPropertyValue(`--idleness-${i}`).trim());
-  colours.curves = [colours.police, colours.evader, colours.exit, colours.belief, colours.obstacle, colours.ink,
+  colours.curves = [colours.pursuer, colours.evader, colours.exit, colours.belief, colours.obstacle, colours.ink,
     '#7a6cc9', '#a0522d', '#56b4e9', '#999933'];
 }
 readColours();
 
-/** Teams whose robots have no team of this list look neutral. */
-const teamOf = (robot) => (colours.shades[facts.robots[robot].team] ? facts.robots[robot].team : 'neutral');
-/** Place of a robot among those of its team. */
-const places = facts.robots.map((_, robot) => facts.robots.slice(0, robot).filter((_, other) => teamOf(other) === teamOf(robot)).length);
-/** Colour of a robot: a shade of its team's. */
-const robotColour = (robot) => colours.shades[teamOf(robot)][places[robot] % 4];
+/** Role of a robot. */
+const roleOf = (robot) => facts.robots[robot].role;
+/** Place of a robot among those of its role. */
+const places = facts.robots.map((_, robot) => facts.robots.slice(0, robot).filter((_, other) => roleOf(other) === roleOf(robot)).length);
+/** Colour of a robot: a shade of its role's. */
+const robotColour = (robot) => colours.shades[roleOf(robot)][places[robot] % 4];
 /** Paler colour of robots that have left the game, as in `protean picture`. */
 const PALE = 0.45;
 

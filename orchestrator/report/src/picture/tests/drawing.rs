@@ -4,14 +4,14 @@ use geometry::pose::Pose2;
 use geometry::region::Region;
 use geometry::shape::Shape;
 use roxmltree::{Document, Node};
-use sim_backend::team::Team;
+use sim_backend::team::Role;
 
 use crate::picture::{
     BeliefTrace, Cells, DominanceTrace, Mark, MarkKind, PlanTrace, RobotTrace, RunTrace, Standing,
     StaticScene, TaskTrace, Trail, TrailPoint, TreeTrace, VerdictTrace, WaypointTrace, draw,
 };
 
-fn robot(name: &str, team: Team, way: impl IntoIterator<Item = (f64, f64)>) -> RobotTrace {
+fn robot(name: &str, role: Role, way: impl IntoIterator<Item = (f64, f64)>) -> RobotTrace {
     let mut trail = Trail::default();
     let mut pose = Pose2::default();
     for (i, (x, y)) in way.into_iter().enumerate() {
@@ -24,7 +24,8 @@ fn robot(name: &str, team: Team, way: impl IntoIterator<Item = (f64, f64)>) -> R
     }
     RobotTrace {
         name: name.to_owned(),
-        team,
+        team: role.team().to_owned(),
+        role,
         radius: 0.1,
         pose,
         active: true,
@@ -64,9 +65,9 @@ fn trace() -> RunTrace {
             }],
         },
         robots: vec![
-            robot("police_1", Team::Police, [(0.5, 0.5), (0.6, 0.5)]),
-            robot("evader \"x\"", Team::Evader, [(3.0, 2.5), (3.1, 2.6)]),
-            robot("a<b", Team::Neutral, [(1.0, 2.5)]),
+            robot("police_1", Role::Pursuer, [(0.5, 0.5), (0.6, 0.5)]),
+            robot("evader \"x\"", Role::Evader, [(3.0, 2.5), (3.1, 2.6)]),
+            robot("a<b", Role::Neutral, [(1.0, 2.5)]),
         ],
         beliefs: vec![BeliefTrace {
             robot: 1,
@@ -245,14 +246,9 @@ fn obstacles_added_during_the_run_have_another_colour() {
 #[test]
 fn names_of_crowded_robots_do_not_overlap() {
     let mut trace = trace();
+    let way = |i| [(1.0 + 0.1 * f64::from(i), 0.5)];
     trace.robots = (0..6)
-        .map(|i| {
-            robot(
-                &format!("robot_{i}"),
-                Team::Police,
-                [(1.0 + 0.1 * f64::from(i), 0.5)],
-            )
-        })
+        .map(|i| robot(&format!("robot_{i}"), Role::Pursuer, way(i)))
         .collect();
     trace.marks.clear();
     let svg = draw(&trace);
@@ -290,7 +286,7 @@ fn the_largest_run_makes_a_picture_of_at_most_400_kb() {
                 let (sin, cos) = geometry::math::sincos(f64::from(i * (r + 3)) * 0.011);
                 (2.0 + 1.9 * sin, 1.5 + 1.4 * cos)
             });
-            robot(&format!("robot_number_{r}"), Team::Police, way)
+            robot(&format!("robot_number_{r}"), Role::Pursuer, way)
         })
         .collect();
     trace.beliefs = (0..64)
@@ -436,7 +432,7 @@ fn patrols_and_coverage_show_their_contour_zones_rectangles_waypoints_and_swept_
         let texts = texts(&Document::parse(&plain).unwrap()).join(" ");
         assert!(!texts.contains(absent), "{absent}: {texts}");
     }
-    trace.robots[2] = robot("a<b", Team::Neutral, [(1.0, 2.5), (2.0, 2.5), (2.0, 1.5)]);
+    trace.robots[2] = robot("a<b", Role::Neutral, [(1.0, 2.5), (2.0, 2.5), (2.0, 1.5)]);
     trace.robots[2].sweeps = Some(0.1);
     trace.task = TaskTrace {
         goals: Vec::new(),
