@@ -163,7 +163,12 @@ fn faults_of_a_planner_in_a_project_of_its_own_are_named() {
     let words = ["parameters of my_planner", "`speed`", "`look_ahead`"];
     fails(unknown, &words);
     let missing = r#"processes.my_planner.command=["target/debug/my_planner"]"#;
-    fails(missing, &["process my_planner", "No such file"]);
+    let run = ["run", "my_planner/hall.toml", "--allow-external", "--set"];
+    let words = [
+        "process my_planner",
+        "/target/debug/my_planner: No such file",
+    ];
+    sandbox.protean(run).arg(missing).run().refused(2, &words);
 
     let program = sandbox.path().join("my_planner/target/release/my_planner");
     let alone = sandbox.call(&program).run();

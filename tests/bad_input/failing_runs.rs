@@ -53,11 +53,36 @@ fn a_process_that_ends_at_once_is_named() {
 fn a_program_that_does_not_exist_is_named() {
     let sandbox = Sandbox::new();
     sandbox.file("own.toml", driven_by("[\"./no_such_planner\"]"));
-    let outcome = sandbox
-        .protean(["run", "own.toml", "--allow-external"])
-        .run();
-    outcome.refused(1, &["error: process liar cannot be started: No such file"]);
-    assert_no_log(&sandbox);
+    sandbox.file("text.txt", "no program");
+    for (program, words) in [
+        (
+            "./no_such_planner",
+            ["/./no_such_planner: No such", "program"],
+        ),
+        (
+            "no_such_planner",
+            ["`no_such_planner` in PATH: No such", "program"],
+        ),
+        (
+            "./text.txt",
+            ["/./text.txt: Permission denied", "executable"],
+        ),
+    ] {
+        sandbox.file("own.toml", driven_by(&format!("[\"{program}\"]")));
+        let outcome = sandbox
+            .protean(["run", "own.toml", "--allow-external"])
+            .run();
+        // Nothing was started.
+        outcome.refused(
+            2,
+            &[
+                "error: process liar cannot be started: ",
+                words[0],
+                words[1],
+            ],
+        );
+        assert_no_log(&sandbox);
+    }
 }
 
 #[test]

@@ -62,6 +62,8 @@ pub struct RunningProcess {
     pub name: String,
     /// Index in the run.
     pub slot: usize,
+    /// Its program, in words.
+    pub(super) program: String,
     /// The child process. It detects the end of the orchestrator by the end of its stdin.
     child: Child,
     /// Configuration of an external program, which identifies the processes that it has started.
@@ -121,6 +123,7 @@ impl RunningProcess {
         Ok(Self {
             name: name.to_owned(),
             slot,
+            program: describe(executable),
             child,
             external: matches!(executable, Executable::Command { .. }).then(|| config.to_owned()),
             output,
@@ -219,6 +222,20 @@ pub(super) fn sleep_until_readable<'a>(
     let timeout = Timespec::try_from(timeout).unwrap_or_default();
     // After a signal or an error, the caller checks the processes in any case.
     let _ = rustix::event::poll(&mut fds, Some(&timeout));
+}
+
+/// Describes a program in words: its path, and the folder that a relative one refers to.
+fn describe(executable: &Executable) -> String {
+    match executable {
+        Executable::Kind(kind) => format!("`process {kind}` of this program"),
+        Executable::Command { words, folder } => {
+            let file = words.first().map_or("", String::as_str);
+            if !file.contains('/') {
+                return format!("`{file}` in PATH");
+            }
+            Path::new(folder).join(file).display().to_string()
+        }
+    }
 }
 
 /// Describes an exit status in words.

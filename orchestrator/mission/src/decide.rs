@@ -69,11 +69,12 @@ impl Failure {
     pub(super) fn into_error(
         self,
         name: String,
-        tick: u64,
+        tick: Option<u64>,
         when: String,
         last_lines: Vec<String>,
     ) -> MissionError {
         match self {
+            Self::NotStarted(how) if tick.is_none() => MissionError::NotStarted { name, how },
             Self::Exited(how) | Self::NotStarted(how) => MissionError::Exited {
                 name,
                 how,
@@ -82,7 +83,7 @@ impl Failure {
             },
             Self::Hung(waited) => MissionError::Hung {
                 name,
-                tick,
+                tick: tick.unwrap_or_default(),
                 waited,
                 last_lines,
             },
@@ -144,8 +145,8 @@ pub(super) enum Action {
     End {
         /// Failure of the process.
         failure: Failure,
-        /// The last tick that was posted.
-        tick: u64,
+        /// The last tick that was posted; `None` before the first one.
+        tick: Option<u64>,
         /// Time of the failure, in words.
         when: String,
     },
@@ -297,7 +298,7 @@ impl State {
             } else {
                 "before it was ready".to_owned()
             };
-            let tick = at.tick();
+            let tick = self.has_begun.then(|| at.tick());
             actions.push(Action::End {
                 failure,
                 tick,

@@ -61,6 +61,14 @@ pub enum MissionError {
         /// Error of the system.
         source: std::io::Error,
     },
+    /// The program of a process cannot be executed.
+    #[error("process {name} {how}")]
+    NotStarted {
+        /// Name of the process.
+        name: String,
+        /// Program, reason and expectation, in words.
+        how: String,
+    },
     /// A process ended before the end of the run.
     #[error("process {name} {how} {when}{words}", words = quoted(last_lines))]
     Exited {
@@ -108,7 +116,7 @@ impl MissionError {
     pub fn is_refusal(&self) -> bool {
         match self {
             Self::Log(error) => !matches!(error, LogWriteError::Write { .. }),
-            Self::LogDirectory(_) => true,
+            Self::LogDirectory(_) | Self::NotStarted { .. } => true,
             Self::Live(error) => matches!(error, LiveError::Listen { .. }),
             Self::InProcess(error) => !matches!(
                 error,

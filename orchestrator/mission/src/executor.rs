@@ -239,7 +239,10 @@ impl<'a> Executor<'a> {
 /// Returns the event of a process that has ended by itself.
 fn end_of(process: &mut RunningProcess) -> Event {
     match process.start_error() {
-        Some(error) => Event::NotStarted(format!("cannot be started: {error}")),
+        Some(error) => Event::NotStarted(format!(
+            "cannot be started: {}: {error}: expected an executable program",
+            process.program
+        )),
         None => Event::Ended(describe_end(process)),
     }
 }
