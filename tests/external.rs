@@ -6,7 +6,7 @@ use std::path::Path;
 use crate::support::call::PATIENCE;
 use crate::support::history::{History, State};
 use crate::support::programs::driven_by;
-use crate::support::{Sandbox, skipped, wait_for_tick};
+use crate::support::{PROTEAN, Sandbox, skipped, wait_for_tick};
 
 /// The repository's file with this path.
 fn file(path: &str) -> String {
@@ -75,6 +75,61 @@ folder = "away""#;
     let outcome = sandbox.protean(words).run();
     let folder = format!("[own] in {}\n", sandbox.path().join("far/away").display());
     outcome.refused(1, &[&folder, error]);
+    sandbox.assert_nothing_left();
+}
+
+/// The lines of an external program that is the process of a built-in kind.
+fn as_program(kind: &str, params: &str) -> String {
+    let script = format!("exec '{PROTEAN}' process {kind} --config \\\"$PROTEAN_CONFIG\\\"");
+    format!("command = [\"/bin/sh\", \"-c\", \"{script}\"]\nparams = {params}")
+}
+
+#[test]
+fn an_external_program_has_the_presets_of_its_planner() {
+    let sandbox = Sandbox::new();
+    let digest = |lines: &str| {
+        sandbox.file("own.toml", driven_by("own", lines));
+        let run = ["run", "own.toml", "--allow-external", "--force"];
+        let summary = sandbox.protean(run).json();
+        summary["digest"].as_str().unwrap().to_owned()
+    };
+    let params = r#"{ preset = "paper", feedback = { omega_cap = 0.5 } }"#;
+    let kind = "evader_potential";
+    let built_in = digest(&format!("kind = \"{kind}\"\nparams = {params}"));
+    assert_eq!(digest(&as_program(kind, params)), built_in);
+    assert_ne!(digest(&as_program(kind, "{}")), built_in);
+
+    let unknown = as_program(kind, r#"{ preset = "papre" }"#);
+    sandbox.file("own.toml", driven_by("own", &unknown));
+    let outcome = sandbox
+        .protean(["run", "own.toml", "--allow-external"])
+        .run();
+    let words = ["parameters of own", "no preset \"papre\"", "one of paper"];
+    outcome.refused(1, &words);
+    sandbox.assert_nothing_left();
+}
+
+#[test]
+fn an_external_program_that_the_scenario_does_not_provide_for_ends_the_run_before_its_first_tick() {
+    let sandbox = Sandbox::new();
+    for (kind, words) in [
+        (
+            "pursuer",
+            ["uses beliefs, but no process", "\"perception\""],
+        ),
+        (
+            "evader_braitenberg",
+            ["but robot `robot` has none", "`scan`"],
+        ),
+        ("navigator", ["but robot `robot` has none", "`goal`"]),
+    ] {
+        sandbox.file("own.toml", driven_by("own", &as_program(kind, "{}")));
+        let outcome = sandbox
+            .protean(["run", "own.toml", "--allow-external"])
+            .run();
+        let process = format!("own (kind {kind})");
+        outcome.refused(1, &["before it was ready", &process, words[0], words[1]]);
+    }
     sandbox.assert_nothing_left();
 }
 

@@ -9,6 +9,7 @@ use ipc_types::bus::{BusError, BusOptions, RunSpace};
 use ipc_types::topics::RunSize;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
+use serde_json::Value as Json;
 use sim_backend::spec::RobotModel;
 use sim_backend::team::Role;
 
@@ -141,6 +142,16 @@ pub enum ConfigError {
         /// Position and kind of the fault.
         source: serde_json::Error,
     },
+    /// The kind has no such preset of parameters.
+    #[error("parameters of {process}: no preset {preset}: expected one of {}", names.join(", "))]
+    Preset {
+        /// Name of the process.
+        process: String,
+        /// Its value of `preset`.
+        preset: Json,
+        /// Names of the presets of its kind.
+        names: Vec<&'static str>,
+    },
     /// The kind cannot read its parameters.
     #[error("parameters of {process}: {source}")]
     Params {
@@ -151,27 +162,76 @@ pub enum ConfigError {
     },
 }
 
-/// Reads the file that the orchestrator wrote: the configuration, and the parameters of the kind.
+/// Reads the file that the orchestrator wrote: the configuration, and the parameters of the kind. Parameters with
+/// `preset` are the values of that preset, changed by the other keys: an external program alone knows its presets.
 ///
 /// # Errors
 /// [`ConfigError`] names the file and the place in it.
-pub fn load<P: DeserializeOwned>(path: &Path) -> Result<(ProcessConfig, P), ConfigError> {
+pub fn load<P: DeserializeOwned + Serialize>(
+    path: &Path,
+    presets: Vec<(&'static str, P)>,
+) -> Result<(ProcessConfig, P), ConfigError> {
     let (config, params) = load_untyped(path)?;
-    let params = serde_json::from_value(params).map_err(|source| ConfigError::Params {
+    let refused = |source| ConfigError::Params {
         process: config.name.clone(),
         source,
-    })?;
+    };
+    let presets = presets.into_iter();
+    let presets = presets.map(|(name, values)| Ok((name, serde_json::to_value(values)?)));
+    let presets: Vec<(&str, Json)> = presets.collect::<Result<_, _>>().map_err(refused)?;
+    let params = with_preset(&config.name, params, presets)?;
+    let params = serde_json::from_value(params).map_err(refused)?;
     Ok((config, params))
 }
 
+/// Returns parameters with `preset` replaced by its values; the other keys take precedence. A kind without presets has
+/// no such key.
+fn with_preset(
+    process: &str,
+    mut params: Json,
+    presets: Vec<(&'static str, Json)>,
+) -> Result<Json, ConfigError> {
+    if presets.is_empty() {
+        return Ok(params);
+    }
+    let Some(preset) = params.as_object_mut().and_then(|own| own.remove("preset")) else {
+        return Ok(params);
+    };
+    let names = presets.iter().map(|(name, _)| *name).collect();
+    let mut found = presets.into_iter();
+    match found.find(|(name, _)| preset.as_str() == Some(*name)) {
+        Some((_, mut values)) => {
+            overlay(&mut values, params);
+            Ok(values)
+        }
+        None => Err(ConfigError::Preset {
+            process: process.to_owned(),
+            preset,
+            names,
+        }),
+    }
+}
+
+/// Replaces values by others, key by key in tables.
+fn overlay(values: &mut Json, others: Json) {
+    match (values, others) {
+        (Json::Object(values), Json::Object(others)) => {
+            for (key, other) in others {
+                overlay(values.entry(key).or_insert(Json::Null), other);
+            }
+        }
+        (values, other) => *values = other,
+    }
+}
+
 /// Untyped part of [`load`], compiled once and not for every type of parameters.
-fn load_untyped(path: &Path) -> Result<(ProcessConfig, serde_json::Value), ConfigError> {
+fn load_untyped(path: &Path) -> Result<(ProcessConfig, Json), ConfigError> {
     let text = std::fs::read_to_string(path).map_err(|source| ConfigError::File {
         path: path.to_owned(),
         source,
     })?;
-    let document: Document<ProcessConfig, serde_json::Value> = serde_json::from_str(&text)
-        .map_err(|source| ConfigError::Syntax {
+    let document: Document<ProcessConfig, Json> =
+        serde_json::from_str(&text).map_err(|source| ConfigError::Syntax {
             path: path.to_owned(),
             source,
         })?;
@@ -232,6 +292,27 @@ impl RunConfig {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_preset_is_filled_in_under_single_values() {
+        let presets = || {
+            let values = serde_json::json!({ "gain": 2.0, "filter": { "size": 7, "noise": 0.1 } });
+            vec![("paper", values)]
+        };
+        let own = serde_json::json!({ "preset": "paper", "filter": { "size": 9 } });
+        let merged = with_preset("own", own, presets()).unwrap();
+        let expected = serde_json::json!({ "gain": 2.0, "filter": { "size": 9, "noise": 0.1 } });
+        assert_eq!(merged, expected);
+        for unknown in [serde_json::json!("none"), serde_json::json!(3)] {
+            let own = serde_json::json!({ "preset": unknown });
+            let error = with_preset("own", own, presets()).unwrap_err().to_string();
+            let expected = format!("parameters of own: no preset {unknown}: expected one of paper");
+            assert_eq!(error, expected);
+        }
+        // A kind without presets may have a parameter of this name.
+        let own = serde_json::json!({ "preset": "paper" });
+        assert_eq!(with_preset("own", own.clone(), Vec::new()).unwrap(), own);
+    }
 
     #[test]
     fn a_command_is_good_while_it_is_younger_than_the_deadline() {

@@ -21,6 +21,18 @@ pub enum ProcessError {
         /// Description of the fault.
         reason: String,
     },
+    /// The scenario does not provide what it needs.
+    #[error("{process} (kind {kind}) {lack}: expected {expected}")]
+    Need {
+        /// Name of the process.
+        process: String,
+        /// Its kind.
+        kind: String,
+        /// Need and what is missing, in words.
+        lack: String,
+        /// What the scenario lacks.
+        expected: &'static str,
+    },
     /// The bus cannot be opened.
     #[error(transparent)]
     Bus(#[from] BusError),

@@ -9,7 +9,7 @@ use geometry::visibility::polygon::SightLimits;
 use ipc_types::bus::Bus;
 use sim_backend::spec::RobotSpec;
 
-use crate::config::ProcessConfig;
+use crate::config::{ProcessConfig, RobotInfo};
 use crate::error::ProcessError;
 
 /// Process connected to its topics, as the loop of a run drives it.
@@ -120,10 +120,11 @@ pub trait ProcessKind: Process + Sized + 'static {
     -> Result<Self, ProcessError>;
 }
 
-/// Checks the parameters and opens the process.
+/// Checks the parameters and the needs, and opens the process. A scenario with a built-in kind was checked before; the
+/// parameters and needs of an external program are known only here.
 ///
 /// # Errors
-/// [`ProcessError::Params`] for invalid parameters; as [`ProcessKind::open`].
+/// [`ProcessError::Params`] for invalid parameters; [`ProcessError::Need`]; as [`ProcessKind::open`].
 pub fn open<K: ProcessKind>(
     config: &ProcessConfig,
     params: &K::Params,
@@ -134,7 +135,40 @@ pub fn open<K: ProcessKind>(
         kind: config.kind.clone(),
         reason: fault.to_string(),
     })?;
+    for need in K::needs(params) {
+        check_need(need, config)?;
+    }
     K::open(config, params, bus)
+}
+
+/// Checks that a run meets a need of a process. Whether a process makes plans is checked by the service that it serves:
+/// without it [`OptimiserClient::open`](crate::optimiser_client::OptimiserClient::open) fails.
+fn check_need(need: Need, config: &ProcessConfig) -> Result<(), ProcessError> {
+    let lacks = |lack: String, expected: &'static str| ProcessError::Need {
+        process: config.name.clone(),
+        kind: config.kind.clone(),
+        lack,
+        expected,
+    };
+    let first_robot = |lacks: fn(&RobotInfo) -> bool| {
+        let mut own = config.own_robots();
+        own.find_map(|(_, robot)| lacks(robot).then(|| robot.name.clone()))
+    };
+    match need {
+        Need::Belief if config.run.particles == 0 => Err(lacks(
+            "uses beliefs, but no process provides them".to_owned(),
+            "a [[processes]] block with kind = \"perception\"",
+        )),
+        Need::Scan => first_robot(|robot| robot.beams == 0).map_or(Ok(()), |robot| {
+            let lack = format!("steers by a range scanner, but robot `{robot}` has none");
+            Err(lacks(lack, "a `scan` table on the robot"))
+        }),
+        Need::Goal => first_robot(|robot| robot.goal.is_none()).map_or(Ok(()), |robot| {
+            let lack = format!("drives to a goal, but robot `{robot}` has none");
+            Err(lacks(lack, "a `goal` of the robot"))
+        }),
+        Need::Belief | Need::Plans => Ok(()),
+    }
 }
 
 /// Input that a process needs and another part of the scenario must provide.

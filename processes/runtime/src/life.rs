@@ -7,6 +7,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use ipc_types::bus::Bus;
+use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 use crate::config::{self, Clock, ProcessConfig};
@@ -122,7 +123,7 @@ impl Setup {
 /// assert_eq!(format!("{code:?}"), format!("{:?}", ExitCode::FAILURE));
 /// ```
 pub fn run<K: ProcessKind>(config: &Path) -> ExitCode {
-    run_with(config, |config, params| {
+    run_with(config, K::presets(), |config, params| {
         let setup = Setup::new(config)?;
         // An external program alone knows its kind.
         let config = &ProcessConfig {
@@ -135,12 +136,14 @@ pub fn run<K: ProcessKind>(config: &Path) -> ExitCode {
     })
 }
 
-/// Like [`run`], with another body (the simulator leads the loop instead of following it).
-pub fn run_with<P: DeserializeOwned>(
+/// Like [`run`], with these presets of parameters and another body (the simulator leads the loop instead of following
+/// it).
+pub fn run_with<P: DeserializeOwned + Serialize>(
     config: &Path,
+    presets: Vec<(&'static str, P)>,
     body: impl FnOnce(&ProcessConfig, &P) -> Result<(), ProcessError>,
 ) -> ExitCode {
-    let (config, params) = match config::load(config) {
+    let (config, params) = match config::load(config, presets) {
         Ok(loaded) => loaded,
         Err(error) => {
             eprintln!("error: {error}");

@@ -34,7 +34,7 @@ const EVENT_CAPACITY: usize = 1024;
 
 /// Runs the simulator with the configuration in a file.
 pub fn run(config: &Path) -> ExitCode {
-    runtime::run_with(config, |config, params: &SimulatorParams| {
+    runtime::run_with(config, Vec::new(), |config, params: &SimulatorParams| {
         let mut setup = Setup::new(config)?;
         let mut simulator = Simulator::open(config, params, &setup.bus)?;
         let member = setup.member(config);
