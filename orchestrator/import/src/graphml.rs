@@ -16,8 +16,11 @@ const COORDINATES: [([&str; 2], bool); 4] = [
     (["longitude", "latitude"], true),
     (["Longitude", "Latitude"], true),
 ];
-/// Values of the graph's `crs` for degrees.
-const GEOGRAPHIC: [&str; 3] = ["epsg:4326", "EPSG:4326", "WGS84"];
+/// Returns `true` if this value of the graph's `crs` means degrees: `epsg:4326`, in older files of OSMnx
+/// `{'init': 'epsg:4326'}`.
+fn is_geographic(crs: &str) -> bool {
+    crs.to_ascii_lowercase().contains("epsg:4326") || crs.trim() == "WGS84"
+}
 
 /// Reads a graph whose nodes have the data x and y (m; degrees if the graph's `crs` says so), or longitude and latitude
 /// (degrees). An edge is straight, or follows its `geometry` (`LINESTRING`).
@@ -45,8 +48,8 @@ pub fn streets(path: &Path, text: &str) -> Result<Streets, ImportError> {
         });
         found.and_then(|data| data.text()).map(str::to_owned)
     };
-    let about = graph.children().filter_map(|node| node.text());
-    let is_geographic = about.map(str::trim).any(|text| GEOGRAPHIC.contains(&text));
+    let mut about = graph.children().filter_map(|node| node.text());
+    let is_geographic = about.any(is_geographic);
     let line = |node: Node<'_, '_>| document.text_pos_at(node.range().start).row as usize;
 
     let mut streets = Streets::default();

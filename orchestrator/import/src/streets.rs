@@ -60,6 +60,12 @@ impl Streets {
         if !ends.iter().flatten().all(|c| c.is_finite()) {
             return Err(ImportError::content(path, "a place at infinity", "numbers"));
         }
+        let longest = (max[0] - min[0]).max(max[1] - min[1]);
+        if longest < width {
+            let found = format!("streets within {longest:.3} m × {longest:.3} m");
+            let expected = format!("metres, or the `crs` of degrees, and more than {width} m");
+            return Err(ImportError::content(path, found, expected));
+        }
         let border = 0.5 * width;
         let [w, h] = [0, 1].map(|i| max[i] - min[i] + 2.0 * border);
         let side = (width / ACROSS).max((w * h / MAX_CELLS).sqrt());

@@ -141,6 +141,29 @@ fn streets_are_free_corridors() {
     }
 }
 
+#[test]
+fn degrees_are_told_by_the_coordinate_system_of_a_graph() {
+    let graph = |crs: &str| {
+        let text = format!(
+            r#"<graphml><graph><data key="crs">{crs}</data>
+            <node id="a"><data key="x">16.0</data><data key="y">48.0</data></node>
+            <node id="b"><data key="x">16.001</data><data key="y">48.0005</data></node>
+            <edge source="a" target="b"/></graph></graphml>"#
+        );
+        imported("a.graphml", &text, Sizes::default())
+    };
+    // 0.0010° of longitude at 48° are 74 m.
+    for crs in ["epsg:4326", "EPSG:4326", "{'init': 'epsg:4326'}", "WGS84"] {
+        let streets = world(&graph(crs).unwrap());
+        let frame = streets.frame();
+        let width = frame.width as f64 * frame.resolution;
+        assert!((width - 82.4).abs() < 2.0, "{crs}: {width} m");
+    }
+    // Without it they are metres, and the streets one point.
+    let error = graph("").unwrap_err();
+    assert!(error.contains("or the `crs` of degrees"), "{error}");
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(128))]
 
