@@ -179,9 +179,18 @@ pub struct Diagnostics {
 }
 
 impl Diagnostics {
-    /// Adds a problem, unless an equal one is listed; problems beyond the maximum are only counted.
+    /// Adds a problem, unless an equal one is listed, or the same one at the same place of a file: robots inherit values,
+    /// and with them their faults. Problems beyond the maximum are only counted.
     pub fn push(&mut self, problem: Diagnostic) {
-        if self.list.contains(&problem) {
+        let is_in_file = problem.place.as_ref().is_some_and(|p| !p.is_override);
+        let is_same = |listed: &Diagnostic| {
+            *listed == problem
+                || is_in_file
+                    && listed.place == problem.place
+                    && listed.message == problem.message
+                    && listed.value == problem.value
+        };
+        if self.list.iter().any(is_same) {
             return;
         }
         if self.list.len() >= MAX_SHOWN {
@@ -297,6 +306,21 @@ mod tests {
             .to_string();
         assert!(text.contains("--> --set (a.b)"), "{text}");
         assert!(!text.contains(":12:5"), "{text}");
+    }
+
+    #[test]
+    fn a_fault_that_robots_inherit_is_reported_once() {
+        let fault = |field: &str, value: &str| {
+            let fault = Diagnostic::new(Code::UnknownKey, "unknown key `vmax`");
+            fault.at(Some(place())).field(field).value(value)
+        };
+        let mut all = Diagnostics::default();
+        for field in ["teams.police.limits.vmax", "robots.guard.limits.vmax"] {
+            all.push(fault(field, "0.2"));
+        }
+        assert_eq!(all.len(), 1);
+        all.push(fault("robots.guard.limits.vmax", "0.3"));
+        assert_eq!(all.len(), 2);
     }
 
     #[test]
