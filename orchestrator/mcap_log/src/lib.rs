@@ -69,5 +69,5 @@ pub use writer::{
 
 /// Converts nanoseconds to seconds.
 pub fn seconds(nanoseconds: u64) -> f64 {
-    nanoseconds as f64 * 1e-9
+    nanoseconds as f64 / 1e9
 }

@@ -1,7 +1,7 @@
 //! `protean report`.
 
 use std::path::{Path, PathBuf};
-use std::process::{Command, ExitCode};
+use std::process::{Command, ExitCode, Stdio};
 
 use platform::eprintln;
 
@@ -86,7 +86,9 @@ fn page_of(logs: &[&Path]) -> PathBuf {
 fn open(page: &Path) -> Result<(), String> {
     // A name that begins with a hyphen is no option.
     let page = page.canonicalize().map_err(|error| error.to_string())?;
-    let ended = Command::new("xdg-open").arg(page).status();
+    let mut command = Command::new("xdg-open");
+    // Without a browser it lists all that it looked for.
+    let ended = command.arg(page).stderr(Stdio::null()).status();
     match ended {
         Ok(status) if status.success() => Ok(()),
         Ok(status) => Err(status.to_string()),
