@@ -148,9 +148,9 @@ pub enum ConfigError {
         /// Name of the process.
         process: String,
         /// Its value of `preset`.
-        preset: Json,
+        preset: String,
         /// Names of the presets of its kind.
-        names: Vec<&'static str>,
+        names: Box<[&'static str]>,
     },
     /// The kind cannot read its parameters.
     #[error("parameters of {process}: {source}")]
@@ -206,7 +206,7 @@ fn with_preset(
         }
         None => Err(ConfigError::Preset {
             process: process.to_owned(),
-            preset,
+            preset: preset.to_string(),
             names,
         }),
     }

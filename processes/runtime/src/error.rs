@@ -22,15 +22,13 @@ pub enum ProcessError {
         reason: String,
     },
     /// The scenario does not provide what it needs.
-    #[error("{process} (kind {kind}) {lack}: expected {expected}")]
+    #[error("{process} {lack}: expected {expected}")]
     Need {
-        /// Name of the process.
+        /// Name of the process, and its kind.
         process: String,
-        /// Its kind.
-        kind: String,
         /// Need and what is missing, in words.
         lack: String,
-        /// What the scenario lacks.
+        /// Part that the scenario lacks.
         expected: &'static str,
     },
     /// The bus cannot be opened.

@@ -145,8 +145,7 @@ pub fn open<K: ProcessKind>(
 /// without it [`OptimiserClient::open`](crate::optimiser_client::OptimiserClient::open) fails.
 fn check_need(need: Need, config: &ProcessConfig) -> Result<(), ProcessError> {
     let lacks = |lack: String, expected: &'static str| ProcessError::Need {
-        process: config.name.clone(),
-        kind: config.kind.clone(),
+        process: format!("{} (kind {})", config.name, config.kind),
         lack,
         expected,
     };
