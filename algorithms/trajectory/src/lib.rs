@@ -55,6 +55,7 @@
 #![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
 
 mod attempt;
+mod backwards;
 mod convex;
 pub mod curve;
 mod drive;

@@ -11,16 +11,24 @@ use geometry::math;
 /// line that covers that distance with the same limits and prescribed speeds (turns on the path
 /// only cost more). Where both headings are prescribed, it needs at least as long as a turn from
 /// one to the other on the spot. Without acceleration limits this is L*/Vmax.
+///
+/// A robot that may drive backwards is no faster than that point, whose speed is the magnitude of
+/// the robot's; between prescribed speeds of different directions it must also reverse.
 pub fn lower_bound(problem: &Problem, shortest: f64) -> f64 {
     let limits = &problem.limits;
-    let straight = straight(limits, shortest, problem.start_speed, problem.goal_speed);
+    let (start, goal) = (problem.start_speed, problem.goal_speed);
+    let straight = straight(limits, shortest, start.map(f64::abs), goal.map(f64::abs));
+    let reversal = match (start, goal, limits.acceleration) {
+        (Some(v0), Some(v1), Some(a)) => (v1 - v0).abs() / a,
+        _ => 0.0,
+    };
     let turn = problem.goal_heading.map_or(0.0, |heading| {
         let angle = math::angle_difference(heading, problem.start.theta).abs();
         let from = problem.start_turn_rate.map(f64::abs);
         // Turning during the motion may help or not; the bound assumes that it does.
         turn_in_place::least_duration(limits, angle, from.unwrap_or(limits.top_turn_rate()))
     });
-    straight.max(turn)
+    straight.max(turn).max(reversal)
 }
 
 /// Minimum duration (s) of a motion along a line over at least this length (m), between speeds that

@@ -32,6 +32,9 @@ pub struct Wheels {
 pub struct RobotLimits {
     /// Maximum forward speed V (m/s), > 0.
     pub v_max: f64,
+    /// Minimum forward speed (m/s), from −`v_max` to 0: the negative of the maximum speed
+    /// backwards; 0 for plans that only drive forwards.
+    pub v_min: f64,
     /// Maximum turning rate ω (rad/s), > 0.
     pub omega_max: f64,
     /// Coupling of both by the wheels; `None`: independent, as in the paper.
@@ -43,14 +46,25 @@ pub struct RobotLimits {
 }
 
 impl RobotLimits {
-    /// The paper's robot: speed (m/s) and turning rate (rad/s) limited independently.
+    /// Speed (m/s) and turning rate (rad/s) limited independently: |V| ≤ `v_max` and |ω| ≤
+    /// `omega_max`.
     pub fn simple(v_max: f64, omega_max: f64) -> Self {
         Self {
             v_max,
+            v_min: -v_max,
             omega_max,
             wheels: None,
             acceleration: None,
             angular_acceleration: None,
+        }
+    }
+
+    /// The same robot, driven forwards only.
+    #[must_use]
+    pub fn forwards(&self) -> Self {
+        Self {
+            v_min: 0.0,
+            ..*self
         }
     }
 
@@ -64,14 +78,20 @@ impl RobotLimits {
         }
     }
 
+    /// Returns `true` if the robot may drive backwards.
+    pub fn may_reverse(&self) -> bool {
+        self.v_min < 0.0
+    }
+
     /// Returns `true` if speeds may step.
     pub fn is_without_inertia(&self) -> bool {
         self.acceleration.is_none() && self.angular_acceleration.is_none()
     }
 
-    /// Maximum speed (m/s) straight ahead.
+    /// Maximum speed (m/s) on a straight line, forwards or backwards.
     pub fn top_speed(&self) -> f64 {
-        self.wheels.map_or(self.v_max, |w| self.v_max.min(w.speed))
+        let top = self.v_max.max(-self.v_min);
+        self.wheels.map_or(top, |w| top.min(w.speed))
     }
 
     /// Maximum turning rate (rad/s) on the spot.
@@ -81,7 +101,7 @@ impl RobotLimits {
         })
     }
 
-    /// Maximum speed (m/s) on a path of curvature `kappa` (1/m).
+    /// Maximum speed (m/s) forwards on a path of curvature `kappa` (1/m).
     pub fn speed_at(&self, kappa: f64) -> f64 {
         let kappa = kappa.abs();
         let turning = self.omega_max / kappa.max(1e-300);
@@ -97,7 +117,7 @@ impl RobotLimits {
 pub struct Problem {
     /// Pose at the start.
     pub start: Pose2,
-    /// Forward speed at the start (m/s), ≥ 0; `None`: free.
+    /// Forward speed at the start (m/s), negative backwards; `None`: free.
     pub start_speed: Option<f64>,
     /// Turning rate at the start (rad/s); `None`: free.
     pub start_turn_rate: Option<f64>,
@@ -105,7 +125,7 @@ pub struct Problem {
     pub goal: Point2<f64>,
     /// Heading at the goal (rad); `None`: free.
     pub goal_heading: Option<f64>,
-    /// Forward speed at the goal (m/s), ≥ 0; `None`: free.
+    /// Forward speed at the goal (m/s), negative backwards; `None`: free.
     pub goal_speed: Option<f64>,
     /// Limits of the robot.
     pub limits: RobotLimits,
@@ -187,6 +207,11 @@ impl Problem {
             .map_or(Ok(()), |heading| number("goal.theta", heading))?;
         let limits = &self.limits;
         positive("v_max", limits.v_max)?;
+        number("v_min", limits.v_min)?;
+        if !(-limits.v_max..=0.0).contains(&limits.v_min) {
+            let expected = format!("a number from {} to 0", -limits.v_max);
+            return Err(ProblemError::new("v_min", limits.v_min, expected));
+        }
         positive("omega_max", limits.omega_max)?;
         if let Some(wheels) = &limits.wheels {
             positive("wheel_speed", wheels.speed)?;
@@ -226,11 +251,12 @@ impl Problem {
             ("goal_speed", self.goal_speed, 0.0),
         ] {
             let Some(speed) = speed else { continue };
-            not_negative(field, speed)?;
+            number(field, speed)?;
             // A measured speed must be accepted despite rounding.
-            let most = limits.v_max.min(wheels(omega)).max(0.0);
-            if speed > most * (1.0 + 1e-9) {
-                let expected = format!("at most {most} by the limits");
+            let room = wheels(omega).max(0.0);
+            let [least, most] = [limits.v_min, limits.v_max].map(|v| v.clamp(-room, room));
+            if speed < least * (1.0 + 1e-9) || speed > most * (1.0 + 1e-9) {
+                let expected = format!("from {least} to {most} by the limits");
                 return Err(ProblemError::new(field, speed, expected));
             }
         }

@@ -1,6 +1,9 @@
 //! Solution of a problem by a plan.
 
+use core::f64::consts::PI;
+
 use crate::attempt::{Attempts, Candidate, Variant};
+use crate::backwards;
 use crate::convex::effort::Effort;
 use crate::drive::shortest_path_plan;
 use crate::drive::trajectory_builder::Trajectory;
@@ -23,6 +26,10 @@ const GOOD: f64 = 1e-3;
 /// Maximum allowed share of these turning costs, relative to the lower bound.
 const MAX_TURNING: f64 = 1.5e-3;
 
+/// Gap to the lower bound, relative to it, up to which driving forwards is not compared to driving
+/// backwards.
+const NEARLY: f64 = 2.5e-3;
+
 /// Maximum number of times that the breaks of splines are halved.
 const MAX_LEVEL: u32 = 1;
 
@@ -42,36 +49,119 @@ pub fn plan(
 ) -> Result<Plan, PlanError> {
     problem.validate()?;
     options.validate()?;
-    let obstacle_field = ObstacleField::new(problem)?;
-    let exact = obstacle_field.exact()?;
-    let path = exact.shortest(problem.start.position(), problem.goal)?;
-    let shortest = path.length;
-    if shortest > path_points::MAX_LENGTH {
-        return Err(PlanError::Infeasible("the path is longer than 2 km"));
+    let course = Course::new(problem)?;
+    let effort = Effort::new(options.max_work);
+    let forwards = plan_forwards(problem, &course, options, last, &effort, stop);
+    let turned = backwards::problem(problem);
+    if !problem.limits.may_reverse() || !may_gain(&forwards, problem, &turned, &course) {
+        return forwards;
     }
-    let bound = lower_bound(problem, shortest);
-    let guide = Guide::new(path.legs);
+    if stop() {
+        let status = Status::Deadline;
+        return forwards.map(|plan| Plan { status, ..plan });
+    }
+    let last = last.map(|last| backwards::plan(last.clone(), PI));
+    let backwards = plan_forwards(&turned, &course, options, last.as_ref(), &effort, stop)
+        .map(|plan| backwards::plan(plan, -PI));
+    let mut best = match (forwards, backwards) {
+        (Ok(a), Ok(b)) if b.final_time < a.final_time => b,
+        (Ok(plan), _) | (Err(_), Ok(plan)) => plan,
+        (Err(error), Err(_)) => return Err(error),
+    };
+    (best.iterations, best.work) = (effort.programs(), effort.work());
+    Ok(best)
+}
+
+/// Returns `true` if driving backwards may beat driving forwards: where the robot then turns less, or
+/// there is no plan forwards.
+fn may_gain(
+    forwards: &Result<Plan, PlanError>,
+    problem: &Problem,
+    turned: &Problem,
+    course: &Course,
+) -> bool {
+    match (forwards, &course.guide) {
+        (Ok(plan), Some(guide)) => {
+            plan.gap() > NEARLY
+                && !reverses_at_ends(turned)
+                && turning_time(turned, guide) < turning_time(problem, guide)
+        }
+        (Err(PlanError::Infeasible(_) | PlanError::InvalidTrajectory), _) => true,
+        _ => false,
+    }
+}
+
+/// Returns `true` if the robot is prescribed to drive backwards at an end, where its speed cannot
+/// step.
+fn reverses_at_ends(problem: &Problem) -> bool {
+    let ends = [problem.start_speed, problem.goal_speed];
+    problem.limits.acceleration.is_some() && ends.iter().flatten().any(|&v| v < 0.0)
+}
+
+/// The obstacles of a problem, and the shortest path among them.
+struct Course {
+    obstacle_field: ObstacleField,
+    exact: ExactObstacleField,
+    /// Length of the shortest path (m).
+    shortest: f64,
+    /// The shortest path, if start and goal are not the same point.
+    guide: Option<Guide>,
+}
+
+impl Course {
+    fn new(problem: &Problem) -> Result<Self, PlanError> {
+        let obstacle_field = ObstacleField::new(problem)?;
+        let exact = obstacle_field.exact()?;
+        let path = exact.shortest(problem.start.position(), problem.goal)?;
+        if path.length > path_points::MAX_LENGTH {
+            return Err(PlanError::Infeasible("the path is longer than 2 km"));
+        }
+        Ok(Self {
+            obstacle_field,
+            exact,
+            shortest: path.length,
+            guide: Guide::new(path.legs),
+        })
+    }
+}
+
+/// Plans without driving backwards, except to stop from a speed backwards.
+fn plan_forwards(
+    problem: &Problem,
+    course: &Course,
+    options: &Options,
+    last: Option<&Plan>,
+    effort: &Effort,
+    stop: &mut dyn FnMut() -> bool,
+) -> Result<Plan, PlanError> {
+    let Course {
+        obstacle_field,
+        exact,
+        shortest,
+        guide,
+    } = course;
+    let bound = lower_bound(problem, *shortest);
     // Where the grid is too coarse for a wave to pass, the exact path is used.
     let coarse = match options.guess {
-        Guess::Wavefront => grid_guide::guide(&exact, problem.start.position(), problem.goal),
+        Guess::Wavefront => grid_guide::guide(exact, problem.start.position(), problem.goal),
         Guess::Tangent => None,
     };
-    let effort = Effort::new(options.max_work);
     let mut tried = CurveAttempt::default();
     if options.method != Method::Tangent
-        && let Some(guide) = &guide
+        && !reverses_at_ends(problem)
+        && let Some(guide) = guide
     {
         let inertia = !problem.limits.is_without_inertia();
         let good = bound * (1.0 + GOOD) + turning_time(problem, guide).min(MAX_TURNING * bound);
         let bench = Attempts {
             problem,
-            obstacle_field: &obstacle_field,
+            obstacle_field,
             guide: coarse.as_ref().unwrap_or(guide),
-            shortest,
+            shortest: *shortest,
             options,
             rest: last
-                .and_then(|plan| previous_plan::rest(problem, &obstacle_field, plan, shortest)),
-            effort: &effort,
+                .and_then(|plan| previous_plan::rest(problem, obstacle_field, plan, *shortest)),
+            effort,
         };
         // The result of a search in the controls is a local optimum whatever the bound.
         let enough = if inertia && options.refine {
@@ -85,7 +175,7 @@ pub fn plan(
         Some(best) if tried.stopped => (best, options.method, Status::Deadline),
         Some(best) => (best, options.method, Status::Planned),
         None if options.method == Method::Tangent || guide.is_none() || options.fallbacks => {
-            let fallback = fallback(problem, &obstacle_field, &exact, guide.as_ref())?;
+            let fallback = fallback(problem, obstacle_field, exact, guide.as_ref())?;
             let status = match options.method {
                 Method::Tangent => Status::Planned,
                 // Without a path there is no curve to find.
@@ -217,10 +307,10 @@ fn turning_time(problem: &Problem, guide: &Guide) -> f64 {
 fn variants(problem: &Problem) -> impl Iterator<Item = Variant> {
     // A turn on the spot requires standstill: a robot with inertia must not be moving.
     let limits = &problem.limits;
-    let moves = problem.start_speed.is_some_and(|v| v > 0.0) && limits.acceleration.is_some();
+    let moves = problem.start_speed.is_some_and(|v| v != 0.0) && limits.acceleration.is_some();
     let turns =
         problem.start_turn_rate.is_some_and(|w| w != 0.0) && limits.angular_acceleration.is_some();
-    let leaves = problem.goal_speed.is_some_and(|v| v > 0.0) && limits.acceleration.is_some();
+    let leaves = problem.goal_speed.is_some_and(|v| v != 0.0) && limits.acceleration.is_some();
     let may_turn_at_start = !(moves || turns);
     let may_turn_at_goal = problem.goal_heading.is_some() && !leaves;
     let either = |may: bool| [Some(false), may.then_some(true)].into_iter().flatten();

@@ -19,6 +19,7 @@ pub fn contract(problem: &Problem, obstacle_field: &ObstacleField) -> Contract {
         goal_heading: problem.goal_heading,
         goal_speed: problem.goal_speed,
         v_max: limits.v_max,
+        v_min: limits.v_min,
         omega_max: limits.omega_max,
         wheel: limits.wheels.map(|w| WheelLimit {
             speed: w.speed,

@@ -19,8 +19,11 @@ pub struct Contract {
     pub goal_heading: Option<f64>,
     /// Forward speed at the end (m/s).
     pub goal_speed: Option<f64>,
-    /// Maximum speed, forwards or backwards (m/s) (> 0).
+    /// Maximum forward speed (m/s) (> 0).
     pub v_max: f64,
+    /// Minimum forward speed (m/s) (≤ 0): the negative of the maximum speed backwards; 0 forbids
+    /// driving backwards.
+    pub v_min: f64,
     /// Maximum turning rate, either way (rad/s) (> 0).
     pub omega_max: f64,
     /// Limit of the wheels, which bounds speed and turning rate together.
@@ -40,8 +43,8 @@ pub struct Contract {
 
 impl Contract {
     /// Creates the simplest problem: from a pose (x (m), y (m), heading (rad)) to a position (m) at
-    /// no more than `v_max` (m/s) and `omega_max` (rad/s), without obstacles and further
-    /// conditions.
+    /// no more than `v_max` (m/s), forwards or backwards, and `omega_max` (rad/s), without obstacles
+    /// and further conditions.
     pub fn new(start: [f64; 3], goal: [f64; 2], v_max: f64, omega_max: f64) -> Self {
         Self {
             start,
@@ -51,6 +54,7 @@ impl Contract {
             goal_heading: None,
             goal_speed: None,
             v_max,
+            v_min: -v_max,
             omega_max,
             wheel: None,
             acceleration_max: None,
@@ -59,6 +63,11 @@ impl Contract {
             clearance: 0.0,
             bounds: None,
         }
+    }
+
+    /// Maximum speed (m/s) either way.
+    pub(crate) fn top_speed(&self) -> f64 {
+        self.v_max.max(-self.v_min)
     }
 }
 

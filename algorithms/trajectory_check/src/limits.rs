@@ -34,7 +34,19 @@ impl<'a> Limits<'a> {
         let (v, omega) = (sample.v.abs(), sample.omega.abs());
         let allowed = 1.0 + self.tolerances.limit;
         let contract = self.contract;
-        findings.at_most(Violation::Speed, sample.t, v, contract.v_max * allowed);
+        findings.at_most(
+            Violation::Speed,
+            sample.t,
+            sample.v,
+            contract.v_max * allowed,
+        );
+        let slack = self.tolerances.limit * contract.v_max;
+        findings.at_most(
+            Violation::ReverseSpeed,
+            sample.t,
+            -sample.v,
+            slack - contract.v_min,
+        );
         findings.at_most(
             Violation::TurnRate,
             sample.t,
@@ -68,7 +80,7 @@ impl<'a> Limits<'a> {
         };
         let moved = (b.position() - a.position()).norm();
         let turned = wrapped(b.theta - a.theta).abs();
-        let limit = contract.v_max * allowed;
+        let limit = contract.top_speed() * allowed;
         findings.rate_at_most(Violation::PoseSpeed, a.t, change(moved), limit);
         let limit = contract.omega_max * allowed;
         findings.rate_at_most(Violation::PoseTurnRate, a.t, change(turned), limit);

@@ -87,7 +87,7 @@ impl<'a> Walk<'a> {
         } = *self.tolerances;
         let limit = |highest: f64| mismatch * highest * duration.max(0.0) + mismatch_total;
         let displacement = self.figures.displacement;
-        let most = limit(self.contract.v_max);
+        let most = limit(self.contract.top_speed());
         findings.at_most(Violation::TotalDisplacement, duration, displacement, most);
         let most = limit(self.contract.omega_max);
         findings.at_most(
@@ -132,7 +132,7 @@ impl<'a> Walk<'a> {
         let end = piece.start + rotated(displacement, piece.heading);
 
         let off = (end - b.position()).norm();
-        let most_off = mismatch * self.contract.v_max * piece.dt + mismatch_floor;
+        let most_off = mismatch * self.contract.top_speed() * piece.dt + mismatch_floor;
         findings.at_most(Violation::Displacement, a.t, off, most_off);
         let turned_off = wrapped(a.theta + piece.turn() - b.theta).abs();
         let most_turned_off = mismatch * self.contract.omega_max * piece.dt + mismatch_floor;

@@ -6,13 +6,13 @@ pub struct Tolerances {
     /// Depth of the path inside a grown obstacle, or outside the bounds (m).
     pub penetration: f64,
     /// Speeds, turning rates, wheel speeds and accelerations above their limits, as a fraction of
-    /// the limit.
+    /// the limit; of `v_max` for the speed backwards, whose limit may be 0.
     pub limit: f64,
     /// Error of each condition at the start and the goal (m, rad, m/s, rad/s).
     pub boundary: f64,
     /// Difference between a sample's pose and the pose that follows from the controls since the
-    /// previous sample, as a fraction of the distance or turn at `v_max` and `omega_max` in the
-    /// time between.
+    /// previous sample, as a fraction of the distance or turn at the largest speed and at
+    /// `omega_max` in the time between.
     pub mismatch: f64,
     /// The same difference that is always allowed between two samples (m, rad).
     pub mismatch_floor: f64,

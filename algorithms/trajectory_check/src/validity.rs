@@ -57,6 +57,11 @@ fn contract_fault(contract: &Contract) -> Option<Violation> {
         .or_else(|| number("goal_heading", contract.goal_heading))
         .or_else(|| number("goal_speed", contract.goal_speed))
         .or_else(|| positive("v_max", Some(contract.v_max)))
+        .or_else(|| {
+            let v_min = contract.v_min;
+            let ok = v_min <= 0.0 && usable(v_min);
+            fault(ok, "v_min", v_min, "a finite number of at most 0")
+        })
         .or_else(|| positive("omega_max", Some(contract.omega_max)))
         .or_else(|| positive("wheel.speed", wheel.map(|wheel| wheel.speed)))
         .or_else(|| positive("wheel.separation", wheel.map(|wheel| wheel.separation)))
@@ -199,6 +204,19 @@ mod tests {
             .map(|(sin, cos)| [cos, sin])
             .collect();
         assert!(polygon(&star).is_some());
+    }
+
+    #[test]
+    fn the_speed_backwards_is_a_finite_number_of_at_most_zero() {
+        let fault = |v_min: f64| {
+            contract_fault(&Contract {
+                v_min,
+                ..Contract::new([0.0; 3], [1.0, 0.0], 0.2, 2.0)
+            })
+        };
+        assert!([0.0, -0.1, -5.0].map(fault).iter().all(Option::is_none));
+        let broken = [0.1, f64::NAN, f64::NEG_INFINITY].map(fault);
+        assert!(broken.iter().all(Option::is_some));
     }
 
     #[test]

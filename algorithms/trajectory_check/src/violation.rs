@@ -101,9 +101,12 @@ pub enum Violation {
     /// Sum of differences that are too small for a [`Heading`](Self::Heading) (rad).
     #[error("sum of differences from the headings by the controls (rad) {0}")]
     TotalHeading(Excess),
-    /// Stated speed of a sample (m/s).
+    /// Stated forward speed of a sample (m/s).
     #[error("speed (m/s) {0}")]
     Speed(Excess),
+    /// Stated speed backwards of a sample (m/s).
+    #[error("speed backwards (m/s) {0}")]
+    ReverseSpeed(Excess),
     /// Stated turning rate of a sample (rad/s).
     #[error("turning rate (rad/s) {0}")]
     TurnRate(Excess),

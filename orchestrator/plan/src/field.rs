@@ -41,6 +41,7 @@ impl FieldError {
 enum Range {
     Any,
     NotNegative,
+    NotPositive,
     Positive,
 }
 
@@ -49,6 +50,7 @@ impl Range {
         match self {
             Self::Any => "a number",
             Self::NotNegative => "a number ≥ 0",
+            Self::NotPositive => "a number ≤ 0",
             Self::Positive => "a number > 0",
         }
     }
@@ -57,6 +59,7 @@ impl Range {
         match self {
             Self::Any => true,
             Self::NotNegative => value >= 0.0,
+            Self::NotPositive => value <= 0.0,
             Self::Positive => value > 0.0,
         }
     }
@@ -93,7 +96,7 @@ fn optional(from: &Loose, key: &str, range: Range, unit: &str) -> Result<Option<
 /// # Errors
 /// [`FieldError`] for the first invalid field.
 pub fn read_instance(id: &str, from: &Loose) -> Result<Instance, FieldError> {
-    use Range::{Any, NotNegative, Positive};
+    use Range::{Any, NotNegative, NotPositive, Positive};
     let get = |key: &str, range, unit| number(from.get(key), key, range, unit);
     let of = |object: &str, key: &str, unit| {
         let value = from.get(object).and_then(|o| o.get(key));
@@ -101,10 +104,12 @@ pub fn read_instance(id: &str, from: &Loose) -> Result<Instance, FieldError> {
     };
     let goal = from.get("goal").unwrap_or(&Loose::Null);
     let heading = goal.get("theta");
+    let v_max = get("vmax_px_s", Positive, "px/s")?;
     let instance = Instance {
         id: id.to_owned(),
         cm_per_px: get("cm_per_px", Positive, "cm/px")?,
-        v_max: get("vmax_px_s", Positive, "px/s")?,
+        v_max,
+        v_min: optional(from, "v_min", NotPositive, "px/s")?.unwrap_or(-v_max),
         omega_max: get("wmax_rad_s", Positive, "rad/s")?,
         buffer: get("buffer_px", NotNegative, "px")?,
         bounds: bounds(from)?,
@@ -113,13 +118,13 @@ pub fn read_instance(id: &str, from: &Loose) -> Result<Instance, FieldError> {
             of("start", "y", "px")?,
             of("start", "theta", "rad")?,
         ],
-        start_speed: optional(from, "start_speed", NotNegative, "px/s")?,
+        start_speed: optional(from, "start_speed", Any, "px/s")?,
         start_turn_rate: optional(from, "start_turn_rate", Any, "rad/s")?,
         goal: [of("goal", "x", "px")?, of("goal", "y", "px")?],
         goal_heading: heading
             .map(|value| number(Some(value), "goal.theta", Any, "rad"))
             .transpose()?,
-        goal_speed: optional(from, "goal_speed", NotNegative, "px/s")?,
+        goal_speed: optional(from, "goal_speed", Any, "px/s")?,
         wheels: wheels(from)?,
         acceleration: optional(from, "acceleration_px_s2", Positive, "px/s²")?,
         angular_acceleration: optional(from, "angular_acceleration_rad_s2", Positive, "rad/s²")?,

@@ -241,6 +241,7 @@ fn board(start: [f64; 3], goal: [f64; 2]) -> Instance {
         id: String::new(),
         cm_per_px: CM_PER_PX,
         v_max: V_MAX,
+        v_min: 0.0,
         omega_max: OMEGA_MAX,
         buffer: BUFFER,
         bounds: [0.0, 0.0, BOARD[0], BOARD[1]],

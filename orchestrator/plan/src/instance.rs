@@ -41,6 +41,8 @@ pub struct Instance {
     pub cm_per_px: f64,
     /// Maximum speed (px/s), > 0.
     pub v_max: f64,
+    /// Minimum forward speed (px/s), from −`v_max` to 0: 0 for plans that only drive forwards.
+    pub v_min: f64,
     /// Maximum turning rate (rad/s), > 0.
     pub omega_max: f64,
     /// Minimum distance of the robot's centre from obstacles (px), ≥ 0.
@@ -145,6 +147,7 @@ impl Instance {
                 }),
                 acceleration: self.acceleration.map(|a| a * k),
                 angular_acceleration: self.angular_acceleration,
+                v_min: self.v_min * k,
                 ..RobotLimits::simple(self.v_max * k, self.omega_max)
             },
             obstacles: self
@@ -199,6 +202,7 @@ impl Instance {
                 })
                 .collect(),
             clearance: self.buffer * k,
+            v_min: self.v_min * k,
             bounds: Some(self.bounds.map(|v| v * k)),
             ..Contract::new(
                 [x * k, y * k, theta],
@@ -236,6 +240,7 @@ impl Instance {
             "obstacles": obstacles,
         });
         let more = [
+            ("v_min", (self.v_min != -self.v_max).then_some(self.v_min)),
             ("start_turn_rate", self.start_turn_rate),
             ("goal_speed", self.goal_speed),
             ("wheel_speed_px_s", self.wheels.map(|w| w[0])),

@@ -55,6 +55,7 @@ fn an_instance_is_read_in_its_units_and_converted_to_metres() {
 fn every_optional_field_is_read() {
     let mut json = good();
     for (key, value) in [
+        ("v_min", -4.0),
         ("start_speed", 5.0),
         ("start_turn_rate", -0.1),
         ("goal_speed", 3.0),
@@ -465,7 +466,7 @@ proptest! {
     #[test]
     fn any_value_in_any_field_is_read_or_refused(
         key in prop::sample::select(vec![
-            "cm_per_px", "vmax_px_s", "wmax_rad_s", "buffer_px", "bounds_px", "start", "goal",
+            "cm_per_px", "vmax_px_s", "v_min", "wmax_rad_s", "buffer_px", "bounds_px", "start", "goal",
             "start_speed", "obstacles", "wheel_speed_px_s", "acceleration_px_s2", "goal_speed",
         ]),
         value in json_value(),

@@ -21,10 +21,16 @@ impl Drive {
         &self.model
     }
 
-    /// Returns the highest speed straight ahead (m/s).
-    pub fn top_speed(&self) -> f64 {
+    /// Returns the highest speed (m/s) on a straight line, as a magnitude; of a robot that drives
+    /// backwards if `backwards`.
+    pub fn top_speed(&self, backwards: bool) -> f64 {
         let wheels = self.model.wheel_speed_max.unwrap_or(f64::INFINITY);
-        self.model.v_max.min(wheels)
+        let top = if backwards {
+            self.model.v_reverse_max
+        } else {
+            self.model.v_max
+        };
+        top.min(wheels)
     }
 
     /// Returns the command within the limits of the speeds, without regard to those of their changes.

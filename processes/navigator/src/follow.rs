@@ -85,9 +85,9 @@ impl Follow {
         let rate = self.rate(drive, motion, stops, dt);
         let (from, to) = (self.tau, self.tau + rate * dt);
         let (a, b) = (self.trajectory.at(from).0, self.trajectory.at(to).0);
-        let way = self.trajectory.along(to) - self.trajectory.along(from);
+        let ahead = self.trajectory.ahead(to) - self.trajectory.ahead(from);
         // Exact for the tick: the command applies to all of it.
-        let reference = Twist2::new(way / dt, (b.theta - a.theta) / dt);
+        let reference = Twist2::new(ahead / dt, (b.theta - a.theta) / dt);
         let command = if reference != Twist2::STOP {
             tracking::command(&motion.pose, &a, reference)
         } else if stops.halt || self.room(stops).is_some_and(|room| room <= 0.0) {
@@ -139,7 +139,10 @@ impl Follow {
             ((to - theta) / dt).abs()
         };
         let model = drive.model();
-        let now = motion.twist;
+        let backwards = self.trajectory.is_backwards(self.tau);
+        let sign = if backwards { -1.0 } else { 1.0 };
+        // Of the robot in the direction of the reference.
+        let now = Twist2::new(sign * motion.twist.v, motion.twist.omega);
         let mut high = 1.0f64;
         // The drive limits its speed.
         if let Some(a) = model.acceleration {
@@ -151,9 +154,9 @@ impl Follow {
         }
         // The reference waits for a robot that lags behind: the robot keeps a reserve of speed to
         // catch up.
-        let lag = tracking::error(&motion.pose, &self.reference()).x;
+        let lag = sign * tracking::error(&motion.pose, &self.reference()).x;
         if lag > 0.0 {
-            let left = (drive.top_speed() - K_X * lag).max(0.0);
+            let left = (drive.top_speed(backwards) - K_X * lag).max(0.0);
             high = high.min(largest(|r| speed(r) <= left));
         }
         if let Some(room) = self.room(stops) {

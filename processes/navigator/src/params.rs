@@ -58,6 +58,8 @@ pub struct PlanningParams {
     /// N of the N + 1 nodes of `vmc`.
     #[schemars(transform = between(2, 64))]
     pub nodes: Option<u32>,
+    /// `true` for plans that may drive backwards, up to the robot's `v_reverse_max`.
+    pub backwards: bool,
     /// Reference point of `vmc`.
     #[schemars(transform = each(between(-1e6, 1e6)).unit("m"))]
     pub reference_point: Option<[f64; 2]>,

@@ -4,7 +4,10 @@
 //! Autonomous Mobile Robot*, ICRA 1990): with the reference's pose in the robot's frame (`e_x`,
 //! `e_y`, `e_θ`) and its speeds (`v_r`, `ω_r`),
 //!
-//! v = `v_r` cos `e_θ` + `k_x` `e_x`,  ω = `ω_r` + `v_r` (`k_y` `e_y` + `k_θ` sin `e_θ`).
+//! v = `v_r` cos `e_θ` + `k_x` `e_x`,  ω = `ω_r` + `v_r` `k_y` `e_y` + |`v_r`| `k_θ` sin `e_θ`,
+//!
+//! in which the magnitude keeps the heading stable backwards as well (there is none in the paper,
+//! whose reference drives forwards).
 //!
 //! Its heading error is corrected by driving alone; while the reference turns on the spot, the term
 //! `k_turn` sin `e_θ` is added here, so that a turn ends where it should.
@@ -38,7 +41,7 @@ pub fn command(pose: &Pose2, reference: &Pose2, reference_twist: Twist2) -> Twis
     };
     Twist2 {
         v: v * cos + K_X * error.x,
-        omega: omega + v * (K_Y * error.y + K_THETA * sin) + turn,
+        omega: omega + v * (K_Y * error.y + v.signum() * K_THETA * sin) + turn,
     }
 }
 
@@ -61,8 +64,11 @@ mod tests {
 
     #[test]
     fn errors_vanish_along_a_straight_line_and_a_circle() {
-        for omega in [0.0, 0.4, -0.4] {
-            let twist = Twist2::new(0.2, omega);
+        for (v, omega) in [0.2, -0.2]
+            .map(|v| [0.0, 0.4, -0.4].map(|w| (v, w)))
+            .concat()
+        {
+            let twist = Twist2::new(v, omega);
             let mut reference = Pose2::new(1.0, 2.0, 0.5);
             let mut pose = Pose2::new(0.97, 2.02, 0.3);
             for _ in 0..400 {

@@ -12,8 +12,6 @@ const PIECE: (f64, f64) = (0.01, 0.1);
 pub const SAGITTA: f64 = PIECE.0 * PIECE.1 / 8.0;
 /// Maximum number of pieces of one path, far beyond real paths.
 const MAX_PIECES: usize = 1 << 20;
-/// Backward speed that counts as a rounding error (m/s).
-const ROUNDING: f64 = 1e-3;
 /// Number of bisections of the search for the end of the free part.
 const HALVINGS: u32 = 24;
 
@@ -36,9 +34,7 @@ pub enum TrajectoryError {
     #[error("no samples")]
     Empty,
     /// A number is not finite, or the times decrease.
-    #[error(
-        "sample {0} is not finite, drives backwards or has an earlier time than the one before"
-    )]
+    #[error("sample {0} is not finite or has an earlier time than the one before")]
     Sample(usize),
     /// The path exceeds the maximum length.
     #[error("the path has more than {MAX_PIECES} pieces")]
@@ -48,9 +44,13 @@ pub enum TrajectoryError {
 /// Planned motion of a robot: poses and speeds over time.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Trajectory {
+    /// The received samples, and one wherever the speed changes its sign: between two samples the
+    /// robot drives in one direction.
     samples: Vec<Sample>,
     /// Length of the path up to each sample (m).
     along: Vec<f64>,
+    /// Distance up to each sample (m), counted negative where the robot drives backwards.
+    ahead: Vec<f64>,
     /// Times (s) and places (m) at intervals short enough for straight pieces.
     pieces: Vec<(f64, Point2<f64>)>,
 }
@@ -60,31 +60,36 @@ impl Trajectory {
     ///
     /// # Errors
     /// [`TrajectoryError`] names the invalid sample.
-    pub fn new(mut samples: Vec<Sample>) -> Result<Self, TrajectoryError> {
+    pub fn new(samples: Vec<Sample>) -> Result<Self, TrajectoryError> {
         let mut before = 0.0;
-        for (i, sample) in samples.iter_mut().enumerate() {
+        for (i, sample) in samples.iter().enumerate() {
             let finite = sample.pose.is_finite() && sample.twist.is_finite();
-            let forward = sample.twist.v >= -ROUNDING;
             // Time begins at 0; NaN has no order.
             let in_order = sample.t >= before && (i > 0 || sample.t == 0.0);
-            if !(finite && forward && in_order && sample.t.is_finite()) {
+            if !(finite && in_order && sample.t.is_finite()) {
                 return Err(TrajectoryError::Sample(i));
             }
             before = sample.t;
-            sample.twist.v = sample.twist.v.max(0.0);
         }
+        let samples = with_cusps(samples);
         let first = samples.first().ok_or(TrajectoryError::Empty)?;
         let mut pieces = vec![(0.0, first.pose.position())];
         let mut along = Vec::with_capacity(samples.len());
         along.push(0.0);
-        let mut length = 0.0;
+        let mut ahead = along.clone();
+        let (mut length, mut advance) = (0.0, 0.0);
         for pair in samples.windows(2) {
             let (a, b) = (&pair[0], &pair[1]);
             let way = 0.5 * (a.twist.v + b.twist.v) * (b.t - a.t);
+            let backwards = way < 0.0;
             // The speeds are taken as given, but the positions determine the robot's path.
-            let way = way.max((b.pose.position() - a.pose.position()).norm());
+            let way = way
+                .abs()
+                .max((b.pose.position() - a.pose.position()).norm());
             length += way;
             along.push(length);
+            advance += if backwards { -way } else { way };
+            ahead.push(advance);
             let bend = (b.pose.theta - a.pose.theta).abs();
             let count = (way / PIECE.0).max(bend / PIECE.1).ceil().max(1.0);
             let left = (MAX_PIECES - pieces.len()) as f64;
@@ -102,6 +107,7 @@ impl Trajectory {
         Ok(Self {
             samples,
             along,
+            ahead,
             pieces,
         })
     }
@@ -130,18 +136,37 @@ impl Trajectory {
 
     /// Returns the length of the path up to the time `t` (m).
     pub fn along(&self, t: f64) -> f64 {
+        self.sum(&self.along, t)
+    }
+
+    /// Returns the distance up to the time `t` (m), counted negative where the robot drives backwards.
+    pub fn ahead(&self, t: f64) -> f64 {
+        self.sum(&self.ahead, t)
+    }
+
+    /// Returns `true` if the next motion after the time `t` (s) that is no turn on the spot is
+    /// backwards.
+    pub fn is_backwards(&self, t: f64) -> bool {
+        let next = self.samples.partition_point(|sample| sample.t <= t);
+        let ahead = self.ahead.get(next.saturating_sub(1)..).unwrap_or_default();
+        let moves = ahead.windows(2).find(|pair| pair[0] != pair[1]);
+        moves.is_some_and(|pair| pair[1] < pair[0])
+    }
+
+    /// Returns a sum over the path up to the time `t` (s), from its values at the samples.
+    fn sum(&self, sums: &[f64], t: f64) -> f64 {
         match self.find(t) {
-            Found::At(i) => self.along.get(i).copied().unwrap_or(0.0),
+            Found::At(i) => sums.get(i).copied().unwrap_or(0.0),
             Found::Between(i, part) => {
                 let (a, b) = (&self.samples[i], &self.samples[i + 1]);
-                let sum = a.twist.v + b.twist.v;
+                let total = a.twist.v + b.twist.v;
                 // The share of the path that lies within the share of the time.
-                let share = if sum > 0.0 {
-                    part * (2.0 * a.twist.v + (b.twist.v - a.twist.v) * part) / sum
-                } else {
+                let share = if total == 0.0 {
                     part
+                } else {
+                    part * (2.0 * a.twist.v + (b.twist.v - a.twist.v) * part) / total
                 };
-                self.along[i] + (self.along[i + 1] - self.along[i]) * share.clamp(0.0, 1.0)
+                sums[i] + (sums[i + 1] - sums[i]) * share.clamp(0.0, 1.0)
             }
         }
     }
@@ -202,6 +227,27 @@ impl Trajectory {
             }
         }
     }
+}
+
+/// Returns the samples, with another one wherever the speed changes its sign between two.
+fn with_cusps(samples: Vec<Sample>) -> Vec<Sample> {
+    let mut all: Vec<Sample> = Vec::with_capacity(samples.len());
+    for b in samples {
+        if let Some(a) = all.last()
+            && a.twist.v * b.twist.v < 0.0
+            && a.t < b.t
+        {
+            let part = a.twist.v / (a.twist.v - b.twist.v);
+            let (pose, twist) = between(a, &b, part);
+            all.push(Sample {
+                t: a.t + (b.t - a.t) * part,
+                pose,
+                twist: Twist2::new(0.0, twist.omega),
+            });
+        }
+        all.push(b);
+    }
+    all
 }
 
 enum Found {
@@ -283,6 +329,40 @@ mod tests {
         // Before and after it the robot stands.
         assert_eq!(corner.at(-1.0).1, Twist2::STOP);
         assert_eq!(corner.at(9.0).0.y, 1.0);
+    }
+
+    /// From 1 m/s ahead to 1 m/s back in 2 s; and the same with a step of the speed.
+    fn cusps() -> [Trajectory; 2] {
+        let smooth = vec![
+            sample(0.0, 0.0, 0.0, 0.0, 1.0, 0.0),
+            sample(2.0, 0.0, 0.0, 0.0, -1.0, 0.0),
+        ];
+        let step = vec![
+            sample(0.0, 0.0, 0.0, 0.0, 0.5, 0.0),
+            sample(1.0, 0.5, 0.0, 0.0, 0.5, 0.0),
+            sample(1.0, 0.5, 0.0, 0.0, -0.5, 0.0),
+            sample(2.0, 0.0, 0.0, 0.0, -0.5, 0.0),
+        ];
+        [smooth, step].map(|samples| Trajectory::new(samples).unwrap())
+    }
+
+    #[test]
+    fn both_directions_count_for_the_length_of_a_path_with_a_cusp() {
+        for cusp in cusps() {
+            assert!((cusp.length() - 1.0).abs() < 1e-12);
+            let (tip, twist) = cusp.at(1.0 - 1e-9);
+            assert!((tip.x - 0.5).abs() < 1e-8 && twist.v >= 0.0);
+            assert!((cusp.along(1.0) - 0.5).abs() < 1e-12);
+            assert!((cusp.ahead(1.0) - 0.5).abs() < 1e-12);
+            // A quarter of a second later both are as far from the tip as before it.
+            for t in [0.25, 0.5] {
+                let back = cusp.ahead(1.0) - cusp.ahead(1.0 + t);
+                assert!((back - (cusp.along(1.0 + t) - cusp.along(1.0))).abs() < 1e-12);
+                assert!((cusp.at(1.0 - t).0.x - cusp.at(1.0 + t).0.x).abs() < 1e-12);
+            }
+            assert!(cusp.ahead(2.0).abs() < 1e-12);
+            assert!(!cusp.is_backwards(0.9) && cusp.is_backwards(1.0));
+        }
     }
 
     #[test]

@@ -11,7 +11,7 @@ use thiserror::Error;
 pub struct TrajectoryRequest {
     /// Pose at the start.
     pub start: Pose2,
-    /// Forward speed at the start (m/s); `None`: free.
+    /// Forward speed at the start (m/s), negative backwards; `None`: free.
     pub start_speed: Option<f64>,
     /// Turning rate at the start (rad/s); `None`: free.
     pub start_turn_rate: Option<f64>,

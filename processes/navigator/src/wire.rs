@@ -35,6 +35,7 @@ pub fn encode(
         goal_theta: f64::NAN,
         goal_v: free(ask.goal_speed),
         v_max: model.v_max,
+        v_min: 0.0 - model.v_reverse_max,
         omega_max: model.omega_max,
         acceleration_max: unlimited(model.acceleration),
         angular_acceleration_max: unlimited(model.angular_acceleration),

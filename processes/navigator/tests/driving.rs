@@ -1,5 +1,7 @@
 //! Tests of the navigator without processes: an ideal world, and a planner of straight lines only.
 
+use core::f64::consts::{FRAC_PI_2, PI};
+
 use geometry::math;
 use geometry::pose::{Pose2, Twist2};
 use geometry::shape::{Aabb, Convex};
@@ -45,13 +47,24 @@ fn space(discs: &[(f64, f64, f64)]) -> FreeSpace {
     FreeSpace::new(discs.collect(), bounds, 0.1).unwrap()
 }
 
-/// Turn on the spot, straight ahead at full speed.
+/// Turn on the spot, straight ahead at full speed; or backwards, if that takes less turning and is
+/// allowed.
 fn straight(ask: &TrajectoryRequest) -> Trajectory {
     let way: Vector2<f64> = ask.goal - ask.start.position();
     let heading = math::atan2(way.y, way.x);
-    let turn = math::angle_difference(heading, ask.start.theta);
-    let (v, omega) = (ask.model.v_max, turn.signum() * ask.model.omega_max);
-    let (turned, there) = (turn / omega, turn / omega + way.norm() / v);
+    let forwards = math::angle_difference(heading, ask.start.theta);
+    if ask.model.v_reverse_max > 0.0 && forwards.abs() > FRAC_PI_2 {
+        let turn = math::angle_difference(heading + PI, ask.start.theta);
+        return leg(ask, turn, -ask.model.v_reverse_max);
+    }
+    leg(ask, forwards, ask.model.v_max)
+}
+
+/// Turn on the spot by an angle (rad), then straight to the goal at a speed (m/s).
+fn leg(ask: &TrajectoryRequest, turn: f64, v: f64) -> Trajectory {
+    let way: Vector2<f64> = ask.goal - ask.start.position();
+    let omega = turn.signum() * ask.model.omega_max;
+    let (turned, there) = (turn / omega, turn / omega + way.norm() / v.abs());
     let sample = |t: f64, at: Point2<f64>, theta: f64, v: f64, omega: f64| Sample {
         t,
         pose: Pose2 {
@@ -175,6 +188,35 @@ fn goals_are_reached_in_their_order_without_a_pause_between_them() {
         rig.time()
     );
     assert_eq!(rig.asks.len(), 3);
+}
+
+#[test]
+fn plans_may_drive_backwards_if_the_parameters_allow_it() {
+    for backwards in [false, true] {
+        let mut params = NavigatorParams::default();
+        params.plan.backwards = backwards;
+        // Behind the robot, ahead of it (a cusp), and behind it again.
+        let goals = [[0.5, 1.0], [1.5, 1.1], [0.6, 1.0]];
+        let mut rig = Rig::new(params, &goals, &[]);
+        let (mut ahead, mut back, mut turned) = (0.0, 0.0, 0.0);
+        while rig.navigator.goal().is_some() {
+            rig.step();
+            ahead += rig.twist.v.max(0.0) * DT;
+            back -= rig.twist.v.min(0.0) * DT;
+            turned += rig.twist.omega.abs() * DT;
+            assert!(rig.tick < 1000, "{:?}", rig.pose);
+        }
+        assert!(rig.distance(0.6, 1.0) < 0.03, "{:?}", rig.pose);
+        let reverse = rig.asks[0].1.model.v_reverse_max;
+        if backwards {
+            assert_eq!(reverse, 0.22);
+            assert!((back - 1.4).abs() < 0.05 && (ahead - 1.0).abs() < 0.05);
+            assert!(turned < 0.5, "{turned}");
+        } else {
+            assert_eq!(reverse, 0.0);
+            assert!(back < 1e-3 && turned > 8.0, "{back} {turned}");
+        }
+    }
 }
 
 #[test]

@@ -86,7 +86,7 @@ fn awkward() -> impl Strategy<Value = f64> {
 }
 
 /// Offset of the first number in a request (bytes), and the count of numbers.
-const NUMBERS: (usize, usize) = (64, 22);
+const NUMBERS: (usize, usize) = (64, 23);
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]

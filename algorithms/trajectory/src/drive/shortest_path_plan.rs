@@ -6,7 +6,7 @@
 //! between a straight leg and an arc: slow, but within every limit. A robot that arrives with a
 //! speed that cannot step to 0 first brakes, along its current arc.
 
-use core::f64::consts::TAU;
+use core::f64::consts::{PI, TAU};
 
 use geometry::math;
 use geometry::pose::Pose2;
@@ -68,17 +68,17 @@ fn brake(
     let limits = &problem.limits;
     let v = problem.start_speed.unwrap_or(0.0);
     let omega = problem.start_turn_rate.unwrap_or(0.0);
-    let linear = limits.acceleration.map_or(0.0, |a| v / a);
+    let linear = limits.acceleration.map_or(0.0, |a| v.abs() / a);
     let angular = limits.angular_acceleration.map_or(0.0, |a| omega.abs() / a);
-    let rolls = limits.acceleration.is_some() && v > STANDING;
+    let rolls = limits.acceleration.is_some() && v.abs() > STANDING;
     let turns = limits.angular_acceleration.is_some() && omega.abs() > STANDING;
     if !rolls && !turns {
         return Ok(None);
     }
     let start = problem.start;
     let duration = if rolls { linear.max(angular) } else { angular };
-    let too_long =
-        0.5 * v * duration > path_points::MAX_LENGTH || 0.5 * omega.abs() * duration > MAX_SPIN;
+    let too_long = 0.5 * v.abs() * duration > path_points::MAX_LENGTH
+        || 0.5 * omega.abs() * duration > MAX_SPIN;
     if too_long && (rolls || turns) {
         return Err(PlanError::Infeasible(
             "the robot takes too long to stop or to stop turning",
@@ -96,9 +96,12 @@ fn brake(
     // Both fade together, so that the path is an arc (straight, if ω can step). An unlimited V
     // would step to 0 and does not occur here.
     let omega = if turns { omega } else { 0.0 };
-    let length = 0.5 * v * duration;
-    let kappa = omega / v;
-    let leg = leg_ahead(&start, length, kappa);
+    let length = 0.5 * v.abs() * duration;
+    let kappa = omega / v.abs();
+    // A robot that rolls backwards drives ahead as one that is turned around.
+    let reverse = if v < 0.0 { PI } else { 0.0 };
+    let travel = Pose2::new(start.x, start.y, start.theta + reverse);
+    let leg = leg_ahead(&travel, length, kappa);
     let free = match &leg {
         PathLeg::Segment { from, to } => {
             obstacle_field
@@ -114,13 +117,17 @@ fn brake(
             "the robot is too fast to stop before an obstacle",
         ));
     }
-    let points = path_points::of_leg(&leg, 0.0, start.theta);
-    let fade = |p: &PathPoint| v * (1.0 - p.s / length).max(0.0).sqrt();
+    let points = path_points::of_leg(&leg, 0.0, travel.theta);
+    let fade = |p: &PathPoint| v.abs() * (1.0 - p.s / length).max(0.0).sqrt();
     let mut speeds: Vec<f64> = points.iter().map(fade).collect();
     if let Some(last) = speeds.last_mut() {
         *last = 0.0;
     }
-    trajectory.drive(&points, &speeds);
+    if v < 0.0 {
+        trajectory.drive_backwards(&points, &speeds);
+    } else {
+        trajectory.drive(&points, &speeds);
+    }
     let end = points.last().map_or(start.position(), |p| p.at);
     Ok(Some(Pose2::new(end.x, end.y, start.theta + kappa * length)))
 }

@@ -16,7 +16,7 @@ const SHARE: f64 = 0.9995;
 const STANDING: f64 = 1e-9;
 
 /// Speeds (m/s) at the points of a path for driving along it in the shortest time; `None` if the
-/// prescribed speeds at its ends are impossible. (For a robot without inertia the changes before
+/// prescribed speeds at its ends are impossible: too fast, or backwards. (For a robot without inertia the changes before
 /// and after the path are steps; its speeds are those of the curvatures.)
 ///
 /// Points of the same `s` are a step of the curvature: the robot must stand there if ω cannot step.
@@ -33,6 +33,9 @@ pub fn speeds(
     let n = points.len();
     let mut reach = vec![[0.0, 0.0]; n];
     let last = caps.last()?;
+    if start.is_some_and(|v| v < 0.0) {
+        return None;
+    }
     reach[n - 1] = interval(end, *last)?;
     for i in (0..n - 1).rev() {
         let step = Step::new(&points[i], &points[i + 1], limits);
@@ -64,7 +67,9 @@ pub fn speeds(
 fn interval(speed: Option<f64>, cap: f64) -> Option<[f64; 2]> {
     match speed {
         None => Some([0.0, cap * cap]),
-        Some(v) => (v <= cap * (1.0 + 1e-9)).then_some([v * v, v * v]),
+        Some(v) => (0.0..=cap * (1.0 + 1e-9))
+            .contains(&v)
+            .then_some([v * v, v * v]),
     }
 }
 

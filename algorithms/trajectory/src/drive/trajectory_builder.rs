@@ -1,5 +1,7 @@
 //! Assembly of a trajectory from parts: turns on the spot and paths with speeds.
 
+use core::f64::consts::PI;
+
 use geometry::math;
 use geometry::pose::Pose2;
 use nalgebra::Point2;
@@ -14,6 +16,26 @@ const TURN_SPACING: f64 = 0.1;
 
 /// Speeds (m/s, rad/s) that differ by less are equal.
 const SAME: f64 = 1e-9;
+
+/// Direction in which the robot drives along a path.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Direction {
+    /// Sign of the forward speed.
+    sign: f64,
+    /// Angle (rad) from the heading to the direction of travel.
+    turned: f64,
+}
+
+impl Direction {
+    const FORWARDS: Self = Self {
+        sign: 1.0,
+        turned: 0.0,
+    };
+    const BACKWARDS: Self = Self {
+        sign: -1.0,
+        turned: PI,
+    };
+}
 
 /// A trajectory under construction.
 #[derive(Debug, Clone, PartialEq)]
@@ -137,16 +159,26 @@ impl Trajectory {
     /// Adds a path that begins where the trajectory ends, with the speeds (m/s) at its points.
     /// Between two points V changes linearly in time.
     pub fn drive(&mut self, points: &[PathPoint], speeds: &[f64]) {
+        self.drive_along(points, speeds, Direction::FORWARDS);
+    }
+
+    /// Adds a path that the robot drives backwards, with the magnitudes of its speeds (m/s).
+    pub fn drive_backwards(&mut self, points: &[PathPoint], speeds: &[f64]) {
+        self.drive_along(points, speeds, Direction::BACKWARDS);
+    }
+
+    fn drive_along(&mut self, points: &[PathPoint], speeds: &[f64], direction: Direction) {
         let (Some(first), Some(&v)) = (points.first(), speeds.first()) else {
             return;
         };
-        self.step_to(v, v * first.kappa);
+        let Direction { sign, turned } = direction;
+        self.step_to(sign * v, v * first.kappa);
         let mut t = self.duration();
         for (pair, v) in points.windows(2).zip(speeds.windows(2)) {
             let (a, b) = (&pair[0], &pair[1]);
             let ds = b.s - a.s;
             if ds <= 0.0 {
-                self.step_to(v[1], v[1] * b.kappa);
+                self.step_to(sign * v[1], v[1] * b.kappa);
                 continue;
             }
             t += 2.0 * ds / (v[0] + v[1]);
@@ -154,8 +186,8 @@ impl Trajectory {
                 t,
                 x: b.at.x,
                 y: b.at.y,
-                theta: b.theta,
-                v: v[1],
+                theta: b.theta - turned,
+                v: sign * v[1],
                 omega: v[1] * b.kappa,
             });
             self.length += ds;

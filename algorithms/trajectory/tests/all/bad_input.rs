@@ -201,7 +201,7 @@ fn endless_spinning_or_rolling_is_infeasible() {
     far.start_speed = None;
     // So slow that a step of the search would take hours.
     let mut slow = cluttered();
-    slow.limits.v_max = 1e-5;
+    (slow.limits.v_max, slow.limits.v_min) = (1e-5, -1e-5);
     slow.limits.acceleration = Some(1.0);
     slow.limits.angular_acceleration = Some(1.0);
     for method in Method::ALL {

@@ -1,5 +1,6 @@
 //! The optimiser as a whole: from problems to plans.
 
+mod backwards;
 mod bad_input;
 mod curves;
 mod ends;

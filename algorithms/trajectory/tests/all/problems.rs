@@ -49,6 +49,7 @@ pub fn cluttered() -> Problem {
 pub fn motors() -> RobotLimits {
     RobotLimits {
         v_max: 0.22,
+        v_min: 0.0,
         omega_max: 2.84,
         wheels: Some(Wheels {
             speed: 0.22,
@@ -99,6 +100,7 @@ pub fn faults(problem: &Problem, plan: &Plan) -> Vec<String> {
             })
             .collect(),
         clearance: problem.clearance,
+        v_min: problem.limits.v_min,
         bounds: Some([min.x, min.y, max.x, max.y]),
         ..Contract::new(
             [problem.start.x, problem.start.y, problem.start.theta],

@@ -21,15 +21,16 @@ fn obstacle() -> impl Strategy<Value = Convex> {
 fn limits() -> impl Strategy<Value = RobotLimits> {
     let maybe = |range: core::ops::Range<f64>| proptest::option::of(range);
     (
-        0.05..1.0,
+        (0.05..1.0, prop_oneof![Just(0.0), 0.0..1.0]),
         0.5..16.0,
         maybe(0.1..0.4),
         maybe(0.1..2.0),
         maybe(0.5..8.0),
     )
         .prop_map(
-            |(v_max, omega_max, wheels, acceleration, angular)| RobotLimits {
+            |((v_max, backwards), omega_max, wheels, acceleration, angular)| RobotLimits {
                 v_max,
+                v_min: 0.0 - v_max * backwards,
                 omega_max,
                 wheels: wheels.map(|separation| Wheels {
                     speed: v_max,
@@ -49,7 +50,7 @@ fn problem() -> impl Strategy<Value = Problem> {
         limits(),
         (
             proptest::option::of(-3.2..3.2),
-            proptest::option::of(0.0..1.0),
+            proptest::option::of(-1.0..1.0),
             proptest::option::of(Just(0.0)),
             0.01..0.2,
         ),
@@ -57,7 +58,13 @@ fn problem() -> impl Strategy<Value = Problem> {
         .prop_map(
             |(start, goal, obstacles, limits, (heading, speed, end, clearance))| Problem {
                 start: Pose2::new(start.0, start.1, start.2),
-                start_speed: speed.map(|part: f64| part * limits.v_max),
+                start_speed: speed.map(|part: f64| {
+                    part * if part < 0.0 {
+                        -limits.v_min
+                    } else {
+                        limits.v_max
+                    }
+                }),
                 goal: Point2::new(goal.0, goal.1),
                 goal_heading: heading,
                 goal_speed: end,

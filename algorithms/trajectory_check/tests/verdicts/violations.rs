@@ -36,6 +36,31 @@ fn one_per_cent_too_fast_with_false_controls() {
 }
 
 #[test]
+fn faster_backwards_than_allowed() {
+    let cusp = [
+        Stretch(2.0, [V_MAX; 2], [0.0; 2]),
+        Stretch(2.0, [-0.1; 2], [0.3; 2]),
+    ];
+    let samples = drive([0.0; 3], &cusp);
+    for (v_min, kinds) in [
+        (-0.1, [].as_slice()),
+        (-0.099, &["ReverseSpeed"]),
+        (0.0, &["ReverseSpeed"]),
+    ] {
+        let contract = Contract {
+            v_min,
+            ..contract_of(&samples)
+        };
+        if kinds.is_empty() {
+            let report = check(&contract, &samples);
+            assert!(report.is_valid(), "{report}");
+        } else {
+            assert_finds(&contract, &samples, kinds);
+        }
+    }
+}
+
+#[test]
 fn turning_one_per_cent_too_fast() {
     let samples = drive([0.0; 3], &[Stretch(2.0, [0.0; 2], [-1.01 * OMEGA_MAX; 2])]);
     assert_finds(

@@ -26,9 +26,9 @@ use platform::machine::processors;
 pub(super) const HELP: &str = "\
 The file is a JSON array of instances. Fields: id, cm_per_px, vmax_px_s, wmax_rad_s, buffer_px, bounds_px
 [x, y, x, y], start {x, y, theta}, start_speed or null, goal {x, y}, obstacles [{x, y, r}, {\"polygon\": [[x, y], …]}, …].
-Optional fields: goal.theta, goal_speed, start_turn_rate, wheel_speed_px_s with wheel_separation_px,
-acceleration_px_s2, angular_acceleration_rad_s2. Lengths are in pixels, times in seconds, angles in radians. Other
-fields are ignored. `protean plan generate` writes such files.
+Optional fields: v_min (the speed backwards, negative; 0 for plans that only drive forwards; absent: -vmax_px_s),
+goal.theta, goal_speed, start_turn_rate, wheel_speed_px_s with wheel_separation_px, acceleration_px_s2,
+angular_acceleration_rad_s2. Lengths are in pixels, times in seconds, angles in radians. Other fields are ignored. `protean plan generate` writes such files.
 
 --json prints one line for every instance, in the order of the file: id, status, honest, t_s, lower_bound_s, gap,
 cpu_ms, min_clearance, method, iterations, control_points, length, error, and with --samples samples

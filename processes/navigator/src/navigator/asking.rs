@@ -71,8 +71,14 @@ impl Navigator {
     fn speeds(&self, start: &Motion) -> TrajectoryRequest {
         let share = self.params.speed_fraction;
         let model = self.drive.model();
+        let backwards = if self.params.plan.backwards {
+            model.v_reverse_max.min(model.v_max)
+        } else {
+            0.0
+        };
         let model = RobotModel {
             v_max: share * model.v_max,
+            v_reverse_max: share * backwards,
             omega_max: share * model.omega_max,
             wheel_speed_max: model.wheel_speed_max.map(|max| share * max),
             ..*model
@@ -84,8 +90,8 @@ impl Navigator {
             let turning = 0.5 * turn.unwrap_or(0.0).abs() * model.wheel_separation;
             (max - turning).max(0.0)
         });
-        let fastest = model.v_max.min(wheels);
-        let speed = start.twist.v.clamp(0.0, fastest);
+        let [least, most] = [-model.v_reverse_max, model.v_max].map(|v| v.clamp(-wheels, wheels));
+        let speed = start.twist.v.clamp(least, most);
         TrajectoryRequest {
             start: start.pose,
             start_speed: model.acceleration.map(|_| speed),

@@ -75,6 +75,7 @@ fn limits(header: &PlanRequest) -> RobotLimits {
     let unless_infinite = |limit: f64| (limit != f64::INFINITY).then_some(limit);
     RobotLimits {
         v_max: header.v_max,
+        v_min: header.v_min,
         omega_max: header.omega_max,
         wheels: unless_infinite(header.wheel_speed_max).map(|speed| Wheels {
             speed,
