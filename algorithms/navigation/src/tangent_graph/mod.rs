@@ -17,6 +17,7 @@
 //!   the path over it would be the shortest.
 //! - `towards`: one goal for many starts, as the heuristic of a planner.
 //! - `once`: a single query for a space.
+//! - `classes`: the shortest paths of several homotopy classes.
 //!
 //! All lengths are sums in `f64` of the true segments and arcs. Accuracy: a path penetrates by at most [`geometry::map::TOUCHING`] (1 nm) and bends
 //! by at most 10⁻⁹ rad where it should not.
@@ -38,6 +39,7 @@
 //! ```
 
 mod backwards;
+mod classes;
 mod graph;
 mod heap;
 mod legs;
@@ -53,6 +55,7 @@ use std::sync::Arc as Shared;
 use nalgebra::{Point2, Vector2};
 use thiserror::Error;
 
+pub use classes::k_shortest_classes;
 use graph::Graph;
 use near::Near;
 pub use once::shortest_once;

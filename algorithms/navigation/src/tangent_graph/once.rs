@@ -33,6 +33,26 @@ pub fn shortest_once(
     from: Point2<f64>,
     to: Point2<f64>,
 ) -> Result<Option<ShortestPath>, GraphError> {
+    growing(space, radius, from, to, f64::INFINITY, |graph, limit| {
+        let path = graph.shortest(from, to);
+        let complete = path.as_ref().is_some_and(|path| path.length <= limit);
+        (path, complete)
+    })
+}
+
+/// The result of a query for paths that are not longer than a limit (m) in a graph of the sites that
+/// such paths can touch. The limit grows, up to `most`, until the query is complete.
+///
+/// # Errors
+/// As [`TangentGraph::new`].
+pub(super) fn growing<T>(
+    space: &FreeSpace,
+    radius: f64,
+    from: Point2<f64>,
+    to: Point2<f64>,
+    most: f64,
+    query: impl Fn(&TangentGraph, f64) -> (T, bool),
+) -> Result<T, GraphError> {
     if !(radius >= MIN_RADIUS && radius.is_finite()) {
         return Err(GraphError::Radius(radius));
     }
@@ -45,15 +65,14 @@ pub fn shortest_once(
         let [a, b] = [from, to].map(|end| ((end - site.center).norm() - site.radius).max(0.0));
         a + b
     };
-    for most in LENGTH_BOUNDS
-        .map(|part| part * direct)
-        .into_iter()
-        .chain([f64::INFINITY])
-    {
+    let bounds = LENGTH_BOUNDS.map(|part| part * direct);
+    let mut bounds = bounds.into_iter().filter(|bound| *bound < most);
+    loop {
+        let bound = bounds.next().unwrap_or(most);
         let near: Vec<Site> = all
             .iter()
             .copied()
-            .filter(|site| detour(site) <= most)
+            .filter(|site| detour(site) <= bound)
             .collect();
         let whole = near.len() == all.len();
         let graph = Graph::new(space, radius, near)?;
@@ -66,10 +85,10 @@ pub fn shortest_once(
         let graph = TangentGraph {
             inner: Shared::new(inner),
         };
-        let path = graph.shortest(from, to);
-        if whole || path.as_ref().is_some_and(|path| path.length <= most) {
-            return Ok(path);
+        let limit = if whole { most } else { bound };
+        let (found, complete) = query(&graph, limit);
+        if complete || whole || bound >= most {
+            return Ok(found);
         }
     }
-    Ok(None)
 }

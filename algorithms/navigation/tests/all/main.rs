@@ -5,6 +5,7 @@ mod scenes;
 #[path = "../../../planner_view/tests/support/mod.rs"]
 mod support;
 
+mod classes;
 mod dominance;
 mod passing;
 mod routes;
