@@ -32,7 +32,7 @@ const RULES: Rules = Rules {
             "trajectory_check",
         ],
         &["chaotic_maps", "geometry"],
-        &["sim_backend"],
+        &["free_motion", "sim_backend"],
         &[
             "draw",
             "import",

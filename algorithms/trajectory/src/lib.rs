@@ -57,8 +57,10 @@
 mod attempt;
 mod backwards;
 mod convex;
+pub mod corridors;
 pub mod curve;
 mod drive;
+pub mod guesses;
 mod guide;
 mod lower_bound;
 pub mod obstacle_field;

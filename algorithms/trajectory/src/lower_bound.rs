@@ -1,5 +1,7 @@
 //! Lower bound on the duration.
 
+use free_motion::{Heading, Speeds};
+
 use crate::drive::turn_in_place;
 use crate::problem::{Problem, RobotLimits};
 use geometry::math;
@@ -14,6 +16,9 @@ use geometry::math;
 ///
 /// A robot that may drive backwards is no faster than that point, whose speed is the magnitude of
 /// the robot's; between prescribed speeds of different directions it must also reverse.
+///
+/// Where turning is slow, it needs at least as long as without obstacles and inertia
+/// ([`free_motion::least_time`]).
 pub fn lower_bound(problem: &Problem, shortest: f64) -> f64 {
     let limits = &problem.limits;
     let (start, goal) = (problem.start_speed, problem.goal_speed);
@@ -28,7 +33,14 @@ pub fn lower_bound(problem: &Problem, shortest: f64) -> f64 {
         // Turning during the motion may help or not; the bound assumes that it does.
         turn_in_place::least_duration(limits, angle, from.unwrap_or(limits.top_turn_rate()))
     });
-    straight.max(turn).max(reversal)
+    let speeds = Speeds {
+        v: limits.top_speed(),
+        omega: limits.top_turn_rate(),
+        reverse: limits.may_reverse(),
+    };
+    let heading = problem.goal_heading.map_or(Heading::Free, Heading::At);
+    let turning = free_motion::least_time(&speeds, &problem.start, problem.goal, heading);
+    straight.max(turn).max(reversal).max(turning)
 }
 
 /// Minimum duration (s) of a motion along a line over at least this length (m), between speeds that

@@ -8,6 +8,7 @@ use crate::convex::effort::Effort;
 use crate::drive::shortest_path_plan;
 use crate::drive::trajectory_builder::Trajectory;
 use crate::drive::turn_in_place;
+use crate::guesses::guesses;
 use crate::guide::Guide;
 use crate::guide::grid_guide;
 use crate::guide::previous_plan;
@@ -19,6 +20,7 @@ use crate::plan::{Method, Plan, PlanError, Status};
 use crate::problem::Problem;
 use crate::validity_check;
 use geometry::math;
+use navigation::tangent_graph::PathLeg;
 
 /// Gap to the lower bound, relative to it, below which the search ends; in addition to the cost of
 /// turning into the shortest path on the spot.
@@ -27,7 +29,7 @@ const GOOD: f64 = 1e-3;
 const MAX_TURNING: f64 = 1.5e-3;
 
 /// Gap to the lower bound, relative to it, up to which driving forwards is not compared to driving
-/// backwards.
+/// backwards, nor a curve to the start guesses.
 const NEARLY: f64 = 2.5e-3;
 
 /// Maximum number of times that the breaks of splines are halved.
@@ -51,9 +53,55 @@ pub fn plan(
     options.validate()?;
     let course = Course::new(problem)?;
     let effort = Effort::new(options.max_work);
-    let forwards = plan_forwards(problem, &course, options, last, &effort, stop);
+    let best = either_way(problem, &course, options, last, &effort, stop)?;
+    let has_words = options.method == Method::Bspline && options.fallbacks;
+    let is_good = best.gap() <= NEARLY || !problem.limits.is_without_inertia();
+    if is_good || !has_words || best.status == Status::Deadline || stop() {
+        return Ok(best);
+    }
+    Ok(with_guesses(problem, &course, options, &effort, best))
+}
+
+/// The plan, or a start guess that is valid and faster: where turning is slow and no obstacle is near,
+/// the fastest motion in free space is among them.
+fn with_guesses(
+    problem: &Problem,
+    course: &Course,
+    options: &Options,
+    effort: &Effort,
+    mut best: Plan,
+) -> Plan {
+    let legs: Vec<PathLeg> = course
+        .guide
+        .iter()
+        .flat_map(Guide::legs)
+        .map(|(_, leg)| *leg)
+        .collect();
+    for samples in guesses(problem, &legs) {
+        let trajectory = Trajectory::from_samples(samples);
+        if trajectory.duration() >= best.final_time {
+            continue;
+        }
+        let Some(found) = Checked::new(problem, &course.obstacle_field, trajectory, 0) else {
+            continue;
+        };
+        best = found.into_plan(Status::Planned, options.method, best.lower_bound, effort);
+    }
+    best
+}
+
+/// The faster of the plans ahead and, if the robot may reverse, backwards.
+fn either_way(
+    problem: &Problem,
+    course: &Course,
+    options: &Options,
+    last: Option<&Plan>,
+    effort: &Effort,
+    stop: &mut dyn FnMut() -> bool,
+) -> Result<Plan, PlanError> {
+    let forwards = plan_forwards(problem, course, options, last, effort, stop);
     let turned = backwards::problem(problem);
-    if !problem.limits.may_reverse() || !may_gain(&forwards, problem, &turned, &course) {
+    if !problem.limits.may_reverse() || !may_gain(&forwards, problem, &turned, course) {
         return forwards;
     }
     if stop() {
@@ -61,7 +109,7 @@ pub fn plan(
         return forwards.map(|plan| Plan { status, ..plan });
     }
     let last = last.map(|last| backwards::plan(last.clone(), PI));
-    let backwards = plan_forwards(&turned, &course, options, last.as_ref(), &effort, stop)
+    let backwards = plan_forwards(&turned, course, options, last.as_ref(), effort, stop)
         .map(|plan| backwards::plan(plan, -PI));
     let mut best = match (forwards, backwards) {
         (Ok(a), Ok(b)) if b.final_time < a.final_time => b,
@@ -188,18 +236,7 @@ fn plan_forwards(
         None if tried.stopped => return Err(PlanError::Stopped),
         None => return Err(PlanError::InvalidTrajectory),
     };
-    Ok(Plan {
-        status,
-        method,
-        final_time: checked.trajectory.duration(),
-        lower_bound: bound,
-        length: checked.trajectory.length(),
-        min_clearance: checked.min_clearance,
-        iterations: effort.programs(),
-        work: effort.work(),
-        control_points: checked.control_points as u32,
-        samples: checked.trajectory.into_samples(),
-    })
+    Ok(checked.into_plan(status, method, bound, effort))
 }
 
 /// A trajectory that has passed the check.
@@ -224,6 +261,22 @@ impl Checked {
             min_clearance: report.min_clearance,
             control_points,
         })
+    }
+
+    /// The plan with this trajectory and this bound (s).
+    fn into_plan(self, status: Status, method: Method, lower_bound: f64, effort: &Effort) -> Plan {
+        Plan {
+            status,
+            method,
+            final_time: self.trajectory.duration(),
+            lower_bound,
+            length: self.trajectory.length(),
+            min_clearance: self.min_clearance,
+            iterations: effort.programs(),
+            work: effort.work(),
+            control_points: self.control_points as u32,
+            samples: self.trajectory.into_samples(),
+        }
     }
 }
 

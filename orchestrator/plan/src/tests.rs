@@ -126,10 +126,12 @@ fn what_is_wrong_is_named_with_field_value_and_expectation() {
             json!([]),
             ["start.theta = a list of 0", "(rad)"],
         ),
+        ("/v_min", json!(5), ["v_min = 5", "a number ≤ 0 (px/s)"]),
+        ("/v_min", json!(-21), ["v_min = -21", "from -20 to 0"]),
         (
             "/start_speed",
             json!(21),
-            ["start_speed = 21", "at most 20"],
+            ["start_speed = 21", "from -20 to 20"],
         ),
         ("/goal/x", json!("é"), ["goal.x = \"é\"", "(px)"]),
         ("/goal/theta", json!({}), ["goal.theta", "(rad)"]),

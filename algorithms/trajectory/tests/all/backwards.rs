@@ -18,6 +18,19 @@ fn behind() -> Problem {
     }
 }
 
+/// A turning radius of 0.5 m and a goal to the side: 9.995352 s with reversing, and forwards 12.828813 s with
+/// a turn on the spot, a quarter circle and a line.
+fn slow(goal_heading: Option<f64>) -> Problem {
+    let k = 0.0075;
+    Problem {
+        start: Pose2::new(306.704 * k, 155.309 * k, 1.6442),
+        goal: Point2::new(150.887 * k, 70.365 * k),
+        goal_heading,
+        limits: RobotLimits::simple(0.15, 0.3),
+        ..board()
+    }
+}
+
 fn is_forwards(plan: &Plan) -> bool {
     plan.samples.iter().all(|sample| sample.v >= 0.0)
 }
@@ -129,4 +142,23 @@ fn a_speed_backwards_beyond_the_limits_is_refused() {
         "v_min = -0.2: expected a number from -0.15 to 0"
     );
     assert!(refused(|p| p.limits.v_min = f64::NAN).starts_with("v_min"));
+}
+
+#[test]
+fn where_turning_is_slow_and_nothing_is_near_the_plan_is_the_fastest_motion() {
+    for (reverse, expected) in [(true, 9.995_352), (false, 12.828_813)] {
+        let mut problem = slow(None);
+        if !reverse {
+            problem.limits = problem.limits.forwards();
+        }
+        let plan = plan(&problem, &options(Method::Bspline)).unwrap();
+        assert_eq!(faults(&problem, &plan), [""; 0]);
+        assert!(
+            (plan.final_time - expected).abs() < 1e-5,
+            "{}",
+            plan.final_time
+        );
+        assert!(plan.gap() < 1e-6, "{}", plan.gap());
+        assert!(reverse || is_forwards(&plan));
+    }
 }

@@ -1,0 +1,86 @@
+//! Start guesses for a search in the controls, one for each way to drive.
+//!
+//! A search in the controls finds the local optimum near its start, and the optima of slow turning
+//! differ in kind: ahead, backwards, with cusps, with turns on the spot. [`guesses`] gives a
+//! trajectory of each kind, of the fastest motions in free space ([`free_motion`]) and the path. They keep the limits of the speeds and, where the robot drives, of the
+//! acceleration, and begin and end at the poses of the problem. They need not be free of obstacles,
+//! and the turning rate may step.
+//!
+//! - `motion`: the trajectory of turns, arcs and straight lines.
+//! - `along_path`: a path driven ahead or backwards, with a turn on the spot or a word at either end.
+
+mod along_path;
+mod motion;
+
+use free_motion::Motion;
+use free_motion::words::{self, Word};
+use geometry::pose::Pose2;
+use navigation::tangent_graph::PathLeg;
+
+use crate::plan::Sample;
+use crate::problem::Problem;
+use along_path::{Along, Join};
+
+/// Number of words straight to the goal, of each kind.
+const DIRECT: usize = 2;
+
+/// The start guesses of a problem along a path from its start to its goal, in a fixed order and
+/// each computed on demand: along the path with a turn on the spot at its ends, with words that only
+/// drive on, and with Reeds–Shepp words, ahead and (if the robot may reverse) backwards; then the fastest
+/// words from start to goal regardless of the path. Equal ones are left out.
+pub fn guesses(problem: &Problem, path: &[PathLeg]) -> impl Iterator<Item = Vec<Sample>> {
+    let mut known: Vec<Vec<Motion>> = Vec::new();
+    ways(problem, path).filter_map(move |motions| {
+        if motions.is_empty() || known.contains(&motions) {
+            return None;
+        }
+        let samples = motion::samples(problem, &motions);
+        known.push(motions);
+        Some(samples)
+    })
+}
+
+fn ways(problem: &Problem, path: &[PathLeg]) -> impl Iterator<Item = Vec<Motion>> {
+    let reverses = problem.limits.may_reverse();
+    let joins = move |backwards: bool| {
+        [Join::Spot, Join::Forwards, Join::ReedsShepp]
+            .into_iter()
+            .filter(move |join| reverses || *join != Join::ReedsShepp)
+            .map(move |join| (backwards, join))
+    };
+    let along = joins(false)
+        .chain(joins(true))
+        .filter(move |(backwards, _)| reverses || !backwards)
+        .filter_map(move |(backwards, join)| {
+            Along::new(problem, path, backwards).map(|along| along.motions(join))
+        });
+    let direct = core::iter::once(problem).flat_map(direct);
+    along.chain(direct)
+}
+
+/// The fastest words from start to goal.
+fn direct(problem: &Problem) -> impl Iterator<Item = Vec<Motion>> {
+    let radius = turning_radius(problem);
+    let (start, goal) = (problem.start, problem.goal);
+    let to = move |word: fn(&Pose2, &Pose2, f64) -> Vec<Word>| {
+        let mut words = match problem.goal_heading {
+            Some(theta) => word(&start, &Pose2::new(goal.x, goal.y, theta), radius),
+            None => words::to_place(&start, goal, radius, word),
+        };
+        words.sort_by(|a, b| a.cost().total_cmp(&b.cost()));
+        words.truncate(DIRECT);
+        words.into_iter().map(|word| word.motions())
+    };
+    let reverses = problem.limits.may_reverse();
+    let back = reverses.then(move || to(words::reeds_shepp));
+    to(words::forwards).chain(back.into_iter().flatten())
+}
+
+/// Radius (m) of the curve that the robot drives at full speed and full turning rate.
+fn turning_radius(problem: &Problem) -> f64 {
+    let limits = &problem.limits;
+    limits.top_speed() / limits.top_turn_rate()
+}
+
+#[cfg(test)]
+mod tests;
