@@ -10,10 +10,11 @@ use super::primitives::{kind, marker, picture};
 use super::{grid, palette};
 use crate::ros::messages::{ColorRGBA, MarkerArray, Point, Vector3};
 
-/// Margin at which the opacity is maximal (s).
+/// Margin at which the colour is strongest (s).
 const STRONG: f32 = 10.0;
-/// Minimum and maximum opacity.
-const ALPHA: (f32, f32) = (0.12, 0.47);
+/// Minimum and maximum share of a team's colour in that of a cell; the rest is white. Foxglove Studio ignores the opacity
+/// of cubes.
+const SHARE: (f32, f32) = (0.25, 0.6);
 /// Height of a cell (m): above the map.
 const HEIGHT: f64 = 0.005;
 
@@ -40,8 +41,7 @@ impl Consumer<Picture> for DominanceTopic {
     }
 }
 
-/// Draws dominance regions: cells that a team reaches first are in its colour, with opacity increasing with
-/// the margin; cells that an evader reaches first, but not safely, are pale orange. Returns `None` if the
+/// Draws dominance regions: cells that a team reaches first are in its colour, the stronger the larger the margin; cells that an evader reaches first, but not safely, are pale orange. Returns `None` if the
 /// number of cells differs from the header.
 fn draw(
     header: &DominanceHeader,
@@ -68,11 +68,11 @@ fn draw(
     for (index, cell) in (0_u32..).zip(cells) {
         // `min` ignores NaN.
         let strength = cell.margin.abs().min(STRONG) / STRONG;
-        let alpha = ALPHA.0 + (ALPHA.1 - ALPHA.0) * strength;
-        let (rgb, alpha) = match cell.owner {
-            1 => (palette::PURSUER, alpha),
-            2 => (palette::EVADER, alpha),
-            3 => (palette::CUT_OFF, ALPHA.0),
+        let share = SHARE.0 + (SHARE.1 - SHARE.0) * strength;
+        let (rgb, share) = match cell.owner {
+            1 => (palette::PURSUER, share),
+            2 => (palette::EVADER, share),
+            3 => (palette::CUT_OFF, SHARE.0),
             _ => continue,
         };
         let centre = |origin: f64, cell: u32| origin + (f64::from(cell) + 0.5) * side;
@@ -81,7 +81,7 @@ fn draw(
             y: centre(header.origin_y, index / header.width),
             z: HEIGHT / 2.0,
         });
-        marker.colors.push(palette::color(rgb, alpha));
+        marker.colors.push(palette::pale(rgb, share));
     }
     // Viewers refuse a list without points.
     if !marker.points.is_empty() {
@@ -103,7 +103,7 @@ mod tests {
     }
 
     #[test]
-    fn teams_set_the_colour_and_margins_the_opacity() {
+    fn teams_set_the_colour_and_margins_its_strength_without_opacity() {
         let header = DominanceHeader {
             width: 5,
             height: 1,
@@ -122,9 +122,10 @@ mod tests {
         let columns: Vec<f64> = marker.points.iter().map(|p| p.x).collect();
         assert_eq!(columns, [0.2 * 1.5, 0.2 * 2.5, 0.2 * 3.5, 0.2 * 4.5]);
         let colors = &marker.colors;
-        assert_eq!(colors[1], palette::color(palette::EVADER, ALPHA.1));
-        assert_eq!(colors[2], palette::color(palette::CUT_OFF, ALPHA.0));
-        assert!(colors[0].a < colors[1].a);
+        assert_eq!(colors[1], palette::pale(palette::EVADER, SHARE.1));
+        assert_eq!(colors[2], palette::pale(palette::CUT_OFF, SHARE.0));
+        assert!(colors[0].r > palette::pale(palette::PURSUER, SHARE.1).r);
+        assert!(colors.iter().all(|color| color.a == 1.0));
         assert!(draw(&header, 0, [cell(1, 0.0)].into_iter()).is_none());
         let none = draw(&header, 0, [cell(0, 0.0); 5].into_iter()).unwrap();
         assert_eq!(none.markers.len(), 1, "removes the earlier regions");

@@ -41,3 +41,14 @@ pub(super) fn role(role: u8, alpha: f32) -> ColorRGBA {
         _ => color(palette::rgb(palette::NEUTRAL), alpha),
     }
 }
+
+/// Returns a colour mixed with white: its share is 0 to 1.
+pub(super) const fn pale(rgb: [u8; 3], share: f32) -> ColorRGBA {
+    let strong = color(rgb, 1.0);
+    ColorRGBA {
+        r: 1.0 - share * (1.0 - strong.r),
+        g: 1.0 - share * (1.0 - strong.g),
+        b: 1.0 - share * (1.0 - strong.b),
+        a: 1.0,
+    }
+}
