@@ -37,6 +37,7 @@ const RULES: Rules = Rules {
             "draw",
             "import",
             "mcap_log",
+            "optimal_control",
             "planner_view",
             "runtime",
             "statistics",

@@ -21,7 +21,6 @@ use crate::options::{Constraints, Options};
 use crate::path_points::PathPoint;
 use crate::plan::Method;
 use crate::problem::Problem;
-use crate::refine::Refinement;
 
 /// Maximum number of times that a curve is recomputed because it is too near to an obstacle between
 /// its samples.
@@ -49,9 +48,6 @@ pub struct Candidate {
     pub trajectory: Trajectory,
     /// Number of control points of the curve.
     pub control_points: usize,
-    /// `true` if the limits of the accelerations are ignored: not a result, but a start for
-    /// refinement.
-    pub rough: bool,
 }
 
 /// State common to all attempts.
@@ -114,29 +110,6 @@ impl Attempts<'_> {
                 polished.or_else(|| self.drive(&curve, &points, variant))
             }
         }
-    }
-
-    /// The trajectory made faster, or unchanged if that fails.
-    pub fn refine(&self, mut candidate: Candidate, stop: &mut dyn FnMut() -> bool) -> Candidate {
-        // The last plan kept the same limits: it is nearer to the optimum than any curve.
-        let rest = self.rest.as_ref().map(|rest| rest.samples.as_slice());
-        let mut found = None;
-        for samples in rest.into_iter().chain([candidate.trajectory.samples()]) {
-            let search = Refinement::new(self.problem, self.obstacle_field, samples, self.effort);
-            let Some(mut search) = search else { continue };
-            found = search.run(stop);
-            if found.is_some() || stop() {
-                break;
-            }
-        }
-        if let Some(samples) = found {
-            let trajectory = Trajectory::from_samples(samples);
-            if candidate.rough || trajectory.duration() < candidate.trajectory.duration() {
-                candidate.trajectory = trajectory;
-                candidate.rough = false;
-            }
-        }
-        candidate
     }
 
     fn basis(&self, degree: usize, headings: Headings, level: u32) -> Basis {
@@ -218,12 +191,7 @@ impl Attempts<'_> {
         };
         let start = end(variant.turn_at_start, problem.start_speed);
         let end = end(variant.turn_at_goal, problem.goal_speed);
-        let speeds = speed_profile::speeds(points, limits, start, end);
-        let rough = speeds.is_none();
-        let speeds = match speeds {
-            Some(speeds) => speeds,
-            None => speed_profile::speeds(points, &limits.without_inertia(), None, None)?,
-        };
+        let speeds = speed_profile::speeds(points, limits, start, end)?;
         let mut trajectory = Trajectory::at(&problem.start);
         if variant.turn_at_start {
             let first = points.first()?.theta;
@@ -241,7 +209,6 @@ impl Attempts<'_> {
         Some(Candidate {
             trajectory,
             control_points: curve.control_points(),
-            rough,
         })
     }
 }

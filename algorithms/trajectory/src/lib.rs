@@ -10,9 +10,9 @@
 //! exact shortest path ([`navigation::tangent_graph`]) at full speed is a lower bound
 //! ([`lower_bound()`]) and selects the corridor. A few convex programs (`convex`) find a smooth curve
 //! of the method's family ([`curve`]) in it; it is sampled densely (`drive::sample_curve`) and driven
-//! as fast as its curvature and the limits allow (`drive::speed_profile`). With inertia the bound is
-//! loose and the path itself changes: `refine` continues the search in the controls. Every result
-//! passes the [`trajectory_check`], which shares no code with this crate. If no smooth trajectory
+//! as fast as its curvature and the limits allow (`drive::speed_profile`). Where the robot turns slowly
+//! or has inertia, the bound is loose and the path itself changes: `controls` searches for local optima
+//! in the controls. Every result passes the [`trajectory_check`], which shares no code with this crate. If no smooth trajectory
 //! passes, the result is the shortest path itself, with turns on the spot
 //! (`drive::shortest_path_plan`).
 //!
@@ -56,11 +56,13 @@
 
 mod attempt;
 mod backwards;
+mod controls;
 mod convex;
-pub mod corridors;
+mod course;
 pub mod curve;
+mod curve_plan;
 mod drive;
-pub mod guesses;
+mod guesses;
 mod guide;
 mod lower_bound;
 pub mod obstacle_field;
@@ -68,7 +70,6 @@ pub mod options;
 mod path_points;
 pub mod plan;
 pub mod problem;
-mod refine;
 mod solve;
 pub mod validity_check;
 

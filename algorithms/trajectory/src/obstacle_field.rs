@@ -3,7 +3,7 @@
 
 use geometry::shape::{Aabb, Contact, Convex};
 use nalgebra::{Point2, Vector2};
-use navigation::tangent_graph::{ShortestPath, shortest_once};
+use navigation::tangent_graph::{ShortestPath, k_shortest_classes, shortest_once};
 use planner_view::free_space::FreeSpace;
 
 use crate::path_points::PathPoint;
@@ -132,6 +132,17 @@ impl ObstacleField {
         })
     }
 
+    /// Minimum radius (m) of the grown obstacles; of polygons, the clearance. Infinite without
+    /// obstacles.
+    pub fn smallest(&self) -> f64 {
+        let radius = |obstacle: &Convex| match obstacle {
+            Convex::Disc { radius, .. } => *radius,
+            _ => 0.0,
+        };
+        let radii = self.obstacles.iter().map(radius);
+        self.clearance + radii.fold(f64::INFINITY, f64::min)
+    }
+
     /// Largest depth (m) of a path in each grown obstacle that it is in, by index.
     pub fn depths(&self, points: &[PathPoint]) -> Vec<(usize, f64)> {
         let mut found = Vec::new();
@@ -191,6 +202,21 @@ impl ExactObstacleField {
                 })
             })?
             .ok_or(PlanError::NoPath)
+    }
+}
+
+impl ExactObstacleField {
+    /// The shortest paths of at most `count` homotopy classes between two points (m), in order of
+    /// length and no longer than `longest` (m).
+    pub fn classes(
+        &self,
+        from: Point2<f64>,
+        to: Point2<f64>,
+        count: usize,
+        longest: f64,
+    ) -> Vec<ShortestPath> {
+        k_shortest_classes(&self.space, self.clearance, from, to, count, longest)
+            .unwrap_or_default()
     }
 }
 

@@ -48,9 +48,8 @@ pub struct Options {
     /// `true` to try alternatives if the requested curve fails the check or is not good: turning on
     /// the spot before and after it, more control points, and finally the exact shortest path.
     pub fallbacks: bool,
-    /// `true` to refine the curve of a robot with inertia by a search in its controls (`refine`).
-    /// If only the wheels couple the speeds, the gain is a few thousandths and there is no
-    /// refinement.
+    /// `true` to search in the controls where speeds cannot step; with `fallbacks` and `bspline` also
+    /// where the curve is not near the lower bound.
     pub refine: bool,
     /// Degree of the B-spline, 2…8; absent: 3, or 2 for the prey of `lp`.
     pub degree: Option<usize>,

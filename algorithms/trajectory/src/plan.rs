@@ -73,13 +73,17 @@ pub struct Plan {
     pub length: f64,
     /// Smallest distance (m) of the path to a grown obstacle; infinite without obstacles.
     pub min_clearance: f64,
-    /// Number of convex programs solved.
+    /// Number of convex programs of curves and of steps of searches in the controls.
     pub iterations: u32,
     /// Work of the search: the number of coefficients of its convex programs, once per step of
-    /// their solver. In proportion to it grows the computing time.
+    /// their solver, and of inequalities and variables of a search in the controls, once per step. In
+    /// proportion to it grows the computing time.
     pub work: u64,
     /// Number of control points of the curve; 0 for a curve without.
     pub control_points: u32,
+    /// Largest error of the first-order conditions of a local optimum in the controls, with the
+    /// duration as the unit of time; `None` for a plan along a curve, whose controls are not searched.
+    pub residual: Option<f64>,
 }
 
 impl Plan {

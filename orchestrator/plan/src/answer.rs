@@ -79,10 +79,13 @@ pub struct Answer {
     pub min_clearance: Option<f64>,
     /// Method that made the plan.
     pub method: Method,
-    /// Number of convex programs solved.
+    /// Number of convex programs of curves and of steps of searches in the controls.
     pub iterations: Option<u32>,
     /// Degrees of freedom of the curve; 0 for a plan without one.
     pub control_points: Option<u32>,
+    /// Largest error of the first-order conditions of a local optimum in the controls, with the
+    /// duration as the unit of time; `None` for a plan along a curve or the shortest path.
+    pub residual: Option<f64>,
     /// Length of the path (px).
     pub length: Option<f64>,
     /// Reason for the lack of a plan, or fault of the plan.
@@ -114,6 +117,7 @@ impl Answer {
             method,
             iterations: None,
             control_points: None,
+            residual: None,
             length: None,
             error: Some(error),
             samples: None,
@@ -157,6 +161,7 @@ impl Answer {
             method: plan.method,
             iterations: Some(plan.iterations),
             control_points: Some(plan.control_points),
+            residual: plan.residual,
             length: finite(plan.length / k),
             error: (!report.is_valid()).then(|| report.to_string()),
             samples: Some(scaled.collect()),

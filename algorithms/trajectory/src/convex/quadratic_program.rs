@@ -8,30 +8,15 @@ use nalgebra::DMatrix;
 
 use crate::convex::effort::Effort;
 
-/// min ½ zᵀ H z + qᵀ z subject to A z ≤ b and C z = d.
+/// min ½ zᵀ H z + qᵀ z subject to A z ≤ b.
 #[derive(Debug, Clone, PartialEq)]
 pub struct QuadraticProgram {
     hessian: DMatrix<f64>,
     linear: Vec<f64>,
-    equal: Rows,
-    at_most: Rows,
-}
-
-/// Linear constraints.
-#[derive(Debug, Clone, PartialEq, Default)]
-struct Rows {
-    /// Begin and end of each row's terms, and its right side.
+    /// Begin and end of each constraint's terms, and its bound.
     rows: Vec<(usize, usize, f64)>,
-    /// Variables and coefficients, row by row.
+    /// Variables and coefficients, constraint by constraint.
     terms: Vec<(usize, f64)>,
-}
-
-impl Rows {
-    fn push(&mut self, terms: impl IntoIterator<Item = (usize, f64)>, right: f64) {
-        let begin = self.terms.len();
-        self.terms.extend(terms);
-        self.rows.push((begin, self.terms.len(), right));
-    }
 }
 
 impl QuadraticProgram {
@@ -40,8 +25,8 @@ impl QuadraticProgram {
         Self {
             hessian: DMatrix::zeros(variables, variables),
             linear: vec![0.0; variables],
-            equal: Rows::default(),
-            at_most: Rows::default(),
+            rows: Vec::new(),
+            terms: Vec::new(),
         }
     }
 
@@ -60,12 +45,9 @@ impl QuadraticProgram {
 
     /// Adds the constraint Σ terms ≤ `bound`; every variable at most once.
     pub fn at_most(&mut self, terms: impl IntoIterator<Item = (usize, f64)>, bound: f64) {
-        self.at_most.push(terms, bound);
-    }
-
-    /// Adds the constraint Σ terms = `value`; every variable at most once.
-    pub fn equal(&mut self, terms: impl IntoIterator<Item = (usize, f64)>, value: f64) {
-        self.equal.push(terms, value);
+        let begin = self.terms.len();
+        self.terms.extend(terms);
+        self.rows.push((begin, self.terms.len(), bound));
     }
 
     /// Solves the program and adds its work to `effort`; `None` if the solver finds no solution.
@@ -73,10 +55,7 @@ impl QuadraticProgram {
         let n = self.linear.len();
         let costs = upper_triangle(&self.hessian);
         let (matrix, bounds) = self.matrix(n);
-        let cones = [
-            SupportedConeT::ZeroConeT(self.equal.rows.len()),
-            SupportedConeT::NonnegativeConeT(self.at_most.rows.len()),
-        ];
+        let cones = [SupportedConeT::NonnegativeConeT(self.rows.len())];
         let coefficients = matrix.nzval.len() + costs.nzval.len();
         let mut steps = 0;
         let mut found = None;
@@ -105,32 +84,27 @@ impl QuadraticProgram {
         found
     }
 
-    /// All rows, equalities first, and their right sides.
+    /// The constraints' matrix and bounds.
     fn matrix(&self, n: usize) -> (CscMatrix<f64>, Vec<f64>) {
-        let parts = [&self.equal, &self.at_most];
-        let count: usize = parts.iter().map(|part| part.terms.len()).sum();
         let mut first = vec![0usize; n + 1];
-        for (var, _) in parts.iter().flat_map(|part| &part.terms) {
+        for (var, _) in &self.terms {
             first[var + 1] += 1;
         }
         for i in 0..n {
             first[i + 1] += first[i];
         }
         let mut next = first.clone();
-        let mut rows = vec![0; count];
-        let mut values = vec![0.0; count];
-        let mut right = Vec::new();
-        for part in parts {
-            for &(begin, end, value) in &part.rows {
-                for &(var, coefficient) in &part.terms[begin..end] {
-                    rows[next[var]] = right.len();
-                    values[next[var]] = coefficient;
-                    next[var] += 1;
-                }
-                right.push(value);
+        let mut rows = vec![0; self.terms.len()];
+        let mut values = vec![0.0; self.terms.len()];
+        for (row, &(begin, end, _)) in self.rows.iter().enumerate() {
+            for &(var, coefficient) in &self.terms[begin..end] {
+                rows[next[var]] = row;
+                values[next[var]] = coefficient;
+                next[var] += 1;
             }
         }
-        (CscMatrix::new(right.len(), n, first, rows, values), right)
+        let bounds: Vec<f64> = self.rows.iter().map(|row| row.2).collect();
+        (CscMatrix::new(bounds.len(), n, first, rows, values), bounds)
     }
 }
 
@@ -181,20 +155,6 @@ mod tests {
         let z = program.solve(&Effort::default()).unwrap();
         assert!(
             (z[0] - 0.0).abs() < 1e-6 && (z[1] - 1.0).abs() < 1e-6,
-            "{z:?}"
-        );
-    }
-
-    #[test]
-    fn equalities_hold() {
-        // The point of the line x + y = 1 nearest to the origin.
-        let mut program = QuadraticProgram::new(2);
-        program.add_quadratic(0, 0, 1.0);
-        program.add_quadratic(1, 1, 1.0);
-        program.equal([(0, 1.0), (1, 1.0)], 1.0);
-        let z = program.solve(&Effort::default()).unwrap();
-        assert!(
-            (z[0] - 0.5).abs() < 1e-6 && (z[1] - 0.5).abs() < 1e-6,
             "{z:?}"
         );
     }

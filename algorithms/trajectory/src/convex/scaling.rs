@@ -14,12 +14,6 @@ pub struct Scaling {
 }
 
 impl Scaling {
-    /// The world's own coordinates (m).
-    pub const WORLD: Self = Self {
-        origin: Point2::new(0.0, 0.0),
-        unit: 1.0,
-    };
-
     /// Creates the coordinates for a path of this length (m) from this origin.
     pub fn new(origin: Point2<f64>, length: f64) -> Self {
         Self {

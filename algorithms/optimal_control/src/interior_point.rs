@@ -1,0 +1,143 @@
+//! Primal–dual interior-point iteration.
+//!
+//! After A. Wächter, L. T. Biegler, *On the implementation of an interior-point filter line-search
+//! algorithm for large-scale nonlinear programming*, Mathematical Programming 106 (2006), 25–57, with
+//! its linear systems solved by a Riccati recursion, as by L. Vanroye, A. Sathya, J. De Schutter, W.
+//! Decré, *FATROP: A Fast Constrained Optimal Control Problem Solver for Robot Trajectory
+//! Optimization and Control* (2023). The conditions of the last state are in an augmented Lagrangian,
+//! so that the recursion has no constraints.
+
+use crate::errors::Errors;
+use crate::iterate::Iterate;
+use crate::riccati::{Riccati, Stage, Unknowns};
+use crate::rows::Evaluated;
+use crate::scaled::Scaled;
+
+/// A problem of the barrier counts as solved at this multiple of the barrier parameter.
+const SUBPROBLEM: f64 = 10.0;
+/// Maximum number of iterations.
+const MAX_ITERATIONS: u32 = 150;
+/// Errors of the first-order conditions below which a solution is a local optimum.
+const OPTIMAL: f64 = 1e-6;
+/// Shifts of the Hessians: the first, growth per attempt, reduction after success, maximum.
+const SHIFT: [f64; 4] = [1e-6, 8.0, 3.0, 1e6];
+
+/// Convergence of a search.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Outcome {
+    /// Number of iterations.
+    pub iterations: u32,
+    /// Largest error of the first-order conditions (stationarity, constraints, complementarity), in
+    /// scaled units, where times are parts of the duration.
+    pub residual: f64,
+    /// `true` if it was stopped.
+    pub stopped: bool,
+}
+
+impl Outcome {
+    /// Returns `true` if the solution satisfies the first-order conditions of a local optimum.
+    pub fn is_optimal(&self) -> bool {
+        self.residual <= OPTIMAL
+    }
+}
+
+/// The iteration and its memory.
+pub struct InteriorPoint<'a> {
+    pub(super) problem: &'a Scaled,
+    pub(super) at: Iterate,
+    /// The step, and the iterate that it leads to. Costates are new values, not changes.
+    pub(super) step: Iterate,
+    pub(super) trial: Iterate,
+    pub(super) stages: Vec<Stage>,
+    pub(super) rows: Vec<Evaluated>,
+    /// Errors at the iterate.
+    pub(super) errors: Errors,
+    /// Pairs of violation and merit that no later iterate may both exceed.
+    pub(super) filter: Vec<[f64; 2]>,
+    riccati: Riccati,
+    /// The last shift that was needed.
+    shift: f64,
+}
+
+impl<'a> InteriorPoint<'a> {
+    /// Begins at an iterate with slacks and multipliers.
+    pub fn new(problem: &'a Scaled, at: Iterate) -> Self {
+        Self {
+            stages: vec![Stage::default(); problem.count],
+            rows: vec![Evaluated::default(); problem.rows.len()],
+            riccati: Riccati::new(problem.count),
+            step: at.clone(),
+            trial: at.clone(),
+            errors: Errors::none(),
+            filter: Vec::new(),
+            shift: 0.0,
+            problem,
+            at,
+        }
+    }
+
+    /// The iterate.
+    pub fn into_iterate(self) -> Iterate {
+        self.at
+    }
+
+    /// Reduces the barrier parameter from the first value to the last. `stop` is called in every
+    /// iteration and ends it by `true`.
+    pub fn run(&mut self, barrier: [f64; 2], stop: &mut dyn FnMut() -> bool) -> Outcome {
+        let [mut barrier, last] = barrier;
+        let mut iterations = 0;
+        self.filter.clear();
+        loop {
+            self.evaluate();
+            let mut residual = self.errors.residual(barrier);
+            while residual <= SUBPROBLEM * barrier && barrier > last {
+                barrier = (0.2 * barrier).min(barrier * barrier.sqrt()).max(last);
+                self.filter.clear();
+                residual = self.errors.residual(barrier);
+            }
+            let solved = residual <= SUBPROBLEM * last && barrier <= last;
+            let stopped = !solved && stop();
+            if solved || stopped || iterations == MAX_ITERATIONS || !self.advance(barrier) {
+                return Outcome {
+                    iterations,
+                    residual: self.errors.residual(0.0),
+                    stopped,
+                };
+            }
+            iterations += 1;
+        }
+    }
+
+    /// Takes a step; `false` if there is none. Where the step of the Hessian does not exist or
+    /// does not lead anywhere, the Hessian is shifted: shorter steps, nearer to the gradient.
+    fn advance(&mut self, barrier: f64) -> bool {
+        let [first, growth, reduction, most] = SHIFT;
+        let end = self.assemble(barrier);
+        let mut shift = 0.0;
+        while shift <= most {
+            let step = &mut self.step;
+            let mut to = Unknowns {
+                states: &mut step.states,
+                controls: &mut step.controls,
+                costates: &mut step.costates,
+            };
+            let free = self.problem.free;
+            let solved = self.riccati.solve(&self.stages, &end, free, shift, &mut to);
+            if solved.is_ok() {
+                self.complete_step(barrier);
+                if self.search_line(barrier) {
+                    if shift > 0.0 {
+                        self.shift = shift;
+                    }
+                    return true;
+                }
+            }
+            shift = if shift == 0.0 {
+                (self.shift / reduction).max(first)
+            } else {
+                shift * growth
+            };
+        }
+        false
+    }
+}

@@ -1,0 +1,208 @@
+//! Search in the controls: the fastest motion near a guess.
+//!
+//! Where the robot turns slowly or its speeds cannot step, the shortest path is no longer the fastest,
+//! and the best path depends on the speeds along it. From rough guesses, [`optimal_control`] searches for
+//! local optima in poses, speeds and the duration: first on a few stages from every guess, then on more
+//! from the best. The path between the nodes is tested at every point; an obstacle that it touches
+//! grows, and the search continues.
+
+mod samples;
+mod step_dynamics;
+
+use optimal_control::{COARSE, Keep, Limits, MAX_STAGES, Node, Search};
+
+use crate::convex::effort::Effort;
+use crate::convex::obstacle_planes::{NO_DEPTH, grow_margins};
+use crate::obstacle_field::ObstacleField;
+use crate::path_points;
+use crate::plan::Sample;
+use crate::problem::Problem;
+
+/// Maximum number of times that obstacles grow.
+const MAX_REPAIRS: u32 = 8;
+/// Duration of a guess for a robot with inertia, relative to that without.
+const SLOWER: f64 = 1.05;
+/// Least duration of a search's result, relative to its guess: guesses from which no result could be the
+/// best are not tried.
+const SHORTER: f64 = 0.9;
+/// Excess of a coarse solution's duration over the best, relative to it, up to which it is searched
+/// on more stages: few stages make errors of this size.
+const CONTENDER: f64 = 2e-3;
+/// Distance of two trajectories, relative to the length that the robot can drive in their duration,
+/// below which they are the same optimum.
+const SAME: f64 = 0.01;
+/// Residual above which a coarse solution is none.
+const MAX_RESIDUAL: f64 = 1e-3;
+
+/// A local optimum.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Optimum {
+    /// The trajectory.
+    pub samples: Vec<Sample>,
+    /// Largest error of the first-order conditions.
+    pub residual: f64,
+}
+
+/// Returns the fastest of the local optima that the guesses lead to, `None` if there is none. `stop` ends
+/// the search with the best so far by `true`. A guess is a trajectory that need not satisfy any condition.
+pub fn search(
+    problem: &Problem,
+    obstacle_field: &ObstacleField,
+    mut guesses: Vec<Vec<Sample>>,
+    effort: &Effort,
+    stop: &mut dyn FnMut() -> bool,
+) -> Option<Optimum> {
+    let formulated = formulated(problem, obstacle_field);
+    let top_speed = problem.limits.top_speed();
+    let mut each = |size: usize| {
+        effort.add(1, size);
+        effort.is_spent() || stop()
+    };
+    guesses.sort_by(|a, b| duration(a).total_cmp(&duration(b)));
+    guesses.dedup();
+    let mut coarse: Vec<Search<'_>> = Vec::new();
+    let mut least = f64::INFINITY;
+    for samples in guesses {
+        if duration(&samples) * SHORTER > least {
+            break;
+        }
+        let Some(mut search) = begin(&formulated, obstacle_field, &samples) else {
+            continue;
+        };
+        let outcome = search.run_coarse(&mut each);
+        if outcome.stopped {
+            return None;
+        }
+        if outcome.residual <= MAX_RESIDUAL {
+            least = least.min(search.duration());
+            coarse.push(search);
+        }
+    }
+    coarse.sort_by(|a, b| a.duration().total_cmp(&b.duration()));
+    // Of the searches that have found the same optimum, the first.
+    let mut contenders: Vec<Search<'_>> = Vec::new();
+    for search in coarse {
+        let known = contenders
+            .iter()
+            .any(|other| search.distance(other) < SAME * top_speed * least);
+        if !known && search.duration() <= least * (1.0 + CONTENDER) {
+            contenders.push(search);
+        }
+    }
+    let mut best: Option<Optimum> = None;
+    for search in contenders {
+        let found = finish(search, obstacle_field, &mut each);
+        let faster = |a: &Optimum, b: &Optimum| duration(&a.samples) < duration(&b.samples);
+        if let Some(found) = found
+            && best.as_ref().is_none_or(|best| faster(&found, best))
+        {
+            best = Some(found);
+        }
+    }
+    best
+}
+
+fn duration(samples: &[Sample]) -> f64 {
+    samples.last().map_or(0.0, |last| last.t)
+}
+
+/// The problem for the method.
+fn formulated<'a>(
+    problem: &Problem,
+    obstacle_field: &'a ObstacleField,
+) -> optimal_control::Problem<'a> {
+    let limits = &problem.limits;
+    optimal_control::Problem {
+        start: problem.start.position(),
+        start_heading: problem.start.theta,
+        start_speeds: [problem.start_speed, problem.start_turn_rate],
+        goal: problem.goal,
+        goal_heading: problem.goal_heading,
+        goal_speed: problem.goal_speed,
+        limits: Limits {
+            v: [limits.v_min, limits.v_max],
+            omega: limits.omega_max,
+            wheels: limits
+                .wheels
+                .map(|wheels| [wheels.speed, wheels.separation]),
+            acceleration: limits.acceleration,
+            angular_acceleration: limits.angular_acceleration,
+        },
+        bounds: obstacle_field.bounds,
+        obstacles: obstacle_field
+            .obstacles
+            .iter()
+            .map(|shape| Keep {
+                shape,
+                distance: obstacle_field.clearance,
+            })
+            .collect(),
+    }
+}
+
+/// A search from a guess; `None` if the guess has no duration, or is so long that steps between
+/// nodes would pass over obstacles.
+fn begin<'a>(
+    formulated: &'a optimal_control::Problem<'a>,
+    obstacle_field: &ObstacleField,
+    samples: &[Sample],
+) -> Option<Search<'a>> {
+    let time = samples.last()?.t;
+    if !(time > 0.0 && time.is_finite()) {
+        return None;
+    }
+    let length: f64 = samples
+        .windows(2)
+        .map(|pair| geometry::math::hypot(pair[1].x - pair[0].x, pair[1].y - pair[0].y))
+        .sum();
+    let smallest = obstacle_field.smallest();
+    let stages = (length / smallest).ceil().max(COARSE as f64);
+    if stages > MAX_STAGES as f64 {
+        return None;
+    }
+    let limits = &formulated.limits;
+    let inertia = limits.acceleration.is_some() || limits.angular_acceleration.is_some();
+    let slower = if inertia { SLOWER } else { 1.0 };
+    let count = stages as usize;
+    let nodes: Vec<Node> = (0..=count)
+        .map(|k| {
+            let node = samples::at(samples, time * k as f64 / stages);
+            Node {
+                v: node.v / slower,
+                omega: node.omega / slower,
+                ..node
+            }
+        })
+        .collect();
+    Some(Search::new(formulated, &nodes, time * slower))
+}
+
+/// Searches on all stages and lets obstacles grow until the path between nodes is free.
+fn finish(
+    mut search: Search<'_>,
+    obstacle_field: &ObstacleField,
+    each: &mut dyn FnMut(usize) -> bool,
+) -> Option<Optimum> {
+    let mut margins = vec![0.0; obstacle_field.obstacles.len()];
+    for _ in 0..=MAX_REPAIRS {
+        let outcome = search.run(each);
+        if !outcome.is_optimal() {
+            return None;
+        }
+        let samples = samples::of(&search.solution())?;
+        let depths = obstacle_field.depths(&path_points::of_samples(&samples));
+        let old = margins.clone();
+        if grow_margins(&depths, &mut margins) <= NO_DEPTH {
+            return Some(Optimum {
+                samples,
+                residual: outcome.residual,
+            });
+        }
+        for (i, (new, old)) in margins.iter().zip(&old).enumerate() {
+            if new > old {
+                search.grow(i, new - old);
+            }
+        }
+    }
+    None
+}
