@@ -19,6 +19,8 @@ const YIELD_DISTANCE: f64 = 0.1;
 const GAP: f64 = 0.01;
 /// Further approach allowed to a robot that is too near already (m): the tracking error.
 const SLACK: f64 = 3e-3;
+/// Further approach that counts as none (m): the rounding of plans along the border of a robot's disc.
+const ROUNDING: f64 = 2e-4;
 /// Additional clearance to other robots in plans (m), so that the plan can be driven.
 const EASE: f64 = 0.01;
 /// Deviation (m) of a robot that passes from the way that its place was found for.
@@ -143,7 +145,7 @@ impl Traffic {
                 let distance = (place - other.at).norm();
                 let drawing_near = distance < before - SLACK;
                 let too_near = distance < other.required && drawing_near;
-                let far_too_near = distance < other.least && distance < *before;
+                let far_too_near = distance < other.least && distance < before - ROUNDING;
                 if too_near || far_too_near {
                     return Some((allowed, other.index));
                 }
@@ -241,6 +243,16 @@ mod tests {
             &mut traffic,
         );
         assert_eq!(traffic.stop(&along_x(), 0.0, 2.0), Some((0.0, 0)));
+    }
+
+    #[test]
+    fn a_path_along_the_border_of_a_robot_that_is_too_near_may_be_driven() {
+        let mut traffic = Traffic::default();
+        let mut robots = [robot(0, 0.006, 0.0), robot(1, 0.0, 0.0)];
+        robots[0].pose.y = 0.21;
+        looks(1, &robots, 0.0, &mut traffic);
+        // The path leads 0.05 mm nearer before it leads away.
+        assert_eq!(traffic.stop(&along_x(), 0.0, 2.0), None);
     }
 
     #[test]
