@@ -58,6 +58,7 @@ mod attempt;
 mod backwards;
 mod controls;
 mod convex;
+mod corridors;
 mod course;
 pub mod curve;
 mod curve_plan;

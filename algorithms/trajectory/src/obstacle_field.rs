@@ -3,7 +3,7 @@
 
 use geometry::shape::{Aabb, Contact, Convex};
 use nalgebra::{Point2, Vector2};
-use navigation::tangent_graph::{ShortestPath, k_shortest_classes, shortest_once};
+use navigation::tangent_graph::{ShortestPath, shortest_once};
 use planner_view::free_space::FreeSpace;
 
 use crate::path_points::PathPoint;
@@ -202,21 +202,6 @@ impl ExactObstacleField {
                 })
             })?
             .ok_or(PlanError::NoPath)
-    }
-}
-
-impl ExactObstacleField {
-    /// The shortest paths of at most `count` homotopy classes between two points (m), in order of
-    /// length and no longer than `longest` (m).
-    pub fn classes(
-        &self,
-        from: Point2<f64>,
-        to: Point2<f64>,
-        count: usize,
-        longest: f64,
-    ) -> Vec<ShortestPath> {
-        k_shortest_classes(&self.space, self.clearance, from, to, count, longest)
-            .unwrap_or_default()
     }
 }
 

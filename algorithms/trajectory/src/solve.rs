@@ -3,6 +3,7 @@
 use crate::attempt::Attempts;
 use crate::controls;
 use crate::convex::effort::Effort;
+use crate::corridors::corridors;
 use crate::course::{Checked, Course};
 use crate::curve_plan;
 use crate::drive::trajectory_builder::Trajectory;
@@ -12,10 +13,10 @@ use crate::options::Options;
 use crate::plan::{Method, Plan, PlanError, Sample, Status};
 use crate::problem::Problem;
 
-/// Maximum number of homotopy classes of paths from which a search starts.
-const CLASSES: usize = 4;
-/// Maximum length of their paths in addition to the shortest, relative to it.
-const DETOUR: f64 = 0.3;
+/// Maximum number of corridors from which a search starts.
+const CORRIDORS: usize = 4;
+/// Maximum excess of a corridor's lower bound over that of the problem, relative to it.
+const DETOUR: f64 = 1.0;
 
 /// Plans; `stop` is called regularly and returns `true` to end the search with the best result so
 /// far.
@@ -95,21 +96,27 @@ fn plan_in_controls(
     if let Some(rest) = rest {
         optimum = controls::search(problem, field, vec![rest.samples], effort, stop);
     }
+    let mut guesses = Vec::new();
     if optimum.is_none() {
-        let guesses = guesses(problem, course, options, effort, stop);
-        optimum = controls::search(problem, field, guesses, effort, stop);
+        guesses = self::guesses(problem, course, options, effort, stop);
+        optimum = controls::search(problem, field, guesses.clone(), effort, stop);
     }
-    let mut optimum = optimum?;
-    // A rounding error of a speed that cannot step would be a step.
-    if let (Some(last), Some(v)) = (optimum.samples.last_mut(), problem.goal_speed)
-        && !problem.limits.is_without_inertia()
-    {
-        last.v = v;
-    }
-    let mut trajectory = Trajectory::from_samples(optimum.samples);
-    trajectory.settle(problem.goal);
-    trajectory.keep_ends(problem);
-    let checked = Checked::new(problem, field, trajectory, 0)?;
+    let found = optimum.and_then(|mut optimum| {
+        // A rounding error of a speed that cannot step would be a step.
+        if let (Some(last), Some(v)) = (optimum.samples.last_mut(), problem.goal_speed)
+            && !problem.limits.is_without_inertia()
+        {
+            last.v = v;
+        }
+        let checked = checked(problem, course, optimum.samples)?;
+        Some((checked, Some(optimum.residual)))
+    });
+    let least = found
+        .as_ref()
+        .map_or(f64::INFINITY, |found| found.0.trajectory.duration());
+    let (checked, residual) = exact(problem, course, guesses, least)
+        .map(|checked| (checked, None))
+        .or(found)?;
     // The end of the work is no deadline: it comes at the same point on every machine.
     let status = if !effort.is_spent() && stop() {
         Status::Deadline
@@ -126,9 +133,39 @@ fn plan_in_controls(
         iterations: effort.programs(),
         work: effort.work(),
         control_points: 0,
-        residual: Some(optimum.residual),
+        residual,
         samples: checked.trajectory.into_samples(),
     })
+}
+
+/// The fastest guess that is valid and takes less than `least` (s), if speeds can step: in open space
+/// the fastest motion is among the guesses, and has no error of discretisation.
+fn exact(
+    problem: &Problem,
+    course: &Course,
+    guesses: Vec<Vec<Sample>>,
+    mut least: f64,
+) -> Option<Checked> {
+    let mut best = None;
+    for samples in guesses {
+        let duration = samples.last().map_or(f64::INFINITY, |last| last.t);
+        if duration < least
+            && problem.limits.is_without_inertia()
+            && let Some(found) = checked(problem, course, samples)
+        {
+            least = duration;
+            best = Some(found);
+        }
+    }
+    best
+}
+
+/// A trajectory with the prescribed ends; `None` if it is not valid.
+fn checked(problem: &Problem, course: &Course, samples: Vec<Sample>) -> Option<Checked> {
+    let mut trajectory = Trajectory::from_samples(samples);
+    trajectory.settle(problem.goal);
+    trajectory.keep_ends(problem);
+    Checked::new(problem, &course.obstacle_field, trajectory, 0)
 }
 
 /// Guesses of a search, of a robot without inertia.
@@ -164,10 +201,10 @@ fn guesses(
             .and_then(|variant| attempts.attempt(variant, stop));
         guesses.extend(curve.map(|candidate| candidate.trajectory.into_samples()));
     }
-    let longest = course.shortest * (1.0 + DETOUR);
-    let start = problem.start.position();
-    for path in course.exact.classes(start, problem.goal, CLASSES, longest) {
-        guesses.extend(crate::guesses::guesses(&rough, &path.legs));
+    let most = lower_bound(problem, course.shortest) * (1.0 + DETOUR);
+    let corridors = corridors(problem, &course.exact, CORRIDORS, most).unwrap_or_default();
+    for corridor in corridors {
+        guesses.extend(crate::guesses::guesses(&rough, &corridor.path.legs));
     }
     guesses
 }

@@ -22,7 +22,7 @@ use crate::problem::Problem;
 use along_path::{Along, Join};
 
 /// Number of words straight to the goal, of each kind.
-const DIRECT: usize = 2;
+const DIRECT: usize = 3;
 
 /// The start guesses of a problem along a path from its start to its goal, in a fixed order and
 /// each computed on demand: along the path with a turn on the spot at its ends, with words that only
@@ -73,7 +73,9 @@ fn direct(problem: &Problem) -> impl Iterator<Item = Vec<Motion>> {
     };
     let reverses = problem.limits.may_reverse();
     let back = reverses.then(move || to(words::reeds_shepp));
-    to(words::forwards).chain(back.into_iter().flatten())
+    to(words::forwards)
+        .chain(to(words::dubins))
+        .chain(back.into_iter().flatten())
 }
 
 /// Radius (m) of the curve that the robot drives at full speed and full turning rate.
