@@ -152,6 +152,15 @@ impl<'a> View<'a> {
         robot.active && is_opponent(self.team(), robot.team, role)
     }
 
+    /// The robots of all teams that chase or flee and are no [opponents](Self::opponents) of this role, the planner's own
+    /// robot included, in play and with sane numbers, in the listed order.
+    pub fn fellows(&self, role: Role) -> impl Iterator<Item = &'a RobotView> + use<'a> {
+        let own = self.team();
+        self.active().filter(move |robot| {
+            robot.team.role != Role::Neutral && !is_opponent(own, robot.team, role)
+        })
+    }
+
     /// The robots of the planner's own team, itself included, in play and with sane numbers, in the listed order: all
     /// of the role if its own team does not have it.
     pub fn team_mates(&self, role: Role) -> impl Iterator<Item = &'a RobotView> + use<'a> {
@@ -289,13 +298,13 @@ mod tests {
         let robots: Vec<RobotView> = (0..roles.len())
             .map(|i| robot(i, teams[i], true, i as f64))
             .collect();
-        for (me, role, opponents, mates) in [
-            (0, Role::Pursuer, &[2, 3][..], &[0][..]),
-            (1, Role::Pursuer, &[], &[1]),
-            (2, Role::Evader, &[0], &[2, 3]),
+        for (me, role, opponents, mates, fellows) in [
+            (0, Role::Pursuer, &[2, 3][..], &[0][..], &[0, 1][..]),
+            (1, Role::Pursuer, &[], &[1], &[0, 1, 2, 3]),
+            (2, Role::Evader, &[0], &[2, 3], &[1, 2, 3]),
             // In the place of an evader: robots of another role, and one that is not listed.
-            (4, Role::Evader, &[0, 1], &[2, 3]),
-            (7, Role::Evader, &[0, 1], &[2, 3]),
+            (4, Role::Evader, &[0, 1], &[2, 3], &[2, 3]),
+            (7, Role::Evader, &[0, 1], &[2, 3], &[2, 3]),
         ] {
             let view = View {
                 time_s: 0.0,
@@ -311,6 +320,7 @@ mod tests {
             let others = role.opposite().unwrap();
             assert_eq!(indices(view.opponents(others).collect()), opponents);
             assert_eq!(indices(view.team_mates(role).collect()), mates);
+            assert_eq!(indices(view.fellows(others).collect()), fellows);
             for robot in &robots {
                 let is_opponent = opponents.contains(&robot.index);
                 assert_eq!(view.is_opponent(robot, others), is_opponent);

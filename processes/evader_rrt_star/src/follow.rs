@@ -68,7 +68,7 @@ pub fn by_field(
     });
     let pull = attraction(at, goal, &Bearings::Straight);
     let fellows = view
-        .team_mates(Role::Evader)
+        .fellows(Role::Pursuer)
         .filter(|robot| robot.index != own.index)
         .map(|robot| Repulsor {
             at: robot.pose.position(),

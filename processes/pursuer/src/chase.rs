@@ -233,7 +233,7 @@ fn scatter(
     at: Point2<f64>,
 ) -> Vector2<f64> {
     let colleagues = view
-        .team_mates(Role::Pursuer)
+        .fellows(Role::Evader)
         .filter(|other| params.fidelity.is_published() || other.index != own.index)
         .map(|other| (other, params.scatter_weight));
     let wrecks = view.wrecks().map(|wreck| (wreck, params.wreck_weight));

@@ -183,7 +183,7 @@ fn repulsors(view: &View<'_>, own: usize, params: &EvaderParams) -> impl Iterato
         .opponents(Role::Pursuer)
         .map(move |robot| (robot, police));
     let fellows = view
-        .team_mates(Role::Evader)
+        .fellows(Role::Pursuer)
         .filter(move |robot| robot.index != own)
         .map(move |robot| (robot, fellow));
     let wrecks = view.wrecks().map(move |robot| (robot, wreck));
