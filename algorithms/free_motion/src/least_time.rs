@@ -25,7 +25,7 @@ use nalgebra::{Point2, Vector2};
 use crate::words;
 
 /// Number of directions that are tried, and of bisections around the best.
-const DIRECTIONS: (u32, u32) = (64, 30);
+const DIRECTIONS: (u32, u32) = (24, 20);
 /// Relative error of the computed times.
 const ROUNDING: f64 = 1e-9;
 

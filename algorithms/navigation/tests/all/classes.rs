@@ -3,7 +3,9 @@
 use crate::scenes::{any_point, any_space, space};
 use geometry::shape::Convex;
 use nalgebra::Point2;
-use navigation::tangent_graph::{ShortestPath, TangentGraph, k_shortest_classes, shortest_once};
+use navigation::tangent_graph::{
+    PathLeg, ShortestPath, TangentGraph, k_shortest_classes, shortest_once,
+};
 use proptest::prelude::*;
 
 const RADIUS: f64 = 0.2;
@@ -167,7 +169,7 @@ proptest! {
             prop_assert!((first.length - shortest.length).abs() < 1e-9);
         }
         for path in &classes {
-            let sum: f64 = path.legs.iter().map(|leg| leg.length()).sum();
+            let sum: f64 = path.legs.iter().map(PathLeg::length).sum();
             prop_assert!((sum - path.length).abs() < 1e-7, "{} {}", sum, path.length);
         }
     }
