@@ -112,18 +112,31 @@ fn an_external_program_has_the_presets_of_its_planner() {
 #[test]
 fn an_external_program_that_the_scenario_does_not_provide_for_ends_the_run_before_its_first_tick() {
     let sandbox = Sandbox::new();
-    for (kind, words) in [
+    let optimiser = "\n[[processes]]\nkind = \"optimiser\"";
+    for (kind, more, words) in [
         (
             "pursuer",
+            "",
             ["uses beliefs, but no process", "\"perception\""],
         ),
         (
             "evader_braitenberg",
+            "",
             ["but robot `robot` has none", "`scan`"],
         ),
-        ("navigator", ["but robot `robot` has none", "`goal`"]),
+        (
+            "navigator",
+            "",
+            ["asks for plans, but no process", "\"optimiser\""],
+        ),
+        (
+            "navigator",
+            optimiser,
+            ["but robot `robot` has none", "`goal`"],
+        ),
     ] {
-        sandbox.file("own.toml", driven_by("own", &as_program(kind, "{}")));
+        let lines = as_program(kind, "{}") + more;
+        sandbox.file("own.toml", driven_by("own", &lines));
         let outcome = sandbox
             .protean(["run", "own.toml", "--allow-external"])
             .run();

@@ -293,6 +293,7 @@ fn run_config(root: &Path, prefix: &str) -> RunConfig {
         recorder_ticks: 2,
         map_cells: 1,
         particles: 1,
+        plans: false,
         robots: (0..PLANNERS)
             .map(|index| RobotInfo {
                 name: format!("robot_{index}"),

@@ -204,6 +204,7 @@ fn run_config(scenario: &ResolvedScenario, map: &WorldMap) -> RunConfig {
         recorder_ticks: recorder_ticks(clock, scenario, particles) as u32,
         map_cells: map.frame().len() as u32,
         particles: particles as u32,
+        plans: scenario.processes.iter().any(|p| p.makes(Product::Plans)),
         robots: world.robots.iter().map(robot).collect(),
         exits: map.exits().iter().chain(&rules.exits).copied().collect(),
         capture_radius: rules.capture.map_or(0.0, |c| c.radius),

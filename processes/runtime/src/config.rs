@@ -69,6 +69,8 @@ pub struct RunConfig {
     pub map_cells: u32,
     /// Particles of the largest belief, the capacity of `perception/belief`.
     pub particles: u32,
+    /// `true` if a process of the run makes plans on request.
+    pub plans: bool,
     /// Every robot of the run, in the order of its index.
     pub robots: Vec<RobotInfo>,
     /// Regions through which evaders escape.

@@ -141,8 +141,7 @@ pub fn open<K: ProcessKind>(
     K::open(config, params, bus)
 }
 
-/// Checks that a run meets a need of a process. Whether a process makes plans is checked by the service that it serves:
-/// without it [`OptimiserClient::open`](crate::optimiser_client::OptimiserClient::open) fails.
+/// Checks that a run meets a need of a process.
 fn check_need(need: Need, config: &ProcessConfig) -> Result<(), ProcessError> {
     let lacks = |lack: String, expected: &'static str| ProcessError::Need {
         process: format!("{} (kind {})", config.name, config.kind),
@@ -157,6 +156,10 @@ fn check_need(need: Need, config: &ProcessConfig) -> Result<(), ProcessError> {
         Need::Belief if config.run.particles == 0 => Err(lacks(
             "uses beliefs, but no process provides them".to_owned(),
             "a [[processes]] block with kind = \"perception\"",
+        )),
+        Need::Plans if !config.run.plans => Err(lacks(
+            "asks for plans, but no process makes them".to_owned(),
+            "a [[processes]] block with kind = \"optimiser\"",
         )),
         Need::Scan => first_robot(|robot| robot.beams == 0).map_or(Ok(()), |robot| {
             let lack = format!("steers by a range scanner, but robot `{robot}` has none");

@@ -41,6 +41,7 @@ fn config() -> ProcessConfig {
             recorder_ticks: 8,
             map_cells: CELLS * CELLS,
             particles: 100,
+            plans: false,
             robots: vec![robot("patrol", 1.0), robot("spy", 5.0)],
             exits: Vec::new(),
             capture_radius: 0.0,
