@@ -136,8 +136,10 @@ pub enum ConfigError {
         /// Error of the operating system.
         source: std::io::Error,
     },
-    /// The file is not a process configuration.
-    #[error("process configuration {path}: {source}")]
+    /// The file is not a process configuration of this version.
+    #[error(
+        "process configuration {path}: {source}; this program must be built from the version of `protean` that runs it"
+    )]
     Syntax {
         /// The file.
         path: PathBuf,
