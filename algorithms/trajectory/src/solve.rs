@@ -203,8 +203,12 @@ fn guesses(
     }
     let most = lower_bound(problem, course.shortest) * (1.0 + DETOUR);
     let corridors = corridors(problem, &course.exact, CORRIDORS, most).unwrap_or_default();
-    for corridor in corridors {
-        guesses.extend(crate::guesses::guesses(&rough, &corridor.path.legs));
-    }
+    let paths: Vec<_> = corridors
+        .into_iter()
+        .map(|corridor| corridor.path.legs)
+        .collect();
+    // Words regardless of the obstacles are for robots that turn slowly.
+    let direct = problem.limits.is_without_inertia();
+    guesses.extend(crate::guesses::guesses(&rough, &paths, direct));
     guesses
 }

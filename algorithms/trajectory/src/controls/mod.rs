@@ -22,9 +22,9 @@ use crate::problem::Problem;
 const MAX_REPAIRS: u32 = 8;
 /// Duration of a guess for a robot with inertia, relative to that without.
 const SLOWER: f64 = 1.05;
-/// Least duration of a search's result, relative to its guess: guesses from which no result could be the
-/// best are not tried.
-const SHORTER: f64 = 0.9;
+/// Least duration of a search's result, relative to its guess, without and with inertia (which guesses
+/// lack): guesses from which no result could be the best are not tried.
+const SHORTER: [f64; 2] = [0.8, 0.9];
 /// Excess of a coarse solution's duration over the best, relative to it, up to which it is searched
 /// on more stages: few stages make errors of this size.
 const CONTENDER: f64 = 2e-3;
@@ -54,6 +54,8 @@ pub fn search(
 ) -> Option<Optimum> {
     let formulated = formulated(problem, obstacle_field);
     let top_speed = problem.limits.top_speed();
+    let inertia = !problem.limits.is_without_inertia();
+    let shorter = SHORTER[usize::from(inertia)];
     let mut each = |size: usize| {
         effort.add(1, size);
         effort.is_spent() || stop()
@@ -63,7 +65,7 @@ pub fn search(
     let mut coarse: Vec<Search<'_>> = Vec::new();
     let mut least = f64::INFINITY;
     for samples in guesses {
-        if duration(&samples) * SHORTER > least {
+        if duration(&samples) * shorter > least {
             break;
         }
         let Some(mut search) = begin(&formulated, obstacle_field, &samples) else {

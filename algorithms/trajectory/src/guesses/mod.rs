@@ -24,13 +24,19 @@ use along_path::{Along, Join};
 /// Number of words straight to the goal, of each kind.
 const DIRECT: usize = 3;
 
-/// The start guesses of a problem along a path from its start to its goal, in a fixed order and
-/// each computed on demand: along the path with a turn on the spot at its ends, with words that only
-/// drive on, and with Reeds–Shepp words, ahead and (if the robot may reverse) backwards; then the fastest
-/// words from start to goal regardless of the path. Equal ones are left out.
-pub fn guesses(problem: &Problem, path: &[PathLeg]) -> impl Iterator<Item = Vec<Sample>> {
+/// The start guesses of a problem along paths from its start to its goal, in a fixed order and each
+/// computed on demand: along each path with a turn on the spot at its ends, with words that only drive
+/// on, and with Reeds–Shepp words, ahead and (if the robot may reverse) backwards; then, if `direct`, the
+/// fastest words from start to goal regardless of the paths. Equal ones are left out.
+pub fn guesses<'a>(
+    problem: &'a Problem,
+    paths: &'a [Vec<PathLeg>],
+    direct: bool,
+) -> impl Iterator<Item = Vec<Sample>> {
     let mut known: Vec<Vec<Motion>> = Vec::new();
-    ways(problem, path).filter_map(move |motions| {
+    let along = paths.iter().flat_map(|path| along(problem, path));
+    let words = direct.then_some(problem).into_iter().flat_map(self::direct);
+    along.chain(words).filter_map(move |motions| {
         if motions.is_empty() || known.contains(&motions) {
             return None;
         }
@@ -40,7 +46,8 @@ pub fn guesses(problem: &Problem, path: &[PathLeg]) -> impl Iterator<Item = Vec<
     })
 }
 
-fn ways(problem: &Problem, path: &[PathLeg]) -> impl Iterator<Item = Vec<Motion>> {
+/// A path, driven in every way.
+fn along(problem: &Problem, path: &[PathLeg]) -> impl Iterator<Item = Vec<Motion>> {
     let reverses = problem.limits.may_reverse();
     let joins = move |backwards: bool| {
         [Join::Spot, Join::Forwards, Join::ReedsShepp]
@@ -48,14 +55,12 @@ fn ways(problem: &Problem, path: &[PathLeg]) -> impl Iterator<Item = Vec<Motion>
             .filter(move |join| reverses || *join != Join::ReedsShepp)
             .map(move |join| (backwards, join))
     };
-    let along = joins(false)
+    joins(false)
         .chain(joins(true))
         .filter(move |(backwards, _)| reverses || !backwards)
         .filter_map(move |(backwards, join)| {
             Along::new(problem, path, backwards).map(|along| along.motions(join))
-        });
-    let direct = core::iter::once(problem).flat_map(direct);
-    along.chain(direct)
+        })
 }
 
 /// The fastest words from start to goal.

@@ -57,7 +57,7 @@ proptest! {
     fn guesses_keep_the_limits_and_lead_to_the_goal(problem in problem()) {
         let path = [PathLeg::Segment { from: problem.start.position(), to: problem.goal }];
         let field = ObstacleField::new(&problem).unwrap();
-        let guesses: Vec<_> = guesses(&problem, &path).collect();
+        let guesses: Vec<_> = guesses(&problem, &[path.to_vec()], true).collect();
         prop_assert!(guesses.len() >= 2);
         let reverses = guesses.iter().any(|samples| samples.iter().any(|sample| sample.v < 0.0));
         prop_assert_eq!(reverses, problem.limits.may_reverse());
@@ -90,7 +90,8 @@ fn guesses_are_the_same_every_time_and_all_different() {
         from: problem.start.position(),
         to: problem.goal,
     }];
-    let all = || guesses(&problem, &path).collect::<Vec<_>>();
+    let paths = [path.to_vec()];
+    let all = || guesses(&problem, &paths, true).collect::<Vec<_>>();
     let found = all();
     assert_eq!(found, all());
     // Three connections in both directions, and words of three kinds straight to the goal.
