@@ -69,7 +69,8 @@ impl<'a> InteriorPoint<'a> {
             step: at.clone(),
             trial: at.clone(),
             errors: Errors::none(),
-            filter: Vec::new(),
+            // An iteration adds one pair at most.
+            filter: Vec::with_capacity(MAX_ITERATIONS as usize),
             shift: 0.0,
             problem,
             at,

@@ -41,7 +41,7 @@
 //! // The guess need not keep any limit.
 //! let node = |part: f64| Node { at: Point2::new(2.0 * part, -0.3), theta: 0.0, v: 0.4, omega: 0.0 };
 //! let guess: Vec<Node> = (0..=40).map(|k| node(f64::from(k) / 40.0)).collect();
-//! let mut search = Search::new(&problem, &guess, 5.0);
+//! let mut search = Search::new(&problem, &guess, 5.0).unwrap();
 //! let outcome = search.run(&mut |_| false);
 //! assert!(outcome.is_optimal());
 //! let solution = search.solution();

@@ -42,19 +42,22 @@ pub struct Search<'a> {
 }
 
 impl<'a> Search<'a> {
-    /// Begins at a guess: nodes evenly spaced in time over a duration (s) > 0, two at least. It need
-    /// not satisfy any condition.
-    pub fn new(problem: &'a Problem<'a>, guess: &[Node], duration: f64) -> Self {
+    /// Begins at a guess: nodes evenly spaced in time over a duration (s). It need not satisfy any
+    /// condition. `None` if it has fewer than two nodes or no duration.
+    pub fn new(problem: &'a Problem<'a>, guess: &[Node], duration: f64) -> Option<Self> {
+        if guess.len() < 2 || !(duration > 0.0 && duration.is_finite()) {
+            return None;
+        }
         let mut scaled = Scaled::new(problem, guess, duration);
         let mut at = Iterate::of_guess(&scaled, problem, guess);
         scaled.set_rows(&at.states);
         at.center(&scaled, BARRIER[0]);
-        Self {
+        Some(Self {
             problem,
             scaled,
             at,
             barrier: BARRIER[0],
-        }
+        })
     }
 
     /// Searches with the guess's number of stages, only to the precision that a choice among
@@ -88,7 +91,9 @@ impl<'a> Search<'a> {
 
     /// Lets an obstacle grow by a distance (m) for the next run.
     pub fn grow(&mut self, obstacle: usize, by: f64) {
-        self.scaled.obstacles[obstacle].grow(by / self.scaled.length);
+        if let Some(obstacle) = self.scaled.obstacles.get_mut(obstacle) {
+            obstacle.grow(by / self.scaled.length);
+        }
         self.barrier = BARRIER[2];
     }
 

@@ -48,7 +48,7 @@ fn straight(problem: &Problem<'_>, v: f64) -> (Vec<Node>, f64) {
 
 fn solve(problem: &Problem<'_>, v: f64) -> Solution {
     let (guess, duration) = straight(problem, v);
-    let mut search = Search::new(problem, &guess, duration);
+    let mut search = Search::new(problem, &guess, duration).unwrap();
     let outcome = search.run(&mut |_| false);
     assert!(outcome.is_optimal(), "{outcome:?}");
     search.solution()
@@ -119,10 +119,20 @@ fn wheels_limit_both_speeds_together() {
 }
 
 #[test]
+fn a_guess_without_stages_or_duration_is_none() {
+    let problem = open(Point2::new(1.0, 1.0), LIMITS);
+    let (guess, duration) = straight(&problem, 0.4);
+    assert!(Search::new(&problem, &guess[..1], duration).is_none());
+    for duration in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        assert!(Search::new(&problem, &guess, duration).is_none());
+    }
+}
+
+#[test]
 fn a_stop_ends_the_search() {
     let problem = open(Point2::new(1.0, 1.0), LIMITS);
     let (guess, duration) = straight(&problem, 0.4);
-    let mut search = Search::new(&problem, &guess, duration);
+    let mut search = Search::new(&problem, &guess, duration).unwrap();
     let mut calls = 0;
     let mut stop = |_| {
         calls += 1;
@@ -157,7 +167,7 @@ fn around(disc: &Convex, scale: f64, turned: Rotation2<f64>) -> (Problem<'_>, Ve
 }
 
 fn duration(problem: &Problem<'_>, guess: &[Node], time: f64) -> f64 {
-    let mut search = Search::new(problem, guess, time);
+    let mut search = Search::new(problem, guess, time).unwrap();
     let outcome = search.run(&mut |_| false);
     assert!(outcome.is_optimal(), "{outcome:?}");
     search.duration()

@@ -176,7 +176,7 @@ fn begin<'a>(
             }
         })
         .collect();
-    Some(Search::new(formulated, &nodes, time * slower))
+    Search::new(formulated, &nodes, time * slower)
 }
 
 /// Searches on all stages and lets obstacles grow until the path between nodes is free.

@@ -70,6 +70,7 @@ mod tests {
             iterations: 0,
             work: 0,
             control_points: 0,
+            residual: None,
         }
     }
 
