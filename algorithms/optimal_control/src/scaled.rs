@@ -50,7 +50,7 @@ pub struct Scaled {
 
 impl Scaled {
     /// Scales a problem for a guess of at least two nodes over a duration (s); the inequalities
-    /// follow by [`Self::set_stages`].
+    /// follow by [`Self::set_rows`].
     pub fn new(problem: &Problem<'_>, guess: &[Node], duration: f64) -> Self {
         let limits = &problem.limits;
         let wheel = limits.wheels.map_or(f64::INFINITY, |[speed, _]| speed);
