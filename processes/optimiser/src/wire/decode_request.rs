@@ -11,8 +11,8 @@ use trajectory::options::{Constraints, Guess, Options};
 use trajectory::plan::Method;
 use trajectory::problem::{Problem, ProblemError, RobotLimits, START_TOLERANCE, Wheels};
 
-/// Work at which a plan without a time limit ends with its best trajectory so far, about 30 ms of a
-/// processor; and with the search in the controls of a robot with inertia, about 2 s.
+/// Work at which a plan without a time limit ends with its best trajectory so far, about 15 ms of a
+/// processor; and that of a robot with inertia, about 1 s.
 const MAX_WORK: [u64; 2] = [1 << 18, 1 << 24];
 
 /// Faults of a request that describes no problem.
