@@ -15,7 +15,7 @@ fuzz_target!(|bytes: &[u8]| -> Corpus {
     let Some((header, (problem, options))) = decoded else {
         return Corpus::Reject;
     };
-    let mut patience = 50;
+    let mut patience = 300;
     let mut stop = || {
         patience -= 1;
         patience <= 0

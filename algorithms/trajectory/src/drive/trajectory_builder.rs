@@ -14,6 +14,10 @@ use crate::problem::{Problem, RobotLimits};
 /// Maximum turn (rad) between two samples on the spot.
 const TURN_SPACING: f64 = 0.1;
 
+/// Maximum number of samples of a turn on the spot: that of a robot that cannot turn within any finite
+/// time would have no end.
+const MAX_TURN_SAMPLES: f64 = 1e4;
+
 /// Speeds (m/s, rad/s) that differ by less are equal.
 const SAME: f64 = 1e-9;
 
@@ -131,7 +135,9 @@ impl Trajectory {
             };
             self.step_to(0.0, phase.from);
             let turned = 0.5 * (phase.from + phase.to) * phase.duration;
-            let count = (turned.abs() / TURN_SPACING).ceil().max(1.0);
+            let count = (turned.abs() / TURN_SPACING)
+                .ceil()
+                .clamp(1.0, MAX_TURN_SAMPLES);
             for i in 1..=count as usize {
                 let part = i as f64 / count;
                 let t = part * phase.duration;

@@ -17,6 +17,7 @@ use free_motion::words::{self, Word};
 use geometry::pose::Pose2;
 use navigation::tangent_graph::PathLeg;
 
+use crate::path_points::MAX_LENGTH;
 use crate::plan::Sample;
 use crate::problem::Problem;
 use along_path::{Along, Join};
@@ -37,13 +38,23 @@ pub fn guesses<'a>(
     let along = paths.iter().flat_map(|path| along(problem, path));
     let words = direct.then_some(problem).into_iter().flat_map(self::direct);
     along.chain(words).filter_map(move |motions| {
-        if motions.is_empty() || known.contains(&motions) {
+        if motions.is_empty() || is_too_long(&motions) || known.contains(&motions) {
             return None;
         }
         let samples = motion::samples(problem, &motions);
         known.push(motions);
         Some(samples)
     })
+}
+
+/// Returns `true` for motions longer than any plan: arcs of a robot that hardly turns.
+fn is_too_long(motions: &[Motion]) -> bool {
+    let length = |motion: &Motion| match motion {
+        Motion::Drive { length, .. } => length.abs(),
+        Motion::Turn(_) => 0.0,
+    };
+    let sum: f64 = motions.iter().map(length).sum();
+    sum.is_nan() || sum > MAX_LENGTH
 }
 
 /// A path, driven in every way.

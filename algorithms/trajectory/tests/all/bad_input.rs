@@ -215,3 +215,18 @@ fn endless_spinning_or_rolling_is_infeasible() {
         assert_eq!(faults(&slow, &plan), [""; 0], "{method:?}");
     }
 }
+
+/// Its arcs are so long that their points would not fit into the memory.
+#[test]
+fn a_robot_that_hardly_turns_is_planned_like_any_other() {
+    for omega_max in [1e-6, 1e-12, 1e-300, 3e-322] {
+        for reverse in [0.0, 1.0] {
+            let mut problem = cluttered();
+            problem.limits.omega_max = omega_max;
+            problem.limits.v_min = -reverse * problem.limits.v_max;
+            if let Ok(found) = plan(&problem, &options(Method::Bspline)) {
+                assert_eq!(faults(&problem, &found), [""; 0], "{omega_max}");
+            }
+        }
+    }
+}
