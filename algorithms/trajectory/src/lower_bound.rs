@@ -17,7 +17,7 @@ use geometry::math;
 /// A robot that may drive backwards is no faster than that point, whose speed is the magnitude of
 /// the robot's; between prescribed speeds of different directions it must also reverse.
 ///
-/// Where turning is slow, it needs at least as long as without obstacles and inertia
+/// A robot that turns slowly needs at least as long as without obstacles and inertia
 /// ([`free_motion::least_time`]).
 pub fn lower_bound(problem: &Problem, shortest: f64) -> f64 {
     let limits = &problem.limits;

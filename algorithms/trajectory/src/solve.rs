@@ -22,8 +22,8 @@ const DETOUR: f64 = 1.0;
 /// far.
 ///
 /// A robot that turns quickly and whose speeds can step drives along a curve near the shortest path.
-/// Where no such curve is near the lower bound, or its speeds cannot step, the plan is the fastest of
-/// several local optima in the controls.
+/// The plan of another robot, or among obstacles that leave no such curve near the lower bound, is the
+/// fastest of several local optima in the controls.
 ///
 /// `last` is the plan that the robot has been following, if its goal is the same: where it still
 /// avoids all obstacles, the search begins near it.

@@ -1,7 +1,7 @@
 //! Search in the controls: the fastest motion near a guess.
 //!
-//! Where the robot turns slowly or its speeds cannot step, the shortest path is no longer the fastest,
-//! and the best path depends on the speeds along it. From rough guesses, [`optimal_control`] searches for
+//! The shortest path is not the fastest for a robot that turns slowly or whose speeds cannot step, and
+//! the best path depends on the speeds along it. From rough guesses, [`optimal_control`] searches for
 //! local optima in poses, speeds and the duration: first on a few stages from every guess, then on more
 //! from the best. The path between the nodes is tested at every point; an obstacle that it touches
 //! grows, and the search continues.
