@@ -54,7 +54,7 @@ const RULES: Rules = Rules {
         &["replay", "report"],
         &["faults", "latency", "sweep"],
         &["protean"],
-        &["benchmarks", "end_to_end", "pages"],
+        &["benchmarks", "end_to_end", "pages", "protean_python"],
     ],
     only: &[
         (&["clap"], &["protean", "benchmarks", "pages"]),

@@ -1,0 +1,25 @@
+//! The compiled part of the Python package `protean_robotics`.
+
+#![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
+#![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
+
+mod error;
+mod map;
+
+use pyo3::prelude::*;
+
+/// Functions and classes that `protean_robotics` hands on.
+#[pymodule(gil_used = false)]
+mod _core {
+    use pyo3::prelude::*;
+
+    #[pymodule_export]
+    use crate::error::{Error, InvalidInput};
+    #[pymodule_export]
+    use crate::map::Map;
+
+    #[pymodule_init]
+    fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        module.add("__version__", env!("CARGO_PKG_VERSION"))
+    }
+}
