@@ -1,5 +1,43 @@
-"""Missions of mobile robots: run them, read their logs, write planners."""
+"""Missions of mobile robots: run them, read their logs, write planners.
 
-from ._core import Error, InvalidInput, Map, __version__
+>>> import protean_robotics as pr
+>>> pr.run("hello", in_process=True, seed=1).outcome
+{'robot': 'escaped'}
+"""
 
-__all__ = ["Error", "InvalidInput", "Map", "__version__"]
+from ._core import (
+    Belief,
+    Error,
+    InvalidInput,
+    Map,
+    Steering,
+    Robot,
+    Scan,
+    World,
+    __version__,
+    go_to,
+)
+from ._log import Log
+from ._planner import Planner, planner, serve
+from ._program import program
+from ._run import Run, run
+
+__all__ = [
+    "Belief",
+    "Error",
+    "InvalidInput",
+    "Log",
+    "Map",
+    "Planner",
+    "Robot",
+    "Run",
+    "Scan",
+    "Steering",
+    "World",
+    "__version__",
+    "go_to",
+    "planner",
+    "program",
+    "run",
+    "serve",
+]

@@ -2,9 +2,13 @@
 
 #![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
 #![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
+// Arguments come from Python as values, and doc comments of what it sees are docstrings.
+#![allow(clippy::needless_pass_by_value, clippy::doc_markdown)]
 
 mod error;
 mod map;
+mod planner;
+mod run;
 
 use pyo3::prelude::*;
 
@@ -17,6 +21,10 @@ mod _core {
     use crate::error::{Error, InvalidInput};
     #[pymodule_export]
     use crate::map::Map;
+    #[pymodule_export]
+    use crate::planner::{Belief, Function, PySteering, Robot, Scan, World, go_to, serve};
+    #[pymodule_export]
+    use crate::run::run_in_process;
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {

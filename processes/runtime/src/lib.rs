@@ -26,4 +26,4 @@ pub mod status;
 pub use config::{Clock, ProcessConfig, RobotInfo, RunConfig};
 pub use error::ProcessError;
 pub use kind::{Process, ProcessKind};
-pub use life::{Setup, run, run_with};
+pub use life::{Setup, follow, run, run_with};

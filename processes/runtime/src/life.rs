@@ -123,16 +123,25 @@ impl Setup {
 /// assert_eq!(format!("{code:?}"), format!("{:?}", ExitCode::FAILURE));
 /// ```
 pub fn run<K: ProcessKind>(config: &Path) -> ExitCode {
-    run_with(config, K::presets(), |config, params| {
-        let setup = Setup::new(config)?;
-        // An external program alone knows its kind.
-        let config = &ProcessConfig {
-            kind: K::NAME.to_owned(),
-            ..config.clone()
-        };
-        live(config, setup, &|bus| {
-            Ok(Box::new(kind::open::<K>(config, params, bus)?))
-        })
+    run_with(config, K::presets(), follow::<K>)
+}
+
+/// Runs a process of this kind with its configuration and parameters to its end: the body of [`run`].
+///
+/// # Errors
+/// [`ProcessError`] names the step that failed.
+pub fn follow<K: ProcessKind>(
+    config: &ProcessConfig,
+    params: &K::Params,
+) -> Result<(), ProcessError> {
+    let setup = Setup::new(config)?;
+    // An external program alone knows its kind.
+    let config = &ProcessConfig {
+        kind: K::NAME.to_owned(),
+        ..config.clone()
+    };
+    live(config, setup, &|bus| {
+        Ok(Box::new(kind::open::<K>(config, params, bus)?))
     })
 }
 

@@ -13,6 +13,7 @@ mod processes;
 pub use processes::LocalProcesses;
 
 use std::any::Any;
+use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -34,6 +35,7 @@ use super::recording::{self, LogFile};
 use super::report::MissionReport;
 use super::team_colours;
 use recorder::{DigestPrefixes, Recorder};
+use scenario::kind::ConfiguredKind;
 use scenario::spec::Mode;
 use scenario::{ResolvedScenario, ScenarioRemark};
 
@@ -55,6 +57,9 @@ pub struct InProcessOptions {
     pub last_tick: Option<u64>,
     /// Set by the caller (Ctrl-C) to end the run in order.
     pub interrupted: Arc<AtomicBool>,
+    /// Kinds that run in the place of external programs, by the name of the process. Each is the same planner as its
+    /// program, so that the digest is that of a run with processes.
+    pub programs: BTreeMap<String, ConfiguredKind>,
     /// Data that runs share; pass the same cache to all runs of a sweep, in any scenario and thread.
     pub cache: Arc<Cache>,
 }
@@ -101,7 +106,9 @@ pub fn run(
     if scenario.run.mode == Mode::RealTime {
         return Err(InProcessError::RealTime.into());
     }
-    if let Some(process) = scenario.external_commands().next() {
+    let programs = &options.programs;
+    let mut external = scenario.external_commands();
+    if let Some(process) = external.find(|process| !programs.contains_key(&process.name)) {
         let name = process.name.clone();
         return Err(InProcessError::External { name }.into());
     }
@@ -139,7 +146,7 @@ fn execute(
         plan.orchestrator_index(),
         MAX_TEXT_BYTES,
     ))?;
-    let mut processes = LocalRun::open(&plan, &bus)?;
+    let mut processes = LocalRun::open(&plan, &options.programs, &bus)?;
     processes.connect()?;
     plan.send_obstacle_changes(&obstacles)?;
     for line in remark_lines(&plan, &options.remarks) {

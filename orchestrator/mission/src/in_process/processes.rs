@@ -1,7 +1,10 @@
 //! The processes of a run in one thread.
 
+use std::collections::BTreeMap;
+
 use ipc_types::bus::Bus;
-use runtime::{Process, ProcessError};
+use runtime::{Process, ProcessConfig, ProcessError};
+use scenario::kind::ConfiguredKind;
 use simulator::process::Simulator;
 
 use super::super::error::InProcessError;
@@ -24,9 +27,18 @@ impl LocalProcesses {
     /// # Errors
     /// [`InProcessError`] names the process that cannot be opened.
     pub fn open(followers: &[Launch], bus: &Bus) -> Result<Self, InProcessError> {
+        Self::open_with(followers, &BTreeMap::new(), bus)
+    }
+
+    /// Opens the ports of these processes; `programs` run in the place of external ones.
+    pub(super) fn open_with(
+        followers: &[Launch],
+        programs: &BTreeMap<String, ConfiguredKind>,
+        bus: &Bus,
+    ) -> Result<Self, InProcessError> {
         let processes = order(followers)?
             .into_iter()
-            .map(|launch| open_process(launch, bus))
+            .map(|launch| open_process(launch, programs.get(&launch.config.name), bus))
             .collect::<Result<_, _>>()?;
         Ok(Self { processes })
     }
@@ -75,7 +87,11 @@ pub(super) struct LocalRun {
 
 impl LocalRun {
     /// Opens the ports of all processes.
-    pub(super) fn open(plan: &Plan, bus: &Bus) -> Result<Self, InProcessError> {
+    pub(super) fn open(
+        plan: &Plan,
+        programs: &BTreeMap<String, ConfiguredKind>,
+        bus: &Bus,
+    ) -> Result<Self, InProcessError> {
         let Some((leader, params, followers)) = plan.split_simulator() else {
             return Err(InProcessError::NoSimulator);
         };
@@ -84,7 +100,7 @@ impl LocalRun {
         Ok(Self {
             leader: leader.config.name.clone(),
             simulator,
-            followers: LocalProcesses::open(followers, bus)?,
+            followers: LocalProcesses::open_with(followers, programs, bus)?,
         })
     }
 
@@ -133,13 +149,21 @@ fn failed(name: &str, tick: Option<u64>, source: ProcessError) -> InProcessError
     InProcessError::Process { name, when, source }
 }
 
-fn open_process(launch: &Launch, bus: &Bus) -> Result<LocalProcess, InProcessError> {
-    let config = &launch.config;
-    let name = config.name.clone();
-    let Some(kind) = launch.kind() else {
+fn open_process(
+    launch: &Launch,
+    program: Option<&ConfiguredKind>,
+    bus: &Bus,
+) -> Result<LocalProcess, InProcessError> {
+    let name = launch.config.name.clone();
+    let Some(kind) = launch.kind().or(program) else {
         return Err(InProcessError::External { name });
     };
-    let opened = kind.open(config, bus);
+    // As an external program, which alone knows its kind.
+    let config = ProcessConfig {
+        kind: kind.kind().name.to_owned(),
+        ..launch.config.clone()
+    };
+    let opened = kind.open(&config, bus);
     let process = opened.map_err(|source| failed(&name, None, source))?;
     Ok(LocalProcess { name, process })
 }

@@ -49,7 +49,7 @@ pub fn run(kinds: &[Kind], target: &str, args: &RunArgs) -> ExitCode {
                 report_viewers(live, args.quiet.quiet);
             }
             if args.json.json {
-                print_json(&run_summary::json(&scenario, &remarks, &report));
+                print_json(&report.json(&scenario, &remarks));
             } else {
                 let text = run_summary::text(&scenario, &remarks, &report, args.latency);
                 print_coloured(&text, mission::team_colours(&scenario));

@@ -1,7 +1,6 @@
-//! The summary of a run for people (tables) and for programs (JSON).
+//! The summary of a run for people.
 
 use comfy_table::Table;
-use serde_json::{Value as Json, json};
 
 use mission::MissionReport;
 use recorder::{
@@ -12,61 +11,6 @@ use scenario::{ResolvedScenario, ScenarioRemark};
 use tables::for_terminal;
 
 use super::output::command_line;
-
-/// The one JSON object of `protean run --json`.
-pub(super) fn json(
-    scenario: &ResolvedScenario,
-    remarks: &[ScenarioRemark],
-    report: &MissionReport,
-) -> Json {
-    let s = &report.summary;
-    let mut json = json!({
-        "scenario": scenario.name,
-        "seed": scenario.run.seed,
-        "digest": s.digest,
-        "ticks": s.ticks,
-        "sim_time_s": s.sim_time_s,
-        "wall_time_s": report.wall_time_s,
-        "start_up_s": report.start_up_s,
-        "real_time_factor": factor(report),
-        "interrupted": report.interrupted,
-        "robots": s.robots,
-        "events": s.events,
-        "events_omitted": s.events_omitted,
-        "topics": s.topics,
-        "log": s.log,
-        "log_bytes": s.log_bytes,
-    });
-    if let Some(coverage) = &s.coverage {
-        json["coverage"] = json!(coverage);
-    }
-    if !remarks.is_empty() {
-        json["remarks"] = json!(remarks);
-    }
-    if !s.processes.is_empty() {
-        json["processes"] = json!(s.processes);
-    }
-    if let Some(predictions) = &s.predictions {
-        json["predictions"] = json!(predictions);
-    }
-    for (key, value) in [
-        ("escape_possible_fraction", s.escape_possible_fraction),
-        ("escape_impossible_from_s", s.escape_impossible_from_s),
-    ] {
-        if let Some(value) = value {
-            json[key] = value.into();
-        }
-    }
-    // A run in one process has none.
-    if !s.latency_us.is_empty() {
-        json["latency_us"] = json!(s.latency_us);
-    }
-    json
-}
-
-fn factor(report: &MissionReport) -> f64 {
-    report.summary.sim_time_s / report.wall_time_s.max(1e-9)
-}
 
 fn table(header: &[&str]) -> Table {
     for_terminal(header.iter().copied(), 1)
@@ -253,7 +197,7 @@ pub(super) fn text(
         scenario.run.seed,
         s.sim_time_s,
         report.wall_time_s,
-        factor(report),
+        report.real_time_factor(),
         s.ticks,
         robots_table(s),
     );

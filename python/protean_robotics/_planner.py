@@ -1,0 +1,142 @@
+"""Planners: functions and classes that steer robots."""
+
+import inspect
+import io
+import os
+import signal
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, Generic, NoReturn, TypeVar
+
+from ._core import Function
+from ._core import serve as _serve
+
+Steer = TypeVar("Steer", bound=Callable[..., Any])
+
+#: Environment variable with the path of a process's configuration.
+_CONFIG = "PROTEAN_CONFIG"
+
+
+class Planner(Generic[Steer]):
+    """A function or class that steers a robot; :func:`planner` makes it.
+
+    Called, it is the function or class itself, so that tests can use it.
+    """
+
+    def __init__(self, steer: Steer) -> None:
+        self.steer = steer
+        if inspect.isclass(steer):
+            call = getattr(steer, "__call__", None)
+            if call is None or call is type.__call__:
+                raise TypeError(f"planner {steer.__name__}: expected a class with __call__(self, ...)")
+            setup = None if steer.__init__ is object.__init__ else _arguments(steer.__init__)[1:]
+            self._function = Function(steer, _arguments(call)[1:], setup or [])
+        elif callable(steer):
+            self._function = Function(steer, _arguments(steer))
+        else:
+            raise TypeError(f"planner {steer!r}: expected a function or a class")
+        self.__doc__ = steer.__doc__
+        self.__name__ = getattr(steer, "__name__", "planner")
+
+    def __call__(self, *args: Any, **kwargs: Any) -> Any:
+        return self.steer(*args, **kwargs)
+
+    def __repr__(self) -> str:
+        return f"<planner {self.__name__}>"
+
+
+def planner(steer: Steer) -> Planner[Steer]:
+    """Makes a planner from a function or a class.
+
+    A function is called once per tick and robot. Its arguments name its inputs, in any order:
+
+    ========== =============================================================================
+    ``robot``  its :class:`Robot`
+    ``world``  the :class:`World`: all robots, exits, time
+    ``map``    the :class:`Map`, obstacles that have appeared included
+    ``scan``   the :class:`Scan` of its robot; None before the first
+    ``belief`` dict of the :class:`Belief` about each opponent, by name (the scenario needs a
+               process of kind ``perception``)
+    ``params`` dict of ``params`` in the scenario
+    ``rng``    :class:`numpy.random.Generator`, seeded by run and robot
+    ========== =============================================================================
+
+    A class is for planners with a memory: it is called once per robot with ``robot``, ``world``, ``params`` and ``rng``,
+    as far as its ``__init__`` names them; its object is called once per tick.
+
+    Parameters
+    ----------
+    steer
+        Function or class. In a tick it returns forward speed (m/s) and turning rate (rad/s), or a :class:`Steering`;
+        values beyond the limits of the robot are clipped.
+
+    Returns
+    -------
+    Planner
+        For :func:`serve`, and for ``planners`` of :func:`run`.
+
+    Examples
+    --------
+    >>> import protean_robotics as pr
+    >>> @pr.planner
+    ... def ahead(robot):
+    ...     return 0.5 * robot.v_max, 0.0
+    >>> run = pr.run("hello", in_process=True, planners={"planner": ahead}, set={"rules.time_limit": 1})
+    >>> run.outcome
+    {'robot': 'timed_out'}
+    """
+    return Planner(steer)
+
+
+def serve(steer: Planner[Any]) -> NoReturn:
+    """Runs a planner as a process of a run: the main function of its program.
+
+    A scenario names the program with ``command = ["python3", "planner.py"]``; a run starts it.
+
+    Parameters
+    ----------
+    steer
+        The planner.
+
+    Raises
+    ------
+    SystemExit
+        Always: 0 at the end of the run, 1 after a failure, 2 if no run has started the program.
+    """
+    config = os.environ.get(_CONFIG)
+    if config is None:
+        print(
+            f"{steer.__name__}: a run of protean starts this program, a planner: name it in a scenario,"
+            ' command = ["python3", "FILE"] in [[processes]].',
+            file=sys.stderr,
+        )
+        raise SystemExit(2)
+    # Ctrl-C reaches all processes of a terminal; the run decides then.
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    # Lines that it prints are in the log at once.
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(line_buffering=True)
+    raise SystemExit(0 if _serve(steer._function, Path(config)) else 1)
+
+
+def _arguments(function: Callable[..., Any]) -> list[str]:
+    """Names of the arguments of a function; those with a default that are no inputs are left out."""
+    names = []
+    for name, parameter in inspect.signature(function).parameters.items():
+        if parameter.kind in (parameter.VAR_POSITIONAL, parameter.VAR_KEYWORD, parameter.KEYWORD_ONLY):
+            break
+        if parameter.default is not parameter.empty:
+            break
+        names.append(name)
+    return names
+
+
+def _command(steer: Planner[Any]) -> tuple[list[str], str]:
+    """Command that would start the planner as a process, and its folder."""
+    try:
+        file = inspect.getsourcefile(steer.steer)
+    except TypeError:
+        file = None
+    path = Path(file or steer.__name__).absolute()
+    return ["python3", path.name], str(path.parent)
