@@ -132,6 +132,18 @@ impl BlurredMap {
         })
     }
 
+    /// Blurs the free cells of an occupancy grid (`true` = occupied), as [`BlurredMap::new`].
+    ///
+    /// # Errors
+    /// As [`BlurredMap::new`].
+    pub fn of_occupied(occupied: &Grid<bool>, sigma: f64) -> Result<Self, BlurError> {
+        let free = Grid {
+            frame: occupied.frame,
+            cells: occupied.cells.iter().map(|&occupied| !occupied).collect(),
+        };
+        Self::new(&free, sigma)
+    }
+
     /// Rebuilds the map from the two layers of a message: the *unmasked* blur (0…1 per cell, also
     /// inside obstacles) and the occupancy (`true` = occupied).
     ///

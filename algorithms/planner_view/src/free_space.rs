@@ -24,6 +24,12 @@ use thiserror::Error;
 /// beforehand, so that sampling works even if a millionth of the remaining area is free.
 const MAX_DRAWS: usize = 1 << 24;
 
+/// Maximum number of steps by which a place is moved out of obstacles.
+const PUSHES: u32 = 16;
+
+/// Extra distance by which a place is moved (m).
+const SLACK: f64 = 1e-6;
+
 /// Reason why a free space cannot be built.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum FreeSpaceError {
@@ -168,6 +174,23 @@ impl FreeSpace {
     pub fn is_free(&self, p: Point2<f64>, radius: f64) -> bool {
         self.inner.shapes.is_clear(p, radius - TOUCHING)
             && (radius > 0.0 || self.distance(p) >= 0.0)
+    }
+
+    /// A free place of a disc of this radius (m) near a point: the point itself, or its position after it is
+    /// pushed away from the surfaces that it is too near to. `None` if there is none within `most` (m).
+    pub fn free_place(&self, p: Point2<f64>, radius: f64, most: f64) -> Option<Point2<f64>> {
+        let mut at = p;
+        for _ in 0..PUSHES {
+            if self.is_free(at, radius) {
+                return ((at - p).norm() <= most).then_some(at);
+            }
+            let contact = self.inner.shapes.nearest_contact(at);
+            if !contact.distance.is_finite() {
+                return None;
+            }
+            at += contact.normal * (radius - contact.distance + SLACK);
+        }
+        None
     }
 
     /// Returns `true` if a disc of this radius (m) can travel straight from `a` to `b`; exact: every point

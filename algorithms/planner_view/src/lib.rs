@@ -14,6 +14,7 @@ pub mod derived;
 pub mod free_space;
 pub mod limits;
 pub mod map;
+pub mod of_world;
 pub mod steering;
 pub mod view;
 pub mod waypoint;

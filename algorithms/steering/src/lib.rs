@@ -10,7 +10,7 @@
 //! From waypoint to waypoint:
 //!
 //! - [`go_to`]: straight to a point;
-//! - [`path_tracking`]: along a path;
+//! - [`path_tracking`]: along a path; [`go_along`]: the same without memory;
 //! - [`tangent_bug`]: around unknown obstacles, by range scans;
 //! - [`waypoint_driver`]: from waypoint to waypoint, with a stop guarantee, using these.
 //!
@@ -23,6 +23,7 @@
 
 pub mod escape;
 pub mod feedback_linearisation;
+pub mod go_along;
 pub mod go_to;
 pub mod path_tracking;
 pub mod potential_evader;

@@ -1,13 +1,14 @@
 //! Single plans of the RRT* planners in the city of the chase, in a static world.
 
 use evader_rrt_star::RrtStarParams;
-use evader_rrt_star::collision_map::{CollisionMap, GOAL_TOLERANCE};
+use evader_rrt_star::collision_map::CollisionMap;
 use evader_rrt_star::cost::{CostModel, Pursuer};
 use evader_rrt_star::params::Primitive;
 use evader_rrt_star::planning::{Planning, Task};
 use geometry::map::WorldMap;
 use geometry::pose::Pose2;
 use nalgebra::Point2;
+use navigation::shortest_paths::END_TOLERANCE;
 use navigation::tangent_graph::{ShortestPath, TangentGraph};
 use parameters::check;
 use planner_view::free_space::FreeSpace;
@@ -145,7 +146,7 @@ impl Setting {
         let places = self
             .exits
             .iter()
-            .filter_map(|&e| collision_map.free_place(e, GOAL_TOLERANCE));
+            .filter_map(|&e| collision_map.free_place(e, END_TOLERANCE));
         let goals: Vec<Point2<f64>> = places.collect();
         let towards = collision_map.towards(&goals);
         let route = Planning::new(params, &limits, seed)

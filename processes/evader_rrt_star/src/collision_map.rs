@@ -9,16 +9,6 @@ use planner_view::free_space::FreeSpace;
 use crate::motion::segment_distance;
 use crate::sampler::FreeSampler;
 
-/// Maximum number of steps by which a place is moved out of obstacles.
-const PUSHES: u32 = 16;
-
-/// Maximum distance by which an exit's centre may be moved to a free place (m); if that is not
-/// enough, the exit is left out.
-pub const GOAL_TOLERANCE: f64 = 0.3;
-
-/// Extra distance by which a place is moved (m).
-const SLACK: f64 = 1e-6;
-
 /// Robot that blocks the way, as a disc.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Body {
@@ -108,17 +98,6 @@ impl CollisionMap {
     /// Returns the nearest free place: the place itself, or its position after it is pushed away
     /// from the surfaces that it is too near to. `None` if there is none within `most` (m).
     pub fn free_place(&self, p: Point2<f64>, most: f64) -> Option<Point2<f64>> {
-        let mut at = p;
-        for _ in 0..PUSHES {
-            if self.space.is_free(at, self.radius) {
-                return ((at - p).norm() <= most).then_some(at);
-            }
-            let contact = self.space.shapes().nearest_contact(at);
-            if !contact.distance.is_finite() {
-                return None;
-            }
-            at += contact.normal * (self.radius - contact.distance + SLACK);
-        }
-        None
+        self.space.free_place(p, self.radius, most)
     }
 }

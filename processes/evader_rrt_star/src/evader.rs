@@ -2,6 +2,7 @@
 
 use geometry::pose::Pose2;
 use nalgebra::Point2;
+use navigation::shortest_paths::END_TOLERANCE;
 use parameters::{ParamsError, check};
 use planner_view::free_space::FreeSpace;
 use planner_view::limits::Limits;
@@ -13,7 +14,7 @@ use steering::feedback_linearisation::EPSILON;
 use steering::path_tracking::{PathTracker, TrackingParams};
 use steering::potential_evader::{Evader, EvaderParams};
 
-use crate::collision_map::{Body, CollisionMap, GOAL_TOLERANCE};
+use crate::collision_map::{Body, CollisionMap};
 use crate::cost::{CostModel, Pursuer};
 use crate::follow;
 use crate::params::{Follower, ReplanRule, RrtStarParams};
@@ -243,7 +244,7 @@ impl RrtStarEvader {
             return Vec::new();
         };
         view.usable_exits()
-            .filter_map(|exit| collision_map.free_place(exit, GOAL_TOLERANCE))
+            .filter_map(|exit| collision_map.free_place(exit, END_TOLERANCE))
             .collect()
     }
 

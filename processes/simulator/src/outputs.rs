@@ -3,7 +3,6 @@
 use core::time::Duration;
 
 use geometry::blur::{BlurError, BlurredMap};
-use geometry::grid::Grid;
 use geometry::map::WorldMap;
 use ipc_types::messages::world::{CoverageState, MapCell, MapHeader, RobotState, WorldEvent};
 use ipc_types::stamp::Stamp;
@@ -174,11 +173,7 @@ pub fn map_message(
 ) -> Result<(MapHeader, Vec<MapCell>), BlurError> {
     let frame = map.frame();
     let occupied = map.occupancy();
-    let free = Grid {
-        frame: *frame,
-        cells: occupied.cells.iter().map(|&o| !o).collect(),
-    };
-    let blurred = BlurredMap::new(&free, blur_sigma)?;
+    let blurred = BlurredMap::of_occupied(occupied, blur_sigma)?;
     let header = MapHeader {
         stamp,
         resolution: frame.resolution,
