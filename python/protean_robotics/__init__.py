@@ -5,6 +5,7 @@
 {'robot': 'escaped'}
 """
 
+from . import steering
 from ._core import (
     Belief,
     Error,
@@ -40,4 +41,5 @@ __all__ = [
     "program",
     "run",
     "serve",
+    "steering",
 ]

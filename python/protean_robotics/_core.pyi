@@ -1,8 +1,9 @@
 # The compiled part of the package. Docstrings stand in the sources of the module.
 
 import os
-from collections.abc import Callable, Sequence
-from typing import Any
+from collections.abc import Callable, Mapping, Sequence
+from types import ModuleType
+from typing import Any, Protocol, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -12,9 +13,60 @@ __version__: str
 class Error(Exception): ...
 class InvalidInput(Error): ...
 
+# Modules, typed by the stubs of the Python modules with their names.
+steering: ModuleType
+
+class HasPosition(Protocol):
+    @property
+    def position(self) -> NDArray[np.float64]: ...
+
+class HasPose(Protocol):
+    @property
+    def pose(self) -> NDArray[np.float64]: ...
+
+PointLike: TypeAlias = ArrayLike | HasPosition
+PoseLike: TypeAlias = ArrayLike | HasPose
+Params: TypeAlias = Mapping[str, object]
+
 class Map:
+    def __init__(self, source: str | os.PathLike[str]) -> None: ...
+    @staticmethod
+    def from_grid(
+        blocked: ArrayLike,
+        resolution: float,
+        origin: ArrayLike | None = None,
+        *,
+        blur_sigma: float = 0.19,
+    ) -> Map: ...
     @property
     def revision(self) -> int: ...
+    @property
+    def resolution(self) -> float: ...
+    @property
+    def origin(self) -> NDArray[np.float64]: ...
+    @property
+    def bounds(self) -> NDArray[np.float64]: ...
+    @property
+    def grid(self) -> NDArray[np.bool_]: ...
+    @property
+    def clearance_grid(self) -> NDArray[np.float32]: ...
+    def way(
+        self, start: PointLike, goal: PointLike, radius: float | None = None
+    ) -> NDArray[np.float64]: ...
+    # A number for one point, an array for several.
+    def way_length(self, start: PointLike, goal: PointLike, radius: float | None = None) -> Any: ...
+    def clearance(self, points: PointLike) -> Any: ...
+    def line_is_clear(self, start: PointLike, ends: PointLike, radius: float) -> Any: ...
+    def free_run(self, start: PointLike, ends: PointLike, radius: float) -> Any: ...
+    def away_from_obstacles(self, points: PointLike) -> NDArray[np.float64]: ...
+    def visible(
+        self,
+        at: PointLike,
+        range: float | None = None,
+        *,
+        field_of_view: float | None = None,
+        heading: float = 0.0,
+    ) -> NDArray[np.float64]: ...
 
 class Robot:
     @property

@@ -5,6 +5,7 @@
 // Arguments come from Python as values, and doc comments of what it sees are docstrings.
 #![allow(clippy::needless_pass_by_value, clippy::doc_markdown)]
 
+mod algorithms;
 mod error;
 mod map;
 mod planner;
@@ -25,6 +26,13 @@ mod _core {
     use crate::planner::{Belief, Function, PySteering, Robot, Scan, World, go_to, serve};
     #[pymodule_export]
     use crate::run::run_in_process;
+
+    /// Steering.
+    #[pymodule]
+    mod steering {
+        #[pymodule_export]
+        use crate::algorithms::steering::go_to;
+    }
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {

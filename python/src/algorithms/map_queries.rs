@@ -1,0 +1,153 @@
+//! Queries of a map for arrays of points.
+
+use std::sync::Arc;
+
+use geometry::grid::{Grid, GridFrame};
+use geometry::map::{CellMap, WorldMap};
+use geometry::visibility::polygon::{SightLimits, Viewpoint, Walls};
+use nalgebra::{Point2, Vector2};
+use navigation::shortest_paths::ShortestPaths;
+use numpy::{AllowTypeChange, PyArrayLike2};
+use planner_view::map::PlannerMap;
+use pyo3::prelude::*;
+
+use super::arguments::{invalid, point, positive, refused, row};
+use super::map_source::of_world;
+
+/// Returns the map of an occupancy grid of shape (rows, columns).
+///
+/// # Errors
+/// A size, resolution, origin or blur that is out of range.
+pub fn from_grid(
+    blocked: &Bound<'_, PyAny>,
+    resolution: f64,
+    origin: Option<&Bound<'_, PyAny>>,
+    blur_sigma: f64,
+) -> PyResult<Arc<PlannerMap>> {
+    let cells: PyArrayLike2<'_, bool, AllowTypeChange> = blocked.extract().map_err(|_| {
+        refused(
+            "blocked",
+            blocked,
+            "a boolean array of shape (rows, columns)",
+        )
+    })?;
+    let cells = cells.as_array();
+    let [x, y] = match origin {
+        Some(origin) => row("origin", origin, "two finite numbers (m)")?,
+        None => [0.0; 2],
+    };
+    let grid = Grid {
+        frame: GridFrame {
+            width: cells.ncols(),
+            height: cells.nrows(),
+            resolution,
+            origin: Point2::new(x, y),
+        },
+        cells: cells.iter().copied().collect(),
+    };
+    let map = CellMap::from_grid(&grid);
+    let py = blocked.py();
+    py.detach(|| {
+        let world = WorldMap::from_cells(&map).map_err(|error| invalid(&error))?;
+        of_world(&world, blur_sigma)
+    })
+}
+
+/// Returns the shortest paths of a disc on a map; without a radius, of the robot at whose position the paths begin.
+///
+/// # Errors
+/// A radius that is not usable, or none.
+pub fn paths(
+    py: Python<'_>,
+    map: &PlannerMap,
+    start: &Bound<'_, PyAny>,
+    radius: Option<f64>,
+) -> PyResult<ShortestPaths> {
+    let radius = match (radius, start.getattr_opt("radius")?) {
+        (Some(radius), _) => radius,
+        (None, Some(radius)) => radius.extract()?,
+        (None, None) => {
+            return Err(refused(
+                "radius",
+                "None",
+                "a number above 0 (m), if the start is no robot",
+            ));
+        }
+    };
+    py.detach(|| ShortestPaths::new(map, radius))
+        .map_err(|error| invalid(&error))
+}
+
+/// Returns the visible part of the free cells around a point or a robot.
+///
+/// # Errors
+/// A range or field of view that is out of range.
+pub fn visible(
+    map: &PlannerMap,
+    at: &Bound<'_, PyAny>,
+    range: Option<f64>,
+    field_of_view: Option<f64>,
+    heading: f64,
+) -> PyResult<Vec<Point2<f64>>> {
+    for (name, value) in [("range", range), ("field_of_view", field_of_view)] {
+        value.map_or(Ok(()), |value| positive(name, value))?;
+    }
+    let limits = SightLimits {
+        range,
+        field_of_view,
+    };
+    if !heading.is_finite() {
+        return Err(refused("heading", &heading, "a finite number (rad)"));
+    }
+    let viewpoint = Viewpoint {
+        position: point("at", at)?,
+        heading,
+        limits,
+    };
+    Ok(at.py().detach(|| {
+        let walls = map
+            .derived()
+            .get("walls", || Walls::new(map.blurred().occupied().clone()));
+        walls.seen_from(&viewpoint)
+    }))
+}
+
+/// Returns the lower left and the upper right corner of a map (m).
+pub fn bounds(map: &PlannerMap) -> (Point2<f64>, Point2<f64>) {
+    if let Some(space) = map.space() {
+        return (space.bounds().min, space.bounds().max);
+    }
+    let frame = &map.clearance_grid().frame;
+    let size = Vector2::new(frame.width as f64, frame.height as f64);
+    (frame.origin, frame.origin + size * frame.resolution)
+}
+
+/// Returns the distance of each point from the nearest obstacle (m): exact, or by the grid of a map without pieces.
+pub fn clearances(map: &PlannerMap, points: &[Point2<f64>]) -> Vec<f64> {
+    let clearance = |&p: &Point2<f64>| match map.space() {
+        Some(space) => space.distance(p),
+        None => map.clearance(p),
+    };
+    points.iter().map(clearance).collect()
+}
+
+/// Returns whether a disc of this radius (m) can drive straight from a point to each end: exact, or by the grid of a
+/// map without pieces.
+pub fn lines_are_clear(
+    map: &PlannerMap,
+    start: Point2<f64>,
+    ends: &[Point2<f64>],
+    radius: f64,
+) -> Vec<bool> {
+    let is_clear = |&end: &Point2<f64>| match map.space() {
+        Some(space) => space.segment_is_free(start, end, radius),
+        None => map.line_is_clear(start, end, radius),
+    };
+    ends.iter().map(is_clear).collect()
+}
+
+/// Returns the unit vector away from the nearest obstacle at each point; zero where there is none.
+pub fn directions_away(map: &PlannerMap, points: &[Point2<f64>]) -> Vec<Vector2<f64>> {
+    let away = |&p: &Point2<f64>| map.away_from_obstacles(p).unwrap_or_default();
+    points.iter().map(away).collect()
+}

@@ -1,0 +1,56 @@
+//! Maps from scenarios and files.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use geometry::blur::PAPER_SIGMA;
+use geometry::map::{MapSpec, UnknownCells, WorldMap};
+use kinds::KINDS;
+use planner_view::map::PlannerMap;
+use pyo3::prelude::*;
+use scenario::Loader;
+
+use super::arguments::invalid;
+
+/// First revision of a map, as in runs.
+pub const FIRST_REVISION: u64 = 1;
+
+/// Returns the map of a built-in scenario, of a scenario's file, or of a map's file (TOML, or YAML of ROS).
+///
+/// # Errors
+/// The text of the command for a scenario that is invalid, and for a file that is neither.
+pub fn read(source: &str) -> PyResult<Arc<PlannerMap>> {
+    let extension = Path::new(source).extension().and_then(|e| e.to_str());
+    let is_ros = matches!(extension, Some("yaml" | "yml"));
+    if !is_ros {
+        let loader = Loader::new(KINDS);
+        let draft = loader
+            .draft(source)
+            .map_err(|problems| invalid(&problems))?;
+        if draft.find("world").is_some() {
+            let scenario = draft.resolve().map_err(|problems| invalid(&problems))?;
+            return of_spec(&scenario.world.map, scenario.blur_sigma);
+        }
+    }
+    let file = MapSpec::File {
+        path: source.into(),
+        unknown: UnknownCells::default(),
+    };
+    let spec = file.load(Path::new("")).map_err(|error| invalid(&error))?;
+    of_spec(&spec, PAPER_SIGMA)
+}
+
+fn of_spec(spec: &MapSpec, blur_sigma: f64) -> PyResult<Arc<PlannerMap>> {
+    let world = WorldMap::recent(spec).map_err(|error| invalid(&error))?;
+    of_world(&world, blur_sigma)
+}
+
+/// Returns the map that the planners of a run would get.
+///
+/// # Errors
+/// The blur does not fit the map.
+pub fn of_world(world: &WorldMap, blur_sigma: f64) -> PyResult<Arc<PlannerMap>> {
+    PlannerMap::of_world(world, blur_sigma, FIRST_REVISION)
+        .map(Arc::new)
+        .map_err(|error| invalid(&error))
+}

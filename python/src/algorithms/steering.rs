@@ -1,0 +1,84 @@
+//! Steering of differential-drive robots.
+
+use geometry::pose::{Pose2, Twist2};
+use planner_view::limits::Limits;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use steering::go_along::go_along;
+use steering::go_to::GoToParams;
+
+use super::arguments::{self, Target, invalid, positive};
+
+/// Returns the command that leads from a pose to a target in ticks of `dt` (s).
+pub fn drive(
+    pose: &Pose2,
+    target: &Target,
+    limits: &Limits,
+    params: &GoToParams,
+    dt: f64,
+) -> Twist2 {
+    match target {
+        Target::Point(point) => steering::go_to::go_to(pose, *point, None, limits, params, dt),
+        Target::Path(path) => go_along(pose, path, limits, params, dt),
+    }
+}
+
+/// Command that drives a robot to a point or along a path: it turns towards the next point, then drives the arc that
+/// leads to it.
+///
+/// Pure pursuit (Coulter, *Implementation of the Pure Pursuit Path Tracking Algorithm*, CMU-RI-TR-92-01, 1992).
+///
+/// Parameters
+/// ----------
+/// pose
+///     Position (m) and heading (rad), shape (3,), or a robot.
+/// target
+///     A point (m), shape (2,); a path (m), shape (n, 2), of which the next corner ahead counts; or a robot.
+/// v_max
+///     Maximum forward speed (m/s).
+/// omega_max
+///     Maximum turning rate (rad/s).
+/// dt
+///     Length of a tick (s).
+/// v_reverse_max
+///     Maximum backward speed (m/s), as a magnitude.
+/// params
+///     Other values than the defaults of ``turn_on_spot`` (rad), ``turn_gain`` (1/s), ``speed_fraction``,
+///     ``arrived`` (m), ``deceleration`` (m/s²) and ``pass_angle`` (rad).
+///
+/// Returns
+/// -------
+/// tuple of float
+///     Forward speed (m/s) and turning rate (rad/s), within the limits; a stop at the target and for an empty path.
+///
+/// Raises
+/// ------
+/// InvalidInput
+///     An argument is out of range.
+///
+/// Examples
+/// --------
+/// >>> import protean_robotics as pr
+/// >>> pr.steering.go_to((0, 0, 0), (2, 0), v_max=0.5, omega_max=2, dt=0.05)
+/// (0.5, 0.0)
+/// >>> pr.steering.go_to((0, 0, 0), (0, 2), v_max=0.5, omega_max=2, dt=0.05)
+/// (0.0, 2.0)
+#[pyfunction]
+#[pyo3(signature = (pose, target, *, v_max, omega_max, dt, v_reverse_max=0.0, params=None))]
+#[expect(clippy::too_many_arguments, reason = "keywords")]
+pub fn go_to(
+    pose: &Bound<'_, PyAny>,
+    target: &Bound<'_, PyAny>,
+    v_max: f64,
+    omega_max: f64,
+    dt: f64,
+    v_reverse_max: f64,
+    params: Option<&Bound<'_, PyDict>>,
+) -> PyResult<(f64, f64)> {
+    let limits = Limits::new(v_max, v_reverse_max, omega_max).map_err(|error| invalid(&error))?;
+    positive("dt", dt)?;
+    let pose = arguments::pose("pose", pose)?;
+    let target = arguments::target("target", target)?;
+    let command = drive(&pose, &target, &limits, &arguments::params(params)?, dt);
+    Ok((command.v, command.omega))
+}
