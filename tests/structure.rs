@@ -54,7 +54,7 @@ const RULES: Rules = Rules {
         &["replay", "report"],
         &["faults", "latency", "sweep"],
         &["protean"],
-        &["benchmarks", "end_to_end", "pages", "protean_python"],
+        &["_core", "benchmarks", "end_to_end", "pages"],
     ],
     only: &[
         (&["clap"], &["protean", "benchmarks", "pages"]),
@@ -63,7 +63,7 @@ const RULES: Rules = Rules {
         (&["parquet"], &["tables"]),
         (&["tungstenite"], &["viewer"]),
         (&["processes/*"], &["kinds"]),
-        (&["evader_rrt_star"], &["kinds", "pages"]),
+        (&["evader_rrt_star"], &["kinds", "pages", "_core"]),
         // Routes without a run.
         (
             &["coverage_planners", "patrol_planners"],

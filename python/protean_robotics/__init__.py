@@ -5,7 +5,7 @@
 {'robot': 'escaped'}
 """
 
-from . import steering
+from . import coverage, navigation, patrol, rrt_star, steering, tracking, trajectory
 from ._core import (
     Belief,
     Error,
@@ -36,10 +36,16 @@ __all__ = [
     "Steering",
     "World",
     "__version__",
+    "coverage",
     "go_to",
+    "navigation",
+    "patrol",
     "planner",
     "program",
+    "rrt_star",
     "run",
     "serve",
     "steering",
+    "tracking",
+    "trajectory",
 ]

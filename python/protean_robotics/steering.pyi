@@ -1,4 +1,7 @@
-from ._core import Params, PointLike, PoseLike
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ._core import Map, Params, PointLike, PoseLike, Scan
 
 def go_to(
     pose: PoseLike,
@@ -10,5 +13,61 @@ def go_to(
     v_reverse_max: float = 0.0,
     params: Params | None = None,
 ) -> tuple[float, float]: ...
+def attraction(
+    points: PointLike, goals: PointLike, weights: ArrayLike | None = None
+) -> NDArray[np.float64]: ...
+def repulsion(
+    points: PointLike,
+    robots: PointLike,
+    weights: ArrayLike | None = None,
+    *,
+    params: Params | None = None,
+) -> NDArray[np.float64]: ...
+def obstacle_push(
+    map: Map, points: PointLike, *, published: bool = False
+) -> NDArray[np.float64]: ...
+def linearise(
+    velocity: ArrayLike,
+    heading: float,
+    *,
+    v_max: float,
+    omega_max: float,
+    v_reverse_max: float = 0.0,
+    params: Params | None = None,
+) -> tuple[float, float]: ...
 
-__all__ = ["go_to"]
+class TangentBug:
+    def __init__(self, radius: float) -> None: ...
+    def advise(
+        self,
+        pose: PoseLike,
+        ranges: ArrayLike | Scan,
+        goal: PointLike,
+        *,
+        angles: ArrayLike | None = None,
+        range_max: float | None = None,
+        tolerance: float = 0.05,
+    ) -> tuple[NDArray[np.float64], str] | None: ...
+    def reset(self) -> None: ...
+
+class PathTracker:
+    def __init__(self, path: ArrayLike, *, params: Params | None = None) -> None: ...
+    def track(
+        self, pose: PoseLike, *, v_max: float, omega_max: float, v_reverse_max: float = 0.0
+    ) -> tuple[float, float]: ...
+    @property
+    def arrived(self) -> bool: ...
+    @property
+    def progress(self) -> float: ...
+    @property
+    def length(self) -> float: ...
+
+__all__ = [
+    "PathTracker",
+    "TangentBug",
+    "attraction",
+    "go_to",
+    "linearise",
+    "obstacle_push",
+    "repulsion",
+]

@@ -6,6 +6,7 @@
 #![allow(clippy::needless_pass_by_value, clippy::doc_markdown)]
 
 mod algorithms;
+mod arguments;
 mod error;
 mod map;
 mod planner;
@@ -27,11 +28,50 @@ mod _core {
     #[pymodule_export]
     use crate::run::run_in_process;
 
-    /// Steering.
     #[pymodule]
     mod steering {
         #[pymodule_export]
+        use crate::algorithms::fields::{attraction, linearise, obstacle_push, repulsion};
+        #[pymodule_export]
+        use crate::algorithms::followers::{PathTracker, TangentBug};
+        #[pymodule_export]
         use crate::algorithms::steering::go_to;
+    }
+
+    #[pymodule]
+    mod navigation {
+        #[pymodule_export]
+        use crate::algorithms::navigation::{arrival_times, dominance, ways};
+    }
+
+    #[pymodule]
+    mod tracking {
+        #[pymodule_export]
+        use crate::algorithms::tracking::{ParticleFilter, visibility};
+    }
+
+    #[pymodule]
+    mod patrol {
+        #[pymodule_export]
+        use crate::algorithms::patrol::ZigZag;
+    }
+
+    #[pymodule]
+    mod coverage {
+        #[pymodule_export]
+        use crate::algorithms::coverage::Plan;
+    }
+
+    #[pymodule]
+    mod trajectory {
+        #[pymodule_export]
+        use crate::algorithms::trajectory::{Trajectory, plan, plan_instance};
+    }
+
+    #[pymodule]
+    mod rrt_star {
+        #[pymodule_export]
+        use crate::algorithms::rrt_star::{Tree, plan};
     }
 
     #[pymodule_init]

@@ -1,43 +1,36 @@
-"""The examples in the documentation of all functions and classes."""
+"""The examples in the documentation of what is compiled; pytest finds those of the Python modules by itself."""
 
 import doctest
 import inspect
 from types import ModuleType
 from typing import Any
 
-import protean_robotics as pr
 import pytest
+from protean_robotics import _core
 
 
-def modules() -> list[ModuleType]:
-    named = [getattr(pr, name) for name in pr.__all__]
-    return [pr, *(m for m in named if inspect.ismodule(m))]
-
-
-def exported() -> list[tuple[str, Any]]:
-    found = []
-    for module in modules():
-        for name in getattr(module, "__all__", ()):
-            value = getattr(module, name)
-            if inspect.isroutine(value) or inspect.isclass(value):
-                found.append((f"{module.__name__}.{name}", value))
+def compiled(module: ModuleType) -> list[tuple[str, Any]]:
+    """The functions and classes of a module and of those in it, with the members of classes."""
+    found: list[tuple[str, Any]] = []
+    for name, value in vars(module).items():
+        if inspect.ismodule(value):
+            found += [(f"{name}.{inner}", item) for inner, item in compiled(value)]
+        elif inspect.isroutine(value):
+            found.append((name, value))
+        elif inspect.isclass(value):
+            found.append((name, value))
+            found += [(f"{name}.{member}", item) for member, item in vars(value).items()]
     return found
 
 
-def documented(value: Any) -> list[tuple[str, Any]]:
-    """The value, and the members of a class that it defines itself."""
-    own = [("", value)]
-    if inspect.isclass(value):
-        own += [(f".{name}", member) for name, member in vars(value).items()]
-    return own
+EXAMPLES = [(name, item.__doc__) for name, item in compiled(_core) if ">>>" in str(item.__doc__)]
 
 
-@pytest.mark.parametrize("name,value", exported(), ids=[name for name, _ in exported()])
-def test_examples_run(name: str, value: Any) -> None:
-    runner = doctest.DocTestRunner()
-    parser = doctest.DocTestParser()
-    for suffix, member in documented(value):
-        text = getattr(member, "__doc__", None) or ""
-        test = parser.get_doctest(text, {}, name + suffix, None, None)
-        result = runner.run(test)
-        assert result.failed == 0, f"{name}{suffix}"
+def test_there_are_examples() -> None:
+    assert {"Map.way", "steering.go_to", "trajectory.plan"} <= {name for name, _ in EXAMPLES}
+
+
+@pytest.mark.parametrize("name,text", EXAMPLES, ids=[name for name, _ in EXAMPLES])
+def test_examples_run(name: str, text: str) -> None:
+    test = doctest.DocTestParser().get_doctest(text, {}, name, None, None)
+    assert doctest.DocTestRunner().run(test).failed == 0

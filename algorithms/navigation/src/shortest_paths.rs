@@ -92,12 +92,11 @@ impl ShortestPaths {
         let (Some(start), Some(path)) = (self.place(from), self.path(from, to)?) else {
             return Ok(Vec::new());
         };
-        let mut corners = vec![start];
-        corners.extend(path.legs.iter().flat_map(bends));
-        if path.length > 0.0 {
-            corners.extend(path.legs.last().map(|leg| leg.at(1.0)));
-        }
-        Ok(corners)
+        Ok(if path.legs.is_empty() {
+            vec![start]
+        } else {
+            corners(&path)
+        })
     }
 
     /// Lengths (m) of the paths from each start to one goal (m); infinite where there is none.
@@ -126,8 +125,25 @@ impl ShortestPaths {
     }
 
     fn place(&self, p: Point2<f64>) -> Option<Point2<f64>> {
-        self.space.free_place(p, self.radius, END_TOLERANCE)
+        free_end(&self.space, self.radius, p)
     }
+}
+
+/// The place at which a path of a disc of this radius (m) begins or ends instead of at a point (m): the nearest
+/// free one, at most [`END_TOLERANCE`] away.
+pub fn free_end(space: &FreeSpace, radius: f64, p: Point2<f64>) -> Option<Point2<f64>> {
+    space.free_place(p, radius, END_TOLERANCE)
+}
+
+/// The corners of a path (m), the two ends included; empty for a path without legs.
+pub fn corners(path: &ShortestPath) -> Vec<Point2<f64>> {
+    let first = path.legs.first().map(|leg| leg.at(0.0));
+    let last = path.legs.last().map(|leg| leg.at(1.0));
+    first
+        .into_iter()
+        .chain(path.legs.iter().flat_map(bends))
+        .chain(last)
+        .collect()
 }
 
 /// The corners at which a leg bends: the tangents at neighbouring points of an arc meet there, so that the polyline runs

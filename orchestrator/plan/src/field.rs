@@ -245,7 +245,7 @@ fn polygon(field: &str, value: &Loose) -> Result<Body, FieldError> {
 }
 
 /// Returns the corners of a convex polygon in counter-clockwise order; `None` if it is not one.
-fn counter_clockwise(mut corners: Vec<[f64; 2]>) -> Option<Vec<[f64; 2]>> {
+pub fn counter_clockwise(mut corners: Vec<[f64; 2]>) -> Option<Vec<[f64; 2]>> {
     corners.dedup();
     while corners.len() > 1 && corners.first() == corners.last() {
         corners.pop();

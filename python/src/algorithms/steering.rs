@@ -7,7 +7,7 @@ use pyo3::types::PyDict;
 use steering::go_along::go_along;
 use steering::go_to::GoToParams;
 
-use super::arguments::{self, Target, invalid, positive};
+use crate::arguments::{self, Target, invalid, positive};
 
 /// Returns the command that leads from a pose to a target in ticks of `dt` (s).
 pub fn drive(
@@ -65,7 +65,6 @@ pub fn drive(
 /// (0.0, 2.0)
 #[pyfunction]
 #[pyo3(signature = (pose, target, *, v_max, omega_max, dt, v_reverse_max=0.0, params=None))]
-#[expect(clippy::too_many_arguments, reason = "keywords")]
 pub fn go_to(
     pose: &Bound<'_, PyAny>,
     target: &Bound<'_, PyAny>,

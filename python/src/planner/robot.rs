@@ -3,12 +3,14 @@
 use geometry::pose::{Pose2, Twist2};
 use geometry::region::Region;
 use nalgebra::Point2;
-use numpy::{AllowTypeChange, PyArray1, PyArrayLikeDyn, ToPyArray as _};
+use numpy::{PyArray1, ToPyArray as _};
 use planner::{Limits, RobotInfo};
 use planner_view::view::RobotView;
 use pyo3::prelude::*;
 use steering::go_to::GoToParams;
 
+use crate::algorithms::steering::drive;
+use crate::arguments;
 use crate::error::InvalidInput;
 
 /// A robot in a tick.
@@ -172,37 +174,19 @@ impl Robot {
 /// robot
 ///     The robot.
 /// target
-///     A point (m), shape (2,), or a way from the robot's position, shape (n, 2), of which the second point is next.
-///     An empty way is a stop.
+///     A point (m), shape (2,); a way (m), shape (n, 2), of which the next corner ahead counts; or a robot. An empty
+///     way is a stop.
 ///
 /// Returns
 /// -------
 /// tuple of float
 ///     Forward speed (m/s) and turning rate (rad/s), within the limits of the robot.
 #[pyfunction]
-pub fn go_to(
-    robot: PyRef<'_, Robot>,
-    target: PyArrayLikeDyn<'_, f64, AllowTypeChange>,
-) -> PyResult<(f64, f64)> {
+pub fn go_to(robot: PyRef<'_, Robot>, target: &Bound<'_, PyAny>) -> PyResult<(f64, f64)> {
     let limits = Limits::new(robot.v_max, robot.v_reverse_max, robot.omega_max)
         .map_err(|error| InvalidInput::new_err(format!("robot {}: {error}", robot.name)))?;
-    let target = target.as_array();
-    let point = |row: usize| Some(Point2::new(*target.get([row, 0])?, *target.get([row, 1])?));
-    let (next, onward) = match target.shape() {
-        [2] => (Some(Point2::new(target[0], target[1])), None),
-        [0] | [0, _] => (None, None),
-        [1, 2] => (point(0), None),
-        [_, 2] => (point(1), point(2)),
-        shape => {
-            return Err(InvalidInput::new_err(format!(
-                "target has the shape {shape:?}: expected (2,) or (n, 2)"
-            )));
-        }
-    };
-    let Some(next) = next else {
-        return Ok((0.0, 0.0));
-    };
+    let target = arguments::target("target", target)?;
     let params = GoToParams::default();
-    let command = steering::go_to::go_to(&robot.pose, next, onward, &limits, &params, robot.dt);
+    let command = drive(&robot.pose, &target, &limits, &params, robot.dt);
     Ok((command.v, command.omega))
 }

@@ -10,7 +10,7 @@ use planner_view::map::PlannerMap;
 use pyo3::prelude::*;
 use scenario::Loader;
 
-use super::arguments::invalid;
+use crate::arguments::invalid;
 
 /// First revision of a map, as in runs.
 pub const FIRST_REVISION: u64 = 1;

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use geometry::grid::{Grid, GridFrame};
 use geometry::map::{CellMap, WorldMap};
+use geometry::math;
 use geometry::visibility::polygon::{SightLimits, Viewpoint, Walls};
 use nalgebra::{Point2, Vector2};
 use navigation::shortest_paths::ShortestPaths;
@@ -11,8 +12,8 @@ use numpy::{AllowTypeChange, PyArrayLike2};
 use planner_view::map::PlannerMap;
 use pyo3::prelude::*;
 
-use super::arguments::{invalid, point, positive, refused, row};
-use super::map_source::of_world;
+use super::source::of_world;
+use crate::arguments::{invalid, point, positive, refused, row};
 
 /// Returns the map of an occupancy grid of shape (rows, columns).
 ///
@@ -144,6 +145,21 @@ pub fn lines_are_clear(
         None => map.line_is_clear(start, end, radius),
     };
     ends.iter().map(is_clear).collect()
+}
+
+/// Returns the distance to the first obstacle in each direction (rad); infinity beyond `range_max` (m).
+pub fn cast_rays(map: &PlannerMap, at: Point2<f64>, angles: &[f64], range_max: f64) -> Vec<f64> {
+    let cast = |&angle: &f64| {
+        let (sin, cos) = math::sincos(angle);
+        let direction = Vector2::new(cos, sin);
+        let hit = match map.space() {
+            Some(space) => space.shapes().cast_ray(at, direction, range_max),
+            None => Some(map.free_run(at, at + direction * range_max, 0.0))
+                .filter(|&run| run < range_max),
+        };
+        hit.unwrap_or(f64::INFINITY)
+    };
+    angles.iter().map(cast).collect()
 }
 
 /// Returns the unit vector away from the nearest obstacle at each point; zero where there is none.

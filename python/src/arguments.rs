@@ -2,6 +2,7 @@
 
 use core::fmt::Display;
 
+use chaotic_maps::{Key, KeyKind};
 use geometry::pose::Pose2;
 use nalgebra::{Point2, Vector2};
 use numpy::ndarray::ArrayViewD;
@@ -45,7 +46,17 @@ struct Numbers<'py> {
 }
 
 impl<'py> Numbers<'py> {
+    /// Reads numbers that must be finite.
     fn of(name: &str, value: &Bound<'py, PyAny>, expected: &str) -> PyResult<Self> {
+        let numbers = Self::read(name, value, expected)?;
+        if numbers.view().iter().all(|x| x.is_finite()) {
+            Ok(numbers)
+        } else {
+            Err(refused_object(name, value, expected))
+        }
+    }
+
+    fn read(name: &str, value: &Bound<'py, PyAny>, expected: &str) -> PyResult<Self> {
         let fault = || refused_object(name, value, expected);
         // NumPy reads text as numbers.
         if value.is_none() || value.is_instance_of::<PyString>() {
@@ -57,12 +68,13 @@ impl<'py> Numbers<'py> {
             let copy = value.call_method0("copy").map_err(|_| fault())?;
             array = copy.extract().map_err(|_| fault())?;
         }
-        let numbers = Self { array };
-        if numbers.view().iter().all(|x| x.is_finite()) {
-            Ok(numbers)
-        } else {
-            Err(fault())
-        }
+        Ok(Self { array })
+    }
+
+    /// The numbers in one dimension; `None` for another shape.
+    fn list(&self) -> Option<Vec<f64>> {
+        let view = self.view();
+        (view.ndim() == 1).then(|| view.iter().copied().collect())
     }
 
     fn view(&self) -> ArrayViewD<'_, f64> {
@@ -136,6 +148,50 @@ pub fn points(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Points> {
     })
 }
 
+/// Returns rows of `N` finite numbers from an array of shape (n, `N`).
+pub fn rows<const N: usize>(
+    name: &str,
+    value: &Bound<'_, PyAny>,
+    expected: &str,
+) -> PyResult<Vec<[f64; N]>> {
+    let rows = Numbers::of(name, value, expected)?.rows::<N>();
+    rows.ok_or_else(|| refused_object(name, value, expected))
+}
+
+/// Returns finite numbers from an array of shape (n,).
+pub fn list(name: &str, value: &Bound<'_, PyAny>, expected: &str) -> PyResult<Vec<f64>> {
+    let numbers = Numbers::of(name, value, expected)?;
+    let list = numbers.list();
+    list.ok_or_else(|| refused_object(name, value, expected))
+}
+
+/// Returns numbers, also infinite ones, from an array of shape (n,).
+pub fn list_with_infinity(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
+    let expected = "numbers (m) of shape (n,), infinity without an echo";
+    let list = Numbers::read(name, value, expected)?.list();
+    list.filter(|list| !list.iter().any(|x| x.is_nan()))
+        .ok_or_else(|| refused_object(name, value, expected))
+}
+
+/// Returns one finite number for each of `count` rows; `default` without a value.
+pub fn per_row(
+    name: &str,
+    value: Option<&Bound<'_, PyAny>>,
+    count: usize,
+    default: f64,
+) -> PyResult<Vec<f64>> {
+    let Some(value) = value else {
+        return Ok(vec![default; count]);
+    };
+    let expected = format!("{count} finite numbers, shape ({count},)");
+    let list = list(name, value, &expected)?;
+    if list.len() == count {
+        Ok(list)
+    } else {
+        Err(refused_object(name, value, &expected))
+    }
+}
+
 /// Returns `N` finite numbers from an array of shape (`N`,).
 pub fn row<const N: usize>(
     name: &str,
@@ -177,16 +233,7 @@ pub fn params<P: Parameters + Default>(value: Option<&Bound<'_, PyDict>>) -> PyR
     let Some(value) = value.filter(|value| !value.is_empty()) else {
         return Ok(P::default());
     };
-    let fault = || {
-        refused_object(
-            "params",
-            value.as_any(),
-            "a mapping of names to plain values",
-        )
-    };
-    let json = value.py().import("json")?;
-    let text = json.call_method1("dumps", (value,)).map_err(|_| fault())?;
-    let params: P = serde_json::from_str(&text.extract::<String>()?).map_err(|error| {
+    let params: P = serde_json::from_str(&json("params", value)?).map_err(|error| {
         // The place in a text that the caller has not written is of no use.
         let error = error.to_string();
         let fault = error.split(" at line ").next().unwrap_or_default();
@@ -194,6 +241,24 @@ pub fn params<P: Parameters + Default>(value: Option<&Bound<'_, PyDict>>) -> PyR
     })?;
     check(&params).map_err(|error| invalid(&error))?;
     Ok(params)
+}
+
+/// Returns a mapping as JSON.
+pub fn json(name: &str, value: &Bound<'_, PyDict>) -> PyResult<String> {
+    let json = value.py().import("json")?;
+    let text = json.call_method1("dumps", (value,));
+    let text = text.and_then(|text| text.extract::<String>());
+    text.map_err(|_| refused_object(name, value.as_any(), "a mapping of names to plain values"))
+}
+
+/// Returns a key from its text, or one of this kind from the seed.
+pub fn key(text: Option<&str>, kind: KeyKind, seed: u64) -> PyResult<Key> {
+    match text {
+        Some(text) => text
+            .parse()
+            .map_err(|error| InvalidInput::new_err(format!("`key`: {error}"))),
+        None => Ok(Key::from_seed(kind, seed)),
+    }
 }
 
 /// Returns points as an array of shape (n, 2).
@@ -205,10 +270,10 @@ pub fn array_of_points<'py>(
 }
 
 /// Returns rows of `N` numbers as an array of shape (n, `N`).
-pub fn array_of_rows<'py, T: numpy::Element, const N: usize>(
-    py: Python<'py>,
+pub fn array_of_rows<T: numpy::Element, const N: usize>(
+    py: Python<'_>,
     rows: impl Iterator<Item = [T; N]>,
-) -> PyResult<Bound<'py, PyArray2<T>>> {
+) -> PyResult<Bound<'_, PyArray2<T>>> {
     let flat: Vec<T> = rows.flatten().collect();
     let n = flat.len() / N.max(1);
     flat.into_pyarray(py).reshape([n, N])
@@ -251,6 +316,18 @@ pub fn vector_per_point<'py>(
 /// The exception names it.
 pub fn not_negative(name: &str, value: f64) -> PyResult<()> {
     parameters::not_negative(name, value).map_err(|error| invalid(&error))
+}
+
+/// Checks a number that must be finite.
+///
+/// # Errors
+/// The exception names it.
+pub fn finite(name: &str, value: f64) -> PyResult<()> {
+    if value.is_finite() {
+        Ok(())
+    } else {
+        Err(refused(name, &value, "a finite number"))
+    }
 }
 
 /// Checks a number that must be finite and above 0.

@@ -1,5 +1,8 @@
 //! The map of a planner.
 
+mod queries;
+mod source;
+
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -8,9 +11,7 @@ use numpy::{IntoPyArray as _, PyArray1, PyArray2, PyArrayMethods as _};
 use planner_view::map::PlannerMap;
 use pyo3::prelude::*;
 
-use crate::algorithms::arguments;
-use crate::algorithms::map_queries;
-use crate::algorithms::map_source;
+use crate::arguments;
 
 /// A map: its grids, and the exact pieces of its obstacles.
 ///
@@ -43,8 +44,8 @@ pub struct Map {
 impl Map {
     #[new]
     fn new(py: Python<'_>, source: PathBuf) -> PyResult<Self> {
-        let source = source.to_string_lossy();
-        let map = py.detach(|| map_source::read(&source))?;
+        let name = source.to_string_lossy();
+        let map = py.detach(|| source::read(&name))?;
         Ok(Self { map })
     }
 
@@ -82,7 +83,7 @@ impl Map {
         origin: Option<&Bound<'_, PyAny>>,
         blur_sigma: f64,
     ) -> PyResult<Self> {
-        let map = map_queries::from_grid(blocked, resolution, origin, blur_sigma)?;
+        let map = queries::from_grid(blocked, resolution, origin, blur_sigma)?;
         Ok(Self { map })
     }
 
@@ -108,11 +109,11 @@ impl Map {
     /// Lower left and upper right corner (m), shape (2, 2); everything beyond is solid.
     #[getter]
     fn bounds<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let (min, max) = map_queries::bounds(&self.map);
+        let (min, max) = queries::bounds(&self.map);
         arguments::array_of_points(py, &[min, max])
     }
 
-    /// Whether the centre of each cell is in an obstacle, shape (rows, columns); a copy.
+    /// Occupancy: true for each cell whose centre is in an obstacle, shape (rows, columns); a copy.
     #[getter]
     fn grid<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<bool>>> {
         let grid = self.map.blurred().occupied();
@@ -172,7 +173,7 @@ impl Map {
         goal: &Bound<'py, PyAny>,
         radius: Option<f64>,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let paths = map_queries::paths(py, &self.map, start, radius)?;
+        let paths = queries::paths(py, &self.map, start, radius)?;
         let start = arguments::point("start", start)?;
         let goal = arguments::point("goal", goal)?;
         let corners = py.detach(|| paths.corners(start, goal));
@@ -209,7 +210,7 @@ impl Map {
         goal: &Bound<'py, PyAny>,
         radius: Option<f64>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let paths = map_queries::paths(py, &self.map, start, radius)?;
+        let paths = queries::paths(py, &self.map, start, radius)?;
         let starts = arguments::points("start", start)?;
         let goal = arguments::point("goal", goal)?;
         let lengths = py.detach(|| paths.lengths(&starts.points, goal));
@@ -241,11 +242,11 @@ impl Map {
         points: &Bound<'py, PyAny>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let points = arguments::points("points", points)?;
-        let values = py.detach(|| map_queries::clearances(&self.map, &points.points));
+        let values = py.detach(|| queries::clearances(&self.map, &points.points));
         arguments::per_point(py, points.is_single, values)
     }
 
-    /// Whether a disc can drive straight from a point to others; exact.
+    /// Free straight drives of a disc from a point to others; exact.
     ///
     /// Parameters
     /// ----------
@@ -259,7 +260,7 @@ impl Map {
     /// Returns
     /// -------
     /// bool or ndarray
-    ///     Answer for each end.
+    ///     True for each end that the disc reaches.
     ///
     /// Examples
     /// --------
@@ -277,8 +278,7 @@ impl Map {
         arguments::not_negative("radius", radius)?;
         let start = arguments::point("start", start)?;
         let ends = arguments::points("ends", ends)?;
-        let values =
-            py.detach(|| map_queries::lines_are_clear(&self.map, start, &ends.points, radius));
+        let values = py.detach(|| queries::lines_are_clear(&self.map, start, &ends.points, radius));
         arguments::per_point(py, ends.is_single, values)
     }
 
@@ -321,6 +321,42 @@ impl Map {
         arguments::per_point(py, ends.is_single, values)
     }
 
+    /// Distances along rays to the first obstacle; exact, as those of a range sensor.
+    ///
+    /// Parameters
+    /// ----------
+    /// at
+    ///     A point (m), shape (2,), or a robot.
+    /// angles
+    ///     Directions of the rays (rad), shape (n,), counter-clockwise from the x axis.
+    /// range_max
+    ///     Maximum distance (m).
+    ///
+    /// Returns
+    /// -------
+    /// ndarray
+    ///     Distance for each ray (m), shape (n,); infinity without an obstacle within the maximum.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import numpy as np, protean_robotics as pr
+    /// >>> map = pr.Map.from_grid(np.zeros((20, 40), dtype=bool), 0.1)
+    /// >>> map.cast_rays((1, 1), [0, np.pi / 2], 2.0).tolist()
+    /// [inf, 1.0]
+    fn cast_rays<'py>(
+        &self,
+        py: Python<'py>,
+        at: &Bound<'py, PyAny>,
+        angles: &Bound<'py, PyAny>,
+        range_max: f64,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        arguments::positive("range_max", range_max)?;
+        let at = arguments::point("at", at)?;
+        let angles = arguments::list("angles", angles, "finite numbers (rad), shape (n,)")?;
+        let ranges = py.detach(|| queries::cast_rays(&self.map, at, &angles, range_max));
+        Ok(ranges.into_pyarray(py))
+    }
+
     /// Unit vectors away from the nearest obstacle, by differences over the cells around each point.
     ///
     /// Parameters
@@ -345,7 +381,7 @@ impl Map {
         points: &Bound<'py, PyAny>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let points = arguments::points("points", points)?;
-        let vectors = py.detach(|| map_queries::directions_away(&self.map, &points.points));
+        let vectors = py.detach(|| queries::directions_away(&self.map, &points.points));
         arguments::vector_per_point(py, points.is_single, &vectors)
     }
 
@@ -373,8 +409,8 @@ impl Map {
     /// >>> import numpy as np, protean_robotics as pr
     /// >>> map = pr.Map.from_grid(np.zeros((20, 40), dtype=bool), 0.1)
     /// >>> seen = map.visible((1, 1))
-    /// >>> seen.min(axis=0).tolist(), seen.max(axis=0).tolist()
-    /// ([0.0, 0.0], [4.0, 2.0])
+    /// >>> seen.max(axis=0).round(6).tolist()
+    /// [4.0, 2.0]
     #[pyo3(signature = (at, range=None, *, field_of_view=None, heading=0.0))]
     fn visible<'py>(
         &self,
@@ -384,12 +420,12 @@ impl Map {
         field_of_view: Option<f64>,
         heading: f64,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let seen = map_queries::visible(&self.map, at, range, field_of_view, heading)?;
+        let seen = queries::visible(&self.map, at, range, field_of_view, heading)?;
         arguments::array_of_points(py, &seen)
     }
 
     fn __repr__(&self) -> String {
-        let (min, max) = map_queries::bounds(&self.map);
+        let (min, max) = queries::bounds(&self.map);
         format!(
             "<Map from ({:.2}, {:.2}) to ({:.2}, {:.2})>",
             min.x, min.y, max.x, max.y

@@ -1,0 +1,34 @@
+import numpy as np
+from numpy.typing import NDArray
+
+from ._core import Map, PointLike
+
+class Plan:
+    def __init__(
+        self,
+        map: Map,
+        start: PointLike,
+        radius: float,
+        *,
+        key: str | None = None,
+        seed: int = 0,
+        sub_goals: int = 200,
+        loops: int = 0,
+        margin: float = 0.05,
+        tolerance: float = 0.1,
+    ) -> None: ...
+    def next(self, count: int) -> NDArray[np.float64]: ...
+    @property
+    def rectangles(self) -> NDArray[np.float64]: ...
+    @property
+    def bridges(self) -> NDArray[np.uint64]: ...
+    @property
+    def tour(self) -> NDArray[np.uint64]: ...
+    @property
+    def start(self) -> NDArray[np.float64]: ...
+    @property
+    def area(self) -> float: ...
+    @property
+    def key(self) -> str: ...
+
+__all__ = ["Plan"]

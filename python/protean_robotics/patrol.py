@@ -1,0 +1,7 @@
+"""Patrols along a contour."""
+
+from . import _core
+
+ZigZag = _core.patrol.ZigZag
+
+__all__ = ["ZigZag"]

@@ -1,0 +1,47 @@
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ._core import Params, PoseLike
+
+class Trajectory:
+    @property
+    def time(self) -> NDArray[np.float64]: ...
+    @property
+    def pose(self) -> NDArray[np.float64]: ...
+    @property
+    def v(self) -> NDArray[np.float64]: ...
+    @property
+    def omega(self) -> NDArray[np.float64]: ...
+    @property
+    def duration(self) -> float: ...
+    @property
+    def lower_bound(self) -> float: ...
+    @property
+    def length(self) -> float: ...
+    @property
+    def status(self) -> str: ...
+
+def plan(
+    start: PoseLike,
+    goal: PoseLike,
+    *,
+    discs: ArrayLike | None = None,
+    polygons: Sequence[ArrayLike] = (),
+    bounds: ArrayLike,
+    v_max: float,
+    omega_max: float,
+    v_min: float | None = None,
+    clearance: float = 0.0,
+    start_speed: float | None = None,
+    start_turn_rate: float | None = None,
+    goal_speed: float | None = None,
+    acceleration: float | None = None,
+    angular_acceleration: float | None = None,
+    wheels: ArrayLike | None = None,
+    method: str = "bspline",
+) -> Trajectory: ...
+def plan_instance(instance: Params, *, options: Params | None = None) -> Trajectory: ...
+
+__all__ = ["Trajectory", "plan", "plan_instance"]
