@@ -28,7 +28,7 @@ def plan(
     goal: PoseLike,
     *,
     discs: ArrayLike | None = None,
-    polygons: Sequence[ArrayLike] = (),
+    polygons: Sequence[ArrayLike] | None = None,
     bounds: ArrayLike,
     v_max: float,
     omega_max: float,

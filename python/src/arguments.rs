@@ -10,10 +10,10 @@ use numpy::{
     AllowTypeChange, IntoPyArray as _, PyArrayLikeDyn, PyArrayMethods as _,
     PyUntypedArrayMethods as _,
 };
-use numpy::{PyArray1, PyArray2};
+use numpy::{PyArray1, PyArray2, PyUntypedArray};
 use parameters::{Parameters, ParamsError, check};
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyString};
+use pyo3::types::{PyDict, PyList, PyString, PyTuple};
 use steering::path_tracking::Path;
 
 use crate::error::InvalidInput;
@@ -103,8 +103,17 @@ impl<'py> Numbers<'py> {
     }
 }
 
-/// Attribute of an object that is no array, if it has it.
-fn attribute<'py>(value: &Bound<'py, PyAny>, name: &str) -> PyResult<Option<Bound<'py, PyAny>>> {
+/// Returns an attribute of an object, if it has it; arrays, tuples and lists have none, which takes no look-up.
+pub fn attribute<'py>(
+    value: &Bound<'py, PyAny>,
+    name: &str,
+) -> PyResult<Option<Bound<'py, PyAny>>> {
+    let is_plain = value.is_instance_of::<PyUntypedArray>()
+        || value.is_instance_of::<PyTuple>()
+        || value.is_instance_of::<PyList>();
+    if is_plain {
+        return Ok(None);
+    }
     value.getattr_opt(name)
 }
 

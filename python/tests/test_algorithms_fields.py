@@ -14,7 +14,9 @@ def moved(pose: np.ndarray, v: float, omega: float, dt: float) -> np.ndarray:
     x, y, theta = pose
     middle = theta + 0.5 * omega * dt
     chord = v * dt * np.sinc(0.5 * omega * dt / np.pi)
-    return np.array([x + chord * math.cos(middle), y + chord * math.sin(middle), theta + omega * dt])
+    return np.array(
+        [x + chord * math.cos(middle), y + chord * math.sin(middle), theta + omega * dt]
+    )
 
 
 def test_attraction_points_along_the_weighted_mean_direction() -> None:
@@ -125,7 +127,9 @@ def test_invalid_input_is_named() -> None:
             "`angles`",
         ),
         (
-            lambda: bug.advise((0, 0, 0), np.full(360, math.nan), (1, 1), angles=BEAMS, range_max=1.0),
+            lambda: bug.advise(
+                (0, 0, 0), np.full(360, math.nan), (1, 1), angles=BEAMS, range_max=1.0
+            ),
             "`ranges`",
         ),
         (lambda: pr.steering.PathTracker(np.zeros((0, 2))), "`path`"),

@@ -90,7 +90,10 @@ def test_invalid_input_is_named(room: pr.Map) -> None:
     for call, text in [
         (lambda: pr.navigation.ways(room, (1, 1), (2, 2), 0.0), "`radius`"),
         (lambda: pr.navigation.ways(room, (1, 1), (2, 2), 0.1, count=10**6), "`count`"),
-        (lambda: pr.navigation.ways(room, (1, 1), (2, 2), 0.1, max_length=math.nan), "`max_length`"),
+        (
+            lambda: pr.navigation.ways(room, (1, 1), (2, 2), 0.1, max_length=math.nan),
+            "`max_length`",
+        ),
         (lambda: pr.navigation.arrival_times(room, (1, 1), -1.0, 0.1), "`speeds`"),
         (lambda: pr.navigation.arrival_times(room, [(1, 1)], [1.0, 2.0], 0.1), "`speeds`"),
         (lambda: pr.navigation.arrival_times(room, (1, math.nan), 1.0, 0.1), "`starts`"),

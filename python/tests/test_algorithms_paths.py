@@ -70,7 +70,9 @@ def test_an_instance_is_the_same_problem_in_pixels() -> None:
         "obstacles": [{"x": 75, "y": 5, "r": 15}],
     }
     pixels = pr.trajectory.plan_instance(instance)
-    metres = pr.trajectory.plan((0, 0, 0), (3, 0), discs=[(1.5, 0.1, 0.3)], clearance=0.1, **PROBLEM)
+    metres = pr.trajectory.plan(
+        (0, 0, 0), (3, 0), discs=[(1.5, 0.1, 0.3)], clearance=0.1, **PROBLEM
+    )
     assert pixels.duration == pytest.approx(metres.duration, rel=1e-6)
     assert 0.02 * pixels.length == pytest.approx(metres.length, rel=1e-6)
     del instance["goal"]
@@ -139,7 +141,14 @@ def test_a_pursuer_on_one_side_makes_the_other_cheaper(block: pr.Map) -> None:
 
 def test_arcs_turn_no_faster_than_the_robot(block: pr.Map) -> None:
     tree = pr.rrt_star.plan(
-        block, (0.5, 1.0, 0.0), (3.4, 3.4), 0.15, seed=1, iterations=3000, v_max=0.5, omega_max=2.0,
+        block,
+        (0.5, 1.0, 0.0),
+        (3.4, 3.4),
+        0.15,
+        seed=1,
+        iterations=3000,
+        v_max=0.5,
+        omega_max=2.0,
         params={"primitive": "arc"},
     )
     assert tree.reached
@@ -160,7 +169,10 @@ def test_invalid_searches_are_named(block: pr.Map) -> None:
         (lambda: pr.rrt_star.plan(block, (2.0, 2.0), (3, 3), 0.1), "free place"),
         (lambda: pr.rrt_star.plan(block, (0.5, 0.5), np.zeros((0, 2)), 0.1), "goals"),
         (lambda: pr.rrt_star.plan(block, (0.5, math.nan), (3, 3), 0.1), "`start`"),
-        (lambda: pr.rrt_star.plan(block, (0.5, 0.5), (3, 3), 0.1, iterations=10**9), "`iterations`"),
+        (
+            lambda: pr.rrt_star.plan(block, (0.5, 0.5), (3, 3), 0.1, iterations=10**9),
+            "`iterations`",
+        ),
         (lambda: pr.rrt_star.plan(block, (0.5, 0.5), (3, 3), 0.1, v_max=0.0), "`v_max`"),
         (
             lambda: pr.rrt_star.plan(

@@ -14,7 +14,9 @@ def moved(pose: np.ndarray, v: float, omega: float, dt: float) -> np.ndarray:
     x, y, theta = pose
     middle = theta + 0.5 * omega * dt
     chord = v * dt * np.sinc(0.5 * omega * dt / np.pi)
-    return np.array([x + chord * math.cos(middle), y + chord * math.sin(middle), theta + omega * dt])
+    return np.array(
+        [x + chord * math.cos(middle), y + chord * math.sin(middle), theta + omega * dt]
+    )
 
 
 def test_a_point_ahead_is_approached_straight_and_one_beside_by_a_turn() -> None:
@@ -45,6 +47,23 @@ def test_a_robot_follows_the_shortest_way_without_a_collision() -> None:
         assert map.clearance(pose[:2]) > radius
         ticks += 1
         assert ticks < 400
+
+
+def test_a_way_may_be_computed_once_and_followed_to_its_end() -> None:
+    way = np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 1.5], [0.5, 1.5]])
+    params = {"deceleration": 1.0}
+    pose = np.array([0.0, 0.0, 0.0])
+    farthest = 0.0
+    for _ in range(400):
+        v, omega = pr.steering.go_to(pose, way, **LIMITS, params=params)
+        pose = moved(pose, v, omega, LIMITS["dt"])
+        parts = [
+            np.clip((pose[:2] - a) @ (b - a) / ((b - a) @ (b - a)), 0, 1)
+            for a, b in zip(way, way[1:])
+        ]
+        feet = [a + t * (b - a) for t, a, b in zip(parts, way, way[1:])]
+        farthest = max(farthest, min(float(np.linalg.norm(pose[:2] - foot)) for foot in feet))
+    assert np.linalg.norm(pose[:2] - way[-1]) < 0.05 and farthest < 0.2
 
 
 def test_commands_are_within_the_limits() -> None:

@@ -30,7 +30,9 @@ def test_the_mean_follows_a_robot_that_is_seen(room: pr.Map) -> None:
 
 
 def test_particles_are_a_distribution_with_its_moments(room: pr.Map) -> None:
-    belief = pr.tracking.ParticleFilter(room, (2.0, 3.0, 0.5), seed=1, params={"particles": 300}, **LIMITS)
+    belief = pr.tracking.ParticleFilter(
+        room, (2.0, 3.0, 0.5), seed=1, params={"particles": 300}, **LIMITS
+    )
     for _ in range(20):
         belief.update(0.05)
     particles = belief.particles.astype(float)

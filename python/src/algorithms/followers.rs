@@ -147,7 +147,7 @@ impl Scan {
         angles: Option<&Bound<'_, PyAny>>,
         range_max: Option<f64>,
     ) -> PyResult<Self> {
-        let own = |name| ranges.getattr_opt(name);
+        let own = |name| arguments::attribute(ranges, name);
         let (of_scan, own_angles) = (own("ranges")?, own("angles")?);
         let range_max = match (range_max, own("range_max")?) {
             (Some(range_max), _) => range_max,

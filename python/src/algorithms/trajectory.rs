@@ -131,14 +131,14 @@ impl Trajectory {
 /// >>> bool(6.0 < around.duration < 7.5)
 /// True
 #[pyfunction]
-#[pyo3(signature = (start, goal, *, discs=None, polygons=Vec::new(), bounds, v_max, omega_max, v_min=None, clearance=0.0, start_speed=None, start_turn_rate=None, goal_speed=None, acceleration=None, angular_acceleration=None, wheels=None, method="bspline"))]
+#[pyo3(signature = (start, goal, *, discs=None, polygons=None, bounds, v_max, omega_max, v_min=None, clearance=0.0, start_speed=None, start_turn_rate=None, goal_speed=None, acceleration=None, angular_acceleration=None, wheels=None, method="bspline"))]
 #[expect(clippy::too_many_arguments, reason = "fields of a problem")]
 pub fn plan(
     py: Python<'_>,
     start: &Bound<'_, PyAny>,
     goal: &Bound<'_, PyAny>,
     discs: Option<&Bound<'_, PyAny>>,
-    polygons: Vec<Bound<'_, PyAny>>,
+    polygons: Option<Vec<Bound<'_, PyAny>>>,
     bounds: &Bound<'_, PyAny>,
     v_max: f64,
     omega_max: f64,
@@ -176,7 +176,7 @@ pub fn plan(
             angular_acceleration,
             ..RobotLimits::simple(v_max, omega_max)
         },
-        obstacles: obstacles(discs, &polygons)?,
+        obstacles: obstacles(discs, &polygons.unwrap_or_default())?,
         clearance: clearance.max(MIN_CLEARANCE),
         bounds: rectangle(bounds)?,
         start_tolerance: START_TOLERANCE,

@@ -13,7 +13,7 @@ use planner_view::map::PlannerMap;
 use pyo3::prelude::*;
 
 use super::source::of_world;
-use crate::arguments::{invalid, point, positive, refused, row};
+use crate::arguments::{attribute, invalid, point, positive, refused, row};
 
 /// Returns the map of an occupancy grid of shape (rows, columns).
 ///
@@ -64,7 +64,7 @@ pub fn paths(
     start: &Bound<'_, PyAny>,
     radius: Option<f64>,
 ) -> PyResult<ShortestPaths> {
-    let radius = match (radius, start.getattr_opt("radius")?) {
+    let radius = match (radius, attribute(start, "radius")?) {
         (Some(radius), _) => radius,
         (None, Some(radius)) => radius.extract()?,
         (None, None) => {
