@@ -40,3 +40,4 @@ mod system_calls;
 mod teams;
 mod triggers;
 mod viewers;
+mod wheel;
