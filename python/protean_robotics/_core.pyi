@@ -3,10 +3,12 @@
 import os
 from collections.abc import Callable, Mapping, Sequence
 from types import ModuleType
-from typing import Any, Protocol, TypeAlias
+from typing import Any, Self, final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+
+from ._types import PointLike
 
 __version__: str
 
@@ -22,20 +24,9 @@ steering: ModuleType
 tracking: ModuleType
 trajectory: ModuleType
 
-class HasPosition(Protocol):
-    @property
-    def position(self) -> NDArray[np.float64]: ...
-
-class HasPose(Protocol):
-    @property
-    def pose(self) -> NDArray[np.float64]: ...
-
-PointLike: TypeAlias = ArrayLike | HasPosition
-PoseLike: TypeAlias = ArrayLike | HasPose
-Params: TypeAlias = Mapping[str, object]
-
+@final
 class Map:
-    def __init__(self, source: str | os.PathLike[str]) -> None: ...
+    def __new__(cls, source: str | os.PathLike[str]) -> Self: ...
     @staticmethod
     def from_grid(
         blocked: ArrayLike,
@@ -75,6 +66,7 @@ class Map:
         heading: float = 0.0,
     ) -> NDArray[np.float64]: ...
 
+@final
 class Robot:
     @property
     def name(self) -> str: ...
@@ -113,6 +105,7 @@ class Robot:
     @property
     def goal(self) -> NDArray[np.float64] | None: ...
 
+@final
 class World:
     @property
     def time(self) -> float: ...
@@ -135,6 +128,7 @@ class World:
     @property
     def team_mates(self) -> list[Robot]: ...
 
+@final
 class Scan:
     @property
     def ranges(self) -> NDArray[np.float32]: ...
@@ -145,6 +139,7 @@ class Scan:
     @property
     def range_max(self) -> float: ...
 
+@final
 class Belief:
     @property
     def robot(self) -> Robot: ...
@@ -157,6 +152,7 @@ class Belief:
     @property
     def seen(self) -> bool: ...
 
+@final
 class Steering:
     def __new__(
         cls,
@@ -180,6 +176,7 @@ class Steering:
 
 def go_to(robot: Robot, target: ArrayLike) -> tuple[float, float]: ...
 
+@final
 class Function:
     def __new__(
         cls, callable: Callable[..., Any], inputs: Sequence[str], setup: Sequence[str] | None = None

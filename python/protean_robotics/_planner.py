@@ -7,24 +7,26 @@ import signal
 import sys
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any, Generic, NoReturn, TypeVar
+from typing import Any, NoReturn
 
 from ._core import Function
 from ._core import serve as _serve
-
-Steer = TypeVar("Steer", bound=Callable[..., Any])
 
 #: Environment variable with the path of a process's configuration.
 _CONFIG = "PROTEAN_CONFIG"
 
 
-class Planner(Generic[Steer]):
+class Planner:
     """A function or class that steers a robot; :func:`planner` makes it.
 
     Called, it is the function or class itself, so that tests can use it.
     """
 
-    def __init__(self, steer: Steer) -> None:
+    steer: Callable[..., Any]
+    _function: Function
+    __name__: str
+
+    def __init__(self, steer: Callable[..., Any]) -> None:
         self.steer = steer
         if inspect.isclass(steer):
             call = getattr(steer, "__call__", None)
@@ -46,7 +48,7 @@ class Planner(Generic[Steer]):
         return f"<planner {self.__name__}>"
 
 
-def planner(steer: Steer) -> Planner[Steer]:
+def planner(steer: Callable[..., Any]) -> Planner:
     """Makes a planner from a function or a class.
 
     A function is called once per tick and robot. Its arguments name its inputs, in any order:
@@ -82,14 +84,14 @@ def planner(steer: Steer) -> Planner[Steer]:
     >>> @pr.planner
     ... def ahead(robot):
     ...     return 0.5 * robot.v_max, 0.0
-    >>> run = pr.run("hello", in_process=True, planners={"planner": ahead}, set={"rules.time_limit": 1})
+    >>> run = pr.run("hello", in_process=True, planners={"robot": ahead}, set={"rules.time_limit": 1})
     >>> run.outcome
     {'robot': 'timed_out'}
     """
     return Planner(steer)
 
 
-def serve(steer: Planner[Any]) -> NoReturn:
+def serve(steer: Planner) -> NoReturn:
     """Runs a planner as a process of a run: the main function of its program.
 
     A scenario names the program with ``command = ["python3", "planner.py"]``; a run starts it.
@@ -132,7 +134,7 @@ def _arguments(function: Callable[..., Any]) -> list[str]:
     return names
 
 
-def _command(steer: Planner[Any]) -> tuple[list[str], str]:
+def _command(steer: Planner) -> tuple[list[str], str]:
     """Command that would start the planner as a process, and its folder."""
     try:
         file = inspect.getsourcefile(steer.steer)

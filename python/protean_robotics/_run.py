@@ -71,7 +71,7 @@ def run(
     seed: int | None = None,
     set: Mapping[str, Any] | None = None,
     in_process: bool = False,
-    planners: Mapping[str, Planner[Any]] | None = None,
+    planners: Mapping[str, Planner] | None = None,
     out: str | os.PathLike[str] | None = None,
     force: bool = False,
     allow_external: bool = False,
@@ -91,7 +91,8 @@ def run(
         Whether all processes run in one thread of this one: the same digest, no latencies, no log unless `out` is
         given. Otherwise they are processes of the operating system.
     planners
-        Planners in the place of processes, by the name of the process; with `in_process` only.
+        Planners in the place of those of the scenario, by the name of a robot, a team or a process; with `in_process`
+        only.
     out
         Path of the log; ``logs/SCENARIO-SEED.mcap`` if None.
     force

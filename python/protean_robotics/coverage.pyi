@@ -1,11 +1,15 @@
+from typing import Self, final
+
 import numpy as np
 from numpy.typing import NDArray
 
-from ._core import Map, PointLike
+from ._core import Map
+from ._types import PointLike
 
+@final
 class Plan:
-    def __init__(
-        self,
+    def __new__(
+        cls,
         map: Map,
         start: PointLike,
         radius: float,
@@ -16,7 +20,7 @@ class Plan:
         loops: int = 0,
         margin: float = 0.05,
         tolerance: float = 0.1,
-    ) -> None: ...
+    ) -> Self: ...
     def next(self, count: int) -> NDArray[np.float64]: ...
     @property
     def rectangles(self) -> NDArray[np.float64]: ...

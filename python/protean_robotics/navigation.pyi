@@ -1,7 +1,8 @@
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._core import Map, PointLike
+from ._core import Map
+from ._types import PointLike
 
 def ways(
     map: Map,

@@ -1,9 +1,12 @@
+from typing import Self, final
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+@final
 class ZigZag:
-    def __init__(
-        self,
+    def __new__(
+        cls,
         contour: ArrayLike,
         *,
         t_max: float,
@@ -12,7 +15,7 @@ class ZigZag:
         seed: int = 0,
         closed: bool = True,
         preset: str = "default",
-    ) -> None: ...
+    ) -> Self: ...
     def lap(
         self, number: int = 0
     ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.bool_]]: ...

@@ -1,8 +1,12 @@
+from typing import final
+
 import numpy as np
 from numpy.typing import NDArray
 
-from ._core import Map, Params, PointLike, PoseLike
+from ._core import Map
+from ._types import Params, PointLike, PoseLike
 
+@final
 class Tree:
     @property
     def path(self) -> NDArray[np.float64]: ...

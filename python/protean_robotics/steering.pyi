@@ -1,7 +1,10 @@
+from typing import Self, final
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._core import Map, Params, PointLike, PoseLike, Scan
+from ._core import Map, Scan
+from ._types import Params, PointLike, PoseLike
 
 def go_to(
     pose: PoseLike,
@@ -36,8 +39,9 @@ def linearise(
     params: Params | None = None,
 ) -> tuple[float, float]: ...
 
+@final
 class TangentBug:
-    def __init__(self, radius: float) -> None: ...
+    def __new__(cls, radius: float) -> Self: ...
     def advise(
         self,
         pose: PoseLike,
@@ -50,8 +54,9 @@ class TangentBug:
     ) -> tuple[NDArray[np.float64], str] | None: ...
     def reset(self) -> None: ...
 
+@final
 class PathTracker:
-    def __init__(self, path: ArrayLike, *, params: Params | None = None) -> None: ...
+    def __new__(cls, path: ArrayLike, *, params: Params | None = None) -> Self: ...
     def track(
         self, pose: PoseLike, *, v_max: float, omega_max: float, v_reverse_max: float = 0.0
     ) -> tuple[float, float]: ...

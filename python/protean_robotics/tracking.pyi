@@ -1,13 +1,15 @@
-from typing import Any
+from typing import Any, Self, final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._core import Map, Params, PointLike, PoseLike
+from ._core import Map
+from ._types import Params, PointLike, PoseLike
 
+@final
 class ParticleFilter:
-    def __init__(
-        self,
+    def __new__(
+        cls,
         map: Map,
         start: PoseLike | None = None,
         *,
@@ -16,7 +18,7 @@ class ParticleFilter:
         v_reverse_max: float = 0.0,
         seed: int = 0,
         params: Params | None = None,
-    ) -> None: ...
+    ) -> Self: ...
     def update(
         self,
         dt: float,

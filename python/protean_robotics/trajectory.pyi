@@ -1,10 +1,13 @@
 from collections.abc import Sequence
 
+from typing import final
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._core import Params, PoseLike
+from ._types import Params, PoseLike
 
+@final
 class Trajectory:
     @property
     def time(self) -> NDArray[np.float64]: ...
@@ -28,7 +31,7 @@ def plan(
     goal: PoseLike,
     *,
     discs: ArrayLike | None = None,
-    polygons: Sequence[ArrayLike] | None = None,
+    polygons: Sequence[ArrayLike] | None = ...,
     bounds: ArrayLike,
     v_max: float,
     omega_max: float,

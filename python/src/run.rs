@@ -12,7 +12,7 @@ use mission::in_process::{self, Cache, InProcessOptions};
 use planner::PlannerProcess;
 use pyo3::prelude::*;
 use scenario::kind::ConfiguredKind;
-use scenario::{Loader, Program, ResolvedScenario};
+use scenario::{Loader, ProcessSpec, Program, ResolvedScenario};
 use serde_json::Value as Json;
 
 use crate::error::{Error, InvalidInput};
@@ -24,10 +24,10 @@ const SIGNAL_INTERVAL: Duration = Duration::from_millis(50);
 /// Data of maps, which all runs of the process share.
 static CACHE: LazyLock<Arc<Cache>> = LazyLock::new(Arc::default);
 
-/// A planner in the place of a process, and the command that starts it as one.
+/// A planner in the place of processes, and the command that starts it as one.
 #[derive(FromPyObject)]
 pub struct Planned {
-    /// Name of the process.
+    /// Name of a robot, a team or a process.
     name: String,
     /// The planner.
     function: Py<Function>,
@@ -100,44 +100,83 @@ pub fn run_in_process(
     })
 }
 
-/// Puts a planner in the place of a process of the scenario.
+/// Puts a planner in the place of the processes of the scenario that its name means: a process, or those of a robot or
+/// of a team.
 fn place(
     scenario: &mut ResolvedScenario,
     planned: Planned,
     programs: &mut BTreeMap<String, ConfiguredKind>,
 ) -> PyResult<()> {
-    let names: Vec<String> = scenario.processes.iter().map(|p| p.name.clone()).collect();
-    let processes = &mut scenario.processes;
-    let Some(process) = processes.iter_mut().find(|p| p.name == planned.name) else {
-        return Err(InvalidInput::new_err(format!(
-            "planners: no process {:?}: expected one of {}",
-            planned.name,
-            names.join(", ")
-        )));
-    };
-    let params = match &process.program {
-        Program::Command { params, .. } => params.clone(),
-        Program::Kind(kind) if kind.kind().drives_robots => {
-            let params = Json::Object(serde_json::Map::new());
+    let name = &planned.name;
+    let meant = processes_of(scenario, name).map_err(InvalidInput::new_err)?;
+    let function = Arc::new(planned.function);
+    for index in meant {
+        let Some(process) = scenario.processes.get_mut(index) else {
+            continue;
+        };
+        if let Program::Kind(_) = process.program {
             process.program = Program::Command {
-                words: planned.command,
-                folder: planned.folder,
-                params: params.clone(),
+                words: planned.command.clone(),
+                folder: planned.folder.clone(),
+                params: Json::Object(serde_json::Map::new()),
             };
-            params
         }
-        Program::Kind(kind) => {
-            return Err(InvalidInput::new_err(format!(
-                "planners: process {:?} (kind {}) steers no robot",
-                planned.name,
-                kind.kind().name
-            )));
-        }
-    };
-    let params = PythonParams::new(params, Arc::new(planned.function));
-    let kind = ConfiguredKind::new::<PlannerProcess<PythonPlanner>>(params);
-    programs.insert(planned.name, kind);
+        let params = PythonParams::new(process.program.params(), Arc::clone(&function));
+        let kind = ConfiguredKind::new::<PlannerProcess<PythonPlanner>>(params);
+        programs.insert(process.name.clone(), kind);
+    }
     Ok(())
+}
+
+/// Returns the processes that a name means, all of which steer robots.
+fn processes_of(scenario: &ResolvedScenario, name: &str) -> Result<Vec<usize>, String> {
+    let robots = &scenario.world.robots;
+    let steers = |process: &ProcessSpec| {
+        let kind = process.program.kind();
+        kind.is_none_or(|kind| kind.kind().drives_robots)
+    };
+    let named = scenario.processes.iter().position(|p| p.name == name);
+    if let Some(index) = named {
+        return match scenario.processes.get(index) {
+            Some(process) if steers(process) => Ok(vec![index]),
+            _ => Err(format!("planners: process {name:?} steers no robot")),
+        };
+    }
+    let is_meant = |&robot: &usize| {
+        let robot = robots.get(robot);
+        robot.is_some_and(|robot| robot.name == name || robot.team == name)
+    };
+    let mut meant = Vec::new();
+    for (index, process) in scenario.processes.iter().enumerate() {
+        if !steers(process) || !process.robots.iter().any(is_meant) {
+            continue;
+        }
+        if let Some(&other) = process.robots.iter().find(|robot| !is_meant(robot)) {
+            let other = robots.get(other).map_or("", |robot| &robot.name);
+            return Err(format!(
+                "planners: process {:?} steers {name} and {other}: expected its name, or a planner for both",
+                process.name
+            ));
+        }
+        meant.push(index);
+    }
+    if meant.is_empty() {
+        let mut known: Vec<&str> = robots.iter().map(|robot| &*robot.name).collect();
+        known.extend(robots.iter().map(|robot| &*robot.team));
+        let steering = scenario.processes.iter().filter(|process| steers(process));
+        known.extend(steering.map(|process| &*process.name));
+        let mut unique = Vec::new();
+        for name in known {
+            if !unique.contains(&name) {
+                unique.push(name);
+            }
+        }
+        return Err(format!(
+            "planners: no robot, team or process {name:?}: expected one of {}",
+            unique.join(", ")
+        ));
+    }
+    Ok(meant)
 }
 
 /// Runs `work` in a thread of its own, while this one waits for it and for Ctrl-C, which sets `interrupted`. Returns the

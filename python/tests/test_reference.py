@@ -1,0 +1,102 @@
+"""The page of the API in the documentation is that of the docstrings.
+
+`PROTEAN_DOCS=write pytest test_reference.py` writes it.
+"""
+
+import inspect
+import os
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import protean_robotics as pr
+
+PAGE = Path(__file__).parents[2] / "docs/reference/python.md"
+
+HEAD = """# Python package
+
+`import protean_robotics as pr`. Lengths are in metres, times in seconds, angles in radians, counter-clockwise; x points
+forward, y to the left. This page is made from the docstrings (`help(pr.run)`).
+"""
+
+
+def signature(name: str, value: Any) -> str:
+    try:
+        text = str(inspect.signature(value))
+    except (TypeError, ValueError):
+        return name
+    return name + text.replace("protean_robotics._core.", "").replace("'", "").replace('"', "")
+
+
+def sections(text: str) -> list[str]:
+    """Lines of a docstring in Markdown: its underlined headings in bold, lists of values as lists, examples as code."""
+    lines: list[str] = []
+    rows = inspect.cleandoc(text).splitlines()
+    heading = ""
+    for index, row in enumerate(rows):
+        below = rows[index + 1] if index + 1 < len(rows) else ""
+        if row and set(row) == {"-"} and heading:
+            continue
+        if row and below and set(below) == {"-"} and len(below) >= 3:
+            heading = row
+            lines += [f"**{row}**", ""]
+            if row == "Examples":
+                lines.append("```python")
+        elif heading and heading != "Examples" and row and not row.startswith(" "):
+            lines.append(f"- `{row}`")
+        else:
+            lines.append(row)
+    while lines and not lines[-1]:
+        lines.pop()
+    if heading == "Examples":
+        lines.append("```")
+    return lines
+
+
+def entry(level: int, name: str, value: Any) -> list[str]:
+    text = inspect.getdoc(value) or ""
+    call = callable(value) and not (inspect.isclass(value) and issubclass(value, Exception))
+    lines = [f"{'#' * level} `{signature(name, value) if call else name}`", "", *sections(text), ""]
+    if inspect.isclass(value) and not issubclass(value, Exception):
+        for attribute, item in sorted(vars(value).items()):
+            if attribute.startswith("_"):
+                continue
+            document = inspect.getdoc(item)
+            assert document, f"{name}.{attribute} has no docstring"
+            if isinstance(item, (classmethod, staticmethod)):
+                item = item.__func__
+            if callable(item) and not isinstance(item, property):
+                lines += [f"{'#' * (level + 1)} `{name}.{signature(attribute, item)}`", "", *sections(document), ""]
+            else:
+                lines += [f"- `{name}.{attribute}`: {' '.join(document.split())}"]
+        lines.append("")
+    return lines
+
+
+def page() -> str:
+    lines = [HEAD]
+    modules: list[tuple[str, ModuleType]] = []
+    for name in pr.__all__:
+        value = getattr(pr, name)
+        if name.startswith("__"):
+            continue
+        if isinstance(value, ModuleType):
+            modules.append((name, value))
+        else:
+            assert inspect.getdoc(value), f"{name} has no docstring"
+            lines += entry(2, f"pr.{name}", value)
+    for name, module in modules:
+        lines += [f"## `pr.{name}`", "", *sections(module.__doc__ or ""), ""]
+        for item in module.__all__:
+            assert inspect.getdoc(getattr(module, item)), f"{name}.{item} has no docstring"
+            lines += entry(3, f"pr.{name}.{item}", getattr(module, item))
+    text = "\n".join(lines)
+    while "\n\n\n" in text:
+        text = text.replace("\n\n\n", "\n\n")
+    return text.rstrip() + "\n"
+
+
+def test_the_page_of_the_api_is_that_of_the_docstrings() -> None:
+    if os.environ.get("PROTEAN_DOCS") == "write":
+        PAGE.write_text(page())
+    assert PAGE.read_text() == page(), "write it: PROTEAN_DOCS=write pytest python/tests/test_reference.py"
