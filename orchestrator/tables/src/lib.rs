@@ -1,10 +1,11 @@
-//! Tables with typed columns, as CSV or Apache Parquet (results of sweeps, messages of logs), and tables on a
-//! terminal.
+//! Tables with typed columns, as CSV, as Apache Parquet or in memory (results of sweeps, messages of logs), and tables
+//! on a terminal.
 
 #![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
 #![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
 
 mod csv;
+mod in_memory;
 mod parquet;
 
 use std::fmt;
@@ -12,6 +13,8 @@ use std::io::{self, Write};
 
 use comfy_table::{CellAlignment, ContentArrangement, LineStyle, Table, TableStyle};
 use terminal_size::{Width, terminal_size_of};
+
+pub use in_memory::{ColumnValues, InMemory, Texts, Values};
 
 /// File format of a table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
