@@ -43,19 +43,7 @@ impl EventList {
             self.omitted += 1;
             return;
         }
-        let obstacle = (kind == "obstacle")
-            .then(|| self.names.obstacles.get(&event.other))
-            .flatten();
-        self.events.push(EventEntry {
-            time_s,
-            kind: kind.to_owned(),
-            robot: self.names.robots.get(event.robot as usize).cloned(),
-            obstacle: obstacle.cloned(),
-            other: (event.other != WorldEvent::NONE).then_some(event.other),
-            x: event.x,
-            y: event.y,
-            value: event.value,
-        });
+        self.events.push(self.names.entry(time_s, event));
     }
 }
 

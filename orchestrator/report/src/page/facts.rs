@@ -18,7 +18,6 @@ use crate::picture::static_scene::corners;
 use crate::picture::trace::pursuers;
 use recorder::{CoverageOutcome, EventNames, RobotOutcome, outcome_words, status_name};
 use scenario::Loader;
-use scenario::files::Base;
 use scenario::kind::Kind;
 use sim_backend::team::Role;
 
@@ -189,15 +188,10 @@ fn task(task: &TaskTrace) -> Json {
 
 /// Names of robots and obstacles. Without a scenario that this version can parse, obstacles have none.
 fn names(gathered: &Gathered, kinds: &[Kind]) -> EventNames {
-    let text = &gathered.facts.scenario_text;
-    let loaded = Loader::new(kinds).load_text("scenario.toml", text, &Base::Nothing, &[], None);
     let robots = gathered.scenario.robots.iter();
     EventNames {
         robots: robots.map(|robot| robot.name.clone()).collect(),
-        obstacles: loaded.map_or_else(
-            |_| std::collections::BTreeMap::default(),
-            |s| s.obstacle_names(),
-        ),
+        obstacles: Loader::new(kinds).obstacle_names(&gathered.facts.scenario_text),
     }
 }
 

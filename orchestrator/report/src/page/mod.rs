@@ -26,7 +26,7 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use mcap_log::derived;
-use mcap_log::{Condition, DerivedError, ReadProgress};
+use mcap_log::{Condition, DerivedError, LogReadError, ReadProgress};
 use platform::atomic_file::Readers;
 use serde::Serialize;
 
@@ -39,7 +39,7 @@ use scenario::kind::Kind;
 /// A written page.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Report {
-    /// Path of the page.
+    /// Path of the page; empty without a file.
     pub page: PathBuf,
     /// Size of the page (bytes).
     pub bytes: u64,
@@ -77,14 +77,7 @@ pub fn report(
     for log in logs {
         file = Some(derived::create(out, log, force, Readers::Owner)?);
     }
-    let (mut runs, mut reports) = (Vec::new(), Vec::new());
-    for log in logs {
-        let mut gathered = Gathered::read(log, kinds, watch)?;
-        let (run, report) = run(&mut gathered, kinds).map_err(derived::failed(out))?;
-        runs.push(run);
-        reports.push(report);
-    }
-    let page = html::page(&runs, &facts::colours());
+    let (page, mut reports) = render(logs, kinds, watch)?;
     if let Some(mut file) = file {
         file.write_all(page.as_bytes())
             .and_then(|()| file.commit())
@@ -92,9 +85,32 @@ pub fn report(
     }
     for report in &mut reports {
         out.clone_into(&mut report.page);
-        report.bytes = page.len() as u64;
     }
     Ok(reports)
+}
+
+/// Returns the page of one log, or of several logs side by side, without a file.
+///
+/// # Errors
+/// [`LogReadError`]: a log cannot be read or is not a Protean log of this version.
+pub fn render(
+    logs: &[&Path],
+    kinds: &'static [Kind],
+    watch: &mut ReadProgress,
+) -> Result<(String, Vec<Report>), LogReadError> {
+    let (mut runs, mut reports) = (Vec::new(), Vec::new());
+    for log in logs {
+        let mut gathered = Gathered::read(log, kinds, watch)?;
+        let (run, report) = run(&mut gathered, kinds)
+            .map_err(|error| LogReadError::Argument(format!("{}: {error}", log.display())))?;
+        runs.push(run);
+        reports.push(report);
+    }
+    let page = html::page(&runs, &facts::colours());
+    for report in &mut reports {
+        report.bytes = page.len() as u64;
+    }
+    Ok((page, reports))
 }
 
 /// Returns a run for the page and its summary.
