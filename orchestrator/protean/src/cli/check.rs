@@ -5,13 +5,12 @@ use std::process::ExitCode;
 
 use clap::builder::{PathBufValueParser, TypedValueParser as _};
 use platform::eprintln;
-use report::picture::{RunTrace, draw};
+use report::picture::{RunTrace, draw, svg_file};
 use serde_json::json;
 
 use super::common::{ForceArg, JsonArg};
 use super::logs::exit_code_of_derived;
 use super::output::{self, EXIT_INVALID, print, print_json};
-use super::picture::svg_file;
 use super::run_args::OverrideArgs;
 use scenario::kind::Kind;
 use scenario::{Loader, ResolvedScenario};

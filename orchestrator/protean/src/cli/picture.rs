@@ -4,13 +4,11 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::builder::{PathBufValueParser, TypedValueParser as _};
-use mcap_log::derived;
-use platform::atomic_file::Readers;
 
 use super::common::ForceArg;
 use super::logs;
 use super::output::print;
-use report::picture::{RunTrace, draw};
+use report::picture::{save, svg_file};
 use scenario::kind::Kind;
 
 /// Help below the options.
@@ -35,26 +33,13 @@ pub(super) struct PictureArgs {
     force: ForceArg,
 }
 
-/// Refuses a name with the extension of another format than SVG.
-pub(super) fn svg_file(file: PathBuf) -> Result<PathBuf, String> {
-    match file.extension() {
-        Some(extension) if !extension.eq_ignore_ascii_case("svg") => Err(format!(
-            "pictures are SVG files: expected a name that ends in .svg, for example {}",
-            file.with_extension("svg").display()
-        )),
-        _ => Ok(file),
-    }
-}
-
 /// Draws a log into an SVG file and prints the file's name.
 pub(super) fn run(kinds: &[Kind], args: &PictureArgs) -> ExitCode {
     let log = &args.log;
     logs::command(false, |watch| {
         let out = args.out.clone();
         let out = out.unwrap_or_else(|| log.with_extension("svg"));
-        let (trace, condition) = RunTrace::read(log, args.at, kinds, watch)?;
-        let (svg, force) = (draw(&trace), args.force.force);
-        derived::write(svg.as_bytes(), &out, log, force, Readers::All)?;
+        let condition = save(log, args.at, kinds, &out, args.force.force, watch)?;
         print(&out.display().to_string());
         Ok(logs::of_condition(log, &condition))
     })

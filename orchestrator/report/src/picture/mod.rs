@@ -4,13 +4,14 @@
 //! * [`RunTrace::read`] reads the content of the picture from a log, in bounded memory;
 //! * [`RunTrace::before_run`] takes it from a scenario, without a run;
 //! * [`fn@draw`] draws it, as a pure function;
-//! * `save` writes it to a file. On an error, no file remains.
+//! * [`save`] writes it to a file. On an error, no file remains.
 
 mod bands;
 mod before_run;
 mod draw;
 mod draw_layers;
 mod draw_task;
+mod file;
 mod labels;
 pub(crate) mod layers;
 mod layout;
@@ -29,6 +30,7 @@ mod trail;
 mod tests;
 
 pub use draw::draw;
+pub use file::{save, svg_file};
 pub use layers::{DominanceTrace, PlanTrace, TreeTrace, VerdictTrace};
 pub use static_scene::{Cells, Standing, StaticScene};
 pub use task::{TaskTrace, WaypointTrace};

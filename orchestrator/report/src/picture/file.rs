@@ -1,0 +1,42 @@
+//! The picture of a log in a file.
+
+use std::path::{Path, PathBuf};
+
+use mcap_log::{Condition, DerivedError, ReadProgress, derived};
+use platform::atomic_file::Readers;
+use scenario::kind::Kind;
+
+use super::draw::draw;
+use super::trace::RunTrace;
+
+/// Draws a log at a simulated time (s; `None` for the end) into an SVG file. On an error, no file remains.
+///
+/// # Errors
+/// [`DerivedError`]: the log cannot be read, is not a Protean log of this version or ends before this time, or the
+/// picture cannot be written.
+pub fn save(
+    log: &Path,
+    at_s: Option<f64>,
+    kinds: &[Kind],
+    out: &Path,
+    force: bool,
+    watch: &mut ReadProgress,
+) -> Result<Condition, DerivedError> {
+    let (trace, condition) = RunTrace::read(log, at_s, kinds, watch)?;
+    derived::write(draw(&trace).as_bytes(), out, log, force, Readers::All)?;
+    Ok(condition)
+}
+
+/// Refuses a name with the extension of another format than SVG.
+///
+/// # Errors
+/// Text that names the file that was expected.
+pub fn svg_file(file: PathBuf) -> Result<PathBuf, String> {
+    match file.extension() {
+        Some(extension) if !extension.eq_ignore_ascii_case("svg") => Err(format!(
+            "pictures are SVG files: expected a name that ends in .svg, for example {}",
+            file.with_extension("svg").display()
+        )),
+        _ => Ok(file),
+    }
+}
