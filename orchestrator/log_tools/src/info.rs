@@ -84,6 +84,9 @@ pub struct LogInfo {
 /// Contents of a topic.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct TopicInfo {
+    /// Id of its channel.
+    #[serde(skip)]
+    pub channel: u16,
     /// Name of its schema; empty without a schema.
     pub schema: String,
     /// Encoding of its messages.
@@ -322,6 +325,7 @@ fn new_stats(channel: &Channel, schema: String) -> ChannelStats {
     ChannelStats {
         stamped: known::topic_of(channel).is_some(),
         info: TopicInfo {
+            channel: channel.id,
             schema,
             encoding: channel.message_encoding.clone(),
             ..TopicInfo::default()

@@ -14,8 +14,8 @@ const MAX_ARRAY_NUMBERS: usize = 64;
 const MAX_ARRAY_MESSAGES: usize = 16;
 
 /// Mapping of a topic's messages to rows.
-#[derive(Debug)]
-pub(super) struct Layout {
+#[derive(Debug, Clone)]
+pub(crate) struct Layout {
     before: Vec<Field>,
     /// Sequence with one row per element.
     elements: Option<Field>,
@@ -27,7 +27,7 @@ pub(super) struct Layout {
 
 impl Layout {
     /// Creates the layout. The rows are the elements of the message's first sequence that does not consist of bytes.
-    pub(super) fn new(schema: &Schema) -> Result<Self, SchemaError> {
+    pub(crate) fn new(schema: &Schema) -> Result<Self, SchemaError> {
         let many = |field: &Field| field.count == Count::Many && !is_bytes(field);
         let at = schema.fields.iter().position(many);
         let (before, rest) = schema.fields.split_at(at.unwrap_or(schema.fields.len()));
@@ -56,12 +56,12 @@ impl Layout {
         })
     }
 
-    pub(super) fn columns(&self) -> &[Column] {
+    pub(crate) fn columns(&self) -> &[Column] {
         &self.columns
     }
 
     /// Returns the positions of the columns whose numbers are indices of robots, by their names in Protean's messages.
-    pub(super) fn columns_with_robots(&self) -> impl Iterator<Item = usize> {
+    pub(crate) fn columns_with_robots(&self) -> impl Iterator<Item = usize> {
         let is_robot = |column: &Column| {
             let name = column.name().rsplit('.').next();
             matches!(name, Some("robot" | "observer" | "target"))
@@ -70,13 +70,13 @@ impl Layout {
         columns.filter_map(move |(at, column)| is_robot(column).then_some(at))
     }
 
-    /// Passes on the rows of a message, each beginning with the cells in `first`. A message without elements has one
-    /// row; a message that cannot be decoded has none.
-    pub(super) fn rows(
+    /// Passes on the rows of a message, each beginning with the cells in `first`; `take` may append cells. A message
+    /// without elements has one row; a message that cannot be decoded has none.
+    pub(crate) fn rows(
         &self,
         first: &[Cell],
         message: &[u8],
-        take: &mut dyn FnMut(&[Cell]) -> io::Result<()>,
+        take: &mut dyn FnMut(&mut Vec<Cell>) -> io::Result<()>,
     ) -> Result<io::Result<()>, DecodeError> {
         let mut cdr = Cdr::new(message)?;
         let mut row = first.to_vec();
@@ -84,7 +84,7 @@ impl Layout {
             cells(&mut cdr, field, &mut row)?;
         }
         let Some(field) = &self.elements else {
-            return Ok(take(&row));
+            return Ok(take(&mut row));
         };
         let count = cdr.count(field)?;
         // First pass: find the fields after the elements. Second pass: write the elements.
@@ -98,13 +98,13 @@ impl Layout {
         let of_message = row.len();
         if count == 0 {
             row.resize(of_message + self.element_columns, Cell::Empty);
-            return Ok(take(&row));
+            return Ok(take(&mut row));
         }
         for index in 0..count {
             row.truncate(of_message);
             row.push(Cell::UInt(index as u64));
             cells_of_one(&mut elements, &field.kind, &field.name, &mut row)?;
-            if let Err(error) = take(&row) {
+            if let Err(error) = take(&mut row) {
                 return Ok(Err(error));
             }
         }

@@ -1,6 +1,7 @@
-//! Tools for logs: [`LogInfo`] summarises a log, [`cat`](cat()) lists its messages as JSON,
-//! [`recover`](recover()) repairs a truncated or damaged one, [`filter`](filter()) cuts it, [`export`](export())
-//! writes tables, [`ros2bag`](ros2bag()) a ROS 2 bag, and [`compare`](compare()) compares two.
+//! Tools for logs: [`LogInfo`] summarises a log, [`cat`](cat()) lists its messages as JSON, [`events`](events()) its
+//! events, [`recover`](recover()) repairs a truncated or damaged one, [`filter`](filter()) cuts it,
+//! [`export`](export()) writes tables, [`TopicColumns`] are a table in memory, [`ros2bag`](ros2bag()) writes a ROS 2
+//! bag, and [`compare`](compare()) compares two.
 
 #![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
 #![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
@@ -8,13 +9,17 @@
 mod cat;
 mod compare;
 mod deviation;
+mod events;
 mod export;
 mod filter;
 mod info;
 mod info_text;
+mod layout;
 mod message_json;
 mod recover;
 mod time_span;
+mod topic_columns;
+mod topic_table;
 
 #[cfg(test)]
 mod tests;
@@ -22,9 +27,11 @@ mod tests;
 pub use cat::{CatOptions, cat};
 pub use compare::{Comparison, Difference, TopicComparison, compare};
 pub use deviation::Deviation;
+pub use events::events;
 pub use export::{ExportOptions, Exported, Ros2Bag, Table, export, ros2bag};
 pub use filter::{FilterOptions, Filtered, filter};
 pub use info::{LogInfo, TopicInfo};
 pub use info_text::text as info_text;
 pub use recover::{Recovered, recover};
 pub use time_span::nanoseconds;
+pub use topic_columns::TopicColumns;

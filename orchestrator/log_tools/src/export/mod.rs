@@ -1,6 +1,5 @@
 //! Export of a log: the messages as tables, one file for each topic, or the whole as a ROS 2 bag.
 
-mod columns;
 mod folder;
 mod ros2bag;
 
@@ -15,14 +14,13 @@ use mcap_log::output::MANIFEST;
 use mcap_log::reader::{Channel, Item, Reader};
 use mcap_log::{DerivedError, LogReadError};
 use platform::atomic_file::{AtomicFile, Readers};
-use recorder::{ROBOTS_TOPIC, robot_names};
 use serde::Serialize;
-use tables::{self, Cell, Column, Format, Rows, Type};
+use tables::{self, Format};
 
-use self::columns::Layout;
 use self::folder::Folder;
 pub use self::ros2bag::{Ros2Bag, ros2bag};
-use crate::message_json::schema_of;
+use crate::layout::Layout;
+use crate::topic_table::{RobotNames, TopicTable, layout};
 
 /// Maximum number of tables; each is an open file.
 const MAX_TABLES: usize = 500;
@@ -79,10 +77,10 @@ enum Fate {
 struct Open {
     topic: String,
     layout: Layout,
-    /// Positions of the columns that state a robot by index.
-    robot_columns: Vec<usize>,
-    sink: Option<Box<dyn Rows<AtomicFile>>>,
-    table: Table,
+    /// Path of the file.
+    file: PathBuf,
+    /// The table, from the first message on.
+    table: Option<TopicTable<AtomicFile>>,
 }
 
 /// Writes a table for every topic of ROS 2 messages into a directory. Each element of each message is a row, with the
@@ -107,8 +105,7 @@ pub fn export(
         names: BTreeMap::new(),
         tables: 0,
         is_run: false,
-        robots_channel: None,
-        robots: Vec::new(),
+        robots: RobotNames::default(),
     };
     while let Some(item) = reader.next()? {
         match item {
@@ -142,10 +139,8 @@ struct Export<'a> {
     tables: usize,
     /// `true` for the log of a run.
     is_run: bool,
-    /// Channel of the names of the robots, and its schema.
-    robots_channel: Option<(u16, Vec<u8>)>,
-    /// Names of the robots, by index; empty if the log does not state them.
-    robots: Vec<String>,
+    /// Names of the robots.
+    robots: RobotNames,
 }
 
 impl Export<'_> {
@@ -155,10 +150,7 @@ impl Export<'_> {
         channel: &Channel,
         schema: Option<&mcap_log::reader::Schema>,
     ) -> Result<(), LogReadError> {
-        if channel.topic == ROBOTS_TOPIC {
-            let schema = schema.map(|schema| schema.data.clone());
-            self.robots_channel = schema.map(|schema| (channel.id, schema));
-        }
+        self.robots.channel(channel, schema);
         let topics = &self.options.topics;
         let repeats = self.is_run && channel.topic.starts_with('/');
         let fate = if repeats && topics.is_unlimited() {
@@ -174,14 +166,8 @@ impl Export<'_> {
                     Fate::Table(Box::new(Open {
                         topic: channel.topic.clone(),
                         layout,
-                        robot_columns: Vec::new(),
-                        sink: None,
-                        table: Table {
-                            file: self.out.join(name),
-                            messages: 0,
-                            rows: 0,
-                            undecodable: 0,
-                        },
+                        file: self.out.join(name),
+                        table: None,
                     }))
                 }
                 Err(why) if topics.names(&channel.topic) => {
@@ -205,11 +191,7 @@ impl Export<'_> {
         header: &mcap_log::MessageHeader,
         data: &[u8],
     ) -> Result<(), DerivedError> {
-        if let Some((channel, schema)) = &self.robots_channel
-            && *channel == header.channel_id
-        {
-            self.robots = robot_names(schema, data).unwrap_or_default();
-        }
+        self.robots.message(header, data);
         match self.channels.get_mut(&header.channel_id) {
             None | Some(Fate::Ignored) => Ok(()),
             Some(Fate::Skipped(reason)) => {
@@ -217,7 +199,7 @@ impl Export<'_> {
                 Ok(())
             }
             Some(Fate::Table(open)) => {
-                if open.sink.is_none() {
+                if open.table.is_none() {
                     self.tables += 1;
                     if self.tables > MAX_TABLES {
                         return Err(LogReadError::Argument(format!(
@@ -225,9 +207,10 @@ impl Export<'_> {
                         ))
                         .into());
                     }
-                    open.begin(self.log, self.options, &self.robots)?;
+                    open.begin(self.log, self.options, &self.robots.names)?;
                 }
-                open.take(header, data, &self.robots)
+                let taken = open.table.as_mut().map(|table| table.take(header, data));
+                taken.unwrap_or(Ok(())).map_err(derived::failed(&open.file))
             }
         }
     }
@@ -238,16 +221,22 @@ impl Export<'_> {
         let mut finished = Vec::new();
         for fate in self.channels.into_values() {
             if let Fate::Table(open) = fate
-                && let Some(rows) = open.sink
+                && let Some(table) = open.table
             {
-                let file = rows.finish().map_err(derived::failed(&open.table.file))?;
-                finished.push((open.table.file.clone(), file));
+                let written = Table {
+                    file: open.file.clone(),
+                    messages: table.messages,
+                    rows: table.row_count,
+                    undecodable: table.undecodable,
+                };
+                let file = table.finish().map_err(derived::failed(&open.file))?;
                 let name = if tables.contains_key(&open.topic) {
-                    format!("{} ({})", open.topic, open.table.file.display())
+                    format!("{} ({})", open.topic, open.file.display())
                 } else {
                     open.topic
                 };
-                tables.insert(name, open.table);
+                finished.push((open.file, file));
+                tables.insert(name, written);
             }
         }
         // Tables move to their final paths only when all are complete.
@@ -263,89 +252,20 @@ impl Export<'_> {
 }
 
 impl Open {
-    /// Creates the table. If the names of the robots are known, each column with the index of one has another with
-    /// the name, after all others.
+    /// Creates the table.
     fn begin(
         &mut self,
         log: &Path,
         options: &ExportOptions,
         robots: &[String],
     ) -> Result<(), DerivedError> {
-        let mut columns = self.layout.columns().to_vec();
-        if !robots.is_empty() && self.topic != ROBOTS_TOPIC {
-            self.robot_columns = self.layout.columns_with_robots().collect();
-            let names = self.robot_columns.iter().filter_map(|at| columns.get(*at));
-            let names =
-                names.map(|column| Column::new(format!("{}_name", column.name()), Type::Text));
-            let names: Vec<Column> = names.collect();
-            columns.extend(names);
-        }
-        let path = &self.table.file;
+        let path = &self.file;
         let file = derived::create(path, log, options.force, Readers::All)?;
-        let rows = tables::begin(options.format, file, &columns);
-        self.sink = Some(rows.map_err(derived::failed(path))?);
+        let begin = |columns: &[tables::Column]| tables::begin(options.format, file, columns);
+        let table = TopicTable::begin(&self.topic, self.layout.clone(), robots, begin);
+        self.table = Some(table.map_err(derived::failed(path))?);
         Ok(())
     }
-
-    fn take(
-        &mut self,
-        header: &mcap_log::MessageHeader,
-        data: &[u8],
-        robots: &[String],
-    ) -> Result<(), DerivedError> {
-        let Some(rows) = &mut self.sink else {
-            return Ok(());
-        };
-        let first = [
-            Cell::UInt(header.log_time),
-            Cell::UInt(header.publish_time),
-            Cell::UInt(u64::from(header.sequence)),
-        ];
-        let mut written = 0;
-        let mut named = Vec::new();
-        let result = self.layout.rows(&first, data, &mut |cells| {
-            written += 1;
-            if self.robot_columns.is_empty() {
-                return rows.row(cells);
-            }
-            named.clear();
-            named.extend_from_slice(cells);
-            let names = self
-                .robot_columns
-                .iter()
-                .map(|at| name_of(cells.get(*at), robots));
-            named.extend(names);
-            rows.row(&named)
-        });
-        self.table.rows += written;
-        match result {
-            Ok(Ok(())) => {
-                self.table.messages += 1;
-                Ok(())
-            }
-            Ok(Err(error)) => Err(derived::failed(&self.table.file)(error)),
-            Err(_) => {
-                self.table.undecodable += 1;
-                Ok(())
-            }
-        }
-    }
-}
-
-/// Returns the columns of a channel, or the reason why it has no table.
-fn layout(channel: &Channel, schema: Option<&mcap_log::reader::Schema>) -> Result<Layout, String> {
-    Layout::new(&schema_of(channel, schema)?).map_err(|error| error.to_string())
-}
-
-/// Returns the name of the robot with the index in a cell; empty if there is none.
-fn name_of(index: Option<&Cell>, robots: &[String]) -> Cell {
-    let Some(Cell::UInt(index)) = index else {
-        return Cell::Empty;
-    };
-    let name = usize::try_from(*index)
-        .ok()
-        .and_then(|index| robots.get(index));
-    name.map_or(Cell::Empty, |name| Cell::Text(name.clone()))
 }
 
 /// Returns the file name: `world/state` becomes `world.state.csv`; a name in use gets the channel's number.

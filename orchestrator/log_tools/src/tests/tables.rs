@@ -3,11 +3,11 @@
 use std::path::Path;
 
 use mcap_log::{DerivedError, Topics};
-use tables::Format;
+use tables::{ColumnValues, Format, Values};
 
 use super::record_run;
 use super::support::{theirs, watch};
-use crate::{ExportOptions, Exported, export, ros2bag};
+use crate::{ExportOptions, Exported, LogInfo, TopicColumns, events, export, ros2bag};
 
 fn options(format: Format, only: &[&str]) -> ExportOptions {
     ExportOptions {
@@ -143,6 +143,73 @@ fn parquet_and_text_have_the_same_values() {
         }
         assert_eq!(rows as u64, table.rows, "{topic}");
     }
+}
+
+/// Returns the text of a value in CSV.
+fn text_of(column: &ColumnValues, row: usize) -> String {
+    if column.empty.as_ref().is_some_and(|empty| empty[row]) {
+        return String::new();
+    }
+    match &column.values {
+        Values::Bool(values) => values[row].to_string(),
+        Values::Int(values) => values[row].to_string(),
+        Values::UInt(values) => values[row].to_string(),
+        Values::F32(values) => values[row].to_string(),
+        Values::F64(values) => values[row].to_string(),
+        Values::Text(texts) => texts.distinct[texts.codes[row] as usize].clone(),
+    }
+}
+
+#[test]
+fn columns_in_memory_have_the_values_of_the_files() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = exported(folder.path());
+    let log = folder.path().join("run.mcap");
+    let info = LogInfo::read(&log, &mut watch()).unwrap();
+    for (topic, table) in &text.tables {
+        let (header, records) = csv(&table.file);
+        let read = TopicColumns::read(&log, info.topics[topic].channel, &mut watch()).unwrap();
+        let counts = (read.messages, read.rows, read.undecodable);
+        assert_eq!(counts, (table.messages, table.rows, 0), "{topic}");
+        let names: Vec<&str> = read.columns.iter().map(|column| &*column.name).collect();
+        assert_eq!(names, header, "{topic}");
+        for (row, record) in records.iter().enumerate() {
+            let values = read.columns.iter().map(|column| text_of(column, row));
+            let expected: Vec<&str> = record.iter().collect();
+            assert_eq!(values.collect::<Vec<_>>(), expected, "{topic}");
+        }
+    }
+}
+
+#[test]
+fn events_of_a_log_are_those_of_the_summary() {
+    let folder = tempfile::tempdir().unwrap();
+    let log = folder.path().join("run.mcap");
+    let summary = record_run(&log, 6);
+    let read = events(&log, &[], &mut watch()).unwrap();
+    assert!(!read.is_empty());
+    assert_eq!(read, summary.events);
+}
+
+#[test]
+fn columns_in_memory_end_where_the_log_is_cut() {
+    let folder = tempfile::tempdir().unwrap();
+    let log = folder.path().join("run.mcap");
+    record_run(&log, 60);
+    let whole = std::fs::read(&log).unwrap();
+    let info = LogInfo::read(&log, &mut watch()).unwrap();
+    let topic = &info.topics["world/state"];
+    let error = TopicColumns::read(&log, 60_000, &mut watch()).unwrap_err();
+    assert!(error.to_string().contains("no channel 60000"), "{error}");
+    let mut least = u64::MAX;
+    for length in [whole.len() - 100, whole.len() / 2] {
+        std::fs::write(&log, &whole[..length]).unwrap();
+        let cut = TopicColumns::read(&log, topic.channel, &mut watch()).unwrap();
+        let counted = LogInfo::read(&log, &mut watch()).unwrap().topics;
+        assert_eq!(cut.messages, counted["world/state"].messages);
+        least = least.min(cut.messages);
+    }
+    assert!(0 < least && least < topic.messages, "{least}");
 }
 
 #[test]

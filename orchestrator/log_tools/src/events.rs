@@ -1,0 +1,70 @@
+//! Events of a run, from its log.
+
+use std::path::Path;
+
+use ipc_types::consumer::LoggedMessage;
+use ipc_types::topics::{Topic as _, TopicId, WorldEvents};
+use mcap_log::known;
+use mcap_log::output::MANIFEST;
+use mcap_log::reader::{Item, Reader};
+use mcap_log::{LogReadError, ReadProgress};
+use recorder::{EventEntry, EventNames};
+use scenario::Loader;
+use scenario::kind::Kind;
+
+use super::topic_table::RobotNames;
+
+/// Returns the events of a run in the order of its log. A truncated or damaged log is read as far as possible. Obstacles
+/// have names if the log has a scenario that this version can load.
+///
+/// # Errors
+/// [`LogReadError`]: the log cannot be read, or its events have the layout of another version.
+pub fn events(
+    log: &Path,
+    kinds: &[Kind],
+    watch: &mut ReadProgress,
+) -> Result<Vec<EventEntry>, LogReadError> {
+    let mut reader = Reader::open(log, Some(watch))?;
+    let mut robots = RobotNames::default();
+    let (mut version, mut scenario) = (String::new(), String::new());
+    let mut channel = None;
+    let mut found = Vec::new();
+    while let Some(item) = reader.next()? {
+        match item {
+            Item::Metadata(record) if record.name == MANIFEST => {
+                version = record.metadata.get("version").cloned().unwrap_or_default();
+            }
+            Item::Attachment(header, data) if header.name == "scenario.toml" => {
+                scenario = String::from_utf8_lossy(data).into_owned();
+            }
+            Item::Channel(next) => {
+                robots.channel(&next, reader.schema(next.schema_id).as_deref());
+                if next.topic == WorldEvents::ID.name() {
+                    known::check_layout(log, &next, &version)?;
+                    channel = Some(next.id);
+                }
+            }
+            Item::Message(header, data) => {
+                robots.message(&header, data);
+                if channel != Some(header.channel_id) {
+                    continue;
+                }
+                let message = LoggedMessage::new(TopicId::WorldEvents, header.log_time, data);
+                if let Some(message) = message
+                    && let Some((_, events)) = message.view::<WorldEvents>()
+                {
+                    found.extend(events.map(|event| (message.time_s(), event)));
+                }
+            }
+            _ => {}
+        }
+    }
+    let names = EventNames {
+        robots: robots.names,
+        obstacles: Loader::new(kinds).obstacle_names(&scenario),
+    };
+    let entries = found
+        .iter()
+        .map(|(time_s, event)| names.entry(*time_s, event));
+    Ok(entries.collect())
+}
