@@ -11,6 +11,7 @@ const ENVIRONMENT: &[&str] = &[
     "python-wheel",
     "maturin==1.16.0",
     "mcap==1.6.0",
+    "mcap-ros2-support==0.6.0",
     "mypy==2.4.1",
     "numpy==2.4.6",
     "pandas==3.1.1",

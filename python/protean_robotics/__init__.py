@@ -18,7 +18,7 @@ from ._core import (
     __version__,
     go_to,
 )
-from ._log import Log
+from ._log import Log, Topic
 from ._planner import Planner, planner, serve
 from ._program import program
 from ._run import Run, run
@@ -34,6 +34,7 @@ __all__ = [
     "Run",
     "Scan",
     "Steering",
+    "Topic",
     "World",
     "__version__",
     "coverage",

@@ -7,6 +7,7 @@ import subprocess
 import sys
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -54,7 +55,7 @@ class Run:
         """Simulated time at the end (s)."""
         return float(self.summary["sim_time_s"])
 
-    @property
+    @cached_property
     def log(self) -> Log | None:
         """Log of the run; None if it has none."""
         path = self.summary["log"]

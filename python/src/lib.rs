@@ -8,6 +8,8 @@
 mod algorithms;
 mod arguments;
 mod error;
+mod interruptible;
+mod log;
 mod map;
 mod planner;
 mod run;
@@ -21,6 +23,8 @@ mod _core {
 
     #[pymodule_export]
     use crate::error::{Error, InvalidInput};
+    #[pymodule_export]
+    use crate::log::{Column, LogFile};
     #[pymodule_export]
     use crate::map::Map;
     #[pymodule_export]

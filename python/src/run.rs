@@ -2,12 +2,10 @@
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, LazyLock, Mutex, PoisonError, mpsc};
-use std::time::Duration;
+use std::sync::atomic::AtomicBool;
+use std::sync::{Arc, LazyLock};
 
 use kinds::KINDS;
-use mission::MissionError;
 use mission::in_process::{self, Cache, InProcessOptions};
 use planner::PlannerProcess;
 use pyo3::prelude::*;
@@ -16,10 +14,8 @@ use scenario::{Loader, ProcessSpec, Program, ResolvedScenario};
 use serde_json::Value as Json;
 
 use crate::error::{Error, InvalidInput};
+use crate::interruptible::wait;
 use crate::planner::{Function, PythonParams, PythonPlanner};
-
-/// Time between two looks for Ctrl-C.
-const SIGNAL_INTERVAL: Duration = Duration::from_millis(50);
 
 /// Data of maps, which all runs of the process share.
 static CACHE: LazyLock<Arc<Cache>> = LazyLock::new(Arc::default);
@@ -177,41 +173,4 @@ fn processes_of(scenario: &ResolvedScenario, name: &str) -> Result<Vec<usize>, S
         ));
     }
     Ok(meant)
-}
-
-/// Runs `work` in a thread of its own, while this one waits for it and for Ctrl-C, which sets `interrupted`. Returns the
-/// result and what Ctrl-C raises.
-fn wait<T: Send>(
-    py: Python<'_>,
-    interrupted: &AtomicBool,
-    work: impl FnOnce() -> Result<T, MissionError> + Send,
-) -> PyResult<(Result<T, MissionError>, PyResult<()>)> {
-    std::thread::scope(|scope| {
-        let (sender, receiver) = mpsc::channel();
-        // The lock makes it usable in `detach`; no other thread uses it.
-        let receiver = Mutex::new(receiver);
-        scope.spawn(move || {
-            let _ = sender.send(work());
-        });
-        let mut signal = Ok(());
-        loop {
-            match py.detach(|| receive(&receiver)) {
-                Ok(result) => return Ok((result, signal)),
-                Err(mpsc::RecvTimeoutError::Disconnected) => {
-                    return Err(Error::new_err("the thread of the run ended unexpectedly"));
-                }
-                Err(mpsc::RecvTimeoutError::Timeout) => {}
-            }
-            if let Err(raised) = py.check_signals() {
-                interrupted.store(true, Ordering::Relaxed);
-                signal = Err(raised);
-            }
-        }
-    })
-}
-
-/// Waits for a result for a short time.
-fn receive<T>(receiver: &Mutex<mpsc::Receiver<T>>) -> Result<T, mpsc::RecvTimeoutError> {
-    let receiver = receiver.lock().unwrap_or_else(PoisonError::into_inner);
-    receiver.recv_timeout(SIGNAL_INTERVAL)
 }

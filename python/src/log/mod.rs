@@ -1,0 +1,127 @@
+//! Logs of runs: their contents, the columns of their topics, and their views.
+
+mod columns;
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+use kinds::KINDS;
+use log_tools::{LogInfo, TopicColumns, events, info_text};
+use mcap_log::{DerivedError, LogReadError, ReadProgress};
+use pyo3::prelude::*;
+use report::{page, picture};
+
+pub use self::columns::Column;
+use crate::error::{Error, InvalidInput};
+use crate::interruptible::wait;
+
+/// A log file and its contents.
+///
+/// Raises
+/// ------
+/// InvalidInput
+///     The file is missing or is not an MCAP file.
+#[pyclass(frozen, module = "protean_robotics")]
+#[derive(Debug)]
+pub struct LogFile {
+    path: PathBuf,
+    info: LogInfo,
+}
+
+#[pymethods]
+impl LogFile {
+    #[new]
+    fn new(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
+        let info = read(py, |watch| Ok(LogInfo::read(&path, watch)?))?;
+        Ok(Self { path, info })
+    }
+
+    /// Contents and condition as JSON, as `protean info --json` prints them.
+    fn info(&self) -> String {
+        serde_json::json!(self.info).to_string()
+    }
+
+    /// Contents and condition as text, as `protean info` prints them.
+    fn text(&self) -> String {
+        info_text(&self.info)
+    }
+
+    /// Reads the messages of a topic.
+    ///
+    /// Returns
+    /// -------
+    /// list of Column, int
+    ///     The columns; the number of messages that do not fit their schema and are not in them.
+    ///
+    /// Raises
+    /// ------
+    /// InvalidInput
+    ///     The log has no such topic, or no ROS 2 messages of it.
+    fn columns<'py>(
+        &self,
+        py: Python<'py>,
+        topic: &str,
+    ) -> PyResult<(Vec<Bound<'py, Column>>, u64)> {
+        let Some(info) = self.info.topics.get(topic) else {
+            let known: Vec<&str> = self.info.topics.keys().map(String::as_str).collect();
+            let known = known.join(", ");
+            return Err(InvalidInput::new_err(format!(
+                "{topic}: no topic of the log has this name; it has {known}"
+            )));
+        };
+        let read = read(py, |watch| {
+            Ok(TopicColumns::read(&self.path, info.channel, watch)?)
+        })?;
+        let columns = read.columns.into_iter();
+        let columns = columns.map(|column| Bound::new(py, Column::new(py, column)));
+        Ok((columns.collect::<PyResult<_>>()?, read.undecodable))
+    }
+
+    /// Events of the run as JSON: a list as `events` in `protean run --json`.
+    fn events(&self, py: Python<'_>) -> PyResult<String> {
+        let found = read(py, |watch| Ok(events(&self.path, KINDS, watch)?))?;
+        Ok(serde_json::json!(found).to_string())
+    }
+
+    /// The page of the run (HTML).
+    fn page(&self, py: Python<'_>) -> PyResult<String> {
+        let render = |watch: &mut ReadProgress| page::render(&[&self.path], KINDS, watch);
+        let (page, _) = read(py, |watch| Ok(render(watch)?))?;
+        Ok(page)
+    }
+
+    /// Writes the page of the run, as `protean report` does.
+    fn report(&self, py: Python<'_>, out: PathBuf, force: bool) -> PyResult<()> {
+        let log: &Path = &self.path;
+        read(py, |watch| page::report(&[log], KINDS, &out, force, watch)).map(drop)
+    }
+
+    /// Draws the run at a time (s), as `protean picture` does.
+    #[pyo3(signature = (out, at, force))]
+    fn picture(&self, py: Python<'_>, out: PathBuf, at: Option<f64>, force: bool) -> PyResult<()> {
+        let out = picture::svg_file(out).map_err(InvalidInput::new_err)?;
+        read(py, |watch| {
+            picture::save(&self.path, at, KINDS, &out, force, watch)
+        })
+        .map(drop)
+    }
+}
+
+/// Reads a log in a thread of its own, until it ends or Ctrl-C interrupts it.
+fn read<T: Send>(
+    py: Python<'_>,
+    work: impl FnOnce(&mut ReadProgress) -> Result<T, DerivedError> + Send,
+) -> PyResult<T> {
+    let interrupted = Arc::new(AtomicBool::new(false));
+    let (result, signal) = wait(py, &interrupted, || {
+        work(&mut ReadProgress::new(Arc::clone(&interrupted), true))
+    })?;
+    signal?;
+    result.map_err(|error| match error {
+        DerivedError::Write { .. } | DerivedError::Log(LogReadError::Interrupted) => {
+            Error::new_err(error.to_string())
+        }
+        _ => InvalidInput::new_err(error.to_string()),
+    })
+}
