@@ -89,7 +89,7 @@ def run(
     set
         Values that replace those of the scenario, by their dotted keys.
     in_process
-        Whether all processes run in one thread of this one: the same digest, no latencies, no log unless `out` is
+        True to run all processes in one thread of this one: the same digest, no latencies, no log unless `out` is
         given. Otherwise they are processes of the operating system.
     planners
         Planners in the place of those of the scenario, by the name of a robot, a team or a process; with `in_process`
@@ -97,11 +97,11 @@ def run(
     out
         Path of the log; ``logs/SCENARIO-SEED.mcap`` if None.
     force
-        Whether an existing log is overwritten.
+        True to overwrite an existing log.
     allow_external
-        Whether the scenario may start programs (``command``). Check them first.
+        True if the scenario may start programs (``command``). Check them first.
     allow_outside
-        Whether the scenario may use files outside its folder.
+        True if the scenario may use files outside its folder.
 
     Returns
     -------

@@ -34,7 +34,7 @@ pub struct PythonPlanner {
     failure: Option<String>,
 }
 
-/// What the function gets, and what is called in a tick.
+/// Function of a tick and its inputs.
 #[derive(Debug)]
 struct Objects {
     callable: Py<PyAny>,

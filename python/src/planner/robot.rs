@@ -43,10 +43,10 @@ pub struct Robot {
     /// Maximum turning rate (rad/s).
     #[pyo3(get)]
     omega_max: f64,
-    /// Whether it still takes part (not caught, not escaped).
+    /// `True` if it still takes part (not caught, not escaped).
     #[pyo3(get)]
     active: bool,
-    /// Whether its body is in the world.
+    /// `True` if its body is in the world.
     #[pyo3(get)]
     present: bool,
     goal: Option<Point2<f64>>,

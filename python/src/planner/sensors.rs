@@ -63,7 +63,7 @@ pub struct Belief {
     /// Standard deviation of the position around the mean (m).
     #[pyo3(get)]
     position_std: f64,
-    /// Whether a robot of the team sees the opponent in this tick.
+    /// `True` if a robot of the team sees the opponent in this tick.
     #[pyo3(get)]
     seen: bool,
 }

@@ -36,7 +36,7 @@ pub struct World {
     /// Twists of all robots: forward speed (m/s), turning rate (rad/s), shape (robots, 2).
     #[pyo3(get)]
     twists: Py<PyArray2<f64>>,
-    /// Whether each robot still takes part, shape (robots,).
+    /// `True` for robots that still take part, shape (robots,).
     #[pyo3(get)]
     active: Py<PyArray1<bool>>,
     rows: Vec<Py<Robot>>,
