@@ -1,0 +1,55 @@
+//! Planner for `python_turn.py`: drives to the first exit, as the one in Python does.
+
+use std::process::ExitCode;
+
+use planner::geometry::region::Region;
+use planner::nalgebra::Point2;
+use planner::steering::go_to::{GoToParams, go_to};
+use planner::{Limits, Planner, PlannerInputs, PlannerMap, RobotInfo, Steering, View, limits};
+
+/// The planner of one robot.
+struct GoToExit {
+    limits: Limits,
+    exit: Option<Point2<f64>>,
+}
+
+impl Planner for GoToExit {
+    const NAME: &'static str = "go_to_exit";
+    const SUMMARY: &'static str = "drives to the first exit";
+
+    type Params = ();
+
+    fn inputs((): &()) -> PlannerInputs {
+        // As the one in Python, which may ask for exact ways.
+        PlannerInputs {
+            shapes: true,
+            ..PlannerInputs::default()
+        }
+    }
+
+    fn new((): &(), robot: &RobotInfo, _seed: u64) -> Result<Self, String> {
+        Ok(Self {
+            limits: limits(robot)?,
+            exit: None,
+        })
+    }
+
+    fn rules(&mut self, exits: &[Region], _: f64) {
+        self.exit = exits.first().map(Region::center);
+    }
+
+    fn steer(&mut self, _: &PlannerMap, view: &View<'_>) -> Steering {
+        let (Some(own), Some(exit)) = (view.own(), self.exit) else {
+            return Steering::stop();
+        };
+        let params = GoToParams::default();
+        Steering {
+            command: go_to(&own.pose, exit, None, &self.limits, &params, view.dt),
+            ..Steering::stop()
+        }
+    }
+}
+
+fn main() -> ExitCode {
+    planner::main::<GoToExit>()
+}
