@@ -5,6 +5,7 @@
 
 import inspect
 import os
+import re
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -25,13 +26,15 @@ def signature(name: str, value: Any) -> str:
         text = str(inspect.signature(value))
     except (TypeError, ValueError):
         return name
-    return name + text.replace("protean_robotics._core.", "").replace("'", "").replace('"', "")
+    # Paths are of another module since Python 3.13.
+    text = text.replace("pathlib._local.", "pathlib.")
+    return name + re.sub(r"protean_robotics\._?\w+\.", "", text).replace("'", "").replace('"', "")
 
 
 def sections(text: str) -> list[str]:
     """Lines of a docstring in Markdown: its underlined headings in bold, lists of values as lists, examples as code."""
     lines: list[str] = []
-    rows = inspect.cleandoc(text).splitlines()
+    rows = inspect.cleandoc(text).replace("``", "`").splitlines()
     heading = ""
     for index, row in enumerate(rows):
         below = rows[index + 1] if index + 1 < len(rows) else ""
@@ -66,9 +69,10 @@ def entry(level: int, name: str, value: Any) -> list[str]:
             if isinstance(item, (classmethod, staticmethod)):
                 item = item.__func__
             if callable(item) and not isinstance(item, property):
-                lines += [f"{'#' * (level + 1)} `{name}.{signature(attribute, item)}`", "", *sections(document), ""]
+                lines += ["", f"{'#' * (level + 1)} `{name}.{signature(attribute, item)}`", "", *sections(document), ""]
             else:
-                lines += [f"- `{name}.{attribute}`: {' '.join(document.split())}"]
+                first = document.replace("``", "`").split("\n\n")[0]
+                lines += [f"- `{name}.{attribute}`: {' '.join(first.split())}"]
         lines.append("")
     return lines
 

@@ -119,7 +119,7 @@ pub fn repulsion<'py>(
 /// points
 ///     Points at which the field is evaluated (m), shape (2,) or (n, 2), or a robot.
 /// published
-///     Whether the gradient is the one of the published program, which is constant within a cell and 0 in obstacles.
+///     True for the gradient of the published program, which is constant within a cell and 0 in obstacles.
 ///
 /// Returns
 /// -------

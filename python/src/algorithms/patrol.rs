@@ -37,7 +37,7 @@ type Lap<'py> = (
 /// seed
 ///     Seed of the key.
 /// closed
-///     Whether the contour ends at its start; an open one is driven there and back.
+///     True if the contour ends at its start; an open one is driven there and back.
 /// preset
 ///     Choices that the paper leaves open: "default", "printed" (its formulas) or "paper_fit" (its figures).
 ///
@@ -121,7 +121,7 @@ impl ZigZag {
     /// due : ndarray
     ///     Times at which the robot should be there (s), since the start of lap 0, shape (waypoints_per_lap,).
     /// inserted : ndarray
-    ///     Whether each is inserted; the others are corners of the contour.
+    ///     True for inserted ones; the others are corners of the contour.
     ///
     /// Raises
     /// ------

@@ -54,7 +54,7 @@ impl Map {
     /// Parameters
     /// ----------
     /// blocked
-    ///     Whether each cell is in an obstacle, shape (rows, columns); rows along +y, columns along +x.
+    ///     True for cells in an obstacle, shape (rows, columns); rows along +y, columns along +x.
     /// resolution
     ///     Side of a cell (m).
     /// origin

@@ -21,10 +21,15 @@ use pyo3::prelude::*;
 #[pyclass(frozen, get_all, name = "Steering", module = "protean_robotics")]
 #[derive(Debug)]
 pub struct PySteering {
+    /// Forward speed (m/s).
     v: f64,
+    /// Turning rate (rad/s).
     omega: f64,
+    /// Index of the chased robot.
     target: Option<usize>,
+    /// Final point (m).
     aim: Option<[f64; 2]>,
+    /// Next point on the way to it (m).
     waypoint: Option<[f64; 2]>,
 }
 
