@@ -5,7 +5,6 @@
 
 import inspect
 import os
-import re
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -22,13 +21,17 @@ forward, y to the left. This page is made from the docstrings (`help(pr.run)`).
 
 
 def signature(name: str, value: Any) -> str:
+    """Name and arguments; the types stand in the text below."""
     try:
-        text = str(inspect.signature(value))
+        found = inspect.signature(value)
     except (TypeError, ValueError):
         return name
-    # Paths are of another module since Python 3.13.
-    text = text.replace("pathlib._local.", "pathlib.")
-    return name + re.sub(r"protean_robotics\._?\w+\.", "", text).replace("'", "").replace('"', "")
+    arguments = [
+        argument.replace(annotation=argument.empty)
+        for argument in found.parameters.values()
+        if argument.name != "self" and argument.kind is not argument.POSITIONAL_ONLY
+    ]
+    return name + str(found.replace(parameters=arguments, return_annotation=found.empty))
 
 
 def sections(text: str) -> list[str]:
