@@ -67,10 +67,10 @@ def entry(level: int, name: str, value: Any) -> list[str]:
         for attribute, item in sorted(vars(value).items()):
             if attribute.startswith("_"):
                 continue
-            document = inspect.getdoc(item)
-            assert document, f"{name}.{attribute} has no docstring"
             if isinstance(item, (classmethod, staticmethod)):
                 item = item.__func__
+            document = inspect.getdoc(item)
+            assert document, f"{name}.{attribute} has no docstring"
             if callable(item) and not isinstance(item, property):
                 lines += ["", f"{'#' * (level + 1)} `{name}.{signature(attribute, item)}`", "", *sections(document), ""]
             else:
