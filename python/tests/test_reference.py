@@ -64,11 +64,10 @@ def entry(level: int, name: str, value: Any) -> list[str]:
     call = callable(value) and not (inspect.isclass(value) and issubclass(value, Exception))
     lines = [f"{'#' * level} `{signature(name, value) if call else name}`", "", *sections(text), ""]
     if inspect.isclass(value) and not issubclass(value, Exception):
-        for attribute, item in sorted(vars(value).items()):
+        for attribute in sorted(vars(value)):
             if attribute.startswith("_"):
                 continue
-            if isinstance(item, (classmethod, staticmethod)):
-                item = item.__func__
+            item = getattr(value, attribute)
             document = inspect.getdoc(item)
             assert document, f"{name}.{attribute} has no docstring"
             if callable(item) and not isinstance(item, property):
