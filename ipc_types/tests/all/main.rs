@@ -3,6 +3,7 @@
 mod any_bus;
 mod bus;
 mod bus_in_memory;
+mod c_header;
 mod cdr_python;
 mod cdr_round_trip;
 
