@@ -22,6 +22,9 @@ use super::output_lines::{OutputLine, OutputLines};
 /// Maximum time for the system to end a killed process.
 const KILL_TIMEOUT: Duration = Duration::from_secs(5);
 
+/// Word of a command that stands for the running program, whatever `PATH` holds: `command = ["protean", "planner", …]`.
+const OWN_NAME: &str = "protean";
+
 /// Error of starting or observing a process.
 #[derive(Debug, thiserror::Error)]
 #[error("process {name}: {what}: {source}")]
@@ -46,7 +49,7 @@ impl ChildError {
 pub enum Executable {
     /// One of Protean's own kinds: this program executes itself.
     Kind(String),
-    /// An external program. The environment variable `PROTEAN_CONFIG` contains the path of its configuration.
+    /// An external program, or this one as `protean`. The environment variable `PROTEAN_CONFIG` contains the path of its configuration.
     Command {
         /// Its path and arguments.
         words: Vec<String>,
@@ -104,8 +107,11 @@ impl RunningProcess {
             Executable::Command { words, folder } => {
                 orphans::become_subreaper().map_err(failed("cannot be observed"))?;
                 let arguments: Vec<&OsStr> = words.iter().map(OsStr::new).collect();
-                let file = arguments.first().copied().unwrap_or_default();
-                (file, arguments, Some(OsStr::new(folder)))
+                let file = match words.first().map(String::as_str) {
+                    Some(OWN_NAME) => program::THIS,
+                    word => word.unwrap_or_default(),
+                };
+                (OsStr::new(file), arguments, Some(OsStr::new(folder)))
             }
         };
         let program = Program {
@@ -230,6 +236,9 @@ fn describe(executable: &Executable) -> String {
         Executable::Kind(kind) => format!("`process {kind}` of this program"),
         Executable::Command { words, folder } => {
             let file = words.first().map_or("", String::as_str);
+            if file == OWN_NAME {
+                return "this program".to_owned();
+            }
             if !file.contains('/') {
                 return format!("`{file}` in PATH");
             }
