@@ -59,11 +59,14 @@ const RULES: Rules = Rules {
     only: &[
         (&["clap"], &["protean", "benchmarks", "pages"]),
         (&["libc"], &["platform"]),
+        (&["libloading"], &["library_planner"]),
         (&["mcap"], &["mcap_log"]),
         (&["parquet"], &["tables"]),
         (&["tungstenite"], &["viewer"]),
         (&["processes/*"], &["kinds"]),
         (&["evader_rrt_star"], &["kinds", "pages", "_core"]),
+        // No kind of scenarios: a command.
+        (&["library_planner"], &["protean"]),
         // Routes without a run.
         (
             &["coverage_planners", "patrol_planners"],

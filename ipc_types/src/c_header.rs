@@ -42,16 +42,25 @@ pub const ASSERT: &str = "\
 ";
 
 impl Structure {
+    /// Returns the declaration of the type, which precedes all uses of its name.
+    pub fn declaration(&self) -> String {
+        format!("typedef struct {0} {0};\n", self.name)
+    }
+
     /// Appends the type, with these lines at the end of its body, and the checks of its size and offsets.
     pub fn write(&self, text: &mut String, last_lines: &str) {
         if !self.doc.is_empty() {
             *text += &format!("/* {} */\n", self.doc);
         }
-        *text += &format!("typedef struct {} {{\n", self.name);
+        *text += &format!("struct {} {{\n", self.name);
         for member in &self.members {
-            *text += &format!("    {}; /* {} */\n", member.declaration, member.doc);
+            *text += &format!("    {};", member.declaration);
+            if !member.doc.is_empty() {
+                *text += &format!(" /* {} */", member.doc);
+            }
+            text.push('\n');
         }
-        *text += &format!("{last_lines}}} {};\n", self.name);
+        *text += &format!("{last_lines}}};\n");
         let name = &self.name;
         let mut check = |what: &str, condition: &str, value: usize| {
             *text += &format!("PROTEAN_ASSERT({name}_{what}, {condition} == {value});\n");
@@ -139,6 +148,7 @@ impl Writer {
             "#ifdef __cplusplus\n    static constexpr const char *IOX2_TYPE_NAME = \"{name}\";\n#endif\n"
         );
         let macro_name = structure.name.to_ascii_uppercase();
+        self.text += &structure.declaration();
         self.text += &format!("#define {macro_name}_TYPE_NAME \"{name}\"\n");
         structure.write(&mut self.text, &member);
     }
@@ -208,7 +218,7 @@ mod tests {
     fn every_message_and_topic_is_in_the_header_once() {
         let text = messages();
         for name in ["stamp", "robot_state", "command", "shape_point"] {
-            let definition = format!("typedef struct protean_{name} {{");
+            let definition = format!("\nstruct protean_{name} {{");
             assert_eq!(text.matches(&definition).count(), 1, "{name}");
         }
         for topic in crate::topics::NAMES {

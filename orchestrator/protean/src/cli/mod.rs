@@ -137,7 +137,7 @@ enum Command {
         #[command(flatten)]
         json: JsonArg,
     },
-    /// Print the schema of scenario files, experiment files or messages
+    /// Print the schema of scenario files, experiment files or messages, or a C header
     Schema {
         /// File type that the schema describes
         #[arg(value_enum)]
@@ -147,6 +147,12 @@ enum Command {
     Completions {
         /// Shell
         shell: clap_complete::Shell,
+    },
+    /// Run a planner in C or C++ as one process of a run: `command = ["protean", "planner", "LIBRARY"]`
+    #[command(hide = true)]
+    Planner {
+        /// Shared library of the planner
+        library: PathBuf,
     },
     /// Run as one process of a run (called by the orchestrator)
     #[command(hide = true)]
@@ -263,6 +269,7 @@ fn command(kinds: &'static [Kind], cli: Cli) -> ExitCode {
             print(&completions(shell));
             ExitCode::SUCCESS
         }
+        Command::Planner { library } => library_planner::run(&library),
         Command::Process { kind, config } => process::run(kinds, &kind, &config),
     }
 }

@@ -1,0 +1,12 @@
+"""Drives the robot to its goal along the shortest way."""
+
+import protean_robotics as pr
+
+
+@pr.planner
+def steer(robot, world, map):
+    return pr.go_to(robot, map.way(robot, robot.goal))
+
+
+if __name__ == "__main__":
+    pr.serve(steer)
