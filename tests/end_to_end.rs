@@ -10,6 +10,7 @@ mod bad_input;
 mod chaos;
 mod chase;
 mod coverage;
+mod cpp_planner;
 mod documentation;
 mod external;
 mod external_planner;

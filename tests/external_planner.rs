@@ -72,7 +72,10 @@ static PROGRAM: LazyLock<Vec<u8>> = LazyLock::new(|| {
     let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
     let (out, errors) = (text(&tested.stdout), text(&tested.stderr));
     assert!(tested.status.success(), "{out}{errors}");
-    assert!(out.contains("the_robot_reaches_its_goal ... ok"), "{out}");
+    assert!(
+        out.contains("the_robot_reaches_its_goal_twice_with_the_digest_of_the_readme ... ok"),
+        "{out}"
+    );
     std::fs::read(folder.join("my_planner")).unwrap()
 });
 

@@ -54,6 +54,13 @@ pub struct Library {
     pub(crate) table: &'static PlannerTable,
 }
 
+/// Libraries are the same if their tables are at the same address.
+impl PartialEq for Library {
+    fn eq(&self, other: &Self) -> bool {
+        std::ptr::eq(self.table, other.table)
+    }
+}
+
 impl Library {
     /// Loads a library and checks its table.
     ///

@@ -4,15 +4,16 @@ use core::ffi::c_void;
 use std::cell::RefCell;
 use std::path::Path;
 use std::process::ExitCode;
-use std::sync::OnceLock;
 
 use geometry::pose::Twist2;
 use geometry::region::Region;
 use ipc_types::bus::Bus;
 use parameters::Parameters;
-use planner::{Limits, Planner, PlannerInputs, PlannerMap, RobotInfo, Steering, View, limits};
+use planner::{
+    Limits, Planner, PlannerInputs, PlannerMap, PlannerProcess, RobotInfo, Steering, View, limits,
+};
 use rand_chacha::ChaCha8Rng;
-use runtime::config::ProcessConfig;
+use runtime::config::{CONFIG_VARIABLE, ProcessConfig};
 use runtime::error::ProcessError;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -27,37 +28,57 @@ use crate::start_functions::StartContext;
 use crate::tick_functions::TickContext;
 use crate::{start_functions, tick_functions};
 
-/// The library of this process.
-static LIBRARY: OnceLock<Library> = OnceLock::new();
+/// Exit code of a library that no run has started.
+const EXIT_WITHOUT_RUN: u8 = 2;
 
 /// Main function of a process whose planner is in a library: `command = ["protean", "planner", "LIBRARY"]`.
 ///
 /// Without a run it checks the library and says how to use it, with exit code 2.
 pub fn run(path: &Path) -> ExitCode {
     let library = match Library::load(path) {
-        Ok(library) => *LIBRARY.get_or_init(|| library),
+        Ok(library) => library,
         Err(error) => {
             eprintln!("error: {error}");
             return ExitCode::FAILURE;
         }
     };
-    let title = format!(
-        "{}: a planner that reads {}",
-        path.display(),
-        library.inputs()
-    );
-    let command = format!("\"protean\", \"planner\", {path:?}");
-    planner::main_as::<LibraryPlanner>(&title, &command)
+    let Some(config) = std::env::var_os(CONFIG_VARIABLE) else {
+        eprintln!(
+            "{}: a planner that reads {}\nA run of protean starts it: name it in a scenario, command = [\"protean\", \
+             \"planner\", {path:?}] in [[processes]].",
+            path.display(),
+            library.inputs()
+        );
+        return ExitCode::from(EXIT_WITHOUT_RUN);
+    };
+    runtime::run_with(Path::new(&config), Vec::new(), |config, values| {
+        let params = LibraryParams::new(values, library);
+        runtime::follow::<PlannerProcess<LibraryPlanner>>(config, &params)
+    })
 }
 
-/// Parameters as written; the library checks them.
+/// Parameters as written, which the library checks, and the library.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(transparent)]
-pub(crate) struct LibraryParams(pub Map<String, Json>);
+pub(crate) struct LibraryParams {
+    #[serde(flatten)]
+    values: Map<String, Json>,
+    #[serde(skip)]
+    library: Option<Library>,
+}
+
+impl LibraryParams {
+    /// Returns the parameters of a planner in this library.
+    pub fn new(values: &Map<String, Json>, library: Library) -> Self {
+        Self {
+            values: values.clone(),
+            library: Some(library),
+        }
+    }
+}
 
 impl Parameters for LibraryParams {}
 
-/// The planner of one robot in the library of this process.
+/// The planner of one robot in a library.
 #[derive(Debug)]
 pub(crate) struct LibraryPlanner {
     params: LibraryParams,
@@ -75,8 +96,8 @@ impl Planner for LibraryPlanner {
 
     type Params = LibraryParams;
 
-    fn inputs(_: &LibraryParams) -> PlannerInputs {
-        let reads = |input| LIBRARY.get().is_some_and(|library| library.reads(input));
+    fn inputs(params: &LibraryParams) -> PlannerInputs {
+        let reads = |input| params.library.is_some_and(|library| library.reads(input));
         PlannerInputs {
             beliefs: reads(BELIEFS),
             scans: reads(SCANS),
@@ -102,15 +123,13 @@ impl Planner for LibraryPlanner {
     }
 
     fn open(&mut self, config: &ProcessConfig, _: &Bus, robot: u32) -> Result<(), ProcessError> {
-        let Some(library) = LIBRARY.get() else {
-            return Err(ProcessError::Algorithm("no library is loaded".to_owned()));
-        };
-        let driven = self.start(*library, config, robot);
-        let driven = driven.map_err(|reason| ProcessError::Params {
-            process: config.name.clone(),
-            kind: config.kind.clone(),
-            reason,
-        })?;
+        let driven = self
+            .start(config, robot)
+            .map_err(|reason| ProcessError::Params {
+                process: config.name.clone(),
+                kind: config.kind.clone(),
+                reason,
+            })?;
         self.driven = Some(driven);
         Ok(())
     }
@@ -139,15 +158,11 @@ impl LibraryPlanner {
     ///
     /// # Errors
     /// The reason of the library, or an unknown parameter.
-    pub fn start(
-        &self,
-        library: Library,
-        config: &ProcessConfig,
-        robot: u32,
-    ) -> Result<Driven, String> {
+    pub fn start(&self, config: &ProcessConfig, robot: u32) -> Result<Driven, String> {
+        let library = self.params.library.ok_or("no library is loaded")?;
         let robots = Robots::new(&config.run.robots, robot as usize);
         let robots = robots.ok_or_else(|| format!("the run has no robot {robot}"))?;
-        let context = StartContext::new(&self.params.0);
+        let context = StartContext::new(&self.params.values);
         let start = Start {
             own: robots.own(),
             robots: robots.all().as_ptr(),

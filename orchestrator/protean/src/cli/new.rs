@@ -9,13 +9,14 @@ use std::process::ExitCode;
 
 use import::{ImportError, Imported, Sizes};
 use mcap_log::DerivedError;
-use platform::{eprintln, shell};
+use platform::eprintln;
 use scenario::builtin;
 
 use super::common::ForceArg;
 use super::logs::exit_code_of_derived;
 use super::output::{self, EXIT_INVALID, command_line, create, print};
 use super::run_args::DEFAULT_SCENARIO;
+use project::Project;
 
 /// Help below the options.
 pub(super) const HELP: &str = "\
@@ -23,22 +24,28 @@ The file is a copy of a built-in scenario, or made from a file of a benchmark: a
 (.scen), or a street graph (.graphml, OpenStreetMap .osm). A map file that the scenario uses is written to the folder \
 maps beside it.
 
-With --rust, FILE is the folder of a new Cargo project: a planner, its mission and a test.
+With --python, --rust or --cpp, FILE is the folder of a new project: a planner, its mission and a test.
 
 Exit codes: 0 written, 1 a file cannot be written, 2 wrong usage, or a file exists and --force is absent.";
 
 /// Arguments of `protean new`.
 #[derive(Debug, clap::Args)]
 pub(super) struct NewArgs {
-    /// Scenario file to write, for example `mine.toml`; with `--rust` the folder of the project
+    /// Scenario file to write, for example `mine.toml`; with a language the folder of the project
     #[arg(value_name = "FILE")]
     file: PathBuf,
     /// Built-in scenario to copy (see `protean list`), or a file: .map, .scen, .graphml or .osm
     #[arg(long, value_name = "SCENARIO", default_value = DEFAULT_SCENARIO)]
     from: String,
+    /// Write a project with a planner in Python
+    #[arg(long, group = "language", conflicts_with = "from")]
+    python: bool,
     /// Write a project with a planner in Rust
-    #[arg(long, conflicts_with = "from")]
+    #[arg(long, group = "language", conflicts_with = "from")]
     rust: bool,
+    /// Write a project with a planner in C++
+    #[arg(long, group = "language", conflicts_with = "from")]
+    cpp: bool,
     /// Side of a cell of a .map (m)
     #[arg(long, value_name = "M", default_value_t = Sizes::default().cell, value_parser = length)]
     cell: f64,
@@ -47,6 +54,19 @@ pub(super) struct NewArgs {
     street: f64,
     #[command(flatten)]
     force: ForceArg,
+}
+
+impl NewArgs {
+    /// Returns the kind of project; `None` for a scenario.
+    fn project(&self) -> Option<&'static Project> {
+        let languages = [
+            (self.python, &project::PYTHON),
+            (self.rust, &project::RUST),
+            (self.cpp, &project::CPP),
+        ];
+        let chosen = languages.into_iter().find(|(is_chosen, _)| *is_chosen);
+        chosen.map(|(_, project)| project)
+    }
 }
 
 /// Reason why no scenario was written.
@@ -76,11 +96,9 @@ pub(super) fn run(args: &NewArgs) -> ExitCode {
                 print(&file.display().to_string());
             }
             let file = args.file.to_string_lossy();
-            if args.rust {
-                let folder = shell::line(["cd", &file]);
-                eprintln!("next: {folder} && cargo build --release && protean run hall.toml");
-            } else {
-                eprintln!("next: {}", command_line(&["run", &file]));
+            match args.project() {
+                Some(project) => eprintln!("next: {}", project.next(&file)),
+                None => eprintln!("next: {}", command_line(&["run", &file])),
             }
             ExitCode::SUCCESS
         }
@@ -96,12 +114,13 @@ pub(super) fn run(args: &NewArgs) -> ExitCode {
 
 /// Writes the files; returns their paths.
 fn write(args: &NewArgs) -> Result<Vec<PathBuf>, NewError> {
-    let files = if args.rust {
-        let name = project::name(&args.file);
-        let name = name.ok_or_else(|| NewError::ProjectName(args.file.clone()))?;
-        project::files(&args.file, name)
-    } else {
-        scenario_files(args)?
+    let files = match args.project() {
+        Some(project) => {
+            let name = project::name(&args.file);
+            let name = name.ok_or_else(|| NewError::ProjectName(args.file.clone()))?;
+            project.files(&args.file, name)
+        }
+        None => scenario_files(args)?,
     };
     write_all(&files, args.force.force)?;
     Ok(files.into_iter().map(|(path, _)| path).collect())

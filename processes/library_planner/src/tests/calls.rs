@@ -82,7 +82,7 @@ fn parameters_are_checked_and_refusals_have_the_text_of_the_library() {
 #[test]
 fn commands_are_clipped_and_numbers_that_are_not_finite_refused() {
     let Some(probe) = Probe::new() else { return };
-    let mut mode = |mode: i32| {
+    let mode = |mode: i32| {
         let mut driven = start(probe.library, &json!({ "mode": mode })).unwrap();
         steer(&mut driven)
     };

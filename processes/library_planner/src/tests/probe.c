@@ -91,9 +91,13 @@ static bool check_tick(const protean_tick *tick) {
 
 static void steer(void *data, const protean_tick *tick, protean_steering *out) {
     const probe *planner = data;
-    if (!check_tick(tick)) return protean_fail(tick, first_fault);
+    if (!check_tick(tick)) {
+        protean_fail(tick, first_fault);
+        return;
+    }
     if (out->v != 0.0 || out->omega != 0.0 || !isnan(out->aim.x) || out->target != PROTEAN_NO_ROBOT) {
-        return protean_fail(tick, "the steering is no stop at the call");
+        protean_fail(tick, "the steering is no stop at the call");
+        return;
     }
     switch (planner->mode) {
     case 2:

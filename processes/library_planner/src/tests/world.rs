@@ -26,11 +26,11 @@ const ME: u32 = 1;
 /// Returns the started planner of a library with these parameters.
 pub fn start(library: Library, params: &Json) -> Result<Driven, String> {
     let config = config();
-    let params = LibraryParams(params.as_object().unwrap().clone());
+    let params = LibraryParams::new(params.as_object().unwrap(), library);
     let robot = &config.run.robots[ME as usize];
     let mut planner = LibraryPlanner::new(&params, robot, 7).unwrap();
     planner.rules(&config.run.exits, config.run.capture_radius);
-    planner.start(library, &config, ME)
+    planner.start(&config, ME)
 }
 
 /// Returns the steering of one tick.
