@@ -14,6 +14,7 @@
 #![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
 #![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
 
+#[expect(clippy::doc_markdown, reason = "the comments are those of the header")]
 mod abi;
 mod c_types;
 pub mod header;

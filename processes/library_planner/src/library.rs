@@ -61,6 +61,9 @@ impl PartialEq for Library {
     }
 }
 
+/// The one function that a library exports.
+type GetTable = unsafe extern "C" fn() -> *const PlannerTable;
+
 impl Library {
     /// Loads a library and checks its table.
     ///
@@ -83,7 +86,6 @@ impl Library {
             path: path.to_owned(),
             source,
         })?;
-        type GetTable = unsafe extern "C" fn() -> *const PlannerTable;
         // SAFETY: the header declares the function of this name with this type.
         let table = match unsafe { loaded.get::<GetTable>(SYMBOL.as_bytes()) } {
             // SAFETY: as above; the function has no arguments.

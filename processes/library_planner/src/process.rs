@@ -44,10 +44,10 @@ pub fn run(path: &Path) -> ExitCode {
     };
     let Some(config) = std::env::var_os(CONFIG_VARIABLE) else {
         eprintln!(
-            "{}: a planner that reads {}\nA run of protean starts it: name it in a scenario, command = [\"protean\", \
-             \"planner\", {path:?}] in [[processes]].",
-            path.display(),
-            library.inputs()
+            "{path}: a planner that reads {}\nA run of protean starts it: name it in a scenario, command = [\"protean\", \
+             \"planner\", \"{path}\"] in [[processes]].",
+            library.inputs(),
+            path = path.display()
         );
         return ExitCode::from(EXIT_WITHOUT_RUN);
     };

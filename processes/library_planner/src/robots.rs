@@ -12,7 +12,7 @@ use crate::abi::{Point, Robot, SIDES};
 pub(crate) struct Robots {
     /// Names of the robots and of their teams, to which the robots refer.
     _names: Vec<[CString; 2]>,
-    robots: Vec<Robot>,
+    all: Vec<Robot>,
     own: usize,
 }
 
@@ -54,7 +54,7 @@ impl Robots {
             present: true,
         });
         Some(Self {
-            robots: robots.collect(),
+            all: robots.collect(),
             _names: names,
             own,
         })
@@ -63,7 +63,7 @@ impl Robots {
     /// Replaces the state of the robots by that of a tick.
     pub fn update(&mut self, views: &[RobotView]) {
         for view in views {
-            let Some(robot) = self.robots.get_mut(view.index) else {
+            let Some(robot) = self.all.get_mut(view.index) else {
                 continue;
             };
             (robot.x, robot.y, robot.theta) = (view.pose.x, view.pose.y, view.pose.theta);
@@ -74,12 +74,12 @@ impl Robots {
 
     /// Returns all robots.
     pub fn all(&self) -> &[Robot] {
-        &self.robots
+        &self.all
     }
 
     /// Returns the robot to steer.
     pub fn own(&self) -> &Robot {
         // `new` has checked the index.
-        &self.robots[self.own]
+        &self.all[self.own]
     }
 }

@@ -60,9 +60,10 @@ impl<'a> StartContext<'a> {
         let unknown = |key: &&String| !requests.has_all && !requests.keys.contains(*key);
         let unknown = self.params.keys().find(unknown)?;
         let known: Vec<String> = requests.keys.iter().map(|key| format!("`{key}`")).collect();
-        let known = match known.is_empty() {
-            true => "the planner has no parameters".to_owned(),
-            false => format!("expected one of {}", known.join(", ")),
+        let known = if known.is_empty() {
+            "the planner has no parameters".to_owned()
+        } else {
+            format!("expected one of {}", known.join(", "))
         };
         Some(format!("unknown parameter `{unknown}`, {known}"))
     }

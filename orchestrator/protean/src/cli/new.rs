@@ -96,9 +96,10 @@ pub(super) fn run(args: &NewArgs) -> ExitCode {
                 print(&file.display().to_string());
             }
             let file = args.file.to_string_lossy();
-            match args.project() {
-                Some(project) => eprintln!("next: {}", project.next(&file)),
-                None => eprintln!("next: {}", command_line(&["run", &file])),
+            if let Some(project) = args.project() {
+                eprintln!("next: {}", project.next(&file));
+            } else {
+                eprintln!("next: {}", command_line(&["run", &file]));
             }
             ExitCode::SUCCESS
         }

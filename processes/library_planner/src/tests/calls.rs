@@ -36,8 +36,8 @@ impl Probe {
         unsafe { self.loaded.get::<Living>(b"living_planners").unwrap()() }
     }
 
-    fn refusal(&self, params: Json) -> String {
-        start(self.library, &params).unwrap_err()
+    fn refusal(&self, params: &Json) -> String {
+        start(self.library, params).unwrap_err()
     }
 }
 
@@ -60,20 +60,20 @@ fn a_library_gets_robots_rules_view_and_map_and_is_freed_once() {
 fn parameters_are_checked_and_refusals_have_the_text_of_the_library() {
     let Some(probe) = Probe::new() else { return };
     assert_eq!(
-        probe.refusal(json!({ "mode": "fast" })),
+        probe.refusal(&json!({ "mode": "fast" })),
         "`mode` is \"fast\", but must be a number"
     );
     assert_eq!(
-        probe.refusal(json!({ "moed": 2 })),
+        probe.refusal(&json!({ "moed": 2 })),
         "unknown parameter `moed`, expected one of `mode`, `truth`"
     );
     assert_eq!(
-        probe.refusal(json!({ "mode": 1 })),
+        probe.refusal(&json!({ "mode": 1 })),
         "create returned NULL without protean_refuse"
     );
     // Refused with all parameters as text, although it returns a planner.
     assert_eq!(
-        probe.refusal(json!({ "other": [1], "truth": true })),
+        probe.refusal(&json!({ "other": [1], "truth": true })),
         r#"{"other":[1],"truth":true}"#
     );
     assert_eq!(probe.living(), 0);
