@@ -133,7 +133,7 @@ fn faults_of_a_planner_in_cpp_are_named() {
         &["hall.toml: ", "expected the shared library of a planner"],
     );
     let refused = sandbox.protean(["run", HALL]).run();
-    refused.refused(2, &["protean planner build/planner.so", "--allow-external"]);
+    refused.refused(2, &["--allow-external", "protean planner build/planner.so"]);
     sandbox.assert_nothing_left();
 }
 

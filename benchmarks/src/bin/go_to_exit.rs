@@ -9,6 +9,7 @@ use planner::{Limits, Planner, PlannerInputs, PlannerMap, RobotInfo, Steering, V
 
 /// The planner of one robot.
 struct GoToExit {
+    params: GoToParams,
     limits: Limits,
     exit: Option<Point2<f64>>,
 }
@@ -17,9 +18,9 @@ impl Planner for GoToExit {
     const NAME: &'static str = "go_to_exit";
     const SUMMARY: &'static str = "drives to the first exit";
 
-    type Params = ();
+    type Params = GoToParams;
 
-    fn inputs((): &()) -> PlannerInputs {
+    fn inputs(_: &GoToParams) -> PlannerInputs {
         // As the one in Python, which may ask for exact ways.
         PlannerInputs {
             shapes: true,
@@ -27,8 +28,9 @@ impl Planner for GoToExit {
         }
     }
 
-    fn new((): &(), robot: &RobotInfo, _seed: u64) -> Result<Self, String> {
+    fn new(params: &GoToParams, robot: &RobotInfo, _seed: u64) -> Result<Self, String> {
         Ok(Self {
+            params: *params,
             limits: limits(robot)?,
             exit: None,
         })
@@ -42,9 +44,8 @@ impl Planner for GoToExit {
         let (Some(own), Some(exit)) = (view.own(), self.exit) else {
             return Steering::stop();
         };
-        let params = GoToParams::default();
         Steering {
-            command: go_to(&own.pose, exit, None, &self.limits, &params, view.dt),
+            command: go_to(&own.pose, exit, None, &self.limits, &self.params, view.dt),
             ..Steering::stop()
         }
     }

@@ -184,8 +184,18 @@ pub fn load<P: DeserializeOwned + Serialize>(
     let presets = presets.map(|(name, values)| Ok((name, serde_json::to_value(values)?)));
     let presets: Vec<(&str, Json)> = presets.collect::<Result<_, _>>().map_err(refused)?;
     let params = with_preset(&config.name, params, presets)?;
-    let params = serde_json::from_value(params).map_err(refused)?;
+    let params = typed(params).map_err(refused)?;
     Ok((config, params))
+}
+
+/// Reads parameters. A process without any has an empty table in the scenario, which `()` does not read.
+fn typed<P: DeserializeOwned>(params: Json) -> Result<P, serde_json::Error> {
+    let is_empty = params.as_object().is_some_and(serde_json::Map::is_empty);
+    let read = serde_json::from_value(params);
+    read.or_else(|error| {
+        let absent = is_empty.then(|| serde_json::from_value(Json::Null).ok());
+        absent.flatten().ok_or(error)
+    })
 }
 
 /// Returns parameters with `preset` replaced by its values; the other keys take precedence. A kind without presets has
@@ -316,6 +326,15 @@ mod tests {
         // A kind without presets may have a parameter of this name.
         let own = serde_json::json!({ "preset": "paper" });
         assert_eq!(with_preset("own", own.clone(), Vec::new()).unwrap(), own);
+    }
+
+    #[test]
+    fn an_external_planner_without_parameters_starts() {
+        let empty = || serde_json::json!({});
+        typed::<()>(empty()).unwrap();
+        assert_eq!(typed::<Json>(empty()).unwrap(), empty());
+        assert!(typed::<()>(serde_json::json!({ "gain": 1.0 })).is_err());
+        assert!(typed::<f64>(empty()).is_err());
     }
 
     #[test]
