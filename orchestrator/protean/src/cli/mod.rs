@@ -137,7 +137,7 @@ enum Command {
         #[command(flatten)]
         json: JsonArg,
     },
-    /// Print the schema of scenario files, experiment files or messages, or a C header
+    /// Print a schema (scenarios, experiments, messages) or a C header
     Schema {
         /// File type that the schema describes
         #[arg(value_enum)]
