@@ -9,16 +9,20 @@ use crate::support::{PROTEAN, Sandbox, python, skipped};
 /// Packages of the environment: what builds the wheel and what tests it.
 const ENVIRONMENT: &[&str] = &[
     "python-wheel",
+    "distributed==2026.8.0",
+    "hyperqueue==0.27.0",
     "maturin==1.16.0",
     "mcap==1.6.0",
     "mcap-ros2-support==0.6.0",
     "mypy==2.4.1",
     "numpy==2.4.6",
+    "optuna==5.0.0",
     "pandas==3.1.1",
     "polars==2.1.0",
     "pyarrow==26.0.1",
     "pyright[nodejs]==1.1.414",
     "pytest==9.2.0",
+    "ray==2.60.0",
 ];
 
 /// The interpreter of the environment with the wheel, or why there is none.

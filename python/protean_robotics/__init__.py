@@ -5,7 +5,7 @@
 {'robot': 'escaped'}
 """
 
-from . import coverage, navigation, patrol, rrt_star, steering, tracking, trajectory
+from . import coverage, executors, navigation, patrol, rrt_star, steering, tracking, trajectory
 from ._core import (
     Belief,
     Error,
@@ -19,13 +19,17 @@ from ._core import (
     go_to,
 )
 from ._log import Log, Topic
+from ._objective import objective
 from ._planner import Planner, planner, serve
 from ._program import program
 from ._run import Run, run
+from ._sweep import Executor, Future, Sweep, sweep
 
 __all__ = [
     "Belief",
     "Error",
+    "Executor",
+    "Future",
     "InvalidInput",
     "Log",
     "Map",
@@ -34,12 +38,15 @@ __all__ = [
     "Run",
     "Scan",
     "Steering",
+    "Sweep",
     "Topic",
     "World",
     "__version__",
     "coverage",
+    "executors",
     "go_to",
     "navigation",
+    "objective",
     "patrol",
     "planner",
     "program",
@@ -47,6 +54,7 @@ __all__ = [
     "run",
     "serve",
     "steering",
+    "sweep",
     "tracking",
     "trajectory",
 ]

@@ -2,6 +2,7 @@
 
 import os
 from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
 from types import ModuleType
 from typing import Any, Self, final
 
@@ -205,6 +206,9 @@ class Function:
     ) -> Function: ...
 
 def serve(function: Function, config: str | os.PathLike[str]) -> bool: ...
+def missions_to_run(
+    experiment: str | os.PathLike[str], out: str | os.PathLike[str] | None, options: Any
+) -> tuple[Path, list[int]]: ...
 def run_in_process(
     scenario: str,
     *,
@@ -214,4 +218,13 @@ def run_in_process(
     force: bool,
     allow_outside: bool,
     planners: Sequence[Any],
+) -> str: ...
+def sweep_in_process(
+    experiment: str | os.PathLike[str],
+    out: str | os.PathLike[str],
+    options: Any,
+    *,
+    shard: str | None,
+    jobs: int | None,
+    quiet: bool,
 ) -> str: ...

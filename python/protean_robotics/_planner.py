@@ -3,10 +3,14 @@
 import inspect
 import io
 import os
+import pickle
 import signal
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from importlib import import_module
+from importlib.util import find_spec
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any, NoReturn
 
 from ._core import Function
@@ -14,6 +18,11 @@ from ._core import serve as _serve
 
 #: Environment variable with the path of a process's configuration.
 _CONFIG = "PROTEAN_CONFIG"
+#: Refusal of planners for processes.
+ONLY_IN_PROCESS = (
+    "planners: expected in_process=True; a planner that is a process is a program of the scenario"
+    ' (command = ["python3", "FILE"])'
+)
 
 
 class Planner:
@@ -24,10 +33,13 @@ class Planner:
 
     steer: Callable[..., Any]
     _function: Function
+    # Its program, if it were a process.
+    _file: Path
     __name__: str
 
     def __init__(self, steer: Callable[..., Any]) -> None:
         self.steer = steer
+        self._file = _source(steer)
         if inspect.isclass(steer):
             call = getattr(steer, "__call__", None)
             if call is None or call is type.__call__:
@@ -46,6 +58,15 @@ class Planner:
 
     def __repr__(self) -> str:
         return f"<planner {self.__name__}>"
+
+    def __reduce__(self) -> tuple[Callable[..., "Planner"], tuple[Any, ...]]:
+        # Other processes import a planner of a module by its name. One of a script or a function, which they cannot
+        # import, travels as its code, if the package `cloudpickle` is there, which Dask and Ray use.
+        module, name = self.steer.__module__, self.steer.__qualname__
+        if module == "__main__" or "<locals>" in name:
+            if find_spec("cloudpickle") is not None:
+                return _of_code, (import_module("cloudpickle").dumps(self.steer), self._file)
+        return _of_module, (module, name)
 
 
 def planner(steer: Callable[..., Any]) -> Planner:
@@ -91,6 +112,23 @@ def planner(steer: Callable[..., Any]) -> Planner:
     return Planner(steer)
 
 
+def _of_module(module: str, name: str) -> Planner:
+    """Planner of a module."""
+    found: Any = import_module(module)
+    for part in name.split("."):
+        found = getattr(found, part)
+    if not isinstance(found, Planner):
+        raise TypeError(f"{module}.{name}: expected a planner")
+    return found
+
+
+def _of_code(code: bytes, file: Path) -> Planner:
+    """Planner of the code of its function or class, and the file that it comes from."""
+    planner = Planner(pickle.loads(code))
+    planner._file = file
+    return planner
+
+
 def serve(steer: Planner) -> NoReturn:
     """Runs a planner as a process of a run: the main function of its program.
 
@@ -122,6 +160,15 @@ def serve(steer: Planner) -> NoReturn:
     raise SystemExit(0 if _serve(steer._function, Path(config)) else 1)
 
 
+def _source(steer: Callable[..., Any]) -> Path:
+    """File of a function or class, which need not exist."""
+    try:
+        file = inspect.getsourcefile(steer)
+    except TypeError:
+        file = None
+    return Path(file or getattr(steer, "__name__", "planner")).absolute()
+
+
 def _arguments(function: Callable[..., Any]) -> list[str]:
     """Names of the arguments of a function; those with a default that are no inputs are left out."""
     names = []
@@ -134,11 +181,14 @@ def _arguments(function: Callable[..., Any]) -> list[str]:
     return names
 
 
-def _command(steer: Planner) -> tuple[list[str], str]:
-    """Command that would start the planner as a process, and its folder."""
-    try:
-        file = inspect.getsourcefile(steer.steer)
-    except TypeError:
-        file = None
-    path = Path(file or steer.__name__).absolute()
-    return ["python3", path.name], str(path.parent)
+def placed(planners: Mapping[str, Planner] | None) -> list[SimpleNamespace]:
+    """Planners with the names that they are for, and the commands that would start them as processes."""
+    return [
+        SimpleNamespace(
+            name=name,
+            function=planner._function,
+            command=["python3", planner._file.name],
+            folder=str(planner._file.parent),
+        )
+        for name, planner in (planners or {}).items()
+    ]

@@ -1,12 +1,23 @@
 """The program `protean` of this package."""
 
+import json
 import os
 import shutil
+import signal
+import subprocess
 import sys
 import sysconfig
+import tempfile
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
-from ._core import Error
+from ._core import Error, InvalidInput
+
+#: Exit code of the command for input that is invalid; nothing has been started.
+_INVALID = 2
+#: Exit code of the command for a result that is not whole: a process or mission failed, or messages were lost.
+_PARTIAL = 3
 
 
 def program() -> Path:
@@ -39,3 +50,73 @@ def program() -> Path:
         places = ", ".join(str(folder) for folder in folders)
         raise Error(f"no program protean in {places} or PATH: expected one of the wheel protean-robotics")
     return Path(found)
+
+
+def json_of(arguments: list[str]) -> dict[str, Any]:
+    """Runs a command of `protean`, shows its messages as they come, and returns the JSON object that it prints.
+
+    Raises
+    ------
+    InvalidInput
+        The command refuses its input.
+    Error
+        The command failed.
+    KeyboardInterrupt
+        After Ctrl-C, which ended the command in order.
+    """
+    # Programs of a scenario find the interpreter and packages of this process first.
+    folder = str(Path(sys.executable).parent)
+    environment = os.environ | {"PATH": folder + os.pathsep + os.environ.get("PATH", os.defpath)}
+    with tempfile.TemporaryFile("w+", encoding="utf-8") as output:
+        # In a group of its own, so that Ctrl-C reaches it once, from here.
+        with subprocess.Popen(
+            [str(program()), *arguments, "--json"],
+            stdout=output,
+            stderr=subprocess.PIPE,
+            text=True,
+            env=environment,
+            process_group=0,
+        ) as process:
+            assert process.stderr is not None
+            refusal = ""
+            try:
+                for line in process.stderr:
+                    # From the first error on, lines are the text of an exception.
+                    if refusal or line.startswith("error"):
+                        refusal += line
+                    else:
+                        print(line, end="", file=sys.stderr, flush=True)
+                process.wait()
+            except BaseException:
+                process.send_signal(signal.SIGINT)
+                process.communicate()
+                raise
+        output.seek(0)
+        text = output.read()
+    if process.returncode in (0, _PARTIAL) and text:
+        print(refusal, end="", file=sys.stderr)
+        report: dict[str, Any] = json.loads(text)
+        return report
+    refusal = refusal.strip().removeprefix("error: ") or f"{arguments[0]}: exit code {process.returncode}"
+    raise InvalidInput(refusal) if process.returncode == _INVALID else Error(refusal)
+
+
+def toml(value: Any) -> str:
+    """Writes a value as in TOML."""
+    if isinstance(value, Mapping):
+        return "{" + ", ".join(f"{json.dumps(str(key))} = {toml(item)}" for key, item in value.items()) + "}"
+    if isinstance(value, (list, tuple)):
+        return "[" + ", ".join(toml(item) for item in value) + "]"
+    if hasattr(value, "tolist"):
+        # Arrays and numbers of NumPy.
+        return toml(value.tolist())
+    if isinstance(value, os.PathLike):
+        value = os.fspath(value)
+    if isinstance(value, (bool, str)):
+        return json.dumps(value)
+    return repr(value)
+
+
+def overrides(values: Mapping[str, Any] | None) -> list[str]:
+    """Writes values by their dotted keys, as `--set` takes them."""
+    return [f"{key}={toml(value)}" for key, value in (values or {}).items()]

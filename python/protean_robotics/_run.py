@@ -2,25 +2,15 @@
 
 import json
 import os
-import signal
-import subprocess
-import sys
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
-from ._core import Error, InvalidInput, run_in_process
+from ._core import InvalidInput, run_in_process
 from ._log import Log
-from ._planner import Planner, _command
-from ._program import program
-
-#: Exit code of the command for input that is invalid; nothing has been started.
-_INVALID = 2
-#: Exit code of the command for a run that ended with a warning: a process failed, or messages were lost.
-_PARTIAL = 3
+from ._planner import ONLY_IN_PROCESS, Planner, placed
+from ._program import json_of, overrides
 
 
 @dataclass(frozen=True, repr=False)
@@ -126,73 +116,24 @@ def run(
     >>> run.digest == pr.run("chase", seed=7, set={"rules.time_limit": 2}, in_process=True).digest
     True
     """
-    overrides = [f"{key}={_toml(value)}" for key, value in (set or {}).items()]
+    changes = overrides(set)
     if in_process:
-        placed = []
-        for name, planner in (planners or {}).items():
-            command, folder = _command(planner)
-            placed.append(SimpleNamespace(name=name, function=planner._function, command=command, folder=folder))
         report = run_in_process(
             os.fspath(scenario),
             seed=seed,
-            overrides=overrides,
+            overrides=changes,
             out=out,
             force=force,
             allow_outside=allow_outside,
-            planners=placed,
+            planners=placed(planners),
         )
         return Run(json.loads(report))
     if planners:
-        raise InvalidInput(
-            "planners: expected in_process=True; a planner that is a process is a program of the scenario"
-            ' (command = ["python3", "FILE"])'
-        )
-    command = [str(program()), "run", os.fspath(scenario), "--json", "--quiet"]
-    command += [f"--set={value}" for value in overrides]
+        raise InvalidInput(ONLY_IN_PROCESS)
+    command = ["run", os.fspath(scenario), "--quiet", *(f"--set={change}" for change in changes)]
     if seed is not None:
         command.append(f"--seed={seed}")
     if out is not None:
         command.append(f"--out={os.fspath(out)}")
     flags = {"--force": force, "--allow-external": allow_external, "--allow-outside": allow_outside}
-    command += [flag for flag, given in flags.items() if given]
-    return Run(_output(command))
-
-
-def _output(command: list[str]) -> dict[str, Any]:
-    """Runs a command of `protean` and returns the JSON object that it prints."""
-    # Programs of a scenario find the interpreter and packages of this process first.
-    folder = str(Path(sys.executable).parent)
-    environment = os.environ | {"PATH": folder + os.pathsep + os.environ.get("PATH", os.defpath)}
-    # In a group of its own, so that Ctrl-C reaches it once, from here.
-    with subprocess.Popen(
-        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=environment, process_group=0
-    ) as process:
-        try:
-            output, messages = process.communicate()
-        except KeyboardInterrupt:
-            process.send_signal(signal.SIGINT)
-            process.communicate()
-            raise
-    if process.returncode in (0, _PARTIAL) and output:
-        if messages:
-            print(messages, end="", file=sys.stderr)
-        report: dict[str, Any] = json.loads(output)
-        return report
-    text = messages.strip().removeprefix("error: ")
-    raise InvalidInput(text) if process.returncode == _INVALID else Error(text)
-
-
-def _toml(value: Any) -> str:
-    """Writes a value as in TOML."""
-    if isinstance(value, Mapping):
-        return "{" + ", ".join(f"{json.dumps(str(key))} = {_toml(item)}" for key, item in value.items()) + "}"
-    if isinstance(value, (list, tuple)):
-        return "[" + ", ".join(_toml(item) for item in value) + "]"
-    if hasattr(value, "tolist"):
-        # Arrays and numbers of NumPy.
-        return _toml(value.tolist())
-    if isinstance(value, os.PathLike):
-        value = os.fspath(value)
-    if isinstance(value, (bool, str)):
-        return json.dumps(value)
-    return repr(value)
+    return Run(json_of(command + [flag for flag, given in flags.items() if given]))

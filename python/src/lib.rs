@@ -13,6 +13,7 @@ mod log;
 mod map;
 mod planner;
 mod run;
+mod sweep;
 
 use pyo3::prelude::*;
 
@@ -31,6 +32,8 @@ mod _core {
     use crate::planner::{Belief, Function, PySteering, Robot, Scan, World, go_to, serve};
     #[pymodule_export]
     use crate::run::run_in_process;
+    #[pymodule_export]
+    use crate::sweep::{missions_to_run, sweep_in_process};
 
     #[pymodule]
     mod steering {

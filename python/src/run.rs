@@ -26,11 +26,23 @@ pub struct Planned {
     /// Name of a robot, a team or a process.
     name: String,
     /// The planner.
-    function: Py<Function>,
+    function: Shared,
     /// Command of its program.
     command: Vec<String>,
     /// Working directory of its program.
     folder: String,
+}
+
+/// A planner that runs share.
+#[derive(Clone)]
+struct Shared(Arc<Py<Function>>);
+
+impl<'py> FromPyObject<'_, 'py> for Shared {
+    type Error = PyErr;
+
+    fn extract(value: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
+        Ok(Self(Arc::new(value.extract()?)))
+    }
 }
 
 /// Runs a scenario in this thread; returns the report as JSON.
@@ -65,12 +77,8 @@ pub fn run_in_process(
         let text = problems.to_string();
         InvalidInput::new_err(text.trim_start_matches("error: ").to_owned())
     })?;
-    let mut programs = BTreeMap::new();
-    let mut functions = Vec::new();
-    for planned in planners {
-        functions.push(planned.function.clone_ref(py));
-        place(&mut scenario, planned, &mut programs)?;
-    }
+    place(&mut scenario, &planners).map_err(InvalidInput::new_err)?;
+    let programs = kinds_of(&scenario, &planners).map_err(InvalidInput::new_err)?;
     let interrupted = Arc::new(AtomicBool::new(false));
     let options = InProcessOptions {
         out,
@@ -84,7 +92,8 @@ pub fn run_in_process(
     let (result, signal) = wait(py, &interrupted, || in_process::run(&scenario, &options))?;
     let text = result.map(|report| report.json(&scenario, &options.remarks).to_string());
     signal?;
-    let failure = functions.iter().find_map(|f| f.get().take_failure());
+    let mut functions = planners.iter().map(|planned| planned.function.0.get());
+    let failure = functions.find_map(Function::take_failure);
     text.map_err(|error| {
         let raised = if error.is_refusal() {
             InvalidInput::new_err(error.to_string())
@@ -96,32 +105,49 @@ pub fn run_in_process(
     })
 }
 
-/// Puts a planner in the place of the processes of the scenario that its name means: a process, or those of a robot or
-/// of a team.
-fn place(
-    scenario: &mut ResolvedScenario,
-    planned: Planned,
-    programs: &mut BTreeMap<String, ConfiguredKind>,
-) -> PyResult<()> {
-    let name = &planned.name;
-    let meant = processes_of(scenario, name).map_err(InvalidInput::new_err)?;
-    let function = Arc::new(planned.function);
-    for index in meant {
-        let Some(process) = scenario.processes.get_mut(index) else {
-            continue;
-        };
-        if let Program::Kind(_) = process.program {
-            process.program = Program::Command {
-                words: planned.command.clone(),
-                folder: planned.folder.clone(),
-                params: Json::Object(serde_json::Map::new()),
-            };
+/// Puts planners in the place of the processes of the scenario that their names mean: a process, or those of a robot
+/// or of a team.
+///
+/// # Errors
+/// The text names the planner that means none, or more than it says.
+pub fn place(scenario: &mut ResolvedScenario, planners: &[Planned]) -> Result<(), String> {
+    for planned in planners {
+        for index in processes_of(scenario, &planned.name)? {
+            if let Some(process) = scenario.processes.get_mut(index)
+                && let Program::Kind(_) = process.program
+            {
+                process.program = Program::Command {
+                    words: planned.command.clone(),
+                    folder: planned.folder.clone(),
+                    params: Json::Object(serde_json::Map::new()),
+                };
+            }
         }
-        let params = PythonParams::new(process.program.params(), Arc::clone(&function));
-        let kind = ConfiguredKind::new::<PlannerProcess<PythonPlanner>>(params);
-        programs.insert(process.name.clone(), kind);
     }
     Ok(())
+}
+
+/// Returns the kinds that run in the place of the commands of a scenario, by the names of the processes.
+///
+/// # Errors
+/// As [`place`].
+pub fn kinds_of(
+    scenario: &ResolvedScenario,
+    planners: &[Planned],
+) -> Result<BTreeMap<String, ConfiguredKind>, String> {
+    let mut kinds = BTreeMap::new();
+    for planned in planners {
+        for index in processes_of(scenario, &planned.name)? {
+            let Some(process) = scenario.processes.get(index) else {
+                continue;
+            };
+            let function = Arc::clone(&planned.function.0);
+            let params = PythonParams::new(process.program.params(), function);
+            let kind = ConfiguredKind::new::<PlannerProcess<PythonPlanner>>(params);
+            kinds.insert(process.name.clone(), kind);
+        }
+    }
+    Ok(kinds)
 }
 
 /// Returns the processes that a name means, all of which steer robots.

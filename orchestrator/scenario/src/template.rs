@@ -54,6 +54,17 @@ impl Template {
         &self.scenario
     }
 
+    /// Changes everything but starts and map, for all seeds.
+    ///
+    /// # Errors
+    /// Those of `change`.
+    pub fn change<E>(
+        &mut self,
+        change: impl FnOnce(&mut ResolvedScenario) -> Result<(), E>,
+    ) -> Result<(), E> {
+        change(&mut self.scenario)
+    }
+
     /// Returns the scenario with a seed below 2^63.
     ///
     /// # Errors

@@ -1,5 +1,6 @@
 //! Engines: ways to execute a single mission.
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
@@ -10,6 +11,7 @@ use rustix::thread::{CpuSet, sched_getaffinity, sched_setaffinity};
 use mission::in_process::{self, InProcessOptions};
 use mission::{self, MissionOptions, MissionReport};
 use scenario::ResolvedScenario;
+use scenario::kind::ConfiguredKind;
 
 /// Interval at which a waiting mission checks for an interruption.
 const CHECK_INTERVAL: Duration = Duration::from_millis(200);
@@ -130,17 +132,32 @@ pub struct InProcess {
     cache: Arc<in_process::Cache>,
 }
 
-impl Engine for InProcess {
-    fn execute(&self, scenario: &ResolvedScenario, call: &Call) -> Result<MissionReport, String> {
+impl InProcess {
+    /// Executes a mission with kinds in the place of external programs, by the name of the process.
+    ///
+    /// # Errors
+    /// The reason of the failure, as text.
+    pub fn execute_with(
+        &self,
+        programs: BTreeMap<String, ConfiguredKind>,
+        scenario: &ResolvedScenario,
+        call: &Call,
+    ) -> Result<MissionReport, String> {
         let options = InProcessOptions {
             out: call.log.clone(),
             force: true,
-            show: false,
             interrupted: Arc::clone(&call.interrupted),
+            programs,
             cache: Arc::clone(&self.cache),
             ..InProcessOptions::default()
         };
         in_process::run(scenario, &options).map_err(|error| error.to_string())
+    }
+}
+
+impl Engine for InProcess {
+    fn execute(&self, scenario: &ResolvedScenario, call: &Call) -> Result<MissionReport, String> {
+        self.execute_with(BTreeMap::new(), scenario, call)
     }
 
     fn needs_pinning(&self) -> bool {

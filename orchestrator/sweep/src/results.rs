@@ -89,6 +89,24 @@ impl<R: Record> Results<R> {
         Self::with(directory, manifest, lock, Journal::read(directory)?)
     }
 
+    /// Opens the results of an experiment in a directory; `None` if it has none.
+    ///
+    /// # Errors
+    /// [`SweepError::Other`] if they belong to another experiment; others as for [`Self::read`].
+    pub fn existing(directory: &Path, manifest: &Manifest) -> Result<Option<Self>, SweepError> {
+        let results = match Self::read(directory) {
+            Err(SweepError::NotResults { .. }) => return Ok(None),
+            read => read?,
+        };
+        match manifest.difference(results.manifest()) {
+            None => Ok(Some(results)),
+            Some(difference) => Err(SweepError::Other {
+                path: directory.to_owned(),
+                difference,
+            }),
+        }
+    }
+
     fn with(
         directory: &Path,
         manifest: Manifest,

@@ -13,7 +13,7 @@ use super::output::{EXIT_FAILED, EXIT_INVALID, print};
 use super::run::handle_signals;
 use super::sweep_args::{SweepArgs, SweepCommand, SweepRunArgs};
 use super::sweep_kind::SweepKind;
-use super::sweep_output::{Listing, conclude, known, list};
+use super::sweep_output::{Listing, conclude, list};
 use platform::machine::processors;
 use scenario::kind;
 use sweep::merge::merge;
@@ -160,7 +160,7 @@ fn dry_run<S: SweepKind>(
     out: &Path,
 ) -> Result<ExitCode, SweepError> {
     let manifest = experiment.manifest();
-    let results = known::<S::Row>(out, &manifest)?;
+    let results = Results::<S::Row>::existing(out, &manifest)?;
     let (open, known) = runner::to_do(experiment, results.as_ref(), shard, args.retry_failed);
     let listing = Listing {
         manifest: &manifest,

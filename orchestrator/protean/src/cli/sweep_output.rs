@@ -1,7 +1,6 @@
 //! Output of `protean sweep`: missions to run, and results.
 
 use std::collections::BTreeMap;
-use std::path::Path;
 use std::process::ExitCode;
 
 use platform::eprintln;
@@ -10,29 +9,7 @@ use serde_json::{Value as Json, json};
 use super::output::{EXIT_PARTIAL, print, print_json};
 use super::sweep_kind::SweepKind;
 use sweep::runner::RunReport;
-use sweep::{Manifest, MissionId, Record, Results, SweepError};
-
-/// Returns the results of the experiment in a directory; `None` if it has none.
-///
-/// # Errors
-/// [`SweepError::Other`] if they belong to another experiment; other [`SweepError`]s if they cannot be read.
-pub(super) fn known<R: Record>(
-    out: &Path,
-    manifest: &Manifest,
-) -> Result<Option<Results<R>>, SweepError> {
-    let results = match Results::read(out) {
-        Ok(results) => results,
-        Err(SweepError::NotResults { .. }) => return Ok(None),
-        Err(error) => return Err(error),
-    };
-    match manifest.difference(results.manifest()) {
-        None => Ok(Some(results)),
-        Some(difference) => Err(SweepError::Other {
-            path: out.to_owned(),
-            difference,
-        }),
-    }
-}
+use sweep::{Manifest, MissionId, Record as _, Results};
 
 /// Missions that a sweep would run.
 pub(super) struct Listing<'a> {

@@ -208,7 +208,7 @@ fn unfit<D>(
 }
 
 /// Hash of everything on which a run of the scenario depends, without its seed.
-fn fingerprint(mut scenario: ResolvedScenario) -> String {
+pub(super) fn fingerprint(mut scenario: ResolvedScenario) -> String {
     let defaults = spec::RunSpec::default();
     scenario.title.clear();
     scenario.description.clear();

@@ -2,6 +2,9 @@
 
 use std::collections::BTreeMap;
 
+use scenario::ResolvedScenario;
+
+use super::build::fingerprint;
 use super::mission::Mission;
 use crate::cell::Cell;
 use crate::experiment::ExperimentOf;
@@ -10,6 +13,23 @@ use crate::experiment::ExperimentOf;
 pub type Experiment = ExperimentOf<Mission>;
 
 impl Experiment {
+    /// Changes the processes of the scenario of every cell.
+    ///
+    /// # Errors
+    /// Those of `change`.
+    pub fn change_processes<E>(
+        &mut self,
+        change: impl Fn(&mut ResolvedScenario) -> Result<(), E>,
+    ) -> Result<(), E> {
+        for cell in &mut self.cells {
+            cell.subject.template.change(&change)?;
+            let scenario = cell.subject.template.scenario();
+            cell.external = scenario.uses_external_commands();
+            cell.blake3 = fingerprint(scenario.clone());
+        }
+        Ok(())
+    }
+
     /// Returns notes on unusual but valid content: equal cells.
     pub fn notes(&self) -> Vec<String> {
         let mut first: BTreeMap<&str, &Cell<Mission>> = BTreeMap::new();

@@ -1,0 +1,284 @@
+"""Sweeps: experiments of many missions, on this machine or on any executor."""
+
+import io
+import json
+import os
+import sys
+import tarfile
+import tempfile
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any, Protocol
+
+from ._core import Error, InvalidInput, missions_to_run, sweep_in_process
+from ._planner import ONLY_IN_PROCESS, Planner, placed
+from ._program import json_of, overrides
+
+#: Parts of an experiment for each processor of this machine, if the caller does not say how many: a worker that is
+#: slow or lost holds up a small part.
+_PARTS_PER_PROCESSOR = 4
+#: Time between two looks at the parts (s).
+_INTERVAL = 0.05
+#: Time between two lines of progress (s).
+_LINE_INTERVAL = 10.0
+
+
+class Future(Protocol):
+    """A call that an executor carries out: ``concurrent.futures.Future``, or a job of submitit."""
+
+    def done(self) -> bool:
+        """True if it has ended."""
+
+    def result(self) -> Any:
+        """Result of the call; raises what it raised."""
+
+
+class Executor(Protocol):
+    """Carries out calls elsewhere, as ``concurrent.futures.Executor`` does."""
+
+    def submit(self, call: Callable[..., Any], /, *arguments: Any) -> Future:
+        """Begins a call."""
+
+
+@dataclass(frozen=True, repr=False)
+class Sweep:
+    """Results of an experiment.
+
+    Attributes
+    ----------
+    directory
+        Directory of the results: ``results.csv``, ``results.parquet``, figures and more.
+    summary
+        Summary of the cells, as ``protean sweep --json`` prints it.
+    """
+
+    directory: Path
+    summary: dict[str, Any]
+
+    def __repr__(self) -> str:
+        return f"<Sweep {self.directory}: {self.summary['missions']} missions, {len(self.summary['failures'])} failed>"
+
+    @property
+    def table(self) -> Path:
+        """Table of the missions, for ``polars.read_parquet`` and ``pandas.read_parquet``."""
+        return self.directory / "results.parquet"
+
+
+@dataclass(frozen=True)
+class _Task:
+    """An experiment and how its missions run; executors send it to their workers."""
+
+    experiment: str
+    seeds: str | None
+    overrides: list[str]
+    in_process: bool
+    planners: dict[str, Planner]
+    allow_external: bool
+    allow_outside: bool
+    retry_failed: bool
+    quiet: bool
+    placed: list[SimpleNamespace] = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "placed", placed(self.planners))
+
+    def __reduce__(self) -> tuple[type, tuple[Any, ...]]:
+        values = (getattr(self, name) for name, field in self.__dataclass_fields__.items() if field.init)
+        return _Task, tuple(values)
+
+    def run(self, out: Path, shard: str | None, jobs: int | None, quiet: bool) -> dict[str, Any]:
+        """Runs a part of the experiment on this machine; returns the summary."""
+        if self.planners:
+            text = sweep_in_process(self.experiment, out, self, shard=shard, jobs=jobs, quiet=quiet)
+            summary: dict[str, Any] = json.loads(text)
+            return summary
+        command = ["sweep", self.experiment, f"--out={out}", *(f"--set={change}" for change in self.overrides)]
+        values = {"--seeds": self.seeds, "--shard": shard, "--jobs": jobs}
+        command += [f"{option}={value}" for option, value in values.items() if value is not None]
+        flags = {
+            "--in-process": self.in_process,
+            "--allow-external": self.allow_external,
+            "--allow-outside": self.allow_outside,
+            "--retry-failed": self.retry_failed,
+            "--quiet": quiet,
+        }
+        return json_of(command + [flag for flag, given in flags.items() if given])
+
+
+def sweep(
+    experiment: str | os.PathLike[str],
+    *,
+    out: str | os.PathLike[str] | None = None,
+    executor: Executor | None = None,
+    shards: int | None = None,
+    jobs: int | None = None,
+    seeds: range | None = None,
+    set: Mapping[str, Any] | None = None,
+    in_process: bool = False,
+    planners: Mapping[str, Planner] | None = None,
+    retry_failed: bool = False,
+    allow_external: bool = False,
+    allow_outside: bool = False,
+    quiet: bool = False,
+) -> Sweep:
+    """Runs the missions of an experiment that are not finished.
+
+    The table of results depends on the experiment alone, byte for byte: not on the executor, the number of parts, or
+    interruptions. After an interruption or the loss of a worker, the same call runs the missing missions.
+
+    Parameters
+    ----------
+    experiment
+        Path of an experiment file.
+    out
+        Directory of the results; ``results/EXPERIMENT`` if None.
+    executor
+        Runs parts of the experiment elsewhere: any ``concurrent.futures.Executor`` (pools of processes, Dask's
+        ``get_executor()``, ``mpi4py.futures``), or another object whose ``submit(call, *arguments)`` returns an object
+        with ``done()`` and ``result()``. Its workers have this package and see the experiment at the same path. None
+        runs missions on the cores of this machine.
+    shards
+        Number of parts that the executor gets; 4 for each processor of this machine if None.
+    jobs
+        Missions at once on this machine; the number of processors if None. Workers of an executor run one at a time.
+    seeds
+        Seeds in the place of the experiment's, with step 1.
+    set
+        Values that replace those of every scenario, by their dotted keys.
+    in_process
+        True to run each mission in one thread: the same results, many times faster.
+    planners
+        Planners in the place of those of the scenarios, by the name of a robot, a team or a process; with `in_process`
+        only.
+    retry_failed
+        True to run failed missions again.
+    allow_external
+        True if scenarios may start programs (``command``). Check them first.
+    allow_outside
+        True if experiment and scenarios may use files outside their folders.
+    quiet
+        True to show no progress.
+
+    Returns
+    -------
+    Sweep
+        Directory and summary; the summary counts missions that failed.
+
+    Raises
+    ------
+    InvalidInput
+        The experiment or an argument is invalid; nothing has been started.
+    Error
+        Results cannot be stored, or parts failed; the results of the others are kept.
+    KeyboardInterrupt
+        After Ctrl-C; finished missions are kept, with an executor those of finished parts.
+
+    Examples
+    --------
+    >>> import protean_robotics as pr
+    >>> from pathlib import Path
+    >>> text = '''
+    ... scenario = "builtin:hello"
+    ... seeds = { first = 1, count = 2 }
+    ... [parameters.limit]
+    ... set = "rules.time_limit"
+    ... [grid]
+    ... limit = [1, 2]
+    ... '''
+    >>> _ = Path("limits.toml").write_text(text)
+    >>> done = pr.sweep("limits.toml", in_process=True, quiet=True)
+    >>> done.table
+    PosixPath('results/limits/results.parquet')
+    >>> done.summary["carried_out"]
+    4
+    """
+    if planners and not in_process:
+        raise InvalidInput(ONLY_IN_PROCESS)
+    if seeds is not None and (seeds.step != 1 or not seeds):
+        raise InvalidInput(f"seeds: {seeds}; expected a range with step 1 that is not empty")
+    for name, count in {"shards": shards, "jobs": jobs}.items():
+        if count is not None and count < 1:
+            raise InvalidInput(f"{name}: {count}; expected at least 1")
+    task = _Task(
+        experiment=os.fspath(Path(experiment).absolute()),
+        seeds=None if seeds is None else f"{seeds[0]}..{seeds[-1]}",
+        overrides=overrides(set),
+        in_process=in_process,
+        planners=dict(planners or {}),
+        allow_external=allow_external,
+        allow_outside=allow_outside,
+        retry_failed=retry_failed,
+        quiet=quiet,
+    )
+    directory, missing = missions_to_run(task.experiment, None if out is None else Path(out), task)
+    if executor is not None and missing:
+        count = shards or min(_PARTS_PER_PROCESSOR * (os.cpu_count() or 1), len(missing))
+        _distribute(task, executor, directory, count, missing)
+        task, quiet = replace(task, retry_failed=False), True
+    return Sweep(directory, task.run(directory, None, jobs, quiet))
+
+
+def _distribute(task: _Task, executor: Executor, out: Path, count: int, missing: list[int]) -> None:
+    """Runs the parts that have missing missions on an executor, and merges each into the results when it ends."""
+    shards = sorted({number % count for number in missing})
+    running = {executor.submit(_part, task, f"{shard + 1}/{count}"): shard for shard in shards}
+    failures: list[BaseException] = []
+    merged = 0
+    shown = time.monotonic()
+    try:
+        while running:
+            ended = [future for future in running if future.done()]
+            if not ended:
+                time.sleep(_INTERVAL)
+                continue
+            parts = []
+            for future in ended:
+                del running[future]
+                try:
+                    parts.append(future.result())
+                except Exception as error:  # What the executor or the part raised.
+                    failures.append(error)
+            _merge(parts, out)
+            merged += len(parts)
+            if not task.quiet and (time.monotonic() - shown > _LINE_INTERVAL or not running):
+                shown = time.monotonic()
+                print(f"{merged}/{len(shards)} parts", file=sys.stderr, flush=True)
+    finally:
+        for future in running:
+            cancel = getattr(future, "cancel", None)
+            if cancel is not None:
+                cancel()
+    if failures:
+        first = failures[0]
+        if isinstance(first, InvalidInput):
+            raise first
+        raise Error(
+            f"{len(failures)} of {len(shards)} parts failed: {type(first).__name__}: {first}; the results of the others"
+            " are kept, the same call runs the missing missions"
+        ) from first
+
+
+def _part(task: _Task, shard: str) -> bytes:
+    """Runs one part of an experiment, on a worker; returns its results as an archive."""
+    with tempfile.TemporaryDirectory(prefix="protean-") as folder:
+        part = Path(folder) / "part"
+        task.run(part, shard, 1, True)
+        archive = io.BytesIO()
+        with tarfile.open(fileobj=archive, mode="w:gz") as tar:
+            tar.add(part, arcname="part")
+        return archive.getvalue()
+
+
+def _merge(parts: list[bytes], out: Path) -> None:
+    """Merges parts into results."""
+    if not parts:
+        return
+    with tempfile.TemporaryDirectory(prefix="protean-") as folder:
+        for number, part in enumerate(parts):
+            with tarfile.open(fileobj=io.BytesIO(part)) as tar:
+                tar.extractall(Path(folder) / str(number), filter="data")
+        directories = [str(Path(folder) / str(number) / "part") for number in range(len(parts))]
+        json_of(["sweep", "merge", *directories, f"--out={out}"])
