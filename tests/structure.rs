@@ -43,7 +43,7 @@ const RULES: Rules = Rules {
             "statistics",
             "tracking",
         ],
-        &["navigation"],
+        &["navigation", "observation"],
         &["steering", "trajectory"],
         &["coverage", "patrol", "planner"],
         // One crate per kind of process, or per family of kinds; none depends on another one.
