@@ -51,7 +51,7 @@ const RULES: Rules = Rules {
         &["recorder", "scenario"],
         &["viewer"],
         &["kinds", "log_tools", "mission", "plan"],
-        &["replay", "report"],
+        &["environment", "replay", "report"],
         &["faults", "latency", "sweep"],
         &["protean"],
         &["_core", "benchmarks", "end_to_end", "pages"],

@@ -6,11 +6,11 @@ use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, LazyLock};
 
 use kinds::KINDS;
-use mission::in_process::{self, Cache, InProcessOptions};
+use mission::in_process::{self, Cache, InProcessOptions, placement};
 use planner::PlannerProcess;
 use pyo3::prelude::*;
 use scenario::kind::ConfiguredKind;
-use scenario::{Loader, ProcessSpec, Program, ResolvedScenario};
+use scenario::{Loader, Program, ResolvedScenario};
 use serde_json::Value as Json;
 
 use crate::error::{Error, InvalidInput};
@@ -152,51 +152,5 @@ pub fn kinds_of(
 
 /// Returns the processes that a name means, all of which steer robots.
 fn processes_of(scenario: &ResolvedScenario, name: &str) -> Result<Vec<usize>, String> {
-    let robots = &scenario.world.robots;
-    let steers = |process: &ProcessSpec| {
-        let kind = process.program.kind();
-        kind.is_none_or(|kind| kind.kind().drives_robots)
-    };
-    let named = scenario.processes.iter().position(|p| p.name == name);
-    if let Some(index) = named {
-        return match scenario.processes.get(index) {
-            Some(process) if steers(process) => Ok(vec![index]),
-            _ => Err(format!("planners: process {name:?} steers no robot")),
-        };
-    }
-    let is_meant = |&robot: &usize| {
-        let robot = robots.get(robot);
-        robot.is_some_and(|robot| robot.name == name || robot.team == name)
-    };
-    let mut meant = Vec::new();
-    for (index, process) in scenario.processes.iter().enumerate() {
-        if !steers(process) || !process.robots.iter().any(is_meant) {
-            continue;
-        }
-        if let Some(&other) = process.robots.iter().find(|robot| !is_meant(robot)) {
-            let other = robots.get(other).map_or("", |robot| &robot.name);
-            return Err(format!(
-                "planners: process {:?} steers {name} and {other}: expected its name, or a planner for both",
-                process.name
-            ));
-        }
-        meant.push(index);
-    }
-    if meant.is_empty() {
-        let mut known: Vec<&str> = robots.iter().map(|robot| &*robot.name).collect();
-        known.extend(robots.iter().map(|robot| &*robot.team));
-        let steering = scenario.processes.iter().filter(|process| steers(process));
-        known.extend(steering.map(|process| &*process.name));
-        let mut unique = Vec::new();
-        for name in known {
-            if !unique.contains(&name) {
-                unique.push(name);
-            }
-        }
-        return Err(format!(
-            "planners: no robot, team or process {name:?}: expected one of {}",
-            unique.join(", ")
-        ));
-    }
-    Ok(meant)
+    placement::processes_of(scenario, name).map_err(|error| format!("planners: {error}"))
 }

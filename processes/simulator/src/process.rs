@@ -252,6 +252,11 @@ impl Simulator {
         self.tick
     }
 
+    /// The world.
+    pub fn world(&self) -> &World {
+        &self.world
+    }
+
     /// Publishes all messages of the current tick, the state last; returns `true` if the game is
     /// over.
     ///

@@ -8,9 +8,12 @@
 //! Runs share only the data of their maps in [`InProcessOptions::cache`], so that each run may have its own
 //! thread.
 
+pub mod placement;
 mod processes;
+mod stepped;
 
 pub use processes::LocalProcesses;
+pub use stepped::SteppedRun;
 
 use std::any::Any;
 use std::collections::BTreeMap;
@@ -57,8 +60,8 @@ pub struct InProcessOptions {
     pub last_tick: Option<u64>,
     /// Set by the caller (Ctrl-C) to end the run in order.
     pub interrupted: Arc<AtomicBool>,
-    /// Kinds that run in the place of external programs, by the name of the process. Each is the same planner as its
-    /// program, so that the digest is that of a run with processes.
+    /// Kinds that run in the place of those of the scenario, external programs among them, by the name of the process.
+    /// Each is the same planner as the one that it replaces, so that the digest is that of a run with processes.
     pub programs: BTreeMap<String, ConfiguredKind>,
     /// Data that runs share; pass the same cache to all runs of a sweep, in any scenario and thread.
     pub cache: Arc<Cache>,
@@ -146,7 +149,7 @@ fn execute(
         plan.orchestrator_index(),
         MAX_TEXT_BYTES,
     ))?;
-    let mut processes = LocalRun::open(&plan, &options.programs, &bus)?;
+    let mut processes = LocalRun::open_with(&plan, &options.programs, &bus)?;
     processes.connect()?;
     plan.send_obstacle_changes(&obstacles)?;
     for line in remark_lines(&plan, &options.remarks) {

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use ipc_types::bus::Bus;
 use runtime::{Process, ProcessConfig, ProcessError};
 use scenario::kind::ConfiguredKind;
+use sim_backend::world::World;
 use simulator::process::Simulator;
 
 use super::super::error::InProcessError;
@@ -19,6 +20,8 @@ struct LocalProcess {
 /// Processes other than the simulator, in the order in which they step.
 pub struct LocalProcesses {
     processes: Vec<LocalProcess>,
+    /// Number of processes that come before the first one with its own kind.
+    early: usize,
 }
 
 impl LocalProcesses {
@@ -30,17 +33,21 @@ impl LocalProcesses {
         Self::open_with(followers, &BTreeMap::new(), bus)
     }
 
-    /// Opens the ports of these processes; `programs` run in the place of external ones.
+    /// Opens the ports of these processes; `programs` run in the place of those with their names, as late as possible.
     pub(super) fn open_with(
         followers: &[Launch],
         programs: &BTreeMap<String, ConfiguredKind>,
         bus: &Bus,
     ) -> Result<Self, InProcessError> {
-        let processes = order(followers)?
+        let is_late = |launch: &Launch| programs.contains_key(&launch.config.name);
+        let ordered = order(followers, is_late)?;
+        let first_late = ordered.iter().position(|launch| is_late(launch));
+        let early = first_late.unwrap_or(ordered.len());
+        let processes = ordered
             .into_iter()
             .map(|launch| open_process(launch, programs.get(&launch.config.name), bus))
             .collect::<Result<_, _>>()?;
-        Ok(Self { processes })
+        Ok(Self { processes, early })
     }
 
     /// Connects all processes.
@@ -48,7 +55,7 @@ impl LocalProcesses {
     /// # Errors
     /// [`InProcessError`] names the process that fails.
     pub fn connect(&mut self) -> Result<(), InProcessError> {
-        self.each(None, |process| process.connect())
+        each(&mut self.processes, None, |process| process.connect())
     }
 
     /// Lets all processes build their data of the map.
@@ -56,7 +63,7 @@ impl LocalProcesses {
     /// # Errors
     /// [`InProcessError`] names the process that fails.
     pub fn prepare(&mut self) -> Result<(), InProcessError> {
-        self.each(None, |process| process.prepare())
+        each(&mut self.processes, None, |process| process.prepare())
     }
 
     /// Steps all processes in a tick.
@@ -64,18 +71,31 @@ impl LocalProcesses {
     /// # Errors
     /// [`InProcessError`] names the process that fails.
     pub fn step(&mut self, tick: u64) -> Result<(), InProcessError> {
-        self.each(Some(tick), |process| process.step(tick))
+        self.step_early(tick)?;
+        self.step_late(tick)
     }
 
-    fn each(
-        &mut self,
-        tick: Option<u64>,
-        act: impl Fn(&mut dyn Process) -> Result<(), ProcessError>,
-    ) -> Result<(), InProcessError> {
-        self.processes.iter_mut().try_for_each(|it| {
-            act(it.process.as_mut()).map_err(|source| failed(&it.name, tick, source))
-        })
+    /// Steps the processes that come before the first one with its own kind.
+    fn step_early(&mut self, tick: u64) -> Result<(), InProcessError> {
+        let (early, _) = self.processes.split_at_mut(self.early);
+        each(early, Some(tick), |process| process.step(tick))
     }
+
+    /// Steps the other processes.
+    fn step_late(&mut self, tick: u64) -> Result<(), InProcessError> {
+        let (_, late) = self.processes.split_at_mut(self.early);
+        each(late, Some(tick), |process| process.step(tick))
+    }
+}
+
+fn each(
+    processes: &mut [LocalProcess],
+    tick: Option<u64>,
+    act: impl Fn(&mut dyn Process) -> Result<(), ProcessError>,
+) -> Result<(), InProcessError> {
+    processes.iter_mut().try_for_each(|it| {
+        act(it.process.as_mut()).map_err(|source| failed(&it.name, tick, source))
+    })
 }
 
 /// The simulator and the other processes.
@@ -86,8 +106,8 @@ pub(super) struct LocalRun {
 }
 
 impl LocalRun {
-    /// Opens the ports of all processes.
-    pub(super) fn open(
+    /// Opens the ports of all processes; `programs` run in the place of those with their names.
+    pub(super) fn open_with(
         plan: &Plan,
         programs: &BTreeMap<String, ConfiguredKind>,
         bus: &Bus,
@@ -124,14 +144,36 @@ impl LocalRun {
     /// Executes the current tick except the step of the world: publishes the state, steps the processes, and takes
     /// the commands. Returns `true` if the game is over; this last tick has no steps of processes.
     pub(super) fn turn(&mut self) -> Result<bool, InProcessError> {
-        let tick = self.simulator.tick();
-        let lead = |source| failed(&self.leader, Some(tick), source);
-        if self.simulator.publish().map_err(lead)? {
+        if self.sense()? {
             return Ok(true);
         }
-        self.followers.step(tick)?;
-        self.simulator.take_commands().map_err(lead)?;
+        self.act()?;
         Ok(false)
+    }
+
+    /// Does the first part of [`Self::turn`]: publishes the state, and steps the processes before the first one with its
+    /// own kind.
+    pub(super) fn sense(&mut self) -> Result<bool, InProcessError> {
+        let tick = self.simulator.tick();
+        let published = self.simulator.publish();
+        if published.map_err(|source| failed(&self.leader, Some(tick), source))? {
+            return Ok(true);
+        }
+        self.followers.step_early(tick)?;
+        Ok(false)
+    }
+
+    /// Does the second part: steps the other processes, and takes the commands.
+    pub(super) fn act(&mut self) -> Result<(), InProcessError> {
+        let tick = self.simulator.tick();
+        self.followers.step_late(tick)?;
+        let taken = self.simulator.take_commands();
+        taken.map_err(|source| failed(&self.leader, Some(tick), source))
+    }
+
+    /// Returns the world.
+    pub(super) fn world(&self) -> &World {
+        self.simulator.world()
     }
 
     /// Steps the world to the next tick.
@@ -155,7 +197,7 @@ fn open_process(
     bus: &Bus,
 ) -> Result<LocalProcess, InProcessError> {
     let name = launch.config.name.clone();
-    let Some(kind) = launch.kind().or(program) else {
+    let Some(kind) = program.or(launch.kind()) else {
         return Err(InProcessError::External { name });
     };
     // As an external program, which alone knows its kind.
@@ -168,17 +210,21 @@ fn open_process(
     Ok(LocalProcess { name, process })
 }
 
-/// Sorts the followers so that every process comes after those whose messages of the same tick it needs; otherwise
-/// keeps the order of the plan.
-fn order(followers: &[Launch]) -> Result<Vec<&Launch>, InProcessError> {
+/// Sorts the followers so that every process comes after those whose messages of the same tick it needs, and those that
+/// are late after all that do not wait for them; otherwise keeps the order of the plan.
+fn order(
+    followers: &[Launch],
+    is_late: impl Fn(&Launch) -> bool,
+) -> Result<Vec<&Launch>, InProcessError> {
     let mut waiting: Vec<&Launch> = followers.iter().collect();
     let mut ordered: Vec<&Launch> = Vec::with_capacity(waiting.len());
     while !waiting.is_empty() {
         let is_waited_for = |index: &u32| waiting.iter().any(|w| w.config.index == *index);
-        let ready = waiting
-            .iter()
-            .position(|launch| !launch.config.upstream.iter().any(is_waited_for));
-        let Some(at) = ready else {
+        let is_ready = |launch: &Launch| !launch.config.upstream.iter().any(is_waited_for);
+        let mut ready = (0..).zip(&waiting).filter(|(_, launch)| is_ready(launch));
+        let first = ready.clone().next();
+        let early = ready.find(|(_, launch)| !is_late(launch));
+        let Some((at, _)) = early.or(first) else {
             let names = waiting.iter().map(|w| w.config.name.clone()).collect();
             return Err(InProcessError::Circular { names });
         };
@@ -201,11 +247,23 @@ mod tests {
     }
 
     #[test]
+    fn late_processes_come_after_all_that_do_not_wait_for_them() {
+        let launches = followers("chase");
+        let is_late = |launch: &Launch| launch.config.name.starts_with("perception");
+        let ordered = order(&launches, is_late).unwrap();
+        let kinds: Vec<&str> = ordered.iter().map(|l| &*l.config.kind).collect();
+        let at = |kind| kinds.iter().position(|known| *known == kind).unwrap();
+        // The evaders do not wait for beliefs, the Police do.
+        assert!(at("evader_potential") < at("perception"), "{kinds:?}");
+        assert!(at("perception") < at("pursuer"), "{kinds:?}");
+    }
+
+    #[test]
     fn every_process_comes_after_those_it_waits_for() {
         let mut launches = followers("chase");
         // The worst order: providers come last.
         launches.sort_by_key(|launch| launch.watched);
-        let ordered = order(&launches).unwrap();
+        let ordered = order(&launches, |_| false).unwrap();
         assert_eq!(ordered.len(), launches.len());
         for (at, launch) in ordered.iter().enumerate() {
             for upstream in &launch.config.upstream {
@@ -219,7 +277,7 @@ mod tests {
         let mut launches = followers("chase");
         let index = launches[0].config.index;
         launches[0].config.upstream = vec![index];
-        let error = order(&launches).unwrap_err().to_string();
+        let error = order(&launches, |_| false).unwrap_err().to_string();
         assert!(error.contains(&launches[0].config.name), "{error}");
     }
 }

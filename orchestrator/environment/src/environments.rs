@@ -1,0 +1,191 @@
+//! The instances, and their division over threads.
+
+use std::sync::Arc;
+
+use mission::in_process::Cache;
+use observation::facts::RobotFacts;
+use observation::layout::Layout;
+use scenario::Template;
+
+use crate::arrays::{ArraysMut, Shape};
+use crate::backend::{Alone, WithProcesses};
+use crate::chunk::Chunk;
+use crate::episode::{Episode, WhichEpisode};
+use crate::error::EnvironmentError;
+use crate::options::Options;
+use crate::replay::Replayer;
+use crate::shared::Shared;
+use crate::workers::Worker;
+
+/// Many instances of one scenario.
+///
+/// The episode of an instance ends with its mission, or when no agent is in the game. The next one begins in the same
+/// step (Gymnasium's `SAME_STEP`): its first observation is among [`observations`](crate::Arrays::observations), the
+/// last one of the ended episode among [`final_observations`](crate::Arrays::final_observations). Seeds of episodes
+/// follow from the seed, the index of the instance and the number of the episode.
+#[derive(Debug)]
+pub struct Environments {
+    shared: Arc<Shared>,
+    engine: Engine,
+}
+
+#[derive(Debug)]
+enum Engine {
+    /// One thread, the caller's.
+    Here(Box<Chunk<Alone>>),
+    Threads(Vec<Worker>),
+}
+
+impl Environments {
+    /// Creates the instances of a scenario; [`Self::reset`] begins their episodes. Pass the same `cache` to all
+    /// environments.
+    ///
+    /// # Errors
+    /// [`EnvironmentError`] names the invalid option, or the agent that lacks something.
+    pub fn new(
+        template: Template,
+        options: Options,
+        cache: Arc<Cache>,
+    ) -> Result<Self, EnvironmentError> {
+        let shared = Arc::new(Shared::new(template, options, cache)?);
+        let are_alone = shared.agents.are_alone(shared.template.scenario())
+            && !shared.options.observation.belief;
+        let Options {
+            instances, threads, ..
+        } = shared.options;
+        let engine = if are_alone && threads == 1 {
+            let chunk = Chunk::new(Arc::clone(&shared), 0..instances);
+            Engine::Here(Box::new(chunk))
+        } else {
+            let start = if are_alone {
+                Worker::start::<Alone>
+            } else {
+                Worker::start::<WithProcesses>
+            };
+            let threads = threads.min(instances);
+            let ranges = (0..threads)
+                .map(|thread| thread * instances / threads..(thread + 1) * instances / threads);
+            let workers = ranges.map(|range| start(&shared, range));
+            Engine::Threads(workers.collect::<Result<_, _>>()?)
+        };
+        Ok(Self { shared, engine })
+    }
+
+    /// Returns the shape of the arrays.
+    pub fn shape(&self) -> Shape {
+        self.shared.shape
+    }
+
+    /// Returns the options.
+    pub fn options(&self) -> &Options {
+        &self.shared.options
+    }
+
+    /// Returns the agents, in the order of the arrays.
+    pub fn agents(&self) -> impl Iterator<Item = &RobotFacts> {
+        let robots = self.shared.agents.robots.iter();
+        robots.filter_map(|&robot| self.shared.facts.get(robot))
+    }
+
+    /// Returns the observations of the agents, in the order of the arrays.
+    pub fn layouts(&self) -> &[Layout] {
+        &self.shared.layouts
+    }
+
+    /// Returns the length of a step (s).
+    pub fn dt(&self) -> f64 {
+        self.shared.dt.as_secs_f64()
+    }
+
+    /// Begins new episodes in all instances: with a seed, the first ones of this seed; without, the next ones.
+    ///
+    /// # Errors
+    /// [`EnvironmentError`] if an array has another length, or a run cannot begin.
+    pub fn reset(
+        &mut self,
+        seed: Option<u64>,
+        arrays: &mut ArraysMut<'_>,
+    ) -> Result<(), EnvironmentError> {
+        arrays.check(&self.shared.shape)?;
+        match &mut self.engine {
+            Engine::Here(chunk) => chunk.reset(seed, arrays),
+            Engine::Threads(workers) => {
+                let begin = |worker: &mut Worker| worker.begin_reset(seed);
+                workers.iter_mut().try_for_each(begin)?;
+                finish(workers, arrays)
+            }
+        }
+    }
+
+    /// Does a step with `actions` of shape (instances, agents, 2), which
+    /// [`command`](observation::action::command) describes.
+    ///
+    /// # Errors
+    /// [`EnvironmentError`] if an array has another length, an action is not finite, or a process failed. The
+    /// environments must then be reset.
+    pub fn step(
+        &mut self,
+        actions: &[f32],
+        arrays: &mut ArraysMut<'_>,
+    ) -> Result<(), EnvironmentError> {
+        let shape = &self.shared.shape;
+        arrays.check(shape)?;
+        let (given, expected) = (actions.len(), shape.actions());
+        if given != expected {
+            let array = "actions";
+            return Err(EnvironmentError::Length {
+                array,
+                given,
+                expected,
+            });
+        }
+        match &mut self.engine {
+            Engine::Here(chunk) => chunk.step(actions, arrays),
+            Engine::Threads(workers) => {
+                let begin = |worker: &mut Worker| worker.begin_step(actions);
+                workers.iter_mut().try_for_each(begin)?;
+                finish(workers, arrays)
+            }
+        }
+    }
+
+    /// Returns a recorded episode of an instance.
+    ///
+    /// # Errors
+    /// [`EnvironmentError`] if there is none.
+    pub fn episode(
+        &self,
+        instance: usize,
+        which: WhichEpisode,
+    ) -> Result<Episode, EnvironmentError> {
+        let instances = self.shared.shape.instances;
+        let unknown = EnvironmentError::Instance {
+            given: instance,
+            instances,
+        };
+        match &self.engine {
+            Engine::Here(_) if instance >= instances => Err(unknown),
+            Engine::Here(chunk) => chunk.episode(instance, which),
+            Engine::Threads(workers) => {
+                let mut workers = workers.iter();
+                let worker = workers.find(|worker| worker.range().contains(&instance));
+                worker.ok_or(unknown)?.episode(instance, which)
+            }
+        }
+    }
+
+    /// Returns what executes recorded episodes again.
+    pub fn replayer(&self) -> Replayer {
+        Replayer::new(Arc::clone(&self.shared))
+    }
+}
+
+/// Waits for all threads, and returns the error of the first one.
+fn finish(workers: &mut [Worker], arrays: &mut ArraysMut<'_>) -> Result<(), EnvironmentError> {
+    let mut result = Ok(());
+    for worker in workers {
+        let finished = worker.finish(arrays);
+        result = result.and(finished);
+    }
+    result
+}

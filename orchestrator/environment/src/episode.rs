@@ -1,0 +1,57 @@
+//! Record of an episode.
+
+/// An episode as it can be executed again.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Episode {
+    /// Seed of the scenario.
+    pub seed: u64,
+    /// Actions of all steps: steps × agents × 2 numbers.
+    pub actions: Vec<f32>,
+    /// Number of steps.
+    pub steps: u64,
+}
+
+/// One of the two recorded episodes of an instance.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum WhichEpisode {
+    /// The last one that ended.
+    Last,
+    /// The running one, up to now.
+    Running,
+}
+
+impl Episode {
+    /// Begins a new episode in the memory of this one.
+    pub(crate) fn begin(&mut self, seed: u64) {
+        self.seed = seed;
+        self.actions.clear();
+        self.steps = 0;
+    }
+
+    /// Records the actions of a step.
+    pub(crate) fn record(&mut self, actions: &[f32]) {
+        self.actions.extend_from_slice(actions);
+        self.steps += 1;
+    }
+}
+
+/// Returns the seed of an episode of an instance, below 2^63.
+pub(crate) fn episode_seed(seed: u64, instance: usize, episode: u64) -> u64 {
+    use rand::Rng as _;
+    let (instance, episode) = (instance.to_string(), episode.to_string());
+    runtime::seed::stream(seed, "environment", &instance, &episode).next_u64() >> 1
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn seeds_of_episodes_differ_by_every_part() {
+        let first = episode_seed(1, 0, 0);
+        assert_eq!(first, episode_seed(1, 0, 0));
+        for other in [(2, 0, 0), (1, 1, 0), (1, 0, 1), (1, 0, 10), (1, 10, 0)] {
+            assert_ne!(first, episode_seed(other.0, other.1, other.2));
+        }
+    }
+}

@@ -1,0 +1,94 @@
+//! Errors of environments.
+
+use config::Diagnostics;
+use mission::MissionError;
+use mission::in_process::placement::PlacementError;
+use observation::error::{LayoutError, WriteError};
+use sim_backend::world::WorldError;
+
+/// Error of environments.
+#[derive(Debug, thiserror::Error)]
+pub enum EnvironmentError {
+    /// An option is out of its range.
+    #[error("{option} = {given}: expected {expected}")]
+    Option {
+        /// Name of the option.
+        option: &'static str,
+        /// Its value.
+        given: String,
+        /// Accepted values.
+        expected: &'static str,
+    },
+    /// A name of the agents means no robots.
+    #[error("agents: {0}")]
+    Agents(#[from] PlacementError),
+    /// An agent has no such observation.
+    #[error(transparent)]
+    Layout(#[from] LayoutError),
+    /// No process makes the beliefs of an observation.
+    #[error(
+        "observation belief: no process of the scenario makes beliefs: expected one of kind perception"
+    )]
+    NoBeliefs,
+    /// A seed has no valid scenario.
+    #[error("{0}")]
+    Scenario(#[from] Diagnostics),
+    /// A world cannot be built.
+    #[error(transparent)]
+    World(#[from] WorldError),
+    /// A process of the scenario failed.
+    #[error(transparent)]
+    Mission(#[from] MissionError),
+    /// An observation cannot be written.
+    #[error(transparent)]
+    Write(#[from] WriteError),
+    /// An array has another length than the shape.
+    #[error("{array} has {given} elements: expected {expected}")]
+    Length {
+        /// Name of the array.
+        array: &'static str,
+        /// Its length.
+        given: usize,
+        /// Length of the shape.
+        expected: usize,
+    },
+    /// An action is not finite.
+    #[error("actions of instance {instance}: {given}: expected finite numbers")]
+    Action {
+        /// Index of the instance.
+        instance: usize,
+        /// The number.
+        given: f32,
+    },
+    /// There are no episodes before the first reset, nor after an error.
+    #[error("step: the environments must be reset first")]
+    NotReset,
+    /// The instance does not exist.
+    #[error("instance {given}: expected an index below {instances}")]
+    Instance {
+        /// The index.
+        given: usize,
+        /// Number of instances.
+        instances: usize,
+    },
+    /// The instance has completed no episode yet.
+    #[error("instance {instance} has completed no episode: expected the running one")]
+    NoEpisode {
+        /// The index.
+        instance: usize,
+    },
+    /// A thread cannot be started, or ended unexpectedly.
+    #[error("a thread of the environments {0}")]
+    Thread(String),
+}
+
+impl EnvironmentError {
+    /// Returns `true` if the caller asked for something invalid, `false` if a run failed.
+    pub fn is_refusal(&self) -> bool {
+        match self {
+            Self::Mission(error) => error.is_refusal(),
+            Self::World(_) | Self::Write(_) | Self::Thread(_) => false,
+            _ => true,
+        }
+    }
+}

@@ -1,0 +1,211 @@
+//! One instance: its episodes and their statistics.
+
+use geometry::pose::Twist2;
+use observation::action::{ACTION_LENGTH, command};
+use observation::scene::Scene;
+use planner_view::view::{BeliefView, RobotView, ScanView, View};
+use sim_backend::robot::Robot;
+use sim_backend::world::GameOver;
+
+use crate::arrays::ArraysMut;
+use crate::backend::Backend;
+use crate::episode::{Episode, WhichEpisode, episode_seed};
+use crate::error::EnvironmentError;
+use crate::rewards::{self, EVENTS};
+use crate::shared::Shared;
+
+/// Memory of a step that instances of one thread share.
+#[derive(Debug)]
+pub(crate) struct Scratch {
+    scene: Scene,
+    robots: Vec<RobotView>,
+    beliefs: Vec<BeliefView<'static>>,
+    ranges: Vec<f32>,
+    commands: Vec<Option<Twist2>>,
+    was_active: Vec<bool>,
+}
+
+impl Scratch {
+    pub fn new(shared: &Shared) -> Self {
+        let robots = shared.facts.len();
+        Self {
+            scene: Scene::new(&shared.facts, &shared.agents.robots),
+            robots: Vec::with_capacity(robots),
+            beliefs: Vec::with_capacity(robots),
+            ranges: Vec::new(),
+            commands: vec![None; robots],
+            was_active: vec![false; shared.agents.robots.len()],
+        }
+    }
+}
+
+/// One instance.
+#[derive(Debug)]
+pub(crate) struct Instance<B> {
+    backend: B,
+    index: usize,
+    seed: u64,
+    /// Number of the running episode since the last reset with a seed.
+    episode: u64,
+    running: Episode,
+    last: Option<Episode>,
+    returns: Vec<f64>,
+}
+
+impl<B: Backend> Instance<B> {
+    /// Begins the first episode of an instance, with the seed of all.
+    pub fn new(shared: &Shared, index: usize, seed: u64) -> Result<Self, EnvironmentError> {
+        let first = episode_seed(seed, index, 0);
+        let mut running = Episode::default();
+        running.begin(first);
+        Ok(Self {
+            backend: B::new(shared, first)?,
+            index,
+            seed,
+            episode: 0,
+            running,
+            last: None,
+            returns: vec![0.0; shared.shape.agents],
+        })
+    }
+
+    /// Begins the next episode.
+    pub fn begin_next(&mut self, shared: &Shared) -> Result<(), EnvironmentError> {
+        self.episode += 1;
+        let seed = episode_seed(self.seed, self.index, self.episode);
+        self.backend = B::new(shared, seed)?;
+        self.returns.fill(0.0);
+        self.running.begin(seed);
+        Ok(())
+    }
+
+    /// Returns a copy of a recorded episode.
+    pub fn episode(&self, which: WhichEpisode) -> Option<Episode> {
+        match which {
+            WhichEpisode::Running => Some(self.running.clone()),
+            WhichEpisode::Last => self.last.clone(),
+        }
+    }
+
+    /// Writes the state after a reset.
+    pub fn write_reset(
+        &self,
+        shared: &Shared,
+        scratch: &mut Scratch,
+        row: &mut ArraysMut<'_>,
+    ) -> Result<(), EnvironmentError> {
+        row.rewards.fill(0.0);
+        row.events.fill(0.0);
+        row.statuses.fill(0);
+        row.terminated.fill(false);
+        row.truncated.fill(false);
+        row.returns.fill(0.0);
+        row.lengths.fill(0);
+        row.seeds.fill(self.running.seed);
+        self.observe(shared, scratch, row.observations)
+    }
+
+    /// Does a step with the actions of all agents; an episode that ends is followed by the next one.
+    pub fn step(
+        &mut self,
+        shared: &Shared,
+        scratch: &mut Scratch,
+        actions: &[f32],
+        row: &mut ArraysMut<'_>,
+    ) -> Result<(), EnvironmentError> {
+        let (agents, _) = actions.as_chunks::<ACTION_LENGTH>();
+        let robots = &shared.agents.robots;
+        for ((&robot, &action), was_active) in
+            robots.iter().zip(agents).zip(&mut scratch.was_active)
+        {
+            if let Some(&given) = action.iter().find(|number| !number.is_finite()) {
+                let instance = self.index;
+                return Err(EnvironmentError::Action { instance, given });
+            }
+            let world = self.backend.world();
+            *was_active = world.robots().get(robot).is_some_and(Robot::is_active);
+            scratch.commands[robot] = Some(command(action, &shared.facts[robot].model));
+        }
+        self.running.record(actions);
+        self.backend.step(shared, &scratch.commands)?;
+        self.judge(shared, scratch, row);
+        row.lengths.fill(self.running.steps);
+        if !(row.terminated[0] || row.truncated[0]) {
+            self.backend.sense()?;
+            return self.observe(shared, scratch, row.observations);
+        }
+        self.observe(shared, scratch, row.final_observations)?;
+        let freed = self.last.take().unwrap_or_default();
+        self.last = Some(core::mem::replace(&mut self.running, freed));
+        self.begin_next(shared)?;
+        row.seeds.fill(self.running.seed);
+        self.observe(shared, scratch, row.observations)
+    }
+
+    /// Writes rewards, events and the end of the episode.
+    fn judge(&mut self, shared: &Shared, scratch: &Scratch, row: &mut ArraysMut<'_>) {
+        let world = self.backend.world();
+        let dt = shared.dt.as_secs_f64();
+        let (events, _) = row.events.as_chunks_mut::<EVENTS>();
+        let mut any_active = false;
+        for (agent, (&robot, counts)) in shared.agents.robots.iter().zip(events).enumerate() {
+            let team = shared.facts[robot].team;
+            *counts = [0.0; EVENTS];
+            if !world.events().is_empty() {
+                rewards::count(world, robot, team, counts);
+            }
+            let weights = &shared.options.rewards;
+            let reward = weights.reward(counts, scratch.was_active[agent], dt);
+            self.returns[agent] += reward;
+            row.rewards[agent] = reward;
+            row.returns[agent] = self.returns[agent];
+            let status = world.robots()[robot].status;
+            row.statuses[agent] = status.code();
+            any_active |= world.robots()[robot].is_active();
+        }
+        let is_truncated = world.game_over() == Some(GameOver::TimeLimit);
+        row.truncated[0] = is_truncated;
+        row.terminated[0] = !is_truncated && (world.is_over() || !any_active);
+    }
+
+    /// Writes the observations of all agents.
+    fn observe(
+        &self,
+        shared: &Shared,
+        scratch: &mut Scratch,
+        out: &mut [f32],
+    ) -> Result<(), EnvironmentError> {
+        let world = self.backend.world();
+        RobotView::of_world(world, &mut scratch.robots);
+        scratch.scene.update(&scratch.robots, world.map().shapes());
+        self.backend.beliefs(&mut scratch.beliefs);
+        let rows = out.chunks_exact_mut(shared.shape.observation.max(1));
+        for (layout, row) in shared.layouts.iter().zip(rows) {
+            let me = layout.robot();
+            let scan = if layout.parts().scan {
+                world.scan(me, &mut scratch.ranges)
+            } else {
+                None
+            };
+            let view = View {
+                time_s: world.time().as_secs_f64(),
+                dt: shared.dt.as_secs_f64(),
+                me,
+                robots: &scratch.robots,
+                beliefs: &scratch.beliefs,
+                exits: &shared.exits,
+                scan: scan.map(|scan| ScanView {
+                    angle_min: scan.angle_min,
+                    angle_increment: scan.angle_increment,
+                    range_min: scan.range_min,
+                    range_max: scan.range_max,
+                    ranges: &scratch.ranges,
+                }),
+            };
+            let (own, padding) = row.split_at_mut(layout.length());
+            layout.write(&scratch.scene, &view, own)?;
+            padding.fill(0.0);
+        }
+        Ok(())
+    }
+}

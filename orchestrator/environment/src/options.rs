@@ -1,0 +1,68 @@
+//! Options of environments.
+
+use observation::parts::Parts;
+
+use crate::error::EnvironmentError;
+use crate::rewards::RewardWeights;
+
+/// Maximum number of instances.
+const MAX_INSTANCES: usize = 1 << 20;
+/// Maximum number of threads.
+const MAX_THREADS: usize = 1024;
+
+/// Options of environments.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Options {
+    /// Number of instances, 1 to 2^20.
+    pub instances: usize,
+    /// Names of the robots, teams or processes that the learner steers; at least one.
+    pub agents: Vec<String>,
+    /// Contents of the observations.
+    pub observation: Parts,
+    /// Seed of all episodes, if a reset does not give another one.
+    pub seed: u64,
+    /// Number of threads, 1 to 1024. Results do not depend on it.
+    pub threads: usize,
+    /// Weights of the rewards.
+    pub rewards: RewardWeights,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            instances: 1,
+            agents: Vec::new(),
+            observation: Parts {
+                state: true,
+                ..Parts::default()
+            },
+            seed: 0,
+            threads: 1,
+            rewards: RewardWeights::default(),
+        }
+    }
+}
+
+impl Options {
+    /// Checks the ranges.
+    pub(crate) fn check(&self) -> Result<(), EnvironmentError> {
+        let refused = |option, given: String, expected| EnvironmentError::Option {
+            option,
+            given,
+            expected,
+        };
+        if !(1..=MAX_INSTANCES).contains(&self.instances) {
+            let given = self.instances.to_string();
+            return Err(refused("instances", given, "1 to 2^20"));
+        }
+        if !(1..=MAX_THREADS).contains(&self.threads) {
+            let given = self.threads.to_string();
+            return Err(refused("threads", given, "1 to 1024"));
+        }
+        if self.agents.is_empty() {
+            let expected = "names of robots, teams or processes";
+            return Err(refused("agents", "[]".into(), expected));
+        }
+        self.rewards.check()
+    }
+}

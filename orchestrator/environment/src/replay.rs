@@ -1,0 +1,96 @@
+//! Execution of recorded episodes as runs with a recorder.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use mission::MissionReport;
+use mission::in_process::{InProcessOptions, run};
+use observation::action::{ACTION_LENGTH, command};
+use planner::PlannerProcess;
+use scenario::kind::ConfiguredKind;
+use scenario::{Program, ResolvedScenario};
+
+use crate::commanded::{CommandedParams, CommandedPlanner, Recorded};
+use crate::episode::Episode;
+use crate::error::EnvironmentError;
+use crate::shared::Shared;
+
+/// Executes recorded episodes again, independently of the environments that recorded them.
+#[derive(Debug, Clone)]
+pub struct Replayer {
+    shared: Arc<Shared>,
+}
+
+impl Replayer {
+    pub(crate) fn new(shared: Arc<Shared>) -> Self {
+        Self { shared }
+    }
+
+    /// Executes an episode again as a run in this thread, with planners that send its commands and stop after the last
+    /// one. The run ends with the tick after the last step. `out` is the path of its log; `force` permits to overwrite
+    /// one.
+    ///
+    /// # Errors
+    /// [`EnvironmentError`] if the run fails or the log cannot be written.
+    pub fn run(
+        &self,
+        episode: &Episode,
+        out: Option<PathBuf>,
+        force: bool,
+    ) -> Result<(ResolvedScenario, MissionReport), EnvironmentError> {
+        replay(&self.shared, episode, out, force)
+    }
+}
+
+fn replay(
+    shared: &Shared,
+    episode: &Episode,
+    out: Option<PathBuf>,
+    force: bool,
+) -> Result<(ResolvedScenario, MissionReport), EnvironmentError> {
+    let mut scenario = shared.scenario(episode.seed)?;
+    let commands = Arc::new(Recorded(commands(shared, episode)));
+    let mut programs = BTreeMap::new();
+    for &index in &shared.agents.processes {
+        let Some(process) = scenario.processes.get_mut(index) else {
+            continue;
+        };
+        // The log shows that no kind of the scenario steered.
+        process.program = Program::Command {
+            words: vec!["learner".to_owned()],
+            folder: "/".to_owned(),
+            params: serde_json::Value::Object(serde_json::Map::new()),
+        };
+        let params = CommandedParams::new(Arc::clone(&commands) as _);
+        let kind = ConfiguredKind::new::<PlannerProcess<CommandedPlanner>>(params);
+        programs.insert(process.name.clone(), kind);
+    }
+    let options = InProcessOptions {
+        out,
+        force,
+        remarks: scenario.remarks(),
+        last_tick: Some(episode.steps),
+        programs,
+        cache: Arc::clone(&shared.cache),
+        ..InProcessOptions::default()
+    };
+    let report = run(&scenario, &options)?;
+    Ok((scenario, report))
+}
+
+/// Returns the commands of an episode, by the names of the robots.
+fn commands(shared: &Shared, episode: &Episode) -> BTreeMap<String, Vec<geometry::pose::Twist2>> {
+    let (actions, _) = episode.actions.as_chunks::<ACTION_LENGTH>();
+    let agents = shared.agents.robots.iter().enumerate();
+    let named = agents.filter_map(|(agent, &robot)| {
+        let facts = shared.facts.get(robot)?;
+        let own = actions
+            .iter()
+            .skip(agent)
+            .step_by(shared.shape.agents.max(1));
+        let commands = own.map(|&action| command(action, &facts.model)).collect();
+        Some((facts.name.clone(), commands))
+    });
+    named.collect()
+}

@@ -1,0 +1,81 @@
+//! Data that all instances share.
+
+use core::time::Duration;
+use std::sync::Arc;
+
+use geometry::map::WorldMap;
+use geometry::region::Region;
+use mission::in_process::Cache;
+use nalgebra::Point2;
+use observation::facts::RobotFacts;
+use observation::layout::Layout;
+use runtime::kind::Product;
+use scenario::{ResolvedScenario, Template};
+use sim_backend::world::World;
+
+use crate::agents::Agents;
+use crate::arrays::Shape;
+use crate::episode::episode_seed;
+use crate::error::EnvironmentError;
+use crate::options::Options;
+
+/// Data that all instances share; it never changes.
+#[derive(Debug)]
+pub(crate) struct Shared {
+    pub template: Template,
+    pub options: Options,
+    pub agents: Agents,
+    pub facts: Vec<RobotFacts>,
+    /// Observations of the agents.
+    pub layouts: Vec<Layout>,
+    /// Centres of the exits (m).
+    pub exits: Vec<Point2<f64>>,
+    pub map: WorldMap,
+    pub dt: Duration,
+    pub cache: Arc<Cache>,
+    pub shape: Shape,
+}
+
+impl Shared {
+    pub fn new(
+        template: Template,
+        options: Options,
+        cache: Arc<Cache>,
+    ) -> Result<Self, EnvironmentError> {
+        options.check()?;
+        let agents = Agents::new(template.scenario(), &options.agents)?;
+        let scenario = template.with_seed(episode_seed(options.seed, 0, 0))?;
+        let beliefs = options.observation.belief;
+        if beliefs && !scenario.processes.iter().any(|p| p.makes(Product::Beliefs)) {
+            return Err(EnvironmentError::NoBeliefs);
+        }
+        let dt = Duration::from_nanos((scenario.run.dt * 1e9).round() as u64);
+        let world = World::new(scenario.world)?;
+        let facts = RobotFacts::of_world(&world);
+        let exits: Vec<Point2<f64>> = world.exits().iter().map(Region::center).collect();
+        let layout = |&robot| Layout::new(options.observation, &facts, robot, exits.len());
+        let layouts: Vec<Layout> = agents.robots.iter().map(layout).collect::<Result<_, _>>()?;
+        let shape = Shape {
+            instances: options.instances,
+            agents: agents.robots.len(),
+            observation: layouts.iter().map(Layout::length).max().unwrap_or(0),
+        };
+        Ok(Self {
+            map: world.map().clone(),
+            template,
+            options,
+            agents,
+            facts,
+            layouts,
+            exits,
+            dt,
+            cache,
+            shape,
+        })
+    }
+
+    /// Returns the scenario of an episode.
+    pub fn scenario(&self, seed: u64) -> Result<ResolvedScenario, EnvironmentError> {
+        Ok(self.template.with_seed(seed)?)
+    }
+}

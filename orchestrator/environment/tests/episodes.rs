@@ -1,0 +1,488 @@
+//! Episodes: histories, seeds, threads, ends and rewards.
+
+use std::collections::BTreeMap;
+use std::sync::{Arc, Mutex};
+
+use environment::{
+    Arrays, EVENT_NAMES, EnvironmentError, Environments, Episode, Options, RewardWeights,
+    WhichEpisode,
+};
+use geometry::pose::Twist2;
+use mission::in_process::{InProcessOptions, run};
+use observation::action::command;
+use observation::facts::RobotFacts;
+use observation::layout::Layout;
+use observation::scene::Scene;
+use parameters::Parameters;
+use planner::{Planner, PlannerInputs, PlannerMap, PlannerProcess, RobotInfo, Steering, View};
+use scenario::kind::ConfiguredKind;
+use scenario::{Loader, MapCache, Template};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use sim_backend::world::World;
+
+/// A scenario with these overrides.
+fn template(name: &str, overrides: &[&str]) -> Template {
+    let mut draft = Loader::new(kinds::KINDS).draft(name).unwrap();
+    for argument in overrides {
+        draft.apply("--set", argument);
+    }
+    draft.template(&mut MapCache::default()).unwrap()
+}
+
+/// Environments of a scenario, and their arrays.
+struct Learner {
+    environments: Environments,
+    arrays: Arrays,
+    random: u32,
+}
+
+impl Learner {
+    fn new(template: Template, options: Options) -> Self {
+        let environments = Environments::new(template, options, Arc::default()).unwrap();
+        let arrays = Arrays::new(environments.shape());
+        Self {
+            environments,
+            arrays,
+            random: 1,
+        }
+    }
+
+    fn reset(&mut self, seed: Option<u64>) {
+        self.environments
+            .reset(seed, &mut self.arrays.as_mut())
+            .unwrap();
+    }
+
+    /// Does a step with random actions, which lead forward.
+    fn step(&mut self) {
+        let mut number = || {
+            self.random = self
+                .random
+                .wrapping_mul(1_664_525)
+                .wrapping_add(1_013_904_223);
+            (self.random >> 8) as f32 / (1 << 23) as f32 - 1.0
+        };
+        let actions = 0..self.environments.shape().actions();
+        let actions: Vec<f32> = actions
+            .map(|k| {
+                if k % 2 == 0 {
+                    0.7 + 0.3 * number()
+                } else {
+                    number()
+                }
+            })
+            .collect();
+        self.environments
+            .step(&actions, &mut self.arrays.as_mut())
+            .unwrap();
+    }
+
+    /// Steps until an episode of the first instance ends.
+    fn finish_episode(&mut self) {
+        for _ in 0..10_000 {
+            self.step();
+            if self.arrays.terminated[0] || self.arrays.truncated[0] {
+                return;
+            }
+        }
+        panic!("no end of the episode");
+    }
+
+    fn digest(&self, episode: &Episode) -> String {
+        let (_, report) = self
+            .environments
+            .replayer()
+            .run(episode, None, false)
+            .unwrap();
+        report.summary.digest
+    }
+}
+
+fn options(agents: &[&str], observation: &str) -> Options {
+    Options {
+        agents: agents.iter().map(|&name| name.to_owned()).collect(),
+        observation: observation.parse().unwrap(),
+        ..Options::default()
+    }
+}
+
+/// Commands of a run by robot, and the observations that its planners compute from their views.
+#[derive(Debug, Default)]
+struct Script {
+    commands: BTreeMap<String, Vec<Twist2>>,
+    observation: String,
+    observed: Mutex<BTreeMap<String, Vec<Vec<f32>>>>,
+}
+
+/// Parameters of a planner of this test: the script, which has no text.
+#[derive(Debug, Clone, Default, Serialize, Deserialize, JsonSchema)]
+struct ScriptParams {
+    #[serde(skip)]
+    script: Arc<Script>,
+}
+
+impl PartialEq for ScriptParams {
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.script, &other.script)
+    }
+}
+
+impl Parameters for ScriptParams {}
+
+/// An ordinary planner that sends commands of a list, and observes as a learned policy does.
+struct ScriptedPlanner {
+    script: Arc<Script>,
+    robot: String,
+    next: usize,
+    facts: Vec<RobotFacts>,
+}
+
+impl Planner for ScriptedPlanner {
+    const NAME: &'static str = "scripted";
+    const SUMMARY: &'static str = "sends commands of a list";
+
+    type Params = ScriptParams;
+
+    fn inputs(params: &ScriptParams) -> PlannerInputs {
+        PlannerInputs {
+            beliefs: params.script.observation.contains("belief"),
+            scans: params.script.observation.contains("scan"),
+            shapes: true,
+        }
+    }
+
+    fn new(params: &ScriptParams, robot: &RobotInfo, _: u64) -> Result<Self, String> {
+        Ok(Self {
+            script: Arc::clone(&params.script),
+            robot: robot.name.clone(),
+            next: 0,
+            facts: Vec::new(),
+        })
+    }
+
+    fn open(
+        &mut self,
+        config: &runtime::ProcessConfig,
+        _: &ipc_types::bus::Bus,
+        _: u32,
+    ) -> Result<(), runtime::ProcessError> {
+        let robots = &config.run.robots;
+        let teams = planner::teams(robots);
+        self.facts = robots
+            .iter()
+            .zip(teams)
+            .map(|(robot, team)| RobotFacts {
+                name: robot.name.clone(),
+                team,
+                model: robot.model,
+                goal: robot.goal,
+                beams: robot.beams as usize,
+            })
+            .collect();
+        Ok(())
+    }
+
+    fn steer(&mut self, map: &PlannerMap, view: &View<'_>) -> Steering {
+        let parts = self.script.observation.parse().unwrap();
+        let layout = Layout::new(parts, &self.facts, view.me, view.exits.len()).unwrap();
+        let mut scene = Scene::new(&self.facts, &[view.me]);
+        scene.update(view.robots, map.space().unwrap().shapes());
+        let mut observed = vec![0.0; layout.length()];
+        layout.write(&scene, view, &mut observed).unwrap();
+        let mut all = self.script.observed.lock().unwrap();
+        all.entry(self.robot.clone()).or_default().push(observed);
+        let command = self.script.commands[&self.robot].get(self.next);
+        self.next += 1;
+        Steering {
+            command: command.copied().unwrap_or(Twist2::STOP),
+            ..Steering::stop()
+        }
+    }
+}
+
+/// Runs an episode as an ordinary run, with planners in the place of the agents'. Returns its digest, and what its
+/// planners observed.
+fn ordinary_run(
+    learner: &Learner,
+    template: &Template,
+    episode: &Episode,
+) -> (String, BTreeMap<String, Vec<Vec<f32>>>) {
+    let scenario = template.with_seed(episode.seed).unwrap();
+    let agents: Vec<&RobotFacts> = learner.environments.agents().collect();
+    let mut commands: BTreeMap<String, Vec<Twist2>> = BTreeMap::new();
+    for (k, action) in episode.actions.chunks(2).enumerate() {
+        let agent = agents[k % agents.len()];
+        let list = commands.entry(agent.name.clone()).or_default();
+        list.push(command([action[0], action[1]], &agent.model));
+    }
+    let script = Arc::new(Script {
+        commands,
+        observation: learner.environments.options().observation.to_string(),
+        ..Script::default()
+    });
+    let names: Vec<usize> = (0..scenario.processes.len())
+        .filter(|&process| {
+            let robots = &scenario.processes[process].robots;
+            let is_agent = |&robot: &usize| {
+                let name = &scenario.world.robots[robot].name;
+                script.commands.contains_key(name)
+            };
+            scenario.processes[process].program.kind_name() != Some("perception")
+                && robots.iter().any(is_agent)
+        })
+        .collect();
+    let programs = names.into_iter().map(|process| {
+        let script = Arc::clone(&script);
+        let params = ScriptParams { script };
+        let kind = ConfiguredKind::new::<PlannerProcess<ScriptedPlanner>>(params);
+        (scenario.processes[process].name.clone(), kind)
+    });
+    let options = InProcessOptions {
+        programs: programs.collect(),
+        last_tick: Some(episode.steps),
+        ..InProcessOptions::default()
+    };
+    let report = run(&scenario, &options).unwrap();
+    let observed = std::mem::take(&mut *script.observed.lock().unwrap());
+    (report.summary.digest, observed)
+}
+
+/// Does some steps of the first instance, and compares them with an ordinary run of the same actions.
+fn assert_is_an_ordinary_run(learner: &mut Learner, template: &Template, steps: usize) {
+    learner.reset(None);
+    let length = learner.environments.shape().observation;
+    let mut seen = vec![learner.arrays.observations[..].to_vec()];
+    for _ in 0..steps {
+        learner.step();
+        assert!(!(learner.arrays.terminated[0] || learner.arrays.truncated[0]));
+        seen.push(learner.arrays.observations.clone());
+    }
+    let episode = learner
+        .environments
+        .episode(0, WhichEpisode::Running)
+        .unwrap();
+    assert_eq!(episode.steps, steps as u64);
+    let (digest, observed) = ordinary_run(learner, template, &episode);
+    assert_eq!(learner.digest(&episode), digest);
+    for (agent, facts) in learner.environments.agents().enumerate() {
+        let layout = &learner.environments.layouts()[agent];
+        for (tick, expected) in observed[&facts.name].iter().enumerate() {
+            let own = &seen[tick][agent * length..][..layout.length()];
+            assert_eq!(own, expected, "{} at tick {tick}", facts.name);
+        }
+        assert_eq!(observed[&facts.name].len(), steps + 1);
+    }
+}
+
+#[test]
+fn episodes_of_worlds_alone_are_ordinary_runs() {
+    let scans = "defaults.robot.scan={beams=16, angle_increment=0.39}";
+    let template = template("chase_exact", &[scans]);
+    let options = options(&["evader", "police"], "state+scan");
+    let mut learner = Learner::new(template.clone(), options);
+    learner.reset(Some(1));
+    assert_is_an_ordinary_run(&mut learner, &template, 60);
+}
+
+#[test]
+fn episodes_with_other_processes_are_ordinary_runs() {
+    // Beliefs of the Police, which the observations contain, while the evaders plan.
+    let template = template("chase", &[]);
+    let options = options(&["police"], "state+belief");
+    let mut learner = Learner::new(template.clone(), options);
+    learner.reset(Some(1));
+    assert_is_an_ordinary_run(&mut learner, &template, 40);
+}
+
+#[test]
+fn an_episode_after_ten_thousand_resets_is_an_ordinary_run() {
+    let template = template("hello", &[]);
+    let mut learner = Learner::new(template.clone(), options(&["robot"], "state"));
+    learner.reset(Some(3));
+    let first = learner.arrays.seeds[0];
+    for _ in 0..10_000 {
+        learner.reset(None);
+    }
+    assert_ne!(learner.arrays.seeds[0], first);
+    assert_is_an_ordinary_run(&mut learner, &template, 50);
+    // The first episode again.
+    learner.reset(Some(3));
+    assert_eq!(learner.arrays.seeds[0], first);
+}
+
+#[test]
+fn results_do_not_depend_on_threads() {
+    for agents in [&["evader"][..], &["evader", "police"]] {
+        let run = |threads| {
+            let options = Options {
+                instances: 5,
+                threads,
+                ..options(agents, "state")
+            };
+            let template = template("chase_exact", &["rules.time_limit=1.0"]);
+            let mut learner = Learner::new(template, options);
+            learner.reset(Some(9));
+            // Episodes end after 20 steps, and the next ones begin.
+            (0..30)
+                .map(|_| {
+                    learner.step();
+                    learner.arrays.clone()
+                })
+                .collect::<Vec<Arrays>>()
+        };
+        let alone = run(1);
+        assert!(alone[19].truncated.iter().all(|&truncated| truncated));
+        for threads in [2, 5, 8] {
+            assert!(run(threads) == alone, "{agents:?}, {threads} threads");
+        }
+    }
+}
+
+#[test]
+fn the_time_limit_truncates_and_the_next_episode_begins() {
+    let template = template("chase_exact", &["rules.time_limit=0.5"]);
+    let mut learner = Learner::new(template, options(&["evader_1"], "state"));
+    learner.reset(Some(1));
+    let first = learner.arrays.seeds[0];
+    learner.finish_episode();
+    let arrays = &learner.arrays;
+    assert!(arrays.truncated[0] && !arrays.terminated[0]);
+    assert_eq!((arrays.lengths[0], arrays.statuses[0]), (10, 4));
+    assert_ne!(arrays.seeds[0], first);
+    // Entry 0 of an observation is 1 in the game: no longer in the last one, again in the first one.
+    assert_eq!(
+        (arrays.final_observations[0], arrays.observations[0]),
+        (0.0, 1.0)
+    );
+    let last = learner.environments.episode(0, WhichEpisode::Last).unwrap();
+    assert_eq!((last.seed, last.steps), (first, 10));
+}
+
+#[test]
+fn rewards_are_events_times_weights() {
+    // An evader drives from a start beside the exit into it; the Police stand far away.
+    let starts = "robots.evader_1.start={ x = 8.3, y = 0.0, theta = 0.0 }";
+    let template = template("chase_exact", &[starts]);
+    let rewards = RewardWeights {
+        escape: 5.0,
+        lost: -2.0,
+        time: -0.5,
+        ..RewardWeights::default()
+    };
+    let options = Options {
+        rewards,
+        ..options(&["police_1", "evader_1"], "state")
+    };
+    let mut learner = Learner::new(template, options);
+    learner.reset(Some(1));
+    let (escape, lost) = (0, 3);
+    assert_eq!((EVENT_NAMES[escape], EVENT_NAMES[lost]), ("escape", "lost"));
+    for step in 1..200 {
+        let actions = [0.0, 0.0, 1.0, 0.0];
+        learner
+            .environments
+            .step(&actions, &mut learner.arrays.as_mut())
+            .unwrap();
+        let arrays = &learner.arrays;
+        let time = -0.5 * 0.05;
+        if arrays.statuses[1] == 2 {
+            assert_eq!(arrays.events[6 + escape], 1.0);
+            assert_eq!(arrays.events[lost], 1.0);
+            assert_eq!(arrays.rewards, [time - 2.0, time + 5.0]);
+            assert!((arrays.returns[1] - (5.0 + time * f64::from(step))).abs() < 1e-9);
+            assert!(!arrays.terminated[0], "a Police agent is still in the game");
+            return;
+        }
+        assert_eq!(arrays.rewards, [time, time]);
+    }
+    panic!("the evader did not reach the exit");
+}
+
+#[test]
+fn invalid_options_and_actions_are_refused() {
+    let chase = template("chase", &[]);
+    let refused = |options: Options| {
+        let environments = Environments::new(chase.clone(), options, Arc::default());
+        environments.map(|_| ()).unwrap_err().to_string()
+    };
+    let text = refused(options(&["evader_9"], "state"));
+    assert!(
+        text.contains("agents") && text.contains("evader_1"),
+        "{text}"
+    );
+    let text = refused(options(&[], "state"));
+    assert!(text.contains("agents"), "{text}");
+    let text = refused(options(&["perception"], "state"));
+    assert!(text.contains("steers no robot"), "{text}");
+    let text = refused(options(&["evader"], "scan"));
+    assert!(text.contains("no range scan"), "{text}");
+    let text = refused(Options {
+        instances: 0,
+        ..options(&["evader"], "state")
+    });
+    assert!(text.contains("instances = 0"), "{text}");
+    let exact = Environments::new(
+        template("chase_exact", &[]),
+        options(&["police"], "belief"),
+        Arc::default(),
+    );
+    assert!(matches!(exact, Err(EnvironmentError::NoBeliefs)));
+
+    let mut learner = Learner::new(
+        template("chase_exact", &[]),
+        options(&["evader_1"], "state"),
+    );
+    let mut step = |actions: &[f32]| {
+        let mut arrays = learner.arrays.as_mut();
+        learner.environments.step(actions, &mut arrays).unwrap_err()
+    };
+    assert!(matches!(step(&[0.0; 2]), EnvironmentError::NotReset));
+    assert!(matches!(
+        step(&[0.0; 3]),
+        EnvironmentError::Length { given: 3, .. }
+    ));
+    learner.reset(None);
+    let mut arrays = learner.arrays.as_mut();
+    let error = learner.environments.step(&[0.0, f32::NAN], &mut arrays);
+    assert!(matches!(error, Err(EnvironmentError::Action { .. })));
+    let episode = learner.environments.episode(0, WhichEpisode::Last);
+    assert!(matches!(episode, Err(EnvironmentError::NotReset)));
+    let episode = learner.environments.episode(1, WhichEpisode::Last);
+    assert!(matches!(episode, Err(EnvironmentError::Instance { .. })));
+}
+
+#[test]
+fn a_replay_has_a_log_with_its_digest() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("episode.mcap");
+    let template = template("chase_exact", &["rules.time_limit=0.5"]);
+    let mut learner = Learner::new(template, options(&["evader"], "state"));
+    learner.reset(Some(1));
+    learner.finish_episode();
+    let episode = learner.environments.episode(0, WhichEpisode::Last).unwrap();
+    let (scenario, report) = learner
+        .environments
+        .replayer()
+        .run(&episode, Some(path.clone()), false)
+        .unwrap();
+    assert_eq!(scenario.run.seed, episode.seed);
+    assert_eq!(report.summary.ticks, 10);
+    assert_eq!(report.summary.digest, learner.digest(&episode));
+    assert!(path.metadata().unwrap().len() > 1000);
+    let again = learner
+        .environments
+        .replayer()
+        .run(&episode, Some(path), false);
+    assert!(again.unwrap_err().is_refusal());
+}
+
+#[test]
+fn agents_have_the_facts_of_their_robots() {
+    let template = template("chase_exact", &[]);
+    let world = World::new(template.with_seed(1).unwrap().world).unwrap();
+    let facts = RobotFacts::of_world(&world);
+    let learner = Learner::new(template, options(&["evader", "police_2"], "state"));
+    let agents: Vec<&RobotFacts> = learner.environments.agents().collect();
+    assert_eq!(agents, [&facts[4], &facts[5], &facts[1]]);
+}
