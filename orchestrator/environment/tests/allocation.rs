@@ -36,7 +36,7 @@ fn steps_do_not_allocate() {
         agents: vec!["police".into(), "evader".into()],
         ..Options::default()
     };
-    let mut environments = Environments::new(template, options, Default::default()).unwrap();
+    let mut environments = Environments::new(template, options, std::sync::Arc::default()).unwrap();
     let mut arrays = Arrays::new(environments.shape());
     // The robots turn in circles, and touch walls and each other no more than they have before.
     let actions: Vec<f32> = (0..environments.shape().actions())
