@@ -162,11 +162,11 @@ def serve(steer: Planner) -> NoReturn:
 
 def _source(steer: Callable[..., Any]) -> Path:
     """File of a function or class, which need not exist."""
+    name = getattr(steer, "__name__", "planner")
     try:
-        file = inspect.getsourcefile(steer)
+        return Path(inspect.getsourcefile(steer) or name).absolute()
     except TypeError:
-        file = None
-    return Path(file or getattr(steer, "__name__", "planner")).absolute()
+        return Path(name).absolute()
 
 
 def _arguments(function: Callable[..., Any]) -> list[str]:
