@@ -32,7 +32,7 @@ const RULES: Rules = Rules {
             "trajectory_check",
         ],
         &["chaotic_maps", "geometry"],
-        &["free_motion", "sim_backend"],
+        &["free_motion", "network", "sim_backend"],
         &[
             "draw",
             "import",
@@ -62,6 +62,7 @@ const RULES: Rules = Rules {
         (&["libloading"], &["library_planner"]),
         (&["mcap"], &["mcap_log"]),
         (&["parquet"], &["tables"]),
+        (&["prost"], &["network"]),
         (&["tungstenite"], &["viewer"]),
         (&["processes/*"], &["kinds"]),
         (&["evader_rrt_star"], &["kinds", "pages", "_core"]),

@@ -1,0 +1,6 @@
+//! Tests of the crate.
+
+mod fixed_sums;
+mod hostile;
+mod models;
+mod reference;
