@@ -18,6 +18,7 @@ use optimiser::process::OptimiserProcess;
 use patrol_planners::process::{PatrolAwgPlanner, PatrolFtoPlanner};
 use perception::process::PerceptionProcess;
 use planner::{Planner, PlannerProcess};
+use policy::process::PolicyPlanner;
 use pursuer::process::PursuerPlanner;
 use referee::process::RefereeProcess;
 
@@ -34,6 +35,7 @@ pub static KINDS: &[Kind] = &[
     planner::<PotentialPlanner>(),
     planner::<ReachAvoidPlanner>(),
     planner::<RrtStarPlanner>(),
+    planner::<PolicyPlanner>(),
     Kind::of::<OptimiserProcess>(),
     planner::<NavigatorPlanner>(),
     planner::<PatrolAwgPlanner>(),

@@ -66,6 +66,26 @@ impl Base {
         }
     }
 
+    /// Reads a file of at most `max` bytes that is no map.
+    ///
+    /// # Errors
+    /// As [`Base::find`]; the file is too large. Built-in scenarios and those from logs have no such files.
+    pub fn read(&self, path: &str, max: u64) -> Result<Vec<u8>, Refused> {
+        let found = match self {
+            Self::Folder { .. } => self.find(path)?,
+            Self::Builtin | Self::Nothing => {
+                return refused(
+                    "this scenario cannot refer to files",
+                    "the file's contents, or a scenario in a folder",
+                );
+            }
+        };
+        match found {
+            Found::Disk(real) => read_bytes(&real, max),
+            Found::Text(text) => Ok(text.as_bytes().to_vec()),
+        }
+    }
+
     /// Finds the file that a path in the scenario refers to.
     ///
     /// # Errors
@@ -135,6 +155,14 @@ impl Base {
 /// # Errors
 /// The file is unreadable, is larger than `max`, or is not UTF-8.
 pub fn read_text(path: &Path, max: u64) -> Result<String, Refused> {
+    match String::from_utf8(read_bytes(path, max)?) {
+        Ok(text) => Ok(text),
+        Err(_) => refused(format!("{} is not text", path.display()), "UTF-8 text"),
+    }
+}
+
+/// Reads a file of at most `max` bytes.
+fn read_bytes(path: &Path, max: u64) -> Result<Vec<u8>, Refused> {
     use std::io::Read;
     let shown = path.display();
     let attempt = || -> std::io::Result<Vec<u8>> {
@@ -145,15 +173,12 @@ pub fn read_text(path: &Path, max: u64) -> Result<String, Refused> {
         Ok(bytes)
     };
     match attempt() {
-        Err(e) => refused(format!("cannot read {shown}: {e}"), "a text file"),
+        Err(e) => refused(format!("cannot read {shown}: {e}"), "a readable file"),
         Ok(bytes) if bytes.len() as u64 > max => refused(
             format!("{shown} is too large"),
             format!("at most {max} bytes"),
         ),
-        Ok(bytes) => match String::from_utf8(bytes) {
-            Ok(text) => Ok(text),
-            Err(_) => refused(format!("{shown} is not text"), "UTF-8 text"),
-        },
+        Ok(bytes) => Ok(bytes),
     }
 }
 
@@ -209,6 +234,27 @@ mod tests {
         assert!(base.find("").is_err());
         assert!(base.find("a\0b").is_err());
         assert!(Base::Nothing.find("in/map.toml").is_err());
+    }
+
+    #[test]
+    fn files_of_parameters_are_in_folders_alone() {
+        let dir = folder();
+        let base = Base::Folder {
+            folder: dir.path().join("in"),
+            allow_outside: false,
+        };
+        assert_eq!(base.read("map.toml", 5), Ok(b"x = 1".to_vec()));
+        assert!(
+            base.read("map.toml", 4)
+                .unwrap_err()
+                .message
+                .contains("too large")
+        );
+        assert!(base.read("../secret", 5).is_err());
+        for nowhere in [Base::Builtin, Base::Nothing] {
+            let e = nowhere.read("maps/city.toml", 1 << 20).unwrap_err();
+            assert_eq!(e.message, "this scenario cannot refer to files");
+        }
     }
 
     #[test]

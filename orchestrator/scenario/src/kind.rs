@@ -27,6 +27,8 @@ pub struct Kind {
     pub summary: &'static str,
     /// `true` if it commands robots; its processes then need at least one robot.
     pub drives_robots: bool,
+    /// Names of the parameters that are paths of files.
+    pub(crate) files: &'static [&'static str],
     makes: &'static [Product],
     read: fn(&Node) -> Result<ConfiguredKind, ParamsProblem>,
     presets: fn() -> Vec<(&'static str, ConfiguredKind)>,
@@ -41,6 +43,7 @@ impl Kind {
             name: K::NAME,
             summary: K::SUMMARY,
             drives_robots: K::DRIVES_ROBOTS,
+            files: K::FILES,
             makes: K::MAKES,
             read: read::<K>,
             presets: presets::<K>,

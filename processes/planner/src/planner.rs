@@ -79,6 +79,10 @@ pub trait Planner: Sized + 'static {
     /// Parameters. All of them have defaults.
     type Params: Parameters + Default + Clone + PartialEq + fmt::Debug + Send + Sync;
 
+    /// Names of the parameters that are the path of a file in a scenario and its contents in a process
+    /// ([`runtime::files`]).
+    const FILES: &'static [&'static str] = &[];
+
     /// Maximum number of published edges of a tree; 0 for a planner without trees.
     const TREE_EDGES: usize = 0;
 

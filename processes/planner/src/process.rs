@@ -61,6 +61,8 @@ impl<P: Planner> ProcessKind for PlannerProcess<P> {
         &[]
     };
 
+    const FILES: &'static [&'static str] = P::FILES;
+
     type Params = P::Params;
 
     fn presets() -> Vec<(&'static str, P::Params)> {

@@ -57,6 +57,10 @@ pub trait ProcessKind: Process + Sized + 'static {
     /// Products for other processes.
     const MAKES: &'static [Product] = &[];
 
+    /// Names of the parameters that are the path of a file in a scenario and its contents in a process
+    /// ([`files`](crate::files)).
+    const FILES: &'static [&'static str] = &[];
+
     /// Parameters. All of them have defaults.
     type Params: Parameters + Default + Clone + PartialEq + fmt::Debug + Send + Sync;
 

@@ -9,6 +9,7 @@
 
 pub mod config;
 pub mod error;
+pub mod files;
 pub mod grids;
 pub mod guard;
 pub mod inputs;

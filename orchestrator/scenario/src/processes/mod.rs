@@ -1,6 +1,7 @@
 //! `[[processes]]`: the processes of a run and the robots that each drives.
 
 mod checks;
+mod files;
 mod read;
 mod tasks;
 

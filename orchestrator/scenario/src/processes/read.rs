@@ -2,6 +2,7 @@
 
 use config::{Code, FieldPath, Node, Origin, Step, describe, suggest};
 
+use super::files;
 use crate::context::Context;
 use crate::failure;
 use crate::files::Base;
@@ -43,7 +44,7 @@ pub fn block(
     }
     let (program, kind) = match named {
         Named::Kind(kind) => {
-            let Some(configured) = read_params(ctx, node, path, kind) else {
+            let Some(configured) = read_params(ctx, base, node, path, kind) else {
                 return;
             };
             (Program::Kind(configured), Some(kind))
@@ -207,13 +208,15 @@ fn params_of(ctx: &mut Context<'_>, node: &Node, path: &FieldPath) -> Option<Nod
 
 fn read_params(
     ctx: &mut Context<'_>,
+    base: &Base,
     node: &Node,
     path: &FieldPath,
     kind: &Kind,
 ) -> Option<ConfiguredKind> {
     let params = params_of(ctx, node, path)?;
     let path = path.then("params");
-    let params = &apply_preset(ctx, &params, &path, kind)?;
+    let params = apply_preset(ctx, &params, &path, kind)?;
+    let params = &files::insert(ctx, base, params, &path, kind)?;
     match kind.read(params) {
         Ok(configured) => return Some(configured),
         Err(ParamsProblem::Read(_)) => {

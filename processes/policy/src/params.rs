@@ -1,0 +1,90 @@
+//! Parameters of a policy.
+
+use network::Network;
+use observation::action::ACTION_LENGTH;
+use observation::parts::Parts;
+use parameters::{Parameters, ParamsError, at_least};
+use runtime::files;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// Parameters of a [`Policy`](crate::Policy).
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct PolicyParams {
+    /// ONNX file of the policy: its path, relative to the scenario's folder. A log has the contents of the file instead,
+    /// as a `data:` URL, so that it can be executed again without the file.
+    pub model: String,
+    /// Contents of the observation: `state`, `scan`, `belief`, or several of them as in `state+scan`.
+    pub observation: String,
+    /// Number of ticks from one action to the next; the command holds in between.
+    #[schemars(transform = at_least(1))]
+    pub ticks_per_action: u32,
+}
+
+impl Default for PolicyParams {
+    fn default() -> Self {
+        Self {
+            model: String::new(),
+            observation: "state".to_owned(),
+            ticks_per_action: 1,
+        }
+    }
+}
+
+impl Parameters for PolicyParams {
+    fn check_relations(&self) -> Result<(), ParamsError> {
+        self.parts()?;
+        self.network().map(|_| ())
+    }
+}
+
+impl PolicyParams {
+    /// Returns the contents of the observation.
+    ///
+    /// # Errors
+    /// [`ParamsError`] for unknown contents.
+    pub fn parts(&self) -> Result<Parts, ParamsError> {
+        let parts = self.observation.parse();
+        parts.map_err(|_| {
+            let expected = "state, scan, belief, or several of them as in state+scan";
+            ParamsError::new("observation", &format!("{:?}", self.observation), expected)
+        })
+    }
+
+    /// Returns the network of the file.
+    ///
+    /// # Errors
+    /// [`ParamsError`] names what is not supported in the file.
+    pub fn network(&self) -> Result<Network, ParamsError> {
+        let refused =
+            |message: String| ParamsError::refused("model", format!("`model`: {message}"));
+        if self.model.is_empty() {
+            return Err(ParamsError::new(
+                "model",
+                "missing",
+                "the path of an ONNX file",
+            ));
+        }
+        let Some(contents) = files::contents(&self.model) else {
+            let found = if files::is_contents(&self.model) {
+                "unreadable contents"
+            } else {
+                "a path that no scenario has resolved"
+            };
+            return Err(ParamsError::new(
+                "model",
+                found,
+                "the contents of an ONNX file",
+            ));
+        };
+        let network = Network::from_onnx(&contents).map_err(|error| refused(error.to_string()))?;
+        let length = network.output_length();
+        if length != ACTION_LENGTH {
+            return Err(refused(format!(
+                "the output has {length} numbers, expected {ACTION_LENGTH}: forward speed and turning rate, in −1..1"
+            )));
+        }
+        Ok(network)
+    }
+}

@@ -1,0 +1,136 @@
+//! A policy that steers one robot.
+
+use geometry::map::ShapeMap;
+use geometry::pose::Twist2;
+use network::{EvaluationError, Network};
+use observation::action::{ACTION_LENGTH, command};
+use observation::error::{LayoutError, WriteError};
+use observation::facts::RobotFacts;
+use observation::layout::Layout;
+use observation::parts::Parts;
+use observation::scene::Scene;
+use planner_view::view::View;
+use sim_backend::spec::RobotModel;
+use thiserror::Error;
+
+/// Reason why a policy does not fit its robot.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum PolicyError {
+    /// The robot has no such observation.
+    #[error(transparent)]
+    Layout(#[from] LayoutError),
+    /// The network has another input.
+    #[error(
+        "`model`: its input has {input} numbers, but the observation `{observation}` of robot {robot} has {length}"
+    )]
+    Input {
+        /// Length of the network's input.
+        input: usize,
+        /// Contents of the observation.
+        observation: Parts,
+        /// Name of the robot.
+        robot: String,
+        /// Length of the observation.
+        length: usize,
+    },
+}
+
+/// Reason why a policy cannot continue.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum SteeringError {
+    /// The observation cannot be written.
+    #[error(transparent)]
+    Observation(#[from] WriteError),
+    /// The network has no result.
+    #[error("the policy of robot {robot}: {error}")]
+    Evaluation {
+        /// Name of the robot.
+        robot: String,
+        /// Description of the result.
+        error: EvaluationError,
+    },
+}
+
+/// Policy of one robot.
+#[derive(Debug, Clone)]
+pub struct Policy {
+    network: Network,
+    layout: Layout,
+    scene: Scene,
+    robot: String,
+    model: RobotModel,
+    ticks_per_action: u64,
+    observation: Vec<f32>,
+    held: Option<Twist2>,
+}
+
+impl Policy {
+    /// Creates the policy of the robot with index `me`, in a world with this many exits.
+    ///
+    /// # Errors
+    /// [`PolicyError`] if robot, observation and network do not fit.
+    pub fn new(
+        network: Network,
+        parts: Parts,
+        ticks_per_action: u32,
+        robots: &[RobotFacts],
+        me: usize,
+        exits: usize,
+    ) -> Result<Self, PolicyError> {
+        let layout = Layout::new(parts, robots, me, exits)?;
+        let own = robots.get(me).ok_or(LayoutError::Robot {
+            robot: me,
+            robots: robots.len(),
+        })?;
+        let length = layout.length();
+        if network.input_length() != length {
+            return Err(PolicyError::Input {
+                input: network.input_length(),
+                observation: parts,
+                robot: own.name.clone(),
+                length,
+            });
+        }
+        Ok(Self {
+            network,
+            scene: Scene::new(robots, &[me]),
+            robot: own.name.clone(),
+            model: own.model,
+            ticks_per_action: u64::from(ticks_per_action.max(1)),
+            observation: vec![0.0; length],
+            held: None,
+            layout,
+        })
+    }
+
+    /// Returns the command of this tick. A robot that no longer takes part stands still.
+    ///
+    /// # Errors
+    /// [`SteeringError`] if the network has no finite action.
+    pub fn command(&mut self, view: &View<'_>, shapes: &ShapeMap) -> Result<Twist2, SteeringError> {
+        if view.own().is_none_or(|own| !own.active) {
+            return Ok(Twist2::STOP);
+        }
+        // By the time and not by a count: a restarted process continues in step.
+        let tick = (view.time_s / view.dt).round() as u64;
+        match self.held {
+            Some(held) if !tick.is_multiple_of(self.ticks_per_action) => return Ok(held),
+            _ => {}
+        }
+        self.scene.update(view.robots, shapes);
+        self.layout
+            .write(&self.scene, view, &mut self.observation)?;
+        let output = self.network.evaluate(&self.observation);
+        let output = output.map_err(|error| SteeringError::Evaluation {
+            robot: self.robot.clone(),
+            error,
+        })?;
+        let mut action = [0.0; ACTION_LENGTH];
+        for (own, &number) in action.iter_mut().zip(output) {
+            *own = number;
+        }
+        let twist = command(action, &self.model);
+        self.held = Some(twist);
+        Ok(twist)
+    }
+}

@@ -1,0 +1,103 @@
+//! Connects [`Policy`] to its topics: state, exact shapes and what its observation contains in; command out.
+
+use ipc_types::bus::Bus;
+use network::Network;
+use observation::facts::RobotFacts;
+use observation::parts::Parts;
+use planner::{Planner, PlannerInputs, teams};
+use planner_view::map::PlannerMap;
+use planner_view::steering::Steering;
+use planner_view::view::View;
+use runtime::config::{ProcessConfig, RobotInfo};
+use runtime::error::ProcessError;
+
+use crate::{Policy, PolicyParams};
+
+/// Process of the robots of one policy.
+#[derive(Debug)]
+pub struct PolicyPlanner {
+    network: Network,
+    parts: Parts,
+    ticks_per_action: u32,
+    /// Opened with the configuration of the run.
+    policy: Option<Policy>,
+    failure: Option<String>,
+}
+
+impl Planner for PolicyPlanner {
+    const NAME: &'static str = "policy";
+    const SUMMARY: &'static str = "steers by a learned policy in an ONNX file";
+    const FILES: &'static [&'static str] = &["model"];
+
+    type Params = PolicyParams;
+
+    fn inputs(params: &PolicyParams) -> PlannerInputs {
+        let parts = params.parts().unwrap_or_default();
+        PlannerInputs {
+            beliefs: parts.belief,
+            scans: parts.scan,
+            shapes: true,
+        }
+    }
+
+    fn new(params: &PolicyParams, _: &RobotInfo, _: u64) -> Result<Self, String> {
+        Ok(Self {
+            network: params.network().map_err(|error| error.to_string())?,
+            parts: params.parts().map_err(|error| error.to_string())?,
+            ticks_per_action: params.ticks_per_action,
+            policy: None,
+            failure: None,
+        })
+    }
+
+    fn open(&mut self, config: &ProcessConfig, _: &Bus, robot: u32) -> Result<(), ProcessError> {
+        let run = &config.run;
+        let facts: Vec<RobotFacts> = run
+            .robots
+            .iter()
+            .zip(teams(&run.robots))
+            .map(|(info, team)| RobotFacts {
+                name: info.name.clone(),
+                team,
+                model: info.model,
+                goal: info.goal,
+                beams: info.beams as usize,
+            })
+            .collect();
+        let policy = Policy::new(
+            self.network.clone(),
+            self.parts,
+            self.ticks_per_action,
+            &facts,
+            robot as usize,
+            run.exits.len(),
+        );
+        self.policy = Some(policy.map_err(|error| ProcessError::Params {
+            process: config.name.clone(),
+            kind: config.kind.clone(),
+            reason: error.to_string(),
+        })?);
+        Ok(())
+    }
+
+    fn failure(&mut self) -> Option<ProcessError> {
+        self.failure.take().map(ProcessError::Algorithm)
+    }
+
+    fn steer(&mut self, map: &PlannerMap, view: &View<'_>) -> Steering {
+        let result = match (&mut self.policy, map.space()) {
+            (Some(policy), Some(space)) => policy
+                .command(view, space.shapes())
+                .map_err(|error| error.to_string()),
+            _ => Err("a policy needs the exact pieces of the map, but it has too many".to_owned()),
+        };
+        let command = result.unwrap_or_else(|error| {
+            self.failure = Some(error);
+            Steering::stop().command
+        });
+        Steering {
+            command,
+            ..Steering::stop()
+        }
+    }
+}
