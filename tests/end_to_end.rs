@@ -29,6 +29,7 @@ mod navigation;
 mod patrol;
 mod plan;
 mod planning;
+mod policy;
 mod process;
 mod regressions;
 mod replay;

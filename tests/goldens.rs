@@ -12,7 +12,7 @@ use std::path::PathBuf;
 
 /// Compares a text with the golden file of this name, or writes the file if `PROTEAN_GOLDENS=write`.
 #[track_caller]
-fn compare(name: &str, now: &str) {
+pub fn compare(name: &str, now: &str) {
     let path = PathBuf::from(env!("CARGO_MANIFEST_DIR"))
         .join("goldens")
         .join(name);
