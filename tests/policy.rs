@@ -31,7 +31,7 @@ fn a_mission_has_one_digest_with_processes_in_one_and_from_its_log_alone() {
     let mut lines = String::new();
     for (options, seed) in [("", "1"), ("ticks_per_action=4", "1"), ("", "2")] {
         let mission = || {
-            let call = sandbox.protean(["run", "chase.toml", "--quiet", "--json", "--seed", seed]);
+            let call = sandbox.protean(["run", "chase.toml", "--quiet", "--seed", seed]);
             let call = call.set("rules.time_limit=8");
             match options {
                 "" => call,
@@ -66,7 +66,7 @@ fn what_does_not_fit_is_named_before_the_first_tick() {
     check("model = \"../outside.onnx\"").refused(2, &["out of the scenario's folder"]);
     check("").refused(
         2,
-        &["`model` is missing, but must be the path of an ONNX file"],
+        &["`model` is missing: expected the path of an ONNX file"],
     );
     let both = "model = \"models/to_the_exit.onnx\", observation = \"lidar\"";
     check(both).refused(2, &["observation", "state, scan, belief"]);

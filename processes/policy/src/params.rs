@@ -60,24 +60,12 @@ impl PolicyParams {
         let refused =
             |message: String| ParamsError::refused("model", format!("`model`: {message}"));
         if self.model.is_empty() {
-            return Err(ParamsError::new(
-                "model",
-                "missing",
-                "the path of an ONNX file",
-            ));
+            let message = "`model` is missing: expected the path of an ONNX file";
+            return Err(ParamsError::refused("model", message));
         }
-        let Some(contents) = files::contents(&self.model) else {
-            let found = if files::is_contents(&self.model) {
-                "unreadable contents"
-            } else {
-                "a path that no scenario has resolved"
-            };
-            return Err(ParamsError::new(
-                "model",
-                found,
-                "the contents of an ONNX file",
-            ));
-        };
+        let contents = files::contents(&self.model).ok_or_else(|| {
+            refused("expected the contents of an ONNX file, which a scenario inserts".to_owned())
+        })?;
         let network = Network::from_onnx(&contents).map_err(|error| refused(error.to_string()))?;
         let length = network.output_length();
         if length != ACTION_LENGTH {
