@@ -67,7 +67,7 @@ pub enum NetworkError {
     /// A limit is exceeded.
     #[error("the network has {value} {what}, expected at most {max}")]
     Limit {
-        /// What there is too much of.
+        /// Limited quantity.
         what: &'static str,
         /// Its number.
         value: usize,

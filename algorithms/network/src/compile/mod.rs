@@ -7,18 +7,29 @@ mod shapes;
 use std::collections::BTreeMap;
 
 use crate::error::NetworkError;
-use crate::network::Network;
 use crate::node::{Node, shown};
 use crate::proto::{Graph, Model, ValueInfo};
 use crate::step::{Binary, Operation, Step, Unary};
 use crate::tensor::{self, Elements, FLOAT, Tensor};
 use crate::{MAX_NODES, MAX_OPERATIONS, MAX_VALUES, OPSETS};
 
-/// Returns the network of a file.
+/// Steps of a network, and the memory of their values.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Compiled {
+    pub(crate) steps: Vec<Step>,
+    /// Constants, the input and the results of steps.
+    pub(crate) values: Vec<Vec<f32>>,
+    /// Place of the input among the values.
+    pub(crate) input: usize,
+    /// Place of the output.
+    pub(crate) output: usize,
+}
+
+/// Returns the steps of a file.
 ///
 /// # Errors
 /// [`NetworkError`] names the first unsupported part.
-pub(crate) fn compile(model: &Model) -> Result<Network, NetworkError> {
+pub(crate) fn compile(model: &Model) -> Result<Compiled, NetworkError> {
     let graph = model.graph.as_ref().ok_or(NetworkError::NoGraph)?;
     let standard = |domain: &str| matches!(domain, "" | "ai.onnx");
     let mut opsets = model.opset_import.iter();
@@ -39,7 +50,7 @@ pub(crate) fn compile(model: &Model) -> Result<Network, NetworkError> {
         compiler.node(Node(node))?;
     }
     let output = compiler.output(graph)?;
-    Ok(Network {
+    Ok(Compiled {
         steps: compiler.steps,
         values: compiler.values,
         input,
