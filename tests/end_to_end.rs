@@ -34,6 +34,7 @@ mod process;
 mod regressions;
 mod replay;
 mod report;
+mod reproduce;
 mod ros;
 mod structure;
 mod supervision;

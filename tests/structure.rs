@@ -53,11 +53,12 @@ const RULES: Rules = Rules {
         &["kinds", "log_tools", "mission", "plan"],
         &["environment", "replay", "report"],
         &["faults", "latency", "sweep"],
+        &["reproduce"],
         &["protean"],
-        &["_core", "benchmarks", "end_to_end", "pages"],
+        &["_core", "benchmarks", "end_to_end"],
     ],
     only: &[
-        (&["clap"], &["protean", "benchmarks", "pages"]),
+        (&["clap"], &["protean", "benchmarks"]),
         (&["libc"], &["platform"]),
         (&["libloading"], &["library_planner"]),
         (&["mcap"], &["mcap_log"]),
@@ -65,7 +66,7 @@ const RULES: Rules = Rules {
         (&["prost"], &["network"]),
         (&["tungstenite"], &["viewer"]),
         (&["processes/*"], &["kinds"]),
-        (&["evader_rrt_star"], &["kinds", "pages", "_core"]),
+        (&["evader_rrt_star"], &["kinds", "reproduce", "_core"]),
         // No kind of scenarios: a command.
         (&["library_planner"], &["protean"]),
         // Routes without a run.

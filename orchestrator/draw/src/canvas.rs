@@ -141,7 +141,7 @@ impl fmt::Display for Num {
 
 /// Escapes text for XML: markup characters become entities, characters that XML cannot represent are
 /// replaced.
-pub(crate) fn escape(text: &str) -> String {
+pub fn escape(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for c in text.chars() {
         match c {

@@ -71,9 +71,28 @@ impl<S: Subject> ExperimentOf<S> {
             _ => PathBuf::from("."),
         };
         let stem = path.file_stem().and_then(|s| s.to_str());
-        let mut reader = Reader::new(&path.display().to_string(), &text)?;
-        let found = Self::read(&mut reader, &folder, stem.unwrap_or("experiment"), options);
-        match found {
+        let label = path.display().to_string();
+        Self::of(&label, text, &folder, stem.unwrap_or("experiment"), options)
+    }
+
+    /// Reads an experiment from a text that is no file, and validates all its cells; paths in it start at the
+    /// current directory.
+    ///
+    /// # Errors
+    /// As [`Self::load`].
+    pub fn from_text(name: &str, text: &str, options: &LoadOptions) -> Result<Self, Diagnostics> {
+        Self::of(name, text.to_owned(), Path::new("."), name, options)
+    }
+
+    fn of(
+        label: &str,
+        text: String,
+        folder: &Path,
+        stem: &str,
+        options: &LoadOptions,
+    ) -> Result<Self, Diagnostics> {
+        let mut reader = Reader::new(label, &text)?;
+        match Self::read(&mut reader, folder, stem, options) {
             Some(experiment) if reader.problems.is_empty() => Ok(Self { text, ..experiment }),
             _ => {
                 let unexplained =

@@ -79,6 +79,11 @@ impl Patrol {
         self.mission.awg.params().t_max
     }
 
+    /// Returns the speed along its contour (m/s).
+    pub fn v(&self) -> f64 {
+        self.mission.awg.v()
+    }
+
     /// Returns its key.
     pub fn key(&self) -> &Key {
         &self.mission.key

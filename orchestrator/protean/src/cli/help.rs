@@ -11,7 +11,7 @@ pub(crate) const HEADINGS: [(&str, &[&str]); 6] = [
             "report", "picture", "info", "cat", "export", "filter", "recover", "replay", "verify",
         ],
     ),
-    ("Experiments", &["sweep"]),
+    ("Experiments", &["sweep", "reproduce"]),
     ("Planning", &["plan", "patrol", "coverage"]),
     ("Health", &["latency", "chaos", "clean"]),
     ("Other", &["schema", "completions", "help"]),
@@ -93,7 +93,7 @@ mod tests {
             }
         }
         assert_eq!(listed, visible);
-        assert!(visible.len() <= 23, "too many commands to choose from");
+        assert!(visible.len() <= 24, "too many commands to choose from");
     }
 
     #[test]

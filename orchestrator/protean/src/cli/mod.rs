@@ -24,6 +24,7 @@ mod process;
 mod recover;
 mod replay;
 mod report;
+mod reproduce;
 mod run;
 mod run_args;
 mod run_summary;
@@ -113,6 +114,9 @@ enum Command {
         after_long_help = sweep_args::HELP
     )]
     Sweep(sweep_args::SweepArgs),
+    /// Reproduce the published results of four papers, with verdicts
+    #[command(after_long_help = reproduce::HELP)]
+    Reproduce(reproduce::ReproduceArgs),
     /// Plan minimum-time trajectories for the instances of a file
     #[command(
         args_conflicts_with_subcommands = true,
@@ -258,6 +262,7 @@ fn command(kinds: &'static [Kind], cli: Cli) -> ExitCode {
         Command::Replay(args) => replay::run(kinds, args),
         Command::Verify(args) => verify::run(kinds, &args),
         Command::Sweep(args) => sweep::sweep(kinds, &args),
+        Command::Reproduce(args) => reproduce::run(kinds, &args),
         Command::Plan(args) => plan::run(&args),
         Command::Patrol(command) => patrol::patrol(kinds, command),
         Command::Coverage(command) => coverage::coverage(kinds, &command),

@@ -22,14 +22,8 @@ const MOVED: &[Row] = &[
         &["soak"],
         "`cargo test -p end_to_end growth:: -- --ignored` in the source tree",
     ),
-    (
-        &["sweep", "page"],
-        "`cargo run --release -p pages -- chase|vmc-lp|patrol DIR…` in the source tree",
-    ),
-    (
-        &["sweep", "plans"],
-        "`cargo run --release -p pages -- plans` in the source tree",
-    ),
+    (&["sweep", "page"], "`protean reproduce`"),
+    (&["sweep", "plans"], "`protean reproduce --paper chase`"),
 ];
 
 /// Returns the message for a command line (without the program's name) that begins with a removed command, or with a

@@ -78,7 +78,9 @@ fn merged_of<S: SweepKind>(parts: &[PathBuf], out: &Path, as_json: bool) -> Exit
 /// Draws the figures of results and prints their files.
 fn redrawn(directory: &Path) -> ExitCode {
     if matches!(kind_of(directory), Ok(Kind::Planning)) {
-        return invalid("error: results of plans have no figures; experiments/pages draws them");
+        return invalid(
+            "error: results of plans have no figures; `protean reproduce --paper vmc-lp` draws those of the paper",
+        );
     }
     match Results::read(directory).and_then(|results| figures::write(&results)) {
         Ok(files) => {

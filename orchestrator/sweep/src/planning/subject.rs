@@ -45,7 +45,7 @@ impl Subject for Task {
         ("scenario", "`task`: plans have no scenario"),
         (
             "figures",
-            "no figures: `experiments/pages` draws figures of plans",
+            "no figures: `protean reproduce --paper vmc-lp` draws those of the paper",
         ),
     ];
 
