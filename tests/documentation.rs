@@ -6,6 +6,8 @@ use std::path::{Path, PathBuf};
 /// Files and folders with documentation for users, from the root of the repository.
 const DOCUMENTS: &[&str] = &[
     "README.md",
+    "CHANGELOG.md",
+    "CODE_OF_CONDUCT.md",
     "CONTRIBUTING.md",
     "benchmarks",
     "docs",

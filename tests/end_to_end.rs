@@ -24,6 +24,7 @@ mod lifecycle;
 mod live;
 mod logs;
 mod maps;
+mod metadata;
 mod missions;
 mod navigation;
 mod patrol;
