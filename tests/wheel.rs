@@ -9,6 +9,7 @@ use crate::support::{PROTEAN, Sandbox, python, skipped};
 /// Packages of the environment: what builds the wheel and what tests it.
 const ENVIRONMENT: &[&str] = &[
     "python-wheel",
+    "gymnasium==1.4.0",
     "distributed==2026.8.0",
     "hyperqueue==0.27.0",
     "maturin==1.16.0",
@@ -18,6 +19,7 @@ const ENVIRONMENT: &[&str] = &[
     "numpy==2.4.6",
     "optuna==5.0.0",
     "pandas==3.1.1",
+    "pettingzoo==1.27.0",
     "polars==2.1.0",
     "pyarrow==26.0.1",
     "pyright[nodejs]==1.1.414",

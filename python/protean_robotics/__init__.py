@@ -5,6 +5,9 @@
 {'robot': 'escaped'}
 """
 
+import importlib
+from typing import TYPE_CHECKING, Any
+
 from . import coverage, executors, navigation, patrol, rrt_star, steering, tracking, trajectory
 from ._core import (
     Belief,
@@ -18,6 +21,7 @@ from ._core import (
     __version__,
     go_to,
 )
+from ._environments import Episode, Step
 from ._log import Log, Topic
 from ._objective import objective
 from ._planner import Planner, planner, serve
@@ -25,8 +29,15 @@ from ._program import program
 from ._run import Run, run
 from ._sweep import Executor, Future, Sweep, sweep
 
+if TYPE_CHECKING:
+    from ._gymnasium import Env as Env
+    from ._gymnasium import VectorEnv as VectorEnv
+    from ._pettingzoo import ParallelEnv as ParallelEnv
+    from ._pettingzoo import parallel_env as parallel_env
+
 __all__ = [
     "Belief",
+    "Episode",
     "Error",
     "Executor",
     "Future",
@@ -38,6 +49,7 @@ __all__ = [
     "Run",
     "Scan",
     "Steering",
+    "Step",
     "Sweep",
     "Topic",
     "World",
@@ -58,3 +70,21 @@ __all__ = [
     "tracking",
     "trajectory",
 ]
+
+#: Modules of the names that need the packages of the extra `gym`.
+_GYM = {
+    "Env": "_gymnasium",
+    "VectorEnv": "_gymnasium",
+    "ParallelEnv": "_pettingzoo",
+    "parallel_env": "_pettingzoo",
+}
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _GYM:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(importlib.import_module(f".{_GYM[name]}", __name__), name)
+
+
+def __dir__() -> list[str]:
+    return sorted([*__all__, *_GYM])

@@ -7,6 +7,7 @@
 
 mod algorithms;
 mod arguments;
+mod environments;
 mod error;
 mod interruptible;
 mod log;
@@ -22,6 +23,8 @@ use pyo3::prelude::*;
 mod _core {
     use pyo3::prelude::*;
 
+    #[pymodule_export]
+    use crate::environments::Environments;
     #[pymodule_export]
     use crate::error::{Error, InvalidInput};
     #[pymodule_export]

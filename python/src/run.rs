@@ -18,7 +18,7 @@ use crate::interruptible::wait;
 use crate::planner::{Function, PythonParams, PythonPlanner};
 
 /// Data of maps, which all runs of the process share.
-static CACHE: LazyLock<Arc<Cache>> = LazyLock::new(Arc::default);
+pub static CACHE: LazyLock<Arc<Cache>> = LazyLock::new(Arc::default);
 
 /// A planner in the place of processes, and the command that starts it as one.
 #[derive(FromPyObject)]

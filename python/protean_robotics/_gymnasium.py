@@ -1,0 +1,384 @@
+"""Environments of Gymnasium."""
+
+import os
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ._environments import Episode, Instances, Reward, outcome
+from ._run import Run
+
+try:
+    import gymnasium
+    from gymnasium.spaces import Box
+    from gymnasium.vector import AutoresetMode
+    from gymnasium.vector.utils import batch_space
+except ModuleNotFoundError as error:
+    raise ModuleNotFoundError(f"{error}: environments need pip install 'protean-robotics[gym]'") from error
+
+
+def box(shape: tuple[int, ...]) -> Box:
+    """Returns the space of arrays whose entries are in -1..1."""
+    return Box(-1.0, 1.0, shape, np.float32)
+
+
+class VectorEnv(gymnasium.vector.VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArray[Any]]):
+    """Instances of a scenario in which a learner steers the agents, after Gymnasium's ``VectorEnv``.
+
+    The scenario's own processes drive all other robots: perception with its beliefs, planners. An action of an agent is
+    its forward speed and its turning rate, each in -1..1 of what its limits allow. An episode ends with the mission, or
+    when no agent is in the game; the time limit of the rules truncates it.
+
+    The next episode begins in the same step (``AutoresetMode.SAME_STEP``): the last observation of an ended one is
+    ``infos["final_obs"][i]``, its statistics are in ``infos["episode"]``.
+
+    With several agents, observations have the shape (num_envs, agents, entries), actions (num_envs, agents, 2), and
+    the reward is the sum over the agents; ``infos["rewards"]`` has the single ones.
+
+    Parameters
+    ----------
+    scenario
+        Name of a built-in scenario, or path of a scenario file.
+    num_envs
+        Number of instances.
+    agents
+        Names of the robots, teams or processes that the learner steers.
+    observation
+        Contents of the observations: "state" (true poses of all robots, lines of sight), "scan" (own range scan) or
+        "belief" (beliefs about opponents), or several as in "state+scan". Attribute `entries` has the names of all
+        entries.
+    seed
+        Seed of all episodes, if `reset` gives none. Their own seeds follow from it, from the index of the instance and
+        from the number of the episode.
+    threads
+        Number of threads; results do not depend on it.
+    set
+        Values that replace those of the scenario, by their dotted keys.
+    reward
+        Weights of the events: "escape" (default 1), "caught" (-1), "capture" (1; an opponent was caught), "lost" (-1; an
+        opponent escaped), "arrival" (1; at the goal), "contact" (0), "time" (0; per second). Or a function from a
+        ``Step`` to rewards.
+    copy
+        False to return the arrays themselves, which the next step overwrites.
+    allow_outside
+        True if the scenario may use files outside its folder.
+
+    Raises
+    ------
+    InvalidInput
+        The scenario or an argument is invalid.
+
+    Examples
+    --------
+    >>> import protean_robotics as pr
+    >>> envs = pr.VectorEnv("chase_exact", 3, agents=["evader_1"], seed=1, set={"rules.time_limit": 1})
+    >>> observations, infos = envs.reset()
+    >>> observations.shape, infos["seed"].shape
+    ((3, 62), (3,))
+    >>> for _ in range(20):
+    ...     observations, rewards, terminations, truncations, infos = envs.step(envs.action_space.sample())
+    >>> truncations.tolist(), infos["episode"]["l"].tolist()
+    ([True, True, True], [20, 20, 20])
+    >>> len(envs.digest(0))
+    64
+    """
+
+    def __init__(
+        self,
+        scenario: str | os.PathLike[str] = "chase",
+        num_envs: int = 1,
+        *,
+        agents: Sequence[str],
+        observation: str = "state",
+        seed: int = 0,
+        threads: int = 1,
+        set: Mapping[str, Any] | None = None,
+        reward: Reward = None,
+        copy: bool = True,
+        allow_outside: bool = False,
+    ) -> None:
+        self._instances = instances = Instances(
+            scenario,
+            num_envs,
+            agents=agents,
+            observation=observation,
+            seed=seed,
+            threads=threads,
+            set=set,
+            reward=reward,
+            allow_outside=allow_outside,
+        )
+        self.num_envs = num_envs
+        self.metadata = {"render_modes": [], "autoreset_mode": AutoresetMode.SAME_STEP}
+        self._copy = copy
+        self._single = len(instances.agents) == 1
+        entries = instances.observations.shape[2]
+        count = len(instances.agents)
+        self.single_observation_space = box((entries,) if self._single else (count, entries))
+        self.single_action_space = box((2,) if self._single else (count, 2))
+        self.observation_space = batch_space(self.single_observation_space, num_envs)
+        self.action_space = batch_space(self.single_action_space, num_envs)
+        # With one agent, arrays without its dimension: views of the same memory.
+        self._observations = instances.observations[:, 0] if self._single else instances.observations
+        self._finals = instances.final_observations[:, 0] if self._single else instances.final_observations
+        self._rewards = instances.rewards[:, 0] if self._single else np.zeros(num_envs)
+
+    @property
+    def agents(self) -> tuple[str, ...]:
+        """Names of the agents, in the order of the arrays."""
+        return self._instances.agents
+
+    @property
+    def entries(self) -> list[list[str]]:
+        """Names of the entries of the observation of each agent; further entries are 0."""
+        return self._instances.entries
+
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[NDArray[np.float32], dict[str, Any]]:
+        """Begins new episodes in all instances.
+
+        Parameters
+        ----------
+        seed
+            Seed of all episodes from now on; None for the next episodes.
+        options
+            Not used.
+
+        Returns
+        -------
+        observations
+            First observations.
+        infos
+            The seeds of the scenarios of the episodes ("seed").
+        """
+        super().reset(seed=seed)
+        self._instances.reset(seed)
+        return self._own(self._observations), {"seed": self._instances.seeds.copy()}
+
+    def step(
+        self, actions: NDArray[np.float32]
+    ) -> tuple[NDArray[np.float32], NDArray[Any], NDArray[Any], NDArray[Any], dict[str, Any]]:
+        """Does a step in all instances.
+
+        Parameters
+        ----------
+        actions
+            Actions of the agents, clamped to -1..1.
+
+        Returns
+        -------
+        observations
+            Observations; of an instance whose episode ended, the first one of the next episode.
+        rewards
+            Rewards, shape (num_envs,).
+        terminations
+            True where the rules ended the episode.
+        truncations
+            True where the time limit ended it.
+        infos
+            If an episode ended: "final_obs", "episode" (return "r", length "l"), "outcome" of the agents, "seed" of the
+            next episode, each with its mask "_…".
+        """
+        instances = self._instances
+        any_ended = instances.step(actions)
+        infos: dict[str, Any] = {}
+        if not self._single:
+            np.add.reduce(instances.rewards, axis=1, out=self._rewards)
+            infos["rewards"] = self._own(instances.rewards)
+        if any_ended:
+            self._add_ended(infos)
+        own = self._own
+        return own(self._observations), own(self._rewards), own(instances.terminated), own(instances.truncated), infos
+
+    def _add_ended(self, infos: dict[str, Any]) -> None:
+        instances = self._instances
+        ended = instances.ended()
+        finals: NDArray[Any] = np.full(self.num_envs, None, dtype=object)
+        outcomes: NDArray[Any] = np.full((self.num_envs, len(instances.agents)), None, dtype=object)
+        for i in np.flatnonzero(ended):
+            finals[i] = self._finals[i].copy()
+            outcomes[i] = [outcome(status) for status in instances.statuses[i]]
+        zero = np.zeros((), dtype=np.float64)
+        infos["final_obs"] = finals
+        infos["episode"] = {
+            "r": np.where(ended, instances.returns.sum(axis=1), zero),
+            "l": np.where(ended, instances.lengths, 0).astype(np.int64),
+            "_r": ended,
+            "_l": ended,
+        }
+        infos["outcome"] = outcomes
+        infos["seed"] = instances.seeds.copy()
+        for name in ("final_obs", "episode", "outcome", "seed"):
+            infos[f"_{name}"] = ended
+
+    def _own(self, array: NDArray[Any]) -> NDArray[Any]:
+        return array.copy() if self._copy else array
+
+    def episode(self, i: int, *, running: bool = False) -> Episode:
+        """Seed and actions of an episode of an instance.
+
+        Parameters
+        ----------
+        i
+            Index of the instance.
+        running
+            True for the running episode; otherwise the last one that ended.
+        """
+        return self._instances.episode(i, running)
+
+    def digest(self, i: int, *, running: bool = False) -> str:
+        """Hash of the simulated history of an episode: that of a run whose planners send the same commands.
+
+        Parameters
+        ----------
+        i
+            Index of the instance.
+        running
+            True for the running episode; otherwise the last one that ended.
+        """
+        return self._instances.replay(i, running).digest
+
+    def save_log(
+        self, i: int, path: str | os.PathLike[str], *, running: bool = False, force: bool = False
+    ) -> Run:
+        """Executes an episode of an instance again, and writes its log.
+
+        Parameters
+        ----------
+        i
+            Index of the instance.
+        path
+            Path of the log.
+        running
+            True for the running episode; otherwise the last one that ended.
+        force
+            True to overwrite an existing log.
+        """
+        return self._instances.replay(i, running, path, force)
+
+
+class Env(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
+    """One instance of a scenario in which a learner steers the agents, after Gymnasium's ``Env``.
+
+    As ``VectorEnv`` with one instance, whose parameters it has; the next episode begins with `reset`.
+
+    Examples
+    --------
+    >>> import protean_robotics as pr
+    >>> env = pr.Env("hello", agents=["robot"])
+    >>> observation, info = env.reset(seed=1)
+    >>> observation.shape, env.entries[0][:3]
+    ((12,), ['own.active', 'own.x', 'own.y'])
+    """
+
+    def __init__(
+        self,
+        scenario: str | os.PathLike[str] = "chase",
+        *,
+        agents: Sequence[str],
+        observation: str = "state",
+        seed: int = 0,
+        set: Mapping[str, Any] | None = None,
+        reward: Reward = None,
+        allow_outside: bool = False,
+    ) -> None:
+        self._vector = vector = VectorEnv(
+            scenario,
+            1,
+            agents=agents,
+            observation=observation,
+            seed=seed,
+            set=set,
+            reward=reward,
+            copy=False,
+            allow_outside=allow_outside,
+        )
+        self.metadata = {"render_modes": []}
+        self.observation_space = vector.single_observation_space
+        self.action_space = vector.single_action_space
+        # The next episode has begun with the end of the last one.
+        self._has_begun = False
+
+    @property
+    def agents(self) -> tuple[str, ...]:
+        """Names of the agents, in the order of the arrays."""
+        return self._vector.agents
+
+    @property
+    def entries(self) -> list[list[str]]:
+        """Names of the entries of the observation of each agent; further entries are 0."""
+        return self._vector.entries
+
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[NDArray[np.float32], dict[str, Any]]:
+        """Begins a new episode.
+
+        Parameters
+        ----------
+        seed
+            Seed of all episodes from now on; None for the next episode.
+        options
+            Not used.
+
+        Returns
+        -------
+        observation
+            First observation.
+        info
+            The seed of the scenario of the episode ("seed").
+        """
+        super().reset(seed=seed)
+        if seed is not None or not self._has_begun:
+            self._vector.reset(seed=seed)
+        self._has_begun = False
+        instances = self._vector._instances
+        return self._vector._observations[0].copy(), {"seed": int(instances.seeds[0])}
+
+    def step(
+        self, action: NDArray[np.float32]
+    ) -> tuple[NDArray[np.float32], float, bool, bool, dict[str, Any]]:
+        """Does a step.
+
+        Parameters
+        ----------
+        action
+            Action of the agents, clamped to -1..1.
+
+        Returns
+        -------
+        observation
+            Observation after the step.
+        reward
+            Reward.
+        terminated
+            True if the rules ended the episode.
+        truncated
+            True if the time limit ended it.
+        info
+            At the end: "outcome" of the agents.
+        """
+        vector = self._vector
+        observations, rewards, terminations, truncations, _ = vector.step(action)
+        info: dict[str, Any] = {}
+        ended = bool(terminations[0] or truncations[0])
+        if ended:
+            self._has_begun = True
+            observations = vector._finals
+            info["outcome"] = [outcome(status) for status in vector._instances.statuses[0]]
+        return observations[0].copy(), float(rewards[0]), bool(terminations[0]), bool(truncations[0]), info
+
+    def episode(self, *, running: bool = False) -> Episode:
+        """Seed and actions of the last episode that ended, or of the running one."""
+        return self._vector.episode(0, running=running)
+
+    def digest(self, *, running: bool = False) -> str:
+        """Hash of the simulated history of the last episode that ended, or of the running one."""
+        return self._vector.digest(0, running=running)
+
+    def save_log(self, path: str | os.PathLike[str], *, running: bool = False, force: bool = False) -> Run:
+        """Executes the last episode that ended, or the running one, again, and writes its log."""
+        return self._vector.save_log(0, path, running=running, force=force)

@@ -1,0 +1,209 @@
+"""Environments of PettingZoo."""
+
+import os
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ._environments import OUTCOMES, Episode, Instances, Reward, outcome
+from ._gymnasium import box
+from ._run import Run
+
+try:
+    import pettingzoo  # type: ignore[import-untyped]
+    from gymnasium.spaces import Box
+except ModuleNotFoundError as error:
+    raise ModuleNotFoundError(f"{error}: environments need pip install 'protean-robotics[gym]'") from error
+
+_TIMED_OUT = OUTCOMES.index("timed_out")
+
+
+class ParallelEnv(pettingzoo.ParallelEnv[str, NDArray[np.float32], NDArray[np.float32]]):  # type: ignore[misc]
+    """One instance of a scenario with one learner per agent, after PettingZoo's ``ParallelEnv``.
+
+    ``parallel_env`` makes it. An agent leaves with its last step in the game: it terminates when it is caught, escapes,
+    arrives, or the mission is decided, and is truncated by the time limit.
+    """
+
+    def __init__(self, instances: Instances) -> None:
+        self._instances = instances
+        self.metadata = {"name": "protean", "render_modes": [], "is_parallelizable": True}
+        self.render_mode = None
+        self.possible_agents = list(instances.agents)
+        self.agents: list[str] = []
+        self._rows = {name: row for row, name in enumerate(instances.agents)}
+        lengths = [len(names) for names in instances.entries]
+        self.observation_spaces = {name: box((lengths[row],)) for name, row in self._rows.items()}
+        self.action_spaces = {name: box((2,)) for name in instances.agents}
+        self._actions = np.zeros((1, len(instances.agents), 2), dtype=np.float32)
+        # The next episode has begun with the end of the last one.
+        self._has_begun = False
+
+    def observation_space(self, agent: str) -> Box:
+        """Space of the observations of an agent.
+
+        Parameters
+        ----------
+        agent
+            Name of the agent.
+        """
+        return self.observation_spaces[agent]
+
+    def action_space(self, agent: str) -> Box:
+        """Space of the actions of an agent.
+
+        Parameters
+        ----------
+        agent
+            Name of the agent.
+        """
+        return self.action_spaces[agent]
+
+    @property
+    def entries(self) -> dict[str, list[str]]:
+        """Names of the entries of the observation of each agent."""
+        return {name: self._instances.entries[row] for name, row in self._rows.items()}
+
+    def reset(
+        self, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[dict[str, NDArray[np.float32]], dict[str, dict[str, Any]]]:
+        """Begins a new episode.
+
+        Parameters
+        ----------
+        seed
+            Seed of all episodes from now on; None for the next episode.
+        options
+            Not used.
+
+        Returns
+        -------
+        observations
+            First observations.
+        infos
+            The seed of the scenario of the episode ("seed").
+        """
+        if seed is not None or not self._has_begun:
+            self._instances.reset(seed)
+        self._has_begun = False
+        self.agents = list(self.possible_agents)
+        seed = int(self._instances.seeds[0])
+        return self._observed(self._instances.observations), {name: {"seed": seed} for name in self.agents}
+
+    def step(
+        self, actions: dict[str, NDArray[np.float32]]
+    ) -> tuple[
+        dict[str, NDArray[np.float32]],
+        dict[str, float],
+        dict[str, bool],
+        dict[str, bool],
+        dict[str, dict[str, Any]],
+    ]:
+        """Does a step.
+
+        Parameters
+        ----------
+        actions
+            Action of each agent in the game, clamped to -1..1.
+
+        Returns
+        -------
+        observations
+            Observations after the step.
+        rewards
+            Rewards.
+        terminations
+            True for agents that the rules end.
+        truncations
+            True for agents that the time limit ends.
+        infos
+            Of agents that leave: their "outcome".
+        """
+        instances = self._instances
+        if not self.agents:
+            return {}, {}, {}, {}, {}
+        self._actions[:] = 0.0
+        for name in self.agents:
+            self._actions[0, self._rows[name]] = actions[name]
+        ended = instances.step(self._actions)
+        observations = self._observed(instances.final_observations if ended else instances.observations)
+        self._has_begun = ended
+        truncated = bool(instances.truncated[0])
+        rewards, terminations, truncations, infos = {}, {}, {}, {}
+        for name in self.agents:
+            row = self._rows[name]
+            status = int(instances.statuses[0, row])
+            rewards[name] = float(instances.rewards[0, row])
+            truncations[name] = status == _TIMED_OUT or (truncated and status == 0)
+            terminations[name] = not truncations[name] and (status != 0 or ended)
+            leaves = terminations[name] or truncations[name]
+            infos[name] = {"outcome": outcome(status)} if leaves else {}
+        self.agents = [name for name in self.agents if not (terminations[name] or truncations[name])]
+        return observations, rewards, terminations, truncations, infos
+
+    def _observed(self, array: NDArray[np.float32]) -> dict[str, NDArray[np.float32]]:
+        lengths = self._instances.entries
+        rows = ((name, self._rows[name]) for name in self.agents)
+        return {name: array[0, row, : len(lengths[row])].copy() for name, row in rows}
+
+    def episode(self, *, running: bool = False) -> Episode:
+        """Seed and actions of the last episode that ended, or of the running one."""
+        return self._instances.episode(0, running)
+
+    def digest(self, *, running: bool = False) -> str:
+        """Hash of the simulated history of the last episode that ended, or of the running one."""
+        return self._instances.replay(0, running).digest
+
+    def save_log(self, path: str | os.PathLike[str], *, running: bool = False, force: bool = False) -> Run:
+        """Executes the last episode that ended, or the running one, again, and writes its log."""
+        return self._instances.replay(0, running, path, force)
+
+
+def parallel_env(
+    scenario: str | os.PathLike[str] = "chase",
+    *,
+    agents: Sequence[str],
+    observation: str = "state",
+    seed: int = 0,
+    set: Mapping[str, Any] | None = None,
+    reward: Reward = None,
+    allow_outside: bool = False,
+) -> ParallelEnv:
+    """Makes an environment with one learner per agent, after PettingZoo's ``ParallelEnv``.
+
+    Parameters
+    ----------
+    scenario, agents, observation, seed, set, reward, allow_outside
+        As for ``VectorEnv``.
+
+    Raises
+    ------
+    InvalidInput
+        The scenario or an argument is invalid.
+
+    Examples
+    --------
+    >>> import protean_robotics as pr
+    >>> env = pr.parallel_env("chase_exact", agents=["evader", "police"])
+    >>> observations, infos = env.reset(seed=1)
+    >>> env.agents
+    ['evader_1', 'evader_2', 'police_1', 'police_2', 'police_3', 'police_4']
+    >>> actions = {name: env.action_space(name).sample() for name in env.agents}
+    >>> observations, rewards, terminations, truncations, infos = env.step(actions)
+    >>> rewards["evader_1"]
+    0.0
+    """
+    instances = Instances(
+        scenario,
+        1,
+        agents=agents,
+        observation=observation,
+        seed=seed,
+        threads=1,
+        set=set,
+        reward=reward,
+        allow_outside=allow_outside,
+    )
+    return ParallelEnv(instances)

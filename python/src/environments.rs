@@ -1,0 +1,274 @@
+//! Environments for learning: many instances of a scenario, with arrays that steps write in place.
+
+use std::path::PathBuf;
+use std::sync::{Arc, Mutex, MutexGuard};
+
+use environment::{
+    ArraysMut, EVENT_NAMES, EVENTS, EnvironmentError, Environments as Inner, Options,
+    RewardWeights, WhichEpisode,
+};
+use kinds::KINDS;
+use numpy::{Element, IntoPyArray as _, PyArrayDyn, PyArrayMethods as _, PyReadonlyArrayDyn};
+use pyo3::prelude::*;
+use scenario::{Loader, MapCache};
+
+use crate::arguments::invalid;
+use crate::error::{Error, InvalidInput};
+use crate::run::CACHE;
+
+/// Instances of a scenario whose agents Python steers. Its arrays are the same objects in all steps.
+#[pyclass(frozen, module = "protean_robotics")]
+pub struct Environments {
+    inner: Mutex<Inner>,
+    /// Names of the agents, in the order of the arrays.
+    #[pyo3(get)]
+    agents: Vec<String>,
+    /// Names of the entries of the observation of each agent.
+    #[pyo3(get)]
+    entries: Vec<Vec<String>>,
+    /// Names of the events, in the order of the array.
+    #[pyo3(get)]
+    event_names: Vec<String>,
+    /// Length of a step (s).
+    #[pyo3(get)]
+    dt: f64,
+    /// Observations, shape (instances, agents, entries).
+    #[pyo3(get)]
+    observations: Py<PyArrayDyn<f32>>,
+    /// Last observations of ended episodes, shape (instances, agents, entries).
+    #[pyo3(get)]
+    final_observations: Py<PyArrayDyn<f32>>,
+    /// Rewards by the weights, shape (instances, agents).
+    #[pyo3(get)]
+    rewards: Py<PyArrayDyn<f64>>,
+    /// Numbers of events, shape (instances, agents, events).
+    #[pyo3(get)]
+    events: Py<PyArrayDyn<f32>>,
+    /// Status of the agents, shape (instances, agents).
+    #[pyo3(get)]
+    statuses: Py<PyArrayDyn<u8>>,
+    /// `True` if the episode ended by the rules, shape (instances,).
+    #[pyo3(get)]
+    terminated: Py<PyArrayDyn<bool>>,
+    /// `True` if the time limit ended the episode, shape (instances,).
+    #[pyo3(get)]
+    truncated: Py<PyArrayDyn<bool>>,
+    /// Sums of the rewards of the episode, shape (instances, agents).
+    #[pyo3(get)]
+    returns: Py<PyArrayDyn<f64>>,
+    /// Numbers of steps of the episode, shape (instances,).
+    #[pyo3(get)]
+    lengths: Py<PyArrayDyn<u64>>,
+    /// Seeds of the running episodes, shape (instances,).
+    #[pyo3(get)]
+    seeds: Py<PyArrayDyn<u64>>,
+}
+
+#[pymethods]
+impl Environments {
+    #[new]
+    #[pyo3(signature = (scenario, *, overrides, agents, observation, instances, seed, threads, weights, allow_outside))]
+    #[expect(
+        clippy::too_many_arguments,
+        reason = "the options of the Python classes"
+    )]
+    fn new(
+        py: Python<'_>,
+        scenario: String,
+        overrides: Vec<String>,
+        agents: Vec<String>,
+        observation: String,
+        instances: usize,
+        seed: u64,
+        threads: usize,
+        weights: Vec<(String, f64)>,
+        allow_outside: bool,
+    ) -> PyResult<Self> {
+        let options = Options {
+            instances,
+            agents,
+            observation: observation.parse().map_err(|error| invalid(&error))?,
+            seed,
+            threads,
+            rewards: rewards(&weights)?,
+        };
+        let inner = py.detach(|| {
+            runtime::logging::start("warn");
+            let loader = Loader::new(KINDS).allow_outside(allow_outside);
+            let mut draft = loader.draft(&scenario)?;
+            for argument in &overrides {
+                draft.apply("--set", argument);
+            }
+            let template = draft.template(&mut MapCache::default())?;
+            Inner::new(template, options, Arc::clone(&CACHE))
+        });
+        let inner = inner.map_err(raised)?;
+        let shape = inner.shape();
+        let (n, agents, length) = (shape.instances, shape.agents, shape.observation);
+        let layouts = inner.layouts().iter();
+        Ok(Self {
+            agents: inner.agents().map(|agent| agent.name.clone()).collect(),
+            entries: layouts.map(|layout| layout.names().to_vec()).collect(),
+            event_names: EVENT_NAMES.map(str::to_owned).to_vec(),
+            dt: inner.dt(),
+            inner: Mutex::new(inner),
+            observations: zeros(py, &[n, agents, length]),
+            final_observations: zeros(py, &[n, agents, length]),
+            rewards: zeros(py, &[n, agents]),
+            events: zeros(py, &[n, agents, EVENTS]),
+            statuses: zeros(py, &[n, agents]),
+            terminated: zeros(py, &[n]),
+            truncated: zeros(py, &[n]),
+            returns: zeros(py, &[n, agents]),
+            lengths: zeros(py, &[n]),
+            seeds: zeros(py, &[n]),
+        })
+    }
+
+    /// Begins new episodes: the first ones of a seed, or the next ones.
+    fn reset(&self, py: Python<'_>, seed: Option<u64>) -> PyResult<()> {
+        self.write(py, |inner, arrays| inner.reset(seed, arrays))
+    }
+
+    /// Does a step with actions of shape (instances, agents, 2); returns `True` if an episode ended.
+    fn step(&self, py: Python<'_>, actions: PyReadonlyArrayDyn<'_, f32>) -> PyResult<bool> {
+        let actions = actions.as_slice().map_err(|error| invalid(&error))?;
+        self.write(py, |inner, arrays| {
+            inner.step(actions, arrays)?;
+            let mut ends = arrays.terminated.iter().chain(arrays.truncated.iter());
+            Ok(ends.any(|&ended| ended))
+        })
+    }
+
+    /// Does several steps with the same actions, in one call.
+    fn repeat(
+        &self,
+        py: Python<'_>,
+        actions: PyReadonlyArrayDyn<'_, f32>,
+        count: usize,
+    ) -> PyResult<()> {
+        let actions = actions.as_slice().map_err(|error| invalid(&error))?;
+        self.write(py, |inner, arrays| {
+            (0..count).try_for_each(|_| inner.step(actions, arrays))
+        })
+    }
+
+    /// Returns seed and actions, shape (steps, agents, 2), of the last completed or of the running episode.
+    fn episode<'py>(
+        &self,
+        py: Python<'py>,
+        instance: usize,
+        running: bool,
+    ) -> PyResult<(u64, Bound<'py, PyArrayDyn<f32>>)> {
+        let episode = self.lock()?.episode(instance, which(running));
+        let episode = episode.map_err(raised)?;
+        let shape = [episode.steps as usize, self.agents.len(), 2];
+        let actions = episode.actions.into_pyarray(py).reshape(shape)?;
+        Ok((episode.seed, actions.to_dyn().clone()))
+    }
+
+    /// Executes an episode again as a run, with a log if there is a path; returns its report as JSON.
+    #[pyo3(signature = (instance, running, out=None, force=false))]
+    fn replay(
+        &self,
+        py: Python<'_>,
+        instance: usize,
+        running: bool,
+        out: Option<PathBuf>,
+        force: bool,
+    ) -> PyResult<String> {
+        let guard = self.lock()?;
+        let inner = &*guard;
+        let episode = inner.episode(instance, which(running)).map_err(raised)?;
+        let replayer = inner.replayer();
+        drop(guard);
+        let run = py.detach(|| replayer.run(&episode, out, force));
+        let (scenario, report) = run.map_err(raised)?;
+        Ok(report.json(&scenario, &scenario.remarks()).to_string())
+    }
+}
+
+impl Environments {
+    /// Returns the instances, which one thread at a time may use.
+    fn lock(&self) -> PyResult<MutexGuard<'_, Inner>> {
+        // Waiting would stop the thread that has them, which needs the interpreter to go on.
+        let locked = self.inner.try_lock();
+        locked.map_err(|_| Error::new_err("the environments are in use by another thread"))
+    }
+
+    /// Does work that writes all arrays, while other threads may run.
+    fn write<T: Send>(
+        &self,
+        py: Python<'_>,
+        work: impl FnOnce(&mut Inner, &mut ArraysMut<'_>) -> Result<T, EnvironmentError> + Send,
+    ) -> PyResult<T> {
+        macro_rules! borrow {
+            ($($name:ident),*) => {{
+                $(let mut $name = self.$name.bind(py).try_readwrite().map_err(|error| invalid(&error))?;)*
+                let mut arrays = ArraysMut {
+                    $($name: $name.as_slice_mut().map_err(|error| invalid(&error))?,)*
+                };
+                let mut guard = self.lock()?;
+                let inner = &mut *guard;
+                py.detach(|| work(inner, &mut arrays)).map_err(raised)
+            }};
+        }
+        borrow!(
+            observations,
+            final_observations,
+            rewards,
+            events,
+            statuses,
+            terminated,
+            truncated,
+            returns,
+            lengths,
+            seeds
+        )
+    }
+}
+
+fn zeros<T: Element>(py: Python<'_>, shape: &[usize]) -> Py<PyArrayDyn<T>> {
+    PyArrayDyn::zeros(py, shape, false).unbind()
+}
+
+fn which(running: bool) -> WhichEpisode {
+    if running {
+        WhichEpisode::Running
+    } else {
+        WhichEpisode::Last
+    }
+}
+
+/// Reads weights by their names; absent ones are the defaults.
+fn rewards(given: &[(String, f64)]) -> PyResult<RewardWeights> {
+    let mut weights = RewardWeights::default();
+    for (name, value) in given {
+        let weight = match name.as_str() {
+            "escape" => &mut weights.escape,
+            "caught" => &mut weights.caught,
+            "capture" => &mut weights.capture,
+            "lost" => &mut weights.lost,
+            "arrival" => &mut weights.arrival,
+            "contact" => &mut weights.contact,
+            "time" => &mut weights.time,
+            _ => {
+                return Err(InvalidInput::new_err(format!(
+                    "reward: no weight {name:?}: expected {} or time",
+                    EVENT_NAMES.join(", ")
+                )));
+            }
+        };
+        *weight = *value;
+    }
+    Ok(weights)
+}
+
+fn raised(error: EnvironmentError) -> PyErr {
+    let text = error.to_string();
+    if error.is_refusal() {
+        InvalidInput::new_err(text.trim_start_matches("error: ").to_owned())
+    } else {
+        Error::new_err(text)
+    }
+}

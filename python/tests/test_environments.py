@@ -1,0 +1,190 @@
+"""Environments for learning, against the checks of Gymnasium and PettingZoo and against ordinary runs."""
+
+import sys
+import warnings
+from pathlib import Path
+from typing import Any
+
+import gymnasium
+import numpy as np
+import protean_robotics as pr
+import pytest
+from gymnasium.utils.env_checker import check_env
+from numpy.typing import NDArray
+from pettingzoo.test import parallel_api_test, parallel_seed_test
+
+#: A chase that lasts one second.
+SHORT = {"rules.time_limit": 1.0}
+SCAN = {"defaults.robot.scan": {"beams": 8, "angle_increment": 0.785, "noise": 0.01}}
+
+
+def run_of(scenario: str, env_agents: tuple[str, ...], episode: Any, **arguments: Any) -> pr.Run:
+    """An ordinary run whose planners send the commands of an episode."""
+
+    @pr.planner
+    class Scripted:
+        def __init__(self, robot: pr.Robot) -> None:
+            self.actions = iter(episode.actions[:, env_agents.index(robot.name)].astype(np.float64))
+
+        def __call__(self, robot: pr.Robot) -> tuple[float, float]:
+            speed, turn = next(self.actions)
+            return speed * (robot.v_max if speed >= 0 else robot.v_reverse_max), turn * robot.omega_max
+
+    planners = dict.fromkeys(env_agents, Scripted)
+    return pr.run(scenario, seed=episode.seed, in_process=True, planners=planners, **arguments)
+
+
+@pytest.mark.parametrize(
+    ("scenario", "agents", "observation", "set"),
+    [
+        ("hello", ["robot"], "state", {}),
+        ("chase_exact", ["evader_1"], "state+scan", SHORT | SCAN),
+        ("chase_exact", ["evader", "police"], "state", SHORT),
+        ("chase", ["police"], "belief", SHORT),
+    ],
+)
+def test_an_env_passes_the_check_of_gymnasium(
+    scenario: str, agents: list[str], observation: str, set: dict[str, Any]
+) -> None:
+    env = pr.Env(scenario, agents=agents, observation=observation, set=set)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        # It has no registered specification.
+        warnings.filterwarnings("ignore", message=".*env.spec.*")
+        warnings.filterwarnings("ignore", message=".*not having a spec.*")
+        check_env(env)
+
+
+def test_a_parallel_env_passes_the_tests_of_pettingzoo() -> None:
+    def make() -> Any:
+        return pr.parallel_env("chase_exact", agents=["evader", "police_1"], set=SHORT)
+
+    parallel_api_test(make(), num_cycles=100)
+    parallel_seed_test(make)
+    parallel_api_test(pr.parallel_env("chase", agents=["evader_1"], set=SHORT), num_cycles=50)
+
+
+def test_an_episode_is_an_ordinary_run_of_the_same_actions() -> None:
+    for scenario, agents in [("chase_exact", ["evader"]), ("chase_exact", ["evader", "police"]), ("chase", ["police"])]:
+        envs = pr.VectorEnv(scenario, 2, agents=agents, set=SHORT)
+        envs.reset(seed=5)
+        envs.action_space.seed(1)
+        for _ in range(20):
+            _, _, _, truncations, infos = envs.step(envs.action_space.sample())
+        assert truncations.all()
+        for i in range(2):
+            episode = envs.episode(i)
+            assert episode.actions.shape == (20, len(envs.agents), 2)
+            run = run_of(scenario, envs.agents, episode, set=SHORT)
+            assert envs.digest(i) == run.digest
+            assert list(infos["outcome"][i]) == [run.outcome[name] for name in envs.agents]
+
+
+def test_the_log_of_an_episode_is_complete(tmp_path: Path) -> None:
+    env = pr.Env("chase_exact", agents=["evader"], set=SHORT)
+    env.reset(seed=1)
+    for _ in range(7):
+        env.step(env.action_space.sample())
+    run = env.save_log(tmp_path / "running.mcap", running=True)
+    assert run.log is not None and run.log.topics["world/state"] == 8
+    assert run.digest == env.digest(running=True)
+    with pytest.raises(pr.InvalidInput, match="no episode"):
+        env.digest()
+    with pytest.raises(pr.InvalidInput, match="exists"):
+        env.save_log(tmp_path / "running.mcap", running=True)
+
+
+def test_threads_do_not_change_results() -> None:
+    def run(threads: int) -> list[NDArray[Any]]:
+        envs = pr.VectorEnv("chase_exact", 5, agents=["evader"], set=SHORT, threads=threads)
+        results = [envs.reset(seed=3)[0]]
+        envs.action_space.seed(3)
+        for _ in range(30):
+            results += envs.step(envs.action_space.sample())[:4]
+        return results
+
+    alone = run(1)
+    for threads in (2, 5):
+        assert all(np.array_equal(a, b) for a, b in zip(alone, run(threads), strict=True))
+
+
+def test_ended_episodes_are_followed_in_the_same_step() -> None:
+    envs = pr.VectorEnv("chase_exact", 2, agents=["evader_1"], set=SHORT, reward={"time": -1.0})
+    assert isinstance(envs, gymnasium.vector.VectorEnv)
+    assert envs.metadata["autoreset_mode"] is gymnasium.vector.AutoresetMode.SAME_STEP
+    first, infos = envs.reset(seed=2)
+    seeds = infos["seed"]
+    for step in range(1, 21):
+        observations, rewards, terminations, truncations, infos = envs.step(np.zeros((2, 2), dtype=np.float32))
+        assert rewards == pytest.approx(-0.05)
+        assert truncations.all() == (step == 20) and not terminations.any()
+    assert infos["episode"]["r"] == pytest.approx(-1.0)
+    assert infos["episode"]["l"].tolist() == [20, 20]
+    assert infos["_final_obs"].all() and not (infos["seed"] == seeds).any()
+    # Entry 0 is 1 in the game.
+    assert [final[0] for final in infos["final_obs"]] == [0.0, 0.0]
+    assert observations[:, 0].tolist() == [1.0, 1.0]
+    assert observations in envs.observation_space and first.dtype == np.float32
+
+
+def test_arrays_are_the_same_without_copies() -> None:
+    envs = pr.VectorEnv("chase_exact", 3, agents=["evader_1"], copy=False)
+    observations, _ = envs.reset(seed=1)
+    before = observations.copy()
+    again, rewards, *_ = envs.step(np.ones((3, 2), dtype=np.float32))
+    assert again is observations and not np.array_equal(before, again)
+    assert envs.step(np.ones((3, 2), dtype=np.float32))[1] is rewards
+
+
+def test_a_function_may_compute_the_rewards() -> None:
+    proximity: list[int] = []
+
+    def approach(step: Any) -> NDArray[np.float64]:
+        assert step.events["escape"].shape == (2, 2) and step.dt == 0.05
+        result: NDArray[np.float64] = step.observations[:, :, proximity[0]] + 10.0 * step.truncated[:, None]
+        return result
+
+    envs = pr.VectorEnv("chase_exact", 2, agents=["evader"], set=SHORT, reward=approach)
+    proximity.append(envs.entries[0].index("exit_1.proximity"))
+    envs.reset(seed=1)
+    total = np.zeros(2)
+    for _ in range(20):
+        observations, rewards, _, truncations, infos = envs.step(np.ones((2, 2, 2), dtype=np.float32))
+        total += rewards
+        if not truncations.any():
+            assert np.allclose(rewards, observations[:, :, proximity[0]].sum(axis=1))
+    # The last observations are those of the ended episodes.
+    finals = np.stack(list(infos["final_obs"]))
+    assert np.allclose(rewards, finals[:, :, proximity[0]].sum(axis=1) + 20.0)
+    assert np.allclose(infos["episode"]["r"], total)
+
+
+def test_invalid_arguments_are_refused() -> None:
+    for arguments, text in [
+        ({"agents": ["evader_9"]}, "evader_1"),
+        ({"agents": "evader"}, "list of names"),
+        ({"agents": ["evader"], "observation": "lidar"}, "state, scan, belief"),
+        ({"agents": ["evader"], "observation": "scan"}, "no range scan"),
+        ({"agents": ["evader"], "reward": {"escapes": 1.0}}, "expected escape, caught"),
+        ({"agents": ["evader"], "threads": 0}, "threads = 0"),
+        ({"agents": ["evader"], "set": {"rules.time_limit": -1}}, "time_limit"),
+    ]:
+        with pytest.raises(pr.InvalidInput, match=text):
+            pr.VectorEnv("chase", 1, **arguments)  # type: ignore[arg-type]
+    envs = pr.VectorEnv("chase_exact", 2, agents=["evader"])
+    with pytest.raises(pr.Error, match="reset"):
+        envs.step(np.zeros((2, 2, 2), dtype=np.float32))
+    envs.reset()
+    with pytest.raises(pr.InvalidInput, match="shape"):
+        envs.step(np.zeros((2, 2), dtype=np.float32))
+    with pytest.raises(pr.InvalidInput, match="finite"):
+        envs.step(np.full((2, 2, 2), np.nan, dtype=np.float32))
+    with pytest.raises(pr.InvalidInput, match="instance 2"):
+        envs.digest(2)
+
+
+def test_without_gymnasium_the_error_names_the_extra(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delitem(sys.modules, "protean_robotics._gymnasium", raising=False)
+    monkeypatch.setitem(sys.modules, "gymnasium", None)
+    with pytest.raises(ImportError, match=r"protean-robotics\[gym\]"):
+        _ = pr.VectorEnv
