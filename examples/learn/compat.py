@@ -16,19 +16,21 @@ def stable_baselines3() -> None:
     """Trains with single environments, which the library puts together."""
     from stable_baselines3 import PPO
     from stable_baselines3.common.env_checker import check_env
+    from stable_baselines3.common.monitor import Monitor
     from stable_baselines3.common.vec_env import DummyVecEnv
 
     check_env(pr.Env("chase_exact", agents=["evader_1"], set=SHORT))
 
-    def make() -> pr.Env:
-        return pr.Env("chase_exact", agents=["evader_1"], set=SHORT, reward={"time": -0.1})
+    def make() -> Monitor:
+        return Monitor(pr.Env("chase_exact", agents=["evader_1"], set=SHORT, reward={"time": -0.1}))
 
     envs = DummyVecEnv([make] * 4)
     model = PPO("MlpPolicy", envs, n_steps=64, batch_size=64, seed=1, device="cpu")
     model.learn(1024)
-    episodes = model.ep_info_buffer
-    action, _ = model.predict(envs.reset(), deterministic=True)
-    print(f"stable-baselines3: PPO, {model.num_timesteps} steps, actions of shape {action.shape}, {len(episodes or [])} episodes")
+    episodes = [(episode["r"], episode["l"]) for episode in model.ep_info_buffer or []]
+    # A second costs 0.1; the game lasts one second, 20 steps.
+    assert episodes and all(abs(reward + 0.1) < 1e-5 and length == 20 for reward, length in episodes)
+    print(f"stable-baselines3: PPO, {model.num_timesteps} steps, {len(episodes)} episodes")
 
 
 def torchrl() -> None:

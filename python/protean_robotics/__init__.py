@@ -83,7 +83,11 @@ _GYM = {
 def __getattr__(name: str) -> Any:
     if name not in _GYM:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    return getattr(importlib.import_module(f".{_GYM[name]}", __name__), name)
+    try:
+        module = importlib.import_module(f".{_GYM[name]}", __name__)
+    except ModuleNotFoundError as error:
+        raise ModuleNotFoundError(f"{name}: {error}: expected pip install 'protean-robotics[gym]'") from error
+    return getattr(module, name)
 
 
 def __dir__() -> list[str]:

@@ -4,19 +4,15 @@ import os
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+import gymnasium
 import numpy as np
+from gymnasium.spaces import Box
+from gymnasium.vector import AutoresetMode
+from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
 from ._environments import Episode, Instances, Reward, outcome
 from ._run import Run
-
-try:
-    import gymnasium
-    from gymnasium.spaces import Box
-    from gymnasium.vector import AutoresetMode
-    from gymnasium.vector.utils import batch_space
-except ModuleNotFoundError as error:
-    raise ModuleNotFoundError(f"{error}: environments need pip install 'protean-robotics[gym]'") from error
 
 
 def box(shape: tuple[int, ...]) -> Box:
@@ -75,7 +71,7 @@ class VectorEnv(gymnasium.vector.VectorEnv[NDArray[np.float32], NDArray[np.float
     >>> import protean_robotics as pr
     >>> envs = pr.VectorEnv("chase_exact", 3, agents=["evader_1"], seed=1, set={"rules.time_limit": 1})
     >>> observations, infos = envs.reset()
-    >>> observations.shape, infos["seed"].shape
+    >>> observations.shape, envs.seeds.shape
     ((3, 62), (3,))
     >>> for _ in range(20):
     ...     observations, rewards, terminations, truncations, infos = envs.step(envs.action_space.sample())
@@ -111,7 +107,9 @@ class VectorEnv(gymnasium.vector.VectorEnv[NDArray[np.float32], NDArray[np.float
             allow_outside=allow_outside,
         )
         self.num_envs = num_envs
-        self.metadata = {"render_modes": [], "autoreset_mode": AutoresetMode.SAME_STEP}
+        # TorchRL reads the attribute, Gymnasium the metadata.
+        self.autoreset_mode = AutoresetMode.SAME_STEP
+        self.metadata = {"render_modes": [], "autoreset_mode": self.autoreset_mode}
         self._copy = copy
         self._single = len(instances.agents) == 1
         entries = instances.observations.shape[2]
@@ -135,6 +133,11 @@ class VectorEnv(gymnasium.vector.VectorEnv[NDArray[np.float32], NDArray[np.float
         """Names of the entries of the observation of each agent; further entries are 0."""
         return self._instances.entries
 
+    @property
+    def seeds(self) -> NDArray[np.uint64]:
+        """Seeds of the scenarios of the running episodes, shape (num_envs,)."""
+        return self._instances.seeds.copy()
+
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[NDArray[np.float32], dict[str, Any]]:
@@ -152,11 +155,11 @@ class VectorEnv(gymnasium.vector.VectorEnv[NDArray[np.float32], NDArray[np.float
         observations
             First observations.
         infos
-            The seeds of the scenarios of the episodes ("seed").
+            Nothing.
         """
         super().reset(seed=seed)
         self._instances.reset(seed)
-        return self._own(self._observations), {"seed": self._instances.seeds.copy()}
+        return self._own(self._observations), {}
 
     def step(
         self, actions: NDArray[np.float32]
@@ -179,8 +182,8 @@ class VectorEnv(gymnasium.vector.VectorEnv[NDArray[np.float32], NDArray[np.float
         truncations
             True where the time limit ended it.
         infos
-            If an episode ended: "final_obs", "episode" (return "r", length "l"), "outcome" of the agents, "seed" of the
-            next episode, each with its mask "_…".
+            If an episode ended: "final_obs", "episode" (return "r", length "l") and "outcome" of the agents, each with its
+            mask "_…".
         """
         instances = self._instances
         any_ended = instances.step(actions)
@@ -210,8 +213,7 @@ class VectorEnv(gymnasium.vector.VectorEnv[NDArray[np.float32], NDArray[np.float
             "_l": ended,
         }
         infos["outcome"] = outcomes
-        infos["seed"] = instances.seeds.copy()
-        for name in ("final_obs", "episode", "outcome", "seed"):
+        for name in ("final_obs", "episode", "outcome"):
             infos[f"_{name}"] = ended
 
     def _own(self, array: NDArray[Any]) -> NDArray[Any]:

@@ -5,17 +5,13 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
+import pettingzoo  # type: ignore[import-untyped]
+from gymnasium.spaces import Box
 from numpy.typing import NDArray
 
 from ._environments import OUTCOMES, Episode, Instances, Reward, outcome
 from ._gymnasium import box
 from ._run import Run
-
-try:
-    import pettingzoo  # type: ignore[import-untyped]
-    from gymnasium.spaces import Box
-except ModuleNotFoundError as error:
-    raise ModuleNotFoundError(f"{error}: environments need pip install 'protean-robotics[gym]'") from error
 
 _TIMED_OUT = OUTCOMES.index("timed_out")
 

@@ -112,15 +112,15 @@ def test_ended_episodes_are_followed_in_the_same_step() -> None:
     envs = pr.VectorEnv("chase_exact", 2, agents=["evader_1"], set=SHORT, reward={"time": -1.0})
     assert isinstance(envs, gymnasium.vector.VectorEnv)
     assert envs.metadata["autoreset_mode"] is gymnasium.vector.AutoresetMode.SAME_STEP
-    first, infos = envs.reset(seed=2)
-    seeds = infos["seed"]
+    first, _ = envs.reset(seed=2)
+    seeds = envs.seeds
     for step in range(1, 21):
         observations, rewards, terminations, truncations, infos = envs.step(np.zeros((2, 2), dtype=np.float32))
         assert rewards == pytest.approx(-0.05)
         assert truncations.all() == (step == 20) and not terminations.any()
     assert infos["episode"]["r"] == pytest.approx(-1.0)
     assert infos["episode"]["l"].tolist() == [20, 20]
-    assert infos["_final_obs"].all() and not (infos["seed"] == seeds).any()
+    assert infos["_final_obs"].all() and not (envs.seeds == seeds).any()
     # Entry 0 is 1 in the game.
     assert [final[0] for final in infos["final_obs"]] == [0.0, 0.0]
     assert observations[:, 0].tolist() == [1.0, 1.0]
