@@ -74,6 +74,20 @@ Reward = Mapping[str, float] | Callable[[Step], ArrayLike] | None
 class Instances:
     """Instances with their rewards. The arrays are the same objects in all steps."""
 
+    core: Environments
+    agents: tuple[str, ...]
+    entries: list[list[str]]
+    shape: tuple[int, int, int]
+    observations: NDArray[np.float32]
+    final_observations: NDArray[np.float32]
+    rewards: NDArray[np.float64]
+    returns: NDArray[np.float64]
+    terminated: NDArray[np.bool_]
+    truncated: NDArray[np.bool_]
+    statuses: NDArray[np.uint8]
+    lengths: NDArray[np.uint64]
+    seeds: NDArray[np.uint64]
+
     def __init__(
         self,
         scenario: str | os.PathLike[str],

@@ -6,7 +6,7 @@ from typing import Any
 
 import gymnasium
 import numpy as np
-from gymnasium.spaces import Box
+from gymnasium.spaces import Box, Space
 from gymnasium.vector import AutoresetMode
 from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
@@ -15,7 +15,7 @@ from ._environments import Episode, Instances, Reward, outcome
 from ._run import Run
 
 
-def box(shape: tuple[int, ...]) -> Box:
+def box(shape: tuple[int, ...]) -> Space[NDArray[np.float32]]:
     """Returns the space of arrays whose entries are in -1..1."""
     return Box(-1.0, 1.0, shape, np.float32)
 
@@ -80,6 +80,13 @@ class VectorEnv(gymnasium.vector.VectorEnv[NDArray[np.float32], NDArray[np.float
     >>> len(envs.digest(0))
     64
     """
+
+    metadata: dict[str, Any]
+    autoreset_mode: AutoresetMode
+    single_observation_space: Space[NDArray[np.float32]]
+    single_action_space: Space[NDArray[np.float32]]
+    observation_space: Space[NDArray[np.float32]]
+    action_space: Space[NDArray[np.float32]]
 
     def __init__(
         self,
@@ -275,6 +282,10 @@ class Env(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
     >>> observation.shape, env.entries[0][:3]
     ((12,), ['own.active', 'own.x', 'own.y'])
     """
+
+    metadata: dict[str, Any]
+    observation_space: Space[NDArray[np.float32]]
+    action_space: Space[NDArray[np.float32]]
 
     def __init__(
         self,

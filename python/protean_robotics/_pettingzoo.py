@@ -2,33 +2,45 @@
 
 import os
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import pettingzoo  # type: ignore[import-untyped]
-from gymnasium.spaces import Box
+from gymnasium.spaces import Space
 from numpy.typing import NDArray
 
 from ._environments import OUTCOMES, Episode, Instances, Reward, outcome
 from ._gymnasium import box
 from ._run import Run
 
+if TYPE_CHECKING:
+    # The package has no types.
+    _ParallelEnv = object
+else:
+    from pettingzoo import ParallelEnv as _ParallelEnv
+
 _TIMED_OUT = OUTCOMES.index("timed_out")
 
 
-class ParallelEnv(pettingzoo.ParallelEnv[str, NDArray[np.float32], NDArray[np.float32]]):  # type: ignore[misc]
+class ParallelEnv(_ParallelEnv):
     """One instance of a scenario with one learner per agent, after PettingZoo's ``ParallelEnv``.
 
     ``parallel_env`` makes it. An agent leaves with its last step in the game: it terminates when it is caught, escapes,
     arrives, or the mission is decided, and is truncated by the time limit.
     """
 
+    metadata: dict[str, Any]
+    render_mode: str | None
+    possible_agents: list[str]
+    agents: list[str]
+    observation_spaces: dict[str, Space[NDArray[np.float32]]]
+    action_spaces: dict[str, Space[NDArray[np.float32]]]
+
     def __init__(self, instances: Instances) -> None:
         self._instances = instances
         self.metadata = {"name": "protean", "render_modes": [], "is_parallelizable": True}
         self.render_mode = None
         self.possible_agents = list(instances.agents)
-        self.agents: list[str] = []
+        self.agents = []
         self._rows = {name: row for row, name in enumerate(instances.agents)}
         lengths = [len(names) for names in instances.entries]
         self.observation_spaces = {name: box((lengths[row],)) for name, row in self._rows.items()}
@@ -37,7 +49,7 @@ class ParallelEnv(pettingzoo.ParallelEnv[str, NDArray[np.float32], NDArray[np.fl
         # The next episode has begun with the end of the last one.
         self._has_begun = False
 
-    def observation_space(self, agent: str) -> Box:
+    def observation_space(self, agent: str) -> Space[NDArray[np.float32]]:
         """Space of the observations of an agent.
 
         Parameters
@@ -47,7 +59,7 @@ class ParallelEnv(pettingzoo.ParallelEnv[str, NDArray[np.float32], NDArray[np.fl
         """
         return self.observation_spaces[agent]
 
-    def action_space(self, agent: str) -> Box:
+    def action_space(self, agent: str) -> Space[NDArray[np.float32]]:
         """Space of the actions of an agent.
 
         Parameters
