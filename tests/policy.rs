@@ -24,26 +24,37 @@ fn prepare(sandbox: &Sandbox) {
     sandbox.file("chase.toml", chase("model = \"models/to_the_exit.onnx\""));
 }
 
+/// The folder of the example.
+const EXAMPLE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../examples/learn");
+
+/// Digest of the first seconds of a mission, which is the same with processes and in one; its log is `run.mcap`.
+fn digest(sandbox: &Sandbox, scenario: &str, seed: &str, set: Option<&str>) -> String {
+    let mission = || {
+        let call = sandbox.protean(["run", scenario, "--quiet", "--seed", seed]);
+        let call = call.set("rules.time_limit=8");
+        match set {
+            None => call,
+            Some(set) => call.set(set),
+        }
+    };
+    let alone = mission().arg("--in-process").json();
+    let call = mission()
+        .set(PATIENCE)
+        .args(["--force", "--out", "run.mcap"]);
+    let digest = call.json()["digest"].as_str().unwrap().to_owned();
+    assert_eq!(alone["digest"], digest.as_str());
+    digest
+}
+
 #[test]
 fn a_mission_has_one_digest_with_processes_in_one_and_from_its_log_alone() {
     let sandbox = Sandbox::new();
     prepare(&sandbox);
     let mut lines = String::new();
     for (options, seed) in [("", "1"), ("ticks_per_action=4", "1"), ("", "2")] {
-        let mission = || {
-            let call = sandbox.protean(["run", "chase.toml", "--quiet", "--seed", seed]);
-            let call = call.set("rules.time_limit=8");
-            match options {
-                "" => call,
-                _ => call.set(&format!("processes.policy.params.{options}")),
-            }
-        };
-        let alone = mission().arg("--in-process").json();
-        let call = mission()
-            .set(PATIENCE)
-            .args(["--force", "--out", "run.mcap"]);
-        let digest = call.json()["digest"].as_str().unwrap().to_owned();
-        assert_eq!(alone["digest"], digest.as_str());
+        let set = format!("processes.policy.params.{options}");
+        let set = (!options.is_empty()).then_some(set.as_str());
+        let digest = digest(&sandbox, "chase.toml", seed, set);
         writeln!(lines, "to_the_exit {seed} {options} {digest}").unwrap();
     }
     crate::goldens::compare("policy.txt", &lines);
@@ -82,4 +93,27 @@ fn what_does_not_fit_is_named_before_the_first_tick() {
         1,
         &["its input has 62 numbers, but the observation `state+belief`"],
     );
+}
+
+#[test]
+fn the_example_is_the_chase_but_for_its_evaders_and_has_one_digest() {
+    let sandbox = Sandbox::new();
+    for file in ["chase.toml", "evader.onnx"] {
+        let path = format!("{EXAMPLE}/{file}");
+        sandbox.file(file, std::fs::read(path).unwrap());
+    }
+    let mut lines = String::new();
+    for seed in ["1", "2"] {
+        let digest = digest(&sandbox, "chase.toml", seed, None);
+        writeln!(lines, "evader {seed} {digest}").unwrap();
+    }
+    crate::goldens::compare("policy_example.txt", &lines);
+    let path = sandbox.path().join("chase.toml");
+    let load = |target: &str| kinds::load(target, &[], Some(7)).unwrap();
+    let (example, chase) = (load(path.to_str().unwrap()), load("chase"));
+    assert_eq!(example.world, chase.world);
+    assert_eq!(example.run, chase.run);
+    assert_eq!(example.processes[..5], chase.processes[..5]);
+    assert_eq!(example.processes.len(), chase.processes.len());
+    sandbox.assert_nothing_left();
 }
