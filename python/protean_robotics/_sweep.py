@@ -79,7 +79,6 @@ class _Task:
     allow_external: bool
     allow_outside: bool
     retry_failed: bool
-    quiet: bool
     placed: list[SimpleNamespace] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -211,17 +210,16 @@ def sweep(
         allow_external=allow_external,
         allow_outside=allow_outside,
         retry_failed=retry_failed,
-        quiet=quiet,
     )
     directory, missing = missions_to_run(task.experiment, None if out is None else Path(out), task)
     if executor is not None and missing:
         count = shards or min(_PARTS_PER_PROCESSOR * (os.cpu_count() or 1), len(missing))
-        _distribute(task, executor, directory, count, missing)
+        _distribute(task, executor, directory, count, missing, quiet)
         task, quiet = replace(task, retry_failed=False), True
     return Sweep(directory, task.run(directory, None, jobs, quiet))
 
 
-def _distribute(task: _Task, executor: Executor, out: Path, count: int, missing: list[int]) -> None:
+def _distribute(task: _Task, executor: Executor, out: Path, count: int, missing: list[int], quiet: bool) -> None:
     """Runs the parts that have missing missions on an executor, and merges each into the results when it ends."""
     shards = sorted({number % count for number in missing})
     running = {executor.submit(_part, task, f"{shard + 1}/{count}"): shard for shard in shards}
@@ -243,7 +241,7 @@ def _distribute(task: _Task, executor: Executor, out: Path, count: int, missing:
                     failures.append(error)
             _merge(parts, out)
             merged += len(parts)
-            if not task.quiet and (time.monotonic() - shown > _LINE_INTERVAL or not running):
+            if not quiet and (time.monotonic() - shown > _LINE_INTERVAL or not running):
                 shown = time.monotonic()
                 print(f"{merged}/{len(shards)} parts", file=sys.stderr, flush=True)
     finally:
