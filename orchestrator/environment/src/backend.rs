@@ -1,6 +1,5 @@
 //! Execution of the world of an instance: alone, or with the processes of the scenario.
 
-use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use geometry::pose::{Pose2, Twist2};
@@ -78,7 +77,7 @@ impl Backend for WithProcesses {
     fn new(shared: &Shared, seed: u64) -> Result<Self, EnvironmentError> {
         let scenario = shared.scenario(seed)?;
         let commands = Arc::new(Current::default());
-        let mut own = BTreeMap::new();
+        let mut own = shared.options.programs.clone();
         for &index in &shared.agents.processes {
             if let Some(process) = scenario.processes.get(index) {
                 let params = CommandedParams::new(Arc::clone(&commands) as _);

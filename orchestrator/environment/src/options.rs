@@ -1,6 +1,9 @@
 //! Options of environments.
 
+use std::collections::BTreeMap;
+
 use observation::parts::Parts;
+use scenario::kind::ConfiguredKind;
 
 use crate::error::EnvironmentError;
 use crate::rewards::RewardWeights;
@@ -25,6 +28,8 @@ pub struct Options {
     pub threads: usize,
     /// Weights of the rewards.
     pub rewards: RewardWeights,
+    /// Kinds that run in the place of external programs, by the name of the process.
+    pub programs: BTreeMap<String, ConfiguredKind>,
 }
 
 impl Default for Options {
@@ -39,6 +44,7 @@ impl Default for Options {
             seed: 0,
             threads: 1,
             rewards: RewardWeights::default(),
+            programs: BTreeMap::new(),
         }
     }
 }

@@ -51,7 +51,7 @@ fn replay(
 ) -> Result<(ResolvedScenario, MissionReport), EnvironmentError> {
     let mut scenario = shared.scenario(episode.seed)?;
     let commands = Arc::new(Recorded(commands(shared, episode)));
-    let mut programs = BTreeMap::new();
+    let mut programs = shared.options.programs.clone();
     for &index in &shared.agents.processes {
         let Some(process) = scenario.processes.get_mut(index) else {
             continue;
