@@ -10,17 +10,27 @@ mod names;
 
 use std::path::PathBuf;
 
+/// Path of a golden file.
+fn path(name: &str) -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR"))
+        .join("goldens")
+        .join(name)
+}
+
+/// Text of a golden file.
+fn golden(name: &str) -> String {
+    std::fs::read_to_string(path(name)).unwrap()
+}
+
 /// Compares a text with the golden file of this name, or writes the file if `PROTEAN_GOLDENS=write`.
 #[track_caller]
 pub fn compare(name: &str, now: &str) {
-    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR"))
-        .join("goldens")
-        .join(name);
+    let path = path(name);
     if std::env::var_os("PROTEAN_GOLDENS").is_some_and(|word| word == "write") {
         std::fs::write(&path, now).unwrap();
         return;
     }
-    let golden = std::fs::read_to_string(&path).unwrap();
+    let golden = golden(name);
     let missing = golden
         .lines()
         .filter(|line| !now.lines().any(|l| l == *line));
