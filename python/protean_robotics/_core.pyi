@@ -49,6 +49,7 @@ class Environments:
         seed: int,
         threads: int,
         weights: Sequence[tuple[str, float]],
+        planners: Sequence[Any],
         allow_outside: bool,
     ) -> Environments: ...
     @property

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ._core import Environments, InvalidInput
+from ._planner import Planner, placed
 from ._program import overrides
 from ._run import Run
 
@@ -99,6 +100,7 @@ class Instances:
         threads: int,
         set: Mapping[str, Any] | None,
         reward: Reward,
+        planners: Mapping[str, Planner] | None,
         allow_outside: bool,
     ) -> None:
         if isinstance(agents, str):
@@ -114,6 +116,7 @@ class Instances:
             seed=seed,
             threads=threads,
             weights=[(name, float(weight)) for name, weight in weights.items()],
+            planners=placed(planners),
             allow_outside=allow_outside,
         )
         self.agents = tuple(core.agents)

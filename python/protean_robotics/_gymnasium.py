@@ -12,6 +12,7 @@ from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
 from ._environments import Episode, Instances, Reward, outcome
+from ._planner import Planner
 from ._run import Run
 
 
@@ -56,6 +57,8 @@ class VectorEnv(gymnasium.vector.VectorEnv[NDArray[np.float32], NDArray[np.float
         Weights of the events: "escape" (default 1), "caught" (-1), "capture" (1; an opponent was caught), "lost" (-1; an
         opponent escaped), "arrival" (1; at the goal), "contact" (0), "time" (0; per second). Or a function from a
         ``Step`` to rewards.
+    planners
+        Planners in the place of those of the scenario, as for ``run``.
     copy
         False to return the arrays themselves, which the next step overwrites.
     allow_outside
@@ -99,6 +102,7 @@ class VectorEnv(gymnasium.vector.VectorEnv[NDArray[np.float32], NDArray[np.float
         threads: int = 1,
         set: Mapping[str, Any] | None = None,
         reward: Reward = None,
+        planners: Mapping[str, Planner] | None = None,
         copy: bool = True,
         allow_outside: bool = False,
     ) -> None:
@@ -111,6 +115,7 @@ class VectorEnv(gymnasium.vector.VectorEnv[NDArray[np.float32], NDArray[np.float
             threads=threads,
             set=set,
             reward=reward,
+            planners=planners,
             allow_outside=allow_outside,
         )
         self.num_envs = num_envs
@@ -296,6 +301,7 @@ class Env(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
         seed: int = 0,
         set: Mapping[str, Any] | None = None,
         reward: Reward = None,
+        planners: Mapping[str, Planner] | None = None,
         allow_outside: bool = False,
     ) -> None:
         self._vector = vector = VectorEnv(
@@ -306,6 +312,7 @@ class Env(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
             seed=seed,
             set=set,
             reward=reward,
+            planners=planners,
             copy=False,
             allow_outside=allow_outside,
         )

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from ._environments import OUTCOMES, Episode, Instances, Reward, outcome
 from ._gymnasium import box
+from ._planner import Planner
 from ._run import Run
 
 if TYPE_CHECKING:
@@ -177,13 +178,14 @@ def parallel_env(
     seed: int = 0,
     set: Mapping[str, Any] | None = None,
     reward: Reward = None,
+    planners: Mapping[str, Planner] | None = None,
     allow_outside: bool = False,
 ) -> ParallelEnv:
     """Makes an environment with one learner per agent, after PettingZoo's ``ParallelEnv``.
 
     Parameters
     ----------
-    scenario, agents, observation, seed, set, reward, allow_outside
+    scenario, agents, observation, seed, set, reward, planners, allow_outside
         As for ``VectorEnv``.
 
     Raises
@@ -212,6 +214,7 @@ def parallel_env(
         threads=1,
         set=set,
         reward=reward,
+        planners=planners,
         allow_outside=allow_outside,
     )
     return ParallelEnv(instances)

@@ -1,5 +1,6 @@
 //! Environments for learning: many instances of a scenario, with arrays that steps write in place.
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, MutexGuard};
 
@@ -14,7 +15,7 @@ use scenario::{Loader, MapCache};
 
 use crate::arguments::invalid;
 use crate::error::{Error, InvalidInput};
-use crate::run::CACHE;
+use crate::run::{CACHE, Planned, kinds_of, place};
 
 /// Instances of a scenario whose agents Python steers. Its arrays are the same objects in all steps.
 #[pyclass(frozen, module = "protean_robotics")]
@@ -67,7 +68,9 @@ pub struct Environments {
 #[pymethods]
 impl Environments {
     #[new]
-    #[pyo3(signature = (scenario, *, overrides, agents, observation, instances, seed, threads, weights, allow_outside))]
+    #[pyo3(signature = (
+        scenario, *, overrides, agents, observation, instances, seed, threads, weights, planners, allow_outside
+    ))]
     #[expect(
         clippy::too_many_arguments,
         reason = "the options of the Python classes"
@@ -82,27 +85,34 @@ impl Environments {
         seed: u64,
         threads: usize,
         weights: Vec<(String, f64)>,
+        planners: Vec<Planned>,
         allow_outside: bool,
     ) -> PyResult<Self> {
-        let options = Options {
+        let mut options = Options {
             instances,
             agents,
             observation: observation.parse().map_err(|error| invalid(&error))?,
             seed,
             threads,
             rewards: rewards(&weights)?,
+            programs: BTreeMap::new(),
         };
         let inner = py.detach(|| {
             runtime::logging::start("warn");
             let loader = Loader::new(KINDS).allow_outside(allow_outside);
-            let mut draft = loader.draft(&scenario)?;
+            let draft = loader.draft(&scenario);
+            let mut draft = draft.map_err(|problems| raised(problems.into()))?;
             for argument in &overrides {
                 draft.apply("--set", argument);
             }
-            let template = draft.template(&mut MapCache::default())?;
-            Inner::new(template, options, Arc::clone(&CACHE))
-        });
-        let inner = inner.map_err(raised)?;
+            let template = draft.template(&mut MapCache::default());
+            let mut template = template.map_err(|problems| raised(problems.into()))?;
+            let placed = template.change(|scenario| place(scenario, &planners));
+            placed.map_err(InvalidInput::new_err)?;
+            let programs = kinds_of(template.scenario(), &planners);
+            options.programs = programs.map_err(InvalidInput::new_err)?;
+            Inner::new(template, options, Arc::clone(&CACHE)).map_err(raised)
+        })?;
         let shape = inner.shape();
         let (n, agents, length) = (shape.instances, shape.agents, shape.observation);
         let layouts = inner.layouts().iter();

@@ -30,7 +30,7 @@ def run_of(scenario: str, env_agents: tuple[str, ...], episode: Any, **arguments
             speed, turn = next(self.actions)
             return speed * (robot.v_max if speed >= 0 else robot.v_reverse_max), turn * robot.omega_max
 
-    planners = dict.fromkeys(env_agents, Scripted)
+    planners = dict.fromkeys(env_agents, Scripted) | arguments.pop("planners", {})
     return pr.run(scenario, seed=episode.seed, in_process=True, planners=planners, **arguments)
 
 
@@ -188,3 +188,23 @@ def test_without_gymnasium_the_error_names_the_extra(monkeypatch: pytest.MonkeyP
     monkeypatch.setitem(sys.modules, "gymnasium", None)
     with pytest.raises(ImportError, match=r"protean-robotics\[gym\]"):
         _ = pr.VectorEnv
+
+
+@pr.planner
+def wanders(robot: pr.Robot, rng: np.random.Generator) -> tuple[float, float]:
+    return 0.7 * robot.v_max, rng.normal(scale=0.5)
+
+
+def test_planners_in_python_drive_the_other_robots() -> None:
+    others = {"police": wanders}
+    envs = pr.VectorEnv("chase_exact", 2, agents=["evader"], seed=3, set=SHORT, planners=others, threads=2)
+    envs.reset()
+    actions = np.random.default_rng(1).uniform(-1, 1, (20, *envs.action_space.shape)).astype(np.float32)
+    for step in actions:
+        *_, truncations, _ = envs.step(step)
+    assert truncations.all()
+    for i in range(2):
+        run = run_of("chase_exact", envs.agents, envs.episode(i), set=SHORT, planners=others)
+        assert run.digest == envs.digest(i)
+    with pytest.raises(pr.InvalidInput, match="planners: .*nobody"):
+        pr.VectorEnv("chase_exact", agents=["evader"], planners={"nobody": wanders})
