@@ -63,7 +63,7 @@ impl Evidence {
     /// Returns the claims of papers.
     ///
     /// # Errors
-    /// [`LapsError`] if a built-in scenario of the patrol is unusable.
+    /// `LapsError` if a built-in scenario of the patrol is unusable.
     pub fn claims(&self, papers: &[Paper]) -> Result<Vec<Claim>, LapsError> {
         let mut claims = Vec::new();
         for paper in papers {
@@ -80,7 +80,7 @@ impl Evidence {
     /// Returns the pages of documentation about papers, with the names of their files.
     ///
     /// # Errors
-    /// [`TemplateError`] if a template does not match its values.
+    /// `TemplateError` if a template does not match its values.
     pub fn pages(&self, papers: &[Paper]) -> Result<Vec<(&'static str, Page)>, TemplateError> {
         let mut pages = Vec::new();
         if papers.contains(&Paper::Chase) {
