@@ -206,5 +206,5 @@ def test_planners_in_python_drive_the_other_robots() -> None:
     for i in range(2):
         run = run_of("chase_exact", envs.agents, envs.episode(i), set=SHORT, planners=others)
         assert run.digest == envs.digest(i)
-    with pytest.raises(pr.InvalidInput, match="planners: .*nobody"):
-        pr.VectorEnv("chase_exact", agents=["evader"], planners={"nobody": wanders})
+    with pytest.raises(pr.InvalidInput, match="planners: .*guard"):
+        pr.VectorEnv("chase_exact", agents=["evader"], planners={"guard": wanders})
