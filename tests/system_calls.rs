@@ -168,8 +168,13 @@ fn run(count: u64) {
 /// A run that goes on beside the calls, and the remains of another.
 fn clean(count: u64) {
     let living = Sandbox::new();
-    let words = "run chase --quiet --out run.mcap --set run.dt=0.0005";
-    let mut running = living.protean(words.split(' ')).set(PATIENCE).start();
+    // So slow that it does not end by itself, however long the calls take.
+    let words = "run chase --quiet --out run.mcap --set run.dt=0.0005 --set rules.time_limit=40000 \
+                 --set teams.evader.limits.v_max=0.01 --set teams.police.limits.v_max=0.01";
+    let mut running = living
+        .protean(words.split_whitespace())
+        .set(PATIENCE)
+        .start();
     let run = living.next_run(&BTreeSet::new());
     wait_for_tick(&run, 2);
     let page = TickBarrier::open(&Sandbox::prefix(&run)).unwrap();
