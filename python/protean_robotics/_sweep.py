@@ -4,9 +4,9 @@ import io
 import json
 import os
 import sys
-import tarfile
 import tempfile
 import time
+import zipfile
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -22,6 +22,8 @@ from ._program import json_of, overrides
 _PARTS_PER_PROCESSOR = 4
 #: Time between two looks at the parts (s).
 _INTERVAL = 0.05
+#: Shortest time between two mergings (s).
+_MERGE_INTERVAL = 1.0
 #: Time between two lines of progress (s).
 _LINE_INTERVAL = 10.0
 
@@ -220,35 +222,38 @@ def sweep(
 
 
 def _distribute(task: _Task, executor: Executor, out: Path, count: int, missing: list[int], quiet: bool) -> None:
-    """Runs the parts that have missing missions on an executor, and merges each into the results when it ends."""
+    """Runs the parts that have missing missions on an executor, and merges those that ended into the results."""
     shards = sorted({number % count for number in missing})
     running = {executor.submit(_part, task, f"{shard + 1}/{count}"): shard for shard in shards}
+    parts: list[bytes] = []
     failures: list[BaseException] = []
-    merged = 0
     shown = time.monotonic()
+    next_merge = shown + _MERGE_INTERVAL
     try:
         while running:
-            ended = [future for future in running if future.done()]
-            if not ended:
-                time.sleep(_INTERVAL)
-                continue
-            parts = []
-            for future in ended:
+            time.sleep(_INTERVAL)
+            for future in [future for future in running if future.done()]:
                 del running[future]
                 try:
                     parts.append(future.result())
                 except Exception as error:  # What the executor or the part raised.
                     failures.append(error)
-            _merge(parts, out)
-            merged += len(parts)
-            if not quiet and (time.monotonic() - shown > _LINE_INTERVAL or not running):
-                shown = time.monotonic()
-                print(f"{merged}/{len(shards)} parts", file=sys.stderr, flush=True)
+            now = time.monotonic()
+            if now > next_merge:
+                _merge(parts, out)
+                parts.clear()
+                # Every merging writes all tables anew: the larger they are, the more parts go into one.
+                next_merge = time.monotonic() + max(_MERGE_INTERVAL, 10 * (time.monotonic() - now))
+            if not quiet and (now > shown + _LINE_INTERVAL or not running):
+                shown = now
+                ended = len(shards) - len(running) - len(failures)
+                print(f"{ended}/{len(shards)} parts", file=sys.stderr, flush=True)
     finally:
         for future in running:
             cancel = getattr(future, "cancel", None)
             if cancel is not None:
                 cancel()
+        _merge(parts, out)
     if failures:
         first = failures[0]
         if isinstance(first, InvalidInput):
@@ -264,9 +269,13 @@ def _part(task: _Task, shard: str) -> bytes:
     with tempfile.TemporaryDirectory(prefix="protean-") as folder:
         part = Path(folder) / "part"
         task.run(part, shard, 1, True)
+        # Merging writes the tables anew.
+        tables = {part / f"{path.stem}{suffix}" for path in part.glob("*.parquet") for suffix in (".csv", ".parquet")}
         archive = io.BytesIO()
-        with tarfile.open(fileobj=archive, mode="w:gz") as tar:
-            tar.add(part, arcname="part")
+        with zipfile.ZipFile(archive, "w", zipfile.ZIP_DEFLATED) as files:
+            for path in part.rglob("*"):
+                if path not in tables:
+                    files.write(path, path.relative_to(part))
         return archive.getvalue()
 
 
@@ -275,8 +284,8 @@ def _merge(parts: list[bytes], out: Path) -> None:
     if not parts:
         return
     with tempfile.TemporaryDirectory(prefix="protean-") as folder:
-        for number, part in enumerate(parts):
-            with tarfile.open(fileobj=io.BytesIO(part)) as tar:
-                tar.extractall(Path(folder) / str(number), filter="data")
-        directories = [str(Path(folder) / str(number) / "part") for number in range(len(parts))]
+        directories = [os.path.join(folder, str(number)) for number in range(len(parts))]
+        for part, directory in zip(parts, directories, strict=True):
+            with zipfile.ZipFile(io.BytesIO(part)) as files:
+                files.extractall(directory)
         json_of(["sweep", "merge", *directories, f"--out={out}"])

@@ -187,6 +187,21 @@ def test_the_table_is_the_same_after_a_worker_is_killed(engine: Callable[[], Abs
     assert table(done) == whole
 
 
+def test_the_results_of_the_other_parts_are_kept_when_one_fails() -> None:
+    class Faulty(ThreadPoolExecutor):
+        def submit(self, call, task, shard):  # type: ignore[no-untyped-def]
+            return super().submit((lambda: 1 / 0) if shard == "2/4" else (lambda: call(task, shard)))
+
+    whole = by_command()
+    with Faulty(2) as executor, pytest.raises(pr.Error, match="1 of 4 parts failed: ZeroDivisionError"):
+        pr.sweep("limits.toml", out="faulty", in_process=True, executor=executor, shards=4, quiet=True)
+    kept = Path("faulty/results.csv").read_bytes().splitlines()
+    assert len(kept) == 1 + MISSIONS * 3 // 4
+    done = pr.sweep("limits.toml", out="faulty", in_process=True, quiet=True)
+    assert done.summary["carried_out"] == MISSIONS // 4
+    assert table(done) == whole
+
+
 def test_planners_travel_to_other_processes() -> None:
     ahead = planner("ahead")
     assert pickle.loads(pickle.dumps(ahead)) is ahead
