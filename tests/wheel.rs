@@ -15,6 +15,8 @@ const ENVIRONMENT: &[&str] = &[
     "maturin==1.16.0",
     "mcap==1.6.0",
     "mcap-ros2-support==0.6.0",
+    "mpi4py==4.1.2",
+    "mpich==5.0.2",
     "mypy==2.4.1",
     "numpy==2.4.6",
     "optuna==5.0.0",

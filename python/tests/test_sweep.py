@@ -187,6 +187,39 @@ def test_the_table_is_the_same_after_a_worker_is_killed(engine: Callable[[], Abs
     assert table(done) == whole
 
 
+def test_the_table_is_the_same_after_a_process_of_mpi_is_killed() -> None:
+    pytest.importorskip("mpi4py")
+    mpiexec = Path(sys.executable).with_name("mpiexec")
+    if not mpiexec.exists():
+        pytest.skip(f"no {mpiexec}: expected that of pip install mpich")
+    fatal = {"robot": planner("fatal")}
+    whole = table(pr.sweep("limits.toml", out="whole", in_process=True, planners=fatal, quiet=True))
+    script = """
+from mpi4py.futures import MPIPoolExecutor
+from planners_of_the_sweep import fatal
+import protean_robotics as pr
+if __name__ == "__main__":
+    with MPIPoolExecutor() as pool:
+        done = pr.sweep(
+            "limits.toml", out="mpi", in_process=True, planners={"robot": fatal}, executor=pool, shards=4, quiet=True
+        )
+        print(pool.num_workers, done.directory)
+"""
+    Path("script.py").write_text(script)
+
+    def run() -> "subprocess.CompletedProcess[str]":
+        command = [mpiexec, "-n", "3", sys.executable, "-m", "mpi4py.futures", "script.py"]
+        return subprocess.run(command, check=False, capture_output=True, text=True, timeout=60)
+
+    Path("fuse").touch()
+    # MPI ends all processes with the one that is lost.
+    assert run().returncode != 0
+    assert not Path("fuse").exists()
+    again = run()
+    assert again.stdout == "2 mpi\n", again
+    assert Path("mpi/results.csv").read_bytes() == whole
+
+
 def test_the_results_of_the_other_parts_are_kept_when_one_fails() -> None:
     class Faulty(ThreadPoolExecutor):
         def submit(self, call, task, shard):  # type: ignore[no-untyped-def]
