@@ -27,6 +27,7 @@ const ENVIRONMENT: &[&str] = &[
     "pyright[nodejs]==1.1.414",
     "pytest==9.2.0",
     "ray==2.60.0",
+    "submitit==1.5.4",
 ];
 
 /// The interpreter of the environment with the wheel, or why there is none.
