@@ -173,15 +173,15 @@ impl Layout {
         };
         let to = |at| Offset::new(own.position, at, scene.per_diagonal()).entries(own.heading);
         let mut rest = Rest(out);
-        rest.put([
+        rest.put(bounded([
             f32::from(u8::from(own.active)),
-            bounded(own.place[0]),
-            bounded(own.place[1]),
-            bounded(own.heading.cos),
-            bounded(own.heading.sin),
-            bounded(own.speed),
-            bounded(own.turn),
-        ]);
+            own.place[0],
+            own.place[1],
+            own.heading.cos,
+            own.heading.sin,
+            own.speed,
+            own.turn,
+        ]));
         if let Some(goal) = self.goal {
             rest.put(to(goal));
         }
@@ -206,13 +206,13 @@ impl Layout {
 
     /// Returns the entries of another robot.
     fn other(&self, scene: &Scene, own: &Seen, index: usize) -> [f32; ROBOT_LENGTH] {
-        let (Some(other), Some((offset, is_visible))) =
-            (scene.robot(index), scene.pair(self.me, index))
+        let Some((other, [ahead, left, bearing_cos, bearing_sin, proximity], is_visible)) =
+            scene.other(self.me, own.heading, index)
         else {
             return [0.0; ROBOT_LENGTH];
         };
-        let [ahead, left, bearing_cos, bearing_sin, proximity] = offset.entries(own.heading);
         let [heading_cos, heading_sin] = own.heading.relative(other.heading);
+        let [heading_cos, heading_sin, speed] = bounded([heading_cos, heading_sin, other.speed]);
         [
             f32::from(u8::from(other.active)),
             ahead,
@@ -220,9 +220,9 @@ impl Layout {
             bearing_cos,
             bearing_sin,
             proximity,
-            bounded(heading_cos),
-            bounded(heading_sin),
-            bounded(other.speed),
+            heading_cos,
+            heading_sin,
+            speed,
             f32::from(u8::from(is_visible)),
         ]
     }
@@ -235,7 +235,7 @@ fn belief_entries(belief: &BeliefView<'_>, own: &Seen, per_diagonal: f32) -> [f3
     }
     let offset = Offset::new(own.position, belief.mean.position(), per_diagonal);
     let [ahead, left, bearing_cos, bearing_sin, proximity] = offset.entries(own.heading);
-    let [heading_cos, heading_sin] = own.heading.relative(Heading::new(belief.mean.theta));
+    let [heading_cos, heading_sin] = bounded(own.heading.relative(Heading::new(belief.mean.theta)));
     [
         1.0,
         f32::from(u8::from(belief.seen)),
@@ -244,8 +244,8 @@ fn belief_entries(belief: &BeliefView<'_>, own: &Seen, per_diagonal: f32) -> [f3
         bearing_cos,
         bearing_sin,
         proximity,
-        bounded(heading_cos),
-        bounded(heading_sin),
+        heading_cos,
+        heading_sin,
         1.0 / (1.0 + spread as f32),
     ]
 }
@@ -274,7 +274,7 @@ fn nearest(
     let mut found = [(f64::INFINITY, None); MAX_EXITS];
     for exit in view.usable_exits() {
         let mut entry = ((exit - from).norm_squared(), Some(exit));
-        for slot in &mut found {
+        for slot in found.iter_mut().take(count) {
             if entry.0 < slot.0 {
                 core::mem::swap(slot, &mut entry);
             }

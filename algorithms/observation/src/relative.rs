@@ -10,7 +10,7 @@ pub(crate) const NAMES: [&str; LENGTH] =
     ["ahead", "left", "bearing_cos", "bearing_sin", "proximity"];
 
 /// A heading as a unit vector.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct Heading {
     pub cos: f32,
     pub sin: f32,
@@ -23,6 +23,14 @@ impl Heading {
         Self { cos, sin }
     }
 
+    /// Returns the opposite heading.
+    pub fn opposite(self) -> Self {
+        Self {
+            cos: -self.cos,
+            sin: -self.sin,
+        }
+    }
+
     /// Returns cosine and sine of another heading relative to this one.
     pub fn relative(self, other: Self) -> [f32; 2] {
         [
@@ -33,12 +41,15 @@ impl Heading {
 }
 
 /// Offset between two points, world frame.
+///
+/// Its fields are in the order in which one operation on four numbers turns them into a robot's frame.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct Offset {
-    /// Offset along x and y, divided by the diagonal of the map.
-    scaled: [f32; 2],
-    /// Unit vector; zero if the points coincide.
-    direction: [f32; 2],
+    /// Offset along x and y, divided by the diagonal of the map; unit vector along x and y, zero if the points
+    /// coincide.
+    along: [f32; 4],
+    /// `along`, turned by −90°.
+    across: [f32; 4],
     /// 1 / (1 + distance in m).
     proximity: f32,
 }
@@ -49,43 +60,30 @@ impl Offset {
         let (dx, dy) = ((to.x - from.x) as f32, (to.y - from.y) as f32);
         let distance = (dx * dx + dy * dy).sqrt();
         let inverse = if distance > 0.0 { 1.0 / distance } else { 0.0 };
+        let (x, y) = (dx * per_diagonal, dy * per_diagonal);
+        let (unit_x, unit_y) = (dx * inverse, dy * inverse);
         Self {
-            scaled: [dx * per_diagonal, dy * per_diagonal],
-            direction: [dx * inverse, dy * inverse],
+            along: [x, y, unit_x, unit_y],
+            across: [y, -x, unit_y, -unit_x],
             proximity: 1.0 / (1.0 + distance),
-        }
-    }
-
-    /// Returns the offset in the other direction.
-    pub fn reversed(self) -> Self {
-        Self {
-            scaled: self.scaled.map(|x| -x),
-            direction: self.direction.map(|x| -x),
-            ..self
         }
     }
 
     /// Returns the entries in the frame of a robot with this heading.
     pub fn entries(self, own: Heading) -> [f32; LENGTH] {
-        let ahead = |[x, y]: [f32; 2]| own.cos * x + own.sin * y;
-        let left = |[x, y]: [f32; 2]| own.cos * y - own.sin * x;
-        [
-            bounded(ahead(self.scaled)),
-            bounded(left(self.scaled)),
-            bounded(ahead(self.direction)),
-            bounded(left(self.direction)),
-            self.proximity,
-        ]
+        let turned = core::array::from_fn(|i| own.cos * self.along[i] + own.sin * self.across[i]);
+        let [ahead, left, bearing_cos, bearing_sin] = bounded(turned);
+        [ahead, left, bearing_cos, bearing_sin, self.proximity]
     }
 }
 
-/// Returns a number clamped to −1..1; 0 for NaN, which huge coordinates of a message may lead to.
-pub(crate) fn bounded(value: f32) -> f32 {
-    if value.is_nan() {
-        0.0
-    } else {
-        value.clamp(-1.0, 1.0)
-    }
+/// Returns numbers clamped to −1..1; 0 for NaN, which huge coordinates of a message may lead to. On several numbers at
+/// once it needs no branch.
+pub(crate) fn bounded<const N: usize>(values: [f32; N]) -> [f32; N] {
+    values.map(|value| {
+        let number = if value.is_nan() { 0.0 } else { value };
+        number.clamp(-1.0, 1.0)
+    })
 }
 
 #[cfg(test)]

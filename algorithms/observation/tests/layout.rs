@@ -12,12 +12,22 @@ use nalgebra::Point2;
 use observation::error::{LayoutError, WriteError};
 use observation::facts::RobotFacts;
 use observation::layout::Layout;
-use observation::scene::Scene;
+use observation::scene::{Hiding, Scene};
 use planner_view::view::{BeliefView, RobotView, ScanView, View};
 use proptest::prelude::*;
 use sim_backend::spec::{RobotSpec, RulesSpec, ScanSpec, WorldSpec};
 use sim_backend::team::Role;
 use sim_backend::world::World;
+
+fn four_robots() -> Vec<RobotSpec> {
+    let robot = |name: &str, role, x, y, theta| RobotSpec::new(name, role, Pose2::new(x, y, theta));
+    vec![
+        robot("police_1", Role::Pursuer, 2.0, 3.0, 0.0),
+        robot("police_2", Role::Pursuer, 6.0, 1.0, PI),
+        robot("police_3", Role::Pursuer, 6.0, 5.0, PI),
+        robot("evader", Role::Evader, 6.0, 3.0, FRAC_PI_2),
+    ]
+}
 
 /// A world of 8 m × 6 m with a pillar at its centre, three Police and an evader.
 fn world() -> World {
@@ -29,13 +39,7 @@ fn world() -> World {
             radius: 0.5,
         },
     });
-    let robot = |name: &str, role, x, y, theta| RobotSpec::new(name, role, Pose2::new(x, y, theta));
-    let mut robots = vec![
-        robot("police_1", Role::Pursuer, 2.0, 3.0, 0.0),
-        robot("police_2", Role::Pursuer, 6.0, 1.0, PI),
-        robot("police_3", Role::Pursuer, 6.0, 5.0, PI),
-        robot("evader", Role::Evader, 6.0, 3.0, FRAC_PI_2),
-    ];
+    let mut robots = four_robots();
     robots[3].scan = Some(ScanSpec {
         beams: 4,
         angle_increment: FRAC_PI_2,
@@ -97,7 +101,7 @@ impl Observed {
                 ranges: &ranges,
             }),
         };
-        scene.update(&robots, world.map().shapes());
+        scene.update(&robots, world.map().shapes(), &mut Hiding::default());
         let mut values = vec![9.0; layout.length()];
         layout.write(&scene, &view, &mut values).unwrap();
         assert!(values.iter().all(|value| (-1.0..=1.0).contains(value)));
@@ -287,7 +291,7 @@ proptest! {
         }];
         let exits = [Point2::new(numbers[4], numbers[5]), Point2::new(1.0, 1.0)];
         let mut scene = Scene::new(&facts, &[0, 3]);
-        scene.update(&robots, world.map().shapes());
+        scene.update(&robots, world.map().shapes(), &mut Hiding::default());
         for (me, parts) in [(0, "state+belief"), (3, "state+scan")] {
             let layout = Layout::new(parts.parse().unwrap(), &facts, me, 2).unwrap();
             let view = View {
@@ -311,4 +315,63 @@ proptest! {
             }
         }
     }
+}
+
+/// Whatever hid the robots before, the lines of sight are those of the tick.
+#[test]
+fn what_hid_robots_before_has_no_effect() {
+    let mut map = VectorMap::empty([0.0, 0.0], [8.0, 6.0], 0.05);
+    for (x, y) in [(2.0, 2.0), (4.0, 3.0), (5.5, 1.5), (3.0, 4.5)] {
+        map.obstacles.push(ObstacleSpec {
+            name: String::new(),
+            shape: Shape::Rectangle {
+                center: [x, y],
+                half_extents: [0.6, 0.3],
+                angle: 0.0,
+            },
+        });
+    }
+    let world = World::new(WorldSpec {
+        map: MapSpec::Vector(map),
+        robots: four_robots(),
+        rules: RulesSpec::default(),
+        seed: 1,
+    });
+    let world = world.unwrap();
+    let facts = RobotFacts::of_world(&world);
+    let (mut known, mut fresh) = (Scene::new(&facts, &[3]), Scene::new(&facts, &[3]));
+    let layout = Layout::new("state".parse().unwrap(), &facts, 3, 0).unwrap();
+    let mut robots = Vec::new();
+    RobotView::of_world(&world, &mut robots);
+    let mut hiding = Hiding::default();
+    let mut seen = [0, 0];
+    for tick in 0..3000 {
+        for (k, robot) in robots.iter_mut().enumerate() {
+            let phase = 0.004 * f64::from(tick) * (1.0 + k as f64) + k as f64;
+            robot.pose.x = 4.0 + 3.5 * geometry::math::sin(phase);
+            robot.pose.y = 3.0 + 2.5 * geometry::math::sin(1.7 * phase);
+        }
+        known.update(&robots, world.map().shapes(), &mut hiding);
+        fresh.update(&robots, world.map().shapes(), &mut Hiding::default());
+        let observed = [&known, &fresh].map(|scene| {
+            let view = View {
+                time_s: 0.0,
+                dt: 0.05,
+                me: 3,
+                robots: &robots,
+                beliefs: &[],
+                exits: &[],
+                scan: None,
+            };
+            let mut out = vec![0.0; layout.length()];
+            layout.write(scene, &view, &mut out).unwrap();
+            out
+        });
+        assert_eq!(observed[0], observed[1], "tick {tick}");
+        let visible = layout.names().iter().zip(&observed[0]);
+        for (_, &flag) in visible.filter(|(name, _)| name.ends_with(".visible")) {
+            seen[usize::from(flag == 1.0)] += 1;
+        }
+    }
+    assert!(seen.iter().all(|&count| count > 500), "{seen:?}");
 }

@@ -46,7 +46,7 @@ impl<B: Backend> Chunk<B> {
             instances.try_for_each(|instance| instance.begin_next(&self.shared))?;
         }
         let shape = self.shared.shape;
-        for (row, instance) in self.instances.iter().enumerate() {
+        for (row, instance) in self.instances.iter_mut().enumerate() {
             let mut row = arrays.row(row, &shape);
             instance.write_reset(&self.shared, &mut self.scratch, &mut row)?;
         }

@@ -2,7 +2,7 @@
 
 use geometry::pose::Twist2;
 use observation::action::{ACTION_LENGTH, command};
-use observation::scene::Scene;
+use observation::scene::{Hiding, Scene};
 use planner_view::view::{BeliefView, RobotView, ScanView, View};
 use sim_backend::robot::Robot;
 use sim_backend::world::GameOver;
@@ -50,6 +50,7 @@ pub(crate) struct Instance<B> {
     running: Episode,
     last: Option<Episode>,
     returns: Vec<f64>,
+    hiding: Hiding,
 }
 
 impl<B: Backend> Instance<B> {
@@ -66,6 +67,7 @@ impl<B: Backend> Instance<B> {
             running,
             last: None,
             returns: vec![0.0; shared.shape.agents],
+            hiding: Hiding::default(),
         })
     }
 
@@ -89,7 +91,7 @@ impl<B: Backend> Instance<B> {
 
     /// Writes the state after a reset.
     pub fn write_reset(
-        &self,
+        &mut self,
         shared: &Shared,
         scratch: &mut Scratch,
         row: &mut ArraysMut<'_>,
@@ -170,14 +172,15 @@ impl<B: Backend> Instance<B> {
 
     /// Writes the observations of all agents.
     fn observe(
-        &self,
+        &mut self,
         shared: &Shared,
         scratch: &mut Scratch,
         out: &mut [f32],
     ) -> Result<(), EnvironmentError> {
         let world = self.backend.world();
         RobotView::of_world(world, &mut scratch.robots);
-        scratch.scene.update(&scratch.robots, world.map().shapes());
+        let (scene, hiding) = (&mut scratch.scene, &mut self.hiding);
+        scene.update(&scratch.robots, world.map().shapes(), hiding);
         self.backend.beliefs(&mut scratch.beliefs);
         let rows = out.chunks_exact_mut(shared.shape.observation.max(1));
         for (layout, row) in shared.layouts.iter().zip(rows) {

@@ -12,7 +12,7 @@ use mission::in_process::{InProcessOptions, run};
 use observation::action::command;
 use observation::facts::RobotFacts;
 use observation::layout::Layout;
-use observation::scene::Scene;
+use observation::scene::{Hiding, Scene};
 use parameters::Parameters;
 use planner::{Planner, PlannerInputs, PlannerMap, PlannerProcess, RobotInfo, Steering, View};
 use scenario::kind::ConfiguredKind;
@@ -187,7 +187,11 @@ impl Planner for ScriptedPlanner {
         let parts = self.script.observation.parse().unwrap();
         let layout = Layout::new(parts, &self.facts, view.me, view.exits.len()).unwrap();
         let mut scene = Scene::new(&self.facts, &[view.me]);
-        scene.update(view.robots, map.space().unwrap().shapes());
+        scene.update(
+            view.robots,
+            map.space().unwrap().shapes(),
+            &mut Hiding::default(),
+        );
         let mut observed = vec![0.0; layout.length()];
         layout.write(&scene, view, &mut observed).unwrap();
         let mut all = self.script.observed.lock().unwrap();

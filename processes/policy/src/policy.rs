@@ -8,7 +8,7 @@ use observation::error::{LayoutError, WriteError};
 use observation::facts::RobotFacts;
 use observation::layout::Layout;
 use observation::parts::Parts;
-use observation::scene::Scene;
+use observation::scene::{Hiding, Scene};
 use planner_view::view::View;
 use sim_backend::spec::RobotModel;
 use thiserror::Error;
@@ -57,6 +57,7 @@ pub struct Policy {
     network: Network,
     layout: Layout,
     scene: Scene,
+    hiding: Hiding,
     robot: String,
     model: RobotModel,
     ticks_per_action: u64,
@@ -94,6 +95,7 @@ impl Policy {
         Ok(Self {
             network,
             scene: Scene::new(robots, &[me]),
+            hiding: Hiding::default(),
             robot: own.name.clone(),
             model: own.model,
             ticks_per_action: u64::from(ticks_per_action.max(1)),
@@ -117,7 +119,7 @@ impl Policy {
             Some(held) if !tick.is_multiple_of(self.ticks_per_action) => return Ok(held),
             _ => {}
         }
-        self.scene.update(view.robots, shapes);
+        self.scene.update(view.robots, shapes, &mut self.hiding);
         self.layout
             .write(&self.scene, view, &mut self.observation)?;
         let output = self.network.evaluate(&self.observation);

@@ -70,7 +70,7 @@ pub(super) fn sweep(
     mover: &Mover,
     dir: Vector2<f64>,
     length: f64,
-    parts: &mut Vec<u32>,
+    buffer: &mut Vec<u32>,
 ) -> Option<f64> {
     let Mover {
         radius,
@@ -88,7 +88,7 @@ pub(super) fn sweep(
     while done < length {
         let piece_start = start + dir * done;
         let piece = (length - done).min(stride);
-        map.parts_within(piece_start, reach, parts);
+        let parts = map.parts_within(piece_start, reach, buffer);
         let mut moved = 0.0;
         let mut complete = false;
         for _ in 0..MAX_ADVANCES {

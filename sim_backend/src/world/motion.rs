@@ -42,6 +42,8 @@ pub(super) struct Motion {
     pub touch: Vec<Touch>,
     /// Pairs (lower index, higher index) that touched in the last step, in ascending order.
     pub pairs: Vec<(usize, usize)>,
+    /// Per robot: a way (m) that it and its body can move from its place without a contact with an obstacle.
+    room: Vec<f64>,
     /// Per robot: `true` if contact is possible in this step.
     involved: Vec<bool>,
     /// The robots with possible contact.
@@ -61,11 +63,17 @@ impl Motion {
             trace: Vec::new(),
             touch: vec![Touch::default(); robots],
             pairs: Vec::with_capacity(robots),
+            room: vec![f64::NEG_INFINITY; robots],
             involved: vec![false; robots],
             movers: Vec::with_capacity(robots),
             parts: Vec::with_capacity(64),
             normals: Vec::with_capacity(16),
         }
+    }
+
+    /// Forgets the distances from obstacles: the map or a place has changed.
+    pub fn forget(&mut self) {
+        self.room.fill(f64::NEG_INFINITY);
     }
 
     /// Moves every robot by its twist for `dt` (s) > 0. `solid` returns `true` for robots with a
@@ -117,8 +125,23 @@ impl Motion {
         dt: f64,
     ) {
         for (i, robot) in robots.iter().enumerate() {
-            let needed = robot.model.radius + twists[i].v.abs() * dt + TOUCH;
-            self.involved[i] = solid[i] && !map.is_clear(robot.pose.position(), needed);
+            let way = twists[i].v.abs() * dt;
+            let needed = robot.model.radius + way + TOUCH;
+            let room = &mut self.room[i];
+            if *room < needed && solid[i] {
+                let position = robot.pose.position();
+                *room = map.clearance_at_least(position);
+                if *room < needed {
+                    *room = map.distance(position);
+                }
+            }
+            self.involved[i] = solid[i] && *room < needed;
+            // A robot that moves far from obstacles needs no look-up; the rounding of the sum is far below `TOUCH`.
+            *room = if self.involved[i] {
+                f64::NEG_INFINITY
+            } else {
+                *room - way - 1e-9
+            };
         }
         for i in 1..robots.len() {
             if !solid[i] {
@@ -250,10 +273,9 @@ impl Motion {
                 ..
             } = self.movers[k];
             self.normals.clear();
-            if !map.is_clear(position, radius + TOUCH) {
-                map.parts_within(position, radius + TOUCH, &mut self.parts);
-                let surfaces = self
-                    .parts
+            if map.clearance_at_least(position) < radius + TOUCH {
+                let parts = map.parts_within(position, radius + TOUCH, &mut self.parts);
+                let surfaces = parts
                     .iter()
                     .map(|&i| map.parts()[i as usize].contact(position));
                 let touching = surfaces

@@ -25,6 +25,7 @@ impl World {
     /// If the obstacle's number or shape is invalid; the world is then unchanged.
     pub fn apply(&mut self, change: &ObstacleChange) -> Result<(), ObstacleError> {
         self.map.apply(change)?;
+        self.motion.forget();
         let action = match change {
             ObstacleChange::Appear { .. } => ObstacleAction::Appeared,
             ObstacleChange::Disappear { .. } => ObstacleAction::Disappeared,

@@ -99,14 +99,19 @@ impl ShapeMap {
         ]
     }
 
-    /// Collects the pieces within `reach` (m) of a point, and possibly some beyond; one look-up up to
-    /// [`Self::cheap_reach`].
-    pub fn parts_within(&self, p: Point2<f64>, reach: f64, found: &mut Vec<u32>) {
+    /// Returns the pieces within `reach` (m) of a point, and possibly some beyond; one look-up up to
+    /// [`Self::cheap_reach`]. `buffer` is memory for more.
+    pub fn parts_within<'a>(
+        &'a self,
+        p: Point2<f64>,
+        reach: f64,
+        buffer: &'a mut Vec<u32>,
+    ) -> &'a [u32] {
         if reach <= self.index.reach {
-            found.clear();
-            found.extend_from_slice(self.index.within_reach(p));
+            self.index.within_reach(p)
         } else {
-            self.parts_in(p, p, reach, found);
+            self.parts_in(p, p, reach, buffer);
+            buffer
         }
     }
 
@@ -212,12 +217,30 @@ impl ShapeMap {
     /// Returns `true` if no obstacle lies between two points; `false` if either is in an obstacle or not
     /// finite. Symmetric except for the rounding of a graze.
     pub fn line_of_sight(&self, from: Point2<f64>, to: Point2<f64>) -> bool {
+        self.line_of_sight_near(from, to, &mut None)
+    }
+
+    /// As [`Self::line_of_sight`], with the same result, and quicker if the rectangle `hidden_by`, which it sets,
+    /// still lies between the points: for points that move little between two calls.
+    pub fn line_of_sight_near(
+        &self,
+        from: Point2<f64>,
+        to: Point2<f64>,
+        hidden_by: &mut Option<u32>,
+    ) -> bool {
+        let last = hidden_by.and_then(|part| self.parts.get(part as usize));
+        if last.is_some_and(|part| part.is_surely_between(from, to)) {
+            return false;
+        }
         let offset = to - from;
         let length = offset.norm();
         if length == 0.0 {
             return self.distance(from) > 0.0;
         }
-        self.cast_ray(from, offset / length, length).is_none()
+        let dir = offset / length;
+        let hit = self.first_hit(from, dir, length);
+        *hidden_by = hit.and_then(|hit| hit.part);
+        hit.is_none()
     }
 }
 

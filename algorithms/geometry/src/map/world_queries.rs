@@ -49,8 +49,13 @@ impl WorldMap {
     }
 
     /// As [`ShapeMap::parts_within`](super::ShapeMap::parts_within).
-    pub fn parts_within(&self, p: Point2<f64>, reach: f64, found: &mut Vec<u32>) {
-        self.shapes().parts_within(p, reach, found);
+    pub fn parts_within<'a>(
+        &'a self,
+        p: Point2<f64>,
+        reach: f64,
+        buffer: &'a mut Vec<u32>,
+    ) -> &'a [u32] {
+        self.shapes().parts_within(p, reach, buffer)
     }
 
     /// Radius (m) within which [`Self::parts_within`] needs a single look-up.

@@ -1,6 +1,7 @@
 //! Shapes of obstacles: the specification in a scenario, and the convex parts for computations.
 
 mod band;
+mod between;
 mod convex;
 mod polygon;
 mod travel;

@@ -248,9 +248,11 @@ fn borders(space: &FreeSpace, radius: f64, circle: &Circle) -> Vec<f64> {
     facing(-Vector2::x(), high.x);
     facing(Vector2::y(), low.y);
     facing(-Vector2::y(), high.y);
-    let mut near = Vec::new();
-    space.shapes().parts_within(center, own + radius, &mut near);
-    for part in near.into_iter().map(|i| i as usize) {
+    let mut buffer = Vec::new();
+    let near = space
+        .shapes()
+        .parts_within(center, own + radius, &mut buffer);
+    for part in near.iter().map(|&i| i as usize) {
         let piece = match space.shapes().parts().get(part) {
             Some(piece) if part != circle.part => piece,
             _ => continue,

@@ -166,3 +166,44 @@ fn without_a_free_place_a_robot_is_trapped_until_the_obstacle_goes() {
     assert!(events.contains(&EventKind::Released { robot: 0 }));
     assert!(world.robots()[0].distance_travelled > 0.4);
 }
+
+/// Distances to obstacles that were known before have no effect on the motion, also when obstacles come and go.
+#[test]
+fn known_room_does_not_change_the_motion() {
+    let robots = || {
+        let place = |k: usize| (k as f64 - 1.5, 0.7 * k as f64 - 1.0);
+        let robot = |k: usize| {
+            let (x, y) = place(k);
+            racer(&format!("r{k}"), Role::Neutral, x, y, 1.3 * k as f64)
+        };
+        (0..4).map(robot).collect()
+    };
+    let map = || room(vec![block(3.0, 0.0, 0.5), block(-3.0, 2.0, 0.8)]);
+    let mut worlds = [(); 2].map(|()| world(map(), robots(), RulesSpec::default()));
+    let mut random = Stream::new(3, 1, 0);
+    let mut touched = 0;
+    for tick in 0..2000 {
+        let commands: Vec<_> = (0..4)
+            .map(|_| drive(2.0 + 2.0 * random.normal(), 3.0 * random.normal()))
+            .collect();
+        let [known, fresh] = &mut worlds;
+        fresh.motion.forget();
+        let id = ObstacleId(100 + tick / 50);
+        for world in [&mut *known, &mut *fresh] {
+            let shape = block(0.1 * f64::from(tick % 37), 1.5, 0.3);
+            match tick % 50 {
+                20 => world.apply(&ObstacleChange::Appear { id, shape }).unwrap(),
+                45 => world.apply(&ObstacleChange::Disappear { id }).unwrap(),
+                _ => {}
+            }
+            world.step(&commands, TICK);
+        }
+        assert_eq!(known.robots(), fresh.robots(), "tick {tick}");
+        touched += known
+            .robots()
+            .iter()
+            .filter(|robot| robot.touches_wall)
+            .count();
+    }
+    assert!(touched > 100, "{touched}");
+}
