@@ -83,15 +83,13 @@ fn what_does_not_fit_is_named_before_the_first_tick() {
     check(both).refused(2, &["observation", "state, scan, belief"]);
     sandbox.file("models/text.onnx", "not a model");
     check("model = \"models/text.onnx\"").refused(2, &["`model`: not an ONNX file"]);
-    // Of a process alone, since it depends on all robots.
     let both = "model = \"models/to_the_exit.onnx\", observation = \"state+belief\"";
-    sandbox.file("bad.toml", chase(both));
-    let outcome = sandbox
-        .protean(["run", "bad.toml", "--in-process", "--quiet"])
-        .run();
-    outcome.refused(
-        1,
-        &["its input has 62 numbers, but the observation `state+belief`"],
+    check(both).refused(
+        2,
+        &[
+            "params.model",
+            "its input has 62 numbers, but the observation `state+belief`",
+        ],
     );
 }
 

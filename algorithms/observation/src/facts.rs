@@ -1,7 +1,7 @@
 //! Properties of robots that stay the same for a run.
 
 use geometry::region::Region;
-use sim_backend::spec::RobotModel;
+use sim_backend::spec::{RobotModel, RobotSpec};
 use sim_backend::team::Team;
 use sim_backend::world::World;
 
@@ -30,6 +30,19 @@ impl RobotFacts {
             model: robot.model,
             goal: robot.goal,
             beams: world.scan_spec(index).map_or(0, |scan| scan.beams),
+        });
+        facts.collect()
+    }
+
+    /// Returns the robots of a scenario, in their order.
+    pub fn of_specs(robots: &[RobotSpec]) -> Vec<Self> {
+        let teams = RobotSpec::teams(robots);
+        let facts = robots.iter().zip(teams).map(|(robot, team)| Self {
+            name: robot.name.clone(),
+            team,
+            model: robot.model(),
+            goal: robot.goal,
+            beams: robot.scan.map_or(0, |scan| scan.beams),
         });
         facts.collect()
     }

@@ -65,6 +65,8 @@ impl ResolvedScenario {
             {
                 let task = Task {
                     robot,
+                    robots: &self.world.robots,
+                    exits: self.rules().exits.len() + world_map.exits().len(),
                     map: &self.world.map,
                     world_map: &world_map,
                     run_seed: self.run.seed,

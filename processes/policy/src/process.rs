@@ -10,6 +10,7 @@ use planner_view::steering::Steering;
 use planner_view::view::View;
 use runtime::config::{ProcessConfig, RobotInfo};
 use runtime::error::ProcessError;
+use runtime::kind::{Task, TaskFault};
 
 use crate::{Policy, PolicyParams};
 
@@ -37,6 +38,23 @@ impl Planner for PolicyPlanner {
             beliefs: parts.belief,
             scans: parts.scan,
             shapes: true,
+        }
+    }
+
+    fn check_task(params: &PolicyParams, task: &Task<'_>, _: u64) -> Result<(), TaskFault> {
+        let (Ok(network), Ok(parts)) = (params.network(), params.parts()) else {
+            // Reported with the parameters.
+            return Ok(());
+        };
+        let facts = RobotFacts::of_specs(task.robots);
+        let own = facts.iter().position(|robot| robot.name == task.robot.name);
+        let ticks = params.ticks_per_action;
+        match Policy::new(network, parts, ticks, &facts, own.unwrap_or(0), task.exits) {
+            Ok(_) => Ok(()),
+            Err(error) => Err(TaskFault::Param {
+                field: "model".to_owned(),
+                message: error.to_string(),
+            }),
         }
     }
 

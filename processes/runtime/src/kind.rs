@@ -228,6 +228,10 @@ pub struct TaskSketch {
 pub struct Task<'a> {
     /// The robot.
     pub robot: &'a RobotSpec,
+    /// All robots of the scenario; those drawn by the seed at any place.
+    pub robots: &'a [RobotSpec],
+    /// Number of exits, of the map and of the rules.
+    pub exits: usize,
     /// The map of the scenario.
     pub map: &'a MapSpec,
     /// The same map, built.

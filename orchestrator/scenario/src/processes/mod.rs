@@ -8,6 +8,7 @@ mod tasks;
 use config::Code;
 use geometry::map::MapSpec;
 use runtime::kind::Product;
+use sim_backend::spec::RulesSpec;
 
 use super::context::Context;
 use super::files::Base;
@@ -24,6 +25,7 @@ pub fn resolve(
     base: &Base,
     robots: Option<&[Robot]>,
     map: Option<&MapSpec>,
+    rules: Option<&RulesSpec>,
     run: &RunSpec,
 ) -> Vec<ProcessSpec> {
     let mut read: Vec<Read> = Vec::new();
@@ -46,8 +48,10 @@ pub fn resolve(
     {
         check_drivers(ctx, &read, robots);
         check_needs(ctx, &read, robots);
-        if let Some(map) = map.filter(|_| ctx.problems.len() == before) {
-            tasks::check(ctx, map, robots, &read, run.seed);
+        if let (Some(map), Some(rules)) = (map, rules)
+            && ctx.problems.len() == before
+        {
+            tasks::check(ctx, map, robots, rules, &read, run.seed);
         }
     }
     // Processes that others wait for come first; otherwise the order of the file holds.

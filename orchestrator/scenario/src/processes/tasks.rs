@@ -4,25 +4,36 @@
 use config::{Code, FieldPath, Step};
 use geometry::map::{MapSpec, WorldMap};
 use runtime::kind::{Task, TaskFault};
+use sim_backend::spec::{RobotSpec, RulesSpec};
 
 use super::read::Read;
 use crate::context::Context;
 use crate::robots::Robot;
 
 /// Reports the first mismatch of every process.
-pub fn check(ctx: &mut Context<'_>, map: &MapSpec, robots: &[Robot], read: &[Read], seed: u64) {
+pub fn check(
+    ctx: &mut Context<'_>,
+    map: &MapSpec,
+    robots: &[Robot],
+    rules: &RulesSpec,
+    read: &[Read],
+    seed: u64,
+) {
     // An invalid map is reported with the robots' places.
     let Ok(world_map) = WorldMap::recent(map) else {
         return;
     };
+    let specs: Vec<RobotSpec> = robots.iter().map(|robot| robot.spec.clone()).collect();
     for r in read {
         let Some(kind) = r.spec.program.kind() else {
             continue;
         };
-        let driven = r.spec.robots.iter().filter_map(|&i| robots.get(i));
+        let driven = r.spec.robots.iter().filter_map(|&i| specs.get(i));
         let fault = driven
             .map(|robot| Task {
-                robot: &robot.spec,
+                robot,
+                robots: &specs,
+                exits: rules.exits.len() + world_map.exits().len(),
                 map,
                 world_map: &world_map,
                 run_seed: seed,
