@@ -44,11 +44,14 @@ class VectorEnv(gymnasium.vector.VectorEnv[NDArray[np.float32], NDArray[np.float
         Names of the robots, teams or processes that the learner steers.
     observation
         Contents of the observations: "state" (true poses of all robots, lines of sight), "scan" (own range scan) or
-        "belief" (beliefs about opponents), or several as in "state+scan". Attribute `entries` has the names of all
-        entries.
+        "belief" (beliefs about opponents), "way" (shortest ways to exits and opponents), or several as in "state+way".
+        Attribute `entries` has the names of all entries.
     seed
         Seed of all episodes, if `reset` gives none. Their own seeds follow from it, from the index of the instance and
         from the number of the episode.
+    ticks_per_action
+        Number of ticks of a step: the action holds, rewards add up, and the observation is that after the last tick. As
+        the parameter of the kind "policy".
     threads
         Number of threads; results do not depend on it.
     set
@@ -99,6 +102,7 @@ class VectorEnv(gymnasium.vector.VectorEnv[NDArray[np.float32], NDArray[np.float
         agents: Sequence[str],
         observation: str = "state",
         seed: int = 0,
+        ticks_per_action: int = 1,
         threads: int = 1,
         set: Mapping[str, Any] | None = None,
         reward: Reward = None,
@@ -112,6 +116,7 @@ class VectorEnv(gymnasium.vector.VectorEnv[NDArray[np.float32], NDArray[np.float
             agents=agents,
             observation=observation,
             seed=seed,
+            ticks_per_action=ticks_per_action,
             threads=threads,
             set=set,
             reward=reward,
@@ -194,8 +199,8 @@ class VectorEnv(gymnasium.vector.VectorEnv[NDArray[np.float32], NDArray[np.float
         truncations
             True where the time limit ended it.
         infos
-            If an episode ended: "final_obs", "episode" (return "r", length "l") and "outcome" of the agents, each with its
-            mask "_…".
+            If an episode ended: "final_obs", "episode" (return "r", length "l" in ticks) and "outcome" of the agents, each
+            with its mask "_…".
         """
         instances = self._instances
         any_ended = instances.step(actions)
@@ -299,6 +304,7 @@ class Env(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
         agents: Sequence[str],
         observation: str = "state",
         seed: int = 0,
+        ticks_per_action: int = 1,
         set: Mapping[str, Any] | None = None,
         reward: Reward = None,
         planners: Mapping[str, Planner] | None = None,
@@ -310,6 +316,7 @@ class Env(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
             agents=agents,
             observation=observation,
             seed=seed,
+            ticks_per_action=ticks_per_action,
             set=set,
             reward=reward,
             planners=planners,

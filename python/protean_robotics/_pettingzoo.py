@@ -211,6 +211,7 @@ def parallel_env(
         agents=agents,
         observation=observation,
         seed=seed,
+        ticks_per_action=1,
         threads=1,
         set=set,
         reward=reward,

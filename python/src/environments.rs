@@ -69,7 +69,7 @@ pub struct Environments {
 impl Environments {
     #[new]
     #[pyo3(signature = (
-        scenario, *, overrides, agents, observation, instances, seed, threads, weights, planners, allow_outside
+        scenario, *, overrides, agents, observation, instances, seed, ticks_per_action, threads, weights, planners, allow_outside
     ))]
     #[expect(
         clippy::too_many_arguments,
@@ -83,6 +83,7 @@ impl Environments {
         observation: String,
         instances: usize,
         seed: u64,
+        ticks_per_action: u32,
         threads: usize,
         weights: Vec<(String, f64)>,
         planners: Vec<Planned>,
@@ -93,6 +94,7 @@ impl Environments {
             agents,
             observation: observation.parse().map_err(|error| invalid(&error))?,
             seed,
+            ticks_per_action,
             threads,
             rewards: rewards(&weights)?,
             programs: BTreeMap::new(),

@@ -159,6 +159,49 @@ def test_a_function_may_compute_the_rewards() -> None:
     assert np.allclose(infos["episode"]["r"], total)
 
 
+def test_an_action_of_several_ticks_is_that_of_as_many_steps() -> None:
+    settings = {"rules.time_limit": 1.1}  # 22 ticks: the sixth action is cut short
+    several, single = (
+        pr.VectorEnv(
+            "chase_exact",
+            2,
+            agents=["evader"],
+            observation="state+way",
+            seed=4,
+            ticks_per_action=ticks,
+            set=settings,
+            reward={"time": -1.0},
+        )
+        for ticks in (4, 1)
+    )
+    assert np.array_equal(several.reset()[0], single.reset()[0])
+    for step in range(6):
+        actions = several.action_space.sample()
+        observations, rewards, _, ends, infos = several.step(actions)
+        total = np.zeros(2)
+        for _ in range(4 if step < 5 else 2):
+            expected, reward, _, expected_ends, _ = single.step(actions)
+            total += reward
+        assert np.array_equal(observations, expected)
+        assert np.allclose(rewards, total)
+        assert np.array_equal(ends, expected_ends) and ends.all() == (step == 5)
+    assert infos["episode"]["l"].tolist() == [22, 22]
+    assert [several.digest(i) for i in range(2)] == [single.digest(i) for i in range(2)]
+
+
+def test_ways_lead_to_the_exit() -> None:
+    envs = pr.VectorEnv("chase_exact", 1, agents=["evader_1"], observation="way", ticks_per_action=4)
+    names = envs.entries[0]
+    proximity, ahead, left = (names.index(f"way.{name}") for name in ("proximity", "bearing_cos", "bearing_sin"))
+    observations, _ = envs.reset(seed=1)
+    first = 1 / observations[0, proximity] - 1
+    for _ in range(50):
+        actions = np.array([[max(observations[0, ahead], 0.0), 2 * observations[0, left]]], dtype=np.float32)
+        observations, *_ = envs.step(actions.clip(-1, 1))
+    # 10 s at 0.45 m/s.
+    assert 3.5 < first - (1 / observations[0, proximity] - 1) < 5.0
+
+
 def test_invalid_arguments_are_refused() -> None:
     for arguments, text in [
         ({"agents": ["evader_9"]}, "evader_1"),
@@ -167,6 +210,7 @@ def test_invalid_arguments_are_refused() -> None:
         ({"agents": ["evader"], "observation": "scan"}, "no range scan"),
         ({"agents": ["evader"], "reward": {"escapes": 1.0}}, "expected escape, caught"),
         ({"agents": ["evader"], "threads": 0}, "threads = 0"),
+        ({"agents": ["evader"], "ticks_per_action": 0}, "ticks_per_action = 0"),
         ({"agents": ["evader"], "set": {"rules.time_limit": -1}}, "time_limit"),
     ]:
         with pytest.raises(pr.InvalidInput, match=text):

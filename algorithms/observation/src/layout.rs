@@ -8,6 +8,7 @@ use crate::facts::RobotFacts;
 use crate::parts::Parts;
 use crate::relative::{self, Heading, Offset, bounded};
 use crate::scene::{Scene, Seen};
+use crate::ways::Ways;
 
 /// Maximum number of exits in an observation: the nearest ones.
 pub const MAX_EXITS: usize = 4;
@@ -41,7 +42,8 @@ const BELIEF_LENGTH: usize = 5 + relative::LENGTH;
 /// - `scan`: range / maximum range of every beam: 1 without an echo, 0 if too near;
 /// - `belief`: every opponent in the scenario's order (10 each): 1 if there is a belief; 1 if a robot of the team sees
 ///   it; relative position of the mean; cosine and sine of its mean heading relative to the own one; 1 / (1 + σ) with
-///   the standard deviation σ of the position (m). All 0 without a belief.
+///   the standard deviation σ of the position (m). All 0 without a belief;
+/// - `way`: see [`Ways`], which writes them.
 ///
 /// A *relative position* has 5 entries: the parts ahead and to the left, divided by the diagonal of the map; cosine and
 /// sine of the bearing; 1 / (1 + d) with the distance d (m).
@@ -54,6 +56,8 @@ pub struct Layout {
     others: Vec<usize>,
     opponents: Vec<usize>,
     beams: usize,
+    /// Opponents of the ways, if these are among the parts.
+    ways: Option<Vec<usize>>,
     names: Vec<String>,
 }
 
@@ -85,6 +89,9 @@ impl Layout {
             others: others(parts.state).collect(),
             opponents: others(parts.belief).filter(is_opponent).collect(),
             beams: if parts.scan { own.beams } else { 0 },
+            ways: parts
+                .way
+                .then(|| others(true).filter(is_opponent).collect()),
             names: Vec::new(),
         };
         let robot = own.name.clone();
@@ -118,6 +125,13 @@ impl Layout {
         &self.names
     }
 
+    /// Returns the memory for the ways of the robot, if these are among the parts.
+    pub fn ways(&self) -> Option<Ways> {
+        let opponents = self.ways.clone()?;
+        let start = self.length() - Ways::length(opponents.len());
+        Some(Ways::new(start, self.me, opponents))
+    }
+
     fn entry_names(&self, robots: &[RobotFacts]) -> Vec<String> {
         let name = |i: usize| robots.get(i).map_or("", |robot| &robot.name);
         let mut names = Vec::new();
@@ -148,10 +162,13 @@ impl Layout {
             add(&belief, &relative::NAMES);
             add(&belief, &["heading_cos", "heading_sin", "certainty"]);
         }
+        if let Some(opponents) = &self.ways {
+            names.extend(Ways::names(opponents.iter().map(|&i| name(i))));
+        }
         names
     }
 
-    /// Writes the observation of a tick. `scene` has the robots of the same tick.
+    /// Writes the observation of a tick, but for the ways, which [`Ways::write`] writes. `scene` has the robots of the same tick.
     ///
     /// # Errors
     /// [`WriteError`] if `out` has another length than the layout, or the own robot is not in the view.

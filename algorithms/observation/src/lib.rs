@@ -1,10 +1,11 @@
 //! Observations and actions of learned policies as vectors of numbers: one code for learning and for the planners that
 //! execute what was learned.
 //!
-//! - [`parts::Parts`]: the contents of an observation, named `state`, `scan`, `belief` or `state+scan`;
+//! - [`parts::Parts`]: the contents of an observation, named `state`, `scan`, `belief`, `way` or `state+scan`;
 //! - [`layout::Layout`]: the entries of the observation of one robot, from a
 //!   [`View`](planner_view::view::View);
 //! - [`scene::Scene`]: distances and lines of sight of a tick, computed once for all robots;
+//! - [`ways::Ways`]: the entries of shortest ways, kept between ticks;
 //! - [`action`]: from an action to a command.
 //!
 //! All entries are in −1..1. Lengths are divided by the diagonal of the map, so that they stay in range; each
@@ -21,3 +22,4 @@ pub mod layout;
 pub mod parts;
 pub mod relative;
 pub mod scene;
+pub mod ways;

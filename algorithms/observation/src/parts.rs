@@ -16,6 +16,10 @@ use crate::error::LayoutError;
 /// # Ok::<(), observation::error::LayoutError>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[expect(
+    clippy::struct_excessive_bools,
+    reason = "each part is there or not, independently"
+)]
 pub struct Parts {
     /// True poses of all other robots, and lines of sight to opponents.
     pub state: bool,
@@ -23,6 +27,8 @@ pub struct Parts {
     pub scan: bool,
     /// The beliefs about opponents.
     pub belief: bool,
+    /// Shortest ways to the exits and to opponents.
+    pub way: bool,
 }
 
 impl FromStr for Parts {
@@ -35,6 +41,7 @@ impl FromStr for Parts {
                 "state" => &mut parts.state,
                 "scan" => &mut parts.scan,
                 "belief" => &mut parts.belief,
+                "way" => &mut parts.way,
                 _ => {
                     let given = text.to_owned();
                     return Err(LayoutError::Parts { given });
@@ -52,6 +59,7 @@ impl fmt::Display for Parts {
             (self.state, "state"),
             (self.scan, "scan"),
             (self.belief, "belief"),
+            (self.way, "way"),
         ];
         let mut separator = "";
         for (_, name) in named.into_iter().filter(|(given, _)| *given) {

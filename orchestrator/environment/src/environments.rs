@@ -94,7 +94,7 @@ impl Environments {
 
     /// Returns the length of a step (s).
     pub fn dt(&self) -> f64 {
-        self.shared.dt.as_secs_f64()
+        self.shared.dt.as_secs_f64() * f64::from(self.shared.options.ticks_per_action)
     }
 
     /// Begins new episodes in all instances: with a seed, the first ones of this seed; without, the next ones.

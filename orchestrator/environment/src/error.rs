@@ -4,6 +4,7 @@ use config::Diagnostics;
 use mission::MissionError;
 use mission::in_process::placement::PlacementError;
 use observation::error::{LayoutError, WriteError};
+use planner_view::of_world::OfWorldError;
 use sim_backend::world::WorldError;
 
 /// Error of environments.
@@ -39,6 +40,9 @@ pub enum EnvironmentError {
     /// A process of the scenario failed.
     #[error(transparent)]
     Mission(#[from] MissionError),
+    /// A map has no ways.
+    #[error(transparent)]
+    Map(#[from] OfWorldError),
     /// An observation cannot be written.
     #[error(transparent)]
     Write(#[from] WriteError),

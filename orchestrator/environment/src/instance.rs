@@ -1,8 +1,13 @@
 //! One instance: its episodes and their statistics.
 
+use std::sync::Arc;
+
 use geometry::pose::Twist2;
 use observation::action::{ACTION_LENGTH, command};
+use observation::layout::Layout;
 use observation::scene::{Hiding, Scene};
+use observation::ways::Ways;
+use planner_view::map::PlannerMap;
 use planner_view::view::{BeliefView, RobotView, ScanView, View};
 use sim_backend::robot::Robot;
 use sim_backend::world::GameOver;
@@ -12,7 +17,7 @@ use crate::backend::Backend;
 use crate::episode::{Episode, WhichEpisode, episode_seed};
 use crate::error::EnvironmentError;
 use crate::rewards::{self, EVENTS};
-use crate::shared::Shared;
+use crate::shared::{Shared, planner_map};
 
 /// Memory of a step that instances of one thread share.
 #[derive(Debug)]
@@ -51,6 +56,10 @@ pub(crate) struct Instance<B> {
     last: Option<Episode>,
     returns: Vec<f64>,
     hiding: Hiding,
+    /// The ways of each agent.
+    ways: Vec<Option<Ways>>,
+    /// The map of the ways.
+    map: Option<Arc<PlannerMap>>,
 }
 
 impl<B: Backend> Instance<B> {
@@ -68,6 +77,8 @@ impl<B: Backend> Instance<B> {
             last: None,
             returns: vec![0.0; shared.shape.agents],
             hiding: Hiding::default(),
+            ways: shared.layouts.iter().map(Layout::ways).collect(),
+            map: shared.planner_map.clone(),
         })
     }
 
@@ -76,6 +87,9 @@ impl<B: Backend> Instance<B> {
         self.episode += 1;
         let seed = episode_seed(self.seed, self.index, self.episode);
         self.backend = B::new(shared, seed)?;
+        self.map.clone_from(&shared.planner_map);
+        // Maps of two episodes may have the same revision.
+        self.ways = shared.layouts.iter().map(Layout::ways).collect();
         self.returns.fill(0.0);
         self.running.begin(seed);
         Ok(())
@@ -116,26 +130,52 @@ impl<B: Backend> Instance<B> {
         row: &mut ArraysMut<'_>,
     ) -> Result<(), EnvironmentError> {
         let (agents, _) = actions.as_chunks::<ACTION_LENGTH>();
-        let robots = &shared.agents.robots;
-        for ((&robot, &action), was_active) in
-            robots.iter().zip(agents).zip(&mut scratch.was_active)
-        {
+        for (&robot, &action) in shared.agents.robots.iter().zip(agents) {
             if let Some(&given) = action.iter().find(|number| !number.is_finite()) {
                 let instance = self.index;
                 return Err(EnvironmentError::Action { instance, given });
             }
+            scratch.commands[robot] = Some(command(action, &shared.facts[robot].model));
+        }
+        row.rewards.fill(0.0);
+        row.events.fill(0.0);
+        for _ in 0..shared.options.ticks_per_action {
+            self.tick(shared, scratch, actions, row)?;
+            if row.terminated[0] || row.truncated[0] {
+                return self.end(shared, scratch, row);
+            }
+            self.backend.sense()?;
+        }
+        self.observe(shared, scratch, row.observations)
+    }
+
+    /// Does one tick with the commands of the action.
+    fn tick(
+        &mut self,
+        shared: &Shared,
+        scratch: &mut Scratch,
+        actions: &[f32],
+        row: &mut ArraysMut<'_>,
+    ) -> Result<(), EnvironmentError> {
+        let robots = shared.agents.robots.iter();
+        for (&robot, was_active) in robots.zip(&mut scratch.was_active) {
             let world = self.backend.world();
             *was_active = world.robots().get(robot).is_some_and(Robot::is_active);
-            scratch.commands[robot] = Some(command(action, &shared.facts[robot].model));
         }
         self.running.record(actions);
         self.backend.step(shared, &scratch.commands)?;
         self.judge(shared, scratch, row);
         row.lengths.fill(self.running.steps);
-        if !(row.terminated[0] || row.truncated[0]) {
-            self.backend.sense()?;
-            return self.observe(shared, scratch, row.observations);
-        }
+        Ok(())
+    }
+
+    /// Ends the episode and begins the next one.
+    fn end(
+        &mut self,
+        shared: &Shared,
+        scratch: &mut Scratch,
+        row: &mut ArraysMut<'_>,
+    ) -> Result<(), EnvironmentError> {
         self.observe(shared, scratch, row.final_observations)?;
         let freed = self.last.take().unwrap_or_default();
         self.last = Some(core::mem::replace(&mut self.running, freed));
@@ -144,7 +184,7 @@ impl<B: Backend> Instance<B> {
         self.observe(shared, scratch, row.observations)
     }
 
-    /// Writes rewards, events and the end of the episode.
+    /// Adds rewards and events of a tick, and writes the end of the episode.
     fn judge(&mut self, shared: &Shared, scratch: &Scratch, row: &mut ArraysMut<'_>) {
         let world = self.backend.world();
         let dt = shared.dt.as_secs_f64();
@@ -152,14 +192,17 @@ impl<B: Backend> Instance<B> {
         let mut any_active = false;
         for (agent, (&robot, counts)) in shared.agents.robots.iter().zip(events).enumerate() {
             let team = shared.facts[robot].team;
-            *counts = [0.0; EVENTS];
+            let mut of_tick = [0.0; EVENTS];
             if !world.events().is_empty() {
-                rewards::count(world, robot, team, counts);
+                rewards::count(world, robot, team, &mut of_tick);
             }
             let weights = &shared.options.rewards;
-            let reward = weights.reward(counts, scratch.was_active[agent], dt);
+            let reward = weights.reward(&of_tick, scratch.was_active[agent], dt);
             self.returns[agent] += reward;
-            row.rewards[agent] = reward;
+            row.rewards[agent] += reward;
+            for (count, of_tick) in counts.iter_mut().zip(of_tick) {
+                *count += of_tick;
+            }
             row.returns[agent] = self.returns[agent];
             let status = world.robots()[robot].status;
             row.statuses[agent] = status.code();
@@ -182,8 +225,13 @@ impl<B: Backend> Instance<B> {
         let (scene, hiding) = (&mut scratch.scene, &mut self.hiding);
         scene.update(&scratch.robots, world.map().shapes(), hiding);
         self.backend.beliefs(&mut scratch.beliefs);
+        if let Some(map) = &mut self.map
+            && map.revision() != world.map().revision()
+        {
+            *map = planner_map(world.map(), shared.blur_sigma)?;
+        }
         let rows = out.chunks_exact_mut(shared.shape.observation.max(1));
-        for (layout, row) in shared.layouts.iter().zip(rows) {
+        for ((layout, ways), row) in shared.layouts.iter().zip(&mut self.ways).zip(rows) {
             let me = layout.robot();
             let scan = if layout.parts().scan {
                 world.scan(me, &mut scratch.ranges)
@@ -207,6 +255,9 @@ impl<B: Backend> Instance<B> {
             };
             let (own, padding) = row.split_at_mut(layout.length());
             layout.write(&scratch.scene, &view, own)?;
+            if let (Some(ways), Some(map)) = (ways, &self.map) {
+                ways.write(map, &view, own);
+            }
             padding.fill(0.0);
         }
         Ok(())

@@ -24,6 +24,9 @@ pub struct Options {
     pub observation: Parts,
     /// Seed of all episodes, if a reset does not give another one.
     pub seed: u64,
+    /// Number of ticks of a step, at least 1: the action holds, rewards and events add up, and the observation is that
+    /// after the last tick.
+    pub ticks_per_action: u32,
     /// Number of threads, 1 to 1024. Results do not depend on it.
     pub threads: usize,
     /// Weights of the rewards.
@@ -42,6 +45,7 @@ impl Default for Options {
                 ..Parts::default()
             },
             seed: 0,
+            ticks_per_action: 1,
             threads: 1,
             rewards: RewardWeights::default(),
             programs: BTreeMap::new(),
@@ -60,6 +64,9 @@ impl Options {
         if !(1..=MAX_INSTANCES).contains(&self.instances) {
             let given = self.instances.to_string();
             return Err(refused("instances", given, "1 to 2^20"));
+        }
+        if self.ticks_per_action == 0 {
+            return Err(refused("ticks_per_action", "0".into(), "at least 1"));
         }
         if !(1..=MAX_THREADS).contains(&self.threads) {
             let given = self.threads.to_string();

@@ -9,6 +9,7 @@ use mission::in_process::Cache;
 use nalgebra::Point2;
 use observation::facts::RobotFacts;
 use observation::layout::Layout;
+use planner_view::map::PlannerMap;
 use runtime::kind::Product;
 use scenario::{ResolvedScenario, Template};
 use sim_backend::world::World;
@@ -31,6 +32,9 @@ pub(crate) struct Shared {
     /// Centres of the exits (m).
     pub exits: Vec<Point2<f64>>,
     pub map: WorldMap,
+    /// The map of the ways in observations, if they have ways.
+    pub planner_map: Option<Arc<PlannerMap>>,
+    pub blur_sigma: f64,
     pub dt: Duration,
     pub cache: Arc<Cache>,
     pub shape: Shape,
@@ -50,6 +54,7 @@ impl Shared {
             return Err(EnvironmentError::NoBeliefs);
         }
         let dt = Duration::from_nanos((scenario.run.dt * 1e9).round() as u64);
+        let blur_sigma = scenario.blur_sigma;
         let world = World::new(scenario.world)?;
         let facts = RobotFacts::of_world(&world);
         let exits: Vec<Point2<f64>> = world.exits().iter().map(Region::center).collect();
@@ -60,8 +65,15 @@ impl Shared {
             agents: agents.robots.len(),
             observation: layouts.iter().map(Layout::length).max().unwrap_or(0),
         };
+        let planner_map = if options.observation.way {
+            Some(planner_map(world.map(), blur_sigma)?)
+        } else {
+            None
+        };
         Ok(Self {
             map: world.map().clone(),
+            planner_map,
+            blur_sigma,
             template,
             options,
             agents,
@@ -78,4 +90,13 @@ impl Shared {
     pub fn scenario(&self, seed: u64) -> Result<ResolvedScenario, EnvironmentError> {
         Ok(self.template.with_seed(seed)?)
     }
+}
+
+/// Returns the map as planners get it, for all instances.
+pub(crate) fn planner_map(
+    world: &WorldMap,
+    blur_sigma: f64,
+) -> Result<Arc<PlannerMap>, EnvironmentError> {
+    let map = PlannerMap::of_world(world, blur_sigma, world.revision())?;
+    Ok(Arc::new(map.shared()))
 }

@@ -194,6 +194,9 @@ impl Planner for ScriptedPlanner {
         );
         let mut observed = vec![0.0; layout.length()];
         layout.write(&scene, view, &mut observed).unwrap();
+        if let Some(mut ways) = layout.ways() {
+            ways.write(map, view, &mut observed);
+        }
         let mut all = self.script.observed.lock().unwrap();
         all.entry(self.robot.clone()).or_default().push(observed);
         let command = self.script.commands[&self.robot].get(self.next);
@@ -295,6 +298,14 @@ fn episodes_with_other_processes_are_ordinary_runs() {
     let template = template("chase", &[]);
     let options = options(&["police"], "state+belief");
     let mut learner = Learner::new(template.clone(), options);
+    learner.reset(Some(1));
+    assert_is_an_ordinary_run(&mut learner, &template, 40);
+}
+
+#[test]
+fn ways_are_those_of_a_planner_also_when_an_obstacle_appears() {
+    let template = template("chase_popup", &["events.0.time_s=1.0"]);
+    let mut learner = Learner::new(template.clone(), options(&["evader"], "state+way"));
     learner.reset(Some(1));
     assert_is_an_ordinary_run(&mut learner, &template, 40);
 }

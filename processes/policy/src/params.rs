@@ -15,7 +15,7 @@ pub struct PolicyParams {
     /// ONNX file of the policy: its path, relative to the scenario's folder. A log has the contents of the file instead,
     /// as a `data:` URL, so that it can be executed again without the file.
     pub model: String,
-    /// Contents of the observation: `state`, `scan`, `belief`, or several of them as in `state+scan`.
+    /// Contents of the observation: `state`, `scan`, `belief`, `way`, or several of them as in `state+way`.
     pub observation: String,
     /// Number of ticks from one action to the next; the command holds in between.
     #[schemars(transform = at_least(1))]
@@ -47,7 +47,7 @@ impl PolicyParams {
     pub fn parts(&self) -> Result<Parts, ParamsError> {
         let parts = self.observation.parse();
         parts.map_err(|_| {
-            let expected = "state, scan, belief, or several of them as in state+scan";
+            let expected = "state, scan, belief, way, or several of them as in state+way";
             ParamsError::new("observation", &format!("{:?}", self.observation), expected)
         })
     }

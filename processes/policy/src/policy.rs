@@ -1,6 +1,5 @@
 //! A policy that steers one robot.
 
-use geometry::map::ShapeMap;
 use geometry::pose::Twist2;
 use network::{EvaluationError, Network};
 use observation::action::{ACTION_LENGTH, command};
@@ -9,6 +8,8 @@ use observation::facts::RobotFacts;
 use observation::layout::Layout;
 use observation::parts::Parts;
 use observation::scene::{Hiding, Scene};
+use observation::ways::Ways;
+use planner_view::map::PlannerMap;
 use planner_view::view::View;
 use sim_backend::spec::RobotModel;
 use thiserror::Error;
@@ -38,6 +39,9 @@ pub enum PolicyError {
 /// Reason why a policy cannot continue.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum SteeringError {
+    /// The map has too many pieces for lines of sight.
+    #[error("a policy needs the exact pieces of the map, but it has too many")]
+    Pieces,
     /// The observation cannot be written.
     #[error(transparent)]
     Observation(#[from] WriteError),
@@ -58,6 +62,7 @@ pub struct Policy {
     layout: Layout,
     scene: Scene,
     hiding: Hiding,
+    ways: Option<Ways>,
     robot: String,
     model: RobotModel,
     ticks_per_action: u64,
@@ -96,6 +101,7 @@ impl Policy {
             network,
             scene: Scene::new(robots, &[me]),
             hiding: Hiding::default(),
+            ways: layout.ways(),
             robot: own.name.clone(),
             model: own.model,
             ticks_per_action: u64::from(ticks_per_action.max(1)),
@@ -108,8 +114,9 @@ impl Policy {
     /// Returns the command of this tick. A robot that no longer takes part stands still.
     ///
     /// # Errors
-    /// [`SteeringError`] if the network has no finite action.
-    pub fn command(&mut self, view: &View<'_>, shapes: &ShapeMap) -> Result<Twist2, SteeringError> {
+    /// [`SteeringError`] if the map lacks its exact pieces, or the network has no finite action.
+    pub fn command(&mut self, map: &PlannerMap, view: &View<'_>) -> Result<Twist2, SteeringError> {
+        let space = map.space().ok_or(SteeringError::Pieces)?;
         if view.own().is_none_or(|own| !own.active) {
             return Ok(Twist2::STOP);
         }
@@ -119,9 +126,13 @@ impl Policy {
             Some(held) if !tick.is_multiple_of(self.ticks_per_action) => return Ok(held),
             _ => {}
         }
-        self.scene.update(view.robots, shapes, &mut self.hiding);
+        self.scene
+            .update(view.robots, space.shapes(), &mut self.hiding);
         self.layout
             .write(&self.scene, view, &mut self.observation)?;
+        if let Some(ways) = &mut self.ways {
+            ways.write(map, view, &mut self.observation);
+        }
         let output = self.network.evaluate(&self.observation);
         let output = output.map_err(|error| SteeringError::Evaluation {
             robot: self.robot.clone(),

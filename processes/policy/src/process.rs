@@ -1,4 +1,4 @@
-//! Connects [`Policy`] to its topics: state, exact shapes and what its observation contains in; command out.
+//! Connects [`Policy`] to its topics: state, map, exact shapes and what its observation contains in; command out.
 
 use ipc_types::bus::Bus;
 use network::Network;
@@ -103,11 +103,9 @@ impl Planner for PolicyPlanner {
     }
 
     fn steer(&mut self, map: &PlannerMap, view: &View<'_>) -> Steering {
-        let result = match (&mut self.policy, map.space()) {
-            (Some(policy), Some(space)) => policy
-                .command(view, space.shapes())
-                .map_err(|error| error.to_string()),
-            _ => Err("a policy needs the exact pieces of the map, but it has too many".to_owned()),
+        let result = match &mut self.policy {
+            Some(policy) => policy.command(map, view).map_err(|error| error.to_string()),
+            None => Err("a policy steers once its process is open".to_owned()),
         };
         let command = result.unwrap_or_else(|error| {
             self.failure = Some(error);

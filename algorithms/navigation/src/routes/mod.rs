@@ -6,11 +6,13 @@
 //! trees between ticks and renews them only when their root moves to another node, or the map
 //! changes.
 
+mod lengths;
 mod nav_grid;
 mod route_finder;
 mod route_tree;
 mod route_trees;
 
+pub use lengths::{Lengths, LengthsFrom};
 pub use nav_grid::{Edge, MARGIN, NavGrid};
 pub use route_finder::{ExitRoute, RouteFinder};
 pub use route_tree::{RouteLeg, RouteTree, Routes, Threat};

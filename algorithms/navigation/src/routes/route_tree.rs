@@ -65,8 +65,8 @@ pub struct RouteTree {
     /// needed; empty without threats.
     extra: Vec<u32>,
     /// Nodes on the rim with the cost of the routes to them (mm), the cheapest first; of equal ones, the
-    /// lowest index.
-    queue: BinaryHeap<Reverse<(u32, u32)>>,
+    /// lowest index. One number each, see [`queued`]: comparisons take most of the time of a tree.
+    queue: BinaryHeap<Reverse<u64>>,
     /// Point from which gates are visible; `None` in a tree without gates.
     origin: Option<Point2<f64>>,
 }
@@ -124,7 +124,7 @@ impl RouteTree {
         for &root in roots.iter().filter(|&&root| root < nodes) {
             self.cost[root] = 0;
             self.length[root] = 0;
-            self.queue.push(Reverse((0, root as u32)));
+            self.queue.push(queued(0, root as u32));
         }
     }
 
@@ -147,8 +147,8 @@ impl RouteTree {
 
     /// Reaches one more node; returns `false` if there is none.
     fn settle_next(&mut self, grid: &NavGrid) -> bool {
-        while let Some(Reverse((cost, from))) = self.queue.pop() {
-            let from = from as usize;
+        while let Some(Reverse(next)) = self.queue.pop() {
+            let (cost, from) = ((next >> 32) as u32, next as u32 as usize);
             if cost > self.cost[from] || self.knows(from) {
                 continue;
             }
@@ -161,7 +161,7 @@ impl RouteTree {
                     self.cost[to] = reached;
                     self.length[to] = self.length[from].saturating_add(edge.length);
                     self.parent[to] = from as u32;
-                    self.queue.push(Reverse((reached, edge.to)));
+                    self.queue.push(queued(reached, edge.to));
                 }
             }
             return true;
@@ -287,6 +287,11 @@ impl RouteTree {
         }
         self.extra[node]
     }
+}
+
+/// Returns the entry of the queue for a node at a cost (mm).
+fn queued(cost: u32, node: u32) -> Reverse<u64> {
+    Reverse(u64::from(cost) << 32 | u64::from(node))
 }
 
 /// Per node, its gate, or [`NONE`] until it is computed; empty in a tree without gates.

@@ -5,7 +5,7 @@ use geometry::blur::BlurredMap;
 use geometry::grid::{Grid, GridFrame};
 use nalgebra::Point2;
 use navigation::bearing::Bearings;
-use navigation::routes::{RouteFinder, Threat};
+use navigation::routes::{Lengths, LengthsFrom, RouteFinder, Threat};
 use planner_view::map::PlannerMap;
 use proptest::prelude::*;
 
@@ -25,6 +25,27 @@ fn the_path_to_the_exit_has_the_length_of_the_street_grid() {
     // The shortest path for a disc of this radius is 16.99 m; along the middles of the streets it is
     // at most 13.5 + 7.5 m.
     assert!((17.0..21.0).contains(&length), "{length}");
+}
+
+#[test]
+fn kept_lengths_are_those_of_routes() {
+    let map = Arena::city().map();
+    let mut finder = route_finder(&map);
+    let lengths = Lengths::of_map(&map, RADIUS);
+    let mut from = LengthsFrom::default();
+    let (far, near) = (Point2::new(-4.5, 7.5), Point2::new(7.5, 0.3));
+    assert_eq!(lengths.to(&from, EXIT), f64::INFINITY);
+    for start in [far, near, far] {
+        assert!(lengths.start(start, &mut from));
+        for to in [far, near, EXIT] {
+            let routes = finder.lengths(&map, 0, start, [to]).unwrap();
+            let expected = routes.distance_to(to).unwrap();
+            // They are kept in whole centimetres.
+            assert!((lengths.to(&from, to) - expected).abs() < 0.0051);
+        }
+    }
+    assert!(!lengths.start(Point2::new(f64::NAN, 0.0), &mut from));
+    assert_eq!(lengths.to(&from, EXIT), f64::INFINITY);
 }
 
 #[test]
