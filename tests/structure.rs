@@ -43,8 +43,8 @@ const RULES: Rules = Rules {
             "statistics",
             "tracking",
         ],
-        &["navigation", "observation"],
-        &["steering", "trajectory"],
+        &["navigation"],
+        &["observation", "steering", "trajectory"],
         &["coverage", "patrol", "planner"],
         // One crate per kind of process, or per family of kinds; none depends on another one.
         &["processes/*"],

@@ -5,13 +5,10 @@ use planner_view::view::{BeliefView, ScanView, View};
 
 use crate::error::{LayoutError, WriteError};
 use crate::facts::RobotFacts;
-use crate::parts::Parts;
+use crate::parts::{MAX_EXITS, Parts};
 use crate::relative::{self, Heading, Offset, bounded};
+use crate::route_entries::RouteEntries;
 use crate::scene::{Scene, Seen};
-use crate::ways::Ways;
-
-/// Maximum number of exits in an observation: the nearest ones.
-pub const MAX_EXITS: usize = 4;
 
 /// Names of the entries of the own state.
 const OWN: [&str; 7] = [
@@ -43,7 +40,7 @@ const BELIEF_LENGTH: usize = 5 + relative::LENGTH;
 /// - `belief`: every opponent in the scenario's order (10 each): 1 if there is a belief; 1 if a robot of the team sees
 ///   it; relative position of the mean; cosine and sine of its mean heading relative to the own one; 1 / (1 + σ) with
 ///   the standard deviation σ of the position (m). All 0 without a belief;
-/// - `way`: see [`Ways`], which writes them.
+/// - `way`: see [`RouteEntries`], which writes them.
 ///
 /// A *relative position* has 5 entries: the parts ahead and to the left, divided by the diagonal of the map; cosine and
 /// sine of the bearing; 1 / (1 + d) with the distance d (m).
@@ -126,10 +123,10 @@ impl Layout {
     }
 
     /// Returns the memory for the ways of the robot, if these are among the parts.
-    pub fn ways(&self) -> Option<Ways> {
+    pub fn ways(&self) -> Option<RouteEntries> {
         let opponents = self.ways.clone()?;
-        let start = self.length() - Ways::length(opponents.len());
-        Some(Ways::new(start, self.me, opponents))
+        let start = self.length() - RouteEntries::length(opponents.len());
+        Some(RouteEntries::new(start, self.me, opponents))
     }
 
     fn entry_names(&self, robots: &[RobotFacts]) -> Vec<String> {
@@ -163,12 +160,13 @@ impl Layout {
             add(&belief, &["heading_cos", "heading_sin", "certainty"]);
         }
         if let Some(opponents) = &self.ways {
-            names.extend(Ways::names(opponents.iter().map(|&i| name(i))));
+            names.extend(RouteEntries::names(opponents.iter().map(|&i| name(i))));
         }
         names
     }
 
-    /// Writes the observation of a tick, but for the ways, which [`Ways::write`] writes. `scene` has the robots of the same tick.
+    /// Writes the observation of a tick, except the ways, which [`RouteEntries::write`] writes. `scene` has the robots of
+    /// the same tick.
     ///
     /// # Errors
     /// [`WriteError`] if `out` has another length than the layout, or the own robot is not in the view.

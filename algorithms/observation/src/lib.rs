@@ -5,7 +5,7 @@
 //! - [`layout::Layout`]: the entries of the observation of one robot, from a
 //!   [`View`](planner_view::view::View);
 //! - [`scene::Scene`]: distances and lines of sight of a tick, computed once for all robots;
-//! - [`ways::Ways`]: the entries of shortest ways, kept between ticks;
+//! - [`route_entries::RouteEntries`]: the entries of shortest ways, kept between ticks;
 //! - [`action`]: from an action to a command.
 //!
 //! All entries are in −1..1. Lengths are divided by the diagonal of the map, so that they stay in range; each
@@ -21,5 +21,5 @@ pub mod facts;
 pub mod layout;
 pub mod parts;
 pub mod relative;
+pub mod route_entries;
 pub mod scene;
-pub mod ways;

@@ -5,6 +5,9 @@ use core::str::FromStr;
 
 use crate::error::LayoutError;
 
+/// Maximum number of exits in an observation: the nearest ones.
+pub const MAX_EXITS: usize = 4;
+
 /// Contents of an observation: the own state, goal and exits, and these parts.
 ///
 /// ```

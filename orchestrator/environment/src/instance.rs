@@ -5,8 +5,8 @@ use std::sync::Arc;
 use geometry::pose::Twist2;
 use observation::action::{ACTION_LENGTH, command};
 use observation::layout::Layout;
+use observation::route_entries::RouteEntries;
 use observation::scene::{Hiding, Scene};
-use observation::ways::Ways;
 use planner_view::map::PlannerMap;
 use planner_view::view::{BeliefView, RobotView, ScanView, View};
 use sim_backend::robot::Robot;
@@ -57,7 +57,7 @@ pub(crate) struct Instance<B> {
     returns: Vec<f64>,
     hiding: Hiding,
     /// The ways of each agent.
-    ways: Vec<Option<Ways>>,
+    ways: Vec<Option<RouteEntries>>,
     /// The map of the ways.
     map: Option<Arc<PlannerMap>>,
 }

@@ -476,19 +476,14 @@ fn a_replay_has_a_log_with_its_digest() {
     learner.reset(Some(1));
     learner.finish_episode();
     let episode = learner.environments.episode(0, WhichEpisode::Last).unwrap();
-    let (scenario, report) = learner
-        .environments
-        .replayer()
-        .run(&episode, Some(path.clone()), false)
-        .unwrap();
+    let replayer = learner.environments.replayer();
+    let run = replayer.run(&episode, Some(path.clone()), false);
+    let (scenario, report) = run.unwrap();
     assert_eq!(scenario.run.seed, episode.seed);
     assert_eq!(report.summary.ticks, 10);
     assert_eq!(report.summary.digest, learner.digest(&episode));
     assert!(path.metadata().unwrap().len() > 1000);
-    let again = learner
-        .environments
-        .replayer()
-        .run(&episode, Some(path), false);
+    let again = replayer.run(&episode, Some(path), false);
     assert!(again.unwrap_err().is_refusal());
 }
 

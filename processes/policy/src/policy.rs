@@ -7,8 +7,8 @@ use observation::error::{LayoutError, WriteError};
 use observation::facts::RobotFacts;
 use observation::layout::Layout;
 use observation::parts::Parts;
+use observation::route_entries::RouteEntries;
 use observation::scene::{Hiding, Scene};
-use observation::ways::Ways;
 use planner_view::map::PlannerMap;
 use planner_view::view::View;
 use sim_backend::spec::RobotModel;
@@ -62,7 +62,7 @@ pub struct Policy {
     layout: Layout,
     scene: Scene,
     hiding: Hiding,
-    ways: Option<Ways>,
+    ways: Option<RouteEntries>,
     robot: String,
     model: RobotModel,
     ticks_per_action: u64,

@@ -7,7 +7,7 @@ use navigation::routes::{Lengths, LengthsFrom, RouteFinder, Threat};
 use planner_view::map::PlannerMap;
 use planner_view::view::{RobotView, View};
 
-use crate::layout::MAX_EXITS;
+use crate::parts::MAX_EXITS;
 use crate::relative::{Heading, Offset};
 
 /// Number of directions around the robot.
@@ -47,7 +47,7 @@ const PAST: usize = 1;
 ///
 /// Ways are those of a disc of the robot's radius along a grid of about 0.25 m.
 #[derive(Debug, Clone)]
-pub struct Ways {
+pub struct RouteEntries {
     start: usize,
     me: usize,
     opponents: Vec<usize>,
@@ -59,7 +59,7 @@ pub struct Ways {
     threats: Vec<Threat>,
 }
 
-impl Ways {
+impl RouteEntries {
     /// Creates the memory of a robot, for observations whose ways begin at entry `start`.
     pub(crate) fn new(start: usize, me: usize, opponents: Vec<usize>) -> Self {
         Self {
