@@ -6,8 +6,9 @@ use std::sync::{Arc, Mutex, PoisonError};
 use super::nav_grid::NavGrid;
 use super::route_tree::{RouteTree, Threat};
 
-/// Maximum number of nodes of all trees that are kept; a node takes about 20 bytes.
-const MAX_NODES: usize = 4_000_000;
+/// Maximum number of nodes of all trees that are kept; a node takes about 20 bytes. Enough for all trees of a map of
+/// some 3000 nodes, which many missions at once need.
+const MAX_NODES: usize = 24_000_000;
 
 /// Maximum number of kept trees whose threats will hardly occur again.
 const MAX_PASSING: usize = 16;
