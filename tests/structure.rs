@@ -44,8 +44,8 @@ const RULES: Rules = Rules {
             "tracking",
         ],
         &["navigation"],
-        &["observation", "steering", "trajectory"],
-        &["coverage", "patrol", "planner"],
+        &["steering", "trajectory"],
+        &["coverage", "observation", "patrol", "planner"],
         // One crate per kind of process, or per family of kinds; none depends on another one.
         &["processes/*"],
         &["recorder", "scenario"],

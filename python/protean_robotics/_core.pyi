@@ -47,6 +47,7 @@ class Environments:
         observation: str,
         instances: int,
         seed: int,
+        action: str,
         ticks_per_action: int,
         threads: int,
         weights: Sequence[tuple[str, float]],

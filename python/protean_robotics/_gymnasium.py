@@ -25,7 +25,7 @@ class VectorEnv(gymnasium.vector.VectorEnv[NDArray[np.float32], NDArray[np.float
     """Instances of a scenario in which a learner steers the agents, after Gymnasium's ``VectorEnv``.
 
     The scenario's own processes drive all other robots: perception with its beliefs, planners. An action of an agent is
-    its forward speed and its turning rate, each in -1..1 of what its limits allow. An episode ends with the mission, or
+    two numbers in -1..1: by default the shares of its maximum forward speed and turning rate. An episode ends with the mission, or
     when no agent is in the game; the time limit of the rules truncates it.
 
     The next episode begins in the same step (``AutoresetMode.SAME_STEP``): the last observation of an ended one is
@@ -46,6 +46,9 @@ class VectorEnv(gymnasium.vector.VectorEnv[NDArray[np.float32], NDArray[np.float
         Contents of the observations: "state" (true poses of all robots, lines of sight), "scan" (own range scan) or
         "belief" (beliefs about opponents), "way" (shortest ways to exits and opponents), or several as in "state+way".
         Attribute `entries` has the names of all entries.
+    action
+        Meaning of the actions: "twist" (forward speed and turning rate) or, for evaders, "push" (ahead and to the left, on
+        an "evader_potential" with default parameters that steers in every tick).
     seed
         Seed of all episodes, if `reset` gives none. Their own seeds follow from it, from the index of the instance and
         from the number of the episode.
@@ -101,6 +104,7 @@ class VectorEnv(gymnasium.vector.VectorEnv[NDArray[np.float32], NDArray[np.float
         *,
         agents: Sequence[str],
         observation: str = "state",
+        action: str = "twist",
         seed: int = 0,
         ticks_per_action: int = 1,
         threads: int = 1,
@@ -115,6 +119,7 @@ class VectorEnv(gymnasium.vector.VectorEnv[NDArray[np.float32], NDArray[np.float
             num_envs,
             agents=agents,
             observation=observation,
+            action=action,
             seed=seed,
             ticks_per_action=ticks_per_action,
             threads=threads,
@@ -303,6 +308,7 @@ class Env(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
         *,
         agents: Sequence[str],
         observation: str = "state",
+        action: str = "twist",
         seed: int = 0,
         ticks_per_action: int = 1,
         set: Mapping[str, Any] | None = None,
@@ -315,6 +321,7 @@ class Env(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
             1,
             agents=agents,
             observation=observation,
+            action=action,
             seed=seed,
             ticks_per_action=ticks_per_action,
             set=set,

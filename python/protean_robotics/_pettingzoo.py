@@ -175,6 +175,7 @@ def parallel_env(
     *,
     agents: Sequence[str],
     observation: str = "state",
+    action: str = "twist",
     seed: int = 0,
     set: Mapping[str, Any] | None = None,
     reward: Reward = None,
@@ -185,7 +186,7 @@ def parallel_env(
 
     Parameters
     ----------
-    scenario, agents, observation, seed, set, reward, planners, allow_outside
+    scenario, agents, observation, action, seed, set, reward, planners, allow_outside
         As for ``VectorEnv``.
 
     Raises
@@ -210,6 +211,7 @@ def parallel_env(
         1,
         agents=agents,
         observation=observation,
+        action=action,
         seed=seed,
         ticks_per_action=1,
         threads=1,

@@ -69,7 +69,7 @@ pub struct Environments {
 impl Environments {
     #[new]
     #[pyo3(signature = (
-        scenario, *, overrides, agents, observation, instances, seed, ticks_per_action, threads, weights, planners, allow_outside
+        scenario, *, overrides, agents, observation, action, instances, seed, ticks_per_action, threads, weights, planners, allow_outside
     ))]
     #[expect(
         clippy::too_many_arguments,
@@ -81,6 +81,7 @@ impl Environments {
         overrides: Vec<String>,
         agents: Vec<String>,
         observation: String,
+        action: String,
         instances: usize,
         seed: u64,
         ticks_per_action: u32,
@@ -93,6 +94,7 @@ impl Environments {
             instances,
             agents,
             observation: observation.parse().map_err(|error| invalid(&error))?,
+            action: action.parse().map_err(|error| invalid(&error))?,
             seed,
             ticks_per_action,
             threads,

@@ -1,10 +1,38 @@
 //! Actions: commands as numbers in −1..1.
 
+use core::str::FromStr;
+
 use geometry::pose::Twist2;
 use sim_backend::spec::RobotModel;
 
-/// Numbers of an action: forward speed and turning rate.
+use crate::error::LayoutError;
+
+/// Numbers of an action.
 pub const ACTION_LENGTH: usize = 2;
+
+/// Meaning of an action.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum ActionKind {
+    /// Forward speed and turning rate: [`command`].
+    #[default]
+    Twist,
+    /// Push on the potential-field evader: [`PushedEvader`](crate::pushed_evader::PushedEvader).
+    Push,
+}
+
+impl FromStr for ActionKind {
+    type Err = LayoutError;
+
+    fn from_str(text: &str) -> Result<Self, LayoutError> {
+        match text {
+            "twist" => Ok(Self::Twist),
+            "push" => Ok(Self::Push),
+            _ => Err(LayoutError::Action {
+                given: text.to_owned(),
+            }),
+        }
+    }
+}
 
 /// Returns the command of an action.
 ///
@@ -34,6 +62,26 @@ pub fn command(action: [f32; ACTION_LENGTH], model: &RobotModel) -> Twist2 {
     Twist2::new(speed * limit, turn * model.omega_max)
 }
 
+/// Returns the action of a command, clamped to −1..1; the inverse of [`command`].
+pub fn action(command: Twist2, model: &RobotModel) -> [f32; ACTION_LENGTH] {
+    let limit = if command.v < 0.0 {
+        model.v_reverse_max
+    } else {
+        model.v_max
+    };
+    let share = |value: f64, limit: f64| {
+        if value == 0.0 || limit <= 0.0 {
+            0.0
+        } else {
+            (value / limit).clamp(-1.0, 1.0) as f32
+        }
+    };
+    [
+        share(command.v, limit),
+        share(command.omega, model.omega_max),
+    ]
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -47,6 +95,22 @@ mod tests {
         };
         assert_eq!(command([-1.0, 0.0], &model), Twist2::new(-0.05, 0.0));
         assert_eq!(command([9.0, 9.0], &model), Twist2::new(0.22, 2.84));
+    }
+
+    #[test]
+    fn actions_and_commands_are_inverse() {
+        let model = RobotModel {
+            v_reverse_max: 0.05,
+            ..Preset::Turtlebot3Burger.model()
+        };
+        for given in [[0.5, -0.25], [-0.5, 1.0], [0.0, 0.0]] {
+            assert_eq!(action(command(given, &model), &model), given);
+        }
+        let forward_only = RobotModel {
+            v_reverse_max: 0.0,
+            ..model
+        };
+        assert_eq!(action(Twist2::new(-1.0, 0.0), &forward_only), [0.0, 0.0]);
     }
 
     #[test]

@@ -13,6 +13,18 @@ pub enum LayoutError {
         /// The name.
         given: String,
     },
+    /// Unknown meaning of actions.
+    #[error("action = {given:?}: expected twist or push")]
+    Action {
+        /// The text.
+        given: String,
+    },
+    /// Actions that are pushes are for evaders.
+    #[error("action push: robot {robot} is no evader")]
+    NoEvader {
+        /// Name of the robot.
+        robot: String,
+    },
     /// No robot has this index.
     #[error("robot {robot}: expected an index below {robots}")]
     Robot {

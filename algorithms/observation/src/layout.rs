@@ -53,8 +53,8 @@ pub struct Layout {
     others: Vec<usize>,
     opponents: Vec<usize>,
     beams: usize,
-    /// Opponents of the ways, if these are among the parts.
-    ways: Option<Vec<usize>>,
+    /// The empty memory of the ways, if these are among the parts.
+    ways: Option<RouteEntries>,
     names: Vec<String>,
 }
 
@@ -86,9 +86,7 @@ impl Layout {
             others: others(parts.state).collect(),
             opponents: others(parts.belief).filter(is_opponent).collect(),
             beams: if parts.scan { own.beams } else { 0 },
-            ways: parts
-                .way
-                .then(|| others(true).filter(is_opponent).collect()),
+            ways: None,
             names: Vec::new(),
         };
         let robot = own.name.clone();
@@ -99,6 +97,14 @@ impl Layout {
             return Err(LayoutError::NoOpponents { robot });
         }
         layout.names = layout.entry_names(robots);
+        if parts.way {
+            let opponents: Vec<usize> = others(true).filter(is_opponent).collect();
+            let name = |&i: &usize| robots.get(i).map_or("", |robot| &robot.name);
+            let names = RouteEntries::names(opponents.iter().map(name));
+            let start = layout.names.len();
+            layout.names.extend(names);
+            layout.ways = Some(RouteEntries::new(start, me, own, opponents));
+        }
         Ok(layout)
     }
 
@@ -124,9 +130,7 @@ impl Layout {
 
     /// Returns the memory for the ways of the robot, if these are among the parts.
     pub fn ways(&self) -> Option<RouteEntries> {
-        let opponents = self.ways.clone()?;
-        let start = self.length() - RouteEntries::length(opponents.len());
-        Some(RouteEntries::new(start, self.me, opponents))
+        self.ways.clone()
     }
 
     fn entry_names(&self, robots: &[RobotFacts]) -> Vec<String> {
@@ -158,9 +162,6 @@ impl Layout {
             add(&belief, &["known", "seen"]);
             add(&belief, &relative::NAMES);
             add(&belief, &["heading_cos", "heading_sin", "certainty"]);
-        }
-        if let Some(opponents) = &self.ways {
-            names.extend(RouteEntries::names(opponents.iter().map(|&i| name(i))));
         }
         names
     }

@@ -1,13 +1,17 @@
-//! Shortest ways of a robot: to the exits, past its opponents, and who is where first.
+//! Shortest ways of a robot to the exits, the action of the potential-field evader, and who is where first.
 
 use core::f64::consts::TAU;
 
 use nalgebra::{Point2, Vector2};
-use navigation::routes::{Lengths, LengthsFrom, RouteFinder, Threat};
+use navigation::routes::{Lengths, LengthsFrom, RouteFinder};
 use planner_view::map::PlannerMap;
 use planner_view::view::{RobotView, View};
+use sim_backend::spec::RobotModel;
 
+use crate::action::action;
+use crate::facts::RobotFacts;
 use crate::parts::MAX_EXITS;
+use crate::pushed_evader::PushedEvader;
 use crate::relative::{Heading, Offset};
 
 /// Number of directions around the robot.
@@ -16,21 +20,18 @@ const DIRECTIONS: usize = 8;
 const REACH: f64 = 1.0;
 /// Largest difference of two lengths in an observation (m).
 const SCALE: f64 = 10.0;
-/// Extra cost (m) per metre of a way past the opponents, at distance `DANGER_REACH` (m) from one of them: those of
-/// `evader_potential`.
-const DANGER_GAIN: f64 = 3.0;
-const DANGER_REACH: f64 = 1.5;
 
-/// Number of entries of a way out.
+/// Number of entries of the way out.
 const OUT_LENGTH: usize = 4;
+/// Number of entries of the potential-field evader.
+const POTENTIAL_LENGTH: usize = 4;
 /// Number of entries of an opponent.
 const OPPONENT_LENGTH: usize = 2;
 /// Number of entries of a direction.
 const DIRECTION_LENGTH: usize = 3;
 
-/// Slots of the route finder.
+/// Slot of the route finder.
 const OUT: usize = 0;
-const PAST: usize = 1;
 
 /// Writes the part `way` of the observations of one robot, and keeps what it knows of the map between ticks.
 ///
@@ -38,7 +39,8 @@ const PAST: usize = 1;
 ///
 /// - `way` (4): cosine and sine of the bearing of the first straight leg of the shortest way to an exit; its length / 10 m,
 ///   at most 1; 1 / (1 + length in m);
-/// - `past` (4): the same for the way that is cheapest if passing an opponent costs more, the more the nearer;
+/// - `potential` (4), 0 for a robot that is no evader: what the evader of [`PushedEvader`] does without a push: cosine and
+///   sine of the bearing of the first straight leg of its way past the opponents, and its action;
 /// - `way_to.` every opponent in the scenario's order (2 each): 1 / (1 + length in m) of the shortest way to it; the
 ///   length of its own way to an exit less that of this robot / 10 m;
 /// - `around.0` … (3 each): places 1 m away, or at the nearest obstacle, in eight directions from the heading
@@ -56,16 +58,19 @@ pub struct RouteEntries {
     built_for: Option<(u64, f64)>,
     exits: [LengthsFrom; MAX_EXITS],
     opponents_from: Vec<LengthsFrom>,
-    threats: Vec<Threat>,
+    /// The potential-field evader, for an evader.
+    potential: Option<PushedEvader>,
+    own: RobotModel,
 }
 
 impl RouteEntries {
     /// Creates the memory of a robot, for observations whose ways begin at entry `start`.
-    pub(crate) fn new(start: usize, me: usize, opponents: Vec<usize>) -> Self {
+    pub(crate) fn new(start: usize, me: usize, own: &RobotFacts, opponents: Vec<usize>) -> Self {
         Self {
             start,
             me,
-            threats: Vec::with_capacity(opponents.len()),
+            potential: PushedEvader::new(own, me),
+            own: own.model,
             opponents_from: vec![LengthsFrom::default(); opponents.len()],
             opponents,
             finder: RouteFinder::default(),
@@ -74,20 +79,17 @@ impl RouteEntries {
         }
     }
 
-    /// Returns the number of entries with this many opponents.
-    pub(crate) fn length(opponents: usize) -> usize {
-        2 * OUT_LENGTH + opponents * OPPONENT_LENGTH + DIRECTIONS * DIRECTION_LENGTH
-    }
-
     /// Returns the names of the entries, with the names of the opponents.
     pub(crate) fn names<'a>(opponents: impl Iterator<Item = &'a str>) -> Vec<String> {
         let mut names = Vec::new();
         let mut add = |prefix: &str, entries: &[&str]| {
             names.extend(entries.iter().map(|entry| format!("{prefix}.{entry}")));
         };
-        for way in ["way", "past"] {
-            add(way, &["bearing_cos", "bearing_sin", "length", "proximity"]);
-        }
+        let bearing = ["bearing_cos", "bearing_sin"];
+        add("way", &bearing);
+        add("way", &["length", "proximity"]);
+        add("potential", &bearing);
+        add("potential", &["speed", "turn"]);
         for opponent in opponents {
             let prefix = format!("way_to.{opponent}");
             add(&prefix, &["proximity", "exit_lead"]);
@@ -110,45 +112,41 @@ impl RouteEntries {
             return;
         };
         self.finder.prepare(map, own.radius);
-        let (outs, out) = out.split_at_mut((2 * OUT_LENGTH).min(out.len()));
-        let opponents = (self.opponents.len() * OPPONENT_LENGTH).min(out.len());
-        let (opponents, around) = out.split_at_mut(opponents);
-        let (out, past) = outs.split_at_mut(OUT_LENGTH.min(outs.len()));
-        self.write_out(map, view, own, OUT, out);
-        self.write_out(map, view, own, PAST, past);
+        let (out, rest) = out.split_at_mut(OUT_LENGTH.min(out.len()));
+        self.write_out(map, view, own, out);
+        let (potential, rest) = rest.split_at_mut(POTENTIAL_LENGTH.min(rest.len()));
+        self.write_potential(map, view, own, potential);
+        let opponents = (self.opponents.len() * OPPONENT_LENGTH).min(rest.len());
+        let (opponents, around) = rest.split_at_mut(opponents);
         self.write_places(map, view, own, opponents, around);
     }
 
-    /// Writes the way out of a slot.
-    fn write_out(
-        &mut self,
-        map: &PlannerMap,
-        view: &View<'_>,
-        own: &RobotView,
-        slot: usize,
-        out: &mut [f32],
-    ) {
-        self.threats.clear();
-        if slot == PAST {
-            let threats = active(view, &self.opponents).map(|(_, at)| Threat {
-                at,
-                gain: DANGER_GAIN,
-                reach: DANGER_REACH,
-            });
-            self.threats.extend(threats);
-        }
+    /// Writes the shortest way out.
+    fn write_out(&mut self, map: &PlannerMap, view: &View<'_>, own: &RobotView, out: &mut [f32]) {
         let here = own.pose.position();
         let exits = view.usable_exits();
-        // Opponents move, so that the way past them is another one in every tick.
-        let renew = slot == PAST;
-        let found = self
-            .finder
-            .way_out(map, slot, here, exits, &self.threats, renew);
-        if let Some(found) = found {
+        if let Some(found) = self.finder.way_out(map, OUT, here, exits, &[], false) {
             let [cos, sin] = bearing(own, found.waypoint);
             let length = scaled(found.length);
             put(out, [cos, sin, length, proximity(found.length)]);
         }
+    }
+
+    /// Writes what the potential-field evader does.
+    fn write_potential(
+        &mut self,
+        map: &PlannerMap,
+        view: &View<'_>,
+        own: &RobotView,
+        out: &mut [f32],
+    ) {
+        let Some(potential) = &mut self.potential else {
+            return;
+        };
+        let steering = potential.steering(map, view);
+        let [cos, sin] = steering.waypoint.map_or([0.0; 2], |to| bearing(own, to));
+        let [speed, turn] = action(steering.command, &self.own);
+        put(out, [cos, sin, speed, turn]);
     }
 
     /// Writes the ways of the opponents, and the places around the robot.
@@ -220,15 +218,6 @@ impl RouteEntries {
 fn position(view: &View<'_>, index: usize) -> Option<Point2<f64>> {
     let robot = view.robot(index).filter(|robot| robot.active);
     robot.map(|robot| robot.pose.position())
-}
-
-/// Returns the robots of this list that are in the game, with their positions (m).
-fn active<'a>(
-    view: &'a View<'_>,
-    robots: &'a [usize],
-) -> impl Iterator<Item = (usize, Point2<f64>)> + use<'a> {
-    let robots = robots.iter();
-    robots.filter_map(|&robot| Some((robot, position(view, robot)?)))
 }
 
 /// Replaces lengths by those of other ways that are shorter.

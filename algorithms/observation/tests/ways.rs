@@ -8,14 +8,17 @@ use geometry::pose::Pose2;
 use geometry::region::Region;
 use geometry::shape::Shape;
 use nalgebra::Point2;
+use observation::action::action;
 use observation::facts::RobotFacts;
 use observation::layout::Layout;
 use observation::scene::{Hiding, Scene};
+use planner_view::limits::Limits;
 use planner_view::map::PlannerMap;
 use planner_view::view::{RobotView, View};
 use sim_backend::spec::{RobotSpec, RulesSpec, WorldSpec};
 use sim_backend::team::Role;
 use sim_backend::world::World;
+use steering::potential_evader::{Evader, EvaderParams};
 
 /// A ring of streets, 8 m × 6 m, about a block of 4 m × 2 m; the exit is in the street on the right, an evader in that on
 /// the left, and a pursuer at `pursuer`.
@@ -84,18 +87,42 @@ fn observed(world: &World, parts: &str) -> BTreeMap<String, f32> {
 }
 
 #[test]
-fn the_way_goes_around_the_block_and_past_an_opponent_around_the_other_side() {
+fn the_way_goes_around_the_block_and_the_evader_past_an_opponent_around_the_other_side() {
     // It looks along +x; the way below the block is shorter, and the pursuer stands in it.
     let seen = observed(&world(Pose2::new(1.0, 2.7, 0.0), [4.0, 1.0]), "way");
     assert!(seen["way.bearing_sin"] < -0.5, "{seen:?}");
-    assert!(seen["past.bearing_sin"] > 0.5, "{seen:?}");
-    let length = |way: &str| 1.0 / seen[&format!("{way}.proximity")] - 1.0;
-    assert!((6.5..8.5).contains(&length("way")), "{}", length("way"));
-    assert!(length("past") > length("way"));
-    assert!((seen["way.length"] - length("way") / 10.0).abs() < 1e-3);
+    assert!(seen["potential.bearing_sin"] > 0.5, "{seen:?}");
+    let length = 1.0 / seen["way.proximity"] - 1.0;
+    assert!((6.5..8.5).contains(&length), "{length}");
+    assert!((seen["way.length"] - length / 10.0).abs() < 1e-3);
     // Far from both ways it has no effect.
     let seen = observed(&world(Pose2::new(1.0, 2.7, 0.0), [0.3, 5.7]), "way");
-    assert!(seen["past.bearing_sin"] < -0.5, "{seen:?}");
+    assert!(seen["potential.bearing_sin"] < -0.5, "{seen:?}");
+}
+
+#[test]
+fn the_action_of_the_potential_field_is_that_of_its_planner() {
+    let world = world(Pose2::new(1.0, 2.7, 0.6), [3.0, 1.0]);
+    let mut robots = Vec::new();
+    RobotView::of_world(&world, &mut robots);
+    let exits: Vec<Point2<f64>> = world.exits().iter().map(Region::center).collect();
+    let model = RobotFacts::of_world(&world)[0].model;
+    let limits = Limits::new(model.v_max, model.v_reverse_max, model.omega_max).unwrap();
+    let mut evader = Evader::new(EvaderParams::default(), limits, 0).unwrap();
+    let view = View {
+        time_s: 0.0,
+        dt: 0.05,
+        me: 0,
+        robots: &robots,
+        beliefs: &[],
+        exits: &exits,
+        scan: None,
+    };
+    let map = PlannerMap::of_world(world.map(), 0.19, 0).unwrap();
+    let expected = action(evader.command(&map, &view).command, &model);
+    let seen = observed(&world, "way");
+    assert_ne!(expected, [0.0, 0.0]);
+    assert_eq!([seen["potential.speed"], seen["potential.turn"]], expected);
 }
 
 #[test]

@@ -1,12 +1,17 @@
 //! Record of an episode.
 
+use geometry::pose::Twist2;
+use observation::action::ACTION_LENGTH;
+
 /// An episode as it can be executed again.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Episode {
     /// Seed of the scenario.
     pub seed: u64,
-    /// Actions of all steps: steps × agents × 2 numbers.
+    /// Actions of all steps: steps × agents × 2 numbers; 0 of agents out of the game.
     pub actions: Vec<f32>,
+    /// Commands of all steps, if actions are pushes, whose commands depend on the state: steps × agents.
+    pub commands: Vec<Twist2>,
     /// Number of steps.
     pub steps: u64,
 }
@@ -25,12 +30,21 @@ impl Episode {
     pub(crate) fn begin(&mut self, seed: u64) {
         self.seed = seed;
         self.actions.clear();
+        self.commands.clear();
         self.steps = 0;
     }
 
-    /// Records the actions of a step.
-    pub(crate) fn record(&mut self, actions: &[f32]) {
-        self.actions.extend_from_slice(actions);
+    /// Records the actions of a step; `is_active` is whether the agents are in the game.
+    pub(crate) fn record(&mut self, actions: &[f32], is_active: &[bool]) {
+        let (actions, _) = actions.as_chunks::<ACTION_LENGTH>();
+        let recorded = actions.iter().zip(is_active).map(|(&action, &is_active)| {
+            if is_active {
+                action
+            } else {
+                [0.0; ACTION_LENGTH]
+            }
+        });
+        self.actions.extend(recorded.flatten());
         self.steps += 1;
     }
 }

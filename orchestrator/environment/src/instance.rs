@@ -2,9 +2,11 @@
 
 use std::sync::Arc;
 
+use geometry::map::WorldMap;
 use geometry::pose::Twist2;
 use observation::action::{ACTION_LENGTH, command};
 use observation::layout::Layout;
+use observation::pushed_evader::PushedEvader;
 use observation::route_entries::RouteEntries;
 use observation::scene::{Hiding, Scene};
 use planner_view::map::PlannerMap;
@@ -26,6 +28,8 @@ pub(crate) struct Scratch {
     robots: Vec<RobotView>,
     beliefs: Vec<BeliefView<'static>>,
     ranges: Vec<f32>,
+    /// Commands of the actions, by robot.
+    given: Vec<Twist2>,
     commands: Vec<Option<Twist2>>,
     was_active: Vec<bool>,
 }
@@ -38,6 +42,7 @@ impl Scratch {
             robots: Vec::with_capacity(robots),
             beliefs: Vec::with_capacity(robots),
             ranges: Vec::new(),
+            given: vec![Twist2::STOP; robots],
             commands: vec![None; robots],
             was_active: vec![false; shared.agents.robots.len()],
         }
@@ -58,7 +63,9 @@ pub(crate) struct Instance<B> {
     hiding: Hiding,
     /// The ways of each agent.
     ways: Vec<Option<RouteEntries>>,
-    /// The map of the ways.
+    /// The controllers of the agents, if actions are pushes.
+    pushed: Vec<PushedEvader>,
+    /// The map of planners.
     map: Option<Arc<PlannerMap>>,
 }
 
@@ -78,6 +85,7 @@ impl<B: Backend> Instance<B> {
             returns: vec![0.0; shared.shape.agents],
             hiding: Hiding::default(),
             ways: shared.layouts.iter().map(Layout::ways).collect(),
+            pushed: shared.pushed.clone(),
             map: shared.planner_map.clone(),
         })
     }
@@ -90,6 +98,7 @@ impl<B: Backend> Instance<B> {
         self.map.clone_from(&shared.planner_map);
         // Maps of two episodes may have the same revision.
         self.ways = shared.layouts.iter().map(Layout::ways).collect();
+        self.pushed.clone_from(&shared.pushed);
         self.returns.fill(0.0);
         self.running.begin(seed);
         Ok(())
@@ -135,7 +144,17 @@ impl<B: Backend> Instance<B> {
                 let instance = self.index;
                 return Err(EnvironmentError::Action { instance, given });
             }
-            scratch.commands[robot] = Some(command(action, &shared.facts[robot].model));
+            scratch.given[robot] = command(action, &shared.facts[robot].model);
+        }
+        for ((pushed, &robot), &action) in self
+            .pushed
+            .iter_mut()
+            .zip(&shared.agents.robots)
+            .zip(agents)
+        {
+            if let Some(robot) = self.backend.world().robots().get(robot) {
+                pushed.push(action, robot.pose.theta);
+            }
         }
         row.rewards.fill(0.0);
         row.events.fill(0.0);
@@ -157,15 +176,57 @@ impl<B: Backend> Instance<B> {
         actions: &[f32],
         row: &mut ArraysMut<'_>,
     ) -> Result<(), EnvironmentError> {
+        self.steer(shared, scratch)?;
         let robots = shared.agents.robots.iter();
         for (&robot, was_active) in robots.zip(&mut scratch.was_active) {
             let world = self.backend.world();
             *was_active = world.robots().get(robot).is_some_and(Robot::is_active);
+            // An agent out of the game stops, as the planners of its kind do.
+            let given = if *was_active {
+                scratch.given[robot]
+            } else {
+                Twist2::STOP
+            };
+            scratch.commands[robot] = Some(given);
         }
-        self.running.record(actions);
+        self.running.record(actions, &scratch.was_active);
+        if !self.pushed.is_empty() {
+            let commands = shared
+                .agents
+                .robots
+                .iter()
+                .filter_map(|&robot| scratch.commands[robot]);
+            self.running.commands.extend(commands);
+        }
         self.backend.step(shared, &scratch.commands)?;
         self.judge(shared, scratch, row);
         row.lengths.fill(self.running.steps);
+        Ok(())
+    }
+
+    /// Computes the commands of actions that are pushes.
+    fn steer(&mut self, shared: &Shared, scratch: &mut Scratch) -> Result<(), EnvironmentError> {
+        if self.pushed.is_empty() {
+            return Ok(());
+        }
+        let world = self.backend.world();
+        update_map(&mut self.map, world.map(), shared.blur_sigma)?;
+        let Some(map) = &self.map else {
+            return Ok(());
+        };
+        RobotView::of_world(world, &mut scratch.robots);
+        for (pushed, &robot) in self.pushed.iter_mut().zip(&shared.agents.robots) {
+            let view = View {
+                time_s: world.time().as_secs_f64(),
+                dt: shared.dt.as_secs_f64(),
+                me: robot,
+                robots: &scratch.robots,
+                beliefs: &[],
+                exits: &shared.exits,
+                scan: None,
+            };
+            scratch.given[robot] = pushed.steering(map, &view).command;
+        }
         Ok(())
     }
 
@@ -225,11 +286,7 @@ impl<B: Backend> Instance<B> {
         let (scene, hiding) = (&mut scratch.scene, &mut self.hiding);
         scene.update(&scratch.robots, world.map().shapes(), hiding);
         self.backend.beliefs(&mut scratch.beliefs);
-        if let Some(map) = &mut self.map
-            && map.revision() != world.map().revision()
-        {
-            *map = planner_map(world.map(), shared.blur_sigma)?;
-        }
+        update_map(&mut self.map, world.map(), shared.blur_sigma)?;
         let rows = out.chunks_exact_mut(shared.shape.observation.max(1));
         for ((layout, ways), row) in shared.layouts.iter().zip(&mut self.ways).zip(rows) {
             let me = layout.robot();
@@ -262,4 +319,18 @@ impl<B: Backend> Instance<B> {
         }
         Ok(())
     }
+}
+
+/// Replaces the map of planners if obstacles have changed.
+fn update_map(
+    map: &mut Option<Arc<PlannerMap>>,
+    world: &WorldMap,
+    blur_sigma: f64,
+) -> Result<(), EnvironmentError> {
+    if let Some(map) = map
+        && map.revision() != world.revision()
+    {
+        *map = planner_map(world, blur_sigma)?;
+    }
+    Ok(())
 }

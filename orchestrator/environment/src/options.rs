@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use observation::action::ActionKind;
 use observation::parts::Parts;
 use scenario::kind::ConfiguredKind;
 
@@ -22,6 +23,8 @@ pub struct Options {
     pub agents: Vec<String>,
     /// Contents of the observations.
     pub observation: Parts,
+    /// Meaning of the actions.
+    pub action: ActionKind,
     /// Seed of all episodes, if a reset does not give another one.
     pub seed: u64,
     /// Number of ticks of a step, at least 1: the action holds, rewards and events add up, and the observation is that
@@ -44,6 +47,7 @@ impl Default for Options {
                 state: true,
                 ..Parts::default()
             },
+            action: ActionKind::default(),
             seed: 0,
             ticks_per_action: 1,
             threads: 1,

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use geometry::pose::Twist2;
 use mission::MissionReport;
 use mission::in_process::{InProcessOptions, run};
 use observation::action::{ACTION_LENGTH, command};
@@ -80,16 +81,19 @@ fn replay(
 }
 
 /// Returns the commands of an episode, by the names of the robots.
-fn commands(shared: &Shared, episode: &Episode) -> BTreeMap<String, Vec<geometry::pose::Twist2>> {
+fn commands(shared: &Shared, episode: &Episode) -> BTreeMap<String, Vec<Twist2>> {
     let (actions, _) = episode.actions.as_chunks::<ACTION_LENGTH>();
     let agents = shared.agents.robots.iter().enumerate();
     let named = agents.filter_map(|(agent, &robot)| {
         let facts = shared.facts.get(robot)?;
-        let own = actions
-            .iter()
-            .skip(agent)
-            .step_by(shared.shape.agents.max(1));
-        let commands = own.map(|&action| command(action, &facts.model)).collect();
+        let step = shared.shape.agents.max(1);
+        let commands = if shared.pushed.is_empty() {
+            let own = actions.iter().skip(agent).step_by(step);
+            own.map(|&action| command(action, &facts.model)).collect()
+        } else {
+            let own = episode.commands.iter().skip(agent).step_by(step);
+            own.copied().collect()
+        };
         Some((facts.name.clone(), commands))
     });
     named.collect()

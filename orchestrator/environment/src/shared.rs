@@ -7,8 +7,11 @@ use geometry::map::WorldMap;
 use geometry::region::Region;
 use mission::in_process::Cache;
 use nalgebra::Point2;
+use observation::action::ActionKind;
+use observation::error::LayoutError;
 use observation::facts::RobotFacts;
 use observation::layout::Layout;
+use observation::pushed_evader::PushedEvader;
 use planner_view::map::PlannerMap;
 use runtime::kind::Product;
 use scenario::{ResolvedScenario, Template};
@@ -27,12 +30,14 @@ pub(crate) struct Shared {
     pub options: Options,
     pub agents: Agents,
     pub facts: Vec<RobotFacts>,
+    /// Controllers of the agents, if actions are pushes.
+    pub pushed: Vec<PushedEvader>,
     /// Observations of the agents.
     pub layouts: Vec<Layout>,
     /// Centres of the exits (m).
     pub exits: Vec<Point2<f64>>,
     pub map: WorldMap,
-    /// The map of the ways in observations, if they have ways.
+    /// The map of planners, if observations or actions need it.
     pub planner_map: Option<Arc<PlannerMap>>,
     pub blur_sigma: f64,
     pub dt: Duration,
@@ -65,7 +70,22 @@ impl Shared {
             agents: agents.robots.len(),
             observation: layouts.iter().map(Layout::length).max().unwrap_or(0),
         };
-        let planner_map = if options.observation.way {
+        let mut pushed = Vec::new();
+        if options.action == ActionKind::Push {
+            for &robot in &agents.robots {
+                let own = facts
+                    .get(robot)
+                    .and_then(|own| PushedEvader::new(own, robot));
+                pushed.push(own.ok_or_else(|| {
+                    LayoutError::NoEvader {
+                        robot: facts
+                            .get(robot)
+                            .map_or_else(String::new, |own| own.name.clone()),
+                    }
+                })?);
+            }
+        }
+        let planner_map = if options.observation.way || !pushed.is_empty() {
             Some(planner_map(world.map(), blur_sigma)?)
         } else {
             None
@@ -78,6 +98,7 @@ impl Shared {
             options,
             agents,
             facts,
+            pushed,
             layouts,
             exits,
             dt,

@@ -1,24 +1,17 @@
 //! Episodes: histories, seeds, threads, ends and rewards.
 
-use std::collections::BTreeMap;
-use std::sync::{Arc, Mutex};
+mod scripted;
+
+use std::sync::Arc;
 
 use environment::{
     Arrays, EVENT_NAMES, EnvironmentError, Environments, Episode, Options, RewardWeights,
     WhichEpisode,
 };
-use geometry::pose::Twist2;
-use mission::in_process::{InProcessOptions, run};
-use observation::action::command;
+use observation::action::ActionKind;
 use observation::facts::RobotFacts;
-use observation::layout::Layout;
-use observation::scene::{Hiding, Scene};
-use parameters::Parameters;
-use planner::{Planner, PlannerInputs, PlannerMap, PlannerProcess, RobotInfo, Steering, View};
-use scenario::kind::ConfiguredKind;
 use scenario::{Loader, MapCache, Template};
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
+use scripted::ordinary_run;
 use sim_backend::world::World;
 
 /// A scenario with these overrides.
@@ -107,154 +100,6 @@ fn options(agents: &[&str], observation: &str) -> Options {
     }
 }
 
-/// Commands of a run by robot, and the observations that its planners compute from their views.
-#[derive(Debug, Default)]
-struct Script {
-    commands: BTreeMap<String, Vec<Twist2>>,
-    observation: String,
-    observed: Mutex<BTreeMap<String, Vec<Vec<f32>>>>,
-}
-
-/// Parameters of a planner of this test: the script, which has no text.
-#[derive(Debug, Clone, Default, Serialize, Deserialize, JsonSchema)]
-struct ScriptParams {
-    #[serde(skip)]
-    script: Arc<Script>,
-}
-
-impl PartialEq for ScriptParams {
-    fn eq(&self, other: &Self) -> bool {
-        Arc::ptr_eq(&self.script, &other.script)
-    }
-}
-
-impl Parameters for ScriptParams {}
-
-/// An ordinary planner that sends commands of a list, and observes as a learned policy does.
-struct ScriptedPlanner {
-    script: Arc<Script>,
-    robot: String,
-    next: usize,
-    facts: Vec<RobotFacts>,
-}
-
-impl Planner for ScriptedPlanner {
-    const NAME: &'static str = "scripted";
-    const SUMMARY: &'static str = "sends commands of a list";
-
-    type Params = ScriptParams;
-
-    fn inputs(params: &ScriptParams) -> PlannerInputs {
-        PlannerInputs {
-            beliefs: params.script.observation.contains("belief"),
-            scans: params.script.observation.contains("scan"),
-            shapes: true,
-        }
-    }
-
-    fn new(params: &ScriptParams, robot: &RobotInfo, _: u64) -> Result<Self, String> {
-        Ok(Self {
-            script: Arc::clone(&params.script),
-            robot: robot.name.clone(),
-            next: 0,
-            facts: Vec::new(),
-        })
-    }
-
-    fn open(
-        &mut self,
-        config: &runtime::ProcessConfig,
-        _: &ipc_types::bus::Bus,
-        _: u32,
-    ) -> Result<(), runtime::ProcessError> {
-        let robots = &config.run.robots;
-        let teams = planner::teams(robots);
-        self.facts = robots
-            .iter()
-            .zip(teams)
-            .map(|(robot, team)| RobotFacts {
-                name: robot.name.clone(),
-                team,
-                model: robot.model,
-                goal: robot.goal,
-                beams: robot.beams as usize,
-            })
-            .collect();
-        Ok(())
-    }
-
-    fn steer(&mut self, map: &PlannerMap, view: &View<'_>) -> Steering {
-        let parts = self.script.observation.parse().unwrap();
-        let layout = Layout::new(parts, &self.facts, view.me, view.exits.len()).unwrap();
-        let mut scene = Scene::new(&self.facts, &[view.me]);
-        scene.update(
-            view.robots,
-            map.space().unwrap().shapes(),
-            &mut Hiding::default(),
-        );
-        let mut observed = vec![0.0; layout.length()];
-        layout.write(&scene, view, &mut observed).unwrap();
-        if let Some(mut ways) = layout.ways() {
-            ways.write(map, view, &mut observed);
-        }
-        let mut all = self.script.observed.lock().unwrap();
-        all.entry(self.robot.clone()).or_default().push(observed);
-        let command = self.script.commands[&self.robot].get(self.next);
-        self.next += 1;
-        Steering {
-            command: command.copied().unwrap_or(Twist2::STOP),
-            ..Steering::stop()
-        }
-    }
-}
-
-/// Runs an episode as an ordinary run, with planners in the place of the agents'. Returns its digest, and what its
-/// planners observed.
-fn ordinary_run(
-    learner: &Learner,
-    template: &Template,
-    episode: &Episode,
-) -> (String, BTreeMap<String, Vec<Vec<f32>>>) {
-    let scenario = template.with_seed(episode.seed).unwrap();
-    let agents: Vec<&RobotFacts> = learner.environments.agents().collect();
-    let mut commands: BTreeMap<String, Vec<Twist2>> = BTreeMap::new();
-    for (k, action) in episode.actions.chunks(2).enumerate() {
-        let agent = agents[k % agents.len()];
-        let list = commands.entry(agent.name.clone()).or_default();
-        list.push(command([action[0], action[1]], &agent.model));
-    }
-    let script = Arc::new(Script {
-        commands,
-        observation: learner.environments.options().observation.to_string(),
-        ..Script::default()
-    });
-    let names: Vec<usize> = (0..scenario.processes.len())
-        .filter(|&process| {
-            let robots = &scenario.processes[process].robots;
-            let is_agent = |&robot: &usize| {
-                let name = &scenario.world.robots[robot].name;
-                script.commands.contains_key(name)
-            };
-            scenario.processes[process].program.kind_name() != Some("perception")
-                && robots.iter().any(is_agent)
-        })
-        .collect();
-    let programs = names.into_iter().map(|process| {
-        let script = Arc::clone(&script);
-        let params = ScriptParams { script };
-        let kind = ConfiguredKind::new::<PlannerProcess<ScriptedPlanner>>(params);
-        (scenario.processes[process].name.clone(), kind)
-    });
-    let options = InProcessOptions {
-        programs: programs.collect(),
-        last_tick: Some(episode.steps),
-        ..InProcessOptions::default()
-    };
-    let report = run(&scenario, &options).unwrap();
-    let observed = std::mem::take(&mut *script.observed.lock().unwrap());
-    (report.summary.digest, observed)
-}
-
 /// Does some steps of the first instance, and compares them with an ordinary run of the same actions.
 fn assert_is_an_ordinary_run(learner: &mut Learner, template: &Template, steps: usize) {
     learner.reset(None);
@@ -270,7 +115,7 @@ fn assert_is_an_ordinary_run(learner: &mut Learner, template: &Template, steps: 
         .episode(0, WhichEpisode::Running)
         .unwrap();
     assert_eq!(episode.steps, steps as u64);
-    let (digest, observed) = ordinary_run(learner, template, &episode);
+    let (digest, observed) = ordinary_run(&learner.environments, template, &episode);
     assert_eq!(learner.digest(&episode), digest);
     for (agent, facts) in learner.environments.agents().enumerate() {
         let layout = &learner.environments.layouts()[agent];
@@ -308,6 +153,44 @@ fn ways_are_those_of_a_planner_also_when_an_obstacle_appears() {
     let mut learner = Learner::new(template.clone(), options(&["evader"], "state+way"));
     learner.reset(Some(1));
     assert_is_an_ordinary_run(&mut learner, &template, 40);
+}
+
+#[test]
+fn pushes_are_those_of_a_planner_that_steers_in_every_tick() {
+    let template = template("chase", &[]);
+    let options = Options {
+        action: ActionKind::Push,
+        ..options(&["evader"], "state+way")
+    };
+    let mut learner = Learner::new(template.clone(), options);
+    learner.reset(Some(1));
+    assert_is_an_ordinary_run(&mut learner, &template, 40);
+}
+
+#[test]
+fn an_agent_out_of_the_game_stops_whatever_its_action() {
+    // A pursuer stands beside the first of two evaders.
+    let start = "robots.evader_1.start={ x = 7.5, y = 3.9, theta = 0.0 }";
+    let set = [start, "rules.capture.radius=0.7", "rules.time_limit=1.0"];
+    let mut learner = Learner::new(
+        template("chase_exact", &set),
+        options(&["evader_1", "evader_2"], "state"),
+    );
+    learner.reset(Some(1));
+    learner.finish_episode();
+    let episode = learner.environments.episode(0, WhichEpisode::Last).unwrap();
+    let rows: Vec<&[f32]> = episode.actions.chunks(4).collect();
+    assert!(rows.len() > 10 && rows[0].iter().all(|&number| number != 0.0));
+    for row in &rows[10..] {
+        assert_eq!(row[..2], [0.0; 2]);
+        assert!(row[2..].iter().all(|&number| number != 0.0));
+    }
+    let (_, report) = learner
+        .environments
+        .replayer()
+        .run(&episode, None, false)
+        .unwrap();
+    assert_eq!(report.summary.robots[4].name, "evader_1");
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! Parameters of a policy.
 
 use network::Network;
-use observation::action::ACTION_LENGTH;
+use observation::action::{ACTION_LENGTH, ActionKind};
 use observation::parts::Parts;
 use parameters::{Parameters, ParamsError, at_least};
 use runtime::files;
@@ -17,7 +17,10 @@ pub struct PolicyParams {
     pub model: String,
     /// Contents of the observation: `state`, `scan`, `belief`, `way`, or several of them as in `state+way`.
     pub observation: String,
-    /// Number of ticks from one action to the next; the command holds in between.
+    /// Meaning of the network's output: `twist` (forward speed and turning rate) or, for evaders, `push` (ahead and to the
+    /// left, on an `evader_potential` with default parameters that steers in every tick).
+    pub action: String,
+    /// Number of ticks from one action to the next; it holds in between.
     #[schemars(transform = at_least(1))]
     pub ticks_per_action: u32,
 }
@@ -27,6 +30,7 @@ impl Default for PolicyParams {
         Self {
             model: String::new(),
             observation: "state".to_owned(),
+            action: "twist".to_owned(),
             ticks_per_action: 1,
         }
     }
@@ -35,6 +39,7 @@ impl Default for PolicyParams {
 impl Parameters for PolicyParams {
     fn check_relations(&self) -> Result<(), ParamsError> {
         self.parts()?;
+        self.action_kind()?;
         self.network().map(|_| ())
     }
 }
@@ -50,6 +55,15 @@ impl PolicyParams {
             let expected = "state, scan, belief, way, or several of them as in state+way";
             ParamsError::new("observation", &format!("{:?}", self.observation), expected)
         })
+    }
+
+    /// Returns the meaning of the actions.
+    ///
+    /// # Errors
+    /// [`ParamsError`] for an unknown one.
+    pub fn action_kind(&self) -> Result<ActionKind, ParamsError> {
+        let kind = self.action.parse();
+        kind.map_err(|_| ParamsError::new("action", &format!("{:?}", self.action), "twist or push"))
     }
 
     /// Returns the network of the file.
@@ -70,7 +84,7 @@ impl PolicyParams {
         let length = network.output_length();
         if length != ACTION_LENGTH {
             return Err(refused(format!(
-                "the output has {length} numbers, expected {ACTION_LENGTH}: forward speed and turning rate, in −1..1"
+                "the output has {length} numbers, expected {ACTION_LENGTH}, in −1..1"
             )));
         }
         Ok(network)

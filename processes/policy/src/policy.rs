@@ -1,12 +1,14 @@
 //! A policy that steers one robot.
 
+use geometry::map::ShapeMap;
 use geometry::pose::Twist2;
 use network::{EvaluationError, Network};
-use observation::action::{ACTION_LENGTH, command};
+use observation::action::{ACTION_LENGTH, ActionKind, command};
 use observation::error::{LayoutError, WriteError};
 use observation::facts::RobotFacts;
 use observation::layout::Layout;
 use observation::parts::Parts;
+use observation::pushed_evader::PushedEvader;
 use observation::route_entries::RouteEntries;
 use observation::scene::{Hiding, Scene};
 use planner_view::map::PlannerMap;
@@ -65,9 +67,11 @@ pub struct Policy {
     ways: Option<RouteEntries>,
     robot: String,
     model: RobotModel,
+    /// The controller, if actions are pushes.
+    pushed: Option<PushedEvader>,
     ticks_per_action: u64,
     observation: Vec<f32>,
-    held: Option<Twist2>,
+    held: Option<[f32; ACTION_LENGTH]>,
 }
 
 impl Policy {
@@ -78,6 +82,7 @@ impl Policy {
     pub fn new(
         network: Network,
         parts: Parts,
+        action: ActionKind,
         ticks_per_action: u32,
         robots: &[RobotFacts],
         me: usize,
@@ -97,7 +102,16 @@ impl Policy {
                 length,
             });
         }
+        let pushed = match action {
+            ActionKind::Twist => None,
+            ActionKind::Push => {
+                let robot = own.name.clone();
+                let pushed = PushedEvader::new(own, me);
+                Some(pushed.ok_or(LayoutError::NoEvader { robot })?)
+            }
+        };
         Ok(Self {
+            pushed,
             network,
             scene: Scene::new(robots, &[me]),
             hiding: Hiding::default(),
@@ -122,12 +136,31 @@ impl Policy {
         }
         // By the time and not by a count: a restarted process continues in step.
         let tick = (view.time_s / view.dt).round() as u64;
-        match self.held {
-            Some(held) if !tick.is_multiple_of(self.ticks_per_action) => return Ok(held),
-            _ => {}
-        }
-        self.scene
-            .update(view.robots, space.shapes(), &mut self.hiding);
+        let action = match self.held {
+            Some(held) if !tick.is_multiple_of(self.ticks_per_action) => held,
+            _ => {
+                let action = self.action(map, space.shapes(), view)?;
+                if let (Some(pushed), Some(own)) = (&mut self.pushed, view.own()) {
+                    pushed.push(action, own.pose.theta);
+                }
+                action
+            }
+        };
+        self.held = Some(action);
+        Ok(match &mut self.pushed {
+            Some(pushed) => pushed.steering(map, view).command,
+            None => command(action, &self.model),
+        })
+    }
+
+    /// Returns the action of the network.
+    fn action(
+        &mut self,
+        map: &PlannerMap,
+        shapes: &ShapeMap,
+        view: &View<'_>,
+    ) -> Result<[f32; ACTION_LENGTH], SteeringError> {
+        self.scene.update(view.robots, shapes, &mut self.hiding);
         self.layout
             .write(&self.scene, view, &mut self.observation)?;
         if let Some(ways) = &mut self.ways {
@@ -142,8 +175,6 @@ impl Policy {
         for (own, &number) in action.iter_mut().zip(output) {
             *own = number;
         }
-        let twist = command(action, &self.model);
-        self.held = Some(twist);
-        Ok(twist)
+        Ok(action)
     }
 }

@@ -2,6 +2,7 @@
 
 use ipc_types::bus::Bus;
 use network::Network;
+use observation::action::ActionKind;
 use observation::facts::RobotFacts;
 use observation::parts::Parts;
 use planner::{Planner, PlannerInputs, teams};
@@ -19,6 +20,7 @@ use crate::{Policy, PolicyParams};
 pub struct PolicyPlanner {
     network: Network,
     parts: Parts,
+    action: ActionKind,
     ticks_per_action: u32,
     /// Opened with the configuration of the run.
     policy: Option<Policy>,
@@ -42,14 +44,24 @@ impl Planner for PolicyPlanner {
     }
 
     fn check_task(params: &PolicyParams, task: &Task<'_>, _: u64) -> Result<(), TaskFault> {
-        let (Ok(network), Ok(parts)) = (params.network(), params.parts()) else {
+        let (Ok(network), Ok(parts), Ok(action)) =
+            (params.network(), params.parts(), params.action_kind())
+        else {
             // Reported with the parameters.
             return Ok(());
         };
         let facts = RobotFacts::of_specs(task.robots);
         let own = facts.iter().position(|robot| robot.name == task.robot.name);
         let ticks = params.ticks_per_action;
-        match Policy::new(network, parts, ticks, &facts, own.unwrap_or(0), task.exits) {
+        match Policy::new(
+            network,
+            parts,
+            action,
+            ticks,
+            &facts,
+            own.unwrap_or(0),
+            task.exits,
+        ) {
             Ok(_) => Ok(()),
             Err(error) => Err(TaskFault::Param {
                 field: "model".to_owned(),
@@ -62,6 +74,7 @@ impl Planner for PolicyPlanner {
         Ok(Self {
             network: params.network().map_err(|error| error.to_string())?,
             parts: params.parts().map_err(|error| error.to_string())?,
+            action: params.action_kind().map_err(|error| error.to_string())?,
             ticks_per_action: params.ticks_per_action,
             policy: None,
             failure: None,
@@ -85,6 +98,7 @@ impl Planner for PolicyPlanner {
         let policy = Policy::new(
             self.network.clone(),
             self.parts,
+            self.action,
             self.ticks_per_action,
             &facts,
             robot as usize,
