@@ -3,9 +3,8 @@
     python ppo.py  # ten minutes on two cores: evader.onnx, curve.csv, curve.svg
 
 PPO is after Schulman et al. (2017), advantages after Schulman et al. (2016). Both evaders share one policy, which
-chooses an action every `REPEAT` ticks. Its mean action is the way past the Police and the push away from them, both of
-which the observation contains, and what a network adds to it. Reward: 1 for an escape, -1 for a capture or the end of time, and
-the progress along the shortest way to the exit.
+chooses a push every `REPEAT` ticks; in every tick `evader_potential` steers with this push in its field. At the start the
+push is 0, and the policy thus as good as `evader_potential`. Reward: 1 for an escape, -1 for a capture or the end of time.
 """
 
 import argparse
@@ -22,55 +21,34 @@ from torch import nn
 from torch.distributions import Normal
 
 FOLDER = Path(__file__).parent
-# Scenario, values in it, and share of the time. Police that know all are quicker to compute than those with beliefs, and
-# beliefs of fewer particles quicker than those of many. evaluate.toml compares on the scenario `chase` itself.
-STAGES = [
-    ("chase_layouts", {"teams.evader.limits.v_max": 0.3}, 0.4),
-    ("chase", {"processes.perception.params.filter.particles": 100}, 0.6),
-]
-REPEAT = 4  # ticks from one action to the next: `ticks_per_action` of the policy
+# Beliefs of fewer particles are quicker to compute. evaluate.toml compares on the scenario `chase` itself.
+SCENARIO, SETTINGS = "chase", {"processes.perception.params.filter.particles": 100}
+REPEAT = 20  # ticks from one action to the next: `ticks_per_action` of the policy
 INSTANCES, ROLLOUT = 64, 64  # instances, and actions of each between two updates
 EPOCHS, BATCH = 4, 2048
-LEARNING_RATE = 5e-4  # at the start; falls to 0
-DISCOUNT, TRACE = 0.997, 0.95
+LEARNING_RATE = 1e-3  # at the start; falls to 0
+DISCOUNT, TRACE = 0.98, 0.95
 CLIP, VALUE = 0.2, 0.5
+EFFORT = 0.03  # cost of the square of the mean push: noise in the advantages does not lead far from `evader_potential`
 HIDDEN = 128
-LIMIT = 1.3  # of the action along the way: above 1, so that noise does not make the robot slower
-AVOID = 4.0  # weight of the places where the Police can be soon
-NOISE = 0.2  # standard deviation of the actions at the start
-WAVES = 5  # octaves of sines and cosines of the position
-PROGRESS = 0.02  # reward of a way that is shorter by a metre (1/m)
-ACTIVE, X, Y = 0, 1, 2  # places in an observation
+NOISE = 0.5  # standard deviation of the actions at the start
+WARM_UP = 0.05  # share of the time before the policy changes: the critic learns first
+ACTIVE = 0  # place in an observation
 
 
 class Policy(nn.Module):
-    """Actor and critic. Sines and cosines of the position resolve the streets of the map."""
+    """Actor and critic. The actor is linear: it learns from few episodes."""
 
     def __init__(self, entries):
         super().__init__()
-        frequencies = 2.0 ** torch.arange(WAVES) * torch.pi / 2
-        waves = torch.zeros(len(entries), 2 * WAVES)
-        waves[X, :WAVES] = frequencies
-        waves[Y, WAVES:] = frequencies
-        self.register_buffer("waves", waves)
-        # Ahead and to the left: along the way, and away from the Police.
-        along = torch.zeros(len(entries), 2)
-        along[entries.index("past.bearing_cos"), 0] = 2.0
-        along[entries.index("past.bearing_sin"), 1] = 2.0
-        for k in range(8):
-            direction = torch.tensor([np.cos(k * np.pi / 4), np.sin(k * np.pi / 4)])
-            along[entries.index(f"around.{k}.danger")] = -AVOID * direction
-        self.register_buffer("along", along)
-        inputs = len(entries) + 4 * WAVES
-        self.actor = layers(inputs, 2, gain=0.01)
-        self.critic = layers(inputs, 1, gain=1.0)
+        self.actor = nn.Linear(entries, 2)
+        nn.init.zeros_(self.actor.weight)
+        nn.init.zeros_(self.actor.bias)
+        self.critic = layers(entries, 1, gain=1.0)
         self.log_std = nn.Parameter(torch.full((2,), float(np.log(NOISE))))
 
     def forward(self, observation):
-        angles = observation @ self.waves
-        features = torch.cat([observation, torch.sin(angles), torch.cos(angles)], -1)
-        mean = (observation @ self.along).clamp(-LIMIT, LIMIT) + self.actor(features)
-        return Normal(mean, self.log_std.exp()), self.critic(features).squeeze(-1)
+        return Normal(self.actor(observation), self.log_std.exp()), self.critic(observation).squeeze(-1)
 
 
 def layers(inputs, outputs, gain):
@@ -84,37 +62,30 @@ def layers(inputs, outputs, gain):
 class Game:
     """The instances and the reward."""
 
-    def __init__(self, scenario, settings, seed):
+    def __init__(self, seed):
         self.env = pr.VectorEnv(
-            scenario,
+            SCENARIO,
             INSTANCES,
             agents=["evader"],
             observation="state+way",
+            action="push",
             ticks_per_action=REPEAT,
             seed=seed,
             threads=2,
-            set=settings,
+            set=SETTINGS,
         )
-        self.entries = self.env.entries[0]
-        self.proximity = self.entries.index("way.proximity")
         self.observations = self.env.reset(seed=seed)[0]
         self.ends = []  # of the last evaders: whether they escaped
 
-    def length(self):
-        """Length of the shortest way to the exit (m)."""
-        return 1 / np.maximum(self.observations[..., self.proximity], 0.01) - 1
-
     def step(self, actions):
         """Returns rewards and whether the evaders' part has ended."""
-        active, before = self.observations[..., ACTIVE] > 0.5, self.length()
+        active = self.observations[..., ACTIVE] > 0.5
         self.observations, _, terminated, truncated, infos = self.env.step(actions)
         gained = infos["rewards"]  # 1 for an escape, -1 for a capture
         over = (terminated | truncated)[:, None]
         ended = ~active | (gained != 0) | over
         self.ends = (self.ends + (gained[active & ended] > 0).tolist())[-2000:]
-        # The way of an evader whose part has ended is that of the next episode.
-        nearer = np.where(ended, 0.0, before - DISCOUNT * self.length())
-        return (gained - (active & over & (gained == 0)) + PROGRESS * nearer).astype(np.float32), ended
+        return (gained - (active & over & (gained == 0))).astype(np.float32), ended
 
 
 def collect(game, policy):
@@ -141,8 +112,8 @@ def collect(game, policy):
     return [part[active] for part in (observations, actions, chances, advantages, advantages + values)]
 
 
-def update(policy, optimiser, samples):
-    """Improves the policy by a batch of samples."""
+def update(policy, optimiser, samples, with_actor):
+    """Improves the critic and, if `with_actor`, the policy by a batch of samples."""
     observations, actions, chances, advantages, returns = samples
     advantages = (advantages - advantages.mean()) / (advantages.std() + 1e-8)
     for _ in range(EPOCHS):
@@ -150,7 +121,9 @@ def update(policy, optimiser, samples):
             distribution, values = policy(observations[batch])
             ratio = (distribution.log_prob(actions[batch]).sum(-1) - chances[batch]).exp()
             gain = torch.min(ratio * advantages[batch], ratio.clamp(1 - CLIP, 1 + CLIP) * advantages[batch]).mean()
-            loss = VALUE * (values - returns[batch]).square().mean() - gain
+            loss = VALUE * (values - returns[batch]).square().mean()
+            if with_actor:
+                loss += EFFORT * distribution.mean.square().sum(-1).mean() - gain
             optimiser.zero_grad()
             loss.backward()
             nn.utils.clip_grad_norm_(policy.parameters(), 0.5)
@@ -159,50 +132,32 @@ def update(policy, optimiser, samples):
 
 def train(minutes, seed):
     torch.manual_seed(seed)
-    torch.set_num_threads(1)  # the network is small
-    policy, curve, begin, end, ticks = None, [], time.monotonic(), 0.0, 0
-    for scenario, settings, share in STAGES:
-        game = Game(scenario, settings, seed)
-        if policy is None:
-            policy = Policy(game.entries)
-            optimiser = torch.optim.Adam(policy.parameters(), LEARNING_RATE, eps=1e-5)
-        end += share * minutes
-        while (spent := (time.monotonic() - begin) / 60) < end:
-            optimiser.param_groups[0]["lr"] = LEARNING_RATE * (1 - spent / minutes)
-            update(policy, optimiser, collect(game, policy))
-            ticks += ROLLOUT * REPEAT * INSTANCES
-            escapes = float(np.mean(game.ends or [False]))
-            curve.append((round(spent, 3), ticks, round(escapes, 4)))
-            print(f"{spent:5.2f} min {ticks:9d} ticks {scenario}: {100 * escapes:4.1f} % escape", flush=True)
+    torch.set_num_threads(1)  # the networks are small
+    game = Game(seed)
+    policy = Policy(len(game.env.entries[0]))
+    optimiser = torch.optim.Adam(policy.parameters(), LEARNING_RATE, eps=1e-5)
+    curve, begin, ticks = [], time.monotonic(), 0
+    while (spent := (time.monotonic() - begin) / 60) < minutes:
+        optimiser.param_groups[0]["lr"] = LEARNING_RATE * (1 - spent / minutes)
+        update(policy, optimiser, collect(game, policy), with_actor=spent > WARM_UP * minutes)
+        ticks += ROLLOUT * REPEAT * INSTANCES
+        escapes = float(np.mean(game.ends or [False]))
+        curve.append((round(spent, 3), ticks, round(escapes, 4)))
+        print(f"{spent:5.2f} min {ticks:9d} ticks: {100 * escapes:4.1f} % escape", flush=True)
     return policy, curve
 
 
 def export(policy, path):
-    """Writes the mean action, clamped to -1..1, as ONNX."""
-    weights = {"waves": policy.waves, "along": policy.along}
-    for layer in (0, 2, 4):
-        weights |= {f"{name}{layer}": value for name, value in policy.actor[layer].named_parameters()}
+    """Writes the mean push, clamped to -1..1, as ONNX."""
     node = helper.make_node
     nodes = [
-        node("MatMul", ["observation", "waves"], ["angles"]),
-        node("Sin", ["angles"], ["sines"]),
-        node("Cos", ["angles"], ["cosines"]),
-        node("Concat", ["observation", "sines", "cosines"], ["features"], axis=-1),
-        node("Gemm", ["features", "weight0", "bias0"], ["sum0"], transB=1),
-        node("Tanh", ["sum0"], ["hidden0"]),
-        node("Gemm", ["hidden0", "weight2", "bias2"], ["sum2"], transB=1),
-        node("Tanh", ["sum2"], ["hidden2"]),
-        node("Gemm", ["hidden2", "weight4", "bias4"], ["added"], transB=1),
-        node("MatMul", ["observation", "along"], ["ahead_left"]),
-        node("Clip", ["ahead_left", "least", "most"], ["base"]),
-        node("Add", ["base", "added"], ["mean"]),
+        node("Gemm", ["observation", "weight", "bias"], ["mean"], transB=1),
         node("Clip", ["mean", "low", "high"], ["action"]),
     ]
-    constants = [numpy_helper.from_array(value.detach().numpy(), name) for name, value in weights.items()]
-    bounds = {"least": -LIMIT, "most": LIMIT, "low": -1, "high": 1}
-    constants += [numpy_helper.from_array(np.float32(bound), name) for name, bound in bounds.items()]
+    constants = [numpy_helper.from_array(value.detach().numpy(), name) for name, value in policy.actor.named_parameters()]
+    constants += [numpy_helper.from_array(np.float32(bound), name) for name, bound in (("low", -1), ("high", 1))]
     value = helper.make_tensor_value_info
-    inputs = [value("observation", TensorProto.FLOAT, ["batch", policy.waves.shape[0]])]
+    inputs = [value("observation", TensorProto.FLOAT, ["batch", policy.actor.in_features])]
     outputs = [value("action", TensorProto.FLOAT, ["batch", 2])]
     graph = helper.make_graph(nodes, "evader", inputs, outputs, constants)
     model = helper.make_model(graph, opset_imports=[helper.make_opsetid("", 17)], ir_version=8)
