@@ -12,7 +12,7 @@ use observation::scene::{Hiding, Scene};
 use planner_view::map::PlannerMap;
 use planner_view::view::{BeliefView, RobotView, ScanView, View};
 use sim_backend::robot::Robot;
-use sim_backend::world::GameOver;
+use sim_backend::world::{GameOver, World};
 
 use crate::arrays::ArraysMut;
 use crate::backend::Backend;
@@ -217,7 +217,7 @@ impl<B: Backend> Instance<B> {
         RobotView::of_world(world, &mut scratch.robots);
         for (pushed, &robot) in self.pushed.iter_mut().zip(&shared.agents.robots) {
             let view = View {
-                time_s: world.time().as_secs_f64(),
+                time_s: time_s(world),
                 dt: shared.dt.as_secs_f64(),
                 me: robot,
                 robots: &scratch.robots,
@@ -296,7 +296,7 @@ impl<B: Backend> Instance<B> {
                 None
             };
             let view = View {
-                time_s: world.time().as_secs_f64(),
+                time_s: time_s(world),
                 dt: shared.dt.as_secs_f64(),
                 me,
                 robots: &scratch.robots,
@@ -333,4 +333,9 @@ fn update_map(
         *map = planner_map(world, blur_sigma)?;
     }
     Ok(())
+}
+
+/// Returns the time (s), to the last bit as processes compute it from the stamp of a state.
+fn time_s(world: &World) -> f64 {
+    world.time().as_nanos() as f64 * 1e-9
 }
