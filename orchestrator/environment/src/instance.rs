@@ -287,6 +287,7 @@ impl<B: Backend> Instance<B> {
         scene.update(&scratch.robots, world.map().shapes(), hiding);
         self.backend.beliefs(&mut scratch.beliefs);
         update_map(&mut self.map, world.map(), shared.blur_sigma)?;
+        let (now, dt) = (time_s(world), shared.dt.as_secs_f64());
         let rows = out.chunks_exact_mut(shared.shape.observation.max(1));
         for ((layout, ways), row) in shared.layouts.iter().zip(&mut self.ways).zip(rows) {
             let me = layout.robot();
@@ -296,8 +297,8 @@ impl<B: Backend> Instance<B> {
                 None
             };
             let view = View {
-                time_s: time_s(world),
-                dt: shared.dt.as_secs_f64(),
+                time_s: now,
+                dt,
                 me,
                 robots: &scratch.robots,
                 beliefs: &scratch.beliefs,
@@ -337,5 +338,6 @@ fn update_map(
 
 /// Returns the time (s), to the last bit as processes compute it from the stamp of a state.
 fn time_s(world: &World) -> f64 {
-    world.time().as_nanos() as f64 * 1e-9
+    // 2⁶⁴ ns are 584 years.
+    world.time().as_nanos() as u64 as f64 * 1e-9
 }
