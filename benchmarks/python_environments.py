@@ -43,23 +43,25 @@ def rate(step: Callable[[int], object], instances: int, seconds: float) -> float
     return best
 
 
+def draw(envs: pr.VectorEnv) -> np.ndarray:
+    """Draws the actions of several steps: the loop in Rust and that in Python play the same games."""
+    envs.action_space.seed(1)
+    return np.stack([envs.action_space.sample() for _ in range(max(64, 4096 // envs.num_envs))])
+
+
 def ours(instances: int, seconds: float, scenario: str, agents: list[str], copy: bool) -> float:
     envs = pr.VectorEnv(scenario, instances, agents=agents, seed=1, copy=copy)
     envs.reset()
-    envs.action_space.seed(1)
-    actions = [envs.action_space.sample() for _ in range(64)]
-    return rate(lambda k: envs.step(actions[k % 64]), instances, seconds)
+    actions = draw(envs)
+    return rate(lambda k: envs.step(actions[k % len(actions)]), instances, seconds)
 
 
 def rust(instances: int, seconds: float, scenario: str, agents: list[str]) -> float:
     """The same instances in a loop in Rust."""
     envs = pr.VectorEnv(scenario, instances, agents=agents, seed=1)
     envs.reset()
-    envs.action_space.seed(1)
-    core = envs._instances.core
-    actions = [envs.action_space.sample() for _ in range(64)]
-    count = max(1, 4096 // instances)
-    return rate(lambda k: core.repeat(actions[k % 64], count), instances * count, seconds)
+    actions = draw(envs)
+    return rate(lambda _: envs._instances.core.steps(actions), instances * len(actions), seconds)
 
 
 def vmas(instances: int, seconds: float) -> float:

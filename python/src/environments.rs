@@ -154,16 +154,12 @@ impl Environments {
         })
     }
 
-    /// Does several steps with the same actions, in one call.
-    fn repeat(
-        &self,
-        py: Python<'_>,
-        actions: PyReadonlyArrayDyn<'_, f32>,
-        count: usize,
-    ) -> PyResult<()> {
+    /// Does several steps in one call, with actions of shape (steps, instances, agents, 2).
+    fn steps(&self, py: Python<'_>, actions: PyReadonlyArrayDyn<'_, f32>) -> PyResult<()> {
         let actions = actions.as_slice().map_err(|error| invalid(&error))?;
         self.write(py, |inner, arrays| {
-            (0..count).try_for_each(|_| inner.step(actions, arrays))
+            let mut steps = actions.chunks(inner.shape().actions().max(1));
+            steps.try_for_each(|actions| inner.step(actions, arrays))
         })
     }
 
