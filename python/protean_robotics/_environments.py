@@ -27,7 +27,7 @@ class Episode:
     seed
         Seed of the scenario, for ``run``.
     actions
-        Actions of all steps, shape (steps, agents, 2).
+        Actions of all steps, shape (steps, agents, 2); 0 for an agent out of the game.
     """
 
     seed: int
