@@ -47,8 +47,8 @@ class VectorEnv(gymnasium.vector.VectorEnv[NDArray[np.float32], NDArray[np.float
         "belief" (beliefs about opponents), "way" (shortest ways to exits and opponents), or several as in "state+way".
         Attribute `entries` has the names of all entries.
     action
-        Meaning of the actions: "twist" (forward speed and turning rate) or, for evaders, "push" (ahead and to the left, on
-        an "evader_potential" with default parameters that steers in every tick).
+        Meaning of the actions: "twist" (forward speed and turning rate) or, for evaders, "tune" (parameters of an
+        "evader_potential" that steers in every tick).
     seed
         Seed of all episodes, if `reset` gives none. Their own seeds follow from it, from the index of the instance and
         from the number of the episode.

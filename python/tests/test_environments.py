@@ -202,18 +202,18 @@ def test_ways_lead_to_the_exit() -> None:
     assert 3.5 < first - (1 / observations[0, proximity] - 1) < 5.0
 
 
-def test_without_a_push_the_evader_drives_as_evader_potential() -> None:
+def test_the_action_zero_is_evader_potential_and_others_are_not() -> None:
     options: dict[str, Any] = {"agents": ["evader_1"], "observation": "state+way", "seed": 3}
     twist = pr.VectorEnv("chase_exact", 1, **options)
-    push = pr.VectorEnv("chase_exact", 1, action="push", **options)
+    tune = pr.VectorEnv("chase_exact", 1, action="tune", **options)
     action = [twist.entries[0].index(f"potential.{name}") for name in ("speed", "turn")]
-    driven, pushed = twist.reset()[0], push.reset()[0]
+    driven, tuned = twist.reset()[0], tune.reset()[0]
     for _ in range(40):
         # Actions have less digits than the commands of the evader.
-        assert np.allclose(driven, pushed, atol=1e-3)
+        assert np.allclose(driven, tuned, atol=1e-3)
         driven = twist.step(driven[:, action])[0]
-        pushed = push.step(np.zeros((1, 2), dtype=np.float32))[0]
-    strong = push.step(np.full((1, 2), -1.0, dtype=np.float32))[0]
+        tuned = tune.step(np.zeros((1, 2), dtype=np.float32))[0]
+    strong = tune.step(np.full((1, 2), 1.0, dtype=np.float32))[0]
     assert not np.allclose(twist.step(driven[:, action])[0], strong, atol=1e-3)
 
 
@@ -223,8 +223,8 @@ def test_invalid_arguments_are_refused() -> None:
         ({"agents": "evader"}, "list of names"),
         ({"agents": ["evader"], "observation": "lidar"}, "state, scan, belief"),
         ({"agents": ["evader"], "observation": "scan"}, "no range scan"),
-        ({"agents": ["evader"], "action": "pull"}, "twist or push"),
-        ({"agents": ["police"], "action": "push"}, "police_1 is no evader"),
+        ({"agents": ["evader"], "action": "pull"}, "twist or tune"),
+        ({"agents": ["police"], "action": "tune"}, "police_1 is no evader"),
         ({"agents": ["evader"], "reward": {"escapes": 1.0}}, "expected escape, caught"),
         ({"agents": ["evader"], "threads": 0}, "threads = 0"),
         ({"agents": ["evader"], "ticks_per_action": 0}, "ticks_per_action = 0"),

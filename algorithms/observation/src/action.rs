@@ -16,8 +16,8 @@ pub enum ActionKind {
     /// Forward speed and turning rate: [`command`].
     #[default]
     Twist,
-    /// Push on the potential-field evader: [`PushedEvader`](crate::pushed_evader::PushedEvader).
-    Push,
+    /// Parameters of the potential-field evader: [`TunedEvader`](crate::tuned_evader::TunedEvader).
+    Tune,
 }
 
 impl FromStr for ActionKind {
@@ -26,7 +26,7 @@ impl FromStr for ActionKind {
     fn from_str(text: &str) -> Result<Self, LayoutError> {
         match text {
             "twist" => Ok(Self::Twist),
-            "push" => Ok(Self::Push),
+            "tune" => Ok(Self::Tune),
             _ => Err(LayoutError::Action {
                 given: text.to_owned(),
             }),

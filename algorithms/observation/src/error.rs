@@ -14,13 +14,13 @@ pub enum LayoutError {
         given: String,
     },
     /// Unknown meaning of actions.
-    #[error("action = {given:?}: expected twist or push")]
+    #[error("action = {given:?}: expected twist or tune")]
     Action {
         /// The text.
         given: String,
     },
-    /// Actions that are pushes are for evaders.
-    #[error("action push: robot {robot} is no evader")]
+    /// Actions that tune the potential-field evader are for evaders.
+    #[error("action tune: robot {robot} is no evader")]
     NoEvader {
         /// Name of the robot.
         robot: String,

@@ -11,8 +11,8 @@ use sim_backend::spec::RobotModel;
 use crate::action::action;
 use crate::facts::RobotFacts;
 use crate::parts::MAX_EXITS;
-use crate::pushed_evader::PushedEvader;
 use crate::relative::{Heading, Offset};
+use crate::tuned_evader::TunedEvader;
 
 /// Number of directions around the robot.
 const DIRECTIONS: usize = 8;
@@ -39,7 +39,7 @@ const OUT: usize = 0;
 ///
 /// - `way` (4): cosine and sine of the bearing of the first straight leg of the shortest way to an exit; its length / 10 m,
 ///   at most 1; 1 / (1 + length in m);
-/// - `potential` (4), 0 for a robot that is no evader: what the evader of [`PushedEvader`] does without a push: cosine and
+/// - `potential` (4), 0 for a robot that is no evader: what the evader of [`TunedEvader`] does with its default parameters: cosine and
 ///   sine of the bearing of the first straight leg of its way past the opponents, and its action;
 /// - `way_to.` every opponent in the scenario's order (2 each): 1 / (1 + length in m) of the shortest way to it; the
 ///   length of its own way to an exit less that of this robot / 10 m;
@@ -59,7 +59,7 @@ pub struct RouteEntries {
     exits: [LengthsFrom; MAX_EXITS],
     opponents_from: Vec<LengthsFrom>,
     /// The potential-field evader, for an evader.
-    potential: Option<PushedEvader>,
+    potential: Option<TunedEvader>,
     own: RobotModel,
 }
 
@@ -69,7 +69,7 @@ impl RouteEntries {
         Self {
             start,
             me,
-            potential: PushedEvader::new(own, me),
+            potential: TunedEvader::new(own, me),
             own: own.model,
             opponents_from: vec![LengthsFrom::default(); opponents.len()],
             opponents,

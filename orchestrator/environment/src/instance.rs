@@ -6,9 +6,9 @@ use geometry::map::WorldMap;
 use geometry::pose::Twist2;
 use observation::action::{ACTION_LENGTH, command};
 use observation::layout::Layout;
-use observation::pushed_evader::PushedEvader;
 use observation::route_entries::RouteEntries;
 use observation::scene::{Hiding, Scene};
+use observation::tuned_evader::TunedEvader;
 use planner_view::map::PlannerMap;
 use planner_view::view::{BeliefView, RobotView, ScanView, View};
 use sim_backend::robot::Robot;
@@ -63,8 +63,8 @@ pub(crate) struct Instance<B> {
     hiding: Hiding,
     /// The ways of each agent.
     ways: Vec<Option<RouteEntries>>,
-    /// The controllers of the agents, if actions are pushes.
-    pushed: Vec<PushedEvader>,
+    /// The controllers of the agents, if actions tune them.
+    tuned: Vec<TunedEvader>,
     /// The map of planners.
     map: Option<Arc<PlannerMap>>,
 }
@@ -85,7 +85,7 @@ impl<B: Backend> Instance<B> {
             returns: vec![0.0; shared.shape.agents],
             hiding: Hiding::default(),
             ways: shared.layouts.iter().map(Layout::ways).collect(),
-            pushed: shared.pushed.clone(),
+            tuned: shared.tuned.clone(),
             map: shared.planner_map.clone(),
         })
     }
@@ -98,7 +98,7 @@ impl<B: Backend> Instance<B> {
         self.map.clone_from(&shared.planner_map);
         // Maps of two episodes may have the same revision.
         self.ways = shared.layouts.iter().map(Layout::ways).collect();
-        self.pushed.clone_from(&shared.pushed);
+        self.tuned.clone_from(&shared.tuned);
         self.returns.fill(0.0);
         self.running.begin(seed);
         Ok(())
@@ -146,15 +146,8 @@ impl<B: Backend> Instance<B> {
             }
             scratch.given[robot] = command(action, &shared.facts[robot].model);
         }
-        for ((pushed, &robot), &action) in self
-            .pushed
-            .iter_mut()
-            .zip(&shared.agents.robots)
-            .zip(agents)
-        {
-            if let Some(robot) = self.backend.world().robots().get(robot) {
-                pushed.push(action, robot.pose.theta);
-            }
+        for (tuned, &action) in self.tuned.iter_mut().zip(agents) {
+            tuned.tune(action);
         }
         row.rewards.fill(0.0);
         row.events.fill(0.0);
@@ -190,7 +183,7 @@ impl<B: Backend> Instance<B> {
             scratch.commands[robot] = Some(given);
         }
         self.running.record(actions, &scratch.was_active);
-        if !self.pushed.is_empty() {
+        if !self.tuned.is_empty() {
             let commands = shared
                 .agents
                 .robots
@@ -204,9 +197,9 @@ impl<B: Backend> Instance<B> {
         Ok(())
     }
 
-    /// Computes the commands of actions that are pushes.
+    /// Computes the commands of the controllers that actions tune.
     fn steer(&mut self, shared: &Shared, scratch: &mut Scratch) -> Result<(), EnvironmentError> {
-        if self.pushed.is_empty() {
+        if self.tuned.is_empty() {
             return Ok(());
         }
         let world = self.backend.world();
@@ -215,7 +208,7 @@ impl<B: Backend> Instance<B> {
             return Ok(());
         };
         RobotView::of_world(world, &mut scratch.robots);
-        for (pushed, &robot) in self.pushed.iter_mut().zip(&shared.agents.robots) {
+        for (tuned, &robot) in self.tuned.iter_mut().zip(&shared.agents.robots) {
             let view = View {
                 time_s: time_s(world),
                 dt: shared.dt.as_secs_f64(),
@@ -225,7 +218,7 @@ impl<B: Backend> Instance<B> {
                 exits: &shared.exits,
                 scan: None,
             };
-            scratch.given[robot] = pushed.steering(map, &view).command;
+            scratch.given[robot] = tuned.steering(map, &view).command;
         }
         Ok(())
     }

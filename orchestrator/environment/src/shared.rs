@@ -11,7 +11,7 @@ use observation::action::ActionKind;
 use observation::error::LayoutError;
 use observation::facts::RobotFacts;
 use observation::layout::Layout;
-use observation::pushed_evader::PushedEvader;
+use observation::tuned_evader::TunedEvader;
 use planner_view::map::PlannerMap;
 use runtime::kind::Product;
 use scenario::{ResolvedScenario, Template};
@@ -30,8 +30,8 @@ pub(crate) struct Shared {
     pub options: Options,
     pub agents: Agents,
     pub facts: Vec<RobotFacts>,
-    /// Controllers of the agents, if actions are pushes.
-    pub pushed: Vec<PushedEvader>,
+    /// Controllers of the agents, if actions tune them.
+    pub tuned: Vec<TunedEvader>,
     /// Observations of the agents.
     pub layouts: Vec<Layout>,
     /// Centres of the exits (m).
@@ -70,13 +70,13 @@ impl Shared {
             agents: agents.robots.len(),
             observation: layouts.iter().map(Layout::length).max().unwrap_or(0),
         };
-        let mut pushed = Vec::new();
-        if options.action == ActionKind::Push {
+        let mut tuned = Vec::new();
+        if options.action == ActionKind::Tune {
             for &robot in &agents.robots {
                 let own = facts
                     .get(robot)
-                    .and_then(|own| PushedEvader::new(own, robot));
-                pushed.push(own.ok_or_else(|| {
+                    .and_then(|own| TunedEvader::new(own, robot));
+                tuned.push(own.ok_or_else(|| {
                     LayoutError::NoEvader {
                         robot: facts
                             .get(robot)
@@ -85,7 +85,7 @@ impl Shared {
                 })?);
             }
         }
-        let planner_map = if options.observation.way || !pushed.is_empty() {
+        let planner_map = if options.observation.way || !tuned.is_empty() {
             Some(planner_map(world.map(), blur_sigma)?)
         } else {
             None
@@ -98,7 +98,7 @@ impl Shared {
             options,
             agents,
             facts,
-            pushed,
+            tuned,
             layouts,
             exits,
             dt,

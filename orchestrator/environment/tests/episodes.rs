@@ -156,10 +156,10 @@ fn ways_are_those_of_a_planner_also_when_an_obstacle_appears() {
 }
 
 #[test]
-fn pushes_are_those_of_a_planner_that_steers_in_every_tick() {
+fn tuned_evaders_are_those_of_a_planner() {
     let template = template("chase", &[]);
     let options = Options {
-        action: ActionKind::Push,
+        action: ActionKind::Tune,
         ..options(&["evader"], "state+way")
     };
     let mut learner = Learner::new(template.clone(), options);

@@ -8,9 +8,9 @@ use observation::error::{LayoutError, WriteError};
 use observation::facts::RobotFacts;
 use observation::layout::Layout;
 use observation::parts::Parts;
-use observation::pushed_evader::PushedEvader;
 use observation::route_entries::RouteEntries;
 use observation::scene::{Hiding, Scene};
+use observation::tuned_evader::TunedEvader;
 use planner_view::map::PlannerMap;
 use planner_view::view::View;
 use sim_backend::spec::RobotModel;
@@ -67,8 +67,8 @@ pub struct Policy {
     ways: Option<RouteEntries>,
     robot: String,
     model: RobotModel,
-    /// The controller, if actions are pushes.
-    pushed: Option<PushedEvader>,
+    /// The controller, if actions tune it.
+    tuned: Option<TunedEvader>,
     ticks_per_action: u64,
     observation: Vec<f32>,
     held: Option<[f32; ACTION_LENGTH]>,
@@ -102,16 +102,16 @@ impl Policy {
                 length,
             });
         }
-        let pushed = match action {
+        let tuned = match action {
             ActionKind::Twist => None,
-            ActionKind::Push => {
+            ActionKind::Tune => {
                 let robot = own.name.clone();
-                let pushed = PushedEvader::new(own, me);
-                Some(pushed.ok_or(LayoutError::NoEvader { robot })?)
+                let tuned = TunedEvader::new(own, me);
+                Some(tuned.ok_or(LayoutError::NoEvader { robot })?)
             }
         };
         Ok(Self {
-            pushed,
+            tuned,
             network,
             scene: Scene::new(robots, &[me]),
             hiding: Hiding::default(),
@@ -140,15 +140,15 @@ impl Policy {
             Some(held) if !tick.is_multiple_of(self.ticks_per_action) => held,
             _ => {
                 let action = self.action(map, space.shapes(), view)?;
-                if let (Some(pushed), Some(own)) = (&mut self.pushed, view.own()) {
-                    pushed.push(action, own.pose.theta);
+                if let Some(tuned) = &mut self.tuned {
+                    tuned.tune(action);
                 }
                 action
             }
         };
         self.held = Some(action);
-        Ok(match &mut self.pushed {
-            Some(pushed) => pushed.steering(map, view).command,
+        Ok(match &mut self.tuned {
+            Some(tuned) => tuned.steering(map, view).command,
             None => command(action, &self.model),
         })
     }

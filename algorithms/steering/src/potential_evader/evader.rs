@@ -4,7 +4,7 @@ use crate::feedback_linearisation::command;
 use crate::potential_field::{
     Body, Goal, Perturbation, Repulsor, attraction, compose, obstacle, repulsion,
 };
-use nalgebra::{Point2, Vector2};
+use nalgebra::Point2;
 use navigation::bearing::{Bearings, GoalField};
 use navigation::routes::{RouteFinder, Threat};
 use parameters::{ParamsError, check};
@@ -56,6 +56,16 @@ impl Evader {
         })
     }
 
+    /// Replaces the parameters, except those of the perturbation.
+    ///
+    /// # Errors
+    /// [`ParamsError`] if a parameter is out of range; the former ones remain.
+    pub fn set_params(&mut self, params: EvaderParams) -> Result<(), ParamsError> {
+        check(&params)?;
+        self.params = params;
+        Ok(())
+    }
+
     /// Prepares the paths through a new map for a robot of this radius (m). [`Evader::command`]
     /// does it if necessary; here it takes no time of a tick.
     pub fn prepare(&mut self, map: &PlannerMap, radius: f64) {
@@ -70,17 +80,6 @@ impl Evader {
     /// The robot stops when it is not listed or no longer takes part. Without an exit, or with none
     /// that can be reached, it only avoids.
     pub fn command(&mut self, map: &PlannerMap, view: &View<'_>) -> Steering {
-        self.pushed(map, view, None)
-    }
-
-    /// As [`Evader::command`], with a push (m/s) added to its field: of magnitude [`FIELD_SPEED`](crate::potential_field::FIELD_SPEED) it is as strong as the
-    /// attraction of the exit.
-    pub fn pushed(
-        &mut self,
-        map: &PlannerMap,
-        view: &View<'_>,
-        given: Option<Vector2<f64>>,
-    ) -> Steering {
         let Some(own) = view.own().filter(|own| own.active) else {
             return Steering::stop();
         };
@@ -126,7 +125,6 @@ impl Evader {
             + push
             + obstacle(map, at, params.obstacle.fidelity)
             + self.perturbation.at(view.time_s);
-        let sum = given.map_or(sum, |given| sum + given);
         let bodies = view.other_bodies(own).map(Body::from);
         let field = compose(
             map,

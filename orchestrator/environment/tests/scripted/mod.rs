@@ -9,9 +9,9 @@ use mission::in_process::{InProcessOptions, run};
 use observation::action::{ACTION_LENGTH, ActionKind, command};
 use observation::facts::RobotFacts;
 use observation::layout::Layout;
-use observation::pushed_evader::PushedEvader;
 use observation::route_entries::RouteEntries;
 use observation::scene::{Hiding, Scene};
+use observation::tuned_evader::TunedEvader;
 use parameters::Parameters;
 use planner::{Planner, PlannerInputs, PlannerMap, PlannerProcess, RobotInfo, Steering, View};
 use scenario::Template;
@@ -50,7 +50,7 @@ struct ScriptedPlanner {
     next: usize,
     facts: Vec<RobotFacts>,
     ways: Option<RouteEntries>,
-    pushed: Option<PushedEvader>,
+    tuned: Option<TunedEvader>,
 }
 
 impl Planner for ScriptedPlanner {
@@ -74,7 +74,7 @@ impl Planner for ScriptedPlanner {
             next: 0,
             facts: Vec::new(),
             ways: None,
-            pushed: None,
+            tuned: None,
         })
     }
 
@@ -106,7 +106,7 @@ impl Planner for ScriptedPlanner {
         let own = &self.facts[view.me];
         if self.next == 0 {
             self.ways = layout.ways();
-            self.pushed = PushedEvader::new(own, view.me);
+            self.tuned = TunedEvader::new(own, view.me);
         }
         let mut scene = Scene::new(&self.facts, &[view.me]);
         scene.update(
@@ -123,14 +123,14 @@ impl Planner for ScriptedPlanner {
         all.entry(self.robot.clone()).or_default().push(observed);
         let action = self.script.actions[&self.robot].get(self.next).copied();
         self.next += 1;
-        let pushed = self.pushed.as_mut();
+        let tuned = self.tuned.as_mut();
         let command = match (action, self.script.action) {
             (None, _) => Twist2::STOP,
             (Some(action), ActionKind::Twist) => command(action, &own.model),
-            (Some(action), ActionKind::Push) => {
-                let pushed = pushed.unwrap();
-                pushed.push(action, view.own().unwrap().pose.theta);
-                pushed.steering(map, view).command
+            (Some(action), ActionKind::Tune) => {
+                let tuned = tuned.unwrap();
+                tuned.tune(action);
+                tuned.steering(map, view).command
             }
         };
         Steering {

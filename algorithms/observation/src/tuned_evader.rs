@@ -1,0 +1,76 @@
+//! The potential-field evader as a controller of a policy, whose action sets its parameters.
+
+use planner_view::limits::Limits;
+use planner_view::map::PlannerMap;
+use planner_view::steering::Steering;
+use planner_view::view::View;
+use sim_backend::team::Role;
+use steering::potential_evader::{Evader, EvaderParams};
+
+use crate::action::ACTION_LENGTH;
+use crate::facts::RobotFacts;
+
+/// Robot that [`Evader`] steers in every tick, with the parameters of the last action; before the first one, with the
+/// default parameters.
+#[derive(Debug, Clone)]
+pub struct TunedEvader {
+    evader: Evader,
+}
+
+impl TunedEvader {
+    /// Creates the controller of the robot with index `me`; `None` if it is no evader.
+    pub fn new(own: &RobotFacts, me: usize) -> Option<Self> {
+        let model = &own.model;
+        let limits = Limits::new(model.v_max, model.v_reverse_max, model.omega_max).ok();
+        let limits = limits.filter(|_| own.team.role == Role::Evader)?;
+        let evader = Evader::new(EvaderParams::default(), limits, me as u64).ok()?;
+        Some(Self { evader })
+    }
+
+    /// Takes an action, until the next one.
+    ///
+    /// Its numbers are [`factor`]s of the default parameters `avoid.speed`, the maximum repulsion of other robots, and
+    /// `threat.gain`, the extra cost of paths that pass the Police.
+    pub fn tune(&mut self, action: [f32; ACTION_LENGTH]) {
+        let [speed, gain] = action.map(factor);
+        let mut params = EvaderParams::default();
+        params.avoid.speed *= speed;
+        params.threat.gain *= gain;
+        let valid = self.evader.set_params(params);
+        debug_assert!(valid.is_ok(), "{valid:?}");
+    }
+
+    /// Returns the steering of this tick.
+    pub fn steering(&mut self, map: &PlannerMap, view: &View<'_>) -> Steering {
+        self.evader.command(map, view)
+    }
+}
+
+/// Returns the factor of a parameter for a number of an action: ¼ for −1, 1 for 0, 4 for 1.
+///
+/// It is (5 + 3 a) / (5 − 3 a): opposite numbers have inverse factors. Numbers beyond ±1 are clamped; NaN is 0.
+fn factor(number: f32) -> f64 {
+    let number = f64::from(number).clamp(-1.0, 1.0);
+    if number.is_nan() {
+        1.0
+    } else {
+        (5.0 + 3.0 * number) / (5.0 - 3.0 * number)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn opposite_numbers_have_inverse_factors_from_a_quarter_to_four() {
+        assert_eq!([-1.0, 0.0, 1.0].map(factor), [0.25, 1.0, 4.0]);
+        assert!((factor(0.3) * factor(-0.3) - 1.0).abs() < 1e-15);
+    }
+
+    #[test]
+    fn numbers_beyond_their_range_give_valid_factors() {
+        let numbers = [9.0, f32::NEG_INFINITY, f32::NAN];
+        assert_eq!(numbers.map(factor), [4.0, 0.25, 1.0]);
+    }
+}
