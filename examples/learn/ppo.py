@@ -3,8 +3,9 @@
     python ppo.py  # ten minutes on two cores: evader.onnx, curve.csv, curve.svg
 
 PPO is after Schulman et al. (2017). Both evaders share one policy. At the start of a mission it sees where all robots are,
-and chooses parameters of `evader_potential`, which steers until the end: a step of the environments is a mission. At the
-start of the training the parameters are the default ones. Reward: 1 for an escape, -1 for a capture or the end of time.
+and chooses parameters of `evader_potential`, which steers until the end; the training begins with the default ones. A
+step of the environments is thus a mission, and the advantage of an action is its reward less the mean reward of all: 1 for
+an escape, -1 for a capture or the end of time.
 """
 
 import argparse
@@ -112,7 +113,9 @@ def export(policy, path):
         node("Gemm", ["observation", "weight", "bias"], ["mean"], transB=1),
         node("Clip", ["mean", "low", "high"], ["action"]),
     ]
-    constants = [numpy_helper.from_array(value.detach().numpy(), name) for name, value in policy.mean.named_parameters()]
+    constants = [
+        numpy_helper.from_array(value.detach().numpy(), name) for name, value in policy.mean.named_parameters()
+    ]
     constants += [numpy_helper.from_array(np.float32(bound), name) for name, bound in (("low", -1), ("high", 1))]
     value = helper.make_tensor_value_info
     inputs = [value("observation", TensorProto.FLOAT, ["batch", policy.mean.in_features])]
@@ -146,7 +149,9 @@ def main():
     policy, curve = train(options.minutes, options.seed)
     export(policy, FOLDER / "evader.onnx")
     with open(FOLDER / "curve.csv", "w", newline="") as file:
-        csv.writer(file, lineterminator="\n").writerows([("minutes", "missions", "escapes", "avoid_speed", "threat_gain"), *curve])
+        csv.writer(file, lineterminator="\n").writerows(
+            [("minutes", "missions", "escapes", "avoid_speed", "threat_gain"), *curve]
+        )
     draw(curve, FOLDER / "curve.svg")
 
 

@@ -213,8 +213,10 @@ def test_the_action_zero_is_evader_potential_and_others_are_not() -> None:
         assert np.allclose(driven, tuned, atol=1e-3)
         driven = twist.step(driven[:, action])[0]
         tuned = tune.step(np.zeros((1, 2), dtype=np.float32))[0]
-    strong = tune.step(np.full((1, 2), 1.0, dtype=np.float32))[0]
-    assert not np.allclose(twist.step(driven[:, action])[0], strong, atol=1e-3)
+    for _ in range(40):
+        driven = twist.step(driven[:, action])[0]
+        tuned = tune.step(np.ones((1, 2), dtype=np.float32))[0]
+    assert not np.allclose(driven, tuned, atol=1e-2)
 
 
 def test_invalid_arguments_are_refused() -> None:
