@@ -29,8 +29,8 @@ impl TunedEvader {
 
     /// Takes an action, until the next one.
     ///
-    /// Its numbers are [`factor`]s of the default parameters `avoid.speed`, the maximum repulsion of other robots, and
-    /// `threat.gain`, the extra cost of paths that pass the Police.
+    /// Its numbers are for the parameters `avoid.speed`, the maximum repulsion of other robots, and `threat.gain`, the extra
+    /// cost of paths that pass the Police. A number `a` sets (5 + 3 a) / (5 − 3 a) times the default value.
     pub fn tune(&mut self, action: [f32; ACTION_LENGTH]) {
         let [speed, gain] = action.map(factor);
         let mut params = EvaderParams::default();
@@ -46,9 +46,8 @@ impl TunedEvader {
     }
 }
 
-/// Returns the factor of a parameter for a number of an action: ¼ for −1, 1 for 0, 4 for 1.
-///
-/// It is (5 + 3 a) / (5 − 3 a): opposite numbers have inverse factors. Numbers beyond ±1 are clamped; NaN is 0.
+/// Returns the factor of a parameter for a number of an action: ¼ for −1, 1 for 0, 4 for 1. Opposite numbers have inverse
+/// factors. Numbers beyond ±1 are clamped; NaN is 0.
 fn factor(number: f32) -> f64 {
     let number = f64::from(number).clamp(-1.0, 1.0);
     if number.is_nan() {
