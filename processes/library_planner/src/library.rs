@@ -19,6 +19,9 @@ pub enum LibraryError {
         /// Error of the operating system.
         source: std::io::Error,
     },
+    /// The program has the C library inside; a second one would come with the planner.
+    #[error("{}: this statically linked program loads no shared libraries; expected the program of the wheel, or of an own build", .0.display())]
+    StaticProgram(PathBuf),
     /// The system does not load it.
     #[error("{}: {source}; expected the shared library of a planner, built for this machine with -shared", path.display())]
     Load {
@@ -80,6 +83,9 @@ impl Library {
         // A name without a folder would be searched in the folders of the system.
         let full = std::path::absolute(path).map_err(file)?;
         std::fs::File::open(&full).map_err(file)?;
+        if cfg!(target_feature = "crt-static") {
+            return Err(LibraryError::StaticProgram(path.to_owned()));
+        }
         // SAFETY: the user names the library as code of this process; the header states the duties of such code.
         let loaded = unsafe { libloading::os::unix::Library::new(&full) };
         let loaded = loaded.map_err(|source| LibraryError::Load {
