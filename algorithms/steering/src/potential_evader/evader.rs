@@ -30,7 +30,7 @@ const MEASURED: f64 = 4.0;
 pub struct Evader {
     params: EvaderParams,
     limits: Limits,
-    perturbation: Perturbation,
+    seed: u64,
     finder: RouteFinder,
     looked_in: Option<i64>,
     threats: Vec<Threat>,
@@ -48,7 +48,7 @@ impl Evader {
         Ok(Self {
             params,
             limits,
-            perturbation: Perturbation::new(params.perturbation, seed),
+            seed,
             finder: RouteFinder::default(),
             looked_in: None,
             threats: Vec::new(),
@@ -56,7 +56,7 @@ impl Evader {
         })
     }
 
-    /// Replaces the parameters, except those of the perturbation.
+    /// Replaces the parameters.
     ///
     /// # Errors
     /// [`ParamsError`] if a parameter is out of range; the former ones remain.
@@ -124,7 +124,7 @@ impl Evader {
         let sum = pull
             + push
             + obstacle(map, at, params.obstacle.fidelity)
-            + self.perturbation.at(view.time_s);
+            + Perturbation::new(params.perturbation, self.seed).at(view.time_s);
         let bodies = view.other_bodies(own).map(Body::from);
         let field = compose(
             map,
