@@ -6,7 +6,8 @@
 //!   [`View`](planner_view::view::View);
 //! - [`scene::Scene`]: distances and lines of sight of a tick, computed once for all robots;
 //! - [`route_entries::RouteEntries`]: the entries of shortest ways, kept between ticks;
-//! - [`action`]: from an action to a command; [`tuned_evader::TunedEvader`]: the potential-field evader, with parameters of an action.
+//! - [`action`]: from an action to a command;
+//! - [`tuned_evader::TunedEvader`]: the potential-field evader with the parameters of an action.
 //!
 //! All entries are in −1..1. Lengths are divided by the diagonal of the map, so that they stay in range; each
 //! relative position has its bearing and its *proximity* 1 / (1 + d) in addition, with the distance d (m), so that near

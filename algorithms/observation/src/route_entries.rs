@@ -39,8 +39,8 @@ const OUT: usize = 0;
 ///
 /// - `way` (4): cosine and sine of the bearing of the first straight leg of the shortest way to an exit; its length / 10 m,
 ///   at most 1; 1 / (1 + length in m);
-/// - `potential` (4), 0 for a robot that is no evader: what the evader of [`TunedEvader`] does with its default parameters: cosine and
-///   sine of the bearing of the first straight leg of its way past the opponents, and its action;
+/// - `potential` (4), 0 for a robot that is no evader: what the potential-field evader does with its default parameters:
+///   cosine and sine of the bearing of the first straight leg of its way past the opponents, and its action;
 /// - `way_to.` every opponent in the scenario's order (2 each): 1 / (1 + length in m) of the shortest way to it; the
 ///   length of its own way to an exit less that of this robot / 10 m;
 /// - `around.0` … (3 each): places 1 m away, or at the nearest obstacle, in eight directions from the heading
