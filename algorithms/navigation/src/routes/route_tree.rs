@@ -48,16 +48,11 @@ pub struct RouteLeg {
 ///
 /// Costs are whole millimetres and ties go to the lower index, so the tree is the same on every
 /// machine.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct RouteTree {
-    /// Cost of the cheapest path (mm): its length, more near threats.
-    cost: Vec<u32>,
-    /// Length of the cheapest path (mm).
-    length: Vec<u32>,
-    parent: Vec<u32>,
+    /// Per node of the graph, the cheapest path to it.
+    nodes: Vec<Node>,
     gates: Gates,
-    /// Per node, the number of nodes reached before it; [`NONE`] until it is reached.
-    rank: Vec<u32>,
     /// Number of nodes reached.
     settled: u32,
     threats: Vec<Threat>,
@@ -71,22 +66,26 @@ pub struct RouteTree {
     origin: Option<Point2<f64>>,
 }
 
-impl Default for RouteTree {
-    /// Returns a tree that has not been planted.
-    fn default() -> Self {
-        Self {
-            cost: Vec::new(),
-            length: Vec::new(),
-            parent: Vec::new(),
-            gates: Gates::default(),
-            rank: Vec::new(),
-            settled: 0,
-            threats: Vec::new(),
-            extra: Vec::new(),
-            queue: BinaryHeap::new(),
-            origin: None,
-        }
-    }
+/// The cheapest path to a node, as far as it is known. One record: a look-up of a far node is one cache miss.
+#[derive(Debug, Clone, Copy)]
+struct Node {
+    /// Cost (mm): its length, more near threats.
+    cost: u32,
+    /// Length (mm).
+    length: u32,
+    /// The node before this one; [`NONE`] at a root.
+    parent: u32,
+    /// Number of nodes reached before this one; [`NONE`] until it is reached.
+    rank: u32,
+}
+
+impl Node {
+    const UNREACHED: Self = Self {
+        cost: UNREACHED,
+        length: UNREACHED,
+        parent: NONE,
+        rank: NONE,
+    };
 }
 
 impl RouteTree {
@@ -102,15 +101,8 @@ impl RouteTree {
     /// Routes lead to the cheapest root, and avoid `threats` as far as that is worth the longer path.
     pub fn plant_without_gates(&mut self, grid: &NavGrid, roots: &[usize], threats: &[Threat]) {
         let nodes = grid.len();
-        for (values, fill) in [
-            (&mut self.cost, UNREACHED),
-            (&mut self.length, UNREACHED),
-            (&mut self.parent, NONE),
-            (&mut self.rank, NONE),
-        ] {
-            values.clear();
-            values.resize(nodes, fill);
-        }
+        self.nodes.clear();
+        self.nodes.resize(nodes, Node::UNREACHED);
         self.gates.0.clear();
         self.settled = 0;
         self.threats.clear();
@@ -122,8 +114,8 @@ impl RouteTree {
         self.queue.clear();
         self.origin = None;
         for &root in roots.iter().filter(|&&root| root < nodes) {
-            self.cost[root] = 0;
-            self.length[root] = 0;
+            self.nodes[root].cost = 0;
+            self.nodes[root].length = 0;
             self.queue.push(queued(0, root as u32));
         }
     }
@@ -149,18 +141,20 @@ impl RouteTree {
     fn settle_next(&mut self, grid: &NavGrid) -> bool {
         while let Some(Reverse(next)) = self.queue.pop() {
             let (cost, from) = ((next >> 32) as u32, next as u32 as usize);
-            if cost > self.cost[from] || self.knows(from) {
+            if cost > self.nodes[from].cost || self.knows(from) {
                 continue;
             }
-            self.rank[from] = self.settled;
+            self.nodes[from].rank = self.settled;
+            let length = self.nodes[from].length;
             self.settled += 1;
             for edge in grid.edges(from) {
                 let to = edge.to as usize;
                 let reached = cost.saturating_add(self.edge_cost(grid, from, to, edge.length));
-                if reached < self.cost[to] {
-                    self.cost[to] = reached;
-                    self.length[to] = self.length[from].saturating_add(edge.length);
-                    self.parent[to] = from as u32;
+                let node = &mut self.nodes[to];
+                if reached < node.cost {
+                    node.cost = reached;
+                    node.length = length.saturating_add(edge.length);
+                    node.parent = from as u32;
                     self.queue.push(queued(reached, edge.to));
                 }
             }
@@ -169,15 +163,20 @@ impl RouteTree {
         false
     }
 
+    /// The record of a node that the tree has reached.
+    fn reached(&self, node: usize) -> Option<&Node> {
+        self.nodes.get(node).filter(|node| node.rank != NONE)
+    }
+
     /// Returns `true` if the tree has reached the node.
     pub fn knows(&self, node: usize) -> bool {
-        self.rank(node).is_some()
+        self.reached(node).is_some()
     }
 
     /// The number of nodes that the tree had reached before this one. The order does not depend on the
     /// steps in which the tree grows.
     pub fn rank(&self, node: usize) -> Option<u32> {
-        self.rank.get(node).copied().filter(|&rank| rank != NONE)
+        self.reached(node).map(|node| node.rank)
     }
 
     /// The number of nodes that the tree has reached.
@@ -192,7 +191,7 @@ impl RouteTree {
 
     /// Length of the path to a node (mm); `None` if the tree has not reached it.
     pub fn length_mm(&self, node: usize) -> Option<u32> {
-        self.knows(node).then(|| self.length.get(node).copied())?
+        self.reached(node).map(|node| node.length)
     }
 
     /// Length of the path to a node (m); `None` if the tree has not reached it.
@@ -203,23 +202,21 @@ impl RouteTree {
     /// Cost of the path to a node (m): its length, more near threats; `None` if the tree has not reached
     /// it.
     pub fn cost(&self, node: usize) -> Option<f64> {
-        self.knows(node)
-            .then(|| self.cost.get(node).map(|&mm| f64::from(mm) / 1000.0))?
+        let node = self.reached(node)?;
+        Some(f64::from(node.cost) / 1000.0)
     }
 
     /// The node before this one on the path from the root.
     pub fn parent(&self, node: usize) -> Option<usize> {
-        self.parent
-            .get(node)
-            .filter(|&&parent| parent != NONE)
-            .map(|&parent| parent as usize)
+        let parent = self.nodes.get(node)?.parent;
+        (parent != NONE).then_some(parent as usize)
     }
 
     /// The last node on the path to this one that is visible from the root; in a tree without gates the
     /// node itself. `None` if the tree has not reached it. `map` and `grid` must be those for which the
     /// tree was planted.
     pub fn gate(&self, map: &PlannerMap, grid: &NavGrid, node: usize) -> Option<usize> {
-        self.rank(node)?;
+        self.reached(node)?;
         let Some(origin) = self.origin else {
             return Some(node);
         };
@@ -246,7 +243,7 @@ impl RouteTree {
                     // The path is visible up to this node if it is visible up to the parent, and this node
                     // is visible.
                     let in_sight = inherited == parent as u32
-                        && self.length[parent] < sight
+                        && self.nodes[parent].length < sight
                         && grid.point(node).is_some_and(|point| {
                             map.line_is_clear(origin, point, grid.inflation())
                         });
