@@ -82,6 +82,7 @@ class Instances:
     observations: NDArray[np.float32]
     final_observations: NDArray[np.float32]
     rewards: NDArray[np.float64]
+    reward_sums: NDArray[np.float64]
     returns: NDArray[np.float64]
     terminated: NDArray[np.bool_]
     truncated: NDArray[np.bool_]
@@ -132,6 +133,7 @@ class Instances:
         self.statuses, self.lengths, self.seeds = core.statuses, core.lengths, core.seeds
         custom = self._reward is not None
         self.rewards = np.zeros_like(core.rewards) if custom else core.rewards
+        self.reward_sums = np.zeros_like(core.reward_sums) if custom else core.reward_sums
         self.returns = np.zeros_like(core.returns) if custom else core.returns
         self._events = {name: core.events[:, :, index] for index, name in enumerate(core.event_names)}
         self._ended = np.zeros(num_envs, dtype=np.bool_)
@@ -179,6 +181,7 @@ class Instances:
         if rewards.shape not in (self.shape[:2], (self.shape[0], 1)):
             raise InvalidInput(f"reward: an array of shape {rewards.shape}: expected {self.shape[:2]}")
         self.rewards[:] = rewards
+        np.add.reduce(self.rewards, axis=1, out=self.reward_sums)
         self.returns += self.rewards
 
     def episode(self, i: int, running: bool) -> Episode:

@@ -143,7 +143,6 @@ class VectorEnv(gymnasium.vector.VectorEnv[NDArray[np.float32], NDArray[np.float
         # With one agent, arrays without its dimension: views of the same memory.
         self._observations = instances.observations[:, 0] if self._single else instances.observations
         self._finals = instances.final_observations[:, 0] if self._single else instances.final_observations
-        self._rewards = instances.rewards[:, 0] if self._single else np.zeros(num_envs)
 
     @property
     def agents(self) -> tuple[str, ...]:
@@ -210,13 +209,13 @@ class VectorEnv(gymnasium.vector.VectorEnv[NDArray[np.float32], NDArray[np.float
         instances = self._instances
         any_ended = instances.step(actions)
         infos: dict[str, Any] = {}
+        own = self._own
         if not self._single:
-            np.add.reduce(instances.rewards, axis=1, out=self._rewards)
-            infos["rewards"] = self._own(instances.rewards)
+            infos["rewards"] = own(instances.rewards)
         if any_ended:
             self._add_ended(infos)
-        own = self._own
-        return own(self._observations), own(self._rewards), own(instances.terminated), own(instances.truncated), infos
+        rewards = own(instances.reward_sums)
+        return own(self._observations), rewards, own(instances.terminated), own(instances.truncated), infos
 
     def _add_ended(self, infos: dict[str, Any]) -> None:
         instances = self._instances

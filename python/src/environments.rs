@@ -42,6 +42,9 @@ pub struct Environments {
     /// Rewards by the weights, shape (instances, agents).
     #[pyo3(get)]
     rewards: Py<PyArrayDyn<f64>>,
+    /// Sums of the rewards of all agents, shape (instances,).
+    #[pyo3(get)]
+    reward_sums: Py<PyArrayDyn<f64>>,
     /// Numbers of events, shape (instances, agents, events).
     #[pyo3(get)]
     events: Py<PyArrayDyn<f32>>,
@@ -129,6 +132,7 @@ impl Environments {
             observations: zeros(py, &[n, agents, length]),
             final_observations: zeros(py, &[n, agents, length]),
             rewards: zeros(py, &[n, agents]),
+            reward_sums: zeros(py, &[n]),
             events: zeros(py, &[n, agents, EVENTS]),
             statuses: zeros(py, &[n, agents]),
             terminated: zeros(py, &[n]),
@@ -227,6 +231,7 @@ impl Environments {
             observations,
             final_observations,
             rewards,
+            reward_sums,
             events,
             statuses,
             terminated,

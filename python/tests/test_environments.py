@@ -127,6 +127,20 @@ def test_ended_episodes_are_followed_in_the_same_step() -> None:
     assert observations in envs.observation_space and first.dtype == np.float32
 
 
+def test_the_reward_of_several_agents_is_their_sum() -> None:
+    weights = {"time": -1.0, "contact": -0.5}
+    envs = pr.VectorEnv("chase_exact", 2, agents=["police", "evader"], seed=1, reward=weights)
+    envs.reset()
+    actions = np.zeros((2, 6, 2), dtype=np.float32)
+    actions[:, :, 0] = 1.0
+    contacts = False
+    for _ in range(400):
+        _, rewards, _, _, infos = envs.step(actions)
+        assert np.allclose(rewards, infos["rewards"].sum(axis=1))
+        contacts |= bool((infos["rewards"] < -0.1).any())
+    assert contacts, "robots that drive straight on reach a wall"
+
+
 def test_arrays_are_the_same_without_copies() -> None:
     envs = pr.VectorEnv("chase_exact", 3, agents=["evader_1"], copy=False)
     observations, _ = envs.reset(seed=1)

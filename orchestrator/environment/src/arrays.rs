@@ -98,6 +98,8 @@ arrays! {
     final_observations: f32 = |s: &Shape| s.agents * s.observation;
     /// Rewards of the step (agents).
     rewards: f64 = |s: &Shape| s.agents;
+    /// Sum of the rewards of all agents in the step.
+    reward_sums: f64 = |_: &Shape| 1;
     /// Numbers of events in the step, in the order of [`EVENT_NAMES`](crate::EVENT_NAMES) (agents, 6).
     events: f32 = |s: &Shape| s.agents * EVENTS;
     /// Status of the agents at the end of the step, before a reset: 0 active, 1 caught, 2 escaped, 3 arrived, 4 timed

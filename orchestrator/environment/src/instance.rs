@@ -120,6 +120,7 @@ impl<B: Backend> Instance<B> {
         row: &mut ArraysMut<'_>,
     ) -> Result<(), EnvironmentError> {
         row.rewards.fill(0.0);
+        row.reward_sums.fill(0.0);
         row.events.fill(0.0);
         row.statuses.fill(0);
         row.terminated.fill(false);
@@ -249,19 +250,20 @@ impl<B: Backend> Instance<B> {
             let mut of_tick = [0.0; EVENTS];
             if !world.events().is_empty() {
                 rewards::count(world, robot, team, &mut of_tick);
+                for (count, of_tick) in counts.iter_mut().zip(of_tick) {
+                    *count += of_tick;
+                }
             }
             let weights = &shared.options.rewards;
             let reward = weights.reward(&of_tick, scratch.was_active[agent], dt);
             self.returns[agent] += reward;
             row.rewards[agent] += reward;
-            for (count, of_tick) in counts.iter_mut().zip(of_tick) {
-                *count += of_tick;
-            }
             row.returns[agent] = self.returns[agent];
             let status = world.robots()[robot].status;
             row.statuses[agent] = status.code();
             any_active |= world.robots()[robot].is_active();
         }
+        row.reward_sums[0] = row.rewards.iter().sum();
         let is_truncated = world.game_over() == Some(GameOver::TimeLimit);
         row.truncated[0] = is_truncated;
         row.terminated[0] = !is_truncated && (world.is_over() || !any_active);

@@ -289,6 +289,7 @@ fn rewards_are_events_times_weights() {
             assert_eq!(arrays.events[6 + escape], 1.0);
             assert_eq!(arrays.events[lost], 1.0);
             assert_eq!(arrays.rewards, [time - 2.0, time + 5.0]);
+            assert_eq!(arrays.reward_sums, [(time - 2.0) + (time + 5.0)]);
             assert!((arrays.returns[1] - (5.0 + time * f64::from(step))).abs() < 1e-9);
             assert!(!arrays.terminated[0], "a Police agent is still in the game");
             return;
