@@ -7,6 +7,7 @@
 mod support;
 
 mod bad_input;
+mod causes;
 mod chaos;
 mod chase;
 mod coverage;

@@ -5,6 +5,8 @@
 
 #[path = "system_calls/held.rs"]
 mod held;
+#[path = "system_calls/locks.rs"]
+mod locks;
 
 use std::cell::Cell;
 use std::collections::BTreeSet;

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
-use std::sync::{Arc, Mutex, MutexGuard};
+use std::sync::{Arc, Mutex, MutexGuard, TryLockError};
 
 use environment::{
     ArraysMut, EVENT_NAMES, EVENTS, EnvironmentError, Environments as Inner, Options,
@@ -206,8 +206,12 @@ impl Environments {
     /// Returns the instances, which one thread at a time may use.
     fn lock(&self) -> PyResult<MutexGuard<'_, Inner>> {
         // Waiting would stop the thread that has them, which needs the interpreter to go on.
-        let locked = self.inner.try_lock();
-        locked.map_err(|_| Error::new_err("the environments are in use by another thread"))
+        self.inner.try_lock().map_err(|error| {
+            Error::new_err(match error {
+                TryLockError::WouldBlock => "the environments are in use by another thread",
+                TryLockError::Poisoned(_) => "an earlier call panicked: create new environments",
+            })
+        })
     }
 
     /// Does work that writes all arrays, while other threads may run.

@@ -4,14 +4,15 @@ use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 
 use platform::atomic_file::{AtomicFile, Existing, Readers};
+use platform::presence;
 
 use crate::LogReadError;
 
 /// Error of making a file from a log.
 #[derive(Debug, thiserror::Error)]
 pub enum DerivedError {
-    /// The log cannot be read.
-    #[error(transparent)]
+    /// The log cannot be read, or the user interrupted the command.
+    #[error("{}{}", .0, if matches!(.0, LogReadError::Interrupted) { "; nothing was written" } else { "" })]
     Log(#[from] LogReadError),
     /// The output file exists already.
     #[error("{} exists already; choose another name with --out or overwrite it with --force", path.display())]
@@ -54,10 +55,10 @@ pub fn create(
     force: bool,
     readers: Readers,
 ) -> Result<AtomicFile, DerivedError> {
-    if let (Ok(a), Ok(b)) = (path.canonicalize(), log.canonicalize())
-        && a == b
-    {
-        return Err(DerivedError::IsTheLog { path: a });
+    if presence::is_same(path, log).map_err(refused(path))? {
+        return Err(DerivedError::IsTheLog {
+            path: path.to_owned(),
+        });
     }
     AtomicFile::create(path, Existing::of_force(force), readers).map_err(refused(path))
 }

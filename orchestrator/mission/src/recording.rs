@@ -8,6 +8,7 @@ use mcap_log::{
     Compression, LogObserver, LogOptions, LogWriteError, LogWriter, Manifest, ManifestFile,
 };
 use platform::eprintln;
+use platform::presence;
 
 use super::child_process::Executable;
 use super::error::MissionError;
@@ -79,7 +80,8 @@ fn create_log(
         ..LogOptions::default()
     };
     let manifest = manifest(scenario, run, plan);
-    if log.path.is_none() && !log.quiet && !Path::new(DIRECTORY).exists() {
+    let directory = presence::entry(Path::new(DIRECTORY)).map_err(MissionError::LogDirectory)?;
+    if log.path.is_none() && !log.quiet && directory.is_none() {
         eprintln!("logs are written to ./{DIRECTORY}; --out FILE selects another place");
     }
     loop {
@@ -105,17 +107,18 @@ fn create_log(
 fn free_path(scenario: &str, seed: u64) -> std::io::Result<PathBuf> {
     std::fs::create_dir_all(DIRECTORY)?;
     let stem = format!("{scenario}-{seed}");
-    (1..1_000_000_u32)
-        .map(|n| {
-            let name = if n == 1 {
-                format!("{stem}.mcap")
-            } else {
-                format!("{stem}-{n}.mcap")
-            };
-            Path::new(DIRECTORY).join(name)
-        })
-        .find(|path| !path.exists())
-        .ok_or_else(|| std::io::ErrorKind::AlreadyExists.into())
+    for n in 1..1_000_000_u32 {
+        let name = if n == 1 {
+            format!("{stem}.mcap")
+        } else {
+            format!("{stem}-{n}.mcap")
+        };
+        let path = Path::new(DIRECTORY).join(name);
+        if presence::entry(&path)?.is_none() {
+            return Ok(path);
+        }
+    }
+    Err(std::io::ErrorKind::AlreadyExists.into())
 }
 
 /// Returns the metadata of the log.

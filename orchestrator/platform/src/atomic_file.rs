@@ -7,6 +7,8 @@ use std::path::{Path, PathBuf};
 
 use tempfile::NamedTempFile;
 
+use super::presence;
+
 /// The action for a file that exists already at the path.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Existing {
@@ -48,7 +50,7 @@ impl AtomicFile {
     /// [`io::ErrorKind::AlreadyExists`] if a file exists that is to be kept; the error of the operating
     /// system if the directory is not writable.
     pub fn create(path: &Path, existing: Existing, readers: Readers) -> io::Result<Self> {
-        if existing == Existing::Keep && path.symlink_metadata().is_ok() {
+        if existing == Existing::Keep && presence::entry(path)?.is_some() {
             return Err(io::ErrorKind::AlreadyExists.into());
         }
         let file = tempfile::Builder::new()

@@ -8,6 +8,7 @@ use std::time::Duration;
 use config::Diagnostics;
 use platform::atomic_file::{SaveError, save};
 use platform::eprintln;
+use platform::presence;
 use platform::progress::Progress;
 use scenario::kind;
 use serde::Serialize;
@@ -191,18 +192,27 @@ impl Outcome {
 
 /// Refuses a directory that has a file under the name of a report, but no results.
 fn refuse_foreign(directory: &Path) -> Result<(), RunError> {
-    let is_results = |name: &str| kind_of(&directory.join(name)).is_ok();
-    let is_ours = EXPERIMENTS
-        .iter()
-        .any(|experiment| is_results(experiment.name));
-    let mut files = REPORTS.iter().map(|name| directory.join(name));
-    match files.find(|file| file.symlink_metadata().is_ok()) {
-        Some(file) if !is_ours => Err(RunError::Foreign {
-            file,
-            directory: directory.to_owned(),
-        }),
-        _ => Ok(()),
+    for experiment in EXPERIMENTS {
+        match kind_of(&directory.join(experiment.name)) {
+            Ok(_) => return Ok(()),
+            Err(SweepError::NotResults { .. }) => {}
+            Err(error) => return Err(error.into()),
+        }
     }
+    for file in REPORTS.iter().map(|name| directory.join(name)) {
+        let there = presence::entry(&file).map_err(|source| SweepError::Io {
+            path: file.clone(),
+            what: "cannot be read",
+            source,
+        })?;
+        if there.is_some() {
+            return Err(RunError::Foreign {
+                file,
+                directory: directory.to_owned(),
+            });
+        }
+    }
+    Ok(())
 }
 
 /// Executes the missions of an experiment that are not finished.

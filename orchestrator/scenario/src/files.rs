@@ -129,10 +129,13 @@ impl Base {
             Err(e) => return refused(format!("cannot read {}: {e}", full.display()), "a file"),
         };
         if !allow_outside {
-            let inside = folder
-                .canonicalize()
-                .is_ok_and(|folder| real.starts_with(folder));
-            if !inside {
+            let folder = match folder.canonicalize() {
+                Ok(folder) => folder,
+                Err(e) => {
+                    return refused(format!("cannot read {}: {e}", folder.display()), "a folder");
+                }
+            };
+            if !real.starts_with(folder) {
                 return refused(
                     format!(
                         "path leads out of the scenario's folder, to {}",

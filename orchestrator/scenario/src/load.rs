@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use config::{
     Code, Diagnostic, Diagnostics, Node, SourceKind, Sources, list_choices, nearest, parse_document,
 };
+use platform::presence;
 
 use super::builtin;
 use super::draft::Draft;
@@ -75,7 +76,9 @@ impl<'k> Loader<'k> {
         let path = Path::new(target);
         let is_bare_name = !target.contains(['/', '.']);
         let built_in = builtin::scenario(target);
-        if let Some(scenario) = built_in.filter(|_| is_bare_name || !path.exists()) {
+        if let Some(scenario) =
+            built_in.filter(|_| is_bare_name || matches!(presence::entry(path), Ok(None)))
+        {
             let file = format!("{}.toml", scenario.name);
             return self.draft_text(&file, scenario.text, &Base::Builtin);
         }

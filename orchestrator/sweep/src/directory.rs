@@ -5,8 +5,9 @@ use std::io::{self, Write as _};
 use std::path::Path;
 
 use platform::atomic_file::{AtomicFile, Existing, Readers};
+use platform::file_lock::{LockOutcome, try_lock};
 use platform::own_file;
-use rustix::fs::{FlockOperation, flock};
+use platform::presence::unless_absent;
 
 use super::error::SweepError;
 use super::kind::Kind;
@@ -32,13 +33,17 @@ pub fn kind_of(directory: &Path) -> Result<Kind, SweepError> {
 
 /// A lock of a directory of results, until this is dropped.
 #[derive(Debug)]
-pub(super) struct Lock(File);
+pub(super) struct Lock {
+    file: File,
+    /// Remark for the user if the file system of the directory has no locks.
+    pub(super) remark: Option<String>,
+}
 
 impl Drop for Lock {
     fn drop(&mut self) {
         // Closing the file is not enough: a process that another thread is starting has it open
         // too, until it executes its own program.
-        let _ = flock(&self.0, FlockOperation::Unlock);
+        let _ = self.file.unlock();
     }
 }
 
@@ -52,13 +57,14 @@ pub(super) fn lock(directory: &Path) -> Result<Lock, SweepError> {
     options.create(true).write(true);
     let file = own_file::open(&path, &options);
     let file = file.map_err(SweepError::io(&path, "cannot open the lock file"))?;
-    match flock(&file, FlockOperation::NonBlockingLockExclusive) {
-        Ok(()) => Ok(Lock(file)),
-        Err(rustix::io::Errno::WOULDBLOCK) => Err(SweepError::InUse {
+    let outcome = try_lock(&file).map_err(SweepError::io(&path, "the directory is not used"))?;
+    if matches!(outcome, LockOutcome::InUse) {
+        return Err(SweepError::InUse {
             path: directory.to_owned(),
-        }),
-        Err(error) => Err(SweepError::io(&path, "cannot lock")(error.into())),
+        });
     }
+    let remark = outcome.remark(directory);
+    Ok(Lock { file, remark })
 }
 
 /// Reads the manifest of a directory; `None` if it has none.
@@ -67,10 +73,9 @@ pub(super) fn lock(directory: &Path) -> Result<Lock, SweepError> {
 /// [`SweepError`] if it is damaged or has another format.
 pub(super) fn read_manifest(directory: &Path) -> Result<Option<Manifest>, SweepError> {
     let path = directory.join(MANIFEST);
-    let text = match std::fs::read(&path) {
-        Ok(text) => text,
-        Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(None),
-        Err(error) => return Err(SweepError::io(&path, "cannot read the manifest")(error)),
+    let found = unless_absent(std::fs::read(&path));
+    let Some(text) = found.map_err(SweepError::io(&path, "cannot read the manifest"))? else {
+        return Ok(None);
     };
     let damaged = |what: String, line: usize| SweepError::Damaged {
         path: path.clone(),

@@ -2,6 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
+use platform::presence;
+
 use super::error::SweepError;
 use super::results::Results;
 use super::row::Record;
@@ -19,11 +21,11 @@ use super::row::Record;
 pub fn merge<R: Record>(parts: &[PathBuf], out: &Path) -> Result<Results<R>, SweepError> {
     let mut merged: Option<Results<R>> = None;
     // The target may be one of the parts: it is opened once, as the target.
-    let same = |part: &Path| match (part.canonicalize(), out.canonicalize()) {
-        (Ok(part), Ok(out)) => part == out,
-        _ => false,
-    };
-    for path in parts.iter().filter(|path| !same(path)) {
+    for path in parts {
+        let unreadable = SweepError::io(path, "cannot be read");
+        if presence::is_same(path, out).map_err(unreadable)? {
+            continue;
+        }
         let part = Results::<R>::read(path)?;
         // Opening the target detects a part of another experiment, and adds its seeds.
         let text = part.experiment()?;

@@ -12,6 +12,7 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
+use platform::presence;
 use tables::Format;
 
 use super::directory::{
@@ -75,9 +76,6 @@ impl<R: Record> Results<R> {
             file: MANIFEST,
             expected: "name the --out of a sweep",
         };
-        if !directory.is_dir() {
-            return Err(no_results());
-        }
         let manifest = read_manifest(directory)?.ok_or_else(no_results)?;
         if manifest.kind != R::KIND {
             return Err(SweepError::Other {
@@ -110,7 +108,7 @@ impl<R: Record> Results<R> {
     fn with(
         directory: &Path,
         manifest: Manifest,
-        lock: Lock,
+        mut lock: Lock,
         opened: Opened<R>,
     ) -> Result<Self, SweepError> {
         let mut results = Self {
@@ -119,7 +117,7 @@ impl<R: Record> Results<R> {
             journal: opened.journal,
             rows: BTreeMap::new(),
             cpu_ms: BTreeMap::new(),
-            notes: Vec::new(),
+            notes: lock.remark.take().into_iter().collect(),
             _lock: lock,
         };
         for line in opened.damaged {
@@ -358,18 +356,21 @@ impl<R: Record> Results<R> {
 fn continued(directory: &Path, manifest: &Manifest) -> Result<Manifest, SweepError> {
     let mut manifest = manifest.clone();
     let Some(theirs) = read_manifest(directory)? else {
-        let is_used = [journal::FILE, &format!("{RESULTS}.csv"), EXPERIMENT]
-            .map(|file| directory.join(file).symlink_metadata().is_ok())
-            .contains(&true);
-        return if is_used {
-            Err(SweepError::NotResults {
-                path: directory.to_owned(),
-                file: MANIFEST,
-                expected: "choose another --out, or an empty directory",
-            })
-        } else {
-            Ok(manifest)
-        };
+        for file in [journal::FILE, &format!("{RESULTS}.csv"), EXPERIMENT] {
+            let path = directory.join(file);
+            let found = presence::entry(&path);
+            if found
+                .map_err(SweepError::io(path, "cannot be read"))?
+                .is_some()
+            {
+                return Err(SweepError::NotResults {
+                    path: directory.to_owned(),
+                    file: MANIFEST,
+                    expected: "choose another --out, or an empty directory",
+                });
+            }
+        }
+        return Ok(manifest);
     };
     if let Some(difference) = manifest.difference(&theirs) {
         return Err(SweepError::Other {

@@ -17,7 +17,10 @@ impl<'a> Folder<'a> {
         let refused = derived::refused(path);
         let made = match fs::create_dir(path) {
             Ok(()) => true,
-            Err(e) if e.kind() == std::io::ErrorKind::AlreadyExists && path.is_dir() => {
+            Err(e) if e.kind() == std::io::ErrorKind::AlreadyExists => {
+                if !path.metadata().map_err(&refused)?.is_dir() {
+                    return Err(refused(e));
+                }
                 if !force && fs::read_dir(path).map_err(&refused)?.next().is_some() {
                     return Err(DerivedError::Exists {
                         path: path.to_owned(),

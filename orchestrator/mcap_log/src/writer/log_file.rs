@@ -7,8 +7,8 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
+use platform::file_lock::{LockOutcome, try_lock};
 use platform::own_file;
-use rustix::fs::{FlockOperation, flock};
 
 use crate::LogWriteError;
 use crate::writer::storage::Storage;
@@ -31,7 +31,11 @@ pub(super) fn create(path: &Path, force: bool) -> Result<File, LogWriteError> {
     let mut options = OpenOptions::new();
     let options = options.write(true).mode(PRIVATE);
     match options.clone().create_new(true).open(path) {
-        Ok(file) => lock(path, file),
+        Ok(file) => lock(path, file).inspect_err(|error| {
+            if !matches!(error, LogWriteError::InUse { .. }) {
+                let _ = std::fs::remove_file(path);
+            }
+        }),
         Err(e) if e.kind() == io::ErrorKind::AlreadyExists => {
             if !path.symlink_metadata().map_err(failed)?.is_file() {
                 return Err(LogWriteError::NotAFile {
@@ -54,12 +58,19 @@ pub(super) fn create(path: &Path, force: bool) -> Result<File, LogWriteError> {
 }
 
 fn lock(path: &Path, file: File) -> Result<File, LogWriteError> {
-    match flock(&file, FlockOperation::NonBlockingLockExclusive) {
-        Ok(()) => Ok(file),
-        Err(_) => Err(LogWriteError::InUse {
+    let outcome = try_lock(&file).map_err(|source| LogWriteError::Create {
+        path: path.to_owned(),
+        source,
+    })?;
+    if matches!(outcome, LockOutcome::InUse) {
+        return Err(LogWriteError::InUse {
             path: path.to_owned(),
-        }),
+        });
     }
+    if let Some(remark) = outcome.remark(path) {
+        tracing::warn!("{remark}");
+    }
+    Ok(file)
 }
 
 /// Byte stream that the MCAP writer writes to.

@@ -8,8 +8,8 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use import::{ImportError, Imported, Sizes};
-use mcap_log::DerivedError;
-use platform::eprintln;
+use mcap_log::{DerivedError, derived};
+use platform::{eprintln, presence};
 use scenario::builtin;
 
 use super::common::ForceArg;
@@ -146,12 +146,11 @@ fn scenario_files(args: &NewArgs) -> Result<Vec<(PathBuf, String)>, NewError> {
 }
 
 fn write_all(files: &[(PathBuf, String)], force: bool) -> Result<(), NewError> {
-    if !force
-        && let Some((path, _)) = files
-            .iter()
-            .find(|(path, _)| path.symlink_metadata().is_ok())
-    {
-        return Err(NewError::Exists(path.clone()));
+    for (path, _) in files {
+        let there = presence::entry(path).map_err(derived::refused(path))?;
+        if !force && there.is_some() {
+            return Err(NewError::Exists(path.clone()));
+        }
     }
     let mut created = Vec::new();
     for (path, text) in files {
