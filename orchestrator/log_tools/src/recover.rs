@@ -1,6 +1,6 @@
 //! Repair of a log that is truncated or damaged.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use mcap_log::Condition;
 use mcap_log::DerivedError;
@@ -9,9 +9,14 @@ use mcap_log::output::{Output, RECOVERED, mark_incomplete};
 use mcap_log::reader::{Item, Reader};
 use serde::Serialize;
 
+/// Maximum number of logs in one file that are recovered, each in a new log of its own.
+const MAX_LOGS: usize = 64;
+
 /// Result of a repair.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Recovered {
+    /// The new log.
+    pub out: PathBuf,
     /// Number of messages in the new log.
     pub messages: u64,
     /// Number of messages that the old log claims beyond these; absent if it has no such claim.
@@ -27,9 +32,13 @@ pub struct Recovered {
     pub bytes: u64,
     /// Condition of the old log.
     pub source: Condition,
+    /// Further logs that followed the end of the first one in the file, each with a new log of its own.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub further: Vec<Recovered>,
 }
 
-/// Writes all readable records of a log into a new log, in the same order, with an index and a summary.
+/// Writes all readable records of a log into a new log, in the same order, with an index and a summary. Of several
+/// logs in one file, joined end to end, the second is written to `NAME_2.mcap`, and so on.
 ///
 /// # Errors
 /// [`DerivedError`]; then no new log is written.
@@ -39,7 +48,45 @@ pub fn recover(
     force: bool,
     watch: &mut ReadProgress,
 ) -> Result<Recovered, DerivedError> {
-    let mut reader = Reader::open(log, Some(watch))?;
+    let mut copies = Vec::new();
+    let mut next = Some(0);
+    while let Some(start) = next.filter(|_| copies.len() < MAX_LOGS) {
+        let mut reader = Reader::open_at(log, start, Some(&mut *watch))?;
+        copies.push(copy(&mut reader, &numbered(out, copies.len()), force)?);
+        next = reader.following();
+    }
+    // All are complete before the first appears.
+    let finished = copies.into_iter().map(|(mut recovered, output)| {
+        recovered.bytes = output.finish()?;
+        Ok(recovered)
+    });
+    let mut logs = finished.collect::<Result<Vec<_>, DerivedError>>()?;
+    let mut first = logs.remove(0);
+    first.further = logs;
+    Ok(first)
+}
+
+/// Returns the path of a new log with this index.
+fn numbered(out: &Path, index: usize) -> PathBuf {
+    if index == 0 {
+        return out.to_owned();
+    }
+    let mut name = out.file_stem().unwrap_or_default().to_owned();
+    name.push(format!("_{}", index + 1));
+    if let Some(extension) = out.extension() {
+        name.push(".");
+        name.push(extension);
+    }
+    out.with_file_name(name)
+}
+
+/// Copies all readable records of a log.
+fn copy(
+    reader: &mut Reader<'_>,
+    out: &Path,
+    force: bool,
+) -> Result<(Recovered, Output), DerivedError> {
+    let log = reader.path().to_owned();
     let mut output: Option<Output> = None;
     let (mut messages, mut attachments, mut metadata, mut end_ns) = (0, 0, 0, 0);
     // The result record comes last, when it is known whether messages are missing.
@@ -48,10 +95,10 @@ pub fn recover(
         let output = match (&mut output, &item) {
             (Some(output), _) => output,
             (none, Item::Header { profile, .. }) => {
-                *none = Some(Output::create(out, log, force, profile)?);
+                *none = Some(Output::create(out, &log, force, profile)?);
                 continue;
             }
-            (none, _) => none.insert(Output::create(out, log, force, "")?),
+            (none, _) => none.insert(Output::create(out, &log, force, "")?),
         };
         match item {
             Item::Header { .. } => {}
@@ -80,7 +127,7 @@ pub fn recover(
     let source = reader.condition().clone();
     let mut output = match output {
         Some(output) => output,
-        None => Output::create(out, log, force, "")?,
+        None => Output::create(out, &log, force, "")?,
     };
     for result in results {
         let result = if source.data {
@@ -104,13 +151,16 @@ pub fn recover(
             ],
         )?;
     }
-    Ok(Recovered {
+    let recovered = Recovered {
+        out: out.to_owned(),
         messages,
         lost,
         attachments,
         metadata,
         end_s: mcap_log::seconds(end_ns),
-        bytes: output.finish()?,
+        bytes: 0,
         source,
-    })
+        further: Vec::new(),
+    };
+    Ok((recovered, output))
 }

@@ -36,16 +36,18 @@ pub struct Chunks {
 pub struct Condition {
     /// Size of the file (bytes).
     pub file_bytes: u64,
-    /// `true` if the file ends with the closing magic bytes.
+    /// `true` if the file ends with the closing magic bytes of its log.
     pub complete: bool,
     /// `true` if the data section is complete and valid; the summary can be missing.
     pub data: bool,
     /// `true` if the file has a summary.
     pub summary: bool,
-    /// `true` if the index lists every chunk.
+    /// `true` if the index lists every chunk, and all messages are in chunks.
     pub index: bool,
     /// Offset of the first incomplete record, if the file is truncated (bytes).
     pub cut_at: Option<u64>,
+    /// Number of bytes that follow the end of the log in the file.
+    pub following_bytes: u64,
     /// Number of messages according to the summary, if there is one.
     pub claimed_messages: Option<u64>,
     /// Chunks by compression; the empty name means uncompressed.
@@ -54,6 +56,10 @@ pub struct Condition {
     pub chunks_lost: u64,
     /// Number of chunks without a checksum.
     pub chunks_unchecked: u64,
+    /// Number of verified checksums: of chunks, attachments, the data section and the summary.
+    pub checksums: u64,
+    /// Number of messages that no checksum covers.
+    pub messages_unchecked: u64,
     /// Descriptions of the faults.
     pub faults: Vec<Fault>,
     /// Number of faults that are not described because the list is full.
@@ -64,6 +70,11 @@ impl Condition {
     /// Returns `true` if the whole file could be read.
     pub fn is_whole(&self) -> bool {
         self.complete && self.faults.is_empty()
+    }
+
+    /// Returns `true` if no message of the file is missing: the data section is valid, and nothing follows the log.
+    pub fn has_all_messages(&self) -> bool {
+        self.data && self.following_bytes == 0
     }
 
     pub(super) fn fault(&mut self, at: u64, what: impl Into<String>) {

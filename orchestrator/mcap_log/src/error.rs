@@ -84,6 +84,6 @@ pub enum LogReadError {
     #[error("{0}")]
     Argument(String),
     /// The user interrupted the command (Ctrl-C).
-    #[error("interrupted; nothing was written")]
+    #[error("interrupted")]
     Interrupted,
 }

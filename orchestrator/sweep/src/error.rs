@@ -110,7 +110,7 @@ fn if_full(source: &std::io::Error) -> &'static str {
     use std::io::ErrorKind::{QuotaExceeded, StorageFull};
     match source.kind() {
         StorageFull | QuotaExceeded => {
-            "; finished missions are kept: free disk space and repeat the command"
+            "; free disk space and repeat the command: recorded missions do not run again"
         }
         _ => "",
     }

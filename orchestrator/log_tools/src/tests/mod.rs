@@ -1,5 +1,6 @@
 //! Small logs, whole and broken.
 
+mod assurance;
 mod broken;
 mod foreign;
 mod lz4;

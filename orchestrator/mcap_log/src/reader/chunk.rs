@@ -25,6 +25,8 @@ pub(super) struct OpenChunk {
     next: usize,
     /// Offset in the file (bytes).
     pub(super) at: u64,
+    /// `true` if it has a checksum.
+    pub(super) checked: bool,
 }
 
 impl Reader<'_> {
@@ -123,7 +125,9 @@ impl Reader<'_> {
             return Ok(());
         } else if crc == 0 {
             self.condition.chunks_unchecked += 1;
-        } else if crc32fast::hash(&self.buffer) != crc {
+        } else if crc32fast::hash(&self.buffer) == crc {
+            self.condition.checksums += 1;
+        } else {
             self.lose_chunk(at, "the checksum of this chunk does not match");
             return Ok(());
         }
@@ -131,7 +135,11 @@ impl Reader<'_> {
         of_kind.count += 1;
         of_kind.compressed_bytes += compressed;
         of_kind.uncompressed_bytes += self.buffer.len() as u64;
-        self.chunk = Some(OpenChunk { next: 0, at });
+        self.chunk = Some(OpenChunk {
+            next: 0,
+            at,
+            checked: crc != 0,
+        });
         Ok(())
     }
 

@@ -1,5 +1,6 @@
 //! Reader of the records of a file up to the closing magic bytes or the end of the file.
 
+use std::ops::Range;
 use std::os::unix::fs::FileExt as _;
 
 use mcap::records::op;
@@ -9,6 +10,9 @@ use super::item::ItemLocation;
 use super::limits::MAX_RECORD_BYTES;
 use super::record::{PREFIX, name_of};
 use crate::LogReadError;
+
+/// Size of the magic bytes at both ends of a log (bytes).
+pub(super) const MAGIC_BYTES: u64 = 8;
 
 impl Reader<'_> {
     /// Reads the next record of the file; returns `None` if it contains no item.
@@ -20,7 +24,7 @@ impl Reader<'_> {
         let mut prefix = [0; PREFIX as usize];
         if self.length.saturating_sub(at) < PREFIX {
             let what = if at >= self.length {
-                "the data: the closing magic bytes are missing"
+                "the closing magic bytes"
             } else {
                 "a record"
             };
@@ -79,22 +83,66 @@ impl Reader<'_> {
     }
 
     /// Checks that the closing magic bytes follow the footer and end the file.
-    pub(super) fn footer(&mut self, summary_start: u64) {
-        let mut magic = [0; 8];
-        let ends = self.length.saturating_sub(self.next) == 8
-            && self.file.read_exact_at(&mut magic, self.next).is_ok()
-            && magic.as_slice() == mcap::MAGIC;
+    pub(super) fn footer(
+        &mut self,
+        summary_start: u64,
+        at: u64,
+        crc: u32,
+    ) -> Result<(), LogReadError> {
         self.condition.summary = summary_start != 0;
-        self.condition.index = summary_start != 0 && self.indexed_chunks == self.chunks;
+        self.condition.index =
+            summary_start != 0 && self.indexed_chunks == self.chunks && !self.loose;
+        self.summary = (summary_start != 0 && crc != 0).then(|| {
+            (
+                self.start.saturating_add(summary_start)..at + PREFIX + 16,
+                crc,
+            )
+        });
         self.done = true;
-        if ends {
-            self.condition.complete = true;
-        } else if self.length.saturating_sub(self.next) < 8 {
+        if let (Some(claimed), Some(read)) = (self.condition.claimed_messages, self.messages)
+            && claimed > read
+            && self.condition.data
+        {
+            self.condition.data = false;
+            let what = format!("the summary counts {claimed} messages, {read} are there");
+            self.condition.fault(at, what);
+        }
+        let there = self.length.saturating_sub(self.next);
+        if there < MAGIC_BYTES {
             self.cut(self.next, "the closing magic bytes");
-        } else {
+            return Ok(());
+        }
+        if !self.is_magic(self.next)? {
             let what = "the closing magic bytes do not follow the footer";
             self.condition.fault(self.next, what);
+            self.condition.following_bytes = there;
+            return Ok(());
         }
+        let end = self.next + MAGIC_BYTES;
+        let more = self.length - end;
+        self.condition.complete = more == 0;
+        if more > 0 {
+            self.condition.following_bytes = more;
+            self.following = self.is_magic(end)?.then_some(end);
+            let what = match self.following {
+                Some(_) => format!("another log follows the end of this one ({more} bytes)"),
+                None => format!("{more} bytes follow the end of the log: they are not read"),
+            };
+            self.condition.fault(end, what);
+        }
+        Ok(())
+    }
+
+    /// Returns `true` if the magic bytes of a log are here.
+    pub(super) fn is_magic(&self, at: u64) -> Result<bool, LogReadError> {
+        let mut magic = [0; MAGIC_BYTES as usize];
+        if self.length.saturating_sub(at) < MAGIC_BYTES {
+            return Ok(false);
+        }
+        self.file
+            .read_exact_at(&mut magic, at)
+            .map_err(|e| self.failed(e))?;
+        Ok(magic.as_slice() == mcap::MAGIC)
     }
 
     /// Records that the file ends in the middle of the part that begins at `at`.
@@ -103,27 +151,51 @@ impl Reader<'_> {
         self.condition.fault(
             at,
             format!(
-                "the file ends in the middle of {what} ({} bytes of it are there): the run was \
-                 killed or is not over yet, or the copy is incomplete",
-                self.length.saturating_sub(at)
+                "the file ends {}: the run was killed or is not over yet, or the copy is incomplete",
+                match self.length.saturating_sub(at) {
+                    0 => format!("before {what}"),
+                    there => format!("in the middle of {what} ({there} bytes of it are there)"),
+                }
             ),
         );
         self.done = true;
     }
 
-    /// Verifies the checksum of the whole data section, if there is one. Call it at the end.
+    /// Verifies the checksums of the whole data section and of the summary, if there are any. Call it at the end.
     ///
     /// # Errors
     /// The log cannot be read: [`LogReadError`].
     pub fn check_all(&mut self) -> Result<(), LogReadError> {
-        let Some((end, expected)) = self.data_end.filter(|(_, crc)| *crc != 0) else {
-            return Ok(());
-        };
+        if let Some((end, crc)) = self.data_end.filter(|(_, crc)| *crc != 0) {
+            if self.hash(self.start..end)? == crc {
+                self.condition.checksums += 1;
+                self.condition.messages_unchecked = 0;
+            } else {
+                self.condition.data = false;
+                self.condition.fault(
+                    end,
+                    "the checksum of the data section does not match: the data have changed",
+                );
+            }
+        }
+        if let Some((place, crc)) = self.summary.clone() {
+            if self.hash(place.clone())? == crc {
+                self.condition.checksums += 1;
+            } else {
+                let what = "the checksum of the summary does not match: the index has changed";
+                self.condition.fault(place.start, what);
+            }
+        }
+        Ok(())
+    }
+
+    /// Returns the checksum of a part of the file.
+    fn hash(&mut self, place: Range<u64>) -> Result<u32, LogReadError> {
         let mut hasher = crc32fast::Hasher::new();
         let mut block = vec![0; 1 << 20];
-        let mut at = 0;
-        while at < end {
-            let wanted = block.len().min((end - at) as usize);
+        let mut at = place.start;
+        while at < place.end {
+            let wanted = block.len().min((place.end - at) as usize);
             let Some(part) = block.get_mut(..wanted) else {
                 break;
             };
@@ -136,13 +208,6 @@ impl Reader<'_> {
                 read_progress.at(0)?;
             }
         }
-        if hasher.finalize() != expected {
-            self.condition.data = false;
-            self.condition.fault(
-                end,
-                "the checksum of the data section does not match: the data have changed",
-            );
-        }
-        Ok(())
+        Ok(hasher.finalize())
     }
 }

@@ -18,13 +18,13 @@ use std::collections::BTreeMap;
 use std::fs::File;
 use std::io;
 use std::ops::Range;
-use std::os::unix::fs::FileExt as _;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
 use mcap::records::MessageHeader;
 
 use self::chunk::OpenChunk;
+use self::file::MAGIC_BYTES;
 pub(super) use self::index::ChunkPlace;
 use self::item::ItemLocation;
 pub use self::item::{Channel, Item, Schema};
@@ -37,6 +37,8 @@ pub struct Reader<'w> {
     path: PathBuf,
     file: File,
     length: u64,
+    /// Offset of the log in the file (bytes).
+    start: u64,
     next: u64,
     /// The current record, or the contents of the current chunk.
     buffer: Vec<u8>,
@@ -48,6 +50,14 @@ pub struct Reader<'w> {
     descriptions: usize,
     /// End of the data section (bytes) and its checksum.
     data_end: Option<(u64, u32)>,
+    /// Part of the file that the checksum of the summary covers (bytes), and this checksum.
+    summary: Option<(Range<u64>, u32)>,
+    /// Offset of a further log that follows the end of this one (bytes).
+    following: Option<u64>,
+    /// Number of messages read; unknown after a jump.
+    messages: Option<u64>,
+    /// `true` if messages are outside chunks, where no index finds them.
+    loose: bool,
     indexed_chunks: u64,
     chunks: u64,
     done: bool,
@@ -62,7 +72,20 @@ impl<'w> Reader<'w> {
     /// The log cannot be read: [`LogReadError`].
     pub fn open(
         path: &Path,
-        mut read_progress: Option<&'w mut ReadProgress>,
+        read_progress: Option<&'w mut ReadProgress>,
+    ) -> Result<Self, LogReadError> {
+        Self::open_at(path, 0, read_progress)
+    }
+
+    /// Opens the log that begins at this offset of a file (bytes), [`Self::following`] of another one, to read it
+    /// sequentially.
+    ///
+    /// # Errors
+    /// As [`Self::open`].
+    pub fn open_at(
+        path: &Path,
+        start: u64,
+        read_progress: Option<&'w mut ReadProgress>,
     ) -> Result<Self, LogReadError> {
         let failed = |source| LogReadError::Open {
             path: path.to_owned(),
@@ -74,24 +97,12 @@ impl<'w> Reader<'w> {
         }
         let file = File::open(path).map_err(failed)?;
         let length = file.metadata().map_err(failed)?.len();
-        let mut magic = [0; 8];
-        if length < 8
-            || file.read_exact_at(&mut magic, 0).is_err()
-            || magic.as_slice() != mcap::MAGIC
-        {
-            return Err(LogReadError::NotMcap {
-                path: path.to_owned(),
-                empty: length == 0,
-            });
-        }
-        if let Some(read_progress) = &mut read_progress {
-            read_progress.begin(length);
-        }
-        Ok(Self {
+        let mut reader = Self {
             path: path.to_owned(),
             file,
             length,
-            next: 8,
+            start,
+            next: start + MAGIC_BYTES,
             buffer: Vec::new(),
             chunk: None,
             last: None,
@@ -99,6 +110,10 @@ impl<'w> Reader<'w> {
             channels: BTreeMap::new(),
             descriptions: 0,
             data_end: None,
+            summary: None,
+            following: None,
+            messages: Some(0),
+            loose: false,
             indexed_chunks: 0,
             chunks: 0,
             done: false,
@@ -107,7 +122,22 @@ impl<'w> Reader<'w> {
                 ..Condition::default()
             },
             read_progress,
-        })
+        };
+        if !reader.is_magic(start)? {
+            return Err(LogReadError::NotMcap {
+                path: reader.path,
+                empty: length == 0,
+            });
+        }
+        if let Some(read_progress) = &mut reader.read_progress {
+            read_progress.begin(length);
+        }
+        Ok(reader)
+    }
+
+    /// Returns the offset of a further log that follows the end of this one, after it has been read (bytes).
+    pub fn following(&self) -> Option<u64> {
+        self.following
     }
 
     /// Returns the path of the file.
@@ -182,6 +212,7 @@ impl<'w> Reader<'w> {
     /// Continues with the record at this offset of the file (bytes).
     pub fn jump(&mut self, at: u64) {
         self.next = at;
+        self.messages = None;
         self.chunk = None;
         self.last = None;
         self.buffer.clear();

@@ -28,6 +28,7 @@ impl Reader<'_> {
         let found = match opcode {
             op::SCHEMA => self.take_schema(body, at),
             op::CHANNEL => self.take_channel(body, at),
+            op::FOOTER => self.take_footer(body, at),
             _ => Ok(self.take_other(opcode, body, place, at)),
         };
         self.buffer = buffer;
@@ -121,6 +122,24 @@ impl Reader<'_> {
         }
     }
 
+    fn take_footer(
+        &mut self,
+        body: &[u8],
+        at: u64,
+    ) -> Result<Result<Option<ItemLocation>, ()>, LogReadError> {
+        let mut fields = Fields(body);
+        let mut read = || {
+            let start = fields.u64()?;
+            fields.u64()?;
+            Some((start, fields.u32()?))
+        };
+        let Some((summary_start, crc)) = read() else {
+            return Ok(Err(()));
+        };
+        self.footer(summary_start, at, crc)?;
+        Ok(Ok(None))
+    }
+
     fn describe(&mut self, bytes: usize) -> Result<(), LogReadError> {
         self.descriptions += bytes;
         if self.descriptions > MAX_DESCRIPTION_BYTES {
@@ -160,6 +179,11 @@ impl Reader<'_> {
                     self.condition.fault(at, what);
                     return Ok(None);
                 }
+                if !self.chunk.is_some_and(|chunk| chunk.checked) {
+                    self.condition.messages_unchecked += 1;
+                }
+                self.messages = self.messages.map(|messages| messages + 1);
+                self.loose |= self.chunk.is_none();
                 let start = place.end - fields.0.len();
                 Ok(Some(ItemLocation::Message(header, start..place.end)))
             }
@@ -170,6 +194,8 @@ impl Reader<'_> {
             }
             op::ATTACHMENT => {
                 let (header, data) = attachment(body).ok_or(())?;
+                // The checksum, if there is one, is the last field.
+                self.condition.checksums += u64::from(!body.ends_with(&[0; 4]));
                 let data = place.start + data.start..place.start + data.end;
                 Ok(Some(ItemLocation::Attachment(header, data)))
             }
@@ -189,10 +215,6 @@ impl Reader<'_> {
             }
             op::STATISTICS => {
                 self.condition.claimed_messages = Some(fields.u64().ok_or(())?);
-                Ok(None)
-            }
-            op::FOOTER => {
-                self.footer(fields.u64().ok_or(())?);
                 Ok(None)
             }
             _ => Ok(None),

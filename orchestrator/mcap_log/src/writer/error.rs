@@ -33,7 +33,10 @@ pub enum LogWriteError {
         source: io::Error,
     },
     /// A write failed; the log stays readable up to the last flush.
-    #[error("cannot write the log {path}: {source} (it stays readable up to {readable} bytes)")]
+    #[error("cannot write the log {path}: {source} ({})", match *readable {
+        0 => "nothing of it can be read".to_owned(),
+        bytes => format!("it stays readable up to {bytes} bytes"),
+    })]
     Write {
         /// The file.
         path: PathBuf,

@@ -11,6 +11,7 @@ use platform::eprintln;
 use super::output::{EXIT_FAILED, EXIT_INVALID, EXIT_PARTIAL, exit_code_of_mission};
 use super::run::handle_signals;
 use log_tools::Difference;
+use recorder::time_text;
 use replay::ReplayError;
 
 /// Selection of topics.
@@ -130,6 +131,13 @@ pub(super) fn note_version(recorded_by: Option<&str>) {
     }
 }
 
+/// Warns of the faults of a file.
+pub(super) fn warn_of_faults(log: &Path, faults: &[String]) {
+    for fault in faults {
+        eprintln!("warning: {}: {fault}", log.display());
+    }
+}
+
 /// Returns the text of the first difference of a topic.
 pub(super) fn difference(topic: &str, first: &Difference) -> String {
     let or_none = |value: &str| match value {
@@ -137,10 +145,10 @@ pub(super) fn difference(topic: &str, first: &Difference) -> String {
         value => value.to_owned(),
     };
     format!(
-        "{topic}: {} messages differ, first at tick {} ({:.2} s) from source {}: {} is {} in the log, {} now",
+        "{topic}: {} messages differ, first at tick {} ({} s) from source {}: {} is {} in the log, {} now",
         first.messages,
         first.tick,
-        first.time_s,
+        time_text(first.time_s),
         first.source,
         first.field,
         or_none(&first.logged),
@@ -157,6 +165,18 @@ pub(super) fn of_comparison(same: bool, whole: bool) -> ExitCode {
     }
 }
 
+/// Warns of each incomplete log; returns the exit code, which tells if messages of any may be missing.
+pub(super) fn of_conditions<'a>(logs: impl Iterator<Item = (&'a Path, &'a Condition)>) -> ExitCode {
+    logs.map(|(log, condition)| of_condition(log, condition))
+        .fold(ExitCode::SUCCESS, |last, code| {
+            if code == ExitCode::SUCCESS {
+                last
+            } else {
+                code
+            }
+        })
+}
+
 /// Warns of an incomplete log; returns the exit code, which tells if messages may be missing.
 pub(super) fn of_condition(log: &Path, condition: &Condition) -> ExitCode {
     if condition.is_whole() {
@@ -166,7 +186,7 @@ pub(super) fn of_condition(log: &Path, condition: &Condition) -> ExitCode {
     for line in condition.lines() {
         eprintln!("    {line}");
     }
-    if condition.data {
+    if condition.has_all_messages() {
         eprintln!("    no messages are missing");
         return ExitCode::SUCCESS;
     }

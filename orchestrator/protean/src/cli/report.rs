@@ -46,16 +46,8 @@ pub fn run(kinds: &'static [Kind], args: &ReportArgs) -> ExitCode {
         let logs: Vec<&Path> = args.logs.iter().map(PathBuf::as_path).collect();
         let out = args.out.clone().unwrap_or_else(|| page_of(&logs));
         let reports = report(&logs, kinds, &out, args.force.force, watch)?;
-        let codes = logs.iter().zip(&reports);
-        let codes = codes.map(|(log, report)| logs::of_condition(log, &report.condition));
-        // Each reports what its log lacks.
-        let code = codes.fold(ExitCode::SUCCESS, |last, code| {
-            if code == ExitCode::SUCCESS {
-                last
-            } else {
-                code
-            }
-        });
+        let conditions = reports.iter().map(|report| &report.condition);
+        let code = logs::of_conditions(logs.iter().copied().zip(conditions));
         match &*reports {
             _ if !args.json.json => print(&out.display().to_string()),
             [report] => print_json(&serde_json::json!(report)),
