@@ -45,6 +45,88 @@ fn a_log_tells_what_it_holds_and_is_run_again_the_same() {
     sandbox.assert_nothing_left();
 }
 
+/// Returns the number before ` simulated` in a text.
+fn simulated(text: &str) -> &str {
+    let numbers = text.match_indices(" simulated").map(|(at, _)| {
+        let mut before = text[..at].rsplit(|c: char| !c.is_ascii_digit());
+        before.next().unwrap_or_default()
+    });
+    // "1.50 s simulated" has none.
+    let mut numbers = numbers.filter(|number| !number.is_empty());
+    numbers.next().expect(text)
+}
+
+#[test]
+fn every_command_counts_the_messages_of_a_log_alike_and_two_runs_of_a_seed_too() {
+    let sandbox = Sandbox::new();
+    let summary = sandbox.record("chase_exact");
+    let expected = summary["simulated_messages"].to_string();
+    let counts = History::read(&sandbox.path().join("run.mcap")).counts;
+    let is_simulated = |topic: &str| {
+        ipc_types::topics::TopicId::from_name(topic).is_some_and(|topic| topic.facts().simulated)
+    };
+    let counts = counts.iter().filter(|(topic, _)| is_simulated(topic));
+    let counted: u64 = counts.map(|(_, (messages, _))| messages).sum();
+    assert_eq!(expected, counted.to_string());
+
+    let print = |words: &str| {
+        let outcome = sandbox.protean(words.split(' ')).run();
+        assert_eq!(outcome.code, Some(0), "{outcome}");
+        outcome.stdout
+    };
+    let again = "run chase_exact --seed 3 --out again.mcap --set rules.time_limit=1.5";
+    for words in [
+        again,
+        "info run.mcap",
+        "info again.mcap",
+        "verify run.mcap",
+        "verify again.mcap --in-process",
+        "replay run.mcap --as-fast-as-possible",
+    ] {
+        assert_eq!(simulated(&print(words)), expected, "{words}");
+    }
+    print("report run.mcap --out page.html");
+    let page = std::fs::read_to_string(sandbox.path().join("page.html")).unwrap();
+    let (_, facts) = page.split_once("\"messages\":\"").unwrap();
+    assert_eq!(simulated(facts), expected);
+    for words in ["info run.mcap", "replay run.mcap --as-fast-as-possible"] {
+        let found = sandbox.protean(words.split(' ')).json();
+        assert_eq!(found["simulated_messages"].to_string(), expected, "{words}");
+    }
+}
+
+#[test]
+fn a_log_with_another_behind_it_is_reported_by_every_command() {
+    let sandbox = Sandbox::new();
+    sandbox.record("chase_exact");
+    let log = std::fs::read(sandbox.path().join("run.mcap")).unwrap();
+    sandbox.file("joined.mcap", [&log[..], &log].concat());
+    for words in [
+        "info joined.mcap",
+        "verify joined.mcap --in-process",
+        "replay joined.mcap --as-fast-as-possible",
+        "replay joined.mcap --test evader_potential_evader_1 --in-process",
+        "export joined.mcap --out tables",
+        "filter joined.mcap --out part.mcap",
+        "cat joined.mcap world/map",
+        "report joined.mcap",
+        "recover joined.mcap --out ok.mcap",
+    ] {
+        let outcome = sandbox.protean(words.split(' ')).run();
+        assert_eq!(outcome.code, Some(3), "{words}: {outcome}");
+        let told = outcome.stdout.clone() + &outcome.stderr;
+        assert!(told.contains("another log follows"), "{words}: {outcome}");
+        assert!(
+            !told.contains("no messages are missing"),
+            "{words}: {outcome}"
+        );
+    }
+    for log in ["ok.mcap", "ok_2.mcap"] {
+        let outcome = sandbox.protean(["verify", log, "--in-process"]).run();
+        assert_eq!(outcome.code, Some(0), "{log}: {outcome}");
+    }
+}
+
 #[test]
 fn what_is_left_of_a_truncated_log_is_recovered_and_read_by_python() {
     let sandbox = Sandbox::new();

@@ -36,6 +36,14 @@ def test_a_log_states_its_run(chase: pr.Log, chase_log: Path) -> None:
     assert chase.digest in str(chase)
 
 
+def test_a_log_counts_the_simulated_messages_as_its_run(tmp_path: Path) -> None:
+    run = pr.run("hello", seed=1, in_process=True, out=tmp_path / "hello.mcap")
+    assert run.log is not None
+    count = run.log.info["simulated_messages"]
+    assert count == run.summary["simulated_messages"] > 0
+    assert f"messages    {count} simulated" in str(run.log)
+
+
 def test_topics_are_counted_as_by_mcap(chase: pr.Log, chase_log: Path) -> None:
     reader = pytest.importorskip("mcap.reader")
     with chase_log.open("rb") as file:

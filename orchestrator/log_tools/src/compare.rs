@@ -60,6 +60,9 @@ pub struct Comparison {
     /// Last tick with a message in the log.
     #[serde(skip)]
     pub last_tick: u64,
+    /// `true` if a log may end before its run: messages scheduled for a time after its end are not compared.
+    #[serde(skip)]
+    cut: bool,
     /// Senders whose messages are compared; `None` for all.
     #[serde(skip)]
     sources: Option<BTreeSet<u32>>,
@@ -79,6 +82,7 @@ impl Comparison {
     pub fn of(sources: BTreeSet<u32>) -> Self {
         Self {
             sources: Some(sources),
+            cut: true,
             ..Self::default()
         }
     }
@@ -86,6 +90,18 @@ impl Comparison {
     /// Returns the number of equal messages.
     pub fn equal(&self) -> u64 {
         self.topics.values().map(|topic| topic.equal).sum()
+    }
+
+    /// Returns the number of messages in the log.
+    pub fn recorded(&self) -> u64 {
+        self.topics.values().map(|topic| topic.recorded).sum()
+    }
+
+    /// Returns `true` if no message has been compared.
+    pub fn is_empty(&self) -> bool {
+        self.topics
+            .values()
+            .all(|topic| topic.equal == 0 && topic.first.is_none())
     }
 
     /// Returns the first difference of every topic that has one.
@@ -143,7 +159,7 @@ impl Comparison {
             let mut sources = self.sources.iter();
             let is_wanted = sources.all(|sources| sources.contains(&stamp.source));
             // A message scheduled for a time after the end is stored at the end of a log.
-            if is_wanted && stamp.time_ns <= time {
+            if is_wanted && (!self.cut || stamp.time_ns <= time) {
                 let of_sender = history.entry((message.rank, stamp.source)).or_default();
                 of_sender.push(SimulatedMessage { time, stamp, data });
             }
@@ -238,7 +254,10 @@ pub fn compare(
     };
     let (mut a, mut b) = (open(log, watch)?, open(again, watch)?);
     watch.begin(a.length());
-    let mut comparison = Comparison::default();
+    let mut comparison = Comparison {
+        cut,
+        ..Comparison::default()
+    };
     let (mut x, mut y) = (next(&mut a, 0)?, next(&mut b, 0)?);
     loop {
         watch.at(a.at())?;

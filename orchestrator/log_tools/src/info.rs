@@ -12,7 +12,7 @@ use mcap_log::output::{FILTERED, MANIFEST, RECOVERED, RESULT, RUN_DIGEST};
 use mcap_log::reader::{Channel, Item, Reader};
 use serde::Serialize;
 
-use recorder::RobotOutcome;
+use recorder::{MessageCounts, RobotOutcome};
 
 /// Maximum number of senders of a topic whose sequence numbers are checked.
 const MAX_SOURCES: usize = 4096;
@@ -69,6 +69,9 @@ pub struct LogInfo {
     pub duration_s: f64,
     /// Number of messages.
     pub messages: u64,
+    /// Number of messages of the simulated history; absent in other logs.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub simulated_messages: Option<u64>,
     /// Number of messages that follow one with a later log time in the same channel.
     pub unsorted: u64,
     /// The topics, by name.
@@ -241,8 +244,10 @@ impl LogInfo {
         let mut record = |name: &str| records.remove(name).unwrap_or_default();
         let (mut manifest, mut result) = (record(MANIFEST), record(RESULT));
         let robots = result.remove("robots");
+        let counts = MessageCounts::from_topics(&topics, |topic| topic.messages);
         Ok(Self {
             log: path.to_owned(),
+            simulated_messages: (!manifest.is_empty()).then_some(counts.simulated),
             ours: !manifest.is_empty(),
             library,
             profile,

@@ -1,5 +1,6 @@
 //! Description of a log as text.
 
+use recorder::{MessageCounts, time_text};
 use tables::for_terminal;
 
 use super::info::LogInfo;
@@ -19,6 +20,7 @@ pub fn text(info: &LogInfo) -> String {
     ];
     let mut table = for_terminal(header, 1);
     let number = |value: Option<f64>| value.map_or_else(String::new, |value| format!("{value:.2}"));
+    let time = |value: Option<f64>| value.map_or_else(String::new, time_text);
     let with = info.topics.iter().filter(|(_, topic)| topic.messages > 0);
     for (name, topic) in with {
         table.add_row([
@@ -26,9 +28,9 @@ pub fn text(info: &LogInfo) -> String {
             topic.messages.to_string(),
             topic.bytes.to_string(),
             number(topic.rate_hz),
-            number(topic.first_s),
-            number(topic.last_s),
-            number(topic.longest_pause_s),
+            time(topic.first_s),
+            time(topic.last_s),
+            time(topic.longest_pause_s),
             topic
                 .gaps
                 .map_or_else(|| "?".to_owned(), |gaps| gaps.to_string()),
@@ -62,8 +64,10 @@ fn head(info: &LogInfo) -> String {
         _ => "not a Protean log (no scenario, seed or digest)".to_owned(),
     };
     text += &format!(
-        ": {:.2} s, from {:.2} to {:.2} s\n",
-        info.duration_s, info.start_s, info.end_s
+        ": {} s, from {} to {} s\n",
+        time_text(info.duration_s),
+        time_text(info.start_s),
+        time_text(info.end_s),
     );
     let mut line = |name: &str, value: &str| {
         if !value.is_empty() {
@@ -93,7 +97,8 @@ fn head(info: &LogInfo) -> String {
     for robot in &info.robots {
         let outcome = robot.outcome.replace('_', " ");
         let when = if outcome == "active" { "until" } else { "at" };
-        let what = format!("{} {outcome} {when} {:.2} s", robot.name, robot.time_s);
+        let time = time_text(robot.time_s);
+        let what = format!("{} {outcome} {when} {time} s", robot.name);
         line("outcome", &what);
     }
     for (name, bytes) in &info.attachments {
@@ -105,9 +110,13 @@ fn head(info: &LogInfo) -> String {
 fn condition(info: &LogInfo) -> String {
     let c = &info.condition;
     let mb = |bytes: u64| bytes as f64 * 1e-6;
+    let messages = if info.ours {
+        MessageCounts::from_topics(&info.topics, |topic| topic.messages).to_string()
+    } else {
+        info.messages.to_string()
+    };
     let mut text = format!(
-        "messages    {} in a file of {:.2} MB\n",
-        info.messages,
+        "messages    {messages} in a file of {:.2} MB\n",
         mb(c.file_bytes)
     );
     for (compression, chunks) in &c.chunks {
@@ -120,10 +129,15 @@ fn condition(info: &LogInfo) -> String {
             ),
         };
     }
-    if c.chunks_unchecked > 0 {
+    if c.messages_unchecked > 0 {
         text += &format!(
-            "unchecked   {} chunks have no checksum\n",
-            c.chunks_unchecked
+            "unchecked   {} of {} messages: no checksum covers them{}\n",
+            c.messages_unchecked,
+            info.messages,
+            match c.chunks_unchecked {
+                0 => String::new(),
+                chunks => format!(" ({chunks} chunks without a checksum)"),
+            }
         );
     }
     if info.unsorted > 0 {
@@ -134,11 +148,17 @@ fn condition(info: &LogInfo) -> String {
     }
     text += match (c.summary, c.index) {
         (true, true) => "index       complete: programs can jump to any time\n",
-        (true, false) => "index       of a part of the chunks: programs must read the whole file\n",
+        (true, false) => {
+            "index       of a part of the messages: programs must read the whole file\n"
+        }
         (false, _) => "index       none: programs must read the whole file\n",
     };
     if c.is_whole() {
-        text += "condition   complete: every checksum is correct\n";
+        text += &match c.checksums {
+            0 => "condition   complete, not verified: the file has no checksums\n".to_owned(),
+            1 => "condition   complete: its checksum is correct\n".to_owned(),
+            all => format!("condition   complete: every checksum is correct ({all})\n"),
+        };
     } else {
         text += "condition   INCOMPLETE: `protean recover` makes a log of the readable part\n";
         for line in c.lines() {

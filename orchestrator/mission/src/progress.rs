@@ -10,7 +10,7 @@ use ipc_types::topics::{TopicId, WorldEvents};
 use platform::eprintln;
 use platform::progress;
 use platform::terminal::{Colours, is_coloured};
-use recorder::EventNames;
+use recorder::{EventNames, time_text};
 
 /// Interval between plain lines if stderr is not a terminal.
 const PLAIN_INTERVAL: Duration = Duration::from_secs(5);
@@ -61,11 +61,11 @@ impl Progress {
     pub fn at(&mut self, time_s: f64) {
         let factor = time_s / self.start.elapsed().as_secs_f64().max(1e-9);
         self.bar.set_position((time_s * 1e3) as u64);
-        self.bar
-            .set_message(format!("t = {time_s:.1} s  ({factor:.0}x real time)"));
+        let message = format!("t = {} s  ({factor:.0}x real time)", time_text(time_s));
+        self.bar.set_message(message.clone());
         if self.plain && self.last_plain.elapsed() >= PLAIN_INTERVAL {
             self.last_plain = Instant::now();
-            eprintln!("t = {time_s:.1} s  ({factor:.0}x real time)");
+            eprintln!("{message}");
         }
     }
 
@@ -108,7 +108,7 @@ impl EventPrinter {
         {
             return;
         }
-        let line = format!("{time_s:8.2} s  {}", self.names.words(event));
+        let line = format!("{:>8} s  {}", time_text(time_s), self.names.words(event));
         let line = self.colours.paint(&line);
         if self.plain {
             // A closed stderr is ignored.

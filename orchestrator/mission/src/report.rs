@@ -41,6 +41,7 @@ impl MissionReport {
             "robots": s.robots,
             "events": s.events,
             "events_omitted": s.events_omitted,
+            "simulated_messages": s.message_counts().simulated,
             "topics": s.topics,
             "log": s.log,
             "log_bytes": s.log_bytes,

@@ -24,6 +24,7 @@ mod event_list;
 mod event_names;
 mod log;
 mod message_audit;
+mod message_counts;
 mod outages;
 mod outcome;
 mod outcome_words;
@@ -36,6 +37,7 @@ mod robots;
 mod run_info;
 mod sequence;
 mod summary;
+mod time_text;
 mod verdicts;
 mod visits;
 mod wakeup;
@@ -53,6 +55,7 @@ pub use digest_prefixes::DigestPrefixes;
 pub use error::RecorderError;
 pub use event_names::EventNames;
 pub use mcap_log::output::ROBOTS_TOPIC;
+pub use message_counts::MessageCounts;
 pub use outcome_words::outcome_words;
 pub use recording::Recording;
 pub use robot_names::robot_names;
@@ -61,4 +64,5 @@ pub use summary::{
     CoverageByWay, CoverageOutcome, EventEntry, LapFigures, Outage, PredictionOutcome,
     ProcessOutcome, RobotOutcome, Summary, TopicCount, WaypointOutcome, role_name, status_name,
 };
+pub use time_text::time_text;
 pub use wakeup::Wakeup;

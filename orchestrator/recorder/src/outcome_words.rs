@@ -1,6 +1,7 @@
 //! The outcome of a run in words.
 
 use super::summary::{CoverageOutcome, RobotOutcome};
+use super::time_text::time_text;
 
 /// Outcomes of evaders, the better for them first, and their words.
 const EVADERS: [(&str, &str); 6] = [
@@ -27,7 +28,7 @@ const EVADERS: [(&str, &str); 6] = [
 /// let one_each = [evader("a", "caught", 29.1), evader("b", "escaped", 40.0)];
 /// assert_eq!(outcome_words(&one_each, None), "1 of 2 evaders escaped (b), 1 caught");
 /// let caught = [evader("a", "caught", 29.1), evader("b", "caught", 135.7)];
-/// let words = "the Police win: 2 of 2 evaders caught, the last after 135.7 s";
+/// let words = "the Police win: 2 of 2 evaders caught, the last after 135.70 s";
 /// assert_eq!(outcome_words(&caught, None), words);
 /// ```
 pub fn outcome_words(robots: &[RobotOutcome], coverage: Option<&CoverageOutcome>) -> String {
@@ -42,15 +43,15 @@ pub fn outcome_words(robots: &[RobotOutcome], coverage: Option<&CoverageOutcome>
     ];
     let parts: Vec<String> = parts.into_iter().flatten().collect();
     if parts.is_empty() {
-        format!("ended after {:.1} s", last_s(robots.iter()))
+        format!("ended after {} s", last_time(robots.iter()))
     } else {
         parts.join("; ")
     }
 }
 
-/// Time of the last of these outcomes (s).
-fn last_s<'a>(robots: impl Iterator<Item = &'a RobotOutcome>) -> f64 {
-    robots.map(|robot| robot.time_s).fold(0.0, f64::max)
+/// Time of the last of these outcomes, as text (s).
+fn last_time<'a>(robots: impl Iterator<Item = &'a RobotOutcome>) -> String {
+    time_text(robots.map(|robot| robot.time_s).fold(0.0, f64::max))
 }
 
 /// Names of the robots with this outcome.
@@ -91,8 +92,8 @@ fn evaders(robots: &[RobotOutcome]) -> Option<String> {
         _ => return Some(words),
     };
     let last = if all == 1 { "" } else { ", the last" };
-    let last_s = last_s(evaders());
-    Some(format!("{winner}{words}{last} after {last_s:.1} s"))
+    let time = last_time(evaders());
+    Some(format!("{winner}{words}{last} after {time} s"))
 }
 
 /// Returns the words for the victory of the robots of a role, which the robots of its `standard` team have without
@@ -116,11 +117,11 @@ fn goals(robots: &[RobotOutcome]) -> Option<String> {
     if reached().count() == 0 && !others().any(is_decided) {
         return None;
     }
-    let (reached, last_s, all) = (reached().count(), last_s(reached()), others().count());
+    let (reached, time, all) = (reached().count(), last_time(reached()), others().count());
     Some(match (reached, all) {
         (0, _) => "no robot reached its goal".to_owned(),
-        (1, 1) => format!("the robot reached its goal after {last_s:.1} s"),
-        _ => format!("{reached} of {all} robots reached their goals, the last after {last_s:.1} s"),
+        (1, 1) => format!("the robot reached its goal after {time} s"),
+        _ => format!("{reached} of {all} robots reached their goals, the last after {time} s"),
     })
 }
 
@@ -162,11 +163,11 @@ mod tests {
         for (evaders, words) in [
             (
                 vec![("escaped", 30.0), ("timed_out", 50.0)],
-                "the evaders win: 1 of 2 evaders escaped (r), 1 held out, the last after 50.0 s",
+                "the evaders win: 1 of 2 evaders escaped (r), 1 held out, the last after 50.00 s",
             ),
             (
                 vec![("caught", 12.34)],
-                "the Police win: r caught after 12.3 s",
+                "the Police win: r caught after 12.34 s",
             ),
             (
                 vec![("caught", 12.0), ("active", 50.0)],
@@ -191,18 +192,18 @@ mod tests {
         let words = |robots: &[RobotOutcome]| outcome_words(robots, None);
         assert_eq!(
             words(&[guards.clone(), caught.clone()]),
-            "team guards wins: r caught after 12.3 s"
+            "team guards wins: r caught after 12.34 s"
         );
         assert_eq!(
             words(&[guards.clone(), dogs, caught]),
-            "the pursuers win: r caught after 12.3 s"
+            "the pursuers win: r caught after 12.34 s"
         );
         assert_eq!(
             words(&[guards, of(thief, "evader", "escaped")]),
-            "team thieves wins: r escaped after 12.3 s"
+            "team thieves wins: r escaped after 12.34 s"
         );
         let alone = [robot("evader", "escaped", 21.15)];
-        assert_eq!(outcome_words(&alone, None), "r escaped after 21.1 s");
+        assert_eq!(outcome_words(&alone, None), "r escaped after 21.15 s");
     }
 
     #[test]
@@ -211,18 +212,18 @@ mod tests {
         let arrived = robot("neutral", "goal_reached", 41.2);
         let late = robot("neutral", "timed_out", 60.0);
         let words = |robots: &[RobotOutcome]| outcome_words(robots, None);
-        assert_eq!(words(std::slice::from_ref(&drives)), "ended after 60.0 s");
+        assert_eq!(words(std::slice::from_ref(&drives)), "ended after 60.00 s");
         assert_eq!(
             words(std::slice::from_ref(&late)),
             "no robot reached its goal"
         );
         assert_eq!(
             words(std::slice::from_ref(&arrived)),
-            "the robot reached its goal after 41.2 s"
+            "the robot reached its goal after 41.20 s"
         );
         assert_eq!(
             words(&[arrived, late]),
-            "1 of 2 robots reached their goals, the last after 41.2 s"
+            "1 of 2 robots reached their goals, the last after 41.20 s"
         );
         let guard = RobotOutcome {
             waypoints: Some(WaypointOutcome {
@@ -255,6 +256,6 @@ mod tests {
             outcome_words(&[guard], Some(&coverage)),
             "98.2 % of the coverable area visited; 190 of 193 waypoints reached in 5 laps"
         );
-        assert_eq!(outcome_words(&[], None), "ended after 0.0 s");
+        assert_eq!(outcome_words(&[], None), "ended after 0.00 s");
     }
 }

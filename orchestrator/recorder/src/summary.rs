@@ -7,6 +7,8 @@ use ipc_types::consumer::Consumer;
 use serde::{Deserialize, Serialize};
 use statistics::Percentiles;
 
+use super::message_counts::MessageCounts;
+
 /// Summary of a run, as `protean run --json` prints it.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Summary {
@@ -46,6 +48,13 @@ pub struct Summary {
     pub log: PathBuf,
     /// Size of the log (bytes).
     pub log_bytes: u64,
+}
+
+impl Summary {
+    /// Returns the number of messages.
+    pub fn message_counts(&self) -> MessageCounts {
+        MessageCounts::from_topics(&self.topics, |topic| topic.messages)
+    }
 }
 
 /// A part of the summary, made from the messages that passed the checks.

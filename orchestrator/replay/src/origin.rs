@@ -63,6 +63,15 @@ pub fn scenario_of(
     load(changes).map_err(|problems| LogReadError::Argument(format!("--set:\n{problems}")))
 }
 
+/// Error of a comparison without a digest and without messages: nothing shows that the runs are identical.
+pub(super) fn nothing_to_compare(log: &Path) -> LogReadError {
+    LogReadError::NotRepeatable {
+        path: log.to_owned(),
+        reason: "there is nothing to compare: no digest of the whole run, and no message before the first failure"
+            .to_owned(),
+    }
+}
+
 /// Refuses external programs that the user has not permitted.
 pub(super) fn refuse_external(
     log: &Path,

@@ -328,6 +328,7 @@ impl<'a> Player<'a> {
         self.report.topics = counts
             .map(|(name, count)| ((*name).to_owned(), *count))
             .collect();
+        self.report.simulated_messages = self.report.message_counts().simulated;
         self.report
     }
 }

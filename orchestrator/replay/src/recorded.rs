@@ -7,6 +7,7 @@ use ipc_types::messages::process::ProcessEvent;
 use ipc_types::messages::world::WorldHeader;
 use ipc_types::stamp::PlainHeader;
 use ipc_types::topics::TopicId;
+use mcap_log::Condition;
 use mcap_log::LogReadError;
 use mcap_log::Origin;
 use mcap_log::ReadProgress;
@@ -37,8 +38,8 @@ pub(super) struct Recorded {
     pub(super) filtered: bool,
     /// `true` if the last state of the world is that of the end of the run.
     pub(super) over: bool,
-    /// `true` if no data of the file is missing.
-    pub(super) whole: bool,
+    /// Condition of the file.
+    pub(super) condition: Condition,
     /// Last tick of the log.
     pub(super) last_tick: u64,
     /// First relevant process that failed. The effects depend on the moment within its tick, which the log does not
@@ -96,7 +97,7 @@ impl Recorded {
                 _ => {}
             }
         }
-        recorded.whole = reader.condition().data;
+        recorded.condition = reader.condition().clone();
         recorded.origin.check(log)?;
         recorded.last_tick = last_time_ns / recorded.tick_period_ns();
         // A version with fewer topics recorded fewer messages.

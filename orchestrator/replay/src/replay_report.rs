@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use mcap_log::Topics;
+use recorder::MessageCounts;
 use serde::Serialize;
 use viewer::LiveTotals;
 
@@ -46,6 +47,8 @@ pub struct Replayed {
     pub scenario: String,
     /// Messages sent, including those from before the start.
     pub messages: u64,
+    /// Messages sent of the simulated history.
+    pub simulated_messages: u64,
     /// Messages from before the start with states that still held.
     pub restored: u64,
     /// Messages that could not be decoded and were omitted.
@@ -72,4 +75,11 @@ pub struct Replayed {
     /// Faults of the file.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub faults: Vec<String>,
+}
+
+impl Replayed {
+    /// Returns the number of messages sent.
+    pub fn message_counts(&self) -> MessageCounts {
+        MessageCounts::from_topics(&self.topics, |messages| *messages)
+    }
 }

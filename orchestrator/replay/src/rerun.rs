@@ -9,7 +9,7 @@ use mcap_log::ReadProgress;
 use mcap_log::output::RUN_DIGEST;
 use serde::{Serialize, Serializer};
 
-use super::origin::refuse_external;
+use super::origin::{nothing_to_compare, refuse_external};
 use super::recorded::{ProcessExit, Recorded};
 use crate::ReplayError;
 use crate::origin::scenario_of;
@@ -46,7 +46,7 @@ pub struct Rerun {
     /// First process that failed in the recorded run; the comparison ends before the last tick that it has done.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub left: Option<ProcessExit>,
-    /// `true` if the log contains the whole run, without a failure.
+    /// `true` if the log contains the whole run, without a failure, and the file nothing else.
     pub whole: bool,
     /// `true` if the two runs are identical, up to the end of the log.
     pub same: bool,
@@ -60,6 +60,9 @@ pub struct Rerun {
         serialize_with = "differences_only"
     )]
     pub comparison: Option<Comparison>,
+    /// Faults of the file.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub faults: Vec<String>,
 }
 
 /// Writes the number of equal messages and the first difference of each topic.
@@ -120,8 +123,8 @@ pub fn rerun(
     }
     let digest = report.summary.digest;
     let has_failures = recorded.left.is_some();
-    let ended =
-        recorded.over && recorded.result.contains_key("digest") && recorded.whole && !has_failures;
+    let has_end = recorded.over && recorded.result.contains_key("digest");
+    let ended = has_end && recorded.condition.data && !has_failures;
     let (digest_logged, comparison) = if recorded.filtered {
         let digest = recorded.result.get(RUN_DIGEST);
         (digest.filter(|_| !has_failures), None)
@@ -132,12 +135,16 @@ pub fn rerun(
         (digest.filter(|_| ended), Some(comparison))
     };
     let digests_agree = digest_logged.is_none_or(|logged| *logged == digest);
+    if digest_logged.is_none() && comparison.as_ref().is_none_or(Comparison::is_empty) {
+        return Err(nothing_to_compare(log).into());
+    }
+    let whole = ended || recorded.filtered && digest_logged.is_some();
     let same = digests_agree && comparison.as_ref().is_none_or(|c| c.first().is_none());
     Ok(Rerun {
         scenario: scenario.name,
         seed: scenario.run.seed,
         recorded_by: recorded.other_version(),
-        whole: ended || recorded.filtered && digest_logged.is_some(),
+        whole: whole && recorded.condition.following_bytes == 0,
         digest_logged: digest_logged.cloned(),
         digest,
         left: recorded.left,
@@ -145,6 +152,7 @@ pub fn rerun(
         ticks: report.summary.ticks,
         wall_time_s: report.wall_time_s,
         comparison,
+        faults: recorded.condition.lines(),
     })
 }
 

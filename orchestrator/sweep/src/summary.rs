@@ -2,6 +2,7 @@
 
 use comfy_table::Table;
 use platform::shell;
+use recorder::time_text;
 use serde_json::{Map, Value as Json, json};
 use statistics::{Interval, Sample, Z95, wilson};
 use tables::for_terminal;
@@ -186,9 +187,7 @@ pub fn text(results: &Results, report: Option<&RunReport>) -> String {
                 .map_or_else(|| "-".into(), |p| format!("{p:.3}")),
             interval(summary.independent),
             interval(summary.by_game),
-            summary
-                .mean_time_s
-                .map_or_else(|| "-".into(), |t| format!("{t:.1}")),
+            summary.mean_time_s.map_or_else(|| "-".into(), time_text),
         ]);
         table.add_row(line);
     }

@@ -4,7 +4,6 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use mcap_log::ReadProgress;
-use platform::eprintln;
 
 use super::common::{JsonArg, QuietArg};
 use super::logs::{self, CommandError, PartArgs};
@@ -116,7 +115,7 @@ fn play(
     } else {
         print(&played_text(&done));
     }
-    warn(&args.log, &done.faults);
+    logs::warn_of_faults(&args.log, &done.faults);
     let whole = !done.interrupted && done.faults.is_empty() && done.malformed == 0;
     Ok(if whole {
         ExitCode::SUCCESS
@@ -145,21 +144,19 @@ fn test(
     } else {
         print(&verified_text(&done));
     }
-    warn(&args.log, &done.faults);
+    logs::warn_of_faults(&args.log, &done.faults);
     Ok(logs::of_comparison(done.identical, done.whole))
-}
-
-fn warn(log: &std::path::Path, faults: &[String]) {
-    for fault in faults {
-        eprintln!("warning: {}: {fault}", log.display());
-    }
 }
 
 /// Returns the result as text.
 fn played_text(done: &Replayed) -> String {
     let mut text = format!(
-        "{}: {} messages ({} latched before the start) of {} ticks in {:.2} s",
-        done.scenario, done.messages, done.restored, done.ticks, done.wall_time_s
+        "{}: {} ticks in {:.2} s\nmessages  {} ({} latched before the start)",
+        done.scenario,
+        done.ticks,
+        done.wall_time_s,
+        done.message_counts(),
+        done.restored,
     );
     if done.malformed > 0 {
         text += &format!(

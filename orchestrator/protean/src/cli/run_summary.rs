@@ -5,7 +5,7 @@ use comfy_table::Table;
 use mission::MissionReport;
 use recorder::{
     LapFigures, PredictionOutcome, ProcessOutcome, RobotOutcome, Summary, TopicCount,
-    WaypointOutcome, outcome_words,
+    WaypointOutcome, outcome_words, time_text,
 };
 use scenario::{ResolvedScenario, ScenarioRemark};
 use tables::for_terminal;
@@ -36,7 +36,7 @@ fn robots_table(s: &Summary) -> Table {
             r.name.clone(),
             r.team.clone(),
             r.outcome.replace('_', " "),
-            format!("{:.2}", r.time_s),
+            time_text(r.time_s),
             format!("{:.2}", r.distance_m),
             r.contacts.to_string(),
         ];
@@ -46,7 +46,7 @@ fn robots_table(s: &Summary) -> Table {
             row.push(cell(r.escape_possible_fraction, |f| {
                 format!("{:.0} %", 100.0 * f)
             }));
-            row.push(cell(r.escape_impossible_from_s, |t| format!("{t:.2}")));
+            row.push(cell(r.escape_impossible_from_s, time_text));
         }
         robots.add_row(row);
     }
@@ -84,13 +84,16 @@ fn waypoints_text(robot: &RobotOutcome, w: &WaypointOutcome) -> String {
         text += &format!("; {laps} {}", if laps == 1 { "lap" } else { "laps" });
     }
     if let Some(longest) = w.longest_lap_s {
-        text += &format!(", longest {longest:.1} s");
+        text += &format!(", longest {} s", time_text(longest));
     }
     if let (Some(longest), Some(limit)) = (w.longest_lap_s, w.lap_limit_s) {
         text += &if longest <= limit {
             format!(" of {limit} s")
         } else {
-            format!(", {:.1} s over the limit of {limit} s", longest - limit)
+            format!(
+                ", {} s over the limit of {limit} s",
+                time_text(longest - limit)
+            )
         };
     }
     text.push('\n');
@@ -123,8 +126,10 @@ fn failures_text(process: &ProcessOutcome) -> String {
             None => "not restarted".to_owned(),
         };
         text += &format!(
-            "          {:.2} s, tick {}: {}; {back}\n",
-            outage.left_time_s, outage.left_tick, outage.reason,
+            "          {} s, tick {}: {}; {back}\n",
+            time_text(outage.left_time_s),
+            outage.left_tick,
+            outage.reason,
         );
     }
     text
@@ -158,7 +163,9 @@ fn predictions_table(predictions: &[PredictionOutcome]) -> Table {
         }));
         if keys {
             row.push(match (first.key_recovered_s, first.key_recovered_after) {
-                (Some(time_s), Some(goals)) => format!("after {goals} goals, {time_s:.0} s"),
+                (Some(time_s), Some(goals)) => {
+                    format!("after {goals} goals, {} s", time_text(time_s))
+                }
                 _ => String::new(),
             });
         }
@@ -186,7 +193,7 @@ pub(super) fn text(
 ) -> String {
     let s = &report.summary;
     let mut text = format!(
-        "{}{}\n{} (seed {}): {:.2} s simulated in {:.2} s, {:.0}x real time, {} ticks\n\n{}\n\n",
+        "{}{}\n{} (seed {}): {} s simulated in {:.2} s, {:.0}x real time, {} ticks\n\n{}\n\n",
         if report.interrupted {
             "interrupted: "
         } else {
@@ -195,7 +202,7 @@ pub(super) fn text(
         outcome_words(&s.robots, s.coverage.as_ref()),
         scenario.name,
         scenario.run.seed,
-        s.sim_time_s,
+        time_text(s.sim_time_s),
         report.wall_time_s,
         report.real_time_factor(),
         s.ticks,
@@ -247,9 +254,8 @@ fn messages_text(s: &Summary) -> String {
         rejected => format!(", {rejected} rejected"),
     };
     format!(
-        "messages  {} on {} topics, {} lost{rejected}\n",
-        sum(|topic| topic.messages),
-        s.topics.len(),
+        "messages  {}, {} lost{rejected}\n",
+        s.message_counts(),
         sum(|topic| topic.gaps),
     )
 }

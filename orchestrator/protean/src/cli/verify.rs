@@ -16,8 +16,8 @@ Runs the scenario, seed and events of the log again, and compares the digest and
 failed, both end at the first failure.
 
 Exit codes: 0 identical, 1 different (the output lists the first difference of every topic) or the run failed, 2 the
-run cannot be repeated, 3 identical up to the end of an incomplete log or the first failure of a process; or
-interrupted.";
+run cannot be repeated, 3 identical up to the end of an incomplete log or the first failure of a process, more
+in the file than the run; or interrupted.";
 
 /// Arguments of `protean verify`.
 #[derive(Debug, clap::Args)]
@@ -50,6 +50,7 @@ pub(super) fn run(kinds: &[Kind], args: &VerifyArgs) -> ExitCode {
         } else {
             print(&text(&done));
         }
+        logs::warn_of_faults(&args.log, &done.faults);
         Ok(logs::of_comparison(done.same, done.whole))
     })
 }
@@ -76,9 +77,13 @@ fn text(done: &Rerun) -> String {
         text += "messages  not compared: the log contains a part of its run";
         return text;
     };
-    text += &format!("messages  {} identical\n", comparison.equal());
+    let (recorded, equal) = (comparison.recorded(), comparison.equal());
+    text += &format!("messages  {recorded} simulated, {equal} of them identical\n");
     match comparison.first() {
         None if done.same && done.whole => text += "result    identical",
+        None if done.same && done.digest_logged.is_some() => {
+            text += "result    identical; the file contains more than this run";
+        }
         None if done.same => {
             text += &match &done.left {
                 Some(left) => format!(

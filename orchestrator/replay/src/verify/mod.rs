@@ -24,7 +24,7 @@ use self::test_bus::TestBus;
 use self::test_selection::TestSelection;
 use super::create_resources;
 use crate::ReplayError;
-use crate::origin::scenario_of;
+use crate::origin::{nothing_to_compare, scenario_of};
 use crate::recorded::{ProcessExit, Recorded};
 use log_tools::nanoseconds;
 use log_tools::{Comparison, Difference};
@@ -159,9 +159,12 @@ pub fn verify(
         drop((processes, test_bus));
         done.helpers = test_selection.helpers;
     }
-    done.whole &= recorded.left.is_none();
+    if done.comparison.is_empty() {
+        return Err(nothing_to_compare(log).into());
+    }
+    done.whole &= recorded.left.is_none() && recorded.condition.following_bytes == 0;
     done.left = recorded.left;
-    done.faults = source.faults();
+    done.faults = recorded.condition.lines();
     done.identical = done.first().is_none();
     Ok(done)
 }

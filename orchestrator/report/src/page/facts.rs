@@ -16,7 +16,9 @@ use super::timing::PER_DECADE;
 use crate::picture::TaskTrace;
 use crate::picture::static_scene::corners;
 use crate::picture::trace::pursuers;
-use recorder::{CoverageOutcome, EventNames, RobotOutcome, outcome_words, status_name};
+use recorder::{
+    CoverageOutcome, EventNames, MessageCounts, RobotOutcome, outcome_words, status_name,
+};
 use scenario::Loader;
 use scenario::kind::Kind;
 use sim_backend::team::Role;
@@ -291,7 +293,7 @@ pub(super) fn facts(gathered: &mut Gathered, kinds: &[Kind]) -> Json {
         "coverage": coverage,
         "predictions": parsed("predictions"),
         "missing": missing(gathered),
-        "topics": gathered.counts,
+        "messages": MessageCounts::from_topics(&gathered.counts, |messages| *messages).to_string(),
         "ground": static_scene(gathered),
         "events": events(gathered, &names(gathered, kinds)),
         "event_kinds": WorldEvent::NAMES,

@@ -7,6 +7,7 @@ use draw::palette;
 use geometry::math;
 use geometry::region::Region;
 use geometry::shape::Shape;
+use recorder::time_text;
 
 use super::bands::{BANDS, Bands, bands};
 use super::draw_layers;
@@ -101,11 +102,12 @@ fn words(trace: &RunTrace) -> (String, String) {
         "before it runs".to_owned()
     } else if trace.time_s < trace.end_s {
         format!(
-            "after {:.1} s of {:.1} s simulated",
-            trace.time_s, trace.end_s
+            "after {} s of {} s simulated",
+            time_text(trace.time_s),
+            time_text(trace.end_s),
         )
     } else {
-        format!("at its end, after {:.1} s simulated", trace.end_s)
+        format!("at its end, after {} s simulated", time_text(trace.end_s))
     };
     (
         title.clone(),
@@ -330,7 +332,7 @@ impl Picture<'_> {
                     let words = mark.kind.words();
                     (
                         mark.at,
-                        format!("{} {words}, {:.1} s", robot.name, mark.time_s),
+                        format!("{} {words}, {} s", robot.name, time_text(mark.time_s)),
                     )
                 }
                 None => ([robot.pose.x, robot.pose.y], robot.name.clone()),

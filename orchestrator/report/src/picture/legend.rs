@@ -3,6 +3,7 @@
 use draw::canvas::{Canvas, Num, Style, wrap};
 use draw::legend::Legend as Rows;
 use draw::palette;
+use recorder::time_text;
 use sim_backend::team::Role;
 
 use super::draw_layers::verdict_sign;
@@ -214,10 +215,10 @@ fn team_rows(trace: &RunTrace, rows: &mut Rows<RowSign>) {
         let outcomes = trace.marks.iter().filter_map(|mark| {
             let (_, robot) = members().find(|(i, _)| *i == mark.robot)?;
             Some(format!(
-                "{} {}, {:.1} s",
+                "{} {}, {} s",
                 robot.name,
                 mark.kind.words(),
-                mark.time_s
+                time_text(mark.time_s)
             ))
         });
         let outcomes = outcomes.take(MAX_OUTCOMES);

@@ -2,6 +2,9 @@
 
 const words = (name) => name.replaceAll('_', ' ');
 
+/** A simulated time (s) as `recorder::time_text` has it. */
+const timeText = (seconds) => (Math.round(Math.round(seconds * 1e6) / 1e4) / 100).toFixed(2);
+
 function element(tag, properties = {}, ...children) {
   const made = Object.assign(document.createElement(tag), properties);
   made.append(...children);
@@ -58,7 +61,7 @@ const clock = {
   draw() {
     for (const run of this.viewers) run.draw(this.t);
     control('scrub').value = this.t;
-    control('clock').textContent = `${this.t.toFixed(2)} s of ${this.end.toFixed(2)} s`;
+    control('clock').textContent = `${timeText(this.t)} s of ${timeText(this.end)} s`;
     this.drawn += 1;
   },
 

@@ -33,11 +33,11 @@ if (facts.outcome.length) {
   const colourOf = (robot) => (facts.robots[robot] ? `var(--${roleOf(robot)}-${places[robot] % 4})` : 'var(--ink)');
   const rows = facts.outcome.map((r, robot) => ({ ...r, named: named(r.name, colourOf(robot)) }));
   $('outcome').append(table(['robot', 'outcome', 'time [s]', 'driven [m]', 'contacts'],
-    rows.map((r) => [r.named, words(r.outcome), r.time_s.toFixed(2), r.distance_m.toFixed(2), r.contacts]), [0, 1]));
+    rows.map((r) => [r.named, words(r.outcome), timeText(r.time_s), r.distance_m.toFixed(2), r.contacts]), [0, 1]));
   const judged = rows.filter((r) => r.escape_possible_fraction !== undefined);
   if (judged.length) {
     $('outcome').append(table(['verdicts of the referee', 'escape possible', 'impossible from [s]'], judged.map((r) => [
-      r.named.cloneNode(true), `${(100 * r.escape_possible_fraction).toFixed(0)} %`, r.escape_impossible_from_s?.toFixed(2) ?? '–',
+      r.named.cloneNode(true), `${(100 * r.escape_possible_fraction).toFixed(0)} %`, r.escape_impossible_from_s === undefined ? '–' : timeText(r.escape_impossible_from_s),
     ])));
   }
 } else {
@@ -49,12 +49,12 @@ const describe = (name, text) => {
 };
 describe('scenario', facts.scenario);
 describe('seed', facts.seed);
-describe('simulated', `${facts.end_s.toFixed(2)} s in ticks of ${+facts.tick_period_s.toPrecision(6)} s${facts.over ? '' : ' (not to its end)'}`);
+describe('simulated', `${timeText(facts.end_s)} s in ticks of ${+facts.tick_period_s.toPrecision(6)} s${facts.over ? '' : ' (not to its end)'}`);
 describe('mode', facts.mode && words(facts.mode));
 describe('digest', facts.digest || (facts.run_digest ? `of the whole run: ${facts.run_digest}` : 'not in the log'));
 describe('version', facts.version);
 describe('machine', facts.machine);
-describe('messages', `${Object.values(facts.topics).reduce((a, b) => a + b, 0)} on ${Object.values(facts.topics).filter((n) => n > 0).length} topics`);
+describe('messages', facts.messages);
 
 if (facts.coverage) {
   const c = facts.coverage;
@@ -78,7 +78,7 @@ if (facts.predictions) {
   }
   card('Predictions: mean error [m]', table(['robot', 'by', ...horizons.map((h) => `${h} s ahead`), 'goals made out', 'key found'],
     [...rows.values()].map(({ p, at }) => [p.robot, words(p.method), ...horizons.map((h) => (at.get(h) === undefined ? '–' : short(at.get(h)))),
-      p.goals_observed, p.key_recovered_s === undefined ? '–' : `${p.key_recovered_s.toFixed(1)} s`]), [0, 1]));
+      p.goals_observed, p.key_recovered_s === undefined ? '–' : `${timeText(p.key_recovered_s)} s`]), [0, 1]));
 }
 const unplotted = facts.latency.filter((hop) => !hop.histogram);
 if (unplotted.length) {

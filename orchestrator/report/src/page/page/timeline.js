@@ -124,5 +124,5 @@ function eventText(t) {
   const shownOnes = hovered ? [hovered] : markers.filter((marker) => last >= 0 && Math.abs(marker.time - markerTimes[last]) < 1e-6);
   if (!shownOnes.length) return markers.length ? 'no event so far' : '';
   const others = shownOnes.length > 3 ? [`${shownOnes.length - 3} more`] : [];
-  return `${shownOnes[0].time.toFixed(2)} s: ${[...shownOnes.slice(0, 3).map(({ text }) => text), ...others].join(', ')}`;
+  return `${timeText(shownOnes[0].time)} s: ${[...shownOnes.slice(0, 3).map(({ text }) => text), ...others].join(', ')}`;
 }

@@ -161,7 +161,7 @@ fn a_picture_is_valid_xml_and_names_every_robot() {
     let texts = texts(&document);
     for name in [
         "police_1",
-        "evader \"x\" caught, 1.5 s",
+        "evader \"x\" caught, 1.50 s",
         "a<b",
         "exit",
         "Cats & <dogs>",
@@ -171,7 +171,7 @@ fn a_picture_is_valid_xml_and_names_every_robot() {
     assert!(
         texts
             .iter()
-            .any(|t| t.contains("seed 7") && t.contains("2.0 s of 5.0 s"))
+            .any(|t| t.contains("seed 7") && t.contains("2.00 s of 5.00 s"))
     );
     assert_eq!(draw(&trace()), svg, "the same trace gives the same picture");
 }
