@@ -28,14 +28,14 @@ fn noisy(noise: &[u8], share: u8) -> PlannerMap {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 12, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 8, ..ProptestConfig::default() })]
 
     #[test]
     fn a_plan_within_the_bounds_touches_no_piece_that_is_left_out(
         noise in proptest::collection::vec(any::<u8>(), 65_537),
         share in 40..200u8,
         ends in ((0..2usize, 0.05..0.95f64), (0..2usize, 0.05..0.95f64)),
-        places in proptest::collection::vec((0.0..1.0f64, 0.0..1.0f64), 200),
+        places in proptest::collection::vec((0.0..1.0f64, 0.0..1.0f64), 50),
     ) {
         let map = noisy(&noise, share);
         let space = map.space().unwrap();
@@ -58,8 +58,10 @@ proptest! {
         prop_assert!(space.is_free(excerpt.end, trip.clearance));
         prop_assert!(excerpt.pieces.len() + trip.others <= PlanRequest::MAX_SHAPES);
         prop_assert_eq!(excerpt.is_stretch, excerpt.end != trip.goal);
-        let left_out = |part| !excerpt.pieces.contains(part);
-        let left_out: Vec<_> = space.shapes().parts().iter().filter(|p| left_out(*p)).collect();
+        let mut pieces = excerpt.pieces.iter().peekable();
+        let parts = space.shapes().parts().iter();
+        let left_out: Vec<_> = parts.filter(|part| pieces.next_if_eq(part).is_none()).collect();
+        prop_assert_eq!(pieces.next(), None);
         prop_assert!(!left_out.is_empty());
         let size = bounds.max - bounds.min;
         for (x, y) in places {
