@@ -78,7 +78,7 @@ pub fn count(part: &Convex) -> usize {
     match part {
         Convex::Disc { .. } => 1,
         Convex::Box(_) => 4,
-        other => other.corners().len(),
+        Convex::Polygon(edges) => edges.len(),
     }
 }
 
