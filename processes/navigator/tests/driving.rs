@@ -4,10 +4,10 @@ use core::f64::consts::{FRAC_PI_2, PI};
 
 use geometry::grid::{Grid, GridFrame};
 use geometry::map::{CellMap, ObstacleSpec, VectorMap, WorldMap};
-use ipc_types::messages::optimiser::PlanRequest;
 use geometry::math;
 use geometry::pose::{Pose2, Twist2};
 use geometry::shape::Shape;
+use ipc_types::messages::optimiser::PlanRequest;
 use nalgebra::{Point2, Vector2};
 use navigator::drive::Drive;
 use navigator::params::AtPopup;
@@ -385,6 +385,10 @@ fn a_map_that_is_too_large_for_a_request_is_crossed_in_stretches_without_a_pause
     assert!(standing <= 10, "{standing}");
     assert!(rig.asks.len() > 2, "{}", rig.asks.len());
     for (time, ask) in &rig.asks {
-        assert!(ask.obstacles.len() <= 1024, "{time}: {}", ask.obstacles.len());
+        assert!(
+            ask.obstacles.len() <= 1024,
+            "{time}: {}",
+            ask.obstacles.len()
+        );
     }
 }

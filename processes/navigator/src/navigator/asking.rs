@@ -58,7 +58,7 @@ impl Navigator {
             due: view.time_s + ahead,
             goal: self.goal,
             clearance: clearance - depth - ROUNDING,
-            is_tight: depth > 0.0,
+            depth,
             stands,
             around_robots: !robots.is_empty(),
             is_stretch: excerpt.as_ref().is_some_and(|excerpt| excerpt.is_stretch),

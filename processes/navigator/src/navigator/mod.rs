@@ -48,8 +48,8 @@ struct OpenRequest {
     goal: usize,
     /// Distance of the planned trajectory from obstacles (m).
     clearance: f64,
-    /// `true` if the start is nearer to an obstacle than the margin allows.
-    is_tight: bool,
+    /// Length by which the start is nearer to an obstacle than the margin allows (m).
+    depth: f64,
     /// `true` if the robot stands at the start.
     stands: bool,
     /// `true` if other robots count as obstacles.
@@ -215,7 +215,7 @@ impl Navigator {
             tau,
             clearance: asked.clearance,
             blocked,
-            careful: asked.is_tight,
+            careful: asked.depth > 0.0,
             is_stretch: asked.is_stretch,
         });
     }
