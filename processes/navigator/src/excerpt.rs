@@ -106,7 +106,7 @@ impl Excerpt {
                 return None;
             }
         }
-        // More room holds more ways around.
+        // A wider rectangle has more paths around obstacles.
         let mut widest = bounds(count, room);
         for factor in [2.0, 4.0, 8.0, 16.0] {
             let wider = bounds(count, factor * room);
@@ -146,12 +146,12 @@ fn route(map: &PlannerMap, routes: &mut RouteFinder, trip: &Trip) -> Option<Vec<
     [0.0, cell].into_iter().find_map(|narrower| {
         routes.prepare(map, trip.clearance - narrower - MARGIN);
         let found = routes.lengths(map, 0, trip.goal, [trip.start])?;
-        let mut way = Vec::new();
-        found.way_to(trip.start, &mut way);
-        let (&(last, _), &(first, _)) = (way.first()?, way.last()?);
+        let mut nodes = Vec::new();
+        found.way_to(trip.start, &mut nodes);
+        let (&(last, _), &(first, _)) = (nodes.first()?, nodes.last()?);
         let is_near = |a: Point2<f64>, b: Point2<f64>| (a - b).norm() <= MAX_OFFSET;
         let leads_there = is_near(first, trip.start) && is_near(last, trip.goal);
-        let corners = way.iter().rev().map(|(corner, _)| *corner);
+        let corners = nodes.iter().rev().map(|(corner, _)| *corner);
         leads_there.then(|| corners.chain([trip.goal]).collect())
     })
 }
