@@ -292,6 +292,7 @@ fn run_config(root: &Path, prefix: &str) -> RunConfig {
         events: 0,
         recorder_ticks: 2,
         map_cells: 1,
+        map_points: 0,
         particles: 1,
         plans: false,
         robots: (0..PLANNERS)

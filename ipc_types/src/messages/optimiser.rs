@@ -64,6 +64,8 @@ impl PlanRequest {
     pub const NO_REFINEMENT: u32 = 2;
     /// [`PlanRequest::flags`]: obstacles are tested only at the nodes, as in the paper.
     pub const AT_NODES: u32 = 4;
+    /// Maximum number of obstacles of a request.
+    pub const MAX_SHAPES: usize = 1 << 12;
     /// Maximum number of points of a request.
     pub const MAX_POINTS: usize = 1 << 14;
 }

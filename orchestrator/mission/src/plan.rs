@@ -10,6 +10,7 @@ use ipc_types::topics::ObstacleEvents;
 use runtime::config::{Clock, RobotInfo, RunConfig};
 use runtime::kind::Product;
 use runtime::obstacle::{self, ObstacleMessageError};
+use runtime::shapes;
 use serde_json::Value as Json;
 use sim_backend::spec::RobotSpec;
 use simulator::SimulatorParams;
@@ -19,7 +20,7 @@ pub use super::obstacle_schedule::ScheduledChange;
 
 use super::{launch, obstacle_schedule};
 use scenario::spec::{self, Mode};
-use scenario::{Program, ResolvedScenario};
+use scenario::{EventSpec, Program, ResolvedScenario};
 
 /// Maximum size of the beliefs that wait for the recorder in shared memory (bytes).
 const MAX_RECORDER_MEMORY: usize = 256 << 20;
@@ -34,6 +35,9 @@ pub enum PlanError {
     /// The map cannot be built. The scenario was checked, so that only a changed file can be the cause.
     #[error(transparent)]
     Map(#[from] geometry::map::MapError),
+    /// An obstacle event has an invalid shape.
+    #[error(transparent)]
+    Shape(#[from] geometry::shape::ShapeError),
     /// An obstacle event does not fit its message.
     #[error(transparent)]
     Obstacle(#[from] ObstacleMessageError),
@@ -75,7 +79,7 @@ impl Plan {
             root: root.to_owned(),
             prefix: prefix.to_owned(),
             log_level: log_level.to_owned(),
-            ..run_config(scenario, &map)
+            ..run_config(scenario, &map)?
         };
         let obstacle_changes = obstacle_schedule::scheduled(&scenario.events, run.tick_period_ns)?;
         // A polygon with more corners than a message can contain is drawn by the map alone.
@@ -163,7 +167,7 @@ impl Plan {
 }
 
 /// Returns the configuration that all processes of a run of this scenario share, except its directory.
-fn run_config(scenario: &ResolvedScenario, map: &WorldMap) -> RunConfig {
+fn run_config(scenario: &ResolvedScenario, map: &WorldMap) -> Result<RunConfig, PlanError> {
     let particles = scenario.processes.iter().map(|p| match &p.program {
         Program::Kind(kind) => kind.belief_particles(),
         Program::Command { params, .. } => particles(params),
@@ -191,7 +195,8 @@ fn run_config(scenario: &ResolvedScenario, map: &WorldMap) -> RunConfig {
         start: robot.start,
         goal: robot.goal,
     };
-    RunConfig {
+    let map_points = shapes::most_points(map, EventSpec::shapes(&scenario.events))?;
+    Ok(RunConfig {
         root: PathBuf::new(),
         prefix: String::new(),
         seed: scenario.run.seed,
@@ -203,13 +208,14 @@ fn run_config(scenario: &ResolvedScenario, map: &WorldMap) -> RunConfig {
         events: scenario.events.len() as u32,
         recorder_ticks: recorder_ticks(clock, scenario, particles) as u32,
         map_cells: map.frame().len() as u32,
+        map_points: u32::try_from(map_points).unwrap_or(u32::MAX),
         particles: particles as u32,
         plans: scenario.processes.iter().any(|p| p.makes(Product::Plans)),
         robots: world.robots.iter().map(robot).collect(),
         exits: map.exits().iter().chain(&rules.exits).copied().collect(),
         capture_radius: rules.capture.map_or(0.0, |c| c.radius),
         log_level: String::new(),
-    }
+    })
 }
 
 /// Returns the number of particles per belief that the parameters of an external program request.

@@ -75,8 +75,16 @@ pub(super) fn resolve(
     let map = map_setup.as_ref().map(|g| &g.map);
     let defaults = RunSpec::default();
     let read = run.as_ref().unwrap_or(&defaults);
-    let processes = processes::resolve(ctx, base, robots.as_deref(), map, rules.as_ref(), read);
     let events = events::resolve(ctx, map, robots.as_deref());
+    let processes = processes::resolve(
+        ctx,
+        base,
+        robots.as_deref(),
+        map,
+        rules.as_ref(),
+        &events,
+        read,
+    );
     let (top, run, log, rules) = (top?, run?, log?, rules?);
     let (map_setup, robots) = (map_setup?, robots?);
     if !ctx.problems.is_empty() {

@@ -110,7 +110,7 @@ impl<D: Design> Planner for Follower<D> {
 
     /// It uses a scan if there is one, but does not need it.
     fn needs(_: &D::Params) -> Vec<Need> {
-        Vec::new()
+        vec![Need::Pieces]
     }
 
     /// Its rectangles are those of the free space; none for a map that it refuses.

@@ -7,6 +7,7 @@ use planner_view::map::PlannerMap;
 use planner_view::steering::Steering;
 use planner_view::view::View;
 use runtime::config::RobotInfo;
+use runtime::kind::Need;
 
 use crate::evader::SHOWN_EDGES;
 use crate::{RrtStarEvader, RrtStarParams};
@@ -40,6 +41,10 @@ impl Planner for RrtStarPlanner {
             shapes: true,
             ..PlannerInputs::default()
         }
+    }
+
+    fn needs(params: &RrtStarParams) -> Vec<Need> {
+        Self::inputs(params).needs_without_shapes()
     }
 
     fn new(params: &RrtStarParams, robot: &RobotInfo, seed: u64) -> Result<Self, String> {

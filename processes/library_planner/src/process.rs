@@ -15,6 +15,7 @@ use planner::{
 use rand_chacha::ChaCha8Rng;
 use runtime::config::{CONFIG_VARIABLE, ProcessConfig};
 use runtime::error::ProcessError;
+use runtime::kind::Need;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value as Json};
@@ -103,6 +104,10 @@ impl Planner for LibraryPlanner {
             scans: reads(SCANS),
             shapes: reads(WAYS),
         }
+    }
+
+    fn needs(params: &LibraryParams) -> Vec<Need> {
+        Self::inputs(params).needs_without_shapes()
     }
 
     fn new(params: &LibraryParams, robot: &RobotInfo, seed: u64) -> Result<Self, String> {

@@ -35,6 +35,8 @@ pub struct Follow {
     /// `true` if there is no room for tracking errors. Ticks then end where speeds step, so that no
     /// command is the mean of a turn on the spot and a straight segment.
     pub careful: bool,
+    /// `true` if it ends before the goal, on the route to it.
+    pub is_stretch: bool,
 }
 
 /// State of the robot while it follows.
@@ -248,6 +250,7 @@ mod tests {
             clearance: 0.1,
             blocked: None,
             careful: false,
+            is_stretch: false,
         }
     }
 

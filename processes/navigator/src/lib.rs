@@ -8,6 +8,7 @@
 #![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
 
 pub mod drive;
+pub mod excerpt;
 pub mod follow;
 pub mod navigator;
 pub mod params;

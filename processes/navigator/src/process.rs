@@ -53,7 +53,10 @@ impl Planner for NavigatorPlanner {
 
     fn needs(params: &NavigatorParams) -> Vec<Need> {
         let goal = params.goals.is_empty().then_some(Need::Goal);
-        [Need::Plans].into_iter().chain(goal).collect()
+        [Need::Plans, Need::Pieces]
+            .into_iter()
+            .chain(goal)
+            .collect()
     }
 
     fn inputs(_: &NavigatorParams) -> PlannerInputs {
@@ -174,7 +177,7 @@ impl NavigatorPlanner {
                 self.navigator.take(Err(gone), space, view.time_s);
             }
         }
-        let decision = self.navigator.step(space, map.revision(), view);
+        let decision = self.navigator.step(map, space, view);
         if let Some(ask) = &decision.ask {
             let stamp = Stamp {
                 tick: (view.time_s / view.dt).round() as u64,

@@ -40,6 +40,9 @@ pub enum PlanFailure {
     /// The goal is unreachable.
     #[error("the goal is unreachable")]
     NoPath,
+    /// No route leads to the goal on a map that is too large for one request.
+    #[error("no route to the goal has room for the robot, to the accuracy of the map's grid")]
+    NoRoute,
     /// No path is feasible from the robot's present speeds.
     #[error("no trajectory: {0}")]
     Infeasible(String),

@@ -106,6 +106,7 @@ fn follow_in_the_world(trajectory: Trajectory, limits: LimitsSpec) -> [f64; 2] {
         clearance: 0.1,
         blocked: None,
         careful: false,
+        is_stretch: false,
     };
     let dt = DT.as_secs_f64();
     let mut most: f64 = 0.0;

@@ -2,16 +2,19 @@
 
 use core::f64::consts::{FRAC_PI_2, PI};
 
+use geometry::grid::{Grid, GridFrame};
+use geometry::map::{CellMap, ObstacleSpec, VectorMap, WorldMap};
 use geometry::math;
 use geometry::pose::{Pose2, Twist2};
-use geometry::shape::{Aabb, Convex};
+use geometry::shape::Shape;
+use ipc_types::messages::optimiser::PlanRequest;
 use nalgebra::{Point2, Vector2};
 use navigator::drive::Drive;
 use navigator::params::AtPopup;
 use navigator::trajectory::Sample;
 use navigator::{Navigator, NavigatorParams, PlanFailure, Trajectory, TrajectoryRequest};
 use parameters::check;
-use planner_view::free_space::FreeSpace;
+use planner_view::map::PlannerMap;
 use planner_view::view::{RobotView, View};
 use sim_backend::spec::RobotModel;
 use sim_backend::team::Role;
@@ -21,8 +24,7 @@ const DT: f64 = 0.05;
 /// A robot in its world.
 struct Rig {
     navigator: Navigator,
-    space: FreeSpace,
-    revision: u64,
+    map: PlannerMap,
     pose: Pose2,
     twist: Twist2,
     tick: u32,
@@ -36,15 +38,21 @@ struct Rig {
     overdue: u32,
 }
 
-fn space(discs: &[(f64, f64, f64)]) -> FreeSpace {
-    let bounds = Aabb {
-        min: Point2::new(0.0, 0.0),
-        max: Point2::new(6.0, 4.0),
-    };
-    let discs = discs
+fn map(discs: &[(f64, f64, f64)], revision: u64) -> PlannerMap {
+    let mut map = VectorMap::empty([0.0, 0.0], [6.0, 4.0], 0.1);
+    map.obstacles = discs
         .iter()
-        .map(|&(x, y, radius)| Convex::disc(Point2::new(x, y), radius));
-    FreeSpace::new(discs.collect(), bounds, 0.1).unwrap()
+        .enumerate()
+        .map(|(i, &(x, y, radius))| ObstacleSpec {
+            name: i.to_string(),
+            shape: Shape::Circle {
+                center: [x, y],
+                radius,
+            },
+        })
+        .collect();
+    let world = WorldMap::from_vectors(&map).unwrap();
+    PlannerMap::of_world(&world, 0.19, revision).unwrap()
 }
 
 /// Turn on the spot, straight ahead at full speed; or backwards, if that takes less turning and is
@@ -91,8 +99,7 @@ impl Rig {
         let model = RobotModel::turtlebot3_burger();
         Self {
             navigator: Navigator::new(params, model, goals).unwrap(),
-            space: space(discs),
-            revision: 1,
+            map: map(discs, 1),
             pose: Pose2::new(1.0, 1.0, 0.0),
             twist: Twist2::STOP,
             tick: 0,
@@ -109,8 +116,7 @@ impl Rig {
     }
 
     fn popup(&mut self, discs: &[(f64, f64, f64)]) {
-        self.space = space(discs);
-        self.revision += 1;
+        self.map = map(discs, self.map.revision() + 1);
     }
 
     fn step(&mut self) {
@@ -121,7 +127,8 @@ impl Rig {
                 self.overdue = 0;
                 let ask = self.asked.take().expect("something was asked");
                 let answer = self.refusal.clone().map_or_else(|| Ok(straight(&ask)), Err);
-                self.navigator.take(answer, &self.space, time_s);
+                self.navigator
+                    .take(answer, self.map.space().unwrap(), time_s);
             }
         }
         let robots = [RobotView {
@@ -143,7 +150,9 @@ impl Rig {
             exits: &[],
             scan: None,
         };
-        let decision = self.navigator.step(&self.space, self.revision, &view);
+        let decision = self
+            .navigator
+            .step(&self.map, self.map.space().unwrap(), &view);
         if let Some(ask) = decision.ask {
             self.asks.push((time_s, ask.clone()));
             self.asked = Some(ask);
@@ -341,4 +350,45 @@ fn without_goals_or_turns_there_is_no_navigator() {
     let goals = vec![Point2::origin()];
     let stiff = Navigator::new(NavigatorParams::default(), stiff, goals);
     assert!(stiff.unwrap_err().contains("omega_max"));
+}
+
+#[test]
+fn a_map_that_is_too_large_for_a_request_is_crossed_in_stretches_without_a_pause() {
+    let goals = [[22.0, 1.0]];
+    let mut rig = Rig::new(NavigatorParams::default(), &goals, &[]);
+    let frame = GridFrame {
+        width: 480,
+        height: 60,
+        resolution: 0.05,
+        origin: Point2::origin(),
+    };
+    // Pillars of one cell, every second one, on both sides of a lane.
+    let mut cells = Grid::filled(frame, false);
+    let lane = 12..28;
+    for row in (0..60).step_by(2).filter(|row| !lane.contains(row)) {
+        for col in (0..480).step_by(2) {
+            cells.cells[frame.index(col, row)] = true;
+        }
+    }
+    let world = WorldMap::from_cells(&CellMap::from_grid(&cells)).unwrap();
+    assert!(world.parts().len() > PlanRequest::MAX_SHAPES);
+    rig.map = PlannerMap::of_world(&world, 0.19, 1).unwrap();
+    let mut standing = 0;
+    while rig.navigator.goal().is_some() {
+        rig.step();
+        standing += u32::from(rig.twist.v == 0.0);
+        let clearance = rig.map.space().unwrap().distance(rig.pose.position());
+        assert!(clearance >= 0.105, "{:?}", rig.pose);
+        assert!(rig.tick < 2500, "{:?}", rig.pose);
+    }
+    assert!(rig.distance(22.0, 1.0) < 0.03);
+    assert!(standing <= 10, "{standing}");
+    assert!(rig.asks.len() > 2, "{}", rig.asks.len());
+    for (time, ask) in &rig.asks {
+        assert!(
+            ask.obstacles.len() <= 1024,
+            "{time}: {}",
+            ask.obstacles.len()
+        );
+    }
 }

@@ -31,6 +31,27 @@ pub struct PlannerInputs {
     pub shapes: bool,
 }
 
+impl PlannerInputs {
+    /// Returns the needs of a planner that cannot do without these inputs.
+    pub fn needs(self) -> Vec<Need> {
+        let needs = [
+            self.beliefs.then_some(Need::Belief),
+            self.scans.then_some(Need::Scan),
+            self.shapes.then_some(Need::Pieces),
+        ];
+        needs.into_iter().flatten().collect()
+    }
+
+    /// Returns the needs of a planner that works with the grids of a map that has too many pieces.
+    pub fn needs_without_shapes(self) -> Vec<Need> {
+        let needed = Self {
+            shapes: false,
+            ..self
+        };
+        needed.needs()
+    }
+}
+
 /// Steering algorithm for one robot. [`PlannerProcess`](crate::PlannerProcess) makes it a kind of
 /// process.
 ///
@@ -97,15 +118,10 @@ pub trait Planner: Sized + 'static {
     /// Returns the topics that it reads with its parameters.
     fn inputs(params: &Self::Params) -> PlannerInputs;
 
-    /// Returns the needs that another part of the scenario must meet: by default the beliefs and
-    /// scans among its inputs.
+    /// Returns the needs that another part of the scenario must meet: by default its
+    /// inputs.
     fn needs(params: &Self::Params) -> Vec<Need> {
-        let inputs = Self::inputs(params);
-        let needs = [
-            inputs.beliefs.then_some(Need::Belief),
-            inputs.scans.then_some(Need::Scan),
-        ];
-        needs.into_iter().flatten().collect()
+        Self::inputs(params).needs()
     }
 
     /// Returns the geometry of its task with a robot on this map.

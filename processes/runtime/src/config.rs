@@ -67,6 +67,8 @@ pub struct RunConfig {
     pub recorder_ticks: u32,
     /// Cells of the map, the capacity of `world/map`.
     pub map_cells: u32,
+    /// Largest number of points of the map's exact pieces during the run, the capacity of `world/shapes`.
+    pub map_points: u32,
     /// Particles of the largest belief, the capacity of `perception/belief`.
     pub particles: u32,
     /// `true` if a process of the run makes plans on request.

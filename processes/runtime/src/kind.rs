@@ -11,6 +11,7 @@ use sim_backend::spec::RobotSpec;
 
 use crate::config::{ProcessConfig, RobotInfo};
 use crate::error::ProcessError;
+use crate::shapes;
 
 /// Process connected to its topics, as the loop of a run drives it.
 pub trait Process {
@@ -173,7 +174,12 @@ fn check_need(need: Need, config: &ProcessConfig) -> Result<(), ProcessError> {
             let lack = format!("drives to a goal, but robot `{robot}` has none");
             Err(lacks(lack, "a `goal` of the robot"))
         }),
-        Need::Belief | Need::Plans => Ok(()),
+        Need::Pieces if config.run.map_points as usize > shapes::MAX_POINTS => Err(lacks(
+            "plans among the exact pieces of the map, but world/shapes has no room for them"
+                .to_owned(),
+            "a map with fewer pieces",
+        )),
+        Need::Belief | Need::Plans | Need::Pieces => Ok(()),
     }
 }
 
@@ -188,6 +194,8 @@ pub enum Need {
     Plans,
     /// A `goal` of every robot that the process drives.
     Goal,
+    /// The exact pieces of the map: at most [`shapes::MAX_POINTS`] points at any time.
+    Pieces,
 }
 
 /// Output of a kind of process for other processes.

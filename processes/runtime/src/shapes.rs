@@ -1,21 +1,19 @@
 //! Conversion of the exact pieces of the map to a message and back.
 
 use core::f64::consts::TAU;
+use std::collections::BTreeMap;
 
-use geometry::map::ShapeMap;
+use geometry::map::{ShapeMap, WorldMap};
 use geometry::math;
-use geometry::shape::{Aabb, Convex};
+use geometry::shape::{Aabb, Convex, Shape, ShapeError};
 use ipc_types::messages::world::{ShapePoint, ShapesHeader};
 use ipc_types::stamp::Stamp;
 use nalgebra::Point2;
 
-/// Maximum number of points of a message (8 MB; 65 536 rectangles of an occupancy grid). The header
-/// of a larger map marks it as incomplete; planners then use the grids alone.
+/// Maximum number of points of a message (8 MB; 65 536 rectangles of an occupancy grid). The header of a larger map marks
+/// it as incomplete: planners then use the grids alone, and a scenario with a process that needs the pieces
+/// ([`Need::Pieces`](crate::kind::Need::Pieces)) is refused.
 pub const MAX_POINTS: usize = 1 << 18;
-
-/// Maximum number of points that one obstacle event can add: a polygon of
-/// [`crate::obstacle::MAX_VERTICES`] corners in its maximum number of triangles.
-pub const POINTS_PER_EVENT: usize = 3 * (crate::obstacle::MAX_VERTICES - 2);
 
 /// Maximum coordinate and radius (m) that a receiver accepts.
 const MAX_COORDINATE: f64 = 1e6;
@@ -73,6 +71,36 @@ pub enum ShapesMessageError {
         /// Its points.
         points: usize,
     },
+}
+
+/// Returns the number of points of a piece.
+pub fn count(part: &Convex) -> usize {
+    match part {
+        Convex::Disc { .. } => 1,
+        Convex::Box(_) => 4,
+        Convex::Polygon(edges) => edges.len(),
+    }
+}
+
+/// Returns the largest number of points that a map can have while obstacles take these shapes, given by the obstacles'
+/// numbers.
+///
+/// # Errors
+/// [`ShapeError`] of an invalid shape.
+pub fn most_points<'a>(
+    map: &WorldMap,
+    shapes: impl Iterator<Item = (u32, &'a Shape)>,
+) -> Result<usize, ShapeError> {
+    let mut most: BTreeMap<u32, usize> = BTreeMap::new();
+    for (id, shape) in shapes {
+        let points: usize = shape.parts()?.iter().map(count).sum();
+        let known = most.entry(id).or_default();
+        *known = points.max(*known);
+    }
+    let standing: usize = map.parts().iter().map(count).sum();
+    Ok(most
+        .values()
+        .fold(standing, |sum, points| sum.saturating_add(*points)))
 }
 
 /// Returns the points of pieces, in their order.
@@ -295,8 +323,8 @@ mod tests {
         fn pieces_arrive_as_they_were_sent(
             parts in proptest::collection::vec(any_part(), 0..8),
         ) {
-            for part in &parts {
-                prop_assert!(points(part).len() <= POINTS_PER_EVENT);
+            for part in parts.iter().flatten() {
+                prop_assert_eq!(count(part), points(core::slice::from_ref(part)).len());
             }
             let shapes = map(parts.concat());
             let (header, points) = to_message(&shapes, 3, Stamp::default(), MAX_POINTS);

@@ -6,7 +6,6 @@ use geometry::blur::{BlurError, BlurredMap};
 use geometry::map::WorldMap;
 use ipc_types::messages::world::{CoverageState, MapCell, MapHeader, RobotState, WorldEvent};
 use ipc_types::stamp::Stamp;
-use runtime::shapes;
 use sim_backend::robot::{Robot, RobotStatus};
 use sim_backend::world::{ContactWith, Coverage, EventKind};
 
@@ -201,10 +200,13 @@ pub fn map_message(
     Ok((header, cells))
 }
 
-/// Returns the capacity for points of `world/shapes`: those of the current map, and those that this
-/// number of announced events can add.
-pub(crate) fn shapes_capacity(map: &WorldMap, events: u32) -> usize {
-    let standing = shapes::points(map.parts()).len();
-    let events = (events as usize).saturating_mul(shapes::POINTS_PER_EVENT);
-    standing.saturating_add(events).clamp(1, shapes::MAX_POINTS)
+/// Returns the largest number of events of one tick, with this number of robots and of obstacle changes.
+pub(crate) fn max_events(robots: usize, changes: usize) -> usize {
+    // Its command is missing or invalid; it touches or leaves a wall; it stands; it leaves the game.
+    let of_robots = 5 * robots;
+    let contacts = robots * robots.saturating_sub(1) / 2;
+    // The change, and a robot that is pushed aside, trapped or released.
+    let of_changes = changes * (1 + robots);
+    let game_over = 1;
+    of_robots + contacts + of_changes + game_over
 }

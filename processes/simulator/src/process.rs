@@ -29,9 +29,6 @@ use crate::obstacles::Obstacles;
 use crate::outputs::{self, Flags};
 use crate::params::SimulatorParams;
 
-/// Maximum number of events of one tick in a message.
-const EVENT_CAPACITY: usize = 1024;
-
 /// Runs the simulator with the configuration in a file.
 pub fn run(config: &Path) -> ExitCode {
     runtime::run_with(config, Vec::new(), |config, params: &SimulatorParams| {
@@ -173,11 +170,13 @@ impl Simulator {
             refused_commands: 0,
             state_out: bus.publisher(port(robots))?,
             map_out: bus.publisher(port(world.map().frame().len()))?,
-            shapes_out: bus.publisher(port(outputs::shapes_capacity(
-                world.map(),
-                config.run.events,
+            shapes_out: bus.publisher(port(
+                (config.run.map_points as usize).min(shapes::MAX_POINTS),
+            ))?,
+            event_out: bus.publisher(port(outputs::max_events(
+                robots,
+                config.run.events as usize,
             )))?,
-            event_out: bus.publisher(port(EVENT_CAPACITY))?,
             scan_out: bus.publisher(port(beams as usize))?,
             coverage_out: bus.publisher(port(1))?,
             commands_in: bus.subscriber()?,
@@ -287,7 +286,6 @@ impl Simulator {
             }
         }
         if !self.events.is_empty() {
-            self.events.truncate(EVENT_CAPACITY);
             self.event_out.send(PlainHeader { stamp }, &self.events)?;
             self.events.clear();
         }

@@ -12,6 +12,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 use runtime::config::ProcessConfig;
 use runtime::error::ProcessError;
+use runtime::kind::Need;
 use serde_json::Value as Json;
 
 use super::function::{Function, Input};
@@ -62,6 +63,10 @@ impl Planner for PythonPlanner {
             scans: uses(Input::Scan),
             shapes: uses(Input::Map),
         }
+    }
+
+    fn needs(params: &PythonParams) -> Vec<Need> {
+        Self::inputs(params).needs_without_shapes()
     }
 
     fn new(params: &PythonParams, robot: &RobotInfo, seed: u64) -> Result<Self, String> {

@@ -60,6 +60,13 @@ pub struct EventSpec {
 }
 
 impl EventSpec {
+    /// Returns the shapes that obstacles take, with the ids of the obstacles.
+    pub fn shapes(events: &[Self]) -> impl Iterator<Item = (u32, &Shape)> {
+        events
+            .iter()
+            .filter_map(|event| Some((event.id, event.shape.as_ref()?)))
+    }
+
     /// Returns the change for the world; `None` if the shape that the action needs is missing (never in a
     /// resolved scenario).
     pub fn change(&self) -> Option<ObstacleChange> {

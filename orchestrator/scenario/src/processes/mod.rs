@@ -11,6 +11,7 @@ use runtime::kind::Product;
 use sim_backend::spec::RulesSpec;
 
 use super::context::Context;
+use super::events::EventSpec;
 use super::files::Base;
 use super::resolved::ProcessSpec;
 use super::robots::Robot;
@@ -26,6 +27,7 @@ pub fn resolve(
     robots: Option<&[Robot]>,
     map: Option<&MapSpec>,
     rules: Option<&RulesSpec>,
+    events: &[EventSpec],
     run: &RunSpec,
 ) -> Vec<ProcessSpec> {
     let mut read: Vec<Read> = Vec::new();
@@ -51,7 +53,7 @@ pub fn resolve(
         if let (Some(map), Some(rules)) = (map, rules)
             && ctx.problems.len() == before
         {
-            tasks::check(ctx, map, robots, rules, &read, run.seed);
+            tasks::check(ctx, map, robots, rules, events, &read, run.seed);
         }
     }
     // Processes that others wait for come first; otherwise the order of the file holds.

@@ -1,13 +1,15 @@
-//! Checks that each process can do its task with its robots on this map. Only the combination of the three
-//! shows these faults, which would otherwise appear when the run starts.
+//! Checks that each process can do its task with its robots on this map, and that the messages of the run have room for
+//! the map. Only the combination of all shows these faults, which would otherwise appear when the run starts.
 
 use config::{Code, FieldPath, Step};
 use geometry::map::{MapSpec, WorldMap};
-use runtime::kind::{Task, TaskFault};
+use runtime::kind::{Need, Task, TaskFault};
+use runtime::shapes;
 use sim_backend::spec::{RobotSpec, RulesSpec};
 
 use super::read::Read;
 use crate::context::Context;
+use crate::events::EventSpec;
 use crate::robots::Robot;
 
 /// Reports the first mismatch of every process.
@@ -16,6 +18,7 @@ pub fn check(
     map: &MapSpec,
     robots: &[Robot],
     rules: &RulesSpec,
+    events: &[EventSpec],
     read: &[Read],
     seed: u64,
 ) {
@@ -23,6 +26,7 @@ pub fn check(
     let Ok(world_map) = WorldMap::recent(map) else {
         return;
     };
+    check_pieces(ctx, &world_map, events, read);
     let specs: Vec<RobotSpec> = robots.iter().map(|robot| robot.spec.clone()).collect();
     for r in read {
         let Some(kind) = r.spec.program.kind() else {
@@ -63,4 +67,37 @@ pub fn check(
             }
         }
     }
+}
+
+/// Reports a map with more pieces than `world/shapes` holds, if a process needs them.
+fn check_pieces(ctx: &mut Context<'_>, map: &WorldMap, events: &[EventSpec], read: &[Read]) {
+    let Some(r) = read.iter().find(|r| r.spec.needs(Need::Pieces)) else {
+        return;
+    };
+    let path = FieldPath::parse("world.map");
+    let (message, value) = match shapes::most_points(map, EventSpec::shapes(events)) {
+        Ok(points) if points <= shapes::MAX_POINTS => return,
+        Ok(points) => {
+            let message = format!(
+                "the map has too many pieces for process `{}`, which plans among them",
+                r.spec.name
+            );
+            let pieces = map.parts().len();
+            (
+                message,
+                format!("{pieces} pieces, with all events {points} corners"),
+            )
+        }
+        Err(e) => (e.to_string(), String::new()),
+    };
+    let problem = ctx
+        .block_problem(ctx.root.origin_along(&path), &path, Code::Limit, message)
+        .value(value)
+        .expected(format!(
+            "at most {} corners: {} rectangles of a grid",
+            shapes::MAX_POINTS,
+            shapes::MAX_POINTS / 4
+        ))
+        .help("use coarser cells, remove noise from the map, or use obstacles with fewer corners");
+    ctx.problems.push(problem);
 }

@@ -117,6 +117,7 @@ fn config() -> ProcessConfig {
             events: 0,
             recorder_ticks: 8,
             map_cells: 1600,
+            map_points: 0,
             particles: 3,
             plans: false,
             robots: vec![

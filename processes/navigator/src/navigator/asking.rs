@@ -1,15 +1,17 @@
 //! Requests to the optimiser: their start poses, obstacles and times.
 
 use geometry::shape::{Aabb, Convex};
-use nalgebra::{Point2, Vector2};
+use nalgebra::Point2;
 use planner_view::free_space::FreeSpace;
+use planner_view::map::PlannerMap;
 use planner_view::view::{RobotView, View};
 use sim_backend::spec::RobotModel;
 
 use super::{Navigator, OpenRequest};
+use crate::excerpt::{Excerpt, Trip};
 use crate::follow::{self, Motion, STANDING, Stops};
 use crate::trajectory::SAGITTA;
-use crate::trajectory_request::TrajectoryRequest;
+use crate::trajectory_request::{PlanFailure, TrajectoryRequest};
 
 /// Maximum contact depth beyond the margin at which a robot still gets a plan (m).
 const CONTACT: f64 = 2e-3;
@@ -21,6 +23,7 @@ impl Navigator {
     /// Returns the request of this tick, if any.
     pub(super) fn ask(
         &mut self,
+        map: &PlannerMap,
         space: &FreeSpace,
         view: &View<'_>,
         own: &RobotView,
@@ -38,31 +41,44 @@ impl Navigator {
         let clearance = self.drive.model().radius + self.params.margin;
         let start_at = start.pose.position();
         let depth = (clearance - space.distance(start_at)).max(0.0);
-        let robots = self.robots_in_the_way(clearance, start_at, goal);
+        let trip = Trip {
+            start: start_at,
+            goal,
+            clearance,
+            start_tolerance: self.params.margin + CONTACT,
+            others: self.traffic.others().len(),
+        };
+        let excerpt = Excerpt::new(map, space, &mut self.routes, &trip);
+        let end = excerpt.as_ref().map_or(goal, |excerpt| excerpt.end);
+        let robots = self.robots_in_the_way(clearance, start_at, end);
         let stands = start.twist.v.abs() < STANDING;
         self.want = None;
-        self.asked = Some(OpenRequest {
+        let open = OpenRequest {
             want,
             due: view.time_s + ahead,
             goal: self.goal,
             clearance: clearance - depth - ROUNDING,
-            is_tight: depth > 0.0,
+            depth,
             stands,
             around_robots: !robots.is_empty(),
-        });
-        let inset = Vector2::repeat(clearance);
-        let bounds = space.bounds();
-        let parts = space.shapes().parts();
+            is_stretch: excerpt.as_ref().is_some_and(|excerpt| excerpt.is_stretch),
+        };
+        let Some(excerpt) = excerpt else {
+            let reason = PlanFailure::NoRoute;
+            if self.is_news(&reason) {
+                tracing::warn!("{reason}");
+            }
+            self.do_without(&open, reason, view.time_s);
+            return None;
+        };
+        self.asked = Some(open);
         Some(TrajectoryRequest {
             start: start.pose,
-            goal,
-            obstacles: parts.iter().cloned().chain(robots).collect(),
+            goal: excerpt.end,
+            obstacles: excerpt.pieces.into_iter().chain(robots).collect(),
             clearance,
-            bounds: Aabb {
-                min: bounds.min + inset,
-                max: bounds.max - inset,
-            },
-            start_tolerance: self.params.margin + CONTACT,
+            bounds: excerpt.bounds,
+            start_tolerance: trip.start_tolerance,
             ..self.speeds(&start)
         })
     }

@@ -7,7 +7,9 @@ use geometry::pose::Twist2;
 use giving_way::GivingWay;
 use nalgebra::Point2;
 use navigation::passing::Trail;
+use navigation::routes::RouteFinder;
 use planner_view::free_space::FreeSpace;
+use planner_view::map::PlannerMap;
 use planner_view::view::View;
 use sim_backend::spec::RobotModel;
 
@@ -46,12 +48,14 @@ struct OpenRequest {
     goal: usize,
     /// Distance of the planned trajectory from obstacles (m).
     clearance: f64,
-    /// `true` if the start is nearer to an obstacle than the margin allows.
-    is_tight: bool,
+    /// Length by which the start is nearer to an obstacle than the margin allows (m).
+    depth: f64,
     /// `true` if the robot stands at the start.
     stands: bool,
     /// `true` if other robots count as obstacles.
     around_robots: bool,
+    /// `true` if the plan ends before its goal, on the route to it.
+    is_stretch: bool,
 }
 
 /// Result of a tick.
@@ -84,6 +88,8 @@ pub struct Navigator {
     is_boxed_in: bool,
     giving_way: Option<GivingWay>,
     trail: Trail,
+    /// Routes on a map that is too large for one request.
+    routes: RouteFinder,
     asked: Option<OpenRequest>,
     want: Option<ReplanReason>,
     /// Earliest time of the next request (s).
@@ -126,6 +132,7 @@ impl Navigator {
             is_boxed_in: false,
             giving_way: None,
             trail: Trail::new(model.radius),
+            routes: RouteFinder::default(),
             asked: None,
             want: Some(ReplanReason::Need),
             not_before: 0.0,
@@ -208,7 +215,8 @@ impl Navigator {
             tau,
             clearance: asked.clearance,
             blocked,
-            careful: asked.is_tight,
+            careful: asked.depth > 0.0,
+            is_stretch: asked.is_stretch,
         });
     }
 
@@ -238,8 +246,8 @@ impl Navigator {
         self.known = Some(reason);
     }
 
-    /// Returns the command and the request of this tick.
-    pub fn step(&mut self, space: &FreeSpace, revision: u64, view: &View<'_>) -> Decision {
+    /// Returns the command and the request of this tick, in the exact `space` of the map.
+    pub fn step(&mut self, map: &PlannerMap, space: &FreeSpace, view: &View<'_>) -> Decision {
         let standstill = Decision {
             command: Twist2::STOP,
             ask: None,
@@ -256,8 +264,9 @@ impl Navigator {
             twist: own.twist,
         };
         let stands = own.twist.v.abs() < STANDING;
-        self.look_at_map(space, revision);
+        self.look_at_map(space, map.revision());
         self.look_at_error(&motion, stands);
+        self.look_at_stretch(view.dt);
         self.look_at_goal(&motion, view.dt);
         let stops = self.look_at_others(&motion, view);
         self.look_at_right_of_way(space, view, own);
@@ -269,7 +278,7 @@ impl Navigator {
             None => (Twist2::STOP, None),
         };
         self.pace = (pace.map_or(0.0, |pace| pace.rate), view.time_s);
-        let ask = self.ask(space, view, own, &stops);
+        let ask = self.ask(map, space, view, own, &stops);
         Decision { command, ask }
     }
 
@@ -314,6 +323,18 @@ impl Navigator {
             if stands {
                 self.follow = None;
             }
+        }
+    }
+
+    /// Requests the next stretch of the route when half of this one is left, so that the robot does not slow down
+    /// between them.
+    fn look_at_stretch(&mut self, dt: f64) {
+        let Some(follow) = self.follow.as_ref().filter(|follow| follow.is_stretch) else {
+            return;
+        };
+        let half = 0.5 * follow.trajectory.duration();
+        if self.asked.is_none() && follow.left() <= half.max(self.ahead(dt)) {
+            self.want = Some(ReplanReason::Need);
         }
     }
 

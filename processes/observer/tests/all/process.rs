@@ -40,6 +40,7 @@ fn config() -> ProcessConfig {
             events: 0,
             recorder_ticks: 8,
             map_cells: CELLS * CELLS,
+            map_points: 0,
             particles: 100,
             plans: false,
             robots: vec![robot("patrol", 1.0), robot("spy", 5.0)],

@@ -9,7 +9,12 @@ use runtime::shapes::{self, ShapesMessageError};
 use thiserror::Error;
 use trajectory::options::{Constraints, Guess, Options};
 use trajectory::plan::Method;
-use trajectory::problem::{Problem, ProblemError, RobotLimits, START_TOLERANCE, Wheels};
+use trajectory::problem::{
+    MAX_OBSTACLES, Problem, ProblemError, RobotLimits, START_TOLERANCE, Wheels,
+};
+
+// Clients know the limit without this crate.
+const _: () = assert!(PlanRequest::MAX_SHAPES == MAX_OBSTACLES);
 
 /// Work at which a plan without a time limit ends with its best trajectory so far, about 15 ms of a
 /// processor; and that of a robot with inertia, about 1 s.
