@@ -11,6 +11,7 @@ pub mod own_file;
 pub mod proc;
 pub mod program;
 pub mod progress;
+pub mod scratch;
 pub mod shell;
 pub mod signals;
 pub mod spawn;
