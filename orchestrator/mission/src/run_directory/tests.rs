@@ -79,7 +79,8 @@ fn memory_of_a_run_with_another_directory_is_removed_once_no_process_uses_it() {
     let without_lock = memory("c_turn");
     let lock = File::open(&used[1]).unwrap();
     lock.lock_shared().unwrap();
-    let clean = |known: &[FoundDirectory]| clean_memory(&base, &format!("protean_rM{id}"), known).unwrap();
+    let clean =
+        |known: &[FoundDirectory]| clean_memory(&base, &format!("protean_rM{id}"), known).unwrap();
     let of = |name: &str| PathBuf::from(format!("/dev/shm/protean_rM{id}{name}_"));
     // Its directory was examined before.
     let known = FoundDirectory::Alive(base.join(format!("rM{id}b")));
