@@ -74,7 +74,8 @@ fn processes_that_are_killed_or_paused_keep_every_guarantee() {
         "evader_potential_evader_1",
     ];
     let sandbox = Sandbox::new();
-    let words = ["run", "chase", "--set", "run.dt=0.01"];
+    // So slow that no fault comes after its end.
+    let words = ["run", "chase", "--set", "run.dt=0.01", "--pace", "2"];
     let call = || sandbox.protean(words).set("rules.time_limit=3");
     let digest = call().arg("--quiet").json()["digest"].clone();
     let mut random = 20_261_128_u64;

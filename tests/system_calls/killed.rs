@@ -9,11 +9,11 @@ use crate::support::{SOON, Sandbox, until};
 /// Calls at which a command is killed in a sample of their executions.
 const SAMPLED: &str = "openat,write,mmap";
 /// Number of these executions.
-const SAMPLE: u64 = 5;
+const SAMPLE: u64 = 2;
 /// Calls at which it is killed in all of their first executions: those that name and remove files.
 const NAMING: &str = "linkat,rename,renameat,renameat2,unlink,unlinkat,rmdir";
 /// Number of these executions.
-const NAMINGS: u64 = 6;
+const NAMINGS: u64 = 3;
 
 const EXPERIMENT: &str = "scenario = \"builtin:hello\"\nseeds = { first = 1, count = 2 }\n";
 
