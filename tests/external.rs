@@ -229,7 +229,11 @@ fn a_planner_in_python_may_be_treated_badly() {
     let refused = sandbox.protean(words).run();
     refused.refused(2, &["hello_python.toml", "--allow-external", "planner:"]);
     // So slow that it has not ended when the process is found.
-    let call = || sandbox.protean(words).args(["--allow-external", "--pace", "2"]);
+    let call = || {
+        sandbox
+            .protean(words)
+            .args(["--allow-external", "--pace", "2"])
+    };
     let digest = call().arg("--quiet").json()["digest"].clone();
     let target = || {
         until("the planner", SOON, || {
