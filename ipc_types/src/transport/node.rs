@@ -53,7 +53,7 @@ pub(crate) fn join(
         root: space.root().to_owned(),
         reason,
     };
-    let _lock = space.hold().map_err(|e| failed(e.to_string()))?;
+    let lock = space.hold().map_err(|e| failed(e.to_string()))?;
     let name = NodeName::new(process).map_err(|e| failed(format!("{e:?}")))?;
     let node = NodeBuilder::new()
         .config(&space.config(nodes)?)
@@ -63,5 +63,5 @@ pub(crate) fn join(
         .create::<ipc::Service>()
         .map_err(|e| failed(format!("{e:?}")))?;
     space.keep_others_out().map_err(|e| failed(e.to_string()))?;
-    Ok(Box::new(Joined { node, _lock }))
+    Ok(Box::new(Joined { node, _lock: lock }))
 }

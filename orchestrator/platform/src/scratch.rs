@@ -33,14 +33,14 @@ impl Scratch {
                 .permissions(Permissions::from_mode(0o700))
                 .tempdir()?;
             // Until it is locked, a `clean` may remove it.
-            let _lock = match File::open(folder.path()) {
+            let lock = match File::open(folder.path()) {
                 Err(error) if error.kind() == ErrorKind::NotFound => continue,
                 lock => lock?,
             };
             // A file system without locks refuses that of a `clean`, too.
-            let is_taken = matches!(_lock.try_lock(), Err(TryLockError::WouldBlock));
+            let is_taken = matches!(lock.try_lock(), Err(TryLockError::WouldBlock));
             if !is_taken && folder.path().try_exists()? {
-                return Ok(Self { folder, _lock });
+                return Ok(Self { folder, _lock: lock });
             }
         }
     }
