@@ -40,7 +40,10 @@ impl Scratch {
             // A file system without locks refuses that of a `clean`, too.
             let is_taken = matches!(lock.try_lock(), Err(TryLockError::WouldBlock));
             if !is_taken && folder.path().try_exists()? {
-                return Ok(Self { folder, _lock: lock });
+                return Ok(Self {
+                    folder,
+                    _lock: lock,
+                });
             }
         }
     }
@@ -103,10 +106,13 @@ mod tests {
         let used = Scratch::create().unwrap();
         std::fs::write(used.path().join("file"), "text").unwrap();
         assert!(!remove(used.path()).unwrap());
-        let Scratch { mut folder, _lock } = used;
+        let Scratch {
+            mut folder,
+            _lock: lock,
+        } = used;
         folder.disable_cleanup(true);
         assert!(!remove(folder.path()).unwrap());
-        drop(_lock);
+        drop(lock);
         assert!(remove(folder.path()).unwrap());
         assert!(!folder.path().exists());
         assert!(!remove(Path::new("/dev/null")).unwrap());
