@@ -1,87 +1,96 @@
-//! Fault injection by `protean chaos`: a bounded number of seeded faults, after which it checks the guarantees of
-//! a run.
+//! Fault injection: a process of a mission is killed or paused at a tick, or in its start-up, drawn from a seed.
+//!
+//! Faults of the orchestrator are in `supervision/orchestrator.rs`, processes that hang in `lifecycle.rs`, restarts in
+//! `supervision.rs`.
 
+use rustix::process::Signal;
 use serde_json::Value as Json;
 
-use crate::support::Sandbox;
+use crate::support::call::{Call, PATIENCE};
+use crate::support::sandbox::{signal, stop};
+use crate::support::{Sandbox, wait_for_tick};
 
-/// Injects faults of these kinds into short missions with all kinds of robots, and asserts that every guarantee
-/// held.
-fn chaos(kinds: &str, faults: &str, more: &[&str]) -> Json {
-    let sandbox = Sandbox::new();
-    let words = ["chaos", "chase", "--json", "--fault-seed", "7"];
-    let faults = ["--kinds", kinds, "--faults", faults];
-    let words = words.into_iter().chain(faults);
-    let outcome = sandbox
-        .protean(words.chain(more.iter().copied()))
-        .set("rules.time_limit=20.0")
-        .run();
-    assert_eq!(outcome.code, Some(0), "{outcome}");
-    let report: Json = serde_json::from_str(&outcome.stdout).unwrap();
-    assert_eq!(report["broken"], 0, "{report}");
-    assert!(report["injected"].as_u64().unwrap() > 0, "{report}");
-    for fault in report["outcomes"].as_array().unwrap() {
-        assert!(kinds.contains(fault["kind"].as_str().unwrap()), "{fault}");
+/// A fault of one process.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Fault {
+    /// SIGKILL: the run ends and names the process.
+    Kill,
+    /// SIGSTOP, then SIGCONT: the history stays the same.
+    Pause,
+}
+
+/// Starts a run, injects a fault into one of its processes once this many ticks are posted (0: as soon as it exists),
+/// and asserts the guarantees. `target` waits for the process and returns its id.
+#[track_caller]
+pub fn inject(
+    sandbox: &Sandbox,
+    call: Call<'_>,
+    (fault, name, tick): (Fault, &str, u64),
+    target: impl Fn() -> u32,
+    digest: &Json,
+) {
+    let known = sandbox.runs();
+    let words = ["--json", "--quiet", "--force", "--out", "run.mcap"];
+    let running = call.args(words).set(PATIENCE).start();
+    let run = sandbox.next_run(&known);
+    if tick > 0 {
+        wait_for_tick(&run, tick);
     }
-    report
+    let pid = target();
+    match fault {
+        Fault::Kill => signal(pid, Signal::KILL),
+        Fault::Pause => {
+            stop(pid);
+            signal(pid, Signal::CONT);
+        }
+    }
+    let outcome = running.finish();
+    let at = format!("{fault:?} of {name} at tick {tick}");
+    match fault {
+        // Its failure shows that the run had not ended.
+        Fault::Kill => outcome.refused(1, &["error: process ", name, "was ended by signal 9"]),
+        Fault::Pause => {
+            assert_eq!(outcome.code, Some(0), "{at}: {outcome}");
+            assert_eq!(outcome.json()["digest"], *digest, "{at}");
+        }
+    }
+    sandbox.assert_nothing_left();
+    if tick > 0 {
+        let info = sandbox.protean(["info", "run.mcap"]).run();
+        assert_eq!(info.code, Some(0), "{at}: {info}");
+    }
 }
 
 #[test]
 fn processes_that_are_killed_or_paused_keep_every_guarantee() {
-    chaos("kill,pause", "6", &[]);
-}
-
-#[test]
-fn processes_that_hang_are_found() {
-    chaos("hang", "2", &["--set", "run.hang_timeout_s=5"]);
-}
-
-#[test]
-fn in_real_time_processes_are_replaced() {
-    let restart = ["perception", "pursuer", "evader_potential"]
-        .map(|process| format!("processes.{process}.on_failure=restart"));
-    let mut more = vec!["--real-time", "10"];
-    more.extend(restart.iter().flat_map(|value| ["--set", value.as_str()]));
-    chaos("kill", "4", &more);
-}
-
-#[test]
-fn an_orchestrator_that_is_killed_takes_everything_along_and_loses_a_second_at_most() {
-    let report = chaos("kill-orchestrator", "6", &[]);
-    let lost = |fault: &Json| fault["lost_s"].as_f64();
-    let outcomes = report["outcomes"].as_array().unwrap();
-    assert!(outcomes.iter().filter_map(lost).all(|lost_s| lost_s <= 1.0));
-    assert!(outcomes.iter().any(|fault| lost(fault).is_some()));
-}
-
-#[test]
-fn the_same_seed_draws_the_same_faults() {
-    let drawn = |seed: &str| {
-        let sandbox = Sandbox::new();
-        let words = ["chaos", "hello", "--json", "-n", "3", "--fault-seed", seed];
-        let kinds = ["--kinds", "pause,kill"];
-        let outcome = sandbox.protean(words.into_iter().chain(kinds)).run();
-        let report: Json = serde_json::from_str(&outcome.stdout).unwrap();
-        let of = |fault: &Json| ["kind", "target", "moment"].map(|key| fault[key].clone());
-        let outcomes = report["outcomes"].as_array().unwrap();
-        outcomes.iter().map(of).collect::<Vec<_>>()
-    };
-    assert_eq!(drawn("1"), drawn("1"));
-    assert_ne!(drawn("1"), drawn("2"));
-}
-
-#[test]
-fn what_makes_no_sense_is_refused() {
+    const FAULTS: u64 = 8;
+    /// Ticks before the half of the mission.
+    const TICKS: u64 = 150;
+    let names = [
+        "simulator",
+        "perception",
+        "pursuer_police_1",
+        "pursuer_police_2",
+        "evader_potential_evader_1",
+    ];
     let sandbox = Sandbox::new();
-    for (words, named) in [
-        (vec!["chaos", "nowhere"], "nowhere"),
-        (vec!["chaos", "hello", "--kinds", "boredom"], "boredom"),
-        (vec!["chaos", "hello", "--faults", "0"], "--faults"),
-        (
-            vec!["chaos", "hello", "--real-time", "inf"],
-            "--real-time inf",
-        ),
-    ] {
-        sandbox.protean(words).run().refused(2, &[named]);
+    // So slow that no fault comes after its end.
+    let words = ["run", "chase", "--set", "run.dt=0.01", "--pace", "2"];
+    let call = || sandbox.protean(words).set("rules.time_limit=3");
+    let digest = call().arg("--quiet").json()["digest"].clone();
+    let mut random = 20_261_128_u64;
+    let mut below = |count: u64| {
+        random = random
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1);
+        (random >> 33) % count
+    };
+    for number in 0..FAULTS {
+        let fault = [Fault::Kill, Fault::Pause][(number % 2) as usize];
+        let name = names[below(names.len() as u64) as usize];
+        // Every other kill is in the start-up.
+        let tick = if number % 4 == 0 { 0 } else { 1 + below(TICKS) };
+        let target = || sandbox.process(name).pid;
+        inject(&sandbox, call(), (fault, name, tick), target, &digest);
     }
 }

@@ -27,6 +27,7 @@ mod logs;
 mod maps;
 mod metadata;
 mod missions;
+mod namespaces;
 mod navigation;
 mod patrol;
 mod plan;

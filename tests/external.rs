@@ -3,10 +3,11 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
+use crate::chaos::{Fault, inject};
 use crate::support::call::PATIENCE;
 use crate::support::history::{History, State};
 use crate::support::programs::driven_by;
-use crate::support::{PROTEAN, Sandbox, skipped, wait_for_tick};
+use crate::support::{PROTEAN, SOON, Sandbox, skipped, until, wait_for_tick};
 
 /// The repository's file with this path.
 fn file(path: &str) -> String {
@@ -224,20 +225,24 @@ fn a_planner_in_python_may_be_treated_badly() {
     if !prepare(&sandbox) {
         return;
     }
-    let words = ["chaos", "hello_python.toml"];
+    let words = ["run", "hello_python.toml"];
     let refused = sandbox.protean(words).run();
     refused.refused(2, &["hello_python.toml", "--allow-external", "planner:"]);
-    let more = ["--allow-external", "--kinds", "kill,pause", "-n", "6"];
-    let seed = ["--fault-seed", "2", "--json"];
-    let report = sandbox
-        .protean(words.into_iter().chain(more).chain(seed))
-        .run();
-    assert_eq!(report.code, Some(0), "{report}");
-    let report = report.json();
-    assert_eq!(report["broken"], 0, "{report}");
-    let done = |target: &str| {
-        let mut all = report["outcomes"].as_array().unwrap().iter();
-        all.any(|fault| fault["target"] == target && fault["injected"] == true)
+    // So slow that it has not ended when the process is found.
+    let call = || {
+        sandbox
+            .protean(words)
+            .args(["--allow-external", "--pace", "2"])
     };
-    assert!(done("planner"), "{report}");
+    let digest = call().arg("--quiet").json()["digest"].clone();
+    let target = || {
+        until("the planner", SOON, || {
+            let mut all = sandbox.processes().into_iter();
+            all.find(|process| process.name.contains("python"))
+                .map(|process| process.pid)
+        })
+    };
+    for (fault, tick) in [(Fault::Pause, 20), (Fault::Kill, 20), (Fault::Kill, 0)] {
+        inject(&sandbox, call(), (fault, "planner", tick), target, &digest);
+    }
 }

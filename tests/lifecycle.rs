@@ -151,7 +151,6 @@ fn kill_the_orchestrator(sandbox: &Sandbox) -> String {
     });
     let left = sandbox.runtime_files();
     assert!(left.iter().any(|path| path.ends_with(&run)), "{left:?}");
-    assert!(!sandbox.shared_memory().is_empty());
     run
 }
 

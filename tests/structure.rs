@@ -52,7 +52,7 @@ const RULES: Rules = Rules {
         &["viewer"],
         &["kinds", "log_tools", "mission", "plan"],
         &["environment", "replay", "report"],
-        &["faults", "latency", "sweep"],
+        &["latency", "sweep"],
         &["reproduce"],
         &["protean"],
         &["_core", "benchmarks", "end_to_end"],

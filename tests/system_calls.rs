@@ -5,6 +5,8 @@
 
 #[path = "system_calls/held.rs"]
 mod held;
+#[path = "system_calls/killed.rs"]
+mod killed;
 #[path = "system_calls/locks.rs"]
 mod locks;
 
@@ -14,7 +16,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::OnceLock;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use runtime::lockstep::TickBarrier;
 use rustix::io::Errno;
@@ -25,7 +27,15 @@ use crate::support::{SOON, Sandbox, skipped, until, wait_for_tick};
 
 /// Calls that fail.
 const CALLS: &str = "openat,flock,write,rename,renameat,renameat2,ftruncate,mmap";
-const ERRORS: [Errno; 4] = [Errno::MFILE, Errno::NOSPC, Errno::IO, Errno::ACCESS];
+/// Calls of `clean` that fail: also those with which it looks and removes.
+const CALLS_OF_CLEAN: &str = "openat,flock,write,mmap,getdents64,statx,unlink,unlinkat,rmdir";
+const ERRORS: [Errno; 5] = [
+    Errno::MFILE,
+    Errno::NOSPC,
+    Errno::IO,
+    Errno::ACCESS,
+    Errno::NOLCK,
+];
 /// Number of calls of a command that fail in CI, each in an execution of its own.
 const SAMPLE: u64 = 16;
 /// Maximum duration of an execution: the timeouts of a run end it earlier.
@@ -38,8 +48,19 @@ pub(crate) struct Injection {
     pub(crate) calls: &'static str,
     /// Number of the call among those of all processes, from 1; 0 for none.
     pub(crate) number: u64,
-    /// Error; `None`: the call never returns.
-    pub(crate) error: Option<Errno>,
+    /// Its fate.
+    pub(crate) fate: Fate,
+}
+
+/// The fate of a call.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Fate {
+    /// It fails.
+    Error(Errno),
+    /// It never returns.
+    Hang,
+    /// The command is killed before it.
+    Kill,
 }
 
 /// The program that injects; `None`, and a note on stderr, where it cannot be built or used.
@@ -71,7 +92,12 @@ fn injector() -> Option<&'static Path> {
 /// call failed, and the number of calls.
 pub(crate) fn injected<'a>(call: Call<'a>, injector: &Path, at: Injection) -> Call<'a> {
     let number = at.number.to_string();
-    let error = at.error.map_or(0, Errno::raw_os_error).to_string();
+    let error = match at.fate {
+        Fate::Error(error) => error.raw_os_error(),
+        Fate::Hang => 0,
+        Fate::Kill => -1,
+    };
+    let error = error.to_string();
     let words = ["report", at.calls, &number, &error];
     call.through(injector.to_str().unwrap(), &words)
 }
@@ -79,27 +105,41 @@ pub(crate) fn injected<'a>(call: Call<'a>, injector: &Path, at: Injection) -> Ca
 /// Lets at most `count` calls of a command fail, one per execution: `attempt` executes it with an injection and asserts
 /// the guarantees. Executions that wait for a segment of shared memory without a size are counted apart: iceoryx2 0.10
 /// lets a process wait for it without limit (`docs/reference/guarantees.md`).
-fn inject(name: &str, count: u64, attempt: impl Fn(&Sandbox, &dyn Fn(Call<'_>) -> Outcome)) {
+fn inject(
+    (name, calls): (&str, &'static str),
+    count: u64,
+    attempt: impl Fn(&Sandbox, &dyn Fn(Call<'_>) -> Outcome),
+) {
     let Some(injector) = injector() else { return };
     let (mut held, mut broken) = (0, Vec::new());
     let mut execute = |number: u64, error: Errno| {
         let sandbox = Sandbox::new();
         let at = Injection {
-            calls: CALLS,
+            calls,
             number,
-            error: Some(error),
+            fate: Fate::Error(error),
         };
         let hangs = Cell::new(false);
         let call = |call: Call<'_>| {
             let mut running = injected(call, injector, at).start();
-            hangs.set(true);
-            until("the end", HANG, || (!running.is_alive()).then_some(()));
-            hangs.set(false);
+            let deadline = Instant::now() + HANG;
+            while running.is_alive() {
+                if Instant::now() > deadline {
+                    // Before its processes are killed: another run may remove the segment then.
+                    hangs.set(has_empty_segment(&sandbox));
+                    panic!("no end within {HANG:?}");
+                }
+                std::thread::park_timeout(Duration::from_millis(1));
+            }
             running.finish()
         };
         let kept = catch_unwind(AssertUnwindSafe(|| attempt(&sandbox, &call))).is_ok();
         let report = std::fs::read_to_string(sandbox.path().join("report")).unwrap_or_default();
-        if !kept && hangs.get() && is_held(&sandbox) {
+        let is_cleaned = || {
+            let clean = sandbox.protean(["clean"]).run();
+            clean.code == Some(0) && sandbox.shared_memory().is_empty()
+        };
+        if !kept && hangs.get() && is_cleaned() {
             held += 1;
         } else if !kept {
             broken.push(format!("call {number}, {error}: {report}"));
@@ -109,7 +149,10 @@ fn inject(name: &str, count: u64, attempt: impl Fn(&Sandbox, &dyn Fn(Call<'_>) -
     let total: u64 = execute(0, Errno::IO).expect("the number of calls");
     let count = count.min(total);
     for k in 0..count {
-        execute(1 + k * total / count, ERRORS[(k % 4) as usize]);
+        execute(
+            1 + k * total / count,
+            ERRORS[(k % ERRORS.len() as u64) as usize],
+        );
     }
     let violations = broken.len();
     eprintln!("{name}: {count} of {total} calls, {violations} violations, {held} held");
@@ -117,12 +160,13 @@ fn inject(name: &str, count: u64, attempt: impl Fn(&Sandbox, &dyn Fn(Call<'_>) -
     assert!(held <= 1 + count / 50, "{name}: {held} of {count} held");
 }
 
-/// Returns `true` if processes that have been killed waited for a segment of size 0, and `clean` removes it.
-fn is_held(sandbox: &Sandbox) -> bool {
-    let is_empty = |path: &PathBuf| path.metadata().is_ok_and(|facts| facts.len() == 0);
-    let is_held = sandbox.shared_memory().iter().any(is_empty);
-    let clean = || sandbox.protean(["clean"]).run().code == Some(0);
-    is_held && clean() && sandbox.shared_memory().is_empty()
+/// Returns `true` if processes wait for a segment of size 0.
+fn has_empty_segment(sandbox: &Sandbox) -> bool {
+    let is_empty = |path: &PathBuf| {
+        !path.to_string_lossy().ends_with("_lock")
+            && path.metadata().is_ok_and(|facts| facts.len() == 0)
+    };
+    sandbox.shared_memory().iter().any(is_empty)
 }
 
 /// Returns `true` if the loader or the Rust runtime ended the program: before it began, or because a new thread has no
@@ -153,7 +197,7 @@ fn assert_explained(sandbox: &Sandbox, outcome: &Outcome) {
 fn run(count: u64) {
     let words = "run hello --json --quiet --out run.mcap --set rules.time_limit=1";
     let whole = Sandbox::new().protean(words.split(' ')).run().json();
-    inject("run", count, |sandbox, call| {
+    inject(("run", CALLS), count, |sandbox, call| {
         let outcome = call(sandbox.protean(words.split(' ')));
         assert_explained(sandbox, &outcome);
         if outcome.code == Some(0) {
@@ -181,16 +225,29 @@ fn clean(count: u64) {
     wait_for_tick(&run, 2);
     let page = TickBarrier::open(&Sandbox::prefix(&run)).unwrap();
     let processes = living.processes();
-    let remains = living.runtime_dir().join("protean/rABANDON");
-    inject("clean", count, |sandbox, call| {
+    let id = std::process::id();
+    let remains = living.runtime_dir().join(format!("protean/rA{id}"));
+    // Of this run, and of one whose directory is gone.
+    let memory = [
+        format!("/dev/shm/protean_rA{id}_turn"),
+        format!("/dev/shm/protean_rB{id}_turn"),
+        format!("/dev/shm/protean_rB{id}_lock"),
+    ]
+    .map(PathBuf::from);
+    inject(("clean", CALLS_OF_CLEAN), count, |sandbox, call| {
         std::fs::create_dir_all(&remains).unwrap();
         std::fs::write(remains.join("lock"), "").unwrap();
+        for path in &memory {
+            std::fs::write(path, "").unwrap();
+        }
+        let is_anything_left = || remains.exists() || memory.iter().any(|path| path.exists());
         let before = page.ticks_posted();
         let clean =
             |sandbox| Sandbox::protean(sandbox, ["clean"]).runtime_dir(&living.runtime_dir());
         let outcome = call(clean(sandbox));
         let has_panicked = outcome.stderr.contains("panicked");
         assert!(!has_panicked || is_aborted(&outcome), "{outcome}");
+        assert!(outcome.code != Some(0) || !is_anything_left(), "{outcome}");
         let alive = living.processes();
         assert!(processes.iter().all(|process| alive.contains(process)));
         until("another tick", SOON, || {
@@ -198,7 +255,7 @@ fn clean(count: u64) {
         });
         let again = clean(sandbox).run();
         assert_eq!(again.code, Some(0), "{again}");
-        assert!(!remains.exists(), "{outcome}\n{again}");
+        assert!(!is_anything_left(), "{outcome}\n{again}");
     });
     assert!(running.is_alive());
     running.signal(Signal::INT);
@@ -215,7 +272,7 @@ fn recover(count: u64) {
     let words = ["recover", "cut.mcap", "--out", "ok.mcap"];
     assert_eq!(source.protean(words).run().code, Some(3));
     let recovered = std::fs::read(source.path().join("ok.mcap")).unwrap();
-    inject("recover", count, |sandbox, call| {
+    inject(("recover", CALLS), count, |sandbox, call| {
         let files = [sandbox.file("cut.mcap", cut), sandbox.file("report", "")];
         let outcome = call(sandbox.protean(words));
         let out = sandbox.path().join("ok.mcap");
@@ -237,7 +294,7 @@ fn resume(count: u64) {
     whole.file("small.toml", EXPERIMENT);
     assert_eq!(whole.sweep_in_order().run().code, Some(0));
     let table = std::fs::read(whole.path().join("out/results.csv")).unwrap();
-    inject("resume", count, |sandbox, call| {
+    inject(("resume", CALLS), count, |sandbox, call| {
         sandbox.file("small.toml", EXPERIMENT);
         let first = sandbox.sweep_in_order().args(["--seeds", "1"]).run();
         assert_eq!(first.code, Some(0), "{first}");

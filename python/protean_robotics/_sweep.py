@@ -1,5 +1,6 @@
 """Sweeps: experiments of many missions, on this machine or on any executor."""
 
+import fcntl
 import io
 import json
 import os
@@ -7,7 +8,8 @@ import sys
 import tempfile
 import time
 import zipfile
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from types import SimpleNamespace
@@ -264,10 +266,32 @@ def _distribute(task: _Task, executor: Executor, out: Path, count: int, missing:
         ) from first
 
 
+@contextmanager
+def _scratch() -> Iterator[Path]:
+    """A temporary directory. It is locked: after the kill of this process, ``protean clean`` removes it."""
+    while True:
+        with tempfile.TemporaryDirectory(prefix="protean-scratch-", ignore_cleanup_errors=True) as name:
+            folder = Path(name)
+            # Until it is locked, a `clean` may remove it.
+            try:
+                lock = os.open(folder, os.O_RDONLY)
+            except FileNotFoundError:
+                continue
+            try:
+                # A file system without locks refuses that of a `clean`, too.
+                with suppress(OSError):
+                    fcntl.flock(lock, fcntl.LOCK_SH)
+                if folder.exists():
+                    yield folder
+                    return
+            finally:
+                os.close(lock)
+
+
 def _part(task: _Task, shard: str) -> bytes:
     """Runs one part of an experiment, on a worker; returns its results as an archive."""
-    with tempfile.TemporaryDirectory(prefix="protean-") as folder:
-        part = Path(folder) / "part"
+    with _scratch() as folder:
+        part = folder / "part"
         task.run(part, shard, 1, True)
         # Merging writes the tables anew.
         tables = {part / f"{path.stem}{suffix}" for path in part.glob("*.parquet") for suffix in (".csv", ".parquet")}
@@ -283,7 +307,7 @@ def _merge(parts: list[bytes], out: Path) -> None:
     """Merges parts into results."""
     if not parts:
         return
-    with tempfile.TemporaryDirectory(prefix="protean-") as folder:
+    with _scratch() as folder:
         directories = [os.path.join(folder, str(number)) for number in range(len(parts))]
         for part, directory in zip(parts, directories, strict=True):
             with zipfile.ZipFile(io.BytesIO(part)) as files:

@@ -100,9 +100,13 @@ def publish(state, received_ns, robot_index, v, omega):
 def wait_for_turn():
     """True for a turn, False at the end of turns."""
     while True:
-        ids = []
-        for event in turns.timed_wait(iox2.Duration.from_millis(500)):
-            ids.append(event.id.as_value)
+        try:
+            events = turns.timed_wait(iox2.Duration.from_millis(500))
+        except iox2.ListenerWaitError as error:
+            if "InterruptSignal" not in str(error):
+                raise
+            continue  # it was stopped and continued
+        ids = [event.id.as_value for event in events]
         if index + END_OF_TURNS in ids:
             return False
         if index in ids:

@@ -179,11 +179,6 @@ const COMMANDS: &[(&str, &[&str], i32)] = &[
         0,
     ),
     ("latency", &["latency", "--of", "chase.mcap"], 0),
-    (
-        "chaos",
-        &["chaos", "hello", "--faults", "1", "--fault-seed", "1"],
-        0,
-    ),
 ];
 
 /// Two observed patrols of a few seconds, so that the tables have predictions.

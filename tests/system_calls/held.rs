@@ -1,10 +1,8 @@
 //! Processes that never execute their program: they are named or ended as others that are not ready.
 
-use std::collections::BTreeSet;
-
 use rustix::process::Signal;
 
-use super::{Injection, injected, injector};
+use super::{Fate, Injection, injected, injector};
 use crate::support::call::Running;
 use crate::support::sandbox::signal;
 use crate::support::{SOON, Sandbox, until};
@@ -13,7 +11,7 @@ use crate::support::{SOON, Sandbox, until};
 const HELD: Injection = Injection {
     calls: "execve",
     number: 3,
-    error: None,
+    fate: Fate::Hang,
 };
 
 /// Starts a run whose second process is held between fork and exec; returns the id of its orchestrator.
@@ -21,8 +19,14 @@ fn start<'a>(sandbox: &'a Sandbox, more: &'a str) -> Option<(Running<'a>, u32)> 
     let words = [
         "run", "hello", "--quiet", "--out", "run.mcap", "--set", more,
     ];
+    start_words(sandbox, &words)
+}
+
+fn start_words<'a>(sandbox: &'a Sandbox, words: &[&'a str]) -> Option<(Running<'a>, u32)> {
+    let known = sandbox.runs();
+    let words = words.iter().copied();
     let running = injected(sandbox.protean(words), injector()?, HELD).start();
-    sandbox.next_run(&BTreeSet::new());
+    sandbox.next_run(&known);
     let report = sandbox.path().join("report");
     until("a process that is held", SOON, || {
         std::fs::read(&report)
@@ -52,6 +56,19 @@ fn ctrl_c_ends_a_run_whose_process_never_executes_its_program() {
         return;
     };
     signal(orchestrator, Signal::INT);
+    let outcome = running.finish();
+    assert_eq!(outcome.code, Some(3), "{outcome}");
+    sandbox.assert_nothing_left();
+}
+
+#[test]
+fn sigterm_ends_a_verification_whose_process_never_executes_its_program() {
+    let sandbox = Sandbox::new();
+    sandbox.record("hello");
+    let Some((running, orchestrator)) = start_words(&sandbox, &["verify", "run.mcap"]) else {
+        return;
+    };
+    signal(orchestrator, Signal::TERM);
     let outcome = running.finish();
     assert_eq!(outcome.code, Some(3), "{outcome}");
     sandbox.assert_nothing_left();

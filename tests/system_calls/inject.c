@@ -3,7 +3,7 @@
  *     inject REPORT CALLS NUMBER ERROR PROGRAM [ARGUMENT...]
  *
  * CALLS: names separated by commas. NUMBER: which of these calls of all processes fails, from 1; 0 for none. ERROR:
- * number of the error, or 0 for a call that never returns. Writes the number of calls, and the name of the process
+ * number of the error, 0 for a call that never returns, or -1 to kill the program (not its descendants) before the call. Writes the number of calls, and the name of the process
  * whose call failed, to the file REPORT. Exits with the code of the program (128 + number of a signal).
  *
  * A seccomp filter reports each of these calls to this program (Linux 5.8), which answers "continue" or the error. */
@@ -32,6 +32,10 @@ static const struct {
 #ifdef SYS_rename
     {"rename", SYS_rename},
 #endif
+#ifdef SYS_unlink
+    {"unlink", SYS_unlink},       {"rmdir", SYS_rmdir},
+#endif
+    {"statx", SYS_statx},         {"linkat", SYS_linkat}, {"unlinkat", SYS_unlinkat}, {"getdents64", SYS_getdents64},
     {"openat", SYS_openat},       {"flock", SYS_flock}, {"write", SYS_write},   {"renameat", SYS_renameat},
     {"renameat2", SYS_renameat2}, {"mmap", SYS_mmap},   {"execve", SYS_execve}, {"ftruncate", SYS_ftruncate},
 };
@@ -103,6 +107,11 @@ int main(int count, char **words) {
         if (fails)
             write_name(report, call.pid);
         struct seccomp_notif_resp answer = {call.id, 0, fails ? -error : 0, fails ? 0 : SECCOMP_USER_NOTIF_FLAG_CONTINUE};
+        if (fails && error < 0) {
+            fflush(report);
+            kill(child, SIGKILL);
+            continue;
+        }
         if (fails && !error) {
             fflush(report);
             continue;

@@ -14,7 +14,7 @@ mod subscriber;
 
 pub use crate::error::{BusError, ReceiveError, SendError};
 pub use crate::transport::{
-    Listener, Notifier, RunSpace, TopicHolder, TransportConfig, quiet_transport,
+    Listener, MemoryUse, Notifier, RunSpace, TopicHolder, TransportConfig, quiet_transport,
 };
 pub use publisher::{Publisher, PublisherOptions};
 pub use request_response::{ActiveRequest, Attendant, Client, PendingResponse, Server};

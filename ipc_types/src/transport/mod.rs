@@ -20,7 +20,7 @@ pub use event::{Listener, Notifier};
 pub use exchange::ExchangePorts;
 pub use node::{TransportConfig, quiet_transport};
 pub use ports::Ports;
-pub use run_space::RunSpace;
+pub use run_space::{MemoryUse, RunSpace};
 pub use service::TopicHolder;
 
 pub(crate) use event::create as create_event;

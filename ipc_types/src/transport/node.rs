@@ -1,6 +1,7 @@
 //! The node of a process: its membership in a run.
 
 use core::fmt;
+use std::fs::File;
 
 use iceoryx2::prelude::{Config, LogLevel, Node, NodeBuilder, NodeName, SignalHandlingMode, ipc};
 
@@ -26,15 +27,19 @@ pub(crate) trait Home: fmt::Debug {
 }
 
 #[derive(Debug)]
-struct Joined(Node<ipc::Service>);
+struct Joined {
+    node: Node<ipc::Service>,
+    /// Lock of the run's shared memory, released after the node.
+    _lock: File,
+}
 
 impl Home for Joined {
     fn node(&self) -> &Node<ipc::Service> {
-        &self.0
+        &self.node
     }
 
     fn clean_up_dead(&self) -> u64 {
-        self.0.try_cleanup_dead_nodes().cleanups
+        self.node.try_cleanup_dead_nodes().cleanups
     }
 }
 
@@ -48,6 +53,7 @@ pub(crate) fn join(
         root: space.root().to_owned(),
         reason,
     };
+    let lock = space.hold().map_err(|e| failed(e.to_string()))?;
     let name = NodeName::new(process).map_err(|e| failed(format!("{e:?}")))?;
     let node = NodeBuilder::new()
         .config(&space.config(nodes)?)
@@ -57,5 +63,5 @@ pub(crate) fn join(
         .create::<ipc::Service>()
         .map_err(|e| failed(format!("{e:?}")))?;
     space.keep_others_out().map_err(|e| failed(e.to_string()))?;
-    Ok(Box::new(Joined(node)))
+    Ok(Box::new(Joined { node, _lock: lock }))
 }

@@ -1,11 +1,13 @@
 //! Location of the services of one run, separate from those of every other run.
 
-use std::fs::{DirEntry, Permissions};
+use std::fs::{DirEntry, File, OpenOptions, Permissions, TryLockError};
 use std::io::ErrorKind;
-use std::os::unix::fs::{DirBuilderExt, PermissionsExt};
+use std::os::unix::fs::{DirBuilderExt, MetadataExt, OpenOptionsExt, PermissionsExt};
 use std::path::{Path, PathBuf};
 
 use iceoryx2::prelude::{Config, FileName, Path as TransportPath};
+use rustix::fs::OFlags;
+use rustix::process::geteuid;
 
 use crate::error::BusError;
 
@@ -14,6 +16,23 @@ const MAX_ROOT_BYTES: usize = 60;
 
 /// Permissions of all users except the owner in a file's mode.
 const OTHERS: u32 = 0o077;
+
+/// Directory of all shared memory.
+const MEMORY: &str = "/dev/shm";
+
+/// Name of a run's lock in shared memory, after the prefix.
+const LOCK: &str = "lock";
+
+/// Use of a run's shared memory.
+#[derive(Debug)]
+pub enum MemoryUse {
+    /// A process of the run lives, in this or another PID namespace.
+    Used,
+    /// No process of the run lives, and none can join it until this lock is dropped.
+    Unused(File),
+    /// The run has no shared memory with a lock.
+    Absent,
+}
 
 /// The iceoryx2 prefix and root path of one run.
 ///
@@ -115,22 +134,88 @@ impl RunSpace {
         Ok(config)
     }
 
+    /// Holds the lock of the run's shared memory until the result is dropped. Every process of the run holds it, shared,
+    /// from before its first segment: no shared memory of a run is without a lock, and the lock tells its use in every
+    /// PID namespace.
+    pub(crate) fn hold(&self) -> std::io::Result<File> {
+        loop {
+            let lock = open_lock(&self.lock(), OpenOptions::new().create(true))?;
+            match lock.lock_shared() {
+                Err(e) if e.kind() == ErrorKind::Interrupted => continue,
+                held => held?,
+            }
+            // Removed meanwhile, by a process that held it before.
+            if lock.metadata()?.nlink() > 0 {
+                return Ok(lock);
+            }
+        }
+    }
+
+    /// Returns the use of the run's shared memory.
+    ///
+    /// # Errors
+    /// The error of the system if it is unknown: the memory may be in use.
+    pub fn memory_use(&self) -> std::io::Result<MemoryUse> {
+        let lock = match open_lock(&self.lock(), &mut OpenOptions::new()) {
+            Err(e) if e.kind() == ErrorKind::NotFound => return Ok(MemoryUse::Absent),
+            lock => lock?,
+        };
+        match lock.try_lock() {
+            Ok(()) => Ok(MemoryUse::Unused(lock)),
+            Err(TryLockError::WouldBlock) => Ok(MemoryUse::Used),
+            Err(TryLockError::Error(error)) => Err(error),
+        }
+    }
+
+    /// Returns the prefixes of this user's runs that begin with `beginning` and have shared memory with a lock, sorted.
+    ///
+    /// # Errors
+    /// The error of the system if shared memory cannot be listed.
+    pub fn prefixes_in_memory(beginning: &str) -> std::io::Result<Vec<String>> {
+        let mut prefixes = Vec::new();
+        for entry in std::fs::read_dir(MEMORY)? {
+            let entry = entry?;
+            let name = entry.file_name();
+            let prefix = name.to_str().and_then(|name| name.strip_suffix(LOCK));
+            let Some(prefix) = prefix.filter(|prefix| prefix.starts_with(beginning)) else {
+                continue;
+            };
+            match entry.metadata() {
+                Err(e) if e.kind() == ErrorKind::NotFound => {}
+                facts => {
+                    let is_own = facts?.uid() == geteuid().as_raw();
+                    prefixes.extend(is_own.then(|| prefix.to_owned()));
+                }
+            }
+        }
+        prefixes.sort();
+        Ok(prefixes)
+    }
+
     /// Removes all shared memory of the run, then its files: a run is found by its root as long as memory of it is left.
     /// Call it only when none of its processes is alive.
     ///
     /// # Errors
     /// The first failure; the root stays then.
     pub fn wipe(&self) -> std::io::Result<()> {
-        let gone = |result: std::io::Result<()>| match result {
-            Err(e) if e.kind() == ErrorKind::NotFound => Ok(()),
-            removed => removed,
-        };
+        self.wipe_memory()?;
+        gone(std::fs::remove_dir_all(&self.root))
+    }
+
+    /// Removes all shared memory of the run, its lock last. Call it only when none of its processes is alive.
+    ///
+    /// # Errors
+    /// The first failure; the lock stays then.
+    pub fn wipe_memory(&self) -> std::io::Result<()> {
+        let lock = self.lock();
         let mut removed = Ok(());
         for segment in self.segments()? {
-            removed = removed.and(gone(std::fs::remove_file(segment.path())));
+            if segment.path() != lock {
+                removed = removed.and(gone(std::fs::remove_file(segment.path())));
+            }
         }
         removed?;
-        gone(std::fs::remove_dir_all(&self.root))
+        gone(std::fs::remove_file(lock))
     }
 
     /// Removes the permissions of other users: iceoryx2 creates the segment with the nodes of a run
@@ -157,20 +242,71 @@ impl RunSpace {
         Ok(())
     }
 
-    /// The shared-memory segments of the run.
+    /// Path of the lock of the run's shared memory.
+    fn lock(&self) -> PathBuf {
+        Path::new(MEMORY).join(format!("{}{LOCK}", self.prefix))
+    }
+
+    /// The shared-memory segments of the run, and its lock.
     fn segments(&self) -> std::io::Result<Vec<DirEntry>> {
         let of_run = |entry: &DirEntry| {
             let name = entry.file_name();
             name.as_encoded_bytes().starts_with(self.prefix.as_bytes())
         };
-        let entries: std::io::Result<Vec<_>> = std::fs::read_dir("/dev/shm")?.collect();
+        let entries: std::io::Result<Vec<_>> = std::fs::read_dir(MEMORY)?.collect();
         Ok(entries?.into_iter().filter(of_run).collect())
+    }
+}
+
+fn open_lock(path: &Path, options: &mut OpenOptions) -> std::io::Result<File> {
+    let flags = OFlags::NOFOLLOW | OFlags::NONBLOCK;
+    let options = options.read(true).write(true).mode(0o600);
+    options.custom_flags(flags.bits().cast_signed()).open(path)
+}
+
+/// Takes a file that does not exist for removed.
+fn gone(removed: std::io::Result<()>) -> std::io::Result<()> {
+    match removed {
+        Err(e) if e.kind() == ErrorKind::NotFound => Ok(()),
+        removed => removed,
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn memory_is_in_use_while_a_process_holds_it_and_its_lock_is_removed_last() {
+        let prefix = format!("protean_held{}_", std::process::id());
+        let space = RunSpace::new("/tmp/none", &*prefix).unwrap();
+        assert!(matches!(space.memory_use().unwrap(), MemoryUse::Absent));
+        let (first, second) = (space.hold().unwrap(), space.hold().unwrap());
+        let segment = Path::new(MEMORY).join(format!("{prefix}turn"));
+        std::fs::write(&segment, "text").unwrap();
+        drop(first);
+        assert!(matches!(space.memory_use().unwrap(), MemoryUse::Used));
+        let of_this = || RunSpace::prefixes_in_memory(&prefix).unwrap();
+        assert_eq!(of_this(), [&*prefix]);
+        drop(second);
+        let MemoryUse::Unused(lock) = space.memory_use().unwrap() else {
+            panic!("no process holds it");
+        };
+        assert!(matches!(space.memory_use().unwrap(), MemoryUse::Used));
+        // A process that joins meanwhile makes another lock.
+        let joining = std::thread::spawn({
+            let space = space.clone();
+            move || space.hold().unwrap()
+        });
+        space.wipe_memory().unwrap();
+        assert!(!segment.exists());
+        drop(lock);
+        let held = joining.join().unwrap();
+        assert!(matches!(space.memory_use().unwrap(), MemoryUse::Used));
+        drop(held);
+        space.wipe_memory().unwrap();
+        assert_eq!(of_this(), [] as [&str; 0]);
+    }
 
     #[test]
     fn long_roots_and_odd_prefixes_are_refused_with_the_limit() {

@@ -9,6 +9,7 @@ use mcap_log::ReadProgress;
 use super::error::LatencyError;
 use super::of_log::{Measured, of_log};
 use mission::{self, MissionOptions};
+use platform::scratch::Scratch;
 use scenario::ResolvedScenario;
 use scenario::kind::Kind;
 
@@ -35,13 +36,10 @@ pub fn run(
     kinds: &[Kind],
     options: &RunOptions,
 ) -> Result<(Measured, bool), LatencyError> {
-    let folder = tempfile::Builder::new()
-        .prefix("protean-latency-")
-        .tempdir()
-        .map_err(|source| LatencyError::System {
-            what: "cannot create a temporary directory".to_owned(),
-            source,
-        })?;
+    let folder = Scratch::create().map_err(|source| LatencyError::System {
+        what: "cannot create a temporary directory".to_owned(),
+        source,
+    })?;
     let log = options.log.clone();
     let log = log.unwrap_or_else(|| Path::join(folder.path(), "run.mcap"));
     let report = mission::run(

@@ -42,7 +42,6 @@ pub mod derived;
 mod error;
 pub mod fields;
 pub mod known;
-mod newest_state;
 mod origin;
 pub mod output;
 mod pattern;
@@ -58,7 +57,6 @@ pub use derived::DerivedError;
 pub use error::LogReadError;
 /// MCAP records that the reader returns.
 pub use mcap::records::{AttachmentHeader, MessageHeader, Metadata};
-pub use newest_state::newest_state;
 pub use origin::Origin;
 pub use pattern::Topics;
 pub use read_progress::ReadProgress;

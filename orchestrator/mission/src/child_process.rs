@@ -248,7 +248,7 @@ fn describe(executable: &Executable) -> String {
 }
 
 /// Describes an exit status in words.
-pub fn describe_exit(status: ExitStatus) -> String {
+pub(super) fn describe_exit(status: ExitStatus) -> String {
     match (status.code(), status.signal()) {
         (Some(code), _) => format!("ended with exit code {code}"),
         (None, Some(signal)) => format!("was ended by signal {signal}"),

@@ -19,7 +19,6 @@ mod external_bridge;
 pub mod fields_of_view;
 pub mod in_process;
 mod launch;
-mod lost_memory;
 mod obstacle_schedule;
 mod orphans;
 mod output_lines;

@@ -6,7 +6,7 @@
 //! processes with another environment. The orchestrator is therefore a "child subreaper": it becomes the parent of
 //! every descendant whose own parent ends, and kills its last children when its last run ends.
 
-use std::io::Result;
+use std::io::{Error, ErrorKind, Result};
 use std::os::fd::{AsFd as _, OwnedFd};
 use std::path::Path;
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -23,8 +23,7 @@ use rustix::process::{
 
 /// Maximum number of searches for living processes.
 const MAX_SEARCHES: u32 = 16;
-/// Maximum time until killed processes are gone. A process that the system does not end by then (of another user,
-/// or in an operation of a broken device) is ignored.
+/// Maximum time until killed processes are gone. The system ends a process in an operation of a broken device later.
 const EXIT_TIMEOUT: Duration = Duration::from_secs(2);
 
 /// Runs of this process, and its children if it is a subreaper.
@@ -90,7 +89,7 @@ pub(super) fn end_run(root: &Path) -> Result<()> {
 /// Kills every living process of a run and returns their ids.
 ///
 /// # Errors
-/// The error of the system if they cannot be found: some may live.
+/// The error of the system if they cannot be found or ended: some may live.
 pub(super) fn kill_run(root: &Path) -> Result<Vec<u32>> {
     kill_all(|config| config.parent() == Some(root))
 }
@@ -98,7 +97,7 @@ pub(super) fn kill_run(root: &Path) -> Result<Vec<u32>> {
 /// Kills every process with this configuration.
 ///
 /// # Errors
-/// The error of the system if they cannot be found: some may live.
+/// The error of the system if they cannot be found or ended: some may live.
 pub(super) fn kill_with_config(config: &Path) -> Result<()> {
     kill_all(|its| its == config).map(drop)
 }
@@ -120,8 +119,8 @@ fn kill_all(is_wanted: impl Fn(&Path) -> bool) -> Result<Vec<u32>> {
             // Checked again: the descriptor prevents the reuse of the id.
             if let Some(end) = open(pid)?
                 && is_wanted(pid)?
-                && pidfd_send_signal(&end, Signal::KILL).is_ok()
             {
+                kill(&end)?;
                 killed.push(pid);
                 ends.push(end);
             }
@@ -129,7 +128,10 @@ fn kill_all(is_wanted: impl Fn(&Path) -> bool) -> Result<Vec<u32>> {
         if ends.is_empty() {
             break;
         }
-        await_ends(&ends, Instant::now() + EXIT_TIMEOUT);
+        if !await_ends(&ends, Instant::now() + EXIT_TIMEOUT) {
+            let text = format!("processes {killed:?} were killed and have not ended");
+            return Err(Error::new(ErrorKind::TimedOut, text));
+        }
     }
     let mut killed: Vec<u32> = killed.into_iter().map(i32::unsigned_abs).collect();
     killed.sort_unstable();
@@ -147,7 +149,8 @@ fn kill_until_none(deadline: Instant, find: impl Fn() -> Result<Vec<i32>>) -> Re
             return Ok(());
         }
         for end in &ends {
-            let _ = pidfd_send_signal(end, Signal::KILL);
+            // One of another user is only waited for.
+            let _ = kill(end);
         }
         await_ends(&ends, deadline);
     }
@@ -165,16 +168,33 @@ fn open(pid: i32) -> Result<Option<OwnedFd>> {
     }
 }
 
-/// Waits until killed processes have ended, and reaps the children of this process among them.
-fn await_ends(ends: &[OwnedFd], deadline: Instant) {
+/// Kills a process, unless it has ended.
+fn kill(process: &OwnedFd) -> Result<()> {
+    match pidfd_send_signal(process, Signal::KILL) {
+        Ok(()) | Err(Errno::SRCH) => Ok(()),
+        Err(error) => Err(error.into()),
+    }
+}
+
+/// Waits until killed processes have ended, and reaps the children of this process among them. Returns `false` if one
+/// has not ended by the deadline.
+fn await_ends(ends: &[OwnedFd], deadline: Instant) -> bool {
+    let mut have_ended = true;
     for end in ends {
-        let left = deadline.saturating_duration_since(Instant::now());
-        let left = Timespec::try_from(left).unwrap_or_default();
-        // A signal only shortens the wait.
-        let _ = poll(&mut [PollFd::new(end, PollFlags::IN)], Some(&left));
+        let has_ended = loop {
+            let left = deadline.saturating_duration_since(Instant::now());
+            let timeout = Timespec::try_from(left).unwrap_or_default();
+            match poll(&mut [PollFd::new(end, PollFlags::IN)], Some(&timeout)) {
+                // A signal of this process shortens the wait.
+                Err(Errno::INTR) if !left.is_zero() => {}
+                ready => break ready.is_ok_and(|count| count > 0),
+            }
+        };
+        have_ended &= has_ended;
         let options = WaitIdOptions::EXITED | WaitIdOptions::NOHANG;
         let _ = waitid(WaitId::PidFd(end.as_fd()), options);
     }
+    have_ended
 }
 
 /// Returns the children of this process, including those that have ended.

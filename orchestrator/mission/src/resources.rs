@@ -19,11 +19,11 @@ use scenario::ResolvedScenario;
 pub struct RunResources {
     /// Plan of the run.
     pub plan: Plan,
-    /// Connection of the orchestrator to the topics.
-    pub bus: Bus,
     /// Tick barrier of the processes.
     pub barrier: Arc<TickBarrier>,
     topics: Vec<TopicHolder>,
+    /// Connection of the orchestrator to the topics. It holds the lock of the shared memory: dropped after all else in it.
+    pub bus: Bus,
     // Must be last: all resources of the run must be closed before it is removed.
     directory: RunDirectory,
 }
@@ -50,9 +50,9 @@ impl RunResources {
         let barrier = Arc::new(TickBarrier::create(space.prefix(), plan.launches.len())?);
         Ok(Self {
             plan,
-            bus,
             barrier,
             topics,
+            bus,
             directory,
         })
     }

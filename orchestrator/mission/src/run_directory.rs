@@ -3,18 +3,19 @@
 //!
 //! Every run has a directory below `$XDG_RUNTIME_DIR/protean` (or `/dev/shm/protean-<uid>`) with a random name and
 //! mode 0700. Its orchestrator keeps a lock file in it locked; the lock ends with the orchestrator in every case. The
-//! name is also the run's prefix in shared memory. The directory is created under another name and renamed once it
-//! is locked, so that a run without a lock is always an abandoned one.
+//! directory is created under another name and renamed once it is locked, so that a run without a lock is always an
+//! abandoned one. The name is also the run's prefix in shared memory, which has a lock of its own ([`MemoryUse`]): it
+//! tells the use of the memory by processes of other PID namespaces, and by runs whose directory is elsewhere.
+//!
+//! What cannot be read or locked for another reason than its use is kept and named.
 
-use std::fs::{DirBuilder, File, OpenOptions, Permissions};
-use std::io::ErrorKind;
+use std::fs::{DirBuilder, File, OpenOptions, Permissions, TryLockError};
+use std::io::{self, ErrorKind};
 use std::os::unix::fs::{DirBuilderExt, MetadataExt, OpenOptionsExt, PermissionsExt};
 use std::path::{Path, PathBuf};
 
-use ipc_types::bus::{BusError, RunSpace};
-use rustix::fs::{FlockOperation, flock};
+use ipc_types::bus::{BusError, MemoryUse, RunSpace};
 
-use super::lost_memory;
 use super::orphans;
 
 /// File that the orchestrator of a run keeps locked.
@@ -23,6 +24,8 @@ const LOCK: &str = "lock";
 const RUN: &str = "r";
 /// Prefix of the names of directories under construction.
 const NEW: &str = "tmp-";
+/// Prefix of the names of all runs in shared memory.
+const MEMORY: &str = "protean_";
 /// Maximum number of attempts to create a directory, since `clean` may remove an unlocked one.
 const MAX_ATTEMPTS: u32 = 100;
 
@@ -73,7 +76,7 @@ pub enum RunDirectoryError {
     Name(#[from] BusError),
 }
 
-fn io(path: &Path) -> impl FnOnce(std::io::Error) -> RunDirectoryError {
+fn failed(path: &Path) -> impl FnOnce(io::Error) -> RunDirectoryError {
     let path = path.to_owned();
     move |source| RunDirectoryError::Io { path, source }
 }
@@ -95,7 +98,7 @@ pub(crate) fn base() -> PathBuf {
 /// Creates the directory if it is missing.
 fn make_private(path: &Path) -> Result<(), RunDirectoryError> {
     match DirBuilder::new().mode(0o700).create(path) {
-        Err(e) if e.kind() != std::io::ErrorKind::AlreadyExists => Err(io(path)(e)),
+        Err(e) if e.kind() != ErrorKind::AlreadyExists => Err(failed(path)(e)),
         _ => Ok(()),
     }
 }
@@ -103,7 +106,7 @@ fn make_private(path: &Path) -> Result<(), RunDirectoryError> {
 /// Checks that no other user can read the directories of runs.
 fn check_owner(path: &Path) -> Result<(), RunDirectoryError> {
     let user = rustix::process::getuid().as_raw();
-    let found = path.symlink_metadata().map_err(io(path))?;
+    let found = path.symlink_metadata().map_err(failed(path))?;
     let is_open = found.is_dir() && found.mode() & 0o077 != 0;
     if found.uid() == user && !is_open {
         return Ok(());
@@ -124,7 +127,7 @@ fn check_above(path: &Path) -> Result<(), RunDirectoryError> {
         Some(above) if !above.as_os_str().is_empty() => above,
         _ => Path::new("."),
     };
-    let found = above.metadata().map_err(io(above))?;
+    let found = above.metadata().map_err(failed(above))?;
     let ours = [0, user].contains(&found.uid());
     let shared = found.mode() & 0o002 != 0 && found.mode() & 0o1000 == 0;
     if ours && !shared {
@@ -181,19 +184,19 @@ impl RunDirectory {
             // By default, `tempfile` gives the permissions of the umask.
             .permissions(Permissions::from_mode(0o700))
             .tempdir_in(base)
-            .map_err(io(base))?;
+            .map_err(failed(base))?;
         let path = new.path().join(LOCK);
         let lock = OpenOptions::new()
             .create_new(true)
             .write(true)
             .mode(0o600)
             .open(&path)
-            .map_err(io(&path))?;
-        flock(&lock, FlockOperation::NonBlockingLockExclusive).map_err(|e| io(&path)(e.into()))?;
+            .map_err(failed(&path))?;
+        lock.try_lock().map_err(|e| failed(&path)(e.into()))?;
         let name = new.path().file_name().unwrap_or_default();
         let root = base.join(name.to_string_lossy().replace(NEW, RUN));
         let space = run_space(&root)?;
-        std::fs::rename(new.path(), &root).map_err(io(&root))?;
+        std::fs::rename(new.path(), &root).map_err(failed(&root))?;
         // It has another name now and is not temporary.
         let _ = new.keep();
         orphans::begin_run();
@@ -225,7 +228,7 @@ fn run_space(root: &Path) -> Result<RunSpace, BusError> {
         .file_name()
         .map(|n| n.to_string_lossy().into_owned())
         .unwrap_or_default();
-    RunSpace::new(root, format!("protean_{name}_"))
+    RunSpace::new(root, format!("{MEMORY}{name}_"))
 }
 
 /// A run directory found by `clean`.
@@ -244,24 +247,24 @@ pub enum FoundDirectory {
     Failed(PathBuf, String),
 }
 
-/// Removes every run of this user whose orchestrator has ended: processes, shared memory and files.
+impl FoundDirectory {
+    /// Returns the directory of the run, or the beginning of the names of its shared memory.
+    fn path(&self) -> &Path {
+        match self {
+            Self::Alive(path) | Self::Removed { root: path, .. } | Self::Failed(path, _) => path,
+        }
+    }
+}
+
+/// Removes every run of this user whose orchestrator has ended: processes, shared memory and files. Runs with another
+/// directory than [`base`] are removed from shared memory once none of their processes lives.
 ///
 /// # Errors
-/// [`RunDirectoryError`] if the base directory is unusable; the result contains parts that could not be removed.
+/// [`RunDirectoryError`] if the runs cannot be listed; the result contains parts that could not be removed.
 pub fn clean() -> Result<Vec<FoundDirectory>, RunDirectoryError> {
     let base = base();
     let mut found = clean_below(&base)?;
-    // Unknown means that it exists.
-    match lost_memory::remove(|run| base.join(run).try_exists().unwrap_or(true)) {
-        Ok(lost) => found.extend(lost.into_iter().map(|root| FoundDirectory::Removed {
-            root,
-            killed: Vec::new(),
-        })),
-        Err(error) => found.push(FoundDirectory::Failed(
-            PathBuf::from("/dev/shm"),
-            error.to_string(),
-        )),
-    }
+    found.extend(clean_memory(&base, MEMORY, &found)?);
     Ok(found)
 }
 
@@ -271,58 +274,114 @@ fn clean_below(base: &Path) -> Result<Vec<FoundDirectory>, RunDirectoryError> {
     let entries = match std::fs::read_dir(base) {
         // No run has started yet.
         Err(e) if e.kind() == ErrorKind::NotFound => return Ok(Vec::new()),
-        entries => entries.map_err(io(base))?,
+        entries => entries.map_err(failed(base))?,
     };
     check_owner(base)?;
-    let mut roots: Vec<PathBuf> = entries
-        .flatten()
-        .map(|entry| entry.path())
-        .filter(|path| path.is_dir())
-        .collect();
+    let mut roots = Vec::new();
+    for entry in entries {
+        let entry = entry.map_err(failed(base))?;
+        match entry.file_type() {
+            Ok(kind) => roots.extend(kind.is_dir().then(|| entry.path())),
+            Err(e) if e.kind() == ErrorKind::NotFound => {}
+            Err(e) => return Err(failed(&entry.path())(e)),
+        }
+    }
     roots.sort();
     Ok(roots.into_iter().filter_map(clean_one).collect())
+}
+
+/// Removes the shared memory of runs that no process uses and that have no directory in `base`, as far as their names
+/// begin with `beginning`; those in `known` are left out.
+fn clean_memory(
+    base: &Path,
+    beginning: &str,
+    known: &[FoundDirectory],
+) -> Result<Vec<FoundDirectory>, RunDirectoryError> {
+    let memory = Path::new("/dev/shm");
+    let prefixes = RunSpace::prefixes_in_memory(beginning).map_err(failed(memory))?;
+    let mut found = Vec::new();
+    for prefix in prefixes {
+        let name = prefix.strip_prefix(MEMORY).unwrap_or(&prefix);
+        let root = base.join(name.trim_end_matches('_'));
+        if known.iter().any(|run| run.path() == root) {
+            continue;
+        }
+        let wipe = || -> io::Result<bool> {
+            let space = RunSpace::new(root, &*prefix).map_err(io::Error::other)?;
+            let MemoryUse::Unused(_lock) = space.memory_use()? else {
+                return Ok(false);
+            };
+            space.wipe_memory().map(|()| true)
+        };
+        let path = memory.join(&prefix);
+        match wipe() {
+            Ok(true) => found.push(removed(path, Vec::new())),
+            Ok(false) => {}
+            Err(error) => {
+                let reason = format!("kept, since its lock cannot be used: {error}");
+                found.push(FoundDirectory::Failed(path, reason));
+            }
+        }
+    }
+    Ok(found)
+}
+
+fn removed(root: PathBuf, killed: Vec<u32>) -> FoundDirectory {
+    FoundDirectory::Removed { root, killed }
 }
 
 /// Cleans a directory if its orchestrator has ended. Returns `None` if it is not a run, or not any more.
 fn clean_one(root: PathBuf) -> Option<FoundDirectory> {
     let name = root.file_name()?.to_string_lossy();
-    if name.starts_with(NEW) {
-        match lock_of(&root) {
-            Lock::Held => {}
-            // Removed only if empty: its owner may be about to lock it, and then creates another one.
-            Lock::Missing => drop(std::fs::remove_dir(&root)),
-            Lock::Taken(_lock) => drop(std::fs::remove_dir_all(&root)),
-        }
+    let cleaned = if name.starts_with(NEW) {
+        clean_new(&root).map(|()| None)
+    } else if name.starts_with(RUN) {
+        clean_run(&root)
+    } else {
         return None;
-    }
-    if !name.starts_with(RUN) {
-        return None;
-    }
-    let lock = lock_of(&root);
-    if matches!(lock, Lock::Held) {
-        return Some(FoundDirectory::Alive(root));
-    }
-    if !root.is_dir() {
-        // The run ended in order at this moment.
-        return None;
-    }
-    Some(match remove(&root) {
-        Ok(killed) => FoundDirectory::Removed { root, killed },
-        Err(reason) => FoundDirectory::Failed(root, reason),
-    })
+    };
+    cleaned.unwrap_or_else(|error| Some(FoundDirectory::Failed(root, error.to_string())))
 }
 
-/// Removes a run whose orchestrator has ended, unless one of its processes may live. Returns the killed processes.
-fn remove(root: &Path) -> Result<Vec<u32>, String> {
-    let space = run_space(root).map_err(|e| e.to_string())?;
-    let killed = orphans::kill_run(root).map_err(|e| e.to_string())?;
-    space.wipe().map_err(|e| e.to_string())?;
-    Ok(killed)
+/// Removes a directory under construction, unless its owner lives.
+fn clean_new(root: &Path) -> io::Result<()> {
+    let cleaned = match lock_of(root)? {
+        Lock::Held => return Ok(()),
+        // Removed only if empty: its owner may be about to lock it, and then creates another one.
+        Lock::Missing => std::fs::remove_dir(root),
+        Lock::Taken(_lock) => std::fs::remove_dir_all(root),
+    };
+    match cleaned {
+        Err(e) if !matches!(e.kind(), ErrorKind::NotFound | ErrorKind::DirectoryNotEmpty) => Err(e),
+        _ => Ok(()),
+    }
+}
+
+/// Removes a run whose orchestrator has ended, unless one of its processes may live.
+fn clean_run(root: &Path) -> io::Result<Option<FoundDirectory>> {
+    let alive = || Ok(Some(FoundDirectory::Alive(root.to_owned())));
+    let lock = lock_of(root)?;
+    let space = run_space(root).map_err(io::Error::other)?;
+    match &lock {
+        Lock::Held => return alive(),
+        // The run ended in order at this moment.
+        Lock::Missing if !root.try_exists()? => return Ok(None),
+        Lock::Missing if matches!(space.memory_use()?, MemoryUse::Used) => return alive(),
+        _ => {}
+    }
+    let killed = orphans::kill_run(root)?;
+    let memory = space.memory_use()?;
+    if matches!(memory, MemoryUse::Used) {
+        // By a process of another PID namespace, which ends with its orchestrator.
+        return alive();
+    }
+    space.wipe()?;
+    Ok(Some(removed(root.to_owned(), killed)))
 }
 
 /// State of the lock in a directory.
 enum Lock {
-    /// Its orchestrator is alive, or the lock is unreadable: the run must not be changed.
+    /// Its orchestrator is alive: the run must not be changed.
     Held,
     /// It was free, and this process holds it now.
     Taken(File),
@@ -330,14 +389,25 @@ enum Lock {
     Missing,
 }
 
-fn lock_of(root: &Path) -> Lock {
-    match OpenOptions::new().write(true).open(root.join(LOCK)) {
-        Ok(lock) => match flock(&lock, FlockOperation::NonBlockingLockExclusive) {
-            Ok(()) => Lock::Taken(lock),
-            Err(_) => Lock::Held,
-        },
-        Err(e) if e.kind() == ErrorKind::NotFound => Lock::Missing,
-        Err(_) => Lock::Held,
+/// Returns the state of a lock.
+///
+/// # Errors
+/// The error of the system if it is unknown: the run must not be changed.
+fn lock_of(root: &Path) -> io::Result<Lock> {
+    let unknown = |error: io::Error| {
+        io::Error::new(
+            error.kind(),
+            format!("kept, since its lock cannot be used: {error}"),
+        )
+    };
+    let lock = match OpenOptions::new().write(true).open(root.join(LOCK)) {
+        Err(e) if e.kind() == ErrorKind::NotFound => return Ok(Lock::Missing),
+        lock => lock.map_err(unknown)?,
+    };
+    match lock.try_lock() {
+        Ok(()) => Ok(Lock::Taken(lock)),
+        Err(TryLockError::WouldBlock) => Ok(Lock::Held),
+        Err(TryLockError::Error(error)) => Err(unknown(error)),
     }
 }
 

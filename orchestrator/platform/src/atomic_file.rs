@@ -1,11 +1,23 @@
 //! Files that are written completely or not at all.
+//!
+//! Until it is committed, a file has no name (`O_TMPFILE`): the system removes it with its process, also after `kill -9`.
+//! Only the replacement of an existing file gives it a temporary name, for the moment between two system calls, and file
+//! systems without `O_TMPFILE` need one from the beginning. Its process keeps a file with a temporary name locked, and
+//! the next file that needs one in the directory removes those that no process has locked.
 
-use std::fs::Permissions;
+use std::fs::{File, OpenOptions, Permissions, TryLockError};
 use std::io::{self, Seek, SeekFrom, Write};
-use std::os::unix::fs::PermissionsExt as _;
+use std::os::fd::AsRawFd as _;
+use std::os::unix::fs::{MetadataExt as _, OpenOptionsExt as _, PermissionsExt as _};
 use std::path::{Path, PathBuf};
 
-use tempfile::NamedTempFile;
+use rustix::fs::{AtFlags, CWD, OFlags, linkat};
+use tempfile::TempPath;
+
+use crate::own_file;
+
+/// Beginning and end of temporary names.
+const TEMPORARY: (&str, &str) = (".protean-", ".partial");
 
 use super::presence;
 
@@ -34,13 +46,14 @@ pub enum Readers {
     All,
 }
 
-/// A file that appears at its path when it is committed. Until then the data are in a temporary file beside
-/// it, and an existing file stays unchanged.
+/// A file that appears at its path when it is committed. Until then an existing file stays unchanged.
 #[derive(Debug)]
 pub struct AtomicFile {
     path: PathBuf,
     existing: Existing,
-    file: NamedTempFile,
+    file: File,
+    /// Its temporary name, if the file system needs one.
+    name: Option<TempPath>,
 }
 
 impl AtomicFile {
@@ -53,18 +66,21 @@ impl AtomicFile {
         if existing == Existing::Keep && presence::entry(path)?.is_some() {
             return Err(io::ErrorKind::AlreadyExists.into());
         }
-        let file = tempfile::Builder::new()
-            .prefix(".protean-")
-            // The operating system applies the umask.
-            .permissions(Permissions::from_mode(match readers {
-                Readers::Owner => 0o600,
-                Readers::All => 0o666,
-            }))
-            .tempfile_in(folder_of(path))?;
+        // The operating system applies the umask.
+        let mode = match readers {
+            Readers::Owner => 0o600,
+            Readers::All => 0o666,
+        };
+        let folder = folder_of(path);
+        let (file, name) = match unnamed(folder, mode) {
+            Ok(file) => (file, None),
+            Err(_) => named(folder, mode).map(|(file, name)| (file, Some(name)))?,
+        };
         Ok(Self {
             path: path.to_owned(),
             existing,
             file,
+            name,
         })
     }
 
@@ -73,7 +89,7 @@ impl AtomicFile {
     /// # Errors
     /// The error of the operating system.
     pub fn size(&self) -> io::Result<u64> {
-        Ok(self.file.as_file().metadata()?.len())
+        Ok(self.file.metadata()?.len())
     }
 
     /// Moves the complete file to its path atomically.
@@ -81,10 +97,25 @@ impl AtomicFile {
     /// # Errors
     /// As [`AtomicFile::create`].
     pub fn commit(self) -> io::Result<()> {
-        self.file.as_file().sync_all()?;
+        self.file.sync_all()?;
+        let name = match self.name {
+            Some(name) => name,
+            None => match (link(&self.file, &self.path), self.existing) {
+                (Err(e), Existing::Replace) if e.kind() == io::ErrorKind::AlreadyExists => {
+                    // No system call replaces a file by one without a name.
+                    let folder = folder_of(&self.path);
+                    remove_abandoned(folder);
+                    // Before the file has a name. Without locks no file is taken for abandoned.
+                    let _ = self.file.try_lock();
+                    let link = |name: &Path| link(&self.file, name);
+                    builder().make_in(folder, link)?.into_temp_path()
+                }
+                (linked, _) => return linked,
+            },
+        };
         match self.existing {
-            Existing::Replace => self.file.persist(&self.path),
-            Existing::Keep => self.file.persist_noclobber(&self.path),
+            Existing::Replace => name.persist(&self.path),
+            Existing::Keep => name.persist_noclobber(&self.path),
         }?;
         Ok(())
     }
@@ -103,6 +134,67 @@ impl Write for AtomicFile {
 impl Seek for AtomicFile {
     fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
         self.file.seek(to)
+    }
+}
+
+/// Creates a file without a name in a directory.
+fn unnamed(folder: &Path, mode: u32) -> io::Result<File> {
+    let file = OpenOptions::new()
+        .read(true)
+        .write(true)
+        .mode(mode)
+        .custom_flags(OFlags::TMPFILE.bits().cast_signed())
+        .open(folder)?;
+    // Without `/proc` it would never get a name.
+    std::fs::symlink_metadata(descriptor(&file)).map(|_| file)
+}
+
+/// Gives a file without a name this one.
+fn link(file: &File, path: &Path) -> io::Result<()> {
+    let flags = AtFlags::SYMLINK_FOLLOW;
+    Ok(linkat(CWD, descriptor(file), CWD, path, flags)?)
+}
+
+/// Returns the path of an open file.
+fn descriptor(file: &File) -> String {
+    format!("/proc/self/fd/{}", file.as_raw_fd())
+}
+
+fn builder() -> tempfile::Builder<'static, 'static> {
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(TEMPORARY.0).suffix(TEMPORARY.1);
+    builder
+}
+
+/// Creates a file with a temporary name in a directory, and locks it where the file system can.
+fn named(folder: &Path, mode: u32) -> io::Result<(File, TempPath)> {
+    remove_abandoned(folder);
+    loop {
+        let (file, name) = builder()
+            .permissions(Permissions::from_mode(mode))
+            .tempfile_in(folder)?
+            .into_parts();
+        // Until it is locked, another process may take it for abandoned.
+        let is_taken = matches!(file.try_lock(), Err(TryLockError::WouldBlock));
+        if !is_taken && file.metadata()?.nlink() > 0 {
+            return Ok((file, name));
+        }
+    }
+}
+
+/// Removes the files of this user in a directory that have a temporary name and no process.
+fn remove_abandoned(folder: &Path) {
+    // What cannot be read or locked may have one.
+    for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
+        let name = entry.file_name();
+        let name = name.as_encoded_bytes();
+        if name.starts_with(TEMPORARY.0.as_bytes())
+            && name.ends_with(TEMPORARY.1.as_bytes())
+            && let Ok(file) = own_file::open(&entry.path(), OpenOptions::new().write(true))
+            && file.try_lock().is_ok()
+        {
+            let _ = std::fs::remove_file(entry.path());
+        }
     }
 }
 
@@ -161,6 +253,8 @@ mod tests {
         let mut file = create(Existing::Keep).unwrap();
         file.write_all(b"one").unwrap();
         assert!(!path.exists());
+        let is_unnamed = file.name.is_none();
+        assert_eq!(names(folder.path()).is_empty(), is_unnamed);
         file.commit().unwrap();
         assert_eq!(
             fs::metadata(&path).unwrap().permissions().mode() & 0o777,
@@ -173,6 +267,30 @@ mod tests {
         drop(file);
         assert_eq!(fs::read(&path).unwrap(), b"one", "never committed");
         assert_eq!(names(folder.path()), ["a"], "no temporary file is left");
+    }
+
+    #[test]
+    fn temporary_names_without_a_process_are_removed_and_others_kept() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = |name: &str| folder.path().join(name);
+        let (locked, abandoned) = (path(".protean-a.partial"), path(".protean-b.partial"));
+        let other = path(".protean-c");
+        for path in [&locked, &abandoned, &other, &path("out")] {
+            fs::write(path, "text").unwrap();
+        }
+        let lock = File::open(&locked).unwrap();
+        lock.lock().unwrap();
+        save(b"new", &path("out")).unwrap();
+        assert_eq!(fs::read(path("out")).unwrap(), b"new");
+        assert!(locked.exists() && other.exists() && !abandoned.exists());
+        // As on a file system that needs a name.
+        fs::write(&abandoned, "text").unwrap();
+        let (file, name) = named(folder.path(), 0o600).unwrap();
+        assert!(!abandoned.exists());
+        drop(named(folder.path(), 0o600).unwrap());
+        assert!(name.exists(), "it is locked");
+        drop((file, name));
+        assert_eq!(names(folder.path()).len(), 3, "{:?}", names(folder.path()));
     }
 
     #[test]

@@ -1,8 +1,5 @@
 //! Open files: their limit, and their inheritance by started processes.
 
-use std::os::unix::process::CommandExt as _;
-use std::process::Command;
-
 use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
 
 /// Raises the limit of open files to the hard limit, for this process and its children. A mission has
@@ -25,20 +22,6 @@ pub fn available() -> u64 {
     limit.map_or(u64::MAX, |limit| limit.saturating_sub(OWN))
 }
 
-/// Makes a command start its program with only standard input, output and error open.
-#[expect(unsafe_code, reason = "the child runs it between fork and exec")]
-pub fn inherit_only_standard_streams(command: &mut Command) {
-    let mark = || {
-        close_on_exec();
-        Ok(())
-    };
-    // SAFETY: between fork and exec the child makes one system call, which is safe after a fork of a program
-    // with threads: it takes no lock and allocates no memory.
-    unsafe {
-        command.pre_exec(mark);
-    }
-}
-
 /// Marks all descriptors of this process except standard input, output and error to be closed when it executes
 /// another program.
 ///
@@ -59,42 +42,5 @@ pub(crate) fn close_on_exec() {
             libc::c_uint::MAX,
             libc::CLOSE_RANGE_CLOEXEC,
         );
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use std::os::fd::AsRawFd as _;
-
-    use super::*;
-
-    #[test]
-    fn only_the_standard_descriptors_are_inherited() {
-        let file = tempfile::tempfile().unwrap();
-        rustix::io::fcntl_setfd(&file, rustix::io::FdFlags::empty()).unwrap();
-        let listing = |command: &mut Command| {
-            let output = command.output().unwrap();
-            assert!(output.status.success());
-            String::from_utf8(output.stdout).unwrap()
-        };
-        let list = || {
-            let mut command = Command::new("sh");
-            // Not the descriptor of the listed directory, which is closed by then.
-            let script =
-                r#"for fd in /proc/$$/fd/*; do test -e "$fd" && echo "${fd##*/}"; done; true"#;
-            command.args(["-c", script]);
-            command
-        };
-        let number = file.as_raw_fd().to_string();
-        let inherited = listing(&mut list());
-        assert!(inherited.lines().any(|fd| fd == number), "{inherited}");
-        let mut command = list();
-        inherit_only_standard_streams(&mut command);
-        assert_eq!(listing(&mut command), "0\n1\n2\n");
-        // A missing program is still reported.
-        let mut command = Command::new("./there-is-no-such-program");
-        inherit_only_standard_streams(&mut command);
-        let error = command.spawn().unwrap_err();
-        assert_eq!(error.kind(), std::io::ErrorKind::NotFound);
     }
 }

@@ -13,6 +13,7 @@ pub mod presence;
 pub mod proc;
 pub mod program;
 pub mod progress;
+pub mod scratch;
 pub mod shell;
 pub mod signals;
 pub mod spawn;

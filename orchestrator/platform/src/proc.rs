@@ -2,10 +2,9 @@
 
 use std::ffi::{OsStr, OsString};
 use std::io::{Error, Result};
-use std::path::PathBuf;
 use std::time::Duration;
 
-use procfs::process::{MMapPath, Process, all_processes};
+use procfs::process::{Process, all_processes};
 use procfs::{ProcError, ProcResult};
 use rustix::io::Errno;
 
@@ -83,44 +82,6 @@ pub fn stat(pid: i32) -> Result<Option<Stat>> {
 pub fn variable(pid: i32, name: &str) -> Result<Option<OsString>> {
     let environment = Process::new(pid).and_then(|process| process.environ());
     Ok(existing(environment)?.and_then(|mut all| all.remove(OsStr::new(name))))
-}
-
-/// Returns the files that the processes of a user have mapped. Processes whose maps are unreadable are left out: they
-/// have other rights than this one, which a process of Protean never has.
-///
-/// # Errors
-/// The error of the system if the maps of another process of this program cannot be read: a list without it would be
-/// wrong.
-pub fn files_mapped_by(user: u32) -> Result<Vec<PathBuf>> {
-    let own = Process::myself()
-        .and_then(|own| own.stat())
-        .map_err(error)?
-        .comm;
-    let mut files = Vec::new();
-    for process in all_processes().map_err(error)? {
-        let Some(process) = existing(process)? else {
-            continue;
-        };
-        if existing(process.uid())? != Some(user) {
-            continue;
-        }
-        let maps = match process.maps() {
-            Err(ProcError::PermissionDenied(_)) => {
-                let name = existing(process.stat())?.map(|stat| stat.comm);
-                if name.as_ref() == Some(&own) {
-                    return Err(Errno::PERM.into());
-                }
-                continue;
-            }
-            maps => existing(maps)?,
-        };
-        for map in maps.into_iter().flatten() {
-            if let MMapPath::Path(path) = map.pathname {
-                files.push(path);
-            }
-        }
-    }
-    Ok(files)
 }
 
 fn stat_of(process: &Process) -> ProcResult<Stat> {

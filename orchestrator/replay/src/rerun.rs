@@ -16,6 +16,7 @@ use crate::origin::scenario_of;
 use log_tools::{Comparison, Difference, compare};
 use mission::in_process::{self, InProcessOptions};
 use mission::{self, MissionError, MissionOptions, MissionReport};
+use platform::scratch::Scratch;
 use scenario::ResolvedScenario;
 use scenario::kind::Kind;
 
@@ -106,7 +107,7 @@ pub fn rerun(
     refuse_external(log, &scenario, options.allow_external)?;
     // The repetition has no viewers.
     scenario.log.viewer_rate_hz = 0.0;
-    let folder = tempfile::tempdir().map_err(|source| MissionError::System {
+    let folder = Scratch::create().map_err(|source| MissionError::System {
         what: "cannot create a temporary directory".into(),
         source,
     })?;

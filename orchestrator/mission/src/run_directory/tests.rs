@@ -50,17 +50,48 @@ fn only_a_lock_that_is_free_or_missing_means_that_a_run_is_abandoned() {
     File::create(half_made.join(LOCK)).unwrap();
     root("tmp-5");
     root("other");
-    let removed = |root| FoundDirectory::Removed {
-        root,
-        killed: Vec::new(),
-    };
+    // A directory under construction, also with an unreadable lock.
+    let unknown_new = root("tmp-6");
+    std::fs::create_dir(unknown_new.join(LOCK)).unwrap();
+    let reason = "kept, since its lock cannot be used: Is a directory (os error 21)".to_owned();
     let expected = [
-        FoundDirectory::Alive(unknown),
-        removed(free),
-        removed(missing),
+        FoundDirectory::Failed(unknown, reason.clone()),
+        removed(free, Vec::new()),
+        removed(missing, Vec::new()),
+        FoundDirectory::Failed(unknown_new, reason),
     ];
     assert_eq!(clean_below(&base).unwrap(), expected);
-    assert_eq!(names(&base), ["other", "r1"]);
+    assert_eq!(names(&base), ["other", "r1", "tmp-6"]);
+}
+
+#[test]
+fn memory_of_a_run_with_another_directory_is_removed_once_no_process_uses_it() {
+    let directory = tempfile::tempdir().unwrap();
+    let base = directory.path().join("protean");
+    let id = std::process::id();
+    let memory = |name: &str| {
+        let path = PathBuf::from(format!("/dev/shm/protean_rM{id}{name}"));
+        std::fs::write(&path, "").unwrap();
+        path
+    };
+    let used = [memory("a_turn"), memory("a_lock")];
+    let unused = [memory("b_turn"), memory("b_lock")];
+    let without_lock = memory("c_turn");
+    let lock = File::open(&used[1]).unwrap();
+    lock.lock_shared().unwrap();
+    let clean =
+        |known: &[FoundDirectory]| clean_memory(&base, &format!("protean_rM{id}"), known).unwrap();
+    let of = |name: &str| PathBuf::from(format!("/dev/shm/protean_rM{id}{name}_"));
+    // Its directory was examined before.
+    let known = FoundDirectory::Alive(base.join(format!("rM{id}b")));
+    assert_eq!(clean(&[known]), []);
+    assert_eq!(clean(&[]), [removed(of("b"), Vec::new())]);
+    assert!(unused.iter().all(|path| !path.exists()));
+    assert!(used.iter().all(|path| path.exists()));
+    drop(lock);
+    assert_eq!(clean(&[]), [removed(of("a"), Vec::new())]);
+    assert!(without_lock.exists());
+    std::fs::remove_file(without_lock).unwrap();
 }
 
 #[test]

@@ -7,16 +7,18 @@ use serde_json::json;
 
 use super::output::{EXIT_FAILED, print, print_json};
 use mission::run_directory::{self, FoundDirectory};
+use platform::scratch;
 
 /// Removes the remains of killed runs and lists them.
 pub(super) fn clean(as_json: bool) -> ExitCode {
-    let found = match run_directory::clean() {
+    let mut found = match run_directory::clean() {
         Ok(found) => found,
         Err(error) => {
             eprintln!("error: {error}");
             return ExitCode::from(EXIT_FAILED);
         }
     };
+    found.extend(scratch_directories());
     let failed = found
         .iter()
         .any(|f| matches!(f, FoundDirectory::Failed(..)));
@@ -58,5 +60,23 @@ pub(super) fn clean(as_json: bool) -> ExitCode {
         ExitCode::from(EXIT_FAILED)
     } else {
         ExitCode::SUCCESS
+    }
+}
+
+/// Removes the scratch directories of killed commands.
+fn scratch_directories() -> Vec<FoundDirectory> {
+    let entry = |(root, error): (_, Option<std::io::Error>)| match error {
+        None => FoundDirectory::Removed {
+            root,
+            killed: Vec::new(),
+        },
+        Some(error) => FoundDirectory::Failed(root, error.to_string()),
+    };
+    match scratch::clean() {
+        Ok(found) => found.into_iter().map(entry).collect(),
+        Err(error) => vec![FoundDirectory::Failed(
+            std::env::temp_dir(),
+            error.to_string(),
+        )],
     }
 }

@@ -13,7 +13,7 @@ pub(crate) const HEADINGS: [(&str, &[&str]); 6] = [
     ),
     ("Experiments", &["sweep", "reproduce"]),
     ("Planning", &["plan", "patrol", "coverage"]),
-    ("Health", &["latency", "chaos", "clean"]),
+    ("Health", &["latency", "clean"]),
     ("Other", &["schema", "completions", "help"]),
 ];
 

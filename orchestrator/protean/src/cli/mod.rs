@@ -1,7 +1,6 @@
 //! The command line.
 
 mod cat;
-mod chaos;
 mod check;
 mod clean;
 mod common;
@@ -133,9 +132,6 @@ enum Command {
     /// Measure the latency from world state to command, and its parts
     #[command(after_long_help = latency::HELP)]
     Latency(latency::LatencyArgs),
-    /// Inject faults into runs and check the guarantees
-    #[command(after_long_help = chaos::HELP)]
-    Chaos(chaos::ChaosArgs),
     /// Remove processes, shared memory and files of killed runs
     Clean {
         #[command(flatten)]
@@ -221,7 +217,7 @@ fn completions(shell: clap_complete::Shell) -> String {
         .map(|scenario| &*scenario.name.leak());
     let names = clap::builder::PossibleValuesParser::new(names);
     let mut program = program();
-    for command in ["run", "check", "chaos"] {
+    for command in ["run", "check"] {
         program = program.mut_subcommand(command, |command| {
             command.mut_arg("scenario", |argument| argument.value_parser(names.clone()))
         });
@@ -267,7 +263,6 @@ fn command(kinds: &'static [Kind], cli: Cli) -> ExitCode {
         Command::Patrol(command) => patrol::patrol(kinds, command),
         Command::Coverage(command) => coverage::coverage(kinds, &command),
         Command::Latency(args) => latency::run(kinds, &args),
-        Command::Chaos(args) => chaos::run(kinds, &args),
         Command::Clean { json } => clean::clean(json.json),
         Command::Schema { subject } => schema::schema(kinds, subject),
         Command::Completions { shell } => {
