@@ -7,14 +7,17 @@ import sys
 import tempfile
 import time
 import zipfile
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import pairwise
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, Protocol
 
-from ._core import Error, InvalidInput, missions_to_run, sweep_in_process
-from ._planner import ONLY_IN_PROCESS, Planner, placed
+from ._arguments import checked, refused
+from ._core import missions_to_run, sweep_in_process
+from ._errors import Error, InvalidInput
+from ._planner import ONLY_IN_PROCESS, Planner, placed, planners_of
 from ._program import json_of, overrides
 
 #: Parts of an experiment for each processor of this machine, if the caller does not say how many: a worker that is
@@ -33,9 +36,11 @@ class Future(Protocol):
 
     def done(self) -> bool:
         """True if it has ended."""
+        ...
 
     def result(self) -> Any:
         """Result of the call; raises what it raised."""
+        ...
 
 
 class Executor(Protocol):
@@ -43,6 +48,7 @@ class Executor(Protocol):
 
     def submit(self, call: Callable[..., Any], /, *arguments: Any) -> Future:
         """Begins a call."""
+        ...
 
 
 @dataclass(frozen=True, repr=False)
@@ -109,6 +115,7 @@ class _Task:
         return json_of(command + [flag for flag, given in flags.items() if given])
 
 
+@checked
 def sweep(
     experiment: str | os.PathLike[str],
     *,
@@ -116,10 +123,10 @@ def sweep(
     executor: Executor | None = None,
     shards: int | None = None,
     jobs: int | None = None,
-    seeds: range | None = None,
+    seeds: Sequence[int] | None = None,
     set: Mapping[str, Any] | None = None,
     in_process: bool = False,
-    planners: Mapping[str, Planner] | None = None,
+    planners: Mapping[str, Callable[..., Any]] | None = None,
     retry_failed: bool = False,
     allow_external: bool = False,
     allow_outside: bool = False,
@@ -146,14 +153,14 @@ def sweep(
     jobs
         Missions at once on this machine; the number of processors if None. Workers of an executor run one at a time.
     seeds
-        Seeds in the place of the experiment's, with step 1.
+        Seeds in the place of the experiment's: a range, a list or an array of consecutive whole numbers.
     set
         Values that replace those of every scenario, by their dotted keys.
     in_process
         True to run each mission in one thread: the same results, many times faster.
     planners
-        Planners in the place of those of the scenarios, by the name of a robot, a team or a process; with `in_process`
-        only.
+        Planners, also as mere functions or classes, in the place of those of the scenarios, by the name of a robot, a team or
+        a process; with `in_process` only.
     retry_failed
         True to run failed missions again.
     allow_external
@@ -198,17 +205,16 @@ def sweep(
     """
     if planners and not in_process:
         raise InvalidInput(ONLY_IN_PROCESS)
-    if seeds is not None and (seeds.step != 1 or not seeds):
-        raise InvalidInput(f"seeds: {seeds}; expected a range with step 1 that is not empty")
-    for name, count in {"shards": shards, "jobs": jobs}.items():
-        if count is not None and count < 1:
-            raise InvalidInput(f"{name}: {count}; expected at least 1")
+    if seeds is not None and any(after != before + 1 for before, after in pairwise(seeds)):
+        raise refused("seeds", seeds, "consecutive whole numbers, as range(1, 101)")
+    if executor is not None and not callable(getattr(executor, "submit", None)):
+        raise refused("executor", executor, "an object with submit(call, *arguments), as of concurrent.futures")
     task = _Task(
         experiment=os.fspath(Path(experiment).absolute()),
         seeds=None if seeds is None else f"{seeds[0]}..{seeds[-1]}",
         overrides=overrides(set),
         in_process=in_process,
-        planners=dict(planners or {}),
+        planners=planners_of(planners),
         allow_external=allow_external,
         allow_outside=allow_outside,
         retry_failed=retry_failed,
@@ -232,12 +238,17 @@ def _distribute(task: _Task, executor: Executor, out: Path, count: int, missing:
     try:
         while running:
             time.sleep(_INTERVAL)
-            for future in [future for future in running if future.done()]:
-                del running[future]
+            for future in list(running):
                 try:
-                    parts.append(future.result())
+                    if not future.done():
+                        continue
+                    part = future.result()
+                    # Whole, or the executor has returned something else.
+                    zipfile.ZipFile(io.BytesIO(part)).close()
+                    parts.append(part)
                 except Exception as error:  # What the executor or the part raised.
                     failures.append(error)
+                del running[future]
             now = time.monotonic()
             if now > next_merge:
                 _merge(parts, out)
