@@ -77,35 +77,32 @@ def flag(name: str, value: Any) -> bool:
 
 def text(name: str, value: Any) -> str:
     """Returns a text."""
-    if not isinstance(value, str):
+    if not _is_text(value):
         raise refused(name, value, "a text")
-    return value
+    found: str = value
+    return found
 
 
 def texts(name: str, value: Any) -> list[str]:
     """Returns a list of texts."""
     expected = "a list of names"
     found = list(_items(name, value, expected))
-    if not all(isinstance(item, str) for item in found):
+    if not all(map(_is_text, found)):
         raise refused(name, value, expected)
     return found
 
 
 def path(name: str, value: Any) -> str:
     """Returns a path, or the name of a built-in scenario."""
-    try:
-        found = os.fspath(value)
-        found.encode()
-    except (TypeError, AttributeError, UnicodeError):
-        raise refused(name, value, "a path") from None
-    if "\0" in found:
+    found = os.fspath(value) if isinstance(value, os.PathLike) else value
+    if not _is_text(found) or "\0" in found:
         raise refused(name, value, "a path")
     return str(found)
 
 
 def mapping(name: str, value: Any) -> Mapping[str, Any]:
     """Returns a mapping of texts."""
-    if not isinstance(value, Mapping) or not all(isinstance(key, str) for key in value):
+    if not isinstance(value, Mapping) or not all(map(_is_text, value)):
         raise refused(name, value, "a mapping of names to values")
     return value
 
@@ -116,6 +113,17 @@ def function(name: str, value: Any) -> Callable[..., Any]:
         raise refused(name, value, "a function")
     found: Callable[..., Any] = value
     return found
+
+
+def _is_text(value: object) -> bool:
+    """True for a text without lone surrogates, which no file and no argument can have."""
+    if not isinstance(value, str):
+        return False
+    try:
+        value.encode()
+    except UnicodeEncodeError:
+        return False
+    return True
 
 
 def _items(name: str, value: Any, expected: str) -> Iterable[Any]:
@@ -139,6 +147,7 @@ _CHECKS: dict[str, Callable[[str, Any], Any]] = {
     "observation": text,
     "out": path,
     "path": path,
+    "planners": mapping,
     "scenario": path,
     "seed": seed,
     "seeds": seeds,

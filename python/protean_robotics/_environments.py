@@ -111,7 +111,7 @@ class Instances:
         threads: int,
         set: Mapping[str, Any] | None = None,
         reward: Reward,
-        planners: Mapping[str, Callable[..., Any]] | None,
+        planners: Mapping[str, Callable[..., Any]] | None = None,
         allow_outside: bool,
     ) -> None:
         self._reward = reward if callable(reward) else None

@@ -70,7 +70,7 @@ class ParallelEnv(_ParallelEnv):
         return self.action_spaces[self._known(agent)]
 
     def _known(self, agent: str) -> str:
-        if agent not in self.possible_agents:
+        if not isinstance(agent, str) or agent not in self.possible_agents:
             raise _arguments.refused("agent", agent, ", ".join(self.possible_agents))
         return agent
 

@@ -13,7 +13,7 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, NoReturn
 
-from ._arguments import mapping, refused
+from ._arguments import refused
 from ._core import Function
 from ._core import serve as _serve
 from ._errors import InvalidInput
@@ -191,8 +191,8 @@ def _arguments(function: Callable[..., Any]) -> list[str]:
 
 def planners_of(planners: Mapping[str, Callable[..., Any]] | None) -> dict[str, Planner]:
     """Planners by the names that they are for; functions and classes become planners."""
-    given = {} if planners is None else mapping("planners", planners)
-    return {name: steer if isinstance(steer, Planner) else Planner(steer) for name, steer in given.items()}
+    given = (planners or {}).items()
+    return {name: steer if isinstance(steer, Planner) else Planner(steer) for name, steer in given}
 
 
 def placed(planners: Mapping[str, Callable[..., Any]] | None) -> list[SimpleNamespace]:

@@ -230,7 +230,7 @@ def sweep(
 def _distribute(task: _Task, executor: Executor, out: Path, count: int, missing: list[int], quiet: bool) -> None:
     """Runs the parts that have missing missions on an executor, and merges those that ended into the results."""
     shards = sorted({number % count for number in missing})
-    running = {executor.submit(_part, task, f"{shard + 1}/{count}"): shard for shard in shards}
+    running = [executor.submit(_part, task, f"{shard + 1}/{count}") for shard in shards]
     parts: list[bytes] = []
     failures: list[BaseException] = []
     shown = time.monotonic()
@@ -248,7 +248,7 @@ def _distribute(task: _Task, executor: Executor, out: Path, count: int, missing:
                     parts.append(part)
                 except Exception as error:  # What the executor or the part raised.
                     failures.append(error)
-                del running[future]
+                running.remove(future)
             now = time.monotonic()
             if now > next_merge:
                 _merge(parts, out)
@@ -257,8 +257,7 @@ def _distribute(task: _Task, executor: Executor, out: Path, count: int, missing:
                 next_merge = time.monotonic() + max(_MERGE_INTERVAL, 10 * (time.monotonic() - now))
             if not quiet and (now > shown + _LINE_INTERVAL or not running):
                 shown = now
-                ended = len(shards) - len(running) - len(failures)
-                print(f"{ended}/{len(shards)} parts", file=sys.stderr, flush=True)
+                print(f"{len(shards) - len(running) - len(failures)}/{len(shards)} parts", file=sys.stderr, flush=True)
     finally:
         for future in running:
             cancel = getattr(future, "cancel", None)

@@ -3,6 +3,7 @@
 import importlib.util
 import warnings
 from collections.abc import Callable
+from copy import deepcopy
 from typing import Any
 
 import gymnasium
@@ -90,7 +91,8 @@ def history(env: Any, mode: AutoresetMode) -> list[Any]:
     results: list[Any] = [env.reset(seed=list(SEEDS))]
     random = np.random.default_rng(1)
     for _ in range(10):
-        results.append(env.step(random.uniform(-1, 1, env.action_space.shape).astype(np.float32)))
+        # Wrappers change their arrays later.
+        results.append(deepcopy(env.step(random.uniform(-1, 1, env.action_space.shape).astype(np.float32))))
         _, _, terminations, truncations, _ = results[-1]
         ended = np.asarray(terminations | truncations)
         if mode is AutoresetMode.DISABLED and ended.any():

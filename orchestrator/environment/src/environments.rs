@@ -26,6 +26,8 @@ use crate::workers::Worker;
 pub struct Environments {
     shared: Arc<Shared>,
     engine: Engine,
+    /// `true` after the first reset.
+    has_begun: bool,
 }
 
 #[derive(Debug)]
@@ -67,7 +69,11 @@ impl Environments {
             let workers = ranges.map(|range| start(&shared, range));
             Engine::Threads(workers.collect::<Result<_, _>>()?)
         };
-        Ok(Self { shared, engine })
+        Ok(Self {
+            shared,
+            engine,
+            has_begun: false,
+        })
     }
 
     /// Returns the shape of the arrays.
@@ -122,6 +128,10 @@ impl Environments {
         let shape = &self.shared.shape;
         arrays.check(shape)?;
         check_length("starts", starts.len(), shape.instances)?;
+        if !self.has_begun && starts.contains(&Start::Keep) {
+            return Err(EnvironmentError::NotReset);
+        }
+        self.has_begun = true;
         match &mut self.engine {
             Engine::Here(chunk) => chunk.reset(starts, arrays),
             Engine::Threads(workers) => {

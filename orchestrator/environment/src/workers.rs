@@ -142,9 +142,11 @@ impl Drop for Worker {
     fn drop(&mut self) {
         // The thread ends when it can receive no more requests.
         self.requests = None;
-        if let Some(thread) = self.thread.take()
-            && self.process == std::process::id()
-        {
+        let thread = self.thread.take();
+        if self.check_process().is_err() {
+            // Its handle may be that of a thread of this process by now.
+            core::mem::forget(thread);
+        } else if let Some(thread) = thread {
             // A panic, which stderr shows, has been reported by the request that it ended.
             let _ = thread.join();
         }
