@@ -158,7 +158,7 @@ impl ParticleFilter {
         };
         let watch = watch(&self.space, observers, sensor)?;
         detach(py, || {
-            self.lock().update(&self.space, &watch, &sighting, dt)
+            self.lock().update(&self.space, &watch, &sighting, dt);
         });
         Ok(())
     }
