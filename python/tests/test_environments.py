@@ -1,5 +1,6 @@
 """Environments for learning, against the checks of Gymnasium and PettingZoo and against ordinary runs."""
 
+import re
 import sys
 import warnings
 from pathlib import Path
@@ -166,6 +167,30 @@ def test_a_function_may_compute_the_rewards() -> None:
     finals = np.stack(list(infos["final_obs"]))
     assert np.allclose(rewards, finals[:, :, proximity[0]].sum(axis=1) + 20.0)
     assert np.allclose(infos["return"], total)
+
+
+def test_the_reward_of_the_documentation_pays_for_arriving_and_not_for_staying() -> None:
+    page = Path(__file__).parents[2] / "docs/how-to/environments.md"
+    blocks = re.findall(r"```python\n(.*?)```", page.read_text(), re.DOTALL)
+    (code,) = [block for block in blocks if "def progress" in block]
+    names: dict[str, Any] = {"pr": pr}
+    exec(compile(code, page.name, "exec"), names)
+    envs = pr.VectorEnv(
+        "hello", 1, agents=["robot"], observation="state+way", ticks_per_action=10, reward=names["progress"], seed=1
+    )
+    ahead, left = (envs.entries[0].index(f"way.bearing_{name}") for name in ("cos", "sin"))
+    observations, _ = envs.reset()
+    rewards: list[float] = []
+    ended = False
+    while not ended:
+        actions = np.array([[max(observations[0, ahead], 0.0), observations[0, left]]], dtype=np.float32)
+        observations, reward, terminations, truncations, infos = envs.step(actions)
+        rewards.append(float(reward[0]))
+        ended = bool(terminations[0] or truncations[0])
+    assert infos["outcome"][0] == ["escaped"]
+    # To stop anywhere on the way earns less.
+    sums = np.cumsum(rewards)
+    assert sums[-1] > 2.0 and sums[:-1].max() < sums[-1] - 0.5
 
 
 def test_an_action_of_several_ticks_is_that_of_as_many_steps() -> None:

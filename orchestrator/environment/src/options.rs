@@ -15,7 +15,7 @@ const MAX_INSTANCES: usize = 1 << 20;
 /// Maximum number of threads.
 const MAX_THREADS: usize = 1024;
 
-/// What follows the end of an episode.
+/// Begin of the next episode after the end of one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Autoreset {
     /// The next step begins the next episode, whatever its action.
@@ -44,7 +44,7 @@ impl FromStr for Autoreset {
     }
 }
 
-/// What a reset does with an instance.
+/// Effect of a reset on an instance.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Start {
     /// Nothing: its episode goes on.
@@ -73,7 +73,7 @@ pub struct Options {
     pub action: ActionKind,
     /// Seed of all episodes, if a reset does not give another one.
     pub seed: u64,
-    /// What follows the end of an episode.
+    /// Begin of the next episode after the end of one.
     pub autoreset: Autoreset,
     /// Number of ticks of a step, at least 1: the action holds, rewards and events add up, and the observation is that
     /// after the last tick.
