@@ -11,8 +11,6 @@ from typing import TYPE_CHECKING, Any
 from . import coverage, executors, navigation, patrol, rrt_star, steering, tracking, trajectory
 from ._core import (
     Belief,
-    Error,
-    InvalidInput,
     Map,
     Steering,
     Robot,
@@ -22,6 +20,7 @@ from ._core import (
     go_to,
 )
 from ._environments import Episode, Step
+from ._errors import Error, InvalidInput
 from ._log import Log, Topic
 from ._objective import objective
 from ._planner import Planner, planner, serve

@@ -2,6 +2,7 @@
 
 import json
 import os
+import secrets
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -9,8 +10,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._core import Environments, InvalidInput
-from ._planner import Planner, placed
+from . import _arguments
+from ._core import Environments
+from ._errors import InvalidInput
+from ._planner import placed
 from ._program import overrides
 from ._run import Run
 
@@ -42,6 +45,8 @@ class Step:
 
     Attributes
     ----------
+    before
+        Observations before the step, shape (num_envs, agents, entries).
     observations
         Observations after the step, also where an episode ended, shape (num_envs, agents, entries).
     actions
@@ -59,6 +64,7 @@ class Step:
         Length of the step (s).
     """
 
+    before: NDArray[np.float32]
     observations: NDArray[np.float32]
     actions: NDArray[np.float32]
     events: Mapping[str, NDArray[np.float32]]
@@ -90,6 +96,7 @@ class Instances:
     lengths: NDArray[np.uint64]
     seeds: NDArray[np.uint64]
 
+    @_arguments.checked
     def __init__(
         self,
         scenario: str | os.PathLike[str],
@@ -98,18 +105,17 @@ class Instances:
         agents: Sequence[str],
         observation: str,
         action: str,
-        seed: int,
+        seed: int | None = None,
+        autoreset_mode: str,
         ticks_per_action: int,
         threads: int,
-        set: Mapping[str, Any] | None,
+        set: Mapping[str, Any] | None = None,
         reward: Reward,
-        planners: Mapping[str, Planner] | None,
+        planners: Mapping[str, Callable[..., Any]] | None = None,
         allow_outside: bool,
     ) -> None:
-        if isinstance(agents, str):
-            raise InvalidInput(f"agents = {agents!r}: expected a list of names")
         self._reward = reward if callable(reward) else None
-        weights = reward if isinstance(reward, Mapping) else {}
+        weights = _weights({} if reward is None or callable(reward) else reward)
         self.core = core = Environments(
             os.fspath(scenario),
             overrides=overrides(set),
@@ -117,10 +123,12 @@ class Instances:
             observation=observation,
             action=action,
             instances=num_envs,
-            seed=seed,
+            # Without a seed, copies play different episodes.
+            seed=secrets.randbits(63) if seed is None else seed,
+            autoreset_mode=autoreset_mode,
             ticks_per_action=ticks_per_action,
             threads=threads,
-            weights=[(name, float(weight)) for name, weight in weights.items()],
+            weights=weights,
             planners=placed(planners),
             allow_outside=allow_outside,
         )
@@ -136,37 +144,61 @@ class Instances:
         self.reward_sums = np.zeros_like(core.reward_sums) if custom else core.reward_sums
         self.returns = np.zeros_like(core.returns) if custom else core.returns
         self._events = {name: core.events[:, :, index] for index, name in enumerate(core.event_names)}
-        self._ended = np.zeros(num_envs, dtype=np.bool_)
+        self._autoreset_mode = autoreset_mode
+        self._none = np.zeros(num_envs, dtype=np.bool_)
+        #: Where the last step ended an episode.
+        self.ended = self._none
+        #: Where the last step or reset began one.
+        self.begun = self._none
 
-    def reset(self, seed: int | None) -> None:
-        """Begins new episodes: the first ones of a seed, or the next ones."""
-        self.core.reset(seed)
-        self.rewards[:] = 0.0
-        self.returns[:] = 0.0
-        self._ended[:] = False
+    def reset(self, seed: Any, options: Mapping[str, Any] | None, known: Sequence[str] = ()) -> None:
+        """Begins new episodes: the first ones of a seed or of one for each instance, or the next ones."""
+        count = self.shape[0]
+        begun = np.ones(count, dtype=np.bool_)
+        for name, value in {} if options is None else _arguments.mapping("options", options).items():
+            if name not in known:
+                raise InvalidInput(f"options: no option {name!r}: expected {', '.join(known) or 'none'}")
+            if name == "reset_mask":
+                begun = _mask(value, count)
+        each = None if seed is None else _seeds(seed, count)
+        if each is None and begun.all():
+            self.core.reset(None)
+        else:
+            each = each or [(None, 0)] * count
+            self.core.reset_each([start if begins else None for start, begins in zip(each, begun, strict=True)])
+        self.rewards[begun] = 0.0
+        self.returns[begun] = 0.0
+        self.ended = self.ended & ~begun
+        self.begun = begun
 
     def step(self, actions: ArrayLike) -> bool:
         """Does a step; returns True if an episode ended."""
-        given = np.ascontiguousarray(actions, dtype=np.float32)
+        try:
+            given = np.ascontiguousarray(actions, dtype=np.float32)
+        except (TypeError, ValueError):
+            raise _arguments.refused("actions", actions, f"numbers of shape {self.shape}") from None
         if given.size != self.shape[0] * self.shape[1] * 2:
             raise InvalidInput(f"actions of shape {given.shape}: expected {self.shape}")
+        before = self.ended
+        observed = self.observations.copy() if self._reward is not None else None
         any_ended = self.core.step(given)
-        if self._reward is not None:
-            self._compute_rewards(self._reward, given.reshape(self.shape))
+        self.ended = self.terminated | self.truncated if any_ended else self._none
+        self.begun = {"NextStep": before, "SameStep": self.ended}.get(self._autoreset_mode, self._none)
+        if self._reward is not None and observed is not None:
+            self.returns[before] = 0.0
+            self._compute_rewards(self._reward, observed, given.reshape(self.shape))
         return any_ended
 
-    def ended(self) -> NDArray[np.bool_]:
-        """Returns which episodes ended in the step, an array of its own."""
-        return self.terminated | self.truncated
-
-    def _compute_rewards(self, reward: Callable[[Step], ArrayLike], actions: NDArray[np.float32]) -> None:
-        self.returns[self._ended] = 0.0
-        self._ended = ended = self.ended()
+    def _compute_rewards(
+        self, reward: Callable[[Step], ArrayLike], before: NDArray[np.float32], actions: NDArray[np.float32]
+    ) -> None:
         observations = self.observations
-        if ended.any():
+        in_same_step = self.begun & self.ended
+        if in_same_step.any():
             observations = observations.copy()
-            observations[ended] = self.final_observations[ended]
+            observations[in_same_step] = self.final_observations[in_same_step]
         step = Step(
+            before=before,
             observations=observations,
             actions=actions,
             events=self._events,
@@ -175,25 +207,59 @@ class Instances:
             truncated=self.truncated,
             dt=self.core.dt,
         )
-        rewards = np.asarray(reward(step), dtype=np.float64)
+        returned = reward(step)
+        try:
+            rewards = np.asarray(returned, dtype=np.float64)
+        except (TypeError, ValueError):
+            raise _arguments.refused("reward", returned, f"numbers of shape {self.shape[:2]}") from None
         if rewards.shape == self.shape[:1]:
             rewards = rewards[:, np.newaxis]
         if rewards.shape not in (self.shape[:2], (self.shape[0], 1)):
             raise InvalidInput(f"reward: an array of shape {rewards.shape}: expected {self.shape[:2]}")
         self.rewards[:] = rewards
+        # A step that only begins an episode has none.
+        self.rewards[self.begun & ~self.ended] = 0.0
         np.add.reduce(self.rewards, axis=1, out=self.reward_sums)
         self.returns += self.rewards
 
+    @_arguments.checked
     def episode(self, i: int, running: bool) -> Episode:
         """Returns a recorded episode."""
         seed, actions = self.core.episode(i, running)
         return Episode(seed, actions)
 
+    @_arguments.checked
     def replay(
         self, i: int, running: bool, out: str | os.PathLike[str] | None = None, force: bool = False
     ) -> Run:
         """Executes a recorded episode again as a run."""
         return Run(json.loads(self.core.replay(i, running, out, force)))
+
+
+def _weights(reward: Any) -> list[tuple[str, float]]:
+    """Returns the weights of rewards."""
+    if not isinstance(reward, Mapping):
+        raise _arguments.refused("reward", reward, "weights by their names, or a function from a Step to rewards")
+    weights = _arguments.mapping("reward", reward).items()
+    return [(name, _arguments.number(f"reward: {name}", weight)) for name, weight in weights]
+
+
+def _mask(mask: Any, count: int) -> NDArray[np.bool_]:
+    """Returns which instances to reset."""
+    array = np.asarray(mask)
+    if array.dtype != np.bool_ or array.shape != (count,) or not array.any():
+        expected = f"an array of truth values of shape ({count},), at least one True"
+        raise _arguments.refused("options: reset_mask", mask, expected)
+    return array
+
+
+def _seeds(seed: Any, count: int) -> list[tuple[int | None, int]]:
+    """Returns seed and index for each instance: one seed for all, or one (or None: the next episode) for each."""
+    if not isinstance(seed, (Sequence, np.ndarray)) or getattr(seed, "ndim", 1) == 0:
+        return [(_arguments.seed("seed", seed), i) for i in range(count)]
+    if isinstance(seed, (str, bytes)) or len(seed) != count:
+        raise _arguments.refused("seed", seed, f"a seed, or a list of {count} seeds")
+    return [(None if own is None else _arguments.seed("seed", own), 0) for own in seed]
 
 
 def outcome(status: int) -> str:

@@ -1,7 +1,7 @@
 """Environments of Gymnasium."""
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import gymnasium
@@ -11,8 +11,8 @@ from gymnasium.vector import AutoresetMode
 from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
+from . import _arguments
 from ._environments import Episode, Instances, Reward, outcome
-from ._planner import Planner
 from ._run import Run
 
 
@@ -28,8 +28,8 @@ class VectorEnv(gymnasium.vector.VectorEnv[NDArray[np.float32], NDArray[np.float
     two numbers in -1..1: by default the shares of its maximum forward speed and turning rate. An episode ends with the mission, or
     when no agent is in the game; the time limit of the rules truncates it.
 
-    The next episode begins in the same step (``AutoresetMode.SAME_STEP``): the last observation of an ended one is
-    ``infos["final_obs"][i]``, its statistics are in ``infos["episode"]``.
+    By default the next episode begins in the same step (``AutoresetMode.SAME_STEP``): the last observation of an ended one
+    is ``infos["final_obs"][i]``, its information is in ``infos["final_info"]``.
 
     With several agents, observations have the shape (num_envs, agents, entries), actions (num_envs, agents, 2), and
     the reward is the sum over the agents; ``infos["rewards"]`` has the single ones.
@@ -50,8 +50,11 @@ class VectorEnv(gymnasium.vector.VectorEnv[NDArray[np.float32], NDArray[np.float
         Meaning of the actions: "twist" (forward speed and turning rate) or, for evaders, "tune" (parameters of an
         "evader_potential" that steers in every tick).
     seed
-        Seed of all episodes, if `reset` gives none. Their own seeds follow from it, from the index of the instance and
-        from the number of the episode.
+        Seed of all episodes, if `reset` gives none; another one for each environment if None. The seeds of episodes follow
+        from it, from the index of the instance and from the number of the episode.
+    autoreset_mode
+        ``AutoresetMode.NEXT_STEP`` or "NextStep": the next step begins the next episode, whatever its action;
+        ``SAME_STEP``; ``DISABLED``: `reset` must begin it.
     ticks_per_action
         Number of ticks of a step: the action holds, rewards add up, and the observation is that after the last tick. As
         the parameter of the kind "policy".
@@ -84,7 +87,7 @@ class VectorEnv(gymnasium.vector.VectorEnv[NDArray[np.float32], NDArray[np.float
     ((3, 62), (3,))
     >>> for _ in range(20):
     ...     observations, rewards, terminations, truncations, infos = envs.step(envs.action_space.sample())
-    >>> truncations.tolist(), infos["episode"]["l"].tolist()
+    >>> truncations.tolist(), infos["length"].tolist()
     ([True, True, True], [20, 20, 20])
     >>> len(envs.digest(0))
     64
@@ -105,15 +108,23 @@ class VectorEnv(gymnasium.vector.VectorEnv[NDArray[np.float32], NDArray[np.float
         agents: Sequence[str],
         observation: str = "state",
         action: str = "twist",
-        seed: int = 0,
+        seed: int | None = None,
+        autoreset_mode: AutoresetMode | str = AutoresetMode.SAME_STEP,
         ticks_per_action: int = 1,
         threads: int = 1,
         set: Mapping[str, Any] | None = None,
         reward: Reward = None,
-        planners: Mapping[str, Planner] | None = None,
+        planners: Mapping[str, Callable[..., Any]] | None = None,
         copy: bool = True,
         allow_outside: bool = False,
     ) -> None:
+        try:
+            # TorchRL reads the attribute, Gymnasium the metadata.
+            self.autoreset_mode = AutoresetMode(autoreset_mode)
+        except ValueError:
+            expected = ", ".join(mode.value for mode in AutoresetMode)
+            raise _arguments.refused("autoreset_mode", autoreset_mode, expected) from None
+        self._copy = _arguments.flag("copy", copy)
         self._instances = instances = Instances(
             scenario,
             num_envs,
@@ -121,6 +132,7 @@ class VectorEnv(gymnasium.vector.VectorEnv[NDArray[np.float32], NDArray[np.float
             observation=observation,
             action=action,
             seed=seed,
+            autoreset_mode=self.autoreset_mode.value,
             ticks_per_action=ticks_per_action,
             threads=threads,
             set=set,
@@ -128,18 +140,15 @@ class VectorEnv(gymnasium.vector.VectorEnv[NDArray[np.float32], NDArray[np.float
             planners=planners,
             allow_outside=allow_outside,
         )
-        self.num_envs = num_envs
-        # TorchRL reads the attribute, Gymnasium the metadata.
-        self.autoreset_mode = AutoresetMode.SAME_STEP
+        self.num_envs = instances.shape[0]
         self.metadata = {"render_modes": [], "autoreset_mode": self.autoreset_mode}
-        self._copy = copy
         self._single = len(instances.agents) == 1
         entries = instances.observations.shape[2]
         count = len(instances.agents)
         self.single_observation_space = box((entries,) if self._single else (count, entries))
         self.single_action_space = box((2,) if self._single else (count, 2))
-        self.observation_space = batch_space(self.single_observation_space, num_envs)
-        self.action_space = batch_space(self.single_action_space, num_envs)
+        self.observation_space = batch_space(self.single_observation_space, self.num_envs)
+        self.action_space = batch_space(self.single_action_space, self.num_envs)
         # With one agent, arrays without its dimension: views of the same memory.
         self._observations = instances.observations[:, 0] if self._single else instances.observations
         self._finals = instances.final_observations[:, 0] if self._single else instances.final_observations
@@ -160,27 +169,30 @@ class VectorEnv(gymnasium.vector.VectorEnv[NDArray[np.float32], NDArray[np.float
         return self._instances.seeds.copy()
 
     def reset(
-        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+        self, *, seed: int | Sequence[int | None] | None = None, options: dict[str, Any] | None = None
     ) -> tuple[NDArray[np.float32], dict[str, Any]]:
-        """Begins new episodes in all instances.
+        """Begins new episodes.
 
         Parameters
         ----------
         seed
-            Seed of all episodes from now on; None for the next episodes.
+            Seed of all episodes from now on, or one for each instance; None for the next episodes.
         options
-            Not used.
+            ``{"reset_mask": mask}`` begins episodes only in the instances where the mask is True, shape (num_envs,).
 
         Returns
         -------
         observations
-            First observations.
+            First observations; of instances that are not reset, the present ones.
         infos
-            Nothing.
+            Seeds of the scenarios of the episodes ("seed"), with the mask "_seed" of those that begin.
         """
-        super().reset(seed=seed)
-        self._instances.reset(seed)
-        return self._own(self._observations), {}
+        self._instances.reset(seed, options, known=("reset_mask",))
+        if isinstance(seed, int):
+            super().reset(seed=seed)
+        infos: dict[str, Any] = {}
+        self._add_begun(infos)
+        return self._own(self._observations), infos
 
     def step(
         self, actions: NDArray[np.float32]
@@ -195,7 +207,7 @@ class VectorEnv(gymnasium.vector.VectorEnv[NDArray[np.float32], NDArray[np.float
         Returns
         -------
         observations
-            Observations; of an instance whose episode ended, the first one of the next episode.
+            Observations; where the step began an episode, its first one.
         rewards
             Rewards, shape (num_envs,).
         terminations
@@ -203,8 +215,8 @@ class VectorEnv(gymnasium.vector.VectorEnv[NDArray[np.float32], NDArray[np.float
         truncations
             True where the time limit ended it.
         infos
-            If an episode ended: "final_obs", "episode" (return "r", length "l" in ticks) and "outcome" of the agents, each
-            with its mask "_…".
+            If an episode ended: "return", "length" (ticks) and "outcome" of the agents; with ``SAME_STEP`` also "final_obs"
+            and the former in "final_info". If one began: "seed". Each with its mask "_…".
         """
         instances = self._instances
         any_ended = instances.step(actions)
@@ -212,30 +224,38 @@ class VectorEnv(gymnasium.vector.VectorEnv[NDArray[np.float32], NDArray[np.float
         own = self._own
         if not self._single:
             infos["rewards"] = own(instances.rewards)
+            infos["_rewards"] = np.ones(self.num_envs, dtype=np.bool_)
         if any_ended:
             self._add_ended(infos)
+        if instances.begun.any():
+            self._add_begun(infos)
         rewards = own(instances.reward_sums)
         return own(self._observations), rewards, own(instances.terminated), own(instances.truncated), infos
 
+    def _add_begun(self, infos: dict[str, Any]) -> None:
+        begun = self._instances.begun
+        infos["seed"] = np.where(begun, self._instances.seeds, 0).astype(np.int64)
+        infos["_seed"] = begun.copy()
+
     def _add_ended(self, infos: dict[str, Any]) -> None:
         instances = self._instances
-        ended = instances.ended()
-        finals: NDArray[Any] = np.full(self.num_envs, None, dtype=object)
-        outcomes: NDArray[Any] = np.full((self.num_envs, len(instances.agents)), None, dtype=object)
-        for i in np.flatnonzero(ended):
-            finals[i] = self._finals[i].copy()
+        ended = instances.ended
+        rows = np.flatnonzero(ended)
+        outcomes: NDArray[Any] = np.full(self.num_envs, None, dtype=object)
+        for i in rows:
             outcomes[i] = [outcome(status) for status in instances.statuses[i]]
-        zero = np.zeros((), dtype=np.float64)
-        infos["final_obs"] = finals
-        infos["episode"] = {
-            "r": np.where(ended, instances.returns.sum(axis=1), zero),
-            "l": np.where(ended, instances.lengths, 0).astype(np.int64),
-            "_r": ended,
-            "_l": ended,
+        final = {
+            "return": np.where(ended, instances.returns.sum(axis=1), 0.0),
+            "length": np.where(ended, instances.lengths, 0).astype(np.int64),
+            "outcome": outcomes,
         }
-        infos["outcome"] = outcomes
-        for name in ("final_obs", "episode", "outcome"):
-            infos[f"_{name}"] = ended
+        final |= {f"_{name}": ended.copy() for name in final}
+        infos |= final
+        if self.autoreset_mode is AutoresetMode.SAME_STEP:
+            finals: NDArray[Any] = np.full(self.num_envs, None, dtype=object)
+            for i in rows:
+                finals[i] = self._finals[i].copy()
+            infos |= {"final_obs": finals, "_final_obs": ended.copy(), "final_info": final, "_final_info": ended.copy()}
 
     def _own(self, array: NDArray[Any]) -> NDArray[Any]:
         return array.copy() if self._copy else array
@@ -286,7 +306,7 @@ class VectorEnv(gymnasium.vector.VectorEnv[NDArray[np.float32], NDArray[np.float
 class Env(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
     """One instance of a scenario in which a learner steers the agents, after Gymnasium's ``Env``.
 
-    As ``VectorEnv`` with one instance, whose parameters it has; the next episode begins with `reset`.
+    As ``VectorEnv`` with one instance, whose parameters it has; `reset` begins the next episode.
 
     Examples
     --------
@@ -308,11 +328,11 @@ class Env(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
         agents: Sequence[str],
         observation: str = "state",
         action: str = "twist",
-        seed: int = 0,
+        seed: int | None = None,
         ticks_per_action: int = 1,
         set: Mapping[str, Any] | None = None,
         reward: Reward = None,
-        planners: Mapping[str, Planner] | None = None,
+        planners: Mapping[str, Callable[..., Any]] | None = None,
         allow_outside: bool = False,
     ) -> None:
         self._vector = vector = VectorEnv(
@@ -322,6 +342,7 @@ class Env(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
             observation=observation,
             action=action,
             seed=seed,
+            autoreset_mode=AutoresetMode.DISABLED,
             ticks_per_action=ticks_per_action,
             set=set,
             reward=reward,
@@ -332,8 +353,6 @@ class Env(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
         self.metadata = {"render_modes": []}
         self.observation_space = vector.single_observation_space
         self.action_space = vector.single_action_space
-        # The next episode has begun with the end of the last one.
-        self._has_begun = False
 
     @property
     def agents(self) -> tuple[str, ...]:
@@ -355,7 +374,7 @@ class Env(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
         seed
             Seed of all episodes from now on; None for the next episode.
         options
-            Not used.
+            None or empty: there are none.
 
         Returns
         -------
@@ -364,11 +383,10 @@ class Env(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
         info
             The seed of the scenario of the episode ("seed").
         """
-        super().reset(seed=seed)
-        if seed is not None or not self._has_begun:
-            self._vector.reset(seed=seed)
-        self._has_begun = False
+        seed = None if seed is None else _arguments.seed("seed", seed)
         instances = self._vector._instances
+        instances.reset(seed, options)
+        super().reset(seed=seed)
         return self._vector._observations[0].copy(), {"seed": int(instances.seeds[0])}
 
     def step(
@@ -392,16 +410,17 @@ class Env(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
         truncated
             True if the time limit ended it.
         info
-            At the end: "outcome" of the agents.
+            At the end: "return", "length" (ticks) and "outcome" of the agents.
         """
         vector = self._vector
-        observations, rewards, terminations, truncations, _ = vector.step(action)
+        observations, rewards, terminations, truncations, infos = vector.step(action)
         info: dict[str, Any] = {}
-        ended = bool(terminations[0] or truncations[0])
-        if ended:
-            self._has_begun = True
-            observations = vector._finals
-            info["outcome"] = [outcome(status) for status in vector._instances.statuses[0]]
+        if "outcome" in infos:
+            info = {
+                "return": float(infos["return"][0]),
+                "length": int(infos["length"][0]),
+                "outcome": infos["outcome"][0],
+            }
         return observations[0].copy(), float(rewards[0]), bool(terminations[0]), bool(truncations[0]), info
 
     def episode(self, *, running: bool = False) -> Episode:

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ._arguments import checked
 from ._core import Column, LogFile
 
 if TYPE_CHECKING:
@@ -178,6 +179,7 @@ class Log:
     ['escaped', 'game_over']
     """
 
+    @checked
     def __init__(self, path: str | os.PathLike[str]) -> None:
         self.path: Path = Path(path)
         self._file = LogFile(self.path)
@@ -267,6 +269,7 @@ class Log:
             faults = ["the end is missing"]
         return faults
 
+    @checked
     def report(self, out: str | os.PathLike[str] | None = None, *, force: bool = False) -> Path:
         """Writes the animated report, one HTML file, as ``protean report`` does.
 
@@ -291,6 +294,7 @@ class Log:
         self._file.report(page, force)
         return page
 
+    @checked
     def picture(
         self, out: str | os.PathLike[str] | None = None, *, at: float | None = None, force: bool = False
     ) -> Path:

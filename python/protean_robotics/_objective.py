@@ -4,11 +4,11 @@ import os
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
-from ._core import InvalidInput
-from ._planner import Planner
+from ._arguments import checked, mapping, number
 from ._run import Run, run
 
 
+@checked
 def objective(
     scenario: str | os.PathLike[str],
     suggest: Callable[[Any], Mapping[str, Any]],
@@ -16,7 +16,7 @@ def objective(
     *,
     seeds: Sequence[int],
     set: Mapping[str, Any] | None = None,
-    planners: Mapping[str, Planner] | None = None,
+    planners: Mapping[str, Callable[..., Any]] | None = None,
     allow_outside: bool = False,
 ) -> Callable[[Any], float]:
     """Returns an objective for Optuna: the mean of a value over runs of a scenario.
@@ -49,7 +49,7 @@ def objective(
     Raises
     ------
     InvalidInput
-        There are no seeds.
+        An argument is invalid.
 
     Examples
     --------
@@ -61,16 +61,13 @@ def objective(
     >>> objective = pr.objective("chase", suggest, escapes, seeds=range(1, 9))
     >>> # optuna.create_study(direction="maximize").optimize(objective, n_trials=50)
     """
-    if not seeds:
-        raise InvalidInput(f"seeds: {seeds}; expected at least one")
-
     def mean(trial: Any) -> float:
-        values = {**(set or {}), **suggest(trial)}
+        values = {**(set or {}), **mapping("suggest", suggest(trial))}
         runs = [
             run(scenario, seed=seed, set=values, in_process=True, planners=planners, allow_outside=allow_outside)
             for seed in seeds
         ]
         trial.set_user_attr("digests", [done.digest for done in runs])
-        return sum(map(value, runs)) / len(runs)
+        return sum(number("value", value(done)) for done in runs) / len(runs)
 
     return mean

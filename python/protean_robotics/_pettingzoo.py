@@ -1,16 +1,17 @@
 """Environments of PettingZoo."""
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from gymnasium.spaces import Space
 from numpy.typing import NDArray
 
+from . import _arguments
 from ._environments import OUTCOMES, Episode, Instances, Reward, outcome
+from ._errors import InvalidInput
 from ._gymnasium import box
-from ._planner import Planner
 from ._run import Run
 
 if TYPE_CHECKING:
@@ -47,8 +48,6 @@ class ParallelEnv(_ParallelEnv):
         self.observation_spaces = {name: box((lengths[row],)) for name, row in self._rows.items()}
         self.action_spaces = {name: box((2,)) for name in instances.agents}
         self._actions = np.zeros((1, len(instances.agents), 2), dtype=np.float32)
-        # The next episode has begun with the end of the last one.
-        self._has_begun = False
 
     def observation_space(self, agent: str) -> Space[NDArray[np.float32]]:
         """Space of the observations of an agent.
@@ -58,7 +57,7 @@ class ParallelEnv(_ParallelEnv):
         agent
             Name of the agent.
         """
-        return self.observation_spaces[agent]
+        return self.observation_spaces[self._known(agent)]
 
     def action_space(self, agent: str) -> Space[NDArray[np.float32]]:
         """Space of the actions of an agent.
@@ -68,7 +67,12 @@ class ParallelEnv(_ParallelEnv):
         agent
             Name of the agent.
         """
-        return self.action_spaces[agent]
+        return self.action_spaces[self._known(agent)]
+
+    def _known(self, agent: str) -> str:
+        if not isinstance(agent, str) or agent not in self.possible_agents:
+            raise _arguments.refused("agent", agent, ", ".join(self.possible_agents))
+        return agent
 
     @property
     def entries(self) -> dict[str, list[str]]:
@@ -85,7 +89,7 @@ class ParallelEnv(_ParallelEnv):
         seed
             Seed of all episodes from now on; None for the next episode.
         options
-            Not used.
+            None or empty: there are none.
 
         Returns
         -------
@@ -94,9 +98,9 @@ class ParallelEnv(_ParallelEnv):
         infos
             The seed of the scenario of the episode ("seed").
         """
-        if seed is not None or not self._has_begun:
-            self._instances.reset(seed)
-        self._has_begun = False
+        # PettingZoo's own test gives `options`, which no environment knows.
+        seed = None if seed is None else _arguments.seed("seed", seed)
+        self._instances.reset(seed, options, known=("options",))
         self.agents = list(self.possible_agents)
         seed = int(self._instances.seeds[0])
         return self._observed(self._instances.observations), {name: {"seed": seed} for name in self.agents}
@@ -134,11 +138,14 @@ class ParallelEnv(_ParallelEnv):
         if not self.agents:
             return {}, {}, {}, {}, {}
         self._actions[:] = 0.0
-        for name in self.agents:
-            self._actions[0, self._rows[name]] = actions[name]
+        for name, action in _arguments.mapping("actions", actions).items():
+            if self._known(name) in self.agents:
+                self._actions[0, self._rows[name]] = _action(name, action)
+        missing = [name for name in self.agents if name not in actions]
+        if missing:
+            raise InvalidInput(f"actions: none of {', '.join(missing)}: expected one of each agent in the game")
         ended = instances.step(self._actions)
-        observations = self._observed(instances.final_observations if ended else instances.observations)
-        self._has_begun = ended
+        observations = self._observed(instances.observations)
         truncated = bool(instances.truncated[0])
         rewards, terminations, truncations, infos = {}, {}, {}, {}
         for name in self.agents:
@@ -170,16 +177,24 @@ class ParallelEnv(_ParallelEnv):
         return self._instances.replay(0, running, path, force)
 
 
+def _action(agent: str, action: Any) -> NDArray[np.float32]:
+    """Returns the action of an agent."""
+    try:
+        return np.asarray(action, dtype=np.float32).reshape(2)
+    except (TypeError, ValueError):
+        raise _arguments.refused(f"actions: {agent}", action, "two numbers") from None
+
+
 def parallel_env(
     scenario: str | os.PathLike[str] = "chase",
     *,
     agents: Sequence[str],
     observation: str = "state",
     action: str = "twist",
-    seed: int = 0,
+    seed: int | None = None,
     set: Mapping[str, Any] | None = None,
     reward: Reward = None,
-    planners: Mapping[str, Planner] | None = None,
+    planners: Mapping[str, Callable[..., Any]] | None = None,
     allow_outside: bool = False,
 ) -> ParallelEnv:
     """Makes an environment with one learner per agent, after PettingZoo's ``ParallelEnv``.
@@ -213,6 +228,7 @@ def parallel_env(
         observation=observation,
         action=action,
         seed=seed,
+        autoreset_mode="Disabled",
         ticks_per_action=1,
         threads=1,
         set=set,

@@ -13,8 +13,10 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, NoReturn
 
+from ._arguments import refused
 from ._core import Function
 from ._core import serve as _serve
+from ._errors import InvalidInput
 
 #: Environment variable with the path of a process's configuration.
 _CONFIG = "PROTEAN_CONFIG"
@@ -43,13 +45,13 @@ class Planner:
         if inspect.isclass(steer):
             call = getattr(steer, "__call__", None)
             if call is None or call is type.__call__:
-                raise TypeError(f"planner {steer.__name__}: expected a class with __call__(self, ...)")
+                raise InvalidInput(f"planner {steer.__name__}: expected a class with __call__(self, ...)")
             setup = None if steer.__init__ is object.__init__ else _arguments(steer.__init__)[1:]
             self._function = Function(steer, _arguments(call)[1:], setup or [])
         elif callable(steer):
             self._function = Function(steer, _arguments(steer))
         else:
-            raise TypeError(f"planner {steer!r}: expected a function or a class")
+            raise refused("planner", steer, "a function or a class")
         self.__doc__ = steer.__doc__
         self.__name__ = getattr(steer, "__name__", "planner")
 
@@ -117,9 +119,7 @@ def _of_module(module: str, name: str) -> Planner:
     found: Any = import_module(module)
     for part in name.split("."):
         found = getattr(found, part)
-    if not isinstance(found, Planner):
-        raise TypeError(f"{module}.{name}: expected a planner")
-    return found
+    return found if isinstance(found, Planner) else Planner(found)
 
 
 def _of_code(code: bytes, file: Path) -> Planner:
@@ -129,7 +129,7 @@ def _of_code(code: bytes, file: Path) -> Planner:
     return planner
 
 
-def serve(steer: Planner) -> NoReturn:
+def serve(steer: Callable[..., Any]) -> NoReturn:
     """Runs a planner as a process of a run: the main function of its program.
 
     A scenario names the program with ``command = ["python3", "planner.py"]``; a run starts it.
@@ -137,13 +137,17 @@ def serve(steer: Planner) -> NoReturn:
     Parameters
     ----------
     steer
-        The planner.
+        The planner; a function or a class becomes one.
 
     Raises
     ------
+    InvalidInput
+        It is none.
     SystemExit
         Always: 0 at the end of the run, 1 after a failure, 2 if no run has started the program.
     """
+    if not isinstance(steer, Planner):
+        steer = Planner(steer)
     config = os.environ.get(_CONFIG)
     if config is None:
         print(
@@ -172,7 +176,11 @@ def _source(steer: Callable[..., Any]) -> Path:
 def _arguments(function: Callable[..., Any]) -> list[str]:
     """Names of the arguments of a function; those with a default that are no inputs are left out."""
     names = []
-    for name, parameter in inspect.signature(function).parameters.items():
+    try:
+        parameters = inspect.signature(function).parameters
+    except (TypeError, ValueError):
+        raise refused("planner", function, "a function whose arguments are known") from None
+    for name, parameter in parameters.items():
         if parameter.kind in (parameter.VAR_POSITIONAL, parameter.VAR_KEYWORD, parameter.KEYWORD_ONLY):
             break
         if parameter.default is not parameter.empty:
@@ -181,7 +189,13 @@ def _arguments(function: Callable[..., Any]) -> list[str]:
     return names
 
 
-def placed(planners: Mapping[str, Planner] | None) -> list[SimpleNamespace]:
+def planners_of(planners: Mapping[str, Callable[..., Any]] | None) -> dict[str, Planner]:
+    """Planners by the names that they are for; functions and classes become planners."""
+    given = (planners or {}).items()
+    return {name: steer if isinstance(steer, Planner) else Planner(steer) for name, steer in given}
+
+
+def placed(planners: Mapping[str, Callable[..., Any]] | None) -> list[SimpleNamespace]:
     """Planners with the names that they are for, and the commands that would start them as processes."""
     return [
         SimpleNamespace(
@@ -190,5 +204,5 @@ def placed(planners: Mapping[str, Planner] | None) -> list[SimpleNamespace]:
             command=["python3", planner._file.name],
             folder=str(planner._file.parent),
         )
-        for name, planner in (planners or {}).items()
+        for name, planner in planners_of(planners).items()
     ]

@@ -12,7 +12,10 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from ._core import Error, InvalidInput
+import numpy as np
+
+from ._arguments import refused
+from ._errors import Error, InvalidInput
 
 #: Exit code of the command for input that is invalid; nothing has been started.
 _INVALID = 2
@@ -101,22 +104,23 @@ def json_of(arguments: list[str]) -> dict[str, Any]:
     raise InvalidInput(refusal) if process.returncode == _INVALID else Error(refusal)
 
 
-def toml(value: Any) -> str:
-    """Writes a value as in TOML."""
+def toml(name: str, value: Any) -> str:
+    """Writes the value of an argument as in TOML."""
     if isinstance(value, Mapping):
-        return "{" + ", ".join(f"{json.dumps(str(key))} = {toml(item)}" for key, item in value.items()) + "}"
+        return "{" + ", ".join(f"{json.dumps(str(key))} = {toml(name, item)}" for key, item in value.items()) + "}"
     if isinstance(value, (list, tuple)):
-        return "[" + ", ".join(toml(item) for item in value) + "]"
-    if hasattr(value, "tolist"):
-        # Arrays and numbers of NumPy.
-        return toml(value.tolist())
+        return "[" + ", ".join(toml(name, item) for item in value) + "]"
+    if isinstance(value, (np.ndarray, np.generic)):
+        return toml(name, value.tolist())
     if isinstance(value, os.PathLike):
         value = os.fspath(value)
     if isinstance(value, (bool, str)):
         return json.dumps(value)
-    return repr(value)
+    if isinstance(value, (int, float)):
+        return repr(value)
+    raise refused(name, value, "a number, a text, True, False, or lists or mappings of them")
 
 
 def overrides(values: Mapping[str, Any] | None) -> list[str]:
     """Writes values by their dotted keys, as `--set` takes them."""
-    return [f"{key}={toml(value)}" for key, value in (values or {}).items()]
+    return [f"{key}={toml(f'set: {key}', value)}" for key, value in (values or {}).items()]

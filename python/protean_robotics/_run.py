@@ -2,14 +2,16 @@
 
 import json
 import os
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
-from ._core import InvalidInput, run_in_process
+from ._arguments import checked
+from ._core import run_in_process
+from ._errors import InvalidInput
 from ._log import Log
-from ._planner import ONLY_IN_PROCESS, Planner, placed
+from ._planner import ONLY_IN_PROCESS, placed
 from ._program import json_of, overrides
 
 
@@ -56,13 +58,14 @@ class Run:
         return f"<Run {self.summary['scenario']}, seed {self.seed}: {outcomes}; digest {self.digest[:12]}…>"
 
 
+@checked
 def run(
     scenario: str | os.PathLike[str] = "chase",
     *,
     seed: int | None = None,
     set: Mapping[str, Any] | None = None,
     in_process: bool = False,
-    planners: Mapping[str, Planner] | None = None,
+    planners: Mapping[str, Callable[..., Any]] | None = None,
     out: str | os.PathLike[str] | None = None,
     force: bool = False,
     allow_external: bool = False,
@@ -82,8 +85,8 @@ def run(
         True to run all processes in one thread of this one: the same digest, no latencies, no log unless `out` is
         given. Otherwise they are processes of the operating system.
     planners
-        Planners in the place of those of the scenario, by the name of a robot, a team or a process; with `in_process`
-        only.
+        Planners, also as mere functions or classes, in the place of those of the scenario, by the name of a robot, a team or
+        a process; with `in_process` only.
     out
         Path of the log; ``logs/SCENARIO-SEED.mcap`` if None.
     force

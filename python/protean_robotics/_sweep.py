@@ -8,15 +8,18 @@ import sys
 import tempfile
 import time
 import zipfile
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field, replace
+from itertools import pairwise
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, Protocol
 
-from ._core import Error, InvalidInput, missions_to_run, sweep_in_process
-from ._planner import ONLY_IN_PROCESS, Planner, placed
+from ._arguments import checked, refused
+from ._core import missions_to_run, sweep_in_process
+from ._errors import Error, InvalidInput
+from ._planner import ONLY_IN_PROCESS, Planner, placed, planners_of
 from ._program import json_of, overrides
 
 #: Parts of an experiment for each processor of this machine, if the caller does not say how many: a worker that is
@@ -35,9 +38,11 @@ class Future(Protocol):
 
     def done(self) -> bool:
         """True if it has ended."""
+        ...
 
     def result(self) -> Any:
         """Result of the call; raises what it raised."""
+        ...
 
 
 class Executor(Protocol):
@@ -45,6 +50,7 @@ class Executor(Protocol):
 
     def submit(self, call: Callable[..., Any], /, *arguments: Any) -> Future:
         """Begins a call."""
+        ...
 
 
 @dataclass(frozen=True, repr=False)
@@ -111,6 +117,7 @@ class _Task:
         return json_of(command + [flag for flag, given in flags.items() if given])
 
 
+@checked
 def sweep(
     experiment: str | os.PathLike[str],
     *,
@@ -118,10 +125,10 @@ def sweep(
     executor: Executor | None = None,
     shards: int | None = None,
     jobs: int | None = None,
-    seeds: range | None = None,
+    seeds: Sequence[int] | None = None,
     set: Mapping[str, Any] | None = None,
     in_process: bool = False,
-    planners: Mapping[str, Planner] | None = None,
+    planners: Mapping[str, Callable[..., Any]] | None = None,
     retry_failed: bool = False,
     allow_external: bool = False,
     allow_outside: bool = False,
@@ -148,14 +155,14 @@ def sweep(
     jobs
         Missions at once on this machine; the number of processors if None. Workers of an executor run one at a time.
     seeds
-        Seeds in the place of the experiment's, with step 1.
+        Seeds in the place of the experiment's: a range, a list or an array of consecutive whole numbers.
     set
         Values that replace those of every scenario, by their dotted keys.
     in_process
         True to run each mission in one thread: the same results, many times faster.
     planners
-        Planners in the place of those of the scenarios, by the name of a robot, a team or a process; with `in_process`
-        only.
+        Planners, also as mere functions or classes, in the place of those of the scenarios, by the name of a robot, a team or
+        a process; with `in_process` only.
     retry_failed
         True to run failed missions again.
     allow_external
@@ -200,17 +207,16 @@ def sweep(
     """
     if planners and not in_process:
         raise InvalidInput(ONLY_IN_PROCESS)
-    if seeds is not None and (seeds.step != 1 or not seeds):
-        raise InvalidInput(f"seeds: {seeds}; expected a range with step 1 that is not empty")
-    for name, count in {"shards": shards, "jobs": jobs}.items():
-        if count is not None and count < 1:
-            raise InvalidInput(f"{name}: {count}; expected at least 1")
+    if seeds is not None and any(after != before + 1 for before, after in pairwise(seeds)):
+        raise refused("seeds", seeds, "consecutive whole numbers, as range(1, 101)")
+    if executor is not None and not callable(getattr(executor, "submit", None)):
+        raise refused("executor", executor, "an object with submit(call, *arguments), as of concurrent.futures")
     task = _Task(
         experiment=os.fspath(Path(experiment).absolute()),
         seeds=None if seeds is None else f"{seeds[0]}..{seeds[-1]}",
         overrides=overrides(set),
         in_process=in_process,
-        planners=dict(planners or {}),
+        planners=planners_of(planners),
         allow_external=allow_external,
         allow_outside=allow_outside,
         retry_failed=retry_failed,
@@ -226,7 +232,7 @@ def sweep(
 def _distribute(task: _Task, executor: Executor, out: Path, count: int, missing: list[int], quiet: bool) -> None:
     """Runs the parts that have missing missions on an executor, and merges those that ended into the results."""
     shards = sorted({number % count for number in missing})
-    running = {executor.submit(_part, task, f"{shard + 1}/{count}"): shard for shard in shards}
+    running = [executor.submit(_part, task, f"{shard + 1}/{count}") for shard in shards]
     parts: list[bytes] = []
     failures: list[BaseException] = []
     shown = time.monotonic()
@@ -234,12 +240,17 @@ def _distribute(task: _Task, executor: Executor, out: Path, count: int, missing:
     try:
         while running:
             time.sleep(_INTERVAL)
-            for future in [future for future in running if future.done()]:
-                del running[future]
+            for future in list(running):
                 try:
-                    parts.append(future.result())
+                    if not future.done():
+                        continue
+                    part = future.result()
+                    # Whole, or the executor has returned something else.
+                    zipfile.ZipFile(io.BytesIO(part)).close()
+                    parts.append(part)
                 except Exception as error:  # What the executor or the part raised.
                     failures.append(error)
+                running.remove(future)
             now = time.monotonic()
             if now > next_merge:
                 _merge(parts, out)
@@ -248,8 +259,7 @@ def _distribute(task: _Task, executor: Executor, out: Path, count: int, missing:
                 next_merge = time.monotonic() + max(_MERGE_INTERVAL, 10 * (time.monotonic() - now))
             if not quiet and (now > shown + _LINE_INTERVAL or not running):
                 shown = now
-                ended = len(shards) - len(running) - len(failures)
-                print(f"{ended}/{len(shards)} parts", file=sys.stderr, flush=True)
+                print(f"{len(shards) - len(running) - len(failures)}/{len(shards)} parts", file=sys.stderr, flush=True)
     finally:
         for future in running:
             cancel = getattr(future, "cancel", None)

@@ -13,6 +13,7 @@ class HasPosition(Protocol):
     @property
     def position(self) -> NDArray[np.float64]:
         """Position (m), shape (2,)."""
+        ...
 
 
 class HasPose(Protocol):
@@ -21,6 +22,7 @@ class HasPose(Protocol):
     @property
     def pose(self) -> NDArray[np.float64]:
         """Pose: x (m), y (m), heading (rad), shape (3,)."""
+        ...
 
 
 PointLike: TypeAlias = ArrayLike | HasPosition

@@ -1,6 +1,7 @@
 //! Arguments from Python: arrays of points and poses, parameters. All numbers must be finite.
 
 use core::fmt::Display;
+use std::path::PathBuf;
 
 use chaotic_maps::{Key, KeyKind};
 use geometry::pose::Pose2;
@@ -12,6 +13,7 @@ use numpy::{
 };
 use numpy::{PyArray1, PyArray2, PyUntypedArray};
 use parameters::{Parameters, ParamsError, check};
+use pyo3::conversion::FromPyObjectOwned;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList, PyString, PyTuple};
 use steering::path_tracking::Path;
@@ -32,12 +34,58 @@ pub fn invalid(error: &impl Display) -> PyErr {
 }
 
 fn refused_object(name: &str, value: &Bound<'_, PyAny>, expected: &str) -> PyErr {
+    refused(name, &shown(value), expected)
+}
+
+fn shown(value: &Bound<'_, PyAny>) -> String {
     let text = value.repr().map(|text| text.to_string());
     let mut text = text.unwrap_or_else(|_| "without a text".to_owned());
     if text.chars().count() > MAX_SHOWN {
         text = text.chars().take(MAX_SHOWN).chain(['…']).collect();
     }
-    refused(name, &text, expected)
+    text
+}
+
+/// Reads a plain value. PyO3 adds the name of the argument to the exception as a note.
+///
+/// # Errors
+/// The exception has the value and what is expected.
+pub fn scalar<'py, T>(value: &Bound<'py, PyAny>) -> PyResult<T>
+where
+    T: Expected + FromPyObjectOwned<'py>,
+{
+    let read = value.extract();
+    read.map_err(|_| invalid(&format!("{}: expected {}", shown(value), T::EXPECTED)))
+}
+
+/// Values that [`scalar`] reads.
+pub trait Expected {
+    /// Accepted values.
+    const EXPECTED: &'static str;
+}
+
+impl Expected for f64 {
+    const EXPECTED: &'static str = "a number";
+}
+
+impl Expected for u32 {
+    const EXPECTED: &'static str = "a whole number from 0 to 2^32 - 1";
+}
+
+impl Expected for u64 {
+    const EXPECTED: &'static str = "a whole number from 0 to 2^64 - 1";
+}
+
+impl Expected for PathBuf {
+    const EXPECTED: &'static str = "a path or a name";
+}
+
+impl Expected for usize {
+    const EXPECTED: &'static str = u64::EXPECTED;
+}
+
+impl<T: Expected> Expected for Option<T> {
+    const EXPECTED: &'static str = T::EXPECTED;
 }
 
 /// Numbers in an array, with its shape.
@@ -238,8 +286,8 @@ pub fn target(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Target> {
 }
 
 /// Returns parameters from a mapping of their names; the defaults without one.
-pub fn params<P: Parameters + Default>(value: Option<&Bound<'_, PyDict>>) -> PyResult<P> {
-    let Some(value) = value.filter(|value| !value.is_empty()) else {
+pub fn params<P: Parameters + Default>(value: Option<&Bound<'_, PyAny>>) -> PyResult<P> {
+    let Some(value) = value else {
         return Ok(P::default());
     };
     let params: P = serde_json::from_str(&json("params", value)?).map_err(|error| {
@@ -253,11 +301,12 @@ pub fn params<P: Parameters + Default>(value: Option<&Bound<'_, PyDict>>) -> PyR
 }
 
 /// Returns a mapping as JSON.
-pub fn json(name: &str, value: &Bound<'_, PyDict>) -> PyResult<String> {
+pub fn json(name: &str, value: &Bound<'_, PyAny>) -> PyResult<String> {
     let json = value.py().import("json")?;
-    let text = json.call_method1("dumps", (value,));
+    let values = value.cast::<PyDict>().map_err(PyErr::from);
+    let text = values.and_then(|values| json.call_method1("dumps", (values,)));
     let text = text.and_then(|text| text.extract::<String>());
-    text.map_err(|_| refused_object(name, value.as_any(), "a mapping of names to plain values"))
+    text.map_err(|_| refused_object(name, value, "a mapping of names to plain values"))
 }
 
 /// Returns a key from its text, or one of this kind from the seed.

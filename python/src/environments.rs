@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex, MutexGuard, TryLockError};
 
 use environment::{
     ArraysMut, EVENT_NAMES, EVENTS, EnvironmentError, Environments as Inner, Options,
-    RewardWeights, WhichEpisode,
+    RewardWeights, Start, WhichEpisode,
 };
 use kinds::KINDS;
 use numpy::{Element, IntoPyArray as _, PyArrayDyn, PyArrayMethods as _, PyReadonlyArrayDyn};
@@ -15,6 +15,7 @@ use scenario::{Loader, MapCache};
 
 use crate::arguments::invalid;
 use crate::error::{Error, InvalidInput};
+use crate::interpreter::detach;
 use crate::run::{CACHE, Planned, kinds_of, place};
 
 /// Instances of a scenario whose agents Python steers. Its arrays are the same objects in all steps.
@@ -72,7 +73,7 @@ pub struct Environments {
 impl Environments {
     #[new]
     #[pyo3(signature = (
-        scenario, *, overrides, agents, observation, action, instances, seed, ticks_per_action, threads, weights, planners, allow_outside
+        scenario, *, overrides, agents, observation, action, instances, seed, autoreset_mode, ticks_per_action, threads, weights, planners, allow_outside
     ))]
     #[expect(
         clippy::too_many_arguments,
@@ -87,6 +88,7 @@ impl Environments {
         action: String,
         instances: usize,
         seed: u64,
+        autoreset_mode: String,
         ticks_per_action: u32,
         threads: usize,
         weights: Vec<(String, f64)>,
@@ -99,12 +101,13 @@ impl Environments {
             observation: observation.parse().map_err(|error| invalid(&error))?,
             action: action.parse().map_err(|error| invalid(&error))?,
             seed,
+            autoreset: autoreset_mode.parse().map_err(raised)?,
             ticks_per_action,
             threads,
             rewards: rewards(&weights)?,
             programs: BTreeMap::new(),
         };
-        let inner = py.detach(|| {
+        let inner = detach(py, || {
             runtime::logging::start("warn");
             let loader = Loader::new(KINDS).allow_outside(allow_outside);
             let draft = loader.draft(&scenario);
@@ -146,6 +149,22 @@ impl Environments {
     /// Begins new episodes: the first ones of a seed, or the next ones.
     fn reset(&self, py: Python<'_>, seed: Option<u64>) -> PyResult<()> {
         self.write(py, |inner, arrays| inner.reset(seed, arrays))
+    }
+
+    /// Begins new episodes in the instances with a start: (None, _) for the next one, (seed, index) for the first one of
+    /// a seed; None lets an episode go on.
+    fn reset_each(
+        &self,
+        py: Python<'_>,
+        starts: Vec<Option<(Option<u64>, usize)>>,
+    ) -> PyResult<()> {
+        let start = |start| match start {
+            None => Start::Keep,
+            Some((None, _)) => Start::Next,
+            Some((Some(seed), instance)) => Start::First { seed, instance },
+        };
+        let starts: Vec<Start> = starts.into_iter().map(start).collect();
+        self.write(py, |inner, arrays| inner.reset_each(&starts, arrays))
     }
 
     /// Does a step with actions of shape (instances, agents, 2); returns `True` if an episode ended.
@@ -196,7 +215,7 @@ impl Environments {
         let episode = inner.episode(instance, which(running)).map_err(raised)?;
         let replayer = inner.replayer();
         drop(guard);
-        let run = py.detach(|| replayer.run(&episode, out, force));
+        let run = detach(py, || replayer.run(&episode, out, force));
         let (scenario, report) = run.map_err(raised)?;
         Ok(report.json(&scenario, &scenario.remarks()).to_string())
     }
@@ -228,7 +247,7 @@ impl Environments {
                 };
                 let mut guard = self.lock()?;
                 let inner = &mut *guard;
-                py.detach(|| work(inner, &mut arrays)).map_err(raised)
+                detach(py, || work(inner, &mut arrays)).map_err(raised)
             }};
         }
         borrow!(

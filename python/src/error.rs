@@ -1,12 +1,6 @@
 //! Exceptions of the package.
 
-use pyo3::create_exception;
-use pyo3::exceptions::PyException;
+use pyo3::import_exception;
 
-create_exception!(protean_robotics, Error, PyException, "Failure of Protean.");
-create_exception!(
-    protean_robotics,
-    InvalidInput,
-    Error,
-    "Scenario, file or argument that is invalid; the text names the field, the value and what is expected."
-);
+import_exception!(protean_robotics._errors, Error);
+import_exception!(protean_robotics._errors, InvalidInput);

@@ -7,12 +7,13 @@ use std::time::Duration;
 use pyo3::prelude::*;
 
 use crate::error::Error;
+use crate::interpreter::{detach, interrupt_planners};
 
 /// Time between two looks for Ctrl-C.
 const SIGNAL_INTERVAL: Duration = Duration::from_millis(50);
 
-/// Runs `work` in a thread of its own, while this one waits for it and for Ctrl-C, which sets `interrupted`. Returns the
-/// result and what Ctrl-C raises.
+/// Runs `work` in a thread of its own, while this one waits for it and for Ctrl-C, which sets `interrupted`; the second one
+/// is raised in planners that do not return. Returns the result and what Ctrl-C raises.
 ///
 /// # Errors
 /// [`Error`] if the thread panics.
@@ -31,7 +32,7 @@ pub fn wait<T: Send>(
         });
         let mut signal = Ok(());
         loop {
-            match py.detach(|| receive(&receiver)) {
+            match detach(py, || receive(&receiver)) {
                 Ok(result) => return Ok((result, signal)),
                 Err(mpsc::RecvTimeoutError::Disconnected) => {
                     // Its panic, which stderr shows, must not cross.
@@ -43,8 +44,13 @@ pub fn wait<T: Send>(
                 Err(mpsc::RecvTimeoutError::Timeout) => {}
             }
             if let Err(raised) = py.check_signals() {
-                interrupted.store(true, Ordering::Relaxed);
-                signal = Err(raised);
+                let again = interrupted.swap(true, Ordering::Relaxed);
+                let planners = if again {
+                    interrupt_planners(py)
+                } else {
+                    Ok(())
+                };
+                signal = planners.and(Err(raised));
             }
         }
     })

@@ -9,6 +9,7 @@ mod algorithms;
 mod arguments;
 mod environments;
 mod error;
+mod interpreter;
 mod interruptible;
 mod log;
 mod map;
@@ -25,8 +26,6 @@ mod _core {
 
     #[pymodule_export]
     use crate::environments::Environments;
-    #[pymodule_export]
-    use crate::error::{Error, InvalidInput};
     #[pymodule_export]
     use crate::log::{Column, LogFile};
     #[pymodule_export]
@@ -86,6 +85,7 @@ mod _core {
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        crate::interpreter::register(module)?;
         module.add("__version__", env!("CARGO_PKG_VERSION"))
     }
 }

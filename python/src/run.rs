@@ -14,6 +14,7 @@ use scenario::{Loader, Program, ResolvedScenario};
 use serde_json::Value as Json;
 
 use crate::error::{Error, InvalidInput};
+use crate::interpreter::detach;
 use crate::interruptible::wait;
 use crate::planner::{Function, PythonParams, PythonPlanner};
 
@@ -68,7 +69,7 @@ pub fn run_in_process(
     allow_outside: bool,
     planners: Vec<Planned>,
 ) -> PyResult<String> {
-    let loaded = py.detach(|| {
+    let loaded = detach(py, || {
         runtime::logging::start("warn");
         let loader = Loader::new(KINDS).allow_outside(allow_outside);
         loader.load(&scenario, &overrides, seed)

@@ -19,6 +19,7 @@ use sweep::{
 };
 
 use crate::error::{Error, InvalidInput};
+use crate::interpreter::detach;
 use crate::interruptible::wait;
 use crate::run::{Planned, kinds_of, place};
 
@@ -82,7 +83,7 @@ pub fn missions_to_run(
     out: Option<PathBuf>,
     options: Options,
 ) -> PyResult<(PathBuf, Vec<usize>)> {
-    py.detach(|| {
+    detach(py, || {
         if is_planning(&experiment) {
             to_run(&options.load::<Task>(&experiment)?, out, &options)
         } else {
@@ -137,7 +138,7 @@ pub fn sweep_in_process(
 ) -> PyResult<String> {
     runtime::logging::start("warn");
     let path = experiment;
-    let experiment = py.detach(|| options.load_missions(&path))?;
+    let experiment = detach(py, || options.load_missions(&path))?;
     let retry_failed = options.retry_failed;
     let engine = PlannersInProcess {
         engine: InProcess::default(),

@@ -1,5 +1,6 @@
 """Environments for learning, against the checks of Gymnasium and PettingZoo and against ordinary runs."""
 
+import re
 import sys
 import warnings
 from pathlib import Path
@@ -11,7 +12,6 @@ import protean_robotics as pr
 import pytest
 from gymnasium.utils.env_checker import check_env
 from numpy.typing import NDArray
-from pettingzoo.test import parallel_api_test, parallel_seed_test
 
 #: A chase that lasts one second.
 SHORT = {"rules.time_limit": 1.0}
@@ -53,15 +53,6 @@ def test_an_env_passes_the_check_of_gymnasium(
         warnings.filterwarnings("ignore", message=".*env.spec.*")
         warnings.filterwarnings("ignore", message=".*not having a spec.*")
         check_env(env)
-
-
-def test_a_parallel_env_passes_the_tests_of_pettingzoo() -> None:
-    def make() -> Any:
-        return pr.parallel_env("chase_exact", agents=["evader", "police_1"], set=SHORT)
-
-    parallel_api_test(make(), num_cycles=100)
-    parallel_seed_test(make)
-    parallel_api_test(pr.parallel_env("chase", agents=["evader_1"], set=SHORT), num_cycles=50)
 
 
 def test_an_episode_is_an_ordinary_run_of_the_same_actions() -> None:
@@ -118,9 +109,10 @@ def test_ended_episodes_are_followed_in_the_same_step() -> None:
         observations, rewards, terminations, truncations, infos = envs.step(np.zeros((2, 2), dtype=np.float32))
         assert rewards == pytest.approx(-0.05)
         assert truncations.all() == (step == 20) and not terminations.any()
-    assert infos["episode"]["r"] == pytest.approx(-1.0)
-    assert infos["episode"]["l"].tolist() == [20, 20]
-    assert infos["_final_obs"].all() and not (envs.seeds == seeds).any()
+    assert infos["return"] == pytest.approx(-1.0)
+    assert infos["length"].tolist() == [20, 20]
+    assert infos["_final_obs"].all() and infos["final_info"]["outcome"].tolist() == [["timed_out"]] * 2
+    assert not (envs.seeds == seeds).any()
     # Entry 0 is 1 in the game.
     assert [final[0] for final in infos["final_obs"]] == [0.0, 0.0]
     assert observations[:, 0].tolist() == [1.0, 1.0]
@@ -152,25 +144,53 @@ def test_arrays_are_the_same_without_copies() -> None:
 
 def test_a_function_may_compute_the_rewards() -> None:
     proximity: list[int] = []
+    befores: list[NDArray[np.float32]] = []
 
     def approach(step: Any) -> NDArray[np.float64]:
         assert step.events["escape"].shape == (2, 2) and step.dt == 0.05
+        befores.append(step.before)
         result: NDArray[np.float64] = step.observations[:, :, proximity[0]] + 10.0 * step.truncated[:, None]
         return result
 
     envs = pr.VectorEnv("chase_exact", 2, agents=["evader"], set=SHORT, reward=approach)
     proximity.append(envs.entries[0].index("exit_1.proximity"))
-    envs.reset(seed=1)
+    observations, _ = envs.reset(seed=1)
     total = np.zeros(2)
     for _ in range(20):
+        before = observations
         observations, rewards, _, truncations, infos = envs.step(np.ones((2, 2, 2), dtype=np.float32))
         total += rewards
+        assert np.array_equal(befores[-1], before)
         if not truncations.any():
             assert np.allclose(rewards, observations[:, :, proximity[0]].sum(axis=1))
     # The last observations are those of the ended episodes.
     finals = np.stack(list(infos["final_obs"]))
     assert np.allclose(rewards, finals[:, :, proximity[0]].sum(axis=1) + 20.0)
-    assert np.allclose(infos["episode"]["r"], total)
+    assert np.allclose(infos["return"], total)
+
+
+def test_the_reward_of_the_documentation_pays_for_arriving_and_not_for_staying() -> None:
+    page = Path(__file__).parents[2] / "docs/how-to/environments.md"
+    blocks = re.findall(r"```python\n(.*?)```", page.read_text(), re.DOTALL)
+    (code,) = [block for block in blocks if "def progress" in block]
+    names: dict[str, Any] = {"pr": pr}
+    exec(compile(code, page.name, "exec"), names)
+    envs = pr.VectorEnv(
+        "hello", 1, agents=["robot"], observation="state+way", ticks_per_action=10, reward=names["progress"], seed=1
+    )
+    ahead, left = (envs.entries[0].index(f"way.bearing_{name}") for name in ("cos", "sin"))
+    observations, _ = envs.reset()
+    rewards: list[float] = []
+    ended = False
+    while not ended:
+        actions = np.array([[max(observations[0, ahead], 0.0), observations[0, left]]], dtype=np.float32)
+        observations, reward, terminations, truncations, infos = envs.step(actions)
+        rewards.append(float(reward[0]))
+        ended = bool(terminations[0] or truncations[0])
+    assert infos["outcome"][0] == ["escaped"]
+    # To stop anywhere on the way earns less.
+    sums = np.cumsum(rewards)
+    assert sums[-1] > 2.0 and sums[:-1].max() < sums[-1] - 0.5
 
 
 def test_an_action_of_several_ticks_is_that_of_as_many_steps() -> None:
@@ -199,7 +219,7 @@ def test_an_action_of_several_ticks_is_that_of_as_many_steps() -> None:
         assert np.array_equal(observations, expected)
         assert np.allclose(rewards, total)
         assert np.array_equal(ends, expected_ends) and ends.all() == (step == 5)
-    assert infos["episode"]["l"].tolist() == [22, 22]
+    assert infos["length"].tolist() == [22, 22]
     assert [several.digest(i) for i in range(2)] == [single.digest(i) for i in range(2)]
 
 

@@ -272,7 +272,7 @@ def test_optuna_searches_parameters_with_digests_of_every_trial() -> None:
     runs = [pr.run("hello", seed=seed, in_process=True, set=values) for seed in (1, 2)]
     assert best.user_attrs["digests"] == [run.digest for run in runs]
     assert best.value == sum(run.time for run in runs) / 2
-    with pytest.raises(pr.InvalidInput, match="seeds: .*at least one"):
+    with pytest.raises(pr.InvalidInput, match="seeds = .*at least one"):
         objective(range(0))
 
 
@@ -283,9 +283,9 @@ def test_invalid_experiments_and_arguments_are_refused() -> None:
         pr.sweep("limits.toml", in_process=True, planners={"nowhere": planner("ahead")})
     with pytest.raises(pr.InvalidInput, match=r"rules\.time_limt"):
         pr.sweep("limits.toml", set={"rules.time_limt": 3})
-    with pytest.raises(pr.InvalidInput, match="seeds: .*step 1"):
+    with pytest.raises(pr.InvalidInput, match="seeds = .*consecutive"):
         pr.sweep("limits.toml", seeds=range(1, 9, 2))
-    with pytest.raises(pr.InvalidInput, match="jobs: 0; expected at least 1"):
+    with pytest.raises(pr.InvalidInput, match="jobs = 0: expected a whole number from 1"):
         pr.sweep("limits.toml", jobs=0)
     with pytest.raises(pr.InvalidInput, match="absent.toml"):
         pr.sweep("absent.toml", executor=ThreadPoolExecutor(1))

@@ -1,4 +1,4 @@
-"""The code of the tutorials for Python runs."""
+"""The Python code of the tutorials and of the README runs, and prints what they say."""
 
 import re
 import sys
@@ -7,15 +7,16 @@ from typing import Any
 
 import pytest
 
-TUTORIALS = Path(__file__).parents[2] / "docs/tutorials"
+ROOT = Path(__file__).parents[2]
+TUTORIALS = ("python-students", "python-researchers", "python-engineers")
 
 
-@pytest.mark.parametrize("name", ["python-students", "python-researchers", "python-engineers"])
+@pytest.mark.parametrize("name", ["README", *(f"docs/tutorials/{name}" for name in TUTORIALS)])
 def test_the_code_of_a_tutorial_runs(
     name: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.syspath_prepend(Path.cwd())
-    text = (TUTORIALS / f"{name}.md").read_text()
+    text = (ROOT / f"{name}.md").read_text()
     names: dict[str, Any] = {"__name__": "tutorial"}
     code = re.findall(r"```python\n(.*?)```(?:\n+It prints:\n+```text\n(.*?)```)?", text, re.DOTALL)
     assert code, f"{name} has no code"
@@ -27,6 +28,5 @@ def test_the_code_of_a_tutorial_runs(
             continue
         capsys.readouterr()
         exec(compile(source, f"{name}.md", "exec"), names)
-        if printed:
-            assert capsys.readouterr().out == printed
+        assert capsys.readouterr().out == printed
     sys.modules.pop("planner", None)

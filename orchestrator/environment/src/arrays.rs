@@ -92,9 +92,10 @@ macro_rules! arrays {
 }
 
 arrays! {
-    /// Observations after the step; of an instance whose episode ended, those of the next one (agents, observation).
+    /// Observations after the step; where the step has begun an episode, its first ones (agents, observation).
     observations: f32 = |s: &Shape| s.agents * s.observation;
-    /// Last observations of an episode that ended in the step; unchanged otherwise (agents, observation).
+    /// Last observations of an episode whose end began the next one in the same step; unchanged otherwise (agents,
+    /// observation).
     final_observations: f32 = |s: &Shape| s.agents * s.observation;
     /// Rewards of the step (agents).
     rewards: f64 = |s: &Shape| s.agents;
@@ -113,6 +114,6 @@ arrays! {
     returns: f64 = |s: &Shape| s.agents;
     /// Number of steps of the episode, up to and including this one.
     lengths: u64 = |_: &Shape| 1;
-    /// Seed of the running episode, that of a scenario; of an instance whose episode ended, that of the next one.
+    /// Seed of the running episode, that of a scenario.
     seeds: u64 = |_: &Shape| 1;
 }

@@ -9,6 +9,7 @@ use crate::backend::Backend;
 use crate::episode::{Episode, WhichEpisode};
 use crate::error::EnvironmentError;
 use crate::instance::{Instance, Scratch};
+use crate::options::{Autoreset, Start};
 use crate::shared::Shared;
 
 /// Consecutive instances, stepped one after the other.
@@ -31,24 +32,39 @@ impl<B: Backend> Chunk<B> {
         }
     }
 
-    /// Begins new episodes: the first ones of a seed, or the next ones.
+    /// Begins new episodes; `starts` and `arrays` are those of this chunk alone.
     pub fn reset(
         &mut self,
-        seed: Option<u64>,
+        starts: &[Start],
         arrays: &mut ArraysMut<'_>,
     ) -> Result<(), EnvironmentError> {
-        if seed.is_some() || self.instances.is_empty() {
-            let seed = seed.unwrap_or(self.shared.options.seed);
-            let begin = |index| Instance::new(&self.shared, index, seed);
-            self.instances = self.range.clone().map(begin).collect::<Result<_, _>>()?;
+        let shared = &self.shared;
+        if self.instances.is_empty() {
+            let seed = shared.options.seed;
+            let begin = |(index, &start)| match start {
+                Start::Keep => Err(EnvironmentError::NotReset),
+                Start::Next => Instance::new(shared, index, seed),
+                Start::First { seed, instance } => Instance::new(shared, instance, seed),
+            };
+            let starts = self.range.clone().zip(starts);
+            self.instances = starts.map(begin).collect::<Result<_, _>>()?;
         } else {
-            let mut instances = self.instances.iter_mut();
-            instances.try_for_each(|instance| instance.begin_next(&self.shared))?;
+            for (own, &start) in self.instances.iter_mut().zip(starts) {
+                match start {
+                    Start::Keep => {}
+                    Start::Next => own.begin_next(shared)?,
+                    Start::First { seed, instance } => {
+                        *own = Instance::new(shared, instance, seed)?;
+                    }
+                }
+            }
         }
-        let shape = self.shared.shape;
-        for (row, instance) in self.instances.iter_mut().enumerate() {
-            let mut row = arrays.row(row, &shape);
-            instance.write_reset(&self.shared, &mut self.scratch, &mut row)?;
+        let shape = shared.shape;
+        for (row, (own, start)) in self.instances.iter_mut().zip(starts).enumerate() {
+            if *start != Start::Keep {
+                let mut row = arrays.row(row, &shape);
+                own.write_reset(shared, &mut self.scratch, &mut row)?;
+            }
         }
         Ok(())
     }
@@ -61,6 +77,12 @@ impl<B: Backend> Chunk<B> {
     ) -> Result<(), EnvironmentError> {
         if self.instances.is_empty() {
             return Err(EnvironmentError::NotReset);
+        }
+        if self.shared.options.autoreset == Autoreset::Disabled
+            && let Some(ended) = self.instances.iter().position(Instance::is_over)
+        {
+            let instance = self.range.start + ended;
+            return Err(EnvironmentError::Ended { instance });
         }
         let shape = self.shared.shape;
         let width = shape.with_instances(1).actions();

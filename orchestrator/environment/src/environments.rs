@@ -12,21 +12,22 @@ use crate::backend::{Alone, WithProcesses};
 use crate::chunk::Chunk;
 use crate::episode::{Episode, WhichEpisode};
 use crate::error::EnvironmentError;
-use crate::options::Options;
+use crate::options::{Options, Start};
 use crate::replay::Replayer;
 use crate::shared::Shared;
 use crate::workers::Worker;
 
 /// Many instances of one scenario.
 ///
-/// The episode of an instance ends with its mission, or when no agent is in the game. The next one begins in the same
-/// step (Gymnasium's `SAME_STEP`): its first observation is among [`observations`](crate::Arrays::observations), the
-/// last one of the ended episode among [`final_observations`](crate::Arrays::final_observations). Seeds of episodes
-/// follow from the seed, the index of the instance and the number of the episode.
+/// The episode of an instance ends with its mission, or when no agent is in the game.
+/// [`Autoreset`](crate::Autoreset) says what begins the next one. Seeds of episodes follow from the seed, the index of
+/// the instance and the number of the episode.
 #[derive(Debug)]
 pub struct Environments {
     shared: Arc<Shared>,
     engine: Engine,
+    /// `true` after the first reset.
+    has_begun: bool,
 }
 
 #[derive(Debug)]
@@ -68,7 +69,11 @@ impl Environments {
             let workers = ranges.map(|range| start(&shared, range));
             Engine::Threads(workers.collect::<Result<_, _>>()?)
         };
-        Ok(Self { shared, engine })
+        Ok(Self {
+            shared,
+            engine,
+            has_begun: false,
+        })
     }
 
     /// Returns the shape of the arrays.
@@ -106,11 +111,31 @@ impl Environments {
         seed: Option<u64>,
         arrays: &mut ArraysMut<'_>,
     ) -> Result<(), EnvironmentError> {
-        arrays.check(&self.shared.shape)?;
+        let start = |instance| seed.map_or(Start::Next, |seed| Start::First { seed, instance });
+        let starts: Vec<Start> = (0..self.shared.shape.instances).map(start).collect();
+        self.reset_each(&starts, arrays)
+    }
+
+    /// Begins new episodes in some instances: one [`Start`] for each. The arrays of the others do not change.
+    ///
+    /// # Errors
+    /// [`EnvironmentError`] as [`Self::reset`]; also if the first reset leaves out an instance.
+    pub fn reset_each(
+        &mut self,
+        starts: &[Start],
+        arrays: &mut ArraysMut<'_>,
+    ) -> Result<(), EnvironmentError> {
+        let shape = &self.shared.shape;
+        arrays.check(shape)?;
+        check_length("starts", starts.len(), shape.instances)?;
+        if !self.has_begun && starts.contains(&Start::Keep) {
+            return Err(EnvironmentError::NotReset);
+        }
+        self.has_begun = true;
         match &mut self.engine {
-            Engine::Here(chunk) => chunk.reset(seed, arrays),
+            Engine::Here(chunk) => chunk.reset(starts, arrays),
             Engine::Threads(workers) => {
-                let begin = |worker: &mut Worker| worker.begin_reset(seed);
+                let begin = |worker: &mut Worker| worker.begin_reset(starts);
                 workers.iter_mut().try_for_each(begin)?;
                 finish(workers, arrays)
             }
@@ -121,8 +146,8 @@ impl Environments {
     /// [`command`](observation::action::command) describes.
     ///
     /// # Errors
-    /// [`EnvironmentError`] if an array has another length, an action is not finite, or a process failed. The
-    /// environments must then be reset.
+    /// [`EnvironmentError`] if an array has another length, an action is not finite, an instance has ended, or a process
+    /// failed. After the latter two, the environments must be reset.
     pub fn step(
         &mut self,
         actions: &[f32],
@@ -130,13 +155,11 @@ impl Environments {
     ) -> Result<(), EnvironmentError> {
         let shape = &self.shared.shape;
         arrays.check(shape)?;
-        let (given, expected) = (actions.len(), shape.actions());
-        if given != expected {
-            let array = "actions";
-            return Err(EnvironmentError::Length {
-                array,
-                given,
-                expected,
+        check_length("actions", actions.len(), shape.actions())?;
+        if let Some(at) = actions.iter().position(|number| !number.is_finite()) {
+            return Err(EnvironmentError::Action {
+                instance: at / shape.with_instances(1).actions(),
+                given: actions[at],
             });
         }
         match &mut self.engine {
@@ -177,6 +200,22 @@ impl Environments {
     /// Returns what executes recorded episodes again.
     pub fn replayer(&self) -> Replayer {
         Replayer::new(Arc::clone(&self.shared))
+    }
+}
+
+fn check_length(
+    array: &'static str,
+    given: usize,
+    expected: usize,
+) -> Result<(), EnvironmentError> {
+    if given == expected {
+        Ok(())
+    } else {
+        Err(EnvironmentError::Length {
+            array,
+            given,
+            expected,
+        })
     }
 }
 

@@ -65,7 +65,7 @@ pub enum EnvironmentError {
         given: f32,
     },
     /// There are no episodes before the first reset, nor after an error.
-    #[error("step: the environments must be reset first")]
+    #[error("the environments must be reset first: expected a reset of all instances")]
     NotReset,
     /// The instance does not exist.
     #[error("instance {given}: expected an index below {instances}")]
@@ -75,12 +75,23 @@ pub enum EnvironmentError {
         /// Number of instances.
         instances: usize,
     },
+    /// The episode of an instance has ended, and no reset has begun the next one.
+    #[error("instance {instance}: its episode has ended: expected a reset")]
+    Ended {
+        /// Index of the instance.
+        instance: usize,
+    },
     /// The instance has completed no episode yet.
     #[error("instance {instance} has completed no episode: expected the running one")]
     NoEpisode {
         /// The index.
         instance: usize,
     },
+    /// A forked process has no threads of the environments.
+    #[error(
+        "the environments were made in another process: expected environments made in the process that uses them"
+    )]
+    OtherProcess,
     /// A thread cannot be started, or ended unexpectedly.
     #[error("a thread of the environments {0}")]
     Thread(String),
@@ -91,7 +102,7 @@ impl EnvironmentError {
     pub fn is_refusal(&self) -> bool {
         match self {
             Self::Mission(error) => error.is_refusal(),
-            Self::World(_) | Self::Write(_) | Self::Thread(_) => false,
+            Self::World(_) | Self::Write(_) | Self::OtherProcess | Self::Thread(_) => false,
             _ => true,
         }
     }

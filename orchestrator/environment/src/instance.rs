@@ -18,6 +18,7 @@ use crate::arrays::ArraysMut;
 use crate::backend::Backend;
 use crate::episode::{Episode, WhichEpisode, episode_seed};
 use crate::error::EnvironmentError;
+use crate::options::Autoreset;
 use crate::rewards::{self, EVENTS};
 use crate::shared::{Shared, planner_map};
 
@@ -58,6 +59,8 @@ pub(crate) struct Instance<B> {
     /// Number of the running episode since the last reset with a seed.
     episode: u64,
     running: Episode,
+    /// `true` from the end of the running episode to the beginning of the next one.
+    is_over: bool,
     last: Option<Episode>,
     returns: Vec<f64>,
     hiding: Hiding,
@@ -81,6 +84,7 @@ impl<B: Backend> Instance<B> {
             seed,
             episode: 0,
             running,
+            is_over: false,
             last: None,
             returns: vec![0.0; shared.shape.agents],
             hiding: Hiding::default(),
@@ -90,8 +94,17 @@ impl<B: Backend> Instance<B> {
         })
     }
 
+    /// Returns `true` if its episode has ended and the next one has not begun.
+    pub fn is_over(&self) -> bool {
+        self.is_over
+    }
+
     /// Begins the next episode.
     pub fn begin_next(&mut self, shared: &Shared) -> Result<(), EnvironmentError> {
+        if core::mem::take(&mut self.is_over) {
+            let freed = self.last.take().unwrap_or_default();
+            self.last = Some(core::mem::replace(&mut self.running, freed));
+        }
         self.episode += 1;
         let seed = episode_seed(self.seed, self.index, self.episode);
         self.backend = B::new(shared, seed)?;
@@ -107,8 +120,8 @@ impl<B: Backend> Instance<B> {
     /// Returns a copy of a recorded episode.
     pub fn episode(&self, which: WhichEpisode) -> Option<Episode> {
         match which {
-            WhichEpisode::Running => Some(self.running.clone()),
-            WhichEpisode::Last => self.last.clone(),
+            WhichEpisode::Last if !self.is_over => self.last.clone(),
+            WhichEpisode::Last | WhichEpisode::Running => Some(self.running.clone()),
         }
     }
 
@@ -131,7 +144,7 @@ impl<B: Backend> Instance<B> {
         self.observe(shared, scratch, row.observations)
     }
 
-    /// Does a step with the actions of all agents; an episode that ends is followed by the next one.
+    /// Does a step with the actions of all agents, or begins the next episode if the last step has ended one.
     pub fn step(
         &mut self,
         shared: &Shared,
@@ -139,12 +152,12 @@ impl<B: Backend> Instance<B> {
         actions: &[f32],
         row: &mut ArraysMut<'_>,
     ) -> Result<(), EnvironmentError> {
+        if self.is_over {
+            self.begin_next(shared)?;
+            return self.write_reset(shared, scratch, row);
+        }
         let (agents, _) = actions.as_chunks::<ACTION_LENGTH>();
         for (&robot, &action) in shared.agents.robots.iter().zip(agents) {
-            if let Some(&given) = action.iter().find(|number| !number.is_finite()) {
-                let instance = self.index;
-                return Err(EnvironmentError::Action { instance, given });
-            }
             scratch.given[robot] = command(action, &shared.facts[robot].model);
         }
         for (tuned, &action) in self.tuned.iter_mut().zip(agents) {
@@ -224,18 +237,19 @@ impl<B: Backend> Instance<B> {
         Ok(())
     }
 
-    /// Ends the episode and begins the next one.
+    /// Ends the episode, and begins the next one if the same step shall.
     fn end(
         &mut self,
         shared: &Shared,
         scratch: &mut Scratch,
         row: &mut ArraysMut<'_>,
     ) -> Result<(), EnvironmentError> {
-        self.observe(shared, scratch, row.final_observations)?;
-        let freed = self.last.take().unwrap_or_default();
-        self.last = Some(core::mem::replace(&mut self.running, freed));
-        self.begin_next(shared)?;
-        row.seeds.fill(self.running.seed);
+        self.is_over = true;
+        if shared.options.autoreset == Autoreset::SameStep {
+            self.observe(shared, scratch, row.final_observations)?;
+            self.begin_next(shared)?;
+            row.seeds.fill(self.running.seed);
+        }
         self.observe(shared, scratch, row.observations)
     }
 

@@ -48,6 +48,6 @@ pub use arrays::{Arrays, ArraysMut, Shape};
 pub use environments::Environments;
 pub use episode::{Episode, WhichEpisode};
 pub use error::EnvironmentError;
-pub use options::Options;
+pub use options::{Autoreset, Options, Start};
 pub use replay::Replayer;
 pub use rewards::{EVENT_NAMES, EVENTS, RewardWeights};

@@ -1,5 +1,6 @@
 //! Options of environments.
 
+use core::str::FromStr;
 use std::collections::BTreeMap;
 
 use observation::action::ActionKind;
@@ -14,6 +15,51 @@ const MAX_INSTANCES: usize = 1 << 20;
 /// Maximum number of threads.
 const MAX_THREADS: usize = 1024;
 
+/// Begin of the next episode after the end of one.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Autoreset {
+    /// The next step begins the next episode, whatever its action.
+    NextStep,
+    /// The same step begins the next episode.
+    #[default]
+    SameStep,
+    /// A reset must begin the next episode.
+    Disabled,
+}
+
+impl FromStr for Autoreset {
+    type Err = EnvironmentError;
+
+    fn from_str(text: &str) -> Result<Self, EnvironmentError> {
+        match text {
+            "NextStep" => Ok(Self::NextStep),
+            "SameStep" => Ok(Self::SameStep),
+            "Disabled" => Ok(Self::Disabled),
+            _ => Err(EnvironmentError::Option {
+                option: "autoreset_mode",
+                given: text.to_owned(),
+                expected: "NextStep, SameStep or Disabled",
+            }),
+        }
+    }
+}
+
+/// Effect of a reset on an instance.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Start {
+    /// Nothing: its episode goes on.
+    Keep,
+    /// Begins its next episode.
+    Next,
+    /// Begins its first episode of a seed; that of `instance` among the instances that share the seed.
+    First {
+        /// Seed of all following episodes.
+        seed: u64,
+        /// Index from which the seeds of episodes follow.
+        instance: usize,
+    },
+}
+
 /// Options of environments.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Options {
@@ -27,6 +73,8 @@ pub struct Options {
     pub action: ActionKind,
     /// Seed of all episodes, if a reset does not give another one.
     pub seed: u64,
+    /// Begin of the next episode after the end of one.
+    pub autoreset: Autoreset,
     /// Number of ticks of a step, at least 1: the action holds, rewards and events add up, and the observation is that
     /// after the last tick.
     pub ticks_per_action: u32,
@@ -49,6 +97,7 @@ impl Default for Options {
             },
             action: ActionKind::default(),
             seed: 0,
+            autoreset: Autoreset::default(),
             ticks_per_action: 1,
             threads: 1,
             rewards: RewardWeights::default(),

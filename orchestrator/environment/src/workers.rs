@@ -10,6 +10,7 @@ use crate::backend::Backend;
 use crate::chunk::Chunk;
 use crate::episode::{Episode, WhichEpisode};
 use crate::error::EnvironmentError;
+use crate::options::Start;
 use crate::shared::Shared;
 
 /// Memory of the instances of a thread, which goes to it with a request and comes back with the reply.
@@ -20,7 +21,7 @@ struct Block {
 }
 
 enum Request {
-    Reset(Option<u64>, Box<Block>),
+    Reset(Vec<Start>, Box<Block>),
     Step(Box<Block>),
     Episode(usize, WhichEpisode),
 }
@@ -33,6 +34,8 @@ enum Reply {
 /// A thread and its instances. The processes of a run cannot change their thread.
 #[derive(Debug)]
 pub(crate) struct Worker {
+    /// Process that has the thread: a forked child has not.
+    process: u32,
     range: Range<usize>,
     shape: Shape,
     block: Option<Box<Block>>,
@@ -61,6 +64,7 @@ impl Worker {
             arrays: Arrays::new(shape),
         };
         Ok(Self {
+            process: std::process::id(),
             range,
             shape,
             block: Some(Box::new(block)),
@@ -75,16 +79,17 @@ impl Worker {
         &self.range
     }
 
-    /// Begins a reset; [`Self::finish`] waits for it.
-    pub fn begin_reset(&mut self, seed: Option<u64>) -> Result<(), EnvironmentError> {
-        let block = self.block.take().ok_or_else(lost)?;
-        self.send(Request::Reset(seed, block))
+    /// Begins a reset with the starts of all instances; [`Self::finish`] waits for it.
+    pub fn begin_reset(&mut self, starts: &[Start]) -> Result<(), EnvironmentError> {
+        let block = self.take_block()?;
+        let own = starts[self.range.clone()].to_vec();
+        self.send(Request::Reset(own, block))
     }
 
     /// Begins a step with the actions of all instances; [`Self::finish`] waits for it.
     pub fn begin_step(&mut self, actions: &[f32]) -> Result<(), EnvironmentError> {
         let width = self.shape.with_instances(1).actions();
-        let mut block = self.block.take().ok_or_else(lost)?;
+        let mut block = self.take_block()?;
         let own = &actions[self.range.start * width..self.range.end * width];
         block.actions.copy_from_slice(own);
         self.send(Request::Step(block))
@@ -106,10 +111,24 @@ impl Worker {
         instance: usize,
         which: WhichEpisode,
     ) -> Result<Episode, EnvironmentError> {
+        self.check_process()?;
         self.send(Request::Episode(instance, which))?;
         match self.replies.recv() {
             Ok(Reply::Episode(episode)) => episode,
             _ => Err(lost()),
+        }
+    }
+
+    fn take_block(&mut self) -> Result<Box<Block>, EnvironmentError> {
+        self.check_process()?;
+        self.block.take().ok_or_else(lost)
+    }
+
+    fn check_process(&self) -> Result<(), EnvironmentError> {
+        if self.process == std::process::id() {
+            Ok(())
+        } else {
+            Err(EnvironmentError::OtherProcess)
         }
     }
 
@@ -123,7 +142,11 @@ impl Drop for Worker {
     fn drop(&mut self) {
         // The thread ends when it can receive no more requests.
         self.requests = None;
-        if let Some(thread) = self.thread.take() {
+        let thread = self.thread.take();
+        if self.check_process().is_err() {
+            // Its handle may be that of a thread of this process by now.
+            core::mem::forget(thread);
+        } else if let Some(thread) = thread {
             // A panic, which stderr shows, has been reported by the request that it ended.
             let _ = thread.join();
         }
@@ -141,8 +164,8 @@ fn serve<B: Backend>(
 ) {
     while let Ok(request) = requests.recv() {
         let reply = match request {
-            Request::Reset(seed, mut block) => {
-                let result = chunk.reset(seed, &mut block.arrays.as_mut());
+            Request::Reset(starts, mut block) => {
+                let result = chunk.reset(&starts, &mut block.arrays.as_mut());
                 Reply::Done(block, result)
             }
             Request::Step(mut block) => {

@@ -5,8 +5,8 @@ mod scripted;
 use std::sync::Arc;
 
 use environment::{
-    Arrays, EVENT_NAMES, EnvironmentError, Environments, Episode, Options, RewardWeights,
-    WhichEpisode,
+    Arrays, Autoreset, EVENT_NAMES, EnvironmentError, Environments, Episode, Options,
+    RewardWeights, Start, WhichEpisode,
 };
 use observation::action::ActionKind;
 use observation::facts::RobotFacts;
@@ -45,6 +45,16 @@ impl Learner {
         self.environments
             .reset(seed, &mut self.arrays.as_mut())
             .unwrap();
+    }
+
+    fn reset_each(&mut self, starts: &[Start]) {
+        self.environments
+            .reset_each(starts, &mut self.arrays.as_mut())
+            .unwrap();
+    }
+
+    fn act(&mut self, actions: &[f32]) -> Result<(), EnvironmentError> {
+        self.environments.step(actions, &mut self.arrays.as_mut())
     }
 
     /// Does a step with random actions, which lead forward.
@@ -239,6 +249,86 @@ fn results_do_not_depend_on_threads() {
 }
 
 #[test]
+fn episodes_do_not_depend_on_what_begins_them() {
+    let made = |autoreset, threads| {
+        let options = Options {
+            instances: 3,
+            threads,
+            autoreset,
+            ..options(&["evader_1"], "state")
+        };
+        let mut learner = Learner::new(template("chase_exact", &["rules.time_limit=0.5"]), options);
+        learner.reset(Some(9));
+        learner
+    };
+    let actions = [0.5; 6];
+    let mut same = made(Autoreset::SameStep, 1);
+    for threads in [1, 2] {
+        same.reset(Some(9));
+        let mut next = made(Autoreset::NextStep, threads);
+        let mut disabled = made(Autoreset::Disabled, threads);
+        for step in 1..=25 {
+            for learner in [&mut same, &mut next, &mut disabled] {
+                learner.act(&actions).unwrap();
+            }
+            if step % 10 > 0 {
+                assert_eq!(next.arrays.rewards, same.arrays.rewards);
+                assert_eq!(next.arrays.observations, same.arrays.observations);
+                assert_eq!(disabled.arrays.observations, same.arrays.observations);
+                continue;
+            }
+            let finals = &same.arrays.final_observations;
+            assert!(same.arrays.truncated.iter().all(|&ends| ends));
+            assert_eq!(&next.arrays.observations, finals);
+            assert_eq!(&disabled.arrays.observations, finals);
+            assert_eq!(next.arrays.truncated, same.arrays.truncated);
+            for i in 0..3 {
+                let last = |learner: &Learner| {
+                    let last = learner.environments.episode(i, WhichEpisode::Last);
+                    last.unwrap()
+                };
+                assert_eq!(last(&next), last(&same));
+                assert_eq!(last(&disabled), last(&same));
+            }
+            // A step, whatever its action, and resets begin the next ones.
+            next.act(&[-1.0; 6]).unwrap();
+            let error = disabled.act(&actions).unwrap_err();
+            assert!(matches!(error, EnvironmentError::Ended { instance: 0 }));
+            let mut starts = [Start::Keep, Start::Next, Start::Keep];
+            disabled.reset_each(&starts);
+            assert!(disabled.arrays.truncated[0] && !disabled.arrays.truncated[1]);
+            starts = [Start::Next, Start::Keep, Start::Next];
+            disabled.reset_each(&starts);
+            for learner in [&next, &disabled] {
+                assert_eq!(learner.arrays.observations, same.arrays.observations);
+                assert_eq!(learner.arrays.seeds, same.arrays.seeds);
+                assert!(!learner.arrays.truncated[0] && learner.arrays.lengths[0] == 0);
+            }
+        }
+    }
+}
+
+#[test]
+fn an_instance_may_have_a_seed_of_its_own() {
+    let options = Options {
+        instances: 2,
+        ..options(&["evader_1"], "state")
+    };
+    let mut learner = Learner::new(template("chase_exact", &[]), options);
+    let first = |seed| Start::First { seed, instance: 0 };
+    learner.reset_each(&[first(5), first(7)]);
+    let observations = learner.arrays.observations.clone();
+    let seeds = learner.arrays.seeds.clone();
+    learner.reset_each(&[first(7), first(5)]);
+    let (a, b) = observations.split_at(observations.len() / 2);
+    assert_eq!(learner.arrays.observations, [b, a].concat());
+    assert_eq!(learner.arrays.seeds, [seeds[1], seeds[0]]);
+    // As the only instance of environments with this seed.
+    learner.reset(Some(5));
+    assert_eq!(learner.arrays.seeds[0], seeds[0]);
+}
+
+#[test]
 fn the_time_limit_truncates_and_the_next_episode_begins() {
     let template = template("chase_exact", &["rules.time_limit=0.5"]);
     let mut learner = Learner::new(template, options(&["evader_1"], "state"));
@@ -346,8 +436,10 @@ fn invalid_options_and_actions_are_refused() {
     let mut arrays = learner.arrays.as_mut();
     let error = learner.environments.step(&[0.0, f32::NAN], &mut arrays);
     assert!(matches!(error, Err(EnvironmentError::Action { .. })));
+    // The episode goes on.
+    learner.act(&[0.0; 2]).unwrap();
     let episode = learner.environments.episode(0, WhichEpisode::Last);
-    assert!(matches!(episode, Err(EnvironmentError::NotReset)));
+    assert!(matches!(episode, Err(EnvironmentError::NoEpisode { .. })));
     let episode = learner.environments.episode(1, WhichEpisode::Last);
     assert!(matches!(episode, Err(EnvironmentError::Instance { .. })));
 }

@@ -10,7 +10,8 @@ use chaotic_maps::{AnySource, Emission, Key, KeyKind};
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 
-use crate::arguments::{self, invalid, refused};
+use crate::arguments::{self, invalid, refused, scalar};
+use crate::interpreter::detach;
 use crate::map::Map;
 
 /// Maximum number of sub-goals of one call.
@@ -74,13 +75,13 @@ impl Plan {
         py: Python<'_>,
         map: &Map,
         start: &Bound<'_, PyAny>,
-        radius: f64,
+        #[pyo3(from_py_with = scalar)] radius: f64,
         key: Option<&str>,
-        seed: u64,
-        sub_goals: u32,
-        loops: u32,
-        margin: f64,
-        tolerance: f64,
+        #[pyo3(from_py_with = scalar)] seed: u64,
+        #[pyo3(from_py_with = scalar)] sub_goals: u32,
+        #[pyo3(from_py_with = scalar)] loops: u32,
+        #[pyo3(from_py_with = scalar)] margin: f64,
+        #[pyo3(from_py_with = scalar)] tolerance: f64,
     ) -> PyResult<Self> {
         let start = arguments::point("start", start)?;
         arguments::positive("radius", radius)?;
@@ -103,7 +104,7 @@ impl Plan {
             loops,
             ..PlanSpec::default()
         };
-        let made = py.detach(|| {
+        let made = detach(py, || {
             let parts = space.shapes().parts();
             let site = Site::new(*space.bounds(), parts, radius, &follow, start)?;
             let plan = CoveragePlan::new(site.decomposition.clone(), site.start, &spec, source)
@@ -134,11 +135,15 @@ impl Plan {
     /// ------
     /// InvalidInput
     ///     More than 10 million sub-goals at once.
-    fn next<'py>(&self, py: Python<'py>, count: usize) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    fn next<'py>(
+        &self,
+        py: Python<'py>,
+        #[pyo3(from_py_with = scalar)] count: usize,
+    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
         if count > MAX_GOALS {
             return Err(refused("count", &count, "at most 10 million"));
         }
-        let goals: Vec<_> = py.detach(|| {
+        let goals: Vec<_> = detach(py, || {
             let mut plan = self.goals.lock().unwrap_or_else(PoisonError::into_inner);
             core::iter::from_fn(|| plan.step().map(|goal| goal.waypoint.point))
                 .take(count)

@@ -5,11 +5,11 @@ use navigation::bearing::Bearings;
 use parameters::Fidelity;
 use planner_view::limits::Limits;
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
 use steering::feedback_linearisation::{self, FeedbackParams};
 use steering::potential_field::{self, Goal, RepulsionParams, Repulsor};
 
-use crate::arguments::{self, invalid};
+use crate::arguments::{self, invalid, scalar};
+use crate::interpreter::detach;
 use crate::map::Map;
 
 /// Attraction of goals: a field of velocities.
@@ -97,7 +97,7 @@ pub fn repulsion<'py>(
     points: &Bound<'py, PyAny>,
     robots: &Bound<'py, PyAny>,
     weights: Option<&Bound<'py, PyAny>>,
-    params: Option<&Bound<'py, PyDict>>,
+    params: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyAny>> {
     let params: RepulsionParams = arguments::params(params)?;
     let robots = weighted("robots", robots, weights)?;
@@ -196,11 +196,11 @@ pub fn obstacle_push<'py>(
 #[pyo3(signature = (velocity, heading, *, v_max, omega_max, v_reverse_max=0.0, params=None))]
 pub fn linearise(
     velocity: &Bound<'_, PyAny>,
-    heading: f64,
-    v_max: f64,
-    omega_max: f64,
-    v_reverse_max: f64,
-    params: Option<&Bound<'_, PyDict>>,
+    #[pyo3(from_py_with = scalar)] heading: f64,
+    #[pyo3(from_py_with = scalar)] v_max: f64,
+    #[pyo3(from_py_with = scalar)] omega_max: f64,
+    #[pyo3(from_py_with = scalar)] v_reverse_max: f64,
+    params: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<(f64, f64)> {
     let limits = Limits::new(v_max, v_reverse_max, omega_max).map_err(|error| invalid(&error))?;
     let [x, y] = arguments::row("velocity", velocity, "two finite numbers (m/s)")?;
@@ -233,7 +233,7 @@ fn at_points<'py>(
 ) -> PyResult<Bound<'py, PyAny>> {
     let points = arguments::points("points", points)?;
     let vectors: Vec<_> = if points.points.len() > 1 {
-        py.detach(|| points.points.iter().map(|&at| field(at)).collect())
+        detach(py, || points.points.iter().map(|&at| field(at)).collect())
     } else {
         points.points.iter().map(|&at| field(at)).collect()
     };

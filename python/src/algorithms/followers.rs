@@ -6,11 +6,11 @@ use numpy::PyArray1;
 use planner_view::limits::Limits;
 use planner_view::view::ScanView;
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
 use steering::path_tracking::{self, Path, TrackingParams};
 use steering::tangent_bug::{self, Advice, Mode};
 
-use crate::arguments::{self, invalid, refused};
+use crate::arguments::{self, invalid, refused, scalar};
+use crate::interpreter::detach;
 
 /// Point to drive to and the mode; `None` if no path leads to the goal.
 type Head<'py> = Option<(Bound<'py, PyArray1<f64>>, &'static str)>;
@@ -50,7 +50,7 @@ pub struct TangentBug {
 #[pymethods]
 impl TangentBug {
     #[new]
-    fn new(radius: f64) -> PyResult<Self> {
+    fn new(#[pyo3(from_py_with = scalar)] radius: f64) -> PyResult<Self> {
         let bug = tangent_bug::TangentBug::new(radius).map_err(|error| invalid(&error))?;
         Ok(Self {
             bug: Mutex::new(bug),
@@ -94,15 +94,15 @@ impl TangentBug {
         ranges: &Bound<'py, PyAny>,
         goal: &Bound<'py, PyAny>,
         angles: Option<&Bound<'py, PyAny>>,
-        range_max: Option<f64>,
-        tolerance: f64,
+        #[pyo3(from_py_with = scalar)] range_max: Option<f64>,
+        #[pyo3(from_py_with = scalar)] tolerance: f64,
     ) -> PyResult<Head<'py>> {
         let pose = arguments::pose("pose", pose)?;
         let goal = arguments::point("goal", goal)?;
         arguments::not_negative("tolerance", tolerance)?;
         let scan = Scan::of(ranges, angles, range_max)?;
         let view = scan.view();
-        let advice = py.detach(|| {
+        let advice = detach(py, || {
             let mut bug = self.bug.lock().unwrap_or_else(PoisonError::into_inner);
             bug.advise(&pose, &view, goal, tolerance)
         });
@@ -238,7 +238,7 @@ pub struct PathTracker {
 impl PathTracker {
     #[new]
     #[pyo3(signature = (path, *, params=None))]
-    fn new(path: &Bound<'_, PyAny>, params: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
+    fn new(path: &Bound<'_, PyAny>, params: Option<&Bound<'_, PyAny>>) -> PyResult<Self> {
         let points = arguments::points("path", path)?.points;
         if points.is_empty() {
             return Err(refused("path", "empty", "at least one point (m)"));
@@ -278,9 +278,9 @@ impl PathTracker {
     fn track(
         &mut self,
         pose: &Bound<'_, PyAny>,
-        v_max: f64,
-        omega_max: f64,
-        v_reverse_max: f64,
+        #[pyo3(from_py_with = scalar)] v_max: f64,
+        #[pyo3(from_py_with = scalar)] omega_max: f64,
+        #[pyo3(from_py_with = scalar)] v_reverse_max: f64,
     ) -> PyResult<(f64, f64)> {
         let limits =
             Limits::new(v_max, v_reverse_max, omega_max).map_err(|error| invalid(&error))?;

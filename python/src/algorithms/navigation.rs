@@ -10,7 +10,8 @@ use numpy::{IntoPyArray as _, PyArray2, PyArrayMethods as _};
 use planner_view::map::PlannerMap;
 use pyo3::prelude::*;
 
-use crate::arguments::{self, invalid, refused};
+use crate::arguments::{self, invalid, refused, scalar};
+use crate::interpreter::detach;
 use crate::map::Map;
 
 /// Maximum number of classes of paths.
@@ -61,9 +62,9 @@ pub fn ways<'py>(
     map: &Map,
     start: &Bound<'py, PyAny>,
     goal: &Bound<'py, PyAny>,
-    radius: f64,
-    count: usize,
-    max_length: Option<f64>,
+    #[pyo3(from_py_with = scalar)] radius: f64,
+    #[pyo3(from_py_with = scalar)] count: usize,
+    #[pyo3(from_py_with = scalar)] max_length: Option<f64>,
 ) -> PyResult<Vec<Bound<'py, PyArray2<f64>>>> {
     let start = arguments::point("start", start)?;
     let goal = arguments::point("goal", goal)?;
@@ -79,7 +80,7 @@ pub fn ways<'py>(
     let Some(space) = map.map.space() else {
         return Err(refused("map", "grids alone", "a map with its exact pieces"));
     };
-    let paths = py.detach(|| {
+    let paths = detach(py, || {
         let free = |p| free_end(space, radius, p);
         match (free(start), free(goal)) {
             (Some(start), Some(goal)) => {
@@ -138,8 +139,8 @@ pub fn arrival_times<'py>(
     map: &Map,
     starts: &Bound<'py, PyAny>,
     speeds: &Bound<'py, PyAny>,
-    radius: f64,
-    pitch: Option<f64>,
+    #[pyo3(from_py_with = scalar)] radius: f64,
+    #[pyo3(from_py_with = scalar)] pitch: Option<f64>,
 ) -> PyResult<Bound<'py, PyArray2<f32>>> {
     let pitch = checked_pitch(&map.map, radius, pitch)?;
     let starts = arguments::points("starts", starts)?.points;
@@ -148,7 +149,7 @@ pub fn arrival_times<'py>(
         .zip(starts.iter().zip(speeds))
         .map(|(label, (&at, speed))| Source::new(at, speed, label))
         .collect();
-    let (times, [height, width]) = py.detach(|| {
+    let (times, [height, width]) = detach(py, || {
         let medium = medium(&map.map, pitch, radius);
         let mut wave = Wave::default();
         wave.spread(&medium, &map.map, &sources, None);
@@ -212,9 +213,9 @@ pub fn dominance<'py>(
     evader_speeds: &Bound<'py, PyAny>,
     pursuers: &Bound<'py, PyAny>,
     pursuer_speeds: &Bound<'py, PyAny>,
-    radius: f64,
-    capture_radius: f64,
-    pitch: Option<f64>,
+    #[pyo3(from_py_with = scalar)] radius: f64,
+    #[pyo3(from_py_with = scalar)] capture_radius: f64,
+    #[pyo3(from_py_with = scalar)] pitch: Option<f64>,
 ) -> PyResult<Bound<'py, PyArray2<u8>>> {
     let pitch = checked_pitch(
         &map.map,
@@ -235,7 +236,7 @@ pub fn dominance<'py>(
     let evaders = team(["evaders", "evader_speeds"], evaders, evader_speeds, 0.0)?;
     let names = ["pursuers", "pursuer_speeds"];
     let pursuers = team(names, pursuers, pursuer_speeds, capture_radius)?;
-    let (owners, [height, width]) = py.detach(|| {
+    let (owners, [height, width]) = detach(py, || {
         let map = &map.map;
         let key = [pitch, radius, capture_radius];
         let arena = map.derived().get(key, || {

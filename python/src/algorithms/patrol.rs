@@ -10,7 +10,8 @@ use planner_view::waypoint::WaypointKind;
 use pyo3::prelude::*;
 use serde_json::Value as Json;
 
-use crate::arguments::{self, invalid, refused};
+use crate::arguments::{self, invalid, refused, scalar};
+use crate::interpreter::detach;
 
 /// Waypoints of a lap: positions, due times, and whether each was inserted.
 type Lap<'py> = (
@@ -71,10 +72,10 @@ impl ZigZag {
     #[pyo3(signature = (contour, *, t_max, alpha, key=None, seed=0, closed=true, preset="default"))]
     fn new(
         contour: &Bound<'_, PyAny>,
-        t_max: f64,
-        alpha: f64,
+        #[pyo3(from_py_with = scalar)] t_max: f64,
+        #[pyo3(from_py_with = scalar)] alpha: f64,
         key: Option<&str>,
-        seed: u64,
+        #[pyo3(from_py_with = scalar)] seed: u64,
         closed: bool,
         preset: &str,
     ) -> PyResult<Self> {
@@ -128,10 +129,13 @@ impl ZigZag {
     /// InvalidInput
     ///     A lap that is too far ahead for a generator that cannot jump.
     #[pyo3(signature = (number=0))]
-    fn lap<'py>(&self, py: Python<'py>, number: u32) -> PyResult<Lap<'py>> {
-        let waypoints = py
-            .detach(|| self.forecast.lap(number))
-            .map_err(|error| invalid(&error))?;
+    fn lap<'py>(
+        &self,
+        py: Python<'py>,
+        #[pyo3(from_py_with = scalar)] number: u32,
+    ) -> PyResult<Lap<'py>> {
+        let waypoints =
+            detach(py, || self.forecast.lap(number)).map_err(|error| invalid(&error))?;
         let awg = self.forecast.awg();
         let due = waypoints.iter().map(|w| awg.due_s(w.number)).collect();
         let inserted = waypoints
@@ -178,7 +182,7 @@ impl ZigZag {
             Ok(predicted.point.coords)
         };
         let points: Result<Vec<_>, ::patrol::forecast::ForecastError> =
-            py.detach(|| times.iter().map(at).collect());
+            detach(py, || times.iter().map(at).collect());
         let points = points.map_err(|error| invalid(&error))?;
         arguments::vector_per_point(py, is_single, &points)
     }

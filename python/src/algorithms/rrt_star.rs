@@ -13,9 +13,9 @@ use navigation::shortest_paths::free_end;
 use numpy::{PyArray1, PyArray2};
 use planner_view::limits::Limits;
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
 
-use crate::arguments::{self, invalid, refused};
+use crate::arguments::{self, invalid, refused, scalar};
+use crate::interpreter::detach;
 use crate::map::Map;
 
 /// Turning rate (rad/s) of a robot for which none is given: arcs of at least the speed over it.
@@ -100,14 +100,14 @@ pub fn plan(
     map: &Map,
     start: &Bound<'_, PyAny>,
     goals: &Bound<'_, PyAny>,
-    radius: f64,
-    iterations: u32,
-    seed: u64,
+    #[pyo3(from_py_with = scalar)] radius: f64,
+    #[pyo3(from_py_with = scalar)] iterations: u32,
+    #[pyo3(from_py_with = scalar)] seed: u64,
     pursuers: Option<&Bound<'_, PyAny>>,
-    pursuer_speed: f64,
-    v_max: f64,
-    omega_max: f64,
-    params: Option<&Bound<'_, PyDict>>,
+    #[pyo3(from_py_with = scalar)] pursuer_speed: f64,
+    #[pyo3(from_py_with = scalar)] v_max: f64,
+    #[pyo3(from_py_with = scalar)] omega_max: f64,
+    params: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Tree> {
     let params: RrtStarParams = arguments::params(params)?;
     let limits = Limits::new(v_max, 0.0, omega_max).map_err(|error| invalid(&error))?;
@@ -140,7 +140,7 @@ pub fn plan(
         at,
         v_max: pursuer_speed,
     }));
-    let (route, nodes) = py.detach(|| {
+    let (route, nodes) = detach(py, || {
         let mut collision_map = CollisionMap::new(space, radius, map.map.revision());
         let towards = collision_map.towards(&goals);
         let mut planning = Planning::new(&params, &limits, seed);

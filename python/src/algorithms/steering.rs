@@ -3,11 +3,10 @@
 use geometry::pose::{Pose2, Twist2};
 use planner_view::limits::Limits;
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
 use steering::go_along::go_along;
 use steering::go_to::GoToParams;
 
-use crate::arguments::{self, Target, invalid, positive};
+use crate::arguments::{self, Target, invalid, positive, scalar};
 
 /// Returns the command that leads from a pose to a target in ticks of `dt` (s).
 pub fn drive(
@@ -68,11 +67,11 @@ pub fn drive(
 pub fn go_to(
     pose: &Bound<'_, PyAny>,
     target: &Bound<'_, PyAny>,
-    v_max: f64,
-    omega_max: f64,
-    dt: f64,
-    v_reverse_max: f64,
-    params: Option<&Bound<'_, PyDict>>,
+    #[pyo3(from_py_with = scalar)] v_max: f64,
+    #[pyo3(from_py_with = scalar)] omega_max: f64,
+    #[pyo3(from_py_with = scalar)] dt: f64,
+    #[pyo3(from_py_with = scalar)] v_reverse_max: f64,
+    params: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<(f64, f64)> {
     let limits = Limits::new(v_max, v_reverse_max, omega_max).map_err(|error| invalid(&error))?;
     positive("dt", dt)?;

@@ -12,11 +12,11 @@ use nalgebra::Point2;
 use numpy::{PyArray1, PyArray2};
 use planner_view::map::PlannerMap;
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
 use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
 
-use crate::arguments;
+use crate::arguments::{self, scalar};
+use crate::interpreter::detach;
 use crate::map::Map;
 
 /// Particle filter of the pose of one robot.
@@ -72,11 +72,11 @@ impl ParticleFilter {
         py: Python<'_>,
         map: &Map,
         start: Option<&Bound<'_, PyAny>>,
-        v_max: f64,
-        omega_max: f64,
-        v_reverse_max: f64,
-        seed: u64,
-        params: Option<&Bound<'_, PyDict>>,
+        #[pyo3(from_py_with = scalar)] v_max: f64,
+        #[pyo3(from_py_with = scalar)] omega_max: f64,
+        #[pyo3(from_py_with = scalar)] v_reverse_max: f64,
+        #[pyo3(from_py_with = scalar)] seed: u64,
+        params: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
         let params: FilterParams = arguments::params(params)?;
         for (name, value) in [
@@ -93,7 +93,7 @@ impl ParticleFilter {
         };
         let start = start.map(|start| arguments::pose("start", start));
         let start = start.transpose()?;
-        let (space, filter) = py.detach(|| {
+        let (space, filter) = detach(py, || {
             let space = space(&map.map);
             let rng = ChaCha8Rng::seed_from_u64(seed);
             let filter = particle_filter::ParticleFilter::new(&params, limits, start, &space, rng);
@@ -133,13 +133,13 @@ impl ParticleFilter {
     fn update(
         &self,
         py: Python<'_>,
-        dt: f64,
+        #[pyo3(from_py_with = scalar)] dt: f64,
         position: Option<&Bound<'_, PyAny>>,
-        sigma: f64,
-        heading: Option<f64>,
-        heading_sigma: f64,
+        #[pyo3(from_py_with = scalar)] sigma: f64,
+        #[pyo3(from_py_with = scalar)] heading: Option<f64>,
+        #[pyo3(from_py_with = scalar)] heading_sigma: f64,
         observers: Option<&Bound<'_, PyAny>>,
-        sensor: Option<&Bound<'_, PyDict>>,
+        sensor: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<()> {
         arguments::positive("dt", dt)?;
         arguments::not_negative("sigma", sigma)?;
@@ -157,7 +157,9 @@ impl ParticleFilter {
             measurement,
         };
         let watch = watch(&self.space, observers, sensor)?;
-        py.detach(|| self.lock().update(&self.space, &watch, &sighting, dt));
+        detach(py, || {
+            self.lock().update(&self.space, &watch, &sighting, dt);
+        });
         Ok(())
     }
 
@@ -265,13 +267,13 @@ pub fn visibility<'py>(
     map: &Map,
     observers: &Bound<'py, PyAny>,
     points: &Bound<'py, PyAny>,
-    sensor: Option<&Bound<'py, PyDict>>,
+    sensor: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyAny>> {
     let points = arguments::points("points", points)?;
-    let space = py.detach(|| space(&map.map));
+    let space = detach(py, || space(&map.map));
     let watch = watch(&space, Some(observers), sensor)?;
     let best = |&p: &Point2<f64>| watch.best(space.field(), p).map_or(0.0, |(v, _)| v);
-    let values: Vec<f64> = py.detach(|| points.points.iter().map(best).collect());
+    let values: Vec<f64> = detach(py, || points.points.iter().map(best).collect());
     arguments::per_point(py, points.is_single, values)
 }
 
@@ -279,7 +281,7 @@ pub fn visibility<'py>(
 fn watch(
     space: &Space,
     observers: Option<&Bound<'_, PyAny>>,
-    sensor: Option<&Bound<'_, PyDict>>,
+    sensor: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Watch> {
     let sensor: SensorParams = arguments::params(sensor)?;
     let mut watch = Watch::new(&sensor);

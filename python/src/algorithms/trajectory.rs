@@ -12,10 +12,10 @@ use geometry::shape::{Aabb, Convex};
 use nalgebra::Point2;
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
 
-use crate::arguments::{self, invalid, refused};
+use crate::arguments::{self, invalid, refused, scalar};
 use crate::error::{Error, InvalidInput};
+use crate::interpreter::{attach, detach};
 
 /// Trajectory of a robot, which has passed the check of limits and clearances.
 #[pyclass(frozen, get_all, module = "protean_robotics.trajectory")]
@@ -140,15 +140,15 @@ pub fn plan(
     discs: Option<&Bound<'_, PyAny>>,
     polygons: Option<Vec<Bound<'_, PyAny>>>,
     bounds: &Bound<'_, PyAny>,
-    v_max: f64,
-    omega_max: f64,
-    v_min: Option<f64>,
-    clearance: f64,
-    start_speed: Option<f64>,
-    start_turn_rate: Option<f64>,
-    goal_speed: Option<f64>,
-    acceleration: Option<f64>,
-    angular_acceleration: Option<f64>,
+    #[pyo3(from_py_with = scalar)] v_max: f64,
+    #[pyo3(from_py_with = scalar)] omega_max: f64,
+    #[pyo3(from_py_with = scalar)] v_min: Option<f64>,
+    #[pyo3(from_py_with = scalar)] clearance: f64,
+    #[pyo3(from_py_with = scalar)] start_speed: Option<f64>,
+    #[pyo3(from_py_with = scalar)] start_turn_rate: Option<f64>,
+    #[pyo3(from_py_with = scalar)] goal_speed: Option<f64>,
+    #[pyo3(from_py_with = scalar)] acceleration: Option<f64>,
+    #[pyo3(from_py_with = scalar)] angular_acceleration: Option<f64>,
     wheels: Option<&Bound<'_, PyAny>>,
     method: &str,
 ) -> PyResult<Trajectory> {
@@ -190,9 +190,9 @@ pub fn plan(
     };
     // Behind a lock only because the signal handler's error must cross threads.
     let raised = Mutex::new(None);
-    let planned = py.detach(|| {
+    let planned = detach(py, || {
         let mut stop = || {
-            let signal = Python::attach(|py: Python<'_>| py.check_signals().err());
+            let signal = attach(|py: Python<'_>| py.check_signals().err());
             let is_raised = signal.is_some();
             if let (Some(error), Ok(mut raised)) = (signal, raised.lock()) {
                 *raised = Some(error);
@@ -249,17 +249,18 @@ pub fn plan(
 #[pyo3(signature = (instance, *, options=None))]
 pub fn plan_instance(
     py: Python<'_>,
-    instance: &Bound<'_, PyDict>,
-    options: Option<&Bound<'_, PyDict>>,
+    instance: &Bound<'_, PyAny>,
+    options: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Trajectory> {
     let options: PlanOptions = arguments::params(options)?;
     let text = arguments::json("instance", instance)?;
     let fields: Loose = serde_json::from_str(&text)
         .map_err(|error| InvalidInput::new_err(format!("instance: {error}")))?;
     let instance = read_instance("instance", &fields).map_err(|error| invalid(&error))?;
-    let answer = py
-        .detach(|| ::plan::solve(&instance, &options, 1, &AtomicBool::new(false)))
-        .ok_or_else(|| Error::new_err("interrupted"))?;
+    let answer = detach(py, || {
+        ::plan::solve(&instance, &options, 1, &AtomicBool::new(false))
+    })
+    .ok_or_else(|| Error::new_err("interrupted"))?;
     let Some(samples) = answer.samples.filter(|_| answer.error.is_none()) else {
         let reason = answer.error.unwrap_or_else(|| "no trajectory".to_owned());
         return Err(Error::new_err(reason));

@@ -11,7 +11,8 @@ use numpy::{IntoPyArray as _, PyArray1, PyArray2, PyArrayMethods as _};
 use planner_view::map::PlannerMap;
 use pyo3::prelude::*;
 
-use crate::arguments;
+use crate::arguments::{self, scalar};
+use crate::interpreter::detach;
 
 /// A map: its grids, and the exact pieces of its obstacles.
 ///
@@ -43,9 +44,9 @@ pub struct Map {
 #[pymethods]
 impl Map {
     #[new]
-    fn new(py: Python<'_>, source: PathBuf) -> PyResult<Self> {
+    fn new(py: Python<'_>, #[pyo3(from_py_with = scalar)] source: PathBuf) -> PyResult<Self> {
         let name = source.to_string_lossy();
-        let map = py.detach(|| source::read(&name))?;
+        let map = detach(py, || source::read(&name))?;
         Ok(Self { map })
     }
 
@@ -79,9 +80,9 @@ impl Map {
     #[pyo3(signature = (blocked, resolution, origin=None, *, blur_sigma=0.19))]
     fn from_grid(
         blocked: &Bound<'_, PyAny>,
-        resolution: f64,
+        #[pyo3(from_py_with = scalar)] resolution: f64,
         origin: Option<&Bound<'_, PyAny>>,
-        blur_sigma: f64,
+        #[pyo3(from_py_with = scalar)] blur_sigma: f64,
     ) -> PyResult<Self> {
         let map = queries::from_grid(blocked, resolution, origin, blur_sigma)?;
         Ok(Self { map })
@@ -171,12 +172,12 @@ impl Map {
         py: Python<'py>,
         start: &Bound<'py, PyAny>,
         goal: &Bound<'py, PyAny>,
-        radius: Option<f64>,
+        #[pyo3(from_py_with = scalar)] radius: Option<f64>,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let paths = queries::paths(py, &self.map, start, radius)?;
         let start = arguments::point("start", start)?;
         let goal = arguments::point("goal", goal)?;
-        let corners = py.detach(|| paths.corners(start, goal));
+        let corners = detach(py, || paths.corners(start, goal));
         arguments::array_of_points(py, &corners.map_err(|error| arguments::invalid(&error))?)
     }
 
@@ -208,12 +209,12 @@ impl Map {
         py: Python<'py>,
         start: &Bound<'py, PyAny>,
         goal: &Bound<'py, PyAny>,
-        radius: Option<f64>,
+        #[pyo3(from_py_with = scalar)] radius: Option<f64>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let paths = queries::paths(py, &self.map, start, radius)?;
         let starts = arguments::points("start", start)?;
         let goal = arguments::point("goal", goal)?;
-        let lengths = py.detach(|| paths.lengths(&starts.points, goal));
+        let lengths = detach(py, || paths.lengths(&starts.points, goal));
         let lengths = lengths.map_err(|error| arguments::invalid(&error))?;
         arguments::per_point(py, starts.is_single, lengths)
     }
@@ -242,7 +243,7 @@ impl Map {
         points: &Bound<'py, PyAny>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let points = arguments::points("points", points)?;
-        let values = py.detach(|| queries::clearances(&self.map, &points.points));
+        let values = detach(py, || queries::clearances(&self.map, &points.points));
         arguments::per_point(py, points.is_single, values)
     }
 
@@ -273,12 +274,14 @@ impl Map {
         py: Python<'py>,
         start: &Bound<'py, PyAny>,
         ends: &Bound<'py, PyAny>,
-        radius: f64,
+        #[pyo3(from_py_with = scalar)] radius: f64,
     ) -> PyResult<Bound<'py, PyAny>> {
         arguments::not_negative("radius", radius)?;
         let start = arguments::point("start", start)?;
         let ends = arguments::points("ends", ends)?;
-        let values = py.detach(|| queries::lines_are_clear(&self.map, start, &ends.points, radius));
+        let values = detach(py, || {
+            queries::lines_are_clear(&self.map, start, &ends.points, radius)
+        });
         arguments::per_point(py, ends.is_single, values)
     }
 
@@ -311,13 +314,13 @@ impl Map {
         py: Python<'py>,
         start: &Bound<'py, PyAny>,
         ends: &Bound<'py, PyAny>,
-        radius: f64,
+        #[pyo3(from_py_with = scalar)] radius: f64,
     ) -> PyResult<Bound<'py, PyAny>> {
         arguments::not_negative("radius", radius)?;
         let start = arguments::point("start", start)?;
         let ends = arguments::points("ends", ends)?;
         let run = |&end: &Point2<f64>| self.map.free_run(start, end, radius);
-        let values: Vec<f64> = py.detach(|| ends.points.iter().map(run).collect());
+        let values: Vec<f64> = detach(py, || ends.points.iter().map(run).collect());
         arguments::per_point(py, ends.is_single, values)
     }
 
@@ -348,12 +351,12 @@ impl Map {
         py: Python<'py>,
         at: &Bound<'py, PyAny>,
         angles: &Bound<'py, PyAny>,
-        range_max: f64,
+        #[pyo3(from_py_with = scalar)] range_max: f64,
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
         arguments::positive("range_max", range_max)?;
         let at = arguments::point("at", at)?;
         let angles = arguments::list("angles", angles, "finite numbers (rad), shape (n,)")?;
-        let ranges = py.detach(|| queries::cast_rays(&self.map, at, &angles, range_max));
+        let ranges = detach(py, || queries::cast_rays(&self.map, at, &angles, range_max));
         Ok(ranges.into_pyarray(py))
     }
 
@@ -381,7 +384,7 @@ impl Map {
         points: &Bound<'py, PyAny>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let points = arguments::points("points", points)?;
-        let vectors = py.detach(|| queries::directions_away(&self.map, &points.points));
+        let vectors = detach(py, || queries::directions_away(&self.map, &points.points));
         arguments::vector_per_point(py, points.is_single, &vectors)
     }
 
@@ -416,9 +419,9 @@ impl Map {
         &self,
         py: Python<'py>,
         at: &Bound<'py, PyAny>,
-        range: Option<f64>,
-        field_of_view: Option<f64>,
-        heading: f64,
+        #[pyo3(from_py_with = scalar)] range: Option<f64>,
+        #[pyo3(from_py_with = scalar)] field_of_view: Option<f64>,
+        #[pyo3(from_py_with = scalar)] heading: f64,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let seen = queries::visible(&self.map, at, range, field_of_view, heading)?;
         arguments::array_of_points(py, &seen)

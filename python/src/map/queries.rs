@@ -14,6 +14,7 @@ use pyo3::prelude::*;
 
 use super::source::of_world;
 use crate::arguments::{attribute, invalid, point, positive, refused, row};
+use crate::interpreter::detach;
 
 /// Returns the map of an occupancy grid of shape (rows, columns).
 ///
@@ -48,7 +49,7 @@ pub fn from_grid(
     };
     let map = CellMap::from_grid(&grid);
     let py = blocked.py();
-    py.detach(|| {
+    detach(py, || {
         let world = WorldMap::from_cells(&map).map_err(|error| invalid(&error))?;
         of_world(&world, blur_sigma)
     })
@@ -75,8 +76,7 @@ pub fn paths(
             ));
         }
     };
-    py.detach(|| ShortestPaths::new(map, radius))
-        .map_err(|error| invalid(&error))
+    detach(py, || ShortestPaths::new(map, radius)).map_err(|error| invalid(&error))
 }
 
 /// Returns the visible part of the free cells around a point or a robot.
@@ -105,7 +105,7 @@ pub fn visible(
         heading,
         limits,
     };
-    Ok(at.py().detach(|| {
+    Ok(detach(at.py(), || {
         let walls = map
             .derived()
             .get("walls", || Walls::new(map.blurred().occupied().clone()));

@@ -11,12 +11,13 @@ use serde_json::Value as Json;
 use super::function::Function;
 use super::params::PythonParams;
 use super::process::PythonPlanner;
+use crate::interpreter::detach;
 
 /// Runs a planner as the process of a run with the configuration in a file; returns `true` if the run ended in order.
 #[pyfunction]
 pub fn serve(py: Python<'_>, function: Py<Function>, config: PathBuf) -> bool {
     let function = Arc::new(function);
-    let code = py.detach(|| {
+    let code = detach(py, || {
         runtime::run_with(&config, Vec::new(), |config, values: &Json| {
             let params = PythonParams::new(values.clone(), Arc::clone(&function));
             runtime::follow::<PlannerProcess<PythonPlanner>>(config, &params)

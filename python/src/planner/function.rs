@@ -2,8 +2,9 @@
 
 use std::sync::{Mutex, PoisonError};
 
-use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
+
+use crate::error::InvalidInput;
 
 /// Input of a planner, by the name of its argument.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -35,7 +36,7 @@ impl Input {
             "params" => Self::Params,
             "rng" => Self::Rng,
             _ => {
-                return Err(PyValueError::new_err(format!(
+                return Err(InvalidInput::new_err(format!(
                     "argument {name:?} of a planner: expected robot, world, map, scan, belief, params or rng"
                 )));
             }

@@ -21,6 +21,7 @@ use super::robot::Robot;
 use super::sensors::{Belief, Scan};
 use super::steering::Command;
 use super::world::World;
+use crate::interpreter::call_planner;
 use crate::map::Map;
 
 /// The planner of one robot.
@@ -87,7 +88,7 @@ impl Planner for PythonPlanner {
     }
 
     fn open(&mut self, config: &ProcessConfig, _: &Bus, robot: u32) -> Result<(), ProcessError> {
-        Python::attach(|py| {
+        call_planner(|py| {
             let opened = self.set_up(py, config, robot as usize);
             self.objects =
                 Some(opened.map_err(|error| {
@@ -102,7 +103,7 @@ impl Planner for PythonPlanner {
     }
 
     fn steer(&mut self, map: &PlannerMap, view: &View<'_>) -> Steering {
-        Python::attach(|py| match self.call(py, map, view) {
+        call_planner(|py| match self.call(py, map, view) {
             Ok(steering) => steering,
             Err(error) => {
                 self.failure = Some(self.function.get().fail(py, error));

@@ -4,6 +4,11 @@ use nalgebra::Point2;
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 
+use crate::arguments::{row, scalar};
+
+/// Accepted values of a point.
+const POINT: &str = "two finite numbers (m)";
+
 /// A command with its reason: what viewers show.
 ///
 /// Parameters
@@ -38,9 +43,9 @@ impl PySteering {
     #[new]
     #[pyo3(signature = (v, omega, *, target=None, aim=None, waypoint=None))]
     fn new(
-        v: f64,
-        omega: f64,
-        target: Option<usize>,
+        #[pyo3(from_py_with = scalar)] v: f64,
+        #[pyo3(from_py_with = scalar)] omega: f64,
+        #[pyo3(from_py_with = scalar)] target: Option<usize>,
         aim: Option<&Bound<'_, PyAny>>,
         waypoint: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
@@ -48,8 +53,8 @@ impl PySteering {
             v,
             omega,
             target,
-            aim: aim.map(pair).transpose()?,
-            waypoint: waypoint.map(pair).transpose()?,
+            aim: aim.map(|aim| row("aim", aim, POINT)).transpose()?,
+            waypoint: waypoint.map(|at| row("waypoint", at, POINT)).transpose()?,
         })
     }
 
