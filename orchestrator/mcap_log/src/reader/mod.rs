@@ -69,20 +69,23 @@ impl<'w> Reader<'w> {
             source,
         };
         // Checked before opening: opening a FIFO would block.
-        if !path.metadata().map_err(failed)?.is_file() {
-            return Err(failed(io::Error::other("not a regular file")));
+        let kind = path.metadata().map_err(failed)?;
+        if !kind.is_file() {
+            let bag = "a directory; the log of a ROS 2 bag is the `.mcap` file in it";
+            let what = if kind.is_dir() {
+                bag
+            } else {
+                "not a regular file"
+            };
+            return Err(failed(io::Error::other(what)));
         }
         let file = File::open(path).map_err(failed)?;
         let length = file.metadata().map_err(failed)?.len();
-        let mut magic = [0; 8];
-        if length < 8
-            || file.read_exact_at(&mut magic, 0).is_err()
-            || magic.as_slice() != mcap::MAGIC
-        {
-            return Err(LogReadError::NotMcap {
-                path: path.to_owned(),
-                empty: length == 0,
-            });
+        let mut start = vec![0; length.min(8) as usize];
+        file.read_exact_at(&mut start, 0).map_err(failed)?;
+        if start != mcap::MAGIC {
+            let path = path.to_owned();
+            return Err(LogReadError::NotMcap { path, start });
         }
         if let Some(read_progress) = &mut read_progress {
             read_progress.begin(length);
