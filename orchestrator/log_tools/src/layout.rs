@@ -260,9 +260,8 @@ mod tests {
         let kinds = prop::collection::vec(prop::sample::select(kinds), NAMES.len());
         (names.prop_shuffle(), kinds).prop_map(|(names, kinds)| {
             let lines = names.iter().zip(kinds);
-            lines
-                .map(|(name, kind)| format!("{kind} {name}\n"))
-                .collect()
+            let lines = lines.map(|(name, kind)| format!("{kind} {name}\n"));
+            lines.collect::<Vec<String>>().concat()
         })
     }
 
