@@ -43,6 +43,7 @@ mod structure;
 mod supervision;
 mod sweep;
 mod system_calls;
+mod tables;
 mod teams;
 mod triggers;
 mod viewers;

@@ -37,3 +37,24 @@ fn strict_ros_readers_decode_and_layouts_of_viewers_fit_the_logs_of_all_built_in
         assert_eq!(read, written);
     }
 }
+
+#[test]
+fn messages_of_random_schemas_are_read_as_by_other_readers() {
+    let sandbox = Sandbox::new();
+    let Some(wrong) = python::call::<u64>("random_cdr.py", sandbox.path()) else {
+        return;
+    };
+    let printed = sandbox.protean(["cat", "random.mcap"]).run();
+    assert_eq!(printed.code, Some(0), "{printed}");
+    sandbox.file("cat.jsonl", &printed.stdout);
+    let differences: Option<Vec<String>> = python::call("random_cdr.py", sandbox.path());
+    assert_eq!(differences, Some(Vec::new()));
+
+    let words = ["export", "random.mcap", "--out", "tables", "--json"];
+    let exported = sandbox.protean(words).run();
+    assert_eq!(exported.code, Some(3), "{exported}");
+    let tables = exported.json()["tables"].take();
+    let tables = tables.as_object().unwrap().values();
+    let undecodable = tables.map(|table| table["undecodable"].as_u64().unwrap());
+    assert_eq!(undecodable.sum::<u64>(), wrong);
+}

@@ -49,7 +49,12 @@ pub fn read(log: &Path) -> Option<PythonLog> {
 /// Runs a script of `tests/python` on a log and returns its output; `None`, and a note on stderr, if this
 /// machine has no Python for it.
 pub fn call<T: DeserializeOwned>(script: &str, log: &Path) -> Option<T> {
-    let python = match interpreter() {
+    call_with(&[], script, log)
+}
+
+/// As [`call`], with the packages of another environment ([`prepare`]).
+pub fn call_with<T: DeserializeOwned>(environment: &[&str], script: &str, log: &Path) -> Option<T> {
+    let python = match prepare(environment) {
         Ok(python) => python,
         Err(reason) => {
             skipped(&format!("{script} with {}", log.display()), &reason);

@@ -93,7 +93,7 @@ pub fn cat(
                     continue;
                 };
                 let line = format!(
-                    "{{\"topic\":{topic},\"log_time_s\":{},{}}}",
+                    "{{\"topic\":{topic},\"log_time_s\":{:?},{}}}",
                     seconds(header.log_time),
                     form.members(data)
                 );

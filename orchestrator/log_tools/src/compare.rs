@@ -206,11 +206,8 @@ impl TopicComparison {
                 Some((String::new(), number))
             }
             (Some(message), Some(at)) => {
-                let found = field_at(
-                    &known::layout(topic).schema.as_ref()?.fields,
-                    message.data,
-                    at,
-                );
+                let schema = known::layout(topic).schema.as_ref()?;
+                let found = field_at(schema, message.data, at);
                 let (name, cell) = found.ok()??;
                 Some((name, cell.to_string()))
             }

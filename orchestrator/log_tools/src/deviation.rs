@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use ipc_types::stamp::Stamp;
 use mcap_log::known::ENCAPSULATION;
-use mcap_log::ros2::{Cdr, Count, DecodeError, Field, Kind, Schema};
+use mcap_log::ros2::{Cdr, Count, DecodeError, Field, Kind, Primitive, Schema};
 use serde::Serialize;
 use tables::Cell;
 
@@ -58,9 +58,9 @@ pub(super) fn add_deviations(
     b: &[u8],
     fields: &mut BTreeMap<String, Deviation>,
 ) -> Result<(), DecodeError> {
-    let (a, b) = (Cdr::new(a)?, Cdr::new(b)?);
+    let (a, b) = (Cdr::new(schema, a)?, Cdr::new(schema, b)?);
     let mut pair = Pair { tick, a, b, fields };
-    pair.walk(&schema.fields, "")
+    pair.walk(schema.fields(), "")
 }
 
 /// Two messages read side by side.
@@ -98,12 +98,13 @@ impl Pair<'_> {
     fn element(&mut self, kind: &Kind, name: &str) -> Result<(), DecodeError> {
         match kind {
             Kind::Message(fields) => return self.walk(fields, name),
-            Kind::Text => {
+            Kind::Primitive(Primitive::Text | Primitive::WideText) | Kind::Nothing => {
                 self.a.skip(kind, name)?;
                 self.b.skip(kind, name)?;
             }
-            Kind::Number(number) => {
-                let (a, b) = (self.a.number(*number, name)?, self.b.number(*number, name)?);
+            Kind::Primitive(number) => {
+                let a = self.a.primitive(*number, name)?;
+                let b = self.b.primitive(*number, name)?;
                 let is_clock = CLOCKS.contains(&(self.a.end() - 1));
                 if !is_clock && !is_same(&a, &b) {
                     let (a, b) = (number_of(&a), number_of(&b));
@@ -165,7 +166,9 @@ mod tests {
 
     #[test]
     fn differences_are_summed_by_field_without_clocks() {
-        let schema = Schema::parse(schema::ros2msg(TopicId::Belief).as_bytes()).unwrap();
+        let definition = schema::ros2msg(TopicId::Belief);
+        let name = schema::message_name(TopicId::Belief);
+        let schema = Schema::parse(&name, definition.as_bytes()).unwrap();
         let mut fields = BTreeMap::new();
         let mut compare = |tick, a: &[u8], b: &[u8]| {
             add_deviations(&schema, tick, a, b, &mut fields).unwrap();

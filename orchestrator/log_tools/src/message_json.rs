@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use mcap_log::reader::{Channel, Schema as LogSchema};
-use mcap_log::ros2::{Cdr, Count, DecodeError, Field, Kind, Number, Schema};
+use mcap_log::ros2::{Cdr, Count, DecodeError, Field, Kind, Primitive, Schema};
 use tables::Cell;
 
 /// Returns the schema of a channel with ROS 2 messages, or the reason why its messages cannot be decoded.
@@ -17,18 +17,14 @@ pub(crate) fn schema_of(channel: &Channel, schema: Option<&LogSchema>) -> Result
             channel.message_encoding, schema.encoding
         ));
     }
-    Schema::parse(&schema.data).map_err(|error| error.to_string())
+    Schema::parse(&schema.name, &schema.data).map_err(|error| error.to_string())
 }
 
 /// Returns a message as a JSON object, its fields in the order of the schema.
 pub(crate) fn object(schema: &Schema, message: &[u8]) -> Result<String, DecodeError> {
     let mut text = String::new();
-    fields(
-        &mut Cdr::new(message)?,
-        &schema.fields,
-        &mut text,
-        ByteForm::Text,
-    )?;
+    let mut cdr = Cdr::new(schema, message)?;
+    fields(&mut cdr, schema.fields(), &mut text, ByteForm::Text)?;
     Ok(text)
 }
 
@@ -43,14 +39,14 @@ enum ByteForm {
 
 /// Returns `true` if the elements of a field are bytes.
 pub(crate) fn is_bytes(field: &Field) -> bool {
-    field.count != Count::One && field.kind == Kind::Number(Number::U8)
+    field.count != Count::One && field.kind == Kind::Primitive(Primitive::U8)
 }
 
 /// Reads a byte array: as text without trailing zeros, or in hexadecimal if it is not printable text.
 pub(crate) fn bytes(cdr: &mut Cdr<'_>, field: &Field) -> Result<String, DecodeError> {
     let mut bytes = Vec::new();
     for _ in 0..cdr.count(field)? {
-        if let Cell::UInt(byte) = cdr.number(Number::U8, &field.name)? {
+        if let Cell::UInt(byte) = cdr.primitive(Primitive::U8, &field.name)? {
             bytes.push(byte as u8);
         }
     }
@@ -73,7 +69,7 @@ pub(crate) fn bytes(cdr: &mut Cdr<'_>, field: &Field) -> Result<String, DecodeEr
     )
 }
 
-/// Appends a field as JSON, byte arrays as arrays of numbers; numbers that are not finite become text.
+/// Appends a field as JSON, byte arrays as arrays of numbers; numbers that are not finite become null.
 pub(crate) fn json(cdr: &mut Cdr<'_>, field: &Field, text: &mut String) -> Result<(), DecodeError> {
     value(cdr, field, text, ByteForm::Numbers)
 }
@@ -111,17 +107,22 @@ fn element(
 ) -> Result<(), DecodeError> {
     let cell = match kind {
         Kind::Message(of_message) => return fields(cdr, of_message, text, form),
-        Kind::Number(number) => cdr.number(*number, name)?,
-        Kind::Text => cdr.text(name)?,
+        Kind::Primitive(primitive) => cdr.primitive(*primitive, name)?,
+        Kind::Nothing => {
+            text.push_str("{}");
+            return cdr.skip(kind, name);
+        }
     };
-    let plain = match &cell {
-        Cell::Text(_) => false,
-        Cell::F32(v) => v.is_finite(),
-        Cell::F64(v) => v.is_finite(),
-        _ => true,
+    let not_finite = match &cell {
+        Cell::F32(v) => !v.is_finite(),
+        Cell::F64(v) => !v.is_finite(),
+        _ => false,
     };
-    let cell = cell.to_string();
-    text.push_str(&if plain { cell } else { quoted(&cell) });
+    text.push_str(&match cell {
+        Cell::Text(cell) => quoted(&cell),
+        _ if not_finite => "null".to_owned(),
+        cell => cell.to_string(),
+    });
     Ok(())
 }
 

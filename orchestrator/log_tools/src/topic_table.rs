@@ -5,14 +5,14 @@ use std::io;
 use mcap_log::MessageHeader;
 use mcap_log::reader::{Channel, Schema};
 use recorder::{ROBOTS_TOPIC, robot_names};
-use tables::{Cell, Column, Rows, Type};
+use tables::{Cell, Column, Rows};
 
 use super::layout::Layout;
 use super::message_json::schema_of;
 
 /// Returns the layout of a channel's table, or the reason why it has none.
 pub(crate) fn layout(channel: &Channel, schema: Option<&Schema>) -> Result<Layout, String> {
-    Layout::new(&schema_of(channel, schema)?).map_err(|error| error.to_string())
+    Layout::new(schema_of(channel, schema)?).map_err(|error| error.to_string())
 }
 
 /// Names of the robots of a log.
@@ -56,6 +56,8 @@ pub(crate) struct TopicTable<W> {
     pub(crate) row_count: u64,
     /// Number of messages that do not fit their schema and were omitted.
     pub(crate) undecodable: u64,
+    /// Reason of the first of them.
+    pub(crate) fault: Option<String>,
 }
 
 impl<W> TopicTable<W> {
@@ -67,24 +69,17 @@ impl<W> TopicTable<W> {
         robots: &[String],
         rows: impl FnOnce(&[Column]) -> Result<Box<dyn Rows<W>>, E>,
     ) -> Result<Self, E> {
-        let mut columns = layout.columns().to_vec();
-        let mut robot_columns = Vec::new();
-        if !robots.is_empty() && topic != ROBOTS_TOPIC {
-            robot_columns = layout.columns_with_robots().collect();
-            let names = robot_columns.iter().filter_map(|at| columns.get(*at));
-            let names =
-                names.map(|column| Column::new(format!("{}_name", column.name()), Type::Text));
-            let names: Vec<Column> = names.collect();
-            columns.extend(names);
-        }
+        let with_names = !robots.is_empty() && topic != ROBOTS_TOPIC;
+        let robot_columns = layout.columns_with_robots().filter(|_| with_names);
         Ok(Self {
-            rows: rows(&columns)?,
+            rows: rows(&layout.columns(with_names))?,
+            robot_columns: robot_columns.collect(),
             layout,
-            robot_columns,
             robots: robots.to_vec(),
             messages: 0,
             row_count: 0,
             undecodable: 0,
+            fault: None,
         })
     }
 
@@ -118,7 +113,10 @@ impl<W> TopicTable<W> {
         match result {
             Ok(Ok(())) => self.messages += 1,
             Ok(Err(error)) => return Err(error),
-            Err(_) => self.undecodable += 1,
+            Err(error) => {
+                self.undecodable += 1;
+                self.fault.get_or_insert_with(|| error.to_string());
+            }
         }
         Ok(())
     }

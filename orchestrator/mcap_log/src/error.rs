@@ -15,12 +15,12 @@ pub enum LogReadError {
         source: io::Error,
     },
     /// The file does not begin with the MCAP magic bytes.
-    #[error("{} is not an MCAP file{}", path.display(), if *empty { ": it is empty" } else { "" })]
+    #[error("{} is not an MCAP file{}", path.display(), remedy(start))]
     NotMcap {
         /// The file.
         path: PathBuf,
-        /// `true` if the file is empty.
-        empty: bool,
+        /// Its first bytes.
+        start: Vec<u8>,
     },
     /// An MCAP file of another program.
     #[error(
@@ -86,4 +86,21 @@ pub enum LogReadError {
     /// The user interrupted the command (Ctrl-C).
     #[error("interrupted")]
     Interrupted,
+}
+
+/// Returns what to do with a file that begins with these bytes.
+fn remedy(start: &[u8]) -> &'static str {
+    match start {
+        [] => ": it is empty",
+        [0x28, 0xb5, 0x2f, 0xfd, ..] => {
+            ": it is compressed as a whole; `zstd -d <FILE >LOG.mcap` decompresses it"
+        }
+        _ if start.starts_with(b"SQLite") => {
+            ": it is a ROS 2 bag in SQLite; `mcap convert FILE LOG.mcap` writes one in MCAP"
+        }
+        _ if start.starts_with(b"#ROSBAG") => {
+            ": it is a ROS 1 bag; `mcap convert FILE LOG.mcap` writes one in MCAP"
+        }
+        _ => "",
+    }
 }

@@ -29,7 +29,11 @@ pub fn layout(topic: TopicId) -> &'static Layout {
     static ALL: LazyLock<Vec<Layout>> = LazyLock::new(|| {
         let layout = |topic: &TopicId| Layout {
             hash: schema::hash_of(*topic),
-            schema: Schema::parse(schema::ros2msg(*topic).as_bytes()).ok(),
+            schema: Schema::parse(
+                &schema::message_name(*topic),
+                schema::ros2msg(*topic).as_bytes(),
+            )
+            .ok(),
         };
         TopicId::ALL.iter().map(layout).collect()
     });

@@ -7,6 +7,8 @@ use mcap_log::{ChannelSpec, LogWriteError, LogWriter};
 
 use super::run_info::RobotInfo;
 
+/// Name of its message.
+const MESSAGE: &str = "protean/msg/RobotNames";
 /// Definition of its message.
 const SCHEMA: &str = "\
 protean/RobotName[] robots
@@ -21,7 +23,7 @@ string team
 pub(super) fn write(robots: &[RobotInfo], log: &mut LogWriter) -> Result<(), LogWriteError> {
     let channel = log.add_channel(&ChannelSpec {
         topic: ROBOTS_TOPIC,
-        schema_name: "protean/msg/RobotNames",
+        schema_name: MESSAGE,
         schema_encoding: "ros2msg",
         schema: SCHEMA.as_bytes(),
         message_encoding: "cdr",
@@ -55,10 +57,10 @@ fn encode(robots: &[RobotInfo]) -> Vec<u8> {
 /// Returns the names in a message of [`ROBOTS_TOPIC`], by index; `None` if it is invalid. `schema` is that of its channel:
 /// older logs do not state the teams.
 pub fn robot_names(schema: &[u8], message: &[u8]) -> Option<Vec<String>> {
-    let schema = Schema::parse(schema).ok()?;
-    let robots = schema.fields.first()?;
+    let schema = Schema::parse(MESSAGE, schema).ok()?;
+    let robots = schema.fields().first()?;
     let mut names = Vec::new();
-    let mut cdr = Cdr::new(message).ok()?;
+    let mut cdr = Cdr::new(&schema, message).ok()?;
     let read = cdr.field(robots, &robots.name, &mut |field, value, _| {
         if field.ends_with("].name") {
             names.push(value.to_string());

@@ -91,6 +91,12 @@ impl Column {
     pub fn name(&self) -> &str {
         &self.name
     }
+
+    /// Returns it with another name.
+    #[must_use]
+    pub fn renamed(self, name: String) -> Self {
+        Self { name, ..self }
+    }
 }
 
 /// A cell of a table: a value of the type of its column, or empty.
@@ -113,15 +119,15 @@ pub enum Cell {
 }
 
 impl fmt::Display for Cell {
-    /// Writes the shortest text that reads back to the same value.
+    /// Writes the shortest text that reads back to the same value; a floating-point number has a point or an exponent.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Empty => Ok(()),
             Self::Bool(v) => v.fmt(f),
             Self::Int(v) => v.fmt(f),
             Self::UInt(v) => v.fmt(f),
-            Self::F32(v) => v.fmt(f),
-            Self::F64(v) => v.fmt(f),
+            Self::F32(v) => fmt::Debug::fmt(v, f),
+            Self::F64(v) => fmt::Debug::fmt(v, f),
             Self::Text(v) => f.write_str(v),
         }
     }

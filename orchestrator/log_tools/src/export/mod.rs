@@ -47,6 +47,9 @@ pub struct Table {
     pub rows: u64,
     /// Number of messages that do not fit their schema and were omitted.
     pub undecodable: u64,
+    /// Reason of the first of them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub fault: Option<String>,
 }
 
 /// Result of an export.
@@ -228,6 +231,7 @@ impl Export<'_> {
                     messages: table.messages,
                     rows: table.row_count,
                     undecodable: table.undecodable,
+                    fault: table.fault.clone(),
                 };
                 let file = table.finish().map_err(derived::failed(&open.file))?;
                 let name = if tables.contains_key(&open.topic) {

@@ -264,6 +264,36 @@ fn an_interrupted_or_refused_copy_leaves_nothing() {
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 2);
 }
 
+#[test]
+fn a_file_of_another_format_is_refused_with_the_way_to_a_log() {
+    let folder = tempfile::tempdir().unwrap();
+    let compressed = zstd::encode_all(&small(zstd(), 1, 1)[..], 1).unwrap();
+    for (name, bytes, words) in [
+        (
+            "a.mcap.zstd",
+            compressed.as_slice(),
+            "`zstd -d <FILE >LOG.mcap`",
+        ),
+        (
+            "a.db3",
+            b"SQLite format 3\0",
+            "`mcap convert FILE LOG.mcap`",
+        ),
+        ("a.bag", b"#ROSBAG V2.0\n", "a ROS 1 bag"),
+        ("a", b"", "it is empty"),
+        ("b", b"SQL", "b is not an MCAP file"),
+    ] {
+        let log = file(&folder, name, bytes);
+        let error = LogInfo::read(&log, &mut watch()).unwrap_err();
+        assert!(error.to_string().contains(words), "{error}");
+    }
+    let error = LogInfo::read(folder.path(), &mut watch()).unwrap_err();
+    assert!(
+        error.to_string().contains("the `.mcap` file in it"),
+        "{error}"
+    );
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { cases: 300, ..ProptestConfig::default() })]
 

@@ -143,8 +143,8 @@ fn their_messages_become_tables_by_their_own_schemas() {
         text,
         "log_time_ns,publish_time_ns,sequence,header.stamp.sec,header.stamp.nanosec,\
          header.frame_id,names,last,points.index,points.x,points.size.0,points.size.1\n\
-         3000000000,3000000000,0,5,6,map,\"[\"\"é,\\\"\"\"\",\"\"b\"\"]\",true,0,1.5,0.25,2\n\
-         3000000000,3000000000,0,5,6,map,\"[\"\"é,\\\"\"\"\",\"\"b\"\"]\",true,1,-0.1,NaN,3\n\
+         3000000000,3000000000,0,5,6,map,\"[\"\"é,\\\"\"\"\",\"\"b\"\"]\",true,0,1.5,0.25,2.0\n\
+         3000000000,3000000000,0,5,6,map,\"[\"\"é,\\\"\"\"\",\"\"b\"\"]\",true,1,-0.1,NaN,3.0\n\
          1000000000,1000000000,0,5,6,map,\"[\"\"é,\\\"\"\"\",\"\"b\"\"]\",true,,,,\n"
     );
     assert!(out.join("poses-2.csv").exists());
@@ -168,7 +168,7 @@ fn their_messages_become_lines_of_json() {
     assert_eq!(all[0]["log_time_s"], 3.0);
     let message = &all[0]["message"];
     assert_eq!(message["header"]["frame_id"], "map");
-    assert_eq!(message["points"][1]["size"], serde_json::json!(["NaN", 3]));
+    assert_eq!(message["points"][1]["size"], serde_json::json!([null, 3.0]));
     assert_eq!(message["names"], serde_json::json!(["é,\"", "b"]));
     // A truncated message, and a schema that cannot be read.
     for (line, words) in [

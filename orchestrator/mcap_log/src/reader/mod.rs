@@ -18,6 +18,7 @@ use std::collections::BTreeMap;
 use std::fs::File;
 use std::io;
 use std::ops::Range;
+use std::os::unix::fs::FileExt as _;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
@@ -85,19 +86,37 @@ impl<'w> Reader<'w> {
     pub fn open_at(
         path: &Path,
         start: u64,
-        read_progress: Option<&'w mut ReadProgress>,
+        mut read_progress: Option<&'w mut ReadProgress>,
     ) -> Result<Self, LogReadError> {
         let failed = |source| LogReadError::Open {
             path: path.to_owned(),
             source,
         };
         // Checked before opening: opening a FIFO would block.
-        if !path.metadata().map_err(failed)?.is_file() {
-            return Err(failed(io::Error::other("not a regular file")));
+        let kind = path.metadata().map_err(failed)?;
+        if !kind.is_file() {
+            let bag = "a directory; the log of a ROS 2 bag is the `.mcap` file in it";
+            let what = if kind.is_dir() {
+                bag
+            } else {
+                "not a regular file"
+            };
+            return Err(failed(io::Error::other(what)));
         }
         let file = File::open(path).map_err(failed)?;
         let length = file.metadata().map_err(failed)?.len();
-        let mut reader = Self {
+        let mut magic = vec![0; length.saturating_sub(start).min(MAGIC_BYTES) as usize];
+        file.read_exact_at(&mut magic, start).map_err(failed)?;
+        if magic != mcap::MAGIC {
+            return Err(LogReadError::NotMcap {
+                path: path.to_owned(),
+                start: magic,
+            });
+        }
+        if let Some(read_progress) = &mut read_progress {
+            read_progress.begin(length);
+        }
+        Ok(Self {
             path: path.to_owned(),
             file,
             length,
@@ -122,17 +141,7 @@ impl<'w> Reader<'w> {
                 ..Condition::default()
             },
             read_progress,
-        };
-        if !reader.is_magic(start)? {
-            return Err(LogReadError::NotMcap {
-                path: reader.path,
-                empty: length == 0,
-            });
-        }
-        if let Some(read_progress) = &mut reader.read_progress {
-            read_progress.begin(length);
-        }
-        Ok(reader)
+        })
     }
 
     /// Returns the offset of a further log that follows the end of this one, after it has been read (bytes).

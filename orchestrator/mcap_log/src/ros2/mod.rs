@@ -2,7 +2,9 @@
 
 mod decode;
 mod schema;
+#[cfg(test)]
+mod tests;
 
 pub use decode::{Cdr, DecodeError, field_at};
 
-pub use schema::{Count, Field, Kind, Number, Schema, SchemaError};
+pub use schema::{Count, Field, Kind, Primitive, Schema, SchemaError};

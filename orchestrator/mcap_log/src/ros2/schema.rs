@@ -15,9 +15,9 @@ const MAX_DEFINITION_BYTES: usize = 4 << 20;
 #[error("invalid schema: {0}")]
 pub struct SchemaError(pub String);
 
-/// A primitive type of fixed size.
+/// A primitive type.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Number {
+pub enum Primitive {
     /// `bool`
     Bool,
     /// `uint8`, `byte`, `char`
@@ -40,23 +40,17 @@ pub enum Number {
     F32,
     /// `float64`
     F64,
+    /// `string`, in UTF-8.
+    Text,
+    /// `wstring`, in UTF-16.
+    WideText,
 }
 
-impl Number {
-    /// Returns size and alignment (bytes).
-    pub fn size(self) -> usize {
-        match self {
-            Self::Bool | Self::U8 | Self::I8 => 1,
-            Self::U16 | Self::I16 => 2,
-            Self::U32 | Self::I32 | Self::F32 => 4,
-            Self::U64 | Self::I64 | Self::F64 => 8,
-        }
-    }
-
+impl Primitive {
     fn named(name: &str) -> Option<Self> {
         Some(match name {
             "bool" => Self::Bool,
-            "uint8" | "byte" | "char" => Self::U8,
+            "uint8" | "byte" | "char" | "octet" => Self::U8,
             "int8" => Self::I8,
             "uint16" => Self::U16,
             "int16" => Self::I16,
@@ -66,6 +60,10 @@ impl Number {
             "int64" => Self::I64,
             "float32" => Self::F32,
             "float64" => Self::F64,
+            "string" => Self::Text,
+            "wstring" => Self::WideText,
+            _ if name.starts_with("string<=") => Self::Text,
+            _ if name.starts_with("wstring<=") => Self::WideText,
             _ => return None,
         })
     }
@@ -74,12 +72,12 @@ impl Number {
 /// Type of a field.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Kind {
-    /// A number.
-    Number(Number),
-    /// A string.
-    Text,
+    /// A number or a text.
+    Primitive(Primitive),
     /// A message with these fields.
     Message(Arc<[Field]>),
+    /// A message without fields; it takes one byte.
+    Nothing,
 }
 
 /// Number of elements of a field.
@@ -107,59 +105,66 @@ pub struct Field {
 /// A message definition with its nested messages.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Schema {
-    /// Fields of the message, in order.
-    pub fields: Arc<[Field]>,
+    /// The message: [`Kind::Message`] or [`Kind::Nothing`].
+    pub(super) root: Kind,
 }
 
 impl Schema {
-    /// Parses a definition: the fields of the message, then those of nested messages, separated by lines of
-    /// `=`.
+    /// Parses the definition of the message `name` (`PACKAGE/msg/NAME`): its fields, then those of nested messages,
+    /// separated by lines of `=`.
     ///
     /// # Errors
     /// [`SchemaError`] describes the invalid part.
-    pub fn parse(text: &[u8]) -> Result<Self, SchemaError> {
+    pub fn parse(name: &str, text: &[u8]) -> Result<Self, SchemaError> {
         if text.len() > MAX_DEFINITION_BYTES {
             return Err(SchemaError(format!(
                 "longer than {MAX_DEFINITION_BYTES} bytes"
             )));
         }
         let text = str::from_utf8(text).map_err(|e| SchemaError(e.to_string()))?;
-        let mut sections: Vec<(String, Vec<&str>)> = vec![(String::new(), Vec::new())];
+        let mut sections: Vec<(String, Vec<&str>)> = vec![(short(name), Vec::new())];
         let mut named = true;
         for line in text.lines() {
             if line.len() >= 3 && line.bytes().all(|b| b == b'=') {
                 named = false;
             } else if !named && let Some(name) = line.strip_prefix("MSG:") {
-                sections.push((name.trim().to_owned(), Vec::new()));
+                sections.push((short(name.trim()), Vec::new()));
                 named = true;
             } else if let Some((_, lines)) = sections.last_mut() {
                 lines.push(line);
             }
         }
+        let root = sections.first().map_or(&[][..], |(_, lines)| lines);
+        let nested = sections.iter().skip(1);
         let mut parser = Parser {
-            sections: sections
-                .iter()
-                .map(|(n, l)| (short(n), l.as_slice()))
-                .collect(),
+            sections: nested.map(|(n, l)| (n.clone(), l.as_slice())).collect(),
             done: BTreeMap::new(),
             fields: 0,
         };
-        let root = sections.first().map_or(&[][..], |(_, lines)| lines);
         Ok(Self {
-            fields: parser.fields(root, 0)?,
+            root: parser.message(&short(name), root, 0)?,
         })
+    }
+
+    /// Returns the fields of the message, in order.
+    pub fn fields(&self) -> &[Field] {
+        match &self.root {
+            Kind::Message(fields) => fields,
+            Kind::Primitive(_) | Kind::Nothing => &[],
+        }
     }
 }
 
 struct Parser<'a> {
     sections: BTreeMap<String, &'a [&'a str]>,
-    done: BTreeMap<String, (Arc<[Field]>, usize)>,
+    done: BTreeMap<String, (Kind, usize)>,
     /// Number of fields so far, counting every use of a nested message.
     fields: usize,
 }
 
 impl Parser<'_> {
-    fn fields(&mut self, lines: &[&str], depth: usize) -> Result<Arc<[Field]>, SchemaError> {
+    /// Parses the fields of the message `owner`.
+    fn message(&mut self, owner: &str, lines: &[&str], depth: usize) -> Result<Kind, SchemaError> {
         if depth > MAX_NESTING {
             return Err(SchemaError(format!("nested deeper than {MAX_NESTING}")));
         }
@@ -185,48 +190,40 @@ impl Parser<'_> {
                 None => (kind, Count::One),
                 Some((kind, "")) => (kind, Count::Many),
                 Some((kind, bound)) if bound.starts_with("<=") => (kind, Count::Many),
-                Some((kind, count)) => {
-                    let count = count
-                        .parse()
-                        .map_err(|_| SchemaError(format!("`{line}`: not a length")))?;
-                    (kind, Count::Fixed(count))
-                }
+                // The decoder limits the number of elements by the number of bytes, also in nested lists: every
+                // element must take at least one byte.
+                Some((kind, count)) => match count.parse() {
+                    Ok(count) if count > 0 => (kind, Count::Fixed(count)),
+                    _ => return Err(SchemaError(format!("`{line}`: not a length above 0"))),
+                },
             };
-            let kind = self.kind(kind, depth)?;
-            // The decoder limits the number of elements by the number of bytes, also in nested lists: every
-            // element must take at least one byte.
-            if count != Count::One && is_zero_size(&kind) {
-                let what = format!("`{line}`: a list of messages without fields");
-                return Err(SchemaError(what));
+            if fields.iter().any(|field: &Field| field.name == name) {
+                return Err(SchemaError(format!(
+                    "`{line}`: another field has this name"
+                )));
             }
             fields.push(Field {
                 name: name.to_owned(),
-                kind,
+                kind: self.kind(owner, kind, depth)?,
                 count,
             });
         }
-        Ok(fields.into())
+        Ok(if fields.is_empty() {
+            Kind::Nothing
+        } else {
+            Kind::Message(fields.into())
+        })
     }
 
-    fn kind(&mut self, name: &str, depth: usize) -> Result<Kind, SchemaError> {
-        if let Some(number) = Number::named(name) {
-            return Ok(Kind::Number(number));
+    /// Returns the type `name` of a field of the message `owner`.
+    fn kind(&mut self, owner: &str, name: &str, depth: usize) -> Result<Kind, SchemaError> {
+        if let Some(primitive) = Primitive::named(name) {
+            return Ok(Kind::Primitive(primitive));
         }
-        if name == "string" || name.starts_with("string<=") {
-            return Ok(Kind::Text);
-        }
-        let name = short(name);
-        let key = if self.sections.contains_key(&name) || name.contains('/') {
-            name.clone()
-        } else {
-            // A name without package.
-            let end = format!("/{name}");
-            let found = self.sections.keys().find(|key| key.ends_with(&end));
-            found.cloned().unwrap_or_else(|| name.clone())
-        };
-        if let Some((fields, count)) = self.done.get(&key) {
+        let key = self.key(owner, name)?;
+        if let Some((kind, count)) = self.done.get(&key) {
             self.fields += count;
-            return Ok(Kind::Message(Arc::clone(fields)));
+            return Ok(kind.clone());
         }
         let lines = match self.sections.get(&key) {
             Some(lines) => *lines,
@@ -235,26 +232,33 @@ impl Parser<'_> {
             None => return Err(SchemaError(format!("the type `{name}` is not defined"))),
         };
         let before = self.fields;
-        let fields = self.fields(lines, depth + 1)?;
-        self.done
-            .insert(key, (Arc::clone(&fields), self.fields - before));
-        Ok(Kind::Message(fields))
+        let kind = self.message(&key, lines, depth + 1)?;
+        self.done.insert(key, (kind.clone(), self.fields - before));
+        Ok(kind)
     }
-}
 
-/// Returns `true` if a value takes no bytes.
-fn is_zero_size(kind: &Kind) -> bool {
-    match kind {
-        Kind::Number(_) | Kind::Text => false,
-        Kind::Message(fields) => fields
-            .iter()
-            .all(|field| field.count == Count::Fixed(0) || is_zero_size_field(field)),
+    /// Returns the full name of the message `name` that a field of the message `owner` has: one of the same package, else
+    /// the only one of this name.
+    fn key(&self, owner: &str, name: &str) -> Result<String, SchemaError> {
+        match name {
+            "time" => return Ok("builtin_interfaces/Time".to_owned()),
+            "duration" => return Ok("builtin_interfaces/Duration".to_owned()),
+            name if name.contains('/') => return Ok(short(name)),
+            _ => {}
+        }
+        let package = owner.rsplit_once('/').map_or("", |(package, _)| package);
+        let near = format!("{package}/{name}");
+        if self.sections.contains_key(&near) {
+            return Ok(near);
+        }
+        let end = format!("/{name}");
+        let is_it = |key: &&String| *key == name || key.ends_with(&end);
+        let mut found = self.sections.keys().filter(is_it);
+        match (found.next(), found.next()) {
+            (Some(a), Some(b)) => Err(SchemaError(format!("`{name}` is {a} or {b}"))),
+            (found, _) => Ok(found.map_or(near, String::clone)),
+        }
     }
-}
-
-/// Returns `true` if the field takes no bytes; a sequence has at least its length.
-fn is_zero_size_field(field: &Field) -> bool {
-    field.count != Count::Many && is_zero_size(&field.kind)
 }
 
 /// Shortens `pkg/msg/Name` to `pkg/Name`.
@@ -266,24 +270,33 @@ fn short(name: &str) -> String {
 mod tests {
     use super::*;
 
+    fn parse(text: &str) -> Result<Schema, SchemaError> {
+        Schema::parse("p/msg/T", text.as_bytes())
+    }
+
     #[test]
-    fn lists_of_messages_that_take_no_bytes_are_refused() {
-        let nothing = "Nothing[1000] many\n===\nMSG: a/Nothing\n";
-        let nested = "A[9] a\n===\nMSG: p/A\nB b\n===\nMSG: p/B\nuint8[0] none\n";
-        for text in [nothing, nested] {
-            let error = Schema::parse(text.as_bytes()).unwrap_err();
-            assert!(
-                error.0.contains("a list of messages without fields"),
-                "{error}"
-            );
-        }
-        // Sequences with a length and single empty messages are allowed.
-        for text in [
-            "A[9] a\n===\nMSG: p/A\nuint8[] bytes\n",
-            "Nothing one\n===\nMSG: a/Nothing\n",
-            "uint8[0] none\n",
-        ] {
-            assert!(Schema::parse(text.as_bytes()).is_ok(), "{text}");
-        }
+    fn every_element_takes_a_byte() {
+        let error = parse("A[9] a\n===\nMSG: p/A\nuint8[0] none\n").unwrap_err();
+        assert!(error.0.contains("not a length above 0"), "{error}");
+        let many = parse("Nothing[1000] many\n===\nMSG: p/Nothing\nint8 X=5\n").unwrap();
+        assert_eq!(many.fields()[0].kind, Kind::Nothing);
+        assert_eq!(parse("# no field\n").unwrap().root, Kind::Nothing);
+    }
+
+    #[test]
+    fn names_without_package_are_of_the_package_of_their_message() {
+        let two = "===\nMSG: a/A\nint8 x\n===\nMSG: b/A\nfloat64 x\n===\nMSG: b/B\nA a\n";
+        let field = |schema: &Schema| schema.fields()[0].kind.clone();
+        let nested = parse(&format!("b/B b\n{two}")).unwrap();
+        let Kind::Message(fields) = field(&nested) else {
+            panic!("a message")
+        };
+        assert_eq!(
+            fields[0].kind,
+            field(&parse(&format!("b/A a\n{two}")).unwrap())
+        );
+        let error = parse(&format!("A a\n{two}")).unwrap_err();
+        assert!(error.0.contains("`A` is a/A or b/A"), "{error}");
+        assert!(parse("Header h\n===\nMSG: std_msgs/Header\ntime stamp\n").is_ok());
     }
 }

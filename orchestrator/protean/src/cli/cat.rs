@@ -22,7 +22,7 @@ Prints one line for every message, in the order of the log:
 
 ROS 2 messages are decoded with the schema in the log; byte arrays become text or 0x…. JSON messages are printed as
 they are. Messages in other encodings have the fields `bytes` (length) and `note` (reason) instead of `message`.
-Numbers that are not finite become text.
+Floating-point numbers have a point or an exponent; those that are not finite become null.
 
 Examples:
   protean cat logs/chase-1.mcap --limit 5

@@ -17,9 +17,10 @@ With --out, every topic with ROS 2 messages becomes a table: `world/state` becom
 of a run, whose names begin with /, repeat the others and are skipped unless --topics selects them. A row is one element
 of a message (a robot, a particle); it repeats log_time_ns, publish_time_ns, sequence and the fields of the message. A
 message without elements is one row. Columns of nested fields are named `stamp.tick`, elements of short arrays
-`bounds.0`. The index of a robot (`robot`) has a second column with its name (`robot_name`), last in the table. Byte
-arrays are written as text or 0x…; nested sequences as JSON. Floating-point numbers are written with enough digits to
-read the same value back.
+`bounds.0`. The index of a robot (`robot`) has a second column with its name (`robot_name`), last in the table. A field
+with the name of an earlier column becomes `sequence_2`. Byte arrays are written as text or 0x…; nested sequences as
+JSON. In CSV, floating-point numbers have a point or an exponent and enough digits to read the same value back;
+infinity is 1e999, which pandas, polars and DuckDB read as infinite.
 
 With --ros2bag, the directory gets a copy of the log and the metadata.yaml that `ros2 bag` expects.
 
@@ -122,10 +123,13 @@ fn tables(args: &ExportArgs, out: &Path) -> ExitCode {
                 eprintln!("    {topic}: {why}");
             }
         }
-        let undecodable: u64 = done.tables.values().map(|table| table.undecodable).sum();
-        if undecodable > 0 {
-            eprintln!("warning: {undecodable} messages do not match their schema");
-            return Ok(ExitCode::from(EXIT_PARTIAL));
+        let mut code = code;
+        for (topic, table) in &done.tables {
+            if let Some(fault) = &table.fault {
+                let count = table.undecodable;
+                eprintln!("warning: {topic}: {count} messages do not match their schema: {fault}");
+                code = ExitCode::from(EXIT_PARTIAL);
+            }
         }
         Ok(code)
     })

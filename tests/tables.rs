@@ -1,0 +1,64 @@
+//! Tables in the packages that read them.
+
+use serde_json::Value as Json;
+
+use crate::support::{Sandbox, python};
+
+const ENVIRONMENT: &[&str] = &[
+    "python-tables",
+    "duckdb==2.0.1",
+    "pandas==3.1.1",
+    "polars==2.1.0",
+];
+
+/// Missions with an evader that may escape early: some columns begin empty.
+const SWEEP: &str = r#"
+scenario = "builtin:chase"
+seeds = { first = 1, count = 2 }
+set.rules.time_limit = 2
+
+[parameters.speed]
+title = "speed"
+set = "teams.police.limits.v_max"
+
+[grid]
+speed = [1, 1.5]
+"#;
+
+#[test]
+fn pandas_polars_and_duckdb_read_every_table() {
+    let sandbox = Sandbox::new();
+    std::fs::create_dir(sandbox.path().join("tables")).unwrap();
+    for name in [
+        "chase",
+        "chase_referee",
+        "patrol_square",
+        "coverage_polygons",
+        "popup",
+    ] {
+        let (log, out) = (format!("{name}.mcap"), format!("tables/{name}"));
+        let run = sandbox.protean(["run", name, "--in-process", "--out", &log]);
+        run.set("rules.time_limit=4").json();
+        let export = |format| {
+            let words = ["export", &log, "--out", &out, "--force", "--format", format];
+            sandbox.protean(words).json()
+        };
+        export("parquet");
+        for (topic, table) in export("csv")["tables"].as_object().unwrap() {
+            let printed = sandbox.protean(["cat", &log, topic]).run();
+            let file = table["file"].as_str().unwrap().replace(".csv", ".jsonl");
+            sandbox.file(&file, &printed.stdout);
+        }
+    }
+    sandbox.file("sweep.toml", SWEEP);
+    let words = ["sweep", "sweep.toml", "--out", "tables/sweep"];
+    assert_eq!(sandbox.protean(words).json()["missing"], 0);
+    let read: Option<Json> = python::call_with(ENVIRONMENT, "read_tables.py", sandbox.path());
+    let Some(read) = read else { return };
+    assert_eq!(read["wrong"], serde_json::json!([]));
+    let counts = &read["counts"];
+    assert!(
+        counts["csv"].as_u64() > Some(40) && counts["jsonl"].as_u64() > Some(35),
+        "{read}"
+    );
+}
