@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use config::Diagnostics;
 use geometry::map::RosMapError;
+use roxmltree::Node;
 use scenario::files::Refused;
 
 use super::read::extension;
@@ -103,6 +104,12 @@ impl ImportError {
         }
     }
 
+    /// The line of an element is invalid.
+    pub(crate) fn at(path: &Path, node: Node<'_, '_>, found: &str, expected: &str) -> Self {
+        let line = node.document().text_pos_at(node.range().start).row;
+        Self::line(path, line as usize, found, expected)
+    }
+
     pub(crate) fn other(path: &Path, other: &str, refused: Refused) -> Self {
         Self::Other {
             path: path.to_owned(),
@@ -132,7 +139,7 @@ fn kind(path: &Path) -> String {
         return "an image without its scale: expected the .yaml of the ROS map that names it"
             .to_owned();
     }
-    format!("unknown kind of file: expected {}", super::extensions())
+    format!("unknown kind of file: expected {}", super::EXTENSIONS)
 }
 
 /// Returns the problems without their places in the unwritten scenario.

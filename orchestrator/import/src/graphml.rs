@@ -48,10 +48,7 @@ pub fn streets(path: &Path, text: &str) -> Result<Streets, ImportError> {
     };
     let mut about = graph.children().filter_map(|node| node.text());
     let is_geographic = about.any(is_geographic);
-    let bad = |node: Node<'_, '_>, found: &str, expected: &str| {
-        let line = document.text_pos_at(node.range().start).row as usize;
-        ImportError::line(path, line, found, expected)
-    };
+    let bad = |node, found: &str, expected| ImportError::at(path, node, found, expected);
 
     let mut places = BTreeMap::new();
     let mut in_degrees = false;

@@ -65,14 +65,7 @@ pub struct Imported {
 }
 
 /// Extensions of the files that can be imported.
-pub const EXTENSIONS: [&str; 7] = ["yaml", "yml", "map", "scen", "graphml", "osm", "xml"];
-
-/// Returns the extensions as a text: `.yaml, .yml, …`.
-pub fn extensions() -> String {
-    EXTENSIONS
-        .map(|extension| format!(".{extension}"))
-        .join(", ")
-}
+pub const EXTENSIONS: &str = ".yaml, .yml, .map, .scen, .graphml, .osm or .xml";
 
 /// Reads a file: `.yaml` (ROS) and `.map` become a chase, `.scen` robots with goals on its map, which lies beside it;
 /// `.graphml`, `.osm` and `.xml` (OpenStreetMap) become a chase in the streets. A file may refer to files outside its

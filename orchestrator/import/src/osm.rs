@@ -35,10 +35,7 @@ pub fn streets(path: &Path, text: &str) -> Result<Streets, ImportError> {
         let found = format!("an element <{}>", root.tag_name().name());
         return Err(ImportError::content(path, found, "<osm>"));
     }
-    let bad = |node: Node<'_, '_>, found: &str, expected: &str| {
-        let line = document.text_pos_at(node.range().start).row as usize;
-        ImportError::line(path, line, found, expected)
-    };
+    let bad = |node, found: &str, expected| ImportError::at(path, node, found, expected);
     let named = |name: &'static str| {
         let nodes = root.children();
         nodes.filter(move |node| node.has_tag_name(name))

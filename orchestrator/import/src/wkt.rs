@@ -1,4 +1,4 @@
-//! Lines in well-known text (OGC 06-103r4), as shapely and PostGIS write them.
+//! Lines in well-known text (OGC 06-103r4), as shapely and `PostGIS` write them.
 
 use std::str::SplitWhitespace;
 

@@ -266,11 +266,11 @@ fn free_cells(name: &str, files: &[(&str, &[u8])]) -> (Vec<bool>, f64) {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(96))]
+    #![proptest_config(ProptestConfig::with_cases(32))]
 
     #[test]
     fn a_second_writing_of_the_same_world_has_the_same_free_cells(
-        bends in prop::collection::vec(prop::collection::vec([0..2000_i32, 0..2000_i32], 2..6), 1..5),
+        bends in prop::collection::vec(prop::collection::vec([0..1000_i32, 0..1000_i32], 2..6), 1..5),
         rows in (1..8_usize, 1..8_usize).prop_flat_map(|(width, height)| {
             prop::collection::vec(prop::collection::vec(any::<bool>(), width), height)
         }),
@@ -278,7 +278,7 @@ proptest! {
     ) {
         let (plain, other) = (Style(0), Style(style));
         // Long enough, and connected.
-        let mut streets: Vec<Street> = vec![vec![[0, 0], [0, 1500], [2000, 1500]]];
+        let mut streets: Vec<Street> = vec![vec![[0, 0], [0, 700], [1000, 700]]];
         streets.extend(bends.into_iter().map(|mut street| {
             street.insert(0, [0, 0]);
             street

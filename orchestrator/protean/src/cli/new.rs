@@ -7,7 +7,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use import::{ImportError, Imported, Sizes};
+use import::{EXTENSIONS, ImportError, Imported, Sizes};
 use mcap_log::DerivedError;
 use platform::eprintln;
 use scenario::kind::Kind;
@@ -31,6 +31,10 @@ Exit codes: 0 written, 1 a file cannot be written, 2 wrong usage, or a file exis
 
 /// Arguments of `protean new`.
 #[derive(Debug, clap::Args)]
+#[expect(
+    clippy::struct_excessive_bools,
+    reason = "one per switch of the command line"
+)]
 pub(super) struct NewArgs {
     /// Scenario file to write, for example `mine.toml`; with a language the folder of the project
     #[arg(value_name = "FILE")]
@@ -80,8 +84,8 @@ enum NewError {
     Name(PathBuf),
     #[error("{}: expected a folder whose name has only ASCII letters, digits, `_` and `-` and begins with a letter", _0.display())]
     ProjectName(PathBuf),
-    #[error("no built-in scenario {0:?}; expected one of {1}, or a file that ends in {2}")]
-    Unknown(String, String, String),
+    #[error("no built-in scenario {0:?}; expected one of {1}, or a file that ends in {EXTENSIONS}")]
+    Unknown(String, String),
     #[error(transparent)]
     Import(#[from] ImportError),
     #[error("{} exists already; choose another name or overwrite it with --force", _0.display())]
@@ -178,8 +182,7 @@ fn content(kinds: &[Kind], args: &NewArgs) -> Result<(Text, Option<(Text, Text)>
     let file = Path::new(&args.from);
     if file.extension().is_none() {
         let names = builtin::SCENARIOS.map(|scenario| scenario.name).join(", ");
-        let from = args.from.clone();
-        return Err(NewError::Unknown(from, names, import::extensions()));
+        return Err(NewError::Unknown(args.from.clone(), names));
     }
     let sizes = Sizes {
         cell: args.cell,
