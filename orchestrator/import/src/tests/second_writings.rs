@@ -146,10 +146,12 @@ fn graphml(style: Style, streets: &[Street]) -> String {
     style.text(&(text + "</graph></graphml>\n"))
 }
 
+const STREET: &str = r#"<tag k="highway" v="residential"/>"#;
+
 /// An extract whose ways are streets, or their halves, beside ways that do not exist.
 fn osm(style: Style, streets: &[Street]) -> String {
     let (mut nodes, mut ways) = (String::new(), String::new());
-    let place = |[x, y]: [i32; 2]| format!(r#"lat="48.{:06}" lon="11.{:06}""#, y, x);
+    let place = |[x, y]: [i32; 2]| format!(r#"lat="48.{y:06}" lon="11.{x:06}""#);
     let has_own_places = style.has(0);
     let mut way = |points: &[[i32; 2]], more: &str, tags: &str| {
         write!(
@@ -170,7 +172,6 @@ fn osm(style: Style, streets: &[Street]) -> String {
         }
         writeln!(ways, "{tags}</way>").unwrap();
     };
-    const STREET: &str = r#"<tag k="highway" v="residential"/>"#;
     for street in streets {
         for part in style.split(1, street) {
             way(
