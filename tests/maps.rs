@@ -16,6 +16,8 @@ fn png() -> Vec<u8> {
     file
 }
 
+const YAML: &str = "image: room.png\nmode: trinary\nresolution: 0.5\norigin: [0, 0, 0]\nnegate: 0\n\
+                    occupied_thresh: 0.65\nfree_thresh: 0.196\n";
 const ROOM: &str = r#"
 [world]
 map = { file = { path = "room.yaml" } }
@@ -35,9 +37,7 @@ team = "evader"
 fn a_png_map_of_map_server_runs_and_a_start_on_an_unknown_cell_is_named() {
     let sandbox = Sandbox::new();
     sandbox.file("room.png", png());
-    let yaml = "image: room.png\nmode: trinary\nresolution: 0.5\norigin: [0, 0, 0]\nnegate: 0\n\
-                occupied_thresh: 0.65\nfree_thresh: 0.196\n";
-    sandbox.file("room.yaml", yaml);
+    sandbox.file("room.yaml", YAML);
     sandbox.file("a.toml", ROOM);
     let words = ["run", "a.toml", "--in-process", "--out", "a.mcap"];
     let summary = sandbox.protean(words).json();
@@ -57,6 +57,23 @@ fn a_png_map_of_map_server_runs_and_a_start_on_an_unknown_cell_is_named() {
     sandbox.file("b.toml", free);
     let checked = sandbox.protean(["check", "b.toml"]).run();
     assert_eq!(checked.code, Some(0), "{checked}");
+}
+
+#[test]
+fn a_map_of_the_current_folder_takes_the_place_of_a_built_in_one() {
+    let sandbox = Sandbox::new();
+    sandbox.file("room.png", png());
+    sandbox.file("room.yaml", YAML);
+    let hello = |map: &str| {
+        let map = format!("world.map={map}");
+        let words = ["run", "hello", "--in-process", "--out", "a.mcap", "--force"];
+        let exits = "rules.exits=[{circle={center=[2.5,2.5],radius=0.2}}]";
+        sandbox.protean(words).set(&map).set(exits).run()
+    };
+    let ran = hello("room.yaml");
+    assert_eq!(ran.code, Some(0), "{ran}");
+    hello("../room.yaml").refused(2, &["path leads out of", "without `..`"]);
+    hello("none.yaml").refused(2, &["cannot read ./none.yaml"]);
 }
 
 #[test]
@@ -93,7 +110,10 @@ fn benchmark_files_become_scenarios_that_check_and_run() {
     sandbox.file("grid.map", GRID);
     sandbox.file("grid.map.scen", PROBLEMS);
     sandbox.file("streets.osm", STREETS);
+    sandbox.file("room.png", png());
+    sandbox.file("room.yaml", YAML);
     for (from, name) in [
+        ("room.yaml", "room"),
         ("grid.map", "chase"),
         ("grid.map.scen", "problems"),
         ("streets.osm", "streets"),

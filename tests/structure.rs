@@ -35,7 +35,6 @@ const RULES: Rules = Rules {
         &["free_motion", "network", "sim_backend"],
         &[
             "draw",
-            "import",
             "mcap_log",
             "optimal_control",
             "planner_view",
@@ -49,7 +48,7 @@ const RULES: Rules = Rules {
         // One crate per kind of process, or per family of kinds; none depends on another one.
         &["processes/*"],
         &["recorder", "scenario"],
-        &["viewer"],
+        &["import", "viewer"],
         &["kinds", "log_tools", "mission", "plan"],
         &["environment", "replay", "report"],
         &["latency", "sweep"],

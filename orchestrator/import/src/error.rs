@@ -1,25 +1,44 @@
 //! Error of an import.
 
-use std::io;
 use std::path::{Path, PathBuf};
+
+use config::Diagnostics;
+use geometry::map::RosMapError;
+use roxmltree::Node;
+use scenario::files::Refused;
+
+use super::read::extension;
 
 /// Reason why a file cannot be imported.
 #[derive(Debug, thiserror::Error)]
 pub enum ImportError {
     /// A file is missing or unreadable.
-    #[error("cannot read {}: {source}", path.display())]
-    Io {
+    #[error("{}: expected {}", _0.message, _0.expected)]
+    File(Refused),
+    /// A file to which the file refers is missing, unreadable or outside its folder.
+    #[error(
+        "{} refers to {other}: {}: expected {}",
+        path.display(),
+        refused.message,
+        refused.expected
+    )]
+    Other {
         /// The file.
         path: PathBuf,
-        /// Error of the operating system.
-        source: io::Error,
+        /// The file that it refers to, as written.
+        other: String,
+        /// Reason and expectation.
+        refused: Refused,
     },
     /// The file's extension does not determine its format.
-    #[error("{}: unknown kind of file: expected {}", path.display(), list())]
+    #[error("{}: {}", path.display(), kind(path))]
     Kind {
         /// The file.
         path: PathBuf,
     },
+    /// A map of ROS is invalid.
+    #[error(transparent)]
+    Ros(#[from] RosMapError),
     /// A line is invalid.
     #[error("{}, line {line}: {found}: expected {expected}", path.display())]
     Line {
@@ -40,6 +59,22 @@ pub enum ImportError {
         /// Error and position.
         source: roxmltree::Error,
     },
+    /// No scenario on the file's world passes the check.
+    #[error(
+        "{}: no scenario passes the check on its {area:.2} m² of free space, not even {last}: {}",
+        path.display(),
+        messages(problems)
+    )]
+    Check {
+        /// The file.
+        path: PathBuf,
+        /// Area of the free space (m²).
+        area: f64,
+        /// Description of the scenario that needs the least space.
+        last: String,
+        /// Its problems.
+        problems: Diagnostics,
+    },
     /// The file as a whole cannot become a scenario.
     #[error("{}: {found}: expected {expected}", path.display())]
     Content {
@@ -52,6 +87,12 @@ pub enum ImportError {
     },
 }
 
+impl From<Refused> for ImportError {
+    fn from(refused: Refused) -> Self {
+        Self::File(refused)
+    }
+}
+
 impl ImportError {
     pub(crate) fn line(path: &Path, line: usize, found: &str, expected: &str) -> Self {
         const MAX_SHOWN: usize = 60;
@@ -60,6 +101,20 @@ impl ImportError {
             line,
             found: format!("{:?}", found.chars().take(MAX_SHOWN).collect::<String>()),
             expected: expected.to_owned(),
+        }
+    }
+
+    /// The line of an element is invalid.
+    pub(crate) fn at(path: &Path, node: Node<'_, '_>, found: &str, expected: &str) -> Self {
+        let line = node.document().text_pos_at(node.range().start).row;
+        Self::line(path, line as usize, found, expected)
+    }
+
+    pub(crate) fn other(path: &Path, other: &str, refused: Refused) -> Self {
+        Self::Other {
+            path: path.to_owned(),
+            other: other.to_owned(),
+            refused,
         }
     }
 
@@ -76,10 +131,25 @@ impl ImportError {
     }
 }
 
-fn list() -> String {
-    let names: Vec<String> = super::EXTENSIONS
+/// Extensions of images, which have no size.
+const IMAGES: [&str; 8] = ["pgm", "png", "jpg", "jpeg", "bmp", "gif", "tif", "tiff"];
+
+fn kind(path: &Path) -> String {
+    if IMAGES.contains(&extension(path).as_str()) {
+        return "an image without its scale: expected the .yaml of the ROS map that names it"
+            .to_owned();
+    }
+    format!("unknown kind of file: expected {}", super::EXTENSIONS)
+}
+
+/// Returns the problems without their places in the unwritten scenario.
+fn messages(problems: &Diagnostics) -> String {
+    let texts: Vec<String> = problems
         .iter()
-        .map(|extension| format!(".{extension}"))
+        .map(|problem| match &problem.value {
+            Some(value) => format!("{} ({value})", problem.message),
+            None => problem.message.clone(),
+        })
         .collect();
-    names.join(", ")
+    texts.join("; ")
 }

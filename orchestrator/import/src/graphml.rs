@@ -3,11 +3,12 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use roxmltree::{Document, Node};
+use roxmltree::Node;
 
 use super::ImportError;
 use super::project::{to_origin, to_plane};
 use super::streets::Streets;
+use super::{wkt, xml};
 
 /// Names of the coordinates of a node, and whether they are degrees.
 const COORDINATES: [([&str; 2], bool); 4] = [
@@ -23,12 +24,9 @@ fn is_geographic(crs: &str) -> bool {
 }
 
 /// Reads a graph whose nodes have the data x and y (m; degrees if the graph's `crs` says so), or longitude and latitude
-/// (degrees). An edge is straight, or follows its `geometry` (`LINESTRING`).
+/// (degrees). An edge is straight, or follows its `geometry` ([`wkt::FORM`]), whatever the direction of that is.
 pub fn streets(path: &Path, text: &str) -> Result<Streets, ImportError> {
-    let document = Document::parse(text).map_err(|source| ImportError::Xml {
-        path: path.to_owned(),
-        source,
-    })?;
+    let document = xml::parse(path, text)?;
     let named = |name: &'static str| {
         let nodes = document.descendants();
         nodes.filter(move |node| node.tag_name().name() == name)
@@ -46,14 +44,13 @@ pub fn streets(path: &Path, text: &str) -> Result<Streets, ImportError> {
             let key = data.attribute("key").unwrap_or_default();
             names.get(key).copied().unwrap_or(key) == name
         });
-        found.and_then(|data| data.text()).map(str::to_owned)
+        found.map(|data| data.text().unwrap_or_default().to_owned())
     };
     let mut about = graph.children().filter_map(|node| node.text());
     let is_geographic = about.any(is_geographic);
-    let line = |node: Node<'_, '_>| document.text_pos_at(node.range().start).row as usize;
+    let bad = |node, found: &str, expected| ImportError::at(path, node, found, expected);
 
-    let mut streets = Streets::default();
-    let mut number_of = BTreeMap::new();
+    let mut places = BTreeMap::new();
     let mut in_degrees = false;
     for node in named("node") {
         let found = COORDINATES.iter().find_map(|(names, degrees)| {
@@ -62,49 +59,33 @@ pub fn streets(path: &Path, text: &str) -> Result<Streets, ImportError> {
         });
         let (Some(id), Some((at, degrees))) = (node.attribute("id"), found) else {
             let expected = "an id and the data x and y, or longitude and latitude";
-            return Err(ImportError::line(path, line(node), "<node>", expected));
+            return Err(bad(node, "<node>", expected));
         };
         in_degrees |= degrees;
         if in_degrees && !(at[0].abs() <= 180.0 && at[1].abs() <= 89.0) {
-            let found = format!("{at:?}");
-            return Err(ImportError::line(path, line(node), &found, "degrees"));
+            return Err(bad(node, &format!("{at:?}"), "degrees"));
         }
-        number_of.insert(id, streets.points.len());
-        streets.points.push(at);
+        places.insert(id, at);
     }
+    let mut streets = Streets::default();
     for edge in named("edge") {
-        let end = |key: &str| number_of.get(edge.attribute(key)?).copied();
+        let end = |key: &str| places.get(edge.attribute(key)?).copied();
         let (Some(from), Some(to)) = (end("source"), end("target")) else {
-            let expected = "source and target, two nodes";
-            return Err(ImportError::line(path, line(edge), "<edge>", expected));
+            return Err(bad(edge, "<edge>", "source and target, two nodes"));
         };
-        let bends = data(edge, "geometry").and_then(|text| line_string(&text));
-        let mut last = from;
-        // The ends of the line are the nodes.
-        let bends = bends.unwrap_or_default();
-        for bend in bends.iter().skip(1).take(bends.len().saturating_sub(2)) {
-            streets.points.push(*bend);
-            streets.pieces.push([last, streets.points.len() - 1]);
-            last = streets.points.len() - 1;
+        match data(edge, "geometry") {
+            None => streets.add(&[from, to]),
+            Some(text) => {
+                let lines = wkt::lines(&text).ok_or_else(|| bad(edge, &text, wkt::FORM))?;
+                streets.add_edge(from, to, &lines);
+            }
         }
-        streets.pieces.push([last, to]);
     }
-    streets.drop_unused();
+    let points = streets.pieces.as_flattened_mut();
     if in_degrees {
-        to_plane(&mut streets.points);
+        to_plane(points);
     } else {
-        to_origin(&mut streets.points);
+        to_origin(points);
     }
     Ok(streets)
-}
-
-/// Reads `LINESTRING (x y, x y, …)`.
-fn line_string(text: &str) -> Option<Vec<[f64; 2]>> {
-    let inner = text.trim().strip_prefix("LINESTRING")?.trim();
-    let inner = inner.strip_prefix('(')?.strip_suffix(')')?;
-    let points = inner.split(',').map(|point| {
-        let mut numbers = point.split_whitespace().map(str::parse::<f64>);
-        Some([numbers.next()?.ok()?, numbers.next()?.ok()?])
-    });
-    points.collect()
 }

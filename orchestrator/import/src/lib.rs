@@ -1,27 +1,37 @@
-//! Scenarios from published files: the grid maps and problems of MovingAI (`.map`, `.scen`), and street graphs (GraphML,
-//! OpenStreetMap XML).
+//! Scenarios from published files: maps of ROS `map_server` (`.yaml`), the grid maps and problems of MovingAI (`.map`,
+//! `.scen`), and street graphs (GraphML, OpenStreetMap XML).
 //!
-//! [`import`] turns a file into a vector map and the text of a scenario that uses it. Only the largest connected part of
-//! the free space remains free, so that every robot can reach every other one.
+//! [`import`] turns a file into a vector map and the text of a scenario that uses it and passes the check. Only the
+//! largest connected part of the free space remains free, so that every robot can reach every other one.
 
 #![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
 #![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
 
+mod chase;
+mod check;
 mod connected;
 mod error;
 mod graphml;
 mod movingai;
 mod osm;
+mod problems;
 mod project;
 mod read;
-mod scenario;
+mod ros;
 mod streets;
 mod vectors;
+mod wkt;
+mod xml;
 
 #[cfg(test)]
 mod tests;
 
 use std::path::Path;
+
+use scenario::Loader;
+
+use streets::Streets;
+use vectors::World;
 
 pub use error::ImportError;
 
@@ -55,42 +65,40 @@ pub struct Imported {
 }
 
 /// Extensions of the files that can be imported.
-pub const EXTENSIONS: [&str; 5] = ["map", "scen", "graphml", "osm", "xml"];
+pub const EXTENSIONS: &str = ".yaml, .yml, .map, .scen, .graphml, .osm or .xml";
 
-/// Returns `true` if the extension of a path is one of [`EXTENSIONS`].
-pub fn is_importable(path: &Path) -> bool {
-    EXTENSIONS.contains(&read::extension(path).as_str())
-}
-
-/// Reads a file: `.map` becomes a chase, `.scen` robots with goals on its map, which lies beside it; `.graphml`, `.osm`
-/// and `.xml` (OpenStreetMap) become a chase in the streets.
+/// Reads a file: `.yaml` (ROS) and `.map` become a chase, `.scen` robots with goals on its map, which lies beside it;
+/// `.graphml`, `.osm` and `.xml` (OpenStreetMap) become a chase in the streets. A file may refer to files outside its
+/// folder if `allow_outside` is set. The scenario passes the check of the loader; a chase has fewer robots at smaller
+/// distances where space is short.
 ///
 /// # Errors
 /// [`ImportError`] names the file, the line, the value and the expected one.
-pub fn import(path: &Path, sizes: Sizes) -> Result<Imported, ImportError> {
-    let text = read::text(path)?;
-    let stem = read::stem(path);
+pub fn import(
+    path: &Path,
+    sizes: Sizes,
+    allow_outside: bool,
+    loader: &Loader<'_>,
+) -> Result<Imported, ImportError> {
+    if read::extension(path) == "scen" {
+        let base = read::base(path, allow_outside);
+        return problems::scenario(path, &base, sizes.cell, loader);
+    }
+    let (world, length) = world(path, sizes, allow_outside)?;
+    chase::scenario(path, &world, length, loader)
+}
+
+/// Reads the world of a file without problems, and the length from which the sizes of robots follow (m).
+fn world(path: &Path, sizes: Sizes, allow_outside: bool) -> Result<(World, f64), ImportError> {
+    let streets = |streets: Streets| Ok((streets.world(path, sizes.street)?, 0.5 * sizes.street));
     match read::extension(path).as_str() {
+        "yaml" | "yml" => ros::world(path, &read::base(path, allow_outside)),
         "map" => {
-            let grid = movingai::map(path, &text)?;
-            let world = vectors::World::of_cells(path, grid, sizes.cell)?;
-            Ok(scenario::chase(&stem, &world, sizes.cell))
+            let grid = movingai::map(path, &read::text(path)?)?;
+            Ok((World::of_cells(path, grid, sizes.cell)?, sizes.cell))
         }
-        "scen" => {
-            let problems = movingai::problems(path, &text)?;
-            let map = movingai::map_beside(path, &problems.map)?;
-            let grid = movingai::map(&map, &read::text(&map)?)?;
-            let world = vectors::World::of_cells(&map, grid, sizes.cell)?;
-            scenario::problems(path, &stem, &world, sizes.cell, &problems)
-        }
-        "graphml" => {
-            let world = graphml::streets(path, &text)?.world(path, sizes.street)?;
-            Ok(scenario::chase(&stem, &world, 0.5 * sizes.street))
-        }
-        "osm" | "xml" => {
-            let world = osm::streets(path, &text)?.world(path, sizes.street)?;
-            Ok(scenario::chase(&stem, &world, 0.5 * sizes.street))
-        }
+        "graphml" => streets(graphml::streets(path, &read::text(path)?)?),
+        "osm" | "xml" => streets(osm::streets(path, &read::text(path)?)?),
         _ => Err(ImportError::Kind {
             path: path.to_owned(),
         }),

@@ -2,7 +2,7 @@
 //!
 //! Format: N. Sturtevant, *Benchmarks for Grid-Based Pathfinding*, 2012, and movingai.com/benchmarks/formats.html.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use geometry::grid::{Grid, GridFrame};
 use nalgebra::Point2;
@@ -127,15 +127,10 @@ pub fn problems(path: &Path, text: &str) -> Result<Problems, ImportError> {
     found.ok_or_else(|| ImportError::content(path, "no problem", "at least one"))
 }
 
-/// Returns the map of problems: by its name beside them, or by its path from their folder.
-pub fn map_beside(path: &Path, map: &str) -> Result<PathBuf, ImportError> {
-    let folder = path.parent().unwrap_or(Path::new(""));
-    let name = Path::new(map).file_name().unwrap_or_default();
-    let found = [folder.join(name), folder.join(map)]
-        .into_iter()
-        .find(|candidate| candidate.is_file());
-    found.ok_or_else(|| {
-        let expected = format!("the map {map} beside it");
-        ImportError::content(path, "its map is not there", expected)
-    })
+/// Returns the path, from the folder of the problems, of their map: its name if a file of this name is beside them, else its
+/// path as written.
+pub fn map_beside<'map>(folder: &Path, map: &'map str) -> &'map str {
+    let name = Path::new(map).file_name().and_then(|name| name.to_str());
+    let beside = name.filter(|name| !matches!(folder.join(name).try_exists(), Ok(false)));
+    beside.unwrap_or(map)
 }

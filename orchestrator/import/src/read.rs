@@ -1,33 +1,27 @@
-//! Files.
+//! Files and their names.
 
-use std::fs::File;
-use std::io::{self, Read as _};
 use std::path::Path;
 
-use super::ImportError;
+use scenario::files::{Base, Refused};
 
-/// Maximum size of a file (bytes).
-const MAX_FILE: u64 = 256 << 20;
+/// Maximum size of a text (bytes).
+pub const MAX_TEXT: u64 = 256 << 20;
 
-/// Reads a regular file of at most [`MAX_FILE`] bytes.
-pub fn text(path: &Path) -> Result<String, ImportError> {
-    let read = || {
-        // Opening a FIFO would block.
-        if !path.metadata()?.is_file() {
-            return Err(io::Error::other("not a regular file"));
-        }
-        let mut text = String::new();
-        let file = File::open(path)?.take(MAX_FILE + 1);
-        if io::BufReader::new(file).read_to_string(&mut text)? as u64 > MAX_FILE {
-            let message = format!("more than {MAX_FILE} bytes");
-            return Err(io::Error::other(message));
-        }
-        Ok(text)
-    };
-    read().map_err(|source| ImportError::Io {
-        path: path.to_owned(),
-        source,
-    })
+/// Reads a text file.
+pub fn text(path: &Path) -> Result<String, Refused> {
+    let name = path.file_name().and_then(|name| name.to_str());
+    base(path, true).read_text(name.unwrap_or_default(), MAX_TEXT)
+}
+
+/// Returns the base of the paths in a file: its folder, which they may leave if `allow_outside` is set.
+pub fn base(path: &Path, allow_outside: bool) -> Base {
+    let folder = path
+        .parent()
+        .filter(|folder| !folder.as_os_str().is_empty());
+    Base::Folder {
+        folder: folder.unwrap_or(Path::new(".")).to_owned(),
+        allow_outside,
+    }
 }
 
 /// Returns the extension of a path in lower case; empty if it has none.
@@ -36,11 +30,16 @@ pub fn extension(path: &Path) -> String {
     extension.unwrap_or_default().to_ascii_lowercase()
 }
 
-/// Returns the name of a file without its extensions, of the characters that names of scenarios and maps permit.
+/// Returns the name of a file without its extension, other characters than letters, digits, `.`, `-` and `_` replaced.
 pub fn stem(path: &Path) -> String {
-    let name = path.file_name().and_then(|name| name.to_str());
-    let stem = name.unwrap_or_default().split('.').next();
-    let allowed = |c: char| if c.is_ascii_alphanumeric() { c } else { '_' };
+    let stem = path.file_stem().and_then(|stem| stem.to_str());
+    let allowed = |c: char| {
+        if c.is_alphanumeric() || ".-".contains(c) {
+            c
+        } else {
+            '_'
+        }
+    };
     let stem: String = stem.unwrap_or_default().chars().map(allowed).collect();
     if stem.is_empty() {
         "world".to_owned()

@@ -19,28 +19,32 @@ const MIN_ACROSS: f64 = 3.0;
 /// A street graph in the plane.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Streets {
-    /// Points (m).
-    pub points: Vec<[f64; 2]>,
-    /// Straight pieces of streets, as indices of their end points.
-    pub pieces: Vec<[usize; 2]>,
+    /// Straight pieces of streets by their ends (m).
+    pub pieces: Vec<[[f64; 2]; 2]>,
 }
 
 impl Streets {
-    /// Removes the points that are no end of a piece.
-    pub fn drop_unused(&mut self) {
-        let mut number_of = vec![None; self.points.len()];
-        let mut used = Vec::new();
-        for end in self.pieces.iter_mut().flatten() {
-            let (Some(number), Some(point)) = (number_of.get_mut(*end), self.points.get(*end))
-            else {
-                continue;
-            };
-            *end = *number.get_or_insert_with(|| {
-                used.push(*point);
-                used.len() - 1
-            });
+    /// Adds the street along these points.
+    pub fn add(&mut self, points: &[[f64; 2]]) {
+        let pairs = points.iter().zip(points.iter().skip(1));
+        self.pieces.extend(pairs.map(|(&from, &to)| [from, to]));
+    }
+
+    /// Adds the street between two nodes along lines. The source is joined to the nearest end of a line, the target to
+    /// the nearest of the other ends; directions and order of the lines are of no effect.
+    pub fn add_edge(&mut self, source: [f64; 2], target: [f64; 2], lines: &[Vec<[f64; 2]>]) {
+        let mut ends: Vec<[f64; 2]> = Vec::new();
+        for line in lines {
+            self.add(line);
+            ends.extend(line.first().into_iter().chain(line.last()));
         }
-        self.points = used;
+        for node in [source, target] {
+            let distance = |end: &[f64; 2]| (Point2::from(*end) - Point2::from(node)).norm();
+            let near = ends.iter().map(distance).enumerate();
+            if let Some((nearest, _)) = near.min_by(|a, b| a.1.total_cmp(&b.1)) {
+                self.add(&[node, ends.swap_remove(nearest)]);
+            }
+        }
     }
 
     /// Makes a world in which the streets with this width (m) are free and all else is occupied.
@@ -48,13 +52,8 @@ impl Streets {
     /// # Errors
     /// No street, or a world with too many cells.
     pub fn world(&self, path: &Path, width: f64) -> Result<World, ImportError> {
-        let ends: Vec<[f64; 2]> = self
-            .pieces
-            .iter()
-            .flatten()
-            .filter_map(|&i| self.points.get(i).copied())
-            .collect();
-        let Some([min, max]) = extent(&ends) else {
+        let ends = self.pieces.as_flattened();
+        let Some([min, max]) = extent(ends) else {
             return Err(ImportError::content(path, "no street", "at least one"));
         };
         if !ends.iter().flatten().all(|c| c.is_finite()) {
@@ -82,9 +81,9 @@ impl Streets {
         };
         let mut occupied = Grid::filled(frame, true);
         for &[from, to] in &self.pieces {
-            if let (Some(&from), Some(&to)) = (self.points.get(from), self.points.get(to)) {
-                clear(&mut occupied, from.into(), to.into(), 0.5 * width);
-            }
+            // Rounding must not tell a street from its reverse.
+            let (from, to) = if to < from { (to, from) } else { (from, to) };
+            clear(&mut occupied, from.into(), to.into(), 0.5 * width);
         }
         World::new(path, occupied, side)
     }

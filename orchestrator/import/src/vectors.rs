@@ -24,6 +24,7 @@ pub struct World {
     /// Side of the cells of grids computed from the map (m).
     pub resolution: f64,
     rectangles: Vec<Aabb>,
+    free_cells: usize,
 }
 
 impl World {
@@ -56,7 +57,8 @@ impl World {
             let expected = format!("a size > 0 and ≤ {MAX_COORDINATE} m");
             return Err(ImportError::content(path, found, expected));
         }
-        if keep_largest(&mut occupied) == 0 {
+        let free_cells = keep_largest(&mut occupied);
+        if free_cells == 0 {
             return Err(ImportError::content(path, "no free cell", "free space"));
         }
         let rectangles = rectangles(&occupied);
@@ -69,7 +71,13 @@ impl World {
             occupied,
             resolution,
             rectangles,
+            free_cells,
         })
+    }
+
+    /// Returns the area of the free space (m²).
+    pub fn free_area(&self) -> f64 {
+        self.free_cells as f64 * self.occupied.frame.resolution.powi(2)
     }
 
     /// Returns the smallest and largest corner (m).

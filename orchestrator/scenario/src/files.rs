@@ -5,6 +5,9 @@ use std::path::{Component, Path, PathBuf};
 
 use super::builtin;
 
+/// Mark with which some editors begin a text.
+const BYTE_ORDER_MARK: char = '\u{feff}';
+
 /// Base of the relative paths of a scenario.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Base {
@@ -15,8 +18,11 @@ pub enum Base {
         /// `true` if paths may lead out of the folder.
         allow_outside: bool,
     },
-    /// The files compiled into the program.
-    Builtin,
+    /// The maps compiled into the program, and the current folder for paths of `--set`.
+    Builtin {
+        /// `true` if paths may lead out of the folder.
+        allow_outside: bool,
+    },
     /// No files: the scenario must be self-contained, as one stored in a log is.
     Nothing,
 }
@@ -55,7 +61,7 @@ impl Base {
     pub fn absolute(&self, path: &str) -> Result<String, String> {
         let base = match self {
             Self::Folder { folder, .. } => folder.as_path(),
-            Self::Builtin | Self::Nothing => Path::new("."),
+            Self::Builtin { .. } | Self::Nothing => Path::new("."),
         };
         let full = std::path::absolute(base.join(path)).map_err(|error| error.to_string())?;
         let text = full.to_str().map(|text| text.trim_end_matches('/'));
@@ -73,7 +79,7 @@ impl Base {
     pub fn read(&self, path: &str, max: u64) -> Result<Vec<u8>, Refused> {
         let found = match self {
             Self::Folder { .. } => self.find(path)?,
-            Self::Builtin | Self::Nothing => {
+            Self::Builtin { .. } | Self::Nothing => {
                 return refused(
                     "this scenario cannot refer to files",
                     "the file's contents, or a scenario in a folder",
@@ -83,6 +89,17 @@ impl Base {
         match found {
             Found::Disk(real) => read_bytes(&real, max),
             Found::Text(text) => Ok(text.as_bytes().to_vec()),
+        }
+    }
+
+    /// Reads a text file of at most `max` bytes.
+    ///
+    /// # Errors
+    /// As [`Base::find`] and [`read_text`].
+    pub fn read_text(&self, path: &str, max: u64) -> Result<String, Refused> {
+        match self.find(path)? {
+            Found::Disk(real) => read_text(&real, max),
+            Found::Text(text) => Ok(text.to_owned()),
         }
     }
 
@@ -99,19 +116,14 @@ impl Base {
                     "a map written in the scenario itself",
                 );
             }
-            Self::Builtin => {
-                return match builtin::map(path) {
-                    Some(text) => Ok(Found::Text(text)),
-                    None => refused(
-                        format!("no map `{path}` is built in"),
-                        config::list_choices(&builtin::map_names()),
-                    ),
-                };
-            }
+            Self::Builtin { allow_outside } => match builtin::map(path) {
+                Some(text) => return Ok(Found::Text(text)),
+                None => (Path::new("."), *allow_outside),
+            },
             Self::Folder {
                 folder,
                 allow_outside,
-            } => (folder, *allow_outside),
+            } => (folder.as_path(), *allow_outside),
         };
         if path.is_empty() || path.contains('\0') {
             return refused("not a path", "the path of a file");
@@ -153,13 +165,18 @@ impl Base {
     }
 }
 
-/// Reads a text file of at most `max` bytes.
+/// Reads a text file of at most `max` bytes, without its byte order mark.
 ///
 /// # Errors
 /// The file is unreadable, is larger than `max`, or is not UTF-8.
 pub fn read_text(path: &Path, max: u64) -> Result<String, Refused> {
     match String::from_utf8(read_bytes(path, max)?) {
-        Ok(text) => Ok(text),
+        Ok(mut text) => {
+            if text.starts_with(BYTE_ORDER_MARK) {
+                text.remove(0);
+            }
+            Ok(text)
+        }
         Err(_) => refused(format!("{} is not text", path.display()), "UTF-8 text"),
     }
 }
@@ -254,7 +271,10 @@ mod tests {
                 .contains("too large")
         );
         assert!(base.read("../secret", 5).is_err());
-        for nowhere in [Base::Builtin, Base::Nothing] {
+        let builtin = Base::Builtin {
+            allow_outside: true,
+        };
+        for nowhere in [builtin, Base::Nothing] {
             let e = nowhere.read("maps/city.toml", 1 << 20).unwrap_err();
             assert_eq!(e.message, "this scenario cannot refer to files");
         }

@@ -80,7 +80,10 @@ impl<'k> Loader<'k> {
             built_in.filter(|_| is_bare_name || matches!(presence::entry(path), Ok(None)))
         {
             let file = format!("{}.toml", scenario.name);
-            return self.draft_text(&file, scenario.text, &Base::Builtin);
+            let base = Base::Builtin {
+                allow_outside: self.allow_outside,
+            };
+            return self.draft_text(&file, scenario.text, &base);
         }
         let text = match read_text(path, MAX_SCENARIO) {
             Ok(text) => text,
@@ -144,7 +147,16 @@ impl<'k> Loader<'k> {
         loaded.map_or_else(|_| BTreeMap::new(), |scenario| scenario.obstacle_names())
     }
 
-    fn draft_text(&self, file: &str, text: &str, base: &Base) -> Result<Draft<'k>, Diagnostics> {
+    /// Parses the text of a scenario without resolving it; arguments as those of [`Loader::load_text`].
+    ///
+    /// # Errors
+    /// The text is not TOML.
+    pub fn draft_text(
+        &self,
+        file: &str,
+        text: &str,
+        base: &Base,
+    ) -> Result<Draft<'k>, Diagnostics> {
         let mut sources = Sources::default();
         let mut problems = Diagnostics::default();
         let source = sources.add(SourceKind::File, file, text);

@@ -190,7 +190,10 @@ fn load(
     let found = match named {
         Some(name) => {
             let path = format!("maps/{}.toml", name.strip_suffix(".toml").unwrap_or(name));
-            Base::Builtin.find(&path)
+            builtin::map(&path).map(Found::Text).ok_or_else(|| Refused {
+                message: format!("no map `{path}` is built in"),
+                expected: config::list_choices(&builtin::map_names()),
+            })
         }
         None => base.find(file),
     };

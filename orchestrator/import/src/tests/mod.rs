@@ -7,7 +7,14 @@ use geometry::map::{VectorMap, WorldMap};
 use nalgebra::Point2;
 use proptest::prelude::*;
 
-use super::{EXTENSIONS, Imported, Sizes, import};
+use scenario::Loader;
+
+use super::{Imported, Sizes, import};
+
+mod confinement;
+mod second_writings;
+mod small_maps;
+mod xml_limits;
 
 const MAP: &str = "type octile\nheight 4\nwidth 6\nmap\n@@@@@@\n@..G.@\n@.TWS@\n@@@@.@\n";
 const SCEN: &str = "version 1\n0\tmaps/room.map\t6\t4\t1\t1\t4\t3\t5.0\n\
@@ -47,11 +54,15 @@ impl Folder {
     fn path(&self, name: &str) -> PathBuf {
         self.0.path().join(name)
     }
+
+    fn import(&self, name: &str, sizes: Sizes) -> Result<Imported, String> {
+        let loader = Loader::new(kinds::KINDS);
+        import(&self.path(name), sizes, false, &loader).map_err(|e| e.to_string())
+    }
 }
 
 fn imported(name: &str, text: &str, sizes: Sizes) -> Result<Imported, String> {
-    let folder = Folder::new(&[(name, text)]);
-    import(&folder.path(name), sizes).map_err(|e| e.to_string())
+    Folder::new(&[(name, text)]).import(name, sizes)
 }
 
 fn world(imported: &Imported) -> WorldMap {
@@ -86,7 +97,7 @@ fn a_map_of_cells_is_the_same_world_with_its_first_row_on_top() {
 
 #[test]
 fn free_cells_that_are_cut_off_become_obstacles() {
-    let text = "type octile\nheight 1\nwidth 6\nmap\n..@...\n";
+    let text = "type octile\nheight 1\nwidth 12\nmap\n..@.........\n";
     let world = world(&imported("a.map", text, Sizes::default()).unwrap());
     assert!(!world.is_clear(Point2::new(1.0, 0.5), 0.1));
     assert!(world.is_clear(Point2::new(4.5, 0.5), 0.4));
@@ -95,7 +106,7 @@ fn free_cells_that_are_cut_off_become_obstacles() {
 #[test]
 fn problems_become_robots_with_starts_and_goals_on_the_map_beside_them() {
     let folder = Folder::new(&[("room.map", MAP), ("room.map.scen", SCEN)]);
-    let found = import(&folder.path("room.map.scen"), Sizes::default()).unwrap();
+    let found = folder.import("room.map.scen", Sizes::default()).unwrap();
     // The second problem begins where the first does.
     for part in [
         "start = { x = 1.5, y = 2.5, theta = 0.0 }",
@@ -106,12 +117,10 @@ fn problems_become_robots_with_starts_and_goals_on_the_map_beside_them() {
         assert!(found.scenario.contains(part), "{part}\n{}", found.scenario);
     }
     assert!(!found.scenario.contains("robot_3"));
-    let alone = Folder::new(&[("room.map.scen", SCEN)]);
-    let error = import(&alone.path("room.map.scen"), Sizes::default()).unwrap_err();
+    let error = imported("room.map.scen", SCEN, Sizes::default()).unwrap_err();
     assert!(
-        error
-            .to_string()
-            .contains("expected the map maps/room.map beside it")
+        error.contains("room.map.scen refers to maps/room.map: cannot read"),
+        "{error}"
     );
 }
 
@@ -182,9 +191,9 @@ proptest! {
         let at = (at * text.len() as f64) as usize;
         let end = text.len().min(at + length);
         let changed: String = text[..at].iter().chain(with.chars().collect::<Vec<_>>().iter()).chain(&text[end..]).collect();
-        let name = format!("room.{}", EXTENSIONS[of]);
+        let name = format!("room.{}", ["map", "scen", "graphml", "osm"][of]);
         let folder = Folder::new(&[("room.map", MAP), (&name, &changed)]);
-        if let Ok(found) = import(&folder.path(&name), Sizes::default()) {
+        if let Ok(found) = folder.import(&name, Sizes::default()) {
             world(&found);
         }
     }
@@ -246,10 +255,87 @@ fn broken_files_are_explained() {
             &GRAPHML.replace(">60<", ">1e7<"),
             "streets on 10000.0 km × 0.0 km: expected a smaller part",
         ),
-        ("a.txt", "", "unknown kind of file: expected .map"),
+        (
+            "a.txt",
+            "",
+            "unknown kind of file: expected .yaml, .yml, .map",
+        ),
+        (
+            "a.PNG",
+            "",
+            "an image without its scale: expected the .yaml",
+        ),
+        ("a.yaml", "image: none.pgm\n", "resolution"),
     ] {
         let error = imported(name, text, Sizes::default()).unwrap_err();
         assert!(error.contains(expected), "{expected:?} is not in {error:?}");
     }
-    assert!(import(&PathBuf::from("/nowhere/a.map"), Sizes::default()).is_err());
+    let error = Folder::new(&[])
+        .import("none.map", Sizes::default())
+        .unwrap_err();
+    assert!(
+        error.contains("cannot read") && error.contains("none.map"),
+        "{error}"
+    );
+}
+
+#[test]
+fn a_line_of_an_edge_that_cannot_be_read_is_an_error() {
+    for line in [
+        "",
+        "LINESTRING",
+        "LINESTRING EMPTY",
+        "LINESTRING (0 0)",
+        "LINESTRING (0 0, 60)",
+        "LINESTRING (0 0, 60 x)",
+        "LINESTRING (0 0, 60 inf)",
+        "LINESTRING (0 0, 60 40",
+        "LINESTRING (0 0, 60 40))",
+        "LINESTRING (0 0,, 60 40)",
+        "LINESTRING (0 0, 60 40) EMPTY",
+        "LINESTRING X (0 0, 60 40)",
+        "LINESTRING (0 0 0 0 0, 60 40 0 0 0)",
+        "MULTILINESTRING EMPTY",
+        "MULTILINESTRING (EMPTY)",
+        "MULTILINESTRING (0 0, 60 40)",
+        "MULTILINESTRING ((0 0, 60 40)",
+        "MULTILINESTRING ((0 0, 60 40) (60 40, 0 0))",
+        "POINT (0 0)",
+        "{'type': 'LineString'}",
+    ] {
+        let text = GRAPHML.replace("LINESTRING (0 0, 60 0, 60 40)", line);
+        let error = imported("a.graphml", &text, Sizes::default()).unwrap_err();
+        let found = format!("line 9: {line:?}: expected LINESTRING");
+        assert!(
+            line.is_empty() || error.contains(&found),
+            "{found:?} is not in {error:?}"
+        );
+    }
+}
+
+#[test]
+fn a_way_needs_the_places_of_its_nodes_that_exist() {
+    let node = r#"<node id="2" lat="48.0000" lon="16.0010"/>"#;
+    let deleted = OSM.replace(node, r#"<node id="2" visible="false"/>"#);
+    let error = imported("a.osm", &deleted, Sizes::default()).unwrap_err();
+    assert!(
+        error.contains("line 7: \"deleted node 2\": expected a node of the way"),
+        "{error}"
+    );
+    let without = OSM.replace("<node", "<center");
+    let error = imported("a.osm", &without, Sizes::default()).unwrap_err();
+    assert!(error.contains("`out geom`"), "{error}");
+}
+
+#[test]
+fn a_name_keeps_all_but_its_extension() {
+    let map = "type octile\nheight 9\nwidth 9\nmap\n".to_owned() + &".........\n".repeat(9);
+    for (name, stem) in [
+        ("planet_10.068,48.135.map", "planet_10.068_48.135"),
+        ("münchen \"ost\".map", "münchen__ost_"),
+    ] {
+        let found = imported(name, &map, Sizes::default()).unwrap();
+        assert_eq!(found.map_path, format!("maps/{stem}.toml"));
+        world(&found);
+    }
 }

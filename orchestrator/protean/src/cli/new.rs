@@ -7,10 +7,11 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use import::{ImportError, Imported, Sizes};
+use import::{EXTENSIONS, ImportError, Imported, Sizes};
 use mcap_log::{DerivedError, derived};
 use platform::{eprintln, presence};
-use scenario::builtin;
+use scenario::kind::Kind;
+use scenario::{Loader, builtin};
 
 use super::common::ForceArg;
 use super::logs::exit_code_of_derived;
@@ -20,9 +21,9 @@ use project::Project;
 
 /// Help below the options.
 pub(super) const HELP: &str = "\
-The file is a copy of a built-in scenario, or made from a file of a benchmark: a MovingAI map (.map) or problems on one \
-(.scen), or a street graph (.graphml, OpenStreetMap .osm). A map file that the scenario uses is written to the folder \
-maps beside it.
+The file is a copy of a built-in scenario, or made from a published file: a ROS map (.yaml, with its image), a MovingAI \
+map (.map) or problems on one (.scen), or a street graph (.graphml, OpenStreetMap .osm). A map file that the scenario \
+uses is written to the folder maps beside it.
 
 With --python, --rust or --cpp, FILE is the folder of a new project: a planner, its mission and a test.
 
@@ -30,11 +31,15 @@ Exit codes: 0 written, 1 a file cannot be written, 2 wrong usage, or a file exis
 
 /// Arguments of `protean new`.
 #[derive(Debug, clap::Args)]
+#[expect(
+    clippy::struct_excessive_bools,
+    reason = "one per switch of the command line"
+)]
 pub(super) struct NewArgs {
     /// Scenario file to write, for example `mine.toml`; with a language the folder of the project
     #[arg(value_name = "FILE")]
     file: PathBuf,
-    /// Built-in scenario to copy (see `protean list`), or a file: .map, .scen, .graphml or .osm
+    /// Built-in scenario to copy (see `protean list`), or a file: .yaml, .map, .scen, .graphml or .osm
     #[arg(long, value_name = "SCENARIO", default_value = DEFAULT_SCENARIO)]
     from: String,
     /// Write a project with a planner in Python
@@ -52,6 +57,9 @@ pub(super) struct NewArgs {
     /// Width of the streets of a street graph (m)
     #[arg(long, value_name = "M", default_value_t = Sizes::default().street, value_parser = length)]
     street: f64,
+    /// Let the file of --from use files outside its folder
+    #[arg(long)]
+    allow_outside: bool,
     #[command(flatten)]
     force: ForceArg,
 }
@@ -76,9 +84,7 @@ enum NewError {
     Name(PathBuf),
     #[error("{}: expected a folder whose name has only ASCII letters, digits, `_` and `-` and begins with a letter", _0.display())]
     ProjectName(PathBuf),
-    #[error(
-        "no built-in scenario {0:?}; expected one of {1}, or a .map, .scen, .graphml or .osm file"
-    )]
+    #[error("no built-in scenario {0:?}; expected one of {1}, or a file that ends in {EXTENSIONS}")]
     Unknown(String, String),
     #[error(transparent)]
     Import(#[from] ImportError),
@@ -89,8 +95,8 @@ enum NewError {
 }
 
 /// Writes a scenario and the map that it uses, or a project.
-pub(super) fn run(args: &NewArgs) -> ExitCode {
-    match write(args) {
+pub(super) fn run(kinds: &[Kind], args: &NewArgs) -> ExitCode {
+    match write(kinds, args) {
         Ok(files) => {
             for file in &files {
                 print(&file.display().to_string());
@@ -114,25 +120,25 @@ pub(super) fn run(args: &NewArgs) -> ExitCode {
 }
 
 /// Writes the files; returns their paths.
-fn write(args: &NewArgs) -> Result<Vec<PathBuf>, NewError> {
+fn write(kinds: &[Kind], args: &NewArgs) -> Result<Vec<PathBuf>, NewError> {
     let files = match args.project() {
         Some(project) => {
             let name = project::name(&args.file);
             let name = name.ok_or_else(|| NewError::ProjectName(args.file.clone()))?;
             project.files(&args.file, name)
         }
-        None => scenario_files(args)?,
+        None => scenario_files(kinds, args)?,
     };
     write_all(&files, args.force.force)?;
     Ok(files.into_iter().map(|(path, _)| path).collect())
 }
 
 /// Returns the scenario and the map that it uses.
-fn scenario_files(args: &NewArgs) -> Result<Vec<(PathBuf, String)>, NewError> {
+fn scenario_files(kinds: &[Kind], args: &NewArgs) -> Result<Vec<(PathBuf, String)>, NewError> {
     if args.file.extension().is_none_or(|end| end != "toml") {
         return Err(NewError::Name(args.file.clone()));
     }
-    let (text, map) = content(args)?;
+    let (text, map) = content(kinds, args)?;
     let folder = args.file.parent().unwrap_or(Path::new(""));
     let mut files = vec![(args.file.clone(), text.into_owned())];
     if let Some((path, text)) = map {
@@ -165,7 +171,7 @@ fn write_all(files: &[(PathBuf, String)], force: bool) -> Result<(), NewError> {
 type Text = Cow<'static, str>;
 
 /// Returns the text of the scenario, and path and text of its map.
-fn content(args: &NewArgs) -> Result<(Text, Option<(Text, Text)>), NewError> {
+fn content(kinds: &[Kind], args: &NewArgs) -> Result<(Text, Option<(Text, Text)>), NewError> {
     if let Some(scenario) = builtin::scenario(&args.from) {
         let map = scenario
             .map()
@@ -173,7 +179,7 @@ fn content(args: &NewArgs) -> Result<(Text, Option<(Text, Text)>), NewError> {
         return Ok((scenario.text.into(), map));
     }
     let file = Path::new(&args.from);
-    if !import::is_importable(file) {
+    if file.extension().is_none() {
         let names = builtin::SCENARIOS.map(|scenario| scenario.name).join(", ");
         return Err(NewError::Unknown(args.from.clone(), names));
     }
@@ -185,7 +191,7 @@ fn content(args: &NewArgs) -> Result<(Text, Option<(Text, Text)>), NewError> {
         scenario,
         map_path,
         map,
-    } = import::import(file, sizes)?;
+    } = import::import(file, sizes, args.allow_outside, &Loader::new(kinds))?;
     Ok((scenario.into(), Some((map_path.into(), map.into()))))
 }
 

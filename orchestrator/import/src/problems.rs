@@ -1,104 +1,38 @@
-//! Texts of scenarios.
+//! Robots with the starts and goals of problems.
 
 use std::collections::BTreeSet;
 use std::path::Path;
 
-use super::movingai::Problems;
+use scenario::Loader;
+use scenario::files::Base;
+
+use super::chase::{blur, robot};
+use super::check::first_valid;
 use super::vectors::World;
-use super::{ImportError, Imported};
+use super::{ImportError, Imported, movingai, read};
 
-/// Maximum number of robots of a scenario with problems.
+/// Maximum number of robots.
 const MAX_ROBOTS: usize = 4;
-/// Radius of a robot, in lengths of the world: a cell, or half the width of a street.
-const RADIUS: f64 = 0.3;
 
-/// A chase from random starts, whose sizes follow from a length of the world (m).
-pub fn chase(stem: &str, world: &World, length: f64) -> Imported {
-    let robot = robot(length);
-    let (speed, faster) = (length, 1.1 * length);
-    let [min, max] = world.corners();
-    let far = (10.0 * length).min(0.25 * (max - min).min());
-    let (near, reach) = (length, length);
-    let map_path = format!("maps/{stem}.toml");
-    let exit = world.place_in_corner(RADIUS * length);
-    let exits = exit.map_or_else(String::new, |at| {
-        format!(
-            "exits = [{{ circle = {{ center = [{:?}, {:?}], radius = {reach:?} }} }}]  # [m]\n",
-            at.x, at.y
-        )
-    });
-    let scenario = format!(
-        r#"# A chase on an imported map. `protean check --picture` draws it.
-
-title = "Chase on {stem}"
-description = """
-Police that see along lines of sight chase evaders that run for the exit in the lower left corner, from random starts."""
-
-[run]
-dt = 0.05  # [s]
-seed = 1   # another seed is another layout
-
-[world]
-map = "{map_path}"
-blur_sigma = {blur:?}  # [m]
-
-[rules]
-capture = {{ radius = {reach:?} }}  # [m]
-{exits}time_limit = 240.0  # [s]
-
-{robot}
-[defaults.robot.random_start]
-robot_distance = {near:?}  # [m]
-opponent_distance = {far:?}  # [m]
-exit_distance = {far:?}  # of an evader [m]
-
-[teams.police]
-count = 4
-limits = {{ v_max = {speed:?} }}  # [m/s]
-
-[teams.evader]
-count = 2
-limits = {{ v_max = {faster:?} }}  # [m/s]
-
-[[robots]]
-name = "police"
-team = "police"
-
-[[robots]]
-name = "evader"
-team = "evader"
-
-[[processes]]
-kind = "perception"
-
-[[processes]]
-kind = "pursuer"
-team = "police"
-
-[[processes]]
-kind = "evader_potential"
-team = "evader"
-"#,
-        blur = world.resolution,
-    );
-    Imported {
-        scenario,
-        map: world.toml(stem),
-        map_path,
-    }
-}
-
-/// Robots with the starts and goals of the first problems that do not share a cell.
+/// Makes robots with the starts and goals of the first problems of a file that do not share a cell, on its map with cells of
+/// this side (m).
 ///
 /// # Errors
-/// Problems of another map, or none on its connected free cells.
-pub fn problems(
+/// The file or its map is invalid, or the map lies outside the base; problems of another map, or none on its connected free
+/// cells.
+pub fn scenario(
     path: &Path,
-    stem: &str,
-    world: &World,
+    base: &Base,
     cell: f64,
-    problems: &Problems,
+    loader: &Loader<'_>,
 ) -> Result<Imported, ImportError> {
+    let problems = movingai::problems(path, &read::text(path)?)?;
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let map = movingai::map_beside(folder, &problems.map);
+    let text = base.read_text(map, read::MAX_TEXT);
+    let text = text.map_err(|refused| ImportError::other(path, map, refused))?;
+    let map = folder.join(map);
+    let world = World::of_cells(&map, movingai::map(&map, &text)?, cell)?;
     let frame = world.occupied.frame;
     if problems.size != [frame.width, frame.height] {
         let [width, height] = problems.size;
@@ -142,7 +76,7 @@ pub fn problems(
         ));
     }
     let robot = robot(cell);
-    let map = super::read::stem(Path::new(&problems.map));
+    let (stem, map) = (read::stem(path), read::stem(&map));
     let map_path = format!("maps/{map}.toml");
     let scenario = format!(
         r#"# Robots with starts and goals of an imported file of problems. `protean check --picture` draws it.
@@ -170,19 +104,13 @@ kind = "optimiser"
 kind = "navigator"
 team = "neutral"
 "#,
-        blur = world.resolution,
+        blur = blur(&world),
     );
-    Ok(Imported {
+    let imported = Imported {
         scenario,
         map: world.toml(&map),
         map_path,
-    })
-}
-
-/// The table of all robots.
-fn robot(length: f64) -> String {
-    format!(
-        "[defaults.robot]\nradius = {:?}  # [m]\nlimits = {{ v_max = {length:?} }}  # [m/s]\n",
-        RADIUS * length
-    )
+    };
+    let last = "one of the first problems".to_owned();
+    first_valid(path, &world, [imported], last, loader)
 }
