@@ -1,0 +1,182 @@
+//! The keys of a YAML file and their values as text.
+
+use std::collections::BTreeMap;
+use std::fmt;
+
+use granit_parser::{Event, Parser, ScalarStyle};
+
+/// Maximum length of a value in a message (characters).
+const MAX_SHOWN: usize = 60;
+
+/// A key of the file.
+#[derive(Debug, PartialEq)]
+pub struct Entry {
+    /// Line of the key, from 1.
+    pub line: usize,
+    /// Its value.
+    pub value: Value,
+}
+
+/// Value of a key.
+#[derive(Debug, PartialEq)]
+pub enum Value {
+    /// A scalar in any style, without its quotes; empty if it is null.
+    Text(String),
+    /// A list of scalars.
+    List(Vec<String>),
+    /// Any other value: its description.
+    Other(&'static str),
+}
+
+/// A fault of the file.
+#[derive(Debug, PartialEq)]
+pub struct Fault {
+    /// Line number, from 1.
+    pub line: usize,
+    /// Actual text.
+    pub found: String,
+    /// Expected text.
+    pub expected: &'static str,
+}
+
+impl fmt::Display for Value {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Text(text) => f.write_str(&shown(text)),
+            Self::List(values) => f.write_str(&shown(&format!("[{}]", values.join(", ")))),
+            Self::Other(description) => f.write_str(description),
+        }
+    }
+}
+
+/// Returns the beginning of a long text.
+pub fn shown(text: &str) -> String {
+    match text.char_indices().nth(MAX_SHOWN) {
+        Some((end, _)) => format!("{}…", text.get(..end).unwrap_or_default()),
+        None => text.to_owned(),
+    }
+}
+
+/// Reads the mapping of a YAML file; tags are ignored, and aliases are values like tables, which no key of a map has.
+///
+/// # Errors
+/// The text is not YAML, is nested too deeply, is not one mapping from texts, or has a key twice.
+pub fn entries(text: &str) -> Result<BTreeMap<String, Entry>, Fault> {
+    let mut events = Events(Parser::new_from_str(text));
+    let mut entries = None;
+    while let Some((event, line)) = events.next()? {
+        match event {
+            Event::MappingStart(..) if entries.is_none() => entries = Some(mapping(&mut events)?),
+            Event::Scalar(value, style, ..) if text_of(&value, style).is_empty() => {}
+            Event::MappingStart(..)
+            | Event::SequenceStart(..)
+            | Event::Scalar(..)
+            | Event::Alias(_) => {
+                let found = match entries {
+                    Some(_) => "a second document",
+                    None => "no key",
+                };
+                return Err(Fault {
+                    line,
+                    found: found.to_owned(),
+                    expected: "one document with lines of `key: value`",
+                });
+            }
+            _ => {}
+        }
+    }
+    Ok(entries.unwrap_or_default())
+}
+
+/// Reads a mapping after its start.
+fn mapping(events: &mut Events<'_>) -> Result<BTreeMap<String, Entry>, Fault> {
+    let mut entries = BTreeMap::new();
+    while let Some((event, line)) = events.next()? {
+        let key = match event {
+            Event::MappingEnd => break,
+            Event::Scalar(key, ..) => key.into_owned(),
+            _ => {
+                return Err(Fault {
+                    line,
+                    found: "a key that is no text".to_owned(),
+                    expected: "`key: value`",
+                });
+            }
+        };
+        let value = value(events)?;
+        let found = format!("{} a second time", shown(&key));
+        if entries.insert(key, Entry { line, value }).is_some() {
+            let expected = "every key once";
+            return Err(Fault {
+                line,
+                found,
+                expected,
+            });
+        }
+    }
+    Ok(entries)
+}
+
+/// Reads the value of a key.
+fn value(events: &mut Events<'_>) -> Result<Value, Fault> {
+    let mut list = Vec::new();
+    let mut depth = 0_usize;
+    let mut other = None;
+    while let Some((event, _)) = events.next()? {
+        match event {
+            Event::Scalar(value, style, ..) => {
+                let text = text_of(&value, style).to_owned();
+                if depth == 0 {
+                    return Ok(Value::Text(text));
+                }
+                list.push(text);
+            }
+            Event::SequenceStart(..) => {
+                depth += 1;
+                if depth > 1 {
+                    other.get_or_insert("a list of lists");
+                }
+            }
+            Event::MappingStart(..) => {
+                depth += 1;
+                other.get_or_insert("a table");
+            }
+            Event::Alias(_) => {
+                other.get_or_insert("an alias");
+            }
+            Event::SequenceEnd | Event::MappingEnd => depth = depth.saturating_sub(1),
+            _ => continue,
+        }
+        if depth == 0 {
+            break;
+        }
+    }
+    Ok(other.map_or(Value::List(list), Value::Other))
+}
+
+/// Returns the text of a scalar; empty for null.
+fn text_of(value: &str, style: ScalarStyle) -> &str {
+    let is_null = matches!(value, "~" | "null" | "Null" | "NULL");
+    if style == ScalarStyle::Plain && is_null {
+        ""
+    } else {
+        value
+    }
+}
+
+/// The events of a text, with their lines.
+struct Events<'a>(Parser<'a, granit_parser::StrInput<'a>>);
+
+impl<'a> Events<'a> {
+    fn next(&mut self) -> Result<Option<(Event<'a>, usize)>, Fault> {
+        match self.0.next() {
+            Some(Ok((event, span))) => Ok(Some((event, span.start.line()))),
+            Some(Err(error)) => Err(Fault {
+                line: error.marker().line(),
+                found: shown(&error.info()),
+                expected: "YAML",
+            }),
+            None => Ok(None),
+        }
+    }
+}
