@@ -148,21 +148,18 @@ fn unknown_keys_are_listed_in_the_order_of_the_file() {
 
 #[test]
 fn hostile_texts_are_refused_with_short_messages() {
-    let bomb: String = (1..30)
-        .map(|i| format!("k{i}: &k{i} [*k{0}, *k{0}]\n", i - 1))
-        .collect();
+    let joined = |n: usize, part: fn(usize) -> String| (0..n).map(part).collect::<String>();
+    let bomb = joined(29, |i| format!("k{}: &k{} [*k{i}, *k{i}]\n", i + 1, i + 1));
     for text in [
         "[".repeat(1 << 20),
         "- ".repeat(1 << 19),
         "{a: ".repeat(1 << 18),
-        (0..1400)
-            .map(|i| format!("{}a:\n", " ".repeat(i)))
-            .collect(),
+        joined(1400, |i| format!("{}a:\n", " ".repeat(i))),
         format!("image: {}\nresolution: {0}", "x".repeat(1 << 19)),
         format!("{}: 1\n{0}: 2\n", "x".repeat(900)),
         format!("k0: &k0 1\n{bomb}origin: *k29\n{YAML}"),
         format!("origin: [{}]", "1,".repeat(1 << 19)),
-        (0..200_000).map(|i| format!("{i}:\n")).collect(),
+        joined(200_000, |i| format!("{i}:\n")),
     ] {
         let message = parse(&text).unwrap_err().to_string();
         assert!(message.len() < 400, "{message}");

@@ -39,6 +39,17 @@ pub struct Fault {
     pub expected: &'static str,
 }
 
+impl Fault {
+    fn new(line: usize, found: impl Into<String>, expected: &'static str) -> Self {
+        let found = found.into();
+        Self {
+            line,
+            found,
+            expected,
+        }
+    }
+}
+
 impl fmt::Display for Value {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -68,19 +79,17 @@ pub fn entries(text: &str) -> Result<BTreeMap<String, Entry>, Fault> {
         match event {
             Event::MappingStart(..) if entries.is_none() => entries = Some(mapping(&mut events)?),
             Event::Scalar(value, style, ..) if text_of(&value, style).is_empty() => {}
-            Event::MappingStart(..)
-            | Event::SequenceStart(..)
-            | Event::Scalar(..)
-            | Event::Alias(_) => {
-                let found = match entries {
-                    Some(_) => "a second document",
-                    None => "no key",
+            event if event.is_node() => {
+                let found = if entries.is_some() {
+                    "a second document"
+                } else {
+                    "no key"
                 };
-                return Err(Fault {
+                return Err(Fault::new(
                     line,
-                    found: found.to_owned(),
-                    expected: "one document with lines of `key: value`",
-                });
+                    found,
+                    "one document with lines of `key: value`",
+                ));
             }
             _ => {}
         }
@@ -96,23 +105,15 @@ fn mapping(events: &mut Events<'_>) -> Result<BTreeMap<String, Entry>, Fault> {
             Event::MappingEnd => break,
             Event::Scalar(key, ..) => key.into_owned(),
             _ => {
-                return Err(Fault {
-                    line,
-                    found: "a key that is no text".to_owned(),
-                    expected: "`key: value`",
-                });
+                return Err(Fault::new(line, "a key that is no text", "`key: value`"));
             }
         };
         let value = value(events)?;
-        let found = format!("{} a second time", shown(&key));
-        if entries.insert(key, Entry { line, value }).is_some() {
-            let expected = "every key once";
-            return Err(Fault {
-                line,
-                found,
-                expected,
-            });
+        if entries.contains_key(&key) {
+            let found = format!("{} a second time", shown(&key));
+            return Err(Fault::new(line, found, "every key once"));
         }
+        entries.insert(key, Entry { line, value });
     }
     Ok(entries)
 }
@@ -156,11 +157,9 @@ fn value(events: &mut Events<'_>) -> Result<Value, Fault> {
 
 /// Returns the text of a scalar; empty for null.
 fn text_of(value: &str, style: ScalarStyle) -> &str {
-    let is_null = matches!(value, "~" | "null" | "Null" | "NULL");
-    if style == ScalarStyle::Plain && is_null {
-        ""
-    } else {
-        value
+    match value {
+        "~" | "null" | "Null" | "NULL" if style == ScalarStyle::Plain => "",
+        text => text,
     }
 }
 
@@ -171,11 +170,10 @@ impl<'a> Events<'a> {
     fn next(&mut self) -> Result<Option<(Event<'a>, usize)>, Fault> {
         match self.0.next() {
             Some(Ok((event, span))) => Ok(Some((event, span.start.line()))),
-            Some(Err(error)) => Err(Fault {
-                line: error.marker().line(),
-                found: shown(&error.info()),
-                expected: "YAML",
-            }),
+            Some(Err(error)) => {
+                let (line, found) = (error.marker().line(), shown(&error.info()));
+                Err(Fault::new(line, found, "YAML"))
+            }
             None => Ok(None),
         }
     }

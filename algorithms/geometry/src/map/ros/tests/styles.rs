@@ -96,7 +96,7 @@ impl Choices<'_> {
         self.scalar(&text)
     }
 
-    /// What may stand at the end of a line.
+    /// The end of a line.
     fn end(&mut self) -> &'static str {
         self.pick(&["\n", "  \n", "  # a comment: [\n", "\n\n", "\n# whole\n"])
     }
