@@ -141,11 +141,11 @@ impl RosMap {
     /// # Ok::<(), Box<dyn core::error::Error>>(())
     /// ```
     pub fn parse(path: &Path, text: &str) -> Result<Self, RosMapError> {
-        let entries = yaml::entries(text).map_err(|fault| RosMapError::Line {
+        let entries = yaml::entries(text).map_err(|(line, found, expected)| RosMapError::Line {
             path: path.to_owned(),
-            line: fault.line,
-            found: fault.found,
-            expected: fault.expected.to_owned(),
+            line,
+            found,
+            expected: expected.to_owned(),
         })?;
         let mut keys = Keys { path, entries };
         let length = "a number > 0 and ≤ 1e5 (m)";

@@ -28,27 +28,8 @@ pub enum Value {
     Other(&'static str),
 }
 
-/// A fault of the file.
-#[derive(Debug, PartialEq)]
-pub struct Fault {
-    /// Line number, from 1.
-    pub line: usize,
-    /// Actual text.
-    pub found: String,
-    /// Expected text.
-    pub expected: &'static str,
-}
-
-impl Fault {
-    fn new(line: usize, found: impl Into<String>, expected: &'static str) -> Self {
-        let found = found.into();
-        Self {
-            line,
-            found,
-            expected,
-        }
-    }
-}
+/// A fault of the file: its line, from 1, the actual and the expected text.
+pub type Fault = (usize, String, &'static str);
 
 impl fmt::Display for Value {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -85,9 +66,9 @@ pub fn entries(text: &str) -> Result<BTreeMap<String, Entry>, Fault> {
                 } else {
                     "no key"
                 };
-                return Err(Fault::new(
+                return Err((
                     line,
-                    found,
+                    found.to_owned(),
                     "one document with lines of `key: value`",
                 ));
             }
@@ -105,13 +86,13 @@ fn mapping(events: &mut Events<'_>) -> Result<BTreeMap<String, Entry>, Fault> {
             Event::MappingEnd => break,
             Event::Scalar(key, ..) => key.into_owned(),
             _ => {
-                return Err(Fault::new(line, "a key that is no text", "`key: value`"));
+                return Err((line, "a key that is no text".to_owned(), "`key: value`"));
             }
         };
         let value = value(events)?;
         if entries.contains_key(&key) {
             let found = format!("{} a second time", shown(&key));
-            return Err(Fault::new(line, found, "every key once"));
+            return Err((line, found, "every key once"));
         }
         entries.insert(key, Entry { line, value });
     }
@@ -172,7 +153,7 @@ impl<'a> Events<'a> {
             Some(Ok((event, span))) => Ok(Some((event, span.start.line()))),
             Some(Err(error)) => {
                 let (line, found) = (error.marker().line(), shown(&error.info()));
-                Err(Fault::new(line, found, "YAML"))
+                Err((line, found, "YAML"))
             }
             None => Ok(None),
         }
