@@ -139,3 +139,86 @@ fn benchmark_files_become_scenarios_that_check_and_run() {
         .run();
     refused.refused(2, &["bad.map, line 3", "expected width"]);
 }
+
+const KNOWN: &str = "image: room.png\nresolution: 0.5\norigin: [0, 0, 0]\noccupied_thresh: 0.65\nfree_thresh: 0.196\n";
+
+#[test]
+fn keys_that_a_map_does_not_have_are_named_by_check_and_run() {
+    let sandbox = Sandbox::new();
+    sandbox.file("room.png", png());
+    sandbox.file("room.yaml", format!("{KNOWN}map_type: occupancy\n"));
+    sandbox.file("a.toml", ROOM);
+    let remark = "map room.yaml: keys without effect: `map_type` (line 6)";
+    let checked = sandbox.protean(["check", "a.toml"]).run();
+    assert_eq!(checked.code, Some(0), "{checked}");
+    assert!(checked.stdout.contains(remark), "{checked}");
+    let words = ["run", "a.toml", "--in-process", "--out", "a.mcap"];
+    let ran = sandbox.protean(words).run();
+    assert!(ran.code == Some(0) && ran.stderr.contains(remark), "{ran}");
+    for (start, format) in [(&b"\xff\xd8\xff\xe0"[..], "JPEG"), (b"BM\0\0", "BMP")] {
+        sandbox.file("room.png", start);
+        let refused = sandbox.protean(["check", "a.toml"]).run();
+        refused.refused(2, &["room.png", format, "convert FILE map.png"]);
+    }
+}
+
+/// Every format of text that users write: with a byte order mark, it is read as without one.
+#[test]
+fn a_byte_order_mark_has_no_effect_in_any_format() {
+    let experiment = "scenario = \"vectors.toml\"\nseeds = { first = 1, count = 1 }\n\
+                      parameters.limit.set = \"rules.time_limit\"\ngrid.limit = [0.5]\n[[figures]]\nname = \"limits\"\n\
+                      x = \"limit\"\ncompare = \"points.csv\"\n";
+    let instance = r#"[{"id": "one", "cm_per_px": 0.75, "vmax_px_s": 20, "wmax_rad_s": 16, "buffer_px": 10,
+        "bounds_px": [0, 0, 640, 480], "start": {"x": 10, "y": 10, "theta": 0.7}, "start_speed": null,
+        "goal": {"x": 630, "y": 470}, "obstacles": []}]"#;
+    let vectors = ROOM.replace("{ file = { path = \"room.yaml\" } }", "\"room.toml\"");
+    let files = [
+        ("room.yaml", KNOWN),
+        ("room.toml", "bounds = { min = [0, 0], max = [4, 3] }\n"),
+        ("a.toml", ROOM),
+        ("vectors.toml", &vectors),
+        ("experiment.toml", experiment),
+        ("points.csv", "series,x,y\npaper,0.5,0\n"),
+        ("instances.json", instance),
+        ("grid.map", GRID),
+        ("grid.map.scen", PROBLEMS),
+        ("streets.osm", STREETS),
+    ];
+    let answers = |mark: &str| {
+        let sandbox = Sandbox::new();
+        sandbox.file("room.png", png());
+        for (name, text) in files {
+            sandbox.file(name, format!("{mark}{text}"));
+        }
+        let calls: [&[&str]; 7] = [
+            &["check", "a.toml"],
+            &["check", "vectors.toml"],
+            &[
+                "sweep",
+                "experiment.toml",
+                "--out",
+                "out",
+                "--in-process",
+                "--jobs",
+                "1",
+                "--quiet",
+            ],
+            &["plan", "instances.json", "--quiet"],
+            &["new", "own/grid.toml", "--from", "grid.map"],
+            &["new", "own/problems.toml", "--from", "grid.map.scen"],
+            &["new", "own/streets.toml", "--from", "streets.osm"],
+        ];
+        for call in calls {
+            let outcome = sandbox.protean(call.iter().copied()).run();
+            assert_eq!(outcome.code, Some(0), "{mark:?} {call:?}: {outcome}");
+        }
+        let made = [
+            "out/results.csv",
+            "own/grid.toml",
+            "own/problems.toml",
+            "own/streets.toml",
+        ];
+        made.map(|name| fs::read_to_string(sandbox.path().join(name)).unwrap())
+    };
+    assert_eq!(answers("\u{feff}"), answers(""));
+}

@@ -100,11 +100,11 @@ fn contours_times_and_widths_that_make_no_patrol() {
     for (change, words) in [
         (
             "contour=[]",
-            "0 waypoint(s) | at least 2 | mission.contour)",
+            "`mission.contour` is out of range | mission.contour) | value: a list of 0 | at least 2 values",
         ),
         (
             "contour=[[5,0]]",
-            "1 waypoint(s) | at least 2 | mission.contour)",
+            "`mission.contour` is out of range | mission.contour) | value: a list of 1 | at least 2 values",
         ),
         (
             "contour=[[5,0],[0,5],[0,5],[0,10]]",

@@ -1,7 +1,9 @@
 //! Pose and motion of a robot (REP-103: x forward, y left, angles counter-clockwise).
 
+use core::f64::consts::PI;
+
 use nalgebra::{Point2, Vector2};
-use parameters::unit;
+use parameters::above;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -28,7 +30,7 @@ pub struct Pose2 {
     #[schemars(transform = coordinate())]
     pub y: f64,
     /// Heading, counter-clockwise from +x, in (−π, π].
-    #[schemars(transform = unit("rad"))]
+    #[schemars(transform = above(-PI).at_most(PI).unit("rad"))]
     pub theta: f64,
 }
 

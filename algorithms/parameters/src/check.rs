@@ -1,5 +1,7 @@
 //! Check of all values against their ranges.
 
+use core::fmt;
+
 use ciborium::Value as Data;
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -7,7 +9,7 @@ use serde::de::DeserializeOwned;
 use serde_json::{Map, Value};
 
 use crate::error::ParamsError;
-use crate::range::{Kind, Range};
+use crate::range::{Kind, Range, plain};
 use crate::schema;
 
 /// A set of parameters.
@@ -43,41 +45,108 @@ pub fn faults<P: Parameters>(params: &P) -> Vec<ParamsError> {
         Err(error) => return vec![ParamsError::new("", &error, "values that have a text form")],
     };
     let mut found = Vec::new();
-    check_value(&data, schema::inline::<P>(), "", &mut found);
+    visit(
+        &data,
+        schema::inline::<P>(),
+        "",
+        &mut |data, schema, path| {
+            let fault = fault(data, schema, path);
+            let is_valid = fault.is_none();
+            found.extend(fault);
+            is_valid
+        },
+    );
     if found.is_empty() {
         found.extend(params.check_relations().err());
     }
     found
 }
 
-/// Checks one value against its schema; `path` is its path.
-fn check_value(data: &Data, schema: &Value, path: &str, found: &mut Vec<ParamsError>) {
+/// An angle, or a rate of angles, of an accepted size that suggests degrees.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Unusual {
+    /// Path of the parameter inside its table.
+    pub field: String,
+    /// Its value.
+    pub value: f64,
+    /// The usual maximum magnitude.
+    pub usual: f64,
+    /// Unit of both.
+    pub unit: &'static str,
+}
+
+impl fmt::Display for Unusual {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self {
+            field,
+            value,
+            usual,
+            unit,
+        } = self;
+        let (usual, radians) = (plain(&Value::from(*usual)), value.to_radians());
+        write!(
+            f,
+            "`{field}` is {value} {unit}, usually at most {usual}; {value}° are {radians:.3} rad"
+        )
+    }
+}
+
+/// All angles and rates of angles beyond their usual magnitude, in the order of declaration.
+pub fn unusual<P: Parameters>(params: &P) -> Vec<Unusual> {
+    let mut found = Vec::new();
+    // Values without a text form are faults.
+    let data = Data::serialized(params).unwrap_or(Data::Null);
+    visit(
+        &data,
+        schema::inline::<P>(),
+        "",
+        &mut |data, schema, path| {
+            let (value, unit) = (data.as_float(), Range(schema).unit());
+            if let (Some(value), Some(unit), Some(usual)) =
+                (value, unit, Range(schema).usual_angle())
+                && value.abs() > usual
+            {
+                let field = path.to_owned();
+                found.push(Unusual {
+                    field,
+                    value,
+                    usual,
+                    unit,
+                });
+            }
+            true
+        },
+    );
+    found
+}
+
+/// Receives a number or a list with its schema and its path; returns `false` to leave out the elements of the list.
+type Visitor<'a> = dyn FnMut(&Data, &'static Map<String, Value>, &str) -> bool + 'a;
+
+/// Calls a visitor for each number and each list of a value.
+fn visit(data: &Data, schema: &'static Value, path: &str, visitor: &mut Visitor<'_>) {
     let Some(schema) = schema.as_object() else {
         return;
     };
     if let Some(branches) = branches(schema) {
         // The value has its type already: one of the branches matches.
         if let Some(branch) = branches.iter().find(|branch| accepts(branch, data)) {
-            check_value(data, branch, path, found);
+            visit(data, branch, path, visitor);
         }
         return;
     }
     match data {
-        Data::Integer(n) => {
-            found.extend(number(data, &i128::from(*n), Kind::Whole, schema, path));
+        Data::Integer(_) | Data::Float(_) => {
+            visitor(data, schema, path);
         }
-        Data::Float(x) => found.extend(number(data, x, Kind::Real, schema, path)),
         Data::Array(elements) => {
-            let range = Range(schema);
-            if !range.contains_length(elements.len()) {
-                let length = format!("a list of {}", elements.len());
-                found.push(ParamsError::new(path, &length, range.lengths()));
+            if !visitor(data, schema, path) {
                 return;
             }
             for (i, element) in elements.iter().enumerate() {
                 let prefix = schema.get("prefixItems").and_then(|items| items.get(i));
                 if let Some(schema) = prefix.or_else(|| schema.get("items")) {
-                    check_value(element, schema, &format!("{path}[{i}]"), found);
+                    visit(element, schema, &format!("{path}[{i}]"), visitor);
                 }
             }
         }
@@ -89,7 +158,7 @@ fn check_value(data: &Data, schema: &Value, path: &str, found: &mut Vec<ParamsEr
                 let known = schema.get("properties").and_then(|p| p.get(key));
                 if let Some(schema) = known.or_else(|| schema.get("additionalProperties")) {
                     let dot = if path.is_empty() { "" } else { "." };
-                    check_value(value, schema, &format!("{path}{dot}{key}"), found);
+                    visit(value, schema, &format!("{path}{dot}{key}"), visitor);
                 }
             }
         }
@@ -97,16 +166,20 @@ fn check_value(data: &Data, schema: &Value, path: &str, found: &mut Vec<ParamsEr
     }
 }
 
-fn number(
-    data: &Data,
-    text: &dyn core::fmt::Display,
-    kind: Kind,
-    schema: &Map<String, Value>,
-    path: &str,
-) -> Option<ParamsError> {
+/// Returns the fault of a number, or of the length of a list.
+fn fault(data: &Data, schema: &Map<String, Value>, path: &str) -> Option<ParamsError> {
     let range = Range(schema);
-    let refused = !range.contains(data);
-    refused.then(|| ParamsError::new(path, text, range.numbers(kind)))
+    let error = |found: String, expected| Some(ParamsError::new(path, &found, expected));
+    match data {
+        Data::Integer(n) if !range.contains(data) => {
+            error(i128::from(*n).to_string(), range.numbers(Kind::Whole))
+        }
+        Data::Float(x) if !range.contains(data) => error(x.to_string(), range.numbers(Kind::Real)),
+        Data::Array(elements) if !range.contains_length(elements.len()) => {
+            error(format!("a list of {}", elements.len()), range.lengths())
+        }
+        _ => None,
+    }
 }
 
 /// The alternatives of a schema that has some.

@@ -37,7 +37,8 @@
 //! ```
 //!
 //! [`fn@check`] and [`faults`] compare every value with its range, in the order of declaration; only relations
-//! between fields are checked by code ([`Parameters::check_relations`]). [`Reference`] writes the same
+//! between fields are checked by code ([`Parameters::check_relations`]). [`unusual`] finds numbers that are accepted and
+//! probably in another unit. [`Reference`] writes the same
 //! declarations as tables in Markdown, [`schema_generator`] for editors.
 
 #![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
@@ -53,7 +54,7 @@ mod reference;
 mod schema;
 
 pub use bounds::{Bounds, above, at_least, between, each, unit};
-pub use check::{Parameters, check, faults};
+pub use check::{Parameters, Unusual, check, faults, unusual};
 pub use error::{Fault, ParamsError, not_negative, positive, require, within};
 pub use fidelity::Fidelity;
 pub use publish::{for_people, schema_generator};

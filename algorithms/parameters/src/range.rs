@@ -53,6 +53,20 @@ impl<'a> Range<'a> {
         self.0.get(UNIT).and_then(Value::as_str)
     }
 
+    /// The usual maximum magnitude of an angle without a declared one, or of a rate of angles: a direction is within a
+    /// full turn, a deviation within half of one.
+    pub fn usual_angle(&self) -> Option<f64> {
+        let has =
+            |keywords: [&str; 2]| keywords.iter().any(|&keyword| self.0.contains_key(keyword));
+        match self.unit()? {
+            "rad" if has(["maximum", "exclusiveMaximum"]) => None,
+            "rad" if !has(["minimum", "exclusiveMinimum"]) => Some(TAU),
+            "rad/s" => Some(20.0),
+            "rad/s²" => Some(60.0),
+            unit => unit.starts_with("rad").then_some(PI),
+        }
+    }
+
     /// The accepted numbers in words, with their unit.
     pub fn numbers(&self, kind: Kind) -> String {
         let get = |keyword: &str| self.0.get(keyword).map(plain);
@@ -110,21 +124,21 @@ impl<'a> Range<'a> {
         bounds.join(", ")
     }
 
-    /// The accepted numbers of elements, in words.
+    /// The accepted numbers of elements of a list, or of characters of a text, in words; empty if any number is
+    /// accepted.
     pub fn lengths(&self) -> String {
         let bound = |keyword: &str| self.0.get(keyword).and_then(Value::as_u64);
-        match (bound("minItems"), bound("maxItems")) {
-            (Some(min), Some(max)) if min == max => format!("{min} values"),
-            (Some(min), Some(max)) => format!("{min} to {max} values"),
-            (Some(min), None) => format!("at least {min} values"),
-            (None, Some(max)) => format!("at most {max} values"),
-            (None, None) => "a list".to_owned(),
+        let (min, max, noun) = match (bound("minLength"), bound("maxLength")) {
+            (None, None) => (bound("minItems"), bound("maxItems"), "values"),
+            (min, max) => (min, max, "characters"),
+        };
+        match (min, max) {
+            (Some(min), Some(max)) if min == max => format!("{min} {noun}"),
+            (Some(min), Some(max)) => format!("{min} to {max} {noun}"),
+            (Some(min), None) => format!("at least {min} {noun}"),
+            (None, Some(max)) => format!("at most {max} {noun}"),
+            (None, None) => String::new(),
         }
-    }
-
-    /// Returns `true` if the number of elements is restricted.
-    pub fn has_lengths(&self) -> bool {
-        self.0.contains_key("minItems") || self.0.contains_key("maxItems")
     }
 
     fn is_closed(&self) -> bool {
@@ -153,7 +167,7 @@ fn symmetric(min: &Value, max: &Value) -> Option<String> {
 }
 
 /// A number for display: 5 for 5.0, and π by its name.
-fn plain(number: &Value) -> String {
+pub(crate) fn plain(number: &Value) -> String {
     match (whole(number), number.as_f64()) {
         (_, Some(real)) if real < 0.0 => format!("-{}", plain(&Value::from(-real))),
         (None, Some(PI)) => "π".to_owned(),

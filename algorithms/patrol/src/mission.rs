@@ -33,7 +33,7 @@ const CLOCK_RESERVE_S: f64 = 2.0;
 #[serde(deny_unknown_fields, default)]
 pub struct MissionParams {
     /// The waypoints of the contour, x and y; at least 2.
-    #[schemars(transform = each(each(unit("m"))))]
+    #[schemars(transform = each(each(unit("m"))), length(min = 2))]
     pub contour: Vec<[f64; 2]>,
     /// `true` if the last waypoint leads back to the first; otherwise the contour is driven there and
     /// back.

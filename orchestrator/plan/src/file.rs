@@ -6,6 +6,7 @@ use std::collections::btree_map::Entry;
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
+use geometry::text_file;
 use serde::de::{Deserializer as _, IgnoredAny, SeqAccess, Visitor};
 
 use super::field::{FieldError, read_instance};
@@ -98,8 +99,7 @@ pub fn parse(bytes: &[u8]) -> Result<Vec<Element>, FileProblem> {
     if bytes.len() as u64 > MAX_FILE {
         return Err(FileProblem::TooLarge);
     }
-    // Some editors begin a file with a byte-order mark.
-    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+    let bytes = text_file::without_mark(bytes);
     let start = bytes.iter().find(|b| !b.is_ascii_whitespace());
     if start != Some(&b'[') {
         let json: Loose = serde_json::from_slice(bytes)?;

@@ -1,12 +1,12 @@
 //! Access to the files that a scenario refers to, and its restrictions.
 
 use std::fs;
+use std::io;
 use std::path::{Component, Path, PathBuf};
 
-use super::builtin;
+use geometry::text_file;
 
-/// Mark with which some editors begin a text.
-const BYTE_ORDER_MARK: char = '\u{feff}';
+use super::builtin;
 
 /// Base of the relative paths of a scenario.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -170,36 +170,31 @@ impl Base {
 /// # Errors
 /// The file is unreadable, is larger than `max`, or is not UTF-8.
 pub fn read_text(path: &Path, max: u64) -> Result<String, Refused> {
-    match String::from_utf8(read_bytes(path, max)?) {
-        Ok(mut text) => {
-            if text.starts_with(BYTE_ORDER_MARK) {
-                text.remove(0);
-            }
-            Ok(text)
-        }
-        Err(_) => refused(format!("{} is not text", path.display()), "UTF-8 text"),
-    }
+    let read = fs::File::open(path).and_then(|file| text_file::read(file, max));
+    read.map_err(|error| refusal(path, max, &error))
 }
 
 /// Reads a file of at most `max` bytes.
 fn read_bytes(path: &Path, max: u64) -> Result<Vec<u8>, Refused> {
-    use std::io::Read;
+    let read = fs::File::open(path).and_then(|file| text_file::read_bytes(file, max));
+    read.map_err(|error| refusal(path, max, &error))
+}
+
+/// Returns the description of an error of reading.
+fn refusal(path: &Path, max: u64, error: &io::Error) -> Refused {
     let shown = path.display();
-    let attempt = || -> std::io::Result<Vec<u8>> {
-        let mut bytes = Vec::new();
-        fs::File::open(path)?
-            .take(max + 1)
-            .read_to_end(&mut bytes)?;
-        Ok(bytes)
-    };
-    match attempt() {
-        Err(e) => refused(format!("cannot read {shown}: {e}"), "a readable file"),
-        Ok(bytes) if bytes.len() as u64 > max => refused(
+    let (message, expected) = match error.kind() {
+        io::ErrorKind::FileTooLarge => (
             format!("{shown} is too large"),
             format!("at most {max} bytes"),
         ),
-        Ok(bytes) => Ok(bytes),
-    }
+        io::ErrorKind::InvalidData => (format!("{shown} is not text"), "UTF-8 text".to_owned()),
+        _ => (
+            format!("cannot read {shown}: {error}"),
+            "a readable file".to_owned(),
+        ),
+    };
+    Refused { message, expected }
 }
 
 #[cfg(test)]

@@ -9,7 +9,7 @@ use std::sync::Arc;
 use config::{Node, ReadError, read_once};
 use geometry::map::MapSpec;
 use ipc_types::bus::Bus;
-use parameters::ParamsError;
+use parameters::{ParamsError, Unusual};
 use runtime::kind::{
     Need, Process, ProcessKind, Product, Remark, Task, TaskFault, TaskSketch, ViewSpec,
 };
@@ -176,6 +176,11 @@ impl ConfiguredKind {
         self.0.check_task(task)
     }
 
+    /// See [`parameters::unusual`].
+    pub fn unusual(&self) -> Vec<Unusual> {
+        self.0.unusual()
+    }
+
     /// See [`ProcessKind::remarks`].
     pub fn remarks(&self, task: &Task<'_>) -> Vec<Remark> {
         self.0.remarks(task)
@@ -212,6 +217,7 @@ trait Configured: fmt::Debug + Send + Sync {
     fn sketch(&self, robot: &RobotSpec, map: &MapSpec) -> TaskSketch;
     fn lap_limit_s(&self) -> Option<f64>;
     fn check_task(&self, task: &Task<'_>) -> Result<(), TaskFault>;
+    fn unusual(&self) -> Vec<Unusual>;
     fn remarks(&self, task: &Task<'_>) -> Vec<Remark>;
     fn open(&self, config: &ProcessConfig, bus: &Bus) -> Result<Box<dyn Process>, ProcessError>;
 }
@@ -267,6 +273,10 @@ impl<K: ProcessKind> Configured for Typed<K> {
 
     fn check_task(&self, task: &Task<'_>) -> Result<(), TaskFault> {
         K::check_task(&self.params, task)
+    }
+
+    fn unusual(&self) -> Vec<Unusual> {
+        parameters::unusual(&self.params)
     }
 
     fn remarks(&self, task: &Task<'_>) -> Vec<Remark> {

@@ -32,6 +32,7 @@ pub mod schema;
 pub mod spec;
 pub mod starts;
 mod template;
+mod unusual;
 mod world;
 
 #[cfg(test)]

@@ -9,7 +9,7 @@ use sim_backend::team::Role;
 
 use super::resolved::ResolvedScenario;
 
-/// Remark about the rules, or of a process about its task with a robot.
+/// Remark about the map, the rules or values, or of a process about its task with a robot.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct ScenarioRemark {
     /// `note` or `warning`.
@@ -44,12 +44,28 @@ impl ScenarioRemark {
     pub fn is_warning(&self) -> bool {
         self.severity == "warning"
     }
+
+    /// A warning that is not about a task.
+    fn warning(message: String) -> Self {
+        Self {
+            severity: "warning",
+            process: None,
+            robot: None,
+            message,
+        }
+    }
 }
 
 impl ResolvedScenario {
-    /// Returns the remarks about the rules, then those of all processes about their tasks, in the order of the processes.
+    /// Returns the remarks about the map's file, the rules and unusual values, then those of all processes about their
+    /// tasks, in the order of the processes.
     pub fn remarks(&self) -> Vec<ScenarioRemark> {
-        let mut found = Vec::from_iter(self.capture_remark());
+        let texts = self.map_remark.iter().cloned();
+        let texts = texts.chain(self.capture_remark());
+        let mut found: Vec<_> = texts
+            .chain(self.unusual_values())
+            .map(ScenarioRemark::warning)
+            .collect();
         // An invalid map has been refused.
         let Ok(world_map) = WorldMap::recent(&self.world.map) else {
             return found;
@@ -89,7 +105,7 @@ impl ResolvedScenario {
     }
 
     /// Returns a warning if robots touch before a capture.
-    fn capture_remark(&self) -> Option<ScenarioRemark> {
+    fn capture_remark(&self) -> Option<String> {
         let capture = self.rules().capture?;
         let robots = &self.world.robots;
         let pairs = robots
@@ -98,15 +114,12 @@ impl ResolvedScenario {
         let hostile = pairs.filter(|(a, b)| a.role() == Role::Pursuer && a.is_hostile_to(b));
         let contact = hostile.map(|(a, b)| a.model().radius + b.model().radius);
         let contact = contact.reduce(f64::max)?;
-        (capture.radius < contact).then(|| ScenarioRemark {
-            severity: "warning",
-            process: None,
-            robot: None,
-            message: format!(
+        (capture.radius < contact).then(|| {
+            format!(
                 "rules.capture.radius is {} m, below the sum of the radii of a pursuer and an evader ({contact} m): \
                  they touch before a capture",
                 capture.radius
-            ),
+            )
         })
     }
 }

@@ -15,7 +15,9 @@ use super::events::EventBlock;
 use super::files::Base;
 use super::resolved::ResolvedScenario;
 use super::robots::Robot;
-use super::spec::{Defaults, LogSpec, MAX_TICKS, ProcessBlock, RobotBlock, RunSpec};
+use super::spec::{
+    Defaults, LogSpec, MAX_EVENTS, MAX_ROBOTS, MAX_TICKS, ProcessBlock, RobotBlock, RunSpec,
+};
 use super::starts::Placement;
 use super::world::WorldBlock;
 use super::{events, feasibility, processes, robots, world};
@@ -44,13 +46,13 @@ pub(super) struct TopLevel {
     /// Values that the robots of a team share, by its name: keys as in `[[robots]]`.
     pub teams: Option<BTreeMap<String, RobotBlock>>,
     /// The robots, 1 to 64.
-    #[schemars(with = "Option<Vec<RobotBlock>>")]
+    #[schemars(with = "Option<Vec<RobotBlock>>", length(min = 1, max = MAX_ROBOTS))]
     pub robots: Option<Vec<IgnoredAny>>,
     /// The processes that drive them: every robot has one.
     #[schemars(with = "Option<Vec<ProcessBlock>>")]
     pub processes: Option<Vec<IgnoredAny>>,
     /// Changes of obstacles, at most 10 000 events.
-    #[schemars(with = "Option<Vec<EventBlock>>")]
+    #[schemars(with = "Option<Vec<EventBlock>>", length(max = MAX_EVENTS))]
     pub events: Option<Vec<IgnoredAny>>,
     /// Contents and format of the log.
     #[schemars(with = "Option<LogSpec>")]
@@ -116,6 +118,7 @@ pub(super) fn resolve(
         },
         run,
         blur_sigma: map_setup.blur_sigma,
+        map_remark: map_setup.remark,
         processes,
         events,
         log,

@@ -111,6 +111,8 @@ pub struct ResolvedScenario {
     pub world: WorldSpec,
     /// Standard deviation of the Gaussian blur of the map that planners and visibility use (m).
     pub blur_sigma: f64,
+    /// Remark about the file of the map, if there is one.
+    pub map_remark: Option<String>,
     /// Processes in the order of their start: those that others wait for come first.
     pub processes: Vec<ProcessSpec>,
     /// Changes of the obstacles: first those with known times, by time; then, in order, those of

@@ -8,7 +8,7 @@ use parameters::{Parameters, faults};
 use sim_backend::spec::RobotSpec;
 
 use super::context::Context;
-use super::spec::{Defaults, MAX_ROBOTS, RobotBlock};
+use super::spec::{Defaults, MAX_NAME, MAX_ROBOTS, RobotBlock};
 use super::starts::Draw;
 
 mod counts;
@@ -33,9 +33,6 @@ impl Robot {
         !matches!(self.draw, Some(Draw::Random(_)))
     }
 }
-
-/// Maximum length of the name of a robot or process (bytes).
-pub const MAX_NAME: usize = 48;
 
 /// Reports a name, the value of a key, that is empty, too long, or has characters that messages, file names or
 /// process tables do not permit.

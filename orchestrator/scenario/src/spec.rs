@@ -14,6 +14,8 @@ use sim_backend::team::Role;
 
 /// Maximum number of robots in a scenario.
 pub const MAX_ROBOTS: usize = 64;
+/// Maximum length of the name of a robot or process (bytes).
+pub const MAX_NAME: usize = 48;
 /// Maximum number of processes in a scenario, without the simulator; each has a slot at the tick barrier.
 pub const MAX_PROCESSES: usize = 63;
 /// Maximum number of cells of the map's grid.
@@ -233,6 +235,7 @@ pub(super) enum Grouping {
 #[serde(deny_unknown_fields, default)]
 pub(super) struct RobotBlock {
     /// Unique name, 1 to 48 of a–z, A–Z, 0–9, `_`, `-`. Required; not inherited.
+    #[schemars(length(min = 1, max = MAX_NAME))]
     pub name: Option<String>,
     /// Number of equal robots, named `name_1`, `name_2` and so on, at random starts; if absent, one robot
     /// named `name`. In a team's table: that of the team's only block without a `count`.

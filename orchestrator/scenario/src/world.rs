@@ -67,6 +67,8 @@ pub struct MapSetup {
     pub occupancy: Option<Grid<Occupancy>>,
     /// Standard deviation of the map's Gaussian blur (m).
     pub blur_sigma: f64,
+    /// Remark about the map's file, if there is one.
+    pub remark: Option<String>,
 }
 
 /// Reads `[world]` and the map, and reports all problems.
@@ -95,7 +97,7 @@ pub fn resolve(ctx: &mut Context<'_>, base: &Base) -> Option<MapSetup> {
         return None;
     };
     let spec: MapSpec = ctx.read(map_node, &path)?;
-    let mut occupancy = None;
+    let (mut occupancy, mut remark) = (None, None);
     let mut map = match spec {
         MapSpec::File {
             path: file,
@@ -103,8 +105,8 @@ pub fn resolve(ctx: &mut Context<'_>, base: &Base) -> Option<MapSetup> {
         } => {
             let file = file.to_string_lossy();
             let loaded = load(ctx, base, map_node, &path, &file, unknown)?;
-            occupancy = loaded.1;
-            loaded.0
+            (occupancy, remark) = (loaded.occupancy, loaded.remark);
+            loaded.map
         }
         MapSpec::Vector(map) => {
             check_vectors(ctx, map_node.get("vector")?, &path.then("vector"), &map).then_some(())?;
@@ -145,6 +147,7 @@ pub fn resolve(ctx: &mut Context<'_>, base: &Base) -> Option<MapSetup> {
         map,
         occupancy,
         blur_sigma: block.blur_sigma,
+        remark,
     })
 }
 
@@ -174,8 +177,23 @@ fn check_size(ctx: &mut Context<'_>, node: &Node, map: &MapSpec) -> Option<()> {
     None
 }
 
-/// A map, and the states of its cells if it is a ROS map.
-type Loaded = (MapSpec, Option<Grid<Occupancy>>);
+/// A map from a file.
+struct Loaded {
+    map: MapSpec,
+    /// States of the cells of a ROS map.
+    occupancy: Option<Grid<Occupancy>>,
+    remark: Option<String>,
+}
+
+impl Loaded {
+    fn vectors(map: MapSpec) -> Self {
+        Self {
+            map,
+            occupancy: None,
+            remark: None,
+        }
+    }
+}
 
 /// Reads the file of `map = "…"`.
 fn load(
@@ -216,7 +234,7 @@ fn load(
         }
     };
     match found {
-        Found::Text(text) => Some((parse_vectors(ctx, file, text)?, None)),
+        Found::Text(text) => parse_vectors(ctx, file, text).map(Loaded::vectors),
         Found::Disk(real) => {
             let extension = Path::new(file)
                 .extension()
@@ -224,7 +242,7 @@ fn load(
                 .unwrap_or("");
             match extension.to_ascii_lowercase().as_str() {
                 "toml" => match read_text(&real, MAX_MAP_FILE) {
-                    Ok(text) => Some((parse_vectors(ctx, file, &text)?, None)),
+                    Ok(text) => parse_vectors(ctx, file, &text).map(Loaded::vectors),
                     Err(e) => report(ctx, node, path, e, None),
                 },
                 "yaml" | "yml" => load_ros(ctx, base, node, path, &real, file, unknown),
@@ -300,13 +318,41 @@ fn load_ros(
     };
     // The checked file is the one that is read: the YAML may be a link to another folder.
     let loaded = ros.load_image(&image).and_then(|cells| {
-        let map = ros.cell_map(&cells, unknown)?;
-        Ok((MapSpec::Cells(map), Some(cells)))
+        let map = MapSpec::Cells(ros.cell_map(&cells, unknown)?);
+        Ok(Loaded {
+            map,
+            occupancy: Some(cells),
+            remark: ignored_keys(file, &ros.ignored),
+        })
     });
     match loaded {
         Ok(loaded) => Some(loaded),
         Err(e) => report(ctx, node, path, file_error(e.to_string()), None),
     }
+}
+
+/// Returns the remark about keys that a ROS map does not have.
+fn ignored_keys(file: &str, keys: &[(String, usize)]) -> Option<String> {
+    const MAX_LISTED: usize = 5;
+    let known = [
+        "image",
+        "resolution",
+        "origin",
+        "negate",
+        "occupied_thresh",
+        "free_thresh",
+        "mode",
+    ];
+    let listed = keys.iter().take(MAX_LISTED).map(|(key, line)| {
+        let near = nearest(key, known).map_or(String::new(), |near| format!(", not `{near}`"));
+        let key: String = key.chars().take(40).collect();
+        format!("`{key}` (line {line}{near})")
+    });
+    let mut listed = listed.collect::<Vec<_>>().join(", ");
+    if keys.len() > MAX_LISTED {
+        listed += &format!(" and {} more", keys.len() - MAX_LISTED);
+    }
+    (!keys.is_empty()).then(|| format!("map {file}: keys without effect: {listed}"))
 }
 
 /// Reads the text of a vector map; problems contain positions in it.

@@ -6,15 +6,15 @@ use super::options::LoadOptions;
 use super::parameters::Parameter;
 use super::reader::Reader;
 use super::seeds::Seeds;
-use super::spec::{FigureSpec, MAX_MISSIONS, RunSpec, SeedsSpec};
+use super::spec::{FigureSpec, MAX_MISSIONS, MAX_NAME, RunSpec, SeedsSpec};
 
 /// Checks a name: it becomes the name of a directory, and part of file names.
 pub(super) fn check_name(reader: &mut Reader, path: &FieldPath, name: &str) {
     let plain = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
-    if !(1..=64).contains(&name.len()) || !name.chars().all(plain) {
+    if !(1..=MAX_NAME).contains(&name.len()) || !name.chars().all(plain) {
         let message = format!("`{name}` cannot be a name");
-        let expected = "1 to 64 of a-z, A-Z, 0-9, `_`, `-`";
-        reader.refuse(path, Code::OutOfRange, &message, expected);
+        let expected = format!("1 to {MAX_NAME} of a-z, A-Z, 0-9, `_`, `-`");
+        reader.refuse(path, Code::OutOfRange, &message, &expected);
     }
 }
 

@@ -14,6 +14,8 @@ pub use super::seeds::MAX_MISSIONS;
 use super::seeds::{MAX_SEED, Seeds};
 use super::task::Task;
 
+/// Maximum length of a name (characters).
+pub const MAX_NAME: usize = 64;
 /// Maximum number of cells (combinations of case and parameters) of one experiment.
 pub const MAX_CELLS: usize = 10_000;
 
@@ -23,6 +25,7 @@ pub const MAX_CELLS: usize = 10_000;
 pub(super) struct TopLevel {
     /// Short name, 1 to 64 of a–z, A–Z, 0–9, `_`, `-`: of the directory of its results; the file's
     /// name if absent.
+    #[schemars(length(min = 1, max = MAX_NAME))]
     pub name: Option<String>,
     /// Kind of its missions.
     pub kind: Kind,

@@ -37,7 +37,7 @@ pub enum CatKind {
 #[serde(deny_unknown_fields, default)]
 pub struct CatKnowledge {
     /// The route, at least two points.
-    #[schemars(transform = each(each(unit("m"))))]
+    #[schemars(transform = each(each(unit("m"))), length(min = 2))]
     pub contour: Vec<[f64; 2]>,
     /// `true` if it ends at its start.
     pub closed: bool,

@@ -37,9 +37,12 @@ pub enum ImageError {
     #[error(transparent)]
     Io(#[from] io::Error),
     /// The file does not start like a PGM or PNG image.
-    #[error("magic number is {found}: expected P2 or P5 of a PGM image, or a PNG image")]
+    #[error(
+        "magic number is {found}: expected P2 or P5 of a PGM image, or a PNG image; ImageMagick makes one of others: \
+         `convert FILE map.png`"
+    )]
     BadMagic {
-        /// The first two bytes.
+        /// The first two bytes, and the format that they belong to.
         found: String,
     },
     /// A number of the header is missing or wrong.

@@ -15,7 +15,15 @@ pub fn read(mut input: impl BufRead) -> Result<Image, ImageError> {
         b"P2" => true,
         b"P5" => false,
         other => {
-            let found = format!("\"{}\"", other.escape_ascii());
+            let format = match other {
+                b"\xff\xd8" => " of a JPEG image",
+                b"BM" => " of a BMP image",
+                b"GI" => " of a GIF image",
+                b"II" | b"MM" => " of a TIFF image",
+                b"P3" | b"P6" => " of a PPM image",
+                _ => "",
+            };
+            let found = format!("\"{}\"{format}", other.escape_ascii());
             return Err(ImageError::BadMagic { found });
         }
     };
@@ -216,8 +224,18 @@ mod tests {
         let message = |bytes: &[u8]| read(bytes).unwrap_err().to_string();
         assert_eq!(
             message(b"P6\n1 1\n255\n\0"),
-            "magic number is \"P6\": expected P2 or P5 of a PGM image, or a PNG image"
+            "magic number is \"P6\" of a PPM image: expected P2 or P5 of a PGM image, or a PNG image; ImageMagick makes \
+             one of others: `convert FILE map.png`"
         );
+        for (start, format) in [
+            (&b"\xff\xd8\xff\xe0"[..], "JPEG"),
+            (b"BM6\0", "BMP"),
+            (b"GIF89a", "GIF"),
+            (b"II*\0", "TIFF"),
+        ] {
+            let message = message(start);
+            assert!(message.contains(format) && message.contains("convert FILE map.png"));
+        }
         assert!(message(b"").starts_with("magic number is \"\": expected P2 or P5"));
         assert!(message(b"P5\n").starts_with("header: width = the end of the file"));
         assert!(message(b"P5\n0 3 255\n").starts_with("header: width = 0"));

@@ -1,24 +1,27 @@
 //! ROS `map_server` maps: a YAML file and an image.
-//!
-//! Only the YAML subset that `map_server` writes is supported: lines of `key: value`.
 
-use std::fs::File;
+use std::collections::BTreeMap;
 use std::io::{self, BufReader, Read};
 use std::path::{Path, PathBuf};
 
 use nalgebra::Point2;
 
-use super::{CellMap, Image, ImageError, Occupancy, Pixel, UnknownCells};
+use self::yaml::{Entry, Value};
+use super::{CellMap, Image, ImageError, MAX_PIXELS, Occupancy, Pixel, UnknownCells};
 use parameters::ParamsError;
 
 use crate::extent::MAX_COORDINATE;
 use crate::grid::{Grid, GridFrame};
+use crate::text_file;
+
+mod yaml;
 
 /// Maximum size of a YAML file (bytes).
 const MAX_YAML: u64 = 1 << 20;
 /// Maximum size of an image (bytes): plain pixels of the largest map, with comments.
 const MAX_IMAGE: u64 = 512 << 20;
-const KEYS: &str = "image, resolution, origin, negate, occupied_thresh, free_thresh or mode";
+/// Maximum yaw that counts as 0 (rad): it moves no pixel of an image by half its side.
+const MAX_YAW: f64 = 0.5 / MAX_PIXELS as f64;
 
 /// The YAML part of a ROS map.
 #[derive(Debug, Clone, PartialEq)]
@@ -40,6 +43,8 @@ pub struct RosMap {
     pub free_thresh: f64,
     /// Meaning of a pixel.
     pub mode: RosMode,
+    /// Other keys of the file, which have no effect, with their lines, from 1.
+    pub ignored: Vec<(String, usize)>,
 }
 
 /// Meaning of a pixel of a ROS map. All modes know free, occupied and unknown cells here: a probability between the
@@ -110,21 +115,11 @@ impl RosMap {
     /// # Errors
     /// The error names the file, the line, the actual and the expected text.
     pub fn read(path: &Path) -> Result<Self, RosMapError> {
-        let io = |source| RosMapError::Io {
+        let read = text_file::open(path).and_then(|file| text_file::read(file, MAX_YAML));
+        let text = read.map_err(|source| RosMapError::Io {
             path: path.to_owned(),
             source,
-        };
-        let mut text = String::new();
-        let size = open(path)
-            .and_then(|file| file.take(MAX_YAML + 1).read_to_string(&mut text))
-            .map_err(io)?;
-        if size as u64 > MAX_YAML {
-            let source = io::Error::other(format!("expected at most {MAX_YAML} bytes of YAML"));
-            return Err(RosMapError::Io {
-                path: path.to_owned(),
-                source,
-            });
-        }
+        })?;
         Self::parse(path, &text)
     }
 
@@ -146,99 +141,37 @@ impl RosMap {
     /// # Ok::<(), Box<dyn core::error::Error>>(())
     /// ```
     pub fn parse(path: &Path, text: &str) -> Result<Self, RosMapError> {
-        let (mut image, mut resolution, mut origin) = (None, None, None);
-        let (mut negate, mut occupied, mut free) = (None, None, None);
-        let mut mode = None;
-        for (i, raw) in text.lines().enumerate() {
-            let bad = |found: &str, expected: &str| RosMapError::Line {
-                path: path.to_owned(),
-                line: i + 1,
-                found: found.to_owned(),
-                expected: expected.to_owned(),
-            };
-            let line = strip_comment(raw).trim();
-            if line.is_empty() || line == "---" || line == "..." {
-                continue;
-            }
-            let Some((key, value)) = line.split_once(':') else {
-                return Err(bad(line, &format!("`key: value` with {KEYS}")));
-            };
-            let (key, value) = (key.trim(), value.trim());
-            if raw.starts_with([' ', '\t']) {
-                return Err(bad(line, "`key: value` at the start of the line"));
-            }
-            let number = |low: f64, high: f64, expected: &str| match value.parse::<f64>() {
-                Ok(x) if x >= low && x <= high => Ok(x),
-                _ => Err(bad(&format!("{key} = {value}"), expected)),
-            };
-            let seen = match key {
-                "image" => {
-                    let name = unquote(value);
-                    if name.is_empty() {
-                        return Err(bad("image is empty", "the path of a PGM or PNG file"));
-                    }
-                    image.replace(PathBuf::from(name)).is_some()
-                }
-                "resolution" => {
-                    let value = number(
-                        f64::MIN_POSITIVE,
-                        MAX_COORDINATE,
-                        "a number > 0 and ≤ 1e5 (m)",
-                    )?;
-                    resolution.replace(value).is_some()
-                }
-                "origin" => {
-                    let pose = parse_origin(value).ok_or_else(|| {
-                        bad(
-                            &format!("origin = {value}"),
-                            "[x, y, yaw] with x and y within ±1e5 (m) and yaw = 0 (rad) (turned \
-                             maps are not read)",
-                        )
-                    })?;
-                    origin.replace(pose).is_some()
-                }
-                "negate" => {
-                    let flag = match value {
-                        "0" | "false" => false,
-                        "1" | "true" => true,
-                        _ => return Err(bad(&format!("negate = {value}"), "0 or 1")),
-                    };
-                    negate.replace(flag).is_some()
-                }
-                "occupied_thresh" => occupied
-                    .replace(number(0.0, 1.0, "a number in [0, 1]")?)
-                    .is_some(),
-                "free_thresh" => free
-                    .replace(number(0.0, 1.0, "a number in [0, 1]")?)
-                    .is_some(),
-                "mode" => {
-                    let named = match unquote(value) {
-                        "trinary" => RosMode::Trinary,
-                        "scale" => RosMode::Scale,
-                        "raw" => RosMode::Raw,
-                        _ => return Err(bad(&format!("mode = {value}"), "trinary, scale or raw")),
-                    };
-                    mode.replace(named).is_some()
-                }
-                _ => return Err(bad(&format!("key {key}"), KEYS)),
-            };
-            if seen {
-                return Err(bad(&format!("{key} a second time"), "every key once"));
-            }
-        }
-        let missing = |key| RosMapError::Missing {
+        let entries = yaml::entries(text).map_err(|(line, found, expected)| RosMapError::Line {
             path: path.to_owned(),
-            key,
-        };
+            line,
+            found,
+            expected: expected.to_owned(),
+        })?;
+        let mut keys = Keys { path, entries };
+        let length = "a number > 0 and ≤ 1e5 (m)";
+        let share = "a number in [0, 1]";
         let map = Self {
+            image: keys.required("image", "the path of a PGM or PNG file", |value| {
+                text_of(value).map(PathBuf::from)
+            })?,
+            resolution: keys.required("resolution", length, |value| {
+                number(value, f64::MIN_POSITIVE, MAX_COORDINATE)
+            })?,
+            origin: keys.required(
+                "origin",
+                "[x, y, yaw] with x and y within ±1e5 (m) and yaw = 0 (rad) (turned maps are not read)",
+                origin,
+            )?,
+            negate: keys
+                .optional("negate", "0 or 1, or false or true", truth)?
+                .unwrap_or(false),
+            occupied_thresh: keys.required("occupied_thresh", share, |v| number(v, 0.0, 1.0))?,
+            free_thresh: keys.required("free_thresh", share, |v| number(v, 0.0, 1.0))?,
+            mode: keys
+                .optional("mode", "trinary, scale or raw", mode)?
+                .unwrap_or_default(),
+            ignored: keys.ignored(),
             path: path.to_owned(),
-            image: image.ok_or(missing("image"))?,
-            resolution: resolution.ok_or(missing("resolution"))?,
-            origin: origin.ok_or(missing("origin"))?,
-            negate: negate.unwrap_or(false),
-            occupied_thresh: occupied.ok_or(missing("occupied_thresh"))?,
-            free_thresh: free.ok_or(missing("free_thresh"))?,
-            mode: mode.unwrap_or_default(),
         };
         map.checked()
     }
@@ -277,7 +210,7 @@ impl RosMap {
     /// # Errors
     /// As [`Self::load`].
     pub fn load_image(&self, path: &Path) -> Result<Grid<Occupancy>, RosMapError> {
-        let image = open(path)
+        let image = text_file::open(path)
             .map_err(ImageError::Io)
             .and_then(|file| Image::read(BufReader::new(file.take(MAX_IMAGE))))
             .map_err(|source| RosMapError::Image {
@@ -350,54 +283,94 @@ impl RosMap {
     }
 }
 
-/// Opens a file for reading; opening a FIFO would block, and reading a device may never end.
-fn open(path: &Path) -> io::Result<File> {
-    if path.metadata()?.is_file() {
-        File::open(path)
-    } else {
-        Err(io::Error::other("not a regular file"))
+/// The keys of a file that have not been read.
+struct Keys<'a> {
+    path: &'a Path,
+    entries: BTreeMap<String, Entry>,
+}
+
+impl Keys<'_> {
+    fn required<T>(
+        &mut self,
+        key: &'static str,
+        expected: &str,
+        read: impl FnOnce(&Value) -> Option<T>,
+    ) -> Result<T, RosMapError> {
+        self.optional(key, expected, read)?
+            .ok_or_else(|| RosMapError::Missing {
+                path: self.path.to_owned(),
+                key,
+            })
+    }
+
+    fn optional<T>(
+        &mut self,
+        key: &str,
+        expected: &str,
+        read: impl FnOnce(&Value) -> Option<T>,
+    ) -> Result<Option<T>, RosMapError> {
+        let Some(Entry { line, value }) = self.entries.remove(key) else {
+            return Ok(None);
+        };
+        let value_read = read(&value).ok_or_else(|| RosMapError::Line {
+            path: self.path.to_owned(),
+            line,
+            found: match value {
+                Value::Text(text) if text.is_empty() => format!("{key} is empty"),
+                value => format!("{key} = {value}"),
+            },
+            expected: expected.to_owned(),
+        })?;
+        Ok(Some(value_read))
+    }
+
+    /// Returns the keys that are left, in the order of the file.
+    fn ignored(self) -> Vec<(String, usize)> {
+        let left = self.entries.into_iter();
+        let mut left: Vec<_> = left.map(|(key, entry)| (key, entry.line)).collect();
+        left.sort_by_key(|(_, line)| *line);
+        left
     }
 }
 
-/// The line without its comment: from a `#` at its start or after white space, outside quotes.
-fn strip_comment(line: &str) -> &str {
-    let mut quote = None;
-    let mut previous = ' ';
-    for (i, c) in line.char_indices() {
-        if quote.is_some() {
-            if quote == Some(c) {
-                quote = None;
-            }
-        } else if previous.is_whitespace() {
-            match c {
-                '#' => return &line[..i],
-                '"' | '\'' => quote = Some(c),
-                _ => {}
-            }
-        }
-        previous = c;
+fn text_of(value: &Value) -> Option<&str> {
+    match value {
+        Value::Text(text) if !text.is_empty() => Some(text),
+        _ => None,
     }
-    line
 }
 
-fn unquote(value: &str) -> &str {
-    for quote in ['"', '\''] {
-        if let Some(inner) = value
-            .strip_prefix(quote)
-            .and_then(|v| v.strip_suffix(quote))
-        {
-            return inner;
-        }
-    }
-    value
+fn number(value: &Value, low: f64, high: f64) -> Option<f64> {
+    let number = text_of(value)?.trim().parse().ok()?;
+    (low..=high).contains(&number).then_some(number)
 }
 
-fn parse_origin(value: &str) -> Option<[f64; 2]> {
-    let inner = value.strip_prefix('[')?.strip_suffix(']')?;
-    let mut numbers = inner.split(',').map(|n| n.trim().parse::<f64>().ok());
-    let (x, y, yaw) = (numbers.next()??, numbers.next()??, numbers.next()??);
+/// Returns a truth value, of YAML 1.1 or a number.
+fn truth(value: &Value) -> Option<bool> {
+    match text_of(value)?.trim().to_ascii_lowercase().as_str() {
+        "0" | "false" | "no" | "n" | "off" => Some(false),
+        "1" | "true" | "yes" | "y" | "on" => Some(true),
+        _ => None,
+    }
+}
+
+fn mode(value: &Value) -> Option<RosMode> {
+    match text_of(value)? {
+        "trinary" => Some(RosMode::Trinary),
+        "scale" => Some(RosMode::Scale),
+        "raw" => Some(RosMode::Raw),
+        _ => None,
+    }
+}
+
+fn origin(value: &Value) -> Option<[f64; 2]> {
+    let Value::List(values) = value else {
+        return None;
+    };
+    let numbers: Result<Vec<f64>, _> = values.iter().map(|n| n.trim().parse()).collect();
+    let [x, y, yaw] = numbers.ok()?.try_into().ok()?;
     let inside = x.abs() <= MAX_COORDINATE && y.abs() <= MAX_COORDINATE;
-    (numbers.next().is_none() && inside && yaw == 0.0).then_some([x, y])
+    (inside && yaw.abs() <= MAX_YAW).then_some([x, y])
 }
 
 #[cfg(test)]

@@ -2,7 +2,6 @@
 
 use core::fmt;
 use std::borrow::Cow;
-use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -10,6 +9,8 @@ use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::value::MapAccessDeserializer;
 use serde::de::{Deserializer, MapAccess, Visitor};
 use serde::{Deserialize, Serialize};
+
+use crate::text_file;
 
 use super::{CellMap, RosMap, RosMapError, UnknownCells, VectorMap, VectorMapError};
 
@@ -54,14 +55,6 @@ pub enum MapError {
     UnknownKind {
         /// The map's file.
         path: PathBuf,
-    },
-    /// The file is far larger than a map.
-    #[error("map {}: {bytes} bytes: expected at most {MAX_VECTOR_FILE} bytes", path.display())]
-    TooLarge {
-        /// The map's file.
-        path: PathBuf,
-        /// Size of the file.
-        bytes: u64,
     },
     /// The TOML of a vector map is invalid; the message points at the line.
     #[error("map {}: {source}", path.display())]
@@ -126,18 +119,8 @@ fn load_file(path: &Path, unknown: UnknownCells) -> Result<MapSpec, MapError> {
                 path: path.to_owned(),
                 source,
             };
-            let found = fs::metadata(path).map_err(io)?;
-            if !found.is_file() {
-                return Err(io(io::Error::other("not a regular file")));
-            }
-            let bytes = found.len();
-            if bytes > MAX_VECTOR_FILE {
-                return Err(MapError::TooLarge {
-                    path: path.to_owned(),
-                    bytes,
-                });
-            }
-            let text = fs::read_to_string(path).map_err(io)?;
+            let file = text_file::open(path).map_err(io)?;
+            let text = text_file::read(file, MAX_VECTOR_FILE).map_err(io)?;
             let map: VectorMap = toml::from_str(&text).map_err(|source| MapError::Toml {
                 path: path.to_owned(),
                 source,

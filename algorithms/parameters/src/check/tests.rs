@@ -1,7 +1,9 @@
+use core::f64::consts::{PI, TAU};
+
 use serde::Deserialize;
 
 use super::*;
-use crate::{above, at_least, between, each};
+use crate::{above, at_least, between, each, unit};
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
@@ -186,4 +188,46 @@ fn a_whole_number_is_compared_exactly() {
     impl Parameters for Large {}
     check(&Large { n: u64::MAX - 1 }).unwrap();
     assert!(check(&Large { n: u64::MAX }).is_err());
+}
+
+#[derive(Debug, Clone, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(default)]
+struct Angles {
+    #[schemars(transform = unit("rad"))]
+    direction: f64,
+    #[schemars(transform = above(0).unit("rad"))]
+    deviation: Option<f64>,
+    #[schemars(transform = between(-1, 1000).unit("rad"))]
+    declared: f64,
+    #[schemars(transform = each(at_least(0).unit("rad/s")))]
+    rates: Vec<f64>,
+    #[schemars(transform = at_least(0).unit("m"))]
+    length: f64,
+}
+
+impl Parameters for Angles {}
+
+#[test]
+fn angles_without_a_declared_maximum_have_a_usual_one() {
+    let usual = Angles {
+        direction: -TAU,
+        deviation: Some(PI),
+        declared: 900.0,
+        rates: vec![20.0, 0.0],
+        length: 1e9,
+    };
+    assert_eq!(unusual(&usual), []);
+    let degrees = Angles {
+        direction: -90.0,
+        deviation: Some(5.0),
+        rates: vec![1.0, 45.0],
+        ..usual
+    };
+    let found: Vec<String> = unusual(&degrees).iter().map(ToString::to_string).collect();
+    let expected = [
+        "`direction` is -90 rad, usually at most 2π; -90° are -1.571 rad",
+        "`deviation` is 5 rad, usually at most π; 5° are 0.087 rad",
+        "`rates[1]` is 45 rad/s, usually at most 20; 45° are 0.785 rad",
+    ];
+    assert_eq!(found, expected);
 }

@@ -138,9 +138,7 @@ impl<'a> Table<'a> {
         let own = parts.first().map_or(schema, |part| part.1);
         let number = numbers_of(own);
         let range = number.map_or(String::new(), |number| Range(number).short());
-        let is_list = types(own).first() == Some(&"array");
-        let length = own.as_object().filter(|_| is_list).map(Range);
-        let length = length.and_then(|own| own.has_lengths().then(|| own.lengths()));
+        let length = own.as_object().map(|own| Range(own).lengths());
         let ranges = [range, length.unwrap_or_default()];
         let ranges: Vec<String> = ranges.into_iter().filter(|part| !part.is_empty()).collect();
         let unit = number.and_then(|number| Range(number).unit());

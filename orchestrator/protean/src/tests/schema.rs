@@ -44,6 +44,12 @@ fn refusals(root: &Json, schema: &Json, value: &Json, path: &str, found: &mut Ve
             "maxItems" => value
                 .as_array()
                 .is_none_or(|list| list.len() as u64 <= rule.as_u64().unwrap()),
+            "minLength" => value
+                .as_str()
+                .is_none_or(|text| text.len() as u64 >= rule.as_u64().unwrap()),
+            "maxLength" => value
+                .as_str()
+                .is_none_or(|text| text.len() as u64 <= rule.as_u64().unwrap()),
             "items" => {
                 for (i, element) in value.as_array().into_iter().flatten().enumerate() {
                     refusals(root, rule, element, &format!("{path}[{i}]"), found);

@@ -5,6 +5,7 @@ mod event_messages;
 mod messages;
 mod messages_of_parts;
 mod properties;
+mod remarks;
 mod resolve;
 mod teams;
 

@@ -1,5 +1,7 @@
 use super::*;
 
+mod styles;
+
 const YAML: &str = "image: ./office.pgm  # beside this file\nresolution: 0.5\n\
                     origin: [-1.0, 2.0, 0.0]\nnegate: 0\noccupied_thresh: 0.65\n\
                     free_thresh: 0.196\n";
@@ -92,8 +94,20 @@ fn broken_yaml_names_file_line_value_and_expectation() {
     assert!(message("negate: 0", "negate: 2").contains("line 4: negate = 2: expected 0 or 1"));
     assert!(message("0.65", "1.65").contains("line 5: occupied_thresh = 1.65"));
     assert!(message("0.65", "0.1").contains("`free_thresh` is 0.196, but must be at most"));
-    assert!(message("free_thresh", "freethresh").contains("line 6: key freethresh"));
+    assert!(message("free_thresh", "freethresh").contains("free_thresh is missing"));
     assert!(message("image:", "image =").contains("line 1"));
+    assert!(message("./office.pgm", "").contains("line 1: image is empty: expected the path"));
+    assert!(message("0.5\n", "0.5 0.5\n").contains("line 2: resolution = 0.5 0.5"));
+    assert!(message("0.5\n", ".inf\n").contains("line 2: resolution = .inf"));
+    assert!(message("0.0]", "1e-4]").contains("line 3: origin = [-1.0, 2.0, 1e-4]"));
+    assert!(message("[-1.0, 2.0, 0.0]", "[-1.0, 2.0]").contains("line 3: origin = [-1.0, 2.0]"));
+    assert!(message("[-1.0, 2.0, 0.0]", "{x: 1}").contains("line 3: origin = a table"));
+    assert!(message("[-1.0, 2.0, 0.0]", "[[1], 2, 0]").contains("origin = a list of lists"));
+    assert!(message("0.5\n", "&a 0.5\nx: *a\nx: 1\n").contains("line 4: x a second time"));
+    assert!(message("-1.0", "*a").contains("line 3: while parsing node, found unknown anchor"));
+    assert!(message("negate", "...\n---\nnegate").contains("line 6: a second document"));
+    assert!(message("negate", "? [1]\n: 2\nnegate").contains("line 4: a key that is no text"));
+    assert!(message("negate", "\tnegate").contains(": expected YAML"));
     assert!(message("image: ./office.pgm", "# no image").contains("image is missing"));
     assert!(message("negate: 0", "resolution: 1").contains("line 4: resolution a second time"));
     assert!(message("negate: 0", "mode: none").contains("mode = none: expected trinary, scale"));
@@ -122,4 +136,32 @@ fn files_are_read_relative_to_the_yaml_and_errors_name_them() {
         .to_string();
     assert!(error.contains("none.yaml"), "{error}");
     std::fs::remove_dir_all(&directory).unwrap();
+}
+
+#[test]
+fn unknown_keys_are_listed_in_the_order_of_the_file() {
+    let map =
+        parse(&YAML.replace("negate", "map_type: occupancy\nauthor: {name: x}\nnegate")).unwrap();
+    let expected = [("map_type".to_owned(), 4), ("author".to_owned(), 5)];
+    assert_eq!(map.ignored, expected);
+}
+
+#[test]
+fn hostile_texts_are_refused_with_short_messages() {
+    let joined = |n: usize, part: fn(usize) -> String| (0..n).map(part).collect::<String>();
+    let bomb = joined(29, |i| format!("k{}: &k{} [*k{i}, *k{i}]\n", i + 1, i + 1));
+    for text in [
+        "[".repeat(1 << 20),
+        "- ".repeat(1 << 19),
+        "{a: ".repeat(1 << 18),
+        joined(1400, |i| format!("{}a:\n", " ".repeat(i))),
+        format!("image: {}\nresolution: {0}", "x".repeat(1 << 19)),
+        format!("{}: 1\n{0}: 2\n", "x".repeat(900)),
+        format!("k0: &k0 1\n{bomb}origin: *k29\n{YAML}"),
+        format!("origin: [{}]", "1,".repeat(1 << 19)),
+        joined(200_000, |i| format!("{i}:\n")),
+    ] {
+        let message = parse(&text).unwrap_err().to_string();
+        assert!(message.len() < 400, "{message}");
+    }
 }
