@@ -4,6 +4,7 @@ use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 
 use platform::atomic_file::{AtomicFile, Existing, Readers};
+use platform::file_kind::FileKind;
 
 use crate::LogReadError;
 
@@ -57,7 +58,17 @@ pub fn create(
     if let (Ok(a), Ok(b)) = (path.canonicalize(), log.canonicalize())
         && a == b
     {
-        return Err(DerivedError::IsTheLog { path: a });
+        // The page of a page would replace it, too.
+        return Err(
+            match FileKind::of(&a).filter(|kind| *kind != FileKind::Log) {
+                Some(kind) => DerivedError::Log(LogReadError::NotMcap {
+                    path: log.to_owned(),
+                    empty: false,
+                    kind: Some(kind),
+                }),
+                None => DerivedError::IsTheLog { path: a },
+            },
+        );
     }
     AtomicFile::create(path, Existing::of_force(force), readers).map_err(refused(path))
 }

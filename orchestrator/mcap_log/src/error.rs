@@ -3,6 +3,8 @@
 use std::io;
 use std::path::PathBuf;
 
+use platform::file_kind::FileKind;
+
 /// Error of reading a log or the requested part of it.
 #[derive(Debug, thiserror::Error)]
 pub enum LogReadError {
@@ -15,12 +17,18 @@ pub enum LogReadError {
         source: io::Error,
     },
     /// The file does not begin with the MCAP magic bytes.
-    #[error("{} is not an MCAP file{}", path.display(), if *empty { ": it is empty" } else { "" })]
+    #[error(
+        "{} is not an MCAP file{}",
+        path.display(),
+        if *empty { ": it is empty".to_owned() } else { kind.map_or_else(String::new, |kind| format!("; {}", kind.help(path))) }
+    )]
     NotMcap {
         /// The file.
         path: PathBuf,
         /// `true` if the file is empty.
         empty: bool,
+        /// Its kind, if known.
+        kind: Option<FileKind>,
     },
     /// An MCAP file of another program.
     #[error(

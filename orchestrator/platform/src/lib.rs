@@ -5,8 +5,10 @@
 
 pub mod atomic_file;
 pub mod descriptors;
+pub mod file_kind;
 pub mod limits;
 pub mod machine;
+pub mod output_format;
 pub mod own_file;
 pub mod proc;
 pub mod program;

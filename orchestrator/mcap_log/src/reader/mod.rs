@@ -23,6 +23,7 @@ use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
 use mcap::records::MessageHeader;
+use platform::file_kind::FileKind;
 
 use self::chunk::OpenChunk;
 pub(super) use self::index::ChunkPlace;
@@ -82,6 +83,7 @@ impl<'w> Reader<'w> {
             return Err(LogReadError::NotMcap {
                 path: path.to_owned(),
                 empty: length == 0,
+                kind: FileKind::of(path),
             });
         }
         if let Some(read_progress) = &mut read_progress {
