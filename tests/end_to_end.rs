@@ -9,6 +9,7 @@ mod support;
 mod bad_input;
 mod chaos;
 mod chase;
+mod command_line;
 mod coverage;
 mod cpp_planner;
 mod documentation;

@@ -10,6 +10,7 @@ use std::process::ExitCode;
 use import::{ImportError, Imported, Sizes};
 use mcap_log::DerivedError;
 use platform::eprintln;
+use platform::file_kind::FileKind;
 use scenario::builtin;
 
 use super::common::ForceArg;
@@ -77,9 +78,9 @@ enum NewError {
     #[error("{}: expected a folder whose name has only ASCII letters, digits, `_` and `-` and begins with a letter", _0.display())]
     ProjectName(PathBuf),
     #[error(
-        "no built-in scenario {0:?}; expected one of {1}, or a .map, .scen, .graphml or .osm file"
+        "no built-in scenario {0:?}; expected one of {1}, or a .map, .scen, .graphml or .osm file{2}"
     )]
-    Unknown(String, String),
+    Unknown(String, String, String),
     #[error(transparent)]
     Import(#[from] ImportError),
     #[error("{} exists already; choose another name or overwrite it with --force", _0.display())]
@@ -176,7 +177,12 @@ fn content(args: &NewArgs) -> Result<(Text, Option<(Text, Text)>), NewError> {
     let file = Path::new(&args.from);
     if !import::is_importable(file) {
         let names = builtin::SCENARIOS.map(|scenario| scenario.name).join(", ");
-        return Err(NewError::Unknown(args.from.clone(), names));
+        let help = FileKind::of(file).map(|kind| format!("; {}", kind.help(file)));
+        return Err(NewError::Unknown(
+            args.from.clone(),
+            names,
+            help.unwrap_or_default(),
+        ));
     }
     let sizes = Sizes {
         cell: args.cell,
