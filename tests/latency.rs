@@ -223,15 +223,7 @@ fn a_recorded_log_says_what_its_stamps_say() {
 #[test]
 fn baselines_of_every_kind_are_measured_beside_the_mission() {
     let sandbox = Sandbox::new();
-    let words = [
-        "latency",
-        "hello",
-        "--duration",
-        "0.5",
-        "--quick",
-        "--json",
-        "-",
-    ];
+    let words = ["latency", "hello", "--duration", "0.5", "--quick", "--json"];
     let outcome = sandbox.protean(words).run();
     assert_eq!(outcome.code, Some(0), "{outcome}");
     assert!(
@@ -310,10 +302,6 @@ fn what_cannot_be_measured_is_refused_by_name() {
         &["--duration NaN", "above 0"],
     );
     refused(&["latency", "missing.mcap"], &["missing.mcap"]);
-    refused(
-        &["bench", "chase", "--quick"],
-        &["protean bench", "-p benchmarks -- chase"],
-    );
     refused(
         &["latency", "--rate", "20", "--rate", "50", "--log", "a.mcap"],
         &["--log", "one --rate"],

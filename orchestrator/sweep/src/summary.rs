@@ -202,6 +202,13 @@ pub fn command(results: &Results, mission: MissionId) -> String {
     shell::line(words)
 }
 
+/// Title, importance and text of a column of the cells.
+type CellColumn = (
+    &'static str,
+    Importance,
+    Box<dyn Fn(&CellSummary) -> String>,
+);
+
 /// Returns the summary as text: a table of the cells, failures with the command that repeats them,
 /// and missing missions.
 pub fn text(results: &Results, report: Option<&RunReport>) -> String {
@@ -212,8 +219,7 @@ pub fn text(results: &Results, report: Option<&RunReport>) -> String {
         value.map_or_else(|| "-".to_owned(), |value| format!("{value:.digits$}"))
     };
     // What no mission has is no column.
-    let mut columns: Vec<(&str, Importance, Box<dyn Fn(&CellSummary) -> String>)> =
-        vec![("games", 0, Box::new(|c| c.games.to_string()))];
+    let mut columns: Vec<CellColumn> = vec![("games", 0, Box::new(|c| c.games.to_string()))];
     if has(|c| c.evaders > 0) {
         columns.push((
             "escaped",

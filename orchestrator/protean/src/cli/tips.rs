@@ -94,15 +94,13 @@ pub(super) fn improved(mut error: Error, arguments: &[OsString]) -> Error {
             }
             tip
         }
-        ErrorKind::ValueValidation => {
-            let is_float = error.source().is_some_and(|e| e.is::<ParseFloatError>());
-            let is_int = error.source().is_some_and(|e| e.is::<ParseIntError>());
-            match (is_float, is_int) {
-                (true, _) => Some("expected a number".to_owned()),
-                (_, true) => Some("expected a whole number".to_owned()),
-                _ => return error,
+        ErrorKind::ValueValidation => match error.source() {
+            Some(source) if source.is::<ParseFloatError>() => Some("expected a number".to_owned()),
+            Some(source) if source.is::<ParseIntError>() => {
+                Some("expected a whole number".to_owned())
             }
-        }
+            _ => return error,
+        },
         _ => return error,
     };
     // Else clap's: to pass an unknown option as a value.
