@@ -405,16 +405,3 @@ fn a_new_scenario_runs_and_is_not_overwritten_unasked() {
     let refused = sandbox.protean(["new", "own"]).run();
     refused.refused(2, &["own", ".toml"]);
 }
-
-#[test]
-fn removed_commands_are_answered_with_their_replacement() {
-    let sandbox = Sandbox::new();
-    for (words, instead) in [
-        (&["instances", "base"][..], "protean plan generate"),
-        (&["messages", "--python"], "protean schema messages"),
-        (&["list", "--show", "chase"], "protean new"),
-    ] {
-        let outcome = sandbox.protean(words.iter().copied()).run();
-        outcome.refused(2, &[instead]);
-    }
-}

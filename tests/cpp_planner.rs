@@ -15,8 +15,8 @@ fn new_project() -> Sandbox {
     let sandbox = Sandbox::new();
     let made = sandbox.protean(["new", "my_planner", "--cpp"]).run();
     assert_eq!(made.code, Some(0), "{made}");
-    let next = "cd my_planner && make && protean run hall.toml";
-    assert!(made.stderr.contains(next), "{made}");
+    let next = format!("next: cd my_planner && make && {PROTEAN} run hall.toml --allow-external");
+    assert!(made.stderr.contains(&next), "{made}");
     sandbox
 }
 
@@ -170,4 +170,16 @@ fn the_header_and_the_messages_are_printed() {
             .contains("#define PROTEAN_WORLD_STATE_NAME \"world/state\""),
         "{messages}"
     );
+}
+
+#[test]
+fn the_next_step_of_a_new_project_works_as_printed_without_a_terminal() {
+    let Some(sandbox) = project() else { return };
+    let printed = sandbox
+        .protean(["new", "my_planner", "--cpp", "--force"])
+        .run();
+    let next = printed.stderr.trim().strip_prefix("next: ").unwrap();
+    let done = sandbox.call("/bin/sh".as_ref()).args(["-c", next]).run();
+    assert_eq!(done.code, Some(0), "{done}");
+    sandbox.assert_nothing_left();
 }

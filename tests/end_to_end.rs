@@ -10,6 +10,7 @@ mod bad_input;
 mod causes;
 mod chaos;
 mod chase;
+mod command_line;
 mod coverage;
 mod cpp_planner;
 mod documentation;

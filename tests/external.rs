@@ -62,10 +62,16 @@ fn a_program_runs_beside_its_scenario_and_its_output_is_shown_with_its_panic() {
     let folder = format!("[own] in {}\n", sandbox.path().join("far").display());
     let error = "error: process own ended with exit code 101";
     let (panic, message) = ("\n    thread 'main' panicked at", "\n    no way out");
-    outcome.refused(
-        1,
-        &[&folder, error, panic, message, "\n    …\n", "\n    100"],
-    );
+    outcome.refused(1, &[&folder, "[own] 100\n", error, panic, message]);
+    let quiet = sandbox.protean(words).arg("--quiet").run();
+    quiet.refused(1, &[error, panic, message, "\n    …\n", "\n    100"]);
+    for outcome in [outcome, quiet] {
+        assert_eq!(
+            outcome.stderr.matches("\n    99").count() + outcome.stderr.matches("[own] 99").count(),
+            1,
+            "{outcome}"
+        );
+    }
 
     let program = r#"command = ["./panicking.sh"]
 folder = "away""#;

@@ -42,8 +42,10 @@ fn new_project() -> Sandbox {
     let sandbox = Sandbox::new();
     let made = sandbox.protean(["new", "my_planner", "--rust"]).run();
     assert_eq!(made.code, Some(0), "{made}");
-    let next = "cd my_planner && cargo build --release && protean run hall.toml";
-    assert!(made.stderr.contains(next), "{made}");
+    let next = format!(
+        "next: cd my_planner && cargo build --release && {PROTEAN} run hall.toml --allow-external"
+    );
+    assert!(made.stderr.contains(&next), "{made}");
     sandbox
 }
 

@@ -29,7 +29,7 @@ fn an_orchestrator_of_many_missions_does_not_grow() {
     let experiment =
         format!("scenario = \"builtin:hello\"\nseeds = {{ first = 1, count = {MISSIONS} }}\n");
     sandbox.file("many.toml", experiment);
-    let words = ["sweep", "many.toml", "--jobs", "1", "--log", "all"];
+    let words = ["sweep", "many.toml", "--jobs", "1", "--keep-logs", "all"];
     let running = sandbox.protean(words).arg("--out").arg("swept").start();
     let journal = sandbox.path().join("swept/journal.jsonl");
     let mut seen = Vec::new();

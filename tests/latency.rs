@@ -114,7 +114,7 @@ fn a_real_time_mission_is_measured_sense_to_act() {
     let outcome = sandbox
         .protean(words)
         .arg("--log=kept.mcap")
-        .arg("--json=-")
+        .arg("--json")
         .run();
     assert_eq!(outcome.code, Some(0), "{outcome}");
     let json = outcome.json();
@@ -145,8 +145,8 @@ fn a_real_time_mission_is_measured_sense_to_act() {
     }
     // The same log gives the same figures again.
     let again = sandbox
-        .protean(["latency", "--of", "kept.mcap"])
-        .arg("--json=-")
+        .protean(["latency", "kept.mcap"])
+        .arg("--json")
         .run();
     assert_eq!(again.json()["runs"][0]["hops"], run["hops"]);
     assert_eq!(again.json()["runs"][0]["stages"], run["stages"]);
@@ -177,7 +177,7 @@ fn a_recorded_log_says_what_its_stamps_say() {
         assert_eq!(outcome.code, Some(0), "{outcome}");
         outcome
     };
-    let json = of(&["latency", "run.mcap", "--json", "-"]).json();
+    let json = of(&["latency", "run.mcap", "--json"]).json();
     let run = &json["runs"][0];
     let lock_step: Vec<&str> = STAGES
         .into_iter()
@@ -223,15 +223,7 @@ fn a_recorded_log_says_what_its_stamps_say() {
 #[test]
 fn baselines_of_every_kind_are_measured_beside_the_mission() {
     let sandbox = Sandbox::new();
-    let words = [
-        "latency",
-        "hello",
-        "--duration",
-        "0.5",
-        "--quick",
-        "--json",
-        "-",
-    ];
+    let words = ["latency", "hello", "--duration", "0.5", "--quick", "--json"];
     let outcome = sandbox.protean(words).run();
     assert_eq!(outcome.code, Some(0), "{outcome}");
     assert!(
@@ -273,7 +265,7 @@ fn baselines_of_every_kind_are_measured_beside_the_mission() {
 fn ctrl_c_keeps_what_was_measured() {
     let sandbox = Sandbox::new();
     let running = sandbox
-        .protean(["latency", "hello", "--rate", "50", "--json", "out.json"])
+        .protean(["latency", "hello", "--rate", "50", "--out", "out.json"])
         .start();
     let run = sandbox.next_run(&BTreeSet::new());
     wait_for_tick(&run, 20);
@@ -309,11 +301,7 @@ fn what_cannot_be_measured_is_refused_by_name() {
         &["latency", "hello", "--duration", "nan"],
         &["--duration NaN", "above 0"],
     );
-    refused(&["latency", "--of", "missing.mcap"], &["missing.mcap"]);
-    refused(
-        &["bench", "chase", "--quick"],
-        &["protean bench", "-p benchmarks -- chase"],
-    );
+    refused(&["latency", "missing.mcap"], &["missing.mcap"]);
     refused(
         &["latency", "--rate", "20", "--rate", "50", "--log", "a.mcap"],
         &["--log", "one --rate"],
@@ -346,14 +334,11 @@ fn what_cannot_be_measured_is_refused_by_name() {
     ];
     let outcome = sandbox.protean(cut).run();
     assert_eq!(outcome.code, Some(0), "{outcome}");
-    refused(
-        &["latency", "--of", "cut.mcap"],
-        &["cut.mcap", "robot/command"],
-    );
+    refused(&["latency", "cut.mcap"], &["cut.mcap", "robot/command"]);
     // Nothing is measured for a place that is taken.
     std::fs::write(folder.join("taken.json"), "mine").unwrap();
     refused(
-        &["latency", "silent.mcap", "--json", "taken.json"],
+        &["latency", "silent.mcap", "--out", "taken.json"],
         &["taken.json", "--force"],
     );
     assert_eq!(

@@ -312,14 +312,3 @@ fn the_messages_of_a_log_are_printed_as_lines_of_json() {
     assert_eq!(head.stderr, "", "a closed pipe is not an error");
     assert!(summary["ticks"].as_u64() > Some(0));
 }
-
-#[test]
-fn the_old_name_of_verify_stays_for_scripts() {
-    let sandbox = Sandbox::new();
-    sandbox.record("chase_exact");
-    let words = ["run.mcap", "--in-process", "--quiet", "--json"];
-    let called = |name| sandbox.protean([name].into_iter().chain(words)).run();
-    assert_eq!(called("rerun").json()["same"], true);
-    let help = sandbox.protean(["--help"]).run();
-    assert!(!help.stdout.contains("rerun"), "{help}");
-}

@@ -379,6 +379,5 @@ fn a_sweep_of_plans_is_the_same_however_it_is_shared_out() {
     let dry = sweep(&["plans.toml", "--out", "new", "--dry-run", "--json"]).json();
     assert_eq!(dry["missions"].as_array().unwrap().len(), 20);
     assert!(!sandbox.path().join("new").exists());
-    sweep(&["plans.toml", "--log", "all"]).refused(2, &["--keep-logs", "plans have no logs"]);
-    sweep(&["page", "whole"]).refused(2, &["was removed", "protean reproduce"]);
+    sweep(&["plans.toml", "--keep-logs", "all"]).refused(2, &["--keep-logs", "plans have no logs"]);
 }

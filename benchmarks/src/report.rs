@@ -183,10 +183,18 @@ impl Report {
 
     /// Returns the table.
     pub fn text(&self) -> String {
-        let header = [
-            "item", "figure", "median", "min", "max", "unit", "baseline", "ratio", "goal",
+        let columns = [
+            ("item", 0),
+            ("figure", 0),
+            ("median", 0),
+            ("min", 4),
+            ("max", 4),
+            ("unit", 0),
+            ("baseline", 3),
+            ("ratio", 1),
+            ("goal", 2),
         ];
-        let mut table = tables::for_terminal(header, 2);
+        let mut table = tables::TerminalTable::new(columns, 2);
         for figure in &self.figures {
             let ends = figure.value.min < figure.value.max;
             let end = |value: f64| {

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """The environments under stable-baselines3 and TorchRL: a short training and a rollout with each.
 
-    pip install 'protean-robotics[gym]' stable-baselines3 torchrl
+    pip install 'WHEEL[gym]' stable-baselines3 torchrl    # WHEEL: README.md of the repository
     examples/learn/compat.py
 """
 

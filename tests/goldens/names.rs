@@ -178,7 +178,7 @@ const COMMANDS: &[(&str, &[&str], i32)] = &[
         &["sweep", "merge", "missions", "--out", "merged"],
         0,
     ),
-    ("latency", &["latency", "--of", "chase.mcap"], 0),
+    ("latency", &["latency", "chase.mcap"], 0),
 ];
 
 /// Two observed patrols of a few seconds, so that the tables have predictions.
@@ -231,11 +231,7 @@ fn called() -> (Sandbox, BTreeMap<String, BTreeSet<String>>) {
     assert_eq!(instances.code, Some(0), "{instances}");
     let mut keys = BTreeMap::new();
     for (name, words, code) in COMMANDS {
-        let mut call = sandbox.protean(words.iter().copied()).arg("--json");
-        if *name == "latency" {
-            call = call.arg("-");
-        }
-        let outcome = call.run();
+        let outcome = sandbox.protean(words.iter().copied()).arg("--json").run();
         assert_eq!(outcome.code, Some(*code), "{name}: {outcome}");
         let mut found = BTreeSet::new();
         // `plan` prints an object per line.

@@ -38,7 +38,7 @@ fn pass(viewer: &mut Viewer) -> BTreeMap<u32, Messages> {
 fn a_replay_shows_all_that_the_log_holds() {
     let sandbox = Sandbox::new();
     let log = recorded(&sandbox);
-    let replay = Watched::replay(&sandbox, "run.mcap", &["--loop", "--rate", "4"]);
+    let replay = Watched::replay(&sandbox, "run.mcap", &["--loop", "--pace", "4"]);
     let open = format!("ws://{}/", replay.address());
     assert_eq!(
         Viewer::connect(&open, None, NOW).err(),
@@ -76,7 +76,7 @@ fn a_replay_shows_all_that_the_log_holds() {
 fn a_replay_from_the_middle_sends_latched_messages_and_begins_again() {
     let sandbox = Sandbox::new();
     let log = recorded(&sandbox);
-    let words = ["--start", "1", "--end", "2", "--loop", "--rate", "4"];
+    let words = ["--start", "1", "--end", "2", "--loop", "--pace", "4"];
     let replay = Watched::replay(&sandbox, "run.mcap", &words);
     let mut viewer = Viewer::connect(replay.url(), None, NOW).unwrap();
     let (_, channels) = viewer.greeted();

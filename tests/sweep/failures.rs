@@ -26,7 +26,7 @@ set.processes.evader_potential = { name = "liar", command = ["false"], robots = 
 fn failures_are_listed_with_the_command_that_repeats_them() {
     let sandbox = Sandbox::new();
     sandbox.file("small.toml", FAILING);
-    let words = ["--allow-external", "--log", "failed"];
+    let words = ["--allow-external", "--keep-logs", "failed"];
     let outcome = sweep(&sandbox, "out", &words);
     assert_eq!(outcome.code, Some(3), "{outcome}");
     for word in [
@@ -78,7 +78,7 @@ fn a_mission_that_takes_too_long_is_given_up() {
 #[test]
 fn logs_are_kept_when_asked_for() {
     let sandbox = sandbox();
-    sweep_json(&sandbox, "out", &["--log", "all", "--seeds", "1"], 0);
+    sweep_json(&sandbox, "out", &["--keep-logs", "all", "--seeds", "1"], 0);
     let logs = sandbox.path().join("out/logs");
     let count = |folder: &Path| std::fs::read_dir(folder).map_or(0, Iterator::count);
     assert_eq!(count(&logs), 4);

@@ -11,6 +11,10 @@ pub fn nearest<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) ->
         if lower.len() >= 3 && (other.contains(&lower) || lower.contains(&other)) {
             score = score.max(0.9);
         }
+        // One slip of the fingers in a short word ("rnu").
+        if lower.len() >= 3 && strsim::osa_distance(&lower, &other) == 1 {
+            score = score.max(0.85);
+        }
         if score > best.map_or(0.0, |b| b.0) {
             best = Some((score, candidate));
         }
@@ -51,6 +55,7 @@ mod tests {
         assert_eq!(nearest("persuer", kinds), Some("pursuer"));
         assert_eq!(nearest("braitenberg", kinds), Some("evader_braitenberg"));
         assert_eq!(nearest("Perception", kinds), Some("perception"));
+        assert_eq!(nearest("rnu", ["list", "run", "new"]), Some("run"));
         assert_eq!(nearest("zzz", kinds), None);
         assert_eq!(nearest("", kinds), None);
     }

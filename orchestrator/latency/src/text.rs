@@ -2,10 +2,9 @@
 
 use std::fmt::Write as _;
 
-use comfy_table::Table;
 use platform::machine::machine;
 use statistics::Percentiles;
-use tables::for_terminal;
+use tables::{Importance, TerminalTable};
 
 use super::TICK_JITTER;
 use super::baselines::Baseline;
@@ -30,11 +29,15 @@ pub fn text(report: &Report) -> String {
     text.trim_end().to_owned()
 }
 
-fn table(header: &[&str], texts: usize) -> Table {
-    for_terminal(header.iter().copied(), texts)
-}
-
-const PERCENTILES: [&str; 7] = ["count", "p50", "p90", "p99", "p99.9", "max", "jitter"];
+const PERCENTILES: [(&str, Importance); 7] = [
+    ("count", 3),
+    ("p50", 0),
+    ("p90", 4),
+    ("p99", 0),
+    ("p99.9", 5),
+    ("max", 1),
+    ("jitter", 2),
+];
 
 fn cells(p: &Percentiles) -> [String; 7] {
     [
@@ -111,16 +114,13 @@ fn deadlines(run: &Run) -> Vec<String> {
 
 fn of_run(text: &mut String, run: &Run) {
     let _ = writeln!(text, "\n{}", headline(run));
-    let header = |first: &'static str| {
-        let mut header = vec![first];
-        header.extend(PERCENTILES);
-        header
-    };
-    let mut stages = table(&header("sense-to-act"), 1);
+    let table =
+        |first: &'static str| TerminalTable::new([(first, 0)].into_iter().chain(PERCENTILES), 1);
+    let mut stages = table("sense-to-act");
     for (name, p) in run.stages() {
         stages.add_row([vec![name.to_owned()], cells(&p).to_vec()].concat());
     }
-    let mut hops = table(&header("hop"), 1);
+    let mut hops = table("hop");
     for (name, own) in run.measured.hops.iter() {
         hops.add_row([vec![name.clone()], cells(&own.percentiles()).to_vec()].concat());
     }
@@ -143,12 +143,10 @@ fn of_run(text: &mut String, run: &Run) {
 }
 
 /// Returns a table of the parts of steps, a row per kind of process.
-fn turns(run: &Run) -> Table {
+fn turns(run: &Run) -> TerminalTable {
     const PARTS: [&str; 4] = ["wakes up", "takes its input", "computes", "writes"];
-    let mut header = vec!["step of".to_owned()];
-    header.extend(PARTS.map(|part| format!("{part} p50 / p99")));
-    let header: Vec<&str> = header.iter().map(String::as_str).collect();
-    let mut found = table(&header, 1);
+    let header = [("step of: p50 / p99", 0)].into_iter();
+    let mut found = TerminalTable::new(header.chain(PARTS.into_iter().zip([3, 2, 0, 1])), 1);
     let all = &run.measured.turns;
     let mut kinds: Vec<&str> = all
         .iter()
@@ -170,17 +168,16 @@ fn turns(run: &Run) -> Table {
 }
 
 /// Returns a table with a row per transport and payload, and the placements as columns.
-fn baselines(all: &[Baseline]) -> Table {
+fn baselines(all: &[Baseline]) -> TerminalTable {
     let mut placements = Vec::new();
     for baseline in all {
         if !placements.contains(&baseline.placement) {
             placements.push(baseline.placement);
         }
     }
-    let mut header = vec!["size of".to_owned(), "transport".to_owned()];
-    header.extend(placements.iter().map(|p| format!("{} p50 / p99", p.name())));
-    let header: Vec<&str> = header.iter().map(String::as_str).collect();
-    let mut found = table(&header, 2);
+    let header = [("size of: p50 / p99", 0), ("transport", 0)].into_iter();
+    let header = header.chain(placements.iter().map(|p| (p.name(), 1)));
+    let mut found = TerminalTable::new(header, 2);
     let mut rows: Vec<(String, String)> = Vec::new();
     for b in all {
         let row = (

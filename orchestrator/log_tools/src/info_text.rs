@@ -1,24 +1,24 @@
 //! Description of a log as text.
 
 use recorder::{MessageCounts, time_text};
-use tables::for_terminal;
+use tables::TerminalTable;
 
 use super::info::LogInfo;
 
 /// Returns the summary as text.
 pub fn text(info: &LogInfo) -> String {
     let mut text = head(info);
-    let header = [
-        "topic",
-        "messages",
-        "bytes",
-        "rate (Hz)",
-        "first (s)",
-        "last (s)",
-        "longest pause (s)",
-        "lost",
+    let columns = [
+        ("topic", 0),
+        ("messages", 0),
+        ("bytes", 3),
+        ("rate (Hz)", 1),
+        ("first (s)", 5),
+        ("last (s)", 4),
+        ("longest pause (s)", 2),
+        ("lost", 0),
     ];
-    let mut table = for_terminal(header, 1);
+    let mut table = TerminalTable::new(columns, 1);
     let number = |value: Option<f64>| value.map_or_else(String::new, |value| format!("{value:.2}"));
     let time = |value: Option<f64>| value.map_or_else(String::new, time_text);
     let with = info.topics.iter().filter(|(_, topic)| topic.messages > 0);

@@ -4,6 +4,7 @@ use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 
 use platform::atomic_file::{AtomicFile, Existing, Readers};
+use platform::file_kind::FileKind;
 use platform::presence;
 
 use crate::LogReadError;
@@ -56,8 +57,16 @@ pub fn create(
     readers: Readers,
 ) -> Result<AtomicFile, DerivedError> {
     if presence::is_same(path, log).map_err(refused(path))? {
-        return Err(DerivedError::IsTheLog {
-            path: path.to_owned(),
+        // The page of a page would replace it, too.
+        return Err(match FileKind::of(log).filter(|kind| *kind != FileKind::Log) {
+            Some(kind) => DerivedError::Log(LogReadError::NotMcap {
+                path: log.to_owned(),
+                start: Vec::new(),
+                kind: Some(kind),
+            }),
+            None => DerivedError::IsTheLog {
+                path: path.to_owned(),
+            },
         });
     }
     AtomicFile::create(path, Existing::of_force(force), readers).map_err(refused(path))

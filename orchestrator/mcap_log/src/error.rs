@@ -3,6 +3,8 @@
 use std::io;
 use std::path::PathBuf;
 
+use platform::file_kind::FileKind;
+
 /// Error of reading a log or the requested part of it.
 #[derive(Debug, thiserror::Error)]
 pub enum LogReadError {
@@ -15,12 +17,18 @@ pub enum LogReadError {
         source: io::Error,
     },
     /// The file does not begin with the MCAP magic bytes.
-    #[error("{} is not an MCAP file{}", path.display(), remedy(start))]
+    #[error(
+        "{} is not an MCAP file{}",
+        path.display(),
+        kind.map_or_else(|| remedy(start).to_owned(), |kind| format!("; {}", kind.help(path)))
+    )]
     NotMcap {
         /// The file.
         path: PathBuf,
         /// Its first bytes.
         start: Vec<u8>,
+        /// Its kind, if known.
+        kind: Option<FileKind>,
     },
     /// An MCAP file of another program.
     #[error(

@@ -34,6 +34,8 @@ pub struct OutputLine {
 #[derive(Debug)]
 pub(super) struct OutputLines {
     kept: Arc<Mutex<LastLines>>,
+    /// `true` if every line has been shown already.
+    echo: bool,
     /// Closed when every process that could write to this pipe has ended.
     reader: Option<Receiver<()>>,
 }
@@ -74,6 +76,7 @@ impl OutputLines {
             })?;
         Ok(Self {
             kept,
+            echo,
             reader: Some(reader),
         })
     }
@@ -86,10 +89,17 @@ impl OutputLines {
         }
     }
 
-    /// Returns the stored lines; the oldest comes first.
+    /// Returns the stored lines; the oldest comes first. Of lines that have been shown, only those that name the cause.
     pub(super) fn last(&self) -> Vec<String> {
+        let lines = |kept: &LastLines| {
+            if self.echo {
+                kept.cause()
+            } else {
+                kept.lines()
+            }
+        };
         let kept = self.kept.lock();
-        kept.map(|kept| kept.lines()).unwrap_or_default()
+        kept.map(|kept| lines(&kept)).unwrap_or_default()
     }
 }
 
@@ -127,6 +137,15 @@ impl LastLines {
         }
         self.lines.push_back(line);
         self.count += 1;
+    }
+
+    /// Returns the message of the panic, or the last line: that of a traceback names the exception.
+    fn cause(&self) -> Vec<String> {
+        if self.panic.is_empty() {
+            let last = self.lines.iter().rfind(|line| !line.trim().is_empty());
+            return last.cloned().into_iter().collect();
+        }
+        self.panic.clone()
     }
 
     /// Returns the message of the panic, as far as the last lines do not contain it, and the last lines.
@@ -198,14 +217,15 @@ mod tests {
 
     #[test]
     fn the_message_of_a_panic_survives_a_long_backtrace() {
-        let stored = |lines: &[&str], frames: usize| {
+        let last = |lines: &[&str], frames: usize| {
             let mut last = LastLines::default();
             let frames = (0..frames).map(|i| format!("{i}: frame"));
             for line in lines.iter().map(|&line| line.to_owned()).chain(frames) {
                 last.push(line);
             }
-            last.lines()
+            last
         };
+        let stored = |lines: &[&str], frames: usize| last(lines, frames).lines();
         let panic = [
             "start",
             "thread 'main' panicked at src/main.rs:3:5:",
@@ -223,6 +243,14 @@ mod tests {
         assert_eq!(stored(&panic, 18)[..3], [panic[1], panic[2], panic[3]][..]);
         assert_eq!(stored(&panic, 19)[..3], [panic[1], panic[2], panic[3]][..]);
         assert_eq!(stored(&["start"], 20)[0], "0: frame");
+        assert_eq!(last(&panic, 100).cause(), panic[1..3]);
+        let traceback = [
+            "Traceback (most recent call last):",
+            "  line 3",
+            "ValueError: no map",
+            "",
+        ];
+        assert_eq!(last(&traceback, 0).cause(), traceback[2..3]);
     }
 
     proptest! {

@@ -82,7 +82,7 @@ pub fn run(
     let live = options.live.map(LiveServer::start).transpose()?;
     if let Some(live) = &live {
         // Shown also in quiet mode, since viewers need the address.
-        eprintln!("live: {}", live.url());
+        eprintln!("{}", live.invitation());
     }
     let mut resources = RunResources::create(scenario, log_level, |bus| bus)?;
     if let Some(pace) = options.pace {

@@ -7,6 +7,7 @@ use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
 use geometry::text_file;
+use platform::file_kind::FileKind;
 use serde::de::{Deserializer as _, IgnoredAny, SeqAccess, Visitor};
 
 use super::field::{FieldError, read_instance};
@@ -31,10 +32,12 @@ pub struct Element {
 
 /// Error of a file.
 #[derive(Debug, thiserror::Error)]
-#[error("{}: {problem}", path.display())]
+#[error("{}: {problem}{}", path.display(), kind.map_or_else(String::new, |kind| format!("; {}", kind.help(path))))]
 pub struct FileError {
     /// Path of the file.
     pub path: PathBuf,
+    /// Its kind, if it is a known one of another file.
+    pub kind: Option<FileKind>,
     /// Problem of the file.
     pub problem: FileProblem,
 }
@@ -87,6 +90,8 @@ pub fn read(path: &Path) -> Result<Vec<Element>, FileError> {
     };
     read().map_err(|problem| FileError {
         path: path.to_owned(),
+        kind: FileKind::of(path)
+            .filter(|kind| !matches!(kind, FileKind::Instances | FileKind::Json)),
         problem,
     })
 }

@@ -1,7 +1,7 @@
 //! Summary of many plans.
 
 use statistics::quantile;
-use tables::for_terminal;
+use tables::TerminalTable;
 
 use super::answer::{Answer, Outcome};
 
@@ -55,18 +55,18 @@ impl Summary {
             });
             text.join(" / ")
         };
-        let header = [
-            "instances",
-            "method",
-            "honest",
-            "CPU (ms) median / p95 / p99",
-            "gap (%) median / p95 / max",
-            "fallback",
-            "no path",
-            "no plan",
-            "invalid",
+        let columns = [
+            ("instances", 0),
+            ("method", 4),
+            ("honest", 0),
+            ("CPU (ms) median / p95 / p99", 2),
+            ("gap (%) median / p95 / max", 1),
+            ("fallback", 3),
+            ("no path", 3),
+            ("no plan", 3),
+            ("invalid", 3),
         ];
-        let mut table = for_terminal(header, 2);
+        let mut table = TerminalTable::new(columns, 2);
         let none = [
             Outcome::Infeasible,
             Outcome::InvalidTrajectory,

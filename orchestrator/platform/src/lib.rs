@@ -5,9 +5,11 @@
 
 pub mod atomic_file;
 pub mod descriptors;
+pub mod file_kind;
 pub mod file_lock;
 pub mod limits;
 pub mod machine;
+pub mod output_format;
 pub mod own_file;
 pub mod presence;
 pub mod proc;

@@ -26,7 +26,7 @@ impl LiveReplay {
         };
         live_replay.announce(source);
         // Shown also in quiet mode, since viewers need the address.
-        eprintln!("live: {}", live_replay.server.url());
+        eprintln!("{}", live_replay.server.invitation());
         Ok(live_replay)
     }
 

@@ -134,11 +134,14 @@ pub fn run(directory: &Path, options: &Options) -> Result<Outcome, RunError> {
     };
     let engine = InProcess::default();
     let chosen = |experiment: &&Experiment| options.papers.contains(&experiment.paper);
-    for experiment in EXPERIMENTS.iter().filter(chosen) {
+    let has_plans = options.papers.contains(&Paper::Chase);
+    let count = EXPERIMENTS.iter().filter(chosen).count() + usize::from(has_plans);
+    for (index, experiment) in EXPERIMENTS.iter().filter(chosen).enumerate() {
+        let turn = format!("{} of {count}", index + 1);
         match experiment.kind {
             Kind::Missions => {
                 let engine: &dyn Engine = &engine;
-                let results = carry_out::<Mission>(experiment, engine, directory, options)?;
+                let results = carry_out::<Mission>(experiment, engine, directory, &turn, options)?;
                 outcome.note(&results);
                 outcome.evidence.add(experiment.paper, &results)?;
             }
@@ -146,7 +149,7 @@ pub fn run(directory: &Path, options: &Options) -> Result<Outcome, RunError> {
                 // A panic of a planner becomes the error of its row.
                 let hook = std::panic::take_hook();
                 std::panic::set_hook(Box::new(|_| ()));
-                let results = carry_out::<Task>(experiment, &(), directory, options);
+                let results = carry_out::<Task>(experiment, &(), directory, &turn, options);
                 std::panic::set_hook(hook);
                 let results = results?;
                 outcome.note(&results);
@@ -158,8 +161,8 @@ pub fn run(directory: &Path, options: &Options) -> Result<Outcome, RunError> {
             return Ok(outcome);
         }
     }
-    if options.papers.contains(&Paper::Chase) {
-        let plans = plans(directory, options)?;
+    if has_plans {
+        let plans = plans(directory, &format!("{count} of {count}"), options)?;
         outcome.interrupted = options.interrupted.load(Ordering::SeqCst);
         outcome.experiments.push(Ran {
             name: PLANS.to_owned(),
@@ -215,11 +218,12 @@ fn refuse_foreign(directory: &Path) -> Result<(), RunError> {
     Ok(())
 }
 
-/// Executes the missions of an experiment that are not finished.
+/// Executes the missions of an experiment that are not finished; `turn` is its number and that of all.
 fn carry_out<S: Subject>(
     experiment: &Experiment,
     engine: &S::Engine,
     directory: &Path,
+    turn: &str,
     options: &Options,
 ) -> Result<Results<S::Row>, RunError> {
     let mut load = LoadOptions::new(options.kinds);
@@ -236,7 +240,7 @@ fn carry_out<S: Subject>(
         results.reuse(&Results::read(&directory.join(other))?)?;
     }
     if !options.quiet {
-        eprintln!("{}: seeds {}", loaded.name, loaded.seeds);
+        eprintln!("experiment {turn}: {}, seeds {}", loaded.name, loaded.seeds);
     }
     let run = RunOptions {
         jobs: options.jobs,
@@ -256,7 +260,7 @@ fn carry_out<S: Subject>(
 }
 
 /// Makes the single plans that are missing, several seeds at once; each is saved when it is done.
-fn plans(directory: &Path, options: &Options) -> Result<Plans, RunError> {
+fn plans(directory: &Path, turn: &str, options: &Options) -> Result<Plans, RunError> {
     let path = directory.join(format!("{PLANS}.csv"));
     let mut plans = Plans::read_if_any(&path)?;
     let [all, quick] = PLAN_SEEDS.map(|count| Seeds::range(1, count).unwrap_or_default());
@@ -268,7 +272,7 @@ fn plans(directory: &Path, options: &Options) -> Result<Plans, RunError> {
     let known: Vec<u64> = plans.seeds().iter().collect();
     let open: Vec<u64> = seeds.iter().filter(|seed| !known.contains(seed)).collect();
     if !options.quiet {
-        eprintln!("{PLANS}: seeds {seeds}");
+        eprintln!("experiment {turn}: {PLANS}, seeds {seeds}");
     }
     let mut progress = Progress::new(open.len(), known.len(), options.quiet, "seeds of plans");
     let measuring = Measuring::new()?;

@@ -43,7 +43,7 @@ pub use draft::Draft;
 pub use events::{EventSpec, Moment};
 pub use failure::Supervision;
 pub use load::{Listed, Loader, list};
-pub use remarks::ScenarioRemark;
+pub use remarks::{ScenarioRemark, remark_lines};
 pub use resolved::{ProcessSpec, Program, ResolvedScenario};
 pub use spec::OnFailure;
 pub use template::{MapCache, Template};

@@ -13,6 +13,7 @@ use super::draft::Draft;
 use super::files::{Base, read_text};
 use super::kind::Kind;
 use super::resolved::ResolvedScenario;
+use platform::file_kind::FileKind;
 
 /// Maximum size of a scenario file (bytes); a file that contains its map is far smaller.
 const MAX_SCENARIO: u64 = 64 << 20;
@@ -85,33 +86,27 @@ impl<'k> Loader<'k> {
             };
             return self.draft_text(&file, scenario.text, &base);
         }
-        let text = match read_text(path, MAX_SCENARIO) {
-            Ok(text) => text,
-            Err(refused) => {
-                let names = builtin::SCENARIOS.map(|s| s.name);
-                let stem = path
-                    .file_stem()
-                    .and_then(|s| s.to_str())
-                    .unwrap_or_default();
-                let mut problem = Diagnostic::new(Code::File, refused.message)
-                    .value(target)
-                    .expected(format!(
-                        "the path of a scenario, or the name of a built-in one: {}",
-                        list_choices(&names)
-                    ));
-                if path
-                    .extension()
-                    .is_some_and(|extension| extension == "mcap")
-                {
-                    problem = problem.help(format!(
-                        "it is a log: `protean verify {target}` runs its scenario again, `protean report {target}` shows it"
-                    ));
-                } else if let Some(near) = nearest(stem, names) {
-                    problem = problem.help(format!("did you mean `{near}`?"));
-                }
-                return Err(problem.into());
-            }
+        let names = builtin::SCENARIOS.map(|s| s.name);
+        let problem = |message: String| {
+            Diagnostic::new(Code::File, message)
+                .value(target)
+                .expected(format!(
+                    "the path of a scenario, or the name of a built-in one: {}",
+                    list_choices(&names)
+                ))
         };
+        if let Some(other) = FileKind::of(path).filter(|kind| *kind != FileKind::Scenario) {
+            let problem = problem(format!("{target} is not a scenario"));
+            return Err(problem.help(other.help(path)).into());
+        }
+        let text = read_text(path, MAX_SCENARIO).map_err(|refused| {
+            let stem = path.file_stem().and_then(|s| s.to_str());
+            let problem = problem(refused.message);
+            match nearest(stem.unwrap_or_default(), names) {
+                Some(near) => problem.help(format!("did you mean `{near}`?")),
+                None => problem,
+            }
+        })?;
         let folder = match path.parent() {
             Some(parent) if !parent.as_os_str().is_empty() => parent.to_owned(),
             _ => PathBuf::from("."),

@@ -39,6 +39,31 @@ impl fmt::Display for ScenarioRemark {
     }
 }
 
+/// Returns a line for every kind of remark: the first one and the number of those whose text differs in numbers alone.
+pub fn remark_lines<'a>(remarks: impl IntoIterator<Item = &'a ScenarioRemark>) -> Vec<String> {
+    let words = |remark: &'a ScenarioRemark| {
+        let is_number = |c: char| c.is_ascii_digit() || ".-".contains(c);
+        let parts = remark.message.split(is_number);
+        let parts: Vec<&str> = parts.filter(|part| !part.is_empty()).collect();
+        (remark.severity, parts)
+    };
+    let mut kinds: Vec<(&ScenarioRemark, usize)> = Vec::new();
+    for remark in remarks {
+        match kinds
+            .iter_mut()
+            .find(|(first, _)| words(first) == words(remark))
+        {
+            Some((_, count)) => *count += 1,
+            None => kinds.push((remark, 1)),
+        }
+    }
+    let line = |(remark, count): (&ScenarioRemark, usize)| match count {
+        1 => remark.to_string(),
+        n => format!("{remark} ({} more like it)", n - 1),
+    };
+    kinds.into_iter().map(line).collect()
+}
+
 impl ScenarioRemark {
     /// Returns `true` if it reports a probable mistake.
     pub fn is_warning(&self) -> bool {
@@ -121,5 +146,50 @@ impl ResolvedScenario {
                 capture.radius
             )
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn remarks_that_differ_in_numbers_are_one_line() {
+        let remark = |severity, robot: &str, message: &str| ScenarioRemark {
+            severity,
+            process: Some("guard".to_owned()),
+            robot: Some(robot.to_owned()),
+            message: message.to_owned(),
+        };
+        let remarks = [
+            remark(
+                "warning",
+                "a",
+                "12 of 400 waypoints are outside, first 7 at (1.5, -2)",
+            ),
+            remark("note", "a", "α = 1.0 m"),
+            remark(
+                "warning",
+                "b",
+                "0 of 38 waypoints are outside, first 11 at (-0.25, 3)",
+            ),
+            remark(
+                "warning",
+                "b",
+                "12 of 400 waypoints are blocked, first 7 at (1.5, -2)",
+            ),
+            remark(
+                "warning",
+                "c",
+                "5 of 6 waypoints are outside, first 1 at (0, 3)",
+            ),
+        ];
+        let lines = remark_lines(&remarks);
+        assert_eq!(lines.len(), 3, "{lines:?}");
+        let first = "warning: guard, a: 12 of 400 waypoints are outside, first 7 at (1.5, -2) (2 more like it)";
+        assert_eq!(
+            (lines[0].as_str(), lines[1].as_str()),
+            (first, "note: guard, a: α = 1.0 m")
+        );
     }
 }

@@ -1,6 +1,6 @@
 //! `set = { … }`: the overrides of a case or of a level of a parameter.
 
-use config::{FieldPath, Node, Value, write_value};
+use config::{FieldPath, Node, Origin, Place, Value, write_value};
 
 use super::reader::Reader;
 
@@ -11,6 +11,24 @@ pub(super) struct Assignment {
     pub argument: String,
     /// Location in the file: `experiment.toml:12`.
     pub label: String,
+    /// Place of the key in the file; `None` on the command line.
+    pub key_place: Option<Place>,
+}
+
+impl Assignment {
+    /// Creates the override of an argument of `--set`.
+    pub fn of_command_line(argument: &str) -> Self {
+        Self {
+            argument: argument.to_owned(),
+            label: "--set".to_owned(),
+            key_place: None,
+        }
+    }
+
+    /// Returns its key.
+    pub fn key(&self) -> &str {
+        self.argument.split_once('=').map_or("", |(key, _)| key)
+    }
 }
 
 /// Reads a table of overrides.
@@ -24,7 +42,7 @@ pub(super) fn read(reader: &mut Reader, path: &FieldPath, node: &Node) -> Vec<As
         .as_table()
         .is_some_and(|table| !table.entries.is_empty())
     {
-        flatten(reader, "", node, &mut found);
+        flatten(reader, "", node, node.origin, &mut found);
     } else {
         reader.wrong_type(
             path,
@@ -35,24 +53,25 @@ pub(super) fn read(reader: &mut Reader, path: &FieldPath, node: &Node) -> Vec<As
     found
 }
 
-fn flatten(reader: &Reader, prefix: &str, node: &Node, found: &mut Vec<Assignment>) {
+fn flatten(reader: &Reader, prefix: &str, node: &Node, key: Origin, found: &mut Vec<Assignment>) {
     let whole = |table: &config::Table| {
         table.entries.is_empty() || table.get("kind").is_some() || table.get("command").is_some()
     };
     match &node.value {
         Value::Table(table) if prefix.is_empty() || !whole(table) => {
             for entry in &table.entries {
-                let key = if prefix.is_empty() {
+                let path = if prefix.is_empty() {
                     entry.key.clone()
                 } else {
                     format!("{prefix}.{}", entry.key)
                 };
-                flatten(reader, &key, &entry.node, found);
+                flatten(reader, &path, &entry.node, entry.origin, found);
             }
         }
         _ => found.push(Assignment {
             argument: format!("{prefix}={}", write_value(node)),
             label: reader.line_of(node),
+            key_place: reader.sources.place(key),
         }),
     }
 }

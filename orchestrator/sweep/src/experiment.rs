@@ -16,6 +16,7 @@ use super::spec::{FigureSpec, MAX_CELLS, MAX_MISSIONS, RunSpec, TopLevel};
 use super::subject::Subject;
 use super::table::is_taken;
 use super::{grid, parameters};
+use platform::file_kind::FileKind;
 use scenario::files::read_text;
 
 /// Maximum size of an experiment file (bytes).
@@ -61,11 +62,19 @@ impl<S: Subject> ExperimentOf<S> {
     /// # Errors
     /// All problems, each with file, line, field, value and expected value.
     pub fn load(path: &Path, options: &LoadOptions) -> Result<Self, Diagnostics> {
-        let text = read_text(path, MAX_FILE).map_err(|refused| {
-            Diagnostic::new(Code::File, refused.message)
+        let problem = |message: String, expected: &str| {
+            Diagnostic::new(Code::File, message)
                 .value(path.display())
-                .expected(format!("the path of an experiment: {}", refused.expected))
-        })?;
+                .expected(format!("the path of an experiment: {expected}"))
+        };
+        if let Some(other) = FileKind::of(path).filter(|kind| *kind != FileKind::Experiment) {
+            let message = format!("{} is not an experiment", path.display());
+            return Err(problem(message, "a TOML file")
+                .help(other.help(path))
+                .into());
+        }
+        let text = read_text(path, MAX_FILE)
+            .map_err(|refused| problem(refused.message, &refused.expected))?;
         let folder = match path.parent() {
             Some(parent) if !parent.as_os_str().is_empty() => parent.to_owned(),
             _ => PathBuf::from("."),

@@ -235,10 +235,12 @@ fn chart(figure: &FigureSpec, results: &Results, shown: &Shown, published: &[Pub
         title.unwrap_or_else(|| name.replace('_', " "))
     };
     Chart {
-        title: if figure.title.is_empty() {
-            manifest.title.clone()
-        } else {
-            figure.title.clone()
+        title: match (&*figure.title, &*manifest.title) {
+            // An experiment without a title: its name stands below.
+            ("", name) if name == manifest.experiment => {
+                format!("{} by {}", figure.metric.label(), title(&figure.x))
+            }
+            ("", title) | (title, _) => title.to_owned(),
         },
         subtitle: format!("{}: {}", manifest.experiment, games(&rows)),
         x_label: title(&figure.x),

@@ -1,6 +1,6 @@
 //! `[parameters.NAME]`: the columns of an experiment and the scenario keys that they change.
 
-use config::{Code, FieldPath, Node, Value as TomlValue, list_choices, nearest};
+use config::{Code, FieldPath, Node, Place, Value as TomlValue, list_choices, nearest};
 use config::{render_float, write_value};
 
 use super::assignments::{self, Assignment};
@@ -22,7 +22,11 @@ pub(super) struct Parameter {
 #[derive(Debug, Clone)]
 enum Effect {
     /// The value, times a factor, is the value of this key.
-    Key { key: String, scale: Option<Scale> },
+    Key {
+        key: String,
+        place: Option<Place>,
+        scale: Option<Scale>,
+    },
     /// The value names a set of overrides.
     Levels(Vec<(String, Vec<Assignment>)>),
 }
@@ -58,6 +62,7 @@ fn read_one(reader: &mut Reader, name: String, path: &FieldPath, node: &Node) ->
     let effect = match (node.get("set"), node.get("levels")) {
         (Some(set), None) => Effect::Key {
             key: key(reader, &path.then("set"), set)?,
+            place: reader.sources.place(set.origin),
             scale: match node.get("scale") {
                 Some(scale) => Some(read_scale(reader, &path.then("scale"), scale)?),
                 None => None,
@@ -202,7 +207,7 @@ impl Parameter {
                 let level = levels.iter().find(|l| l.0 == word);
                 Ok(level.map(|l| l.1.clone()).unwrap_or_default())
             }
-            Effect::Key { key, scale } => {
+            Effect::Key { key, place, scale } => {
                 let text = match (scale, value.number()) {
                     (Some(scale), Some(number)) => {
                         render_float(rounded(number * scale.factor(draft)?))
@@ -212,6 +217,7 @@ impl Parameter {
                 Ok(vec![Assignment {
                     argument: format!("{key}={text}"),
                     label: reader.line_of(node),
+                    key_place: place.clone(),
                 }])
             }
         }

@@ -1,12 +1,15 @@
 //! Summaries of the cells of an experiment: a table as text, and JSON.
 
-use comfy_table::Table;
+use std::collections::BTreeSet;
+
 use platform::shell;
 use recorder::time_text;
 use serde_json::{Map, Value as Json, json};
-use statistics::{Interval, Sample, Z95, wilson};
-use tables::for_terminal;
+use statistics::{Interval, Mean, Sample, Z95, wilson};
+use tables::{Importance, TerminalTable};
 
+use super::manifest::Manifest;
+use super::metrics::Metric;
 use super::mission_id::MissionId;
 use super::results::Results;
 use super::row::{Record, Row};
@@ -40,6 +43,14 @@ pub struct CellSummary {
     pub mean_time_s: Option<f64>,
     /// Contact episodes per game.
     pub contacts: Option<f64>,
+    /// Robots with a goal that reached it.
+    pub arrived: usize,
+    /// Mean simulated time of arrival (s).
+    pub arrival_s: Option<f64>,
+    /// Mean share of the area visited.
+    pub coverage: Option<f64>,
+    /// Mean length of a lap (m).
+    pub lap_m: Option<f64>,
 }
 
 /// Summarises every cell, in the order of the experiment.
@@ -62,6 +73,10 @@ fn summarise(cell: usize, rows: &[&Row]) -> CellSummary {
     let share = escapes.share();
     let sum = |f: fn(&Row) -> u32| played.iter().map(|r| u64::from(f(r))).sum::<u64>();
     let mean = |sum: f64| (!played.is_empty()).then(|| sum / played.len() as f64);
+    let measure = |metric: Metric| metric.measure(&played).map(|(value, _)| value);
+    let robots = played.iter().flat_map(|row| &row.robots);
+    let arrivals = robots.filter(|robot| robot.outcome == "goal_reached");
+    let arrivals: Vec<f64> = arrivals.map(|robot| robot.time_s).collect();
     CellSummary {
         cell,
         games: played.len(),
@@ -74,6 +89,10 @@ fn summarise(cell: usize, rows: &[&Row]) -> CellSummary {
         by_game: share.map(|_| escapes.interval(Z95)),
         mean_time_s: mean(played.iter().map(|r| r.sim_time_s).sum()),
         contacts: mean(sum(|r| r.contacts) as f64),
+        arrived: arrivals.len(),
+        arrival_s: Mean::of(&arrivals).map(|mean| mean.value),
+        coverage: measure(Metric::Coverage),
+        lap_m: measure(Metric::LapLength),
     }
 }
 
@@ -90,12 +109,36 @@ pub(super) fn missing<R: Record>(
     report.map_or_else(|| results.missing(), |report| report.missing.clone())
 }
 
-/// Returns a table with one line per cell: the case and the parameters, then `columns`.
-pub(super) fn cell_table(parameters: &[String], columns: &[&str]) -> Table {
-    let header = std::iter::once("case")
-        .chain(parameters.iter().map(String::as_str))
-        .chain(columns.iter().copied());
-    for_terminal(header, 1)
+/// Returns a table with one line per cell: the case and the parameters, then `columns` with the cells of each row. The
+/// only case of several cells is left out on a narrow terminal.
+pub(super) fn cell_table(
+    manifest: &Manifest,
+    columns: &[(&str, Importance)],
+    rows: impl Iterator<Item = Vec<String>>,
+) -> TerminalTable {
+    let cases: BTreeSet<&str> = manifest
+        .cells
+        .iter()
+        .map(|cell| cell.case.as_str())
+        .collect();
+    let is_alone = cases.len() == 1 && !manifest.parameters.is_empty();
+    let parameters = manifest.parameters.iter().map(|name| (name.as_str(), 0));
+    let header = std::iter::once(("case", if is_alone { Importance::MAX } else { 0 }));
+    let header = header.chain(parameters).chain(columns.iter().copied());
+    let mut table = TerminalTable::new(header, 1);
+    for (cell, row) in manifest.cells.iter().zip(rows) {
+        let values = cell.values.iter().map(ToString::to_string);
+        table.add_row(std::iter::once(cell.case.clone()).chain(values).chain(row));
+    }
+    table
+}
+
+/// Returns the first line of a summary: the name of the experiment, and its title if it has one.
+pub(super) fn heading(manifest: &Manifest) -> String {
+    if manifest.title == manifest.experiment {
+        return manifest.experiment.clone();
+    }
+    format!("{}: {}", manifest.experiment, manifest.title)
 }
 
 /// Formats an interval of a share.
@@ -160,38 +203,57 @@ pub fn command(results: &Results, mission: MissionId) -> String {
     shell::line(words)
 }
 
+/// Title, importance and text of a column of the cells.
+type CellColumn = (
+    &'static str,
+    Importance,
+    Box<dyn Fn(&CellSummary) -> String>,
+);
+
 /// Returns the summary as text: a table of the cells, failures with the command that repeats them,
 /// and missing missions.
 pub fn text(results: &Results, report: Option<&RunReport>) -> String {
     let manifest = results.manifest();
-    let columns = [
-        "games",
-        "escaped",
-        "chance",
-        "95 % interval",
-        "by game",
-        "time (s)",
-    ];
-    let mut table = cell_table(&manifest.parameters, &columns);
-    for summary in cells(results) {
-        let Some(cell) = manifest.cells.get(summary.cell) else {
-            continue;
-        };
-        let mut line = vec![cell.case.clone()];
-        line.extend(cell.values.iter().map(ToString::to_string));
-        line.extend([
-            summary.games.to_string(),
-            format!("{}/{}", summary.escaped, summary.evaders),
-            summary
-                .escape_chance
-                .map_or_else(|| "-".into(), |p| format!("{p:.3}")),
-            interval(summary.independent),
-            interval(summary.by_game),
-            summary.mean_time_s.map_or_else(|| "-".into(), time_text),
-        ]);
-        table.add_row(line);
+    let summaries = cells(results);
+    let has = |fact: fn(&CellSummary) -> bool| summaries.iter().any(fact);
+    let or_none = |value: Option<f64>, digits: usize| {
+        value.map_or_else(|| "-".to_owned(), |value| format!("{value:.digits$}"))
+    };
+    // What no mission has is no column.
+    let mut columns: Vec<CellColumn> = vec![("games", 0, Box::new(|c| c.games.to_string()))];
+    if has(|c| c.evaders > 0) {
+        columns.push((
+            "escaped",
+            2,
+            Box::new(|c| format!("{}/{}", c.escaped, c.evaders)),
+        ));
+        columns.push(("chance", 0, Box::new(move |c| or_none(c.escape_chance, 3))));
+        columns.push(("95 % interval", 1, Box::new(|c| interval(c.independent))));
+        columns.push(("by game", 4, Box::new(|c| interval(c.by_game))));
     }
-    let mut text = format!("{}: {}\n\n{table}\n", manifest.experiment, manifest.title);
+    if has(|c| c.arrived > 0) {
+        columns.push(("arrived", 0, Box::new(|c| c.arrived.to_string())));
+        columns.push(("arrival (s)", 0, Box::new(|c| c.arrival_s.map_or_else(|| "-".to_owned(), time_text))));
+    }
+    if has(|c| c.coverage.is_some()) {
+        columns.push(("coverage", 1, Box::new(move |c| or_none(c.coverage, 3))));
+    }
+    if has(|c| c.lap_m.is_some()) {
+        columns.push(("lap (m)", 1, Box::new(move |c| or_none(c.lap_m, 2))));
+    }
+    columns.push((
+        "time (s)",
+        3,
+        Box::new(|c| c.mean_time_s.map_or_else(|| "-".to_owned(), time_text)),
+    ));
+    let titles: Vec<_> = columns
+        .iter()
+        .map(|(title, importance, _)| (*title, *importance))
+        .collect();
+    let rows = summaries.iter();
+    let rows = rows.map(|summary| columns.iter().map(|(_, _, cell)| cell(summary)).collect());
+    let table = cell_table(manifest, &titles, rows);
+    let mut text = format!("{}\n\n{table}\n", heading(manifest));
     text += &pace(report, "missions");
     let failures = failures(results);
     if !failures.is_empty() {

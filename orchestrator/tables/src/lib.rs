@@ -7,14 +7,13 @@
 mod csv;
 mod in_memory;
 mod parquet;
+mod terminal;
 
 use std::fmt;
 use std::io::{self, Write};
 
-use comfy_table::{CellAlignment, ContentArrangement, LineStyle, Table, TableStyle};
-use terminal_size::{Width, terminal_size_of};
-
 pub use in_memory::{ColumnValues, InMemory, Texts, Values};
+pub use terminal::{Importance, TerminalTable};
 
 /// File format of a table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -23,25 +22,6 @@ pub enum Format {
     Csv,
     /// Apache Parquet, with typed columns.
     Parquet,
-}
-
-/// Table style with one rule, below the header.
-const STYLE: TableStyle =
-    TableStyle::new().header_separator(LineStyle::none().fill('─').junction('─'));
-
-/// Returns a table for a terminal with these columns: the first `texts` columns are left-aligned, the others
-/// right-aligned. If stdout is a terminal, cells are wrapped so that the table is no wider.
-pub fn for_terminal<'a>(header: impl IntoIterator<Item = &'a str>, texts: usize) -> Table {
-    let mut table = Table::new();
-    table.load_style(STYLE).set_header(header);
-    if let Some((Width(columns), _)) = terminal_size_of(io::stdout()) {
-        table.set_content_arrangement(ContentArrangement::Dynamic);
-        table.set_width(columns);
-    }
-    for column in table.column_iter_mut().skip(texts) {
-        column.set_cell_alignment(CellAlignment::Right);
-    }
-    table
 }
 
 /// The type of a column.

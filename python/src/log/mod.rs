@@ -9,6 +9,7 @@ use std::sync::atomic::AtomicBool;
 use kinds::KINDS;
 use log_tools::{LogInfo, TopicColumns, events, info_text};
 use mcap_log::{DerivedError, LogReadError, ReadProgress};
+use platform::output_format::OutputFormat;
 use pyo3::prelude::*;
 use report::{page, picture};
 
@@ -93,6 +94,7 @@ impl LogFile {
 
     /// Writes the page of the run, as `protean report` does.
     fn report(&self, py: Python<'_>, out: PathBuf, force: bool) -> PyResult<()> {
+        let out = OutputFormat::PAGE.check(out).map_err(InvalidInput::new_err)?;
         let log: &Path = &self.path;
         read(py, |watch| page::report(&[log], KINDS, &out, force, watch)).map(drop)
     }
@@ -100,7 +102,7 @@ impl LogFile {
     /// Draws the run at a time (s), as `protean picture` does.
     #[pyo3(signature = (out, at, force))]
     fn picture(&self, py: Python<'_>, out: PathBuf, at: Option<f64>, force: bool) -> PyResult<()> {
-        let out = picture::svg_file(out).map_err(InvalidInput::new_err)?;
+        let out = OutputFormat::PICTURE.check(out).map_err(InvalidInput::new_err)?;
         read(py, |watch| {
             picture::save(&self.path, at, KINDS, &out, force, watch)
         })

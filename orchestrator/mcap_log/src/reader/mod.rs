@@ -23,6 +23,7 @@ use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
 use mcap::records::MessageHeader;
+use platform::file_kind::FileKind;
 
 use self::chunk::OpenChunk;
 use self::file::MAGIC_BYTES;
@@ -111,6 +112,7 @@ impl<'w> Reader<'w> {
             return Err(LogReadError::NotMcap {
                 path: path.to_owned(),
                 start: magic,
+                kind: FileKind::of(path),
             });
         }
         if let Some(read_progress) = &mut read_progress {

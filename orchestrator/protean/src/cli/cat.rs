@@ -39,7 +39,7 @@ pub(super) struct CatArgs {
     /// Topics [default: all]; `*` matches any text, e.g. `'world/*'`
     #[arg(value_name = "TOPIC")]
     topics: Vec<String>,
-    /// Old form of the topics
+    /// Topics as other commands take them
     #[arg(long = "topics", hide = true, value_delimiter = ',')]
     more_topics: Vec<String>,
     #[command(flatten)]

@@ -3,17 +3,17 @@
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use clap::builder::{PathBufValueParser, TypedValueParser as _};
 use platform::eprintln;
-use report::picture::{RunTrace, draw, svg_file};
+use platform::output_format::OutputFormat;
+use report::picture::{RunTrace, draw};
 use serde_json::json;
 
-use super::common::{ForceArg, JsonArg};
+use super::common::{ForceArg, JsonArg, out};
 use super::logs::exit_code_of_derived;
 use super::output::{self, EXIT_INVALID, print, print_json};
 use super::run_args::OverrideArgs;
 use scenario::kind::Kind;
-use scenario::{Loader, ResolvedScenario};
+use scenario::{Loader, ResolvedScenario, remark_lines};
 
 /// Arguments of `protean check`.
 #[derive(Debug, clap::Args)]
@@ -26,7 +26,7 @@ pub(super) struct CheckArgs {
     #[arg(long)]
     print: bool,
     /// Draw the world before it runs: write FILE (SVG)
-    #[arg(long, value_name = "FILE", value_parser = PathBufValueParser::new().try_map(svg_file))]
+    #[arg(long, value_name = "FILE", value_parser = out(OutputFormat::PICTURE))]
     picture: Option<PathBuf>,
     #[command(flatten)]
     force: ForceArg,
@@ -77,7 +77,7 @@ pub(super) fn run(kinds: &[Kind], args: &CheckArgs) -> ExitCode {
                     process.program.command_line().unwrap_or_default()
                 ));
             }
-            for remark in scenario.remarks() {
+            for remark in remark_lines(&scenario.remarks()) {
                 text.push_str(&format!("\n{remark}"));
             }
             print(&text);

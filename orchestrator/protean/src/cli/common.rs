@@ -1,5 +1,15 @@
 //! Options with one meaning in every command.
 
+use std::path::PathBuf;
+
+use clap::builder::{PathBufValueParser, TypedValueParser};
+use platform::output_format::OutputFormat;
+
+/// Returns the parser of an output file's name, which may not have the ending of another format.
+pub(super) fn out(format: OutputFormat) -> impl TypedValueParser<Value = PathBuf> {
+    PathBufValueParser::new().try_map(move |file| format.check(file))
+}
+
 /// The option `--json`.
 #[derive(Debug, Clone, Default, clap::Args)]
 pub(super) struct JsonArg {
@@ -19,7 +29,7 @@ pub(super) struct ForceArg {
 /// The option `--quiet`.
 #[derive(Debug, Clone, Default, clap::Args)]
 pub(super) struct QuietArg {
-    /// Print only errors and the result
+    /// Print only the result and errors: no progress, events, notes or statistics
     #[arg(long, short)]
     pub(super) quiet: bool,
 }

@@ -4,9 +4,10 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use platform::eprintln;
+use platform::output_format::OutputFormat;
 use tables::Format;
 
-use super::common::{ForceArg, JsonArg, QuietArg};
+use super::common::{ForceArg, JsonArg, QuietArg, out};
 use super::logs::{self, TopicArgs};
 use super::output::{EXIT_PARTIAL, print, print_json};
 use log_tools::{ExportOptions, Ros2Bag, export, ros2bag};
@@ -51,10 +52,10 @@ pub(super) struct ExportArgs {
     /// Log file
     log: PathBuf,
     /// Write the tables to directory DIR
-    #[arg(long, short, value_name = "DIR", required_unless_present = "ros2bag")]
+    #[arg(long, short, value_name = "DIR", required_unless_present = "ros2bag", value_parser = out(OutputFormat::FOLDER))]
     out: Option<PathBuf>,
     /// Write a ROS 2 bag to directory DIR instead of tables
-    #[arg(long, value_name = "DIR", conflicts_with_all = ["out", "format", "topics", "exclude"])]
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["out", "format", "topics", "exclude"], value_parser = out(OutputFormat::FOLDER))]
     ros2bag: Option<PathBuf>,
     /// File format of the tables
     #[arg(long, value_enum, default_value_t = FormatArg::Csv)]

@@ -3,7 +3,9 @@
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use super::common::{ForceArg, JsonArg, QuietArg};
+use platform::output_format::OutputFormat;
+
+use super::common::{ForceArg, JsonArg, QuietArg, out};
 use super::logs::{self, PartArgs};
 use super::output::{print, print_json};
 use log_tools::{FilterOptions, filter};
@@ -24,7 +26,7 @@ pub(super) struct FilterArgs {
     /// Log file
     log: PathBuf,
     /// Write the new log to FILE
-    #[arg(long, short, value_name = "FILE")]
+    #[arg(long, short, value_name = "FILE", value_parser = out(OutputFormat::LOG))]
     out: PathBuf,
     #[command(flatten)]
     part: PartArgs,

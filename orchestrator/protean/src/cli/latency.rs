@@ -9,8 +9,10 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use mcap_log::{DerivedError, ReadProgress, derived};
 use platform::atomic_file::Readers;
 use platform::eprintln;
+use platform::file_kind::FileKind;
+use platform::output_format::OutputFormat;
 
-use super::common::{ExternalArg, ForceArg, JsonArg, QuietArg};
+use super::common::{ExternalArg, ForceArg, JsonArg, QuietArg, out};
 use super::logs;
 use super::output::{EXIT_FAILED, EXIT_INVALID, EXIT_PARTIAL, print, print_json};
 use super::run::{handle_signals, refuse_external};
@@ -52,14 +54,11 @@ pub(super) struct LatencyArgs {
     #[command(flatten)]
     overrides: OverrideArgs,
     /// End the mission after S seconds
-    #[arg(long, value_name = "S", conflicts_with = "of")]
+    #[arg(long, value_name = "S")]
     duration: Option<f64>,
     /// Ticks per second (Hz) [default: the scenario's]; repeatable: one mission for each
-    #[arg(long, value_name = "HZ", conflicts_with = "of")]
+    #[arg(long, value_name = "HZ")]
     rate: Vec<f64>,
-    /// Old form of a log as the target
-    #[arg(long, hide = true, conflicts_with_all = ["target", "seed", "set"])]
-    of: Option<PathBuf>,
     /// Measure no baselines
     #[arg(long)]
     no_baselines: bool,
@@ -67,12 +66,12 @@ pub(super) struct LatencyArgs {
     #[arg(long)]
     quick: bool,
     /// Write the JSON object to FILE
-    #[arg(long, short, value_name = "FILE")]
+    #[arg(long, short, value_name = "FILE", value_parser = out(OutputFormat::JSON))]
     out: Option<PathBuf>,
     #[command(flatten)]
     json: JsonArg,
     /// Write the log of the mission to FILE
-    #[arg(long, value_name = "FILE", conflicts_with = "of")]
+    #[arg(long, value_name = "FILE", value_parser = out(OutputFormat::LOG))]
     log: Option<PathBuf>,
     #[command(flatten)]
     force: ForceArg,
@@ -170,11 +169,13 @@ fn refusal_of_file(error: &DerivedError) -> Refusal {
     (format!("error: {error}"), code)
 }
 
-/// Returns the log to read: the value of --of, or a target that ends in `.mcap`.
+/// Returns the log to read: a target that is a log or ends in `.mcap`.
 fn log_of(args: &LatencyArgs) -> Option<PathBuf> {
     let target = args.target.as_ref().map(PathBuf::from);
-    let target = target.filter(|path| path.extension().is_some_and(|end| end == "mcap"));
-    args.of.clone().or(target)
+    target.filter(|path| {
+        path.extension().is_some_and(|end| end == "mcap")
+            || FileKind::of(path) == Some(FileKind::Log)
+    })
 }
 
 fn say(args: &LatencyArgs) -> impl FnMut(&str) + Send + use<> {

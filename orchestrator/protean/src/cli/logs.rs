@@ -121,9 +121,9 @@ pub(super) fn exit_code_of_derived(error: &DerivedError) -> u8 {
     }
 }
 
-/// Notes on stderr that another version of the program recorded the log.
-pub(super) fn note_version(recorded_by: Option<&str>) {
-    if let Some(version) = recorded_by {
+/// Notes on stderr that another version of the program recorded the log, unless `quiet`.
+pub(super) fn note_version(recorded_by: Option<&str>, quiet: bool) {
+    if let Some(version) = recorded_by.filter(|_| !quiet) {
         eprintln!(
             "note: recorded by protean {version}, this is {}",
             env!("CARGO_PKG_VERSION")

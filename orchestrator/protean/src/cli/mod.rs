@@ -12,7 +12,6 @@ mod info;
 mod latency;
 mod list;
 mod logs;
-mod moved;
 mod new;
 mod output;
 mod patrol;
@@ -32,6 +31,7 @@ mod sweep;
 mod sweep_args;
 mod sweep_kind;
 mod sweep_output;
+mod tips;
 mod verify;
 
 use std::ffi::OsString;
@@ -104,7 +104,7 @@ enum Command {
     #[command(after_long_help = replay::HELP)]
     Replay(replay::ReplayArgs),
     /// Run the scenario of a log again and compare every message
-    #[command(alias = "rerun", after_long_help = verify::HELP)]
+    #[command(after_long_help = verify::HELP)]
     Verify(verify::VerifyArgs),
     /// Run an experiment: many missions, one table of results
     #[command(
@@ -167,7 +167,7 @@ enum Command {
 
 /// Returns the definition of the command line.
 pub(crate) fn program() -> clap::Command {
-    help::with_headings(Cli::command())
+    tips::with_negative_numbers(help::with_headings(Cli::command()))
 }
 
 /// Runs the command line with these kinds of processes; returns the exit code.
@@ -192,13 +192,11 @@ pub fn main_with(kinds: Vec<Kind>) -> ExitCode {
     platform::signals::keep_ends_of_children();
     platform::signals::refuse_large_files();
     let arguments: Vec<OsString> = std::env::args_os().skip(1).collect();
-    if let Some(message) = moved::message(&arguments) {
-        eprintln!("{message}");
-        return ExitCode::from(EXIT_INVALID);
-    }
-    let arguments = std::env::args_os().take(1).chain(moved::present(arguments));
-    let cli = Cli::from_arg_matches(&help::for_terminal(program()).get_matches_from(arguments));
-    let cli = cli.unwrap_or_else(|error| error.format(&mut help::for_terminal(program())).exit());
+    let mut program = help::for_terminal(program());
+    let cli = program
+        .try_get_matches_from_mut(std::env::args_os())
+        .and_then(|matches| Cli::from_arg_matches(&matches).map_err(|e| e.format(&mut program)))
+        .unwrap_or_else(|error| tips::improved(error, &arguments).exit());
     let code = output::exit_code(command(kinds, cli));
     // Shared memory is limited as files are; the errors of the system do not name the limit.
     if code == ExitCode::from(EXIT_FAILED)

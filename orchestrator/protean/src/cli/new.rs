@@ -9,6 +9,7 @@ use std::process::ExitCode;
 
 use import::{EXTENSIONS, ImportError, Imported, Sizes};
 use mcap_log::{DerivedError, derived};
+use platform::file_kind::FileKind;
 use platform::{eprintln, presence};
 use scenario::kind::Kind;
 use scenario::{Loader, builtin};
@@ -84,8 +85,8 @@ enum NewError {
     Name(PathBuf),
     #[error("{}: expected a folder whose name has only ASCII letters, digits, `_` and `-` and begins with a letter", _0.display())]
     ProjectName(PathBuf),
-    #[error("no built-in scenario {0:?}; expected one of {1}, or a file that ends in {EXTENSIONS}")]
-    Unknown(String, String),
+    #[error("no built-in scenario {0:?}; expected one of {1}, or a file that ends in {EXTENSIONS}{2}")]
+    Unknown(String, String, String),
     #[error(transparent)]
     Import(#[from] ImportError),
     #[error("{} exists already; choose another name or overwrite it with --force", _0.display())]
@@ -181,7 +182,12 @@ fn content(kinds: &[Kind], args: &NewArgs) -> Result<(Text, Option<(Text, Text)>
     let file = Path::new(&args.from);
     if file.extension().is_none() {
         let names = builtin::SCENARIOS.map(|scenario| scenario.name).join(", ");
-        return Err(NewError::Unknown(args.from.clone(), names));
+        let help = FileKind::of(file).map(|kind| format!("; {}", kind.help(file)));
+        return Err(NewError::Unknown(
+            args.from.clone(),
+            names,
+            help.unwrap_or_default(),
+        ));
     }
     let sizes = Sizes {
         cell: args.cell,

@@ -63,9 +63,23 @@ pub(super) fn write(mut file: AtomicFile, path: &Path, text: &str) -> Result<(),
 
 /// Returns a command line of this program, which is named as the user named it.
 pub(super) fn command_line(words: &[&str]) -> String {
-    let program = std::env::args().next();
-    let program = program.unwrap_or_else(|| "protean".to_owned());
+    let program = program();
     shell::line([program.as_str()].into_iter().chain(words.iter().copied()))
+}
+
+/// Returns a command line for another folder: a program named by a relative path has its absolute one.
+pub(super) fn command_line_elsewhere(words: &[&str]) -> String {
+    let program = program();
+    let absolute = std::path::absolute(&program)
+        .ok()
+        .filter(|_| program.contains('/'));
+    let program = absolute.map_or(program, |path| path.display().to_string());
+    shell::line([program.as_str()].into_iter().chain(words.iter().copied()))
+}
+
+fn program() -> String {
+    let program = std::env::args().next();
+    program.unwrap_or_else(|| "protean".to_owned())
 }
 
 /// Writes a line to stdout, with control characters escaped. A closed pipe (`protean list | head`) is not an error.

@@ -36,15 +36,10 @@ pub(super) enum PatrolCommand {
         #[command(flatten)]
         which: PatrolArgs,
         /// Time since the robot left the start of the contour (s) (repeatable)
-        #[arg(
-            long,
-            value_name = "T",
-            required_unless_present = "waypoint",
-            allow_negative_numbers = true
-        )]
+        #[arg(long, value_name = "T", required_unless_present = "waypoint")]
         at: Vec<f64>,
         /// Number of a waypoint; 0 is the start (repeatable)
-        #[arg(long, value_name = "N", allow_negative_numbers = true)]
+        #[arg(long, value_name = "N")]
         waypoint: Vec<u64>,
         #[command(flatten)]
         json: JsonArg,

@@ -3,12 +3,12 @@
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use clap::builder::{PathBufValueParser, TypedValueParser as _};
+use platform::output_format::OutputFormat;
 
-use super::common::ForceArg;
+use super::common::{ForceArg, out};
 use super::logs;
 use super::output::print;
-use report::picture::{save, svg_file};
+use report::picture::save;
 use scenario::kind::Kind;
 
 /// Help below the options.
@@ -24,7 +24,7 @@ pub(super) struct PictureArgs {
     /// Log file
     log: PathBuf,
     /// Write the picture to FILE (SVG) [default: the log's name with .svg]
-    #[arg(long, short, value_name = "FILE", value_parser = PathBufValueParser::new().try_map(svg_file))]
+    #[arg(long, short, value_name = "FILE", value_parser = out(OutputFormat::PICTURE))]
     out: Option<PathBuf>,
     /// Draw the state and the beliefs at simulated time T (s) [default: the end]
     #[arg(long, value_name = "T")]

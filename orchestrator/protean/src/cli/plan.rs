@@ -9,11 +9,12 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use clap::{Subcommand, ValueEnum};
 use platform::atomic_file::AtomicFile;
 use platform::eprintln;
+use platform::output_format::OutputFormat;
 use platform::progress::Progress;
 use trajectory::Method;
 use trajectory::options::{Constraints, Guess};
 
-use super::common::{ForceArg, QuietArg};
+use super::common::{ForceArg, QuietArg, out};
 use super::output::{EXIT_FAILED, EXIT_INVALID, EXIT_PARTIAL, create, print, write};
 use super::plan_generate;
 use super::run::handle_signals;
@@ -81,7 +82,7 @@ struct FileArgs {
     #[arg(long)]
     samples: bool,
     /// Write the JSON objects to FILE
-    #[arg(long, short, value_name = "FILE")]
+    #[arg(long, short, value_name = "FILE", value_parser = out(OutputFormat::JSON))]
     out: Option<PathBuf>,
     #[command(flatten)]
     force: ForceArg,

@@ -5,9 +5,11 @@ use std::process::ExitCode;
 
 use clap::builder::PossibleValuesParser;
 use platform::eprintln;
+use platform::output_format::OutputFormat;
 
-use super::common::ForceArg;
+use super::common::{ForceArg, out};
 use super::output::{EXIT_FAILED, EXIT_INVALID, create, print, write};
+use super::tips;
 use plan::Recipe;
 use plan::generate::{NAMES, with_reference};
 
@@ -37,10 +39,10 @@ pub(super) struct GenerateArgs {
     #[arg(long, value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     count: u32,
     /// Seed of the first instance
-    #[arg(long, value_name = "S", default_value_t = 1)]
+    #[arg(long, value_name = "S", default_value_t = 1, value_parser = tips::seed)]
     seed: u64,
     /// Write the instances to FILE [default: stdout]
-    #[arg(long, short, value_name = "FILE")]
+    #[arg(long, short, value_name = "FILE", value_parser = out(OutputFormat::JSON))]
     out: Option<PathBuf>,
     #[command(flatten)]
     force: ForceArg,

@@ -43,7 +43,7 @@ pub(super) struct ReplayArgs {
     /// Log file
     log: PathBuf,
     /// Replay FACTOR times as fast as real time
-    #[arg(long, alias = "rate", value_name = "FACTOR", default_value = "1")]
+    #[arg(long, value_name = "FACTOR", default_value = "1")]
     pace: f64,
     /// Replay as fast as the subscribers can receive
     #[arg(long, conflicts_with = "pace")]
@@ -138,7 +138,7 @@ fn test(
         quiet: args.quiet.quiet,
     };
     let done = verify(&args.log, kinds, &options, watch)?;
-    logs::note_version(done.recorded_by.as_deref());
+    logs::note_version(done.recorded_by.as_deref(), args.quiet.quiet);
     if args.json.json {
         print_json(&serde_json::json!(done));
     } else {

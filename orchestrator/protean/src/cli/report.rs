@@ -4,8 +4,9 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode, Stdio};
 
 use platform::eprintln;
+use platform::output_format::OutputFormat;
 
-use super::common::{ForceArg, JsonArg, QuietArg};
+use super::common::{ForceArg, JsonArg, QuietArg, out};
 use super::logs;
 use super::output::{EXIT_FAILED, print, print_json};
 use report::page::report;
@@ -27,7 +28,7 @@ pub(super) struct ReportArgs {
     #[arg(value_name = "LOG", required = true, num_args = 1..=2)]
     logs: Vec<PathBuf>,
     /// Write the page to FILE [default: the log's name with .html; of two logs: FIRST-SECOND.html]
-    #[arg(long, short, value_name = "FILE")]
+    #[arg(long, short, value_name = "FILE", value_parser = out(OutputFormat::PAGE))]
     out: Option<PathBuf>,
     /// Show the page in the browser (xdg-open)
     #[arg(long)]

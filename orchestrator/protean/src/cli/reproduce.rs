@@ -7,13 +7,14 @@ use std::sync::atomic::AtomicBool;
 
 use platform::eprintln;
 use platform::machine::processors;
+use platform::output_format::OutputFormat;
 use reproduce::claim::{Paper, Verdict};
 use reproduce::report::{Report, ReportError};
 use reproduce::run::{self, Options, RunError, SeedChoice};
 use scenario::kind;
 use sweep::{Seeds, SweepError};
 
-use super::common::{JsonArg, QuietArg};
+use super::common::{JsonArg, QuietArg, out};
 use super::output::{EXIT_FAILED, EXIT_INVALID, EXIT_PARTIAL, print, print_json};
 use super::run::handle_signals;
 
@@ -67,7 +68,7 @@ pub(super) struct ReproduceArgs {
     #[arg(long = "paper", value_name = "PAPER")]
     papers: Vec<PaperArg>,
     /// Write the results to directory DIR
-    #[arg(long, short, value_name = "DIR", default_value = "results/reproduce")]
+    #[arg(long, short, value_name = "DIR", default_value = "results/reproduce", value_parser = out(OutputFormat::FOLDER))]
     out: PathBuf,
     /// Run N missions at once [default: number of processors]
     #[arg(long, short, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=4096))]

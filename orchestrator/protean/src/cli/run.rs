@@ -17,7 +17,7 @@ use mission::{self, MissionError, MissionOptions, MissionReport};
 pub(super) use platform::signals::interrupt as handle_signals;
 use scenario::kind::Kind;
 use scenario::spec::Mode;
-use scenario::{Loader, ResolvedScenario, ScenarioRemark};
+use scenario::{Loader, ResolvedScenario, ScenarioRemark, remark_lines};
 
 /// Levels that `--log-level` takes.
 const LEVELS: [&str; 5] = ["error", "warn", "info", "debug", "trace"];
@@ -39,7 +39,7 @@ pub fn run(kinds: &[Kind], target: &str, args: &RunArgs) -> ExitCode {
     }
     let remarks = scenario.remarks();
     if !args.quiet.quiet {
-        for warning in remarks.iter().filter(|remark| remark.is_warning()) {
+        for warning in remark_lines(remarks.iter().filter(|remark| remark.is_warning())) {
             eprintln!("{warning}");
         }
     }
@@ -51,7 +51,11 @@ pub fn run(kinds: &[Kind], target: &str, args: &RunArgs) -> ExitCode {
             if args.json.json {
                 print_json(&report.json(&scenario, &remarks));
             } else {
-                let text = run_summary::text(&scenario, &remarks, &report, args.latency);
+                let text = if args.quiet.quiet {
+                    run_summary::short(&report)
+                } else {
+                    run_summary::text(&scenario, &remarks, &report, args.latency)
+                };
                 print_coloured(&text, mission::team_colours(&scenario));
             }
             let lost = report.summary.topics.values().any(|topic| topic.gaps > 0);

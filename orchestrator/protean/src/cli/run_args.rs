@@ -2,7 +2,9 @@
 
 use std::path::PathBuf;
 
-use super::common::{ExternalArg, ForceArg, JsonArg, QuietArg};
+use super::common::{ExternalArg, ForceArg, JsonArg, QuietArg, out};
+use super::tips;
+use platform::output_format::OutputFormat;
 
 /// Default port of the live server; viewers try it first.
 pub(super) const DEFAULT_PORT: &str = "8765";
@@ -14,7 +16,7 @@ pub(super) const DEFAULT_SCENARIO: &str = "chase";
 #[derive(Debug, Clone, Default, clap::Args)]
 pub(super) struct OverrideArgs {
     /// Seed of all random numbers [default: the scenario's]
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = tips::seed)]
     pub(super) seed: Option<u64>,
     /// Override a value of the scenario, e.g. `rules.time_limit=60`
     #[arg(long = "set", value_name = "KEY=VALUE")]
@@ -45,7 +47,7 @@ pub(super) struct RunArgs {
     #[arg(long, conflicts_with = "in_process")]
     pub(super) latency: bool,
     /// Write the log to FILE [default: logs/SCENARIO-SEED.mcap]
-    #[arg(long, short, value_name = "FILE")]
+    #[arg(long, short, value_name = "FILE", value_parser = out(OutputFormat::LOG))]
     pub(super) out: Option<PathBuf>,
     #[command(flatten)]
     pub(super) force: ForceArg,

@@ -1,36 +1,30 @@
 //! The summary of a run for people.
 
-use comfy_table::Table;
-
 use mission::MissionReport;
 use recorder::{
     LapFigures, PredictionOutcome, ProcessOutcome, RobotOutcome, Summary, TopicCount,
     WaypointOutcome, outcome_words, time_text,
 };
-use scenario::{ResolvedScenario, ScenarioRemark};
-use tables::for_terminal;
+use scenario::{ResolvedScenario, ScenarioRemark, remark_lines};
+use tables::TerminalTable;
 
 use super::output::command_line;
 
-fn table(header: &[&str]) -> Table {
-    for_terminal(header.iter().copied(), 1)
-}
-
 /// Outcomes of the robots, with the verdicts of a referee, if one ran.
-fn robots_table(s: &Summary) -> Table {
-    let mut header = vec![
-        "robot",
-        "team",
-        "outcome",
-        "time (s)",
-        "distance (m)",
-        "contacts",
+fn robots_table(s: &Summary) -> TerminalTable {
+    let mut columns = vec![
+        ("robot", 0),
+        ("team", 3),
+        ("outcome", 0),
+        ("time (s)", 0),
+        ("distance (m)", 1),
+        ("contacts", 2),
     ];
     let judged = s.escape_possible_fraction.is_some();
     if judged {
-        header.extend(["can escape", "not from (s)"]);
+        columns.extend([("can escape", 1), ("not from (s)", 1)]);
     }
-    let mut robots = table(&header);
+    let mut robots = TerminalTable::new(columns, 1);
     for r in &s.robots {
         let mut row = vec![
             r.name.clone(),
@@ -136,18 +130,17 @@ fn failures_text(process: &ProcessOutcome) -> String {
 }
 
 /// Prediction errors of observers: a row per robot and method, the mean errors side by side.
-fn predictions_table(predictions: &[PredictionOutcome]) -> Table {
+fn predictions_table(predictions: &[PredictionOutcome]) -> TerminalTable {
     let mut ahead: Vec<f64> = predictions.iter().map(|p| p.horizon_s).collect();
     ahead.sort_by(f64::total_cmp);
     ahead.dedup();
-    let columns: Vec<String> = ahead.iter().map(|s| format!("{s} s ahead (m)")).collect();
-    let mut header = vec!["robot", "predicted by"];
-    header.extend(columns.iter().map(String::as_str));
+    let mut columns = vec![("robot".to_owned(), 0), ("predicted by".to_owned(), 0)];
+    columns.extend(ahead.iter().map(|s| (format!("{s} s ahead (m)"), 1)));
     let keys = predictions.iter().any(|p| p.key_recovered_s.is_some());
     if keys {
-        header.push("key recovered");
+        columns.push(("key recovered".to_owned(), 0));
     }
-    let mut found = table(&header);
+    let mut found = TerminalTable::new(columns, 1);
     let same = |a: &PredictionOutcome, b: &PredictionOutcome| {
         (a.observer, &a.robot, &a.method) == (b.observer, &b.robot, &b.method)
     };
@@ -175,13 +168,50 @@ fn predictions_table(predictions: &[PredictionOutcome]) -> Table {
 }
 
 /// Latencies of every hop.
-fn latency_table(s: &Summary) -> Table {
-    let mut latency = table(&["hop", "p50 (us)", "p90 (us)", "p99 (us)", "max (us)"]);
+fn latency_table(s: &Summary) -> TerminalTable {
+    let columns = [
+        ("hop", 0),
+        ("p50 (us)", 0),
+        ("p90 (us)", 3),
+        ("p99 (us)", 1),
+        ("max (us)", 2),
+    ];
+    let mut latency = TerminalTable::new(columns, 1);
     for (hop, p) in &s.latency_us {
         let cells = [p.p50, p.p90, p.p99, p.max].map(|value| format!("{value:.1}"));
         latency.add_row([hop.clone()].into_iter().chain(cells));
     }
     latency
+}
+
+/// The verdict of a run.
+fn verdict(report: &MissionReport) -> String {
+    let s = &report.summary;
+    let interrupted = if report.interrupted {
+        "interrupted: "
+    } else {
+        ""
+    };
+    let words = outcome_words(&s.robots, s.coverage.as_ref());
+    format!("{interrupted}{words}")
+}
+
+/// The result without notes and statistics: verdict, failures, digest and log.
+pub(super) fn short(report: &MissionReport) -> String {
+    let s = &report.summary;
+    let mut text = format!("{}\n", verdict(report));
+    for process in &s.processes {
+        text += &failures_text(process);
+    }
+    match s.topics.values().map(|topic| topic.gaps).sum::<u64>() {
+        0 => {}
+        lost => text += &format!("messages  {lost} lost\n"),
+    }
+    text += &format!("digest    {}\n", s.digest);
+    if !s.log.as_os_str().is_empty() {
+        text += &format!("log       {}\n", s.log.display());
+    }
+    text.trim_end().to_owned()
 }
 
 /// The summary for people: first the verdict, last what to do next.
@@ -193,13 +223,8 @@ pub(super) fn text(
 ) -> String {
     let s = &report.summary;
     let mut text = format!(
-        "{}{}\n{} (seed {}): {} s simulated in {:.2} s, {:.0}x real time, {} ticks\n\n{}\n\n",
-        if report.interrupted {
-            "interrupted: "
-        } else {
-            ""
-        },
-        outcome_words(&s.robots, s.coverage.as_ref()),
+        "{}\n{} (seed {}): {} s simulated in {:.2} s, {:.0}x real time, {} ticks\n\n{}\n\n",
+        verdict(report),
         scenario.name,
         scenario.run.seed,
         time_text(s.sim_time_s),
@@ -240,7 +265,7 @@ pub(super) fn text(
         }
     }
     // The warnings have been shown before the run.
-    for note in remarks.iter().filter(|remark| !remark.is_warning()) {
+    for note in remark_lines(remarks.iter().filter(|remark| !remark.is_warning())) {
         text += &format!("{note}\n");
     }
     text + &messages_text(s) + &format!("digest    {}\n", s.digest) + &log_text(s)

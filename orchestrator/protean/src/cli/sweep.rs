@@ -70,7 +70,7 @@ fn merged_of<S: SweepKind>(parts: &[PathBuf], out: &Path, as_json: bool) -> Exit
         Ok(results)
     };
     match drawn() {
-        Ok(results) => conclude::<S>(&results, None, as_json),
+        Ok(results) => conclude::<S>(&results, None, as_json, false),
         Err(error) => failed(&error),
     }
 }
@@ -242,7 +242,7 @@ fn carry_out<S: SweepKind>(
     let report = ran?;
     written?;
     let figures = S::draw(&results)?;
-    let code = conclude::<S>(&results, Some(&report), args.json.json);
+    let code = conclude::<S>(&results, Some(&report), args.json.json, args.quiet.quiet);
     if !args.json.json {
         for figure in figures {
             print(&format!("figure    {}", figure.display()));

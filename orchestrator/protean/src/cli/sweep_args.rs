@@ -5,7 +5,9 @@ use std::path::PathBuf;
 use clap::Subcommand;
 use sweep::spec::LogPolicy;
 
-use super::common::{ExternalArg, JsonArg, QuietArg};
+use platform::output_format::OutputFormat;
+
+use super::common::{ExternalArg, JsonArg, QuietArg, out};
 
 /// Help below the options.
 pub(super) const HELP: &str = "\
@@ -59,7 +61,7 @@ pub(super) enum SweepCommand {
         #[arg(required = true, value_name = "DIR")]
         parts: Vec<PathBuf>,
         /// Write the results to directory DIR, which may contain some of them
-        #[arg(long, short, value_name = "DIR")]
+        #[arg(long, short, value_name = "DIR", value_parser = out(OutputFormat::FOLDER))]
         out: PathBuf,
         #[command(flatten)]
         json: JsonArg,
@@ -76,7 +78,7 @@ pub(super) struct SweepRunArgs {
     #[arg(required = true)]
     pub(super) experiment: Option<PathBuf>,
     /// Write the results to directory DIR [default: results/EXPERIMENT, for a shard results/EXPERIMENT/shard-I-of-N]
-    #[arg(long, short, value_name = "DIR")]
+    #[arg(long, short, value_name = "DIR", value_parser = out(OutputFormat::FOLDER))]
     pub(super) out: Option<PathBuf>,
     /// Run N missions at once [default: number of processors]
     #[arg(long, short, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=4096))]
@@ -103,7 +105,7 @@ pub(super) struct SweepRunArgs {
     #[arg(long, value_name = "DIR")]
     pub(super) reuse: Vec<PathBuf>,
     /// Missions that keep their log, in folder logs of the results
-    #[arg(long, alias = "log", value_name = "WHICH")]
+    #[arg(long, value_name = "WHICH")]
     pub(super) keep_logs: Option<LogPolicyArg>,
     #[command(flatten)]
     pub(super) external: ExternalArg,

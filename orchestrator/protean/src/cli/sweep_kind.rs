@@ -62,7 +62,7 @@ impl SweepKind for Mission {
                 cell.case
             ));
         }
-        for note in experiment.notes() {
+        for note in experiment.notes().into_iter().filter(|_| !args.quiet.quiet) {
             eprintln!("note: {note}");
         }
         Ok(())

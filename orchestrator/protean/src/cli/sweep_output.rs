@@ -68,13 +68,14 @@ pub(super) fn list(listing: &Listing<'_>, as_json: bool, details: impl Fn(usize)
     );
 }
 
-/// Prints the summary of results; returns the exit code.
+/// Prints the summary of results, without notes if `quiet`; returns the exit code.
 pub(super) fn conclude<S: SweepKind>(
     results: &Results<S::Row>,
     report: Option<&RunReport>,
     as_json: bool,
+    quiet: bool,
 ) -> ExitCode {
-    for note in results.notes() {
+    for note in results.notes().iter().filter(|_| !quiet) {
         eprintln!("note: {note}");
     }
     if as_json {

@@ -44,7 +44,7 @@ pub(super) fn run(kinds: &[Kind], args: &VerifyArgs) -> ExitCode {
     };
     logs::command(args.quiet.quiet, |watch| {
         let done = rerun(&args.log, kinds, options, watch)?;
-        logs::note_version(done.recorded_by.as_deref());
+        logs::note_version(done.recorded_by.as_deref(), args.quiet.quiet);
         if args.json.json {
             print_json(&serde_json::json!(done));
         } else {

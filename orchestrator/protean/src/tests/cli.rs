@@ -36,10 +36,6 @@ fn section(command: &mut Command, text: &mut String) {
     writeln!(text, "\n## {name}\n").unwrap();
     writeln!(text, "{}.", command.get_about().unwrap()).unwrap();
     writeln!(text, "\n```text\n{}\n```", usage.trim_end()).unwrap();
-    let aliases: Vec<&str> = command.get_all_aliases().collect();
-    if !aliases.is_empty() {
-        writeln!(text, "\nOld name: `{}`.", aliases.join("`, `")).unwrap();
-    }
     let described = |arg: &&Arg| !arg.is_hide_set() && arg.get_id() != "help";
     let arguments: Vec<&Arg> = command.get_arguments().filter(described).collect();
     if !arguments.is_empty() {
@@ -106,20 +102,65 @@ fn meaning(arg: &Arg) -> String {
     text
 }
 
-#[test]
-fn a_picture_under_the_name_of_another_format_is_refused() {
-    let parse = |name: &str| {
-        let words = ["protean", "picture", "run.mcap", "--out", name];
-        program().try_get_matches_from(words)
+/// Returns the command lines that name an output file, each with the file's place free: words before it and after it.
+fn outputs(command: &Command, words: &[String], found: &mut Vec<(Vec<String>, Vec<String>)>) {
+    let is_output = |arg: &&Arg| {
+        let help = arg.get_help().map(ToString::to_string).unwrap_or_default();
+        ["Write ", "Draw the world"]
+            .iter()
+            .any(|begin| help.starts_with(begin))
+            && matches!(arg.get_value_names(), Some([name]) if ["FILE", "DIR"].contains(&name.as_str()))
     };
-    for name in ["x.png", "x.jpeg"] {
-        let error = parse(name).unwrap_err().to_string();
-        assert!(
-            error.contains(name) && error.contains("example x.svg"),
-            "{error}"
+    let required = command
+        .get_positionals()
+        .filter(|arg| arg.is_required_set());
+    let required: Vec<String> = required
+        .map(|arg| {
+            let values = arg.get_possible_values();
+            values
+                .first()
+                .map_or_else(|| "x".to_owned(), |value| value.get_name().to_owned())
+        })
+        .collect();
+    for long in command
+        .get_arguments()
+        .filter(is_output)
+        .filter_map(Arg::get_long)
+    {
+        found.push(([words, &[format!("--{long}")]].concat(), required.clone()));
+    }
+    for below in command.get_subcommands() {
+        outputs(
+            below,
+            &[words, &[below.get_name().to_owned()]].concat(),
+            found,
         );
     }
-    for name in ["x.svg", "x.SVG", "x"] {
-        assert!(parse(name).is_ok(), "{name}");
+}
+
+#[test]
+fn an_output_under_the_name_of_another_format_is_refused_by_every_command() {
+    let mut found = Vec::new();
+    outputs(&program(), &["protean".to_owned()], &mut found);
+    assert!(found.len() >= 14, "{found:?}");
+    for (before, after) in found {
+        for (file, fits) in [
+            ("a/x.pdf", false),
+            ("a/x.png", false),
+            ("a/x", true),
+            ("v-0.5", true),
+        ] {
+            let line = [before.clone(), vec![file.to_owned()], after.clone()].concat();
+            match program().try_get_matches_from(&line) {
+                Ok(_) => assert!(fits, "{line:?}"),
+                Err(error) => {
+                    let error = error.to_string();
+                    assert!(
+                        !fits && error.contains(file) && error.contains("for example a/x"),
+                        "{line:?}: {error}"
+                    );
+                }
+            }
+        }
     }
 }

@@ -1,8 +1,10 @@
 //! The JSON Schemas of files against the scenarios and experiments that there are.
 
+use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
 
+use platform::file_kind::{FileKind, TOML_KEYS};
 use serde_json::Value as Json;
 
 use kinds::KINDS;
@@ -218,4 +220,32 @@ fn descriptions_end_with_range_and_unit() {
     assert!(schema.contains(
         "Time between two assignments of the cut-off method.\\n\\nA finite number above 0 (s)."
     ));
+}
+
+#[test]
+fn the_keys_that_tell_files_apart_are_those_of_the_schemas() {
+    let keys = |schema: Json| -> BTreeSet<String> {
+        schema["properties"]
+            .as_object()
+            .unwrap()
+            .keys()
+            .cloned()
+            .collect()
+    };
+    let scenario = keys(scenario::schema::schema(KINDS).to_value());
+    let experiment = keys(sweep::schema::schema().to_value());
+    let only = |all: &BTreeSet<String>, others: &BTreeSet<String>| -> BTreeSet<String> {
+        all.difference(others).cloned().collect()
+    };
+    for (kind, own) in TOML_KEYS {
+        let own: BTreeSet<String> = own.iter().map(|&key| key.to_owned()).collect();
+        match kind {
+            FileKind::Scenario => assert_eq!(own, only(&scenario, &experiment)),
+            FileKind::Experiment => assert_eq!(own, only(&experiment, &scenario)),
+            _ => assert!(
+                own.is_disjoint(&scenario) && own.is_disjoint(&experiment),
+                "{own:?}"
+            ),
+        }
+    }
 }

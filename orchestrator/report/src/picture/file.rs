@@ -1,6 +1,6 @@
 //! The picture of a log in a file.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use mcap_log::{Condition, DerivedError, ReadProgress, derived};
 use platform::atomic_file::Readers;
@@ -25,18 +25,4 @@ pub fn save(
     let (trace, condition) = RunTrace::read(log, at_s, kinds, watch)?;
     derived::write(draw(&trace).as_bytes(), out, log, force, Readers::All)?;
     Ok(condition)
-}
-
-/// Refuses a name with the extension of another format than SVG.
-///
-/// # Errors
-/// Text that names the file that was expected.
-pub fn svg_file(file: PathBuf) -> Result<PathBuf, String> {
-    match file.extension() {
-        Some(extension) if !extension.eq_ignore_ascii_case("svg") => Err(format!(
-            "pictures are SVG files: expected a name that ends in .svg, for example {}",
-            file.with_extension("svg").display()
-        )),
-        _ => Ok(file),
-    }
 }

@@ -30,7 +30,7 @@ mod trail;
 mod tests;
 
 pub use draw::draw;
-pub use file::{save, svg_file};
+pub use file::save;
 pub use layers::{DominanceTrace, PlanTrace, TreeTrace, VerdictTrace};
 pub use static_scene::{Cells, Standing, StaticScene};
 pub use task::{TaskTrace, WaypointTrace};

@@ -1,6 +1,6 @@
 //! Building of the scenarios of the cells from cases and parameters.
 
-use config::{Code, Diagnostic, Diagnostics, FieldPath, Step};
+use config::{Code, Diagnostic, Diagnostics, FieldPath, Place, Step};
 
 use super::mission::Mission;
 use crate::assignments::Assignment;
@@ -79,18 +79,38 @@ impl Builder<'_> {
         self.reader.problems.push(problem);
     }
 
-    /// Reports the problems of the scenario of a cell, each for the first cell only.
-    fn report(&mut self, cell: &str, problems: &Diagnostics) {
+    /// Reports the problems of the scenario of a cell, each for the first cell only. One of a key stands at the key, once
+    /// for all values.
+    fn report(&mut self, case: &str, cell: &str, applied: &[Assignment], problems: &Diagnostics) {
         for problem in problems.iter() {
-            if self.reported.contains(problem) {
+            let mut problem = problem.clone();
+            let key = problem
+                .place
+                .as_ref()
+                .and_then(|place| key_at(place, applied));
+            if key.is_some() {
+                problem.place = key.cloned();
+                problem.value = None;
+            }
+            if self.reported.contains(&problem) {
                 continue;
             }
             self.reported.push(problem.clone());
-            let mut problem = problem.clone();
-            problem.message = format!("{} (in {cell})", problem.message);
+            let scope = if key.is_some() { case } else { cell };
+            problem.message = format!("{} (in {scope})", problem.message);
             self.reader.problems.push(problem);
         }
     }
+}
+
+/// Returns the place in the experiment of the key that a place in an override is about; `None` for a place in its value.
+fn key_at<'a>(place: &Place, applied: &'a [Assignment]) -> Option<&'a Place> {
+    let is_there = |assignment: &&Assignment| {
+        assignment.label == place.file && place.snippet.starts_with(assignment.key())
+    };
+    let assignment = applied.iter().find(is_there)?;
+    let is_in_key = place.is_override && place.column <= assignment.key().chars().count();
+    assignment.key_place.as_ref().filter(|_| is_in_key)
 }
 
 fn by_index(step: &Step) -> Step {
@@ -109,14 +129,11 @@ pub(super) fn build(
     options: &LoadOptions,
 ) -> Vec<Cell<Mission>> {
     let names: Vec<&str> = parameters.iter().map(|p| p.name.as_str()).collect();
-    let on_top: Vec<Assignment> = options
+    let on_top = options
         .set
         .iter()
-        .map(|argument| Assignment {
-            argument: argument.clone(),
-            label: "--set".to_owned(),
-        })
-        .collect();
+        .map(|set| Assignment::of_command_line(set));
+    let on_top: Vec<Assignment> = on_top.collect();
     let mut builder = Builder {
         reader,
         reported: Vec::new(),
@@ -129,10 +146,9 @@ pub(super) fn build(
             let title = describe(&case.case.name, &names, &values);
             let mut made = Vec::new();
             let mut draft = case.draft.clone();
-            let mut overrides = Vec::new();
+            let mut applied = case.assignments.clone();
             let by = format!("case `{}`", case.case.name);
             builder.apply(&mut draft, &mut made, &case.assignments, &by);
-            overrides.extend(case.assignments.iter().map(|a| a.argument.clone()));
             for (parameter, written) in parameters.iter().zip(combination) {
                 let (value, node) = (&written.value, &written.node);
                 let found = match parameter.assignments(value, node, builder.reader, Some(&draft)) {
@@ -144,26 +160,27 @@ pub(super) fn build(
                 };
                 let by = format!("parameter `{}`", parameter.name);
                 builder.apply(&mut draft, &mut made, &found, &by);
-                overrides.extend(found.into_iter().map(|a| a.argument));
+                applied.extend(found);
             }
             builder.apply(&mut draft, &mut made, &on_top, "--set");
-            overrides.extend(options.set.iter().cloned());
+            applied.extend(on_top.iter().cloned());
+            let name = format!("case {}", case.case.name);
             let template = match draft.template(&mut map_cache) {
                 Ok(template) => template,
                 Err(problems) => {
-                    builder.report(&title, &problems);
+                    builder.report(&name, &title, &applied, &problems);
                     continue;
                 }
             };
             let scenario = template.scenario();
             for problem in unfit(scenario, case, options) {
-                builder.report(&title, &problem.into());
+                builder.report(&name, &title, &applied, &problem.into());
             }
             cells.push(Cell {
                 case: case.case.name.clone(),
                 values,
                 target: case.target.clone(),
-                overrides,
+                overrides: applied.into_iter().map(|a| a.argument).collect(),
                 external: scenario.uses_external_commands(),
                 blake3: fingerprint(scenario.clone()),
                 subject: Mission {

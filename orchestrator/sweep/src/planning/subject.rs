@@ -123,10 +123,7 @@ fn cells(
                     }
                 }
             }
-            all.extend(on_top.iter().map(|argument| Assignment {
-                argument: argument.clone(),
-                label: "--set".to_owned(),
-            }));
+            all.extend(on_top.iter().map(|set| Assignment::of_command_line(set)));
             let made = made(&all).map_err(|(label, what)| {
                 let cell = describe(&case.case.name, &names, &values);
                 (label, what, cell)
@@ -164,9 +161,16 @@ fn cells(
 fn made(assignments: &[Assignment]) -> Result<Task, (String, String)> {
     let mut draft = Draft::default();
     for assignment in assignments {
-        let at = |what: String| {
-            let what = format!("`{}`: {what}", assignment.argument);
-            (assignment.label.clone(), what)
+        // A key that does not exist is one problem for all values.
+        let at = |what: String| match &assignment.key_place {
+            Some(key) if what.starts_with("unknown field") => {
+                let label = format!("{}:{}", key.file, key.line);
+                (label, format!("`{}`: {what}", assignment.key()))
+            }
+            _ => {
+                let what = format!("`{}`: {what}", assignment.argument);
+                (assignment.label.clone(), what)
+            }
         };
         draft.apply(&assignment.argument).map_err(&at)?;
         // An unknown key is an error at once; a number may be valid together with later keys.

@@ -8,7 +8,7 @@ use super::PlanResults;
 use super::row::PlanRow;
 use crate::row::Record as _;
 use crate::runner::RunReport;
-use crate::summary::{cell_table, interval, json_head, missing, pace, parameters};
+use crate::summary::{cell_table, heading, interval, json_head, missing, pace, parameters};
 
 /// Summary of the plans of one cell.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -73,22 +73,19 @@ pub fn cells(results: &PlanResults) -> Vec<CellSummary> {
 pub fn text(results: &PlanResults, report: Option<&RunReport>) -> String {
     let manifest = results.manifest();
     let columns = [
-        "plans",
-        "no path",
-        "failed",
-        "95 % interval",
-        "time (s)",
-        "gap [%] median / p95 / max",
-        "CPU [ms] median / p99",
+        ("plans", 0),
+        ("no path", 4),
+        ("failed", 0),
+        ("95 % interval", 3),
+        ("time (s)", 1),
+        ("gap [%] median / p95 / max", 2),
+        ("CPU [ms] median / p99", 5),
     ];
-    let mut table = cell_table(&manifest.parameters, &columns);
     let number = |values: &[f64], share: f64, factor: f64, digits: usize| {
         quantile(values, share).map_or_else(|| "-".into(), |v| format!("{:.digits$}", factor * v))
     };
-    for (cell, of) in manifest.cells.iter().zip(cells(results)) {
-        let mut line = vec![cell.case.clone()];
-        line.extend(cell.values.iter().map(ToString::to_string));
-        line.extend([
+    let rows = cells(results).into_iter().map(|of| {
+        vec![
             of.plans.to_string(),
             of.no_path.to_string(),
             format!("{}/{}", of.failed, of.solvable()),
@@ -100,10 +97,10 @@ pub fn text(results: &PlanResults, report: Option<&RunReport>) -> String {
             [0.5, 0.99]
                 .map(|share| number(&of.cpu_ms, share, 1.0, 2))
                 .join(" / "),
-        ]);
-        table.add_row(line);
-    }
-    let mut text = format!("{}: {}\n\n{table}\n", manifest.experiment, manifest.title);
+        ]
+    });
+    let table = cell_table(manifest, &columns, rows);
+    let mut text = format!("{}\n\n{table}\n", heading(manifest));
     text += &pace(report, "plans");
     let broken: Vec<_> = results.rows().filter(|(_, row)| row.is_failed()).collect();
     for (mission, row) in broken.iter().take(20) {

@@ -94,8 +94,9 @@ fn a_mistake_in_an_override_points_at_its_line_and_names_the_cell() {
         "params.threat.gain = 0.0",
         "params.threat.gian = 0.0",
         &[
-            "unknown key `gian` (in case potential, relative_speed = 0.8)",
-            "small.toml:9",
+            "unknown key `gian` (in case potential)\n",
+            "small.toml:9:",
+            "gian = 0.0",
             "did you mean `gain`?",
         ],
     );
@@ -252,4 +253,42 @@ fn an_unsuitable_sweep_is_refused() {
     );
     let error = Experiment::load("/no/such.toml".as_ref(), &LoadOptions::new(kinds::KINDS));
     assert!(error.unwrap_err().to_string().contains("/no/such.toml"));
+}
+
+#[test]
+fn a_misspelt_key_is_one_problem_at_its_own_line() {
+    let text = |from, to| load(&changed(from, to)).unwrap_err();
+    for (from, to, place) in [
+        // For all values of a parameter, and in both cases.
+        (
+            "teams.evader.limits.v_max\"",
+            "teams.evader.limits.v_mx\"",
+            "small.toml:19:7 ",
+        ),
+        (
+            "teams.evader.limits.v_max\"",
+            "teems.evader.limits.v_max\"",
+            "small.toml:19:7 ",
+        ),
+        // For all values, in one case.
+        ("teams.evader.scan", "teams.evader.scam", "small.toml:14:"),
+    ] {
+        let error = text(from, to);
+        assert_eq!(error.matches("error: ").count(), 1, "{error}");
+        assert!(
+            error.contains("unknown key") && error.contains(place),
+            "{error}"
+        );
+    }
+    let levels = GOOD.replace(
+        "set = \"teams.evader.limits.v_max\"\nscale = \"teams.police.limits.v_max\"",
+        "levels.slow = { rules.time_limt = 5 }\nlevels.fast = { rules.time_limt = 6 }",
+    );
+    let error = load(&levels.replace("[0.8, 1.5, 2]", "[\"slow\", \"fast\"]")).unwrap_err();
+    // One for each of the two lines.
+    assert_eq!(error.matches("error: ").count(), 2, "{error}");
+    assert!(
+        error.contains("small.toml:19:") && error.contains("small.toml:20:"),
+        "{error}"
+    );
 }

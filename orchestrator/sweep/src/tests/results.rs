@@ -358,3 +358,38 @@ fn the_summary_counts_games_and_repeats_failures() {
     assert_eq!(json["failures"][0]["seed"], 3);
     assert_eq!(json["missing"].as_array().unwrap().len(), 15);
 }
+
+#[test]
+fn a_summary_has_the_columns_of_what_the_missions_have() {
+    let directory = tempfile::tempdir().unwrap();
+    let text = changed("title = \"A small experiment\"\n", "");
+    let manifest = load(&text).unwrap().manifest();
+    let mut results = Results::open(directory.path(), &manifest, &text).unwrap();
+    for (seed, time_s) in [(1, 4.5), (2, 5.25)] {
+        let robots = vec![recorder::RobotOutcome {
+            outcome: "goal_reached".to_owned(),
+            time_s,
+            ..recorder::RobotOutcome::default()
+        }];
+        let arrived = Row {
+            evaders: 0,
+            escaped: 0,
+            caught: 0,
+            robots,
+            ..row(0)
+        };
+        results.record(mission(0, seed), arrived, 0.1).unwrap();
+    }
+    let text = summary::text(&results, None);
+    let lines: Vec<&str> = text.lines().collect();
+    assert_eq!(lines[0], "small", "no title twice");
+    let titles: Vec<&str> = lines[2].split_whitespace().collect();
+    let expected = "case relative_speed games arrived arrival (s) time (s)";
+    assert_eq!(titles.join(" "), expected);
+    let cells: Vec<&str> = lines[4].split_whitespace().collect();
+    assert_eq!(
+        cells,
+        ["potential", "0.8", "2", "2", "4.88", "12.5"],
+        "{text}"
+    );
+}

@@ -89,6 +89,14 @@ impl LiveServer {
         format!("ws://{}/{}", self.address, self.token.text())
     }
 
+    /// Returns the lines that tell the user the address, and how a viewer opens it.
+    pub fn invitation(&self) -> String {
+        format!(
+            "live: {}\n      in Foxglove or Lichtblick: Open connection, Foxglove WebSocket, this address",
+            self.url()
+        )
+    }
+
     /// Returns the handle that receives logged messages.
     pub fn tap(&self) -> BroadcastHandle {
         self.broadcaster.tap()

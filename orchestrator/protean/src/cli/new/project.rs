@@ -4,6 +4,8 @@ use std::path::{Path, PathBuf};
 
 use platform::shell;
 
+use crate::cli::output;
+
 /// The name that the name of the project replaces.
 const NAME: &str = "my_planner";
 /// The source of the crate in the example in Rust.
@@ -83,7 +85,9 @@ impl Project {
         } else {
             format!(" && {}", self.build)
         };
-        format!("{folder}{build} && protean run hall.toml")
+        // Without the option, a run asks at the terminal before it starts the planner.
+        let run = output::command_line_elsewhere(&["run", "hall.toml", "--allow-external"]);
+        format!("{folder}{build} && {run}")
     }
 }
 
@@ -113,8 +117,9 @@ mod tests {
 
     #[test]
     fn the_next_command_builds_what_is_to_be_built() {
-        assert_eq!(CPP.next("a b"), "cd 'a b' && make && protean run hall.toml");
-        assert_eq!(PYTHON.next("a"), "cd a && protean run hall.toml");
+        let run = output::command_line_elsewhere(&["run", "hall.toml", "--allow-external"]);
+        assert_eq!(CPP.next("a b"), format!("cd 'a b' && make && {run}"));
+        assert_eq!(PYTHON.next("a"), format!("cd a && {run}"));
     }
 
     #[test]

@@ -1,0 +1,92 @@
+//! Formats of output files: the ending of a file's name tells its format.
+
+use std::path::{Path, PathBuf};
+
+/// Format of an output file, or a folder.
+#[derive(Debug, Clone, Copy)]
+pub struct OutputFormat {
+    /// Sentence that names the format.
+    text: &'static str,
+    /// Endings of its files; the first one is usual. A folder has none.
+    endings: &'static [&'static str],
+}
+
+impl OutputFormat {
+    /// Logs.
+    pub const LOG: Self = Self::new("logs are MCAP files", &["mcap"]);
+    /// Pages.
+    pub const PAGE: Self = Self::new("pages are HTML files", &["html", "htm"]);
+    /// Pictures.
+    pub const PICTURE: Self = Self::new("pictures are SVG files", &["svg"]);
+    /// Results of measurements and plans, instances.
+    pub const JSON: Self = Self::new("results are JSON files", &["json", "jsonl", "ndjson"]);
+    /// Tables, bags and results of experiments.
+    pub const FOLDER: Self = Self::new("the output is a folder", &[]);
+
+    const fn new(text: &'static str, endings: &'static [&'static str]) -> Self {
+        Self { text, endings }
+    }
+
+    /// Returns the name of an output file if it has no ending or one of the format. An ending begins with a letter: the
+    /// folder `run-0.5` has none.
+    ///
+    /// # Errors
+    /// Text that names the expected ending.
+    pub fn check(self, file: PathBuf) -> Result<PathBuf, String> {
+        let ending = file.extension().and_then(|ending| ending.to_str());
+        let ending = ending.filter(|ending| ending.starts_with(|c: char| c.is_alphabetic()));
+        let is_own = |ending: &str| {
+            self.endings
+                .iter()
+                .any(|own| ending.eq_ignore_ascii_case(own))
+        };
+        if ending.is_none_or(is_own) {
+            return Ok(file);
+        }
+        let (expected, example): (_, &Path) = match self.endings.first() {
+            Some(own) => (format!("that ends in .{own}"), &file.with_extension(own)),
+            None => ("without an ending".to_owned(), &file.with_extension("")),
+        };
+        Err(format!(
+            "{}: expected a name {expected}, for example {}",
+            self.text,
+            example.display()
+        ))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_name_with_the_ending_of_another_format_is_refused() {
+        use OutputFormat as Format;
+        let check = |format: Format, name: &str| format.check(PathBuf::from(name));
+        for (format, fits, other) in [
+            (
+                Format::LOG,
+                ["a.mcap", "b/a.MCAP", "a", "run-0.5"],
+                "a.html",
+            ),
+            (Format::PAGE, ["a.html", "a.htm", "a.d/a", "a"], "a.pdf"),
+            (
+                Format::PICTURE,
+                ["a.svg", "a.SVG", "/dev/null", "a"],
+                "a.png",
+            ),
+            (Format::JSON, ["a.json", "a.jsonl", "-", "a"], "a.csv"),
+            (Format::FOLDER, ["a", "a.d/b", "v1.2", "."], "a.csv"),
+        ] {
+            for name in fits {
+                assert_eq!(check(format, name), Ok(PathBuf::from(name)));
+            }
+            let refused = check(format, other).unwrap_err();
+            assert!(refused.contains("for example a"), "{refused}");
+        }
+        let refused = check(Format::PICTURE, "d/x.pdf").unwrap_err();
+        let expected =
+            "pictures are SVG files: expected a name that ends in .svg, for example d/x.svg";
+        assert_eq!(refused, expected);
+    }
+}
