@@ -2,7 +2,7 @@
 
 use rustix::io::Errno;
 
-use super::{Injection, injected, injector};
+use super::{Fate, Injection, injected, injector};
 use crate::support::Sandbox;
 
 const EXPERIMENT: &str = "scenario = \"builtin:hello\"\nseeds = { first = 1, count = 1 }\n\
@@ -29,7 +29,7 @@ fn a_lock_is_held_by_another_only_if_the_system_says_so() {
             let at = Injection {
                 calls: "flock",
                 number: 1,
-                error: Some(error),
+                fate: Fate::Error(error),
             };
             let outcome = injected(sandbox.protean(command.split(' ')), injector, at).run();
             let cause = std::io::Error::from(error).to_string();

@@ -58,16 +58,18 @@ pub fn create(
 ) -> Result<AtomicFile, DerivedError> {
     if presence::is_same(path, log).map_err(refused(path))? {
         // The page of a page would replace it, too.
-        return Err(match FileKind::of(log).filter(|kind| *kind != FileKind::Log) {
-            Some(kind) => DerivedError::Log(LogReadError::NotMcap {
-                path: log.to_owned(),
-                start: Vec::new(),
-                kind: Some(kind),
-            }),
-            None => DerivedError::IsTheLog {
-                path: path.to_owned(),
+        return Err(
+            match FileKind::of(log).filter(|kind| *kind != FileKind::Log) {
+                Some(kind) => DerivedError::Log(LogReadError::NotMcap {
+                    path: log.to_owned(),
+                    start: Vec::new(),
+                    kind: Some(kind),
+                }),
+                None => DerivedError::IsTheLog {
+                    path: path.to_owned(),
+                },
             },
-        });
+        );
     }
     AtomicFile::create(path, Existing::of_force(force), readers).map_err(refused(path))
 }

@@ -233,7 +233,11 @@ pub fn text(results: &Results, report: Option<&RunReport>) -> String {
     }
     if has(|c| c.arrived > 0) {
         columns.push(("arrived", 0, Box::new(|c| c.arrived.to_string())));
-        columns.push(("arrival (s)", 0, Box::new(|c| c.arrival_s.map_or_else(|| "-".to_owned(), time_text))));
+        columns.push((
+            "arrival (s)",
+            0,
+            Box::new(|c| c.arrival_s.map_or_else(|| "-".to_owned(), time_text)),
+        ));
     }
     if has(|c| c.coverage.is_some()) {
         columns.push(("coverage", 1, Box::new(move |c| or_none(c.coverage, 3))));

@@ -94,7 +94,9 @@ impl LogFile {
 
     /// Writes the page of the run, as `protean report` does.
     fn report(&self, py: Python<'_>, out: PathBuf, force: bool) -> PyResult<()> {
-        let out = OutputFormat::PAGE.check(out).map_err(InvalidInput::new_err)?;
+        let out = OutputFormat::PAGE
+            .check(out)
+            .map_err(InvalidInput::new_err)?;
         let log: &Path = &self.path;
         read(py, |watch| page::report(&[log], KINDS, &out, force, watch)).map(drop)
     }
@@ -102,7 +104,9 @@ impl LogFile {
     /// Draws the run at a time (s), as `protean picture` does.
     #[pyo3(signature = (out, at, force))]
     fn picture(&self, py: Python<'_>, out: PathBuf, at: Option<f64>, force: bool) -> PyResult<()> {
-        let out = OutputFormat::PICTURE.check(out).map_err(InvalidInput::new_err)?;
+        let out = OutputFormat::PICTURE
+            .check(out)
+            .map_err(InvalidInput::new_err)?;
         read(py, |watch| {
             picture::save(&self.path, at, KINDS, &out, force, watch)
         })

@@ -85,7 +85,9 @@ enum NewError {
     Name(PathBuf),
     #[error("{}: expected a folder whose name has only ASCII letters, digits, `_` and `-` and begins with a letter", _0.display())]
     ProjectName(PathBuf),
-    #[error("no built-in scenario {0:?}; expected one of {1}, or a file that ends in {EXTENSIONS}{2}")]
+    #[error(
+        "no built-in scenario {0:?}; expected one of {1}, or a file that ends in {EXTENSIONS}{2}"
+    )]
     Unknown(String, String, String),
     #[error(transparent)]
     Import(#[from] ImportError),
