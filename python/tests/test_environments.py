@@ -144,11 +144,11 @@ def test_arrays_are_the_same_without_copies() -> None:
 
 def test_a_function_may_compute_the_rewards() -> None:
     proximity: list[int] = []
-    befores: list[NDArray[np.float32]] = []
+    earlier: list[NDArray[np.float32]] = []
 
     def approach(step: Any) -> NDArray[np.float64]:
         assert step.events["escape"].shape == (2, 2) and step.dt == 0.05
-        befores.append(step.before)
+        earlier.append(step.before)
         result: NDArray[np.float64] = step.observations[:, :, proximity[0]] + 10.0 * step.truncated[:, None]
         return result
 
@@ -160,7 +160,7 @@ def test_a_function_may_compute_the_rewards() -> None:
         before = observations
         observations, rewards, _, truncations, infos = envs.step(np.ones((2, 2, 2), dtype=np.float32))
         total += rewards
-        assert np.array_equal(befores[-1], before)
+        assert np.array_equal(earlier[-1], before)
         if not truncations.any():
             assert np.allclose(rewards, observations[:, :, proximity[0]].sum(axis=1))
     # The last observations are those of the ended episodes.
