@@ -78,7 +78,11 @@ const COMMANDS: [(&str, &[&str]); 17] = [
     ("latency FILE", &["scenario.toml", "run.mcap"]),
     ("sweep FILE", &["experiment.toml"]),
     ("plan FILE", &["instances.json"]),
-    ("new new.toml --from FILE", &["grid.map", "map.yaml"]),
+    // YAML counts as a map of ROS, whose image is then missing.
+    (
+        "new new.toml --from FILE",
+        &["grid.map", "map.yaml", "scenario.yaml"],
+    ),
     ("report FILE", &["run.mcap"]),
     ("picture FILE", &["run.mcap"]),
     ("info FILE", &["run.mcap"]),

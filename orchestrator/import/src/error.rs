@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use config::Diagnostics;
 use geometry::map::RosMapError;
+use platform::file_kind::FileKind;
 use roxmltree::Node;
 use scenario::files::Refused;
 
@@ -139,7 +140,12 @@ fn kind(path: &Path) -> String {
         return "an image without its scale: expected the .yaml of the ROS map that names it"
             .to_owned();
     }
-    format!("unknown kind of file: expected {}", super::EXTENSIONS)
+    let help = FileKind::of(path).map(|kind| format!("; {}", kind.help(path)));
+    format!(
+        "unknown kind of file: expected {}{}",
+        super::EXTENSIONS,
+        help.unwrap_or_default()
+    )
 }
 
 /// Returns the problems without their places in the unwritten scenario.
