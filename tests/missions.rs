@@ -143,7 +143,7 @@ fn the_visited_area_is_reported_and_belongs_to_the_history() {
     assert_eq!(plain["robots"], narrow["robots"]);
 
     let table = sandbox
-        .protean(["run", "hello", "--quiet", "--out", "table.mcap"])
+        .protean(["run", "hello", "--out", "table.mcap"])
         .set(rule)
         .run();
     assert!(table.stdout.contains("\ncoverage  "), "{table}");

@@ -257,7 +257,7 @@ impl FoundDirectory {
 }
 
 /// Removes every run of this user whose orchestrator has ended: processes, shared memory and files. Runs with another
-/// directory than [`base`] are removed from shared memory once none of their processes lives.
+/// directory than the base of this user are removed from shared memory once none of their processes lives.
 ///
 /// # Errors
 /// [`RunDirectoryError`] if the runs cannot be listed; the result contains parts that could not be removed.

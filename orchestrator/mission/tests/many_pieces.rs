@@ -1,4 +1,4 @@
-//! What `check` accepts, the first tick accepts: every kind of process on maps with up to as many pieces as documented.
+//! The first tick accepts what `check` accepts: every kind of process on maps with up to as many pieces as documented.
 //!
 //! It takes more than 10 s in the dev profile: the largest maps have 131 072 pieces.
 
@@ -138,7 +138,7 @@ fn text(group: &Group, pieces: usize) -> String {
     text
 }
 
-/// What `check` does.
+/// The result of `check`.
 fn check(group: &Group, pieces: usize) -> Result<ResolvedScenario, String> {
     let base = Base::Folder {
         folder: Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/policy"),

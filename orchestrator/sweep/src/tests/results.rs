@@ -389,7 +389,7 @@ fn a_summary_has_the_columns_of_what_the_missions_have() {
     let cells: Vec<&str> = lines[4].split_whitespace().collect();
     assert_eq!(
         cells,
-        ["potential", "0.8", "2", "2", "4.88", "12.5"],
+        ["potential", "0.8", "2", "2", "4.88", "12.50"],
         "{text}"
     );
 }
