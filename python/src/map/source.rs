@@ -7,6 +7,7 @@ use geometry::blur::PAPER_SIGMA;
 use geometry::map::{MapSpec, UnknownCells, WorldMap};
 use kinds::KINDS;
 use planner_view::map::PlannerMap;
+use platform::file_kind::FileKind;
 use pyo3::prelude::*;
 use scenario::Loader;
 
@@ -20,17 +21,17 @@ pub const FIRST_REVISION: u64 = 1;
 /// # Errors
 /// The text of the command for a scenario that is invalid, and for a file that is neither.
 pub fn read(source: &str) -> PyResult<Arc<PlannerMap>> {
-    let extension = Path::new(source).extension().and_then(|e| e.to_str());
-    let is_ros = matches!(extension, Some("yaml" | "yml"));
-    if !is_ros {
-        let loader = Loader::new(KINDS);
-        let draft = loader
+    let path = Path::new(source);
+    let is_ros = matches!(
+        path.extension().and_then(|e| e.to_str()),
+        Some("yaml" | "yml")
+    );
+    if !is_ros && FileKind::of(path) != Some(FileKind::VectorMap) {
+        let scenario = Loader::new(KINDS)
             .draft(source)
+            .and_then(|draft| draft.resolve())
             .map_err(|problems| invalid(&problems))?;
-        if draft.find("world").is_some() {
-            let scenario = draft.resolve().map_err(|problems| invalid(&problems))?;
-            return of_spec(&scenario.world.map, scenario.blur_sigma);
-        }
+        return of_spec(&scenario.world.map, scenario.blur_sigma);
     }
     let file = MapSpec::File {
         path: source.into(),
