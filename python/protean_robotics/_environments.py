@@ -95,6 +95,10 @@ class Instances:
     statuses: NDArray[np.uint8]
     lengths: NDArray[np.uint64]
     seeds: NDArray[np.uint64]
+    #: Where the last step ended an episode.
+    ended: NDArray[np.bool_]
+    #: Where the last step or reset began one.
+    begun: NDArray[np.bool_]
 
     @_arguments.checked
     def __init__(
@@ -146,9 +150,7 @@ class Instances:
         self._events = {name: core.events[:, :, index] for index, name in enumerate(core.event_names)}
         self._autoreset_mode = autoreset_mode
         self._none = np.zeros(num_envs, dtype=np.bool_)
-        #: Where the last step ended an episode.
         self.ended = self._none
-        #: Where the last step or reset began one.
         self.begun = self._none
 
     def reset(self, seed: Any, options: Mapping[str, Any] | None, known: Sequence[str] = ()) -> None:
