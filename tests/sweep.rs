@@ -128,7 +128,7 @@ fn a_row_is_what_the_same_mission_alone_results_in() {
     };
     assert_eq!(
         (field("case"), field("limit"), field("seed")),
-        ("shy".into(), "3".into(), "2".into())
+        ("shy".into(), "3.0".into(), "2".into())
     );
     let words = [
         "run",

@@ -15,7 +15,6 @@ const ENVIRONMENT: &[&str] = &[
 const SWEEP: &str = r#"
 scenario = "builtin:chase"
 seeds = { first = 1, count = 2 }
-set.rules.time_limit = 2
 
 [parameters.speed]
 title = "speed"
@@ -51,8 +50,8 @@ fn pandas_polars_and_duckdb_read_every_table() {
         }
     }
     sandbox.file("sweep.toml", SWEEP);
-    let words = ["sweep", "sweep.toml", "--out", "tables/sweep"];
-    assert_eq!(sandbox.protean(words).json()["missing"], 0);
+    let sweep = sandbox.protean(["sweep", "sweep.toml", "--out", "tables/sweep"]);
+    assert_eq!(sweep.set("rules.time_limit=2").json()["missing"], 0);
     let read: Option<Json> = python::call_with(ENVIRONMENT, "read_tables.py", sandbox.path());
     let Some(read) = read else { return };
     assert_eq!(read["wrong"], serde_json::json!([]));

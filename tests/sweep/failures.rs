@@ -41,7 +41,7 @@ fn failures_are_listed_with_the_command_that_repeats_them() {
     }
     let csv = table(&sandbox, "out");
     assert!(csv.contains("\nbad,1,failed,,,,,,"), "{csv}");
-    assert!(csv.contains("\ngood,2,time_limit,1,0,0,1,1,"), "{csv}");
+    assert!(csv.contains("\ngood,2,time_limit,1,0,0,1,1.0,"), "{csv}");
     let logs: Vec<PathBuf> = sandbox
         .files()
         .into_iter()

@@ -25,7 +25,7 @@ const COMMANDS: [&str; 7] = [
     "recover run.mcap --out out.mcap --force",
     "filter run.mcap --topics world/state --out out.mcap --force",
     "sweep small.toml --in-process --jobs 1 --set rules.time_limit=0.2 --out out",
-    "latency --of run.mcap --json",
+    "latency run.mcap --json",
 ];
 
 fn call<'a>(sandbox: &'a Sandbox, words: &'a str) -> Call<'a> {
