@@ -149,7 +149,7 @@ fn a_row_is_what_the_same_mission_alone_results_in() {
     let robots = robots.deserialize().map(Result::unwrap);
     let last: BTreeMap<String, String> = robots.last().unwrap();
     let joined = ["case", "limit", "seed"].map(|name| last[name].clone());
-    assert_eq!(joined, ["shy", "3", "2"]);
+    assert_eq!(joined, ["shy", "3.0", "2"]);
     let robot = &alone["robots"][0];
     assert_eq!(robot["name"], last["robot"]);
     assert_eq!(robot["outcome"], last["outcome"]);
