@@ -51,7 +51,10 @@ fn pandas_polars_and_duckdb_read_every_table() {
     }
     sandbox.file("sweep.toml", SWEEP);
     let sweep = sandbox.protean(["sweep", "sweep.toml", "--out", "tables/sweep"]);
-    assert_eq!(sweep.set("rules.time_limit=2").json()["missing"], serde_json::json!([]));
+    assert_eq!(
+        sweep.set("rules.time_limit=2").json()["missing"],
+        serde_json::json!([])
+    );
     let read: Option<Json> = python::call_with(ENVIRONMENT, "read_tables.py", sandbox.path());
     let Some(read) = read else { return };
     assert_eq!(read["wrong"], serde_json::json!([]));

@@ -196,10 +196,10 @@ fn verdict(report: &MissionReport) -> String {
     format!("{interrupted}{words}")
 }
 
-/// The result without notes and statistics: verdict, failures, digest and log.
+/// The result without notes and statistics: verdict, outcomes of the robots, failures, digest and log.
 pub(super) fn short(report: &MissionReport) -> String {
     let s = &report.summary;
-    let mut text = format!("{}\n", verdict(report));
+    let mut text = format!("{}\n\n{}\n\n", verdict(report), robots_table(s));
     for process in &s.processes {
         text += &failures_text(process);
     }
