@@ -62,7 +62,6 @@ pub fn create(
             match FileKind::of(log).filter(|kind| *kind != FileKind::Log) {
                 Some(kind) => DerivedError::Log(LogReadError::NotMcap {
                     path: log.to_owned(),
-                    start: Vec::new(),
                     kind: Some(kind),
                 }),
                 None => DerivedError::IsTheLog {

@@ -20,13 +20,11 @@ pub enum LogReadError {
     #[error(
         "{} is not an MCAP file{}",
         path.display(),
-        kind.map_or_else(|| remedy(start).to_owned(), |kind| format!("; {}", kind.help(path)))
+        kind.map_or_else(String::new, |kind| format!("; {}", kind.help(path)))
     )]
     NotMcap {
         /// The file.
         path: PathBuf,
-        /// Its first bytes.
-        start: Vec<u8>,
         /// Its kind, if known.
         kind: Option<FileKind>,
     },
@@ -94,21 +92,4 @@ pub enum LogReadError {
     /// The user interrupted the command (Ctrl-C).
     #[error("interrupted")]
     Interrupted,
-}
-
-/// Returns what to do with a file that begins with these bytes.
-fn remedy(start: &[u8]) -> &'static str {
-    match start {
-        [] => ": it is empty",
-        [0x28, 0xb5, 0x2f, 0xfd, ..] => {
-            ": it is compressed as a whole; `zstd -d <FILE >LOG.mcap` decompresses it"
-        }
-        _ if start.starts_with(b"SQLite") => {
-            ": it is a ROS 2 bag in SQLite; `mcap convert FILE LOG.mcap` writes one in MCAP"
-        }
-        _ if start.starts_with(b"#ROSBAG") => {
-            ": it is a ROS 1 bag; `mcap convert FILE LOG.mcap` writes one in MCAP"
-        }
-        _ => "",
-    }
 }

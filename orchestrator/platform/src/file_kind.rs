@@ -12,8 +12,16 @@ const HEAD_BYTES: u64 = 1 << 16;
 /// Kind of a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FileKind {
+    /// A file without content.
+    Empty,
     /// A log: MCAP.
     Log,
+    /// A file compressed as a whole: Zstandard.
+    Compressed,
+    /// A bag of ROS 2 in an `SQLite` database.
+    SqliteBag,
+    /// A bag of ROS 1.
+    Ros1Bag,
     /// A scenario: TOML.
     Scenario,
     /// An experiment: TOML.
@@ -39,6 +47,14 @@ pub enum FileKind {
     /// A program in Python.
     Python,
 }
+
+/// Kinds of binary files, with the bytes with which they begin.
+const MAGICS: [(FileKind, &[u8]); 4] = [
+    (FileKind::Log, b"\x89MCAP0\r\n"),
+    (FileKind::Compressed, b"\x28\xb5\x2f\xfd"),
+    (FileKind::SqliteBag, b"SQLite format 3"),
+    (FileKind::Ros1Bag, b"#ROSBAG"),
+];
 
 /// Kinds of TOML files, with top-level keys that the other kinds lack.
 pub const TOML_KEYS: [(FileKind, &[&str]); 3] = [
@@ -84,8 +100,12 @@ impl FileKind {
         let mut head = Vec::new();
         let file = File::open(path).ok()?.take(HEAD_BYTES);
         std::io::BufReader::new(file).read_to_end(&mut head).ok()?;
-        if head.starts_with(b"\x89MCAP") {
-            return Some(Self::Log);
+        if head.is_empty() {
+            return Some(Self::Empty);
+        }
+        let mut of_head = MAGICS.iter().filter(|(_, magic)| head.starts_with(magic));
+        if let Some((kind, _)) = of_head.next() {
+            return Some(*kind);
         }
         let text = String::from_utf8_lossy(&head);
         let text = text.trim_start_matches('\u{feff}');
@@ -114,6 +134,16 @@ impl FileKind {
             Self::Log => format!(
                 "it is a log: `protean report {file}` shows it, `protean verify {file}` runs its scenario again"
             ),
+            Self::Empty => "it is empty".to_owned(),
+            Self::Compressed => {
+                format!("it is compressed as a whole: `zstd -d <{file} >LOG.mcap` decompresses it")
+            }
+            Self::SqliteBag => format!(
+                "it is a ROS 2 bag in SQLite: `mcap convert {file} LOG.mcap` writes one in MCAP"
+            ),
+            Self::Ros1Bag => {
+                format!("it is a ROS 1 bag: `mcap convert {file} LOG.mcap` writes one in MCAP")
+            }
             Self::Scenario => format!("it is a scenario: `protean run {file}` runs it"),
             Self::Experiment => {
                 format!("it is an experiment: `protean sweep {file}` runs its missions")

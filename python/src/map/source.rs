@@ -9,7 +9,7 @@ use kinds::KINDS;
 use planner_view::map::PlannerMap;
 use platform::file_kind::FileKind;
 use pyo3::prelude::*;
-use scenario::Loader;
+use scenario::{Draft, Loader};
 
 use crate::arguments::invalid;
 
@@ -29,7 +29,7 @@ pub fn read(source: &str) -> PyResult<Arc<PlannerMap>> {
     if !is_ros && FileKind::of(path) != Some(FileKind::VectorMap) {
         let scenario = Loader::new(KINDS)
             .draft(source)
-            .and_then(|draft| draft.resolve())
+            .and_then(Draft::resolve)
             .map_err(|problems| invalid(&problems))?;
         return of_spec(&scenario.world.map, scenario.blur_sigma);
     }

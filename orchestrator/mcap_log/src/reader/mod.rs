@@ -111,7 +111,6 @@ impl<'w> Reader<'w> {
         if magic != mcap::MAGIC {
             return Err(LogReadError::NotMcap {
                 path: path.to_owned(),
-                start: magic,
                 kind: FileKind::of(path),
             });
         }
