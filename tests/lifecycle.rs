@@ -168,11 +168,9 @@ fn processes_end_with_a_killed_orchestrator_and_clean_removes_the_rest() {
     assert_eq!(cleaned["runs"][0]["state"], "removed");
     sandbox.assert_nothing_left();
     let again = sandbox.protean(["clean"]).run();
-    assert_eq!(
-        (again.code, again.stdout.trim()),
-        (Some(0), "nothing to clean"),
-        "{again}"
-    );
+    // Of other tests there may be something.
+    assert_eq!(again.code, Some(0), "{again}");
+    assert!(!again.stdout.contains(&run), "{again}");
 }
 
 #[test]

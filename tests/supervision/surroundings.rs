@@ -85,7 +85,12 @@ fn when_clean_has_returned_those_that_it_killed_are_gone() {
     running.finish();
     let cleaned = until("a run that is dead", SOON, || {
         let cleaned = sandbox.protean(["clean"]).json();
-        (cleaned["runs"][0]["state"] == "removed").then_some(cleaned)
+        let root = sandbox.runtime_dir().join("protean").join(&run);
+        let is_removed = |found: &serde_json::Value| {
+            found["run"] == root.to_str().unwrap() && found["state"] == "removed"
+        };
+        let runs = cleaned["runs"].as_array().unwrap();
+        runs.iter().any(is_removed).then_some(cleaned.clone())
     });
     assert_eq!(sandbox.processes(), [], "{cleaned}");
     sandbox.assert_nothing_left();
