@@ -175,7 +175,10 @@ fn an_impossible_patrol_names_the_field() {
             .unwrap_err()
             .to_string()
     };
-    assert!(made("").starts_with("`contour` has 0 waypoint(s)"));
+    assert_eq!(
+        made(""),
+        "`mission.contour` is a list of 0, but must be at least 2 values"
+    );
     let slow = "mission = { contour = [[0, 0], [100, 0]], t_max = 60 }";
     assert!(made(slow).contains("at least 200.000 s"));
     let driver = "mission = { contour = [[0, 0], [9, 0]] }\n[driver]\nstuck_s = -1";

@@ -210,7 +210,11 @@ fn names_that_are_unknown_and_numbers_out_of_range_are_refused() {
         (json!({ "watch": ["missing"] }), "`watch` names `missing`"),
         (json!({ "period_s": 0.0 }), "`period_s` is 0"),
         (json!({ "filter": { "particles": 0 } }), "filter.particles"),
-        (json!({ "cat": { "t_max": -1.0 } }), "cat.t_max"),
+        (json!({ "cat": {} }), "cat.contour"),
+        (
+            json!({ "cat": { "contour": [[0.0, 0.0], [1.0, 0.0]], "t_max": -1.0 } }),
+            "cat.t_max",
+        ),
         (
             json!({ "cat": { "contour": [[0.0, 0.0], [0.0, 0.0]] } }),
             "cat.contour",
