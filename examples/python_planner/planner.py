@@ -4,7 +4,7 @@ import protean_robotics as pr
 
 
 @pr.planner
-def steer(robot, world, map):
+def steer(robot: pr.Robot, world: pr.World, map: pr.Map) -> tuple[float, float]:
     return pr.go_to(robot, map.way(robot, robot.goal))
 
 

@@ -6,6 +6,7 @@
 """
 
 import importlib
+from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any
 
 from . import coverage, executors, navigation, patrol, rrt_star, steering, tracking, trajectory
@@ -20,7 +21,7 @@ from ._core import (
     go_to,
 )
 from ._environments import Episode, Step
-from ._errors import Error, InvalidInput
+from ._errors import Error, InvalidInput, MissingFile
 from ._log import Log, Topic
 from ._objective import objective
 from ._planner import Planner, planner, serve
@@ -43,6 +44,7 @@ __all__ = [
     "InvalidInput",
     "Log",
     "Map",
+    "MissingFile",
     "Planner",
     "Robot",
     "Run",
@@ -70,6 +72,10 @@ __all__ = [
     "trajectory",
 ]
 
+# Without their packages, `from protean_robotics import *` leaves them out.
+if find_spec("gymnasium") and find_spec("pettingzoo"):
+    __all__ += ["Env", "ParallelEnv", "VectorEnv", "parallel_env"]
+
 #: Modules of the names that need the packages of the extra `gym`.
 _GYM = {
     "Env": "_gymnasium",
@@ -90,4 +96,4 @@ def __getattr__(name: str) -> Any:
 
 
 def __dir__() -> list[str]:
-    return sorted([*__all__, *_GYM])
+    return sorted({*__all__, *_GYM})

@@ -10,7 +10,7 @@ from typing import Any, ParamSpec, TypeVar
 
 import numpy as np
 
-from ._errors import InvalidInput
+from ._errors import FLAGS, InvalidInput
 
 _P = ParamSpec("_P")
 _R = TypeVar("_R")
@@ -157,9 +157,7 @@ _CHECKS: dict[str, Callable[[str, Any], Any]] = {
     "threads": count,
     "ticks_per_action": count,
     "value": function,
-} | dict.fromkeys(
-    ("allow_external", "allow_outside", "copy", "force", "in_process", "quiet", "retry_failed", "running"), flag
-)
+} | dict.fromkeys(FLAGS, flag)
 
 
 def checked(function: Callable[_P, _R]) -> Callable[_P, _R]:

@@ -181,7 +181,8 @@ class Robot:
     @property
     def pose(self) -> NDArray[np.float64]: ...
     @property
-    def goal(self) -> NDArray[np.float64] | None: ...
+    # None without a goal; Any, since callers know whether theirs has one.
+    def goal(self) -> NDArray[np.float64] | Any: ...
 
 @final
 class World:

@@ -87,8 +87,8 @@ class VectorEnv(gymnasium.vector.VectorEnv[NDArray[np.float32], NDArray[np.float
     ((3, 62), (3,))
     >>> for _ in range(20):
     ...     observations, rewards, terminations, truncations, infos = envs.step(envs.action_space.sample())
-    >>> truncations.tolist(), infos["length"].tolist()
-    ([True, True, True], [20, 20, 20])
+    >>> infos["length"].tolist()
+    [20, 20, 20]
     >>> len(envs.digest(0))
     64
     """

@@ -53,10 +53,11 @@ def objective(
 
     Examples
     --------
+    >>> from typing import Any
     >>> import protean_robotics as pr
-    >>> def suggest(trial):
+    >>> def suggest(trial: Any) -> dict[str, float]:
     ...     return {"teams.evader.limits.v_max": trial.suggest_float("v_max", 0.1, 0.5)}
-    >>> def escapes(run):
+    >>> def escapes(run: pr.Run) -> int:
     ...     return sum(outcome == "escaped" for outcome in run.outcome.values())
     >>> objective = pr.objective("chase", suggest, escapes, seeds=range(1, 9))
     >>> # optuna.create_study(direction="maximize").optimize(objective, n_trials=50)

@@ -105,7 +105,7 @@ def planner(steer: Callable[..., Any]) -> Planner:
     --------
     >>> import protean_robotics as pr
     >>> @pr.planner
-    ... def ahead(robot):
+    ... def ahead(robot: pr.Robot) -> tuple[float, float]:
     ...     return 0.5 * robot.v_max, 0.0
     >>> run = pr.run("hello", in_process=True, planners={"robot": ahead}, set={"rules.time_limit": 1})
     >>> run.outcome

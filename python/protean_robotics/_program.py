@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from ._arguments import refused
-from ._errors import Error, InvalidInput
+from ._errors import Error, InvalidInput, spelled
 
 #: Exit code of the command for input that is invalid; nothing has been started.
 _INVALID = 2
@@ -88,7 +88,7 @@ def json_of(arguments: list[str]) -> dict[str, Any]:
                     if refusal or line.startswith("error"):
                         refusal += line
                     else:
-                        print(line, end="", file=sys.stderr, flush=True)
+                        print(spelled(line), end="", file=sys.stderr, flush=True)
                 process.wait()
             except BaseException:
                 process.send_signal(signal.SIGINT)
@@ -97,7 +97,7 @@ def json_of(arguments: list[str]) -> dict[str, Any]:
         output.seek(0)
         text = output.read()
     if process.returncode in (0, _PARTIAL) and text:
-        print(refusal, end="", file=sys.stderr)
+        print(spelled(refusal), end="", file=sys.stderr)
         report: dict[str, Any] = json.loads(text)
         return report
     refusal = refusal.strip().removeprefix("error: ") or f"{arguments[0]}: exit code {process.returncode}"

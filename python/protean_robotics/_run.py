@@ -5,6 +5,7 @@ import os
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from pathlib import Path
 from typing import Any
 
 from ._arguments import checked
@@ -47,11 +48,18 @@ class Run:
         """Simulated time at the end (s)."""
         return float(self.summary["sim_time_s"])
 
-    @cached_property
-    def log(self) -> Log | None:
-        """Log of the run; None if it has none."""
+    @property
+    def log_path(self) -> Path | None:
+        """Path of the log; None if the run has none."""
         path = self.summary["log"]
-        return Log(path) if path else None
+        return Path(path) if path else None
+
+    @cached_property
+    def log(self) -> Log:
+        """Log of the run; an :class:`InvalidInput` if it has none (`log_path`)."""
+        if self.log_path is None:
+            raise InvalidInput("the run has no log: expected out=PATH")
+        return Log(self.log_path)
 
     def __repr__(self) -> str:
         outcomes = ", ".join(f"{name} {outcome}" for name, outcome in self.outcome.items())

@@ -77,7 +77,7 @@ def test_the_log_of_an_episode_is_complete(tmp_path: Path) -> None:
     for _ in range(7):
         env.step(env.action_space.sample())
     run = env.save_log(tmp_path / "running.mcap", running=True)
-    assert run.log is not None and run.log.topics["world/state"] == 8
+    assert run.log.topics["world/state"] == 8
     assert run.digest == env.digest(running=True)
     with pytest.raises(pr.InvalidInput, match="no episode"):
         env.digest()

@@ -38,7 +38,6 @@ def test_a_log_states_its_run(chase: pr.Log, chase_log: Path) -> None:
 
 def test_a_log_counts_the_simulated_messages_as_its_run(tmp_path: Path) -> None:
     run = pr.run("hello", seed=1, in_process=True, out=tmp_path / "hello.mcap")
-    assert run.log is not None
     count = run.log.info["simulated_messages"]
     assert count == run.summary["simulated_messages"] > 0
     assert f"messages    {count} simulated" in str(run.log)

@@ -185,7 +185,7 @@ def test_unknown_inputs_and_processes_are_named() -> None:
         pr.run("chase", in_process=True, planners={"perception": steer})
     with pytest.raises(pr.InvalidInput, match="expected in_process=True"):
         pr.run("chase", planners={"evader_1": steer})
-    with pytest.raises(pr.InvalidInput, match="check them, then add --allow-external"):
+    with pytest.raises(pr.InvalidInput, match="check them, then add allow_external=True"):
         pr.run("room.toml")
 
 

@@ -82,7 +82,7 @@ def entry(level: int, name: str, value: Any) -> list[str]:
 def page() -> str:
     lines = [HEAD]
     modules: list[tuple[str, ModuleType]] = []
-    for name in sorted([*pr.__all__, *pr._GYM]):
+    for name in sorted({*pr.__all__, *pr._GYM}):
         value = getattr(pr, name)
         if name.startswith("__"):
             continue

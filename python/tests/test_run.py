@@ -23,9 +23,10 @@ def test_processes_one_thread_and_the_command_have_one_digest() -> None:
     assert by_processes.digest == in_one_thread.digest
     assert f'"digest":"{by_processes.digest}"' in text.replace('": "', '":"')
     assert by_processes.outcome == in_one_thread.outcome
-    assert by_processes.log is not None
-    assert by_processes.log.path == Path("logs/chase-7.mcap")
-    assert in_one_thread.log is None
+    assert by_processes.log.path == by_processes.log_path == Path("logs/chase-7.mcap")
+    assert in_one_thread.log_path is None
+    with pytest.raises(pr.InvalidInput, match="no log: expected out=PATH"):
+        _ = in_one_thread.log
     assert pr.run("chase", seed=8, set=SHORT, in_process=True).digest != by_processes.digest
 
 
@@ -59,7 +60,7 @@ def test_an_existing_log_is_kept_unless_force(in_process: bool) -> None:
         pr.run("hello", set=SHORT, in_process=in_process, out="kept.mcap")
     assert Path("kept.mcap").read_bytes() == b"precious"
     run = pr.run("hello", set=SHORT, in_process=in_process, out=Path("kept.mcap"), force=True)
-    assert run.log is not None
+    assert run.log_path == Path("kept.mcap")
     assert Path("kept.mcap").stat().st_size > 1000
 
 

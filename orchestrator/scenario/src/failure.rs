@@ -48,7 +48,7 @@ pub(super) fn read(
         let message = "lock-step mode cannot restart a process";
         let problem = ctx
             .problem(node, path, field, Code::Requirement, message)
-            .expected("\"abort\" or \"continue\", or run.mode = \"real_time\" (--real-time)");
+            .expected("\"abort\" or \"continue\", or run.mode = \"real_time\"");
         ctx.problems.push(problem);
     }
     (ctx.problems.len() == before).then_some(supervision)

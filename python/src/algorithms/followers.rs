@@ -38,9 +38,8 @@ const SAME_STEP: f64 = 1e-6;
 /// >>> bug = pr.steering.TangentBug(0.1)
 /// >>> beams = np.linspace(-np.pi, np.pi, 360, endpoint=False)
 /// >>> free = np.full(360, np.inf)
-/// >>> point, mode = bug.advise((0, 0, 0), free, (2, 0), angles=beams, range_max=1.5)
-/// >>> point.tolist(), mode
-/// ([2.0, 0.0], 'to_goal')
+/// >>> bug.advise((0, 0, 0), free, (2, 0), angles=beams, range_max=1.5)
+/// (array([2., 0.]), 'to_goal')
 #[pyclass(frozen, module = "protean_robotics.steering")]
 #[derive(Debug)]
 pub struct TangentBug {

@@ -71,7 +71,7 @@ fn the_reaction_to_a_failure_must_fit_the_mode() {
         ),
         (
             "on_failure = \"restart\"",
-            "expected: \"abort\" or \"continue\", or run.mode = \"real_time\" (--real-time)",
+            "expected: \"abort\" or \"continue\", or run.mode = \"real_time\"",
         ),
         ("restart = { limit = 2 }", "unknown key `restart`"),
         ("ready_timeout_s = 0.0", "`ready_timeout_s` is out of range"),
