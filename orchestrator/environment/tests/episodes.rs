@@ -478,7 +478,7 @@ fn an_interrupted_step_or_reset_demands_a_reset_of_all_instances() {
         let first = learner.arrays.observations.clone();
         let actions = vec![1.0; learner.environments.shape().actions()];
         let interruption = learner.environments.interruption();
-        let refused = |result, is_reset| match result {
+        let refused = |result: Result<(), EnvironmentError>, is_reset: bool| match result {
             Err(EnvironmentError::Interrupted) => assert!(is_reset),
             Err(EnvironmentError::NotReset) => assert!(!is_reset),
             other => panic!("{other:?}"),
