@@ -12,6 +12,7 @@ const ENVIRONMENT: &[&str] = &[
     "gymnasium==1.4.0",
     "distributed==2026.8.0",
     "hyperqueue==0.27.0",
+    "joblib==1.6.0",
     "maturin==1.16.0",
     "mcap==1.6.0",
     "mcap-ros2-support==0.6.0",

@@ -24,10 +24,13 @@ from ._environments import Episode, Step
 from ._errors import Error, InvalidInput, MissingFile
 from ._log import Log, Topic
 from ._objective import objective
+from ._pickling import register as _register
 from ._planner import Planner, planner, serve
 from ._program import program
 from ._run import Run, run
 from ._sweep import Executor, Future, Sweep, sweep
+
+_register()
 
 if TYPE_CHECKING:
     from ._gymnasium import Env as Env

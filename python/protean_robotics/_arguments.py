@@ -10,6 +10,7 @@ from typing import Any, ParamSpec, TypeVar
 
 import numpy as np
 
+from ._core import MAX_MISSIONS
 from ._errors import FLAGS, InvalidInput
 
 _P = ParamSpec("_P")
@@ -129,6 +130,9 @@ def _is_text(value: object) -> bool:
 def _items(name: str, value: Any, expected: str) -> Iterable[Any]:
     if isinstance(value, (str, bytes, Mapping)):
         raise refused(name, value, expected)
+    # More than any argument may have, a range of 2**60 for example, would not fit into the memory.
+    if operator.length_hint(value) > MAX_MISSIONS:
+        raise refused(name, value, f"at most {MAX_MISSIONS}")
     try:
         return list(value)
     except TypeError:

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from . import _arguments
 from ._core import Environments
 from ._errors import InvalidInput
+from ._pickling import remade
 from ._planner import placed
 from ._program import overrides
 from ._run import Run
@@ -78,6 +79,7 @@ class Step:
 Reward = Mapping[str, float] | Callable[[Step], ArrayLike] | None
 
 
+@remade
 class Instances:
     """Instances with their rewards. The arrays are the same objects in all steps."""
 

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from . import _arguments
 from ._environments import Episode, Instances, Reward, outcome
+from ._pickling import remade
 from ._run import Run
 
 
@@ -21,6 +22,7 @@ def box(shape: tuple[int, ...]) -> Space[NDArray[np.float32]]:
     return Box(-1.0, 1.0, shape, np.float32)
 
 
+@remade
 class VectorEnv(gymnasium.vector.VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArray[Any]]):
     """Instances of a scenario in which a learner steers the agents, after Gymnasium's ``VectorEnv``.
 
@@ -39,7 +41,7 @@ class VectorEnv(gymnasium.vector.VectorEnv[NDArray[np.float32], NDArray[np.float
     scenario
         Name of a built-in scenario, or path of a scenario file.
     num_envs
-        Number of instances.
+        Number of instances, at most 65 536; their observations have at most 2^26 numbers in all.
     agents
         Names of the robots, teams or processes that the learner steers.
     observation
@@ -304,6 +306,7 @@ class VectorEnv(gymnasium.vector.VectorEnv[NDArray[np.float32], NDArray[np.float
         return self._instances.replay(i, running, path, force)
 
 
+@remade
 class Env(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
     """One instance of a scenario in which a learner steers the agents, after Gymnasium's ``Env``.
 

@@ -61,6 +61,9 @@ class Topic:
         self.schema: str = schema
         self.messages: int = messages
 
+    def __reduce__(self) -> tuple[type["Topic"], tuple[Any, ...]]:
+        return Topic, (self._file, self.name, self.schema, self.messages)
+
     @cached_property
     def _read(self) -> tuple[dict[str, Column], int]:
         columns, undecodable = self._file.columns(self.name)

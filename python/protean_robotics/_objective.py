@@ -1,10 +1,13 @@
 """Objectives for searches of parameters."""
 
+import importlib
+import math
 import os
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
-from ._arguments import checked, mapping, number
+from ._arguments import checked, mapping, number, refused
 from ._run import Run, run
 
 
@@ -22,7 +25,8 @@ def objective(
     """Returns an objective for Optuna: the mean of a value over runs of a scenario.
 
     Every trial has the same seeds, so that trials compare. The attribute ``digests`` of a trial has the digests of its
-    runs, for comparison when it is repeated.
+    runs, for comparison when it is repeated. After each run the trial reports the mean so far, by which the pruner of the
+    study may end it: pass ``optuna.pruners.NopPruner()`` to the study for trials of all seeds.
 
     Parameters
     ----------
@@ -44,7 +48,8 @@ def objective(
     Returns
     -------
     Callable
-        For ``study.optimize``; with its ``n_jobs``, trials use several cores.
+        For ``study.optimize``; with its ``n_jobs``, trials use several cores. It raises ``optuna.TrialPruned`` in a trial
+        that the pruner ends.
 
     Raises
     ------
@@ -62,13 +67,34 @@ def objective(
     >>> objective = pr.objective("chase", suggest, escapes, seeds=range(1, 9))
     >>> # optuna.create_study(direction="maximize").optimize(objective, n_trials=50)
     """
-    def mean(trial: Any) -> float:
-        values = {**(set or {}), **mapping("suggest", suggest(trial))}
-        runs = [
-            run(scenario, seed=seed, set=values, in_process=True, planners=planners, allow_outside=allow_outside)
-            for seed in seeds
-        ]
-        trial.set_user_attr("digests", [done.digest for done in runs])
-        return sum(number("value", value(done)) for done in runs) / len(runs)
+    options = {"planners": planners, "allow_outside": allow_outside}
+    return _Objective(scenario, suggest, value, list(seeds), dict(set or {}), options)
 
-    return mean
+
+@dataclass(frozen=True)
+class _Objective:
+    """A search's objective; workers of a cluster get it pickled."""
+
+    scenario: str | os.PathLike[str]
+    suggest: Callable[[Any], Mapping[str, Any]]
+    value: Callable[[Run], float]
+    seeds: list[int]
+    set: dict[str, Any]
+    options: dict[str, Any]
+
+    def __call__(self, trial: Any) -> float:
+        values = {**self.set, **mapping("suggest", self.suggest(trial))}
+        digests: list[str] = []
+        total = 0.0
+        for count, seed in enumerate(self.seeds, start=1):
+            done = run(self.scenario, seed=seed, set=values, in_process=True, **self.options)
+            digests.append(done.digest)
+            value = number("value", self.value(done))
+            if not math.isfinite(value):
+                raise refused("value", value, "a finite number")
+            total += value
+            trial.set_user_attr("digests", digests)
+            trial.report(total / count, count)
+            if count < len(self.seeds) and trial.should_prune():
+                raise importlib.import_module("optuna").TrialPruned(f"after {count} of {len(self.seeds)} seeds")
+        return total / len(self.seeds)

@@ -12,6 +12,7 @@ from . import _arguments
 from ._environments import OUTCOMES, Episode, Instances, Reward, outcome
 from ._errors import InvalidInput
 from ._gymnasium import box
+from ._pickling import remade
 from ._run import Run
 
 if TYPE_CHECKING:
@@ -23,6 +24,7 @@ else:
 _TIMED_OUT = OUTCOMES.index("timed_out")
 
 
+@remade
 class ParallelEnv(_ParallelEnv):
     """One instance of a scenario with one learner per agent, after PettingZoo's ``ParallelEnv``.
 

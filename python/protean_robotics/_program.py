@@ -55,8 +55,10 @@ def program() -> Path:
     return Path(found)
 
 
-def json_of(arguments: list[str]) -> dict[str, Any]:
+def json_of(arguments: list[str], children: list["subprocess.Popen[str]"] | None = None) -> dict[str, Any]:
     """Runs a command of `protean`, shows its messages as they come, and returns the JSON object that it prints.
+
+    As long as it runs, it is in ``children``.
 
     Raises
     ------
@@ -82,6 +84,8 @@ def json_of(arguments: list[str]) -> dict[str, Any]:
         ) as process:
             assert process.stderr is not None
             refusal = ""
+            children = [] if children is None else children
+            children.append(process)
             try:
                 for line in process.stderr:
                     # From the first error on, lines are the text of an exception.
@@ -94,6 +98,8 @@ def json_of(arguments: list[str]) -> dict[str, Any]:
                 process.send_signal(signal.SIGINT)
                 process.communicate()
                 raise
+            finally:
+                children.remove(process)
         output.seek(0)
         text = output.read()
     if process.returncode in (0, _PARTIAL) and text:

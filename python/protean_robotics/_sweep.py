@@ -4,6 +4,8 @@ import fcntl
 import io
 import json
 import os
+import signal
+import subprocess
 import sys
 import tempfile
 import time
@@ -90,6 +92,8 @@ class _Task:
     allow_outside: bool
     retry_failed: bool
     placed: list[SimpleNamespace] = field(init=False, repr=False)
+    #: Programs that run its parts in this process.
+    children: list["subprocess.Popen[str]"] = field(init=False, repr=False, default_factory=list)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "placed", placed(self.planners))
@@ -114,7 +118,7 @@ class _Task:
             "--retry-failed": self.retry_failed,
             "--quiet": quiet,
         }
-        return json_of(command + [flag for flag, given in flags.items() if given])
+        return json_of(command + [flag for flag, given in flags.items() if given], self.children)
 
 
 @checked
@@ -210,7 +214,10 @@ def sweep(
     if seeds is not None and any(after != before + 1 for before, after in pairwise(seeds)):
         raise refused("seeds", seeds, "consecutive whole numbers, as range(1, 101)")
     if executor is not None and not callable(getattr(executor, "submit", None)):
-        raise refused("executor", executor, "an object with submit(call, *arguments), as of concurrent.futures")
+        expected = "an object with submit(call, *arguments), as of concurrent.futures"
+        if type(executor).__module__.startswith("joblib"):
+            expected = "joblib.externals.loky.get_reusable_executor()"
+        raise refused("executor", executor, expected)
     task = _Task(
         experiment=os.fspath(Path(experiment).absolute()),
         seeds=None if seeds is None else f"{seeds[0]}..{seeds[-1]}",
@@ -232,12 +239,17 @@ def sweep(
 def _distribute(task: _Task, executor: Executor, out: Path, count: int, missing: list[int], quiet: bool) -> None:
     """Runs the parts that have missing missions on an executor, and merges those that ended into the results."""
     shards = sorted({number % count for number in missing})
-    running = [executor.submit(_part, task, f"{shard + 1}/{count}") for shard in shards]
+    running: list[Future] = []
     parts: list[bytes] = []
     failures: list[BaseException] = []
     shown = time.monotonic()
     next_merge = shown + _MERGE_INTERVAL
     try:
+        for shard in shards:
+            try:
+                running.append(executor.submit(_part, task, f"{shard + 1}/{count}"))
+            except Exception as error:  # What the executor raises: a broken pool, for example.
+                failures.append(error)
         while running:
             time.sleep(_INTERVAL)
             for future in list(running):
@@ -246,14 +258,16 @@ def _distribute(task: _Task, executor: Executor, out: Path, count: int, missing:
                         continue
                     part = future.result()
                     # Whole, or the executor has returned something else.
-                    zipfile.ZipFile(io.BytesIO(part)).close()
+                    with zipfile.ZipFile(io.BytesIO(part)) as files:
+                        if files.testzip() is not None:
+                            raise zipfile.BadZipFile("a damaged part")
                     parts.append(part)
                 except Exception as error:  # What the executor or the part raised.
                     failures.append(error)
                 running.remove(future)
             now = time.monotonic()
             if now > next_merge:
-                _merge(parts, out)
+                failures += _merge(parts, out)
                 parts.clear()
                 # Every merging writes all tables anew: the larger they are, the more parts go into one.
                 next_merge = time.monotonic() + max(_MERGE_INTERVAL, 10 * (time.monotonic() - now))
@@ -265,7 +279,10 @@ def _distribute(task: _Task, executor: Executor, out: Path, count: int, missing:
             cancel = getattr(future, "cancel", None)
             if cancel is not None:
                 cancel()
-        _merge(parts, out)
+        # Those that run in threads of this process go on otherwise; Ctrl-C reaches other processes by itself.
+        for child in list(task.children) if running else ():
+            child.send_signal(signal.SIGINT)
+        failures += _merge(parts, out)
     if failures:
         first = failures[0]
         if isinstance(first, InvalidInput):
@@ -313,13 +330,20 @@ def _part(task: _Task, shard: str) -> bytes:
         return archive.getvalue()
 
 
-def _merge(parts: list[bytes], out: Path) -> None:
-    """Merges parts into results."""
+def _merge(parts: list[bytes], out: Path) -> list[Error]:
+    """Merges parts into results; returns the failures of those that are something else."""
     if not parts:
-        return
-    with _scratch() as folder:
-        directories = [os.path.join(folder, str(number)) for number in range(len(parts))]
-        for part, directory in zip(parts, directories, strict=True):
-            with zipfile.ZipFile(io.BytesIO(part)) as files:
-                files.extractall(directory)
-        json_of(["sweep", "merge", *directories, f"--out={out}"])
+        return []
+    try:
+        with _scratch() as folder:
+            directories = [os.path.join(folder, str(number)) for number in range(len(parts))]
+            for part, directory in zip(parts, directories, strict=True):
+                with zipfile.ZipFile(io.BytesIO(part)) as files:
+                    files.extractall(directory)
+            json_of(["sweep", "merge", *directories, f"--out={out}"])
+    except Error as error:
+        # One that does not fit must not take the others with it.
+        if len(parts) == 1:
+            return [Error(str(error))]
+        return [failure for part in parts for failure in _merge([part], out)]
+    return []

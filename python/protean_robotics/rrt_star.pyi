@@ -1,4 +1,4 @@
-from typing import final
+from typing import Self, final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -8,6 +8,15 @@ from ._types import Params, PointLike, PoseLike
 
 @final
 class Tree:
+    def __new__(
+        cls,
+        path: NDArray[np.float64],
+        reached: bool,
+        cost: float,
+        nodes: NDArray[np.float64],
+        parents: NDArray[np.int64],
+        costs: NDArray[np.float64],
+    ) -> Self: ...
     @property
     def path(self) -> NDArray[np.float64]: ...
     @property

@@ -1,6 +1,6 @@
 from collections.abc import Sequence
 
-from typing import final
+from typing import Self, final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -9,6 +9,17 @@ from ._types import Params, PoseLike
 
 @final
 class Trajectory:
+    def __new__(
+        cls,
+        time: NDArray[np.float64],
+        pose: NDArray[np.float64],
+        v: NDArray[np.float64],
+        omega: NDArray[np.float64],
+        duration: float,
+        lower_bound: float,
+        length: float,
+        status: str,
+    ) -> Self: ...
     @property
     def time(self) -> NDArray[np.float64]: ...
     @property

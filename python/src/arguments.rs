@@ -4,6 +4,7 @@ use core::fmt::Display;
 use std::path::PathBuf;
 
 use chaotic_maps::{Key, KeyKind};
+use geometry::map::MAX_EXITS;
 use geometry::pose::Pose2;
 use nalgebra::{Point2, Vector2};
 use numpy::ndarray::ArrayViewD;
@@ -14,8 +15,10 @@ use numpy::{
 use numpy::{PyArray1, PyArray2, PyUntypedArray};
 use parameters::{Parameters, ParamsError, check};
 use pyo3::conversion::FromPyObjectOwned;
+use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList, PyString, PyTuple};
+use scenario::spec::MAX_ROBOTS;
 use steering::path_tracking::Path;
 
 use crate::error::InvalidInput;
@@ -37,6 +40,20 @@ fn refused_object(name: &str, value: &Bound<'_, PyAny>, expected: &str) -> PyErr
     refused(name, &shown(value), expected)
 }
 
+/// Returns the fault of an argument that could not be read, or Ctrl-C.
+fn unless_interrupted(
+    value: &Bound<'_, PyAny>,
+    error: impl Into<PyErr>,
+    fault: impl FnOnce() -> PyErr,
+) -> PyErr {
+    let error = error.into();
+    if error.is_instance_of::<PyKeyboardInterrupt>(value.py()) {
+        error
+    } else {
+        fault()
+    }
+}
+
 fn shown(value: &Bound<'_, PyAny>) -> String {
     let text = value.repr().map(|text| text.to_string());
     let mut text = text.unwrap_or_else(|_| "without a text".to_owned());
@@ -54,8 +71,10 @@ pub fn scalar<'py, T>(value: &Bound<'py, PyAny>) -> PyResult<T>
 where
     T: Expected + FromPyObjectOwned<'py>,
 {
-    let read = value.extract();
-    read.map_err(|_| invalid(&format!("{}: expected {}", shown(value), T::EXPECTED)))
+    let fault = || invalid(&format!("{}: expected {}", shown(value), T::EXPECTED));
+    value
+        .extract()
+        .map_err(|error| unless_interrupted(value, error, fault))
 }
 
 /// Values that [`scalar`] reads.
@@ -110,11 +129,13 @@ impl<'py> Numbers<'py> {
         if value.is_none() || value.is_instance_of::<PyString>() {
             return Err(fault());
         }
-        let mut array: PyArrayLikeDyn<'py, f64, AllowTypeChange> =
-            value.extract().map_err(|_| fault())?;
+        let mut array: PyArrayLikeDyn<'py, f64, AllowTypeChange> = value
+            .extract()
+            .map_err(|error| unless_interrupted(value, error, fault))?;
         if !array.is_aligned() {
-            let copy = value.call_method0("copy").map_err(|_| fault())?;
-            array = copy.extract().map_err(|_| fault())?;
+            let copy = value.call_method0("copy");
+            let copied = copy.and_then(|copy| Ok(copy.extract()?));
+            array = copied.map_err(|error| unless_interrupted(value, error, fault))?;
         }
         Ok(Self { array })
     }
@@ -183,6 +204,32 @@ pub struct Points {
     pub points: Vec<Point2<f64>>,
     /// `true` if the argument is one point and not an array of points.
     pub is_single: bool,
+}
+
+/// Checks the length of an argument against a limit of the program.
+///
+/// # Errors
+/// The exception names argument, length and limit.
+pub fn at_most(name: &str, count: usize, limit: usize) -> PyResult<()> {
+    if count <= limit {
+        return Ok(());
+    }
+    let found = format!("an array of {count}");
+    Err(refused(name, &found, &format!("at most {limit}")))
+}
+
+/// Returns as many points as a scenario has robots at most, as [`points`] does.
+pub fn robots(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<Point2<f64>>> {
+    let points = points(name, value)?.points;
+    at_most(name, points.len(), MAX_ROBOTS)?;
+    Ok(points)
+}
+
+/// Returns as many points as a map has exits at most, as [`points`] does.
+pub fn goals(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<Point2<f64>>> {
+    let points = points(name, value)?.points;
+    at_most(name, points.len(), MAX_EXITS)?;
+    Ok(points)
 }
 
 /// Returns points (m) of shape (2,) or (n, 2), or the position of a robot.

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
+use std::sync::atomic::Ordering;
 use std::sync::{Arc, Mutex, MutexGuard, TryLockError};
 
 use environment::{
@@ -13,9 +14,9 @@ use numpy::{Element, IntoPyArray as _, PyArrayDyn, PyArrayMethods as _, PyReadon
 use pyo3::prelude::*;
 use scenario::{Loader, MapCache};
 
-use crate::arguments::invalid;
+use crate::arguments::{invalid, refused};
 use crate::error::{Error, InvalidInput};
-use crate::interpreter::detach;
+use crate::interruptible::{compute, short, wait};
 use crate::run::{CACHE, Planned, kinds_of, place};
 
 /// Instances of a scenario whose agents Python steers. Its arrays are the same objects in all steps.
@@ -107,7 +108,7 @@ impl Environments {
             rewards: rewards(&weights)?,
             programs: BTreeMap::new(),
         };
-        let inner = detach(py, || {
+        let inner = compute(py, move || {
             runtime::logging::start("warn");
             let loader = Loader::new(KINDS).allow_outside(allow_outside);
             let draft = loader.draft(&scenario);
@@ -122,7 +123,7 @@ impl Environments {
             let programs = kinds_of(template.scenario(), &planners);
             options.programs = programs.map_err(InvalidInput::new_err)?;
             Inner::new(template, options, Arc::clone(&CACHE)).map_err(raised)
-        })?;
+        })??;
         let shape = inner.shape();
         let (n, agents, length) = (shape.instances, shape.agents, shape.observation);
         let layouts = inner.layouts().iter();
@@ -148,7 +149,7 @@ impl Environments {
 
     /// Begins new episodes: the first ones of a seed, or the next ones.
     fn reset(&self, py: Python<'_>, seed: Option<u64>) -> PyResult<()> {
-        self.write(py, |inner, arrays| inner.reset(seed, arrays))
+        self.write(py, false, |inner, arrays| inner.reset(seed, arrays))
     }
 
     /// Begins new episodes in the instances with a start: (None, _) for the next one, (seed, index) for the first one of
@@ -164,13 +165,13 @@ impl Environments {
             Some((Some(seed), instance)) => Start::First { seed, instance },
         };
         let starts: Vec<Start> = starts.into_iter().map(start).collect();
-        self.write(py, |inner, arrays| inner.reset_each(&starts, arrays))
+        self.write(py, false, |inner, arrays| inner.reset_each(&starts, arrays))
     }
 
     /// Does a step with actions of shape (instances, agents, 2); returns `True` if an episode ended.
     fn step(&self, py: Python<'_>, actions: PyReadonlyArrayDyn<'_, f32>) -> PyResult<bool> {
         let actions = actions.as_slice().map_err(|error| invalid(&error))?;
-        self.write(py, |inner, arrays| {
+        self.write(py, true, |inner, arrays| {
             inner.step(actions, arrays)?;
             let mut ends = arrays.terminated.iter().chain(arrays.truncated.iter());
             Ok(ends.any(|&ended| ended))
@@ -180,7 +181,7 @@ impl Environments {
     /// Does several steps in one call, with actions of shape (steps, instances, agents, 2).
     fn steps(&self, py: Python<'_>, actions: PyReadonlyArrayDyn<'_, f32>) -> PyResult<()> {
         let actions = actions.as_slice().map_err(|error| invalid(&error))?;
-        self.write(py, |inner, arrays| {
+        self.write(py, false, |inner, arrays| {
             let mut steps = actions.chunks(inner.shape().actions().max(1));
             steps.try_for_each(|actions| inner.step(actions, arrays))
         })
@@ -215,7 +216,10 @@ impl Environments {
         let episode = inner.episode(instance, which(running)).map_err(raised)?;
         let replayer = inner.replayer();
         drop(guard);
-        let run = detach(py, || replayer.run(&episode, out, force));
+        let (run, signal) = wait(py, &replayer.interrupted, || {
+            replayer.run(&episode, out, force)
+        })?;
+        signal?;
         let (scenario, report) = run.map_err(raised)?;
         Ok(report.json(&scenario, &scenario.remarks()).to_string())
     }
@@ -233,10 +237,11 @@ impl Environments {
         })
     }
 
-    /// Does work that writes all arrays, while other threads may run.
+    /// Does work that writes all arrays, a step or something longer, while other threads may run.
     fn write<T: Send>(
         &self,
         py: Python<'_>,
+        is_step: bool,
         work: impl FnOnce(&mut Inner, &mut ArraysMut<'_>) -> Result<T, EnvironmentError> + Send,
     ) -> PyResult<T> {
         macro_rules! borrow {
@@ -247,7 +252,16 @@ impl Environments {
                 };
                 let mut guard = self.lock()?;
                 let inner = &mut *guard;
-                detach(py, || work(inner, &mut arrays)).map_err(raised)
+                if is_step && inner.steps_are_short() {
+                    return short(py, || work(inner, &mut arrays)).map_err(raised);
+                }
+                let interrupted = inner.interruption();
+                interrupted.store(false, Ordering::Relaxed);
+                let (done, signal) = wait(py, &interrupted, || work(inner, &mut arrays))?;
+                // It stays interrupted for no longer than this call.
+                interrupted.store(false, Ordering::Relaxed);
+                signal?;
+                done.map_err(raised)
             }};
         }
         borrow!(
@@ -303,6 +317,14 @@ fn rewards(given: &[(String, f64)]) -> PyResult<RewardWeights> {
 }
 
 fn raised(error: EnvironmentError) -> PyErr {
+    if let EnvironmentError::Option {
+        option: "instances",
+        given,
+        expected,
+    } = &error
+    {
+        return refused("num_envs", given, expected);
+    }
     let text = error.to_string();
     if error.is_refusal() {
         InvalidInput::new_err(text.trim_start_matches("error: ").to_owned())

@@ -86,6 +86,7 @@ mod _core {
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
         crate::interpreter::register(module)?;
+        module.add("MAX_MISSIONS", sweep::spec::MAX_MISSIONS)?;
         module.add("__version__", env!("CARGO_PKG_VERSION"))
     }
 }

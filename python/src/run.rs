@@ -14,8 +14,7 @@ use scenario::{Loader, Program, ResolvedScenario};
 use serde_json::Value as Json;
 
 use crate::error::{Error, InvalidInput};
-use crate::interpreter::detach;
-use crate::interruptible::wait;
+use crate::interruptible::{compute, wait};
 use crate::planner::{Function, PythonParams, PythonPlanner};
 
 /// Data of maps, which all runs of the process share.
@@ -69,11 +68,11 @@ pub fn run_in_process(
     allow_outside: bool,
     planners: Vec<Planned>,
 ) -> PyResult<String> {
-    let loaded = detach(py, || {
+    let loaded = compute(py, move || {
         runtime::logging::start("warn");
         let loader = Loader::new(KINDS).allow_outside(allow_outside);
         loader.load(&scenario, &overrides, seed)
-    });
+    })?;
     let mut scenario = loaded.map_err(|problems| {
         let text = problems.to_string();
         InvalidInput::new_err(text.trim_start_matches("error: ").to_owned())

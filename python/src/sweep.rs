@@ -19,8 +19,7 @@ use sweep::{
 };
 
 use crate::error::{Error, InvalidInput};
-use crate::interpreter::detach;
-use crate::interruptible::wait;
+use crate::interruptible::{compute, wait};
 use crate::run::{Planned, kinds_of, place};
 
 /// Options of an experiment beside its file.
@@ -83,13 +82,13 @@ pub fn missions_to_run(
     out: Option<PathBuf>,
     options: Options,
 ) -> PyResult<(PathBuf, Vec<usize>)> {
-    detach(py, || {
+    compute(py, move || {
         if is_planning(&experiment) {
             to_run(&options.load::<Task>(&experiment)?, out, &options)
         } else {
             to_run(&options.load_missions(&experiment)?, out, &options)
         }
-    })
+    })?
 }
 
 fn to_run<S: Subject>(
@@ -138,7 +137,10 @@ pub fn sweep_in_process(
 ) -> PyResult<String> {
     runtime::logging::start("warn");
     let path = experiment;
-    let experiment = detach(py, || options.load_missions(&path))?;
+    let (experiment, options, path) = compute(py, move || {
+        let experiment = options.load_missions(&path)?;
+        PyResult::Ok((experiment, options, path))
+    })??;
     let retry_failed = options.retry_failed;
     let engine = PlannersInProcess {
         engine: InProcess::default(),

@@ -72,7 +72,9 @@ def log() -> pr.Log:
 
 
 def objective(**arguments: Any) -> Any:
-    return pr.objective(**arguments)(SimpleNamespace(set_user_attr=lambda name, value: None))
+    none = lambda *given: None
+    trial = SimpleNamespace(set_user_attr=none, report=none, should_prune=none)
+    return pr.objective(**arguments)(trial)
 
 
 ENV = {

@@ -17,6 +17,17 @@ HEAD = """# Python package
 
 `import protean_robotics as pr`. Lengths are in metres, times in seconds, angles in radians, counter-clockwise; x points
 forward, y to the left. This page is made from the docstrings (`help(pr.run)`).
+
+**Ctrl-C** ends every call within a second. A run or a sweep keeps what it has written. Environments that it ends in a step or a reset
+must be reset. What an algorithm computes is dropped; its thread goes on until it has computed it, without an effect, also while the
+interpreter ends.
+
+**Other processes** of any start method (fork, spawn, forkserver) get objects by `pickle`: what follows from its arguments is made again
+from them, an environment without its episode. Robots and other inputs of a planner, and algorithms with a state, are refused with a
+reason. A forked child makes its own environments.
+
+**Limits** of scenarios hold for arguments: 64 robots, 1024 exits or goals, 4096 beams, 25 million cells of a map; 65 536 instances of an
+environment. What is beyond is an `InvalidInput`.
 """
 
 

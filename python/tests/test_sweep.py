@@ -1,12 +1,14 @@
 """Sweeps: the same table from the command, threads, other processes and executors, with any faults."""
 
 import csv
+import io
 import multiprocessing
 import os
 import pickle
 import signal
 import subprocess
 import sys
+import zipfile
 from collections.abc import Callable, Iterator
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from contextlib import AbstractContextManager, contextmanager
@@ -155,6 +157,14 @@ def ray() -> Iterator[pr.Executor]:
 
 
 @contextmanager
+def loky() -> Iterator[pr.Executor]:
+    loky = pytest.importorskip("joblib.externals.loky")
+    executor = loky.get_reusable_executor(max_workers=2)
+    yield executor
+    executor.shutdown(kill_workers=True)
+
+
+@contextmanager
 def hyperqueue() -> Iterator[pr.Executor]:
     hyperqueue = pytest.importorskip("hyperqueue")
     cluster = __import__("hyperqueue.cluster", fromlist=["WorkerConfig"])
@@ -220,6 +230,56 @@ if __name__ == "__main__":
     assert Path("mpi/results.csv").read_bytes() == whole
 
 
+def test_a_pool_of_joblib_whose_worker_is_killed_refuses_calls_and_a_new_one_has_the_table() -> None:
+    fatal = {"robot": planner("fatal")}
+    options = {"in_process": True, "planners": fatal, "shards": 4, "quiet": True}
+    whole = table(pr.sweep("limits.toml", out="whole", **options))  # type: ignore[arg-type]
+    Path("fuse").touch()
+    with loky() as executor:
+        for _ in range(2):
+            with pytest.raises(pr.Error, match="of . parts failed: .*the same call runs the missing missions"):
+                pr.sweep("limits.toml", out="killed", executor=executor, **options)  # type: ignore[arg-type]
+    with loky() as executor:
+        done = pr.sweep("limits.toml", out="killed", executor=executor, **options)  # type: ignore[arg-type]
+    assert table(done) == whole
+
+
+def test_a_part_that_is_something_else_is_an_error_and_the_others_are_kept() -> None:
+    whole = by_command()
+
+    class Lying(ThreadPoolExecutor):
+        """Returns an archive of something else as the second part, and a damaged one as the third."""
+
+        def submit(self, call, task, shard):  # type: ignore[no-untyped-def]
+            def lie() -> bytes:
+                archive = bytearray(call(task, shard))
+                if shard == "2/4":
+                    other = io.BytesIO()
+                    with zipfile.ZipFile(other, "w") as files:
+                        files.writestr("journal.jsonl", "{}")
+                    return other.getvalue()
+                if shard == "3/4":
+                    archive[100] ^= 255
+                return bytes(archive)
+
+            if shard == "4/4":
+                raise TypeError("no such argument")
+            return super().submit(lie)
+
+    with Lying(2) as executor, pytest.raises(pr.Error, match="3 of 4 parts failed"):
+        pr.sweep("limits.toml", out="lying", in_process=True, executor=executor, shards=4, quiet=True)
+    kept = Path("lying/results.csv").read_bytes().splitlines()
+    assert len(kept) == 1 + MISSIONS // 4
+    done = pr.sweep("limits.toml", out="lying", in_process=True, quiet=True)
+    assert table(done) == whole
+
+
+def test_joblib_is_told_what_fits() -> None:
+    joblib = pytest.importorskip("joblib")
+    with pytest.raises(pr.InvalidInput, match=r"expected joblib\.externals\.loky\.get_reusable_executor\(\)"):
+        pr.sweep("limits.toml", executor=joblib.Parallel(n_jobs=2))
+
+
 def test_the_results_of_the_other_parts_are_kept_when_one_fails() -> None:
     class Faulty(ThreadPoolExecutor):
         def submit(self, call, task, shard):  # type: ignore[no-untyped-def]
@@ -274,6 +334,31 @@ def test_optuna_searches_parameters_with_digests_of_every_trial() -> None:
     assert best.value == sum(run.time for run in runs) / 2
     with pytest.raises(pr.InvalidInput, match="seeds = .*at least one"):
         objective(range(0))
+
+
+def test_a_pruner_ends_trials_early() -> None:
+    optuna = pytest.importorskip("optuna")
+    optuna.logging.set_verbosity(optuna.logging.ERROR)
+    sampler = optuna.samplers.GridSampler({"limit": [0.5, 1.0, 1.5]}, seed=1)
+    pruner = optuna.pruners.ThresholdPruner(upper=1.2, n_warmup_steps=2)
+    study = optuna.create_study(sampler=sampler, pruner=pruner)
+    study.optimize(
+        pr.objective(
+            "hello",
+            lambda trial: {"rules.time_limit": trial.suggest_float("limit", 0.5, 1.5)},
+            lambda run: run.time,
+            seeds=range(1, 5),
+        )
+    )
+    found = {trial.params["limit"]: trial for trial in study.trials}
+    for limit, trial in found.items():
+        is_pruned = limit > 1.2
+        assert (trial.state == optuna.trial.TrialState.PRUNED) == is_pruned
+        # The mean after each seed; none after the last one is a reason to prune.
+        seeds = 2 if is_pruned else 4
+        assert trial.intermediate_values == pytest.approx(dict.fromkeys(range(1, seeds + 1), limit), abs=0.05)
+        assert len(trial.user_attrs["digests"]) == seeds
+    assert study.best_params == {"limit": 0.5}
 
 
 def test_invalid_experiments_and_arguments_are_refused() -> None:

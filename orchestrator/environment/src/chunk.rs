@@ -38,18 +38,35 @@ impl<B: Backend> Chunk<B> {
         starts: &[Start],
         arrays: &mut ArraysMut<'_>,
     ) -> Result<(), EnvironmentError> {
+        let reset = self.begin(starts, arrays);
+        if reset.is_err() {
+            // Some instances have begun and others not.
+            self.instances.clear();
+        }
+        reset
+    }
+
+    fn begin(
+        &mut self,
+        starts: &[Start],
+        arrays: &mut ArraysMut<'_>,
+    ) -> Result<(), EnvironmentError> {
         let shared = &self.shared;
         if self.instances.is_empty() {
             let seed = shared.options.seed;
-            let begin = |(index, &start)| match start {
-                Start::Keep => Err(EnvironmentError::NotReset),
-                Start::Next => Instance::new(shared, index, seed),
-                Start::First { seed, instance } => Instance::new(shared, instance, seed),
+            let begin = |(index, &start)| {
+                shared.check_interrupted()?;
+                match start {
+                    Start::Keep => Err(EnvironmentError::NotReset),
+                    Start::Next => Instance::new(shared, index, seed),
+                    Start::First { seed, instance } => Instance::new(shared, instance, seed),
+                }
             };
             let starts = self.range.clone().zip(starts);
             self.instances = starts.map(begin).collect::<Result<_, _>>()?;
         } else {
             for (own, &start) in self.instances.iter_mut().zip(starts) {
+                shared.check_interrupted()?;
                 match start {
                     Start::Keep => {}
                     Start::Next => own.begin_next(shared)?,

@@ -1,6 +1,7 @@
 //! The instances, and their division over threads.
 
 use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 use mission::in_process::Cache;
 use observation::facts::RobotFacts;
@@ -16,6 +17,9 @@ use crate::options::{Options, Start};
 use crate::replay::Replayer;
 use crate::shared::Shared;
 use crate::workers::Worker;
+
+/// Maximum number of numbers, in the observations of all ticks, of a step that is short.
+const SHORT: usize = 1 << 16;
 
 /// Many instances of one scenario.
 ///
@@ -195,6 +199,22 @@ impl Environments {
                 worker.ok_or(unknown)?.episode(instance, which)
             }
         }
+    }
+
+    /// Returns what ends a reset or a step: as long as it is `true`, they fail with [`EnvironmentError::Interrupted`].
+    /// The environments must be reset then.
+    pub fn interruption(&self) -> Arc<AtomicBool> {
+        Arc::clone(&self.shared.interrupted)
+    }
+
+    /// Returns `true` if a step takes far less than a second: few instances, which have the world alone.
+    pub fn steps_are_short(&self) -> bool {
+        let shape = self.shape();
+        let numbers = shape.instances * shape.agents * shape.observation.max(1);
+        let ticks = self.shared.options.ticks_per_action as usize;
+        matches!(self.engine, Engine::Here(_))
+            && self.shared.planner_map.is_none()
+            && numbers.saturating_mul(ticks) <= SHORT
     }
 
     /// Returns what executes recorded episodes again.

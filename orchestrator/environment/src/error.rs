@@ -67,6 +67,9 @@ pub enum EnvironmentError {
     /// There are no episodes before the first reset, nor after an error.
     #[error("the environments must be reset first: expected a reset of all instances")]
     NotReset,
+    /// [`Environments::interruption`](crate::Environments::interruption) ended a reset or a step.
+    #[error("the environments were interrupted: expected a reset of all instances")]
+    Interrupted,
     /// The instance does not exist.
     #[error("instance {given}: expected an index below {instances}")]
     Instance {
@@ -102,7 +105,11 @@ impl EnvironmentError {
     pub fn is_refusal(&self) -> bool {
         match self {
             Self::Mission(error) => error.is_refusal(),
-            Self::World(_) | Self::Write(_) | Self::OtherProcess | Self::Thread(_) => false,
+            Self::World(_)
+            | Self::Write(_)
+            | Self::Interrupted
+            | Self::OtherProcess
+            | Self::Thread(_) => false,
             _ => true,
         }
     }

@@ -183,6 +183,7 @@ impl<B: Backend> Instance<B> {
         actions: &[f32],
         row: &mut ArraysMut<'_>,
     ) -> Result<(), EnvironmentError> {
+        shared.check_interrupted()?;
         self.steer(shared, scratch)?;
         let robots = shared.agents.robots.iter();
         for (&robot, was_active) in robots.zip(&mut scratch.was_active) {

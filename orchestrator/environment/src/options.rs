@@ -6,12 +6,13 @@ use std::collections::BTreeMap;
 use observation::action::ActionKind;
 use observation::parts::Parts;
 use scenario::kind::ConfiguredKind;
+use scenario::spec::MAX_TICKS;
 
 use crate::error::EnvironmentError;
 use crate::rewards::RewardWeights;
 
 /// Maximum number of instances.
-const MAX_INSTANCES: usize = 1 << 20;
+const MAX_INSTANCES: usize = 1 << 16;
 /// Maximum number of threads.
 const MAX_THREADS: usize = 1024;
 
@@ -63,7 +64,7 @@ pub enum Start {
 /// Options of environments.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Options {
-    /// Number of instances, 1 to 2^20.
+    /// Number of instances, 1 to 2^16; their observations have at most 2^26 numbers.
     pub instances: usize,
     /// Names of the robots, teams or processes that the learner steers; at least one.
     pub agents: Vec<String>,
@@ -75,7 +76,7 @@ pub struct Options {
     pub seed: u64,
     /// Begin of the next episode after the end of one.
     pub autoreset: Autoreset,
-    /// Number of ticks of a step, at least 1: the action holds, rewards and events add up, and the observation is that
+    /// Number of ticks of a step, 1 to 10^8: the action holds, rewards and events add up, and the observation is that
     /// after the last tick.
     pub ticks_per_action: u32,
     /// Number of threads, 1 to 1024. Results do not depend on it.
@@ -116,10 +117,11 @@ impl Options {
         };
         if !(1..=MAX_INSTANCES).contains(&self.instances) {
             let given = self.instances.to_string();
-            return Err(refused("instances", given, "1 to 2^20"));
+            return Err(refused("instances", given, "1 to 2^16"));
         }
-        if self.ticks_per_action == 0 {
-            return Err(refused("ticks_per_action", "0".into(), "at least 1"));
+        if !(1.0..=MAX_TICKS).contains(&f64::from(self.ticks_per_action)) {
+            let given = self.ticks_per_action.to_string();
+            return Err(refused("ticks_per_action", given, "1 to 10^8"));
         }
         if !(1..=MAX_THREADS).contains(&self.threads) {
             let given = self.threads.to_string();

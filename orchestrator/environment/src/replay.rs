@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 use geometry::pose::Twist2;
 use mission::MissionReport;
@@ -21,11 +22,16 @@ use crate::shared::Shared;
 #[derive(Debug, Clone)]
 pub struct Replayer {
     shared: Arc<Shared>,
+    /// Ends the run in order, as [`InProcessOptions::interrupted`] does.
+    pub interrupted: Arc<AtomicBool>,
 }
 
 impl Replayer {
     pub(crate) fn new(shared: Arc<Shared>) -> Self {
-        Self { shared }
+        Self {
+            shared,
+            interrupted: Arc::default(),
+        }
     }
 
     /// Executes an episode again as a run in this thread, with planners that send its commands and stop after the last
@@ -40,15 +46,20 @@ impl Replayer {
         out: Option<PathBuf>,
         force: bool,
     ) -> Result<(ResolvedScenario, MissionReport), EnvironmentError> {
-        replay(&self.shared, episode, out, force)
+        let options = InProcessOptions {
+            out,
+            force,
+            interrupted: Arc::clone(&self.interrupted),
+            ..InProcessOptions::default()
+        };
+        replay(&self.shared, episode, options)
     }
 }
 
 fn replay(
     shared: &Shared,
     episode: &Episode,
-    out: Option<PathBuf>,
-    force: bool,
+    options: InProcessOptions,
 ) -> Result<(ResolvedScenario, MissionReport), EnvironmentError> {
     let mut scenario = shared.scenario(episode.seed)?;
     let commands = Arc::new(Recorded(commands(shared, episode)));
@@ -68,13 +79,11 @@ fn replay(
         programs.insert(process.name.clone(), kind);
     }
     let options = InProcessOptions {
-        out,
-        force,
         remarks: scenario.remarks(),
         last_tick: Some(episode.steps),
         programs,
         cache: Arc::clone(&shared.cache),
-        ..InProcessOptions::default()
+        ..options
     };
     let report = run(&scenario, &options)?;
     Ok((scenario, report))

@@ -2,6 +2,7 @@
 
 use core::time::Duration;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use geometry::map::WorldMap;
 use geometry::region::Region;
@@ -23,6 +24,9 @@ use crate::episode::episode_seed;
 use crate::error::EnvironmentError;
 use crate::options::Options;
 
+/// Maximum number of numbers in the observations of all instances.
+const MAX_OBSERVATIONS: usize = 1 << 26;
+
 /// Data that all instances share; it never changes.
 #[derive(Debug)]
 pub(crate) struct Shared {
@@ -43,6 +47,8 @@ pub(crate) struct Shared {
     pub dt: Duration,
     pub cache: Arc<Cache>,
     pub shape: Shape,
+    /// Ends a reset or a step.
+    pub interrupted: Arc<AtomicBool>,
 }
 
 impl Shared {
@@ -70,6 +76,13 @@ impl Shared {
             agents: agents.robots.len(),
             observation: layouts.iter().map(Layout::length).max().unwrap_or(0),
         };
+        if shape.instances * shape.agents * shape.observation > MAX_OBSERVATIONS {
+            return Err(EnvironmentError::Option {
+                option: "instances",
+                given: shape.instances.to_string(),
+                expected: "fewer, with at most 2^26 numbers in all observations",
+            });
+        }
         let mut tuned = Vec::new();
         if options.action == ActionKind::Tune {
             for &robot in &agents.robots {
@@ -104,7 +117,17 @@ impl Shared {
             dt,
             cache,
             shape,
+            interrupted: Arc::default(),
         })
+    }
+
+    /// Returns the error of a reset or a step that is interrupted.
+    pub fn check_interrupted(&self) -> Result<(), EnvironmentError> {
+        if self.interrupted.load(Ordering::Relaxed) {
+            Err(EnvironmentError::Interrupted)
+        } else {
+            Ok(())
+        }
     }
 
     /// Returns the scenario of an episode.

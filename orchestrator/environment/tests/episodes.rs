@@ -465,6 +465,40 @@ fn a_replay_has_a_log_with_its_digest() {
 }
 
 #[test]
+fn an_interrupted_step_or_reset_demands_a_reset_of_all_instances() {
+    use std::sync::atomic::Ordering;
+    for threads in [1, 2] {
+        let options = Options {
+            instances: 3,
+            threads,
+            ..options(&["evader_1"], "state")
+        };
+        let mut learner = Learner::new(template("chase_exact", &[]), options);
+        learner.reset(Some(1));
+        let first = learner.arrays.observations.clone();
+        let actions = vec![1.0; learner.environments.shape().actions()];
+        let interruption = learner.environments.interruption();
+        let refused = |result: Result<(), EnvironmentError>, is_reset: bool| match result {
+            Err(EnvironmentError::Interrupted) => assert!(is_reset),
+            Err(EnvironmentError::NotReset) => assert!(!is_reset),
+            other => panic!("{other:?}"),
+        };
+        interruption.store(true, Ordering::Relaxed);
+        refused(learner.act(&actions), true);
+        interruption.store(false, Ordering::Relaxed);
+        refused(learner.act(&actions), false);
+        interruption.store(true, Ordering::Relaxed);
+        let mut arrays = learner.arrays.as_mut();
+        refused(learner.environments.reset(Some(1), &mut arrays), true);
+        interruption.store(false, Ordering::Relaxed);
+        refused(learner.act(&actions), false);
+        learner.reset(Some(1));
+        assert_eq!(learner.arrays.observations, first);
+        learner.act(&actions).unwrap();
+    }
+}
+
+#[test]
 fn agents_have_the_facts_of_their_robots() {
     let template = template("chase_exact", &[]);
     let world = World::new(template.with_seed(1).unwrap().world).unwrap();

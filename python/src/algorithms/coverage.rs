@@ -1,6 +1,6 @@
 //! Coverage of a workplace by sub-goals.
 
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use ::coverage::plan::{CoveragePlan, PlanSpec};
 use ::coverage::sub_goals::FollowParams;
@@ -11,11 +11,11 @@ use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 
 use crate::arguments::{self, invalid, refused, scalar};
-use crate::interpreter::detach;
+use crate::interruptible::{compute, short};
 use crate::map::Map;
 
 /// Maximum number of sub-goals of one call.
-const MAX_GOALS: usize = 10_000_000;
+const MAX_GOALS: usize = 1_000_000;
 
 /// Coverage of a workplace: its free rectangles, a tour of them, and chaotic sub-goals.
 ///
@@ -104,14 +104,15 @@ impl Plan {
             loops,
             ..PlanSpec::default()
         };
-        let made = detach(py, || {
+        let space = Arc::clone(space);
+        let made = compute(py, move || {
             let parts = space.shapes().parts();
             let site = Site::new(*space.bounds(), parts, radius, &follow, start)?;
             let plan = CoveragePlan::new(site.decomposition.clone(), site.start, &spec, source)
                 .map_err(|error| error.to_string())?;
             Ok((plan, site))
         });
-        let (plan, site) = made.map_err(|error: String| invalid(&error))?;
+        let (plan, site) = made?.map_err(|error: String| invalid(&error))?;
         Ok(Self {
             goals: Mutex::new(plan),
             site,
@@ -134,16 +135,16 @@ impl Plan {
     /// Raises
     /// ------
     /// InvalidInput
-    ///     More than 10 million sub-goals at once.
+    ///     More than 1 million sub-goals at once.
     fn next<'py>(
         &self,
         py: Python<'py>,
         #[pyo3(from_py_with = scalar)] count: usize,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
         if count > MAX_GOALS {
-            return Err(refused("count", &count, "at most 10 million"));
+            return Err(refused("count", &count, "at most 1 million"));
         }
-        let goals: Vec<_> = detach(py, || {
+        let goals: Vec<_> = short(py, || {
             let mut plan = self.goals.lock().unwrap_or_else(PoisonError::into_inner);
             core::iter::from_fn(|| plan.step().map(|goal| goal.waypoint.point))
                 .take(count)

@@ -9,7 +9,7 @@ use steering::feedback_linearisation::{self, FeedbackParams};
 use steering::potential_field::{self, Goal, RepulsionParams, Repulsor};
 
 use crate::arguments::{self, invalid, scalar};
-use crate::interpreter::detach;
+use crate::interruptible::each;
 use crate::map::Map;
 
 /// Attraction of goals: a field of velocities.
@@ -49,7 +49,7 @@ pub fn attraction<'py>(
     goals: &Bound<'py, PyAny>,
     weights: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let goals = weighted("goals", goals, weights)?;
+    let goals = weighted(arguments::goals("goals", goals)?, weights)?;
     let field = |at: Point2<f64>| {
         let goals = goals.iter().map(|&(at, weight)| Goal { at, weight });
         potential_field::attraction(at, goals, &Bearings::Straight)
@@ -100,7 +100,7 @@ pub fn repulsion<'py>(
     params: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyAny>> {
     let params: RepulsionParams = arguments::params(params)?;
-    let robots = weighted("robots", robots, weights)?;
+    let robots = weighted(arguments::robots("robots", robots)?, weights)?;
     let field = |at: Point2<f64>| {
         let robots = robots.iter().map(|&(at, weight)| Repulsor { at, weight });
         potential_field::repulsion(at, robots, &Bearings::Straight, &params)
@@ -213,11 +213,9 @@ pub fn linearise(
 
 /// Points with weights; equal ones without `weights`.
 fn weighted(
-    name: &str,
-    points: &Bound<'_, PyAny>,
+    points: Vec<Point2<f64>>,
     weights: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Vec<(Point2<f64>, f64)>> {
-    let points = arguments::points(name, points)?.points;
     let weights = arguments::per_row("weights", weights, points.len(), 1.0)?;
     for &weight in &weights {
         arguments::not_negative("weights", weight)?;
@@ -232,10 +230,6 @@ fn at_points<'py>(
     field: impl Fn(Point2<f64>) -> Vector2<f64> + Sync,
 ) -> PyResult<Bound<'py, PyAny>> {
     let points = arguments::points("points", points)?;
-    let vectors: Vec<_> = if points.points.len() > 1 {
-        detach(py, || points.points.iter().map(|&at| field(at)).collect())
-    } else {
-        points.points.iter().map(|&at| field(at)).collect()
-    };
+    let vectors = each(py, &points.points, |&at| field(at))?;
     arguments::vector_per_point(py, points.is_single, &vectors)
 }

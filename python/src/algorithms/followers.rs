@@ -6,11 +6,11 @@ use numpy::PyArray1;
 use planner_view::limits::Limits;
 use planner_view::view::ScanView;
 use pyo3::prelude::*;
+use sim_backend::spec::MAX_BEAMS;
 use steering::path_tracking::{self, Path, TrackingParams};
 use steering::tangent_bug::{self, Advice, Mode};
 
 use crate::arguments::{self, invalid, refused, scalar};
-use crate::interpreter::detach;
 
 /// Point to drive to and the mode; `None` if no path leads to the goal.
 type Head<'py> = Option<(Bound<'py, PyArray1<f64>>, &'static str)>;
@@ -101,10 +101,9 @@ impl TangentBug {
         arguments::not_negative("tolerance", tolerance)?;
         let scan = Scan::of(ranges, angles, range_max)?;
         let view = scan.view();
-        let advice = detach(py, || {
-            let mut bug = self.bug.lock().unwrap_or_else(PoisonError::into_inner);
-            bug.advise(&pose, &view, goal, tolerance)
-        });
+        let mut bug = self.bug.lock().unwrap_or_else(PoisonError::into_inner);
+        let advice = bug.advise(&pose, &view, goal, tolerance);
+        drop(bug);
         match advice {
             Some(Advice::Head { towards, mode }) => {
                 let point = PyArray1::from_vec(py, vec![towards.x, towards.y]);
@@ -159,6 +158,7 @@ impl Scan {
             .ok_or_else(|| refused("angles", "None", "the directions of the beams (rad)"))?;
         let angles = arguments::list("angles", angles, "finite numbers (rad), shape (beams,)")?;
         let values = arguments::list_with_infinity("ranges", of_scan.as_ref().unwrap_or(ranges))?;
+        arguments::at_most("ranges", values.len(), MAX_BEAMS)?;
         if values.len() != angles.len() || values.is_empty() {
             let found = format!("{} ranges and {} angles", values.len(), angles.len());
             return Err(refused(

@@ -11,7 +11,7 @@ use planner_view::map::PlannerMap;
 use pyo3::prelude::*;
 
 use crate::arguments::{self, invalid, refused, scalar};
-use crate::interpreter::detach;
+use crate::interruptible::compute;
 use crate::map::Map;
 
 /// Maximum number of classes of paths.
@@ -80,16 +80,17 @@ pub fn ways<'py>(
     let Some(space) = map.map.space() else {
         return Err(refused("map", "grids alone", "a map with its exact pieces"));
     };
-    let paths = detach(py, || {
-        let free = |p| free_end(space, radius, p);
+    let space = Arc::clone(space);
+    let paths = compute(py, move || {
+        let free = |p| free_end(&space, radius, p);
         match (free(start), free(goal)) {
             (Some(start), Some(goal)) => {
-                k_shortest_classes(space, radius, start, goal, count, max_length)
+                k_shortest_classes(&space, radius, start, goal, count, max_length)
             }
             _ => Ok(Vec::new()),
         }
     });
-    let paths = paths.map_err(|error| invalid(&error))?;
+    let paths = paths?.map_err(|error| invalid(&error))?;
     paths
         .iter()
         .map(|path| arguments::array_of_points(py, &corners(path)))
@@ -143,16 +144,17 @@ pub fn arrival_times<'py>(
     #[pyo3(from_py_with = scalar)] pitch: Option<f64>,
 ) -> PyResult<Bound<'py, PyArray2<f32>>> {
     let pitch = checked_pitch(&map.map, radius, pitch)?;
-    let starts = arguments::points("starts", starts)?.points;
+    let starts = arguments::goals("starts", starts)?;
     let speeds = speeds_of("speeds", speeds, starts.len())?;
     let sources: Vec<Source> = (0..)
         .zip(starts.iter().zip(speeds))
         .map(|(label, (&at, speed))| Source::new(at, speed, label))
         .collect();
-    let (times, [height, width]) = detach(py, || {
-        let medium = medium(&map.map, pitch, radius);
+    let map = Arc::clone(&map.map);
+    let (times, [height, width]) = compute(py, move || {
+        let medium = medium(&map, pitch, radius);
         let mut wave = Wave::default();
-        wave.spread(&medium, &map.map, &sources, None);
+        wave.spread(&medium, &map, &sources, None);
         let lattice = medium.lattice();
         let time = |cell| {
             let node = lattice.node_of_cell(cell);
@@ -160,7 +162,7 @@ pub fn arrival_times<'py>(
         };
         let times: Vec<f32> = (0..lattice.frame().len()).map(time).collect();
         (times, [lattice.frame().height, lattice.frame().width])
-    });
+    })?;
     times.into_pyarray(py).reshape([height, width])
 }
 
@@ -224,7 +226,7 @@ pub fn dominance<'py>(
     )?;
     arguments::not_negative("capture_radius", capture_radius)?;
     let team = |names: [&str; 2], at: &Bound<'_, PyAny>, speeds: &Bound<'_, PyAny>, reach| {
-        let at = arguments::points(names[0], at)?.points;
+        let at = arguments::robots(names[0], at)?;
         let speeds = speeds_of(names[1], speeds, at.len())?;
         let runners = at.into_iter().zip(speeds);
         PyResult::Ok(
@@ -236,8 +238,9 @@ pub fn dominance<'py>(
     let evaders = team(["evaders", "evader_speeds"], evaders, evader_speeds, 0.0)?;
     let names = ["pursuers", "pursuer_speeds"];
     let pursuers = team(names, pursuers, pursuer_speeds, capture_radius)?;
-    let (owners, [height, width]) = detach(py, || {
-        let map = &map.map;
+    let map = Arc::clone(&map.map);
+    let (owners, [height, width]) = compute(py, move || {
+        let map = &*map;
         let key = [pitch, radius, capture_radius];
         let arena = map.derived().get(key, || {
             Arena::new(map, &DominanceParams { pitch }, radius, &[], capture_radius)
@@ -249,7 +252,7 @@ pub fn dominance<'py>(
         let frame = arena.lattice().frame();
         let owners: Vec<u8> = cells.iter().map(|cell| cell.owner.code()).collect();
         (owners, [frame.height, frame.width])
-    });
+    })?;
     owners.into_pyarray(py).reshape([height, width])
 }
 

@@ -1,9 +1,11 @@
 //! Patrols along a contour.
 
+use std::sync::Arc;
+
 use ::patrol::awg::{Awg, AwgParams, Preset};
 use ::patrol::contour::Contour;
 use ::patrol::danger::DangerZones;
-use ::patrol::forecast::Forecast;
+use ::patrol::forecast::{Forecast, ForecastError};
 use chaotic_maps::{Key, KeyKind};
 use numpy::{PyArray1, PyArray2};
 use planner_view::waypoint::WaypointKind;
@@ -11,7 +13,7 @@ use pyo3::prelude::*;
 use serde_json::Value as Json;
 
 use crate::arguments::{self, invalid, refused, scalar};
-use crate::interpreter::detach;
+use crate::interruptible::compute;
 
 /// Waypoints of a lap: positions, due times, and whether each was inserted.
 type Lap<'py> = (
@@ -62,7 +64,7 @@ type Lap<'py> = (
 #[pyclass(frozen, module = "protean_robotics.patrol")]
 #[derive(Debug)]
 pub struct ZigZag {
-    forecast: Forecast,
+    forecast: Arc<Forecast>,
     key: Key,
 }
 
@@ -103,7 +105,7 @@ impl ZigZag {
         let key = arguments::key(key, KeyKind::CatP, seed)?;
         let source = key.source().map_err(|error| invalid(&error))?;
         Ok(Self {
-            forecast: Forecast::new(awg, source),
+            forecast: Arc::new(Forecast::new(awg, source)),
             key,
         })
     }
@@ -134,8 +136,9 @@ impl ZigZag {
         py: Python<'py>,
         #[pyo3(from_py_with = scalar)] number: u32,
     ) -> PyResult<Lap<'py>> {
-        let waypoints =
-            detach(py, || self.forecast.lap(number)).map_err(|error| invalid(&error))?;
+        let forecast = Arc::clone(&self.forecast);
+        let waypoints = compute(py, move || forecast.lap(number))?;
+        let waypoints = waypoints.map_err(|error| invalid(&error))?;
         let awg = self.forecast.awg();
         let due = waypoints.iter().map(|w| awg.due_s(w.number)).collect();
         let inserted = waypoints
@@ -177,12 +180,11 @@ impl ZigZag {
             let expected = "finite numbers ≥ 0 (s), one or of shape (n,)";
             (arguments::list("times", times, expected)?, false)
         };
-        let at = |&time: &f64| {
-            let predicted = self.forecast.at_time(time)?;
-            Ok(predicted.point.coords)
-        };
-        let points: Result<Vec<_>, ::patrol::forecast::ForecastError> =
-            detach(py, || times.iter().map(at).collect());
+        let forecast = Arc::clone(&self.forecast);
+        let points = compute(py, move || -> Result<Vec<_>, ForecastError> {
+            let at = |&time: &f64| Ok(forecast.at_time(time)?.point.coords);
+            times.iter().map(at).collect()
+        })?;
         let points = points.map_err(|error| invalid(&error))?;
         arguments::vector_per_point(py, is_single, &points)
     }

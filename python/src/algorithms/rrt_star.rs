@@ -1,6 +1,7 @@
 //! Paths by RRT*.
 
 use core::f64::consts::FRAC_PI_2;
+use std::sync::Arc;
 
 use evader_rrt_star::RrtStarParams;
 use evader_rrt_star::collision_map::CollisionMap;
@@ -15,14 +16,19 @@ use planner_view::limits::Limits;
 use pyo3::prelude::*;
 
 use crate::arguments::{self, invalid, refused, scalar};
-use crate::interpreter::detach;
+use crate::interruptible::compute;
 use crate::map::Map;
 
 /// Turning rate (rad/s) of a robot for which none is given: arcs of at least the speed over it.
 const OMEGA_MAX: f64 = FRAC_PI_2;
 
 /// Result of a search: its best path and its tree.
-#[pyclass(frozen, get_all, module = "protean_robotics.rrt_star")]
+#[pyclass(
+    frozen,
+    get_all,
+    new = "from_fields",
+    module = "protean_robotics.rrt_star"
+)]
 #[derive(Debug)]
 pub struct Tree {
     /// Points of the best path (m), shape (n, 2), to a goal or, if `reached` is false, as near to one as possible; shape
@@ -119,9 +125,9 @@ pub fn plan(
     }
     let from = arguments::pose("start", start)
         .or_else(|_| arguments::point("start", start).map(|p| Pose2::new(p.x, p.y, 0.0)))?;
-    let goals = arguments::points("goals", goals)?.points;
+    let goals = arguments::goals("goals", goals)?;
     let pursuers = match pursuers {
-        Some(pursuers) => arguments::points("pursuers", pursuers)?.points,
+        Some(pursuers) => arguments::robots("pursuers", pursuers)?,
         None => Vec::new(),
     };
     let Some(space) = map.map.space() else {
@@ -140,8 +146,9 @@ pub fn plan(
         at,
         v_max: pursuer_speed,
     }));
-    let (route, nodes) = detach(py, || {
-        let mut collision_map = CollisionMap::new(space, radius, map.map.revision());
+    let (space, revision) = (Arc::clone(space), map.map.revision());
+    let (route, nodes) = compute(py, move || {
+        let mut collision_map = CollisionMap::new(&space, radius, revision);
         let towards = collision_map.towards(&goals);
         let mut planning = Planning::new(&params, &limits, seed);
         let route = planning.plan(&Task {
@@ -155,7 +162,7 @@ pub fn plan(
             iterations,
         });
         (route, joined(planning.tree().nodes()))
-    });
+    })?;
     let path = route.as_ref().map_or(&[][..], |route| route.path.points());
     Ok(Tree {
         path: arguments::array_of_points(py, path)?.unbind(),

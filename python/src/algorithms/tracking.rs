@@ -14,9 +14,11 @@ use planner_view::map::PlannerMap;
 use pyo3::prelude::*;
 use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
+use scenario::spec::MAX_ROBOTS;
 
 use crate::arguments::{self, scalar};
-use crate::interpreter::detach;
+use crate::error::Error;
+use crate::interruptible::{compute, each};
 use crate::map::Map;
 
 /// Particle filter of the pose of one robot.
@@ -61,6 +63,8 @@ use crate::map::Map;
 pub struct ParticleFilter {
     space: Arc<Space>,
     filter: Mutex<particle_filter::ParticleFilter>,
+    /// Held by the thread that updates it.
+    updating: Mutex<()>,
 }
 
 #[pymethods]
@@ -93,15 +97,17 @@ impl ParticleFilter {
         };
         let start = start.map(|start| arguments::pose("start", start));
         let start = start.transpose()?;
-        let (space, filter) = detach(py, || {
-            let space = space(&map.map);
+        let map = Arc::clone(&map.map);
+        let (space, filter) = compute(py, move || {
+            let space = space(&map);
             let rng = ChaCha8Rng::seed_from_u64(seed);
             let filter = particle_filter::ParticleFilter::new(&params, limits, start, &space, rng);
             (space, filter)
-        });
+        })?;
         Ok(Self {
             space,
             filter: Mutex::new(filter),
+            updating: Mutex::new(()),
         })
     }
 
@@ -157,9 +163,16 @@ impl ParticleFilter {
             measurement,
         };
         let watch = watch(&self.space, observers, sensor)?;
-        detach(py, || {
-            self.lock().update(&self.space, &watch, &sighting, dt);
-        });
+        let Ok(_own) = self.updating.try_lock() else {
+            return Err(Error::new_err("the filter is in use by another thread"));
+        };
+        let (space, mut filter) = (Arc::clone(&self.space), self.lock().clone());
+        // Without an effect until it is complete.
+        let updated = compute(py, move || {
+            filter.update(&space, &watch, &sighting, dt);
+            filter
+        })?;
+        *self.lock() = updated;
         Ok(())
     }
 
@@ -270,10 +283,11 @@ pub fn visibility<'py>(
     sensor: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyAny>> {
     let points = arguments::points("points", points)?;
-    let space = detach(py, || space(&map.map));
+    let map = Arc::clone(&map.map);
+    let space = compute(py, move || space(&map))?;
     let watch = watch(&space, Some(observers), sensor)?;
     let best = |&p: &Point2<f64>| watch.best(space.field(), p).map_or(0.0, |(v, _)| v);
-    let values: Vec<f64> = detach(py, || points.points.iter().map(best).collect());
+    let values = each(py, &points.points, best)?;
     arguments::per_point(py, points.is_single, values)
 }
 
@@ -288,6 +302,7 @@ fn watch(
     if let Some(observers) = observers {
         let expected = "finite numbers of shape (k, 3): x (m), y (m), heading (rad)";
         let rows = arguments::rows("observers", observers, expected)?;
+        arguments::at_most("observers", rows.len(), MAX_ROBOTS)?;
         let poses: Vec<Pose2> = rows
             .into_iter()
             .map(|[x, y, theta]| Pose2::new(x, y, theta))

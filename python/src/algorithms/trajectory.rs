@@ -1,6 +1,5 @@
 //! Minimum-time trajectories among obstacles.
 
-use std::sync::Mutex;
 use std::sync::atomic::AtomicBool;
 
 use ::plan::field::{counter_clockwise, read_instance};
@@ -15,10 +14,15 @@ use pyo3::prelude::*;
 
 use crate::arguments::{self, invalid, refused, scalar};
 use crate::error::{Error, InvalidInput};
-use crate::interpreter::{attach, detach};
+use crate::interruptible::compute;
 
 /// Trajectory of a robot, which has passed the check of limits and clearances.
-#[pyclass(frozen, get_all, module = "protean_robotics.trajectory")]
+#[pyclass(
+    frozen,
+    get_all,
+    new = "from_fields",
+    module = "protean_robotics.trajectory"
+)]
 #[derive(Debug)]
 pub struct Trajectory {
     /// Times since the start (s), shape (n,).
@@ -188,22 +192,9 @@ pub fn plan(
         })?,
         ..Options::default()
     };
-    // Behind a lock only because the signal handler's error must cross threads.
-    let raised = Mutex::new(None);
-    let planned = detach(py, || {
-        let mut stop = || {
-            let signal = attach(|py: Python<'_>| py.check_signals().err());
-            let is_raised = signal.is_some();
-            if let (Some(error), Ok(mut raised)) = (signal, raised.lock()) {
-                *raised = Some(error);
-            }
-            is_raised
-        };
-        ::trajectory::plan(&problem, &options, None, &mut stop)
-    });
-    if let Some(error) = raised.into_inner().ok().flatten() {
-        return Err(error);
-    }
+    let planned = compute(py, move || {
+        ::trajectory::plan(&problem, &options, None, &mut || false)
+    })?;
     let plan = planned.map_err(|error| match error {
         PlanError::Invalid(error) => invalid(&error),
         error => Error::new_err(error.to_string()),
@@ -257,10 +248,10 @@ pub fn plan_instance(
     let fields: Loose = serde_json::from_str(&text)
         .map_err(|error| InvalidInput::new_err(format!("instance: {error}")))?;
     let instance = read_instance("instance", &fields).map_err(|error| invalid(&error))?;
-    let answer = detach(py, || {
+    let answer = compute(py, move || {
         ::plan::solve(&instance, &options, 1, &AtomicBool::new(false))
-    })
-    .ok_or_else(|| Error::new_err("interrupted"))?;
+    })?;
+    let answer = answer.ok_or_else(|| Error::new_err("interrupted"))?;
     let Some(samples) = answer.samples.filter(|_| answer.error.is_none()) else {
         let reason = answer.error.unwrap_or_else(|| "no trajectory".to_owned());
         return Err(Error::new_err(reason));

@@ -26,6 +26,7 @@ use crate::interruptible::wait;
 #[pyclass(frozen, module = "protean_robotics")]
 #[derive(Debug)]
 pub struct LogFile {
+    #[pyo3(get)]
     path: PathBuf,
     info: LogInfo,
 }

@@ -6,13 +6,13 @@ mod source;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use nalgebra::Point2;
+use navigation::shortest_paths::ShortestPaths;
 use numpy::{IntoPyArray as _, PyArray1, PyArray2, PyArrayMethods as _};
 use planner_view::map::PlannerMap;
 use pyo3::prelude::*;
 
-use crate::arguments::{self, scalar};
-use crate::interpreter::detach;
+use crate::arguments::{self, Points, scalar};
+use crate::interruptible::{compute, each};
 
 /// A map: its grids, and the exact pieces of its obstacles.
 ///
@@ -39,15 +39,27 @@ use crate::interpreter::detach;
 pub struct Map {
     /// The map.
     pub map: Arc<PlannerMap>,
+    /// What makes it again, for pickling: name or path of the source (of a grid: None) and blur (m); None for a map of a
+    /// run.
+    #[pyo3(get, name = "_recipe")]
+    pub recipe: Option<(Option<PathBuf>, f64)>,
 }
 
 #[pymethods]
 impl Map {
     #[new]
     fn new(py: Python<'_>, #[pyo3(from_py_with = scalar)] source: PathBuf) -> PyResult<Self> {
-        let name = source.to_string_lossy();
-        let map = detach(py, || source::read(&name))?;
-        Ok(Self { map })
+        let name = source.to_string_lossy().into_owned();
+        let map = compute(py, move || source::read(&name))??;
+        // Names of built-in scenarios have no extension.
+        let is_name = source.extension().is_none();
+        let path = if is_name {
+            Ok(source.clone())
+        } else {
+            std::path::absolute(&source)
+        };
+        let recipe = Some((Some(path.unwrap_or(source)), 0.0));
+        Ok(Self { map, recipe })
     }
 
     /// Map of an occupancy grid.
@@ -85,7 +97,8 @@ impl Map {
         #[pyo3(from_py_with = scalar)] blur_sigma: f64,
     ) -> PyResult<Self> {
         let map = queries::from_grid(blocked, resolution, origin, blur_sigma)?;
-        Ok(Self { map })
+        let recipe = Some((None, blur_sigma));
+        Ok(Self { map, recipe })
     }
 
     /// Number that changes with every obstacle.
@@ -174,10 +187,13 @@ impl Map {
         goal: &Bound<'py, PyAny>,
         #[pyo3(from_py_with = scalar)] radius: Option<f64>,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let paths = queries::paths(py, &self.map, start, radius)?;
+        let radius = queries::radius(start, radius)?;
         let start = arguments::point("start", start)?;
         let goal = arguments::point("goal", goal)?;
-        let corners = detach(py, || paths.corners(start, goal));
+        let map = Arc::clone(&self.map);
+        let corners = compute(py, move || {
+            ShortestPaths::new(&map, radius)?.corners(start, goal)
+        })?;
         arguments::array_of_points(py, &corners.map_err(|error| arguments::invalid(&error))?)
     }
 
@@ -211,12 +227,15 @@ impl Map {
         goal: &Bound<'py, PyAny>,
         #[pyo3(from_py_with = scalar)] radius: Option<f64>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let paths = queries::paths(py, &self.map, start, radius)?;
-        let starts = arguments::points("start", start)?;
+        let radius = queries::radius(start, radius)?;
+        let Points { points, is_single } = arguments::points("start", start)?;
         let goal = arguments::point("goal", goal)?;
-        let lengths = detach(py, || paths.lengths(&starts.points, goal));
+        let map = Arc::clone(&self.map);
+        let lengths = compute(py, move || {
+            ShortestPaths::new(&map, radius)?.lengths(&points, goal)
+        })?;
         let lengths = lengths.map_err(|error| arguments::invalid(&error))?;
-        arguments::per_point(py, starts.is_single, lengths)
+        arguments::per_point(py, is_single, lengths)
     }
 
     /// Exact distance from points to the nearest obstacle or the bounds (m).
@@ -243,7 +262,7 @@ impl Map {
         points: &Bound<'py, PyAny>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let points = arguments::points("points", points)?;
-        let values = detach(py, || queries::clearances(&self.map, &points.points));
+        let values = each(py, &points.points, |&p| queries::clearance(&self.map, p))?;
         arguments::per_point(py, points.is_single, values)
     }
 
@@ -279,9 +298,9 @@ impl Map {
         arguments::not_negative("radius", radius)?;
         let start = arguments::point("start", start)?;
         let ends = arguments::points("ends", ends)?;
-        let values = detach(py, || {
-            queries::lines_are_clear(&self.map, start, &ends.points, radius)
-        });
+        let values = each(py, &ends.points, |&end| {
+            queries::line_is_clear(&self.map, start, end, radius)
+        })?;
         arguments::per_point(py, ends.is_single, values)
     }
 
@@ -319,8 +338,9 @@ impl Map {
         arguments::not_negative("radius", radius)?;
         let start = arguments::point("start", start)?;
         let ends = arguments::points("ends", ends)?;
-        let run = |&end: &Point2<f64>| self.map.free_run(start, end, radius);
-        let values: Vec<f64> = detach(py, || ends.points.iter().map(run).collect());
+        let values = each(py, &ends.points, |&end| {
+            self.map.free_run(start, end, radius)
+        })?;
         arguments::per_point(py, ends.is_single, values)
     }
 
@@ -356,7 +376,9 @@ impl Map {
         arguments::positive("range_max", range_max)?;
         let at = arguments::point("at", at)?;
         let angles = arguments::list("angles", angles, "finite numbers (rad), shape (n,)")?;
-        let ranges = detach(py, || queries::cast_rays(&self.map, at, &angles, range_max));
+        let ranges = each(py, &angles, |&angle| {
+            queries::cast_ray(&self.map, at, angle, range_max)
+        })?;
         Ok(ranges.into_pyarray(py))
     }
 
@@ -384,7 +406,9 @@ impl Map {
         points: &Bound<'py, PyAny>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let points = arguments::points("points", points)?;
-        let vectors = detach(py, || queries::directions_away(&self.map, &points.points));
+        let vectors = each(py, &points.points, |&p| {
+            self.map.away_from_obstacles(p).unwrap_or_default()
+        })?;
         arguments::vector_per_point(py, points.is_single, &vectors)
     }
 

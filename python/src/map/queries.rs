@@ -7,14 +7,14 @@ use geometry::map::{CellMap, WorldMap};
 use geometry::math;
 use geometry::visibility::polygon::{SightLimits, Viewpoint, Walls};
 use nalgebra::{Point2, Vector2};
-use navigation::shortest_paths::ShortestPaths;
 use numpy::{AllowTypeChange, PyArrayLike2};
 use planner_view::map::PlannerMap;
 use pyo3::prelude::*;
+use scenario::spec::MAX_CELLS;
 
 use super::source::of_world;
-use crate::arguments::{attribute, invalid, point, positive, refused, row};
-use crate::interpreter::detach;
+use crate::arguments::{at_most, attribute, invalid, point, positive, refused, row};
+use crate::interruptible::compute;
 
 /// Returns the map of an occupancy grid of shape (rows, columns).
 ///
@@ -34,6 +34,7 @@ pub fn from_grid(
         )
     })?;
     let cells = cells.as_array();
+    at_most("blocked", cells.len(), MAX_CELLS)?;
     let [x, y] = match origin {
         Some(origin) => row("origin", origin, "two finite numbers (m)")?,
         None => [0.0; 2],
@@ -47,36 +48,27 @@ pub fn from_grid(
         },
         cells: cells.iter().copied().collect(),
     };
-    let map = CellMap::from_grid(&grid);
-    let py = blocked.py();
-    detach(py, || {
+    compute(blocked.py(), move || {
+        let map = CellMap::from_grid(&grid);
         let world = WorldMap::from_cells(&map).map_err(|error| invalid(&error))?;
         of_world(&world, blur_sigma)
-    })
+    })?
 }
 
-/// Returns the shortest paths of a disc on a map; without a radius, of the robot at whose position the paths begin.
+/// Returns the radius of a disc (m); if absent, of the robot at whose position its paths begin.
 ///
 /// # Errors
-/// A radius that is not usable, or none.
-pub fn paths(
-    py: Python<'_>,
-    map: &PlannerMap,
-    start: &Bound<'_, PyAny>,
-    radius: Option<f64>,
-) -> PyResult<ShortestPaths> {
-    let radius = match (radius, attribute(start, "radius")?) {
-        (Some(radius), _) => radius,
-        (None, Some(radius)) => radius.extract()?,
-        (None, None) => {
-            return Err(refused(
-                "radius",
-                "None",
-                "a number above 0 (m), if the start is no robot",
-            ));
-        }
-    };
-    detach(py, || ShortestPaths::new(map, radius)).map_err(|error| invalid(&error))
+/// There is none.
+pub fn radius(start: &Bound<'_, PyAny>, radius: Option<f64>) -> PyResult<f64> {
+    match (radius, attribute(start, "radius")?) {
+        (Some(radius), _) => Ok(radius),
+        (None, Some(radius)) => radius.extract(),
+        (None, None) => Err(refused(
+            "radius",
+            "None",
+            "a number above 0 (m), if the start is no robot",
+        )),
+    }
 }
 
 /// Returns the visible part of the free cells around a point or a robot.
@@ -84,7 +76,7 @@ pub fn paths(
 /// # Errors
 /// A range or field of view that is out of range.
 pub fn visible(
-    map: &PlannerMap,
+    map: &Arc<PlannerMap>,
     at: &Bound<'_, PyAny>,
     range: Option<f64>,
     field_of_view: Option<f64>,
@@ -105,12 +97,13 @@ pub fn visible(
         heading,
         limits,
     };
-    Ok(detach(at.py(), || {
+    let map = Arc::clone(map);
+    compute(at.py(), move || {
         let walls = map
             .derived()
             .get("walls", || Walls::new(map.blurred().occupied().clone()));
         walls.seen_from(&viewpoint)
-    }))
+    })
 }
 
 /// Returns the lower left and the upper right corner of a map (m).
@@ -123,47 +116,32 @@ pub fn bounds(map: &PlannerMap) -> (Point2<f64>, Point2<f64>) {
     (frame.origin, frame.origin + size * frame.resolution)
 }
 
-/// Returns the distance of each point from the nearest obstacle (m): exact, or by the grid of a map without pieces.
-pub fn clearances(map: &PlannerMap, points: &[Point2<f64>]) -> Vec<f64> {
-    let clearance = |&p: &Point2<f64>| match map.space() {
+/// Returns the distance of a point from the nearest obstacle (m): exact, or by the grid of a map without pieces.
+pub fn clearance(map: &PlannerMap, p: Point2<f64>) -> f64 {
+    match map.space() {
         Some(space) => space.distance(p),
         None => map.clearance(p),
-    };
-    points.iter().map(clearance).collect()
+    }
 }
 
-/// Returns whether a disc of this radius (m) can drive straight from a point to each end: exact, or by the grid of a
-/// map without pieces.
-pub fn lines_are_clear(
-    map: &PlannerMap,
-    start: Point2<f64>,
-    ends: &[Point2<f64>],
-    radius: f64,
-) -> Vec<bool> {
-    let is_clear = |&end: &Point2<f64>| match map.space() {
+/// Returns whether a disc of this radius (m) can drive straight from a point to another: exact, or by the grid of a map
+/// without pieces.
+pub fn line_is_clear(map: &PlannerMap, start: Point2<f64>, end: Point2<f64>, radius: f64) -> bool {
+    match map.space() {
         Some(space) => space.segment_is_free(start, end, radius),
         None => map.line_is_clear(start, end, radius),
-    };
-    ends.iter().map(is_clear).collect()
+    }
 }
 
-/// Returns the distance to the first obstacle in each direction (rad); infinity beyond `range_max` (m).
-pub fn cast_rays(map: &PlannerMap, at: Point2<f64>, angles: &[f64], range_max: f64) -> Vec<f64> {
-    let cast = |&angle: &f64| {
-        let (sin, cos) = math::sincos(angle);
-        let direction = Vector2::new(cos, sin);
-        let hit = match map.space() {
-            Some(space) => space.shapes().cast_ray(at, direction, range_max),
-            None => Some(map.free_run(at, at + direction * range_max, 0.0))
-                .filter(|&run| run < range_max),
-        };
-        hit.unwrap_or(f64::INFINITY)
+/// Returns the distance to the first obstacle in a direction (rad); infinity beyond `range_max` (m).
+pub fn cast_ray(map: &PlannerMap, at: Point2<f64>, angle: f64, range_max: f64) -> f64 {
+    let (sin, cos) = math::sincos(angle);
+    let direction = Vector2::new(cos, sin);
+    let hit = match map.space() {
+        Some(space) => space.shapes().cast_ray(at, direction, range_max),
+        None => {
+            Some(map.free_run(at, at + direction * range_max, 0.0)).filter(|&run| run < range_max)
+        }
     };
-    angles.iter().map(cast).collect()
-}
-
-/// Returns the unit vector away from the nearest obstacle at each point; zero where there is none.
-pub fn directions_away(map: &PlannerMap, points: &[Point2<f64>]) -> Vec<Vector2<f64>> {
-    let away = |&p: &Point2<f64>| map.away_from_obstacles(p).unwrap_or_default();
-    points.iter().map(away).collect()
+    hit.unwrap_or(f64::INFINITY)
 }

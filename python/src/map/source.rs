@@ -9,9 +9,10 @@ use kinds::KINDS;
 use planner_view::map::PlannerMap;
 use platform::file_kind::FileKind;
 use pyo3::prelude::*;
+use scenario::spec::MAX_CELLS;
 use scenario::{Draft, Loader};
 
-use crate::arguments::invalid;
+use crate::arguments::{at_most, invalid};
 
 /// First revision of a map, as in runs.
 pub const FIRST_REVISION: u64 = 1;
@@ -43,6 +44,7 @@ pub fn read(source: &str) -> PyResult<Arc<PlannerMap>> {
 
 fn of_spec(spec: &MapSpec, blur_sigma: f64) -> PyResult<Arc<PlannerMap>> {
     let world = WorldMap::recent(spec).map_err(|error| invalid(&error))?;
+    at_most("source", world.frame().len(), MAX_CELLS)?;
     of_world(&world, blur_sigma)
 }
 

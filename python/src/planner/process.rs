@@ -153,7 +153,7 @@ impl PythonPlanner {
         let known = objects.map.as_ref().map(|known| known.get().map.revision());
         if objects.inputs.contains(&Input::Map) && known != Some(map.revision()) {
             let map = Arc::new(map.clone());
-            objects.map = Some(Py::new(py, Map { map })?);
+            objects.map = Some(Py::new(py, Map { map, recipe: None })?);
         }
         let inputs = objects.inputs.iter();
         let arguments = inputs.map(|input| match input {

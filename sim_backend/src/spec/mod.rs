@@ -13,7 +13,7 @@ pub use condition::Condition;
 pub use coverage::CoverageSpec;
 pub use robot::{ActuatorSpec, LimitsSpec, Preset, RobotModel, RobotSpec};
 pub use rules::{Blocked, CaptureSpec, OutOfPlay, RulesSpec};
-pub use sensor::{OdometrySpec, ScanSpec};
+pub use sensor::{MAX_BEAMS, OdometrySpec, ScanSpec};
 
 use geometry::map::MapSpec;
 use serde::{Deserialize, Serialize};

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use geometry::extent::{not_negative, positive};
 
 /// Maximum number of beams of a scan.
-const MAX_BEAMS: usize = 4096;
+pub const MAX_BEAMS: usize = 4096;
 
 /// A planar range scanner at the robot's centre.
 ///
