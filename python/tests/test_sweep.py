@@ -4,6 +4,7 @@ import csv
 import multiprocessing
 import os
 import pickle
+import re
 import signal
 import subprocess
 import sys
@@ -11,6 +12,7 @@ from collections.abc import Callable, Iterator
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -274,6 +276,29 @@ def test_optuna_searches_parameters_with_digests_of_every_trial() -> None:
     assert best.value == sum(run.time for run in runs) / 2
     with pytest.raises(pr.InvalidInput, match="seeds = .*at least one"):
         objective(range(0))
+
+
+def test_the_search_of_the_documentation_is_of_a_parameter_that_matters() -> None:
+    page = (Path(__file__).parents[2] / "docs/how-to/sweeps.md").read_text()
+    (code,) = re.findall(r"```python\nimport optuna\n(.*?)\nstudy = ", page, re.DOTALL)
+    names: dict[str, Any] = {}
+    exec(compile(code, "sweeps.md", "exec"), names)
+
+    class Fixed:
+        """A trial with this number."""
+
+        def __init__(self, number: float) -> None:
+            self.number = number
+
+        def suggest_float(self, name: str, low: float, high: float, *, log: bool) -> float:
+            assert low <= self.number <= high
+            return self.number
+
+    without, found = (
+        sum(names["escapes"](pr.run("chase_exact", seed=seed, in_process=True, set=values)) for seed in range(1, 5))
+        for values in ({}, names["suggest"](Fixed(1.5)))
+    )
+    assert found + 2 <= without, (without, found)
 
 
 def test_invalid_experiments_and_arguments_are_refused() -> None:
