@@ -1,4 +1,4 @@
-//! Ways that agents have left, for rewards of progress.
+//! The way that an agent has left, for rewards of progress.
 
 use nalgebra::Point2;
 use navigation::routes::RouteFinder;
