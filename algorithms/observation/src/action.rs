@@ -18,7 +18,7 @@ pub enum ActionKind {
     Twist,
     /// Parameters of the potential-field evader: [`FieldEvader`](crate::field_evader::FieldEvader).
     Tune,
-    /// What is added to the action of the potential-field evader.
+    /// Correction: a sum with the action of the potential-field evader.
     Residual,
 }
 
