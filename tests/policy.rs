@@ -82,7 +82,7 @@ fn what_does_not_fit_is_named_before_the_first_tick() {
     let both = "model = \"models/to_the_exit.onnx\", observation = \"lidar\"";
     check(both).refused(2, &["observation", "state, scan, belief"]);
     let both = "model = \"models/to_the_exit.onnx\", action = \"pull\"";
-    check(both).refused(2, &["`action`", "twist or tune"]);
+    check(both).refused(2, &["`action`", "twist, tune or residual"]);
     sandbox.file("models/text.onnx", "not a model");
     check("model = \"models/text.onnx\"").refused(2, &["`model`: not an ONNX file"]);
     let both = "model = \"models/to_the_exit.onnx\", observation = \"state+belief\"";

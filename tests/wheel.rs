@@ -20,6 +20,7 @@ const ENVIRONMENT: &[&str] = &[
     "mpich==5.0.2",
     "mypy==2.4.1",
     "numpy==2.4.6",
+    "onnx==1.23.2",
     "optuna==5.0.0",
     "pandas==3.1.1",
     "pettingzoo==1.27.0",

@@ -50,7 +50,7 @@ class VectorEnv(gymnasium.vector.VectorEnv[NDArray[np.float32], NDArray[np.float
         Attribute `entries` has the names of all entries.
     action
         Meaning of the actions: "twist" (forward speed and turning rate) or, for evaders, "tune" (parameters of an
-        "evader_potential" that steers in every tick).
+        "evader_potential" that steers in every tick) or "residual" (what is added to its action).
     seed
         Seed of all episodes, if `reset` gives none; another one for each environment if None. The seeds of episodes follow
         from it, from the index of the instance and from the number of the episode.
@@ -66,8 +66,8 @@ class VectorEnv(gymnasium.vector.VectorEnv[NDArray[np.float32], NDArray[np.float
         Values that replace those of the scenario, by their dotted keys.
     reward
         Weights of the events: "escape" (default 1), "caught" (-1), "capture" (1; an opponent was caught), "lost" (-1; an
-        opponent escaped), "arrival" (1; at the goal), "contact" (0), "time" (0; per second). Or a function from a
-        ``Step`` to rewards.
+        opponent escaped), "arrival" (1; at the goal), "contact" (0); "time" (0; per second), "progress" (0; per metre by
+        which the way to the goal, or to the nearest exit, became shorter). Or a function from a ``Step`` to rewards.
     planners
         Planners in the place of those of the scenario, as for ``run``.
     copy

@@ -304,9 +304,10 @@ fn rewards(given: &[(String, f64)]) -> PyResult<RewardWeights> {
             "arrival" => &mut weights.arrival,
             "contact" => &mut weights.contact,
             "time" => &mut weights.time,
+            "progress" => &mut weights.progress,
             _ => {
                 return Err(InvalidInput::new_err(format!(
-                    "reward: no weight {name:?}: expected {} or time",
+                    "reward: no weight {name:?}: expected {}, time or progress",
                     EVENT_NAMES.join(", ")
                 )));
             }

@@ -253,14 +253,77 @@ def test_the_action_zero_is_evader_potential_and_others_are_not() -> None:
     assert not np.allclose(driven, tuned, atol=1e-2)
 
 
+@pytest.mark.parametrize("scenario,agents", [("hello", ["robot"]), ("chase_exact", ["evader"])])
+def test_the_residual_zero_is_evader_potential(scenario: str, agents: list[str]) -> None:
+    # The tuned evader with default parameters, to the last bit.
+    digests = set()
+    for action in ("tune", "residual"):
+        envs = pr.VectorEnv(scenario, 1, agents=agents, action=action, set={"rules.time_limit": 40})
+        envs.reset(seed=7)
+        ended = False
+        while not ended:
+            _, _, terminations, truncations, infos = envs.step(np.zeros(envs.action_space.shape, dtype=np.float32))
+            ended = bool(terminations[0] or truncations[0])
+        digests.add(envs.digest(0))
+    assert len(digests) == 1
+    if scenario == "hello":
+        # The process of the kind has another phase of its perturbation.
+        run = pr.run(scenario, seed=envs.episode(0).seed, in_process=True)
+        assert infos["outcome"][0] == ["escaped"] == list(run.outcome.values())
+        assert run.time == pytest.approx(infos["length"][0] * 0.05, rel=0.02)
+
+
+def test_a_residual_is_added_to_the_action_of_evader_potential() -> None:
+    options: dict[str, Any] = {"agents": ["evader_1"], "observation": "state+way", "seed": 3}
+    twist = pr.VectorEnv("chase_exact", 1, **options)
+    residual = pr.VectorEnv("chase_exact", 1, action="residual", **options)
+    action = [twist.entries[0].index(f"potential.{name}") for name in ("speed", "turn")]
+    added, corrected = twist.reset()[0], residual.reset()[0]
+    for step in range(60):
+        correction = np.array([[-0.25, 0.5 * np.sin(step / 5)]], dtype=np.float32)
+        # The sums of the last bit of an observation.
+        assert np.allclose(added, corrected, atol=1e-4)
+        added = twist.step((added[:, action] + correction).clip(-1, 1))[0]
+        corrected = residual.step(correction)[0]
+
+
+def test_a_policy_of_residuals_steers_as_the_environment(tmp_path: Path) -> None:
+    onnx = pytest.importorskip("onnx", reason="the package onnx is not installed")
+    correction = np.array([-0.25, 0.125], dtype=np.float32)
+    envs = pr.VectorEnv("chase_exact", 1, agents=["evader"], action="residual", ticks_per_action=4, seed=5)
+    entries = len(envs.entries[0])
+    node = onnx.helper.make_node("Gemm", ["observation", "weight", "correction"], ["action"])
+    values = {"weight": np.zeros((entries, 2), dtype=np.float32), "correction": correction}
+    sizes = {"observation": entries, "action": 2}
+    ends = {name: onnx.helper.make_tensor_value_info(name, 1, ["batch", size]) for name, size in sizes.items()}
+    constants = [onnx.numpy_helper.from_array(value, name) for name, value in values.items()]
+    graph = onnx.helper.make_graph([node], "constant", [ends["observation"]], [ends["action"]], constants)
+    model = onnx.helper.make_model(graph, opset_imports=[onnx.helper.make_opsetid("", 17)], ir_version=8)
+    scenario = tmp_path / "chase.toml"
+    text = (Path(__file__).parents[2] / "scenarios/chase_exact.toml").read_text()
+    scenario.write_text(text.replace("maps/city.toml", "builtin:city"))
+    (tmp_path / "constant.onnx").write_bytes(model.SerializeToString())
+    envs.reset()
+    seed = int(envs.seeds[0])
+    ended = False
+    while not ended:
+        _, _, terminations, truncations, _ = envs.step(np.broadcast_to(correction, (1, 2, 2)))
+        ended = bool(terminations[0] or truncations[0])
+    params = {"model": "constant.onnx", "action": "residual", "ticks_per_action": 4}
+    process = {"kind": "policy", "team": "evader", "params": params}
+    run = pr.run(scenario, seed=seed, set={"processes.evader_potential": process}, in_process=True)
+    assert run.digest == envs.digest(0)
+
+
 def test_invalid_arguments_are_refused() -> None:
     for arguments, text in [
         ({"agents": ["evader_9"]}, "evader_1"),
         ({"agents": "evader"}, "list of names"),
         ({"agents": ["evader"], "observation": "lidar"}, "state, scan, belief"),
         ({"agents": ["evader"], "observation": "scan"}, "no range scan"),
-        ({"agents": ["evader"], "action": "pull"}, "twist or tune"),
+        ({"agents": ["evader"], "action": "pull"}, "twist, tune or residual"),
         ({"agents": ["police"], "action": "tune"}, "police_1 is no evader"),
+        ({"agents": ["police"], "action": "residual"}, "police_1 is no evader"),
         ({"agents": ["evader"], "reward": {"escapes": 1.0}}, "expected escape, caught"),
         ({"agents": ["evader"], "threads": 0}, "threads = 0"),
         ({"agents": ["evader"], "ticks_per_action": 0}, "ticks_per_action = 0"),

@@ -5,6 +5,7 @@ import io
 import multiprocessing
 import os
 import pickle
+import re
 import signal
 import subprocess
 import sys
@@ -13,6 +14,7 @@ from collections.abc import Callable, Iterator
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -359,6 +361,29 @@ def test_a_pruner_ends_trials_early() -> None:
         assert trial.intermediate_values == pytest.approx(dict.fromkeys(range(1, seeds + 1), limit), abs=0.05)
         assert len(trial.user_attrs["digests"]) == seeds
     assert study.best_params == {"limit": 0.5}
+
+
+def test_the_search_of_the_documentation_is_of_a_parameter_that_matters() -> None:
+    page = (Path(__file__).parents[2] / "docs/how-to/sweeps.md").read_text()
+    (code,) = re.findall(r"```python\nimport optuna\n(.*?)\nstudy = ", page, re.DOTALL)
+    names: dict[str, Any] = {"optuna": pytest.importorskip("optuna")}
+    exec(compile(code, "sweeps.md", "exec"), names)
+
+    class Fixed:
+        """A trial with this number."""
+
+        def __init__(self, number: float) -> None:
+            self.number = number
+
+        def suggest_float(self, name: str, low: float, high: float, *, log: bool) -> float:
+            assert low <= self.number <= high
+            return self.number
+
+    without, found = (
+        sum(names["escapes"](pr.run("chase_exact", seed=seed, in_process=True, set=values)) for seed in range(1, 5))
+        for values in ({}, names["suggest"](Fixed(1.5)))
+    )
+    assert found + 2 <= without, (without, found)
 
 
 def test_invalid_experiments_and_arguments_are_refused() -> None:

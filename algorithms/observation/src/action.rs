@@ -16,8 +16,10 @@ pub enum ActionKind {
     /// Forward speed and turning rate: [`command`].
     #[default]
     Twist,
-    /// Parameters of the potential-field evader: [`TunedEvader`](crate::tuned_evader::TunedEvader).
+    /// Parameters of the potential-field evader: [`FieldEvader`](crate::field_evader::FieldEvader).
     Tune,
+    /// Correction: a sum with the action of the potential-field evader.
+    Residual,
 }
 
 impl FromStr for ActionKind {
@@ -27,6 +29,7 @@ impl FromStr for ActionKind {
         match text {
             "twist" => Ok(Self::Twist),
             "tune" => Ok(Self::Tune),
+            "residual" => Ok(Self::Residual),
             _ => Err(LayoutError::Action {
                 given: text.to_owned(),
             }),

@@ -14,13 +14,13 @@ pub enum LayoutError {
         given: String,
     },
     /// Unknown meaning of actions.
-    #[error("action = {given:?}: expected twist or tune")]
+    #[error("action = {given:?}: expected twist, tune or residual")]
     Action {
         /// The text.
         given: String,
     },
-    /// Actions that tune the potential-field evader are for evaders.
-    #[error("action tune: robot {robot} is no evader")]
+    /// Actions that tune or correct the potential-field evader are for evaders.
+    #[error("actions tune and residual: robot {robot} is no evader")]
     NoEvader {
         /// Name of the robot.
         robot: String,

@@ -7,7 +7,7 @@
 //! - [`scene::Scene`]: distances and lines of sight of a tick, computed once for all robots;
 //! - [`route_entries::RouteEntries`]: the entries of shortest ways, kept between ticks;
 //! - [`action`]: from an action to a command;
-//! - [`tuned_evader::TunedEvader`]: the potential-field evader with the parameters of an action.
+//! - [`field_evader::FieldEvader`]: the potential-field evader that actions tune or correct.
 //!
 //! All entries are in −1..1. Lengths are divided by the diagonal of the map, so that they stay in range; each
 //! relative position has its bearing and its *proximity* 1 / (1 + d) in addition, with the distance d (m), so that near
@@ -19,9 +19,9 @@
 pub mod action;
 pub mod error;
 pub mod facts;
+pub mod field_evader;
 pub mod layout;
 pub mod parts;
 pub mod relative;
 pub mod route_entries;
 pub mod scene;
-pub mod tuned_evader;

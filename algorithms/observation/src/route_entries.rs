@@ -8,11 +8,11 @@ use planner_view::map::PlannerMap;
 use planner_view::view::{RobotView, View};
 use sim_backend::spec::RobotModel;
 
-use crate::action::action;
+use crate::action::{ActionKind, action};
 use crate::facts::RobotFacts;
+use crate::field_evader::FieldEvader;
 use crate::parts::MAX_EXITS;
 use crate::relative::{Heading, Offset};
-use crate::tuned_evader::TunedEvader;
 
 /// Number of directions around the robot.
 const DIRECTIONS: usize = 8;
@@ -59,7 +59,7 @@ pub struct RouteEntries {
     exits: [LengthsFrom; MAX_EXITS],
     opponents_from: Vec<LengthsFrom>,
     /// The potential-field evader, for an evader.
-    potential: Option<TunedEvader>,
+    potential: Option<FieldEvader>,
     own: RobotModel,
 }
 
@@ -69,7 +69,7 @@ impl RouteEntries {
         Self {
             start,
             me,
-            potential: TunedEvader::new(own, me),
+            potential: FieldEvader::new(ActionKind::default(), own, me).ok(),
             own: own.model,
             opponents_from: vec![LengthsFrom::default(); opponents.len()],
             opponents,

@@ -10,7 +10,7 @@ pub struct Episode {
     pub seed: u64,
     /// Actions of all steps: steps × agents × 2 numbers; 0 of agents out of the game.
     pub actions: Vec<f32>,
-    /// Commands of all steps, if actions tune controllers, whose commands depend on the state: steps × agents.
+    /// Commands of all steps, if actions change controllers, whose commands depend on the state: steps × agents.
     pub commands: Vec<Twist2>,
     /// Number of steps.
     pub steps: u64,

@@ -26,6 +26,9 @@ pub enum EnvironmentError {
     /// An agent has no such observation.
     #[error(transparent)]
     Layout(#[from] LayoutError),
+    /// No agent has a way to make progress on.
+    #[error("reward progress: expected an agent with a goal, or an evader and an exit")]
+    NoWay,
     /// No process makes the beliefs of an observation.
     #[error(
         "observation belief: no process of the scenario makes beliefs: expected one of kind perception"

@@ -5,10 +5,10 @@ use std::sync::Arc;
 use geometry::map::WorldMap;
 use geometry::pose::Twist2;
 use observation::action::{ACTION_LENGTH, command};
+use observation::field_evader::FieldEvader;
 use observation::layout::Layout;
 use observation::route_entries::RouteEntries;
 use observation::scene::{Hiding, Scene};
-use observation::tuned_evader::TunedEvader;
 use planner_view::map::PlannerMap;
 use planner_view::view::{BeliefView, RobotView, ScanView, View};
 use sim_backend::robot::Robot;
@@ -21,6 +21,7 @@ use crate::error::EnvironmentError;
 use crate::options::Autoreset;
 use crate::rewards::{self, EVENTS};
 use crate::shared::{Shared, planner_map};
+use crate::way_left::WayLeft;
 
 /// Memory of a step that instances of one thread share.
 #[derive(Debug)]
@@ -33,6 +34,8 @@ pub(crate) struct Scratch {
     given: Vec<Twist2>,
     commands: Vec<Option<Twist2>>,
     was_active: Vec<bool>,
+    /// Progress of each agent (m) since the last observation, if it is rewarded.
+    progress: Vec<f64>,
 }
 
 impl Scratch {
@@ -46,6 +49,7 @@ impl Scratch {
             given: vec![Twist2::STOP; robots],
             commands: vec![None; robots],
             was_active: vec![false; shared.agents.robots.len()],
+            progress: vec![0.0; shared.ways_left.len()],
         }
     }
 }
@@ -66,8 +70,10 @@ pub(crate) struct Instance<B> {
     hiding: Hiding,
     /// The ways of each agent.
     ways: Vec<Option<RouteEntries>>,
-    /// The controllers of the agents, if actions tune them.
-    tuned: Vec<TunedEvader>,
+    /// The controllers of the agents, if actions change them.
+    evaders: Vec<FieldEvader>,
+    /// The ways of the agents, if progress is rewarded.
+    ways_left: Vec<WayLeft>,
     /// The map of planners.
     map: Option<Arc<PlannerMap>>,
 }
@@ -89,7 +95,8 @@ impl<B: Backend> Instance<B> {
             returns: vec![0.0; shared.shape.agents],
             hiding: Hiding::default(),
             ways: shared.layouts.iter().map(Layout::ways).collect(),
-            tuned: shared.tuned.clone(),
+            evaders: shared.evaders.clone(),
+            ways_left: shared.ways_left.clone(),
             map: shared.planner_map.clone(),
         })
     }
@@ -111,7 +118,8 @@ impl<B: Backend> Instance<B> {
         self.map.clone_from(&shared.planner_map);
         // Maps of two episodes may have the same revision.
         self.ways = shared.layouts.iter().map(Layout::ways).collect();
-        self.tuned.clone_from(&shared.tuned);
+        self.evaders.clone_from(&shared.evaders);
+        self.ways_left.clone_from(&shared.ways_left);
         self.returns.fill(0.0);
         self.running.begin(seed);
         Ok(())
@@ -160,8 +168,8 @@ impl<B: Backend> Instance<B> {
         for (&robot, &action) in shared.agents.robots.iter().zip(agents) {
             scratch.given[robot] = command(action, &shared.facts[robot].model);
         }
-        for (tuned, &action) in self.tuned.iter_mut().zip(agents) {
-            tuned.tune(action);
+        for (evader, &action) in self.evaders.iter_mut().zip(agents) {
+            evader.act(action);
         }
         row.rewards.fill(0.0);
         row.events.fill(0.0);
@@ -172,7 +180,9 @@ impl<B: Backend> Instance<B> {
             }
             self.backend.sense()?;
         }
-        self.observe(shared, scratch, row.observations)
+        self.observe(shared, scratch, row.observations)?;
+        self.reward_progress(shared, scratch, row);
+        Ok(())
     }
 
     /// Does one tick with the commands of the action.
@@ -198,7 +208,7 @@ impl<B: Backend> Instance<B> {
             scratch.commands[robot] = Some(given);
         }
         self.running.record(actions, &scratch.was_active);
-        if !self.tuned.is_empty() {
+        if !self.evaders.is_empty() {
             let commands = shared
                 .agents
                 .robots
@@ -212,9 +222,9 @@ impl<B: Backend> Instance<B> {
         Ok(())
     }
 
-    /// Computes the commands of the controllers that actions tune.
+    /// Computes the commands of the controllers that actions change.
     fn steer(&mut self, shared: &Shared, scratch: &mut Scratch) -> Result<(), EnvironmentError> {
-        if self.tuned.is_empty() {
+        if self.evaders.is_empty() {
             return Ok(());
         }
         let world = self.backend.world();
@@ -223,7 +233,7 @@ impl<B: Backend> Instance<B> {
             return Ok(());
         };
         RobotView::of_world(world, &mut scratch.robots);
-        for (tuned, &robot) in self.tuned.iter_mut().zip(&shared.agents.robots) {
+        for (evader, &robot) in self.evaders.iter_mut().zip(&shared.agents.robots) {
             let view = View {
                 time_s: time_s(world),
                 dt: shared.dt.as_secs_f64(),
@@ -233,7 +243,7 @@ impl<B: Backend> Instance<B> {
                 exits: &shared.exits,
                 scan: None,
             };
-            scratch.given[robot] = tuned.steering(map, &view).command;
+            scratch.given[robot] = evader.steering(map, &view).command;
         }
         Ok(())
     }
@@ -248,10 +258,25 @@ impl<B: Backend> Instance<B> {
         self.is_over = true;
         if shared.options.autoreset == Autoreset::SameStep {
             self.observe(shared, scratch, row.final_observations)?;
+            self.reward_progress(shared, scratch, row);
             self.begin_next(shared)?;
             row.seeds.fill(self.running.seed);
+            return self.observe(shared, scratch, row.observations);
         }
-        self.observe(shared, scratch, row.observations)
+        self.observe(shared, scratch, row.observations)?;
+        self.reward_progress(shared, scratch, row);
+        Ok(())
+    }
+
+    /// Adds the rewards of the progress since the last observation.
+    fn reward_progress(&mut self, shared: &Shared, scratch: &Scratch, row: &mut ArraysMut<'_>) {
+        for (agent, progress) in scratch.progress.iter().enumerate() {
+            let reward = shared.options.rewards.progress * progress;
+            self.returns[agent] += reward;
+            row.rewards[agent] += reward;
+            row.returns[agent] = self.returns[agent];
+        }
+        row.reward_sums[0] = row.rewards.iter().sum();
     }
 
     /// Adds rewards and events of a tick, and writes the end of the episode.
@@ -299,7 +324,8 @@ impl<B: Backend> Instance<B> {
         update_map(&mut self.map, world.map(), shared.blur_sigma)?;
         let (now, dt) = (time_s(world), shared.dt.as_secs_f64());
         let rows = out.chunks_exact_mut(shared.shape.observation.max(1));
-        for ((layout, ways), row) in shared.layouts.iter().zip(&mut self.ways).zip(rows) {
+        let agents = shared.layouts.iter().zip(&mut self.ways).zip(rows);
+        for (agent, ((layout, ways), row)) in agents.enumerate() {
             let me = layout.robot();
             let scan = if layout.parts().scan {
                 world.scan(me, &mut scratch.ranges)
@@ -325,6 +351,9 @@ impl<B: Backend> Instance<B> {
             layout.write(&scratch.scene, &view, own)?;
             if let (Some(ways), Some(map)) = (ways, &self.map) {
                 ways.write(map, &view, own);
+            }
+            if let (Some(way), Some(map)) = (self.ways_left.get_mut(agent), &self.map) {
+                scratch.progress[agent] = way.progress(map, &view);
             }
             padding.fill(0.0);
         }

@@ -42,6 +42,7 @@ mod options;
 mod replay;
 mod rewards;
 mod shared;
+mod way_left;
 mod workers;
 
 pub use arrays::{Arrays, ArraysMut, Shape};

@@ -96,7 +96,7 @@ fn commands(shared: &Shared, episode: &Episode) -> BTreeMap<String, Vec<Twist2>>
     let named = agents.filter_map(|(agent, &robot)| {
         let facts = shared.facts.get(robot)?;
         let step = shared.shape.agents.max(1);
-        let commands = if shared.tuned.is_empty() {
+        let commands = if shared.evaders.is_empty() {
             let own = actions.iter().skip(agent).step_by(step);
             own.map(|&action| command(action, &facts.model)).collect()
         } else {

@@ -12,8 +12,8 @@ pub const EVENTS: usize = 6;
 pub const EVENT_NAMES: [&str; EVENTS] =
     ["escape", "caught", "capture", "lost", "arrival", "contact"];
 
-/// Weights of the rewards. The reward of an agent in a step is the sum of its events times their weights, and `time`
-/// times the length of the step (s) while it is in the game.
+/// Weights of the rewards. The reward of an agent in a step is the sum of its events times their weights, `time` times the
+/// length of the step (s) while it is in the game, and `progress` times its progress (m).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RewardWeights {
     /// The agent reached an exit.
@@ -30,10 +30,13 @@ pub struct RewardWeights {
     pub contact: f64,
     /// A second in the game (1/s).
     pub time: f64,
+    /// A metre by which the shortest way to the agent's goal, or that of an evader without one to an exit, became shorter
+    /// (1/m). It is 0 for a step before or after which there is no such way, or the agent is out of the game.
+    pub progress: f64,
 }
 
 impl Default for RewardWeights {
-    /// 1 for what the rules call success, −1 for the opponents' success, 0 for contacts and time.
+    /// 1 for what the rules call success, −1 for the opponents' success, 0 for contacts, time and progress.
     fn default() -> Self {
         Self {
             escape: 1.0,
@@ -43,6 +46,7 @@ impl Default for RewardWeights {
             arrival: 1.0,
             contact: 0.0,
             time: 0.0,
+            progress: 0.0,
         }
     }
 }
@@ -71,8 +75,12 @@ impl RewardWeights {
     }
 
     pub(crate) fn check(&self) -> Result<(), EnvironmentError> {
-        let weights = self.of_events().into_iter().chain([self.time]);
-        for (option, weight) in EVENT_NAMES.into_iter().chain(["time"]).zip(weights) {
+        let weights = self
+            .of_events()
+            .into_iter()
+            .chain([self.time, self.progress]);
+        let names = EVENT_NAMES.into_iter().chain(["time", "progress"]);
+        for (option, weight) in names.zip(weights) {
             if !weight.is_finite() {
                 return Err(EnvironmentError::Option {
                     option,

@@ -9,10 +9,9 @@ use geometry::region::Region;
 use mission::in_process::Cache;
 use nalgebra::Point2;
 use observation::action::ActionKind;
-use observation::error::LayoutError;
 use observation::facts::RobotFacts;
+use observation::field_evader::FieldEvader;
 use observation::layout::Layout;
-use observation::tuned_evader::TunedEvader;
 use planner_view::map::PlannerMap;
 use runtime::kind::Product;
 use scenario::{ResolvedScenario, Template};
@@ -23,6 +22,7 @@ use crate::arrays::Shape;
 use crate::episode::episode_seed;
 use crate::error::EnvironmentError;
 use crate::options::Options;
+use crate::way_left::WayLeft;
 
 /// Maximum number of numbers in the observations of all instances.
 const MAX_OBSERVATIONS: usize = 1 << 26;
@@ -34,14 +34,16 @@ pub(crate) struct Shared {
     pub options: Options,
     pub agents: Agents,
     pub facts: Vec<RobotFacts>,
-    /// Controllers of the agents, if actions tune them.
-    pub tuned: Vec<TunedEvader>,
+    /// Controllers of the agents, if actions change them.
+    pub evaders: Vec<FieldEvader>,
+    /// The ways of the agents, if progress is rewarded.
+    pub ways_left: Vec<WayLeft>,
     /// Observations of the agents.
     pub layouts: Vec<Layout>,
     /// Centres of the exits (m).
     pub exits: Vec<Point2<f64>>,
     pub map: WorldMap,
-    /// The map of planners, if observations or actions need it.
+    /// The map of planners, if observations, actions or rewards need it.
     pub planner_map: Option<Arc<PlannerMap>>,
     pub blur_sigma: f64,
     pub dt: Duration,
@@ -83,22 +85,20 @@ impl Shared {
                 expected: "fewer, with at most 2^26 numbers in all observations",
             });
         }
-        let mut tuned = Vec::new();
-        if options.action == ActionKind::Tune {
-            for &robot in &agents.robots {
-                let own = facts
-                    .get(robot)
-                    .and_then(|own| TunedEvader::new(own, robot));
-                tuned.push(own.ok_or_else(|| {
-                    LayoutError::NoEvader {
-                        robot: facts
-                            .get(robot)
-                            .map_or_else(String::new, |own| own.name.clone()),
-                    }
-                })?);
+        let evader = |&robot| FieldEvader::new(options.action, &facts[robot], robot);
+        let evaders = match options.action {
+            ActionKind::Twist => Vec::new(),
+            ActionKind::Tune | ActionKind::Residual => {
+                agents.robots.iter().map(evader).collect::<Result<_, _>>()?
             }
-        }
-        let planner_map = if options.observation.way || !tuned.is_empty() {
+        };
+        let ways_left = if options.rewards.progress == 0.0 {
+            Vec::new()
+        } else {
+            WayLeft::of_agents(&agents.robots, &facts, exits.len())?
+        };
+        let planner_map = if options.observation.way || !evaders.is_empty() || !ways_left.is_empty()
+        {
             Some(planner_map(world.map(), blur_sigma)?)
         } else {
             None
@@ -111,7 +111,8 @@ impl Shared {
             options,
             agents,
             facts,
-            tuned,
+            evaders,
+            ways_left,
             layouts,
             exits,
             dt,

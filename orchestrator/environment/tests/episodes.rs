@@ -166,16 +166,18 @@ fn ways_are_those_of_a_planner_also_when_an_obstacle_appears() {
 }
 
 #[test]
-fn tuned_evaders_are_those_of_a_planner() {
+fn field_evaders_are_those_of_a_planner() {
     let template = template("chase", &[]);
-    let options = Options {
-        action: ActionKind::Tune,
-        ..options(&["evader"], "state+way")
-    };
-    let mut learner = Learner::new(template.clone(), options);
-    learner.reset(Some(1));
-    // Long enough for times whose last bit depends on how they are computed.
-    assert_is_an_ordinary_run(&mut learner, &template, 150);
+    for action in [ActionKind::Tune, ActionKind::Residual] {
+        let options = Options {
+            action,
+            ..options(&["evader"], "state+way")
+        };
+        let mut learner = Learner::new(template.clone(), options);
+        learner.reset(Some(1));
+        // Long enough for times whose last bit depends on how they are computed.
+        assert_is_an_ordinary_run(&mut learner, &template, 150);
+    }
 }
 
 #[test]
@@ -390,6 +392,57 @@ fn rewards_are_events_times_weights() {
 }
 
 #[test]
+fn progress_is_rewarded_per_metre_of_the_way_that_became_shorter() {
+    let goal = "robots.police_1.goal={ circle = { center = [-4.5, 4.5], radius = 0.3 } }";
+    let template = template("chase_exact", &[goal, "rules.time_limit=3.0"]);
+    for (autoreset, ticks) in [(Autoreset::SameStep, 1), (Autoreset::NextStep, 4)] {
+        let options = Options {
+            rewards: RewardWeights {
+                progress: 0.5,
+                ..RewardWeights::default()
+            },
+            autoreset,
+            ticks_per_action: ticks,
+            ..options(&["evader_1", "police_1", "police_2"], "state+way")
+        };
+        let mut learner = Learner::new(template.clone(), options);
+        learner.reset(Some(1));
+        let layouts = learner.environments.layouts();
+        let names = layouts[0].names();
+        let entry = names.iter().position(|name| name == "way.proximity");
+        let length = |observations: &[f32]| 1.0 / f64::from(observations[entry.unwrap()]) - 1.0;
+        // Two episodes: the reset between them is no progress.
+        for _ in 0..2 {
+            let mut before = length(&learner.arrays.observations);
+            let mut sums = [0.0; 3];
+            for step in 1.. {
+                learner.step();
+                let arrays = &learner.arrays;
+                for (sum, reward) in sums.iter_mut().zip(&arrays.rewards) {
+                    *sum += reward;
+                }
+                assert_eq!(arrays.rewards.iter().sum::<f64>(), arrays.reward_sums[0]);
+                if arrays.truncated[0] {
+                    assert_eq!(step, 60 / ticks);
+                    assert_eq!(arrays.returns, sums);
+                    break;
+                }
+                let now = length(&arrays.observations);
+                assert!((arrays.rewards[0] - 0.5 * (before - now)).abs() < 1e-4);
+                before = now;
+            }
+            // An evader to the exit, a Police robot to its goal; Police without a goal go nowhere.
+            assert!(sums[0].abs() > 0.05 && sums[1].abs() > 0.05, "{sums:?}");
+            assert_eq!(sums[2], 0.0);
+            if autoreset == Autoreset::NextStep {
+                learner.step();
+                assert_eq!(learner.arrays.rewards, [0.0; 3]);
+            }
+        }
+    }
+}
+
+#[test]
 fn invalid_options_and_actions_are_refused() {
     let chase = template("chase", &[]);
     let refused = |options: Options| {
@@ -412,6 +465,15 @@ fn invalid_options_and_actions_are_refused() {
         ..options(&["evader"], "state")
     });
     assert!(text.contains("instances = 0"), "{text}");
+    let mut rewards = RewardWeights::default();
+    for (progress, expected) in [(f64::NAN, "progress = NaN"), (1.0, "an evader and an exit")] {
+        rewards.progress = progress;
+        let text = refused(Options {
+            rewards,
+            ..options(&["police"], "state")
+        });
+        assert!(text.contains(expected), "{text}");
+    }
     let exact = Environments::new(
         template("chase_exact", &[]),
         options(&["police"], "belief"),

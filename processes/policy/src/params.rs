@@ -18,7 +18,7 @@ pub struct PolicyParams {
     /// Contents of the observation: `state`, `scan`, `belief`, `way`, or several of them as in `state+way`.
     pub observation: String,
     /// Meaning of the network's output: `twist` (forward speed and turning rate) or, for evaders, `tune` (parameters of an
-    /// `evader_potential` that steers in every tick).
+    /// `evader_potential` that steers in every tick) or `residual` (what is added to its action).
     pub action: String,
     /// Number of ticks from one action to the next; it holds in between.
     #[schemars(transform = at_least(1))]
@@ -63,7 +63,13 @@ impl PolicyParams {
     /// [`ParamsError`] for an unknown one.
     pub fn action_kind(&self) -> Result<ActionKind, ParamsError> {
         let kind = self.action.parse();
-        kind.map_err(|_| ParamsError::new("action", &format!("{:?}", self.action), "twist or tune"))
+        kind.map_err(|_| {
+            ParamsError::new(
+                "action",
+                &format!("{:?}", self.action),
+                "twist, tune or residual",
+            )
+        })
     }
 
     /// Returns the network of the file.

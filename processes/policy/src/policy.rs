@@ -6,11 +6,11 @@ use network::{EvaluationError, Network};
 use observation::action::{ACTION_LENGTH, ActionKind, command};
 use observation::error::{LayoutError, WriteError};
 use observation::facts::RobotFacts;
+use observation::field_evader::FieldEvader;
 use observation::layout::Layout;
 use observation::parts::Parts;
 use observation::route_entries::RouteEntries;
 use observation::scene::{Hiding, Scene};
-use observation::tuned_evader::TunedEvader;
 use planner_view::map::PlannerMap;
 use planner_view::view::View;
 use sim_backend::spec::RobotModel;
@@ -67,8 +67,8 @@ pub struct Policy {
     ways: Option<RouteEntries>,
     robot: String,
     model: RobotModel,
-    /// The controller, if actions tune it.
-    tuned: Option<TunedEvader>,
+    /// The controller, if actions change it.
+    evader: Option<FieldEvader>,
     ticks_per_action: u64,
     observation: Vec<f32>,
     held: Option<[f32; ACTION_LENGTH]>,
@@ -102,16 +102,12 @@ impl Policy {
                 length,
             });
         }
-        let tuned = match action {
+        let evader = match action {
             ActionKind::Twist => None,
-            ActionKind::Tune => {
-                let robot = own.name.clone();
-                let tuned = TunedEvader::new(own, me);
-                Some(tuned.ok_or(LayoutError::NoEvader { robot })?)
-            }
+            ActionKind::Tune | ActionKind::Residual => Some(FieldEvader::new(action, own, me)?),
         };
         Ok(Self {
-            tuned,
+            evader,
             network,
             scene: Scene::new(robots, &[me]),
             hiding: Hiding::default(),
@@ -140,15 +136,15 @@ impl Policy {
             Some(held) if !tick.is_multiple_of(self.ticks_per_action) => held,
             _ => {
                 let action = self.action(map, space.shapes(), view)?;
-                if let Some(tuned) = &mut self.tuned {
-                    tuned.tune(action);
+                if let Some(evader) = &mut self.evader {
+                    evader.act(action);
                 }
                 action
             }
         };
         self.held = Some(action);
-        Ok(match &mut self.tuned {
-            Some(tuned) => tuned.steering(map, view).command,
+        Ok(match &mut self.evader {
+            Some(evader) => evader.steering(map, view).command,
             None => command(action, &self.model),
         })
     }

@@ -8,10 +8,10 @@ use geometry::pose::Twist2;
 use mission::in_process::{InProcessOptions, run};
 use observation::action::{ACTION_LENGTH, ActionKind, command};
 use observation::facts::RobotFacts;
+use observation::field_evader::FieldEvader;
 use observation::layout::Layout;
 use observation::route_entries::RouteEntries;
 use observation::scene::{Hiding, Scene};
-use observation::tuned_evader::TunedEvader;
 use parameters::Parameters;
 use planner::{Planner, PlannerInputs, PlannerMap, PlannerProcess, RobotInfo, Steering, View};
 use scenario::Template;
@@ -50,7 +50,7 @@ struct ScriptedPlanner {
     next: usize,
     facts: Vec<RobotFacts>,
     ways: Option<RouteEntries>,
-    tuned: Option<TunedEvader>,
+    evader: Option<FieldEvader>,
 }
 
 impl Planner for ScriptedPlanner {
@@ -74,7 +74,7 @@ impl Planner for ScriptedPlanner {
             next: 0,
             facts: Vec::new(),
             ways: None,
-            tuned: None,
+            evader: None,
         })
     }
 
@@ -106,7 +106,7 @@ impl Planner for ScriptedPlanner {
         let own = &self.facts[view.me];
         if self.next == 0 {
             self.ways = layout.ways();
-            self.tuned = TunedEvader::new(own, view.me);
+            self.evader = FieldEvader::new(self.script.action, own, view.me).ok();
         }
         let mut scene = Scene::new(&self.facts, &[view.me]);
         scene.update(
@@ -123,14 +123,13 @@ impl Planner for ScriptedPlanner {
         all.entry(self.robot.clone()).or_default().push(observed);
         let action = self.script.actions[&self.robot].get(self.next).copied();
         self.next += 1;
-        let tuned = self.tuned.as_mut();
         let command = match (action, self.script.action) {
             (None, _) => Twist2::STOP,
             (Some(action), ActionKind::Twist) => command(action, &own.model),
-            (Some(action), ActionKind::Tune) => {
-                let tuned = tuned.unwrap();
-                tuned.tune(action);
-                tuned.steering(map, view).command
+            (Some(action), ActionKind::Tune | ActionKind::Residual) => {
+                let evader = self.evader.as_mut().unwrap();
+                evader.act(action);
+                evader.steering(map, view).command
             }
         };
         Steering {
