@@ -158,7 +158,7 @@ _CHECKS: dict[str, Callable[[str, Any], Any]] = {
     "ticks_per_action": count,
     "value": function,
 } | dict.fromkeys(
-    ("allow_external", "allow_outside", "copy", "force", "in_process", "quiet", "retry_failed", "running"), flag
+    ("allow_external", "allow_outside", "copy", "force", "in_process", "quiet", "record", "retry_failed", "running"), flag
 )
 
 

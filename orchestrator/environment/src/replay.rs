@@ -17,30 +17,19 @@ use crate::episode::Episode;
 use crate::error::EnvironmentError;
 use crate::shared::Shared;
 
-/// Executes recorded episodes again, independently of the environments that recorded them.
-#[derive(Debug, Clone)]
-pub struct Replayer {
-    shared: Arc<Shared>,
-}
-
-impl Replayer {
-    pub(crate) fn new(shared: Arc<Shared>) -> Self {
-        Self { shared }
-    }
-
-    /// Executes an episode again as a run in this thread, with planners that send its commands and stop after the last
+impl Episode {
+    /// Executes the episode again as a run in this thread, with planners that send its commands and stop after the last
     /// one. The run ends with the tick after the last step. `out` is the path of its log; `force` permits to overwrite
     /// one.
     ///
     /// # Errors
     /// [`EnvironmentError`] if the run fails or the log cannot be written.
-    pub fn run(
+    pub fn replay(
         &self,
-        episode: &Episode,
         out: Option<PathBuf>,
         force: bool,
     ) -> Result<(ResolvedScenario, MissionReport), EnvironmentError> {
-        replay(&self.shared, episode, out, force)
+        replay(&self.shared, self, out, force)
     }
 }
 
