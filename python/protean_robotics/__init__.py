@@ -31,12 +31,18 @@ from ._run import Run, run
 from ._sweep import Executor, Future, Sweep, sweep
 
 _register()
+try:
+    from . import _registration as _registration
+except ModuleNotFoundError as _error:
+    if _error.name != "gymnasium":
+        raise
 
 if TYPE_CHECKING:
     from ._gymnasium import Env as Env
     from ._gymnasium import VectorEnv as VectorEnv
     from ._pettingzoo import ParallelEnv as ParallelEnv
     from ._pettingzoo import parallel_env as parallel_env
+    from . import sb3 as sb3
 
 __all__ = [
     "Belief",
@@ -89,14 +95,15 @@ _GYM = {
 
 
 def __getattr__(name: str) -> Any:
-    if name not in _GYM:
+    if name not in _GYM and name != "sb3":
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    extra = "gym" if name in _GYM else "sb3"
     try:
-        module = importlib.import_module(f".{_GYM[name]}", __name__)
+        module = importlib.import_module(f".{_GYM.get(name, name)}", __name__)
     except ModuleNotFoundError as error:
-        raise ModuleNotFoundError(f"{name}: {error}: expected pip install 'protean-robotics[gym]'") from error
-    return getattr(module, name)
+        raise ModuleNotFoundError(f"{name}: {error}: expected pip install 'protean-robotics[{extra}]'") from error
+    return module if name == "sb3" else getattr(module, name)
 
 
 def __dir__() -> list[str]:
-    return sorted({*__all__, *_GYM})
+    return sorted({*__all__, *_GYM, "sb3"})

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _arguments
-from ._core import Environments
+from ._core import Environments, Variant
 from ._errors import InvalidInput
 from ._pickling import remade
 from ._planner import placed
@@ -83,7 +83,6 @@ Reward = Mapping[str, float] | Callable[[Step], ArrayLike] | None
 class Instances:
     """Instances with their rewards. The arrays are the same objects in all steps."""
 
-    core: Environments
     agents: tuple[str, ...]
     entries: list[list[str]]
     shape: tuple[int, int, int]
@@ -118,13 +117,18 @@ class Instances:
         set: Mapping[str, Any] | None = None,
         reward: Reward,
         planners: Mapping[str, Callable[..., Any]] | None = None,
+        record: bool,
         allow_outside: bool,
     ) -> None:
         self._reward = reward if callable(reward) else None
         weights = _weights({} if reward is None or callable(reward) else reward)
-        self.core = core = Environments(
+        self.scenario = scenario
+        self._set = overrides(set)
+        self._variants: dict[tuple[str, ...], Variant] = {}
+        self._core: Environments | None = None
+        self._core = core = Environments(
             os.fspath(scenario),
-            overrides=overrides(set),
+            overrides=self._set,
             agents=list(agents),
             observation=observation,
             action=action,
@@ -136,8 +140,10 @@ class Instances:
             threads=threads,
             weights=weights,
             planners=placed(planners),
+            record=record,
             allow_outside=allow_outside,
         )
+        self._dt = core.dt
         self.agents = tuple(core.agents)
         self.entries = core.entries
         self.shape = (num_envs, len(self.agents), 2)
@@ -145,6 +151,7 @@ class Instances:
         self.final_observations = core.final_observations
         self.terminated, self.truncated = core.terminated, core.truncated
         self.statuses, self.lengths, self.seeds = core.statuses, core.lengths, core.seeds
+        self._default_rewards = core.rewards
         custom = self._reward is not None
         self.rewards = np.zeros_like(core.rewards) if custom else core.rewards
         self.reward_sums = np.zeros_like(core.reward_sums) if custom else core.reward_sums
@@ -155,34 +162,62 @@ class Instances:
         self.ended = self._none
         self.begun = self._none
 
-    def reset(self, seed: Any, options: Mapping[str, Any] | None, known: Sequence[str] = ()) -> None:
+    @property
+    def core(self) -> Environments:
+        """The compiled part; refuses after `close`."""
+        if self._core is None:
+            raise InvalidInput("the environment is closed: expected a new one")
+        return self._core
+
+    def close(self) -> None:
+        """Ends the threads and forgets the episodes."""
+        self._core = None
+
+    def reset(self, seed: Any, options: Mapping[str, Any] | None, known: Sequence[str] = ("set",)) -> None:
         """Begins new episodes: the first ones of a seed or of one for each instance, or the next ones."""
         count = self.shape[0]
         begun = np.ones(count, dtype=np.bool_)
+        variants: list[Variant | None] = [None] * count
         for name, value in {} if options is None else _arguments.mapping("options", options).items():
             if name not in known:
-                raise InvalidInput(f"options: no option {name!r}: expected {', '.join(known) or 'none'}")
+                raise InvalidInput(f"options: no option {name!r}: expected {' or '.join(known)}")
             if name == "reset_mask":
                 begun = _mask(value, count)
-        each = None if seed is None else _seeds(seed, count)
-        if each is None and begun.all():
-            self.core.reset(None)
-        else:
-            each = each or [(None, 0)] * count
-            self.core.reset_each([start if begins else None for start, begins in zip(each, begun, strict=True)])
+            if name == "set":
+                variants = self._varied(value)
+        firsts: list[tuple[int, int] | None] = [None] * count if seed is None else _seeds(seed, count)
+        starts = zip(firsts, variants, begun, strict=True)
+        self.core.reset_each([(first, variant) if begins else None for first, variant, begins in starts])
         self.rewards[begun] = 0.0
         self.returns[begun] = 0.0
         self.ended = self.ended & ~begun
         self.begun = begun
 
-    def step(self, actions: ArrayLike) -> bool:
-        """Does a step; returns True if an episode ended."""
+    def _varied(self, values: Any) -> list[Variant | None]:
+        """Returns the scenarios of instances with other values: the same for all, or a mapping (or None) for each."""
+        name, count = "options: set", self.shape[0]
+        each = values if isinstance(values, (list, tuple)) else [values] * count
+        if len(each) != count:
+            raise _arguments.refused(name, values, f"a mapping of names to values, or a list of {count}")
+        keys = [None if own is None else tuple(overrides(_arguments.mapping(name, own))) for own in each]
+        # Those of the last reset are often those of the next one.
+        known = self._variants
+        self._variants = {
+            key: known.get(key) or self.core.variant([*self._set, *key])
+            for key in dict.fromkeys(keys)
+            if key is not None
+        }
+        return [None if key is None else self._variants[key] for key in keys]
+
+    def step(self, actions: ArrayLike, shape: tuple[int, ...] | None = None, name: str = "actions") -> bool:
+        """Does a step with actions of the shape that the user sees; returns True if an episode ended."""
+        shape = shape or self.shape
         try:
-            given = np.ascontiguousarray(actions, dtype=np.float32)
+            given = np.asarray(actions, dtype=np.float32, order="C")
         except (TypeError, ValueError):
-            raise _arguments.refused("actions", actions, f"numbers of shape {self.shape}") from None
-        if given.size != self.shape[0] * self.shape[1] * 2:
-            raise InvalidInput(f"actions of shape {given.shape}: expected {self.shape}")
+            raise _arguments.refused(name, actions, f"numbers of shape {shape}") from None
+        if given.shape != shape:
+            raise InvalidInput(f"{name} of shape {given.shape}: expected {shape}")
         before = self.ended
         observed = self.observations.copy() if self._reward is not None else None
         any_ended = self.core.step(given)
@@ -206,10 +241,10 @@ class Instances:
             observations=observations,
             actions=actions,
             events=self._events,
-            rewards=self.core.rewards,
+            rewards=self._default_rewards,
             terminated=self.terminated,
             truncated=self.truncated,
-            dt=self.core.dt,
+            dt=self._dt,
         )
         returned = reward(step)
         try:
@@ -257,13 +292,18 @@ def _mask(mask: Any, count: int) -> NDArray[np.bool_]:
     return array
 
 
-def _seeds(seed: Any, count: int) -> list[tuple[int | None, int]]:
+def _seeds(seed: Any, count: int) -> list[tuple[int, int] | None]:
     """Returns seed and index for each instance: one seed for all, or one (or None: the next episode) for each."""
     if not isinstance(seed, (Sequence, np.ndarray)) or getattr(seed, "ndim", 1) == 0:
         return [(_arguments.seed("seed", seed), i) for i in range(count)]
     if isinstance(seed, (str, bytes)) or len(seed) != count:
         raise _arguments.refused("seed", seed, f"a seed, or a list of {count} seeds")
-    return [(None if own is None else _arguments.seed("seed", own), 0) for own in seed]
+    return [None if own is None else (_arguments.seed("seed", own), 0) for own in seed]
+
+
+def described(kind: str, scenario: str | os.PathLike[str], **values: Any) -> str:
+    """Returns the text of an environment as in a notebook."""
+    return f"{kind}({', '.join([repr(os.fspath(scenario)), *(f'{name}={value!r}' for name, value in values.items())])})"
 
 
 def outcome(status: int) -> str:

@@ -4,7 +4,7 @@ import re
 from typing import Any
 
 #: Arguments that are True or False: options of the command without a value.
-FLAGS = ("allow_external", "allow_outside", "copy", "force", "in_process", "quiet", "retry_failed", "running")
+FLAGS = ("allow_external", "allow_outside", "copy", "force", "in_process", "quiet", "record", "retry_failed", "running")
 
 # Words in quotes, which are an option, or stay as they are (commands); else an option, perhaps with the word for its value.
 _OPTION = re.compile(r"`(?!--[a-z-]+`)[^`\n]*`|`?(?<![\w-])--([a-z][a-z-]*)(?: [A-Z]+\b)?`?")

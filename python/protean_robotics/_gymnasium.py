@@ -1,7 +1,7 @@
 """Environments of Gymnasium."""
 
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
 import gymnasium
@@ -12,7 +12,7 @@ from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
 from . import _arguments
-from ._environments import Episode, Instances, Reward, outcome
+from ._environments import Episode, Instances, Reward, described, outcome
 from ._pickling import remade
 from ._run import Run
 
@@ -70,6 +70,9 @@ class VectorEnv(gymnasium.vector.VectorEnv[NDArray[np.float32], NDArray[np.float
         which the way to the goal, or to the nearest exit, became shorter). Or a function from a ``Step`` to rewards.
     planners
         Planners in the place of those of the scenario, as for ``run``.
+    record
+        False to keep no actions, 8 B for each agent and tick of the running and of the last episode: ``episode``, ``digest``
+        and ``save_log`` are then refused.
     copy
         False to return the arrays themselves, which the next step overwrites.
     allow_outside
@@ -97,6 +100,8 @@ class VectorEnv(gymnasium.vector.VectorEnv[NDArray[np.float32], NDArray[np.float
 
     metadata: dict[str, Any]
     num_envs: int
+    #: Until the constructor is done.
+    closed = True
     autoreset_mode: AutoresetMode
     single_observation_space: Space[NDArray[np.float32]]
     single_action_space: Space[NDArray[np.float32]]
@@ -118,6 +123,7 @@ class VectorEnv(gymnasium.vector.VectorEnv[NDArray[np.float32], NDArray[np.float
         set: Mapping[str, Any] | None = None,
         reward: Reward = None,
         planners: Mapping[str, Callable[..., Any]] | None = None,
+        record: bool = True,
         copy: bool = True,
         allow_outside: bool = False,
     ) -> None:
@@ -141,6 +147,7 @@ class VectorEnv(gymnasium.vector.VectorEnv[NDArray[np.float32], NDArray[np.float
             set=set,
             reward=reward,
             planners=planners,
+            record=record,
             allow_outside=allow_outside,
         )
         self.num_envs = instances.shape[0]
@@ -155,6 +162,11 @@ class VectorEnv(gymnasium.vector.VectorEnv[NDArray[np.float32], NDArray[np.float
         # With one agent, arrays without its dimension: views of the same memory.
         self._observations = instances.observations[:, 0] if self._single else instances.observations
         self._finals = instances.final_observations[:, 0] if self._single else instances.final_observations
+        self.closed = False
+
+    def __repr__(self) -> str:
+        instances = self._instances
+        return described("VectorEnv", instances.scenario, num_envs=self.num_envs, agents=[*self.agents])
 
     @property
     def agents(self) -> tuple[str, ...]:
@@ -182,6 +194,9 @@ class VectorEnv(gymnasium.vector.VectorEnv[NDArray[np.float32], NDArray[np.float
             Seed of all episodes from now on, or one for each instance; None for the next episodes.
         options
             ``{"reset_mask": mask}`` begins episodes only in the instances where the mask is True, shape (num_envs,).
+            ``{"set": {"teams.evader.limits.v_max": 0.5}}`` gives these and all following episodes other values of the
+            scenario, in addition to the parameter ``set``, until another reset gives some; a list has a mapping (or
+            None: as before) for each instance. Agents and observations must stay the same.
 
         Returns
         -------
@@ -190,7 +205,7 @@ class VectorEnv(gymnasium.vector.VectorEnv[NDArray[np.float32], NDArray[np.float
         infos
             Seeds of the scenarios of the episodes ("seed"), with the mask "_seed" of those that begin.
         """
-        self._instances.reset(seed, options, known=("reset_mask",))
+        self._instances.reset(seed, options, known=("reset_mask", "set"))
         if isinstance(seed, int):
             super().reset(seed=seed)
         infos: dict[str, Any] = {}
@@ -221,8 +236,13 @@ class VectorEnv(gymnasium.vector.VectorEnv[NDArray[np.float32], NDArray[np.float
             If an episode ended: "return", "length" (ticks) and "outcome" of the agents; with ``SAME_STEP`` also "final_obs"
             and the former in "final_info". If one began: "seed". Each with its mask "_…".
         """
+        return self._step(actions, self.action_space.shape, "actions")
+
+    def _step(
+        self, actions: NDArray[np.float32], shape: tuple[int, ...] | None, name: str
+    ) -> tuple[NDArray[np.float32], NDArray[Any], NDArray[Any], NDArray[Any], dict[str, Any]]:
         instances = self._instances
-        any_ended = instances.step(actions)
+        any_ended = instances.step(actions, shape, name)
         infos: dict[str, Any] = {}
         own = self._own
         if not self._single:
@@ -262,6 +282,50 @@ class VectorEnv(gymnasium.vector.VectorEnv[NDArray[np.float32], NDArray[np.float
 
     def _own(self, array: NDArray[Any]) -> NDArray[Any]:
         return array.copy() if self._copy else array
+
+    def close_extras(self, **kwargs: Any) -> None:
+        """Ends the threads; called by ``close``.
+
+        Parameters
+        ----------
+        **kwargs
+            Ignored, as by Gymnasium's own vectors.
+        """
+        self._instances.close()
+
+    def call(self, name: str, *args: Any, **kwargs: Any) -> tuple[Any, ...]:
+        """Calls a method for each instance, or returns an attribute of each, as Gymnasium's own vectors.
+
+        Parameters
+        ----------
+        name
+            "digest", "episode" or "save_log"; or "action_space", "agents", "entries", "metadata", "observation_space",
+            "render_mode" or "spec".
+        *args, **kwargs
+            Arguments of the method, without the index of the instance.
+        """
+        return tuple(self._call(name, range(self.num_envs), args, kwargs))
+
+    def _call(self, name: str, indices: Iterable[int], args: tuple[Any, ...], kwargs: dict[str, Any]) -> list[Any]:
+        if name in ("digest", "episode", "save_log"):
+            method = getattr(self, name)
+            return [method(i, *args, **kwargs) for i in indices]
+        if name in ("action_space", "observation_space"):
+            name = f"single_{name}"
+        elif name not in ("agents", "entries", "metadata", "render_mode", "spec"):
+            raise AttributeError(f"an instance of {self!r} has no attribute {name!r} that can be called or read")
+        value = getattr(self, name)
+        return [value for _ in indices]
+
+    def get_attr(self, name: str) -> tuple[Any, ...]:
+        """Returns an attribute of each instance, as Gymnasium's own vectors.
+
+        Parameters
+        ----------
+        name
+            As of ``call``.
+        """
+        return self.call(name)
 
     def episode(self, i: int, *, running: bool = False) -> Episode:
         """Seed and actions of an episode of an instance.
@@ -337,6 +401,7 @@ class Env(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
         set: Mapping[str, Any] | None = None,
         reward: Reward = None,
         planners: Mapping[str, Callable[..., Any]] | None = None,
+        record: bool = True,
         allow_outside: bool = False,
     ) -> None:
         self._vector = vector = VectorEnv(
@@ -351,12 +416,19 @@ class Env(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
             set=set,
             reward=reward,
             planners=planners,
+            record=record,
             copy=False,
             allow_outside=allow_outside,
         )
         self.metadata = {"render_modes": []}
         self.observation_space = vector.single_observation_space
         self.action_space = vector.single_action_space
+
+    def __repr__(self) -> str:
+        return described("Env", self._vector._instances.scenario, agents=[*self.agents])
+
+    def __str__(self) -> str:
+        return f"<{self!r}>"
 
     @property
     def agents(self) -> tuple[str, ...]:
@@ -378,7 +450,9 @@ class Env(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
         seed
             Seed of all episodes from now on; None for the next episode.
         options
-            None or empty: there are none.
+            ``{"set": {"teams.evader.limits.v_max": 0.5}}`` gives this and all following episodes other values of the
+            scenario, in addition to the parameter ``set``, until another reset gives some. Agents and observations
+            must stay the same.
 
         Returns
         -------
@@ -417,7 +491,7 @@ class Env(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
             At the end: "return", "length" (ticks) and "outcome" of the agents.
         """
         vector = self._vector
-        observations, rewards, terminations, truncations, infos = vector.step(action)
+        observations, rewards, terminations, truncations, infos = vector._step(action, self.action_space.shape, "action")
         info: dict[str, Any] = {}
         if "outcome" in infos:
             info = {
@@ -426,6 +500,10 @@ class Env(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
                 "outcome": infos["outcome"][0],
             }
         return observations[0].copy(), float(rewards[0]), bool(terminations[0]), bool(truncations[0]), info
+
+    def close(self) -> None:
+        """Ends the environment."""
+        self._vector.close()
 
     def episode(self, *, running: bool = False) -> Episode:
         """Seed and actions of the last episode that ended, or of the running one."""

@@ -9,7 +9,7 @@ from gymnasium.spaces import Space
 from numpy.typing import NDArray
 
 from . import _arguments
-from ._environments import OUTCOMES, Episode, Instances, Reward, outcome
+from ._environments import OUTCOMES, Episode, Instances, Reward, described, outcome
 from ._errors import InvalidInput
 from ._gymnasium import box
 from ._pickling import remade
@@ -38,6 +38,7 @@ class ParallelEnv(_ParallelEnv):
     agents: list[str]
     observation_spaces: dict[str, Space[NDArray[np.float32]]]
     action_spaces: dict[str, Space[NDArray[np.float32]]]
+    state_space: Space[NDArray[np.float32]]
 
     def __init__(self, instances: Instances) -> None:
         self._instances = instances
@@ -49,6 +50,7 @@ class ParallelEnv(_ParallelEnv):
         lengths = [len(names) for names in instances.entries]
         self.observation_spaces = {name: box((lengths[row],)) for name, row in self._rows.items()}
         self.action_spaces = {name: box((2,)) for name in instances.agents}
+        self.state_space = box((sum(lengths),))
         self._actions = np.zeros((1, len(instances.agents), 2), dtype=np.float32)
 
     def observation_space(self, agent: str) -> Space[NDArray[np.float32]]:
@@ -76,6 +78,17 @@ class ParallelEnv(_ParallelEnv):
             raise _arguments.refused("agent", agent, ", ".join(self.possible_agents))
         return agent
 
+    def __repr__(self) -> str:
+        return described("ParallelEnv", self._instances.scenario, agents=self.possible_agents)
+
+    def state(self) -> NDArray[np.float32]:
+        """Observations of all agents after the last step or reset, one after the other, for a central critic.
+
+        Those out of the game are among them, so that its shape is that of ``state_space``.
+        """
+        rows = zip(self._instances.observations[0], self._instances.entries, strict=True)
+        return np.concatenate([row[: len(names)] for row, names in rows])
+
     @property
     def entries(self) -> dict[str, list[str]]:
         """Names of the entries of the observation of each agent."""
@@ -91,7 +104,9 @@ class ParallelEnv(_ParallelEnv):
         seed
             Seed of all episodes from now on; None for the next episode.
         options
-            None or empty: there are none.
+            ``{"set": {"teams.evader.limits.v_max": 0.5}}`` gives this and all following episodes other values of the
+            scenario, in addition to the parameter ``set``, until another reset gives some. Agents and observations
+            must stay the same.
 
         Returns
         -------
@@ -102,7 +117,7 @@ class ParallelEnv(_ParallelEnv):
         """
         # PettingZoo's own test gives `options`, which no environment knows.
         seed = None if seed is None else _arguments.seed("seed", seed)
-        self._instances.reset(seed, options, known=("options",))
+        self._instances.reset(seed, options, known=("set", "options"))
         self.agents = list(self.possible_agents)
         seed = int(self._instances.seeds[0])
         return self._observed(self._instances.observations), {name: {"seed": seed} for name in self.agents}
@@ -137,7 +152,7 @@ class ParallelEnv(_ParallelEnv):
             Of agents that leave: their "outcome".
         """
         instances = self._instances
-        if not self.agents:
+        if instances.core and not self.agents:
             return {}, {}, {}, {}, {}
         self._actions[:] = 0.0
         for name, action in _arguments.mapping("actions", actions).items():
@@ -166,6 +181,10 @@ class ParallelEnv(_ParallelEnv):
         rows = ((name, self._rows[name]) for name in self.agents)
         return {name: array[0, row, : len(lengths[row])].copy() for name, row in rows}
 
+    def close(self) -> None:
+        """Ends the environment."""
+        self._instances.close()
+
     def episode(self, *, running: bool = False) -> Episode:
         """Seed and actions of the last episode that ended, or of the running one."""
         return self._instances.episode(0, running)
@@ -182,9 +201,12 @@ class ParallelEnv(_ParallelEnv):
 def _action(agent: str, action: Any) -> NDArray[np.float32]:
     """Returns the action of an agent."""
     try:
-        return np.asarray(action, dtype=np.float32).reshape(2)
+        given = np.asarray(action, dtype=np.float32)
     except (TypeError, ValueError):
         raise _arguments.refused(f"actions: {agent}", action, "two numbers") from None
+    if given.shape != (2,):
+        raise InvalidInput(f"actions: {agent}: shape {given.shape}: expected (2,)")
+    return given
 
 
 def parallel_env(
@@ -194,16 +216,18 @@ def parallel_env(
     observation: str = "state",
     action: str = "twist",
     seed: int | None = None,
+    ticks_per_action: int = 1,
     set: Mapping[str, Any] | None = None,
     reward: Reward = None,
     planners: Mapping[str, Callable[..., Any]] | None = None,
+    record: bool = True,
     allow_outside: bool = False,
 ) -> ParallelEnv:
     """Makes an environment with one learner per agent, after PettingZoo's ``ParallelEnv``.
 
     Parameters
     ----------
-    scenario, agents, observation, action, seed, set, reward, planners, allow_outside
+    scenario, agents, observation, action, seed, ticks_per_action, set, reward, planners, record, allow_outside
         As for ``VectorEnv``.
 
     Raises
@@ -231,11 +255,12 @@ def parallel_env(
         action=action,
         seed=seed,
         autoreset_mode="Disabled",
-        ticks_per_action=1,
+        ticks_per_action=ticks_per_action,
         threads=1,
         set=set,
         reward=reward,
         planners=planners,
+        record=record,
         allow_outside=allow_outside,
     )
     return ParallelEnv(instances)

@@ -7,22 +7,33 @@ use std::sync::{Arc, Mutex, MutexGuard, TryLockError};
 
 use environment::{
     ArraysMut, EVENT_NAMES, EVENTS, EnvironmentError, Environments as Inner, Options,
-    RewardWeights, Start, WhichEpisode,
+    RewardWeights, Start, Variant as Other, WhichEpisode,
 };
 use kinds::KINDS;
 use numpy::{Element, IntoPyArray as _, PyArrayDyn, PyArrayMethods as _, PyReadonlyArrayDyn};
 use pyo3::prelude::*;
-use scenario::{Loader, MapCache};
+use scenario::kind::ConfiguredKind;
+use scenario::{Draft, Loader, MapCache, Template};
 
 use crate::arguments::{invalid, refused};
 use crate::error::{Error, InvalidInput};
 use crate::interruptible::{compute, short, wait};
 use crate::run::{CACHE, Planned, kinds_of, place};
 
+/// Begun episode: seed with its index, and scenario.
+type Begun = (Option<(u64, usize)>, Option<Py<Variant>>);
+
+/// The scenario with other values, for resets.
+#[pyclass(frozen, module = "protean_robotics")]
+pub struct Variant(Other);
+
 /// Instances of a scenario whose agents Python steers. Its arrays are the same objects in all steps.
 #[pyclass(frozen, module = "protean_robotics")]
 pub struct Environments {
     inner: Mutex<Inner>,
+    /// The scenario before values are given.
+    draft: Draft<'static>,
+    planners: Vec<Planned>,
     /// Names of the agents, in the order of the arrays.
     #[pyo3(get)]
     agents: Vec<String>,
@@ -74,7 +85,7 @@ pub struct Environments {
 impl Environments {
     #[new]
     #[pyo3(signature = (
-        scenario, *, overrides, agents, observation, action, instances, seed, autoreset_mode, ticks_per_action, threads, weights, planners, allow_outside
+        scenario, *, overrides, agents, observation, action, instances, seed, autoreset_mode, ticks_per_action, threads, weights, planners, record, allow_outside
     ))]
     #[expect(
         clippy::too_many_arguments,
@@ -94,6 +105,7 @@ impl Environments {
         threads: usize,
         weights: Vec<(String, f64)>,
         planners: Vec<Planned>,
+        record: bool,
         allow_outside: bool,
     ) -> PyResult<Self> {
         let mut options = Options {
@@ -106,23 +118,18 @@ impl Environments {
             ticks_per_action,
             threads,
             rewards: rewards(&weights)?,
+            record,
             programs: BTreeMap::new(),
         };
-        let inner = compute(py, move || {
+        let (draft, planners, inner) = compute(py, move || {
             runtime::logging::start("warn");
             let loader = Loader::new(KINDS).allow_outside(allow_outside);
             let draft = loader.draft(&scenario);
-            let mut draft = draft.map_err(|problems| raised(problems.into()))?;
-            for argument in &overrides {
-                draft.apply("--set", argument);
-            }
-            let template = draft.template(&mut MapCache::default());
-            let mut template = template.map_err(|problems| raised(problems.into()))?;
-            let placed = template.change(|scenario| place(scenario, &planners));
-            placed.map_err(InvalidInput::new_err)?;
-            let programs = kinds_of(template.scenario(), &planners);
-            options.programs = programs.map_err(InvalidInput::new_err)?;
-            Inner::new(template, options, Arc::clone(&CACHE)).map_err(raised)
+            let draft = draft.map_err(|problems| raised(problems.into()))?;
+            let (template, programs) = filled(&draft, &overrides, &planners)?;
+            options.programs = programs;
+            let inner = Inner::new(template, options, Arc::clone(&CACHE));
+            Ok::<_, PyErr>((draft, planners, inner.map_err(raised)?))
         })??;
         let shape = inner.shape();
         let (n, agents, length) = (shape.instances, shape.agents, shape.observation);
@@ -133,6 +140,8 @@ impl Environments {
             event_names: EVENT_NAMES.map(str::to_owned).to_vec(),
             dt: inner.dt(),
             inner: Mutex::new(inner),
+            draft,
+            planners,
             observations: zeros(py, &[n, agents, length]),
             final_observations: zeros(py, &[n, agents, length]),
             rewards: zeros(py, &[n, agents]),
@@ -147,24 +156,28 @@ impl Environments {
         })
     }
 
-    /// Begins new episodes: the first ones of a seed, or the next ones.
-    fn reset(&self, py: Python<'_>, seed: Option<u64>) -> PyResult<()> {
-        self.write(py, false, |inner, arrays| inner.reset(seed, arrays))
+    /// Returns the scenario with these values.
+    fn variant(&self, py: Python<'_>, overrides: Vec<String>) -> PyResult<Variant> {
+        let mut guard = self.lock()?;
+        let (inner, draft, planners) = (&mut *guard, &self.draft, &self.planners);
+        let interrupted = inner.interruption();
+        let (made, signal) = wait(py, &interrupted, move || {
+            let (template, programs) = filled(draft, &overrides, planners)?;
+            let variant = inner.variant(template, programs);
+            variant.map(Variant).map_err(raised)
+        })?;
+        interrupted.store(false, Ordering::Relaxed);
+        signal.and(made)
     }
 
-    /// Begins new episodes in the instances with a start: (None, _) for the next one, (seed, index) for the first one of
-    /// a seed; None lets an episode go on.
-    fn reset_each(
-        &self,
-        py: Python<'_>,
-        starts: Vec<Option<(Option<u64>, usize)>>,
-    ) -> PyResult<()> {
-        let start = |start| match start {
-            None => Start::Keep,
-            Some((None, _)) => Start::Next,
-            Some((Some(seed), instance)) => Start::First { seed, instance },
+    /// Begins new episodes in the instances with a start, which may have a seed with its index, and a scenario; None lets
+    /// an episode go on.
+    fn reset_each(&self, py: Python<'_>, starts: Vec<Option<Begun>>) -> PyResult<()> {
+        let start = |(first, variant): Begun| Start {
+            first,
+            variant: variant.map(|variant| variant.get().0.clone()),
         };
-        let starts: Vec<Start> = starts.into_iter().map(start).collect();
+        let starts: Vec<_> = starts.into_iter().map(|given| given.map(start)).collect();
         self.write(py, false, |inner, arrays| inner.reset_each(&starts, arrays))
     }
 
@@ -211,13 +224,11 @@ impl Environments {
         out: Option<PathBuf>,
         force: bool,
     ) -> PyResult<String> {
-        let guard = self.lock()?;
-        let inner = &*guard;
-        let episode = inner.episode(instance, which(running)).map_err(raised)?;
-        let replayer = inner.replayer();
-        drop(guard);
-        let (run, signal) = wait(py, &replayer.interrupted, || {
-            replayer.run(&episode, out, force)
+        let episode = self.lock()?.episode(instance, which(running));
+        let episode = episode.map_err(raised)?;
+        let interrupted = Arc::default();
+        let (run, signal) = wait(py, &interrupted, || {
+            episode.replay(out, force, &interrupted)
         })?;
         signal?;
         let (scenario, report) = run.map_err(raised)?;
@@ -278,6 +289,24 @@ impl Environments {
             seeds
         )
     }
+}
+
+/// Fills in the values and planners of a scenario.
+fn filled(
+    draft: &Draft<'static>,
+    overrides: &[String],
+    planners: &[Planned],
+) -> PyResult<(Template, BTreeMap<String, ConfiguredKind>)> {
+    let mut draft = draft.clone();
+    for argument in overrides {
+        draft.apply("--set", argument);
+    }
+    let template = draft.template(&mut MapCache::default());
+    let mut template = template.map_err(|problems| raised(problems.into()))?;
+    let placed = template.change(|scenario| place(scenario, planners));
+    placed.map_err(InvalidInput::new_err)?;
+    let programs = kinds_of(template.scenario(), planners);
+    Ok((template, programs.map_err(InvalidInput::new_err)?))
 }
 
 fn zeros<T: Element>(py: Python<'_>, shape: &[usize]) -> Py<PyArrayDyn<T>> {

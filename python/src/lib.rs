@@ -25,7 +25,7 @@ mod _core {
     use pyo3::prelude::*;
 
     #[pymodule_export]
-    use crate::environments::Environments;
+    use crate::environments::{Environments, Variant};
     #[pymodule_export]
     use crate::log::{Column, LogFile};
     #[pymodule_export]

@@ -1,6 +1,8 @@
 """Environments in what Gymnasium and PettingZoo put around them: the same as Gymnasium's own vector of `pr.Env`."""
 
+import gc
 import importlib.util
+import re
 import warnings
 from collections.abc import Callable
 from copy import deepcopy
@@ -129,8 +131,9 @@ def test_a_wrapper_of_gymnasium_works_as_around_its_own(name: str, mode: Autores
 @pytest.mark.parametrize("name", NEED_PACKAGES)
 def test_a_wrapper_for_another_package_works(name: str) -> None:
     package, wrap = NEED_PACKAGES[name]
-    if importlib.util.find_spec(package) is None:
-        pytest.skip(f"no package {package}")
+    for needed in (package, "array_api_compat"):
+        if importlib.util.find_spec(needed) is None:
+            pytest.skip(f"no package {needed}")
     env = wrap(ours(["evader_1"], AutoresetMode.NEXT_STEP))
     env.reset(seed=1)
 
@@ -176,6 +179,80 @@ def test_unknown_options_are_refused(make: Any) -> None:
     env = make(agents=["evader_1"], **SHORT)
     with pytest.raises(pr.InvalidInput, match="options: no option 'teams.evader.limits.v_max'"):
         env.reset(seed=1, options={"teams.evader.limits.v_max": 5.0})
+
+
+@pytest.mark.parametrize("agents", [["evader_1"], ["evader", "police_1"]])
+def test_an_action_of_another_shape_is_refused_by_the_shape_that_the_user_sees(agents: list[str]) -> None:
+    shape = (2,) if len(agents) == 1 else (3, 2)
+    env = pr.Env(agents=agents, **SHORT)
+    envs = pr.VectorEnv(num_envs=2, agents=agents, **SHORT)
+    for own, name, expected in ((env, "action", shape), (envs, "actions", (2, *shape))):
+        own.reset()
+        # Too few, too many, and as many in another order or dimension.
+        for wrong in ((), (1, *expected), expected[::-1] + (1,), (int(np.prod(expected)),) + (1,), (7,)):
+            with pytest.raises(pr.InvalidInput, match=re.escape(f"{name} of shape {wrong}: expected {expected}")):
+                own.step(np.zeros(wrong, dtype=np.float32))
+        with pytest.raises(pr.InvalidInput, match=re.escape(f"{name} = 'left': expected numbers of shape {expected}")):
+            own.step("left")  # type: ignore[arg-type]
+        own.step(np.zeros(expected, dtype=np.float32))
+    parallel = pr.parallel_env(agents=agents, **SHORT)
+    parallel.reset()
+    zeros = {name: np.zeros(2, dtype=np.float32) for name in parallel.agents}
+    with pytest.raises(pr.InvalidInput, match=re.escape("actions: evader_1: shape (1, 2): expected (2,)")):
+        parallel.step(zeros | {"evader_1": np.zeros((1, 2), dtype=np.float32)})
+    parallel.step(zeros)
+
+
+def test_a_closed_environment_is_refused_in_words() -> None:
+    for threads in (1, 2):
+        envs = pr.VectorEnv(num_envs=2, agents=["evader_1"], threads=threads, **SHORT)
+        envs.reset()
+        envs.close()
+        envs.close()
+        assert envs.closed
+        for use in (envs.reset, lambda envs=envs: envs.step(np.zeros((2, 2))), lambda envs=envs: envs.digest(0)):
+            with pytest.raises(pr.InvalidInput, match="environment is closed: expected a new one"):
+                use()
+    env, parallel = pr.Env(agents=["evader_1"], **SHORT), pr.parallel_env(agents=["evader_1"], **SHORT)
+    for own in (env, parallel):
+        own.reset()
+        own.close()
+    for use in (env.reset, lambda: env.step(np.zeros(2)), parallel.reset, lambda: parallel.step({}), parallel.digest):
+        with pytest.raises(pr.InvalidInput, match="environment is closed: expected a new one"):
+            use()
+
+
+def test_a_refused_constructor_warns_of_nothing(recwarn: pytest.WarningsRecorder) -> None:
+    # Gymnasium closes what is deleted.
+    with pytest.raises(pr.InvalidInput):
+        pr.VectorEnv(agents=["evader_9"])
+    gc.collect()
+    assert not [str(warning.message) for warning in recwarn]
+
+
+def test_a_vector_calls_its_instances_as_gymnasium() -> None:
+    own, expected = ours(["evader_1"], AutoresetMode.SAME_STEP), of_gymnasium(["evader_1"], AutoresetMode.SAME_STEP)
+    for envs in (own, expected):
+        envs.reset(seed=list(SEEDS))
+        envs.step(np.ones((3, 2), dtype=np.float32))
+    assert own.call("digest", running=True) == expected.call("digest", running=True)
+    for name in ("action_space", "agents", "entries", "observation_space", "render_mode", "spec"):
+        assert own.get_attr(name) == expected.get_attr(name)
+    for name in ("v_max", "step", "_instances"):
+        with pytest.raises(AttributeError, match=f"no attribute '{name}'"):
+            own.call(name)
+
+
+def test_a_parallel_env_has_a_state_of_one_shape() -> None:
+    env = pr.parallel_env(agents=["evader", "police_1"], ticks_per_action=2, **SHORT)
+    observations, _ = env.reset(seed=1)
+    assert np.array_equal(env.state(), np.concatenate(list(observations.values())))
+    steps = 0
+    while env.agents:
+        env.step({name: np.ones(2, dtype=np.float32) for name in env.agents})
+        assert env.state() in env.state_space
+        steps += 1
+    assert steps == 2
 
 
 def test_copies_differ_without_a_seed_and_agree_with_one() -> None:

@@ -343,6 +343,24 @@ def test_invalid_arguments_are_refused() -> None:
         envs.digest(2)
 
 
+def test_without_a_record_episodes_are_the_same_and_cannot_be_executed_again() -> None:
+    for action in ("twist", "tune"):
+        recorded, other = (
+            pr.VectorEnv("chase_exact", 2, agents=["evader_1"], action=action, seed=3, set=SHORT, record=record)
+            for record in (True, False)
+        )
+        assert np.array_equal(recorded.reset()[0], other.reset()[0])
+        for _ in range(20):
+            actions = recorded.action_space.sample()
+            results = recorded.step(actions), other.step(actions)
+            assert np.array_equal(results[0][0], results[1][0])
+        assert results[1][4]["length"].tolist() == [20, 20]
+        for use in (other.digest, other.episode, lambda i, other=other: other.save_log(i, "no.mcap")):
+            for i in (0, 2):
+                with pytest.raises(pr.InvalidInput, match="record no actions"):
+                    use(i)
+
+
 def test_without_gymnasium_the_error_names_the_extra(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.delitem(sys.modules, "protean_robotics._gymnasium", raising=False)
     monkeypatch.setitem(sys.modules, "gymnasium", None)

@@ -3,11 +3,15 @@
 `PROTEAN_DOCS=write pytest test_reference.py` writes it.
 """
 
+import importlib
+import importlib.util
 import inspect
 import os
+import sys
 from pathlib import Path
 from types import ModuleType
 from typing import Any
+from unittest.mock import patch
 
 import protean_robotics as pr
 
@@ -90,6 +94,19 @@ def entry(level: int, name: str, value: Any) -> list[str]:
     return lines
 
 
+def sb3() -> ModuleType:
+    """The module for stable-baselines3; without the library, with an empty class in the place of its own."""
+    if importlib.util.find_spec("stable_baselines3"):
+        return pr.sb3
+    folder = "stable_baselines3.common.vec_env"
+    library = ModuleType(folder)
+    vars(library)["VecEnv"] = type("VecEnv", (), {})
+    with patch.dict(sys.modules, dict.fromkeys(["stable_baselines3", "stable_baselines3.common", folder], library)):
+        module = importlib.import_module("protean_robotics.sb3")
+    del pr.sb3
+    return module
+
+
 def page() -> str:
     lines = [HEAD]
     modules: list[tuple[str, ModuleType]] = []
@@ -102,7 +119,7 @@ def page() -> str:
         else:
             assert inspect.getdoc(value), f"{name} has no docstring"
             lines += entry(2, f"pr.{name}", value)
-    for name, module in modules:
+    for name, module in sorted([*modules, ("sb3", sb3())]):
         lines += [f"## `pr.{name}`", "", *sections(module.__doc__ or ""), ""]
         for item in module.__all__:
             assert inspect.getdoc(getattr(module, item)), f"{name}.{item} has no docstring"

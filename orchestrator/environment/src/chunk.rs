@@ -35,52 +35,45 @@ impl<B: Backend> Chunk<B> {
     /// Begins new episodes; `starts` and `arrays` are those of this chunk alone.
     pub fn reset(
         &mut self,
-        starts: &[Start],
+        starts: &[Option<Start>],
         arrays: &mut ArraysMut<'_>,
     ) -> Result<(), EnvironmentError> {
-        let reset = self.begin(starts, arrays);
-        if reset.is_err() {
+        let begun = self.begin(starts);
+        if begun.is_err() {
             // Some instances have begun and others not.
             self.instances.clear();
         }
-        reset
-    }
-
-    fn begin(
-        &mut self,
-        starts: &[Start],
-        arrays: &mut ArraysMut<'_>,
-    ) -> Result<(), EnvironmentError> {
-        let shared = &self.shared;
-        if self.instances.is_empty() {
-            let seed = shared.options.seed;
-            let begin = |(index, &start)| {
-                shared.check_interrupted()?;
-                match start {
-                    Start::Keep => Err(EnvironmentError::NotReset),
-                    Start::Next => Instance::new(shared, index, seed),
-                    Start::First { seed, instance } => Instance::new(shared, instance, seed),
-                }
-            };
-            let starts = self.range.clone().zip(starts);
-            self.instances = starts.map(begin).collect::<Result<_, _>>()?;
-        } else {
-            for (own, &start) in self.instances.iter_mut().zip(starts) {
-                shared.check_interrupted()?;
-                match start {
-                    Start::Keep => {}
-                    Start::Next => own.begin_next(shared)?,
-                    Start::First { seed, instance } => {
-                        *own = Instance::new(shared, instance, seed)?;
-                    }
-                }
+        begun?;
+        let shape = self.shared.shape;
+        for (row, (own, start)) in self.instances.iter_mut().zip(starts).enumerate() {
+            if start.is_some() {
+                own.write_reset(&mut self.scratch, &mut arrays.row(row, &shape))?;
             }
         }
-        let shape = shared.shape;
-        for (row, (own, start)) in self.instances.iter_mut().zip(starts).enumerate() {
-            if *start != Start::Keep {
-                let mut row = arrays.row(row, &shape);
-                own.write_reset(shared, &mut self.scratch, &mut row)?;
+        Ok(())
+    }
+
+    fn begin(&mut self, starts: &[Option<Start>]) -> Result<(), EnvironmentError> {
+        let is_first = self.instances.is_empty();
+        for (at, start) in starts.iter().enumerate() {
+            self.shared.check_interrupted()?;
+            let Some(Start { first, variant }) = start else {
+                if is_first {
+                    return Err(EnvironmentError::NotReset);
+                }
+                continue;
+            };
+            let own = self.instances.get_mut(at);
+            let former = own.as_ref().map_or(&self.shared, |own| own.shared());
+            let shared = Arc::clone(variant.as_ref().map_or(former, |variant| &variant.0));
+            let options = (shared.options.seed, self.range.start + at);
+            match (own, first) {
+                (Some(own), None) => own.begin_next(&shared)?,
+                (Some(own), Some((seed, index))) => *own = Instance::new(&shared, *index, *seed)?,
+                (None, first) => {
+                    let (seed, index) = first.unwrap_or(options);
+                    self.instances.push(Instance::new(&shared, index, seed)?);
+                }
             }
         }
         Ok(())
@@ -106,7 +99,7 @@ impl<B: Backend> Chunk<B> {
         let rows = actions.chunks_exact(width);
         for (row, (instance, actions)) in self.instances.iter_mut().zip(rows).enumerate() {
             let mut row = arrays.row(row, &shape);
-            let stepped = instance.step(&self.shared, &mut self.scratch, actions, &mut row);
+            let stepped = instance.step(&mut self.scratch, actions, &mut row);
             if let Err(error) = stepped {
                 // Some instances have stepped and others not.
                 self.instances.clear();

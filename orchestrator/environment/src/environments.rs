@@ -1,5 +1,6 @@
 //! The instances, and their division over threads.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
@@ -7,6 +8,7 @@ use mission::in_process::Cache;
 use observation::facts::RobotFacts;
 use observation::layout::Layout;
 use scenario::Template;
+use scenario::kind::ConfiguredKind;
 
 use crate::arrays::{ArraysMut, Shape};
 use crate::backend::{Alone, WithProcesses};
@@ -14,8 +16,7 @@ use crate::chunk::Chunk;
 use crate::episode::{Episode, WhichEpisode};
 use crate::error::EnvironmentError;
 use crate::options::{Options, Start};
-use crate::replay::Replayer;
-use crate::shared::Shared;
+use crate::shared::{Shared, Variant};
 use crate::workers::Worker;
 
 /// Maximum number of numbers, in the observations of all ticks, of a step that is short.
@@ -53,8 +54,7 @@ impl Environments {
         cache: Arc<Cache>,
     ) -> Result<Self, EnvironmentError> {
         let shared = Arc::new(Shared::new(template, options, cache)?);
-        let are_alone = shared.agents.are_alone(shared.template.scenario())
-            && !shared.options.observation.belief;
+        let are_alone = shared.are_alone;
         let Options {
             instances, threads, ..
         } = shared.options;
@@ -115,24 +115,31 @@ impl Environments {
         seed: Option<u64>,
         arrays: &mut ArraysMut<'_>,
     ) -> Result<(), EnvironmentError> {
-        let start = |instance| seed.map_or(Start::Next, |seed| Start::First { seed, instance });
-        let starts: Vec<Start> = (0..self.shared.shape.instances).map(start).collect();
+        let start = |instance| {
+            let first = seed.map(|seed| (seed, instance));
+            Some(Start {
+                first,
+                ..Start::default()
+            })
+        };
+        let starts: Vec<_> = (0..self.shared.shape.instances).map(start).collect();
         self.reset_each(&starts, arrays)
     }
 
-    /// Begins new episodes in some instances: one [`Start`] for each. The arrays of the others do not change.
+    /// Begins new episodes in some instances: one [`Start`] for each, `None` where the episode goes on. The arrays of
+    /// the others do not change.
     ///
     /// # Errors
     /// [`EnvironmentError`] as [`Self::reset`]; also if the first reset leaves out an instance.
     pub fn reset_each(
         &mut self,
-        starts: &[Start],
+        starts: &[Option<Start>],
         arrays: &mut ArraysMut<'_>,
     ) -> Result<(), EnvironmentError> {
         let shape = &self.shared.shape;
         arrays.check(shape)?;
         check_length("starts", starts.len(), shape.instances)?;
-        if !self.has_begun && starts.contains(&Start::Keep) {
+        if !self.has_begun && starts.iter().any(Option::is_none) {
             return Err(EnvironmentError::NotReset);
         }
         self.has_begun = true;
@@ -179,12 +186,15 @@ impl Environments {
     /// Returns a recorded episode of an instance.
     ///
     /// # Errors
-    /// [`EnvironmentError`] if there is none.
+    /// [`EnvironmentError`] if there is none, or none is recorded.
     pub fn episode(
         &self,
         instance: usize,
         which: WhichEpisode,
     ) -> Result<Episode, EnvironmentError> {
+        if !self.shared.options.record {
+            return Err(EnvironmentError::NotRecorded);
+        }
         let instances = self.shared.shape.instances;
         let unknown = EnvironmentError::Instance {
             given: instance,
@@ -217,9 +227,16 @@ impl Environments {
             && numbers.saturating_mul(ticks) <= SHORT
     }
 
-    /// Returns what executes recorded episodes again.
-    pub fn replayer(&self) -> Replayer {
-        Replayer::new(Arc::clone(&self.shared))
+    /// Returns the scenario with other values, for a reset; `programs` are as in [`Options`].
+    ///
+    /// # Errors
+    /// [`EnvironmentError`] as [`Self::new`]; also if the values change the arrays of agents.
+    pub fn variant(
+        &self,
+        template: Template,
+        programs: BTreeMap<String, ConfiguredKind>,
+    ) -> Result<Variant, EnvironmentError> {
+        self.shared.variant(template, programs)
     }
 }
 

@@ -49,6 +49,9 @@ pub enum EnvironmentError {
     /// An observation cannot be written.
     #[error(transparent)]
     Write(#[from] WriteError),
+    /// A variant of the scenario does not fit to the arrays or to the threads.
+    #[error("other values of the scenario change {0}: expected new environments with these values")]
+    Fixed(&'static str),
     /// An array has another length than the shape.
     #[error("{array} has {given} elements: expected {expected}")]
     Length {
@@ -87,6 +90,9 @@ pub enum EnvironmentError {
         /// Index of the instance.
         instance: usize,
     },
+    /// The environments record no actions.
+    #[error("the environments record no actions (record = false): expected environments that do")]
+    NotRecorded,
     /// The instance has completed no episode yet.
     #[error("instance {instance} has completed no episode: expected the running one")]
     NoEpisode {

@@ -26,6 +26,8 @@ use crate::way_left::WayLeft;
 /// Memory of a step that instances of one thread share.
 #[derive(Debug)]
 pub(crate) struct Scratch {
+    /// Data of the instances that may use it.
+    shared: Arc<Shared>,
     scene: Scene,
     robots: Vec<RobotView>,
     beliefs: Vec<BeliefView<'static>>,
@@ -39,9 +41,10 @@ pub(crate) struct Scratch {
 }
 
 impl Scratch {
-    pub fn new(shared: &Shared) -> Self {
+    pub fn new(shared: &Arc<Shared>) -> Self {
         let robots = shared.facts.len();
         Self {
+            shared: Arc::clone(shared),
             scene: Scene::new(&shared.facts, &shared.agents.robots),
             robots: Vec::with_capacity(robots),
             beliefs: Vec::with_capacity(robots),
@@ -50,6 +53,13 @@ impl Scratch {
             commands: vec![None; robots],
             was_active: vec![false; shared.agents.robots.len()],
             progress: vec![0.0; shared.ways_left.len()],
+        }
+    }
+
+    /// Makes it that of other instances.
+    fn fit(&mut self, shared: &Arc<Shared>) {
+        if !Arc::ptr_eq(&self.shared, shared) {
+            *self = Self::new(shared);
         }
     }
 }
@@ -80,16 +90,14 @@ pub(crate) struct Instance<B> {
 
 impl<B: Backend> Instance<B> {
     /// Begins the first episode of an instance, with the seed of all.
-    pub fn new(shared: &Shared, index: usize, seed: u64) -> Result<Self, EnvironmentError> {
+    pub fn new(shared: &Arc<Shared>, index: usize, seed: u64) -> Result<Self, EnvironmentError> {
         let first = episode_seed(seed, index, 0);
-        let mut running = Episode::default();
-        running.begin(first);
         Ok(Self {
             backend: B::new(shared, first)?,
             index,
             seed,
             episode: 0,
-            running,
+            running: Episode::new(shared, first),
             is_over: false,
             last: None,
             returns: vec![0.0; shared.shape.agents],
@@ -106,10 +114,16 @@ impl<B: Backend> Instance<B> {
         self.is_over
     }
 
+    /// Returns the data of the running episode.
+    pub fn shared(&self) -> &Arc<Shared> {
+        &self.running.shared
+    }
+
     /// Begins the next episode.
-    pub fn begin_next(&mut self, shared: &Shared) -> Result<(), EnvironmentError> {
+    pub fn begin_next(&mut self, shared: &Arc<Shared>) -> Result<(), EnvironmentError> {
         if core::mem::take(&mut self.is_over) {
-            let freed = self.last.take().unwrap_or_default();
+            let freed = self.last.take();
+            let freed = freed.unwrap_or_else(|| Episode::new(shared, 0));
             self.last = Some(core::mem::replace(&mut self.running, freed));
         }
         self.episode += 1;
@@ -121,7 +135,8 @@ impl<B: Backend> Instance<B> {
         self.evaders.clone_from(&shared.evaders);
         self.ways_left.clone_from(&shared.ways_left);
         self.returns.fill(0.0);
-        self.running.begin(seed);
+        self.hiding = Hiding::default();
+        self.running.begin(shared, seed);
         Ok(())
     }
 
@@ -136,7 +151,6 @@ impl<B: Backend> Instance<B> {
     /// Writes the state after a reset.
     pub fn write_reset(
         &mut self,
-        shared: &Shared,
         scratch: &mut Scratch,
         row: &mut ArraysMut<'_>,
     ) -> Result<(), EnvironmentError> {
@@ -149,21 +163,24 @@ impl<B: Backend> Instance<B> {
         row.returns.fill(0.0);
         row.lengths.fill(0);
         row.seeds.fill(self.running.seed);
-        self.observe(shared, scratch, row.observations)
+        let shared = Arc::clone(self.shared());
+        scratch.fit(&shared);
+        self.observe(&shared, scratch, row.observations)
     }
 
     /// Does a step with the actions of all agents, or begins the next episode if the last step has ended one.
     pub fn step(
         &mut self,
-        shared: &Shared,
         scratch: &mut Scratch,
         actions: &[f32],
         row: &mut ArraysMut<'_>,
     ) -> Result<(), EnvironmentError> {
+        let shared = &Arc::clone(self.shared());
         if self.is_over {
             self.begin_next(shared)?;
-            return self.write_reset(shared, scratch, row);
+            return self.write_reset(scratch, row);
         }
+        scratch.fit(shared);
         let (agents, _) = actions.as_chunks::<ACTION_LENGTH>();
         for (&robot, &action) in shared.agents.robots.iter().zip(agents) {
             scratch.given[robot] = command(action, &shared.facts[robot].model);
@@ -208,7 +225,7 @@ impl<B: Backend> Instance<B> {
             scratch.commands[robot] = Some(given);
         }
         self.running.record(actions, &scratch.was_active);
-        if !self.evaders.is_empty() {
+        if shared.options.record && !self.evaders.is_empty() {
             let commands = shared
                 .agents
                 .robots
@@ -251,7 +268,7 @@ impl<B: Backend> Instance<B> {
     /// Ends the episode, and begins the next one if the same step shall.
     fn end(
         &mut self,
-        shared: &Shared,
+        shared: &Arc<Shared>,
         scratch: &mut Scratch,
         row: &mut ArraysMut<'_>,
     ) -> Result<(), EnvironmentError> {

@@ -1,7 +1,7 @@
 //! Many instances of one scenario, in which a learner steers some robots, the *agents*. All other robots are driven by
 //! the scenario's own processes.
 //!
-//! - [`Environments`]: the instances: reset, step, recorded episodes; [`Replayer`]: these as runs with a log;
+//! - [`Environments`]: the instances: reset, step, recorded episodes; [`Episode::replay`]: these as runs with a log;
 //! - [`Options`], [`RewardWeights`]: number of instances, agents, observation, seed, threads, rewards;
 //! - [`Arrays`], [`ArraysMut`], [`Shape`]: results of a step, written in place.
 //!
@@ -50,5 +50,5 @@ pub use environments::Environments;
 pub use episode::{Episode, WhichEpisode};
 pub use error::EnvironmentError;
 pub use options::{Autoreset, Options, Start};
-pub use replay::Replayer;
 pub use rewards::{EVENT_NAMES, EVENTS, RewardWeights};
+pub use shared::Variant;

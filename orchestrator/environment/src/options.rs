@@ -10,6 +10,7 @@ use scenario::spec::MAX_TICKS;
 
 use crate::error::EnvironmentError;
 use crate::rewards::RewardWeights;
+use crate::shared::Variant;
 
 /// Maximum number of instances.
 const MAX_INSTANCES: usize = 1 << 16;
@@ -45,20 +46,13 @@ impl FromStr for Autoreset {
     }
 }
 
-/// Effect of a reset on an instance.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Start {
-    /// Nothing: its episode goes on.
-    Keep,
-    /// Begins its next episode.
-    Next,
-    /// Begins its first episode of a seed; that of `instance` among the instances that share the seed.
-    First {
-        /// Seed of all following episodes.
-        seed: u64,
-        /// Index from which the seeds of episodes follow.
-        instance: usize,
-    },
+/// How a reset begins an episode; by default the next one.
+#[derive(Debug, Clone, Default)]
+pub struct Start {
+    /// Seed of this and all following episodes, and the index of the instance among those that share the seed.
+    pub first: Option<(u64, usize)>,
+    /// Scenario of this and all following episodes.
+    pub variant: Option<Variant>,
 }
 
 /// Options of environments.
@@ -83,6 +77,8 @@ pub struct Options {
     pub threads: usize,
     /// Weights of the rewards.
     pub rewards: RewardWeights,
+    /// Records actions, so that episodes can be executed again.
+    pub record: bool,
     /// Kinds that run in the place of external programs, by the name of the process.
     pub programs: BTreeMap<String, ConfiguredKind>,
 }
@@ -102,6 +98,7 @@ impl Default for Options {
             ticks_per_action: 1,
             threads: 1,
             rewards: RewardWeights::default(),
+            record: true,
             programs: BTreeMap::new(),
         }
     }

@@ -18,41 +18,26 @@ use crate::episode::Episode;
 use crate::error::EnvironmentError;
 use crate::shared::Shared;
 
-/// Executes recorded episodes again, independently of the environments that recorded them.
-#[derive(Debug, Clone)]
-pub struct Replayer {
-    shared: Arc<Shared>,
-    /// Ends the run in order, as [`InProcessOptions::interrupted`] does.
-    pub interrupted: Arc<AtomicBool>,
-}
-
-impl Replayer {
-    pub(crate) fn new(shared: Arc<Shared>) -> Self {
-        Self {
-            shared,
-            interrupted: Arc::default(),
-        }
-    }
-
-    /// Executes an episode again as a run in this thread, with planners that send its commands and stop after the last
+impl Episode {
+    /// Executes the episode again as a run in this thread, with planners that send its commands and stop after the last
     /// one. The run ends with the tick after the last step. `out` is the path of its log; `force` permits to overwrite
-    /// one.
+    /// one; `interrupted` ends it in order, as [`InProcessOptions::interrupted`] does.
     ///
     /// # Errors
     /// [`EnvironmentError`] if the run fails or the log cannot be written.
-    pub fn run(
+    pub fn replay(
         &self,
-        episode: &Episode,
         out: Option<PathBuf>,
         force: bool,
+        interrupted: &Arc<AtomicBool>,
     ) -> Result<(ResolvedScenario, MissionReport), EnvironmentError> {
         let options = InProcessOptions {
             out,
             force,
-            interrupted: Arc::clone(&self.interrupted),
+            interrupted: Arc::clone(interrupted),
             ..InProcessOptions::default()
         };
-        replay(&self.shared, episode, options)
+        replay(&self.shared, self, options)
     }
 }
 

@@ -1,6 +1,7 @@
 //! Data that all instances share.
 
 use core::time::Duration;
+use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -14,6 +15,7 @@ use observation::field_evader::FieldEvader;
 use observation::layout::Layout;
 use planner_view::map::PlannerMap;
 use runtime::kind::Product;
+use scenario::kind::ConfiguredKind;
 use scenario::{ResolvedScenario, Template};
 use sim_backend::world::World;
 
@@ -27,12 +29,18 @@ use crate::way_left::WayLeft;
 /// Maximum number of numbers in the observations of all instances.
 const MAX_OBSERVATIONS: usize = 1 << 26;
 
-/// Data that all instances share; it never changes.
+/// Scenario of episodes with other values than those of the environments.
+#[derive(Debug, Clone)]
+pub struct Variant(pub(crate) Arc<Shared>);
+
+/// Data that all instances of a scenario share; it never changes.
 #[derive(Debug)]
 pub(crate) struct Shared {
     pub template: Template,
     pub options: Options,
     pub agents: Agents,
+    /// `true` if the world can be stepped alone.
+    pub are_alone: bool,
     pub facts: Vec<RobotFacts>,
     /// Controllers of the agents, if actions change them.
     pub evaders: Vec<FieldEvader>,
@@ -103,7 +111,9 @@ impl Shared {
         } else {
             None
         };
+        let are_alone = agents.are_alone(template.scenario()) && !beliefs;
         Ok(Self {
+            are_alone,
             map: world.map().clone(),
             planner_map,
             blur_sigma,
@@ -128,6 +138,46 @@ impl Shared {
             Err(EnvironmentError::Interrupted)
         } else {
             Ok(())
+        }
+    }
+
+    /// Returns the data of a scenario that differs from this one in values.
+    pub fn variant(
+        &self,
+        template: Template,
+        programs: BTreeMap<String, ConfiguredKind>,
+    ) -> Result<Variant, EnvironmentError> {
+        let options = Options {
+            programs,
+            ..self.options.clone()
+        };
+        let mut other = Self::new(template, options, Arc::clone(&self.cache))?;
+        other.interrupted = Arc::clone(&self.interrupted);
+        let names = |shared: &Self| -> Vec<String> {
+            let robots = shared.agents.robots.iter();
+            robots
+                .map(|&robot| shared.facts[robot].name.clone())
+                .collect()
+        };
+        let entries = |shared: &Self| -> Vec<Vec<String>> {
+            let layouts = shared.layouts.iter();
+            layouts.map(|layout| layout.names().to_vec()).collect()
+        };
+        let changed = [
+            (names(self) != names(&other), "the agents"),
+            (
+                entries(self) != entries(&other),
+                "the entries of observations",
+            ),
+            (self.dt != other.dt, "the time step"),
+            (
+                self.are_alone && !other.are_alone,
+                "what steps beside the agents",
+            ),
+        ];
+        match changed.iter().find(|(is_changed, _)| *is_changed) {
+            Some((_, what)) => Err(EnvironmentError::Fixed(what)),
+            None => Ok(Variant(Arc::new(other))),
         }
     }
 

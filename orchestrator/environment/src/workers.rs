@@ -21,7 +21,7 @@ struct Block {
 }
 
 enum Request {
-    Reset(Vec<Start>, Box<Block>),
+    Reset(Vec<Option<Start>>, Box<Block>),
     Step(Box<Block>),
     Episode(usize, WhichEpisode),
 }
@@ -80,7 +80,7 @@ impl Worker {
     }
 
     /// Begins a reset with the starts of all instances; [`Self::finish`] waits for it.
-    pub fn begin_reset(&mut self, starts: &[Start]) -> Result<(), EnvironmentError> {
+    pub fn begin_reset(&mut self, starts: &[Option<Start>]) -> Result<(), EnvironmentError> {
         let block = self.take_block()?;
         let own = starts[self.range.clone()].to_vec();
         self.send(Request::Reset(own, block))

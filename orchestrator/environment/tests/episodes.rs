@@ -47,7 +47,7 @@ impl Learner {
             .unwrap();
     }
 
-    fn reset_each(&mut self, starts: &[Start]) {
+    fn reset_each(&mut self, starts: &[Option<Start>]) {
         self.environments
             .reset_each(starts, &mut self.arrays.as_mut())
             .unwrap();
@@ -93,11 +93,7 @@ impl Learner {
     }
 
     fn digest(&self, episode: &Episode) -> String {
-        let (_, report) = self
-            .environments
-            .replayer()
-            .run(episode, None, false)
-            .unwrap();
+        let (_, report) = episode.replay(None, false).unwrap();
         report.summary.digest
     }
 }
@@ -198,11 +194,7 @@ fn an_agent_out_of_the_game_stops_whatever_its_action() {
         assert_eq!(row[..2], [0.0; 2]);
         assert!(row[2..].iter().all(|&number| number != 0.0));
     }
-    let (_, report) = learner
-        .environments
-        .replayer()
-        .run(&episode, None, false)
-        .unwrap();
+    let (_, report) = episode.replay(None, false).unwrap();
     assert_eq!(report.summary.robots[4].name, "evader_1");
 }
 
@@ -287,7 +279,8 @@ fn episodes_do_not_depend_on_what_begins_them() {
             for i in 0..3 {
                 let last = |learner: &Learner| {
                     let last = learner.environments.episode(i, WhichEpisode::Last);
-                    last.unwrap()
+                    let last = last.unwrap();
+                    (last.seed, last.actions, last.commands, last.steps)
                 };
                 assert_eq!(last(&next), last(&same));
                 assert_eq!(last(&disabled), last(&same));
@@ -296,10 +289,10 @@ fn episodes_do_not_depend_on_what_begins_them() {
             next.act(&[-1.0; 6]).unwrap();
             let error = disabled.act(&actions).unwrap_err();
             assert!(matches!(error, EnvironmentError::Ended { instance: 0 }));
-            let mut starts = [Start::Keep, Start::Next, Start::Keep];
+            let mut starts = [None, Some(Start::default()), None];
             disabled.reset_each(&starts);
             assert!(disabled.arrays.truncated[0] && !disabled.arrays.truncated[1]);
-            starts = [Start::Next, Start::Keep, Start::Next];
+            starts = [Some(Start::default()), None, Some(Start::default())];
             disabled.reset_each(&starts);
             for learner in [&next, &disabled] {
                 assert_eq!(learner.arrays.observations, same.arrays.observations);
@@ -317,7 +310,13 @@ fn an_instance_may_have_a_seed_of_its_own() {
         ..options(&["evader_1"], "state")
     };
     let mut learner = Learner::new(template("chase_exact", &[]), options);
-    let first = |seed| Start::First { seed, instance: 0 };
+    let first = |seed| {
+        let first = Some((seed, 0));
+        Some(Start {
+            first,
+            ..Start::default()
+        })
+    };
     learner.reset_each(&[first(5), first(7)]);
     let observations = learner.arrays.observations.clone();
     let seeds = learner.arrays.seeds.clone();
@@ -515,14 +514,13 @@ fn a_replay_has_a_log_with_its_digest() {
     learner.reset(Some(1));
     learner.finish_episode();
     let episode = learner.environments.episode(0, WhichEpisode::Last).unwrap();
-    let replayer = learner.environments.replayer();
-    let run = replayer.run(&episode, Some(path.clone()), false);
+    let run = episode.replay(Some(path.clone()), false);
     let (scenario, report) = run.unwrap();
     assert_eq!(scenario.run.seed, episode.seed);
     assert_eq!(report.summary.ticks, 10);
     assert_eq!(report.summary.digest, learner.digest(&episode));
     assert!(path.metadata().unwrap().len() > 1000);
-    let again = replayer.run(&episode, Some(path), false);
+    let again = episode.replay(Some(path), false);
     assert!(again.unwrap_err().is_refusal());
 }
 
