@@ -99,7 +99,7 @@ class VectorEnv(gymnasium.vector.VectorEnv[NDArray[np.float32], NDArray[np.float
     metadata: dict[str, Any]
     num_envs: int
     #: Until the constructor is done.
-    closed = True
+    closed: bool = True
     autoreset_mode: AutoresetMode
     single_observation_space: Space[NDArray[np.float32]]
     single_action_space: Space[NDArray[np.float32]]
