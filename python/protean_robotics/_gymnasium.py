@@ -101,7 +101,7 @@ class VectorEnv(gymnasium.vector.VectorEnv[NDArray[np.float32], NDArray[np.float
     metadata: dict[str, Any]
     num_envs: int
     #: Until the constructor is done.
-    closed = True
+    closed: bool = True
     autoreset_mode: AutoresetMode
     single_observation_space: Space[NDArray[np.float32]]
     single_action_space: Space[NDArray[np.float32]]
@@ -234,7 +234,7 @@ class VectorEnv(gymnasium.vector.VectorEnv[NDArray[np.float32], NDArray[np.float
             True where the time limit ended it.
         infos
             If an episode ended: "return", "length" (ticks) and "outcome" of the agents; with ``SAME_STEP`` also "final_obs"
-            and the former in "final_info". If one began: "seed". Each with its mask "_…".
+            and the former in "final_info". In every step "seed", where one began. Each with its mask "_…".
         """
         return self._step(actions, self.action_space.shape, "actions")
 
@@ -250,8 +250,8 @@ class VectorEnv(gymnasium.vector.VectorEnv[NDArray[np.float32], NDArray[np.float
             infos["_rewards"] = np.ones(self.num_envs, dtype=np.bool_)
         if any_ended:
             self._add_ended(infos)
-        if instances.begun.any():
-            self._add_begun(infos)
+        # In every step: TorchRL expects the entries that a reset has.
+        self._add_begun(infos)
         rewards = own(instances.reward_sums)
         return own(self._observations), rewards, own(instances.terminated), own(instances.truncated), infos
 

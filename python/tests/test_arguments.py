@@ -86,6 +86,8 @@ ENV = {
     "set": SHORT,
     "reward": None,
     "planners": None,
+    "ticks_per_action": 1,
+    "record": True,
     "allow_outside": False,
 }
 RUN = {
@@ -130,10 +132,10 @@ CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
     ),
     "planner": (pr.planner, {"steer": steer}),
     "serve": (pr.serve, {"steer": steer}),
-    "Env": (pr.Env, ENV | {"ticks_per_action": 1}),
+    "Env": (pr.Env, ENV),
     "VectorEnv": (
         pr.VectorEnv,
-        ENV | {"num_envs": 2, "ticks_per_action": 1, "threads": 1, "copy": True, "autoreset_mode": "NextStep"},
+        ENV | {"num_envs": 2, "threads": 1, "copy": True, "autoreset_mode": "NextStep"},
     ),
     "parallel_env": (pr.parallel_env, ENV),
     "Env.reset": (lambda **a: env_of(pr.Env).reset(**a), {"seed": 1, "options": None}),

@@ -91,11 +91,12 @@ impl Learner {
         }
         panic!("no end of the episode");
     }
+}
 
-    fn digest(&self, episode: &Episode) -> String {
-        let (_, report) = episode.replay(None, false).unwrap();
-        report.summary.digest
-    }
+/// Digest of an episode that is executed again.
+fn replayed_digest(episode: &Episode) -> String {
+    let (_, report) = episode.replay(None, false).unwrap();
+    report.summary.digest
 }
 
 fn options(agents: &[&str], observation: &str) -> Options {
@@ -122,7 +123,7 @@ fn assert_is_an_ordinary_run(learner: &mut Learner, template: &Template, steps: 
         .unwrap();
     assert_eq!(episode.steps, steps as u64);
     let (digest, observed) = ordinary_run(&learner.environments, template, &episode);
-    assert_eq!(learner.digest(&episode), digest);
+    assert_eq!(replayed_digest(&episode), digest);
     for (agent, facts) in learner.environments.agents().enumerate() {
         let layout = &learner.environments.layouts()[agent];
         for (tick, expected) in observed[&facts.name].iter().enumerate() {
@@ -518,7 +519,7 @@ fn a_replay_has_a_log_with_its_digest() {
     let (scenario, report) = run.unwrap();
     assert_eq!(scenario.run.seed, episode.seed);
     assert_eq!(report.summary.ticks, 10);
-    assert_eq!(report.summary.digest, learner.digest(&episode));
+    assert_eq!(report.summary.digest, replayed_digest(&episode));
     assert!(path.metadata().unwrap().len() > 1000);
     let again = episode.replay(Some(path), false);
     assert!(again.unwrap_err().is_refusal());

@@ -2,6 +2,7 @@
 
 mod scripted;
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use environment::{Arrays, EnvironmentError, Environments, Options, Start, Variant, WhichEpisode};
@@ -28,11 +29,11 @@ fn environments(scenario: Template, agents: &[&str], observation: &str) -> Envir
 }
 
 /// Begins the next episode with this scenario.
-fn next(variant: &Variant) -> Option<Start> {
-    Some(Start {
+fn next(variant: &Variant) -> Start {
+    Start {
         variant: Some(variant.clone()),
         ..Start::default()
-    })
+    }
 }
 
 #[test]
@@ -56,8 +57,7 @@ fn an_episode_with_other_values_is_an_ordinary_run_with_them() {
             &["robot"],
             "state+way",
             &[
-                "world.file='city'",
-                "robots.robot.start={x=-4.5,y=4.5,theta=0}",
+                "world.map={vector={bounds={min=[0,0],max=[5,3]},resolution=0.05,obstacles=[{name='box',shape={rectangle={center=[2.5,2.2],half_extents=[0.3,0.3]}}}]}}",
                 "rules.time_limit=0.4",
             ],
         ),
@@ -65,11 +65,11 @@ fn an_episode_with_other_values_is_an_ordinary_run_with_them() {
         let base = template(name, &["rules.time_limit=0.8"]);
         let other = template(name, values);
         let mut environments = environments(base.clone(), agents, observation);
-        let variant = environments.variant(other.clone(), Default::default());
+        let variant = environments.variant(other.clone(), BTreeMap::default());
         let variant = variant.unwrap();
         let mut arrays = Arrays::new(environments.shape());
         environments.reset(None, &mut arrays.as_mut()).unwrap();
-        let starts = [None, next(&variant), None];
+        let starts = [None, Some(next(&variant)), None];
         environments
             .reset_each(&starts, &mut arrays.as_mut())
             .unwrap();
@@ -94,8 +94,8 @@ fn an_episode_with_other_values_is_an_ordinary_run_with_them() {
             environments.step(&actions, &mut arrays.as_mut()).unwrap();
         }
         assert_eq!(arrays.truncated, [true; 3], "{name}");
-        let again = environments.variant(base, Default::default()).unwrap();
-        let starts = [None, next(&again), None];
+        let again = environments.variant(base, BTreeMap::default()).unwrap();
+        let starts = [None, Some(next(&again)), None];
         environments
             .reset_each(&starts, &mut arrays.as_mut())
             .unwrap();
@@ -123,12 +123,12 @@ fn values_that_change_the_arrays_are_refused() {
         ),
         (&[base, event], "beside the agents"),
     ] {
-        let refused = environments.variant(template("chase_exact", values), Default::default());
+        let refused = environments.variant(template("chase_exact", values), BTreeMap::default());
         let error = refused.unwrap_err();
         assert!(matches!(error, EnvironmentError::Fixed(_)) && error.is_refusal());
         assert!(error.to_string().contains(text), "{error}");
     }
-    let others = environments.variant(template("hello", &[]), Default::default());
+    let others = environments.variant(template("hello", &[]), BTreeMap::default());
     assert!(matches!(others, Err(EnvironmentError::Agents(_))));
     // They go on.
     let mut arrays = Arrays::new(environments.shape());
