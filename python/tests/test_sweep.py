@@ -50,11 +50,15 @@ def ahead(robot, rng):
 
 @pr.planner
 def fatal(robot, world, rng):
-    # The process ends once, in the middle of a mission.
+    # The process ends once, in the middle of a mission: that of the worker that removes the file.
     fuse = Path(__file__).with_name("fuse")
     if world.time > 0.3 and fuse.exists():
-        fuse.unlink()
-        os.kill(os.getpid(), signal.SIGKILL)
+        try:
+            fuse.unlink()
+        except FileNotFoundError:
+            pass
+        else:
+            os.kill(os.getpid(), signal.SIGKILL)
     return 0.5 * robot.v_max, rng.normal(scale=0.2)
 """
 
