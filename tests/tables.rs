@@ -4,13 +4,6 @@ use serde_json::Value as Json;
 
 use crate::support::{Sandbox, python};
 
-const ENVIRONMENT: &[&str] = &[
-    "python-tables",
-    "duckdb==2.0.1",
-    "pandas==3.1.1",
-    "polars==2.1.0",
-];
-
 /// Missions with an evader that may escape early: some columns begin empty.
 const SWEEP: &str = r#"
 scenario = "builtin:chase"
@@ -56,7 +49,7 @@ fn pandas_polars_and_duckdb_read_every_table() {
         sweep.set("rules.time_limit=2").json()["missing"],
         serde_json::json!([])
     );
-    let read: Option<Json> = python::call_with(ENVIRONMENT, "read_tables.py", sandbox.path());
+    let read: Option<Json> = python::call_with(python::PACKAGES, "read_tables.py", sandbox.path());
     let Some(read) = read else { return };
     assert_eq!(read["wrong"], serde_json::json!([]));
     let counts = &read["counts"];
