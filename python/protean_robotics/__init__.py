@@ -27,6 +27,7 @@ from ._planner import Planner, planner, serve
 from ._program import program
 from ._run import Run, run
 from ._sweep import Executor, Future, Sweep, sweep
+from ._table import Table
 
 if TYPE_CHECKING:
     from ._gymnasium import Env as Env
@@ -50,6 +51,7 @@ __all__ = [
     "Steering",
     "Step",
     "Sweep",
+    "Table",
     "Topic",
     "World",
     "__version__",

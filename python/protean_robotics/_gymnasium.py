@@ -12,7 +12,7 @@ from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
 from . import _arguments
-from ._environments import Episode, Instances, Reward, outcome
+from ._environments import Episode, Instances, Reward, outcome, render_mode as checked_mode
 from ._run import Run
 
 
@@ -72,6 +72,8 @@ class VectorEnv(gymnasium.vector.VectorEnv[NDArray[np.float32], NDArray[np.float
         False to return the arrays themselves, which the next step overwrites.
     allow_outside
         True if the scenario may use files outside its folder.
+    render_mode
+        "rgb_array" for `render`; None for none.
 
     Raises
     ------
@@ -118,6 +120,7 @@ class VectorEnv(gymnasium.vector.VectorEnv[NDArray[np.float32], NDArray[np.float
         planners: Mapping[str, Callable[..., Any]] | None = None,
         copy: bool = True,
         allow_outside: bool = False,
+        render_mode: str | None = None,
     ) -> None:
         try:
             # TorchRL reads the attribute, Gymnasium the metadata.
@@ -126,6 +129,7 @@ class VectorEnv(gymnasium.vector.VectorEnv[NDArray[np.float32], NDArray[np.float
             expected = ", ".join(mode.value for mode in AutoresetMode)
             raise _arguments.refused("autoreset_mode", autoreset_mode, expected) from None
         self._copy = _arguments.flag("copy", copy)
+        self.render_mode = checked_mode(render_mode)
         self._instances = instances = Instances(
             scenario,
             num_envs,
@@ -142,7 +146,7 @@ class VectorEnv(gymnasium.vector.VectorEnv[NDArray[np.float32], NDArray[np.float
             allow_outside=allow_outside,
         )
         self.num_envs = instances.shape[0]
-        self.metadata = {"render_modes": [], "autoreset_mode": self.autoreset_mode}
+        self.metadata = instances.metadata(autoreset_mode=self.autoreset_mode)
         self._single = len(instances.agents) == 1
         entries = instances.observations.shape[2]
         count = len(instances.agents)
@@ -261,6 +265,18 @@ class VectorEnv(gymnasium.vector.VectorEnv[NDArray[np.float32], NDArray[np.float
     def _own(self, array: NDArray[Any]) -> NDArray[Any]:
         return array.copy() if self._copy else array
 
+    def render(self) -> tuple[NDArray[np.uint8], ...] | None:
+        """Draws the running episodes as pictures of one size: robots, their paths since the first picture, obstacles.
+
+        Returns
+        -------
+        tuple of numpy.ndarray, shape (height, width, 3)
+            Red, green and blue of each instance, 0 to 255; None without a `render_mode`.
+        """
+        if self.render_mode is None:
+            return None
+        return tuple(self._instances.render(i) for i in range(self.num_envs))
+
     def episode(self, i: int, *, running: bool = False) -> Episode:
         """Seed and actions of an episode of an instance.
 
@@ -335,6 +351,7 @@ class Env(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
         reward: Reward = None,
         planners: Mapping[str, Callable[..., Any]] | None = None,
         allow_outside: bool = False,
+        render_mode: str | None = None,
     ) -> None:
         self._vector = vector = VectorEnv(
             scenario,
@@ -350,8 +367,10 @@ class Env(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
             planners=planners,
             copy=False,
             allow_outside=allow_outside,
+            render_mode=render_mode,
         )
-        self.metadata = {"render_modes": []}
+        self.metadata = vector._instances.metadata()
+        self.render_mode = vector.render_mode
         self.observation_space = vector.single_observation_space
         self.action_space = vector.single_action_space
 
@@ -423,6 +442,10 @@ class Env(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
                 "outcome": infos["outcome"][0],
             }
         return observations[0].copy(), float(rewards[0]), bool(terminations[0]), bool(truncations[0]), info
+
+    def render(self) -> NDArray[np.uint8] | None:  # type: ignore[override, unused-ignore]
+        """Draws the running episode, as ``VectorEnv.render``: shape (height, width, 3); None without a `render_mode`."""
+        return None if self.render_mode is None else self._vector._instances.render(0)
 
     def episode(self, *, running: bool = False) -> Episode:
         """Seed and actions of the last episode that ended, or of the running one."""

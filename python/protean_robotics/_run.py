@@ -5,7 +5,7 @@ import os
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ._arguments import checked
 from ._core import run_in_process
@@ -13,6 +13,11 @@ from ._errors import InvalidInput
 from ._log import Log
 from ._planner import ONLY_IN_PROCESS, placed
 from ._program import json_of, overrides
+from ._views import run_html
+
+if TYPE_CHECKING:
+    # Optional.
+    from matplotlib.axes import Axes  # type: ignore[import-not-found, unused-ignore]
 
 
 @dataclass(frozen=True, repr=False)
@@ -52,6 +57,36 @@ class Run:
         """Log of the run; None if it has none."""
         path = self.summary["log"]
         return Log(path) if path else None
+
+    def plot(self, *, ax: "Axes | None" = None) -> "Axes":
+        """Draws the paths of the robots on the map into axes of matplotlib, as ``Log.plot``.
+
+        Parameters
+        ----------
+        ax
+            Axes; new ones if None.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+            The axes.
+
+        Raises
+        ------
+        ImportError
+            matplotlib is not installed.
+        InvalidInput
+            The run has no log.
+        """
+        path = self.summary["log"]
+        if not path:
+            raise InvalidInput("the run has no log to draw: expected run(…, out=…)")
+        return Log(path).plot(ax=ax)
+
+    def _repr_html_(self) -> str:
+        """Returns the animated report for a notebook; of a run without a log its outcome."""
+        path = self.summary["log"]
+        return Log(path)._repr_html_() if path else run_html(self)
 
     def __repr__(self) -> str:
         outcomes = ", ".join(f"{name} {outcome}" for name, outcome in self.outcome.items())
