@@ -29,6 +29,7 @@ from ._planner import Planner, planner, serve
 from ._program import program
 from ._run import Run, run
 from ._sweep import Executor, Future, Sweep, sweep
+from ._table import Table
 
 _register()
 try:
@@ -61,6 +62,7 @@ __all__ = [
     "Steering",
     "Step",
     "Sweep",
+    "Table",
     "Topic",
     "World",
     "__version__",

@@ -159,6 +159,7 @@ class Instances:
         self._events = {name: core.events[:, :, index] for index, name in enumerate(core.event_names)}
         self._autoreset_mode = autoreset_mode
         self._none = np.zeros(num_envs, dtype=np.bool_)
+        self._frame: tuple[int, int] | None = None
         self.ended = self._none
         self.begun = self._none
 
@@ -268,11 +269,30 @@ class Instances:
         return Episode(seed, actions)
 
     @_arguments.checked
+    def render(self, i: int) -> NDArray[np.uint8]:
+        """Returns the picture of the running episode of an instance, of the size of the first picture of all."""
+        picture = self.core.render(i, self._frame)
+        if self._frame is None:
+            self._frame = picture.shape[1] // 2 * 2, picture.shape[0] // 2 * 2
+            picture = self.core.render(i, self._frame)
+        return picture
+
+    def metadata(self, **others: Any) -> dict[str, Any]:
+        """Returns the metadata of the environments of all libraries."""
+        return {"render_modes": ["rgb_array"], "render_fps": max(1, round(1 / self.core.dt)), **others}
+
     def replay(
         self, i: int, running: bool, out: str | os.PathLike[str] | None = None, force: bool = False
     ) -> Run:
         """Executes a recorded episode again as a run."""
         return Run(json.loads(self.core.replay(i, running, out, force)))
+
+
+def render_mode(mode: Any) -> str | None:
+    """Returns how environments are drawn."""
+    if mode is not None and mode != "rgb_array":
+        raise _arguments.refused("render_mode", mode, "None or 'rgb_array'; HumanRendering of Gymnasium shows its pictures")
+    return "rgb_array" if mode else None
 
 
 def _weights(reward: Any) -> list[tuple[str, float]]:

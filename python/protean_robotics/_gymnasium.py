@@ -12,7 +12,7 @@ from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
 from . import _arguments
-from ._environments import Episode, Instances, Reward, described, outcome
+from ._environments import Episode, Instances, Reward, described, outcome, render_mode as checked_mode
 from ._pickling import remade
 from ._run import Run
 
@@ -77,6 +77,8 @@ class VectorEnv(gymnasium.vector.VectorEnv[NDArray[np.float32], NDArray[np.float
         False to return the arrays themselves, which the next step overwrites.
     allow_outside
         True if the scenario may use files outside its folder.
+    render_mode
+        "rgb_array" for `render`; None for none.
 
     Raises
     ------
@@ -126,6 +128,7 @@ class VectorEnv(gymnasium.vector.VectorEnv[NDArray[np.float32], NDArray[np.float
         record: bool = True,
         copy: bool = True,
         allow_outside: bool = False,
+        render_mode: str | None = None,
     ) -> None:
         try:
             # TorchRL reads the attribute, Gymnasium the metadata.
@@ -134,6 +137,7 @@ class VectorEnv(gymnasium.vector.VectorEnv[NDArray[np.float32], NDArray[np.float
             expected = ", ".join(mode.value for mode in AutoresetMode)
             raise _arguments.refused("autoreset_mode", autoreset_mode, expected) from None
         self._copy = _arguments.flag("copy", copy)
+        self.render_mode = checked_mode(render_mode)
         self._instances = instances = Instances(
             scenario,
             num_envs,
@@ -151,7 +155,7 @@ class VectorEnv(gymnasium.vector.VectorEnv[NDArray[np.float32], NDArray[np.float
             allow_outside=allow_outside,
         )
         self.num_envs = instances.shape[0]
-        self.metadata = {"render_modes": [], "autoreset_mode": self.autoreset_mode}
+        self.metadata = instances.metadata(autoreset_mode=self.autoreset_mode)
         self._single = len(instances.agents) == 1
         entries = instances.observations.shape[2]
         count = len(instances.agents)
@@ -299,7 +303,7 @@ class VectorEnv(gymnasium.vector.VectorEnv[NDArray[np.float32], NDArray[np.float
         Parameters
         ----------
         name
-            "digest", "episode" or "save_log"; or "action_space", "agents", "entries", "metadata", "observation_space",
+            "digest", "episode", "render" or "save_log"; or "action_space", "agents", "entries", "metadata", "observation_space",
             "render_mode" or "spec".
         *args, **kwargs
             Arguments of the method, without the index of the instance.
@@ -307,6 +311,8 @@ class VectorEnv(gymnasium.vector.VectorEnv[NDArray[np.float32], NDArray[np.float
         return tuple(self._call(name, range(self.num_envs), args, kwargs))
 
     def _call(self, name: str, indices: Iterable[int], args: tuple[Any, ...], kwargs: dict[str, Any]) -> list[Any]:
+        if name == "render":
+            return [self._render(i) for i in indices]
         if name in ("digest", "episode", "save_log"):
             method = getattr(self, name)
             return [method(i, *args, **kwargs) for i in indices]
@@ -326,6 +332,19 @@ class VectorEnv(gymnasium.vector.VectorEnv[NDArray[np.float32], NDArray[np.float
             As of ``call``.
         """
         return self.call(name)
+
+    def render(self) -> tuple[NDArray[np.uint8], ...] | None:
+        """Draws the running episodes as pictures of one size: robots, their paths since the first picture, obstacles.
+
+        Returns
+        -------
+        tuple of numpy.ndarray, shape (height, width, 3)
+            Red, green and blue of each instance, 0 to 255; None without a `render_mode`.
+        """
+        return None if self.render_mode is None else self.call("render")
+
+    def _render(self, i: int) -> NDArray[np.uint8] | None:
+        return None if self.render_mode is None else self._instances.render(i)
 
     def episode(self, i: int, *, running: bool = False) -> Episode:
         """Seed and actions of an episode of an instance.
@@ -403,6 +422,7 @@ class Env(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
         planners: Mapping[str, Callable[..., Any]] | None = None,
         record: bool = True,
         allow_outside: bool = False,
+        render_mode: str | None = None,
     ) -> None:
         self._vector = vector = VectorEnv(
             scenario,
@@ -419,8 +439,10 @@ class Env(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
             record=record,
             copy=False,
             allow_outside=allow_outside,
+            render_mode=render_mode,
         )
-        self.metadata = {"render_modes": []}
+        self.metadata = vector._instances.metadata()
+        self.render_mode = vector.render_mode
         self.observation_space = vector.single_observation_space
         self.action_space = vector.single_action_space
 
@@ -504,6 +526,10 @@ class Env(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
     def close(self) -> None:
         """Ends the environment."""
         self._vector.close()
+
+    def render(self) -> NDArray[np.uint8] | None:  # type: ignore[override, unused-ignore]
+        """Draws the running episode, as ``VectorEnv.render``: shape (height, width, 3); None without a `render_mode`."""
+        return self._vector._render(0)
 
     def episode(self, *, running: bool = False) -> Episode:
         """Seed and actions of the last episode that ended, or of the running one."""

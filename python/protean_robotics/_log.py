@@ -1,30 +1,33 @@
 """Logs of runs: their topics as arrays, their events, their views."""
 
 import html
-import importlib
 import json
 import os
 from collections.abc import Iterator
 from functools import cached_property
 from pathlib import Path
-from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from . import _animation, _plots
 from ._arguments import checked
 from ._core import Column, LogFile
+from ._errors import InvalidInput
+from ._table import AnyColumn, MadeColumn, Table
+from ._views import block, frame, note, table_html
 
 if TYPE_CHECKING:
-    # Optional, and two of them have no types.
-    import pandas  # type: ignore[import-not-found, import-untyped, unused-ignore]
-    import polars  # type: ignore[import-not-found, import-untyped, unused-ignore]
-    import pyarrow  # type: ignore[import-not-found, import-untyped, unused-ignore]
+    # Optional.
+    from matplotlib.axes import Axes  # type: ignore[import-not-found, unused-ignore]
+
+#: Words of the codes of a robot's status in `world/state`.
+_STATUS = ["active", "caught", "escaped", "timed_out", "goal_reached", "disabled", "unknown"]
 
 
-class Topic:
-    """The messages of a topic as a table.
+class Topic(Table):
+    """The messages of a topic as a ``Table``.
 
     A row is one element of a message (a robot, a particle); it repeats ``log_time_ns``, ``publish_time_ns``, ``sequence``
     and the fields of the message. A message without elements is one row. The columns are those of ``protean export``:
@@ -70,80 +73,28 @@ class Topic:
         return {column.name: column for column in columns}, undecodable
 
     @property
-    def columns(self) -> list[str]:
-        """Names of the columns."""
-        return list(self._read[0])
+    def _columns(self) -> dict[str, Column]:
+        return self._read[0]
+
+    @property
+    def _title(self) -> str:
+        return self.name
 
     @property
     def undecodable(self) -> int:
         """Number of messages that do not fit their schema; the table does not contain them."""
         return self._read[1]
 
-    @cached_property
-    def _arrays(self) -> dict[str, NDArray[Any]]:
-        return {name: _array(column) for name, column in self._read[0].items()}
-
-    def to_numpy(self) -> dict[str, NDArray[Any]]:
-        """Columns as arrays.
-
-        Returns
-        -------
-        dict of str to numpy.ndarray, shape (rows,)
-            Read-only arrays by the names of the columns: ``bool``, ``int64``, ``uint64``, ``float32``, ``float64``, or
-            ``object`` with texts. Numbers are not copied from where they were decoded. A column in which some rows have no
-            value (those of messages without elements) is a ``numpy.ma.MaskedArray``.
-
-        Raises
-        ------
-        InvalidInput
-            The messages are not of ROS 2, or the log cannot be read any more.
-        """
-        return dict(self._arrays)
-
-    def __getitem__(self, column: str) -> NDArray[Any]:
-        """Returns a column as in `to_numpy`."""
-        try:
-            return self._arrays[column]
-        except KeyError:
-            names = ", ".join(self.columns)
-            raise KeyError(f"{self.name} has no column {column}; it has {names}") from None
-
-    def to_arrow(self) -> "pyarrow.Table":
-        """Columns as a table of Apache Arrow; numbers share the memory of `to_numpy`.
-
-        Raises
-        ------
-        ImportError
-            pyarrow is not installed.
-        """
-        arrow = _imported("pyarrow")
-        columns = {name: _arrow(arrow, column) for name, column in self._read[0].items()}
-        return arrow.table(columns)
-
-    def to_pandas(self) -> "pandas.DataFrame":
-        """Columns as a data frame of pandas.
-
-        Raises
-        ------
-        ImportError
-            pandas or pyarrow is not installed.
-        """
-        _imported("pandas")
-        return self.to_arrow().to_pandas()
-
-    def to_polars(self) -> "polars.DataFrame":
-        """Columns as a data frame of polars.
-
-        Raises
-        ------
-        ImportError
-            polars or pyarrow is not installed.
-        """
-        frame: polars.DataFrame = _imported("polars").from_arrow(self.to_arrow())
-        return frame
-
     def __repr__(self) -> str:
         return f"<Topic {self.name}: {self.messages} messages of {self.schema}>"
+
+    def _repr_html_(self) -> str:
+        """Returns the first rows for a notebook; of messages that are not of ROS 2 their number."""
+        title = f"{self.name}: {self.messages} messages of {self.schema}"
+        try:
+            return table_html(title, self._arrays)
+        except InvalidInput as error:
+            return block(title, note(str(error)))
 
 
 class Log:
@@ -237,6 +188,39 @@ class Log:
         events: list[dict[str, Any]] = json.loads(self._file.events())
         return events
 
+    @cached_property
+    def robots(self) -> Table:
+        """States of the robots, short: a row for each robot and state, in the words of the package.
+
+        Columns are ``t`` (simulated s), ``name``, ``x``, ``y`` (m), ``theta`` (rad), ``v`` (m/s), ``omega`` (rad/s) and
+        ``status`` ("active", "caught", "escaped", "goal_reached", "timed_out" or "disabled"). All that the messages say is
+        in ``log["world/state"]``.
+
+        Raises
+        ------
+        KeyError
+            The log has no states.
+
+        Examples
+        --------
+        >>> import protean_robotics as pr
+        >>> run = pr.run("hello", seed=1, in_process=True, out="hello.mcap")
+        >>> robots = pr.Log("hello.mcap").robots
+        >>> robots.columns
+        ['t', 'name', 'x', 'y', 'theta', 'v', 'omega', 'status']
+        >>> robots["name"][0], robots["status"][-1]
+        ('robot', 'escaped')
+        """
+        states = self["world/state"]._columns
+        time = states["log_time_ns"].values * 1e-9
+        time.flags.writeable = False
+        status = states["robots.status"]
+        codes = np.minimum(status.values, len(_STATUS) - 1)
+        columns: dict[str, AnyColumn] = {"t": MadeColumn(time), "name": states["robots.robot_name"]}
+        columns |= {name: states[f"robots.{name}"] for name in ("x", "y", "theta", "v", "omega")}
+        columns["status"] = MadeColumn(codes, _STATUS, status.empty)
+        return Table(columns)
+
     @property
     def outcome(self) -> dict[str, str]:
         """Outcome of each robot: "active", "caught", "escaped", "timed_out", "goal_reached" or "disabled".
@@ -301,12 +285,12 @@ class Log:
     def picture(
         self, out: str | os.PathLike[str] | None = None, *, at: float | None = None, force: bool = False
     ) -> Path:
-        """Draws the run into an SVG file, as ``protean picture`` does.
+        """Draws the run into a file, as ``protean picture`` does.
 
         Parameters
         ----------
         out
-            Path of the picture; by default that of the log with ``.svg``.
+            Path of the picture, which ends in ``.svg``, ``.png`` or ``.pdf``; by default that of the log with ``.svg``.
         at
             Simulated time that it shows (s); by default the end.
         force
@@ -326,6 +310,95 @@ class Log:
         self._file.picture(picture, at, force)
         return picture
 
+    @checked
+    def plot(self, quantity: str | None = None, *, ax: "Axes | None" = None) -> "Axes":
+        """Draws into axes of matplotlib: the paths of the robots on the map, or a quantity over time.
+
+        Parameters
+        ----------
+        quantity
+            A part of the title of a plot of the report: "belief error", "forward speed", "distance driven" …
+        ax
+            Axes; new ones if None.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+            The axes.
+
+        Raises
+        ------
+        ImportError
+            matplotlib is not installed.
+        InvalidInput
+            The log is not one of Protean, or has no such quantity.
+        """
+        return _plots.log_axes(self, ax) if quantity is None else _plots.quantity_axes(self, quantity, ax)
+
+    @checked
+    def frames(
+        self, *, fps: float = 20.0, speed: float = 1.0, size: tuple[int, int] | None = None
+    ) -> Iterator[NDArray[np.uint8]]:
+        """Pictures of the run over time, as pixels of one size.
+
+        Parameters
+        ----------
+        fps
+            Number of pictures for each second of the film.
+        speed
+            Simulated seconds for each second of the film.
+        size
+            Width and height (px), into which pictures are fitted; by default those of the first one.
+
+        Returns
+        -------
+        iterator of numpy.ndarray, shape (height, width, 3)
+            Red, green and blue, 0 to 255.
+
+        Raises
+        ------
+        InvalidInput
+            The log is not one of Protean, or an argument is out of range.
+        """
+        return _animation.frames(self, fps, speed, size)
+
+    @checked
+    def animate(
+        self,
+        out: str | os.PathLike[str] | None = None,
+        *,
+        fps: float = 20.0,
+        speed: float = 1.0,
+        size: tuple[int, int] | None = None,
+        force: bool = False,
+    ) -> Path:
+        """Films the run into a GIF or MP4 file.
+
+        Parameters
+        ----------
+        out
+            Path of the film, which ends in ``.gif`` or ``.mp4``; by default that of the log with ``.gif``. A GIF needs Pillow,
+            an MP4 file the program ``ffmpeg`` or the package ``imageio-ffmpeg``.
+        fps, speed, size
+            As for ``frames``.
+        force
+            True if an existing file may be replaced.
+
+        Returns
+        -------
+        pathlib.Path
+            Path of the film.
+
+        Raises
+        ------
+        ImportError
+            What writes the film is not installed.
+        InvalidInput
+            As for ``frames``, or the film may not be written there.
+        """
+        film = self.path.with_suffix(".gif") if out is None else Path(out)
+        return _animation.film(self, film, fps, speed, size, force)
+
     def __repr__(self) -> str:
         run = f"{self.scenario}, seed {self.seed}, " if self.scenario else ""
         faults = f"; incomplete: {self.faults[0]}" if self.faults else ""
@@ -339,35 +412,4 @@ class Log:
         """Returns the animated report for a notebook; of logs of other programs the text of ``protean info``."""
         if not self.info["ours"]:
             return f"<pre>{html.escape(str(self))}</pre>"
-        page = html.escape(self._file.page())
-        return f'<iframe srcdoc="{page}" style="width: 100%; height: 720px; border: 0" allowfullscreen></iframe>'
-
-
-def _array(column: Column) -> NDArray[Any]:
-    """Returns a column as an array."""
-    values = column.values
-    if column.texts is not None:
-        values = np.array(column.texts, dtype=object)[values] if column.texts else values.astype(object)
-        values.flags.writeable = False
-    if column.empty is None:
-        return values
-    masked: NDArray[Any] = np.ma.MaskedArray(values, mask=column.empty, copy=False)
-    return masked
-
-
-def _arrow(arrow: Any, column: Column) -> Any:
-    """Returns a column as an array of Arrow."""
-    if column.texts is None:
-        return arrow.array(column.values, mask=column.empty)
-    codes = arrow.array(column.values, mask=column.empty)
-    texts = arrow.array(column.texts, arrow.string())
-    return arrow.DictionaryArray.from_arrays(codes, texts).dictionary_decode()
-
-
-def _imported(name: str) -> ModuleType:
-    """Imports an optional package; the error says how to install it."""
-    try:
-        return importlib.import_module(name)
-    except ImportError as error:
-        wanted = "'protean-robotics[arrow]'" if name == "pyarrow" else name
-        raise ImportError(f"{name} is missing: pip install {wanted}", name=name) from error
+        return frame(self._file.page())

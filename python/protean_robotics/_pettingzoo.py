@@ -9,7 +9,7 @@ from gymnasium.spaces import Space
 from numpy.typing import NDArray
 
 from . import _arguments
-from ._environments import OUTCOMES, Episode, Instances, Reward, described, outcome
+from ._environments import OUTCOMES, Episode, Instances, Reward, described, outcome, render_mode as checked_mode
 from ._errors import InvalidInput
 from ._gymnasium import box
 from ._pickling import remade
@@ -40,10 +40,10 @@ class ParallelEnv(_ParallelEnv):
     action_spaces: dict[str, Space[NDArray[np.float32]]]
     state_space: Space[NDArray[np.float32]]
 
-    def __init__(self, instances: Instances) -> None:
+    def __init__(self, instances: Instances, render_mode: str | None = None) -> None:
         self._instances = instances
-        self.metadata = {"name": "protean", "render_modes": [], "is_parallelizable": True}
-        self.render_mode = None
+        self.metadata = instances.metadata(name="protean", is_parallelizable=True)
+        self.render_mode = render_mode
         self.possible_agents = list(instances.agents)
         self.agents = []
         self._rows = {name: row for row, name in enumerate(instances.agents)}
@@ -185,6 +185,10 @@ class ParallelEnv(_ParallelEnv):
         """Ends the environment."""
         self._instances.close()
 
+    def render(self) -> NDArray[np.uint8] | None:
+        """Draws the running episode, as ``VectorEnv.render``: shape (height, width, 3); None without a `render_mode`."""
+        return None if self.render_mode is None else self._instances.render(0)
+
     def episode(self, *, running: bool = False) -> Episode:
         """Seed and actions of the last episode that ended, or of the running one."""
         return self._instances.episode(0, running)
@@ -222,12 +226,13 @@ def parallel_env(
     planners: Mapping[str, Callable[..., Any]] | None = None,
     record: bool = True,
     allow_outside: bool = False,
+    render_mode: str | None = None,
 ) -> ParallelEnv:
     """Makes an environment with one learner per agent, after PettingZoo's ``ParallelEnv``.
 
     Parameters
     ----------
-    scenario, agents, observation, action, seed, ticks_per_action, set, reward, planners, record, allow_outside
+    scenario, agents, observation, action, seed, ticks_per_action, set, reward, planners, record, allow_outside, render_mode
         As for ``VectorEnv``.
 
     Raises
@@ -247,6 +252,7 @@ def parallel_env(
     >>> rewards["evader_1"]
     0.0
     """
+    mode = checked_mode(render_mode)
     instances = Instances(
         scenario,
         1,
@@ -263,4 +269,4 @@ def parallel_env(
         record=record,
         allow_outside=allow_outside,
     )
-    return ParallelEnv(instances)
+    return ParallelEnv(instances, mode)

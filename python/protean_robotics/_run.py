@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ._arguments import checked
 from ._core import run_in_process
@@ -14,6 +14,11 @@ from ._errors import InvalidInput
 from ._log import Log
 from ._planner import ONLY_IN_PROCESS, placed
 from ._program import json_of, overrides
+from ._views import run_html
+
+if TYPE_CHECKING:
+    # Optional.
+    from matplotlib.axes import Axes  # type: ignore[import-not-found, unused-ignore]
 
 
 @dataclass(frozen=True, repr=False)
@@ -60,6 +65,32 @@ class Run:
         if self.log_path is None:
             raise InvalidInput("the run has no log: expected out=PATH")
         return Log(self.log_path)
+
+    def plot(self, *, ax: "Axes | None" = None) -> "Axes":
+        """Draws the paths of the robots on the map into axes of matplotlib, as ``Log.plot``.
+
+        Parameters
+        ----------
+        ax
+            Axes; new ones if None.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+            The axes.
+
+        Raises
+        ------
+        ImportError
+            matplotlib is not installed.
+        InvalidInput
+            The run has no log.
+        """
+        return self.log.plot(ax=ax)
+
+    def _repr_html_(self) -> str:
+        """Returns the animated report for a notebook; of a run without a log its outcome."""
+        return self.log._repr_html_() if self.log_path else run_html(self)
 
     def __repr__(self) -> str:
         outcomes = ", ".join(f"{name} {outcome}" for name, outcome in self.outcome.items())

@@ -118,6 +118,10 @@ class VecEnv(_VecEnv):  # type: ignore[misc, unused-ignore]
             self._begin(results)
         return np.array(observations), rewards.astype(np.float32), terminations | truncations, infos
 
+    def get_images(self) -> list[NDArray[np.uint8] | None]:
+        """Draws the running episodes, as ``VectorEnv.render``; each None without a `render_mode`."""
+        return self.env_method("render")
+
     def close(self) -> None:
         """Closes the environments."""
         self.envs.close()
@@ -150,7 +154,7 @@ class VecEnv(_VecEnv):  # type: ignore[misc, unused-ignore]
         Parameters
         ----------
         method_name
-            "digest", "episode" or "save_log".
+            "digest", "episode", "render" or "save_log".
         *method_args, **method_kwargs
             Its arguments, without the index of the instance.
         indices

@@ -16,13 +16,23 @@ from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 from ._arguments import checked, refused
-from ._core import missions_to_run, sweep_in_process
+from ._core import missions_to_run, sweep_figures, sweep_in_process
 from ._errors import Error, InvalidInput
+from ._optional import imported
 from ._planner import ONLY_IN_PROCESS, Planner, placed, planners_of
+from ._plots import sweep_axes
 from ._program import json_of, overrides
+from ._views import sweep_html
+
+if TYPE_CHECKING:
+    # Optional, and three of them have no types.
+    import pandas  # type: ignore[import-not-found, import-untyped, unused-ignore]
+    import polars  # type: ignore[import-not-found, import-untyped, unused-ignore]
+    import pyarrow  # type: ignore[import-not-found, import-untyped, unused-ignore]
+    from matplotlib.axes import Axes  # type: ignore[import-not-found, unused-ignore]
 
 #: Parts of an experiment for each processor of this machine, if the caller does not say how many: a worker that is
 #: slow or lost holds up a small part.
@@ -77,6 +87,74 @@ class Sweep:
     def table(self) -> Path:
         """Table of the missions, for ``polars.read_parquet`` and ``pandas.read_parquet``."""
         return self.directory / "results.parquet"
+
+    def to_arrow(self) -> "pyarrow.Table":
+        """Table of the missions as a table of Apache Arrow.
+
+        Raises
+        ------
+        ImportError
+            pyarrow is not installed.
+        """
+        return imported("pyarrow.parquet").read_table(self.table)
+
+    def __arrow_c_stream__(self, requested_schema: object = None) -> object:
+        """Returns the table of the missions as an Arrow stream, as `to_arrow`."""
+        return self.to_arrow().__arrow_c_stream__(requested_schema)
+
+    def to_pandas(self) -> "pandas.DataFrame":
+        """Table of the missions as a data frame of pandas.
+
+        Raises
+        ------
+        ImportError
+            pandas or pyarrow is not installed.
+        """
+        imported("pandas")
+        return self.to_arrow().to_pandas()
+
+    def to_polars(self) -> "polars.DataFrame":
+        """Table of the missions as a data frame of polars.
+
+        Raises
+        ------
+        ImportError
+            polars is not installed.
+        """
+        frame: polars.DataFrame = imported("polars").read_parquet(self.table)
+        return frame
+
+    def plot(self, figure: str | None = None, *, ax: "Axes | None" = None) -> "Axes":
+        """Draws a figure of the experiment into axes of matplotlib.
+
+        Parameters
+        ----------
+        figure
+            Name of the figure in the experiment file; the first one if None.
+        ax
+            Axes; new ones if None.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+            The axes.
+
+        Raises
+        ------
+        ImportError
+            matplotlib is not installed.
+        InvalidInput
+            The experiment has no such figure.
+        """
+        figures = {found["name"]: found for found in json.loads(sweep_figures(self.directory))}
+        name = next(iter(figures), None) if figure is None else figure
+        if name not in figures:
+            raise refused("figure", figure, f"one of {', '.join(figures)}" if figures else "a figure in the experiment file")
+        return sweep_axes(figures[name], ax)
+
+    def _repr_html_(self) -> str:
+        """Returns the figures for a notebook."""
+        return sweep_html(self)
 
 
 @dataclass(frozen=True)

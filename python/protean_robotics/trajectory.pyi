@@ -3,6 +3,7 @@ from collections.abc import Sequence
 from typing import Self, final
 
 import numpy as np
+from matplotlib.axes import Axes  # type: ignore[import-not-found, unused-ignore]
 from numpy.typing import ArrayLike, NDArray
 
 from ._types import Params, PoseLike
@@ -36,6 +37,10 @@ class Trajectory:
     def length(self) -> float: ...
     @property
     def status(self) -> str: ...
+    @property
+    def obstacles(self) -> list[NDArray[np.float64]]: ...
+    def plot(self, *, ax: Axes | None = None) -> Axes: ...
+    def _repr_html_(self) -> str: ...
 
 def plan(
     start: PoseLike,

@@ -134,7 +134,7 @@ impl<'py> Numbers<'py> {
             .map_err(|error| unless_interrupted(value, error, fault))?;
         if !array.is_aligned() {
             let copy = value.call_method0("copy");
-            let copied = copy.and_then(|copy| Ok(copy.extract()?));
+            let copied = copy.and_then(|copy| copy.extract());
             array = copied.map_err(|error| unless_interrupted(value, error, fault))?;
         }
         Ok(Self { array })

@@ -3,21 +3,26 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::atomic::Ordering;
-use std::sync::{Arc, Mutex, MutexGuard, TryLockError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError, TryLockError};
 
+use draw::raster::pixels;
 use environment::{
     ArraysMut, EVENT_NAMES, EVENTS, EnvironmentError, Environments as Inner, Options,
-    RewardWeights, Start, Variant as Other, WhichEpisode,
+    RewardWeights, Running, Start, Variant as Other, WhichEpisode,
 };
 use kinds::KINDS;
-use numpy::{Element, IntoPyArray as _, PyArrayDyn, PyArrayMethods as _, PyReadonlyArrayDyn};
+use numpy::{
+    Element, IntoPyArray as _, PyArray3, PyArrayDyn, PyArrayMethods as _, PyReadonlyArrayDyn,
+};
 use pyo3::prelude::*;
+use report::picture::{RunTrace, draw};
 use scenario::kind::ConfiguredKind;
 use scenario::{Draft, Loader, MapCache, Template};
 
 use crate::arguments::{invalid, refused};
 use crate::error::{Error, InvalidInput};
 use crate::interruptible::{compute, short, wait};
+use crate::log::image;
 use crate::run::{CACHE, Planned, kinds_of, place};
 
 /// Begun episode: seed with its index, and scenario.
@@ -34,6 +39,8 @@ pub struct Environments {
     /// The scenario before values are given.
     draft: Draft<'static>,
     planners: Vec<Planned>,
+    /// Pictures of the running episodes by their instance, with the seed of the episode.
+    pictures: Mutex<BTreeMap<usize, (u64, RunTrace)>>,
     /// Names of the agents, in the order of the arrays.
     #[pyo3(get)]
     agents: Vec<String>,
@@ -142,6 +149,7 @@ impl Environments {
             inner: Mutex::new(inner),
             draft,
             planners,
+            pictures: Mutex::default(),
             observations: zeros(py, &[n, agents, length]),
             final_observations: zeros(py, &[n, agents, length]),
             rewards: zeros(py, &[n, agents]),
@@ -214,6 +222,20 @@ impl Environments {
         Ok((episode.seed, actions.to_dyn().clone()))
     }
 
+    /// Draws the running episode of an instance; returns pixels of shape (height, width, 3), of a size (px) if given.
+    #[pyo3(signature = (instance, size=None))]
+    fn render<'py>(
+        &self,
+        py: Python<'py>,
+        instance: usize,
+        size: Option<[u32; 2]>,
+    ) -> PyResult<Bound<'py, PyArray3<u8>>> {
+        let trace = short(py, || self.look(instance))?;
+        let pixels = compute(py, move || pixels(&draw(&trace), size))?;
+        let pixels = pixels.map_err(|error| invalid(&error))?;
+        image(py, pixels)
+    }
+
     /// Executes an episode again as a run, with a log if there is a path; returns its report as JSON.
     #[pyo3(signature = (instance, running, out=None, force=false))]
     fn replay(
@@ -237,6 +259,32 @@ impl Environments {
 }
 
 impl Environments {
+    /// Returns the picture of the running episode of an instance, with the trails since its first picture.
+    fn look(&self, instance: usize) -> PyResult<RunTrace> {
+        let before = self.pictures().remove(&instance);
+        let look = move |running: &Running<'_>| {
+            let now = running.world.time().as_secs_f64();
+            let is_same =
+                |(seed, trace): &(u64, RunTrace)| *seed == running.seed && trace.time_s <= now;
+            let mut trace = if let Some((_, trace)) = before.filter(is_same) {
+                trace
+            } else {
+                let scenario = running.scenario().map_err(|error| error.to_string())?;
+                RunTrace::before_run(&scenario).map_err(|error| error.to_string())?
+            };
+            trace.show(running.world);
+            Ok((running.seed, trace))
+        };
+        let seen: Result<_, String> = self.lock()?.look(instance, look).map_err(raised)?;
+        let (seed, trace) = seen.map_err(Error::new_err)?;
+        self.pictures().insert(instance, (seed, trace.clone()));
+        Ok(trace)
+    }
+
+    fn pictures(&self) -> MutexGuard<'_, BTreeMap<usize, (u64, RunTrace)>> {
+        self.pictures.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
     /// Returns the instances, which one thread at a time may use.
     fn lock(&self) -> PyResult<MutexGuard<'_, Inner>> {
         // Waiting would stop the thread that has them, which needs the interpreter to go on.

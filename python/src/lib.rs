@@ -19,6 +19,11 @@ mod sweep;
 
 use pyo3::prelude::*;
 
+/// Returns the module whose functions draw objects.
+fn plots(py: Python<'_>) -> PyResult<Bound<'_, PyModule>> {
+    py.import("protean_robotics._plots")
+}
+
 /// Functions and classes that `protean_robotics` hands on.
 #[pymodule(gil_used = false)]
 mod _core {
@@ -35,7 +40,7 @@ mod _core {
     #[pymodule_export]
     use crate::run::run_in_process;
     #[pymodule_export]
-    use crate::sweep::{missions_to_run, sweep_in_process};
+    use crate::sweep::{missions_to_run, sweep_figures, sweep_in_process};
 
     #[pymodule]
     mod steering {

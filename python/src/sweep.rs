@@ -5,10 +5,12 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
+use draw::figures::{Point, Scale, Unit};
 use kinds::KINDS;
 use mission::MissionReport;
 use pyo3::prelude::*;
 use scenario::ResolvedScenario;
+use serde_json::{Value as Json, json};
 use sweep::engine::{Call, Engine, InProcess};
 use sweep::planning::{Task, is_planning};
 use sweep::runner::{self, RunOptions, RunReport};
@@ -112,6 +114,39 @@ fn to_run<S: Subject>(
     };
     let open = open.0.iter().map(|open| number(open.seed, open.cell));
     Ok((out, open.collect()))
+}
+
+/// Returns the figures of results as JSON: a list of charts.
+///
+/// Raises
+/// ------
+/// Error
+///     The results cannot be read.
+#[pyfunction]
+pub fn sweep_figures(py: Python<'_>, directory: PathBuf) -> PyResult<String> {
+    let charts = compute(py, move || figures::charts(&Results::read(&directory)?))?;
+    let charts = charts.map_err(|error| raised(&error))?;
+    let points = |points: &[Point]| {
+        let bounds = |p: &Point| p.interval.unwrap_or((p.y, p.y));
+        let row = |p: &Point| [p.x, p.y, bounds(p).0, bounds(p).1];
+        points.iter().map(row).collect::<Vec<_>>()
+    };
+    let charts = charts.iter().map(|(name, chart)| {
+        let series = chart.series.iter().map(|series| {
+            json!({ "name": series.name, "points": points(&series.points), "reference": points(&series.reference) })
+        });
+        json!({
+            "name": name,
+            "title": chart.title,
+            "x_label": chart.x_label,
+            "x_names": chart.x_names,
+            "x_log": chart.x_scale == Scale::Logarithmic,
+            "y_label": chart.y_label,
+            "share": chart.unit == Unit::Share,
+            "series": series.collect::<Vec<_>>(),
+        })
+    });
+    Ok(charts.collect::<Json>().to_string())
 }
 
 /// Runs missions of robots in threads of this process; returns the summary as JSON.

@@ -53,8 +53,8 @@ NOT_APPLICABLE = {
     "FilterObservation": "it selects entries of Dict and Tuple spaces",
     "GrayscaleObservation": "observations are no images",
     "ResizeObservation": "observations are no images",
-    "HumanRendering": "there are no frames: save_log and report show an episode",
-    "RecordVideo": "there are no frames: save_log and report show an episode",
+    "HumanRendering": "it opens a window for the frames that test_views.py tests",
+    "RecordVideo": "test_views.py",
     "JaxToNumpy": "its environments return arrays of JAX",
     "JaxToTorch": "its environments return arrays of JAX",
 }

@@ -216,8 +216,8 @@ def test_a_log_is_its_report_in_a_notebook(chase: pr.Log, tmp_path: Path) -> Non
 
 def test_pictures_are_drawn(chase: pr.Log, tmp_path: Path) -> None:
     assert chase.picture(tmp_path / "end.svg", at=1.0).read_text().startswith("<svg")
-    with pytest.raises(pr.InvalidInput, match="pictures are SVG files"):
-        chase.picture(tmp_path / "end.png")
+    with pytest.raises(pr.InvalidInput, match="pictures are SVG, PNG or PDF files"):
+        chase.picture(tmp_path / "end.gif")
     with pytest.raises(pr.InvalidInput, match="99"):
         chase.picture(tmp_path / "late.svg", at=99.0)
 
@@ -242,9 +242,9 @@ def test_other_threads_run_while_a_log_is_read(chase_log: Path) -> None:
 
 
 def test_the_code_of_the_guide_runs(chase_log: Path) -> None:
-    for module in ("pandas", "polars", "pyarrow"):
+    for module in ("matplotlib", "pandas", "polars", "pyarrow"):
         pytest.importorskip(module)
     guide = Path(__file__).parents[2] / "docs/how-to/python-logs.md"
     blocks = re.findall(r"^```python\n(.*?)^```", guide.read_text(), re.DOTALL | re.MULTILINE)
-    assert len(blocks) == 4
+    assert len(blocks) == 7
     subprocess.run([sys.executable, "-c", "\n".join(blocks)], cwd=chase_log.parent, check=True, timeout=120)

@@ -18,6 +18,7 @@ pub const PACKAGES: &[&str] = &[
     "duckdb==2.0.1",
     "hyperqueue==0.27.0",
     "joblib==1.6.0",
+    "matplotlib==3.11.2",
     "maturin==1.16.0",
     "mcap==1.6.0",
     "mcap-ros2-support==0.6.0",

@@ -1,5 +1,5 @@
-//! Drawings as SVG: the canvas ([`canvas`]), the colours of all drawings ([`palette`]), legends ([`legend`])
-//! and charts of measured points ([`figures`]).
+//! Drawings as SVG: the canvas ([`canvas`]), the colours of all drawings ([`palette`]), legends ([`legend`]),
+//! charts of measured points ([`figures`]); the same as PNG, PDF and pixels ([`raster`]).
 //!
 //! ```
 //! use draw::figures::{Chart, Point, Series, draw};
@@ -28,3 +28,4 @@ pub mod canvas;
 pub mod figures;
 pub mod legend;
 pub mod palette;
+pub mod raster;

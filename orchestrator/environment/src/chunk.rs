@@ -6,10 +6,10 @@ use core::ops::Range;
 
 use crate::arrays::ArraysMut;
 use crate::backend::Backend;
-use crate::episode::{Episode, WhichEpisode};
 use crate::error::EnvironmentError;
 use crate::instance::{Instance, Scratch};
 use crate::options::{Autoreset, Start};
+use crate::running::Look;
 use crate::shared::Shared;
 
 /// Consecutive instances, stepped one after the other.
@@ -109,16 +109,12 @@ impl<B: Backend> Chunk<B> {
         Ok(())
     }
 
-    /// Returns a recorded episode of an instance, by its index among all.
-    pub fn episode(
-        &self,
-        instance: usize,
-        which: WhichEpisode,
-    ) -> Result<Episode, EnvironmentError> {
+    /// Lets `look` see the running episode of an instance, by its index among all.
+    pub fn look(&self, instance: usize, look: Look) -> Result<(), EnvironmentError> {
         let at = instance.checked_sub(self.range.start);
         let found = at.and_then(|at| self.instances.get(at));
         let found = found.ok_or(EnvironmentError::NotReset)?;
-        let episode = found.episode(which);
-        episode.ok_or(EnvironmentError::NoEpisode { instance })
+        found.look(look);
+        Ok(())
     }
 }

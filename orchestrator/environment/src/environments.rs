@@ -16,6 +16,7 @@ use crate::chunk::Chunk;
 use crate::episode::{Episode, WhichEpisode};
 use crate::error::EnvironmentError;
 use crate::options::{Options, Start};
+use crate::running::Running;
 use crate::shared::{Shared, Variant};
 use crate::workers::Worker;
 
@@ -195,20 +196,43 @@ impl Environments {
         if !self.shared.options.record {
             return Err(EnvironmentError::NotRecorded);
         }
+        let found = self.look(instance, move |seen| match which {
+            WhichEpisode::Last => seen.last.cloned(),
+            WhichEpisode::Running => Some(seen.episode.clone()),
+        });
+        found?.ok_or(EnvironmentError::NoEpisode { instance })
+    }
+
+    /// Lets `look` see the running episode of an instance, in the thread that has it; returns what it returns.
+    ///
+    /// # Errors
+    /// [`EnvironmentError`] if there is no episode.
+    pub fn look<T: Send + 'static>(
+        &self,
+        instance: usize,
+        look: impl FnOnce(&Running<'_>) -> T + Send + 'static,
+    ) -> Result<T, EnvironmentError> {
+        let (send, seen) = std::sync::mpsc::sync_channel(1);
+        let look = Box::new(move |running: &Running<'_>| {
+            // It is received below.
+            let _ = send.send(look(running));
+        });
         let instances = self.shared.shape.instances;
         let unknown = EnvironmentError::Instance {
             given: instance,
             instances,
         };
         match &self.engine {
-            Engine::Here(_) if instance >= instances => Err(unknown),
-            Engine::Here(chunk) => chunk.episode(instance, which),
+            Engine::Here(_) if instance >= instances => return Err(unknown),
+            Engine::Here(chunk) => chunk.look(instance, look)?,
             Engine::Threads(workers) => {
                 let mut workers = workers.iter();
                 let worker = workers.find(|worker| worker.range().contains(&instance));
-                worker.ok_or(unknown)?.episode(instance, which)
+                worker.ok_or(unknown)?.look(instance, look)?;
             }
         }
+        let ended = |_| EnvironmentError::Thread("ended unexpectedly".to_owned());
+        seen.recv().map_err(ended)
     }
 
     /// Returns what ends a reset or a step: as long as it is `true`, they fail with [`EnvironmentError::Interrupted`].

@@ -16,10 +16,11 @@ use sim_backend::world::{GameOver, World};
 
 use crate::arrays::ArraysMut;
 use crate::backend::Backend;
-use crate::episode::{Episode, WhichEpisode, episode_seed};
+use crate::episode::{Episode, episode_seed};
 use crate::error::EnvironmentError;
 use crate::options::Autoreset;
 use crate::rewards::{self, EVENTS};
+use crate::running::{Look, Running};
 use crate::shared::{Shared, planner_map};
 use crate::way_left::WayLeft;
 
@@ -140,12 +141,18 @@ impl<B: Backend> Instance<B> {
         Ok(())
     }
 
-    /// Returns a copy of a recorded episode.
-    pub fn episode(&self, which: WhichEpisode) -> Option<Episode> {
-        match which {
-            WhichEpisode::Last if !self.is_over => self.last.clone(),
-            WhichEpisode::Last | WhichEpisode::Running => Some(self.running.clone()),
-        }
+    /// Lets `look` see the running episode.
+    pub fn look(&self, look: Look) {
+        look(&Running {
+            seed: self.running.seed,
+            world: self.backend.world(),
+            episode: &self.running,
+            last: if self.is_over {
+                Some(&self.running)
+            } else {
+                self.last.as_ref()
+            },
+        });
     }
 
     /// Writes the state after a reset.

@@ -3,6 +3,7 @@
 //!
 //! - [`Environments`]: the instances: reset, step, recorded episodes; [`Episode::replay`]: these as runs with a log;
 //! - [`Options`], [`RewardWeights`]: number of instances, agents, observation, seed, threads, rewards;
+//! - [`Running`]: a look at the world of an instance;
 //! - [`Arrays`], [`ArraysMut`], [`Shape`]: results of a step, written in place.
 //!
 //! Instances without any other steering process step the world alone and allocate no memory in a step. The others run
@@ -41,6 +42,7 @@ mod instance;
 mod options;
 mod replay;
 mod rewards;
+mod running;
 mod shared;
 mod way_left;
 mod workers;
@@ -51,4 +53,5 @@ pub use episode::{Episode, WhichEpisode};
 pub use error::EnvironmentError;
 pub use options::{Autoreset, Options, Start};
 pub use rewards::{EVENT_NAMES, EVENTS, RewardWeights};
+pub use running::Running;
 pub use shared::Variant;

@@ -8,9 +8,9 @@ use std::thread::JoinHandle;
 use crate::arrays::{Arrays, ArraysMut, Shape};
 use crate::backend::Backend;
 use crate::chunk::Chunk;
-use crate::episode::{Episode, WhichEpisode};
 use crate::error::EnvironmentError;
 use crate::options::Start;
+use crate::running::Look;
 use crate::shared::Shared;
 
 /// Memory of the instances of a thread, which goes to it with a request and comes back with the reply.
@@ -23,12 +23,12 @@ struct Block {
 enum Request {
     Reset(Vec<Option<Start>>, Box<Block>),
     Step(Box<Block>),
-    Episode(usize, WhichEpisode),
+    Look(usize, Look),
 }
 
 enum Reply {
     Done(Box<Block>, Result<(), EnvironmentError>),
-    Episode(Result<Episode, EnvironmentError>),
+    Looked(Result<(), EnvironmentError>),
 }
 
 /// A thread and its instances. The processes of a run cannot change their thread.
@@ -105,16 +105,12 @@ impl Worker {
         result
     }
 
-    /// Returns a recorded episode of an instance, by its index among all.
-    pub fn episode(
-        &self,
-        instance: usize,
-        which: WhichEpisode,
-    ) -> Result<Episode, EnvironmentError> {
+    /// Lets `look` see the running episode of an instance, by its index among all.
+    pub fn look(&self, instance: usize, look: Look) -> Result<(), EnvironmentError> {
         self.check_process()?;
-        self.send(Request::Episode(instance, which))?;
+        self.send(Request::Look(instance, look))?;
         match self.replies.recv() {
-            Ok(Reply::Episode(episode)) => episode,
+            Ok(Reply::Looked(result)) => result,
             _ => Err(lost()),
         }
     }
@@ -173,7 +169,7 @@ fn serve<B: Backend>(
                 let result = chunk.step(actions, &mut arrays.as_mut());
                 Reply::Done(block, result)
             }
-            Request::Episode(instance, which) => Reply::Episode(chunk.episode(instance, which)),
+            Request::Look(instance, look) => Reply::Looked(chunk.look(instance, look)),
         };
         if replies.send(reply).is_err() {
             return;

@@ -95,7 +95,7 @@ impl Learner {
 
 /// Digest of an episode that is executed again.
 fn replayed_digest(episode: &Episode) -> String {
-    let (_, report) = episode.replay(None, false).unwrap();
+    let (_, report) = episode.replay(None, false, &Arc::default()).unwrap();
     report.summary.digest
 }
 
@@ -195,7 +195,7 @@ fn an_agent_out_of_the_game_stops_whatever_its_action() {
         assert_eq!(row[..2], [0.0; 2]);
         assert!(row[2..].iter().all(|&number| number != 0.0));
     }
-    let (_, report) = episode.replay(None, false).unwrap();
+    let (_, report) = episode.replay(None, false, &Arc::default()).unwrap();
     assert_eq!(report.summary.robots[4].name, "evader_1");
 }
 
@@ -515,13 +515,13 @@ fn a_replay_has_a_log_with_its_digest() {
     learner.reset(Some(1));
     learner.finish_episode();
     let episode = learner.environments.episode(0, WhichEpisode::Last).unwrap();
-    let run = episode.replay(Some(path.clone()), false);
+    let run = episode.replay(Some(path.clone()), false, &Arc::default());
     let (scenario, report) = run.unwrap();
     assert_eq!(scenario.run.seed, episode.seed);
     assert_eq!(report.summary.ticks, 10);
     assert_eq!(report.summary.digest, replayed_digest(&episode));
     assert!(path.metadata().unwrap().len() > 1000);
-    let again = episode.replay(Some(path), false);
+    let again = episode.replay(Some(path), false, &Arc::default());
     assert!(again.unwrap_err().is_refusal());
 }
 

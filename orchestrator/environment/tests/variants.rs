@@ -84,7 +84,7 @@ fn an_episode_with_other_values_is_an_ordinary_run_with_them() {
             (2, WhichEpisode::Running, &base),
         ] {
             let episode = environments.episode(instance, which).unwrap();
-            let (_, report) = episode.replay(None, false).unwrap();
+            let (_, report) = episode.replay(None, false, &Arc::default()).unwrap();
             let (digest, _) = ordinary_run(&environments, scenario, &episode);
             assert_eq!(report.summary.digest, digest, "{name}, instance {instance}");
         }
@@ -104,7 +104,7 @@ fn an_episode_with_other_values_is_an_ordinary_run_with_them() {
         }
         assert_eq!(arrays.truncated, [false; 3], "{name}");
         // An earlier one keeps its values.
-        let (_, report) = ended.replay(None, false).unwrap();
+        let (_, report) = ended.replay(None, false, &Arc::default()).unwrap();
         assert_eq!(report.summary.ticks, 8);
     }
 }

@@ -17,7 +17,8 @@ impl OutputFormat {
     /// Pages.
     pub const PAGE: Self = Self::new("pages are HTML files", &["html", "htm"]);
     /// Pictures.
-    pub const PICTURE: Self = Self::new("pictures are SVG files", &["svg"]);
+    pub const PICTURE: Self =
+        Self::new("pictures are SVG, PNG or PDF files", &["svg", "png", "pdf"]);
     /// Results of measurements and plans, instances.
     pub const JSON: Self = Self::new("results are JSON files", &["json", "jsonl", "ndjson"]);
     /// Tables, bags and results of experiments.
@@ -70,11 +71,7 @@ mod tests {
                 "a.html",
             ),
             (Format::PAGE, ["a.html", "a.htm", "a.d/a", "a"], "a.pdf"),
-            (
-                Format::PICTURE,
-                ["a.svg", "a.SVG", "/dev/null", "a"],
-                "a.png",
-            ),
+            (Format::PICTURE, ["a.svg", "a.PNG", "a.pdf", "a"], "a.gif"),
             (Format::JSON, ["a.json", "a.jsonl", "-", "a"], "a.csv"),
             (Format::FOLDER, ["a", "a.d/b", "v1.2", "."], "a.csv"),
         ] {
@@ -84,9 +81,8 @@ mod tests {
             let refused = check(format, other).unwrap_err();
             assert!(refused.contains("for example a"), "{refused}");
         }
-        let refused = check(Format::PICTURE, "d/x.pdf").unwrap_err();
-        let expected =
-            "pictures are SVG files: expected a name that ends in .svg, for example d/x.svg";
+        let refused = check(Format::PICTURE, "d/x.gif").unwrap_err();
+        let expected = "pictures are SVG, PNG or PDF files: expected a name that ends in .svg, for example d/x.svg";
         assert_eq!(refused, expected);
     }
 }

@@ -1,5 +1,10 @@
 //! Minimum-time trajectories among obstacles.
 
+#![expect(
+    clippy::too_many_arguments,
+    reason = "arguments by name of Python's functions, and the fields that a pickled object gives back"
+)]
+
 use std::sync::atomic::AtomicBool;
 
 use ::plan::field::{counter_clockwise, read_instance};
@@ -11,6 +16,7 @@ use geometry::shape::{Aabb, Convex};
 use nalgebra::Point2;
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
+use pyo3::types::PyList;
 
 use crate::arguments::{self, invalid, refused, scalar};
 use crate::error::{Error, InvalidInput};
@@ -41,10 +47,40 @@ pub struct Trajectory {
     length: f64,
     /// Origin: "planned", "fallback" (the exact shortest path) or "deadline".
     status: String,
+    /// Obstacles of `plan`: x (m), y (m) and radius (m) of a disc, shape (3,); corners (m) of a polygon, shape (k, 2).
+    obstacles: Py<PyList>,
 }
 
 #[pymethods]
 impl Trajectory {
+    /// Draw the path, coloured by the speed, into axes of matplotlib.
+    ///
+    /// Parameters
+    /// ----------
+    /// ax
+    ///     Axes; new ones if absent.
+    ///
+    /// Returns
+    /// -------
+    /// matplotlib.axes.Axes
+    ///     The axes.
+    ///
+    /// Raises
+    /// ------
+    /// ImportError
+    ///     matplotlib is not installed.
+    #[pyo3(signature = (*, ax=None))]
+    fn plot<'py>(
+        slf: &Bound<'py, Self>,
+        ax: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        crate::plots(slf.py())?.call_method1("trajectory_axes", (slf, ax))
+    }
+
+    fn _repr_html_<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        crate::plots(slf.py())?.call_method1("trajectory_html", (slf,))
+    }
+
     fn __repr__(&self) -> String {
         format!(
             "<Trajectory of {:.3} s and {:.3} m>",
@@ -59,10 +95,21 @@ impl Trajectory {
         samples: &[Sample],
         [duration, lower_bound, length]: [f64; 3],
         status: String,
+        obstacles: &[Convex],
     ) -> PyResult<Self> {
         let column = |value: fn(&Sample) -> f64| {
             PyArray1::from_vec(py, samples.iter().map(value).collect()).unbind()
         };
+        let outlines = PyList::empty(py);
+        for obstacle in obstacles {
+            match obstacle {
+                Convex::Disc { center, radius } => {
+                    let disc = vec![center.x, center.y, *radius];
+                    outlines.append(PyArray1::from_vec(py, disc))?;
+                }
+                other => outlines.append(arguments::array_of_points(py, &other.corners())?)?,
+            }
+        }
         let poses = samples.iter().map(|s| [s.x, s.y, s.theta]);
         Ok(Self {
             time: column(|s| s.t),
@@ -73,6 +120,7 @@ impl Trajectory {
             lower_bound,
             length,
             status,
+            obstacles: outlines.unbind(),
         })
     }
 }
@@ -136,7 +184,6 @@ impl Trajectory {
 /// True
 #[pyfunction]
 #[pyo3(signature = (start, goal, *, discs=None, polygons=None, bounds, v_max, omega_max, v_min=None, clearance=0.0, start_speed=None, start_turn_rate=None, goal_speed=None, acceleration=None, angular_acceleration=None, wheels=None, method="bspline"))]
-#[expect(clippy::too_many_arguments, reason = "fields of a problem")]
 pub fn plan(
     py: Python<'_>,
     start: &Bound<'_, PyAny>,
@@ -192,6 +239,7 @@ pub fn plan(
         })?,
         ..Options::default()
     };
+    let drawn = problem.obstacles.clone();
     let planned = compute(py, move || {
         ::trajectory::plan(&problem, &options, None, &mut || false)
     })?;
@@ -202,7 +250,8 @@ pub fn plan(
     let status = serde_json::to_value(plan.status).ok();
     let status = status.and_then(|status| Some(status.as_str()?.to_owned()));
     let figures = [plan.final_time, plan.lower_bound, plan.length];
-    Trajectory::new(py, &plan.samples, figures, status.unwrap_or_default())
+    let status = status.unwrap_or_default();
+    Trajectory::new(py, &plan.samples, figures, status, &drawn)
 }
 
 /// Minimum-time trajectory of a problem with the fields of a file of `protean plan`.
@@ -259,7 +308,7 @@ pub fn plan_instance(
     let status = serde_json::to_value(answer.status).ok();
     let status = status.and_then(|status| Some(status.as_str()?.to_owned()));
     let figures = [answer.t_s, answer.lower_bound_s, answer.length].map(|x| x.unwrap_or(f64::NAN));
-    Trajectory::new(py, &samples, figures, status.unwrap_or_default())
+    Trajectory::new(py, &samples, figures, status.unwrap_or_default(), &[])
 }
 
 fn obstacles(

@@ -6,11 +6,15 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
+use draw::raster::{Pixels, pixels};
 use kinds::KINDS;
 use log_tools::{LogInfo, TopicColumns, events, info_text};
+use mcap_log::derived::failed;
 use mcap_log::{DerivedError, LogReadError, ReadProgress};
+use numpy::{IntoPyArray as _, PyArray3, PyArrayMethods as _};
 use platform::output_format::OutputFormat;
 use pyo3::prelude::*;
+use report::picture::{RunTrace, draw};
 use report::{page, picture};
 
 pub use self::columns::Column;
@@ -102,6 +106,28 @@ impl LogFile {
         read(py, |watch| page::report(&[log], KINDS, &out, force, watch)).map(drop)
     }
 
+    /// The plots of the page as JSON: `title`, `unit`, `steps` if values hold until the next one, and `curves` with
+    /// `name`, `times_ns` and `values`.
+    fn plots(&self, py: Python<'_>) -> PyResult<String> {
+        let plots = read(py, |watch| Ok(page::plots(&self.path, KINDS, watch)?))?;
+        Ok(serde_json::json!(plots).to_string())
+    }
+
+    /// Pixels of the picture at a time (s), shape (height, width, 3), fitted into a size (px) if given.
+    #[pyo3(signature = (at, size=None))]
+    fn frame<'py>(
+        &self,
+        py: Python<'py>,
+        at: f64,
+        size: Option<[u32; 2]>,
+    ) -> PyResult<Bound<'py, PyArray3<u8>>> {
+        let pixels = read(py, |watch| {
+            let trace = RunTrace::read(&self.path, Some(at), KINDS, watch)?.0;
+            pixels(&draw(&trace), size).map_err(failed(&self.path))
+        })?;
+        image(py, pixels)
+    }
+
     /// Draws the run at a time (s), as `protean picture` does.
     #[pyo3(signature = (out, at, force))]
     fn picture(&self, py: Python<'_>, out: PathBuf, at: Option<f64>, force: bool) -> PyResult<()> {
@@ -113,6 +139,12 @@ impl LogFile {
         })
         .map(drop)
     }
+}
+
+/// Returns pixels as an array of shape (height, width, 3).
+pub fn image(py: Python<'_>, pixels: Pixels) -> PyResult<Bound<'_, PyArray3<u8>>> {
+    let shape = [pixels.height as usize, pixels.width as usize, 3];
+    pixels.rgb.into_pyarray(py).reshape(shape)
 }
 
 /// Reads a log in a thread of its own, until it ends or Ctrl-C interrupts it.

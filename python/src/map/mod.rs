@@ -143,6 +143,34 @@ impl Map {
         cells.reshape([grid.frame.height, grid.frame.width])
     }
 
+    /// Draw the obstacles into axes of matplotlib.
+    ///
+    /// Parameters
+    /// ----------
+    /// ax
+    ///     Axes; new ones if absent.
+    ///
+    /// Returns
+    /// -------
+    /// matplotlib.axes.Axes
+    ///     The axes.
+    ///
+    /// Raises
+    /// ------
+    /// ImportError
+    ///     matplotlib is not installed.
+    #[pyo3(signature = (*, ax=None))]
+    fn plot<'py>(
+        slf: &Bound<'py, Self>,
+        ax: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        crate::plots(slf.py())?.call_method1("map_axes", (slf, ax))
+    }
+
+    fn _repr_html_<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        crate::plots(slf.py())?.call_method1("map_html", (slf,))
+    }
+
     /// Corners of the exact shortest path of a disc.
     ///
     /// Corners around an obstacle lie outside the true arc, at most 5 mm from it, so that a disc that drives straight

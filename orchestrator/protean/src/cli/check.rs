@@ -3,9 +3,10 @@
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
+use mcap_log::derived;
 use platform::eprintln;
 use platform::output_format::OutputFormat;
-use report::picture::{RunTrace, draw};
+use report::picture::{RunTrace, draw, encoded};
 use serde_json::json;
 
 use super::common::{ForceArg, JsonArg, out};
@@ -25,7 +26,7 @@ pub(super) struct CheckArgs {
     /// Print the scenario with all defaults and overrides filled in
     #[arg(long)]
     print: bool,
-    /// Draw the world before it runs: write FILE (SVG)
+    /// Draw the world before it runs: write FILE (.svg, .png or .pdf)
     #[arg(long, value_name = "FILE", value_parser = out(OutputFormat::PICTURE))]
     picture: Option<PathBuf>,
     #[command(flatten)]
@@ -100,8 +101,10 @@ fn write_picture(scenario: &ResolvedScenario, file: &Path, force: bool) -> Resul
         eprintln!("error: {error}");
         EXIT_INVALID
     })?;
-    let written =
-        output::create(file, force).and_then(|out| output::write(out, file, &draw(&trace)));
+    let written = output::create(file, force).and_then(|out| {
+        let bytes = encoded(draw(&trace), file).map_err(derived::failed(file))?;
+        output::write(out, file, bytes)
+    });
     written.map_err(|error| {
         eprintln!("error: {error}");
         exit_code_of_derived(&error)

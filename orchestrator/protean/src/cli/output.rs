@@ -55,8 +55,12 @@ pub(super) fn create(path: &Path, force: bool) -> Result<AtomicFile, DerivedErro
 ///
 /// # Errors
 /// [`DerivedError::Write`].
-pub(super) fn write(mut file: AtomicFile, path: &Path, text: &str) -> Result<(), DerivedError> {
-    file.write_all(text.as_bytes())
+pub(super) fn write(
+    mut file: AtomicFile,
+    path: &Path,
+    bytes: impl AsRef<[u8]>,
+) -> Result<(), DerivedError> {
+    file.write_all(bytes.as_ref())
         .and_then(|()| file.commit())
         .map_err(derived::failed(path))
 }

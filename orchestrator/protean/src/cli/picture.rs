@@ -23,7 +23,7 @@ Exit codes: 0 success, 1 the picture cannot be written, 2 the file is not a read
 pub(super) struct PictureArgs {
     /// Log file
     log: PathBuf,
-    /// Write the picture to FILE (SVG) [default: the log's name with .svg]
+    /// Write the picture to FILE (.svg, .png or .pdf) [default: the log's name with .svg]
     #[arg(long, short, value_name = "FILE", value_parser = out(OutputFormat::PICTURE))]
     out: Option<PathBuf>,
     /// Draw the state and the beliefs at simulated time T (s) [default: the end]
@@ -33,7 +33,7 @@ pub(super) struct PictureArgs {
     force: ForceArg,
 }
 
-/// Draws a log into an SVG file and prints the file's name.
+/// Draws a log into a file and prints the file's name.
 pub(super) fn run(kinds: &[Kind], args: &PictureArgs) -> ExitCode {
     let log = &args.log;
     logs::command(false, |watch| {

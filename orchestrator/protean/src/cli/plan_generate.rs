@@ -81,7 +81,7 @@ pub(super) fn generate(args: &GenerateArgs) -> ExitCode {
     match file.zip(out) {
         None => print(&text),
         Some((file, out)) => {
-            if let Err(error) = write(file, out, &format!("{text}\n")) {
+            if let Err(error) = write(file, out, format!("{text}\n")) {
                 eprintln!("error: {error}");
                 return ExitCode::from(EXIT_FAILED);
             }

@@ -33,6 +33,7 @@ use serde::Serialize;
 use self::gather::Gathered;
 use self::html::Run;
 use self::pack::{Lists, Raster};
+pub use self::plots::{Plot, PlotCurve};
 use recorder::RobotOutcome;
 use scenario::kind::Kind;
 
@@ -113,6 +114,18 @@ pub fn render(
     Ok((page, reports))
 }
 
+/// Returns the plots of the page of a log.
+///
+/// # Errors
+/// As [`render`].
+pub fn plots(
+    log: &Path,
+    kinds: &'static [Kind],
+    watch: &mut ReadProgress,
+) -> Result<Vec<Plot>, LogReadError> {
+    Ok(plots::plots(&mut Gathered::read(log, kinds, watch)?))
+}
+
 /// Returns a run for the page and its summary.
 fn run(gathered: &mut Gathered, kinds: &[Kind]) -> std::io::Result<(Run, Report)> {
     fit_bounds(gathered);
@@ -120,7 +133,7 @@ fn run(gathered: &mut Gathered, kinds: &[Kind]) -> std::io::Result<(Run, Report)
     let frames = gathered.frames.len();
     let mut lists = Lists::default();
     let mut facts = facts::facts(gathered, kinds);
-    let plots = plots::plots(gathered, &mut lists);
+    let plots = plots::pack(&plots::plots(gathered), &mut lists);
     scene::pack(gathered, raster, &mut lists);
     if let Some(facts) = facts.as_object_mut() {
         facts.insert("plots".to_owned(), plots);

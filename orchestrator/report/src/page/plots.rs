@@ -1,6 +1,7 @@
 //! Plots of the page.
 
 use ipc_types::messages::observer::Prediction;
+use serde::Serialize;
 use serde_json::{Value as Json, json};
 
 use super::gather::Gathered;
@@ -30,9 +31,36 @@ fn heading(figure: Figure) -> (String, &'static str) {
     (title.to_owned(), unit)
 }
 
-/// Returns all plots in order; moves the curves out of `gathered` and their values into the lists
-/// `curve.N.time` and `curve.N.value`.
-pub(super) fn plots(gathered: &mut Gathered, lists: &mut Lists) -> Json {
+/// Quantities of a run over time, with one title and unit.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Plot {
+    /// What it shows.
+    pub title: String,
+    /// Unit of the values; empty for numbers.
+    pub unit: &'static str,
+    /// `true` if values hold until the next one.
+    pub steps: bool,
+    /// The curves.
+    pub curves: Vec<PlotCurve>,
+}
+
+/// A curve of a plot.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct PlotCurve {
+    /// What it belongs to.
+    pub name: String,
+    /// Index of the robot that it belongs to.
+    pub(super) robot: Option<u32>,
+    /// Code of the prediction method that it belongs to, if all are about one robot.
+    pub(super) method: Option<u8>,
+    /// Simulated times (ns).
+    pub times_ns: Vec<u64>,
+    /// Values in the unit; may be infinite, which JSON has not.
+    pub values: Vec<f64>,
+}
+
+/// Returns all plots in order; moves the curves out of `gathered`.
+pub(super) fn plots(gathered: &mut Gathered) -> Vec<Plot> {
     let measured = core::mem::take(&mut gathered.measured);
     let watched = measured
         .curves
@@ -43,19 +71,14 @@ pub(super) fn plots(gathered: &mut Gathered, lists: &mut Lists) -> Json {
         })
         .collect::<std::collections::BTreeSet<u32>>()
         .len();
-    let mut plots: Vec<(Figure, Vec<Json>)> = Vec::new();
-    for (number, ((figure, curve), values)) in measured.curves.into_iter().enumerate() {
+    let mut plots: Vec<(Figure, Plot)> = Vec::new();
+    for ((figure, curve), values) in measured.curves {
         let values = values.finish();
         let scale = match figure {
             Figure::Coverage | Figure::SafeShare => 100.0,
             _ => 1.0,
         };
-        let range = Range::of(values.iter().map(|s| s.item * scale));
-        let times = values.iter().map(|s| pack_time(s.time_ns)).collect();
-        lists.u32(&format!("curve.{number}.time"), times, 2);
-        let packed = values.iter().map(|s| range.pack(s.item * scale)).collect();
-        lists.u16(&format!("curve.{number}.value"), packed, 1);
-        let by = match curve {
+        let method = match curve {
             Curve::Method(_, method) if watched == 1 => Some(method),
             _ => None,
         };
@@ -72,19 +95,56 @@ pub(super) fn plots(gathered: &mut Gathered, lists: &mut Lists) -> Json {
             }
             Curve::Named(name) => (name.to_owned(), None),
         };
-        let curve =
-            json!({ "name": name, "robot": robot, "method": by, "list": number, "range": range });
+        let curve = PlotCurve {
+            name,
+            robot,
+            method,
+            times_ns: values.iter().map(|s| s.time_ns).collect(),
+            values: values.iter().map(|s| s.item * scale).collect(),
+        };
         match plots.last_mut() {
-            Some((last, curves)) if *last == figure => curves.push(curve),
-            _ => plots.push((figure, vec![curve])),
+            Some((last, plot)) if *last == figure => plot.curves.push(curve),
+            _ => {
+                let (title, unit) = heading(figure);
+                let plot = Plot {
+                    title,
+                    unit,
+                    steps: figure == Figure::Outcome,
+                    curves: vec![curve],
+                };
+                plots.push((figure, plot));
+            }
         }
     }
-    plots
-        .into_iter()
-        .map(|(figure, curves)| {
-            let (title, unit) = heading(figure);
-            let steps = figure == Figure::Outcome;
-            json!({ "title": title, "unit": unit, "steps": steps, "curves": curves })
-        })
-        .collect()
+    plots.into_iter().map(|(_, plot)| plot).collect()
+}
+
+/// Packs plots: their values go into the lists `curve.N.time` and `curve.N.value`.
+pub(super) fn pack(plots: &[Plot], lists: &mut Lists) -> Json {
+    let mut number = 0;
+    let mut pack = |curve: &PlotCurve| {
+        let range = Range::of(curve.values.iter().copied());
+        let times = curve.times_ns.iter().map(|&time| pack_time(time)).collect();
+        lists.u32(&format!("curve.{number}.time"), times, 2);
+        let packed = curve
+            .values
+            .iter()
+            .map(|&value| range.pack(value))
+            .collect();
+        lists.u16(&format!("curve.{number}.value"), packed, 1);
+        let PlotCurve {
+            name,
+            robot,
+            method,
+            ..
+        } = curve;
+        let packed = json!({ "name": name, "robot": robot, "method": method, "list": number, "range": range });
+        number += 1;
+        packed
+    };
+    let plots = plots.iter().map(|plot| {
+        let curves: Vec<Json> = plot.curves.iter().map(&mut pack).collect();
+        json!({ "title": plot.title, "unit": plot.unit, "steps": plot.steps, "curves": curves })
+    });
+    plots.collect()
 }

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use draw::raster;
 use mcap_log::{Condition, DerivedError, ReadProgress, derived};
 use platform::atomic_file::Readers;
 use scenario::kind::Kind;
@@ -9,7 +10,7 @@ use scenario::kind::Kind;
 use super::draw::draw;
 use super::trace::RunTrace;
 
-/// Draws a log at a simulated time (s; `None` for the end) into an SVG file. On an error, no file remains.
+/// Draws a log at a simulated time (s; `None` for the end) into a file, whose ending tells the format. On an error, no file remains.
 ///
 /// # Errors
 /// [`DerivedError`]: the log cannot be read, is not a Protean log of this version or ends before this time, or the
@@ -23,6 +24,7 @@ pub fn save(
     watch: &mut ReadProgress,
 ) -> Result<Condition, DerivedError> {
     let (trace, condition) = RunTrace::read(log, at_s, kinds, watch)?;
-    derived::write(draw(&trace).as_bytes(), out, log, force, Readers::All)?;
+    let bytes = raster::encoded(draw(&trace), out).map_err(derived::failed(out))?;
+    derived::write(&bytes, out, log, force, Readers::All)?;
     Ok(condition)
 }

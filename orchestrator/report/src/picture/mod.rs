@@ -2,7 +2,8 @@
 //! escapes; of patrols and coverage the contour, danger zones, rectangles, waypoints and swept ground.
 //!
 //! * [`RunTrace::read`] reads the content of the picture from a log, in bounded memory;
-//! * [`RunTrace::before_run`] takes it from a scenario, without a run;
+//! * [`RunTrace::before_run`] takes it from a scenario, without a run; [`RunTrace::show`] from a world
+//!   that is being simulated;
 //! * [`fn@draw`] draws it, as a pure function;
 //! * [`save`] writes it to a file. On an error, no file remains.
 
@@ -19,6 +20,7 @@ mod legend;
 pub(crate) mod log_facts;
 pub(crate) mod log_run;
 pub(crate) mod logged;
+mod of_world;
 mod read;
 mod signs;
 pub(crate) mod static_scene;
@@ -29,7 +31,8 @@ mod trail;
 #[cfg(test)]
 mod tests;
 
-pub use draw::draw;
+pub use self::draw::draw;
+pub use ::draw::raster::encoded;
 pub use file::save;
 pub use layers::{DominanceTrace, PlanTrace, TreeTrace, VerdictTrace};
 pub use static_scene::{Cells, Standing, StaticScene};

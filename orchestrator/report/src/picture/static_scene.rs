@@ -28,6 +28,8 @@ pub struct StaticScene {
     pub cells: Option<Cells>,
     /// Exits of the evaders.
     pub exits: Vec<Region>,
+    /// Number of obstacles of the map, whose numbers are the first.
+    pub(super) own: u32,
 }
 
 /// An obstacle with a shape.
@@ -89,6 +91,7 @@ impl StaticScene {
             max: map.bounds.max,
             obstacles,
             cells: None,
+            own: map.obstacles.len() as u32,
             exits: map.exits.iter().chain(exits).copied().collect(),
         }
     }

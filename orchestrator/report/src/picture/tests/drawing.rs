@@ -59,6 +59,7 @@ fn trace() -> RunTrace {
                 .map(|(id, shape, came)| (id, Standing { shape, came }))
                 .collect(),
             cells: None,
+            own: 1,
             exits: vec![Region::Circle {
                 center: [3.5, 2.5],
                 radius: 0.3,
