@@ -6,14 +6,14 @@
 
 import csv
 import sys
+from typing import Any
 
 import numpy as np
 import protean_robotics as pr
 import torch
 from stable_baselines3 import PPO
-from stable_baselines3.common.vec_env import DummyVecEnv
 
-GAMES = {
+GAMES: dict[str, dict[str, Any]] = {
     "hello": {
         "scenario": "hello",
         "set": {"robots.robot.start_jitter": {"x": 0.2, "y": 0.2, "theta": 3.0}},
@@ -41,12 +41,12 @@ GAMES = {
 STEPS = {"hello": 16_384, "two_police": 163_840, "even": 65_536}
 
 
-def escapes(model, game, count=24):
+def escapes(model: PPO, game: dict[str, Any], count: int = 24) -> tuple[int, list[int]]:
     """Plays an episode in each of many instances; returns how many robots escape, and the seeds of the episodes."""
     envs = pr.VectorEnv(num_envs=count, seed=9000, **game)
     observations, _ = envs.reset()
-    seeds, outcomes = envs.seeds.tolist(), [None] * count
-    while None in outcomes:
+    seeds, outcomes = envs.seeds.tolist(), [""] * count
+    while "" in outcomes:
         actions, _ = model.predict(observations, deterministic=True)
         observations, _, terminations, truncations, infos = envs.step(actions)
         for i in np.flatnonzero(terminations | truncations):
@@ -54,19 +54,21 @@ def escapes(model, game, count=24):
     return outcomes.count("escaped"), seeds
 
 
-def export(model, path):
+def export(model: PPO, path: str) -> None:
     """Writes the policy without its noise as ONNX."""
     policy = model.policy
     actor = torch.nn.Sequential(policy.mlp_extractor.policy_net, policy.action_net, torch.nn.Hardtanh(-1.0, 1.0))
-    observation = torch.zeros(1, model.observation_space.shape[0])
-    names = {"input_names": ["observation"], "output_names": ["action"]}
-    torch.onnx.export(actor.eval(), (observation,), path, external_data=False, verbose=False, **names)
+    observation = torch.tensor(model.observation_space.sample()[None])
+    torch.onnx.export(
+        actor.eval(), (observation,), path, external_data=False, verbose=False,
+        input_names=["observation"], output_names=["action"],
+    )  # fmt: skip
 
 
-def main(name):
+def main(name: str) -> None:
     torch.set_num_threads(1)
     game = GAMES[name]
-    envs = DummyVecEnv([lambda seed=seed: pr.Env(seed=seed, **game) for seed in range(8)])
+    envs = pr.sb3.VecEnv(pr.VectorEnv(num_envs=8, seed=1, **game))
     # Corrections begin small, around the field; other actions anywhere.
     start = {"log_std_init": -1.0 if game.get("action") == "residual" else 0.0}
     model = PPO("MlpPolicy", envs, n_steps=128, batch_size=256, device="cpu", seed=1, policy_kwargs=start)

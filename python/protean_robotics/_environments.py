@@ -281,6 +281,7 @@ class Instances:
         """Returns the metadata of the environments of all libraries."""
         return {"render_modes": ["rgb_array"], "render_fps": max(1, round(1 / self.core.dt)), **others}
 
+    @_arguments.checked
     def replay(
         self, i: int, running: bool, out: str | os.PathLike[str] | None = None, force: bool = False
     ) -> Run:
@@ -290,7 +291,7 @@ class Instances:
 
 def render_mode(mode: Any) -> str | None:
     """Returns how environments are drawn."""
-    if mode is not None and mode != "rgb_array":
+    if mode is not None and not (isinstance(mode, str) and mode == "rgb_array"):
         raise _arguments.refused("render_mode", mode, "None or 'rgb_array'; HumanRendering of Gymnasium shows its pictures")
     return "rgb_array" if mode else None
 

@@ -15,7 +15,7 @@ from . import _animation, _plots
 from ._arguments import checked
 from ._core import Column, LogFile
 from ._errors import InvalidInput
-from ._table import AnyColumn, MadeColumn, Table
+from ._table import MadeColumn, Table
 from ._views import block, frame, note, table_html
 
 if TYPE_CHECKING:
@@ -216,8 +216,8 @@ class Log:
         time.flags.writeable = False
         status = states["robots.status"]
         codes = np.minimum(status.values, len(_STATUS) - 1)
-        columns: dict[str, AnyColumn] = {"t": MadeColumn(time), "name": states["robots.robot_name"]}
-        columns |= {name: states[f"robots.{name}"] for name in ("x", "y", "theta", "v", "omega")}
+        columns = {"t": MadeColumn(time), "name": MadeColumn.of(states["robots.robot_name"])}
+        columns |= {name: MadeColumn.of(states[f"robots.{name}"]) for name in ("x", "y", "theta", "v", "omega")}
         columns["status"] = MadeColumn(codes, _STATUS, status.empty)
         return Table(columns)
 

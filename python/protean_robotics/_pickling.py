@@ -8,7 +8,7 @@ import functools
 import os
 from collections.abc import Callable
 from types import BuiltinFunctionType
-from typing import Any, TypeVar
+from typing import Any, NoReturn, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,7 +22,7 @@ _T = TypeVar("_T")
 _RESULTS: dict[type, tuple[str, ...]] = {
     Steering: ("v", "omega", "target", "aim", "waypoint"),
     rrt_star.Tree: ("path", "reached", "cost", "nodes", "parents", "costs"),
-    trajectory.Trajectory: ("time", "pose", "v", "omega", "duration", "lower_bound", "length", "status"),
+    trajectory.Trajectory: ("time", "pose", "v", "omega", "duration", "lower_bound", "length", "status", "obstacles"),
 }
 _OF_A_TICK = "its values are those of a tick of a run: expected a copy of those that are needed"
 _STATE = "it has a state: expected one made by its arguments in the other process"
@@ -43,9 +43,10 @@ def remade(cls: type[_T]) -> type[_T]:
         initialise(self, *args, **kwargs)
 
     def reduce(self: Any) -> tuple[Callable[..., Any], tuple[Any, ...]]:
+        args, kwargs = self._made_by
         if type(self) is not cls:
             raise TypeError(f"cannot pickle a {type(self).__name__}: expected __reduce__ in the class")
-        return _make, (cls, *self._made_by)
+        return _make, (cls, args, kwargs)
 
     own.__init__ = init
     own.__reduce__ = reduce
@@ -60,7 +61,7 @@ def _result(cls: type, names: tuple[str, ...], values: tuple[Any, ...]) -> Any:
     return cls(**dict(zip(names, values, strict=True)))
 
 
-def _refuse(reason: str, given: Any) -> Any:
+def _refuse(reason: str, given: Any) -> NoReturn:
     raise TypeError(f"cannot pickle a {type(given).__name__}: {reason}")
 
 

@@ -17,9 +17,10 @@ from itertools import pairwise
 from pathlib import Path
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any, Protocol
+from uuid import uuid4
 
 from ._arguments import checked, refused
-from ._core import missions_to_run, sweep_figures, sweep_in_process
+from ._core import Interruption, missions_to_run, sweep_figures, sweep_in_process
 from ._errors import Error, InvalidInput
 from ._optional import imported
 from ._planner import ONLY_IN_PROCESS, Planner, placed, planners_of
@@ -37,6 +38,8 @@ if TYPE_CHECKING:
 #: Parts of an experiment for each processor of this machine, if the caller does not say how many: a worker that is
 #: slow or lost holds up a small part.
 _PARTS_PER_PROCESSOR = 4
+#: Sweeps of which Ctrl-C has ended a part in this process: a pool may have given it others already.
+_interrupted: set[str] = set()
 #: Time between two looks at the parts (s).
 _INTERVAL = 0.05
 #: Shortest time between two mergings (s).
@@ -169,9 +172,12 @@ class _Task:
     allow_external: bool
     allow_outside: bool
     retry_failed: bool
+    name: str = field(default_factory=lambda: uuid4().hex)
     placed: list[SimpleNamespace] = field(init=False, repr=False)
     #: Programs that run its parts in this process.
     children: list["subprocess.Popen[str]"] = field(init=False, repr=False, default_factory=list)
+    #: Ends its parts that run in threads of this process.
+    interruption: Interruption = field(init=False, repr=False, default_factory=Interruption)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "placed", placed(self.planners))
@@ -357,9 +363,11 @@ def _distribute(task: _Task, executor: Executor, out: Path, count: int, missing:
             cancel = getattr(future, "cancel", None)
             if cancel is not None:
                 cancel()
-        # Those that run in threads of this process go on otherwise; Ctrl-C reaches other processes by itself.
-        for child in list(task.children) if running else ():
-            child.send_signal(signal.SIGINT)
+        if running:
+            # Those that run in threads of this process go on otherwise; Ctrl-C reaches other processes by itself.
+            task.interruption.set()
+            for child in list(task.children):
+                child.send_signal(signal.SIGINT)
         failures += _merge(parts, out)
     if failures:
         first = failures[0]
@@ -395,6 +403,16 @@ def _scratch() -> Iterator[Path]:
 
 def _part(task: _Task, shard: str) -> bytes:
     """Runs one part of an experiment, on a worker; returns its results as an archive."""
+    if task.name in _interrupted:
+        raise Error("the sweep is interrupted")
+    try:
+        return _archive(task, shard)
+    except KeyboardInterrupt:
+        _interrupted.add(task.name)
+        raise
+
+
+def _archive(task: _Task, shard: str) -> bytes:
     with _scratch() as folder:
         part = folder / "part"
         task.run(part, shard, 1, True)

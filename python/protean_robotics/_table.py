@@ -45,6 +45,11 @@ class MadeColumn:
     texts: list[str] | None = None
     empty: NDArray[Any] | None = None
 
+    @classmethod
+    def of(cls, column: AnyColumn) -> "MadeColumn":
+        """A column of a log that can be pickled; its memory is the same."""
+        return cls(column.values, column.texts, column.empty)
+
 
 class Table:
     """Columns of one length, by their names.

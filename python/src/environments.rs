@@ -38,7 +38,7 @@ pub struct Environments {
     inner: Mutex<Inner>,
     /// The scenario before values are given.
     draft: Draft<'static>,
-    planners: Vec<Planned>,
+    planners: Arc<Vec<Planned>>,
     /// Pictures of the running episodes by their instance, with the seed of the episode.
     pictures: Mutex<BTreeMap<usize, (u64, RunTrace)>>,
     /// Names of the agents, in the order of the arrays.
@@ -133,7 +133,7 @@ impl Environments {
             let loader = Loader::new(KINDS).allow_outside(allow_outside);
             let draft = loader.draft(&scenario);
             let draft = draft.map_err(|problems| raised(problems.into()))?;
-            let (template, programs) = filled(&draft, &overrides, &planners)?;
+            let (template, programs) = filled(draft.clone(), &overrides, &planners)?;
             options.programs = programs;
             let inner = Inner::new(template, options, Arc::clone(&CACHE));
             Ok::<_, PyErr>((draft, planners, inner.map_err(raised)?))
@@ -148,7 +148,7 @@ impl Environments {
             dt: inner.dt(),
             inner: Mutex::new(inner),
             draft,
-            planners,
+            planners: Arc::new(planners),
             pictures: Mutex::default(),
             observations: zeros(py, &[n, agents, length]),
             final_observations: zeros(py, &[n, agents, length]),
@@ -166,16 +166,13 @@ impl Environments {
 
     /// Returns the scenario with these values.
     fn variant(&self, py: Python<'_>, overrides: Vec<String>) -> PyResult<Variant> {
-        let mut guard = self.lock()?;
-        let (inner, draft, planners) = (&mut *guard, &self.draft, &self.planners);
-        let interrupted = inner.interruption();
-        let (made, signal) = wait(py, &interrupted, move || {
-            let (template, programs) = filled(draft, &overrides, planners)?;
-            let variant = inner.variant(template, programs);
+        let unchanged = self.lock()?.variant();
+        let (draft, planners) = (self.draft.clone(), Arc::clone(&self.planners));
+        compute(py, move || {
+            let (template, programs) = filled(draft, &overrides, &planners)?;
+            let variant = unchanged.with(template, programs);
             variant.map(Variant).map_err(raised)
-        })?;
-        interrupted.store(false, Ordering::Relaxed);
-        signal.and(made)
+        })?
     }
 
     /// Begins new episodes in the instances with a start, which may have a seed with its index, and a scenario; None lets
@@ -341,11 +338,10 @@ impl Environments {
 
 /// Fills in the values and planners of a scenario.
 fn filled(
-    draft: &Draft<'static>,
+    mut draft: Draft<'static>,
     overrides: &[String],
     planners: &[Planned],
 ) -> PyResult<(Template, BTreeMap<String, ConfiguredKind>)> {
-    let mut draft = draft.clone();
     for argument in overrides {
         draft.apply("--set", argument);
     }

@@ -40,7 +40,7 @@ mod _core {
     #[pymodule_export]
     use crate::run::run_in_process;
     #[pymodule_export]
-    use crate::sweep::{missions_to_run, sweep_figures, sweep_in_process};
+    use crate::sweep::{Interruption, missions_to_run, sweep_figures, sweep_in_process};
 
     #[pymodule]
     mod steering {

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use draw::figures::{Point, Scale, Unit};
@@ -24,6 +24,23 @@ use crate::error::{Error, InvalidInput};
 use crate::interruptible::{compute, wait};
 use crate::run::{Planned, kinds_of, place};
 
+/// What ends the parts of an experiment that threads of Python run: Ctrl-C reaches the main thread alone.
+#[pyclass(frozen, module = "protean_robotics")]
+pub struct Interruption(Arc<AtomicBool>);
+
+#[pymethods]
+impl Interruption {
+    #[new]
+    fn new() -> Self {
+        Self(Arc::default())
+    }
+
+    /// Ends the parts.
+    fn set(&self) {
+        self.0.store(true, Ordering::Relaxed);
+    }
+}
+
 /// Options of an experiment beside its file.
 #[derive(FromPyObject)]
 pub struct Options {
@@ -39,6 +56,8 @@ pub struct Options {
     retry_failed: bool,
     /// Planners in the place of those of the scenarios.
     placed: Vec<Planned>,
+    /// What ends it.
+    interruption: Py<Interruption>,
 }
 
 impl Options {
@@ -183,7 +202,7 @@ pub fn sweep_in_process(
     };
     engine.check(&experiment)?;
     let shard = shard.as_deref().map_or(Ok(Shard::WHOLE), Shard::parse);
-    let interrupted = Arc::new(AtomicBool::new(false));
+    let interrupted = Arc::clone(&options.interruption.get().0);
     let run = RunOptions {
         jobs: jobs.unwrap_or_else(platform::machine::processors),
         shard: shard.map_err(|error| InvalidInput::new_err(error.to_string()))?,

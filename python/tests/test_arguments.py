@@ -88,6 +88,7 @@ ENV = {
     "planners": None,
     "ticks_per_action": 1,
     "record": True,
+    "render_mode": None,
     "allow_outside": False,
 }
 RUN = {
@@ -270,7 +271,7 @@ def test_wrong_arguments_are_named(name: str, monkeypatch: pytest.MonkeyPatch) -
 def test_every_public_function_is_tried() -> None:
     #: They take no arguments, or the package calls them.
     without = {"program", "go_to", "Belief", "Episode", "Error", "Executor", "Future", "InvalidInput", "Planner"}
-    without |= {"MissingFile", "ParallelEnv", "Robot", "Run", "Scan", "Step", "Sweep", "Topic", "World"}
+    without |= {"MissingFile", "ParallelEnv", "Robot", "Run", "Scan", "Step", "Sweep", "Table", "Topic", "World"}
     public = {name for name in pr.__all__ if callable(getattr(pr, name))}
     assert public - without <= CALLS.keys()
     for name, (call, valid) in CALLS.items():

@@ -22,7 +22,8 @@ Array = NDArray[np.float32]
 def games() -> dict[str, dict[str, Any]]:
     """The games of the script, which this test reads without its libraries."""
     body = ast.parse((FOLDER / "train.py").read_text()).body
-    (value,) = [node.value for node in body if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "GAMES"]
+    (value,) = [node.value for node in body if isinstance(node, ast.AnnAssign) and ast.unparse(node.target) == "GAMES"]
+    assert value
     found: dict[str, dict[str, Any]] = ast.literal_eval(value)
     for game in found.values():
         if game["scenario"].endswith(".toml"):

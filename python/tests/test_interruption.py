@@ -1,10 +1,13 @@
 """Ctrl-C ends every call that works for long."""
 
 import json
+import os
 import re
 import subprocess
 import sys
 from pathlib import Path
+
+import pytest
 
 SOURCES = Path(__file__).parents[1] / "src"
 
@@ -22,7 +25,7 @@ def posts(count, every):
     blocked[every // 2 :: every, every // 2 :: every] = True
     return blocked
 
-def many(*point, count=20_000):
+def many(*point, count=5_000):
     return np.broadcast_to(point, (count, len(point)))
 
 def stepped(**options):
@@ -46,6 +49,8 @@ for name, setup, call in json.load(sys.stdin):
     ours, theirs = os.pipe()
     child = os.fork()
     if child == 0:
+        # As a terminal, which interrupts also the processes that a call has started.
+        os.setpgid(0, 0)
         signal.signal(signal.SIGINT, signal.default_int_handler)
         scope = dict(globals())
         exec(setup, scope)
@@ -59,15 +64,15 @@ for name, setup, call in json.load(sys.stdin):
         sys.exit(0)
     os.close(theirs)
     begins = os.read(ours, 99)
-    time.sleep(0.2)  # somewhere in it
+    time.sleep(float(os.environ["PAUSE"]))  # somewhere in it
     begin = time.monotonic()
     if begins:
-        os.kill(child, signal.SIGINT)
+        os.killpg(child, signal.SIGINT)
     is_ended, _, _ = select.select([ours], [], [], 20)
     took = time.monotonic() - begin
     outcome = os.read(ours, 99).decode() if is_ended else "goes on"
     if not is_ended:
-        os.kill(child, signal.SIGKILL)
+        os.killpg(child, signal.SIGKILL)
     os.close(ours)
     status = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
     print(json.dumps([name, outcome, took, status]), flush=True)
@@ -108,6 +113,14 @@ EXPERIMENT = """
 scenario = "big.toml"
 seeds = { first = 1, count = 100 }
 """
+GRID = """
+scenario = "builtin:hello"
+seeds = { first = 1, count = 2 }
+[parameters.limit]
+set = "rules.time_limit"
+[grid]
+limit = [0.1, 0.2]
+"""
 #: Files with a map of as many cells as a scenario may have.
 FILES = f"file('map.toml', {MAP!r}); name = file('big.toml', {SCENARIO!r})"
 
@@ -146,7 +159,7 @@ CALLS: dict[str, list[tuple[str, str]]] = {
         ),
     ],
     "algorithms/tracking.rs:visibility": [
-        (ROOM, "pr.tracking.visibility(map, many(0.1, 0.1, 0.0, count=64), many(9.1, 9.1))"),
+        (ROOM, "while True: pr.tracking.visibility(map, many(0.1, 0.1, 0.0, count=64), many(9.1, 9.1))"),
     ],
     "algorithms/trajectory.rs:plan": [
         (
@@ -170,6 +183,15 @@ CALLS: dict[str, list[tuple[str, str]]] = {
             "envs = stepped(scenario='chase', num_envs=1, ticks_per_action=20_000, set=ENDLESS, agents=['evader']);"
             "envs.step(np.zeros((1, 2, 2)))",
             "envs.digest(0, running=True)",
+        ),
+    ],
+    "environments.rs:render": [
+        ("env = pr.Env('chase', agents=['evader_1'], render_mode='rgb_array'); env.reset(seed=1)", "while True: env.render()"),
+    ],
+    "environments.rs:variant": [
+        (
+            f"{FILES}; env = pr.Env('hello', agents=['robot'], observation='way')",
+            "for i in range(9999): env.reset(options={'set': {'world.map': 'map.toml', 'rules.time_limit': 1 + i}})",
         ),
     ],
     "environments.rs:write": [
@@ -204,12 +226,28 @@ CALLS: dict[str, list[tuple[str, str]]] = {
             "while True: pr.sweep(name, in_process=True, quiet=True)",
         ),
     ],
+    "sweep.rs:sweep_figures": [
+        (
+            f"name = file('sweep.toml', {GRID!r});"
+            " done = pr.sweep(name, in_process=True, quiet=True)",
+            "while True: done.plot()",
+        ),
+    ],
     "sweep.rs:sweep_in_process": [
         (
             f"{FILES}; name = file('sweep.toml', {EXPERIMENT!r})",
             "pr.sweep(name, in_process=True, planners={'robot': ahead}, set=ENDLESS, quiet=True)",
         ),
     ],
+}
+#: Executors of sweeps, and how they run missions.
+EXECUTORS = {
+    "threads": ("ThreadPoolExecutor(2)", "in_process=True, planners={'robot': ahead}"),
+    "threads with programs": ("ThreadPoolExecutor(2)", "in_process=True"),
+    "threads with missions of processes": ("ThreadPoolExecutor(2)", ""),
+    "forked processes": ("ProcessPoolExecutor(2, get_context('fork'))", "in_process=True, planners={'robot': ahead}"),
+    "processes": ("ProcessPoolExecutor(2, get_context('spawn'))", "in_process=True"),
+    "processes of joblib": ("get_reusable_executor(2)", "in_process=True"),
 }
 #: Limits of the arguments bound these.
 SHORT = {"algorithms/coverage.rs:next"}
@@ -232,15 +270,50 @@ def test_no_function_leaves_the_interpreter_unseen() -> None:
     assert direct == {"interpreter.rs", "interruptible.rs", "planner/entry.rs"}
 
 
-#: Longer than 10 s: it calls every function that leaves the interpreter, each in a process of its own.
-def test_ctrl_c_ends_every_call_at_once() -> None:
-    cases = [(f"{name} ({i})", *case) for name, calls in CALLS.items() for i, case in enumerate(calls)]
+def interrupted(cases: list[tuple[str, str, str]], longest: float = LONGEST, pause: float = 0.2) -> None:
+    """Carries out calls, each in a process of its own, and interrupts them."""
+    script = [sys.executable, "-c", PRELUDE + RUNNER]
     done = subprocess.run(
-        [sys.executable, "-c", PRELUDE + RUNNER], input=json.dumps(cases), capture_output=True, text=True, check=False
+        script, input=json.dumps(cases), capture_output=True, text=True, check=False, env=os.environ | {"PAUSE": str(pause)}
     )
     results = [json.loads(line) for line in done.stdout.splitlines()]
-    faults = [result for result in results if result[1::2] != ["interrupted", 0] or result[2] > LONGEST]
+    faults = [result for result in results if result[1::2] != ["interrupted", 0] or result[2] > longest]
     assert len(results) == len(cases) and not faults, (faults, done.stderr)
+
+
+#: Longer than 10 s: it calls every function that leaves the interpreter, each in a process of its own.
+def test_ctrl_c_ends_every_call_at_once() -> None:
+    interrupted([(f"{name} ({i})", *case) for name, calls in CALLS.items() for i, case in enumerate(calls)])
+
+
+#: Longer than 10 s: pools of processes start and end.
+def test_ctrl_c_ends_sweeps_of_any_executor_and_nothing_half_written_remains(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    scratch = tmp_path / "scratch"
+    scratch.mkdir()
+    monkeypatch.setenv("TMPDIR", str(scratch))
+    pytest.importorskip("joblib")
+    setup = f"""
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from multiprocessing import get_context
+from joblib.externals.loky import get_reusable_executor
+file('map.toml', {MAP.replace("[100, 100]", "[10, 10]").replace("[50, 50]", "[5, 5]")!r})
+file('big.toml', {SCENARIO!r})
+file('sweep.toml', {EXPERIMENT!r})
+"""
+    cases = [
+        (
+            name,
+            setup,
+            f"with {pool} as executor:\n    pr.sweep('sweep.toml', executor=executor, set=ENDLESS, quiet=True, {options})",
+        )
+        for name, (pool, options) in EXECUTORS.items()
+    ]
+    # Processes of a pool start in this time; the missions of processes end in order.
+    interrupted(cases, pause=1.5, longest=10.0)
+    assert [path for path in scratch.iterdir() if path.name.startswith("protean")] == []
+    assert not Path("results").exists()
 
 
 def test_the_interpreter_may_end_while_an_abandoned_call_goes_on() -> None:

@@ -85,7 +85,7 @@ def tree() -> pr.rrt_star.Tree:
 
 
 def trajectory() -> pr.trajectory.Trajectory:
-    return pr.trajectory.plan((0, 0, 0), (3, 0), bounds=[(-5, -5), (5, 5)], **LIMITS)
+    return pr.trajectory.plan((0, 0, 0), (3, 0), discs=[(1.5, 1, 0.3)], bounds=[(-5, -5), (5, 5)], **LIMITS)
 
 
 def fields(names: list[str]) -> Callable[[Any], Any]:
@@ -93,7 +93,7 @@ def fields(names: list[str]) -> Callable[[Any], Any]:
 
 
 TREE = ["path", "reached", "cost", "nodes", "parents", "costs"]
-TRAJECTORY = ["time", "pose", "v", "omega", "duration", "lower_bound", "length", "status"]
+TRAJECTORY = ["time", "pose", "v", "omega", "duration", "lower_bound", "length", "status", "obstacles"]
 
 #: How to make an object, and what its copy has in common with it.
 PICKLED: dict[str, list[tuple[Callable[[], Any], Callable[[Any], Any]]]] = {
@@ -102,6 +102,7 @@ PICKLED: dict[str, list[tuple[Callable[[], Any], Callable[[Any], Any]]]] = {
     "Error": [(lambda: pr.Error("reason"), lambda given: given.args)],
     "InvalidInput": [(lambda: pr.InvalidInput("reason"), lambda given: given.args)],
     "Log": [(lambda: run().log, lambda given: (given.info, given["world/state"]["robots.x"]))],
+    "MissingFile": [(lambda: pr.MissingFile("reason"), lambda given: given.args)],
     "Map": [(room, grids), (lambda: pr.Map("hello"), grids), (lambda: pr.Map(MAP), grids)],
     "ParallelEnv": [(lambda: pr.parallel_env("hello", agents=["robot"], set=SHORT, seed=1), first)],
     "Planner": [(lambda: steer, lambda given: given.steer)],
@@ -111,6 +112,7 @@ PICKLED: dict[str, list[tuple[Callable[[], Any], Callable[[Any], Any]]]] = {
     ],
     "Step": [(seen, fields(["before", "observations", "actions", "events", "rewards", "terminated", "dt"]))],
     "Sweep": [(experiment, lambda given: (given.directory, given.summary))],
+    "Table": [(lambda: run().log.robots, lambda given: given.to_numpy())],
     "Topic": [(lambda: run().log["world/state"], lambda given: (given.messages, given.to_numpy()))],
     "VectorEnv": [(lambda: pr.VectorEnv("chase_exact", 2, agents=["evader_1"], threads=2, seed=1), first)],
     "executors.HyperQueue": [(lambda: pr.executors.HyperQueue("client", "folder"), lambda given: given._folder)],

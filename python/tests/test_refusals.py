@@ -188,7 +188,7 @@ def test_a_function_without_the_decorator_is_a_planner_everywhere() -> None:
     assert run(planners=planners).digest == decorated.digest
     assert sweep(planners=planners).summary["missions"] == 1
     score = pr.objective("hello", lambda trial: SHORT, lambda run: run.time, seeds=[1], planners=planners)
-    assert score(type("Trial", (), {"set_user_attr": lambda *_: None})()) == pytest.approx(0.2)
+    assert score(type("Trial", (), dict.fromkeys(("set_user_attr", "report", "should_prune"), lambda *_: None))()) == pytest.approx(0.2)
     for make in (pr.Env, pr.VectorEnv, pr.parallel_env):
         chase: Any = make("chase_exact", agents=["evader_1"], planners={"police": steer}, set=SHORT, seed=1)
         chase.reset()

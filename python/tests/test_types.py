@@ -1,6 +1,7 @@
 """The package, and the Python code of the documentation as a user's code, pass the checkers of types."""
 
 import doctest
+import importlib.util
 import re
 import subprocess
 import sys
@@ -25,8 +26,14 @@ def code_of(text: str) -> str:
     return "".join(example.source for example in doctest.DocTestParser().get_examples(text))
 
 
+def lacks(source: str) -> bool:
+    """True if code needs a package that is not here."""
+    modules = re.findall(r"^\s*(?:import|from) (\w+)", source, re.MULTILINE)
+    return any(importlib.util.find_spec(module) is None for module in modules)
+
+
 def write() -> None:
-    """Writes a module for the code of each page and of each docstring."""
+    """Writes a module for the code of each page and of each docstring whose packages are here."""
     folder = Path("snippets")
     folder.mkdir()
     (folder / "__init__.py").touch()
@@ -45,7 +52,7 @@ def write() -> None:
                     Path(file[1]).write_text(part)
                 elif not file:
                     sources.append(code_of(part))
-            if sources:
+            if sources and not lacks("\n".join(sources)):
                 module = re.sub(r"\W", "_", name)
                 (folder / f"{module}.py").write_text("\n".join(sources))
     for example in EXAMPLES:

@@ -1,6 +1,5 @@
 //! The instances, and their division over threads.
 
-use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
@@ -8,7 +7,6 @@ use mission::in_process::Cache;
 use observation::facts::RobotFacts;
 use observation::layout::Layout;
 use scenario::Template;
-use scenario::kind::ConfiguredKind;
 
 use crate::arrays::{ArraysMut, Shape};
 use crate::backend::{Alone, WithProcesses};
@@ -251,16 +249,9 @@ impl Environments {
             && numbers.saturating_mul(ticks) <= SHORT
     }
 
-    /// Returns the scenario with other values, for a reset; `programs` are as in [`Options`].
-    ///
-    /// # Errors
-    /// [`EnvironmentError`] as [`Self::new`]; also if the values change the arrays of agents.
-    pub fn variant(
-        &self,
-        template: Template,
-        programs: BTreeMap<String, ConfiguredKind>,
-    ) -> Result<Variant, EnvironmentError> {
-        self.shared.variant(template, programs)
+    /// Returns the scenario of the episodes, from which resets can have others.
+    pub fn variant(&self) -> Variant {
+        Variant(Arc::clone(&self.shared))
     }
 }
 

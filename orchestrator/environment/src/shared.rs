@@ -29,9 +29,24 @@ use crate::way_left::WayLeft;
 /// Maximum number of numbers in the observations of all instances.
 const MAX_OBSERVATIONS: usize = 1 << 26;
 
-/// Scenario of episodes with other values than those of the environments.
+/// Scenario of episodes, with the values of the environments or with others.
 #[derive(Debug, Clone)]
 pub struct Variant(pub(crate) Arc<Shared>);
+
+impl Variant {
+    /// Returns the scenario with other values; `programs` are as in [`Options`].
+    ///
+    /// # Errors
+    /// [`EnvironmentError`] as [`Environments::new`](crate::Environments::new); also if the values change the arrays of
+    /// agents.
+    pub fn with(
+        &self,
+        template: Template,
+        programs: BTreeMap<String, ConfiguredKind>,
+    ) -> Result<Self, EnvironmentError> {
+        self.0.variant(template, programs)
+    }
+}
 
 /// Data that all instances of a scenario share; it never changes.
 #[derive(Debug)]
@@ -142,7 +157,7 @@ impl Shared {
     }
 
     /// Returns the data of a scenario that differs from this one in values.
-    pub fn variant(
+    fn variant(
         &self,
         template: Template,
         programs: BTreeMap<String, ConfiguredKind>,

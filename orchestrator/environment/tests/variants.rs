@@ -65,7 +65,9 @@ fn an_episode_with_other_values_is_an_ordinary_run_with_them() {
         let base = template(name, &["rules.time_limit=0.8"]);
         let other = template(name, values);
         let mut environments = environments(base.clone(), agents, observation);
-        let variant = environments.variant(other.clone(), BTreeMap::default());
+        let variant = environments
+            .variant()
+            .with(other.clone(), BTreeMap::default());
         let variant = variant.unwrap();
         let mut arrays = Arrays::new(environments.shape());
         environments.reset(None, &mut arrays.as_mut()).unwrap();
@@ -94,7 +96,10 @@ fn an_episode_with_other_values_is_an_ordinary_run_with_them() {
             environments.step(&actions, &mut arrays.as_mut()).unwrap();
         }
         assert_eq!(arrays.truncated, [true; 3], "{name}");
-        let again = environments.variant(base, BTreeMap::default()).unwrap();
+        let again = environments
+            .variant()
+            .with(base, BTreeMap::default())
+            .unwrap();
         let starts = [None, Some(next(&again)), None];
         environments
             .reset_each(&starts, &mut arrays.as_mut())
@@ -123,12 +128,16 @@ fn values_that_change_the_arrays_are_refused() {
         ),
         (&[base, event], "beside the agents"),
     ] {
-        let refused = environments.variant(template("chase_exact", values), BTreeMap::default());
+        let refused = environments
+            .variant()
+            .with(template("chase_exact", values), BTreeMap::default());
         let error = refused.unwrap_err();
         assert!(matches!(error, EnvironmentError::Fixed(_)) && error.is_refusal());
         assert!(error.to_string().contains(text), "{error}");
     }
-    let others = environments.variant(template("hello", &[]), BTreeMap::default());
+    let others = environments
+        .variant()
+        .with(template("hello", &[]), BTreeMap::default());
     assert!(matches!(others, Err(EnvironmentError::Agents(_))));
     // They go on.
     let mut arrays = Arrays::new(environments.shape());
