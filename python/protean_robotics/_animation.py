@@ -107,6 +107,6 @@ def _write_mp4(pictures: Iterator[NDArray[np.uint8]], out: Path, fps: float) -> 
             for picture in pictures:
                 writer.stdin.write(picture.tobytes())
             writer.stdin.close()
-        complaint = writer.stderr.read().decode(errors="replace").strip()
+        message = writer.stderr.read().decode(errors="replace").strip()
     if writer.returncode:
-        raise Error(f"ffmpeg failed: {complaint}")
+        raise Error(f"ffmpeg failed: {message}")

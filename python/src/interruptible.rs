@@ -1,7 +1,7 @@
 //! Long work that Ctrl-C ends. All that leaves the interpreter does it in one of these ways:
 //!
 //! - [`wait`]: work with effects, which sees that it is interrupted and ends in order;
-//! - [`compute`]: a pure computation, which Ctrl-C abandons: it goes on without an effect, as nobody gets its result;
+//! - [`compute`]: a pure computation, which Ctrl-C abandons: it goes on without an effect, as its result is dropped;
 //! - [`each`]: a value for each of many items, between which Ctrl-C is seen;
 //! - [`short`]: work so short that Ctrl-C can wait for it.
 

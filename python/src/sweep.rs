@@ -24,7 +24,7 @@ use crate::error::{Error, InvalidInput};
 use crate::interruptible::{compute, wait};
 use crate::run::{Planned, kinds_of, place};
 
-/// What ends the parts of an experiment that threads of Python run: Ctrl-C reaches the main thread alone.
+/// End of the parts of an experiment that threads of Python run: Ctrl-C reaches the main thread alone.
 #[pyclass(frozen, module = "protean_robotics")]
 pub struct Interruption(Arc<AtomicBool>);
 
@@ -56,7 +56,7 @@ pub struct Options {
     retry_failed: bool,
     /// Planners in the place of those of the scenarios.
     placed: Vec<Planned>,
-    /// What ends it.
+    /// End by Ctrl-C.
     interruption: Py<Interruption>,
 }
 

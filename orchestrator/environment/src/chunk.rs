@@ -8,9 +8,10 @@ use crate::arrays::ArraysMut;
 use crate::backend::Backend;
 use crate::error::EnvironmentError;
 use crate::instance::{Instance, Scratch};
-use crate::options::{Autoreset, Start};
+use crate::options::Autoreset;
 use crate::running::Look;
 use crate::shared::Shared;
+use crate::start::Start;
 
 /// Consecutive instances, stepped one after the other.
 #[derive(Debug)]

@@ -13,9 +13,10 @@ use crate::backend::{Alone, WithProcesses};
 use crate::chunk::Chunk;
 use crate::episode::{Episode, WhichEpisode};
 use crate::error::EnvironmentError;
-use crate::options::{Options, Start};
+use crate::options::Options;
 use crate::running::Running;
 use crate::shared::{Shared, Variant};
+use crate::start::Start;
 use crate::workers::Worker;
 
 /// Maximum number of numbers, in the observations of all ticks, of a step that is short.

@@ -16,7 +16,8 @@ use sim_backend::world::{GameOver, World};
 
 use crate::arrays::ArraysMut;
 use crate::backend::Backend;
-use crate::episode::{Episode, episode_seed};
+use crate::episode::Episode;
+use crate::episode_seed::episode_seed;
 use crate::error::EnvironmentError;
 use crate::options::Autoreset;
 use crate::rewards::{self, EVENTS};

@@ -10,7 +10,6 @@ use scenario::spec::MAX_TICKS;
 
 use crate::error::EnvironmentError;
 use crate::rewards::RewardWeights;
-use crate::shared::Variant;
 
 /// Maximum number of instances.
 const MAX_INSTANCES: usize = 1 << 16;
@@ -44,15 +43,6 @@ impl FromStr for Autoreset {
             }),
         }
     }
-}
-
-/// How a reset begins an episode; by default the next one.
-#[derive(Debug, Clone, Default)]
-pub struct Start {
-    /// Seed of this and all following episodes, and the index of the instance among those that share the seed.
-    pub first: Option<(u64, usize)>,
-    /// Scenario of this and all following episodes.
-    pub variant: Option<Variant>,
 }
 
 /// Options of environments.

@@ -17,7 +17,7 @@ pub struct Running<'a> {
     pub(crate) last: Option<&'a Episode>,
 }
 
-/// What takes a look.
+/// Function that sees the running episode.
 pub(crate) type Look = Box<dyn FnOnce(&Running<'_>) + Send>;
 
 impl Running<'_> {

@@ -21,7 +21,7 @@ use sim_backend::world::World;
 
 use crate::agents::Agents;
 use crate::arrays::Shape;
-use crate::episode::episode_seed;
+use crate::episode_seed::episode_seed;
 use crate::error::EnvironmentError;
 use crate::options::Options;
 use crate::way_left::WayLeft;

@@ -9,9 +9,9 @@ use crate::arrays::{Arrays, ArraysMut, Shape};
 use crate::backend::Backend;
 use crate::chunk::Chunk;
 use crate::error::EnvironmentError;
-use crate::options::Start;
 use crate::running::Look;
 use crate::shared::Shared;
+use crate::start::Start;
 
 /// Memory of the instances of a thread, which goes to it with a request and comes back with the reply.
 #[derive(Debug)]

@@ -39,7 +39,7 @@ use crate::interruptible::{compute, each};
 pub struct Map {
     /// The map.
     pub map: Arc<PlannerMap>,
-    /// What makes it again, for pickling: name or path of the source (of a grid: None) and blur (m); None for a map of a
+    /// Source, for pickling: name or path of the source (of a grid: None) and blur (m); None for a map of a
     /// run.
     #[pyo3(get, name = "_recipe")]
     pub recipe: Option<(Option<PathBuf>, f64)>,

@@ -34,7 +34,7 @@ fn heading(figure: Figure) -> (String, &'static str) {
 /// Quantities of a run over time, with one title and unit.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Plot {
-    /// What it shows.
+    /// Title of the plot.
     pub title: String,
     /// Unit of the values; empty for numbers.
     pub unit: &'static str,
@@ -47,7 +47,7 @@ pub struct Plot {
 /// A curve of a plot.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PlotCurve {
-    /// What it belongs to.
+    /// Name of the curve.
     pub name: String,
     /// Index of the robot that it belongs to.
     pub(super) robot: Option<u32>,
