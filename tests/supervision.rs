@@ -252,7 +252,7 @@ fn in_lock_step_nothing_is_restarted_and_check_says_so() {
         "lock-step mode cannot restart a process",
         "(processes.pursuer.on_failure)",
         "\"abort\" or \"continue\"",
-        "--real-time",
+        "run.mode = \"real_time\"",
     ];
     for command in ["check", "run"] {
         let call = sandbox.protean([command, "chase"].into_iter().chain(restart));

@@ -6,9 +6,14 @@ import sys
 from ._errors import Error
 from ._program import program
 
-if __name__ == "__main__":
+
+def _main() -> None:
     try:
         path = program()
     except Error as error:
         raise SystemExit(f"error: {error}") from None
     os.execv(path, ["protean", *sys.argv[1:]])
+
+
+if __name__ == "__main__":
+    _main()

@@ -20,6 +20,7 @@ class Trajectory:
         lower_bound: float,
         length: float,
         status: str,
+        obstacles: list[NDArray[np.float64]],
     ) -> Self: ...
     @property
     def time(self) -> NDArray[np.float64]: ...

@@ -145,8 +145,8 @@ fn an_output_under_the_name_of_another_format_is_refused_by_every_command() {
     assert!(found.len() >= 14, "{found:?}");
     for (before, after) in found {
         for (file, fits) in [
-            ("a/x.pdf", false),
-            ("a/x.png", false),
+            ("a/x.docx", false),
+            ("a/x.gif", false),
             ("a/x", true),
             ("v-0.5", true),
         ] {
