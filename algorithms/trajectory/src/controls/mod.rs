@@ -34,6 +34,16 @@ const SAME: f64 = 0.01;
 /// Residual above which a coarse solution is none.
 const MAX_RESIDUAL: f64 = 1e-3;
 
+/// Multiples of the number of coarse stages: of the first search from a guess, and of those after it fails.
+const FINER: [f64; 3] = [1.0, 2.0, 4.0];
+
+/// Maximum work of all searches, and the share of it after which only what is begun is finished.
+const MOST_WORK: f64 = 1.5e6;
+const COARSE_SHARE: f64 = 0.5;
+/// Depth of a coarse solution in an obstacle, relative to the smallest obstacle's radius, from which on it
+/// passes over it between two nodes.
+const CROSSED: f64 = 0.3;
+
 /// A local optimum.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Optimum {
@@ -43,65 +53,141 @@ pub struct Optimum {
     pub residual: f64,
 }
 
-/// Returns the fastest of the local optima that the guesses lead to, `None` if there is none. `stop` ends
-/// the search with the best so far by `true`. A guess is a trajectory that need not satisfy any condition.
+/// Result of the searches from all guesses.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Found {
+    /// The fastest local optimum.
+    pub optimum: Option<Optimum>,
+    /// Number of guesses from which the search failed.
+    pub failed: u32,
+}
+
+/// Returns the fastest of the local optima that the guesses lead to. `stop` ends the search with the best
+/// so far by `true`. A guess is a trajectory that need not satisfy any condition. Where a search fails that
+/// could have found the best, it is repeated with more stages, beside those from `more` guesses.
 pub fn search(
     problem: &Problem,
     obstacle_field: &ObstacleField,
     mut guesses: Vec<Vec<Sample>>,
+    more: impl FnOnce() -> Vec<Vec<Sample>>,
     effort: &Effort,
     stop: &mut dyn FnMut() -> bool,
-) -> Option<Optimum> {
+) -> Found {
     let formulated = formulated(problem, obstacle_field);
-    let top_speed = problem.limits.top_speed();
     let inertia = !problem.limits.is_without_inertia();
     let shorter = SHORTER[usize::from(inertia)];
+    let begun = effort.work();
+    let is_over = |share: f64| (effort.work() - begun) as f64 > share * MOST_WORK;
     let mut each = |size: usize| {
-        effort.add(1, size);
-        effort.is_spent() || stop()
+        let is_spent = effort.is_spent() || is_over(1.0);
+        if !is_spent {
+            effort.add(1, size);
+        }
+        is_spent || stop()
     };
-    guesses.sort_by(|a, b| duration(a).total_cmp(&duration(b)));
-    guesses.dedup();
-    let mut coarse: Vec<Search<'_>> = Vec::new();
-    let mut least = f64::INFINITY;
-    for samples in guesses {
-        if duration(&samples) * shorter > least {
+    let mut more = Some(more);
+    let mut found = Found::default();
+    for finer in FINER {
+        guesses.sort_by(|a, b| duration(a).total_cmp(&duration(b)));
+        guesses.dedup();
+        let mut least = found.duration();
+        let mut coarse: Vec<(Search<'_>, Vec<Sample>)> = Vec::new();
+        let (mut failed, mut crossing) = (Vec::new(), Vec::new());
+        let mut untried = guesses.into_iter();
+        while let Some(samples) = untried.next() {
+            if duration(&samples) * shorter > least || is_over(COARSE_SHARE) {
+                failed.push(samples);
+                break;
+            }
+            let Some(mut search) = begin(&formulated, obstacle_field, &samples, finer) else {
+                continue;
+            };
+            let outcome = search.run_coarse(&mut each);
+            if outcome.stopped {
+                break;
+            }
+            if outcome.residual > MAX_RESIDUAL {
+                found.failed += u32::from(finer == FINER[0]);
+                failed.push(samples);
+            } else if crosses(&search, obstacle_field) {
+                crossing.push(samples);
+            } else {
+                least = least.min(search.duration());
+                coarse.push((search, samples));
+            }
+        }
+        coarse.sort_by(|a, b| a.0.duration().total_cmp(&b.0.duration()));
+        let same = SAME * problem.limits.top_speed() * least;
+        finish_all(
+            coarse,
+            same,
+            obstacle_field,
+            &mut each,
+            &mut found,
+            &mut failed,
+        );
+        let is_found = found.optimum.is_some();
+        let is_done = is_found && (found.failed == 0 || finer > FINER[0]);
+        if is_done || is_over(COARSE_SHARE) {
             break;
         }
-        let Some(mut search) = begin(&formulated, obstacle_field, &samples) else {
+        if !is_found {
+            found.failed += crossing.len() as u32;
+            failed.append(&mut crossing);
+        }
+        failed.extend(untried);
+        failed.extend(more.take().map(|more| more()).into_iter().flatten());
+        guesses = failed;
+    }
+    found
+}
+
+/// Returns `true` if the present trajectory passes over an obstacle between two nodes.
+fn crosses(search: &Search<'_>, obstacle_field: &ObstacleField) -> bool {
+    let most = CROSSED * obstacle_field.smallest();
+    samples::of(&search.solution()).is_none_or(|samples| {
+        let depths = obstacle_field.depths(&path_points::of_samples(&samples));
+        depths.iter().any(|(_, depth)| *depth > most)
+    })
+}
+
+impl Found {
+    /// Duration (s) of the optimum; infinite without one.
+    pub fn duration(&self) -> f64 {
+        let optimum = self.optimum.as_ref();
+        optimum.map_or(f64::INFINITY, |optimum| duration(&optimum.samples))
+    }
+}
+
+/// Finishes the searches, in order of their durations, that may lead to the best. Adds the guesses of those
+/// that fail.
+fn finish_all(
+    coarse: Vec<(Search<'_>, Vec<Sample>)>,
+    same: f64,
+    obstacle_field: &ObstacleField,
+    each: &mut dyn FnMut(usize) -> bool,
+    best: &mut Found,
+    failed: &mut Vec<Vec<Sample>>,
+) {
+    let mut finished: Vec<Search<'_>> = Vec::new();
+    let mut least = best.duration();
+    for (search, guess) in coarse {
+        // Of the searches that have found the same optimum, the first.
+        let known = finished.iter().any(|other| search.distance(other) < same);
+        if known || search.duration() > least * (1.0 + CONTENDER) {
+            continue;
+        }
+        let Some(found) = finish(search.clone(), obstacle_field, each) else {
+            best.failed += 1;
+            failed.push(guess);
             continue;
         };
-        let outcome = search.run_coarse(&mut each);
-        if outcome.stopped {
-            return None;
-        }
-        if outcome.residual <= MAX_RESIDUAL {
-            least = least.min(search.duration());
-            coarse.push(search);
+        least = least.min(search.duration());
+        finished.push(search);
+        if duration(&found.samples) < best.duration() {
+            best.optimum = Some(found);
         }
     }
-    coarse.sort_by(|a, b| a.duration().total_cmp(&b.duration()));
-    // Of the searches that have found the same optimum, the first.
-    let mut contenders: Vec<Search<'_>> = Vec::new();
-    for search in coarse {
-        let known = contenders
-            .iter()
-            .any(|other| search.distance(other) < SAME * top_speed * least);
-        if !known && search.duration() <= least * (1.0 + CONTENDER) {
-            contenders.push(search);
-        }
-    }
-    let mut best: Option<Optimum> = None;
-    for search in contenders {
-        let found = finish(search, obstacle_field, &mut each);
-        let faster = |a: &Optimum, b: &Optimum| duration(&a.samples) < duration(&b.samples);
-        if let Some(found) = found
-            && best.as_ref().is_none_or(|best| faster(&found, best))
-        {
-            best = Some(found);
-        }
-    }
-    best
 }
 
 fn duration(samples: &[Sample]) -> f64 {
@@ -142,12 +228,13 @@ fn formulated<'a>(
     }
 }
 
-/// A search from a guess; `None` if the guess has no duration, or is so long that steps between
+/// A search from a guess on a multiple of the usual number of stages; `None` if the guess has no duration, or is so long that steps between
 /// nodes would pass over obstacles.
 fn begin<'a>(
     formulated: &'a optimal_control::Problem<'a>,
     obstacle_field: &ObstacleField,
     samples: &[Sample],
+    finer: f64,
 ) -> Option<Search<'a>> {
     let time = samples.last()?.t;
     if !(time > 0.0 && time.is_finite()) {
@@ -158,7 +245,7 @@ fn begin<'a>(
         .map(|pair| geometry::math::hypot(pair[1].x - pair[0].x, pair[1].y - pair[0].y))
         .sum();
     let smallest = obstacle_field.smallest();
-    let stages = (length / smallest).ceil().max(COARSE as f64);
+    let stages = finer * (length / smallest).ceil().max(COARSE as f64);
     if stages > MAX_STAGES as f64 {
         return None;
     }
