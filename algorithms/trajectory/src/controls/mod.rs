@@ -94,7 +94,7 @@ pub fn search(
         let mut coarse: Vec<(Search<'_>, Vec<Sample>)> = Vec::new();
         let (mut failed, mut crossing) = (Vec::new(), Vec::new());
         let mut untried = guesses.into_iter();
-        while let Some(samples) = untried.next() {
+        for samples in untried.by_ref() {
             if duration(&samples) * shorter > least || is_over(COARSE_SHARE) {
                 failed.push(samples);
                 break;
