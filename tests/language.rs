@@ -89,14 +89,16 @@ fn search(root: &Path, glossary: &Glossary) -> Findings {
             continue;
         }
         let kind = path.extension().and_then(|e| e.to_str()).unwrap_or("");
+        let content = read(&path);
+        let rules = glossary.rules_for(&content);
         let mut in_doc = false;
-        for (index, line) in read(&path).lines().enumerate() {
+        for (index, line) in content.lines().enumerate() {
             let place = format!("{name}:{}", index + 1);
             let text = match kind {
                 "toml" => line.split_once('#').map_or("", |(_, comment)| comment),
                 _ => line,
             };
-            for rule in glossary.find(&name, text) {
+            for rule in glossary.find(&rules, &name, text) {
                 findings
                     .entry(rule.to_owned())
                     .or_default()

@@ -216,11 +216,14 @@ fn a_run_whose_optimiser_was_killed_while_it_owed_a_plan_is_the_same_up_to_then(
         "rules.time_limit=60",
         "--set",
         "processes.optimiser.on_failure=continue",
+        "--set",
+        "events.0.when.travelled=0.05",
     ];
     let running = sandbox.protean(words).start();
     let run = sandbox.next_run(&BTreeSet::new());
-    // The first plans are asked for in tick 0 and due in tick 1, which waits for them.
-    wait_for_tick(&run, 2);
+    // The obstacle appears in tick 6. New plans are due in tick 7, which waits for them. The plans of tick 0 would
+    // leave nothing to compare: an optimiser that is killed before it answers them has left in tick 0.
+    wait_for_tick(&run, 8);
     kill(&sandbox, "optimiser");
     let summary = finished(&running.finish());
     let (left, _) = outage(&summary, "optimiser");

@@ -12,7 +12,7 @@ pub struct Glossary {
 }
 
 /// An entry of the column *Not*.
-struct Rule {
+pub struct Rule {
     text: String,
     pattern: Pattern,
 }
@@ -56,8 +56,21 @@ impl Glossary {
         Ok(glossary)
     }
 
-    /// The rules that a line of a file breaks, once for each finding.
-    pub fn find<'a>(&'a self, file: &str, line: &str) -> Vec<&'a str> {
+    /// The rules that a text may break: a file contains the words of a few of them.
+    pub fn rules_for(&self, text: &str) -> Vec<&Rule> {
+        let lower = text.to_ascii_lowercase();
+        let is_in = |rule: &&Rule| match &rule.pattern {
+            Pattern::Words(wanted, _) => wanted.iter().all(|word| lower.contains(word.as_str())),
+            Pattern::Item(name, _) => text.contains(name.as_str()),
+        };
+        self.rules.iter().filter(is_in).collect()
+    }
+
+    /// Those of the rules that a line of a file breaks, once for each finding.
+    pub fn find<'a>(&self, rules: &[&'a Rule], file: &str, line: &str) -> Vec<&'a str> {
+        if rules.is_empty() {
+            return Vec::new();
+        }
         let words = words(line);
         let items: Vec<&str> = if Path::new(file).extension().is_some_and(|e| e == "rs") {
             items(line).collect()
@@ -65,7 +78,7 @@ impl Glossary {
             Vec::new()
         };
         let mut found = Vec::new();
-        for rule in &self.rules {
+        for rule in rules {
             let count = match &rule.pattern {
                 Pattern::Words(wanted, longer) => (0..words.len())
                     .filter_map(|at| words.get(at..at + wanted.len()))

@@ -10,6 +10,31 @@ use serde::de::DeserializeOwned;
 use super::history::History;
 use super::skipped;
 
+/// An environment ([`prepare`]) with what builds and tests the Python package, and with what its users read tables with.
+pub const PACKAGES: &[&str] = &[
+    "python-wheel",
+    "gymnasium==1.4.0",
+    "distributed==2026.8.0",
+    "duckdb==2.0.1",
+    "hyperqueue==0.27.0",
+    "maturin==1.16.0",
+    "mcap==1.6.0",
+    "mcap-ros2-support==0.6.0",
+    "mpi4py==4.1.2",
+    "mpich==5.0.2",
+    "mypy==2.4.1",
+    "numpy==2.4.6",
+    "optuna==5.0.0",
+    "pandas==3.1.1",
+    "pettingzoo==1.27.0",
+    "polars==2.1.0",
+    "pyarrow==26.0.1",
+    "pyright[nodejs]==1.1.414",
+    "pytest==9.2.0",
+    "ray==2.60.0",
+    "submitit==1.5.4",
+];
+
 /// A log as Python reads it.
 #[derive(Debug, Deserialize)]
 pub struct PythonLog {

@@ -269,8 +269,8 @@ mod tests {
         let builtin = Base::Builtin {
             allow_outside: true,
         };
-        for nowhere in [builtin, Base::Nothing] {
-            let e = nowhere.read("maps/city.toml", 1 << 20).unwrap_err();
+        for base in [builtin, Base::Nothing] {
+            let e = base.read("maps/city.toml", 1 << 20).unwrap_err();
             assert_eq!(e.message, "this scenario cannot refer to files");
         }
     }

@@ -47,19 +47,23 @@ pub fn remark_lines<'a>(remarks: impl IntoIterator<Item = &'a ScenarioRemark>) -
         let parts: Vec<&str> = parts.filter(|part| !part.is_empty()).collect();
         (remark.severity, parts)
     };
-    let mut kinds: Vec<(&ScenarioRemark, usize)> = Vec::new();
-    for remark in remarks {
-        match kinds
-            .iter_mut()
-            .find(|(first, _)| words(first) == words(remark))
-        {
-            Some((_, count)) => *count += 1,
-            None => kinds.push((remark, 1)),
+    first_of_each(remarks.into_iter().map(|remark| (words(remark), remark)))
+}
+
+/// Returns the first text of each kind and the number of the others of its kind.
+pub(super) fn first_of_each<K: PartialEq, T: fmt::Display>(
+    texts: impl IntoIterator<Item = (K, T)>,
+) -> Vec<String> {
+    let mut kinds: Vec<(K, T, usize)> = Vec::new();
+    for (kind, text) in texts {
+        match kinds.iter_mut().find(|(known, ..)| *known == kind) {
+            Some((.., others)) => *others += 1,
+            None => kinds.push((kind, text, 0)),
         }
     }
-    let line = |(remark, count): (&ScenarioRemark, usize)| match count {
-        1 => remark.to_string(),
-        n => format!("{remark} ({} more like it)", n - 1),
+    let line = |(_, text, others): (K, T, usize)| match others {
+        0 => text.to_string(),
+        others => format!("{text} ({others} more like it)"),
     };
     kinds.into_iter().map(line).collect()
 }

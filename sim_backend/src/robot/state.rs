@@ -27,12 +27,12 @@ pub enum RobotStatus {
 }
 
 impl RobotStatus {
-    /// The wire code of the status.
+    /// The code of the status in environments; `world/state` has codes of its own.
     pub const fn code(self) -> u8 {
         self as u8
     }
 
-    /// The status with this wire code; `None` for an unknown code.
+    /// The status with this code; `None` for an unknown code.
     pub const fn from_code(code: u8) -> Option<Self> {
         match code {
             0 => Some(Self::Active),

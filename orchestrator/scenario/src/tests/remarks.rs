@@ -28,8 +28,8 @@ fn values_that_look_like_degrees_have_one_warning_per_key() {
         warnings(&text),
         [
             "warning: world.map: `obstacles[0].shape.rectangle.angle` is 45 rad, usually at most 2π; 45° are 0.785 rad",
-            "warning: cop: `limits.omega_max` is 180 rad/s, usually at most 20; 180° are 3.142 rad (and 1 more)",
-            "warning: cop: `limits.angular_acceleration` is 90 rad/s², usually at most 60; 90° are 1.571 rad (and 1 more)",
+            "warning: cop: `limits.omega_max` is 180 rad/s, usually at most 20; 180° are 3.142 rad (1 more like it)",
+            "warning: cop: `limits.angular_acceleration` is 90 rad/s², usually at most 60; 90° are 1.571 rad (1 more like it)",
             "warning: block: `rectangle.angle` is -45 rad, usually at most 2π; -45° are -0.785 rad",
         ]
     );
@@ -44,7 +44,7 @@ fn robots_that_drive_farther_than_their_radius_in_a_tick_have_one_warning() {
     assert_eq!(
         warnings(&changed("v_max = 0.2", "v_max = 200")),
         [
-            "warning: cop: it may drive 10.000 m in a tick, farther than its radius of 0.105 m (and 1 more)"
+            "warning: cop: it may drive 10.000 m in a tick, farther than its radius of 0.105 m (1 more like it)"
         ]
     );
     let backwards = warnings(&changed("v_max = 0.2", "v_reverse_max = 200"));

@@ -1,4 +1,6 @@
 //! The Python package: its wheel is built, installed in a virtual environment and tested there.
+//!
+//! Tests run in the order of their names, two at once: these take minutes, and leave a core idle if they come last.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -6,33 +8,9 @@ use std::sync::LazyLock;
 
 use crate::support::{PROTEAN, Sandbox, python, skipped};
 
-/// Packages of the environment: what builds the wheel and what tests it.
-const ENVIRONMENT: &[&str] = &[
-    "python-wheel",
-    "gymnasium==1.4.0",
-    "distributed==2026.8.0",
-    "hyperqueue==0.27.0",
-    "maturin==1.16.0",
-    "mcap==1.6.0",
-    "mcap-ros2-support==0.6.0",
-    "mpi4py==4.1.2",
-    "mpich==5.0.2",
-    "mypy==2.4.1",
-    "numpy==2.4.6",
-    "optuna==5.0.0",
-    "pandas==3.1.1",
-    "pettingzoo==1.27.0",
-    "polars==2.1.0",
-    "pyarrow==26.0.1",
-    "pyright[nodejs]==1.1.414",
-    "pytest==9.2.0",
-    "ray==2.60.0",
-    "submitit==1.5.4",
-];
-
 /// The interpreter of the environment with the wheel, or why there is none.
 static PYTHON: LazyLock<Result<PathBuf, String>> = LazyLock::new(|| {
-    let python = python::prepare(ENVIRONMENT)?;
+    let python = python::prepare(python::PACKAGES)?;
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
     let wheels = tempfile::tempdir().unwrap();
     // As `tools/wheel`, but with the profile of the tests and the program under test.
