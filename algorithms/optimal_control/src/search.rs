@@ -19,6 +19,9 @@ pub const MAX_STAGES: usize = 640;
 /// the end.
 const BARRIER: [f64; 4] = [1e-3, 1e-5, 1e-7, 3e-8];
 
+/// Residual on fewer stages above which a search has failed.
+const UNSOLVED: f64 = 1e-2;
+
 /// A trajectory.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Solution {
@@ -79,7 +82,7 @@ impl<'a> Search<'a> {
             };
             let outcome = self.iterate(last, stop);
             iterations += outcome.iterations;
-            if last == BARRIER[3] || outcome.stopped {
+            if last == BARRIER[3] || outcome.stopped || outcome.residual > UNSOLVED {
                 return Outcome {
                     iterations,
                     ..outcome

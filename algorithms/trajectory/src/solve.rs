@@ -115,9 +115,10 @@ fn plan_in_controls(
     let field = &course.obstacle_field;
     // The last plan kept the same limits: it is nearer to the optimum than any guess.
     let rest = last.and_then(|plan| previous_plan::rest(problem, field, plan, course.shortest));
+    let bound = lower_bound(problem, course.shortest);
     let mut found = controls::Found::default();
     if let Some(rest) = rest {
-        found = controls::search(problem, field, vec![rest.samples], Vec::new, effort, stop);
+        found = controls::search(problem, field, vec![rest.samples], Vec::new, bound, effort, stop);
     }
     let mut guesses = Vec::new();
     if found.optimum.is_none() {
@@ -126,7 +127,7 @@ fn plan_in_controls(
         guesses = self::guesses([problem, &rough], &paths, course, options, effort, stop);
         let more = || more_guesses(problem, &rough, &paths, course);
         let before = found.failed;
-        found = controls::search(problem, field, guesses.clone(), more, effort, stop);
+        found = controls::search(problem, field, guesses.clone(), more, bound, effort, stop);
         found.failed += before;
     }
     let failed = found.failed;
@@ -167,7 +168,7 @@ fn plan_in_controls(
         status,
         method: options.method,
         final_time: checked.trajectory.duration(),
-        lower_bound: lower_bound(problem, course.shortest),
+        lower_bound: bound,
         length: checked.trajectory.length(),
         min_clearance: checked.min_clearance,
         iterations: effort.programs(),

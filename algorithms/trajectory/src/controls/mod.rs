@@ -42,7 +42,10 @@ const MOST_WORK: f64 = 1.5e6;
 const COARSE_SHARE: f64 = 0.5;
 /// Depth of a coarse solution in an obstacle, relative to the smallest obstacle's radius, from which on it
 /// passes over it between two nodes.
-const CROSSED: f64 = 0.3;
+const CROSSED: f64 = 0.2;
+
+/// Maximum number of steps of a search on all stages, between two growths of obstacles.
+const MAX_STEPS: u32 = 150;
 
 /// A local optimum.
 #[derive(Debug, Clone, PartialEq)]
@@ -70,6 +73,7 @@ pub fn search(
     obstacle_field: &ObstacleField,
     mut guesses: Vec<Vec<Sample>>,
     more: impl FnOnce() -> Vec<Vec<Sample>>,
+    bound: f64,
     effort: &Effort,
     stop: &mut dyn FnMut() -> bool,
 ) -> Found {
@@ -92,7 +96,7 @@ pub fn search(
         guesses.dedup();
         let mut least = found.duration();
         let mut coarse: Vec<(Search<'_>, Vec<Sample>)> = Vec::new();
-        let (mut failed, mut crossing) = (Vec::new(), Vec::new());
+        let (mut failed, mut crossing) = (Vec::new(), Vec::<(Search<'_>, _)>::new());
         let mut untried = guesses.into_iter();
         for samples in untried.by_ref() {
             if duration(&samples) * shorter > least || is_over(COARSE_SHARE) {
@@ -107,10 +111,10 @@ pub fn search(
                 break;
             }
             if outcome.residual > MAX_RESIDUAL {
-                found.failed += u32::from(finer == FINER[0]);
+                found.failed += 1;
                 failed.push(samples);
-            } else if crosses(&search, obstacle_field) {
-                crossing.push(samples);
+            } else if search.duration() < bound || crosses(&search, obstacle_field) {
+                crossing.push((search, samples));
             } else {
                 least = least.min(search.duration());
                 coarse.push((search, samples));
@@ -126,18 +130,22 @@ pub fn search(
             &mut found,
             &mut failed,
         );
-        let is_found = found.optimum.is_some();
-        let is_done = is_found && (found.failed == 0 || finer > FINER[0]);
-        if is_done || is_over(COARSE_SHARE) {
+        if is_over(COARSE_SHARE) {
             break;
         }
-        if !is_found {
-            found.failed += crossing.len() as u32;
-            failed.append(&mut crossing);
+        // A motion over an obstacle takes less time than those around it.
+        let least = found.duration() * (1.0 - CONTENDER);
+        crossing.retain(|(search, _)| search.duration() < least);
+        found.failed += crossing.len() as u32;
+        guesses = crossing.into_iter().map(|(_, samples)| samples).collect();
+        if found.optimum.is_none() || (finer == FINER[0] && found.failed > 0) {
+            guesses.append(&mut failed);
+            guesses.extend(untried);
+            guesses.extend(more.take().map(|more| more()).into_iter().flatten());
         }
-        failed.extend(untried);
-        failed.extend(more.take().map(|more| more()).into_iter().flatten());
-        guesses = failed;
+        if guesses.is_empty() {
+            break;
+        }
     }
     found
 }
@@ -169,24 +177,24 @@ fn finish_all(
     best: &mut Found,
     failed: &mut Vec<Vec<Sample>>,
 ) {
-    let mut finished: Vec<Search<'_>> = Vec::new();
+    let mut tried: Vec<Search<'_>> = Vec::new();
     let mut least = best.duration();
     for (search, guess) in coarse {
         // Of the searches that have found the same optimum, the first.
-        let known = finished.iter().any(|other| search.distance(other) < same);
+        let known = tried.iter().any(|other| search.distance(other) < same);
         if known || search.duration() > least * (1.0 + CONTENDER) {
             continue;
         }
-        let Some(found) = finish(search.clone(), obstacle_field, each) else {
+        if let Some(found) = finish(search.clone(), obstacle_field, each) {
+            least = least.min(search.duration());
+            if duration(&found.samples) < best.duration() {
+                best.optimum = Some(found);
+            }
+        } else {
             best.failed += 1;
             failed.push(guess);
-            continue;
-        };
-        least = least.min(search.duration());
-        finished.push(search);
-        if duration(&found.samples) < best.duration() {
-            best.optimum = Some(found);
         }
+        tried.push(search);
     }
 }
 
@@ -274,7 +282,11 @@ fn finish(
 ) -> Option<Optimum> {
     let mut margins = vec![0.0; obstacle_field.obstacles.len()];
     for _ in 0..=MAX_REPAIRS {
-        let outcome = search.run(each);
+        let mut steps = 0;
+        let outcome = search.run(&mut |size| {
+            steps += 1;
+            steps > MAX_STEPS || each(size)
+        });
         if !outcome.is_optimal() {
             return None;
         }
