@@ -15,8 +15,7 @@ use crate::scaled::Scaled;
 
 /// A problem of the barrier counts as solved at this multiple of the barrier parameter.
 const SUBPROBLEM: f64 = 10.0;
-/// Maximum number of iterations, and of linear systems.
-const MAX_ITERATIONS: u32 = 150;
+/// Maximum number of linear systems.
 const MAX_SYSTEMS: u32 = 300;
 /// Errors of the first-order conditions below which a solution is a local optimum.
 const OPTIMAL: f64 = 1e-6;
@@ -24,15 +23,12 @@ const OPTIMAL: f64 = 1e-6;
 const SHIFT: [f64; 4] = [1e-6, 8.0, 3.0, 1e6];
 /// Number of shifted steps in succession after which the next begins with the last shift.
 const SHIFTED: u32 = 3;
-/// Maximum number of returns to the constraints, and the barrier parameter after each.
-const RESTORATIONS: u32 = 2;
+/// Barrier parameter after a return to the constraints.
 const RESTORED: f64 = 1e-3;
 
 /// Convergence of a search.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Outcome {
-    /// Number of iterations.
-    pub iterations: u32,
     /// Largest error of the first-order conditions (stationarity, constraints, complementarity), in
     /// scaled units, where times are parts of the duration.
     pub residual: f64,
@@ -78,8 +74,8 @@ impl<'a> InteriorPoint<'a> {
             step: at.clone(),
             trial: at.clone(),
             errors: Errors::none(),
-            // An iteration adds one pair at most.
-            filter: Vec::with_capacity(MAX_ITERATIONS as usize),
+            // A step adds one pair at most.
+            filter: Vec::with_capacity(MAX_SYSTEMS as usize),
             shift: 0.0,
             shifted: 0,
             systems: 0,
@@ -97,8 +93,6 @@ impl<'a> InteriorPoint<'a> {
     /// iteration and ends it by `true`.
     pub fn run(&mut self, barrier: [f64; 2], stop: &mut dyn FnMut() -> bool) -> Outcome {
         let [mut barrier, last] = barrier;
-        let mut iterations = 0;
-        let mut restorations = 0;
         let mut before: Option<(f64, Iterate)> = None;
         self.filter.clear();
         self.systems = 0;
@@ -112,18 +106,13 @@ impl<'a> InteriorPoint<'a> {
             }
             let solved = residual <= SUBPROBLEM * last && barrier <= last;
             let stopped = !solved && stop();
-            let mut ends =
-                solved || stopped || iterations >= MAX_ITERATIONS || self.systems >= MAX_SYSTEMS;
+            let mut ends = solved || stopped || self.systems >= MAX_SYSTEMS;
             if !ends && !self.advance(barrier, stop) {
-                ends = restorations == RESTORATIONS;
+                ends = before.is_some();
                 if !ends {
-                    restorations += 1;
-                    let residual = self.errors.residual(0.0);
-                    if before.as_ref().is_none_or(|before| residual < before.0) {
-                        before = Some((residual, self.at.clone()));
-                    }
+                    before = Some((self.errors.residual(0.0), self.at.clone()));
                     barrier = barrier.max(RESTORED);
-                    iterations += self.restore(barrier, stop);
+                    self.restore(barrier, stop);
                     self.filter.clear();
                 }
             }
@@ -134,13 +123,8 @@ impl<'a> InteriorPoint<'a> {
                 {
                     (residual, self.at) = before;
                 }
-                return Outcome {
-                    iterations,
-                    residual,
-                    stopped,
-                };
+                return Outcome { residual, stopped };
             }
-            iterations += 1;
         }
     }
 

@@ -73,7 +73,6 @@ impl<'a> Search<'a> {
     /// Searches until there are at least eight times [`COARSE`] stages; `stop` is called in every iteration
     /// with the number of inequalities and variables, and ends the search by `true`.
     pub fn run(&mut self, stop: &mut dyn FnMut(usize) -> bool) -> Outcome {
-        let mut iterations = 0;
         loop {
             let last = if self.scaled.count >= FINE {
                 BARRIER[3]
@@ -81,12 +80,8 @@ impl<'a> Search<'a> {
                 BARRIER[1]
             };
             let outcome = self.iterate(last, stop);
-            iterations += outcome.iterations;
             if last == BARRIER[3] || outcome.stopped || outcome.residual > UNSOLVED {
-                return Outcome {
-                    iterations,
-                    ..outcome
-                };
+                return outcome;
             }
             self.double();
         }

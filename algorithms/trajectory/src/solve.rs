@@ -50,56 +50,39 @@ pub fn plan(
     let searches = options.refine && options.method != Method::Tangent;
     // Without inertia the curve of another method is what was asked for.
     let improves = steps && options.method == Method::Bspline && options.fallbacks;
-    let mut curve = None;
+    let mut plan = None;
+    let mut is_good = false;
     if searches && improves {
         let first = Options {
             fallbacks: false,
             ..*options
         };
-        curve = curve_plan::plan(problem, &course, &first, last, &effort, stop).ok();
-        if let Some(plan) = &curve
-            && (plan.final_time <= curve_plan::good(problem, &course) || stop())
-        {
-            return Ok(told(plan.clone(), &effort, None));
-        }
+        plan = curve_plan::plan(problem, &course, &first, last, &effort, stop).ok();
+        is_good = plan
+            .as_ref()
+            .is_some_and(|plan| plan.final_time <= curve_plan::good(problem, &course) || stop());
     }
     let mut failed = None;
-    if searches && (improves || !steps) {
+    if searches && (improves || !steps) && !is_good {
         let (found, failures) = plan_in_controls(problem, &course, options, last, &effort, stop);
         failed = Some(failures);
-        let faster = |plan: &Plan| {
-            curve
-                .as_ref()
-                .is_none_or(|c| plan.final_time < c.final_time)
-        };
-        if let Some(plan) = found.filter(faster) {
-            return Ok(told(plan, &effort, failed));
-        }
+        let plans = plan.into_iter().chain(found);
+        plan = plans.min_by(|a, b| a.final_time.total_cmp(&b.final_time));
     }
-    if let Some(plan) = curve {
-        return Ok(told(plan, &effort, failed));
-    }
-    let plan = curve_plan::plan(problem, &course, options, last, &effort, stop)?;
-    Ok(told(plan, &effort, failed))
-}
-
-/// The plan with its work and its quality; `failed` is the number of searches in the controls that failed, if
-/// there were any.
-fn told(plan: Plan, effort: &Effort, failed: Option<u32>) -> Plan {
-    let is_proven = plan.final_time <= plan.lower_bound * (1.0 + PROVEN);
-    let basis = if is_proven { Basis::Exact } else { plan.basis };
-    let status = match plan.status {
-        Status::Planned if failed.is_some() && basis == Basis::Curve => Status::Curve,
-        status => status,
+    let mut plan = match plan {
+        Some(plan) => plan,
+        None => curve_plan::plan(problem, &course, options, last, &effort, stop)?,
     };
-    Plan {
-        status,
-        basis,
-        failed_searches: failed.unwrap_or(0),
-        iterations: effort.programs(),
-        work: effort.work(),
-        ..plan
+    if plan.final_time <= plan.lower_bound * (1.0 + PROVEN) {
+        plan.basis = Basis::Exact;
     }
+    if plan.status == Status::Planned && plan.basis == Basis::Curve && failed.is_some() {
+        plan.status = Status::Curve;
+    }
+    plan.failed_searches = failed.unwrap_or(0);
+    plan.iterations = effort.programs();
+    plan.work = effort.work();
+    Ok(plan)
 }
 
 /// The plan of a search in the controls, `None` if there is none that passes the check, and the number of
@@ -115,19 +98,18 @@ fn plan_in_controls(
     let field = &course.obstacle_field;
     // The last plan kept the same limits: it is nearer to the optimum than any guess.
     let rest = last.and_then(|plan| previous_plan::rest(problem, field, plan, course.shortest));
-    let bound = lower_bound(problem, course.shortest);
     let mut found = controls::Found::default();
     if let Some(rest) = rest {
-        found = controls::search(problem, field, vec![rest.samples], Vec::new, bound, effort, stop);
+        found = controls::search(problem, course, vec![rest.samples], Vec::new, effort, stop);
     }
     let mut guesses = Vec::new();
     if found.optimum.is_none() {
         let rough = rough(problem);
         let paths = paths(problem, course);
         guesses = self::guesses([problem, &rough], &paths, course, options, effort, stop);
-        let more = || more_guesses(problem, &rough, &paths, course);
+        let more = || crate::guesses::eased(&rough, &paths).collect();
         let before = found.failed;
-        found = controls::search(problem, field, guesses.clone(), more, bound, effort, stop);
+        found = controls::search(problem, course, guesses.clone(), more, effort, stop);
         found.failed += before;
     }
     let failed = found.failed;
@@ -168,7 +150,7 @@ fn plan_in_controls(
         status,
         method: options.method,
         final_time: checked.trajectory.duration(),
-        lower_bound: bound,
+        lower_bound: lower_bound(problem, course.shortest),
         length: checked.trajectory.length(),
         min_clearance: checked.min_clearance,
         iterations: effort.programs(),
@@ -265,25 +247,5 @@ fn guesses(
         paths,
         problem.limits.is_without_inertia(),
     ));
-    guesses
-}
-
-/// Guesses for a second try: rougher ones, and those of a moving robot that first stops.
-fn more_guesses(
-    problem: &Problem,
-    rough: &Problem,
-    paths: &[Vec<PathLeg>],
-    course: &Course,
-) -> Vec<Vec<Sample>> {
-    let mut guesses: Vec<_> = crate::guesses::eased(rough, paths).collect();
-    if let Some(stop) = crate::guesses::stop(problem) {
-        let stopped = Problem {
-            start: stop.end(),
-            ..rough.clone()
-        };
-        let paths = self::paths(&stopped, course);
-        let after = crate::guesses::guesses(&stopped, &paths, false);
-        guesses.extend(after.map(|guess| stop.before(&guess)));
-    }
     guesses
 }

@@ -13,6 +13,8 @@ use optimal_control::{COARSE, Keep, Limits, MAX_STAGES, Node, Search};
 
 use crate::convex::effort::Effort;
 use crate::convex::obstacle_planes::{NO_DEPTH, grow_margins};
+use crate::course::Course;
+use crate::lower_bound::lower_bound;
 use crate::obstacle_field::ObstacleField;
 use crate::path_points;
 use crate::plan::Sample;
@@ -70,13 +72,14 @@ pub struct Found {
 /// could have found the best, it is repeated with more stages, beside those from `more` guesses.
 pub fn search(
     problem: &Problem,
-    obstacle_field: &ObstacleField,
+    course: &Course,
     mut guesses: Vec<Vec<Sample>>,
     more: impl FnOnce() -> Vec<Vec<Sample>>,
-    bound: f64,
     effort: &Effort,
     stop: &mut dyn FnMut() -> bool,
 ) -> Found {
+    let obstacle_field = &course.obstacle_field;
+    let bound = lower_bound(problem, course.shortest);
     let formulated = formulated(problem, obstacle_field);
     let inertia = !problem.limits.is_without_inertia();
     let shorter = SHORTER[usize::from(inertia)];

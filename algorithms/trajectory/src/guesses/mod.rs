@@ -9,15 +9,13 @@
 //! - `motion`: the trajectory of turns, arcs and straight lines.
 //! - `along_path`: a path driven ahead or backwards, with a turn on the spot or a word at either end.
 //!
-//! For a second try, [`eased`] gives rougher ones, and [`stop`] those of a moving robot that first stops.
+//! For a second try, [`eased`] gives rougher ones.
 
 mod along_path;
 mod eased;
 mod motion;
-mod stop;
 
 pub use eased::eased;
-pub use stop::stop;
 
 use free_motion::Motion;
 use free_motion::words::{self, Word};
