@@ -40,7 +40,7 @@ const MAX_RESIDUAL: f64 = 1e-3;
 const FINER: [f64; 3] = [1.0, 2.0, 4.0];
 
 /// Maximum work of all searches, and the share of it after which only what is begun is finished.
-const MOST_WORK: f64 = 1.5e6;
+const MAX_WORK: f64 = 1.5e6;
 const COARSE_SHARE: f64 = 0.5;
 /// Depth of a coarse solution in an obstacle, relative to the smallest obstacle's radius, from which on it
 /// passes over it between two nodes.
@@ -84,7 +84,7 @@ pub fn search(
     let inertia = !problem.limits.is_without_inertia();
     let shorter = SHORTER[usize::from(inertia)];
     let begun = effort.work();
-    let is_over = |share: f64| (effort.work() - begun) as f64 > share * MOST_WORK;
+    let is_over = |share: f64| (effort.work() - begun) as f64 > share * MAX_WORK;
     let mut each = |size: usize| {
         let is_spent = effort.is_spent() || is_over(1.0);
         if !is_spent {
