@@ -120,13 +120,14 @@ fn plan_in_controls(
         {
             last.v = v;
         }
-        let residual = optimum.residual;
-        checked(problem, course, optimum.samples).map(|checked| (checked, residual))
+        let basis = Basis::Optimal {
+            residual: optimum.residual,
+        };
+        checked(problem, course, optimum.samples).map(|checked| (checked, basis))
     });
     let least = found
         .as_ref()
         .map_or(f64::INFINITY, |found| found.0.trajectory.duration());
-    let found = found.map(|(checked, residual)| (checked, Basis::Optimal { residual }));
     let motion = exact(problem, course, guesses, least).map(|motion| {
         let basis = match &found {
             // The motion is the local optimum without its error of discretisation.

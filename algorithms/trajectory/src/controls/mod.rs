@@ -125,14 +125,25 @@ pub fn search(
         }
         coarse.sort_by(|a, b| a.0.duration().total_cmp(&b.0.duration()));
         let same = SAME * problem.limits.top_speed() * least;
-        finish_all(
-            coarse,
-            same,
-            obstacle_field,
-            &mut each,
-            &mut found,
-            &mut failed,
-        );
+        let mut tried: Vec<Search<'_>> = Vec::new();
+        let mut least = found.duration();
+        for (search, guess) in coarse {
+            // Of the searches that have found the same optimum, the first.
+            let known = tried.iter().any(|other| search.distance(other) < same);
+            if known || search.duration() > least * (1.0 + CONTENDER) {
+                continue;
+            }
+            if let Some(optimum) = finish(search.clone(), obstacle_field, &mut each) {
+                least = least.min(search.duration());
+                if duration(&optimum.samples) < found.duration() {
+                    found.optimum = Some(optimum);
+                }
+            } else {
+                found.failed += 1;
+                failed.push(guess);
+            }
+            tried.push(search);
+        }
         if is_over(COARSE_SHARE) {
             break;
         }
@@ -167,37 +178,6 @@ impl Found {
     pub fn duration(&self) -> f64 {
         let optimum = self.optimum.as_ref();
         optimum.map_or(f64::INFINITY, |optimum| duration(&optimum.samples))
-    }
-}
-
-/// Finishes the searches, in order of their durations, that may lead to the best. Adds the guesses of those
-/// that fail.
-fn finish_all(
-    coarse: Vec<(Search<'_>, Vec<Sample>)>,
-    same: f64,
-    obstacle_field: &ObstacleField,
-    each: &mut dyn FnMut(usize) -> bool,
-    best: &mut Found,
-    failed: &mut Vec<Vec<Sample>>,
-) {
-    let mut tried: Vec<Search<'_>> = Vec::new();
-    let mut least = best.duration();
-    for (search, guess) in coarse {
-        // Of the searches that have found the same optimum, the first.
-        let known = tried.iter().any(|other| search.distance(other) < same);
-        if known || search.duration() > least * (1.0 + CONTENDER) {
-            continue;
-        }
-        if let Some(found) = finish(search.clone(), obstacle_field, each) {
-            least = least.min(search.duration());
-            if duration(&found.samples) < best.duration() {
-                best.optimum = Some(found);
-            }
-        } else {
-            best.failed += 1;
-            failed.push(guess);
-        }
-        tried.push(search);
     }
 }
 
