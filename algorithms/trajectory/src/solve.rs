@@ -104,8 +104,19 @@ fn plan_in_controls(
     }
     let mut guesses = Vec::new();
     if found.optimum.is_none() {
-        let rough = rough(problem);
-        let paths = paths(problem, course);
+        let rough = Problem {
+            limits: problem.limits.without_inertia(),
+            start_speed: None,
+            start_turn_rate: None,
+            goal_speed: None,
+            ..problem.clone()
+        };
+        let most = lower_bound(problem, course.shortest) * (1.0 + DETOUR);
+        let corridors = corridors(problem, &course.exact, CORRIDORS, most).unwrap_or_default();
+        let paths: Vec<_> = corridors
+            .into_iter()
+            .map(|corridor| corridor.path.legs)
+            .collect();
         guesses = self::guesses([problem, &rough], &paths, course, options, effort, stop);
         let more = || crate::guesses::eased(&rough, &paths).collect();
         let before = found.failed;
@@ -192,27 +203,6 @@ fn checked(problem: &Problem, course: &Course, samples: Vec<Sample>) -> Option<C
     trajectory.settle(problem.goal);
     trajectory.keep_ends(problem);
     Checked::new(problem, &course.obstacle_field, trajectory, 0)
-}
-
-/// The problem of a robot without inertia, for guesses.
-fn rough(problem: &Problem) -> Problem {
-    Problem {
-        limits: problem.limits.without_inertia(),
-        start_speed: None,
-        start_turn_rate: None,
-        goal_speed: None,
-        ..problem.clone()
-    }
-}
-
-/// The shortest paths of the most promising corridors.
-fn paths(problem: &Problem, course: &Course) -> Vec<Vec<PathLeg>> {
-    let most = lower_bound(problem, course.shortest) * (1.0 + DETOUR);
-    let corridors = corridors(problem, &course.exact, CORRIDORS, most).unwrap_or_default();
-    corridors
-        .into_iter()
-        .map(|corridor| corridor.path.legs)
-        .collect()
 }
 
 /// Guesses of a search, of a robot without inertia.

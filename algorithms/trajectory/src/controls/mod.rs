@@ -50,7 +50,7 @@ const CROSSED: f64 = 0.2;
 const MAX_STEPS: u32 = 150;
 
 /// A local optimum.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug)]
 pub struct Optimum {
     /// The trajectory.
     pub samples: Vec<Sample>,
@@ -59,7 +59,7 @@ pub struct Optimum {
 }
 
 /// Result of the searches from all guesses.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Default)]
 pub struct Found {
     /// The fastest local optimum.
     pub optimum: Option<Optimum>,
@@ -92,6 +92,13 @@ pub fn search(
         }
         is_spent || stop()
     };
+    let most = CROSSED * obstacle_field.smallest();
+    let crosses = |search: &Search<'_>| {
+        samples::of(&search.solution()).is_none_or(|samples| {
+            let depths = obstacle_field.depths(&path_points::of_samples(&samples));
+            depths.iter().any(|(_, depth)| *depth > most)
+        })
+    };
     let mut more = Some(more);
     let mut found = Found::default();
     for finer in FINER {
@@ -116,7 +123,7 @@ pub fn search(
             if outcome.residual > MAX_RESIDUAL {
                 found.failed += 1;
                 failed.push(samples);
-            } else if search.duration() < bound || crosses(&search, obstacle_field) {
+            } else if search.duration() < bound || crosses(&search) {
                 crossing.push((search, samples));
             } else {
                 least = least.min(search.duration());
@@ -162,15 +169,6 @@ pub fn search(
         }
     }
     found
-}
-
-/// Returns `true` if the present trajectory passes over an obstacle between two nodes.
-fn crosses(search: &Search<'_>, obstacle_field: &ObstacleField) -> bool {
-    let most = CROSSED * obstacle_field.smallest();
-    samples::of(&search.solution()).is_none_or(|samples| {
-        let depths = obstacle_field.depths(&path_points::of_samples(&samples));
-        depths.iter().any(|(_, depth)| *depth > most)
-    })
 }
 
 impl Found {
