@@ -133,16 +133,126 @@ def slow_turning(draw, index, reverse):
     }
 
 
+def standing(draw, limits):
+    """The robot of `inertia` at rest, on a board without discs; the caller places both."""
+    return inertia(draw, 0, (0, 0), limits)
+
+
+def braking(draw, index):
+    """A moving robot, and a disc ahead of it, little farther than it needs to stop; every other one between two discs."""
+    raw = standing(draw, BURGER if index % 2 == 0 else HEAVY)
+    speed = round(draw.uniform(0.6, 0.95) * raw["vmax_px_s"], 3)
+    stop = speed**2 / (2.0 * raw["acceleration_px_s2"])
+    radius = draw.uniform(20.0, 50.0)
+    gap = stop * draw.uniform(1.05, 2.0) + 1.0
+    centre = 120.0 + gap + raw["buffer_px"] + CLEAR_PX + radius
+    discs = [{"x": round(centre, 3), "y": round(240.0 + draw.uniform(-0.1, 0.1) * radius, 3), "r": radius}]
+    beside = draw.uniform(28.0, 40.0)
+    if index % 4 >= 2:
+        discs += [{"x": 125.0, "y": 240.0 + side * beside, "r": 12.0} for side in (1.0, -1.0)]
+    goal = {"x": 560.0, "y": draw.uniform(60.0, 420.0)}
+    final = draw.uniform(-math.pi / 2, math.pi / 2, 6)
+    if index % 3 == 0:
+        goal["theta"] = final
+    start = {"x": 120.0, "y": 240.0, "theta": 0.0}
+    return raw | {"start": start, "start_speed": speed, "goal": goal, "obstacles": discs}
+
+
+def parking(draw, index):
+    """A near goal with a heading between three discs, for a robot that turns slowly and may drive backwards."""
+    raw = slow_turning(draw, 0, reverse=True)
+    heading = draw.uniform(-math.pi, math.pi, 6)
+    goal = {"x": 320.0, "y": 240.0, "theta": heading}
+    away, direction = draw.uniform(40.0, 150.0), draw.uniform(-math.pi, math.pi, 6)
+    start = {
+        "x": round(320.0 + away * math.cos(direction), 3),
+        "y": round(240.0 + away * math.sin(direction), 3),
+        "theta": draw.uniform(-math.pi, math.pi, 6),
+    }
+    radius = draw.uniform(6.0, 14.0)
+    discs = []
+    for turn in (0.5 * math.pi, -0.5 * math.pi, math.pi if index % 2 == 0 else 0.0):
+        angle, apart = heading + turn, radius + raw["buffer_px"] + draw.uniform(3.0, 10.0)
+        x, y = 320.0 + apart * math.cos(angle), 240.0 + apart * math.sin(angle)
+        discs.append({"x": round(x, 3), "y": round(y, 3), "r": radius})
+    return raw | {"start": start, "goal": goal, "obstacles": discs}
+
+
+def serpentine(draw, index):
+    """Three walls of discs, each with a gap at another place."""
+    raw = (
+        standing(draw, BURGER if index % 4 == 1 else HEAVY)
+        if index % 2 == 1
+        else slow_turning(draw, 0, reverse=False)
+    )
+    discs = []
+    for wall in range(3):
+        x, low = 160.0 + 160.0 * wall, draw.uniform(40.0, 380.0)
+        high = low + 2.0 * (raw["buffer_px"] + draw.uniform(2.0, 20.0))
+        for side, edge in ((-1.0, low), (1.0, high)):
+            y = edge + side * 12.0
+            while -20.0 <= y <= HEIGHT + 20.0:
+                discs.append({"x": x, "y": round(y, 3), "r": 12.0})
+                y += side * 33.0
+    start = {"x": 45.0, "y": draw.uniform(60.0, 420.0), "theta": draw.uniform(-math.pi, math.pi, 6)}
+    goal = {"x": 595.0, "y": draw.uniform(60.0, 420.0)}
+    return raw | {"start": start, "goal": goal, "obstacles": discs}
+
+
+def tie(draw, index):
+    """A board that is its own mirror image, with the robot on its axis."""
+    raw = standing(draw, BURGER if index % 2 == 0 else HEAVY)
+    discs = []
+    for column in range(5):
+        x, radius, apart = 168.0 + 76.0 * column, draw.uniform(10.0, 40.0), draw.uniform(0.0, 70.0)
+        if apart < radius:
+            discs.append({"x": x, "y": 240.0, "r": radius})
+        else:
+            discs += [{"x": x, "y": 240.0 + side * apart, "r": radius} for side in (-1.0, 1.0)]
+    goal = {"x": 600.0, "y": 240.0}
+    if index % 3 > 0:
+        goal["theta"] = 0.0 if index % 3 == 1 else round(math.pi, 6)
+    start = {"x": 40.0, "y": 240.0, "theta": 0.0 if index % 4 < 2 else round(math.pi, 6)}
+    return raw | {"start": start, "goal": goal, "obstacles": discs}
+
+
+def thin(draw, index):
+    """A board that is hardly wider than the robot's way past discs at its edges."""
+    raw = (
+        standing(draw, BURGER) if index % 2 == 0 else slow_turning(draw, 0, reverse=index % 4 == 3)
+    )
+    height = draw.uniform(30.0, 80.0)
+    discs = [
+        {
+            "x": draw.uniform(80.0, 560.0),
+            "y": round((-0.5 if draw.uniform(0.0, 1.0) < 0.5 else 0.5) * height + 240.0, 3),
+            "r": draw.uniform(5.0, 0.6 * height),
+        }
+        for _ in range(draw.integer(2, 6))
+    ]
+    place = lambda x: {"x": x, "y": round(240.0 + draw.uniform(-0.3, 0.3) * height, 3)}
+    start, goal = place(30.0), place(610.0)
+    start["theta"] = draw.uniform(-math.pi, math.pi, 6)
+    raw["bounds_px"] = [0.0, round(240.0 - 0.5 * height, 3), WIDTH, round(240.0 + 0.5 * height, 3)]
+    return raw | {"start": start, "goal": goal, "obstacles": discs}
+
+
 BURGER = (2.84, round(0.5 * 100.0 / CM_PER_PX, 6), 3.0)
+HEAVY = (1.2, 12.0, 0.6)
 RECIPES = {
     "base": lambda draw, _: across(draw, (10, 20), (5.0, 15.0), (40.0, 45.0)),
     "obs30_40": lambda draw, _: across(draw, (30, 40), (5.0, 15.0), (40.0, 45.0)),
     "dense": lambda draw, _: across(draw, (30, 40), (20.0, 30.0), (0.0, 90.0)),
     "dynamics": lambda draw, index: inertia(draw, index, (5, 15), BURGER),
-    "heavy": lambda draw, index: inertia(draw, index, (5, 15), (1.2, 12.0, 0.6)),
+    "heavy": lambda draw, index: inertia(draw, index, (5, 15), HEAVY),
     "crowded": lambda draw, index: inertia(draw, index, (18, 28), BURGER),
     "slow_turning": lambda draw, index: slow_turning(draw, index, reverse=False),
     "slow_turning_reverse": lambda draw, index: slow_turning(draw, index, reverse=True),
+    "braking": braking,
+    "parking": parking,
+    "serpentine": serpentine,
+    "ties": tie,
+    "thin": thin,
 }
 
 
@@ -150,18 +260,20 @@ def acceptable(raw):
     """Ends clear and apart, room to brake straight ahead, and a path on a grid."""
     start, goal = raw["start"], raw["goal"]
     ends = [(start["x"], start["y"]), (goal["x"], goal["y"])]
-    if math.dist(*ends) < (19.9 if raw["row"].startswith("slow") else 250.0):
+    if math.dist(*ends) < (19.9 if raw["row"].startswith(("slow", "parking")) else 250.0):
         return False
-    if not all(0.0 <= x <= WIDTH and 0.0 <= y <= HEIGHT for x, y in ends):
+    left, low, right, high = raw["bounds_px"]
+    on_board = lambda x, y: left <= x <= right and low <= y <= high
+    if not all(on_board(x, y) for x, y in ends):
         return False
     brake = 0.0
     if raw["start_speed"]:
-        brake = raw["start_speed"] ** 2 / (2.0 * raw["acceleration_px_s2"]) + 5.0
+        brake = raw["start_speed"] ** 2 / (2.0 * raw["acceleration_px_s2"]) + (0.5 if raw["row"] == "braking" else 5.0)
     for step in range(9):
         ahead = brake * step / 8.0
         x = start["x"] + ahead * math.cos(start["theta"])
         y = start["y"] + ahead * math.sin(start["theta"])
-        if not (0.0 <= x <= WIDTH and 0.0 <= y <= HEIGHT):
+        if not on_board(x, y):
             return False
         if not clear((x, y), raw["obstacles"], raw["buffer_px"]):
             return False

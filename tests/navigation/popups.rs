@@ -140,6 +140,34 @@ proptest! {
     }
 }
 
+/// An obstacle comes where the robot is, and pushes it out to where it touches.
+#[test]
+fn a_robot_that_is_pushed_out_leaves_the_obstacle_at_once() {
+    let directory = tempfile::tempdir().unwrap();
+    for (dx, dy, radius) in [
+        (0.0, 0.12, 0.1),
+        (0.1, -0.1, 0.2),
+        (-0.15, 0.02, 0.15),
+        (0.2, 0.02, 0.25),
+        (0.02, 0.3, 0.4),
+    ] {
+        for limits in ["", ", acceleration = 0.5, angular_acceleration = 6.0"] {
+            let text = scenario_text(&[], limits, "");
+            // It has driven about 0.8 m towards its goal.
+            let at = [1.06 + dx, 0.86 + dy];
+            let text = format!(
+                "{text}\n[[events]]\nwhen = {{ robot = \"scout\", travelled = 0.8 }}\naction = \"appear\"\n\
+                 obstacle = \"popup\"\nshape.circle = {{ center = {at:?}, radius = {radius} }}\n"
+            );
+            let (history, contacts, outcome) = fly(directory.path(), &text);
+            let pushed = history.events.iter().filter(|e| e.kind == PUSHED);
+            assert_eq!(pushed.count(), 1, "{text}");
+            assert!(contacts <= 1, "{contacts} contacts: {text}");
+            assert_eq!(outcome, "goal_reached", "{text}");
+        }
+    }
+}
+
 /// Without pop-ups on the goal there is a way around, and it is taken.
 #[test]
 fn the_goal_is_reached_around_what_pops_up() {

@@ -9,24 +9,26 @@
 
 use crate::errors::Errors;
 use crate::iterate::Iterate;
-use crate::riccati::{Riccati, Stage, Unknowns};
+use crate::riccati::{End, Riccati, Stage, Unknowns};
 use crate::rows::Evaluated;
 use crate::scaled::Scaled;
 
 /// A problem of the barrier counts as solved at this multiple of the barrier parameter.
 const SUBPROBLEM: f64 = 10.0;
-/// Maximum number of iterations.
-const MAX_ITERATIONS: u32 = 150;
+/// Maximum number of linear systems.
+const MAX_SYSTEMS: u32 = 300;
 /// Errors of the first-order conditions below which a solution is a local optimum.
 const OPTIMAL: f64 = 1e-6;
 /// Shifts of the Hessians: the first, growth per attempt, reduction after success, maximum.
 const SHIFT: [f64; 4] = [1e-6, 8.0, 3.0, 1e6];
+/// Number of shifted steps in succession after which the next begins with the last shift.
+const SHIFTED: u32 = 3;
+/// Barrier parameter after a return to the constraints.
+const RESTORED: f64 = 1e-3;
 
 /// Convergence of a search.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Outcome {
-    /// Number of iterations.
-    pub iterations: u32,
     /// Largest error of the first-order conditions (stationarity, constraints, complementarity), in
     /// scaled units, where times are parts of the duration.
     pub residual: f64,
@@ -55,8 +57,11 @@ pub struct InteriorPoint<'a> {
     /// Pairs of violation and merit that no later iterate may both exceed.
     pub(super) filter: Vec<[f64; 2]>,
     riccati: Riccati,
-    /// The last shift that was needed.
+    /// Number of linear systems of this run.
+    systems: u32,
+    /// The last shift that was needed, and the number of steps in succession that needed one.
     shift: f64,
+    shifted: u32,
 }
 
 impl<'a> InteriorPoint<'a> {
@@ -69,9 +74,11 @@ impl<'a> InteriorPoint<'a> {
             step: at.clone(),
             trial: at.clone(),
             errors: Errors::none(),
-            // An iteration adds one pair at most.
-            filter: Vec::with_capacity(MAX_ITERATIONS as usize),
+            // A step adds one pair at most.
+            filter: Vec::with_capacity(MAX_SYSTEMS as usize),
             shift: 0.0,
+            shifted: 0,
+            systems: 0,
             problem,
             at,
         }
@@ -86,8 +93,9 @@ impl<'a> InteriorPoint<'a> {
     /// iteration and ends it by `true`.
     pub fn run(&mut self, barrier: [f64; 2], stop: &mut dyn FnMut() -> bool) -> Outcome {
         let [mut barrier, last] = barrier;
-        let mut iterations = 0;
+        let mut before: Option<(f64, Iterate)> = None;
         self.filter.clear();
+        self.systems = 0;
         loop {
             self.evaluate();
             let mut residual = self.errors.residual(barrier);
@@ -98,40 +106,52 @@ impl<'a> InteriorPoint<'a> {
             }
             let solved = residual <= SUBPROBLEM * last && barrier <= last;
             let stopped = !solved && stop();
-            if solved || stopped || iterations == MAX_ITERATIONS || !self.advance(barrier) {
-                return Outcome {
-                    iterations,
-                    residual: self.errors.residual(0.0),
-                    stopped,
-                };
+            let mut ends = solved || stopped || self.systems >= MAX_SYSTEMS;
+            if !ends && !self.advance(barrier, stop) {
+                ends = before.is_some();
+                if !ends {
+                    before = Some((self.errors.residual(0.0), self.at.clone()));
+                    barrier = barrier.max(RESTORED);
+                    self.restore(barrier, stop);
+                    self.filter.clear();
+                }
             }
-            iterations += 1;
+            if ends {
+                let mut residual = self.errors.residual(0.0);
+                if let Some(before) = before
+                    && before.0 < residual
+                {
+                    (residual, self.at) = before;
+                }
+                return Outcome { residual, stopped };
+            }
         }
     }
 
     /// Takes a step; `false` if there is none. Where the step of the Hessian does not exist or
     /// does not lead anywhere, the Hessian is shifted: shorter steps, nearer to the gradient.
-    fn advance(&mut self, barrier: f64) -> bool {
+    fn advance(&mut self, barrier: f64, stop: &mut dyn FnMut() -> bool) -> bool {
         let [first, growth, reduction, most] = SHIFT;
         let end = self.assemble(barrier);
-        let mut shift = 0.0;
+        let mut shift = if self.shifted < SHIFTED {
+            0.0
+        } else {
+            self.shift / growth
+        };
         while shift <= most {
-            let step = &mut self.step;
-            let mut to = Unknowns {
-                states: &mut step.states,
-                controls: &mut step.controls,
-                costates: &mut step.costates,
-            };
-            let free = self.problem.free;
-            let solved = self.riccati.solve(&self.stages, &end, free, shift, &mut to);
-            if solved.is_ok() {
+            if self.solve_system(&end, shift) {
                 self.complete_step(barrier);
                 if self.search_line(barrier) {
+                    self.shifted = if shift > first { self.shifted + 1 } else { 0 };
                     if shift > 0.0 {
                         self.shift = shift;
                     }
                     return true;
                 }
+            }
+            // Each further system is as much work as an iteration.
+            if stop() {
+                return false;
             }
             shift = if shift == 0.0 {
                 (self.shift / reduction).max(first)
@@ -140,5 +160,19 @@ impl<'a> InteriorPoint<'a> {
             };
         }
         false
+    }
+
+    /// Computes the step of states and controls; `false` if it is not a minimum.
+    pub(super) fn solve_system(&mut self, end: &End, shift: f64) -> bool {
+        self.systems += 1;
+        let step = &mut self.step;
+        let mut to = Unknowns {
+            states: &mut step.states,
+            controls: &mut step.controls,
+            costates: &mut step.costates,
+        };
+        let free = self.problem.free;
+        let solved = self.riccati.solve(&self.stages, end, free, shift, &mut to);
+        solved.is_ok()
     }
 }

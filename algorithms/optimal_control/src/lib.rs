@@ -58,6 +58,7 @@ mod line_search;
 mod motion;
 mod newton;
 mod problem;
+mod restoration;
 mod riccati;
 mod rows;
 mod scaled;

@@ -65,7 +65,7 @@ impl InteriorPoint<'_> {
         prescribed.map(|(i, target)| (last[i] - target).abs()).sum()
     }
 
-    fn try_step(&mut self, length: f64) {
+    pub(super) fn try_step(&mut self, length: f64) {
         let (at, step, trial) = (&self.at, &self.step, &mut self.trial);
         for ((to, from), by) in trial.states.iter_mut().zip(&at.states).zip(&step.states) {
             *to = from + by * length;
@@ -84,7 +84,7 @@ impl InteriorPoint<'_> {
     }
 
     /// Sum of the violations at the trial; slacks that are smaller than their rows allow grow.
-    fn trial_violation(&mut self) -> f64 {
+    pub(super) fn trial_violation(&mut self) -> f64 {
         let problem = self.problem;
         let mut sum = self.end_violation(&self.trial);
         for k in 0..=problem.count {

@@ -19,6 +19,9 @@ pub const MAX_STAGES: usize = 640;
 /// the end.
 const BARRIER: [f64; 4] = [1e-3, 1e-5, 1e-7, 3e-8];
 
+/// Residual on fewer stages above which a search has failed.
+const UNSOLVED: f64 = 1e-2;
+
 /// A trajectory.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Solution {
@@ -70,7 +73,6 @@ impl<'a> Search<'a> {
     /// Searches until there are at least eight times [`COARSE`] stages; `stop` is called in every iteration
     /// with the number of inequalities and variables, and ends the search by `true`.
     pub fn run(&mut self, stop: &mut dyn FnMut(usize) -> bool) -> Outcome {
-        let mut iterations = 0;
         loop {
             let last = if self.scaled.count >= FINE {
                 BARRIER[3]
@@ -78,12 +80,8 @@ impl<'a> Search<'a> {
                 BARRIER[1]
             };
             let outcome = self.iterate(last, stop);
-            iterations += outcome.iterations;
-            if last == BARRIER[3] || outcome.stopped {
-                return Outcome {
-                    iterations,
-                    ..outcome
-                };
+            if last == BARRIER[3] || outcome.stopped || outcome.residual > UNSOLVED {
+                return outcome;
             }
             self.double();
         }

@@ -14,7 +14,7 @@ use crate::guide::previous_plan;
 use crate::lower_bound::lower_bound;
 use crate::obstacle_field::{ExactObstacleField, ObstacleField};
 use crate::options::{Guess, Options};
-use crate::plan::{Method, Plan, PlanError, Status};
+use crate::plan::{Basis, Method, Plan, PlanError, Status};
 use crate::problem::Problem;
 use geometry::math;
 
@@ -165,7 +165,8 @@ fn plan_forwards(
         iterations: effort.programs(),
         work: effort.work(),
         control_points: checked.control_points as u32,
-        residual: None,
+        basis: Basis::Curve,
+        failed_searches: 0,
         samples: checked.trajectory.into_samples(),
     })
 }

@@ -76,6 +76,6 @@ pub mod validity_check;
 
 pub use lower_bound::lower_bound;
 pub use options::Options;
-pub use plan::{Method, Plan, PlanError, Sample, Status};
+pub use plan::{Basis, Method, Plan, PlanError, Sample, Status};
 pub use problem::{Problem, ProblemError, RobotLimits, Wheels};
 pub use solve::plan;

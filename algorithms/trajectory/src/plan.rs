@@ -50,10 +50,46 @@ impl Method {
 pub enum Status {
     /// Found by the requested method.
     Planned,
+    /// A curve of the requested method or a motion in free space: no search in the controls that began near
+    /// it succeeded.
+    Curve,
     /// The exact shortest path: the method found no trajectory that passed the check.
     Fallback,
     /// The best trajectory within the allowed time.
     Deadline,
+}
+
+/// Evidence of a plan's quality.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Basis {
+    /// A local optimum in the controls.
+    Optimal {
+        /// Largest error of the first-order conditions, with the duration as the unit of time.
+        residual: f64,
+    },
+    /// Proven: it takes no longer than the lower bound.
+    Exact,
+    /// None: a curve, or a motion in free space.
+    Curve,
+}
+
+impl Basis {
+    /// The name in results.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Optimal { .. } => "optimal",
+            Self::Exact => "exact",
+            Self::Curve => "curve",
+        }
+    }
+
+    /// The residual of a local optimum.
+    pub fn residual(self) -> Option<f64> {
+        match self {
+            Self::Optimal { residual } => Some(residual),
+            Self::Exact | Self::Curve => None,
+        }
+    }
 }
 
 /// A trajectory that has passed the trajectory check.
@@ -81,9 +117,10 @@ pub struct Plan {
     pub work: u64,
     /// Number of control points of the curve; 0 for a curve without.
     pub control_points: u32,
-    /// Largest error of the first-order conditions of a local optimum in the controls, with the
-    /// duration as the unit of time; `None` for a plan along a curve, whose controls are not searched.
-    pub residual: Option<f64>,
+    /// Evidence of its quality.
+    pub basis: Basis,
+    /// Number of searches in the controls that failed.
+    pub failed_searches: u32,
 }
 
 impl Plan {

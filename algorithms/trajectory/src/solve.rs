@@ -10,13 +10,19 @@ use crate::drive::trajectory_builder::Trajectory;
 use crate::guide::previous_plan;
 use crate::lower_bound::lower_bound;
 use crate::options::Options;
-use crate::plan::{Method, Plan, PlanError, Sample, Status};
+use crate::plan::{Basis, Method, Plan, PlanError, Sample, Status};
 use crate::problem::Problem;
+use navigation::tangent_graph::PathLeg;
 
 /// Maximum number of corridors from which a search starts.
 const CORRIDORS: usize = 4;
 /// Maximum excess of a corridor's lower bound over that of the problem, relative to it.
 const DETOUR: f64 = 1.0;
+
+/// Excess over the lower bound, relative to it, that counts as rounding: a plan is then proven optimal.
+const PROVEN: f64 = 1e-6;
+/// Largest error of a search's stages in the duration, relative to it.
+const DISCRETISED: f64 = 2e-3;
 
 /// Plans; `stop` is called regularly and returns `true` to end the search with the best result so
 /// far.
@@ -40,47 +46,47 @@ pub fn plan(
     options.validate()?;
     let course = Course::new(problem)?;
     let effort = Effort::new(options.max_work);
-    let counted = |plan: Plan| Plan {
-        iterations: effort.programs(),
-        work: effort.work(),
-        ..plan
-    };
     let steps = problem.limits.is_without_inertia();
     let searches = options.refine && options.method != Method::Tangent;
     // Without inertia the curve of another method is what was asked for.
     let improves = steps && options.method == Method::Bspline && options.fallbacks;
-    let mut curve = None;
+    let mut plan = None;
+    let mut is_good = false;
     if searches && improves {
         let first = Options {
             fallbacks: false,
             ..*options
         };
-        let plan = curve_plan::plan(problem, &course, &first, last, &effort, stop);
-        if let Ok(plan) = plan {
-            if plan.final_time <= curve_plan::good(problem, &course) || stop() {
-                return Ok(counted(plan));
-            }
-            curve = Some(plan);
-        }
+        plan = curve_plan::plan(problem, &course, &first, last, &effort, stop).ok();
+        is_good = plan
+            .as_ref()
+            .is_some_and(|plan| plan.final_time <= curve_plan::good(problem, &course) || stop());
     }
-    if searches && (improves || !steps) {
-        let found = plan_in_controls(problem, &course, options, last, &effort, stop);
-        let faster = |plan: &Plan| {
-            curve
-                .as_ref()
-                .is_none_or(|c| plan.final_time < c.final_time)
-        };
-        if let Some(plan) = found.filter(faster) {
-            return Ok(counted(plan));
-        }
+    let mut failed = None;
+    if searches && (improves || !steps) && !is_good {
+        let (found, failures) = plan_in_controls(problem, &course, options, last, &effort, stop);
+        failed = Some(failures);
+        let plans = plan.into_iter().chain(found);
+        plan = plans.min_by(|a, b| a.final_time.total_cmp(&b.final_time));
     }
-    if let Some(plan) = curve {
-        return Ok(counted(plan));
+    let mut plan = match plan {
+        Some(plan) => plan,
+        None => curve_plan::plan(problem, &course, options, last, &effort, stop)?,
+    };
+    if plan.final_time <= plan.lower_bound * (1.0 + PROVEN) {
+        plan.basis = Basis::Exact;
     }
-    curve_plan::plan(problem, &course, options, last, &effort, stop).map(counted)
+    if plan.status == Status::Planned && plan.basis == Basis::Curve && failed.is_some() {
+        plan.status = Status::Curve;
+    }
+    plan.failed_searches = failed.unwrap_or(0);
+    plan.iterations = effort.programs();
+    plan.work = effort.work();
+    Ok(plan)
 }
 
-/// The plan of a search in the controls; `None` if there is none that passes the check.
+/// The plan of a search in the controls, `None` if there is none that passes the check, and the number of
+/// searches that failed.
 fn plan_in_controls(
     problem: &Problem,
     course: &Course,
@@ -88,42 +94,71 @@ fn plan_in_controls(
     last: Option<&Plan>,
     effort: &Effort,
     stop: &mut dyn FnMut() -> bool,
-) -> Option<Plan> {
+) -> (Option<Plan>, u32) {
     let field = &course.obstacle_field;
     // The last plan kept the same limits: it is nearer to the optimum than any guess.
     let rest = last.and_then(|plan| previous_plan::rest(problem, field, plan, course.shortest));
-    let mut optimum = None;
+    let mut found = controls::Found::default();
     if let Some(rest) = rest {
-        optimum = controls::search(problem, field, vec![rest.samples], effort, stop);
+        found = controls::search(problem, course, vec![rest.samples], Vec::new, effort, stop);
     }
     let mut guesses = Vec::new();
-    if optimum.is_none() {
-        guesses = self::guesses(problem, course, options, effort, stop);
-        optimum = controls::search(problem, field, guesses.clone(), effort, stop);
+    if found.optimum.is_none() {
+        let rough = Problem {
+            limits: problem.limits.without_inertia(),
+            start_speed: None,
+            start_turn_rate: None,
+            goal_speed: None,
+            ..problem.clone()
+        };
+        let most = lower_bound(problem, course.shortest) * (1.0 + DETOUR);
+        let corridors = corridors(problem, &course.exact, CORRIDORS, most).unwrap_or_default();
+        let paths: Vec<_> = corridors
+            .into_iter()
+            .map(|corridor| corridor.path.legs)
+            .collect();
+        guesses = self::guesses([problem, &rough], &paths, course, options, effort, stop);
+        let more = || crate::guesses::eased(&rough, &paths).collect();
+        let before = found.failed;
+        found = controls::search(problem, course, guesses.clone(), more, effort, stop);
+        found.failed += before;
     }
-    let found = optimum.and_then(|mut optimum| {
+    let failed = found.failed;
+    let found = found.optimum.and_then(|mut optimum| {
         // A rounding error of a speed that cannot step would be a step.
         if let (Some(last), Some(v)) = (optimum.samples.last_mut(), problem.goal_speed)
             && !problem.limits.is_without_inertia()
         {
             last.v = v;
         }
-        let checked = checked(problem, course, optimum.samples)?;
-        Some((checked, Some(optimum.residual)))
+        let basis = Basis::Optimal {
+            residual: optimum.residual,
+        };
+        checked(problem, course, optimum.samples).map(|checked| (checked, basis))
     });
     let least = found
         .as_ref()
         .map_or(f64::INFINITY, |found| found.0.trajectory.duration());
-    let (checked, residual) = exact(problem, course, guesses, least)
-        .map(|checked| (checked, None))
-        .or(found)?;
+    let motion = exact(problem, course, guesses, least).map(|motion| {
+        let basis = match &found {
+            // The motion is the local optimum without its error of discretisation.
+            Some((_, basis)) if motion.trajectory.duration() > least * (1.0 - DISCRETISED) => {
+                *basis
+            }
+            _ => Basis::Curve,
+        };
+        (motion, basis)
+    });
+    let Some((checked, basis)) = motion.or(found) else {
+        return (None, failed);
+    };
     // The end of the work is no deadline: it comes at the same point on every machine.
     let status = if !effort.is_spent() && stop() {
         Status::Deadline
     } else {
         Status::Planned
     };
-    Some(Plan {
+    let plan = Plan {
         status,
         method: options.method,
         final_time: checked.trajectory.duration(),
@@ -133,9 +168,11 @@ fn plan_in_controls(
         iterations: effort.programs(),
         work: effort.work(),
         control_points: 0,
-        residual,
+        basis,
+        failed_searches: failed,
         samples: checked.trajectory.into_samples(),
-    })
+    };
+    (Some(plan), failed)
 }
 
 /// The fastest guess that is valid and takes less than `least` (s), if speeds can step: in open space
@@ -170,25 +207,19 @@ fn checked(problem: &Problem, course: &Course, samples: Vec<Sample>) -> Option<C
 
 /// Guesses of a search, of a robot without inertia.
 fn guesses(
-    problem: &Problem,
+    [problem, rough]: [&Problem; 2],
+    paths: &[Vec<PathLeg>],
     course: &Course,
     options: &Options,
     effort: &Effort,
     stop: &mut dyn FnMut() -> bool,
 ) -> Vec<Vec<Sample>> {
-    let rough = Problem {
-        limits: problem.limits.without_inertia(),
-        start_speed: None,
-        start_turn_rate: None,
-        goal_speed: None,
-        ..problem.clone()
-    };
     let mut guesses = Vec::new();
     if options.method != Method::Bspline
         && let Some(guide) = &course.guide
     {
         let attempts = Attempts {
-            problem: &rough,
+            problem: rough,
             obstacle_field: &course.obstacle_field,
             guide,
             shortest: course.shortest,
@@ -196,19 +227,16 @@ fn guesses(
             rest: None,
             effort,
         };
-        let curve = curve_plan::variants(&rough)
+        let curve = curve_plan::variants(rough)
             .next()
             .and_then(|variant| attempts.attempt(variant, stop));
         guesses.extend(curve.map(|candidate| candidate.trajectory.into_samples()));
     }
-    let most = lower_bound(problem, course.shortest) * (1.0 + DETOUR);
-    let corridors = corridors(problem, &course.exact, CORRIDORS, most).unwrap_or_default();
-    let paths: Vec<_> = corridors
-        .into_iter()
-        .map(|corridor| corridor.path.legs)
-        .collect();
     // Words regardless of the obstacles are for robots that turn slowly.
-    let direct = problem.limits.is_without_inertia();
-    guesses.extend(crate::guesses::guesses(&rough, &paths, direct));
+    guesses.extend(crate::guesses::guesses(
+        rough,
+        paths,
+        problem.limits.is_without_inertia(),
+    ));
     guesses
 }

@@ -87,8 +87,8 @@ message! {
         method: u32 = "method that made the plan; as in the request",
         iterations: u32 = "iterations of the outer loop",
         control_points: u32 = "degrees of freedom of the curve; 0 for one without",
-        status: u32 = "0 planned, 1 fallback, 2 as far as the deadline allowed; without a plan: 3 invalid request, 4 no path, 5 infeasible, 6 cancelled, 7 out of time, 8 failed",
-        reserved: u32 = "always 0",
+        status: u32 = "0 planned, 1 fallback, 2 as far as the deadline allowed; without a plan: 3 invalid request, 4 no path, 5 infeasible, 6 cancelled, 7 out of time, 8 failed; 9 a curve of the method: every search in the controls near it failed",
+        failed_searches: u32 = "number of searches in the controls that failed",
         reason: [u8; REASON_BYTES] = "why there is no plan: UTF-8, zeros behind",
     }
 }
@@ -98,6 +98,8 @@ impl PlanResponse {
     pub const PLANNED: u32 = 0;
     /// A plan by the exact shortest path, because the method found no valid one.
     pub const FALLBACK: u32 = 1;
+    /// A plan by the requested method: a curve, since no search in the controls succeeded near it.
+    pub const CURVE: u32 = 9;
     /// The best plan within the time.
     pub const DEADLINE: u32 = 2;
     /// No plan: the request is invalid.
@@ -117,7 +119,7 @@ impl PlanResponse {
 
     /// Returns `true` if the answer is a plan.
     pub fn is_plan(&self) -> bool {
-        self.status <= Self::DEADLINE
+        self.status <= Self::DEADLINE || self.status == Self::CURVE
     }
 
     /// Converts a text to [`PlanResponse::reason`], cut to its length.

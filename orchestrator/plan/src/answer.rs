@@ -17,6 +17,8 @@ use super::options::PlanOptions;
 pub enum Outcome {
     /// A plan by the requested method.
     Planned,
+    /// A curve of the requested method, since the search in the controls succeeded nowhere near it.
+    Curve,
     /// A plan along the exact shortest path, since the method found none that passes its check.
     Fallback,
     /// There is no path from the start to the goal; a valid answer.
@@ -34,8 +36,9 @@ pub enum Outcome {
 
 impl Outcome {
     /// All outcomes.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 8] = [
         Self::Planned,
+        Self::Curve,
         Self::Fallback,
         Self::NoPath,
         Self::Infeasible,
@@ -48,6 +51,7 @@ impl Outcome {
     pub fn name(self) -> &'static str {
         match self {
             Self::Planned => "planned",
+            Self::Curve => "curve",
             Self::Fallback => "fallback",
             Self::NoPath => "no_path",
             Self::Infeasible => "infeasible",
@@ -83,8 +87,13 @@ pub struct Answer {
     pub iterations: Option<u32>,
     /// Degrees of freedom of the curve; 0 for a plan without one.
     pub control_points: Option<u32>,
+    /// Evidence of the plan's quality: `optimal` (a local optimum in the controls), `exact` (proven: as
+    /// fast as the lower bound) or `curve` (none).
+    pub basis: Option<&'static str>,
+    /// Number of searches in the controls that failed.
+    pub failed_searches: Option<u32>,
     /// Largest error of the first-order conditions of a local optimum in the controls, with the
-    /// duration as the unit of time; `None` for a plan along a curve or the shortest path.
+    /// duration as the unit of time; `None` for another plan.
     pub residual: Option<f64>,
     /// Length of the path (px).
     pub length: Option<f64>,
@@ -117,6 +126,8 @@ impl Answer {
             method,
             iterations: None,
             control_points: None,
+            basis: None,
+            failed_searches: None,
             residual: None,
             length: None,
             error: Some(error),
@@ -140,6 +151,7 @@ impl Answer {
         let report = trajectory_check::check(&instance.contract(), &plan.samples);
         let finite = |v: f64| v.is_finite().then_some(v);
         let status = match plan.status {
+            Status::Curve => Outcome::Curve,
             Status::Fallback => Outcome::Fallback,
             Status::Planned | Status::Deadline => Outcome::Planned,
         };
@@ -161,7 +173,9 @@ impl Answer {
             method: plan.method,
             iterations: Some(plan.iterations),
             control_points: Some(plan.control_points),
-            residual: plan.residual,
+            basis: Some(plan.basis.name()),
+            failed_searches: Some(plan.failed_searches),
+            residual: plan.basis.residual(),
             length: finite(plan.length / k),
             error: (!report.is_valid()).then(|| report.to_string()),
             samples: Some(scaled.collect()),

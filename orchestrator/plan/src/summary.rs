@@ -12,6 +12,8 @@ pub struct Summary {
     pub answered: usize,
     /// Number of answers by outcome, in the order of [`Outcome::ALL`].
     pub outcomes: [usize; Outcome::ALL.len()],
+    /// Number of searches in the controls that failed.
+    pub failed_searches: u32,
     /// Number of plans that pass the check.
     pub honest: usize,
     /// CPU times of plans that pass the check (ms); sorted in [`Summary::text`].
@@ -28,6 +30,7 @@ impl Summary {
         if let Some(count) = place.and_then(|i| self.outcomes.get_mut(i)) {
             *count += 1;
         }
+        self.failed_searches += answer.failed_searches.unwrap_or(0);
         if answer.honest == Some(true) {
             self.honest += 1;
             self.cpu_ms.extend(answer.cpu_ms);
@@ -61,7 +64,9 @@ impl Summary {
             ("honest", 0),
             ("CPU (ms) median / p95 / p99", 2),
             ("gap (%) median / p95 / max", 1),
+            ("curve", 3),
             ("fallback", 3),
+            ("failed searches", 3),
             ("no path", 3),
             ("no plan", 3),
             ("invalid", 3),
@@ -79,7 +84,9 @@ impl Summary {
             format!("{}/{}", self.honest, self.answered),
             shares(&self.cpu_ms, [0.5, 0.95, 0.99], 1.0, 2),
             shares(&self.gaps, [0.5, 0.95, 1.0], 100.0, 4),
+            self.count(Outcome::Curve).to_string(),
             self.count(Outcome::Fallback).to_string(),
+            self.failed_searches.to_string(),
             self.count(Outcome::NoPath).to_string(),
             without.to_string(),
             self.count(Outcome::Invalid).to_string(),

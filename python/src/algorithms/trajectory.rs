@@ -45,7 +45,7 @@ pub struct Trajectory {
     lower_bound: f64,
     /// Length of the path (m).
     length: f64,
-    /// Origin: "planned", "fallback" (the exact shortest path) or "deadline".
+    /// Origin: "planned", "curve" (no search in the controls succeeded near it), "fallback" (the exact shortest path) or "deadline".
     status: String,
     /// Obstacles of `plan`: x (m), y (m) and radius (m) of a disc, shape (3,); corners (m) of a polygon, shape (k, 2).
     obstacles: Py<PyList>,

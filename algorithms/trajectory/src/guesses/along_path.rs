@@ -109,8 +109,18 @@ impl<'a> Along<'a> {
         }
     }
 
+    /// Length of the path (m).
+    pub fn length(&self) -> f64 {
+        self.guide.length()
+    }
+
+    /// Returns `true` if it is driven backwards.
+    pub fn is_backwards(&self) -> bool {
+        self.backwards
+    }
+
     /// The robot's pose after a length (m) of the path.
-    fn pose(&self, s: f64) -> Pose2 {
+    pub fn pose(&self, s: f64) -> Pose2 {
         let part = s / self.guide.length();
         let (at, u) = (self.guide.at(part), self.guide.heading(part));
         let theta = math::atan2(u.y, u.x);

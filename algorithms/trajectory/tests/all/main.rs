@@ -8,3 +8,4 @@ mod inertia;
 mod methods;
 mod problems;
 mod random;
+mod repeated_searches;

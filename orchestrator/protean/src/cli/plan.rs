@@ -32,9 +32,11 @@ goal.theta, goal_speed, start_turn_rate, wheel_speed_px_s with wheel_separation_
 angular_acceleration_rad_s2. Lengths are in pixels, times in seconds, angles in radians. Other fields are ignored. `protean plan generate` writes such files.
 
 --json prints one line for every instance, in the order of the file: id, status, honest, t_s, lower_bound_s, gap,
-cpu_ms, min_clearance, method, iterations, control_points, length, error, and with --samples samples
-[[t, x, y, theta, v, omega], …], in the units of the instance. status is planned, fallback (the exact shortest path
-instead of the method's curve), no_path, infeasible, not_honest (with --no-fallbacks), invalid or failed. honest is
+cpu_ms, min_clearance, method, iterations, control_points, basis, failed_searches, residual, length, error, and with
+--samples samples [[t, x, y, theta, v, omega], …], in the units of the instance. status is planned, curve (no search in
+the controls succeeded near it), fallback (the exact shortest path instead of the method's curve), no_path, infeasible,
+not_honest (with --no-fallbacks), invalid or failed. basis is optimal (a local optimum in the controls), exact (as fast
+as the lower bound) or curve (neither). honest is
 true if the trajectory passes the trajectory check, which shares no code with the planner. cpu_ms is the CPU time of
 the planning thread.
 

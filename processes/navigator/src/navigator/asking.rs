@@ -15,6 +15,8 @@ use crate::trajectory_request::{PlanFailure, TrajectoryRequest};
 
 /// Maximum contact depth beyond the margin at which a robot still gets a plan (m).
 const CONTACT: f64 = 2e-3;
+/// Depth beyond which a robot first leaves the obstacle, in margins.
+const TOUCHING: f64 = 0.75;
 /// Tolerance of a trajectory's distance from obstacles (m): the tolerance of the plan check and the
 /// error of its straight pieces here.
 const ROUNDING: f64 = 1e-3 + SAGITTA;
@@ -41,9 +43,13 @@ impl Navigator {
         let clearance = self.drive.model().radius + self.params.margin;
         let start_at = start.pose.position();
         let depth = (clearance - space.distance(start_at)).max(0.0);
+        // A robot that touches an obstacle leaves it along the normal first: a path along it would touch it again.
+        let off = Some(depth)
+            .filter(|depth| *depth > TOUCHING * self.params.margin && self.known.is_none())
+            .and_then(|depth| space.free_place(start_at, clearance, 2.0 * depth));
         let trip = Trip {
             start: start_at,
-            goal,
+            goal: off.unwrap_or(goal),
             clearance,
             start_tolerance: self.params.margin + CONTACT,
             others: self.traffic.others().len(),
@@ -61,7 +67,7 @@ impl Navigator {
             depth,
             stands,
             around_robots: !robots.is_empty(),
-            is_stretch: excerpt.as_ref().is_some_and(|excerpt| excerpt.is_stretch),
+            is_stretch: off.is_some() || excerpt.as_ref().is_some_and(|excerpt| excerpt.is_stretch),
         };
         let Some(excerpt) = excerpt else {
             let reason = PlanFailure::NoRoute;

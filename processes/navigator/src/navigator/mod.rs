@@ -332,7 +332,9 @@ impl Navigator {
         let Some(follow) = self.follow.as_ref().filter(|follow| follow.is_stretch) else {
             return;
         };
-        let half = 0.5 * follow.trajectory.duration();
+        // At half of a way out of an obstacle the robot may still turn towards it.
+        let share = if follow.careful { 0.0 } else { 0.5 };
+        let half = share * follow.trajectory.duration();
         if self.asked.is_none() && follow.left() <= half.max(self.ahead(dt)) {
             self.want = Some(ReplanReason::Need);
         }

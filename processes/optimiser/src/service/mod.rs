@@ -40,8 +40,10 @@ pub fn solve(
     }));
     if let Ok(Ok(plan)) = &planned {
         tracing::debug!(
-            "planned {:.3} s of motion: {} programs, work {}, {} us of CPU time",
+            "planned {:.3} s of motion ({}): {} failed searches, {} programs, work {}, {} us of CPU time",
             plan.final_time,
+            plan.basis.name(),
+            plan.failed_searches,
             plan.iterations,
             plan.work,
             cpu_time().saturating_sub(begun).as_micros()

@@ -56,7 +56,7 @@ impl Memory {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use trajectory::plan::{Method, Status};
+    use trajectory::plan::{Basis, Method, Status};
 
     fn plan(final_time: f64) -> Plan {
         Plan {
@@ -70,7 +70,8 @@ mod tests {
             iterations: 0,
             work: 0,
             control_points: 0,
-            residual: None,
+            basis: Basis::Curve,
+            failed_searches: 0,
         }
     }
 

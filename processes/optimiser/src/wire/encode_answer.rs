@@ -111,8 +111,10 @@ fn of_plan(header: &PlanResponse, plan: &Plan) -> PlanResponse {
         },
         iterations: plan.iterations,
         control_points: plan.control_points,
+        failed_searches: plan.failed_searches,
         status: match plan.status {
             Status::Planned => PlanResponse::PLANNED,
+            Status::Curve => PlanResponse::CURVE,
             Status::Fallback => PlanResponse::FALLBACK,
             Status::Deadline => PlanResponse::DEADLINE,
         },
