@@ -9,7 +9,7 @@
 //! - `motion`: the trajectory of turns, arcs and straight lines.
 //! - `along_path`: a path driven ahead or backwards, with a turn on the spot or a word at either end.
 //!
-//! For a second try, [`eased`] gives rougher ones.
+//! For a second try, [`eased()`] gives rougher ones.
 
 mod along_path;
 mod eased;
