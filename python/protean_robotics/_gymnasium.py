@@ -101,6 +101,7 @@ class VectorEnv(gymnasium.vector.VectorEnv[NDArray[np.float32], NDArray[np.float
     """
 
     metadata: dict[str, Any]
+    render_mode: str | None
     num_envs: int
     #: Until the constructor is done.
     closed: bool = True
@@ -405,6 +406,7 @@ class Env(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
     """
 
     metadata: dict[str, Any]
+    render_mode: str | None
     observation_space: Space[NDArray[np.float32]]
     action_space: Space[NDArray[np.float32]]
 
