@@ -75,6 +75,8 @@ fn module(arguments: &[&str]) {
             .current_dir(sandbox.path())
             .env("PATH", format!("{scripts}:{path}"))
             .env("XDG_RUNTIME_DIR", sandbox.runtime_dir())
+            // Workers that tests kill leave scratch directories.
+            .env("TMPDIR", sandbox.path())
             .env("PYTHONDONTWRITEBYTECODE", "1"),
     );
 }
