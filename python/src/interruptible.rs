@@ -60,7 +60,7 @@ pub fn wait<T: Send>(
 /// interpreter, so that the process may end meanwhile.
 ///
 /// # Errors
-/// What Ctrl-C raises; [`Error`] if the thread cannot start, or panics.
+/// The exception that Ctrl-C raises; [`Error`] if the thread cannot start, or panics.
 pub fn compute<T: Send + 'static>(
     py: Python<'_>,
     work: impl FnOnce() -> T + Send + 'static,
@@ -82,7 +82,7 @@ pub fn compute<T: Send + 'static>(
 /// Computes a value for each item.
 ///
 /// # Errors
-/// What Ctrl-C raises.
+/// The exception that Ctrl-C raises.
 pub fn each<A: Sync, T: Send>(
     py: Python<'_>,
     items: &[A],
