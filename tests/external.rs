@@ -124,7 +124,10 @@ fn an_external_program_that_the_scenario_does_not_provide_for_ends_the_run_befor
         (
             "pursuer",
             "",
-            ["uses beliefs, but no process", "\"perception\""],
+            [
+                "reads perception/belief, but no process writes it",
+                "a kind that writes it",
+            ],
         ),
         (
             "evader_braitenberg",
@@ -134,7 +137,10 @@ fn an_external_program_that_the_scenario_does_not_provide_for_ends_the_run_befor
         (
             "navigator",
             "",
-            ["asks for plans, but no process", "\"optimiser\""],
+            [
+                "reads answers of optimiser/plan, but no process",
+                "a kind that writes it",
+            ],
         ),
         (
             "navigator",

@@ -207,7 +207,7 @@ robots = ["scout"]
         (
             "two.toml",
             text(goal, &format!("{optimiser}\n{optimiser}\nname = \"b\"")),
-            "two processes make plans",
+            "two processes write answers of optimiser/plan",
         ),
     ] {
         sandbox.file(name, &text);

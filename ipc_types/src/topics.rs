@@ -352,12 +352,6 @@ pub const DONE_EVENT: &str = "run/done";
 /// Added to the index in [`TURN_EVENT`]: there will be no more steps.
 pub const END_OF_TURNS: usize = 64;
 
-/// Event by which a client of [`OptimiserPlan`] wakes the optimiser after a request; the id is the
-/// client's index, and ignored.
-pub const PLAN_ASKED_EVENT: &str = "optimiser/asked";
-/// Event by which the optimiser wakes a client after its answer; the id is the client's index (the source
-/// in the request's stamp).
-pub const PLAN_ANSWERED_EVENT: &str = "optimiser/answered";
 /// Largest id of an event.
 pub const MAX_EVENT_ID: usize = 2 * END_OF_TURNS;
 
@@ -365,6 +359,11 @@ pub const MAX_EVENT_ID: usize = 2 * END_OF_TURNS;
 pub trait Service: Send + Sync + 'static {
     /// Name of the service.
     const NAME: &'static str;
+    /// Event by which a client wakes the server after a request; the id is the client's index, and ignored.
+    const ASKED: &'static str;
+    /// Event by which the server wakes a client after its answer; the id is the client's index (the source in the
+    /// request's stamp).
+    const ANSWERED: &'static str;
     /// User header of requests.
     type RequestHeader: Header;
     /// Element of requests.
@@ -392,6 +391,8 @@ pub struct OptimiserPlan;
 
 impl Service for OptimiserPlan {
     const NAME: &'static str = "optimiser/plan";
+    const ASKED: &'static str = "optimiser/asked";
+    const ANSWERED: &'static str = "optimiser/answered";
     type RequestHeader = PlanRequest;
     type RequestElement = ShapePoint;
     type ResponseHeader = PlanResponse;

@@ -2,10 +2,12 @@
 
 use crate::process::send_map;
 use crate::support::rig::{Rig, World};
+use ipc_types::bus::Answer;
 use ipc_types::messages::optimiser::{PlanRequest, PlanResponse, TrajectorySample};
 use ipc_types::messages::world::ShapePoint;
+use ipc_types::topics::OptimiserPlan;
 use runtime::lockstep::SlotState;
-use runtime::optimiser_client::{OptimiserClient, PlanAnswer};
+use runtime::service_client::ServiceClient;
 use trajectory::Sample;
 use zerocopy::{FromBytes as _, IntoBytes as _};
 
@@ -43,8 +45,8 @@ fn optimiser(workers: u32) -> Rig {
     rig
 }
 
-fn client(rig: &Rig, source: u32) -> OptimiserClient {
-    OptimiserClient::open(&rig.bus, source).unwrap()
+fn client(rig: &Rig, source: u32) -> ServiceClient<OptimiserPlan> {
+    ServiceClient::open(&rig.bus, source, PlanRequest::MAX_POINTS).unwrap()
 }
 
 /// Across a field of 4 m by 3 m.
@@ -122,14 +124,14 @@ fn labyrinth(robot: u32) -> (PlanRequest, Vec<ShapePoint>) {
 }
 
 #[track_caller]
-fn answer(client: &mut OptimiserClient) -> PlanAnswer {
+fn answer(client: &mut ServiceClient<OptimiserPlan>) -> Answer<OptimiserPlan> {
     let answer = client.wait().unwrap();
     answer.expect("something was asked")
 }
 
 /// Asserts that an answer is a plan of the request, and valid by the trajectory check.
 #[track_caller]
-fn is_valid(request: &PlanRequest, points: &[ShapePoint], answer: &PlanAnswer) {
+fn is_valid(request: &PlanRequest, points: &[ShapePoint], answer: &Answer<OptimiserPlan>) {
     let (header, samples) = answer;
     let reason = header.reason_text();
     assert!(header.is_plan(), "status {}: {reason}", header.status);

@@ -15,10 +15,10 @@ use ipc_types::messages::process::ProcessStatus;
 use ipc_types::messages::world::{RobotState, WorldHeader};
 use ipc_types::stamp::Stamp;
 use ipc_types::topics::{
-    OptimiserPlan, PLAN_ANSWERED_EVENT, PLAN_ASKED_EVENT, Status, Topic, TopicVisitor, WorldMap,
-    WorldShapes, WorldState, for_each_topic,
+    OptimiserPlan, Status, Topic, TopicVisitor, WorldMap, WorldShapes, WorldState, for_each_topic,
 };
 use mission::plan::Plan;
+use runtime::declaration::Input;
 use runtime::lockstep::{BarrierLeader, BarrierMonitor, Phase, SlotState, TickBarrier, TickEnd};
 use rustix::process::{Pid, PidfdFlags, Signal};
 use scenario::ResolvedScenario;
@@ -96,10 +96,7 @@ impl Rig {
         for_each_topic(&mut create).unwrap();
         let mut services = create.1;
         if plan.serves_plans() {
-            services.push(bus.create_service::<OptimiserPlan>().unwrap());
-            for event in [PLAN_ASKED_EVENT, PLAN_ANSWERED_EVENT] {
-                services.push(bus.create_event(event).unwrap());
-            }
+            services.extend(bus.create_service::<OptimiserPlan>().unwrap());
         }
         let barrier = TickBarrier::create(space.prefix(), plan.launches.len()).unwrap();
         let monitor = BarrierMonitor::new(Arc::new(barrier));
@@ -108,7 +105,7 @@ impl Rig {
             .iter()
             .position(|l| l.config.name == name)
             .unwrap();
-        monitor.assign_slot(slot, slot != 0, plan.launches[slot].watched);
+        monitor.assign_slot(slot, slot != 0, plan.launches[slot].is_within_tick());
         let config = space.root().join("process.json");
         let launch = &plan.launches[slot];
         std::fs::write(&config, serde_json::to_vec(launch).unwrap()).unwrap();
@@ -291,7 +288,7 @@ impl World {
                 ..RobotState::default()
             })
             .collect();
-        let cells = rig.plan.run.map_cells as usize;
+        let cells = rig.plan.run.capacity(Input::MAP.flow).unwrap();
         Self {
             // Room for one robot too many.
             states: rig.publisher(0, robots.len() + 1),

@@ -5,7 +5,7 @@ use std::process::ExitCode;
 use planner::geometry::region::Region;
 use planner::nalgebra::Point2;
 use planner::steering::go_to::{GoToParams, go_to};
-use planner::{Limits, Planner, PlannerInputs, PlannerMap, RobotInfo, Steering, View, limits};
+use planner::{Declaration, Input, Limits, Planner, PlannerMap, RobotInfo, Steering, View, limits};
 
 /// The planner of one robot.
 struct GoToExit {
@@ -20,12 +20,9 @@ impl Planner for GoToExit {
 
     type Params = GoToParams;
 
-    fn inputs(_: &GoToParams) -> PlannerInputs {
-        // As the one in Python, which may ask for exact ways.
-        PlannerInputs {
-            shapes: true,
-            ..PlannerInputs::default()
-        }
+    fn declare(_: &GoToParams) -> Declaration {
+        // As the one in Python, which may ask for exact paths.
+        Declaration::default().reads(Input::SHAPES)
     }
 
     fn new(params: &GoToParams, robot: &RobotInfo, _seed: u64) -> Result<Self, String> {

@@ -7,6 +7,7 @@
 
 mod raw;
 
+use std::collections::BTreeMap;
 use std::path::Path;
 use std::process::ExitCode;
 use std::sync::Arc;
@@ -23,6 +24,7 @@ use mission::child_process::Executable;
 use mission::process_group::ProcessGroup;
 use mission::run_directory::RunDirectory;
 use runtime::config::{Clock, ProcessConfig, RobotInfo, RunConfig, document};
+use runtime::declaration::{Declaration, Input, Output};
 use runtime::inputs::{StateInput, reply_stamp};
 use runtime::lockstep::{BarrierLeader, BarrierMonitor, Phase, SlotState, TickBarrier, TickEnd};
 use runtime::{Process, ProcessError, ProcessKind};
@@ -291,10 +293,10 @@ fn run_config(root: &Path, prefix: &str) -> RunConfig {
         processes: PLANNERS as u32 + 1,
         events: 0,
         recorder_ticks: 2,
-        map_cells: 1,
-        map_points: 0,
-        particles: 1,
-        plans: false,
+        capacities: BTreeMap::from([
+            ("world/map".to_owned(), 1),
+            ("perception/belief".to_owned(), 1),
+        ]),
         robots: (0..PLANNERS)
             .map(|index| RobotInfo {
                 name: format!("robot_{index}"),
@@ -325,6 +327,12 @@ impl ProcessKind for TrivialPlanner {
     const SUMMARY: &'static str = "answers every state with a command";
 
     type Params = ();
+
+    fn declare((): &()) -> Declaration {
+        Declaration::default()
+            .reads(Input::STATE)
+            .writes(Output::new::<Commands>(1))
+    }
 
     fn open(config: &ProcessConfig, (): &(), bus: &Bus) -> std::result::Result<Self, ProcessError> {
         Ok(Self {

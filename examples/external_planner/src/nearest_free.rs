@@ -9,7 +9,7 @@ use planner::geometry::region::Region;
 use planner::nalgebra::{Point2, Vector2};
 use planner::parameters::{Parameters, above, at_least};
 use planner::steering::go_to::{GoToParams, go_to};
-use planner::{Limits, Planner, PlannerInputs, PlannerMap, RobotInfo, Steering, View, limits};
+use planner::{Limits, Planner, PlannerMap, RobotInfo, Steering, View, limits};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -56,10 +56,6 @@ impl Planner for NearestFree {
     const SUMMARY: &'static str = "drives to its goal in the nearest free direction";
 
     type Params = NearestFreeParams;
-
-    fn inputs(_: &NearestFreeParams) -> PlannerInputs {
-        PlannerInputs::default()
-    }
 
     fn new(params: &NearestFreeParams, robot: &RobotInfo, _seed: u64) -> Result<Self, String> {
         let goal = robot.goal.as_ref().map(Region::center);

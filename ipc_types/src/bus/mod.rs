@@ -200,11 +200,11 @@ impl Bus {
         }
     }
 
-    /// Creates a request–response service and holds it (orchestrator only).
+    /// Creates a request–response service with its events, and holds them (orchestrator only).
     ///
     /// # Errors
-    /// [`BusError::Create`] names the service and the reason.
-    pub fn create_service<S: Service>(&self) -> Result<TopicHolder, BusError> {
+    /// [`BusError::Create`] names the service or event and the reason.
+    pub fn create_service<S: Service>(&self) -> Result<Vec<TopicHolder>, BusError> {
         match &self.backend {
             Backend::Ipc { node, .. } => {
                 let size = &self.options.size;
@@ -212,12 +212,17 @@ impl Bus {
                 let clients = size.processes + size.robots + 1;
                 let layout = request_response::layout::<S>();
                 let agreed = agreed(S::NAME, &layout);
-                (S::ports().create)(node.node(), &agreed, clients, nodes(size))
+                let service = (S::ports().create)(node.node(), &agreed, clients, nodes(size))?;
+                let events = [
+                    self.create_event(S::ASKED)?,
+                    self.create_event(S::ANSWERED)?,
+                ];
+                Ok([service].into_iter().chain(events).collect())
             }
             // The local topics hold it already.
             Backend::Local(local_topics) => {
                 local_topics.endpoint::<S>()?;
-                Ok(TopicHolder::new(S::NAME, ()))
+                Ok(vec![TopicHolder::new(S::NAME, ())])
             }
         }
     }

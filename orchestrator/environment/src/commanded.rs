@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use geometry::pose::Twist2;
 use parameters::Parameters;
-use planner::{Planner, PlannerInputs, PlannerMap, RobotInfo, Steering, View};
+use planner::{Planner, PlannerMap, RobotInfo, Steering, View};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -91,10 +91,6 @@ impl Planner for CommandedPlanner {
     const SUMMARY: &'static str = "sends the commands of a learner";
 
     type Params = CommandedParams;
-
-    fn inputs(_: &CommandedParams) -> PlannerInputs {
-        PlannerInputs::default()
-    }
 
     fn new(params: &CommandedParams, robot: &RobotInfo, _: u64) -> Result<Self, String> {
         Ok(Self {

@@ -14,9 +14,9 @@ use observation::facts::RobotFacts;
 use observation::field_evader::FieldEvader;
 use observation::layout::Layout;
 use planner_view::map::PlannerMap;
-use runtime::kind::Product;
+use runtime::declaration::Input;
 use scenario::kind::ConfiguredKind;
-use scenario::{ResolvedScenario, Template};
+use scenario::{ProcessSpec, ResolvedScenario, Template};
 use sim_backend::world::World;
 
 use crate::agents::Agents;
@@ -86,7 +86,8 @@ impl Shared {
         let agents = Agents::new(template.scenario(), &options.agents)?;
         let scenario = template.with_seed(episode_seed(options.seed, 0, 0))?;
         let beliefs = options.observation.belief;
-        if beliefs && !scenario.processes.iter().any(|p| p.makes(Product::Beliefs)) {
+        let is_source = |process: &ProcessSpec| process.writes(Input::BELIEFS.flow);
+        if beliefs && !scenario.processes.iter().any(is_source) {
             return Err(EnvironmentError::NoBeliefs);
         }
         let dt = Duration::from_nanos((scenario.run.dt * 1e9).round() as u64);

@@ -1,7 +1,7 @@
 //! One process of a run: its program, configuration and supervision.
 
 use runtime::config::{ProcessConfig, RunConfig, document};
-use runtime::kind::{Need, Product};
+use runtime::declaration::{self, Declaration, Flow};
 use runtime::obstacle::ObstacleMessageError;
 use serde::{Serialize, Serializer};
 use simulator::SimulatorParams;
@@ -9,7 +9,7 @@ use simulator::SimulatorParams;
 use super::child_process::Executable;
 use super::obstacle_schedule;
 use scenario::kind::ConfiguredKind;
-use scenario::{Program, ResolvedScenario, Supervision};
+use scenario::{ProcessSpec, Program, ResolvedScenario, Supervision};
 
 /// Role of a process in its run, with its parameters.
 #[derive(Debug, Clone)]
@@ -27,8 +27,8 @@ pub struct Launch {
     pub role: Role,
     /// Configuration beside its parameters.
     pub config: ProcessConfig,
-    /// `true` if other processes wait for it.
-    pub watched: bool,
+    /// Inputs and outputs; `None` for an external program, which alone knows them.
+    pub declaration: Option<Declaration>,
     /// Supervision of the process.
     pub supervision: Supervision,
 }
@@ -42,9 +42,22 @@ impl Launch {
         }
     }
 
-    /// Returns `true` if it makes this product for others; always `false` for an external program.
-    pub fn makes(&self, product: Product) -> bool {
-        self.kind().is_some_and(|kind| kind.kind().makes(product))
+    /// Returns `true` if it is known to write this flow.
+    pub fn writes(&self, flow: Flow) -> bool {
+        let declaration = self.declaration.as_ref();
+        declaration.is_some_and(|declaration| declaration.output(flow).is_some())
+    }
+
+    /// Returns `true` if it is known to read this flow.
+    pub fn reads(&self, flow: Flow) -> bool {
+        let declaration = self.declaration.as_ref();
+        declaration.is_some_and(|declaration| declaration.input(flow).is_some())
+    }
+
+    /// Returns `true` if other processes may wait for it within a tick.
+    pub fn is_within_tick(&self) -> bool {
+        let declaration = self.declaration.as_ref();
+        declaration.is_some_and(Declaration::is_within_tick)
     }
 
     /// Returns the program to execute.
@@ -81,42 +94,47 @@ pub(super) fn launches(
     scenario: &ResolvedScenario,
     run: &RunConfig,
 ) -> Result<Vec<Launch>, ObstacleMessageError> {
-    let processes = || scenario.processes.iter().zip(1..);
-    let providers: Vec<u32> = processes()
-        .filter(|(process, _)| process.makes(Product::Beliefs))
-        .map(|(_, index)| index)
+    let declarations: Vec<Option<Declaration>> = scenario
+        .processes
+        .iter()
+        .map(ProcessSpec::declaration)
         .collect();
-    let mut launches = vec![simulator(scenario, run)?];
-    launches.extend(processes().map(|(process, index)| {
-        let kind = process.program.kind();
-        // The inputs of an external program are unknown: it steps after all possible inputs.
-        let needs_belief = kind.is_none_or(|kind| kind.needs(Need::Belief));
-        Launch {
-            role: Role::Process(process.program.clone()),
-            config: ProcessConfig {
-                run: run.clone(),
-                name: process.name.clone(),
-                kind: kind.map_or("external", |kind| kind.kind().name).into(),
-                index,
-                robots: process.robots.iter().map(|&r| r as u32).collect(),
-                upstream: if needs_belief {
-                    providers.clone()
-                } else {
-                    Vec::new()
+    let upstream = declaration::upstream(&declarations);
+    let processes = scenario.processes.iter().zip(1..);
+    let mut launches = vec![simulator(scenario, run, &declarations)?];
+    launches.extend(processes.zip(declarations.into_iter().zip(upstream)).map(
+        |((process, index), (declaration, upstream))| {
+            Launch {
+                role: Role::Process(process.program.clone()),
+                config: ProcessConfig {
+                    run: run.clone(),
+                    name: process.name.clone(),
+                    kind: process
+                        .program
+                        .kind()
+                        .map_or("external", |kind| kind.kind().name)
+                        .into(),
+                    index,
+                    robots: process.robots.iter().map(|&r| r as u32).collect(),
+                    // The simulator is before them.
+                    upstream: upstream.into_iter().map(|at| at as u32 + 1).collect(),
                 },
-            },
-            watched: providers.contains(&index),
-            supervision: process.supervision,
-        }
-    }));
+                declaration,
+                supervision: process.supervision,
+            }
+        },
+    ));
     Ok(launches)
 }
 
-fn simulator(scenario: &ResolvedScenario, run: &RunConfig) -> Result<Launch, ObstacleMessageError> {
+fn simulator(
+    scenario: &ResolvedScenario,
+    run: &RunConfig,
+    declarations: &[Option<Declaration>],
+) -> Result<Launch, ObstacleMessageError> {
     let mut drivers: Vec<Option<u32>> = vec![None; scenario.world.robots.len()];
-    for (process, index) in scenario.processes.iter().zip(1..) {
-        let kind = process.program.kind();
-        let drives = kind.is_none_or(|kind| kind.kind().drives_robots);
+    for ((process, declaration), index) in scenario.processes.iter().zip(declarations).zip(1..) {
+        let drives = declaration.as_ref().is_none_or(Declaration::drives_robots);
         for &robot in process.robots.iter().filter(|_| drives) {
             if let Some(driver) = drivers.get_mut(robot) {
                 *driver = Some(index);
@@ -139,7 +157,7 @@ fn simulator(scenario: &ResolvedScenario, run: &RunConfig) -> Result<Launch, Obs
             robots: Vec::new(),
             upstream: Vec::new(),
         },
-        watched: false,
+        declaration: Some(simulator::declaration()),
         // A run needs its simulator.
         supervision: Supervision {
             ready_timeout_s: scenario.run.ready_timeout_s,

@@ -1,14 +1,15 @@
 //! Conversion of a resolved scenario into the configuration of every process of the run.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use geometry::map::{ObstacleChange, WorldMap};
 use ipc_types::bus::{Publisher, SendError};
 use ipc_types::messages::world::ObstacleEvent;
 use ipc_types::stamp::PlainHeader;
-use ipc_types::topics::ObstacleEvents;
+use ipc_types::topics::{Belief, ObstacleEvents, OptimiserPlan, Service as _, Waypoints};
 use runtime::config::{Clock, RobotInfo, RunConfig};
-use runtime::kind::Product;
+use runtime::declaration::{Flow, Input};
 use runtime::obstacle::{self, ObstacleMessageError};
 use runtime::shapes;
 use serde_json::Value as Json;
@@ -136,7 +137,8 @@ impl Plan {
 
     /// Returns `true` if a process of the run makes plans on request.
     pub fn serves_plans(&self) -> bool {
-        self.launches.iter().any(|l| l.makes(Product::Plans))
+        let answers = Flow::Answers(OptimiserPlan::NAME);
+        self.launches.iter().any(|launch| launch.writes(answers))
     }
 
     /// Returns `true` if the robot with this index may visit waypoints. The kind of its process decides; an external
@@ -146,7 +148,7 @@ impl Plan {
             .launches
             .iter()
             .filter(|launch| launch.config.robots.contains(&robot));
-        drivers.any(|launch| launch.kind().is_none() || launch.makes(Product::Waypoints))
+        drivers.any(|launch| launch.declaration.is_none() || launch.writes(Flow::of::<Waypoints>()))
     }
 
     /// Returns the time limit of the laps of the robot with this index (s); `None` without laps.
@@ -155,7 +157,7 @@ impl Plan {
             .launches
             .iter()
             .find(|launch| launch.config.robots.contains(&robot));
-        driver?.kind()?.lap_limit_s()
+        driver?.declaration.as_ref()?.lap_limit_s
     }
 
     /// Returns `true` if the beliefs of a tick are input of a process.
@@ -168,11 +170,33 @@ impl Plan {
 
 /// Returns the configuration that all processes of a run of this scenario share, except its directory.
 fn run_config(scenario: &ResolvedScenario, map: &WorldMap) -> Result<RunConfig, PlanError> {
-    let particles = scenario.processes.iter().map(|p| match &p.program {
-        Program::Kind(kind) => kind.belief_particles(),
-        Program::Command { params, .. } => particles(params),
-    });
-    let particles = particles.max().unwrap_or(0);
+    let mut capacities: BTreeMap<String, u32> = BTreeMap::new();
+    let mut write = |flow: Flow, elements: usize| {
+        let most = capacities.entry(flow.to_string()).or_default();
+        *most = u32::try_from(elements).unwrap_or(u32::MAX).max(*most);
+    };
+    let belief = Flow::of::<Belief>();
+    for process in &scenario.processes {
+        match &process.program {
+            Program::Kind(kind) => {
+                let outputs = kind.declaration().outputs;
+                outputs
+                    .iter()
+                    .for_each(|output| write(output.flow, output.elements));
+            }
+            Program::Command { params, .. } => {
+                if let Some(particles) = particles(params) {
+                    write(belief, particles);
+                }
+            }
+        }
+    }
+    write(Input::MAP.flow, map.frame().len());
+    let map_points = shapes::most_points(map, EventSpec::shapes(&scenario.events))?;
+    if map_points <= shapes::MAX_POINTS {
+        write(Input::SHAPES.flow, map_points);
+    }
+    let particles = capacities.get(&belief.to_string()).copied().unwrap_or(0) as usize;
     let clock = match scenario.run.mode {
         Mode::LockStep => Clock::LockStep,
         Mode::RealTime => Clock::RealTime {
@@ -195,7 +219,6 @@ fn run_config(scenario: &ResolvedScenario, map: &WorldMap) -> Result<RunConfig, 
         start: robot.start,
         goal: robot.goal,
     };
-    let map_points = shapes::most_points(map, EventSpec::shapes(&scenario.events))?;
     Ok(RunConfig {
         root: PathBuf::new(),
         prefix: String::new(),
@@ -207,10 +230,7 @@ fn run_config(scenario: &ResolvedScenario, map: &WorldMap) -> Result<RunConfig, 
         processes: scenario.processes.len() as u32 + 1,
         events: scenario.events.len() as u32,
         recorder_ticks: recorder_ticks(clock, scenario, particles) as u32,
-        map_cells: map.frame().len() as u32,
-        map_points: u32::try_from(map_points).unwrap_or(u32::MAX),
-        particles: particles as u32,
-        plans: scenario.processes.iter().any(|p| p.makes(Product::Plans)),
+        capacities,
         robots: world.robots.iter().map(robot).collect(),
         exits: map.exits().iter().chain(&rules.exits).copied().collect(),
         capture_radius: rules.capture.map_or(0.0, |c| c.radius),
@@ -219,12 +239,10 @@ fn run_config(scenario: &ResolvedScenario, map: &WorldMap) -> Result<RunConfig, 
 }
 
 /// Returns the number of particles per belief that the parameters of an external program request.
-fn particles(params: &Json) -> usize {
-    params
-        .pointer("/filter/particles")
-        .or_else(|| params.get("particles"))
-        .and_then(Json::as_u64)
-        .map_or(0, |n| n as usize)
+fn particles(params: &Json) -> Option<usize> {
+    let key = params.pointer("/filter/particles");
+    let particles = key.or_else(|| params.get("particles"))?.as_u64()?;
+    Some(particles as usize).filter(|particles| *particles > 0)
 }
 
 fn recorder_ticks(clock: Clock, scenario: &ResolvedScenario, particles: usize) -> usize {
@@ -300,7 +318,7 @@ mod tests {
                 "{}",
                 launch.config.name
             );
-            assert_eq!(launch.watched, launch.config.kind == "perception");
+            assert_eq!(launch.is_within_tick(), launch.config.kind == "perception");
             for &up in &launch.config.upstream {
                 assert_eq!(by_belief.launches[up as usize].config.kind, "perception");
             }

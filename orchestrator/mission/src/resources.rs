@@ -4,9 +4,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use ipc_types::bus::{Bus, BusError, BusOptions, TopicHolder};
-use ipc_types::topics::{
-    OptimiserPlan, PLAN_ANSWERED_EVENT, PLAN_ASKED_EVENT, Topic, TopicVisitor, for_each_topic,
-};
+use ipc_types::topics::{OptimiserPlan, Topic, TopicVisitor, for_each_topic};
 use runtime::lockstep::TickBarrier;
 
 use super::error::MissionError;
@@ -81,9 +79,7 @@ fn create_topics(bus: &Bus, plan: &Plan) -> Result<Vec<TopicHolder>, BusError> {
     let mut create = Create(bus, Vec::new());
     for_each_topic(&mut create)?;
     if plan.serves_plans() {
-        create.1.push(bus.create_service::<OptimiserPlan>()?);
-        create.1.push(bus.create_event(PLAN_ASKED_EVENT)?);
-        create.1.push(bus.create_event(PLAN_ANSWERED_EVENT)?);
+        create.1.extend(bus.create_service::<OptimiserPlan>()?);
     }
     Ok(create.1)
 }

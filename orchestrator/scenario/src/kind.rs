@@ -10,9 +10,8 @@ use config::{Node, ReadError, read_once};
 use geometry::map::MapSpec;
 use ipc_types::bus::Bus;
 use parameters::{ParamsError, Unusual};
-use runtime::kind::{
-    Need, Process, ProcessKind, Product, Remark, Task, TaskFault, TaskSketch, ViewSpec,
-};
+use runtime::declaration::Declaration;
+use runtime::kind::{Process, ProcessKind, Remark, Task, TaskFault, TaskSketch, ViewSpec};
 use runtime::{ProcessConfig, ProcessError};
 use schemars::{Schema, SchemaGenerator};
 use serde_json::Value as Json;
@@ -25,11 +24,10 @@ pub struct Kind {
     pub name: &'static str,
     /// Description in one line.
     pub summary: &'static str,
-    /// `true` if it commands robots; its processes then need at least one robot.
-    pub drives_robots: bool,
     /// Names of the parameters that are paths of files.
     pub(crate) files: &'static [&'static str],
-    makes: &'static [Product],
+    /// Declaration with default parameters.
+    declare: fn() -> Declaration,
     read: fn(&Node) -> Result<ConfiguredKind, ParamsProblem>,
     presets: fn() -> Vec<(&'static str, ConfiguredKind)>,
     run: fn(&Path) -> ExitCode,
@@ -42,9 +40,8 @@ impl Kind {
         Self {
             name: K::NAME,
             summary: K::SUMMARY,
-            drives_robots: K::DRIVES_ROBOTS,
             files: K::FILES,
-            makes: K::MAKES,
+            declare: || K::declare(&K::Params::default()),
             read: read::<K>,
             presets: presets::<K>,
             run: runtime::run::<K>,
@@ -52,9 +49,9 @@ impl Kind {
         }
     }
 
-    /// Returns `true` if it makes this product for other processes.
-    pub fn makes(&self, product: Product) -> bool {
-        self.makes.contains(&product)
+    /// Returns the inputs and outputs of a process with default parameters.
+    pub fn declaration(&self) -> Declaration {
+        (self.declare)()
     }
 
     /// Returns the schema of its parameters.
@@ -143,14 +140,9 @@ impl ConfiguredKind {
         self.0.json()
     }
 
-    /// See [`ProcessKind::needs`].
-    pub fn needs(&self, need: Need) -> bool {
-        self.0.needs().contains(&need)
-    }
-
-    /// See [`ProcessKind::belief_particles`].
-    pub fn belief_particles(&self) -> usize {
-        self.0.belief_particles()
+    /// See [`ProcessKind::declare`].
+    pub fn declaration(&self) -> Declaration {
+        self.0.declaration()
     }
 
     /// See [`ProcessKind::lookout`].
@@ -161,11 +153,6 @@ impl ConfiguredKind {
     /// See [`ProcessKind::sketch`].
     pub fn sketch(&self, robot: &RobotSpec, map: &MapSpec) -> TaskSketch {
         self.0.sketch(robot, map)
-    }
-
-    /// See [`ProcessKind::lap_limit_s`].
-    pub fn lap_limit_s(&self) -> Option<f64> {
-        self.0.lap_limit_s()
     }
 
     /// See [`ProcessKind::check_task`].
@@ -211,11 +198,9 @@ trait Configured: fmt::Debug + Send + Sync {
     fn params(&self) -> &dyn Any;
     fn equals(&self, params: &dyn Any) -> bool;
     fn json(&self) -> Json;
-    fn needs(&self) -> Vec<Need>;
-    fn belief_particles(&self) -> usize;
+    fn declaration(&self) -> Declaration;
     fn lookout(&self, given: &[usize], robots: &[RobotSpec]) -> Option<ViewSpec>;
     fn sketch(&self, robot: &RobotSpec, map: &MapSpec) -> TaskSketch;
-    fn lap_limit_s(&self) -> Option<f64>;
     fn check_task(&self, task: &Task<'_>) -> Result<(), TaskFault>;
     fn unusual(&self) -> Vec<Unusual>;
     fn remarks(&self, task: &Task<'_>) -> Vec<Remark>;
@@ -251,12 +236,8 @@ impl<K: ProcessKind> Configured for Typed<K> {
         serde_json::to_value(&self.params).unwrap_or(Json::Null)
     }
 
-    fn needs(&self) -> Vec<Need> {
-        K::needs(&self.params)
-    }
-
-    fn belief_particles(&self) -> usize {
-        K::belief_particles(&self.params)
+    fn declaration(&self) -> Declaration {
+        K::declare(&self.params)
     }
 
     fn lookout(&self, given: &[usize], robots: &[RobotSpec]) -> Option<ViewSpec> {
@@ -265,10 +246,6 @@ impl<K: ProcessKind> Configured for Typed<K> {
 
     fn sketch(&self, robot: &RobotSpec, map: &MapSpec) -> TaskSketch {
         K::sketch(&self.params, robot, map)
-    }
-
-    fn lap_limit_s(&self) -> Option<f64> {
-        K::lap_limit_s(&self.params)
     }
 
     fn check_task(&self, task: &Task<'_>) -> Result<(), TaskFault> {

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use config::{Node, write_document};
 use geometry::map::MapSpec;
 use platform::shell::quote;
-use runtime::kind::{Need, Product};
+use runtime::declaration::{Declaration, Flow};
 use serde_json::{Value as Json, json};
 use sim_backend::spec::{RulesSpec, WorldSpec};
 
@@ -31,15 +31,15 @@ pub enum Program {
 }
 
 impl ProcessSpec {
-    /// Returns `true` if it makes this product for others; always `false` for a command.
-    pub fn makes(&self, product: Product) -> bool {
-        let kind = self.program.kind();
-        kind.is_some_and(|kind| kind.kind().makes(product))
+    /// Returns its inputs and outputs; `None` for an external program, which alone knows them.
+    pub fn declaration(&self) -> Option<Declaration> {
+        self.program.kind().map(ConfiguredKind::declaration)
     }
 
-    /// Returns `true` if another part of the scenario must meet this need; always `false` for a command.
-    pub fn needs(&self, need: Need) -> bool {
-        self.program.kind().is_some_and(|kind| kind.needs(need))
+    /// Returns `true` if it is known to write this flow.
+    pub fn writes(&self, flow: Flow) -> bool {
+        let declaration = self.declaration();
+        declaration.is_some_and(|declaration| declaration.output(flow).is_some())
     }
 }
 

@@ -6,7 +6,7 @@ use geometry::map::{MapSpec, WorldMap};
 use geometry::pose::Pose2;
 use geometry::shape::Aabb;
 use nalgebra::Point2;
-use planner::{Planner, PlannerInputs, limits};
+use planner::{Declaration, Input, Output, Planner, limits};
 use planner_view::limits::Limits;
 use planner_view::map::PlannerMap;
 use planner_view::steering::Steering;
@@ -14,7 +14,7 @@ use planner_view::view::View;
 use planner_view::waypoint::WaypointReport;
 use runtime::config::RobotInfo;
 use runtime::error::ProcessError;
-use runtime::kind::{Need, Task, TaskFault, TaskSketch};
+use runtime::kind::{Task, TaskFault, TaskSketch};
 use sim_backend::spec::RobotSpec;
 use steering::waypoint_driver::{Driving, Situation, WaypointDriver};
 
@@ -106,11 +106,13 @@ impl<D: Design> Planner for Follower<D> {
 
     type Params = D::Params;
 
-    const WAYPOINTS: usize = 64;
-
     /// It uses a scan if there is one, but does not need it.
-    fn needs(_: &D::Params) -> Vec<Need> {
-        vec![Need::Pieces]
+    fn declare(params: &D::Params) -> Declaration {
+        let is_linear = D::follow(params).interpolation == Interpolation::Linear;
+        Declaration::default()
+            .reads(Input::SHAPES)
+            .reads_if(is_linear, Input::SCANS.optional())
+            .writes(Output::waypoints(64))
     }
 
     /// Its rectangles are those of the free space; none for a map that it refuses.
@@ -131,14 +133,6 @@ impl<D: Design> Planner for Follower<D> {
 
     fn check_task(params: &D::Params, task: &Task<'_>, seed: u64) -> Result<(), TaskFault> {
         check_task::<D>(params, task, seed)
-    }
-
-    fn inputs(params: &D::Params) -> PlannerInputs {
-        PlannerInputs {
-            shapes: true,
-            scans: D::follow(params).interpolation == Interpolation::Linear,
-            ..PlannerInputs::default()
-        }
     }
 
     fn new(params: &D::Params, robot: &RobotInfo, seed: u64) -> Result<Self, String> {

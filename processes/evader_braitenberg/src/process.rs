@@ -1,6 +1,6 @@
 //! Connects [`Braitenberg`] to its topics: state and scan in, command out.
 
-use planner::{Planner, PlannerInputs, limits};
+use planner::{Declaration, Input, Planner, limits};
 use planner_view::map::PlannerMap;
 use planner_view::steering::Steering;
 use planner_view::view::View;
@@ -22,12 +22,8 @@ impl Planner for BraitenbergPlanner {
         vec![("paper", BraitenbergParams::paper())]
     }
 
-    fn inputs(_: &BraitenbergParams) -> PlannerInputs {
-        PlannerInputs {
-            beliefs: false,
-            scans: true,
-            ..PlannerInputs::default()
-        }
+    fn declare(_: &BraitenbergParams) -> Declaration {
+        Declaration::default().reads(Input::SCANS)
     }
 
     fn new(params: &BraitenbergParams, robot: &RobotInfo, seed: u64) -> Result<Self, String> {

@@ -1,6 +1,6 @@
 //! Connects [`Evader`] to its topics: state and map in, command and plan out.
 
-use planner::{Planner, PlannerInputs, limits};
+use planner::{Planner, limits};
 use planner_view::map::PlannerMap;
 use planner_view::steering::Steering;
 use planner_view::view::View;
@@ -20,10 +20,6 @@ impl Planner for PotentialPlanner {
 
     fn presets() -> Vec<(&'static str, EvaderParams)> {
         vec![("paper", EvaderParams::paper())]
-    }
-
-    fn inputs(_: &EvaderParams) -> PlannerInputs {
-        PlannerInputs::default()
     }
 
     fn new(params: &EvaderParams, robot: &RobotInfo, seed: u64) -> Result<Self, String> {

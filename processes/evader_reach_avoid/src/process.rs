@@ -1,7 +1,7 @@
 //! Connects [`Evader`] to its topics: state and map in, command and plan out.
 
 use geometry::region::Region;
-use planner::{Planner, PlannerInputs};
+use planner::Planner;
 use planner_view::map::PlannerMap;
 use planner_view::steering::Steering;
 use planner_view::view::View;
@@ -19,10 +19,6 @@ impl Planner for ReachAvoidPlanner {
         "flees along paths on which no pursuer can stop it, or to the place with the most time";
 
     type Params = ReachAvoidParams;
-
-    fn inputs(_: &ReachAvoidParams) -> PlannerInputs {
-        PlannerInputs::default()
-    }
 
     fn new(params: &ReachAvoidParams, robot: &RobotInfo, _seed: u64) -> Result<Self, String> {
         Evader::new(*params, robot.model)

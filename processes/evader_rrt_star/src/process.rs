@@ -2,12 +2,11 @@
 //! out.
 
 use ipc_types::messages::robot::TreeEdge;
-use planner::{PlannedPoint, Planner, PlannerInputs, headed_for, limits};
+use planner::{Declaration, Input, Output, PlannedPoint, Planner, headed_for, limits};
 use planner_view::map::PlannerMap;
 use planner_view::steering::Steering;
 use planner_view::view::View;
 use runtime::config::RobotInfo;
-use runtime::kind::Need;
 
 use crate::evader::SHOWN_EDGES;
 use crate::{RrtStarEvader, RrtStarParams};
@@ -27,8 +26,6 @@ impl Planner for RrtStarPlanner {
 
     type Params = RrtStarParams;
 
-    const TREE_EDGES: usize = SHOWN_EDGES;
-
     fn presets() -> Vec<(&'static str, RrtStarParams)> {
         vec![
             ("paper", RrtStarParams::paper()),
@@ -36,15 +33,10 @@ impl Planner for RrtStarPlanner {
         ]
     }
 
-    fn inputs(_: &RrtStarParams) -> PlannerInputs {
-        PlannerInputs {
-            shapes: true,
-            ..PlannerInputs::default()
-        }
-    }
-
-    fn needs(params: &RrtStarParams) -> Vec<Need> {
-        Self::inputs(params).needs_without_shapes()
+    fn declare(_: &RrtStarParams) -> Declaration {
+        Declaration::default()
+            .reads(Input::SHAPES.optional())
+            .writes(Output::tree(SHOWN_EDGES))
     }
 
     fn new(params: &RrtStarParams, robot: &RobotInfo, seed: u64) -> Result<Self, String> {

@@ -10,12 +10,12 @@ use geometry::region::Region;
 use ipc_types::bus::Bus;
 use parameters::Parameters;
 use planner::{
-    Limits, Planner, PlannerInputs, PlannerMap, PlannerProcess, RobotInfo, Steering, View, limits,
+    Declaration, Input, Limits, Planner, PlannerMap, PlannerProcess, RobotInfo, Steering, View,
+    limits,
 };
 use rand_chacha::ChaCha8Rng;
 use runtime::config::{CONFIG_VARIABLE, ProcessConfig};
 use runtime::error::ProcessError;
-use runtime::kind::Need;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value as Json};
@@ -97,17 +97,12 @@ impl Planner for LibraryPlanner {
 
     type Params = LibraryParams;
 
-    fn inputs(params: &LibraryParams) -> PlannerInputs {
+    fn declare(params: &LibraryParams) -> Declaration {
         let reads = |input| params.library.is_some_and(|library| library.reads(input));
-        PlannerInputs {
-            beliefs: reads(BELIEFS),
-            scans: reads(SCANS),
-            shapes: reads(WAYS),
-        }
-    }
-
-    fn needs(params: &LibraryParams) -> Vec<Need> {
-        Self::inputs(params).needs_without_shapes()
+        Declaration::default()
+            .reads_if(reads(BELIEFS), Input::BELIEFS)
+            .reads_if(reads(SCANS), Input::SCANS)
+            .reads_if(reads(WAYS), Input::SHAPES.optional())
     }
 
     fn new(params: &LibraryParams, robot: &RobotInfo, seed: u64) -> Result<Self, String> {

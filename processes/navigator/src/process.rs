@@ -4,16 +4,17 @@ use parameters::check;
 
 use geometry::region::Region;
 use ipc_types::bus::Bus;
+use ipc_types::messages::optimiser::PlanRequest;
 use ipc_types::stamp::Stamp;
+use ipc_types::topics::OptimiserPlan;
 use nalgebra::{Point2, Vector2};
-use planner::{MAX_PLAN_POINTS, PlannedPoint, Planner, PlannerInputs};
+use planner::{Declaration, Input, MAX_PLAN_POINTS, PlannedPoint, Planner};
 use planner_view::map::PlannerMap;
 use planner_view::steering::Steering;
 use planner_view::view::View;
 use runtime::ProcessError;
 use runtime::config::{Clock, ProcessConfig, RobotInfo};
-use runtime::kind::Need;
-use runtime::optimiser_client::OptimiserClient;
+use runtime::service_client::ServiceClient;
 
 use crate::navigator::Navigator;
 use crate::params::NavigatorParams;
@@ -33,10 +34,10 @@ pub struct NavigatorPlanner {
 /// Connection to the optimiser.
 #[derive(Debug)]
 struct Link {
-    client: OptimiserClient,
+    client: ServiceClient<OptimiserPlan>,
     robot: u32,
     clock: Clock,
-    /// [`PlanRequest::last`](ipc_types::messages::optimiser::PlanRequest::last) of the newest plan.
+    /// [`PlanRequest::last`] of the newest plan.
     last: u64,
 }
 
@@ -51,19 +52,13 @@ impl Planner for NavigatorPlanner {
         vec![("paper", NavigatorParams::paper())]
     }
 
-    fn needs(params: &NavigatorParams) -> Vec<Need> {
-        let goal = params.goals.is_empty().then_some(Need::Goal);
-        [Need::Plans, Need::Pieces]
-            .into_iter()
-            .chain(goal)
-            .collect()
-    }
-
-    fn inputs(_: &NavigatorParams) -> PlannerInputs {
-        PlannerInputs {
-            shapes: true,
-            ..PlannerInputs::default()
+    fn declare(params: &NavigatorParams) -> Declaration {
+        Declaration {
+            needs_goals: params.goals.is_empty(),
+            ..Declaration::default()
         }
+        .reads(Input::SHAPES)
+        .asks::<OptimiserPlan>(PlanRequest::MAX_POINTS)
     }
 
     fn new(params: &NavigatorParams, robot: &RobotInfo, _seed: u64) -> Result<Self, String> {
@@ -93,7 +88,7 @@ impl Planner for NavigatorPlanner {
         let models = config.run.robots.iter().map(|robot| robot.model);
         self.navigator.meet(models.collect());
         self.link = Some(Link {
-            client: OptimiserClient::open(bus, config.index)?,
+            client: ServiceClient::open(bus, config.index, PlanRequest::MAX_POINTS)?,
             robot,
             clock: config.run.clock,
             last: 0,

@@ -9,6 +9,7 @@ use ipc_types::topics::Predictions;
 use metrics::prediction::View;
 use nalgebra::Point2;
 use rand_chacha::ChaCha8Rng;
+use runtime::declaration::{Declaration, Input, Output};
 use runtime::grids::{blurred_map, map_grids};
 use runtime::inputs::{MapInput, ShapesInput, StateInput, reply_stamp};
 use runtime::kind::ViewSpec;
@@ -73,6 +74,14 @@ impl ProcessKind for ObserverProcess {
 
     type Params = ObserverParams;
 
+    fn declare(params: &ObserverParams) -> Declaration {
+        Declaration::default()
+            .reads(Input::STATE)
+            .reads(Input::MAP)
+            .reads_if(divides_the_map(params), Input::SHAPES.optional())
+            .writes(Output::new::<Predictions>(0))
+    }
+
     /// Its viewpoints are its robots and places; without any it receives the true poses.
     fn lookout(params: &ObserverParams, _: &[usize], robots: &[RobotSpec]) -> Option<ViewSpec> {
         let looks = |&robot: &usize| params.from_robots.contains(&robots[robot].name);
@@ -130,11 +139,8 @@ impl ProcessKind for ObserverProcess {
             every: ticks(params.period_s, run.tick_period()),
             state: StateInput::open(bus, run.robots.len())?,
             map: MapInput::open(bus)?,
-            shapes: params
-                .chebyshev
-                .as_ref()
-                .filter(|chebyshev| chebyshev.rectangle.is_none())
-                .map(|_| ShapesInput::open(bus))
+            shapes: divides_the_map(params)
+                .then(|| ShapesInput::open(bus))
                 .transpose()?,
             predictions: bus.publisher(PublisherOptions::new(config.index, capacity))?,
             config: config.clone(),
@@ -148,6 +154,12 @@ impl ProcessKind for ObserverProcess {
             report: Vec::with_capacity(capacity),
         })
     }
+}
+
+/// Returns `true` if it divides the map into the rectangles of a Chebyshev coverage.
+fn divides_the_map(params: &ObserverParams) -> bool {
+    let chebyshev = params.chebyshev.as_ref();
+    chebyshev.is_some_and(|chebyshev| chebyshev.rectangle.is_none())
 }
 
 impl Process for ObserverProcess {

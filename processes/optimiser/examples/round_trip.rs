@@ -9,10 +9,10 @@ use std::time::{Duration, Instant};
 use ipc_types::bus::{Bus, BusOptions, RunSpace};
 use ipc_types::messages::optimiser::PlanRequest;
 use ipc_types::messages::world::ShapePoint;
-use ipc_types::topics::{OptimiserPlan, PLAN_ANSWERED_EVENT, PLAN_ASKED_EVENT, RunSize};
+use ipc_types::topics::{OptimiserPlan, RunSize};
 use optimiser::service::{Dispatcher, DispatcherInput};
 use optimiser::wire::decode_request;
-use runtime::optimiser_client::OptimiserClient;
+use runtime::service_client::ServiceClient;
 use trajectory::Method;
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -59,11 +59,7 @@ fn measure(
         overflow: false,
     };
     let bus = Bus::join(space, options, "round_trip")?;
-    let _held = [
-        bus.create_service::<OptimiserPlan>()?,
-        bus.create_event(PLAN_ASKED_EVENT)?,
-        bus.create_event(PLAN_ANSWERED_EVENT)?,
-    ];
+    let _held = bus.create_service::<OptimiserPlan>()?;
     let _dispatcher = Dispatcher::start(DispatcherInput {
         space: space.clone(),
         options,
@@ -71,7 +67,7 @@ fn measure(
         source: 1,
         workers: 2,
     })?;
-    let mut client = OptimiserClient::open(&bus, 2)?;
+    let mut client = ServiceClient::<OptimiserPlan>::open(&bus, 2, PlanRequest::MAX_POINTS)?;
     let (problem, how) = decode_request(header, points)?;
     let (mut alone, mut asked, mut solve) = (Vec::new(), Vec::new(), Vec::new());
     // Alternately, so that other load on the machine affects both; the first few rounds are a

@@ -1,8 +1,9 @@
 //! The process: it steps ticks, which need no work, while the service runs beside it.
 
 use ipc_types::bus::{Attendant, Bus};
+use ipc_types::messages::optimiser::PlanResponse;
 use ipc_types::topics::OptimiserPlan;
-use runtime::kind::Product;
+use runtime::declaration::Declaration;
 use runtime::{Process, ProcessConfig, ProcessError, ProcessKind};
 
 use crate::params::OptimiserParams;
@@ -28,9 +29,12 @@ enum Service {
 impl ProcessKind for OptimiserProcess {
     const NAME: &'static str = "optimiser";
     const SUMMARY: &'static str = "plans minimum-time trajectories for other processes";
-    const MAKES: &'static [Product] = &[Product::Plans];
 
     type Params = OptimiserParams;
+
+    fn declare(_: &OptimiserParams) -> Declaration {
+        Declaration::default().answers::<OptimiserPlan>(PlanResponse::MAX_SAMPLES)
+    }
 
     fn open(
         config: &ProcessConfig,

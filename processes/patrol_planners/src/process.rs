@@ -2,7 +2,7 @@
 
 use geometry::map::MapSpec;
 use patrol::mission::{Drive, MissionParams};
-use planner::{PlannedPoint, Planner, PlannerInputs};
+use planner::{Declaration, Input, Output, PlannedPoint, Planner};
 use planner_view::map::PlannerMap;
 use planner_view::steering::Steering;
 use planner_view::view::View;
@@ -14,16 +14,15 @@ use sim_backend::spec::RobotSpec;
 use crate::check::{Waypoints, check_task, task_remarks};
 use crate::{PatrolAwg, PatrolAwgParams, PatrolFto, PatrolFtoParams};
 
-/// Maximum number of waypoints that may end in a tick.
-const WAYPOINTS: usize = 64;
-
-/// Inputs of a patrol: the exact shapes bound the zig-zag, and known obstacles are among them.
-fn inputs() -> PlannerInputs {
-    PlannerInputs {
-        scans: true,
-        shapes: true,
-        ..PlannerInputs::default()
+/// Returns the declaration of a patrol: the exact shapes bound the zig-zag, and known obstacles are among them.
+fn declare(mission: &MissionParams) -> Declaration {
+    Declaration {
+        lap_limit_s: Some(mission.t_max),
+        ..Declaration::default()
     }
+    .reads(Input::SCANS)
+    .reads(Input::SHAPES)
+    .writes(Output::waypoints(64))
 }
 
 /// Returns the contour and the danger zones of a patrol.
@@ -49,14 +48,8 @@ impl Planner for PatrolAwgPlanner {
 
     type Params = PatrolAwgParams;
 
-    const WAYPOINTS: usize = WAYPOINTS;
-
     fn sketch(params: &PatrolAwgParams, _: &RobotSpec, _: &MapSpec) -> TaskSketch {
         sketch(&params.mission)
-    }
-
-    fn lap_limit_s(params: &PatrolAwgParams) -> Option<f64> {
-        Some(params.mission.t_max)
     }
 
     fn check_task(params: &PatrolAwgParams, task: &Task<'_>, seed: u64) -> Result<(), TaskFault> {
@@ -77,8 +70,8 @@ impl Planner for PatrolAwgPlanner {
         )
     }
 
-    fn inputs(_: &PatrolAwgParams) -> PlannerInputs {
-        inputs()
+    fn declare(params: &PatrolAwgParams) -> Declaration {
+        declare(&params.mission)
     }
 
     fn new(params: &PatrolAwgParams, robot: &RobotInfo, seed: u64) -> Result<Self, String> {
@@ -118,14 +111,8 @@ impl Planner for PatrolFtoPlanner {
 
     type Params = PatrolFtoParams;
 
-    const WAYPOINTS: usize = WAYPOINTS;
-
     fn sketch(params: &PatrolFtoParams, _: &RobotSpec, _: &MapSpec) -> TaskSketch {
         sketch(&params.mission)
-    }
-
-    fn lap_limit_s(params: &PatrolFtoParams) -> Option<f64> {
-        Some(params.mission.t_max)
     }
 
     fn check_task(params: &PatrolFtoParams, task: &Task<'_>, seed: u64) -> Result<(), TaskFault> {
@@ -145,8 +132,8 @@ impl Planner for PatrolFtoPlanner {
         )
     }
 
-    fn inputs(_: &PatrolFtoParams) -> PlannerInputs {
-        inputs()
+    fn declare(params: &PatrolFtoParams) -> Declaration {
+        declare(&params.mission)
     }
 
     fn new(params: &PatrolFtoParams, robot: &RobotInfo, seed: u64) -> Result<Self, String> {

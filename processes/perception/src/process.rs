@@ -8,9 +8,10 @@ use ipc_types::messages::perception::{BeliefHeader, Particle, Sighting};
 use ipc_types::messages::world::WorldEvent;
 use ipc_types::stamp::{PlainHeader, Stamp};
 use ipc_types::topics::{Belief, Sightings};
+use runtime::declaration::{Declaration, Input, Output, When};
 use runtime::grids::{blurred_map, map_grids};
 use runtime::inputs::{MapInput, StateInput, reply_stamp};
-use runtime::kind::{Product, ViewSpec};
+use runtime::kind::ViewSpec;
 use runtime::{Clock, Process, ProcessConfig, ProcessError, ProcessKind};
 use sim_backend::spec::RobotSpec;
 use sim_backend::team::Role;
@@ -37,7 +38,6 @@ impl ProcessKind for PerceptionProcess {
     const NAME: &'static str = "perception";
     const SUMMARY: &'static str =
         "sightings of the pursuers, and their beliefs about robots out of sight";
-    const MAKES: &'static [Product] = &[Product::Beliefs];
 
     type Params = PerceptionParams;
 
@@ -45,8 +45,13 @@ impl ProcessKind for PerceptionProcess {
         vec![("paper", PerceptionParams::paper())]
     }
 
-    fn belief_particles(params: &PerceptionParams) -> usize {
-        params.filter.particles
+    fn declare(params: &PerceptionParams) -> Declaration {
+        let particles = Output::new::<Belief>(params.filter.particles);
+        Declaration::default()
+            .reads(Input::STATE)
+            .reads(Input::MAP)
+            .writes(Output::new::<Sightings>(0))
+            .writes(particles.at(When::ThisTick).sole())
     }
 
     /// Its viewpoints are its robots, or all pursuers.

@@ -20,7 +20,7 @@ mod views;
 pub use main_function::main;
 pub use maps::planner_map;
 pub use outputs::{MAX_PLAN_POINTS, PlannedPoint, headed_for};
-pub use planner::{Planner, PlannerInputs, limits, planner_seed};
+pub use planner::{Planner, limits, planner_seed};
 pub use process::PlannerProcess;
 pub use views::{robot_views, teams};
 
@@ -29,7 +29,7 @@ pub use planner_view::map::PlannerMap;
 pub use planner_view::steering::Steering;
 pub use planner_view::view::View;
 pub use runtime::config::RobotInfo;
-pub use runtime::kind::Need;
+pub use runtime::declaration::{Declaration, Input, Output};
 
 // What planners outside the workspace use, so that they depend on this crate alone.
 pub use {geometry, nalgebra, parameters, planner_view, runtime, steering};

@@ -90,13 +90,8 @@ impl Outputs<'_> {
         Ok(())
     }
 
-    /// Sends at most `most` edges of a tree.
-    pub(crate) fn send_tree(
-        &self,
-        robot: u32,
-        edges: &[TreeEdge],
-        most: usize,
-    ) -> Result<(), ProcessError> {
+    /// Sends the edges of a tree that fit a message.
+    pub(crate) fn send_tree(&self, robot: u32, edges: &[TreeEdge]) -> Result<(), ProcessError> {
         let Some(trees) = self.trees else {
             return Ok(());
         };
@@ -105,21 +100,20 @@ impl Outputs<'_> {
             robot,
             reserved: 0,
         };
-        trees.send(header, edges.get(..most).unwrap_or(edges))?;
+        trees.send(header, edges.get(..trees.capacity()).unwrap_or(edges))?;
         Ok(())
     }
 
-    /// Sends at most `most` ended waypoints, if there are any.
+    /// Sends the ended waypoints that fit a message, if there are any.
     pub(crate) fn send_waypoints(
         &self,
         robot: u32,
         ended: &[WaypointReport],
-        most: usize,
     ) -> Result<(), ProcessError> {
         let Some(waypoints) = self.waypoints.filter(|_| !ended.is_empty()) else {
             return Ok(());
         };
-        let mut ended = ended.get(..most).unwrap_or(ended).iter();
+        let mut ended = ended.iter().take(waypoints.capacity());
         waypoints.send_with(
             PlainHeader { stamp: self.stamp },
             ended.len(),

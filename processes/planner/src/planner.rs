@@ -14,49 +14,18 @@ use planner_view::view::View;
 use planner_view::waypoint::WaypointReport;
 use rand::Rng as _;
 use runtime::config::{ProcessConfig, RobotInfo};
+use runtime::declaration::Declaration;
 use runtime::error::ProcessError;
-use runtime::kind::{Need, Remark, Task, TaskFault, TaskSketch};
+use runtime::kind::{Remark, Task, TaskFault, TaskSketch};
 use sim_backend::spec::RobotSpec;
 
 use crate::outputs::{PlannedPoint, headed_for};
-
-/// Topics beside state and map that a planner reads.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct PlannerInputs {
-    /// Beliefs about the opponents.
-    pub beliefs: bool,
-    /// Range scans of its robots.
-    pub scans: bool,
-    /// The exact pieces of the map ([`PlannerMap::space`]).
-    pub shapes: bool,
-}
-
-impl PlannerInputs {
-    /// Returns the needs of a planner that cannot do without these inputs.
-    pub fn needs(self) -> Vec<Need> {
-        let needs = [
-            self.beliefs.then_some(Need::Belief),
-            self.scans.then_some(Need::Scan),
-            self.shapes.then_some(Need::Pieces),
-        ];
-        needs.into_iter().flatten().collect()
-    }
-
-    /// Returns the needs of a planner that works with the grids of a map that has too many pieces.
-    pub fn needs_without_shapes(self) -> Vec<Need> {
-        let needed = Self {
-            shapes: false,
-            ..self
-        };
-        needed.needs()
-    }
-}
 
 /// Steering algorithm for one robot. [`PlannerProcess`](crate::PlannerProcess) makes it a kind of
 /// process.
 ///
 /// ```
-/// use planner::{Planner, PlannerInputs, PlannerProcess};
+/// use planner::{Planner, PlannerProcess};
 /// use planner_view::map::PlannerMap;
 /// use planner_view::steering::Steering;
 /// use planner_view::view::View;
@@ -71,10 +40,6 @@ impl PlannerInputs {
 ///     const NAME: &'static str = "ahead";
 ///     const SUMMARY: &'static str = "drives ahead";
 ///     type Params = ();
-///
-///     fn inputs((): &()) -> PlannerInputs {
-///         PlannerInputs::default()
-///     }
 ///
 ///     fn new((): &(), robot: &RobotInfo, _seed: u64) -> Result<Self, String> {
 ///         Ok(Self(0.5 * robot.model.v_max))
@@ -104,36 +69,25 @@ pub trait Planner: Sized + 'static {
     /// ([`runtime::files`]).
     const FILES: &'static [&'static str] = &[];
 
-    /// Maximum number of published edges of a tree; 0 for a planner without trees.
-    const TREE_EDGES: usize = 0;
-
-    /// Maximum number of waypoints that may end in one tick; 0 for a planner without waypoints.
-    const WAYPOINTS: usize = 0;
-
     /// Sets of parameters for `params.preset`; keys beside it change single values.
     fn presets() -> Vec<(&'static str, Self::Params)> {
         Vec::new()
     }
 
-    /// Returns the topics that it reads with its parameters.
-    fn inputs(params: &Self::Params) -> PlannerInputs;
-
-    /// Returns the needs that another part of the scenario must meet: by default its
+    /// Returns what it reads beside the state and the map, and writes beside commands and plans. A planner is given
+    /// [`Input::SHAPES`](runtime::declaration::Input::SHAPES),
+    /// [`SCANS`](runtime::declaration::Input::SCANS) and
+    /// [`BELIEFS`](runtime::declaration::Input::BELIEFS) in its map and view; [`Planner::open`] opens other
     /// inputs.
-    fn needs(params: &Self::Params) -> Vec<Need> {
-        Self::inputs(params).needs()
+    fn declare(params: &Self::Params) -> Declaration {
+        let _ = params;
+        Declaration::default()
     }
 
     /// Returns the geometry of its task with a robot on this map.
     fn sketch(params: &Self::Params, robot: &RobotSpec, map: &MapSpec) -> TaskSketch {
         let _ = (params, robot, map);
         TaskSketch::default()
-    }
-
-    /// Returns the time limit of a lap (s); `None` without laps.
-    fn lap_limit_s(params: &Self::Params) -> Option<f64> {
-        let _ = params;
-        None
     }
 
     /// Checks that a robot can do its task on this map; `seed` is the planner's own.
@@ -163,7 +117,7 @@ pub trait Planner: Sized + 'static {
         let _ = (exits, capture_radius);
     }
 
-    /// Opens further ports besides the topics of [`PlannerInputs`], for the robot with this index.
+    /// Opens the ports of further inputs and outputs, for the robot with this index.
     /// Called once, after [`Planner::rules`].
     ///
     /// # Errors
@@ -194,13 +148,13 @@ pub trait Planner: Sized + 'static {
     }
 
     /// Returns the search tree behind the plan, each tree once; `None` while there is no new one.
-    /// Edges beyond [`Self::TREE_EDGES`] are not sent.
+    /// Edges beyond the declared number of `robot/tree` are not sent.
     fn tree(&mut self) -> Option<&[TreeEdge]> {
         None
     }
 
-    /// Returns the waypoints that ended in this tick. Those beyond [`Self::WAYPOINTS`] are not
-    /// sent.
+    /// Returns the waypoints that ended in this tick. Those beyond the declared number of
+    /// `robot/waypoint` are not sent.
     fn waypoints(&mut self) -> &[WaypointReport] {
         &[]
     }

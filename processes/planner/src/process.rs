@@ -12,11 +12,12 @@ use nalgebra::Point2;
 use planner_view::map::PlannerMap;
 use planner_view::view::{BeliefView, ParticleView, RobotView, ScanView, View};
 use runtime::config::{Clock, ProcessConfig};
+use runtime::declaration::{Declaration, Flow, Input, Output};
 use runtime::error::ProcessError;
 use runtime::inputs::{
     BeliefInput, Latest, MapInput, ScanInput, ShapesInput, StateInput, reply_stamp,
 };
-use runtime::kind::{Need, Process, ProcessKind, Product, Remark, Task, TaskFault, TaskSketch};
+use runtime::kind::{Process, ProcessKind, Remark, Task, TaskFault, TaskSketch};
 use sim_backend::spec::RobotSpec;
 use sim_backend::team::Team;
 
@@ -54,12 +55,6 @@ pub struct PlannerProcess<P: Planner> {
 impl<P: Planner> ProcessKind for PlannerProcess<P> {
     const NAME: &'static str = P::NAME;
     const SUMMARY: &'static str = P::SUMMARY;
-    const DRIVES_ROBOTS: bool = true;
-    const MAKES: &'static [Product] = if P::WAYPOINTS > 0 {
-        &[Product::Waypoints]
-    } else {
-        &[]
-    };
 
     const FILES: &'static [&'static str] = P::FILES;
 
@@ -69,16 +64,16 @@ impl<P: Planner> ProcessKind for PlannerProcess<P> {
         P::presets()
     }
 
-    fn needs(params: &P::Params) -> Vec<Need> {
-        P::needs(params)
+    fn declare(params: &P::Params) -> Declaration {
+        P::declare(params)
+            .reads(Input::STATE)
+            .reads(Input::MAP)
+            .writes(Output::new::<Commands>(1))
+            .writes(Output::new::<Plan>(MAX_PLAN_POINTS))
     }
 
     fn sketch(params: &P::Params, robot: &RobotSpec, map: &MapSpec) -> TaskSketch {
         P::sketch(params, robot, map)
-    }
-
-    fn lap_limit_s(params: &P::Params) -> Option<f64> {
-        P::lap_limit_s(params)
     }
 
     fn check_task(params: &P::Params, task: &Task<'_>) -> Result<(), TaskFault> {
@@ -97,7 +92,10 @@ impl<P: Planner> ProcessKind for PlannerProcess<P> {
             kind: config.kind.clone(),
             reason,
         };
-        let inputs = P::inputs(params);
+        let declaration = P::declare(params);
+        let reads = |input: Input| declaration.input(input.flow).is_some();
+        let most = |flow: Flow| declaration.output(flow).map(|output| output.elements);
+        let (edges, waypoints) = (most(Flow::of::<Tree>()), most(Flow::of::<Waypoints>()));
         let robots = config.run.robots.len();
         let mut driven = config
             .own_robots()
@@ -116,22 +114,22 @@ impl<P: Planner> ProcessKind for PlannerProcess<P> {
         Ok(Self {
             state: StateInput::open(bus, robots)?,
             map_input: MapInput::open(bus)?,
-            shapes: inputs.shapes.then(|| ShapesInput::open(bus)).transpose()?,
-            beliefs: inputs
-                .beliefs
+            shapes: reads(Input::SHAPES)
+                .then(|| ShapesInput::open(bus))
+                .transpose()?,
+            beliefs: reads(Input::BELIEFS)
                 .then(|| BeliefInput::open(bus, robots))
                 .transpose()?,
-            scans: inputs
-                .scans
+            scans: reads(Input::SCANS)
                 .then(|| ScanInput::open(bus, robots))
                 .transpose()?,
             commands: bus.publisher(PublisherOptions::new(config.index, 1))?,
             plans: bus.publisher(PublisherOptions::new(config.index, MAX_PLAN_POINTS))?,
-            trees: (P::TREE_EDGES > 0)
-                .then(|| bus.publisher(PublisherOptions::new(config.index, P::TREE_EDGES)))
+            trees: edges
+                .map(|edges| bus.publisher(PublisherOptions::new(config.index, edges)))
                 .transpose()?,
-            waypoints: (P::WAYPOINTS > 0)
-                .then(|| bus.publisher(PublisherOptions::new(config.index, P::WAYPOINTS)))
+            waypoints: waypoints
+                .map(|most| bus.publisher(PublisherOptions::new(config.index, most)))
                 .transpose()?,
             teams: teams(&config.run.robots),
             config: config.clone(),
@@ -269,9 +267,9 @@ impl<P: Planner> Process for PlannerProcess<P> {
             driven.planner.plan(&steering, &mut self.planned);
             outputs.send(driven.robot, &steering, &self.planned)?;
             if let Some(edges) = driven.planner.tree() {
-                outputs.send_tree(driven.robot, edges, P::TREE_EDGES)?;
+                outputs.send_tree(driven.robot, edges)?;
             }
-            outputs.send_waypoints(driven.robot, driven.planner.waypoints(), P::WAYPOINTS)?;
+            outputs.send_waypoints(driven.robot, driven.planner.waypoints())?;
         }
         Ok(())
     }

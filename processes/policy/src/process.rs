@@ -5,7 +5,7 @@ use network::Network;
 use observation::action::ActionKind;
 use observation::facts::RobotFacts;
 use observation::parts::Parts;
-use planner::{Planner, PlannerInputs, teams};
+use planner::{Declaration, Input, Planner, teams};
 use planner_view::map::PlannerMap;
 use planner_view::steering::Steering;
 use planner_view::view::View;
@@ -34,13 +34,12 @@ impl Planner for PolicyPlanner {
 
     type Params = PolicyParams;
 
-    fn inputs(params: &PolicyParams) -> PlannerInputs {
+    fn declare(params: &PolicyParams) -> Declaration {
         let parts = params.parts().unwrap_or_default();
-        PlannerInputs {
-            beliefs: parts.belief,
-            scans: parts.scan,
-            shapes: true,
-        }
+        Declaration::default()
+            .reads(Input::SHAPES)
+            .reads_if(parts.belief, Input::BELIEFS)
+            .reads_if(parts.scan, Input::SCANS)
     }
 
     fn check_task(params: &PolicyParams, task: &Task<'_>, _: u64) -> Result<(), TaskFault> {

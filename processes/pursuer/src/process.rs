@@ -1,6 +1,6 @@
 //! Connects [`Pursuer`] to its topics: state, map and beliefs in, command and plan out.
 
-use planner::{Planner, PlannerInputs, limits};
+use planner::{Declaration, Input, Planner, limits};
 use planner_view::map::PlannerMap;
 use planner_view::steering::Steering;
 use planner_view::view::View;
@@ -22,11 +22,8 @@ impl Planner for PursuerPlanner {
         vec![("paper", PursuerParams::paper())]
     }
 
-    fn inputs(params: &PursuerParams) -> PlannerInputs {
-        PlannerInputs {
-            beliefs: params.needs_beliefs(),
-            ..PlannerInputs::default()
-        }
+    fn declare(params: &PursuerParams) -> Declaration {
+        Declaration::default().reads_if(params.needs_beliefs(), Input::BELIEFS)
     }
 
     fn new(params: &PursuerParams, robot: &RobotInfo, seed: u64) -> Result<Self, String> {

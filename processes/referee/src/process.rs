@@ -10,6 +10,7 @@ use navigation::dominance::{Cell, Owner};
 use planner::{planner_map, robot_views, teams};
 use planner_view::map::PlannerMap;
 use planner_view::view::RobotView;
+use runtime::declaration::{Declaration, Input, Output};
 use runtime::inputs::{MapInput, StateInput, reply_stamp};
 use runtime::{Clock, Process, ProcessConfig, ProcessError, ProcessKind};
 use sim_backend::team::{Role, Team};
@@ -68,6 +69,14 @@ impl ProcessKind for RefereeProcess {
 
     type Params = RefereeParams;
 
+    fn declare(_: &RefereeParams) -> Declaration {
+        Declaration::default()
+            .reads(Input::STATE)
+            .reads(Input::MAP)
+            .writes(Output::new::<Verdicts>(0))
+            .writes(Output::new::<Dominance>(0))
+    }
+
     fn open(
         config: &ProcessConfig,
         params: &RefereeParams,
@@ -93,7 +102,10 @@ impl ProcessKind for RefereeProcess {
             state: StateInput::open(bus, run.robots.len())?,
             map_input: MapInput::open(bus)?,
             verdicts: bus.publisher(PublisherOptions::new(config.index, evaders.count()))?,
-            cells: bus.publisher(PublisherOptions::new(config.index, run.map_cells as usize))?,
+            cells: bus.publisher(PublisherOptions::new(
+                config.index,
+                run.capacity(Input::MAP.flow).unwrap_or(0),
+            ))?,
             views: Vec::with_capacity(run.robots.len()),
             teams: teams(&run.robots),
             config: config.clone(),

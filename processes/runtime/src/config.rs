@@ -1,5 +1,6 @@
 //! Configuration of a process at its start: one JSON file, written by the orchestrator.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -12,6 +13,8 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value as Json;
 use sim_backend::spec::RobotModel;
 use sim_backend::team::Role;
+
+use crate::declaration::Flow;
 
 /// Environment variable with the path of a process's configuration.
 pub const CONFIG_VARIABLE: &str = "PROTEAN_CONFIG";
@@ -65,14 +68,8 @@ pub struct RunConfig {
     pub events: u32,
     /// Maximum lag of the recorder (ticks).
     pub recorder_ticks: u32,
-    /// Cells of the map, the capacity of `world/map`.
-    pub map_cells: u32,
-    /// Largest number of points of the map's exact pieces during the run, the capacity of `world/shapes`.
-    pub map_points: u32,
-    /// Particles of the largest belief, the capacity of `perception/belief`.
-    pub particles: u32,
-    /// `true` if a process of the run makes plans on request.
-    pub plans: bool,
+    /// Maximum number of elements of a message, for each flow that a process of the run writes, by its text.
+    pub capacities: BTreeMap<String, u32>,
     /// Every robot of the run, in the order of its index.
     pub robots: Vec<RobotInfo>,
     /// Regions through which evaders escape.
@@ -278,6 +275,12 @@ impl ProcessConfig {
 }
 
 impl RunConfig {
+    /// Returns the maximum number of elements of a flow's messages; `None` if no process writes it.
+    pub fn capacity(&self, flow: Flow) -> Option<usize> {
+        let elements = self.capacities.get(&flow.to_string())?;
+        Some(*elements as usize)
+    }
+
     /// Returns the shared-memory space of the run.
     ///
     /// # Errors

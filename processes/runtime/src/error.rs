@@ -21,12 +21,12 @@ pub enum ProcessError {
         /// Description of the fault.
         reason: String,
     },
-    /// The scenario does not provide what it needs.
+    /// The run lacks an input that it requires.
     #[error("{process} {lack}: expected {expected}")]
-    Need {
+    Input {
         /// Name of the process, and its kind.
         process: String,
-        /// Need and what is missing, in words.
+        /// Input and what is missing, in words.
         lack: String,
         /// Part that the scenario lacks.
         expected: &'static str,

@@ -7,11 +7,12 @@ use geometry::map::{MapSpec, WorldMap};
 use geometry::shape::Shape;
 use geometry::visibility::polygon::SightLimits;
 use ipc_types::bus::Bus;
+use ipc_types::topics::{Scan, WorldShapes};
 use sim_backend::spec::RobotSpec;
 
 use crate::config::{ProcessConfig, RobotInfo};
+use crate::declaration::{Declaration, Flow};
 use crate::error::ProcessError;
-use crate::shapes;
 
 /// Process connected to its topics, as the loop of a run drives it.
 pub trait Process {
@@ -41,7 +42,7 @@ pub trait Process {
     }
 }
 
-/// Kind of process: its name, its parameters, its needs and products, and its constructor.
+/// Kind of process: its name, its parameters, its inputs and outputs, and its constructor.
 ///
 /// A kind is complete with this implementation; a program names it in one line of its list of
 /// kinds.
@@ -51,12 +52,6 @@ pub trait ProcessKind: Process + Sized + 'static {
 
     /// One-line description.
     const SUMMARY: &'static str;
-
-    /// `true` if it commands robots (and then needs at least one).
-    const DRIVES_ROBOTS: bool = false;
-
-    /// Products for other processes.
-    const MAKES: &'static [Product] = &[];
 
     /// Names of the parameters that are the path of a file in a scenario and its contents in a process
     /// ([`files`](crate::files)).
@@ -70,18 +65,8 @@ pub trait ProcessKind: Process + Sized + 'static {
         Vec::new()
     }
 
-    /// Returns the needs that another part of the scenario must meet.
-    fn needs(params: &Self::Params) -> Vec<Need> {
-        let _ = params;
-        Vec::new()
-    }
-
-    /// Returns the number of particles of its largest published belief; 0 for a process without
-    /// beliefs.
-    fn belief_particles(params: &Self::Params) -> usize {
-        let _ = params;
-        0
-    }
+    /// Returns what a process with these parameters reads and writes.
+    fn declare(params: &Self::Params) -> Declaration;
 
     /// Returns viewpoint and range; `None` for a process without a view. `given` are the robots
     /// that the scenario assigns to it, by their indices in `robots`.
@@ -94,12 +79,6 @@ pub trait ProcessKind: Process + Sized + 'static {
     fn sketch(params: &Self::Params, robot: &RobotSpec, map: &MapSpec) -> TaskSketch {
         let _ = (params, robot, map);
         TaskSketch::default()
-    }
-
-    /// Returns the time limit of a lap (s); `None` without laps.
-    fn lap_limit_s(params: &Self::Params) -> Option<f64> {
-        let _ = params;
-        None
     }
 
     /// Checks that it can do its task with one of its robots on this map.
@@ -125,11 +104,11 @@ pub trait ProcessKind: Process + Sized + 'static {
     -> Result<Self, ProcessError>;
 }
 
-/// Checks the parameters and the needs, and opens the process. A scenario with a built-in kind was checked before; the
-/// parameters and needs of an external program are known only here.
+/// Checks the parameters and the inputs, and opens the process. A scenario with a built-in kind was checked before; the
+/// parameters and inputs of an external program are known only here.
 ///
 /// # Errors
-/// [`ProcessError::Params`] for invalid parameters; [`ProcessError::Need`]; as [`ProcessKind::open`].
+/// [`ProcessError::Params`] for invalid parameters; [`ProcessError::Input`]; as [`ProcessKind::open`].
 pub fn open<K: ProcessKind>(
     config: &ProcessConfig,
     params: &K::Params,
@@ -140,73 +119,45 @@ pub fn open<K: ProcessKind>(
         kind: config.kind.clone(),
         reason: fault.to_string(),
     })?;
-    for need in K::needs(params) {
-        check_need(need, config)?;
-    }
+    check_inputs(&K::declare(params), config)?;
     K::open(config, params, bus)
 }
 
-/// Checks that a run meets a need of a process.
-fn check_need(need: Need, config: &ProcessConfig) -> Result<(), ProcessError> {
-    let lacks = |lack: String, expected: &'static str| ProcessError::Need {
+/// Checks that a run has the required inputs of a process.
+fn check_inputs(declaration: &Declaration, config: &ProcessConfig) -> Result<(), ProcessError> {
+    let lacks = |lack: String, expected: &'static str| ProcessError::Input {
         process: format!("{} (kind {})", config.name, config.kind),
         lack,
         expected,
     };
-    let first_robot = |lacks: fn(&RobotInfo) -> bool| {
+    let robot_without = |lacks: fn(&RobotInfo) -> bool| {
         let mut own = config.own_robots();
         own.find_map(|(_, robot)| lacks(robot).then(|| robot.name.clone()))
     };
-    match need {
-        Need::Belief if config.run.particles == 0 => Err(lacks(
-            "uses beliefs, but no process provides them".to_owned(),
-            "a [[processes]] block with kind = \"perception\"",
-        )),
-        Need::Plans if !config.run.plans => Err(lacks(
-            "asks for plans, but no process makes them".to_owned(),
-            "a [[processes]] block with kind = \"optimiser\"",
-        )),
-        Need::Scan => first_robot(|robot| robot.beams == 0).map_or(Ok(()), |robot| {
-            let lack = format!("steers by a range scanner, but robot `{robot}` has none");
-            Err(lacks(lack, "a `scan` table on the robot"))
-        }),
-        Need::Goal => first_robot(|robot| robot.goal.is_none()).map_or(Ok(()), |robot| {
-            let lack = format!("drives to a goal, but robot `{robot}` has none");
-            Err(lacks(lack, "a `goal` of the robot"))
-        }),
-        Need::Pieces if config.run.map_points as usize > shapes::MAX_POINTS => Err(lacks(
-            "plans among the exact pieces of the map, but world/shapes has no room for them"
-                .to_owned(),
-            "a map with fewer pieces",
-        )),
-        Need::Belief | Need::Plans | Need::Pieces => Ok(()),
+    for flow in declaration.required() {
+        if flow == Flow::of::<Scan>() {
+            if let Some(robot) = robot_without(|robot| robot.beams == 0) {
+                let lack = format!("reads {flow}, but robot `{robot}` has no range scanner");
+                return Err(lacks(lack, "a `scan` table on the robot"));
+            }
+        } else if flow == Flow::of::<WorldShapes>() && config.run.capacity(flow).is_none() {
+            let lack = format!("reads {flow}, but the map has too many pieces for it");
+            return Err(lacks(lack, "a map with fewer pieces"));
+        } else if !flow.is_of_the_run() && config.run.capacity(flow).is_none() {
+            let lack = format!("reads {flow}, but no process writes it");
+            return Err(lacks(
+                lack,
+                "a [[processes]] block with a kind that writes it",
+            ));
+        }
     }
-}
-
-/// Input that a process needs and another part of the scenario must provide.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Need {
-    /// Beliefs about the opponents: from a process with [`Product::Beliefs`].
-    Belief,
-    /// A `scan` sensor on every robot that the process drives.
-    Scan,
-    /// Trajectories on request: from a process with [`Product::Plans`].
-    Plans,
-    /// A `goal` of every robot that the process drives.
-    Goal,
-    /// The exact pieces of the map: at most [`shapes::MAX_POINTS`] points at any time.
-    Pieces,
-}
-
-/// Output of a kind of process for other processes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Product {
-    /// Beliefs for [`Need::Belief`].
-    Beliefs,
-    /// Plans for [`Need::Plans`].
-    Plans,
-    /// Use of waypoints (`robot/waypoint`).
-    Waypoints,
+    if declaration.needs_goals
+        && let Some(robot) = robot_without(|robot| robot.goal.is_none())
+    {
+        let lack = format!("drives to goals, but robot `{robot}` has none");
+        return Err(lacks(lack, "a `goal` of the robot"));
+    }
+    Ok(())
 }
 
 /// Viewpoint and range of a process.

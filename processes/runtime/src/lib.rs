@@ -8,6 +8,7 @@
 #![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
 
 pub mod config;
+pub mod declaration;
 pub mod error;
 pub mod files;
 pub mod grids;
@@ -19,8 +20,8 @@ pub mod lockstep;
 pub mod logging;
 pub mod maps;
 pub mod obstacle;
-pub mod optimiser_client;
 pub mod seed;
+pub mod service_client;
 pub mod shapes;
 pub mod status;
 

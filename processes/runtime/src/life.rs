@@ -113,6 +113,10 @@ impl Setup {
 ///     const SUMMARY: &'static str = "counts ticks";
 ///     type Params = ();
 ///
+///     fn declare((): &()) -> Declaration {
+///         Declaration::default()
+///     }
+///
 ///     fn open(_: &ProcessConfig, (): &(), _: &Bus) -> Result<Self, ProcessError> {
 ///         Ok(Self { ticks: 0 })
 ///     }

@@ -11,8 +11,8 @@ use ipc_types::stamp::Stamp;
 use nalgebra::Point2;
 
 /// Maximum number of points of a message (8 MB; 65 536 rectangles of an occupancy grid). The header of a larger map marks
-/// it as incomplete: planners then use the grids alone, and a scenario with a process that needs the pieces
-/// ([`Need::Pieces`](crate::kind::Need::Pieces)) is refused.
+/// it as incomplete: planners then use the grids alone, and a scenario with a process that requires the pieces
+/// ([`Input::SHAPES`](crate::declaration::Input::SHAPES)) is refused.
 pub const MAX_POINTS: usize = 1 << 18;
 
 /// Maximum coordinate and radius (m) that a receiver accepts.

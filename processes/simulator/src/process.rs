@@ -17,6 +17,7 @@ use ipc_types::stamp::{PlainHeader, Stamp};
 use ipc_types::topics::{
     Commands, Coverage, Scan, WorldEvents, WorldMap as MapTopic, WorldShapes, WorldState,
 };
+use runtime::declaration::Input;
 use runtime::lockstep::{BarrierLeader, Phase, SlotState};
 use runtime::maps::{MapState, Maps};
 use runtime::{Clock, ProcessConfig, ProcessError, Setup, shapes};
@@ -170,8 +171,12 @@ impl Simulator {
             refused_commands: 0,
             state_out: bus.publisher(port(robots))?,
             map_out: bus.publisher(port(world.map().frame().len()))?,
+            // Without the capacity the map has too many pieces at some time, and is sent whole at others.
             shapes_out: bus.publisher(port(
-                (config.run.map_points as usize).min(shapes::MAX_POINTS),
+                config
+                    .run
+                    .capacity(Input::SHAPES.flow)
+                    .unwrap_or(shapes::MAX_POINTS),
             ))?,
             event_out: bus.publisher(port(outputs::max_events(
                 robots,

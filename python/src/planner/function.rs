@@ -6,9 +6,9 @@ use pyo3::prelude::*;
 
 use crate::error::InvalidInput;
 
-/// Input of a planner, by the name of its argument.
+/// Argument of a planner, by its name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Input {
+pub(super) enum Argument {
     /// Its robot.
     Robot,
     /// All robots, exits and the time.
@@ -25,7 +25,7 @@ pub(super) enum Input {
     Rng,
 }
 
-impl Input {
+impl Argument {
     fn of(name: &str) -> PyResult<Self> {
         Ok(match name {
             "robot" => Self::Robot,
@@ -56,9 +56,9 @@ impl Input {
 pub struct Function {
     pub(super) callable: Py<PyAny>,
     /// Inputs of the class; `None` for a function.
-    pub(super) setup: Option<Vec<Input>>,
+    pub(super) setup: Option<Vec<Argument>>,
     /// Inputs of a tick.
-    pub(super) inputs: Vec<Input>,
+    pub(super) inputs: Vec<Argument>,
     /// Exception that ended the last run.
     failure: Mutex<Option<PyErr>>,
 }
@@ -78,8 +78,8 @@ impl Function {
     fn new(callable: Py<PyAny>, inputs: Vec<String>, setup: Option<Vec<String>>) -> PyResult<Self> {
         Ok(Self {
             callable,
-            setup: setup.as_deref().map(Input::all).transpose()?,
-            inputs: Input::all(&inputs)?,
+            setup: setup.as_deref().map(Argument::all).transpose()?,
+            inputs: Argument::all(&inputs)?,
             failure: Mutex::new(None),
         })
     }
@@ -87,7 +87,7 @@ impl Function {
 
 impl Function {
     /// Returns `true` if it has this input, in a tick or at its start.
-    pub(super) fn uses(&self, input: Input) -> bool {
+    pub(super) fn uses(&self, input: Argument) -> bool {
         let setup = self.setup.iter().flatten();
         self.inputs.iter().chain(setup).any(|own| *own == input)
     }

@@ -6,16 +6,15 @@ use geometry::pose::Twist2;
 use geometry::region::Region;
 use ipc_types::bus::Bus;
 use nalgebra::Point2;
-use planner::{Limits, Planner, PlannerInputs, PlannerMap, RobotInfo, Steering, View, limits};
+use planner::{Declaration, Input, Limits, Planner, PlannerMap, RobotInfo, Steering, View, limits};
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 use runtime::config::ProcessConfig;
 use runtime::error::ProcessError;
-use runtime::kind::Need;
 use serde_json::Value as Json;
 
-use super::function::{Function, Input};
+use super::function::{Argument, Function};
 use super::params::PythonParams;
 use super::robot::Robot;
 use super::sensors::{Belief, Scan};
@@ -40,7 +39,7 @@ pub struct PythonPlanner {
 #[derive(Debug)]
 struct Objects {
     callable: Py<PyAny>,
-    inputs: Vec<Input>,
+    inputs: Vec<Argument>,
     robot: Py<Robot>,
     world: Py<World>,
     params: Py<PyAny>,
@@ -54,20 +53,15 @@ impl Planner for PythonPlanner {
 
     type Params = PythonParams;
 
-    fn inputs(params: &PythonParams) -> PlannerInputs {
+    fn declare(params: &PythonParams) -> Declaration {
         let uses = |input| {
             let function = params.function();
             function.is_some_and(|function| function.get().uses(input))
         };
-        PlannerInputs {
-            beliefs: uses(Input::Belief),
-            scans: uses(Input::Scan),
-            shapes: uses(Input::Map),
-        }
-    }
-
-    fn needs(params: &PythonParams) -> Vec<Need> {
-        Self::inputs(params).needs_without_shapes()
+        Declaration::default()
+            .reads_if(uses(Argument::Belief), Input::BELIEFS)
+            .reads_if(uses(Argument::Scan), Input::SCANS)
+            .reads_if(uses(Argument::Map), Input::SHAPES.optional())
     }
 
     fn new(params: &PythonParams, robot: &RobotInfo, seed: u64) -> Result<Self, String> {
@@ -151,21 +145,21 @@ impl PythonPlanner {
         };
         objects.world.borrow_mut(py).update(py, view);
         let known = objects.map.as_ref().map(|known| known.get().map.revision());
-        if objects.inputs.contains(&Input::Map) && known != Some(map.revision()) {
+        if objects.inputs.contains(&Argument::Map) && known != Some(map.revision()) {
             let map = Arc::new(map.clone());
             objects.map = Some(Py::new(py, Map { map, recipe: None })?);
         }
         let inputs = objects.inputs.iter();
         let arguments = inputs.map(|input| match input {
-            Input::Map => Ok(match &objects.map {
+            Argument::Map => Ok(match &objects.map {
                 Some(map) => map.clone_ref(py).into_any(),
                 None => py.None(),
             }),
-            Input::Scan => match &view.scan {
+            Argument::Scan => match &view.scan {
                 Some(scan) => Ok(Py::new(py, Scan::new(py, scan))?.into_any()),
                 None => Ok(py.None()),
             },
-            Input::Belief => objects.beliefs(py, view),
+            Argument::Belief => objects.beliefs(py, view),
             input => objects.constant(py, *input),
         });
         let arguments = PyTuple::new(py, arguments.collect::<PyResult<Vec<_>>>()?)?;
@@ -190,13 +184,13 @@ impl PythonPlanner {
 
 impl Objects {
     /// Returns an input that is the same object in all ticks.
-    fn constant(&self, py: Python<'_>, input: Input) -> PyResult<Py<PyAny>> {
+    fn constant(&self, py: Python<'_>, input: Argument) -> PyResult<Py<PyAny>> {
         Ok(match input {
-            Input::Robot => self.robot.clone_ref(py).into_any(),
-            Input::World => self.world.clone_ref(py).into_any(),
-            Input::Params => self.params.clone_ref(py),
-            Input::Rng => self.rng.clone_ref(py),
-            Input::Map | Input::Scan | Input::Belief => {
+            Argument::Robot => self.robot.clone_ref(py).into_any(),
+            Argument::World => self.world.clone_ref(py).into_any(),
+            Argument::Params => self.params.clone_ref(py),
+            Argument::Rng => self.rng.clone_ref(py),
+            Argument::Map | Argument::Scan | Argument::Belief => {
                 return Err(PyTypeError::new_err(
                     "__init__ of a planner: expected robot, world, params or rng as arguments",
                 ));

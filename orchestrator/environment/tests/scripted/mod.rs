@@ -13,7 +13,7 @@ use observation::layout::Layout;
 use observation::route_entries::RouteEntries;
 use observation::scene::{Hiding, Scene};
 use parameters::Parameters;
-use planner::{Planner, PlannerInputs, PlannerMap, PlannerProcess, RobotInfo, Steering, View};
+use planner::{Declaration, Input, Planner, PlannerMap, PlannerProcess, RobotInfo, Steering, View};
 use scenario::Template;
 use scenario::kind::ConfiguredKind;
 use schemars::JsonSchema;
@@ -59,12 +59,12 @@ impl Planner for ScriptedPlanner {
 
     type Params = ScriptParams;
 
-    fn inputs(params: &ScriptParams) -> PlannerInputs {
-        PlannerInputs {
-            beliefs: params.script.observation.contains("belief"),
-            scans: params.script.observation.contains("scan"),
-            shapes: true,
-        }
+    fn declare(params: &ScriptParams) -> Declaration {
+        let observation = &params.script.observation;
+        Declaration::default()
+            .reads(Input::SHAPES)
+            .reads_if(observation.contains("belief"), Input::BELIEFS)
+            .reads_if(observation.contains("scan"), Input::SCANS)
     }
 
     fn new(params: &ScriptParams, robot: &RobotInfo, _: u64) -> Result<Self, String> {

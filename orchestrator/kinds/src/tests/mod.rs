@@ -3,7 +3,7 @@
 mod builtin;
 
 use config::Node;
-use runtime::kind::Need;
+use runtime::declaration::Input;
 use serde_json::{Value as Json, json};
 
 use scenario::kind::Kind;
@@ -49,7 +49,10 @@ fn every_kind_has_valid_defaults_and_presets_and_is_found_by_its_name() {
 #[test]
 fn a_pursuer_needs_beliefs_unless_everything_it_knows_is_exact() {
     let pursuer = find(KINDS, "pursuer").unwrap();
-    let needs = |params: Json| read(pursuer, &params).needs(Need::Belief);
+    let needs = |params: Json| {
+        let declaration = read(pursuer, &params).declaration();
+        declaration.input(Input::BELIEFS.flow).is_some()
+    };
     assert!(needs(json!({})));
     assert!(needs(json!({ "knowledge": "exact" })));
     let exact = json!({ "knowledge": "exact", "assignment": { "knowledge": "exact" } });

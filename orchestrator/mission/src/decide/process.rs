@@ -2,7 +2,8 @@
 
 use std::time::{Duration, Instant};
 
-use runtime::kind::{Need, Product};
+use ipc_types::topics::{OptimiserPlan, Service as _};
+use runtime::declaration::Flow;
 
 use super::{Action, Failure, OnFailure};
 use crate::plan::Launch;
@@ -61,8 +62,8 @@ impl Process {
             },
             ready_timeout: Duration::from_secs_f64(launch.supervision.ready_timeout_s),
             upstream: config.upstream.iter().filter_map(position).collect(),
-            makes_plans: launch.makes(Product::Plans),
-            needs_plans: launch.kind().is_some_and(|kind| kind.needs(Need::Plans)),
+            makes_plans: launch.writes(Flow::Answers(OptimiserPlan::NAME)),
+            needs_plans: launch.reads(Flow::Answers(OptimiserPlan::NAME)),
             drives_robots: !config.robots.is_empty(),
             participation: Participation::Active,
             failures: 0,

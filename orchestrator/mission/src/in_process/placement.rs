@@ -76,8 +76,8 @@ pub fn processes_of(scenario: &ResolvedScenario, name: &str) -> Result<Vec<usize
 
 /// Returns `true` if a process steers its robots.
 pub fn steers(process: &ProcessSpec) -> bool {
-    let kind = process.program.kind();
-    kind.is_none_or(|kind| kind.kind().drives_robots)
+    let declaration = process.declaration();
+    declaration.is_none_or(|declaration| declaration.drives_robots())
 }
 
 /// Returns the names of robots, teams and steering processes, each once.

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use ipc_types::bus::Bus;
+use runtime::declaration;
 use runtime::{Process, ProcessConfig, ProcessError};
 use scenario::kind::ConfiguredKind;
 use sim_backend::world::World;
@@ -216,21 +217,21 @@ fn order(
     followers: &[Launch],
     is_late: impl Fn(&Launch) -> bool,
 ) -> Result<Vec<&Launch>, InProcessError> {
-    let mut waiting: Vec<&Launch> = followers.iter().collect();
-    let mut ordered: Vec<&Launch> = Vec::with_capacity(waiting.len());
-    while !waiting.is_empty() {
-        let is_waited_for = |index: &u32| waiting.iter().any(|w| w.config.index == *index);
-        let is_ready = |launch: &Launch| !launch.config.upstream.iter().any(is_waited_for);
-        let mut ready = (0..).zip(&waiting).filter(|(_, launch)| is_ready(launch));
-        let first = ready.clone().next();
-        let early = ready.find(|(_, launch)| !is_late(launch));
-        let Some((at, _)) = early.or(first) else {
-            let names = waiting.iter().map(|w| w.config.name.clone()).collect();
-            return Err(InProcessError::Circular { names });
-        };
-        ordered.push(waiting.remove(at));
+    let place = |index: &u32| followers.iter().position(|l| l.config.index == *index);
+    let places = |launch: &Launch| launch.config.upstream.iter().filter_map(place).collect();
+    let upstream: Vec<Vec<usize>> = followers.iter().map(places).collect();
+    let order = declaration::order(&upstream, |at| is_late(&followers[at]));
+    match order {
+        Ok(order) => Ok(order.into_iter().map(|at| &followers[at]).collect()),
+        Err(circle) => {
+            let names = circle
+                .into_iter()
+                .map(|at| followers[at].config.name.clone());
+            Err(InProcessError::Circular {
+                names: names.collect(),
+            })
+        }
     }
-    Ok(ordered)
 }
 
 #[cfg(test)]
@@ -262,7 +263,7 @@ mod tests {
     fn every_process_comes_after_those_it_waits_for() {
         let mut launches = followers("chase");
         // The worst order: providers come last.
-        launches.sort_by_key(|launch| launch.watched);
+        launches.sort_by_key(|launch| launch.is_within_tick());
         let ordered = order(&launches, |_| false).unwrap();
         assert_eq!(ordered.len(), launches.len());
         for (at, launch) in ordered.iter().enumerate() {

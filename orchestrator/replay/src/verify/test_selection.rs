@@ -2,9 +2,10 @@
 
 use std::collections::BTreeSet;
 
+use ipc_types::topics::{OptimiserPlan, Service as _};
 use mcap_log::LogReadError;
 use mcap_log::Origin;
-use runtime::kind::{Need, Product};
+use runtime::declaration::Flow;
 
 use super::VerifyOptions;
 use crate::ReplayError;
@@ -34,13 +35,12 @@ impl TestSelection {
             .map(|name| launch_of(plan, name, options.allow_external).cloned())
             .collect::<Result<Vec<_>, _>>()?;
         let senders: BTreeSet<u32> = launches.iter().map(|l| l.config.index).collect();
-        let needs_plans =
-            |launch: &Launch| launch.kind().is_some_and(|kind| kind.needs(Need::Plans));
+        let answers = Flow::Answers(OptimiserPlan::NAME);
         let mut helpers = Vec::new();
-        if launches.iter().any(needs_plans) {
+        if launches.iter().any(|launch| launch.reads(answers)) {
             // Requests and answers are not logged.
             for launch in &plan.launches {
-                if launch.makes(Product::Plans) && !senders.contains(&launch.config.index) {
+                if launch.writes(answers) && !senders.contains(&launch.config.index) {
                     helpers.push(launch.config.name.clone());
                     launches.push(launch.clone());
                 }

@@ -1,7 +1,7 @@
 //! Checks that the processes fit each other and the robots.
 
 use config::Code;
-use runtime::kind::{Need, Product};
+use runtime::declaration::{self, Declaration, Flow, Input, When};
 
 use super::read::Read;
 use crate::context::Context;
@@ -64,79 +64,103 @@ pub fn check_drivers(ctx: &mut Context<'_>, read: &[Read], robots: &[Robot]) {
     }
 }
 
-/// A product that one process makes for others.
-struct Provision {
-    need: Need,
-    /// Kind of the product.
-    product: Product,
-    /// End of the message "two processes …".
-    both: &'static str,
-    /// Part of the message "process … …, but no process provides them".
-    uses: &'static str,
+/// Checks the inputs of every process: one process at most writes a sole output, every required input has a writer, and no
+/// processes wait for each other in a circle.
+pub fn check_inputs(ctx: &mut Context<'_>, read: &[Read], robots: &[Robot]) {
+    let declarations: Vec<_> = read.iter().map(|r| r.spec.declaration()).collect();
+    check_sole_writers(ctx, read, &declarations);
+    check_writers(ctx, read, &declarations);
+    check_circles(ctx, read, &declarations);
+    check_robots(ctx, read, &declarations, robots, &SCANNER);
+    check_robots(ctx, read, &declarations, robots, &GOAL);
 }
 
-const PROVISIONS: [Provision; 2] = [
-    Provision {
-        need: Need::Belief,
-        product: Product::Beliefs,
-        both: "publish beliefs",
-        uses: "uses beliefs",
-    },
-    Provision {
-        need: Need::Plans,
-        product: Product::Plans,
-        both: "make plans",
-        uses: "asks for plans",
-    },
-];
-
-/// Checks that the needs of every process are met.
-pub fn check_needs(ctx: &mut Context<'_>, read: &[Read], robots: &[Robot]) {
-    for provision in &PROVISIONS {
-        check_provision(ctx, read, provision);
-    }
-    check_robots(ctx, read, robots, &SCANNER);
-    check_robots(ctx, read, robots, &GOAL);
-}
-
-/// Checks that one process at most makes each product, and that every needed product has one.
-fn check_provision(ctx: &mut Context<'_>, read: &[Read], provision: &Provision) {
-    let providers: Vec<&Read> = read
-        .iter()
-        .filter(|r| r.spec.makes(provision.product))
-        .collect();
-    if let [first, second, ..] = providers.as_slice() {
-        let message = format!(
-            "two processes {}, `{}` and `{}`",
-            provision.both, first.spec.name, second.spec.name
-        );
-        let problem = ctx
-            .block_problem(second.origin, &second.path, Code::Requirement, message)
-            .expected("at most one");
-        ctx.problems.push(problem);
-    }
-    if !providers.is_empty() {
-        return;
-    }
-    let provider = ctx.kinds.iter().find(|kind| kind.makes(provision.product));
-    let provider = provider.map_or("…", |kind| kind.name);
-    for r in read {
-        if r.spec.needs(provision.need) {
+/// Reports the second process that writes a sole output.
+fn check_sole_writers(ctx: &mut Context<'_>, read: &[Read], declarations: &[Option<Declaration>]) {
+    let mut writers: Vec<(Flow, &Read)> = Vec::new();
+    for (r, declaration) in read.iter().zip(declarations) {
+        let outputs = declaration.iter().flat_map(|known| &known.outputs);
+        for output in outputs.filter(|output| output.is_sole) {
+            let Some((flow, first)) = writers.iter().find(|(flow, _)| *flow == output.flow) else {
+                writers.push((output.flow, r));
+                continue;
+            };
             let message = format!(
-                "process `{}` {}, but no process provides them",
-                r.spec.name, provision.uses
+                "two processes write {flow}, `{}` and `{}`",
+                first.spec.name, r.spec.name
             );
             let problem = ctx
                 .block_problem(r.origin, &r.path, Code::Requirement, message)
-                .expected(format!("a [[processes]] block with kind = \"{provider}\""));
+                .expected("at most one");
             ctx.problems.push(problem);
         }
     }
 }
 
+/// Reports required inputs that no process writes. What the run itself writes is there, or is checked with the robots and
+/// the map.
+fn check_writers(ctx: &mut Context<'_>, read: &[Read], declarations: &[Option<Declaration>]) {
+    let is_written = |flow| {
+        let mut known = declarations.iter().flatten();
+        known.any(|writer| writer.output(flow).is_some())
+    };
+    for (r, declaration) in read.iter().zip(declarations) {
+        let required = declaration.iter().flat_map(Declaration::required);
+        for flow in required.filter(|flow| !flow.is_of_the_run() && !is_written(*flow)) {
+            let message = format!(
+                "process `{}` reads {flow}, but no process writes it",
+                r.spec.name
+            );
+            let mut kinds = ctx.kinds.iter();
+            let writer = kinds.find(|kind| kind.declaration().output(flow).is_some());
+            let expected = writer.map_or_else(
+                || "a process of a kind that writes it".to_owned(),
+                |kind| format!("a [[processes]] block with kind = \"{}\"", kind.name),
+            );
+            let problem = ctx
+                .block_problem(r.origin, &r.path, Code::Requirement, message)
+                .expected(expected);
+            ctx.problems.push(problem);
+        }
+    }
+}
+
+/// Reports processes that wait for each other within a tick.
+fn check_circles(ctx: &mut Context<'_>, read: &[Read], declarations: &[Option<Declaration>]) {
+    let upstream = declaration::upstream(declarations);
+    let Err(circle) = declaration::order(&upstream, |_| false) else {
+        return;
+    };
+    let Some(r) = circle.first().and_then(|&first| read.get(first)) else {
+        return;
+    };
+    let named = circle.iter().filter_map(|&index| {
+        let inputs = &declarations.get(index)?.as_ref()?.inputs;
+        let within = |input: &&Input| input.when == When::ThisTick && !input.flow.is_of_the_run();
+        let flows: Vec<String> = inputs
+            .iter()
+            .filter(within)
+            .map(|input| input.flow.to_string())
+            .collect();
+        Some(format!(
+            "`{}` reads {}",
+            read.get(index)?.spec.name,
+            flows.join(" and ")
+        ))
+    });
+    let message = format!(
+        "processes wait for each other within a tick: {}",
+        named.collect::<Vec<_>>().join(", ")
+    );
+    let problem = ctx
+        .block_problem(r.origin, &r.path, Code::Requirement, message)
+        .expected("inputs of the tick before for one of them");
+    ctx.problems.push(problem);
+}
+
 /// Equipment of a robot that the process driving it needs.
 struct Equipment {
-    need: Need,
+    is_required: fn(&Declaration) -> bool,
     /// Key of the robot that adds it.
     key: &'static str,
     is_there: fn(&Robot) -> bool,
@@ -147,7 +171,7 @@ struct Equipment {
 }
 
 const SCANNER: Equipment = Equipment {
-    need: Need::Scan,
+    is_required: |known| known.required().any(|flow| flow == Input::SCANS.flow),
     key: "scan",
     is_there: |robot| robot.spec.scan.is_some(),
     lacks: ["range scanner", "steers by it"],
@@ -156,7 +180,7 @@ const SCANNER: Equipment = Equipment {
 };
 
 const GOAL: Equipment = Equipment {
-    need: Need::Goal,
+    is_required: |known| known.needs_goals,
     key: "goal",
     is_there: |robot| robot.spec.goal.is_some(),
     lacks: ["goal", "drives there"],
@@ -165,17 +189,21 @@ const GOAL: Equipment = Equipment {
 };
 
 /// Checks that a process that needs equipment drives robots that have it.
-fn check_robots(ctx: &mut Context<'_>, read: &[Read], robots: &[Robot], equipment: &Equipment) {
+fn check_robots(
+    ctx: &mut Context<'_>,
+    read: &[Read],
+    declarations: &[Option<Declaration>],
+    robots: &[Robot],
+    equipment: &Equipment,
+) {
     let [thing, use_of_it] = equipment.lacks;
-    for r in read {
-        let Some(kind) = r
-            .spec
-            .program
-            .kind()
-            .filter(|kind| kind.needs(equipment.need))
-        else {
+    for (r, declaration) in read.iter().zip(declarations) {
+        let Some(kind) = r.spec.program.kind() else {
             continue;
         };
+        if !declaration.as_ref().is_some_and(equipment.is_required) {
+            continue;
+        }
         let driven = r.spec.robots.iter().filter_map(|&i| robots.get(i));
         for robot in driven.filter(|robot| !(equipment.is_there)(robot)) {
             let message = format!(

@@ -7,7 +7,7 @@ mod tasks;
 
 use config::Code;
 use geometry::map::MapSpec;
-use runtime::kind::Product;
+use runtime::declaration::{self, Declaration};
 use sim_backend::spec::RulesSpec;
 
 use super::context::Context;
@@ -16,7 +16,7 @@ use super::files::Base;
 use super::resolved::ProcessSpec;
 use super::robots::Robot;
 use super::spec::{MAX_PROCESSES, RunSpec};
-use checks::{check_drivers, check_names, check_needs};
+use checks::{check_drivers, check_inputs, check_names};
 use read::Read;
 
 /// Reads all processes, checks that every robot is driven by exactly one, and that each process can do
@@ -49,14 +49,34 @@ pub fn resolve(
         && let Some(robots) = robots
     {
         check_drivers(ctx, &read, robots);
-        check_needs(ctx, &read, robots);
+        check_inputs(ctx, &read, robots);
         if let (Some(map), Some(rules)) = (map, rules)
             && ctx.problems.len() == before
         {
             tasks::check(ctx, map, robots, rules, events, &read, run.seed);
         }
     }
-    // Processes that others wait for come first; otherwise the order of the file holds.
-    read.sort_by_key(|r| !r.spec.makes(Product::Beliefs));
-    read.into_iter().map(|r| r.spec).collect()
+    in_order(read.into_iter().map(|r| r.spec).collect())
+}
+
+/// Sorts processes so that those that others may wait for come first, each after those that it waits for; otherwise the order
+/// of the file holds.
+fn in_order(mut specs: Vec<ProcessSpec>) -> Vec<ProcessSpec> {
+    specs.sort_by_key(|spec| {
+        let declaration = spec.declaration();
+        !declaration.is_some_and(|known| known.is_within_tick())
+    });
+    let declarations: Vec<Option<Declaration>> =
+        specs.iter().map(ProcessSpec::declaration).collect();
+    let Ok(order) = declaration::order(&declaration::upstream(&declarations), |_| false) else {
+        // A circle has been reported.
+        return specs;
+    };
+    let mut places = vec![0; specs.len()];
+    for (place, &index) in order.iter().enumerate() {
+        places[index] = place;
+    }
+    let mut placed: Vec<_> = places.into_iter().zip(specs).collect();
+    placed.sort_by_key(|(place, _)| *place);
+    placed.into_iter().map(|(_, spec)| spec).collect()
 }

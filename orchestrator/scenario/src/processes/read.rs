@@ -302,7 +302,7 @@ fn read_robots(
         ctx.problems.push(problem);
         return None;
     }
-    let drives = kind.is_none_or(|k| k.drives_robots);
+    let drives = kind.is_none_or(|kind| kind.declaration().drives_robots());
     let gives = if named.is_some() { "robots" } else { "team" };
     if !drives {
         if named.is_some() || block.team.is_some() {

@@ -3,7 +3,8 @@
 
 use config::{Code, FieldPath, Step};
 use geometry::map::{MapSpec, WorldMap};
-use runtime::kind::{Need, Task, TaskFault};
+use runtime::declaration::Input;
+use runtime::kind::{Task, TaskFault};
 use runtime::shapes;
 use sim_backend::spec::{RobotSpec, RulesSpec};
 
@@ -71,7 +72,11 @@ pub fn check(
 
 /// Reports a map with more pieces than `world/shapes` holds, if a process needs them.
 fn check_pieces(ctx: &mut Context<'_>, map: &WorldMap, events: &[EventSpec], read: &[Read]) {
-    let Some(r) = read.iter().find(|r| r.spec.needs(Need::Pieces)) else {
+    let requires = |r: &&Read| {
+        let declaration = r.spec.declaration();
+        declaration.is_some_and(|known| known.required().any(|flow| flow == Input::SHAPES.flow))
+    };
+    let Some(r) = read.iter().find(requires) else {
         return;
     };
     let path = FieldPath::parse("world.map");

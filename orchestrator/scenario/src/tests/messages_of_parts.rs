@@ -143,7 +143,7 @@ fn the_needs_of_a_process_must_be_met() {
         block,
         "",
         &[
-            "process `pursuer` uses beliefs, but no process provides them",
+            "process `pursuer` reads perception/belief, but no process writes it",
             "kind = \"perception\"",
         ],
     );
@@ -155,7 +155,7 @@ fn the_needs_of_a_process_must_be_met() {
     refused(
         block,
         &format!("{block}{}", block.replace("kind", "name = \"p2\"\nkind")),
-        &["two processes publish beliefs, `perception` and `p2`"],
+        &["two processes write perception/belief, `perception` and `p2`"],
     );
     refused(
         "kind = \"evader_potential\"",

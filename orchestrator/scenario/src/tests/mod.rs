@@ -10,8 +10,9 @@ mod resolve;
 mod teams;
 
 use ipc_types::bus::Bus;
+use ipc_types::topics::{Belief, Commands, OptimiserPlan};
 use parameters::{Parameters, ParamsError};
-use runtime::kind::{Need, Product};
+use runtime::declaration::{Declaration, Input, Output, When};
 use runtime::{Process, ProcessConfig, ProcessError, ProcessKind};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -90,14 +91,13 @@ macro_rules! kinds {
 
 kinds! {
     Perception "perception" {
-        const MAKES: &'static [Product] = &[Product::Beliefs];
+        fn declare(_: &Params) -> Declaration {
+            Declaration::default().writes(Output::new::<Belief>(1).at(When::ThisTick).sole())
+        }
     }
     Pursuer "pursuer" {
-        const DRIVES_ROBOTS: bool = true;
-
-        fn needs(params: &Params) -> Vec<Need> {
-            let needs = params.knowledge == Knowledge::Belief;
-            needs.then_some(Need::Belief).into_iter().collect()
+        fn declare(params: &Params) -> Declaration {
+            steers().reads_if(params.knowledge == Knowledge::Belief, Input::BELIEFS)
         }
 
         fn presets() -> Vec<(&'static str, Params)> {
@@ -110,25 +110,29 @@ kinds! {
         }
     }
     Braitenberg "evader_braitenberg" {
-        const DRIVES_ROBOTS: bool = true;
-
-        fn needs(_: &Params) -> Vec<Need> {
-            vec![Need::Scan]
+        fn declare(_: &Params) -> Declaration {
+            steers().reads(Input::SCANS)
         }
     }
     Potential "evader_potential" {
-        const DRIVES_ROBOTS: bool = true;
-    }
-    Optimiser "optimiser" {
-        const MAKES: &'static [Product] = &[Product::Plans];
-    }
-    Navigator "navigator" {
-        const DRIVES_ROBOTS: bool = true;
-
-        fn needs(_: &Params) -> Vec<Need> {
-            vec![Need::Plans]
+        fn declare(_: &Params) -> Declaration {
+            steers()
         }
     }
+    Optimiser "optimiser" {
+        fn declare(_: &Params) -> Declaration {
+            Declaration::default().answers::<OptimiserPlan>(1)
+        }
+    }
+    Navigator "navigator" {
+        fn declare(_: &Params) -> Declaration {
+            steers().asks::<OptimiserPlan>(1)
+        }
+    }
+}
+
+fn steers() -> Declaration {
+    Declaration::default().writes(Output::new::<Commands>(1))
 }
 
 /// A small scenario without errors.

@@ -1,5 +1,6 @@
 //! A world with three robots and a wall, as the planner of the second robot gets it.
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -116,10 +117,11 @@ fn config() -> ProcessConfig {
             processes: 2,
             events: 0,
             recorder_ticks: 8,
-            map_cells: 1600,
-            map_points: 0,
-            particles: 3,
-            plans: false,
+            capacities: BTreeMap::from([
+                ("world/map".to_owned(), 1600),
+                ("world/shapes".to_owned(), 0),
+                ("perception/belief".to_owned(), 3),
+            ]),
             robots: vec![
                 robot("cop", Role::Pursuer, vec![1]),
                 robot("thief", Role::Evader, vec![0]),

@@ -13,6 +13,7 @@ use runtime::{Process as _, ProcessKind as _};
 use serde_json::json;
 use sim_backend::spec::RobotModel;
 use sim_backend::team::Role;
+use std::collections::BTreeMap;
 
 const CELLS: u32 = 60;
 
@@ -39,10 +40,11 @@ fn config() -> ProcessConfig {
             processes: 2,
             events: 0,
             recorder_ticks: 8,
-            map_cells: CELLS * CELLS,
-            map_points: 0,
-            particles: 100,
-            plans: false,
+            capacities: BTreeMap::from([
+                ("world/map".to_owned(), CELLS * CELLS),
+                ("world/shapes".to_owned(), 0),
+                ("perception/belief".to_owned(), 100),
+            ]),
             robots: vec![robot("patrol", 1.0), robot("spy", 5.0)],
             exits: Vec::new(),
             capture_radius: 0.0,

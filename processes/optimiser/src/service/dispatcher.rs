@@ -11,7 +11,7 @@ use ipc_types::bus::{
 };
 use ipc_types::clock;
 use ipc_types::messages::optimiser::{PlanRequest, PlanResponse};
-use ipc_types::topics::{MAX_EVENT_ID, OptimiserPlan, PLAN_ANSWERED_EVENT, PLAN_ASKED_EVENT};
+use ipc_types::topics::{MAX_EVENT_ID, OptimiserPlan, Service as _};
 use runtime::ProcessError;
 use trajectory::plan::Plan;
 
@@ -150,8 +150,8 @@ impl DispatcherState {
             pool,
             open: Vec::new(),
             // The first check of the service also finds requests from before the listener existed.
-            asked: bus.listener(PLAN_ASKED_EVENT)?,
-            answered: bus.notifier(PLAN_ANSWERED_EVENT)?,
+            asked: bus.listener(OptimiserPlan::ASKED)?,
+            answered: bus.notifier(OptimiserPlan::ANSWERED)?,
             server: bus.server(given.source, PlanResponse::MAX_SAMPLES)?,
             next_id: 0,
             done: Vec::new(),

@@ -1,11 +1,9 @@
-//! Client of the optimiser.
+//! Client of a request–response service.
 
 use std::time::{Duration, Instant};
 
 use ipc_types::bus::{Answer, Bus, Client, Listener, Notifier, PendingResponse};
-use ipc_types::messages::optimiser::PlanRequest;
-use ipc_types::messages::world::ShapePoint;
-use ipc_types::topics::{OptimiserPlan, PLAN_ANSWERED_EVENT, PLAN_ASKED_EVENT};
+use ipc_types::topics::Service;
 
 use crate::error::ProcessError;
 
@@ -14,33 +12,29 @@ const POLL_INTERVAL: Duration = Duration::from_millis(50);
 /// Wait after which the log says what the process waits for.
 const LONG_WAIT: Duration = Duration::from_secs(5);
 
-/// An answer of the optimiser: header and samples.
-pub type PlanAnswer = Answer<OptimiserPlan>;
-
-/// Client of `optimiser/plan`, with at most one pending request. It belongs to the thread that
-/// opened it.
+/// Client of a service, with at most one pending request. It belongs to the thread that opened it.
 #[derive(Debug)]
-pub struct OptimiserClient {
-    client: Client<OptimiserPlan>,
-    /// Wakes the optimiser; none on a bus in memory, where the answer is immediate.
+pub struct ServiceClient<S: Service> {
+    client: Client<S>,
+    /// Wakes the server; none on a bus in memory, where the answer is immediate.
     wake: Option<Notifier>,
-    /// Listener for wake-ups of the optimiser.
+    /// Listener for wake-ups of the server.
     woken: Option<Listener>,
     source: u32,
-    open: Option<PendingResponse<OptimiserPlan>>,
+    open: Option<PendingResponse<S>>,
 }
 
-impl OptimiserClient {
-    /// Opens the client of the process with index `source`.
+impl<S: Service> ServiceClient<S> {
+    /// Opens the client of the process with index `source`, for requests of at most `elements`.
     ///
     /// # Errors
     /// [`ProcessError::Bus`] if the service or its events do not exist.
-    pub fn open(bus: &Bus, source: u32) -> Result<Self, ProcessError> {
+    pub fn open(bus: &Bus, source: u32, elements: usize) -> Result<Self, ProcessError> {
         let between_processes = !bus.is_local();
-        let wake = between_processes.then(|| bus.notifier(PLAN_ASKED_EVENT));
-        let woken = between_processes.then(|| bus.listener(PLAN_ANSWERED_EVENT));
+        let wake = between_processes.then(|| bus.notifier(S::ASKED));
+        let woken = between_processes.then(|| bus.listener(S::ANSWERED));
         Ok(Self {
-            client: bus.client(source, PlanRequest::MAX_POINTS)?,
+            client: bus.client(source, elements)?,
             wake: wake.transpose()?,
             woken: woken.transpose()?,
             source,
@@ -52,10 +46,14 @@ impl OptimiserClient {
     ///
     /// # Errors
     /// [`ProcessError::Send`] if the request does not fit or the transport fails.
-    pub fn ask(&mut self, request: PlanRequest, points: &[ShapePoint]) -> Result<(), ProcessError> {
+    pub fn ask(
+        &mut self,
+        request: S::RequestHeader,
+        elements: &[S::RequestElement],
+    ) -> Result<(), ProcessError> {
         // Dropped first: its place is needed.
         self.open = None;
-        self.open = Some(self.client.ask(request, points)?);
+        self.open = Some(self.client.ask(request, elements)?);
         if let Some(wake) = &self.wake {
             wake.notify(self.source as usize)?;
         }
@@ -73,7 +71,7 @@ impl OptimiserClient {
     }
 
     /// Returns `true` if the server of the pending request has gone: no answer will come unless it
-    /// is there already. The optimiser may have failed and may restart: ask again later.
+    /// is there already. The server may have failed and may restart: ask again later.
     pub fn is_server_gone(&self) -> bool {
         self.open.as_ref().is_some_and(|open| !open.is_open())
     }
@@ -82,7 +80,7 @@ impl OptimiserClient {
     ///
     /// # Errors
     /// [`ProcessError::Receive`] if the transport fails.
-    pub fn poll(&mut self) -> Result<Option<PlanAnswer>, ProcessError> {
+    pub fn poll(&mut self) -> Result<Option<Answer<S>>, ProcessError> {
         let Some(open) = &self.open else {
             return Ok(None);
         };
@@ -93,17 +91,17 @@ impl OptimiserClient {
         Ok(answer)
     }
 
-    /// Sleeps until the answer has arrived; `None` if no request is pending, or the optimiser ended
-    /// without an answer. The wait has no time limit: a plan may take long on a busy machine, and the
-    /// run ends an optimiser that hangs.
+    /// Sleeps until the answer has arrived; `None` if no request is pending, or the server ended
+    /// without an answer. The wait has no time limit: an answer may take long on a busy machine, and the
+    /// run ends a server that hangs.
     ///
     /// # Errors
     /// [`ProcessError`] if the transport fails.
-    pub fn wait(&mut self) -> Result<Option<PlanAnswer>, ProcessError> {
+    pub fn wait(&mut self) -> Result<Option<Answer<S>>, ProcessError> {
         let begun = Instant::now();
         let mut is_long = false;
         while self.open.is_some() {
-            // Checked before the answer: an optimiser that answers and then ends has answered.
+            // Checked before the answer: a server that answers and then ends has answered.
             let gone = self.is_server_gone();
             if let Some(answer) = self.poll()? {
                 return Ok(Some(answer));
@@ -114,7 +112,7 @@ impl OptimiserClient {
             }
             if begun.elapsed() >= LONG_WAIT && !is_long {
                 is_long = true;
-                tracing::warn!("no answer of the optimiser for {LONG_WAIT:?}: waits on");
+                tracing::warn!("no answer of {} for {LONG_WAIT:?}: waits on", S::NAME);
             }
             if let Some(woken) = &self.woken {
                 // The answer to another client wakes this one, too.

@@ -1,0 +1,295 @@
+//! Declaration of a process: what it reads and what it writes. The order of a tick, the checks of a scenario, the capacity
+//! of buffers and the picture of the dataflow follow from it.
+
+use core::fmt;
+
+use ipc_types::topics::{
+    Belief, Commands, Scan, Service, Topic, TopicId, Tree, Waypoints, WorldMap, WorldShapes,
+    WorldState,
+};
+
+/// A stream of messages between processes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Flow {
+    /// The messages of a topic.
+    Topic(TopicId),
+    /// The requests to the service with this name.
+    Requests(&'static str),
+    /// The answers of the service with this name.
+    Answers(&'static str),
+}
+
+impl Flow {
+    /// Returns the flow of a topic.
+    pub const fn of<T: Topic>() -> Self {
+        Self::Topic(T::ID)
+    }
+
+    /// Returns `true` if the simulator or the orchestrator alone writes it, in every run.
+    pub fn is_of_the_run(self) -> bool {
+        matches!(self, Self::Topic(topic) if topic.has_one_publisher())
+    }
+}
+
+impl fmt::Display for Flow {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Topic(topic) => f.write_str(topic.name()),
+            Self::Requests(name) => write!(f, "requests of {name}"),
+            Self::Answers(name) => write!(f, "answers of {name}"),
+        }
+    }
+}
+
+/// Subject of the messages that a process reads.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Of {
+    /// The world, which all processes share.
+    World,
+    /// Each robot that the process drives.
+    OwnRobots,
+    /// The opponents of its team.
+    Opponents,
+    /// The process itself: answers to its requests.
+    Itself,
+    /// Every robot.
+    All,
+}
+
+/// Time at which a message counts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum When {
+    /// In the tick of its stamp: a reader steps after the writers.
+    ThisTick,
+    /// In the tick after that of its stamp.
+    NextTick,
+    /// From its tick until the next message.
+    Latched,
+    /// When it arrives.
+    Event,
+}
+
+/// An input of a process.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Input {
+    /// Its messages.
+    pub flow: Flow,
+    /// Their subject.
+    pub of: Of,
+    /// The time at which they count.
+    pub when: When,
+    /// `true` if the process cannot do without it.
+    pub is_required: bool,
+}
+
+impl Input {
+    /// A required input.
+    pub const fn new(flow: Flow, of: Of, when: When) -> Self {
+        Self {
+            flow,
+            of,
+            when,
+            is_required: true,
+        }
+    }
+
+    /// The same input of a process that works without it, too.
+    pub const fn optional(self) -> Self {
+        Self {
+            is_required: false,
+            ..self
+        }
+    }
+
+    /// The state of all robots.
+    pub const STATE: Self = Self::new(Flow::of::<WorldState>(), Of::All, When::ThisTick);
+    /// The grids of the map.
+    pub const MAP: Self = Self::new(Flow::of::<WorldMap>(), Of::World, When::Latched);
+    /// The exact pieces of the map.
+    pub const SHAPES: Self = Self::new(Flow::of::<WorldShapes>(), Of::World, When::Latched);
+    /// Range scans of its robots.
+    pub const SCANS: Self = Self::new(Flow::of::<Scan>(), Of::OwnRobots, When::ThisTick);
+    /// Beliefs about its opponents.
+    pub const BELIEFS: Self = Self::new(Flow::of::<Belief>(), Of::Opponents, When::ThisTick);
+}
+
+/// An output of a process.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Output {
+    /// Its messages.
+    pub flow: Flow,
+    /// The time at which they count.
+    pub when: When,
+    /// Maximum number of elements of a message.
+    pub elements: usize,
+    /// `true` if only one process of a run may write it.
+    pub is_sole: bool,
+}
+
+impl Output {
+    /// An output for viewers, the log and later ticks, with messages of at most `elements`.
+    pub const fn new<T: Topic>(elements: usize) -> Self {
+        Self {
+            flow: Flow::of::<T>(),
+            when: When::NextTick,
+            elements,
+            is_sole: false,
+        }
+    }
+
+    /// The search tree behind a plan, of at most `edges`.
+    pub const fn tree(edges: usize) -> Self {
+        Self::new::<Tree>(edges)
+    }
+
+    /// At most `most` waypoints that end in a tick.
+    pub const fn waypoints(most: usize) -> Self {
+        Self::new::<Waypoints>(most)
+    }
+
+    /// The same output, counting at another time.
+    pub const fn at(self, when: When) -> Self {
+        Self { when, ..self }
+    }
+
+    /// The same output, of only one process of a run.
+    pub const fn sole(self) -> Self {
+        Self {
+            is_sole: true,
+            ..self
+        }
+    }
+}
+
+/// What a process with given parameters reads and writes.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Declaration {
+    /// Inputs, each flow once.
+    pub inputs: Vec<Input>,
+    /// Outputs, each flow once.
+    pub outputs: Vec<Output>,
+    /// `true` if each of its robots needs a goal in the scenario.
+    pub needs_goals: bool,
+    /// Time limit of a lap (s); `None` without laps.
+    pub lap_limit_s: Option<f64>,
+}
+
+impl Declaration {
+    /// Adds an input.
+    #[must_use]
+    pub fn reads(mut self, input: Input) -> Self {
+        self.inputs.push(input);
+        self
+    }
+
+    /// Adds an input if a condition holds.
+    #[must_use]
+    pub fn reads_if(self, condition: bool, input: Input) -> Self {
+        if condition { self.reads(input) } else { self }
+    }
+
+    /// Adds an output.
+    #[must_use]
+    pub fn writes(mut self, output: Output) -> Self {
+        self.outputs.push(output);
+        self
+    }
+
+    /// Adds requests to a service of at most `elements`, and its answers.
+    #[must_use]
+    pub fn asks<S: Service>(self, elements: usize) -> Self {
+        self.reads(Input::new(Flow::Answers(S::NAME), Of::Itself, When::Event))
+            .writes(Output {
+                flow: Flow::Requests(S::NAME),
+                when: When::Event,
+                elements,
+                is_sole: false,
+            })
+    }
+
+    /// Adds answers of at most `elements` to the requests to a service; one process of a run gives them.
+    #[must_use]
+    pub fn answers<S: Service>(self, elements: usize) -> Self {
+        let requests = Input::new(Flow::Requests(S::NAME), Of::All, When::Event);
+        self.reads(requests.optional()).writes(Output {
+            flow: Flow::Answers(S::NAME),
+            when: When::Event,
+            elements,
+            is_sole: true,
+        })
+    }
+
+    /// Returns the input of this flow.
+    pub fn input(&self, flow: Flow) -> Option<&Input> {
+        self.inputs.iter().find(|input| input.flow == flow)
+    }
+
+    /// Returns the output of this flow.
+    pub fn output(&self, flow: Flow) -> Option<&Output> {
+        self.outputs.iter().find(|output| output.flow == flow)
+    }
+
+    /// Returns the flows that it cannot do without.
+    pub fn required(&self) -> impl Iterator<Item = Flow> {
+        let inputs = self.inputs.iter().filter(|input| input.is_required);
+        inputs.map(|input| input.flow)
+    }
+
+    /// Returns `true` if it commands robots.
+    pub fn drives_robots(&self) -> bool {
+        self.output(Flow::of::<Commands>()).is_some()
+    }
+
+    /// Returns `true` if processes may wait for its outputs within a tick.
+    pub fn is_within_tick(&self) -> bool {
+        let mut outputs = self.outputs.iter();
+        outputs.any(|output| output.when == When::ThisTick)
+    }
+}
+
+/// Returns, for each process, the indices of those whose output of a tick it waits for. An external program (`None`) has an
+/// unknown declaration: it steps after all possible inputs.
+pub fn upstream(declarations: &[Option<Declaration>]) -> Vec<Vec<usize>> {
+    let waits_for = |reader: &Option<Declaration>, output: &Output| {
+        output.when == When::ThisTick
+            && reader.as_ref().is_none_or(|reader| {
+                let input = reader.input(output.flow);
+                input.is_some_and(|input| input.when == When::ThisTick)
+            })
+    };
+    let of_one = |(at, reader): (usize, &Option<Declaration>)| {
+        let writers = declarations.iter().enumerate();
+        let writers = writers.filter(|(index, _)| *index != at);
+        writers
+            .filter(|(_, writer)| {
+                let mut outputs = writer.iter().flat_map(|writer| &writer.outputs);
+                outputs.any(|output| waits_for(reader, output))
+            })
+            .map(|(index, _)| index)
+            .collect()
+    };
+    declarations.iter().enumerate().map(of_one).collect()
+}
+
+/// Returns an order of processes in which each comes after those that it waits for, and those that are late after all that do
+/// not wait for them; otherwise the order of the list holds.
+///
+/// # Errors
+/// The indices of the processes that wait for each other in a circle, and of those that wait for them.
+pub fn order(
+    upstream: &[Vec<usize>],
+    is_late: impl Fn(usize) -> bool,
+) -> Result<Vec<usize>, Vec<usize>> {
+    let mut waiting: Vec<usize> = (0..upstream.len()).collect();
+    let mut ordered = Vec::with_capacity(waiting.len());
+    while !waiting.is_empty() {
+        let is_ready = |&index: &usize| !upstream[index].iter().any(|up| waiting.contains(up));
+        let ready = |&index: &usize| is_ready(&index) && !is_late(index);
+        let early = waiting.iter().position(ready);
+        match early.or_else(|| waiting.iter().position(is_ready)) {
+            Some(at) => ordered.push(waiting.remove(at)),
+            None => return Err(waiting),
+        }
+    }
+    Ok(ordered)
+}
