@@ -105,7 +105,7 @@ impl Rig {
             .iter()
             .position(|l| l.config.name == name)
             .unwrap();
-        monitor.assign_slot(slot, slot != 0, plan.launches[slot].is_within_tick());
+        monitor.assign_slot(slot, slot != 0, plan.launches[slot].is_awaited());
         let config = space.root().join("process.json");
         let launch = &plan.launches[slot];
         std::fs::write(&config, serde_json::to_vec(launch).unwrap()).unwrap();

@@ -44,7 +44,7 @@ impl<'a> Executor<'a> {
         let monitor = BarrierMonitor::new(Arc::clone(&resources.barrier));
         for launch in launches {
             let slot = launch.config.index as usize;
-            monitor.assign_slot(slot, slot != 0, launch.is_within_tick());
+            monitor.assign_slot(slot, slot != 0, launch.is_awaited());
         }
         let bridge = ExternalBridge::start(launches, &resources.bus, &resources.barrier)?;
         Ok(Self {

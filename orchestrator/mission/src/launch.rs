@@ -54,10 +54,10 @@ impl Launch {
         declaration.is_some_and(|declaration| declaration.input(flow).is_some())
     }
 
-    /// Returns `true` if other processes may wait for it within a tick.
-    pub fn is_within_tick(&self) -> bool {
+    /// Returns `true` if other processes may wait for its output of a tick, beside the tick itself.
+    pub fn is_awaited(&self) -> bool {
         let declaration = self.declaration.as_ref();
-        declaration.is_some_and(Declaration::is_within_tick)
+        self.config.index != 0 && declaration.is_some_and(Declaration::is_within_tick)
     }
 
     /// Returns the program to execute.

@@ -1,7 +1,7 @@
 //! Execution of one run, from the resolved scenario to the summary: starts, supervises, records and ends its
 //! processes, and removes all its resources.
 //!
-//! * [`plan`], `launch`, `obstacle_schedule`: configuration of every process;
+//! * [`plan`], `launch`, `obstacle_schedule`: configuration of every process; [`dataflow`]: its picture;
 //! * [`run_directory`], `resources`, `shm_usage`, `orphans`: resources of a run, and of abandoned runs;
 //! * [`child_process`], `output_lines`, [`process_group`], `external_bridge`: processes and their turns;
 //! * `supervisor`, `decide`, `executor`, `process_log`: events of processes and the reactions;
@@ -12,6 +12,7 @@
 #![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
 
 pub mod child_process;
+pub mod dataflow;
 mod decide;
 mod error;
 mod executor;

@@ -179,10 +179,9 @@ fn run_config(scenario: &ResolvedScenario, map: &WorldMap) -> Result<RunConfig, 
     for process in &scenario.processes {
         match &process.program {
             Program::Kind(kind) => {
-                let outputs = kind.declaration().outputs;
-                outputs
-                    .iter()
-                    .for_each(|output| write(output.flow, output.elements));
+                for output in kind.declaration().outputs {
+                    write(output.flow, output.elements);
+                }
             }
             Program::Command { params, .. } => {
                 if let Some(particles) = particles(params) {
@@ -318,7 +317,7 @@ mod tests {
                 "{}",
                 launch.config.name
             );
-            assert_eq!(launch.is_within_tick(), launch.config.kind == "perception");
+            assert_eq!(launch.is_awaited(), launch.config.kind == "perception");
             for &up in &launch.config.upstream {
                 assert_eq!(by_belief.launches[up as usize].config.kind, "perception");
             }

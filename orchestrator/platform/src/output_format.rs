@@ -19,6 +19,8 @@ impl OutputFormat {
     /// Pictures.
     pub const PICTURE: Self =
         Self::new("pictures are SVG, PNG or PDF files", &["svg", "png", "pdf"]);
+    /// Pictures of a dataflow.
+    pub const GRAPH: Self = Self::new("graphs are SVG or Mermaid files", &["svg", "mmd", "md"]);
     /// Results of measurements and plans, instances.
     pub const JSON: Self = Self::new("results are JSON files", &["json", "jsonl", "ndjson"]);
     /// Tables, bags and results of experiments.

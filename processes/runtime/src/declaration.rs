@@ -94,6 +94,7 @@ impl Input {
     }
 
     /// The same input of a process that works without it, too.
+    #[must_use]
     pub const fn optional(self) -> Self {
         Self {
             is_required: false,
@@ -148,11 +149,13 @@ impl Output {
     }
 
     /// The same output, counting at another time.
+    #[must_use]
     pub const fn at(self, when: When) -> Self {
         Self { when, ..self }
     }
 
     /// The same output, of only one process of a run.
+    #[must_use]
     pub const fn sole(self) -> Self {
         Self {
             is_sole: true,
@@ -292,4 +295,92 @@ pub fn order(
         }
     }
     Ok(ordered)
+}
+
+#[cfg(test)]
+mod tests {
+    use ipc_types::topics::{OptimiserPlan, Sightings, Verdicts};
+
+    use super::*;
+
+    const fn within<T: Topic>() -> Input {
+        Input::new(Flow::of::<T>(), Of::World, When::ThisTick)
+    }
+
+    fn sensor() -> Declaration {
+        Declaration::default().writes(Output::new::<Sightings>(1).at(When::ThisTick))
+    }
+
+    fn tracker() -> Declaration {
+        Declaration::default()
+            .reads(within::<Sightings>())
+            .writes(Output::new::<Belief>(9).at(When::ThisTick).sole())
+    }
+
+    fn planner() -> Declaration {
+        Declaration::default()
+            .reads(Input::STATE)
+            .reads_if(true, Input::BELIEFS)
+            .writes(Output::new::<Commands>(1))
+    }
+
+    #[test]
+    fn a_process_waits_for_the_writers_of_its_inputs_of_the_tick() {
+        let all = [
+            planner(),
+            tracker(),
+            sensor(),
+            planner().asks::<OptimiserPlan>(3),
+        ]
+        .map(Some);
+        let upstream = upstream(&all);
+        assert_eq!(upstream, [vec![1], vec![2], vec![], vec![1]]);
+        assert_eq!(order(&upstream, |_| false), Ok(vec![2, 1, 0, 3]));
+        // A late process, and those that wait for it, come last.
+        let slow = Declaration::default().writes(Output::new::<Verdicts>(1));
+        let all = [Some(tracker()), Some(slow), Some(planner())];
+        let upstream = super::upstream(&all);
+        assert_eq!(order(&upstream, |at| at == 0), Ok(vec![1, 0, 2]));
+    }
+
+    #[test]
+    fn an_external_program_waits_for_all_and_none_waits_for_it() {
+        let all = [None, Some(tracker()), Some(sensor()), None];
+        assert_eq!(upstream(&all), [vec![1, 2], vec![2], vec![], vec![1, 2]]);
+    }
+
+    #[test]
+    fn processes_that_wait_for_each_other_have_no_order() {
+        let back = Declaration::default()
+            .reads(Input::BELIEFS)
+            .writes(Output::new::<Sightings>(1).at(When::ThisTick));
+        let all = [Some(sensor()), Some(back), Some(tracker()), Some(planner())];
+        assert_eq!(order(&upstream(&all), |_| false), Err(vec![1, 2, 3]));
+    }
+
+    #[test]
+    fn only_later_inputs_and_outputs_let_all_step_at_once() {
+        let later = Input {
+            when: When::NextTick,
+            ..Input::BELIEFS
+        };
+        let all = [Declaration::default().reads(later), tracker()].map(Some);
+        assert_eq!(upstream(&all), [vec![], Vec::<usize>::new()]);
+        let all = [planner(), planner()].map(Some);
+        assert_eq!(upstream(&all), [vec![], Vec::<usize>::new()]);
+    }
+
+    #[test]
+    fn flows_of_the_run_need_no_writer_among_its_processes() {
+        let of_the_run = |input: Input| input.flow.is_of_the_run();
+        for input in [Input::STATE, Input::MAP, Input::SHAPES, Input::SCANS] {
+            assert!(of_the_run(input), "{}", input.flow);
+        }
+        assert!(!of_the_run(Input::BELIEFS));
+        assert!(!Flow::Answers(OptimiserPlan::NAME).is_of_the_run());
+        assert_eq!(
+            Flow::Answers(OptimiserPlan::NAME).to_string(),
+            "answers of optimiser/plan"
+        );
+    }
 }

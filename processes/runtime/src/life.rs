@@ -90,6 +90,7 @@ impl Setup {
 /// use std::process::ExitCode;
 ///
 /// use ipc_types::bus::Bus;
+/// use runtime::declaration::Declaration;
 /// use runtime::{Process, ProcessConfig, ProcessError, ProcessKind};
 ///
 /// /// A process that counts the ticks of its run.

@@ -263,7 +263,7 @@ mod tests {
     fn every_process_comes_after_those_it_waits_for() {
         let mut launches = followers("chase");
         // The worst order: providers come last.
-        launches.sort_by_key(|launch| launch.is_within_tick());
+        launches.sort_by_key(Launch::is_awaited);
         let ordered = order(&launches, |_| false).unwrap();
         assert_eq!(ordered.len(), launches.len());
         for (at, launch) in ordered.iter().enumerate() {

@@ -3,7 +3,9 @@
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use mcap_log::derived;
+use mcap_log::derived::{self, DerivedError};
+use mission::dataflow::Dataflow;
+use mission::plan::Plan;
 use platform::eprintln;
 use platform::output_format::OutputFormat;
 use report::picture::{RunTrace, draw, encoded};
@@ -29,6 +31,9 @@ pub(super) struct CheckArgs {
     /// Draw the world before it runs: write FILE (.svg, .png or .pdf)
     #[arg(long, value_name = "FILE", value_parser = out(OutputFormat::PICTURE))]
     picture: Option<PathBuf>,
+    /// Draw which processes write and read what: write FILE (.svg or .mmd, which is Mermaid)
+    #[arg(long, value_name = "FILE", value_parser = out(OutputFormat::GRAPH))]
+    graph: Option<PathBuf>,
     #[command(flatten)]
     force: ForceArg,
     #[command(flatten)]
@@ -43,6 +48,11 @@ pub(super) fn run(kinds: &[Kind], args: &CheckArgs) -> ExitCode {
         .load(target, &overrides.set, overrides.seed);
     if let (Ok(scenario), Some(file)) = (&loaded, &args.picture)
         && let Err(code) = write_picture(scenario, file, args.force.force)
+    {
+        return ExitCode::from(code);
+    }
+    if let (Ok(scenario), Some(file)) = (&loaded, &args.graph)
+        && let Err(code) = write_graph(scenario, file, args.force.force)
     {
         return ExitCode::from(code);
     }
@@ -101,10 +111,38 @@ fn write_picture(scenario: &ResolvedScenario, file: &Path, force: bool) -> Resul
         eprintln!("error: {error}");
         EXIT_INVALID
     })?;
-    let written = output::create(file, force).and_then(|out| {
-        let bytes = encoded(draw(&trace), file).map_err(derived::failed(file))?;
-        output::write(out, file, bytes)
-    });
+    write(file, force, || {
+        encoded(draw(&trace), file).map_err(derived::failed(file))
+    })
+}
+
+/// Draws the dataflow of a scenario into a file, as [`write_picture`].
+fn write_graph(scenario: &ResolvedScenario, file: &Path, force: bool) -> Result<(), u8> {
+    let plan = Plan::new(scenario, Path::new(""), "", "warn").map_err(|error| {
+        eprintln!("error: {error}");
+        EXIT_INVALID
+    })?;
+    let dataflow = Dataflow::new(&plan);
+    let is_svg = file
+        .extension()
+        .is_some_and(|ending| ending.eq_ignore_ascii_case("svg"));
+    write(file, force, || {
+        let text = if is_svg {
+            dataflow.svg()
+        } else {
+            dataflow.mermaid()
+        };
+        Ok(text.into_bytes())
+    })
+}
+
+/// Writes a file; prints an error and returns the exit code if that is impossible.
+fn write(
+    file: &Path,
+    force: bool,
+    bytes: impl FnOnce() -> Result<Vec<u8>, DerivedError>,
+) -> Result<(), u8> {
+    let written = output::create(file, force).and_then(|out| output::write(out, file, bytes()?));
     written.map_err(|error| {
         eprintln!("error: {error}");
         exit_code_of_derived(&error)

@@ -1,5 +1,7 @@
 //! The reference of files, written from their declarations.
 
+use mission::dataflow::Dataflow;
+use mission::plan::Plan;
 use std::path::Path;
 use std::{env, fs};
 
@@ -77,4 +79,22 @@ fn the_reference_of_commands_is_the_definition_of_the_command_line() {
                 (`plan`: one object per line). [Output and exit codes](output.md) describes the exit codes and the \
                 summary of a run. Without a command, `protean` runs `run chase` with the options of `run`.";
     compare("cli.md", "Command line", text, &super::cli::commands());
+}
+
+#[test]
+fn the_picture_of_the_dataflow_follows_from_the_declarations() {
+    const BEGIN: &str = "<!-- dataflow: ";
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/architecture.md");
+    let page = fs::read_to_string(&path).unwrap();
+    let (_, rest) = page.split_once(BEGIN).unwrap();
+    let (scenario, rest) = rest.split_once(" -->\n```mermaid\n").unwrap();
+    let (drawn, _) = rest.split_once("```\n").unwrap();
+    let loaded = kinds::load(scenario, &[], None).unwrap();
+    let plan = Plan::new(&loaded, Path::new(""), "", "warn").unwrap();
+    let flowchart = Dataflow::new(&plan).mermaid();
+    if env::var_os("PROTEAN_DOCS").is_some_and(|word| word == "write") {
+        fs::write(&path, page.replace(drawn, &flowchart)).unwrap();
+        return;
+    }
+    assert_eq!(drawn, flowchart, "{COMMAND} draws it anew");
 }

@@ -1,0 +1,266 @@
+//! Dataflow of a run as a picture: which processes write and read what. It follows from their declarations.
+
+use core::fmt::Write as _;
+
+use ipc_types::topics::{Commands, ObstacleEvents};
+use runtime::declaration::{Declaration, Flow, Output, When};
+
+use crate::plan::{Launch, Plan};
+
+/// Processes of a run, and the flows between them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Dataflow {
+    nodes: Vec<Node>,
+    edges: Vec<Edge>,
+}
+
+/// Processes of one kind with the same declaration, or the orchestrator.
+#[derive(Debug, Clone, PartialEq)]
+struct Node {
+    kind: String,
+    names: Vec<String>,
+    declaration: Option<Declaration>,
+}
+
+/// Flows from one node to another.
+#[derive(Debug, Clone, PartialEq)]
+struct Edge {
+    from: usize,
+    to: usize,
+    flows: Vec<String>,
+    /// `true` if the reader waits for the writer within the tick.
+    is_awaited: bool,
+}
+
+impl Dataflow {
+    /// Returns the dataflow of a planned run, in the order of its processes.
+    pub fn new(plan: &Plan) -> Self {
+        let mut nodes: Vec<Node> = Vec::new();
+        if !plan.obstacle_changes.is_empty() {
+            nodes.push(Node {
+                kind: "orchestrator".to_owned(),
+                names: Vec::new(),
+                declaration: Some(Declaration {
+                    outputs: vec![Output::new::<ObstacleEvents>(1)],
+                    ..Declaration::default()
+                }),
+            });
+        }
+        for launch in &plan.launches {
+            let Launch {
+                config,
+                declaration,
+                ..
+            } = launch;
+            let flows = |known: &Option<Declaration>| known.as_ref().map(flows_of);
+            let like = nodes.iter_mut().find(|node| {
+                node.declaration.is_some()
+                    && node.kind == config.kind
+                    && flows(&node.declaration) == flows(declaration)
+            });
+            match like {
+                Some(node) => node.names.push(config.name.clone()),
+                None => nodes.push(Node {
+                    kind: config.kind.clone(),
+                    names: vec![config.name.clone()],
+                    declaration: declaration.clone(),
+                }),
+            }
+        }
+        let mut edges = Vec::new();
+        for (from, writer) in nodes.iter().enumerate() {
+            for (to, reader) in nodes.iter().enumerate() {
+                let (flows, is_awaited) = between(writer, reader);
+                if !flows.is_empty() && from != to {
+                    edges.push(Edge {
+                        from,
+                        to,
+                        flows,
+                        is_awaited,
+                    });
+                }
+            }
+        }
+        Self { nodes, edges }
+    }
+
+    /// Returns it as a flowchart in Mermaid. A dotted arrow is for the next tick.
+    pub fn mermaid(&self) -> String {
+        let mut text = String::from("flowchart LR\n");
+        for (at, node) in self.nodes.iter().enumerate() {
+            // A write to a String cannot fail.
+            let _ = writeln!(
+                text,
+                "    n{at}[\"{}\"]",
+                node.title("<b>", "</b>", "<br/>")
+            );
+        }
+        for edge in &self.edges {
+            let Edge { from, to, .. } = edge;
+            let label = edge.flows.join("<br/>");
+            let _ = if edge.is_awaited {
+                writeln!(text, "    n{from} -- \"{label}\" --> n{to}")
+            } else {
+                writeln!(text, "    n{from} -. \"{label}\" .-> n{to}")
+            };
+        }
+        text
+    }
+
+    /// Returns it as an N² chart in SVG: processes on the diagonal, and in row i and column j what i writes for j. Flows
+    /// for the next tick are in italics.
+    pub fn svg(&self) -> String {
+        const WIDTH: usize = 190;
+        const LINE: usize = 16;
+        let rows: Vec<usize> = (0..self.nodes.len())
+            .map(|row| {
+                let own = self.edges.iter().filter(|edge| edge.from == row);
+                let flows = own.map(|edge| edge.flows.len()).max().unwrap_or(0);
+                (flows.max(2) + 1) * LINE
+            })
+            .collect();
+        let (width, height) = (self.nodes.len() * WIDTH, rows.iter().sum::<usize>());
+        let mut svg = format!(
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" width=\"{width}\" \
+             height=\"{height}\" font-family=\"sans-serif\" font-size=\"12\" text-anchor=\"middle\">\n\
+             <rect width=\"{width}\" height=\"{height}\" fill=\"white\"/>\n"
+        );
+        let mut top = 0;
+        for (row, node) in self.nodes.iter().enumerate() {
+            let (left, high) = (row * WIDTH, rows[row]);
+            let middle = top + high / 2;
+            let _ = writeln!(
+                svg,
+                "<path d=\"M0 {top}H{width}\" stroke=\"#ddd\"/>\n\
+                 <rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" rx=\"5\" fill=\"#e8eef7\" stroke=\"#4a6fa5\"/>",
+                left + 4,
+                top + 4,
+                WIDTH - 8,
+                high - 8
+            );
+            let title = node.title("", "", "\n");
+            lines(&mut svg, title.lines(), left + WIDTH / 2, middle, "", LINE);
+            for edge in self.edges.iter().filter(|edge| edge.from == row) {
+                let style = if edge.is_awaited {
+                    ""
+                } else {
+                    " font-style=\"italic\" fill=\"#666\""
+                };
+                let x = edge.to * WIDTH + WIDTH / 2;
+                let flows = edge.flows.iter().map(|flow| &**flow);
+                lines(&mut svg, flows, x, middle, style, LINE);
+            }
+            top += high;
+        }
+        svg.push_str("</svg>\n");
+        svg
+    }
+}
+
+impl Node {
+    /// Returns its kind, and the name or the number of its processes.
+    fn title(&self, open: &str, close: &str, newline: &str) -> String {
+        let kind = &self.kind;
+        match self.names.as_slice() {
+            [name] if name != kind => format!("{open}{kind}{close}{newline}{name}"),
+            [] | [_] => format!("{open}{kind}{close}"),
+            names => format!("{open}{kind}{close}{newline}{} processes", names.len()),
+        }
+    }
+}
+
+/// Returns the flows of a declaration without the sizes of messages.
+fn flows_of(declaration: &Declaration) -> (Vec<Flow>, Vec<Flow>) {
+    let inputs = declaration.inputs.iter().map(|input| input.flow);
+    let outputs = declaration.outputs.iter().map(|output| output.flow);
+    (inputs.collect(), outputs.collect())
+}
+
+/// Returns what a node writes for another, and whether any of it counts within the tick. An external program commands robots,
+/// and may read all that others write for the tick.
+fn between(writer: &Node, reader: &Node) -> (Vec<String>, bool) {
+    let commands = [Output::new::<Commands>(1)];
+    let outputs = writer
+        .declaration
+        .as_ref()
+        .map_or(&commands[..], |known| &known.outputs);
+    let mut flows = Vec::new();
+    let mut is_awaited = false;
+    for output in outputs {
+        let when = match &reader.declaration {
+            Some(known) => known.input(output.flow).map(|input| input.when),
+            None => (output.when != When::NextTick).then_some(output.when),
+        };
+        if let Some(when) = when {
+            flows.push(output.flow.to_string());
+            is_awaited |= when == When::ThisTick;
+        }
+    }
+    (flows, is_awaited)
+}
+
+/// Writes lines of text about a centre.
+fn lines<'a>(
+    svg: &mut String,
+    text: impl Iterator<Item = &'a str>,
+    x: usize,
+    middle: usize,
+    style: &str,
+    line: usize,
+) {
+    let text: Vec<&str> = text.collect();
+    let first = middle + line / 3 - (text.len().saturating_sub(1)) * line / 2;
+    for (at, text) in text.iter().enumerate() {
+        let text = text.replace('&', "&amp;").replace('<', "&lt;");
+        let y = first + at * line;
+        let _ = writeln!(svg, "<text x=\"{x}\" y=\"{y}\"{style}>{text}</text>");
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+    use kinds::load;
+
+    fn dataflow(name: &str) -> Dataflow {
+        let scenario = load(name, &[], None).unwrap();
+        Dataflow::new(&Plan::new(&scenario, Path::new(""), "", "warn").unwrap())
+    }
+
+    #[test]
+    fn the_police_read_the_beliefs_of_perception_within_the_tick() {
+        let text = dataflow("chase").mermaid();
+        let node = |kind: &str| {
+            let line = text
+                .lines()
+                .find(|line| line.contains(&format!("<b>{kind}</b>")));
+            line.unwrap().trim().split('[').next().unwrap().to_owned()
+        };
+        let (simulator, perception) = (node("simulator"), node("perception"));
+        let (pursuer, evader) = (node("pursuer"), node("evader_potential"));
+        for line in [
+            format!("{perception} -- \"perception/belief\" --> {pursuer}"),
+            format!("{simulator} -- \"world/state<br/>world/map\" --> {evader}"),
+            format!("{pursuer} -. \"robot/command\" .-> {simulator}"),
+        ] {
+            assert!(text.contains(&line), "{line}\n{text}");
+        }
+        assert!(!text.contains(&format!(
+            "{perception} -- \"perception/belief\" --> {evader}"
+        )));
+    }
+
+    #[test]
+    fn requests_and_answers_are_flows() {
+        let text = dataflow("popup").mermaid();
+        assert!(text.contains("requests of optimiser/plan"), "{text}");
+        assert!(text.contains("answers of optimiser/plan"), "{text}");
+        let svg = dataflow("popup").svg();
+        assert_eq!(
+            svg.matches("<rect").count(),
+            1 + dataflow("popup").nodes.len()
+        );
+    }
+}
