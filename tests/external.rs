@@ -132,7 +132,7 @@ fn an_external_program_that_the_scenario_does_not_provide_for_ends_the_run_befor
         (
             "evader_braitenberg",
             "",
-            ["but robot `robot` has none", "`scan`"],
+            ["but robot `robot` has no range scanner", "`scan`"],
         ),
         (
             "navigator",

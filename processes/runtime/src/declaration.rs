@@ -1,4 +1,4 @@
-//! Declaration of a process: what it reads and what it writes. The order of a tick, the checks of a scenario, the capacity
+//! Declaration of a process: its inputs and outputs. The order of a tick, the checks of a scenario, the capacity
 //! of buffers and the picture of the dataflow follow from it.
 
 use core::fmt;
@@ -65,7 +65,7 @@ pub enum When {
     NextTick,
     /// From its tick until the next message.
     Latched,
-    /// When it arrives.
+    /// On its arrival.
     Event,
 }
 
@@ -164,7 +164,7 @@ impl Output {
     }
 }
 
-/// What a process with given parameters reads and writes.
+/// Inputs and outputs of a process with given parameters.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Declaration {
     /// Inputs, each flow once.
