@@ -3,8 +3,8 @@
 
 use core::fmt::Write as _;
 
-use crate::message::{Descriptor, FieldKind, Message as _};
-use crate::topics::{Topic, TopicVisitor, for_each_topic};
+use crate::message::{Descriptor, FieldKind};
+use crate::topics::TopicId;
 
 /// Description of a C structure.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -86,8 +86,7 @@ pub fn messages() -> String {
         text: format!("{HEAD}{ASSERT}\n"),
         done: Vec::new(),
     };
-    // The visitor cannot fail.
-    let _ = for_each_topic(&mut writer);
+    TopicId::all().for_each(|topic| writer.topic(topic));
     writer.text += "#endif\n";
     writer.text
 }
@@ -154,24 +153,23 @@ impl Writer {
     }
 }
 
-impl TopicVisitor for Writer {
-    type Error = core::convert::Infallible;
-
-    fn visit<T: Topic>(&mut self) -> Result<(), Self::Error> {
-        let (header, element) = (T::Header::DESCRIPTOR, T::Element::DESCRIPTOR);
+impl Writer {
+    /// Writes the macros of a topic after the structures of its messages.
+    fn topic(&mut self, topic: TopicId) {
+        let facts = topic.facts();
+        let (header, element) = (facts.header, facts.element);
         self.structure(&header);
         self.structure(&element);
-        let macro_name = T::NAME.replace('/', "_").to_ascii_uppercase();
+        let macro_name = facts.name.replace('/', "_").to_ascii_uppercase();
         let (header, element) = (type_name(&header), type_name(&element));
-        let schema = crate::schema::hash::<T>();
+        let schema = crate::schema::hash_of(topic);
         // A write to a String cannot fail.
         let _ = write!(
             self.text,
             "/* Topic {0}: user header {header}, payload {element}. */\n\
              #define PROTEAN_{macro_name}_NAME \"{0}\"\n#define PROTEAN_{macro_name}_SCHEMA \"{schema}\"\n\n",
-            T::NAME
+            facts.name
         );
-        Ok(())
     }
 }
 

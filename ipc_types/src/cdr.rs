@@ -5,8 +5,7 @@
 //! alignment of the whole, so user header and elements are copied unchanged. Only the element count
 //! of a sequence and the gap before its first element are written; an empty sequence has no gap.
 
-use crate::message::Message;
-use crate::topics::{Arity, Topic};
+use crate::topics::{Arity, Topic, TopicFacts};
 
 /// Little-endian plain CDR.
 pub(crate) const ENCAPSULATION: [u8; 4] = [0x00, 0x01, 0x00, 0x00];
@@ -37,10 +36,16 @@ pub enum DecodeError {
 /// Appends the CDR form of a message to `out`.
 pub fn encode<T: Topic>(header: &T::Header, elements: &[T::Element], out: &mut Vec<u8>) {
     use zerocopy::IntoBytes;
+    let head = SequenceHead::of(T::FACTS, elements.len());
+    encode_bytes(header.as_bytes(), &head, elements.as_bytes(), out);
+}
+
+/// As [`encode`], of the bytes of header and elements.
+pub(crate) fn encode_bytes(header: &[u8], head: &SequenceHead, elements: &[u8], out: &mut Vec<u8>) {
     out.extend_from_slice(&ENCAPSULATION);
-    out.extend_from_slice(header.as_bytes());
-    out.extend_from_slice(SequenceHead::of::<T>(elements.len()).as_bytes());
-    out.extend_from_slice(elements.as_bytes());
+    out.extend_from_slice(header);
+    out.extend_from_slice(head.as_bytes());
+    out.extend_from_slice(elements);
 }
 
 /// The bytes between user header and elements in the CDR form: for a sequence, the element count
@@ -53,12 +58,12 @@ pub struct SequenceHead {
 
 impl SequenceHead {
     /// Creates it for a message of the topic with this number of elements.
-    pub fn of<T: Topic>(elements: usize) -> Self {
+    pub fn of(topic: &TopicFacts, elements: usize) -> Self {
         // A slice in shared memory is far below 2^32 elements (`Bus` caps it).
         let [a, b, c, d] = (elements as u32).to_le_bytes();
         Self {
             bytes: [a, b, c, d, 0, 0, 0, 0],
-            len: head_len::<T>(elements),
+            len: head_len(topic, elements),
         }
     }
 
@@ -109,8 +114,9 @@ pub fn decode_into<T: Topic>(
             let (count, rest) = u32::read_from_prefix(rest).map_err(|_| wrong(0))?;
             let count = count as usize;
             // Logs up to release 0.2 have the gap in empty sequences, too.
-            let has_gap = count > 0 || rest.len() == sequence_gap::<T>();
-            let gap = if has_gap { sequence_gap::<T>() } else { 0 };
+            let gap = sequence_gap(T::FACTS);
+            let has_gap = count > 0 || rest.len() == gap;
+            let gap = if has_gap { gap } else { 0 };
             (count, rest.get(gap..).ok_or_else(|| wrong(count))?)
         }
     };
@@ -138,8 +144,10 @@ pub fn view<T: Topic>(
         Arity::One => bytes.get(head..head + size)?,
         // Shorter than the head of a sequence with elements: an empty one.
         Arity::Many => {
-            bytes.get(head + head_len::<T>(0)..)?;
-            bytes.get(head + head_len::<T>(1)..).unwrap_or_default()
+            bytes.get(head + head_len(T::FACTS, 0)..)?;
+            bytes
+                .get(head + head_len(T::FACTS, 1)..)
+                .unwrap_or_default()
         }
     };
     // The bytes of the log are not aligned: `read_from_bytes` copies, and all bytes are a valid
@@ -152,26 +160,22 @@ pub fn view<T: Topic>(
 
 /// Length (bytes) of the CDR form of a message with this number of elements (saturating).
 pub fn encoded_len<T: Topic>(elements: usize) -> usize {
-    let head = ENCAPSULATION.len() + size_of::<T::Header>() + head_len::<T>(elements);
+    let head = ENCAPSULATION.len() + size_of::<T::Header>() + head_len(T::FACTS, elements);
     elements
         .saturating_mul(size_of::<T::Element>())
         .saturating_add(head)
 }
 
 /// Length (bytes) of a sequence's count and gap.
-const fn head_len<T: Topic>(elements: usize) -> usize {
-    match T::ARITY {
+const fn head_len(topic: &TopicFacts, elements: usize) -> usize {
+    match topic.arity {
         Arity::One => 0,
         Arity::Many if elements == 0 => 4,
-        Arity::Many => 4 + sequence_gap::<T>(),
+        Arity::Many => 4 + sequence_gap(topic),
     }
 }
 
 /// Padding between a sequence's count (which ends at 4 modulo 8) and its first element.
-const fn sequence_gap<T: Topic>() -> usize {
-    if T::Element::DESCRIPTOR.align == 8 {
-        4
-    } else {
-        0
-    }
+const fn sequence_gap(topic: &TopicFacts) -> usize {
+    if topic.element.align == 8 { 4 } else { 0 }
 }

@@ -48,7 +48,7 @@ impl<'a> LoggedMessage<'a> {
         T::Header,
         impl ExactSizeIterator<Item = T::Element> + Clone + use<'a, T>,
     )> {
-        if self.topic != T::ID {
+        if self.topic != T::id() {
             return None;
         }
         cdr::view::<T>(self.bytes)
@@ -59,7 +59,7 @@ impl<'a> LoggedMessage<'a> {
     /// # Errors
     /// [`DecodeError`] if the bytes are not exactly one message of the topic.
     pub fn decode<T: Topic>(&self) -> Result<Option<cdr::Decoded<T>>, DecodeError> {
-        if self.topic != T::ID {
+        if self.topic != T::id() {
             return Ok(None);
         }
         cdr::decode::<T>(self.bytes).map(Some)
@@ -119,7 +119,7 @@ impl<C: ?Sized> Consumers<C> {
     where
         C: Consumer<Shared>,
     {
-        let mut takers = vec![Vec::new(); TopicId::ALL.len()];
+        let mut takers = vec![Vec::new(); TopicId::count()];
         for (place, consumer) in list.iter().enumerate() {
             for topic in consumer.topics() {
                 takers[topic.rank()].push(place);
@@ -130,7 +130,8 @@ impl<C: ?Sized> Consumers<C> {
 
     /// Returns `true` if a consumer takes the messages of this topic.
     pub fn take(&self, topic: TopicId) -> bool {
-        !self.takers[topic.rank()].is_empty()
+        let takers = self.takers.get(topic.rank());
+        takers.is_some_and(|takers| !takers.is_empty())
     }
 
     /// Delivers a message.
@@ -138,7 +139,7 @@ impl<C: ?Sized> Consumers<C> {
     where
         C: Consumer<Shared>,
     {
-        for &place in &self.takers[message.topic.rank()] {
+        for &place in self.takers.get(message.topic.rank()).into_iter().flatten() {
             self.list[place].message(message, shared);
         }
     }

@@ -3,8 +3,8 @@
 
 use core::fmt::Write as _;
 
-use crate::message::{Descriptor, FieldKind, Message};
-use crate::topics::{Topic, TopicVisitor, for_each_topic};
+use crate::message::{Descriptor, FieldKind};
+use crate::topics::TopicId;
 
 /// The text of a Python module with a structure for every message and a class for every topic
 /// (`NAME`, `HEADER`, `ELEMENT`, `SCHEMA`).
@@ -13,8 +13,7 @@ pub fn module() -> String {
         text: String::from(HEAD),
         done: Vec::new(),
     };
-    // The visitor cannot fail.
-    let _ = for_each_topic(&mut writer);
+    TopicId::all().for_each(|topic| writer.topic(topic));
     writer.text
 }
 
@@ -75,11 +74,11 @@ impl Writer {
     }
 }
 
-impl TopicVisitor for Writer {
-    type Error = core::convert::Infallible;
-
-    fn visit<T: Topic>(&mut self) -> Result<(), Self::Error> {
-        let (header, element) = (T::Header::DESCRIPTOR, T::Element::DESCRIPTOR);
+impl Writer {
+    /// Writes the class of a topic after those of its messages.
+    fn topic(&mut self, topic: TopicId) {
+        let facts = topic.facts();
+        let (header, element) = (facts.header, facts.element);
         self.structure(&header);
         self.structure(&element);
         let element = if element.fields.is_empty() {
@@ -87,7 +86,8 @@ impl TopicVisitor for Writer {
         } else {
             class_name(element.name)
         };
-        let class: String = T::NAME
+        let class: String = facts
+            .name
             .split(['/', '_'])
             .map(|part| {
                 let mut letters = part.chars();
@@ -100,11 +100,10 @@ impl TopicVisitor for Writer {
             self.text,
             "\nclass {class}Topic(Topic):\n    NAME = \"{}\"\n    HEADER = {}\n    ELEMENT = \
              {element}\n    SCHEMA = \"{}\"\n\n",
-            T::NAME,
+            facts.name,
             class_name(header.name),
-            crate::schema::hash::<T>()
+            crate::schema::hash_of(topic)
         );
-        Ok(())
     }
 }
 

@@ -2,8 +2,8 @@
 
 use core::fmt::Write as _;
 
-use crate::message::{Descriptor, FieldKind, Message as _};
-use crate::topics::{Arity, Topic, TopicId};
+use crate::message::{Descriptor, FieldKind};
+use crate::topics::{Arity, Topic, TopicFacts, TopicId};
 
 /// Name of the logged message of a topic, e.g. `protean/msg/WorldState`.
 pub fn message_name(topic: TopicId) -> String {
@@ -65,21 +65,20 @@ fn fields(text: &mut String, descriptor: &Descriptor, nested: &mut Vec<Descripto
 /// types and offsets of all fields. It is stored as an attribute of the service, because iceoryx2
 /// itself compares only names and sizes of types.
 pub fn hash<T: Topic>() -> String {
-    fingerprint(T::ID, &T::Header::DESCRIPTOR, &T::Element::DESCRIPTOR)
+    fingerprint(T::FACTS)
 }
 
 /// As [`hash`], of the topic as a value.
 pub fn hash_of(topic: TopicId) -> String {
-    let facts = topic.facts();
-    fingerprint(topic, &facts.header, &facts.element)
+    fingerprint(topic.facts())
 }
 
-fn fingerprint(topic: TopicId, header: &Descriptor, element: &Descriptor) -> String {
+fn fingerprint(topic: &TopicFacts) -> String {
     let mut hasher = blake3::Hasher::new();
-    hasher.update(topic.name().as_bytes());
-    hasher.update(&[u8::from(topic.facts().arity == Arity::Many)]);
-    digest(&mut hasher, header);
-    digest(&mut hasher, element);
+    hasher.update(topic.name.as_bytes());
+    hasher.update(&[u8::from(topic.arity == Arity::Many)]);
+    digest(&mut hasher, &topic.header);
+    digest(&mut hasher, &topic.element);
     hasher.finalize().to_hex()[..16].to_owned()
 }
 

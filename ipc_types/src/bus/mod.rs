@@ -7,6 +7,7 @@
 //!
 //! A run in one thread has a bus in memory with the same ports ([`Bus::local`]).
 
+mod any_topic;
 mod local;
 mod publisher;
 mod request_response;
@@ -16,6 +17,7 @@ pub use crate::error::{BusError, ReceiveError, SendError};
 pub use crate::transport::{
     Listener, MemoryUse, Notifier, RunSpace, TopicHolder, TransportConfig, quiet_transport,
 };
+pub use any_topic::{AnyMessage, AnyPublisher, AnySubscriber, AnyTopic, SharedElements};
 pub use publisher::{Publisher, PublisherOptions};
 pub use request_response::{ActiveRequest, Attendant, Client, PendingResponse, Server};
 pub use subscriber::{Received, Subscriber};
@@ -180,7 +182,7 @@ impl Bus {
     pub fn create<T: Topic>(&self) -> Result<TopicHolder, BusError> {
         match &self.backend {
             Backend::Ipc { node, .. } => {
-                let qos = T::ID.qos(&self.options.size);
+                let qos = (T::FACTS.qos)(&self.options.size);
                 let limits = Limits {
                     history: qos.history,
                     buffer: buffer(&qos, self.options.recorder_ticks.max(LOOP_TICKS)),

@@ -25,7 +25,7 @@ impl<T: Topic> Subscriber<T> {
         options: &BusOptions,
         ticks: usize,
     ) -> Result<Self, BusError> {
-        let buffer = buffer(&T::ID.qos(&options.size), ticks);
+        let buffer = buffer(&(T::FACTS.qos)(&options.size), ticks);
         let schema = schema::hash::<T>();
         let port = (T::ports().subscriber)(node.node(), &agreed(T::NAME, &schema), buffer)?;
         Ok(Self {

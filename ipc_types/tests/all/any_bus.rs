@@ -147,7 +147,7 @@ fn with_overflow_the_newest_messages_win() {
 fn a_topic_has_the_ports_of_its_quality_of_service_and_they_become_free_again() {
     on_both("port_limit", false, |bus| {
         let _service = bus.create::<WorldState>().unwrap();
-        let qos = WorldState::ID.qos(&options(false).size);
+        let qos = WorldState::id().qos(&options(false).size);
         let publisher = bus.publisher::<WorldState>(port(0, 2)).unwrap();
         let error = bus.publisher::<WorldState>(port(1, 2)).unwrap_err();
         assert!(matches!(error, BusError::Port { .. }), "{error}");

@@ -80,7 +80,7 @@ impl TopicVisitor for Lines {
             for i in 0..count {
                 let prefix = match T::ARITY {
                     Arity::One => String::new(),
-                    Arity::Many => format!("{}[{i}].", T::ID.facts().elements),
+                    Arity::Many => format!("{}[{i}].", T::id().facts().elements),
                 };
                 numbers(&T::Element::DESCRIPTOR, &prefix, &mut paths);
             }
@@ -110,8 +110,8 @@ impl TopicVisitor for Lines {
             cdr::encode::<T>(&header, &elements, &mut message);
             let mut line = format!(
                 "{}\t{}\t{}",
-                schema::message_name(T::ID),
-                hex(schema::ros2msg(T::ID).as_bytes()),
+                schema::message_name(T::id()),
+                hex(schema::ros2msg(T::id()).as_bytes()),
                 hex(&message)
             );
             for (path, ros, _) in &paths {

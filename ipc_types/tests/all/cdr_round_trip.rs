@@ -139,7 +139,7 @@ fn schemas_define_every_type_they_use_once_and_names_are_the_topics_own() {
         type Error = Infallible;
         fn visit<T: Topic>(&mut self) -> Result<(), Infallible> {
             self.0
-                .push((schema::message_name(T::ID), schema::ros2msg(T::ID)));
+                .push((schema::message_name(T::id()), schema::ros2msg(T::id())));
             Ok(())
         }
     }
@@ -162,7 +162,7 @@ fn schemas_define_every_type_they_use_once_and_names_are_the_topics_own() {
         }
     }
     assert_eq!(
-        schema::message_name(WorldState::ID),
+        schema::message_name(WorldState::id()),
         "protean/msg/WorldState"
     );
 }

@@ -5,8 +5,7 @@ use std::time::Duration;
 use ipc_types::bus::{Bus, BusOptions, PublisherOptions, RunSpace};
 use ipc_types::messages::world::{RobotState, WorldHeader};
 use ipc_types::stamp::PlainHeader;
-use ipc_types::topics::{RunSize, Topic, TopicId};
-use ipc_types::transport::Ports;
+use ipc_types::topics::RunSize;
 
 /// A separate run space that is wiped at the end of the test, also after a panic.
 pub struct Space(
@@ -68,17 +67,10 @@ pub fn state(tick: u64) -> WorldHeader {
     header
 }
 
-/// The topic of commands with another element, as a process of another build would open it.
-#[derive(Debug)]
-pub struct OtherCommands;
-
-impl Topic for OtherCommands {
-    const ID: TopicId = TopicId::Commands;
-    type Header = PlainHeader;
-    type Element = RobotState;
-
-    fn ports() -> &'static Ports<PlainHeader, RobotState> {
-        static PORTS: Ports<PlainHeader, RobotState> = Ports::new();
-        &PORTS
-    }
+ipc_types::topic! {
+    /// The topic of commands with another element, as a process of another build would open it.
+    OtherCommands = "robot/command": One, "command", PlainHeader, RobotState,
+        simulated true, latched false, timed true,
+        may_be_infinite [],
+        qos |s| per_tick s.robots, publishers s.processes, subscribers s.readers();
 }

@@ -123,7 +123,7 @@ impl Comparison {
         let (logged, again) = (self.history(logged), self.history(again));
         let keys: BTreeSet<_> = logged.keys().chain(again.keys()).copied().collect();
         for key in keys {
-            let Some(&id) = TopicId::ALL.get(key.0) else {
+            let Some(id) = TopicId::all().nth(key.0) else {
                 continue;
             };
             let of = |history: &BTreeMap<_, Vec<_>>| history.get(&key).cloned().unwrap_or_default();
@@ -151,7 +151,7 @@ impl Comparison {
         let mut history: BTreeMap<_, Vec<_>> = BTreeMap::new();
         for message in messages {
             let (time, data) = (message.time, message.data.as_slice());
-            let topic = TopicId::ALL.get(message.rank);
+            let topic = TopicId::all().nth(message.rank);
             let is_simulated = topic.is_some_and(|topic| topic.facts().simulated);
             let Some(stamp) = known::stamp(data).filter(|_| is_simulated) else {
                 continue;

@@ -39,7 +39,7 @@ pub fn events(
             }
             Item::Channel(next) => {
                 robots.channel(&next, reader.schema(next.schema_id).as_deref());
-                if next.topic == WorldEvents::ID.name() {
+                if next.topic == WorldEvents::id().name() {
                     known::check_layout(log, &next, &version)?;
                     channel = Some(next.id);
                 }

@@ -1,11 +1,10 @@
 //! Layouts of the project's topics.
 
 use std::path::Path;
-use std::sync::LazyLock;
 
 use ipc_types::schema;
 use ipc_types::stamp::Stamp;
-use ipc_types::topics::TopicId;
+use ipc_types::topics::{PerTopic, TopicId};
 use zerocopy::FromBytes as _;
 
 use super::reader::Channel;
@@ -26,18 +25,15 @@ pub struct Layout {
 
 /// Returns the layout of a topic.
 pub fn layout(topic: TopicId) -> &'static Layout {
-    static ALL: LazyLock<Vec<Layout>> = LazyLock::new(|| {
-        let layout = |topic: &TopicId| Layout {
-            hash: schema::hash_of(*topic),
-            schema: Schema::parse(
-                &schema::message_name(*topic),
-                schema::ros2msg(*topic).as_bytes(),
-            )
-            .ok(),
-        };
-        TopicId::ALL.iter().map(layout).collect()
+    static ALL: PerTopic<Layout> = PerTopic::new(|topic| Layout {
+        hash: schema::hash_of(topic),
+        schema: Schema::parse(
+            &schema::message_name(topic),
+            schema::ros2msg(topic).as_bytes(),
+        )
+        .ok(),
     });
-    &ALL[topic.rank()]
+    ALL.get(topic)
 }
 
 /// Returns the topic of a channel whose messages have the layout of this version; they begin with a

@@ -3,8 +3,8 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use ipc_types::bus::{Bus, BusError, BusOptions, TopicHolder};
-use ipc_types::topics::{OptimiserPlan, Topic, TopicVisitor, for_each_topic};
+use ipc_types::bus::{AnyTopic, Bus, BusError, BusOptions, TopicHolder};
+use ipc_types::topics::OptimiserPlan;
 use runtime::lockstep::TickBarrier;
 
 use super::error::MissionError;
@@ -68,18 +68,12 @@ impl RunResources {
 
 /// Creates the services of all topics, and those for plans if a process makes them.
 fn create_topics(bus: &Bus, plan: &Plan) -> Result<Vec<TopicHolder>, BusError> {
-    struct Create<'a>(&'a Bus, Vec<TopicHolder>);
-    impl TopicVisitor for Create<'_> {
-        type Error = BusError;
-        fn visit<T: Topic>(&mut self) -> Result<(), BusError> {
-            self.1.push(self.0.create::<T>()?);
-            Ok(())
-        }
-    }
-    let mut create = Create(bus, Vec::new());
-    for_each_topic(&mut create)?;
+    let topics = AnyTopic::all().into_iter();
+    let mut held: Vec<TopicHolder> = topics
+        .map(|topic| topic.create(bus))
+        .collect::<Result<_, _>>()?;
     if plan.serves_plans() {
-        create.1.extend(bus.create_service::<OptimiserPlan>()?);
+        held.extend(bus.create_service::<OptimiserPlan>()?);
     }
-    Ok(create.1)
+    Ok(held)
 }

@@ -2,9 +2,8 @@
 
 use std::time::{Duration, Instant};
 
-use ipc_types::bus::{Bus, BusError, ReceiveError, Subscriber};
+use ipc_types::bus::{AnySubscriber, AnyTopic, Bus, ReceiveError};
 use ipc_types::consumer::Consumer;
-use ipc_types::topics::{Topic, TopicVisitor, for_each_topic};
 
 use super::error::RecorderError;
 use super::recording::Recording;
@@ -36,18 +35,11 @@ impl Recorder {
     /// # Errors
     /// [`RecorderError::Subscribe`].
     pub fn open(bus: &Bus, recording: Recording) -> Result<Self, RecorderError> {
-        struct Open<'a>(&'a Bus, Vec<Box<dyn AnySubscriber>>);
-        impl TopicVisitor for Open<'_> {
-            type Error = BusError;
-            fn visit<T: Topic>(&mut self) -> Result<(), BusError> {
-                self.1.push(Box::new(self.0.recorder::<T>()?));
-                Ok(())
-            }
-        }
-        let mut open = Open(bus, Vec::new());
-        for_each_topic(&mut open)?;
+        let topics = AnyTopic::all().into_iter();
         Ok(Self {
-            taps: open.1,
+            taps: topics
+                .map(|topic| topic.recorder(bus))
+                .collect::<Result<_, _>>()?,
             in_place: bus.is_local(),
             recording,
         })
@@ -60,7 +52,7 @@ impl Recorder {
     pub fn update_connections(&self) -> Result<(), RecorderError> {
         self.taps
             .iter()
-            .try_for_each(|tap| tap.connect())
+            .try_for_each(|tap| tap.update_connections())
             .map_err(RecorderError::from)
     }
 
@@ -130,7 +122,9 @@ impl Recorder {
     fn drain(&mut self) -> Result<bool, ReceiveError> {
         let mut empty = true;
         for tap in &self.taps {
-            empty &= tap.drain(&mut self.recording, self.in_place)?;
+            empty &= tap.drain(MAX_BATCH, &mut |message| {
+                self.recording.receive(message, self.in_place);
+            })?;
         }
         Ok(empty)
     }
@@ -141,28 +135,5 @@ impl core::fmt::Debug for Recorder {
         f.debug_struct("Recorder")
             .field("recording", &self.recording)
             .finish_non_exhaustive()
-    }
-}
-
-/// A subscriber of any topic.
-trait AnySubscriber {
-    fn connect(&self) -> Result<(), ReceiveError>;
-    /// Takes messages; returns `false` if there may be more.
-    fn drain(&self, recording: &mut Recording, in_place: bool) -> Result<bool, ReceiveError>;
-}
-
-impl<T: Topic> AnySubscriber for Subscriber<T> {
-    fn connect(&self) -> Result<(), ReceiveError> {
-        self.update_connections()
-    }
-
-    fn drain(&self, recording: &mut Recording, in_place: bool) -> Result<bool, ReceiveError> {
-        for _ in 0..MAX_BATCH {
-            match self.receive()? {
-                Some(message) => recording.receive(&message, in_place),
-                None => return Ok(true),
-            }
-        }
-        Ok(false)
     }
 }

@@ -1,9 +1,7 @@
 //! Checks of messages. Messages that fail are logged, but not used.
 
-use std::sync::LazyLock;
-
 use ipc_types::message::{Descriptor, FieldKind};
-use ipc_types::topics::{Arity, TopicFacts, TopicId};
+use ipc_types::topics::{Arity, PerTopic, TopicFacts, TopicId};
 
 /// Check for numbers that are not finite in the bytes of a topic's messages.
 #[derive(Debug)]
@@ -39,11 +37,8 @@ pub(super) fn is_decodable(topic: TopicId, elements: usize) -> bool {
 impl Finite {
     /// Returns the check for the messages of a topic.
     pub(super) fn of(topic: TopicId) -> &'static Self {
-        static ALL: LazyLock<Vec<Finite>> = LazyLock::new(|| {
-            let topics = TopicId::ALL.iter();
-            topics.map(|topic| Finite::new(topic.facts())).collect()
-        });
-        &ALL[topic.rank()]
+        static ALL: PerTopic<Finite> = PerTopic::new(|topic| Finite::new(topic.facts()));
+        ALL.get(topic)
     }
 
     fn new(topic: &TopicFacts) -> Self {
@@ -164,7 +159,7 @@ mod tests {
     use super::Finite;
 
     fn is_valid<T: Topic>(header: &T::Header, elements: &[T::Element]) -> bool {
-        Finite::of(T::ID).is_valid(header.as_bytes(), elements.as_bytes())
+        Finite::of(T::id()).is_valid(header.as_bytes(), elements.as_bytes())
     }
 
     #[test]

@@ -6,6 +6,8 @@
 use std::any::Any;
 use std::sync::{Arc, Mutex, PoisonError};
 
+use ipc_types::bus::SharedElements;
+
 use super::parts::Parts;
 
 /// Maximum number of maps; beyond it the oldest is removed.
@@ -23,37 +25,38 @@ pub struct DigestPrefixes {
 /// A message that passed the checks, and the hash state after it.
 #[derive(Debug)]
 pub(super) struct DigestPrefix {
-    /// An `Arc<[E]>`.
-    elements: Box<dyn Any + Send + Sync>,
+    /// Address of the elements.
+    address: usize,
+    /// Keeps the elements there.
+    _elements: Box<dyn Any + Send + Sync>,
     header: Vec<u8>,
     pub(super) hasher: blake3::Hasher,
 }
 
 impl DigestPrefixes {
     /// Returns the entry of a message with these elements.
-    pub(super) fn find<E: Send + Sync + 'static>(
+    pub(super) fn find(
         &self,
-        elements: &Arc<[E]>,
+        elements: &dyn SharedElements,
         message: &Parts<'_>,
     ) -> Option<Arc<DigestPrefix>> {
-        let is_the_same = |known: &DigestPrefix| {
-            let of_known = known.elements.downcast_ref::<Arc<[E]>>();
-            of_known.is_some_and(|of_known| Arc::ptr_eq(of_known, elements))
-                && known.header == header(message)
-        };
+        let address = elements.address();
+        let is_the_same =
+            |known: &DigestPrefix| known.address == address && known.header == header(message);
         let known = self.known.lock().unwrap_or_else(PoisonError::into_inner);
         known.iter().find(|known| is_the_same(known)).cloned()
     }
 
     /// Adds a message that passed the checks, with the hash state after it.
-    pub(super) fn keep<E: Send + Sync + 'static>(
+    pub(super) fn keep(
         &self,
-        elements: &Arc<[E]>,
+        elements: &dyn SharedElements,
         message: &Parts<'_>,
         hasher: blake3::Hasher,
     ) {
         let beginning = Arc::new(DigestPrefix {
-            elements: Box::new(Arc::clone(elements)),
+            address: elements.address(),
+            _elements: elements.keep(),
             header: header(message),
             hasher,
         });

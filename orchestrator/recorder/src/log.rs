@@ -29,17 +29,17 @@ impl Log {
         robots: &[RobotInfo],
         derived: Option<Box<dyn DerivedTopics>>,
     ) -> Result<Self, LogWriteError> {
-        let channel = |topic: &TopicId| {
+        let channel = |topic: TopicId| {
             writer.add_channel(&ChannelSpec {
                 topic: topic.name(),
-                schema_name: &schema::message_name(*topic),
+                schema_name: &schema::message_name(topic),
                 schema_encoding: "ros2msg",
-                schema: schema::ros2msg(*topic).as_bytes(),
+                schema: schema::ros2msg(topic).as_bytes(),
                 message_encoding: "cdr",
-                metadata: &metadata(*topic),
+                metadata: &metadata(topic),
             })
         };
-        let channels = TopicId::ALL.iter().map(channel).collect::<Result<_, _>>()?;
+        let channels = TopicId::all().map(channel).collect::<Result<_, _>>()?;
         robot_names::write(robots, &mut writer)?;
         let derived = derived
             .map(|derived| DerivedLog::new(derived, &mut writer))

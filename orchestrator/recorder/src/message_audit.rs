@@ -52,7 +52,7 @@ impl MessageAudit {
     /// Creates the audit of a run with these processes and this simulated time between two ticks (ns).
     pub(super) fn new(processes: &[ProcessInfo], tick_period_ns: u64) -> Self {
         Self {
-            accounts: TopicId::ALL.iter().map(|_| TopicStats::default()).collect(),
+            accounts: TopicId::all().map(|_| TopicStats::default()).collect(),
             digest: Digest::default(),
             sources: processes.iter().map(|p| p.index).collect(),
             tick_period_ns,
@@ -68,6 +68,10 @@ impl MessageAudit {
         message: &Parts<'_>,
         beginning: Option<&DigestPrefix>,
     ) -> Verdict {
+        if self.accounts.len() <= topic.rank() {
+            self.accounts
+                .resize_with(topic.rank() + 1, TopicStats::default);
+        }
         let account = &mut self.accounts[topic.rank()];
         let simulated = topic.facts().simulated;
         let known = self.sources.contains(&stamp.source);
@@ -117,7 +121,7 @@ impl MessageAudit {
 
     /// Returns the name and the counts of every topic.
     pub(super) fn counts(&self) -> impl Iterator<Item = (&'static str, TopicCount)> + '_ {
-        let topics = TopicId::ALL.iter().map(|topic| topic.name());
+        let topics = TopicId::all().map(TopicId::name);
         topics.zip(self.accounts.iter().map(|account| account.count))
     }
 

@@ -1,5 +1,6 @@
 //! A message as slices of its CDR form.
 
+use ipc_types::bus::AnyMessage;
 use ipc_types::cdr::SequenceHead;
 use ipc_types::stamp::Stamp;
 use ipc_types::topics::{Arity, TopicId};
@@ -40,20 +41,14 @@ impl<'a> Parts<'a> {
     }
 
     /// Returns the slices of a message in memory.
-    pub(super) fn new(
-        topic: TopicId,
-        header: &'a [u8],
-        head: &'a SequenceHead,
-        elements: &'a [u8],
-        count: usize,
-    ) -> Self {
+    pub(super) fn new(message: &AnyMessage<'a>, head: &'a SequenceHead) -> Self {
         let head = head.as_bytes();
         Self {
-            header,
+            header: message.header,
             head,
-            gap: missing_gap(topic, head),
-            elements,
-            count,
+            gap: missing_gap(message.topic, head),
+            elements: message.elements,
+            count: message.count,
         }
     }
 

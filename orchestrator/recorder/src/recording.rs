@@ -4,13 +4,10 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use ipc_types::bus::Received;
-use ipc_types::cdr::SequenceHead;
+use ipc_types::bus::AnyMessage;
 use ipc_types::consumer::{Consumer, Consumers, LoggedMessage};
-use ipc_types::stamp::Header as _;
 use ipc_types::topics::{Topic, TopicId};
 use mcap_log::{LogWriteError, LogWriter};
-use zerocopy::IntoBytes as _;
 
 use super::chain::Chain;
 use super::checks::is_decodable;
@@ -89,30 +86,25 @@ impl Recording {
     }
 
     /// Adds a message. `in_place`: the message is immutable and is copied only if it is needed later.
-    pub(super) fn receive<T: Topic>(&mut self, message: &Received<T>, in_place: bool) {
-        let (header, elements) = (message.header(), message.elements());
-        if !in_place || self.output.wants(T::ID) {
-            self.push::<T>(header, elements);
+    pub(super) fn receive(&mut self, message: &AnyMessage<'_>, in_place: bool) {
+        let topic = message.topic;
+        if !in_place || self.output.wants(topic) {
+            self.add(message);
             return;
         }
-        let stamp = header.stamp();
-        let head = SequenceHead::of::<T>(elements.len());
-        let parts = Parts::new(
-            T::ID,
-            header.as_bytes(),
-            &head,
-            elements.as_bytes(),
-            elements.len(),
-        );
-        let Some(shared) = message.shared() else {
-            self.audit.enter(T::ID, stamp, &parts, None);
+        let head = message.head();
+        let parts = Parts::new(message, &head);
+        let Some(shared) = message.shared else {
+            self.audit.enter(topic, message.stamp, &parts, None);
             return;
         };
         let known = self.digest_prefixes.find(shared, &parts);
-        let verdict = self.audit.enter(T::ID, stamp, &parts, known.as_deref());
+        let verdict = self
+            .audit
+            .enter(topic, message.stamp, &parts, known.as_deref());
         if known.is_none()
             && verdict.is_valid
-            && let Some(hasher) = self.audit.beginning(T::ID, stamp.source)
+            && let Some(hasher) = self.audit.beginning(topic, message.stamp.source)
         {
             self.digest_prefixes.keep(shared, &parts, hasher);
         }
@@ -120,30 +112,35 @@ impl Recording {
 
     /// Adds a copy of a message.
     pub fn push<T: Topic>(&mut self, header: &T::Header, elements: &[T::Element]) {
-        let (newest, stamp) = (self.audit.newest().unwrap_or(0), *header.stamp());
+        self.add(&AnyMessage::new::<T>(header, elements));
+    }
+
+    fn add(&mut self, message: &AnyMessage<'_>) {
+        let topic = message.topic;
+        let (newest, stamp) = (self.audit.newest().unwrap_or(0), *message.stamp);
         // From here on only the copy is used: a malicious sender could still write to the original.
-        let bytes = self.reorder_buffer.copy::<T>(header, elements);
-        let parts = Parts::of_cdr(T::ID, bytes, elements.len());
-        let verdict = self.audit.enter(T::ID, &stamp, &parts, None);
-        if verdict.is_valid && T::ID.facts().timed {
+        let bytes = self.reorder_buffer.copy(message);
+        let parts = Parts::of_cdr(topic, bytes, message.count);
+        let verdict = self.audit.enter(topic, &stamp, &parts, None);
+        if verdict.is_valid && topic.facts().timed {
             let message = LoggedMessage {
-                topic: T::ID,
+                topic,
                 stamp,
                 time_ns: stamp.time_ns,
                 bytes,
             };
             self.latencies.message(&message, &mut ());
         }
-        if is_decodable(T::ID, elements.len()) && self.output.wants(T::ID) {
+        if is_decodable(topic, message.count) && self.output.wants(topic) {
             // Messages outside the simulated history may be late, for a tick that is already written.
-            let is_late = !T::ID.facts().simulated && stamp.tick < self.output.tick;
+            let is_late = !topic.facts().simulated && stamp.tick < self.output.tick;
             let tick = if is_late || !verdict.plausible {
                 newest
             } else {
                 stamp.tick
             };
             self.reorder_buffer
-                .keep(tick, T::ID, stamp, !verdict.is_valid);
+                .keep(tick, topic, stamp, !verdict.is_valid);
         }
     }
 

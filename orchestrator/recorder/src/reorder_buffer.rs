@@ -1,8 +1,8 @@
 //! Buffer that puts arriving messages in the order of the log.
 
-use ipc_types::cdr;
+use ipc_types::bus::AnyMessage;
 use ipc_types::stamp::Stamp;
-use ipc_types::topics::{Topic, TopicId};
+use ipc_types::topics::TopicId;
 
 /// A pending message.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -36,9 +36,9 @@ pub(super) struct ReorderBuffer {
 
 impl ReorderBuffer {
     /// Copies a message from shared memory and returns its CDR form; [`ReorderBuffer::keep`] keeps it.
-    pub(super) fn copy<T: Topic>(&mut self, header: &T::Header, elements: &[T::Element]) -> &[u8] {
+    pub(super) fn copy(&mut self, message: &AnyMessage<'_>) -> &[u8] {
         self.bytes.truncate(self.kept);
-        cdr::encode::<T>(header, elements, &mut self.bytes);
+        message.encode(&mut self.bytes);
         &self.bytes[self.kept..]
     }
 
@@ -103,6 +103,7 @@ impl ReorderBuffer {
 mod tests {
     use std::convert::Infallible;
 
+    use ipc_types::cdr;
     use ipc_types::messages::robot::Command;
     use ipc_types::stamp::PlainHeader;
     use ipc_types::topics::Commands;
@@ -125,8 +126,8 @@ mod tests {
             v: (tick * 100 + u64::from(source)) as f64,
             ..Command::default()
         };
-        reorder_buffer.copy::<Commands>(&header, &[command]);
-        reorder_buffer.keep(tick, TopicId::ALL[rank], header.stamp, false);
+        reorder_buffer.copy(&AnyMessage::new::<Commands>(&header, &[command]));
+        reorder_buffer.keep(tick, TopicId::all().nth(rank).unwrap(), header.stamp, false);
     }
 
     fn take(

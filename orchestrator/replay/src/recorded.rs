@@ -103,9 +103,9 @@ impl Recorded {
         // A version with fewer topics recorded fewer messages.
         if !recorded.filtered
             && !topics.is_empty()
-            && let Some(topic) = TopicId::ALL
-                .iter()
-                .find(|topic| topic.facts().simulated && !topics.contains(topic.name()))
+            && let Some(topic) = TopicId::all().find(|topic| {
+                topic.is_built_in() && topic.facts().simulated && !topics.contains(topic.name())
+            })
         {
             return Err(recorded.origin.layout(log, topic.name(), "none"));
         }

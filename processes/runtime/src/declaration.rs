@@ -3,10 +3,8 @@
 
 use core::fmt;
 
-use ipc_types::topics::{
-    Belief, Commands, Scan, Service, Topic, TopicId, Tree, Waypoints, WorldMap, WorldShapes,
-    WorldState,
-};
+use ipc_types::bus::AnyTopic;
+use ipc_types::topics::{Commands, Service, Topic, TopicId, Tree, Waypoints};
 
 /// A stream of messages between processes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -20,9 +18,10 @@ pub enum Flow {
 }
 
 impl Flow {
-    /// Returns the flow of a topic.
-    pub const fn of<T: Topic>() -> Self {
-        Self::Topic(T::ID)
+    /// Returns the flow of a topic, and registers the topic if it is not built in.
+    pub fn of<T: Topic>() -> Self {
+        AnyTopic::register::<T>();
+        Self::Topic(T::id())
     }
 
     /// Returns `true` if the simulator or the orchestrator alone writes it, in every run.
@@ -103,15 +102,16 @@ impl Input {
     }
 
     /// The state of all robots.
-    pub const STATE: Self = Self::new(Flow::of::<WorldState>(), Of::All, When::ThisTick);
+    pub const STATE: Self = Self::new(Flow::Topic(TopicId::WorldState), Of::All, When::ThisTick);
     /// The grids of the map.
-    pub const MAP: Self = Self::new(Flow::of::<WorldMap>(), Of::World, When::Latched);
+    pub const MAP: Self = Self::new(Flow::Topic(TopicId::WorldMap), Of::World, When::Latched);
     /// The exact pieces of the map.
-    pub const SHAPES: Self = Self::new(Flow::of::<WorldShapes>(), Of::World, When::Latched);
+    pub const SHAPES: Self = Self::new(Flow::Topic(TopicId::WorldShapes), Of::World, When::Latched);
     /// Range scans of its robots.
-    pub const SCANS: Self = Self::new(Flow::of::<Scan>(), Of::OwnRobots, When::ThisTick);
+    pub const SCANS: Self = Self::new(Flow::Topic(TopicId::Scan), Of::OwnRobots, When::ThisTick);
     /// Beliefs about its opponents.
-    pub const BELIEFS: Self = Self::new(Flow::of::<Belief>(), Of::Opponents, When::ThisTick);
+    pub const BELIEFS: Self =
+        Self::new(Flow::Topic(TopicId::Belief), Of::Opponents, When::ThisTick);
 }
 
 /// An output of a process.
@@ -129,7 +129,7 @@ pub struct Output {
 
 impl Output {
     /// An output for viewers, the log and later ticks, with messages of at most `elements`.
-    pub const fn new<T: Topic>(elements: usize) -> Self {
+    pub fn new<T: Topic>(elements: usize) -> Self {
         Self {
             flow: Flow::of::<T>(),
             when: When::NextTick,
@@ -139,12 +139,12 @@ impl Output {
     }
 
     /// The search tree behind a plan, of at most `edges`.
-    pub const fn tree(edges: usize) -> Self {
+    pub fn tree(edges: usize) -> Self {
         Self::new::<Tree>(edges)
     }
 
     /// At most `most` waypoints that end in a tick.
-    pub const fn waypoints(most: usize) -> Self {
+    pub fn waypoints(most: usize) -> Self {
         Self::new::<Waypoints>(most)
     }
 
@@ -299,11 +299,11 @@ pub fn order(
 
 #[cfg(test)]
 mod tests {
-    use ipc_types::topics::{OptimiserPlan, Sightings, Verdicts};
+    use ipc_types::topics::{Belief, OptimiserPlan, Sightings, Verdicts};
 
     use super::*;
 
-    const fn within<T: Topic>() -> Input {
+    fn within<T: Topic>() -> Input {
         Input::new(Flow::of::<T>(), Of::World, When::ThisTick)
     }
 

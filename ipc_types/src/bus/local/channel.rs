@@ -31,7 +31,7 @@ pub(in crate::bus) struct Channel<T: Topic> {
 impl<T: Topic> Channel<T> {
     pub(super) fn new(options: &BusOptions) -> Self {
         Self {
-            qos: T::ID.qos(&options.size),
+            qos: (T::FACTS.qos)(&options.size),
             overflow: options.overflow,
             queues: RefCell::default(),
             histories: RefCell::default(),

@@ -12,7 +12,6 @@ mod stages;
 mod tests;
 
 use std::collections::BTreeMap;
-use std::sync::LazyLock;
 
 use ipc_types::consumer::{Consumer, LoggedMessage};
 use ipc_types::stamp::Stamp;
@@ -30,6 +29,8 @@ const WINDOW: u64 = 512;
 /// Measures the ticks of a run from the stamps of its messages, which arrive approximately in order.
 #[derive(Debug)]
 pub struct Chain {
+    /// Topics whose messages answer the input of their tick.
+    timed: Vec<TopicId>,
     /// Processes by index.
     processes: BTreeMap<u32, Process>,
     ticks: BTreeMap<u64, Tick>,
@@ -78,7 +79,7 @@ struct Output {
 
 impl Consumer for Chain {
     fn topics(&self) -> &[TopicId] {
-        Self::timed()
+        &self.timed
     }
 
     fn message(&mut self, message: &LoggedMessage<'_>, (): &mut ()) {
@@ -88,12 +89,8 @@ impl Consumer for Chain {
 
 impl Chain {
     /// Returns the topics whose messages answer the input of their tick.
-    pub fn timed() -> &'static [TopicId] {
-        static TIMED: LazyLock<Vec<TopicId>> = LazyLock::new(|| {
-            let topics = TopicId::ALL.iter().copied();
-            topics.filter(|topic| topic.facts().timed).collect()
-        });
-        &TIMED
+    pub fn timed() -> Vec<TopicId> {
+        TopicId::all().filter(|topic| topic.facts().timed).collect()
     }
 
     /// Creates the measurement of a run with these processes.
@@ -108,6 +105,7 @@ impl Chain {
             (p.index, process)
         });
         Self {
+            timed: Self::timed(),
             processes: processes.collect(),
             ticks: BTreeMap::new(),
             spare: Vec::new(),

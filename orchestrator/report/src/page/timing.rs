@@ -21,6 +21,7 @@ pub(super) const PER_DECADE: u32 = 8;
 /// Latency collector that starts once the processes are known.
 #[derive(Debug)]
 pub(super) struct Timing {
+    timed: Vec<TopicId>,
     kinds: &'static [Kind],
     chain: Option<Chain>,
     is_begun: bool,
@@ -28,7 +29,7 @@ pub(super) struct Timing {
 
 impl Consumer<LoggedRun> for Timing {
     fn topics(&self) -> &[TopicId] {
-        Chain::timed()
+        &self.timed
     }
 
     fn message(&mut self, message: &LoggedMessage<'_>, run: &mut LoggedRun) {
@@ -65,6 +66,7 @@ impl Timing {
             kinds,
             chain: None,
             is_begun: false,
+            timed: Chain::timed(),
         }
     }
 

@@ -97,9 +97,8 @@ pub fn viewer_topics(run: &RunInfo, options: &ViewerOptions) -> Option<Box<dyn D
     }
     let mut picture = Picture::new(&run.robots, rate_hz);
     let topics = Consumers::new(topics(run, options, &mut picture));
-    let takes = TopicId::ALL.iter().copied();
     Some(Box::new(ViewerTopics {
-        takes: takes
+        takes: TopicId::all()
             .filter(|topic| Picture::TAKES.contains(topic) || topics.take(*topic))
             .collect(),
         topics,

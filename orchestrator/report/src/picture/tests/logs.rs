@@ -66,11 +66,11 @@ impl Log {
     }
 
     fn channel<T: Topic>(&mut self, hash: &str) -> ChannelId {
-        let text = schema::ros2msg(T::ID);
+        let text = schema::ros2msg(T::id());
         let metadata = BTreeMap::from([("schema_hash".to_owned(), hash.to_owned())]);
         let spec = ChannelSpec {
             topic: T::NAME,
-            schema_name: &schema::message_name(T::ID),
+            schema_name: &schema::message_name(T::id()),
             schema_encoding: "ros2msg",
             schema: text.as_bytes(),
             message_encoding: "cdr",
