@@ -12,6 +12,9 @@
 #![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
 #![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
 
+// The macros name the crate as others do.
+extern crate self as ipc_types;
+
 pub mod bus;
 pub mod c_header;
 pub mod cdr;

@@ -1,7 +1,9 @@
 //! Common properties of messages: a fixed layout without padding, a stable name, and a description of the
 //! fields, from which schemas for logs and other languages are generated.
 
-use iceoryx2::prelude::ZeroCopySend;
+pub use iceoryx2::prelude::ZeroCopySend;
+pub use zerocopy;
+
 use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout};
 
 /// A type that crosses a process boundary as its bytes.
@@ -99,6 +101,8 @@ numbers! {
 /// Defines a message: the `repr(C)` struct, its zero-copy traits, its compile-time layout checks
 /// and its [`Descriptor`].
 ///
+/// The file imports [`ZeroCopySend`](crate::message::ZeroCopySend), which the generated code names.
+///
 /// The first field must have the alignment of the whole struct: only then are the bytes of a
 /// slice of messages also their ROS 2 CDR encoding (the encapsulation aligns the first primitive,
 /// nothing later needs padding).
@@ -114,9 +118,11 @@ macro_rules! message {
         $(#[$meta])*
         #[repr(C)]
         #[derive(
-            Debug, Clone, Copy, PartialEq, zerocopy::FromBytes, zerocopy::IntoBytes,
-            zerocopy::Immutable, zerocopy::KnownLayout, ZeroCopySend,
+            Debug, Clone, Copy, PartialEq, $crate::message::zerocopy::FromBytes,
+            $crate::message::zerocopy::IntoBytes, $crate::message::zerocopy::Immutable,
+            $crate::message::zerocopy::KnownLayout, ZeroCopySend,
         )]
+        #[zerocopy(crate = "ipc_types::message::zerocopy")]
         #[type_name($ros)]
         // The texts of fields enter schema hashes, so their units stay as they are: `[m]`.
         #[allow(rustdoc::broken_intra_doc_links)]
@@ -156,7 +162,7 @@ macro_rules! message {
 
         impl Default for $name {
             fn default() -> Self {
-                zerocopy::FromZeros::new_zeroed()
+                $crate::message::zerocopy::FromZeros::new_zeroed()
             }
         }
 

@@ -112,6 +112,7 @@ pub trait Topic: Send + Sync + 'static {
 /// Declares topics, each with its facts: a type that implements [`Topic`].
 ///
 /// ```
+/// use ipc_types::message::ZeroCopySend;
 /// use ipc_types::stamp::PlainHeader;
 /// use ipc_types::topics::Topic;
 ///
