@@ -50,7 +50,8 @@ pub trait Header: message::Message {
     fn stamp_mut(&mut self) -> &mut Stamp;
 }
 
-/// Implements [`Header`] for messages with a `stamp` field at offset 0, and checks that offset.
+/// Implements [`Header`](crate::stamp::Header) for messages with a `stamp` field at offset 0, and checks that offset.
+#[macro_export]
 macro_rules! headers {
     ($($name:ident),+ $(,)?) => {$(
         impl $crate::stamp::Header for $name {
@@ -64,7 +65,6 @@ macro_rules! headers {
         const _: () = assert!(core::mem::offset_of!($name, stamp) == 0 && size_of::<$name>() % 8 == 0);
     )+};
 }
-pub(crate) use headers;
 
 message! {
     /// Header of topics that need nothing but the stamp.

@@ -2,8 +2,9 @@
 
 use iceoryx2::prelude::ZeroCopySend;
 
+use crate::headers;
 use crate::message;
-use crate::stamp::{Stamp, headers};
+use crate::stamp::Stamp;
 
 message! {
     /// Header of a planning request; the elements are the points of the obstacles, encoded as those

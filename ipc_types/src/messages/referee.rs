@@ -2,8 +2,9 @@
 
 use iceoryx2::prelude::ZeroCopySend;
 
+use crate::headers;
 use crate::message;
-use crate::stamp::{Stamp, headers};
+use crate::stamp::Stamp;
 
 message! {
     /// Verdict on the escape of one evader, in `world/verdict`; one per evader that still plays.

@@ -2,8 +2,9 @@
 
 use iceoryx2::prelude::ZeroCopySend;
 
+use crate::headers;
 use crate::message;
-use crate::stamp::{Stamp, headers};
+use crate::stamp::Stamp;
 
 message! {
     /// Header of `world/state`.

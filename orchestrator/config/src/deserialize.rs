@@ -325,9 +325,17 @@ impl<'de> de::Deserializer<'de> for NodeReader<&Node> {
         visitor.visit_unit()
     }
 
+    /// Parameters of a kind without any: an empty table.
+    fn deserialize_unit<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, ReadError> {
+        match &self.0.value {
+            Value::Table(table) if table.entries.is_empty() => visitor.visit_unit(),
+            _ => self.deserialize_any(visitor),
+        }
+    }
+
     forward_to_deserialize_any! {
         bool i8 i16 i32 i64 i128 u8 u16 u32 u64 u128 f32 f64 char str string bytes byte_buf
-        unit unit_struct seq tuple tuple_struct map struct identifier
+        unit_struct seq tuple tuple_struct map struct identifier
     }
 }
 

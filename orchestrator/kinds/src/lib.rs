@@ -22,7 +22,7 @@ use policy::process::PolicyPlanner;
 use pursuer::process::PursuerPlanner;
 use referee::process::RefereeProcess;
 
-use scenario::kind::Kind;
+pub use scenario::kind::Kind;
 use scenario::{Loader, ResolvedScenario};
 
 /// Kinds of processes of this program, in the order of listings.

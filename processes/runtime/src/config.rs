@@ -12,7 +12,7 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use serde_json::Value as Json;
 use sim_backend::spec::RobotModel;
-use sim_backend::team::Role;
+pub use sim_backend::team::Role;
 
 use crate::declaration::Flow;
 

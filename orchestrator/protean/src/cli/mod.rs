@@ -188,6 +188,10 @@ pub fn main_with(kinds: Vec<Kind>) -> ExitCode {
         eprintln!("error: this program has two kinds of processes named {name:?}");
         return ExitCode::from(EXIT_INVALID);
     }
+    // A declaration registers its topics; their logs can then be read.
+    for kind in kinds {
+        kind.declaration();
+    }
     platform::descriptors::raise_limit();
     platform::signals::keep_ends_of_children();
     platform::signals::refuse_large_files();
