@@ -16,6 +16,7 @@ mod cpp_planner;
 mod documentation;
 mod external;
 mod external_planner;
+mod external_sensor;
 mod goldens;
 mod growth;
 mod hostile;

@@ -137,7 +137,20 @@ fn every_robot_is_driven_by_exactly_one_process() {
 }
 
 #[test]
-fn the_needs_of_a_process_must_be_met() {
+fn processes_that_wait_for_each_other_are_named_with_their_inputs() {
+    let circle = "\n[[processes]]\nkind = \"ping\"\n[[processes]]\nkind = \"pong\"\n";
+    let problems = load(&(GOOD.to_owned() + circle)).unwrap_err().to_string();
+    let expected = "processes wait for each other within a tick: `ping` reads observer/prediction, \
+                    `pong` reads world/verdict";
+    assert!(problems.contains(expected), "{problems}");
+    let one = "\n[[processes]]\nkind = \"ping\"\n";
+    let lacks = load(&(GOOD.to_owned() + one)).unwrap_err().to_string();
+    assert!(lacks.contains("process `ping` reads observer/prediction, but no process writes it"));
+    assert!(lacks.contains("kind = \"pong\""), "{lacks}");
+}
+
+#[test]
+fn the_inputs_of_a_process_must_be_written() {
     let block = "[[processes]]\nkind = \"perception\"\nparams = { particles = 200 }\n";
     refused(
         block,

@@ -10,9 +10,9 @@ mod resolve;
 mod teams;
 
 use ipc_types::bus::Bus;
-use ipc_types::topics::{Belief, Commands, OptimiserPlan};
+use ipc_types::topics::{Belief, Commands, OptimiserPlan, Predictions, Topic, Verdicts};
 use parameters::{Parameters, ParamsError};
-use runtime::declaration::{Declaration, Input, Output, When};
+use runtime::declaration::{Declaration, Flow, Input, Of, Output, When};
 use runtime::{Process, ProcessConfig, ProcessError, ProcessKind};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -119,6 +119,16 @@ kinds! {
             steers()
         }
     }
+    Ping "ping" {
+        fn declare(_: &Params) -> Declaration {
+            relays::<Predictions, Verdicts>()
+        }
+    }
+    Pong "pong" {
+        fn declare(_: &Params) -> Declaration {
+            relays::<Verdicts, Predictions>()
+        }
+    }
     Optimiser "optimiser" {
         fn declare(_: &Params) -> Declaration {
             Declaration::default().answers::<OptimiserPlan>(1)
@@ -129,6 +139,13 @@ kinds! {
             steers().asks::<OptimiserPlan>(1)
         }
     }
+}
+
+/// A process that reads one flow within the tick and writes another.
+fn relays<From: Topic, To: Topic>() -> Declaration {
+    Declaration::default()
+        .reads(Input::new(Flow::of::<From>(), Of::World, When::ThisTick))
+        .writes(Output::new::<To>(1).at(When::ThisTick))
 }
 
 fn steers() -> Declaration {
