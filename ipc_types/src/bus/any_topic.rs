@@ -21,9 +21,12 @@ pub struct AnyTopic {
     /// The topic.
     pub id: TopicId,
     create: fn(&Bus) -> Result<TopicHolder, BusError>,
-    recorder: fn(&Bus) -> Result<Box<dyn AnySubscriber>, BusError>,
-    repeater: fn(&Bus, u32) -> Result<Box<dyn AnyPublisher>, BusError>,
+    recorder: OpenSubscriber,
+    repeater: OpenPublisher,
 }
+
+type OpenSubscriber = fn(&Bus) -> Result<Box<dyn AnySubscriber>, BusError>;
+type OpenPublisher = fn(&Bus, u32) -> Result<Box<dyn AnyPublisher>, BusError>;
 
 impl AnyTopic {
     fn of<T: Topic>() -> Self {

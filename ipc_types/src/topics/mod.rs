@@ -159,7 +159,7 @@ macro_rules! topic {
                 timed: $timed,
                 may_be_infinite: &$infinite,
                 qos: |$size| $crate::topics::Qos {
-                    history: $latched as usize,
+                    history: if $latched { 1 } else { 0 },
                     per_tick: $per_tick,
                     publishers: $publishers,
                     subscribers: $subscribers,

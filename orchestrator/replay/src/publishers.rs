@@ -10,15 +10,18 @@ use mission::MissionError;
 
 /// Publishers of all topics.
 pub(super) struct TopicPublishers {
-    /// The topics by rank, each with its publishers by the index of the process.
-    topics: Vec<(AnyTopic, BTreeMap<u32, Box<dyn AnyPublisher>>)>,
+    /// The topics by rank, each with its publishers.
+    topics: Vec<(AnyTopic, Ports)>,
 }
+
+/// Publishers of a topic by the index of the process.
+type Ports = BTreeMap<u32, Box<dyn AnyPublisher>>;
 
 impl TopicPublishers {
     pub(super) fn new() -> Self {
         let topics = AnyTopic::all().into_iter();
         Self {
-            topics: topics.map(|topic| (topic, BTreeMap::new())).collect(),
+            topics: topics.map(|topic| (topic, Ports::new())).collect(),
         }
     }
 

@@ -139,12 +139,12 @@ fn every_robot_is_driven_by_exactly_one_process() {
 #[test]
 fn processes_that_wait_for_each_other_are_named_with_their_inputs() {
     let circle = "\n[[processes]]\nkind = \"ping\"\n[[processes]]\nkind = \"pong\"\n";
-    let problems = load(&(GOOD.to_owned() + circle)).unwrap_err().to_string();
+    let problems = load(&(GOOD.to_owned() + circle)).unwrap_err();
     let expected = "processes wait for each other within a tick: `ping` reads observer/prediction, \
                     `pong` reads world/verdict";
     assert!(problems.contains(expected), "{problems}");
     let one = "\n[[processes]]\nkind = \"ping\"\n";
-    let lacks = load(&(GOOD.to_owned() + one)).unwrap_err().to_string();
+    let lacks = load(&(GOOD.to_owned() + one)).unwrap_err();
     assert!(lacks.contains("process `ping` reads observer/prediction, but no process writes it"));
     assert!(lacks.contains("kind = \"pong\""), "{lacks}");
 }
