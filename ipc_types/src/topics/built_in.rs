@@ -1,6 +1,7 @@
 //! The topics of Protean's own processes.
 
-use super::{EXTERNAL_SUBSCRIBERS, Topic, TopicFacts, TopicId, TopicVisitor};
+use super::topic_id::TopicId;
+use super::{EXTERNAL_SUBSCRIBERS, Topic, TopicFacts, TopicVisitor};
 use crate::messages::observer::Prediction;
 use crate::messages::perception::{BeliefHeader, Particle, Sighting};
 use crate::messages::process::{LogHeader, ProcessEvent, ProcessStatus, RunControl};
@@ -42,7 +43,7 @@ macro_rules! built_in {
         /// Identifiers, with the names of their types.
         #[allow(non_upper_case_globals)]
         impl TopicId {
-            $($(#[doc = $doc])+ pub const $topic: Self = Self::built_in(Place::$topic as u16);)+
+            $($(#[doc = $doc])+ pub const $topic: Self = Self::at(Place::$topic as usize);)+
         }
 
         /// The facts of the built-in topics, in the order of their table.

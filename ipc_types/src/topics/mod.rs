@@ -9,10 +9,12 @@
 mod built_in;
 mod registry;
 mod service;
+mod topic_id;
 
 pub use built_in::*;
-pub use registry::{PerTopic, TopicId};
+pub use registry::PerTopic;
 pub use service::{OptimiserPlan, PortsOf, Service};
+pub use topic_id::TopicId;
 
 use crate::message::{Descriptor, Message};
 use crate::stamp::Header;

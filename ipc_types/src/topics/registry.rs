@@ -3,21 +3,13 @@
 use std::sync::{OnceLock, PoisonError, RwLock};
 
 use super::built_in::FACTS;
+use super::topic_id::TopicId;
 use super::{Qos, RunSize, TopicFacts};
 
 /// Facts of the topics that are not built in, in the order of registration.
 static OTHERS: RwLock<Vec<&'static TopicFacts>> = RwLock::new(Vec::new());
 
-/// A topic as a value. Its order is that of the table of built-in topics, then that of registration.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct TopicId(u16);
-
 impl TopicId {
-    /// The built-in topic at this place of the table.
-    pub(super) const fn built_in(place: u16) -> Self {
-        Self(place)
-    }
-
     /// Returns the identifier of a topic that is not built in, and registers it if it is new. Of two topics with one
     /// name the first counts; a port of the other finds another layout.
     pub fn intern(facts: &'static TopicFacts) -> Self {
@@ -30,12 +22,12 @@ impl TopicId {
             others.push(facts);
             others.len() - 1
         });
-        Self((FACTS.len() + place) as u16)
+        Self::at(FACTS.len() + place)
     }
 
     /// All topics known to this program: the built-in ones, then the others in the order of registration.
     pub fn all() -> impl ExactSizeIterator<Item = Self> + Clone {
-        (0..Self::count() as u16).map(Self)
+        (0..Self::count()).map(Self::at)
     }
 
     /// Number of topics known to this program.
@@ -67,11 +59,6 @@ impl TopicId {
     /// Name of the service and of the log's channel.
     pub fn name(self) -> &'static str {
         self.facts().name
-    }
-
-    /// Place among [`TopicId::all`].
-    pub const fn rank(self) -> usize {
-        self.0 as usize
     }
 
     /// Quality of service in a run of this size.
