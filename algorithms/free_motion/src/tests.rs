@@ -8,7 +8,7 @@ use nalgebra::Point2;
 use proptest::prelude::*;
 
 use crate::words::{Word, dubins, forwards, reeds_shepp, to_place};
-use crate::{Heading, Speeds, least_time};
+use crate::{Heading, Motion, Speeds, least_time};
 
 type Words = fn(&Pose2, &Pose2, f64) -> Vec<Word>;
 
@@ -51,6 +51,18 @@ fn known_words_have_their_lengths() {
     let quarter = to(0.0, 0.0, FRAC_PI_2);
     assert!(near(of_reeds_shepp(&start, &quarter), FRAC_PI_2));
     assert_eq!(of_dubins(&start, &start), 0.0);
+}
+
+#[test]
+fn a_heading_tells_how_far_the_robot_has_turned() {
+    let start = Pose2::new(0.0, 0.0, 3.0);
+    let turned = Motion::Turn(1.5).end(&start);
+    assert_eq!(turned.theta, 4.5);
+    let drive = Motion::Drive {
+        length: 3.0,
+        kappa: 1.0,
+    };
+    assert_eq!(drive.end(&turned).theta, 7.5);
 }
 
 #[test]

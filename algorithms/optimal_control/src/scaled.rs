@@ -10,11 +10,13 @@ use nalgebra::{Point2, Vector2};
 
 use crate::motion::Motion;
 use crate::problem::{Limits, Node, Problem};
-use crate::riccati::{STATES, State};
+use crate::riccati::{Point, STATES, State};
 use crate::rows::{OMEGA, Obstacle, P, Q, Row, THETA, TIME, V, X, Y};
 
 /// Distance from a node within which its obstacles and bounds are considered.
 const REACH: f64 = 0.1;
+/// Violation that is more than a coarse search's error.
+const VIOLATED: f64 = 1e-3;
 
 /// The scaled problem.
 #[derive(Debug, Clone)]
@@ -145,6 +147,22 @@ impl Scaled {
             }
         }
         self.first.push(self.rows.len());
+    }
+
+    /// Returns `true` if the states violate a place's inequality that they lack: one out of reach when the
+    /// inequalities were set.
+    pub fn lacks_rows(&self, states: &[State]) -> bool {
+        let [low, high] = self.bounds;
+        let edges = [X, Y].map(|i| [Row::bound(i, -1.0, -low[i]), Row::bound(i, 1.0, high[i])]);
+        (1..self.count).any(|k| {
+            let w = Point::from_fn(|i, _| if i < STATES { states[k][i] } else { 0.0 });
+            let known = &self.rows[self.of(k)];
+            let contacts = (0..self.obstacles.len()).map(|obstacle| Row::Contact { obstacle });
+            contacts.chain(edges.into_iter().flatten()).any(|row| {
+                row.value(&w, &self.obstacles) > VIOLATED
+                    && !known.iter().any(|own| own.is_like(&row))
+            })
+        })
     }
 
     fn add_places(&mut self, at: Point2<f64>) {

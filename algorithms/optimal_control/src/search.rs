@@ -21,6 +21,8 @@ const BARRIER: [f64; 4] = [1e-3, 1e-5, 1e-7, 3e-8];
 
 /// Residual on fewer stages above which a search has failed.
 const UNSOLVED: f64 = 1e-2;
+/// Maximum number of times that a coarse search which has gone far from its guess continues with the obstacles there.
+const MAX_DEPARTURES: u32 = 2;
 
 /// A trajectory.
 #[derive(Debug, Clone, PartialEq)]
@@ -67,7 +69,18 @@ impl<'a> Search<'a> {
     /// searches needs. `stop` is called in every iteration with the number of inequalities and variables, and ends the
     /// search by `true`.
     pub fn run_coarse(&mut self, stop: &mut dyn FnMut(usize) -> bool) -> Outcome {
-        self.iterate(BARRIER[1], stop)
+        let mut outcome = self.iterate(BARRIER[1], stop);
+        for _ in 0..MAX_DEPARTURES {
+            let is_solved = !outcome.stopped && outcome.residual <= UNSOLVED;
+            if !is_solved || !self.scaled.lacks_rows(&self.at.states) {
+                break;
+            }
+            self.barrier = BARRIER[0];
+            let old = self.scaled.clone();
+            self.follow(&old);
+            outcome = self.iterate(BARRIER[1], stop);
+        }
+        outcome
     }
 
     /// Searches until there are at least eight times [`COARSE`] stages; `stop` is called in every iteration
@@ -93,6 +106,11 @@ impl<'a> Search<'a> {
             obstacle.grow(by / self.scaled.length);
         }
         self.barrier = BARRIER[2];
+    }
+
+    /// Number of stages.
+    pub fn stages(&self) -> usize {
+        self.scaled.count
     }
 
     /// Duration (s) of the present trajectory.

@@ -236,3 +236,59 @@ proptest! {
         prop_assert!((other / plain - 1.0).abs() < 2e-5, "{plain} {other}");
     }
 }
+
+#[test]
+fn a_search_that_leaves_its_guess_keeps_away_from_what_it_comes_to() {
+    // A robot that turns within 84 px swings out by far more than the way to its goal, around a disc there.
+    let disc = Convex::disc(Point2::new(331.702, 208.476), 19.913);
+    let problem = Problem {
+        start: Point2::new(440.406, 136.724),
+        start_heading: -1.606_473,
+        start_speeds: [None, None],
+        goal_heading: Some(0.98582),
+        goal_speed: None,
+        bounds: Aabb {
+            min: Point2::origin(),
+            max: Point2::new(640.0, 480.0),
+        },
+        obstacles: vec![Keep {
+            shape: &disc,
+            distance: 10.0,
+        }],
+        ..open(
+            Point2::new(361.213, 252.038),
+            Limits {
+                v: [0.0, 20.0],
+                omega: 0.2374,
+                wheels: None,
+                acceleration: None,
+                angular_acceleration: None,
+            },
+        )
+    };
+    let way = problem.goal - problem.start;
+    let direction = math::atan2(way.y, way.x);
+    let into = math::angle_difference(direction, problem.start_heading);
+    let out = math::angle_difference(0.98582, direction);
+    let guess: Vec<Node> = (0..=COARSE)
+        .map(|k| {
+            let part = k as f64 / COARSE as f64;
+            let left = |part: f64| (1.0 - 2.0 * part).max(0.0);
+            let theta = problem.start_heading + into * (1.0 - left(part)) + out * left(1.0 - part);
+            Node {
+                at: problem.start + way * part,
+                theta,
+                v: 20.0,
+                omega: 0.0,
+            }
+        })
+        .collect();
+    let mut search = Search::new(&problem, &guess, way.norm() / 20.0).unwrap();
+    let outcome = search.run_coarse(&mut |_| false);
+    assert!(outcome.residual < 1e-3, "{outcome:?}");
+    assert!(search.duration() < 16.5, "{}", search.duration());
+    for node in search.solution().nodes {
+        let distance = (node.at - Point2::new(331.702, 208.476)).norm();
+        assert!(distance > 29.9, "{distance}");
+    }
+}

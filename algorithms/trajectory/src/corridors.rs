@@ -4,10 +4,9 @@
 //! path, which bounds its duration; the turns that the path requires show which corridor is tried
 //! first.
 
-use geometry::math;
-use navigation::tangent_graph::{PathLeg, ShortestPath, k_shortest_classes};
+use navigation::tangent_graph::{ShortestPath, k_shortest_classes};
 
-use crate::drive::turn_in_place;
+use crate::guesses;
 use crate::lower_bound::lower_bound;
 use crate::obstacle_field::ExactObstacleField;
 use crate::plan::PlanError;
@@ -23,8 +22,7 @@ pub struct Corridor {
     pub path: ShortestPath,
     /// Lower bound (s) on the duration of every trajectory in it.
     pub lower_bound: f64,
-    /// Duration (s) of driving its path at full speed, with turns on the spot into its direction at the
-    /// start and out of it at the goal.
+    /// Duration (s) of driving its path at full speed, with turns on the spot or words at both ends.
     pub estimate: f64,
 }
 
@@ -48,40 +46,25 @@ pub fn corridors(
         value: format!("a field of {} pieces", field.space.shapes().parts().len()),
         expected: format!("one in which the search stays within its limits: {error}"),
     })?;
-    let mut corridors: Vec<Corridor> = paths
-        .into_iter()
-        .map(|path| Corridor {
-            lower_bound: lower_bound(problem, path.length),
-            estimate: path.length / problem.limits.top_speed() + turning(problem, &path.legs),
+    let mut corridors: Vec<Corridor> = Vec::new();
+    // The shorter come first.
+    for path in paths {
+        let lower_bound = lower_bound(problem, path.length);
+        let known = corridors.get(k.wrapping_sub(1));
+        if lower_bound > most || known.is_some_and(|known| known.estimate <= lower_bound) {
+            continue;
+        }
+        let estimate = lower_bound.max(guesses::time_along(problem, &path.legs));
+        let at = corridors.partition_point(|known| known.estimate <= estimate);
+        let corridor = Corridor {
             path,
-        })
-        .filter(|corridor| corridor.lower_bound <= most)
-        .collect();
-    corridors.sort_by(|a, b| a.estimate.total_cmp(&b.estimate));
+            lower_bound,
+            estimate,
+        };
+        corridors.insert(at, corridor);
+    }
     corridors.truncate(k);
     Ok(corridors)
-}
-
-/// Time (s) for turning on the spot into a path and out of it, in the better direction of travel.
-fn turning(problem: &Problem, path: &[PathLeg]) -> f64 {
-    let (Some(first), Some(last)) = (path.first(), path.last()) else {
-        return 0.0;
-    };
-    let [into, out] = [first.heading(0.0), last.heading(1.0)].map(|u| math::atan2(u.y, u.x));
-    let time = |reversed: f64| {
-        let turn = |to: f64, from: f64| {
-            let angle = math::angle_difference(to + reversed, from).abs();
-            let phases = turn_in_place::phases(&problem.limits, angle);
-            phases.iter().map(|phase| phase.duration).sum::<f64>()
-        };
-        let leaves = problem.goal_heading.map_or(0.0, |theta| turn(out, theta));
-        turn(into, problem.start.theta) + leaves
-    };
-    if problem.limits.may_reverse() {
-        time(0.0).min(time(core::f64::consts::PI))
-    } else {
-        time(0.0)
-    }
 }
 
 #[cfg(test)]

@@ -9,7 +9,7 @@ use crate::curve_plan;
 use crate::drive::trajectory_builder::Trajectory;
 use crate::guide::previous_plan;
 use crate::lower_bound::lower_bound;
-use crate::options::Options;
+use crate::options::{MAX_WORK, Options};
 use crate::plan::{Basis, Method, Plan, PlanError, Sample, Status};
 use crate::problem::Problem;
 use navigation::tangent_graph::PathLeg;
@@ -18,6 +18,9 @@ use navigation::tangent_graph::PathLeg;
 const CORRIDORS: usize = 4;
 /// Maximum excess of a corridor's lower bound over that of the problem, relative to it.
 const DETOUR: f64 = 1.0;
+
+/// Duration of a word regardless of the obstacles, relative to the lower bound, below which it leads too far through them.
+const DIRECT: f64 = 0.7;
 
 /// Excess over the lower bound, relative to it, that counts as rounding: a plan is then proven optimal.
 const PROVEN: f64 = 1e-6;
@@ -45,7 +48,8 @@ pub fn plan(
     problem.validate()?;
     options.validate()?;
     let course = Course::new(problem)?;
-    let effort = Effort::new(options.max_work);
+    let most = options.max_work.map_or(MAX_WORK, |most| most.min(MAX_WORK));
+    let effort = Effort::new(Some(most));
     let steps = problem.limits.is_without_inertia();
     let searches = options.refine && options.method != Method::Tangent;
     // Without inertia the curve of another method is what was asked for.
@@ -100,7 +104,14 @@ fn plan_in_controls(
     let rest = last.and_then(|plan| previous_plan::rest(problem, field, plan, course.shortest));
     let mut found = controls::Found::default();
     if let Some(rest) = rest {
-        found = controls::search(problem, course, vec![rest.samples], Vec::new, effort, stop);
+        found = controls::search(
+            problem,
+            course,
+            vec![rest.samples],
+            |_| Vec::new(),
+            effort,
+            stop,
+        );
     }
     let mut guesses = Vec::new();
     if found.optimum.is_none() {
@@ -118,7 +129,7 @@ fn plan_in_controls(
             .map(|corridor| corridor.path.legs)
             .collect();
         guesses = self::guesses([problem, &rough], &paths, course, options, effort, stop);
-        let more = || crate::guesses::eased(&rough, &paths).collect();
+        let more = |most: f64| crate::guesses::eased(&rough, &paths, most);
         let before = found.failed;
         found = controls::search(problem, course, guesses.clone(), more, effort, stop);
         found.failed += before;
@@ -233,10 +244,8 @@ fn guesses(
         guesses.extend(curve.map(|candidate| candidate.trajectory.into_samples()));
     }
     // Words regardless of the obstacles are for robots that turn slowly.
-    guesses.extend(crate::guesses::guesses(
-        rough,
-        paths,
-        problem.limits.is_without_inertia(),
-    ));
+    let steps = problem.limits.is_without_inertia();
+    let direct = steps.then(|| DIRECT * lower_bound(problem, course.shortest));
+    guesses.extend(crate::guesses::guesses(rough, paths, direct));
     guesses
 }

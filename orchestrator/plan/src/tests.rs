@@ -1,3 +1,5 @@
+mod hard;
+
 use std::sync::atomic::AtomicBool;
 
 use proptest::prelude::*;

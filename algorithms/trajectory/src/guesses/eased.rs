@@ -13,30 +13,56 @@ use crate::problem::Problem;
 /// Number of stages.
 const STAGES: usize = 256;
 
-/// Guesses along each path, ahead and (if the robot may reverse) backwards, that turn into the path the
-/// shorter and the longer way round. Positions and headings do not fit each other.
-pub fn eased<'a>(
-    problem: &'a Problem,
-    paths: &'a [Vec<PathLeg>],
-) -> impl Iterator<Item = Vec<Sample>> {
-    let ways = if problem.limits.may_reverse() { 4 } else { 2 };
-    paths.iter().flat_map(move |path| {
-        (0..ways).filter_map(move |way| {
-            let along = Along::new(problem, path, way >= 2)?;
-            (along.length() <= MAX_LENGTH).then(|| samples(problem, &along, way % 2 == 1))
-        })
-    })
+/// Guesses along each path, ahead and (if the robot may reverse) backwards: first those that turn into the
+/// path the shorter way round, then those the longer way. Those that take longer than `most` (s) are left out, by
+/// the path at full speed and the longer turn. Positions and headings do not fit each other.
+pub fn eased(problem: &Problem, paths: &[Vec<PathLeg>], most: f64) -> Vec<Vec<Sample>> {
+    let backwards = [false, true];
+    let directions = &backwards[..if problem.limits.may_reverse() { 2 } else { 1 }];
+    let mut guesses = Vec::new();
+    for long_way in [false, true] {
+        for (path, &backwards) in paths
+            .iter()
+            .flat_map(|p| directions.iter().map(move |d| (p, d)))
+        {
+            let Some(along) = Along::new(problem, path, backwards) else {
+                continue;
+            };
+            let turn = if long_way {
+                TAU - into(problem, &along).abs()
+            } else {
+                0.0
+            };
+            let least = (along.length() / speed(problem, &along))
+                .max(turn / problem.limits.top_turn_rate());
+            if along.length() <= MAX_LENGTH && least < most {
+                guesses.push(samples(problem, &along, long_way));
+            }
+        }
+    }
+    guesses
+}
+
+/// The turn (rad) from the heading at the start into a path, the shorter way round.
+fn into(problem: &Problem, along: &Along<'_>) -> f64 {
+    math::angle_difference(along.pose(0.0).theta, problem.start.theta)
+}
+
+/// Top speed (m/s) along a path.
+fn speed(problem: &Problem, along: &Along<'_>) -> f64 {
+    let limits = &problem.limits;
+    if along.is_backwards() {
+        limits.top_speed().min(-limits.v_min)
+    } else {
+        limits.top_speed()
+    }
 }
 
 fn samples(problem: &Problem, along: &Along<'_>, long_way: bool) -> Vec<Sample> {
     let limits = &problem.limits;
     let length = along.length();
-    let speed = if along.is_backwards() {
-        limits.top_speed().min(-limits.v_min)
-    } else {
-        limits.top_speed()
-    };
-    let mut into = math::angle_difference(along.pose(0.0).theta, problem.start.theta);
+    let speed = speed(problem, along);
+    let mut into = into(problem, along);
     if long_way {
         into -= TAU.copysign(into);
     }

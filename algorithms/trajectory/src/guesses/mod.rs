@@ -32,16 +32,18 @@ const DIRECT: usize = 3;
 
 /// The start guesses of a problem along paths from its start to its goal, in a fixed order and each
 /// computed on demand: along each path with a turn on the spot at its ends, with words that only drive
-/// on, and with Reeds–Shepp words, ahead and (if the robot may reverse) backwards; then, if `direct`, the
-/// fastest words from start to goal regardless of the paths. Equal ones are left out.
+/// on, and with Reeds–Shepp words, ahead and (if the robot may reverse) backwards; then the fastest words from start
+/// to goal regardless of the paths, of those that take at least `direct` (s), if any. Equal ones are left out.
 pub fn guesses<'a>(
     problem: &'a Problem,
     paths: &'a [Vec<PathLeg>],
-    direct: bool,
+    direct: Option<f64>,
 ) -> impl Iterator<Item = Vec<Sample>> {
     let mut known: Vec<Vec<Motion>> = Vec::new();
     let along = paths.iter().flat_map(|path| along(problem, path));
-    let words = direct.then_some(problem).into_iter().flat_map(self::direct);
+    let words = direct
+        .into_iter()
+        .flat_map(move |least| self::direct(problem, least));
     along.chain(words).filter_map(move |motions| {
         if motions.is_empty() || is_too_long(&motions) || known.contains(&motions) {
             return None;
@@ -50,6 +52,23 @@ pub fn guesses<'a>(
         known.push(motions);
         Some(samples)
     })
+}
+
+/// The time (s) of the fastest guess of a robot without inertia along a path, with no cusps.
+pub fn time_along(problem: &Problem, path: &[PathLeg]) -> f64 {
+    let limits = &problem.limits;
+    let time = |motion: &Motion| match *motion {
+        Motion::Drive { length, kappa } => length.abs() / limits.speed_at(kappa),
+        Motion::Turn(angle) => angle.abs() / limits.top_turn_rate(),
+    };
+    let directions = [false, true]
+        .into_iter()
+        .take(if limits.may_reverse() { 2 } else { 1 });
+    directions
+        .filter_map(|backwards| Along::new(problem, path, backwards))
+        .flat_map(|along| [Join::Spot, Join::Forwards].map(|join| along.motions(join)))
+        .map(|motions| motions.iter().map(time).sum())
+        .fold(f64::INFINITY, f64::min)
 }
 
 /// Returns `true` for motions longer than any plan: arcs of a robot that hardly turns.
@@ -79,8 +98,8 @@ fn along(problem: &Problem, path: &[PathLeg]) -> impl Iterator<Item = Vec<Motion
         })
 }
 
-/// The fastest words from start to goal.
-fn direct(problem: &Problem) -> impl Iterator<Item = Vec<Motion>> {
+/// The fastest words from start to goal, of those that take at least this time (s).
+fn direct(problem: &Problem, least: f64) -> impl Iterator<Item = Vec<Motion>> {
     let radius = turning_radius(problem);
     let (start, goal) = (problem.start, problem.goal);
     let to = move |word: fn(&Pose2, &Pose2, f64) -> Vec<Word>| {
@@ -88,6 +107,7 @@ fn direct(problem: &Problem) -> impl Iterator<Item = Vec<Motion>> {
             Some(theta) => word(&start, &Pose2::new(goal.x, goal.y, theta), radius),
             None => words::to_place(&start, goal, radius, word),
         };
+        words.retain(|word| word.cost() >= least * problem.limits.top_speed());
         words.sort_by(|a, b| a.cost().total_cmp(&b.cost()));
         words.truncate(DIRECT);
         words.into_iter().map(|word| word.motions())

@@ -16,9 +16,9 @@ use trajectory::problem::{
 // Clients know the limit without this crate.
 const _: () = assert!(PlanRequest::MAX_SHAPES == MAX_OBSTACLES);
 
-/// Work at which a plan without a time limit ends with its best trajectory so far, about 15 ms of a
-/// processor; and that of a robot with inertia, about 1 s.
-const MAX_WORK: [u64; 2] = [1 << 18, 1 << 24];
+/// Work at which a plan of a robot without inertia, without a time limit, ends with its best trajectory so far: about
+/// 15 ms of a processor. Others have the limit of all plans.
+const MAX_WORK: u64 = 1 << 18;
 
 /// Faults of a request that describes no problem.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -110,7 +110,7 @@ fn options(header: &PlanRequest) -> Result<Options, RequestError> {
         return Err(refused("flags", flags, "a sum of 1, 2 and 4"));
     }
     let defaults = Options::default();
-    let max_work = MAX_WORK[usize::from(!limits(header).is_without_inertia())];
+    let is_limited = header.deadline_ns == 0 && limits(header).is_without_inertia();
     let (x, y) = (header.reference_x, header.reference_y);
     let options = Options {
         method,
@@ -127,7 +127,7 @@ fn options(header: &PlanRequest) -> Result<Options, RequestError> {
         nodes: unless_zero(header.nodes).unwrap_or(defaults.nodes),
         reference_point: (!(x.is_nan() && y.is_nan())).then(|| Point2::new(x, y)),
         // A limit of time comes at another point on every machine.
-        max_work: (header.deadline_ns == 0).then_some(max_work),
+        max_work: is_limited.then_some(MAX_WORK),
     };
     options.validate()?;
     Ok(options)
