@@ -90,13 +90,17 @@ impl InteriorPoint<'_> {
         for k in 0..=problem.count {
             let w = self.trial.point(k);
             for n in problem.of(k) {
-                let value = problem.rows[n].value(&w, &problem.obstacles);
+                let row = &mut self.trial_values.rows[n];
+                problem.rows[n].evaluate(&w, &problem.obstacles, row);
+                let value = row.value;
                 let slack = self.trial.slack[n].max(-value);
                 self.trial.slack[n] = slack;
                 sum += value + slack;
             }
             if k < problem.count {
-                let defect = problem.motion.next(&w) - self.trial.states[k + 1];
+                let headings = problem.motion.headings(&w);
+                let defect = problem.motion.next(&w, &headings) - self.trial.states[k + 1];
+                self.trial_values.headings[k] = headings;
                 sum += defect.lp_norm(1);
             }
         }
@@ -132,10 +136,9 @@ impl InteriorPoint<'_> {
     }
 
     fn accept(&mut self, primal: f64, dual: f64, barrier: f64) {
-        let (at, trial, step) = (&mut self.at, &mut self.trial, &self.step);
-        core::mem::swap(&mut at.states, &mut trial.states);
-        core::mem::swap(&mut at.controls, &mut trial.controls);
-        core::mem::swap(&mut at.slack, &mut trial.slack);
+        self.move_to_trial();
+        let (at, step) = (&mut self.at, &self.step);
+        core::mem::swap(&mut at.slack, &mut self.trial.slack);
         for (costate, new) in at.costates.iter_mut().zip(&step.costates) {
             *costate += (new - *costate) * primal;
         }

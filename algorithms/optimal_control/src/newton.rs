@@ -24,7 +24,7 @@ impl InteriorPoint<'_> {
         if self.problem.motion.steps { Q } else { OMEGA }
     }
 
-    /// Evaluates motion and rows with their derivatives, and the errors.
+    /// Evaluates the motion with its derivatives, and the errors.
     pub(super) fn evaluate(&mut self) {
         let problem = self.problem;
         let (cost, turning) = (self.turning_cost(), self.turning());
@@ -35,8 +35,9 @@ impl InteriorPoint<'_> {
             if let Some(stage) = self.stages.get_mut(k) {
                 let costate = &self.at.costates[k + 1];
                 let next = &self.at.states[k + 1];
-                problem.motion.linearise(&w, costate, next, stage);
-                gradient += stage.motion.tr_mul(costate);
+                let headings = &self.values.headings[k];
+                problem.motion.linearise(&w, headings, costate, next, stage);
+                gradient += Point::from(stage.motion.transposed(&costate.data.0[0]));
                 gradient[turning] += cost * w[turning];
                 stage
                     .defect
@@ -50,13 +51,12 @@ impl InteriorPoint<'_> {
                 }
             }
             for n in problem.of(k) {
-                let row = problem.rows[n].evaluate(&w, &problem.obstacles);
+                let row = &self.values.rows[n];
                 let (slack, dual) = (self.at.slack[n], self.at.dual[n]);
                 errors.add_product(slack * dual);
                 errors.add_constraint(row.value + slack);
                 gradient[row.at[0]] += row.slope[0] * dual;
                 gradient[row.at[1]] += row.slope[1] * dual;
-                self.rows[n] = row;
             }
             for i in 0..STATES {
                 if k > 0 {
@@ -91,7 +91,7 @@ impl InteriorPoint<'_> {
                 gradient[turning] = cost * self.at.point(k)[turning];
             }
             for n in problem.of(k) {
-                let row = &self.rows[n];
+                let row = &self.values.rows[n];
                 let (slack, dual) = (self.at.slack[n], self.at.dual[n]);
                 let weight = dual / slack;
                 let force = barrier / slack + weight * (row.value + slack);
@@ -123,7 +123,7 @@ impl InteriorPoint<'_> {
         for k in 0..=problem.count {
             let w = self.step.point(k);
             for n in problem.of(k) {
-                let row = &self.rows[n];
+                let row = &self.values.rows[n];
                 let (slack, dual) = (self.at.slack[n], self.at.dual[n]);
                 let moved = row.slope[0] * w[row.at[0]] + row.slope[1] * w[row.at[1]];
                 let step = -(row.value + slack) - moved;
