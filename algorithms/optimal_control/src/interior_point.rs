@@ -64,6 +64,8 @@ pub struct InteriorPoint<'a> {
     /// Values at the iterate, and at the trial.
     pub(super) values: Values,
     pub(super) trial_values: Values,
+    /// Inverse of each slack.
+    pub(super) inverse: Vec<f64>,
     /// Errors at the iterate.
     pub(super) errors: Errors,
     /// Pairs of violation and merit that no later iterate may both exceed.
@@ -85,6 +87,7 @@ impl<'a> InteriorPoint<'a> {
         };
         let mut method = Self {
             stages: vec![Stage::default(); problem.count],
+            inverse: vec![0.0; problem.rows.len()],
             trial_values: values.clone(),
             values,
             riccati: Riccati::new(problem.count),

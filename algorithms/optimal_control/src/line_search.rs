@@ -26,8 +26,10 @@ const MAX_RATIO: f64 = 1e10;
 impl InteriorPoint<'_> {
     /// Takes the longest acceptable part of the step; `false` if there is none.
     pub(super) fn search_line(&mut self, barrier: f64) -> bool {
-        let primal = longest(&self.at.slack, &self.step.slack, barrier);
-        let dual = longest(&self.at.dual, &self.step.dual, barrier);
+        let shrinking = self.step.slack.iter().zip(&self.inverse);
+        let primal = longest(shrinking.map(|(step, inverse)| step * inverse), barrier);
+        let shrinking = self.step.dual.iter().zip(&self.at.dual);
+        let dual = longest(shrinking.map(|(step, dual)| step / dual), barrier);
         let violation = self.errors.violation;
         let merit = self.merit(&self.at, barrier);
         let slope = self.merit_slope(barrier);
@@ -89,13 +91,13 @@ impl InteriorPoint<'_> {
         let mut sum = self.end_violation(&self.trial);
         for k in 0..=problem.count {
             let w = self.trial.point(k);
-            for n in problem.of(k) {
-                let row = &mut self.trial_values.rows[n];
-                problem.rows[n].evaluate(&w, &problem.obstacles, row);
-                let value = row.value;
-                let slack = self.trial.slack[n].max(-value);
-                self.trial.slack[n] = slack;
-                sum += value + slack;
+            let of = problem.of(k);
+            let slacks = self.trial.slack[of.clone()].iter_mut();
+            let values = self.trial_values.rows[of.clone()].iter_mut();
+            for ((row, slack), to) in problem.rows[of].iter().zip(slacks).zip(values) {
+                row.evaluate(&w, &problem.obstacles, to);
+                *slack = slack.max(-to.value);
+                sum += to.value + *slack;
             }
             if k < problem.count {
                 let headings = problem.motion.headings(&w);
@@ -116,7 +118,7 @@ impl InteriorPoint<'_> {
             sum += 0.5 * cost * rate * rate;
         }
         // Fewer logarithms: of products of slacks.
-        for slacks in at.slack.chunks(8) {
+        for slacks in at.slack.chunks(16) {
             sum -= barrier * math::ln(slacks.iter().product());
         }
         sum
@@ -129,10 +131,8 @@ impl InteriorPoint<'_> {
         for k in 0..self.problem.count {
             sum += cost * self.at.component(k, turning) * self.step.component(k, turning);
         }
-        for (slack, step) in self.at.slack.iter().zip(&self.step.slack) {
-            sum -= barrier * step / slack;
-        }
-        sum
+        let pairs = self.inverse.iter().zip(&self.step.slack);
+        sum - barrier * pairs.map(|(inverse, step)| inverse * step).sum::<f64>()
     }
 
     fn accept(&mut self, primal: f64, dual: f64, barrier: f64) {
@@ -152,7 +152,7 @@ impl InteriorPoint<'_> {
 
 impl Iterate {
     /// A component of w.
-    fn component(&self, k: usize, i: usize) -> f64 {
+    pub(super) fn component(&self, k: usize, i: usize) -> f64 {
         if i < STATES {
             self.states[k][i]
         } else {
@@ -161,15 +161,17 @@ impl Iterate {
     }
 }
 
-/// The longest part of a step, at most 1, that leaves a share of positive values.
-fn longest(values: &[f64], steps: &[f64], barrier: f64) -> f64 {
+/// The longest part of a step, at most 1, that leaves a share of positive values, of which the whole
+/// step changes these parts.
+fn longest(changes: impl Iterator<Item = f64>, barrier: f64) -> f64 {
     let fraction = (1.0 - barrier).max(FRACTION);
-    let pairs = values.iter().zip(steps);
-    pairs.fold(1.0, |most: f64, (value, step)| {
-        if *step < 0.0 {
-            most.min(-fraction * value / step)
-        } else {
-            most
-        }
-    })
+    let most = changes.fold(
+        0.0,
+        |most, change| if -change > most { -change } else { most },
+    );
+    if most > fraction {
+        fraction / most
+    } else {
+        1.0
+    }
 }
