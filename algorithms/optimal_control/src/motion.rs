@@ -5,6 +5,9 @@
 //! v(s) = v + s p and ω(s) = ω + s q: states v and ω, controls p and q. Where speeds step they are constant,
 //! v(s) = p and ω(s) = q, and the states v and ω only keep the last stage's speeds.
 
+use nalgebra::{SMatrix, Vector2};
+
+use crate::problem::Node;
 use crate::riccati::{Point, Stage, State, TURNED, Transition};
 use crate::rows::{OMEGA, P, Q, THETA, TIME, V, X, Y};
 use crate::sincos::sincos;
@@ -213,7 +216,7 @@ impl Motion {
             [theta_p, 0.0, omega_p, time_p, 0.0, p_q],
             [theta_q, v_q, omega_q, time_q, p_q, q_q],
         ];
-        stage.hessian.fill(0.0);
+        stage.hessian = SMatrix::zeros();
         for (column, bends) in stage.hessian.data.0[THETA..]
             .iter_mut()
             .zip(self.placed(bends))
@@ -228,6 +231,33 @@ impl Motion {
             [theta, p, q, time, v, omega]
         } else {
             [theta, v, omega, time, p, q]
+        }
+    }
+}
+
+impl Node {
+    /// The node at a part (0…1) of a stage of this duration (s) that ends at the node `end`.
+    #[must_use]
+    pub fn within(&self, end: &Self, time: f64, part: f64) -> Self {
+        let v = self.v + (end.v - self.v) * part;
+        let omega = self.omega + (end.omega - self.omega) * part;
+        let time = time * part;
+        // A fourth lane fills the machine's pairs.
+        let mut angles = [self.theta; PARTS + 1];
+        for (angle, (s, _)) in angles.iter_mut().zip(GAUSS) {
+            *angle += (self.omega * s + 0.5 * (omega - self.omega) * s * s) * time;
+        }
+        let [sin, cos] = sincos(angles);
+        let mut moved = Vector2::zeros();
+        for (i, (s, weight)) in GAUSS.into_iter().enumerate() {
+            let length = weight * time * (self.v + (v - self.v) * s);
+            moved += Vector2::new(cos[i], sin[i]) * length;
+        }
+        Self {
+            at: self.at + moved,
+            theta: self.theta + 0.5 * (self.omega + omega) * time,
+            v,
+            omega,
         }
     }
 }
@@ -268,6 +298,20 @@ mod tests {
         let w = Point::from([0.0, 0.0, 0.4, 9.0, 9.0, 1.0, 0.5, 1.0]);
         let stepped = next(&motion(true), &w);
         assert!((stepped.fixed_rows::<3>(0) - curved.fixed_rows::<3>(0)).norm() < 1e-15);
+    }
+
+    #[test]
+    fn a_part_of_an_even_turn_is_an_arc() {
+        let node = |theta: f64| Node {
+            at: nalgebra::Point2::new(0.3, -0.2),
+            theta,
+            v: 0.5,
+            omega: 1.0,
+        };
+        let end = node(0.4).within(&node(0.9), 1.0, 0.5);
+        let arc = |angle: f64| Vector2::new(math::sin(angle), -math::cos(angle)) * 0.5;
+        assert!((end.at - node(0.4).at - (arc(0.9) - arc(0.4))).norm() < 1e-8);
+        assert!((end.theta - 0.9).abs() < 1e-15);
     }
 
     #[test]

@@ -89,15 +89,14 @@ impl InteriorPoint<'_> {
         for (inverse, slack) in self.inverse.iter_mut().zip(&self.at.slack) {
             *inverse = 1.0 / slack;
         }
-        for k in 0..problem.count {
-            let mut gradient = Point::zeros();
-            gradient[turning] = cost * self.at.component(k, turning);
-            let mut hessian = self.stages[k].hessian;
-            hessian[(turning, turning)] += cost;
-            self.add_rows(k, barrier, &mut hessian, &mut gradient);
-            let stage = &mut self.stages[k];
-            (stage.hessian, stage.gradient) = (hessian, gradient);
+        let mut stages = core::mem::take(&mut self.stages);
+        for (k, stage) in stages.iter_mut().enumerate() {
+            stage.gradient = Point::zeros();
+            stage.gradient[turning] = cost * self.at.component(k, turning);
+            stage.hessian[(turning, turning)] += cost;
+            self.add_rows(k, barrier, &mut stage.hessian, &mut stage.gradient);
         }
+        self.stages = stages;
         let (mut hessian, mut gradient) = (SMatrix::zeros(), Point::zeros());
         self.add_rows(problem.count, barrier, &mut hessian, &mut gradient);
         end.hessian += hessian.fixed_view::<STATES, STATES>(0, 0);

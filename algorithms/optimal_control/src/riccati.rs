@@ -158,16 +158,16 @@ impl Riccati {
         shift: f64,
         to: &mut Unknowns<'_>,
     ) -> Result<(), Indefinite> {
-        let mut cost = end.hessian;
+        let mut end_cost = end.hessian;
         for i in 0..STATES {
-            cost[(i, i)] += shift;
+            end_cost[(i, i)] += shift;
         }
-        let end_cost = cost;
-        let mut slope = end.gradient;
+        let mut after = (&end_cost, &end.gradient);
         for (stage, feedback) in stages.iter().zip(&mut self.feedback).rev() {
-            backward(stage, shift, &mut cost, &mut slope, feedback)?;
+            backward(stage, shift, after, feedback)?;
+            after = (&feedback.cost, &feedback.slope);
         }
-        let first = initial(&cost, &slope, free)?;
+        let first = initial(after.0, after.1, free)?;
         let Some(slot) = to.states.first_mut() else {
             return Ok(());
         };
@@ -185,16 +185,15 @@ impl Riccati {
     }
 }
 
-/// Eliminates the control of a stage; replaces the cost to go of its end by that of its first node.
+/// Eliminates the control of a stage: the cost to go of its first node, from that of its end.
 fn backward(
     stage: &Stage,
     shift: f64,
-    cost: &mut SMatrix<f64, STATES, STATES>,
-    slope: &mut State,
+    (cost, slope): (&SMatrix<f64, STATES, STATES>, &State),
     feedback: &mut Feedback,
 ) -> Result<(), Indefinite> {
     let motion = &stage.motion;
-    let before = cost.data.0;
+    let before = &cost.data.0;
     // Columns of H + Mᵀ P M from θ on; its first two rows are their first two elements.
     let mut columns = [[0.0; BOTH]; TURNED];
     for (j, column) in columns.iter_mut().enumerate() {
@@ -242,7 +241,7 @@ fn backward(
         add(column, q, &cross[1]);
     }
     // Rounding must not let the two halves drift apart.
-    let next = SMatrix::from_fn(|i, j| whole[i.max(j)][i.min(j)]);
+    feedback.cost = SMatrix::from_fn(|i, j| whole[i.max(j)][i.min(j)]);
     let mut linear = slope.data.0[0];
     for (column, defect) in before.iter().zip(stage.defect.iter()) {
         add(&mut linear, *defect, column);
@@ -254,14 +253,9 @@ fn backward(
     let mut first: [f64; STATES] = core::array::from_fn(|i| linear[i]);
     add(&mut first, offset[0], &cross[0]);
     add(&mut first, offset[1], &cross[1]);
-    *slope = State::from(first);
-    *cost = next;
-    *feedback = Feedback {
-        gain: SMatrix::from(gain),
-        offset: Control::from(offset),
-        cost: next,
-        slope: *slope,
-    };
+    feedback.slope = State::from(first);
+    feedback.gain = SMatrix::from(gain);
+    feedback.offset = Control::from(offset);
     Ok(())
 }
 

@@ -7,7 +7,6 @@
 //! grows, and the search continues.
 
 mod samples;
-mod step_dynamics;
 
 use optimal_control::{COARSE, Keep, Limits, MAX_STAGES, Node, Search};
 
