@@ -68,6 +68,8 @@ pub struct InteriorPoint<'a> {
     pub(super) inverse: Vec<f64>,
     /// Errors at the iterate.
     pub(super) errors: Errors,
+    /// A barrier parameter, and the merit of the iterate with it, if known.
+    pub(super) merit: Option<[f64; 2]>,
     /// Pairs of violation and merit that no later iterate may both exceed.
     pub(super) filter: Vec<[f64; 2]>,
     riccati: Riccati,
@@ -92,8 +94,15 @@ impl<'a> InteriorPoint<'a> {
             values,
             riccati: Riccati::new(problem.count),
             step: at.clone(),
-            trial: at.clone(),
+            // A trial has no multipliers.
+            trial: Iterate {
+                states: at.states.clone(),
+                controls: at.controls.clone(),
+                slack: at.slack.clone(),
+                ..Iterate::default()
+            },
             errors: Errors::none(),
+            merit: None,
             // A step adds one pair at most.
             filter: Vec::with_capacity(MAX_SYSTEMS as usize),
             shift: 0.0,

@@ -26,12 +26,16 @@ const MAX_RATIO: f64 = 1e10;
 impl InteriorPoint<'_> {
     /// Takes the longest acceptable part of the step; `false` if there is none.
     pub(super) fn search_line(&mut self, barrier: f64) -> bool {
-        let shrinking = self.step.slack.iter().zip(&self.inverse);
-        let primal = longest(shrinking.map(|(step, inverse)| step * inverse), barrier);
-        let shrinking = self.step.dual.iter().zip(&self.at.dual);
-        let dual = longest(shrinking.map(|(step, dual)| step / dual), barrier);
+        let (slack, dual) = (&self.step.slack, &self.step.dual);
+        let primal = longest(slack, &self.inverse, barrier, |step, inverse| {
+            step * inverse
+        });
+        let dual = longest(dual, &self.at.dual, barrier, |step, dual| step / dual);
         let violation = self.errors.violation;
-        let merit = self.merit(&self.at, barrier);
+        let merit = match self.merit {
+            Some([at, merit]) if at == barrier => merit,
+            _ => self.merit(&self.at, barrier),
+        };
         let slope = self.merit_slope(barrier);
         let mut length = primal;
         for _ in 0..MAX_HALVINGS {
@@ -54,6 +58,7 @@ impl InteriorPoint<'_> {
                     self.filter.push([violation, merit - margin]);
                 }
                 self.accept(length, dual, barrier);
+                self.merit = Some([barrier, next[1]]);
                 return true;
             }
             length *= 0.5;
@@ -161,17 +166,18 @@ impl Iterate {
     }
 }
 
-/// The longest part of a step, at most 1, that leaves a share of positive values, of which the whole
-/// step changes these parts.
-fn longest(changes: impl Iterator<Item = f64>, barrier: f64) -> f64 {
+/// The longest part of a step, at most 1, that leaves a share of positive values; `change` is the part of
+/// a value by which the whole step changes it.
+fn longest(steps: &[f64], values: &[f64], barrier: f64, change: impl Fn(f64, f64) -> f64) -> f64 {
     let fraction = (1.0 - barrier).max(FRACTION);
-    let most = changes.fold(
-        0.0,
-        |most, change| if -change > most { -change } else { most },
-    );
-    if most > fraction {
-        fraction / most
-    } else {
-        1.0
+    // Lanes do not wait for each other.
+    let mut most = [0.0; 4];
+    for (steps, values) in steps.chunks(most.len()).zip(values.chunks(most.len())) {
+        for (most, (step, value)) in most.iter_mut().zip(steps.iter().zip(values)) {
+            let shrunk = -change(*step, *value);
+            *most = if shrunk > *most { shrunk } else { *most };
+        }
     }
+    let most = most.into_iter().fold(fraction, f64::max);
+    fraction / most
 }

@@ -45,6 +45,7 @@ impl InteriorPoint<'_> {
         self.at.costates.fill(State::zeros());
         self.at.end.fill(0.0);
         self.at.center(self.problem, barrier);
+        self.merit = None;
     }
 
     /// Sum of the violations after a part of the step.
