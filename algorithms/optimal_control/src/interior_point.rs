@@ -44,7 +44,7 @@ impl Outcome {
     }
 }
 
-/// What an iterate's states and controls determine, for the line search and the step after it.
+/// Headings and rows at an iterate's states and controls, which the line search leaves to the next step.
 #[derive(Debug, Clone)]
 pub struct Values {
     /// Headings in each stage.
