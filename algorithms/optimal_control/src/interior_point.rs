@@ -9,6 +9,7 @@
 
 use crate::errors::Errors;
 use crate::iterate::Iterate;
+use crate::motion::Headings;
 use crate::riccati::{End, Riccati, Stage, Unknowns};
 use crate::rows::Evaluated;
 use crate::scaled::Scaled;
@@ -43,6 +44,15 @@ impl Outcome {
     }
 }
 
+/// Headings and rows at an iterate's states and controls, which the line search leaves to the next step.
+#[derive(Debug, Clone)]
+pub struct Values {
+    /// Headings in each stage.
+    pub headings: Vec<Headings>,
+    /// Each row.
+    pub rows: Vec<Evaluated>,
+}
+
 /// The iteration and its memory.
 pub struct InteriorPoint<'a> {
     pub(super) problem: &'a Scaled,
@@ -51,9 +61,15 @@ pub struct InteriorPoint<'a> {
     pub(super) step: Iterate,
     pub(super) trial: Iterate,
     pub(super) stages: Vec<Stage>,
-    pub(super) rows: Vec<Evaluated>,
+    /// Values at the iterate, and at the trial.
+    pub(super) values: Values,
+    pub(super) trial_values: Values,
+    /// Inverse of each slack.
+    pub(super) inverse: Vec<f64>,
     /// Errors at the iterate.
     pub(super) errors: Errors,
+    /// A barrier parameter, and the merit of the iterate with it, if known.
+    pub(super) merit: Option<[f64; 2]>,
     /// Pairs of violation and merit that no later iterate may both exceed.
     pub(super) filter: Vec<[f64; 2]>,
     riccati: Riccati,
@@ -67,13 +83,26 @@ pub struct InteriorPoint<'a> {
 impl<'a> InteriorPoint<'a> {
     /// Begins at an iterate with slacks and multipliers.
     pub fn new(problem: &'a Scaled, at: Iterate) -> Self {
-        Self {
+        let values = Values {
+            headings: vec![Headings::default(); problem.count],
+            rows: problem.rows.iter().map(Evaluated::of).collect(),
+        };
+        let mut method = Self {
             stages: vec![Stage::default(); problem.count],
-            rows: vec![Evaluated::default(); problem.rows.len()],
+            inverse: vec![0.0; problem.rows.len()],
+            trial_values: values.clone(),
+            values,
             riccati: Riccati::new(problem.count),
             step: at.clone(),
-            trial: at.clone(),
+            // A trial has no multipliers.
+            trial: Iterate {
+                states: at.states.clone(),
+                controls: at.controls.clone(),
+                slack: at.slack.clone(),
+                ..Iterate::default()
+            },
             errors: Errors::none(),
+            merit: None,
             // A step adds one pair at most.
             filter: Vec::with_capacity(MAX_SYSTEMS as usize),
             shift: 0.0,
@@ -81,7 +110,18 @@ impl<'a> InteriorPoint<'a> {
             systems: 0,
             problem,
             at,
-        }
+        };
+        method.try_step(0.0);
+        method.trial_violation();
+        method.move_to_trial();
+        method
+    }
+
+    /// Makes the trial's states and controls the iterate's.
+    pub(super) fn move_to_trial(&mut self) {
+        core::mem::swap(&mut self.at.states, &mut self.trial.states);
+        core::mem::swap(&mut self.at.controls, &mut self.trial.controls);
+        core::mem::swap(&mut self.values, &mut self.trial_values);
     }
 
     /// The iterate.

@@ -144,7 +144,10 @@ impl Iterate {
             };
             let mut w = self.point(k);
             w.fixed_rows_mut::<CONTROLS>(STATES).copy_from(&half);
-            to.states.extend([self.states[k], fine.motion.next(&w)]);
+            to.states.extend([
+                self.states[k],
+                fine.motion.next(&w, &fine.motion.headings(&w)),
+            ]);
             let between = (self.costates[k] + self.costates[k + 1]) * 0.5;
             to.costates.extend([self.costates[k], between]);
             to.controls.extend([half, half]);

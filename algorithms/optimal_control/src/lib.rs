@@ -63,6 +63,7 @@ mod riccati;
 mod rows;
 mod scaled;
 mod search;
+mod sincos;
 
 pub use interior_point::Outcome;
 pub use problem::{Keep, Limits, Node, Problem};

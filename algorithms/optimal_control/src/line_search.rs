@@ -26,10 +26,16 @@ const MAX_RATIO: f64 = 1e10;
 impl InteriorPoint<'_> {
     /// Takes the longest acceptable part of the step; `false` if there is none.
     pub(super) fn search_line(&mut self, barrier: f64) -> bool {
-        let primal = longest(&self.at.slack, &self.step.slack, barrier);
-        let dual = longest(&self.at.dual, &self.step.dual, barrier);
+        let (slack, dual) = (&self.step.slack, &self.step.dual);
+        let primal = longest(slack, &self.inverse, barrier, |step, inverse| {
+            step * inverse
+        });
+        let dual = longest(dual, &self.at.dual, barrier, |step, dual| step / dual);
         let violation = self.errors.violation;
-        let merit = self.merit(&self.at, barrier);
+        let merit = match self.merit {
+            Some([at, merit]) if at == barrier => merit,
+            _ => self.merit(&self.at, barrier),
+        };
         let slope = self.merit_slope(barrier);
         let mut length = primal;
         for _ in 0..MAX_HALVINGS {
@@ -52,6 +58,7 @@ impl InteriorPoint<'_> {
                     self.filter.push([violation, merit - margin]);
                 }
                 self.accept(length, dual, barrier);
+                self.merit = Some([barrier, next[1]]);
                 return true;
             }
             length *= 0.5;
@@ -89,14 +96,18 @@ impl InteriorPoint<'_> {
         let mut sum = self.end_violation(&self.trial);
         for k in 0..=problem.count {
             let w = self.trial.point(k);
-            for n in problem.of(k) {
-                let value = problem.rows[n].value(&w, &problem.obstacles);
-                let slack = self.trial.slack[n].max(-value);
-                self.trial.slack[n] = slack;
-                sum += value + slack;
+            let of = problem.of(k);
+            let slacks = self.trial.slack[of.clone()].iter_mut();
+            let values = self.trial_values.rows[of.clone()].iter_mut();
+            for ((row, slack), to) in problem.rows[of].iter().zip(slacks).zip(values) {
+                row.evaluate(&w, &problem.obstacles, to);
+                *slack = slack.max(-to.value);
+                sum += to.value + *slack;
             }
             if k < problem.count {
-                let defect = problem.motion.next(&w) - self.trial.states[k + 1];
+                let headings = problem.motion.headings(&w);
+                let defect = problem.motion.next(&w, &headings) - self.trial.states[k + 1];
+                self.trial_values.headings[k] = headings;
                 sum += defect.lp_norm(1);
             }
         }
@@ -112,7 +123,7 @@ impl InteriorPoint<'_> {
             sum += 0.5 * cost * rate * rate;
         }
         // Fewer logarithms: of products of slacks.
-        for slacks in at.slack.chunks(8) {
+        for slacks in at.slack.chunks(16) {
             sum -= barrier * math::ln(slacks.iter().product());
         }
         sum
@@ -125,17 +136,14 @@ impl InteriorPoint<'_> {
         for k in 0..self.problem.count {
             sum += cost * self.at.component(k, turning) * self.step.component(k, turning);
         }
-        for (slack, step) in self.at.slack.iter().zip(&self.step.slack) {
-            sum -= barrier * step / slack;
-        }
-        sum
+        let pairs = self.inverse.iter().zip(&self.step.slack);
+        sum - barrier * pairs.map(|(inverse, step)| inverse * step).sum::<f64>()
     }
 
     fn accept(&mut self, primal: f64, dual: f64, barrier: f64) {
-        let (at, trial, step) = (&mut self.at, &mut self.trial, &self.step);
-        core::mem::swap(&mut at.states, &mut trial.states);
-        core::mem::swap(&mut at.controls, &mut trial.controls);
-        core::mem::swap(&mut at.slack, &mut trial.slack);
+        self.move_to_trial();
+        let (at, step) = (&mut self.at, &self.step);
+        core::mem::swap(&mut at.slack, &mut self.trial.slack);
         for (costate, new) in at.costates.iter_mut().zip(&step.costates) {
             *costate += (new - *costate) * primal;
         }
@@ -149,7 +157,7 @@ impl InteriorPoint<'_> {
 
 impl Iterate {
     /// A component of w.
-    fn component(&self, k: usize, i: usize) -> f64 {
+    pub(super) fn component(&self, k: usize, i: usize) -> f64 {
         if i < STATES {
             self.states[k][i]
         } else {
@@ -158,15 +166,18 @@ impl Iterate {
     }
 }
 
-/// The longest part of a step, at most 1, that leaves a share of positive values.
-fn longest(values: &[f64], steps: &[f64], barrier: f64) -> f64 {
+/// The longest part of a step, at most 1, that leaves a share of positive values; `change` is the part of
+/// a value by which the whole step changes it.
+fn longest(steps: &[f64], values: &[f64], barrier: f64, change: impl Fn(f64, f64) -> f64) -> f64 {
     let fraction = (1.0 - barrier).max(FRACTION);
-    let pairs = values.iter().zip(steps);
-    pairs.fold(1.0, |most: f64, (value, step)| {
-        if *step < 0.0 {
-            most.min(-fraction * value / step)
-        } else {
-            most
+    // Lanes do not wait for each other.
+    let mut most = [0.0; 4];
+    for (steps, values) in steps.chunks(most.len()).zip(values.chunks(most.len())) {
+        for (most, (step, value)) in most.iter_mut().zip(steps.iter().zip(values)) {
+            let shrunk = -change(*step, *value);
+            *most = if shrunk > *most { shrunk } else { *most };
         }
-    })
+    }
+    let most = most.into_iter().fold(fraction, f64::max);
+    fraction / most
 }

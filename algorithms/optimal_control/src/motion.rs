@@ -5,11 +5,12 @@
 //! v(s) = v + s p and ω(s) = ω + s q: states v and ω, controls p and q. Where speeds step they are constant,
 //! v(s) = p and ω(s) = q, and the states v and ω only keep the last stage's speeds.
 
-use geometry::math;
-use nalgebra::{SMatrix, SVector};
+use nalgebra::{SMatrix, Vector2};
 
-use crate::riccati::{Point, Stage, State};
+use crate::problem::Node;
+use crate::riccati::{Point, Stage, State, TURNED, Transition};
 use crate::rows::{OMEGA, P, Q, THETA, TIME, V, X, Y};
+use crate::sincos::sincos;
 
 /// Nodes and weights of Gauss's quadrature on [0, 1].
 const GAUSS: [(f64, f64); 3] = [
@@ -17,10 +18,11 @@ const GAUSS: [(f64, f64); 3] = [
     (0.5, 4.0 / 9.0),
     (0.887_298_334_620_741_7, 5.0 / 18.0),
 ];
-/// Number of components of w on which the motion depends: all from θ on.
-const ARGUMENTS: usize = 6;
-/// Their first index.
-const FIRST: usize = THETA;
+/// Their number.
+const PARTS: usize = GAUSS.len();
+
+/// Sines and cosines of the headings at Gauss's nodes.
+pub type Headings = [[f64; PARTS]; 2];
 
 /// Motion in a stage.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -33,39 +35,78 @@ pub struct Motion {
     pub turn: f64,
 }
 
-/// Factors of the states and controls of speeds.
-struct Factors {
-    /// Of v and p in v(s).
-    v: [f64; 2],
-    /// Of ω and q in the integral of ω up to s.
-    turned: [f64; 2],
+/// Speeds in a stage: V and ω at its start, and their changes.
+struct Speeds {
+    v: f64,
+    omega: f64,
+    p: f64,
+    q: f64,
+}
+
+/// Sums over Gauss's nodes of their weight, a function of φ and the powers of s.
+#[derive(Clone, Copy, Default)]
+struct Moments {
+    /// Without the speed.
+    plain: [f64; 4],
+    /// Times v(s).
+    driven: [f64; 5],
+}
+
+impl Moments {
+    fn of(function: &[f64; PARTS], speeds: &Speeds) -> Self {
+        let mut sums = Self::default();
+        for ((s, weight), value) in GAUSS.into_iter().zip(function) {
+            let powers = [1.0, s, s * s, s * s * s, s * s * s * s].map(|power| weight * power);
+            let driven = value * (speeds.v + s * speeds.p);
+            for (sum, power) in sums.plain.iter_mut().zip(powers) {
+                *sum += power * value;
+            }
+            for (sum, power) in sums.driven.iter_mut().zip(powers) {
+                *sum += power * driven;
+            }
+        }
+        sums
+    }
+
+    /// a A + b B.
+    fn mix([a, b]: [f64; 2], [first, second]: [&Self; 2]) -> Self {
+        Self {
+            plain: core::array::from_fn(|i| a * first.plain[i] + b * second.plain[i]),
+            driven: core::array::from_fn(|i| a * first.driven[i] + b * second.driven[i]),
+        }
+    }
 }
 
 impl Motion {
-    fn factors(&self, s: f64) -> Factors {
-        if self.steps {
-            Factors {
-                v: [0.0, 1.0],
-                turned: [0.0, s],
-            }
+    fn speeds(&self, w: &Point) -> Speeds {
+        let [v, omega, p, q] = if self.steps {
+            [w[P], w[Q], 0.0, 0.0]
         } else {
-            Factors {
-                v: [1.0, s],
-                turned: [s, 0.5 * s * s],
-            }
-        }
+            [w[V], w[OMEGA], w[P], w[Q]]
+        };
+        Speeds { v, omega, p, q }
     }
 
-    /// State at the end of a stage.
-    pub fn next(&self, w: &Point) -> State {
+    /// Sines and cosines of the headings in a stage.
+    pub fn headings(&self, w: &Point) -> Headings {
+        let Speeds { omega, q, .. } = self.speeds(w);
+        let turn = self.turn * w[TIME];
+        // A fourth lane fills the machine's pairs.
+        let mut angles = [w[THETA]; PARTS + 1];
+        for (angle, (s, _)) in angles.iter_mut().zip(GAUSS) {
+            *angle += turn * (omega * s + q * (0.5 * s * s));
+        }
+        sincos(angles).map(|[a, b, c, _]| [a, b, c])
+    }
+
+    /// State at the end of a stage with these headings.
+    pub fn next(&self, w: &Point, [sin, cos]: &Headings) -> State {
+        let speeds = self.speeds(w);
         let (mut x, mut y) = (0.0, 0.0);
-        for (s, weight) in GAUSS {
-            let Factors { v, turned } = self.factors(s);
-            let turned = turned[0] * w[OMEGA] + turned[1] * w[Q];
-            let (sin, cos) = math::sincos(w[THETA] + self.turn * w[TIME] * turned);
-            let speed = weight * (v[0] * w[V] + v[1] * w[P]);
-            x += speed * cos;
-            y += speed * sin;
+        for (i, (s, weight)) in GAUSS.into_iter().enumerate() {
+            let speed = weight * (speeds.v + s * speeds.p);
+            x += speed * cos[i];
+            y += speed * sin[i];
         }
         let length = w[TIME] * self.share;
         self.moved(w, x * length, y * length)
@@ -73,11 +114,11 @@ impl Motion {
 
     fn moved(&self, w: &Point, x: f64, y: f64) -> State {
         let kept = if self.steps { 0.0 } else { 1.0 };
-        let [omega, q] = self.factors(1.0).turned;
+        let Speeds { omega, q, .. } = self.speeds(w);
         State::from([
             w[X] + x,
             w[Y] + y,
-            w[THETA] + self.turn * w[TIME] * (omega * w[OMEGA] + q * w[Q]),
+            w[THETA] + self.turn * w[TIME] * (omega + 0.5 * q),
             kept * w[V] + w[P],
             kept * w[OMEGA] + w[Q],
             w[TIME],
@@ -86,88 +127,151 @@ impl Motion {
 
     /// Sets the motion of a stage, its defect before the state `next`, and the Hessian of the
     /// Lagrangian's part with the motion.
-    pub fn linearise(&self, w: &Point, costate: &State, next: &State, stage: &mut Stage) {
-        let mut moved = [0.0; 2];
-        let mut slopes = SMatrix::<f64, 3, ARGUMENTS>::zeros();
-        let mut bends = SMatrix::<f64, ARGUMENTS, ARGUMENTS>::zeros();
-        let [v, omega, time, p, q] = [V, OMEGA, TIME, P, Q].map(|i| i - FIRST);
-        let turn = self.turn * w[TIME];
-        for (s, weight) in GAUSS {
-            let factors = self.factors(s);
-            let turned = factors.turned[0] * w[OMEGA] + factors.turned[1] * w[Q];
-            let (sin, cos) = math::sincos(w[THETA] + turn * turned);
-            let speed = factors.v[0] * w[V] + factors.v[1] * w[P];
-            let weight = weight * self.share;
-            let length = weight * w[TIME];
-            let driven = length * speed;
-            moved[0] += driven * cos;
-            moved[1] += driven * sin;
-            // Derivatives of φ, and of the length T v.
-            let mut by_phi = SVector::<f64, ARGUMENTS>::zeros();
-            by_phi[0] = 1.0;
-            by_phi[omega] = turn * factors.turned[0];
-            by_phi[q] = turn * factors.turned[1];
-            by_phi[time] = self.turn * turned;
-            let mut by_length = SVector::<f64, ARGUMENTS>::zeros();
-            by_length[v] = length * factors.v[0];
-            by_length[p] = length * factors.v[1];
-            by_length[time] = weight * speed;
-            for i in 0..ARGUMENTS {
-                slopes[(0, i)] += by_length[i] * cos - driven * sin * by_phi[i];
-                slopes[(1, i)] += by_length[i] * sin + driven * cos * by_phi[i];
-            }
-            // Along and across the costate.
-            let along = costate[X] * cos + costate[Y] * sin;
-            let across = costate[Y] * cos - costate[X] * sin;
-            for j in 0..ARGUMENTS {
-                for i in j..ARGUMENTS {
-                    bends[(i, j)] += across * (by_length[i] * by_phi[j] + by_length[j] * by_phi[i])
-                        - driven * along * by_phi[i] * by_phi[j];
-                }
-            }
-            // Mixed second derivatives of the length and of φ; the indices are in order.
-            bends[(time, v)] += weight * factors.v[0] * along;
-            bends[(p, time)] += weight * factors.v[1] * along;
-            bends[(time, omega)] += driven * across * self.turn * factors.turned[0];
-            bends[(q, time)] += driven * across * self.turn * factors.turned[1];
+    pub fn linearise(
+        &self,
+        w: &Point,
+        [sin, cos]: &Headings,
+        costate: &State,
+        next: &State,
+        stage: &mut Stage,
+    ) {
+        let speeds = self.speeds(w);
+        let Speeds { omega, q, .. } = speeds;
+        let (sin, cos) = (Moments::of(sin, &speeds), Moments::of(cos, &speeds));
+        let (share, kappa) = (self.share, self.turn);
+        let (length, turn) = (share * w[TIME], kappa * w[TIME]);
+        // Where speeds step, nothing depends on p and q.
+        let kept = if self.steps { 0.0 } else { 1.0 };
+        let half = 0.5 * kept;
+        // Derivatives by θ, v, ω, T, p and q of the displacement with the factor `f` of v, which has
+        // the derivative `df` by φ.
+        let slopes = |f: &Moments, df: [f64; 5]| {
+            [
+                length * df[0],
+                length * f.plain[0],
+                length * turn * df[1],
+                share * f.driven[0] + length * kappa * (omega * df[1] + 0.5 * q * df[2]),
+                kept * length * f.plain[1],
+                half * length * turn * df[2],
+            ]
+        };
+        let whole = omega + 0.5 * q;
+        let pose = [
+            slopes(&cos, sin.driven.map(|sum| -sum)),
+            slopes(&sin, cos.driven),
+            [1.0, 0.0, turn, kappa * whole, 0.0, half * turn],
+        ];
+        stage.motion = Transition {
+            pose: pose.map(|slopes| self.placed(slopes)),
+            kept,
+        };
+        stage.defect = self.moved(w, length * cos.driven[0], length * sin.driven[0]) - next;
+        // Along the costate, and its derivative by φ: across it.
+        let along = Moments::mix([costate[X], costate[Y]], [&cos, &sin]);
+        let across = Moments::mix([costate[Y], -costate[X]], [&cos, &sin]);
+        let (a, b, c, e) = (along.driven, across.driven, along.plain, across.plain);
+        // φ's derivative by T is κ (ω s + q s²/2).
+        let turned = |sums: &[f64], power: usize| {
+            kappa * (omega * sums[power + 1] + 0.5 * q * sums[power + 2])
+        };
+        let theta_v = length * e[0];
+        let theta_omega = -length * turn * a[1];
+        let theta_time = share * b[0] - length * turned(&a, 0);
+        let theta_p = kept * length * e[1];
+        let theta_q = -half * length * turn * a[2];
+        let v_omega = length * turn * e[1];
+        let v_time = share * c[0] + length * turned(&e, 0);
+        let v_q = half * length * turn * e[2];
+        let omega_time =
+            length * (2.0 * kappa * b[1] - turn * turned(&a, 1)) + kappa * costate[THETA];
+        let omega_p = kept * length * turn * e[2];
+        let omega_q = -half * length * turn * turn * a[3];
+        let time_p = kept * (share * c[1] + length * turned(&e, 1));
+        let time_q =
+            half * (length * (2.0 * kappa * b[2] - turn * turned(&a, 2)) + kappa * costate[THETA]);
+        let p_q = half * length * turn * e[3];
+        let time_time = 2.0 * share * turned(&b, 0)
+            - length * kappa * (omega * turned(&a, 1) + 0.5 * q * turned(&a, 2));
+        let omega_omega = -length * turn * turn * a[2];
+        let q_q = -half * half * length * turn * turn * a[4];
+        let bends = [
+            [
+                -length * a[0],
+                theta_v,
+                theta_omega,
+                theta_time,
+                theta_p,
+                theta_q,
+            ],
+            [theta_v, 0.0, v_omega, v_time, 0.0, v_q],
+            [
+                theta_omega,
+                v_omega,
+                omega_omega,
+                omega_time,
+                omega_p,
+                omega_q,
+            ],
+            [theta_time, v_time, omega_time, time_time, time_p, time_q],
+            [theta_p, 0.0, omega_p, time_p, 0.0, p_q],
+            [theta_q, v_q, omega_q, time_q, p_q, q_q],
+        ];
+        stage.hessian = SMatrix::zeros();
+        for (column, bends) in stage.hessian.data.0[THETA..]
+            .iter_mut()
+            .zip(self.placed(bends))
+        {
+            column[THETA..].copy_from_slice(&self.placed(bends));
         }
-        let whole = self.factors(1.0).turned;
-        slopes[(2, omega)] = turn * whole[0];
-        slopes[(2, q)] = turn * whole[1];
-        slopes[(2, time)] = self.turn * (whole[0] * w[OMEGA] + whole[1] * w[Q]);
-        bends[(time, omega)] += costate[THETA] * self.turn * whole[0];
-        bends[(q, time)] += costate[THETA] * self.turn * whole[1];
-        for j in 0..ARGUMENTS {
-            for i in 0..j {
-                bends[(i, j)] = bends[(j, i)];
-            }
+    }
+
+    /// Parts of θ, v, ω, T, p and q in the order of w.
+    fn placed<A>(&self, [theta, v, omega, time, p, q]: [A; TURNED]) -> [A; TURNED] {
+        if self.steps {
+            [theta, p, q, time, v, omega]
+        } else {
+            [theta, v, omega, time, p, q]
         }
-        stage.defect = self.moved(w, moved[0], moved[1]) - next;
-        stage.hessian.fill(0.0);
-        let at = (FIRST, FIRST);
-        stage
-            .hessian
-            .fixed_view_mut::<ARGUMENTS, ARGUMENTS>(at.0, at.1)
-            .copy_from(&bends);
-        stage.motion.fill(0.0);
-        stage
-            .motion
-            .fixed_view_mut::<3, ARGUMENTS>(0, FIRST)
-            .copy_from(&slopes);
-        for i in [X, Y, THETA, TIME] {
-            stage.motion[(i, i)] += 1.0;
+    }
+}
+
+impl Node {
+    /// The node at a part (0…1) of a stage of this duration (s) that ends at the node `end`.
+    #[must_use]
+    pub fn within(&self, end: &Self, time: f64, part: f64) -> Self {
+        let v = self.v + (end.v - self.v) * part;
+        let omega = self.omega + (end.omega - self.omega) * part;
+        let time = time * part;
+        // A fourth lane fills the machine's pairs.
+        let mut angles = [self.theta; PARTS + 1];
+        for (angle, (s, _)) in angles.iter_mut().zip(GAUSS) {
+            *angle += (self.omega * s + 0.5 * (omega - self.omega) * s * s) * time;
         }
-        for (state, control) in [(V, P), (OMEGA, Q)] {
-            stage.motion[(state, state)] = if self.steps { 0.0 } else { 1.0 };
-            stage.motion[(state, control)] = 1.0;
+        let [sin, cos] = sincos(angles);
+        let mut moved = Vector2::zeros();
+        for (i, (s, weight)) in GAUSS.into_iter().enumerate() {
+            let length = weight * time * (self.v + (v - self.v) * s);
+            moved += Vector2::new(cos[i], sin[i]) * length;
+        }
+        Self {
+            at: self.at + moved,
+            theta: self.theta + 0.5 * (self.omega + omega) * time,
+            v,
+            omega,
         }
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use geometry::math;
+
     use super::*;
-    use crate::riccati::BOTH;
+    use crate::riccati::{BOTH, CONTROLS, Control, STATES};
+
+    fn next(motion: &Motion, w: &Point) -> State {
+        motion.next(w, &motion.headings(w))
+    }
 
     fn motion(steps: bool) -> Motion {
         Motion {
@@ -184,16 +288,30 @@ mod tests {
     #[test]
     fn an_even_turn_is_an_arc() {
         let w = Point::from([0.0, 0.0, 0.4, 0.5, 1.0, 1.0, 0.0, 0.0]);
-        let next = motion(false).next(&w);
+        let curved = next(&motion(false), &w);
         // Length 0.025, turn 0.3 rad.
         let radius = 0.025 / 0.3;
         let x = radius * (math::sin(0.7) - math::sin(0.4));
         let y = radius * (math::cos(0.4) - math::cos(0.7));
-        assert!((next[X] - x).abs() < 1e-11 && (next[Y] - y).abs() < 1e-11);
-        assert!((next[THETA] - 0.7).abs() < 1e-15);
+        assert!((curved[X] - x).abs() < 1e-11 && (curved[Y] - y).abs() < 1e-11);
+        assert!((curved[THETA] - 0.7).abs() < 1e-15);
         let w = Point::from([0.0, 0.0, 0.4, 9.0, 9.0, 1.0, 0.5, 1.0]);
-        let stepped = motion(true).next(&w);
-        assert!((stepped.fixed_rows::<3>(0) - next.fixed_rows::<3>(0)).norm() < 1e-15);
+        let stepped = next(&motion(true), &w);
+        assert!((stepped.fixed_rows::<3>(0) - curved.fixed_rows::<3>(0)).norm() < 1e-15);
+    }
+
+    #[test]
+    fn a_part_of_an_even_turn_is_an_arc() {
+        let node = |theta: f64| Node {
+            at: nalgebra::Point2::new(0.3, -0.2),
+            theta,
+            v: 0.5,
+            omega: 1.0,
+        };
+        let end = node(0.4).within(&node(0.9), 1.0, 0.5);
+        let arc = |angle: f64| Vector2::new(math::sin(angle), -math::cos(angle)) * 0.5;
+        assert!((end.at - node(0.4).at - (arc(0.9) - arc(0.4))).norm() < 1e-8);
+        assert!((end.theta - 0.9).abs() < 1e-15);
     }
 
     #[test]
@@ -203,18 +321,27 @@ mod tests {
         for motion in [motion(false), motion(true)] {
             let linearised = |w: &Point| {
                 let mut stage = Stage::default();
-                motion.linearise(w, &costate, &State::zeros(), &mut stage);
+                let headings = motion.headings(w);
+                motion.linearise(w, &headings, &costate, &State::zeros(), &mut stage);
                 stage
             };
             let exact = linearised(&point());
-            assert!((exact.defect - motion.next(&point())).norm() < 1e-15);
+            assert!((exact.defect - next(&motion, &point())).norm() < 1e-15);
             for i in 0..BOTH {
                 let mut step = Point::zeros();
                 step[i] = h;
                 let (after, before) = (point() + step, point() - step);
-                let slope = (motion.next(&after) - motion.next(&before)) / (2.0 * h);
-                assert!((slope - exact.motion.column(i)).norm() < 1e-9, "{i}");
-                let gradient = |w: &Point| linearised(w).motion.tr_mul(&costate);
+                let slope = (next(&motion, &after) - next(&motion, &before)) / (2.0 * h);
+                let mut one = Point::zeros();
+                one[i] = 1.0;
+                let (state, control) = (
+                    one.fixed_rows::<STATES>(0),
+                    one.fixed_rows::<CONTROLS>(STATES),
+                );
+                let moved = exact.motion.of(&state.into(), &Control::from(control));
+                assert!((slope - moved).norm() < 1e-9, "{i}");
+                let gradient =
+                    |w: &Point| Point::from(linearised(w).motion.transposed(&costate.data.0[0]));
                 let bend = (gradient(&after) - gradient(&before)) / (2.0 * h);
                 assert!((bend - exact.hessian.column(i)).norm() < 1e-8, "{i}");
             }

@@ -4,7 +4,7 @@ use nalgebra::SMatrix;
 
 use crate::errors::Errors;
 use crate::interior_point::InteriorPoint;
-use crate::riccati::{End, Point, STATES, State};
+use crate::riccati::{BOTH, End, Point, STATES, State};
 use crate::rows::{OMEGA, Q, TIME};
 
 /// Weight of the conditions of the last state in the augmented Lagrangian.
@@ -24,7 +24,7 @@ impl InteriorPoint<'_> {
         if self.problem.motion.steps { Q } else { OMEGA }
     }
 
-    /// Evaluates motion and rows with their derivatives, and the errors.
+    /// Evaluates the motion with its derivatives, and the errors.
     pub(super) fn evaluate(&mut self) {
         let problem = self.problem;
         let (cost, turning) = (self.turning_cost(), self.turning());
@@ -35,8 +35,9 @@ impl InteriorPoint<'_> {
             if let Some(stage) = self.stages.get_mut(k) {
                 let costate = &self.at.costates[k + 1];
                 let next = &self.at.states[k + 1];
-                problem.motion.linearise(&w, costate, next, stage);
-                gradient += stage.motion.tr_mul(costate);
+                let headings = &self.values.headings[k];
+                problem.motion.linearise(&w, headings, costate, next, stage);
+                gradient += Point::from(stage.motion.transposed(&costate.data.0[0]));
                 gradient[turning] += cost * w[turning];
                 stage
                     .defect
@@ -49,14 +50,15 @@ impl InteriorPoint<'_> {
                     errors.add_constraint(self.at.states[k][i] - target);
                 }
             }
-            for n in problem.of(k) {
-                let row = problem.rows[n].evaluate(&w, &problem.obstacles);
-                let (slack, dual) = (self.at.slack[n], self.at.dual[n]);
+            let of = problem.of(k);
+            let pairs = self.at.slack[of.clone()]
+                .iter()
+                .zip(&self.at.dual[of.clone()]);
+            for (row, (slack, dual)) in self.values.rows[of].iter().zip(pairs) {
                 errors.add_product(slack * dual);
                 errors.add_constraint(row.value + slack);
                 gradient[row.at[0]] += row.slope[0] * dual;
                 gradient[row.at[1]] += row.slope[1] * dual;
-                self.rows[n] = row;
             }
             for i in 0..STATES {
                 if k > 0 {
@@ -84,37 +86,51 @@ impl InteriorPoint<'_> {
             end.hessian[(i, i)] += END_WEIGHT;
             end.gradient[i] += self.at.end[i] + END_WEIGHT * (last[i] - target);
         }
-        for k in 0..=problem.count {
-            let mut gradient = Point::zeros();
-            if let Some(stage) = self.stages.get_mut(k) {
-                stage.hessian[(turning, turning)] += cost;
-                gradient[turning] = cost * self.at.point(k)[turning];
-            }
-            for n in problem.of(k) {
-                let row = &self.rows[n];
-                let (slack, dual) = (self.at.slack[n], self.at.dual[n]);
-                let weight = dual / slack;
-                let force = barrier / slack + weight * (row.value + slack);
-                let ([i, j], [a, b], bend) = (row.at, row.slope, dual * row.bend);
-                gradient[i] += a * force;
+        for (inverse, slack) in self.inverse.iter_mut().zip(&self.at.slack) {
+            *inverse = 1.0 / slack;
+        }
+        let mut stages = core::mem::take(&mut self.stages);
+        for (k, stage) in stages.iter_mut().enumerate() {
+            stage.gradient = Point::zeros();
+            stage.gradient[turning] = cost * self.at.component(k, turning);
+            stage.hessian[(turning, turning)] += cost;
+            self.add_rows(k, barrier, &mut stage.hessian, &mut stage.gradient);
+        }
+        self.stages = stages;
+        let (mut hessian, mut gradient) = (SMatrix::zeros(), Point::zeros());
+        self.add_rows(problem.count, barrier, &mut hessian, &mut gradient);
+        end.hessian += hessian.fixed_view::<STATES, STATES>(0, 0);
+        end.gradient += gradient.fixed_rows::<STATES>(0);
+        end
+    }
+
+    /// Adds the barrier of a node's rows.
+    fn add_rows(
+        &self,
+        k: usize,
+        barrier: f64,
+        hessian: &mut SMatrix<f64, BOTH, BOTH>,
+        gradient: &mut Point,
+    ) {
+        let of = self.problem.of(k);
+        let slacks = self.at.slack[of.clone()]
+            .iter()
+            .zip(&self.inverse[of.clone()]);
+        let pairs = slacks.zip(&self.at.dual[of.clone()]);
+        for (row, ((slack, inverse), dual)) in self.values.rows[of].iter().zip(pairs) {
+            let weight = dual * inverse;
+            let force = barrier * inverse + weight * (row.value + slack);
+            let ([i, j], [a, b], bend) = (row.at, row.slope, dual * row.bend);
+            gradient[i] += a * force;
+            hessian[(i, i)] += weight * a * a - bend * b * b;
+            if i != j {
                 gradient[j] += b * force;
-                let mut add = |at: (usize, usize), value: f64| match self.stages.get_mut(k) {
-                    Some(stage) => stage.hessian[at] += value,
-                    None => end.hessian[at] += value,
-                };
-                add((i, i), weight * a * a - bend * b * b);
-                if i != j {
-                    add((i, j), (weight + bend) * a * b);
-                    add((j, i), (weight + bend) * a * b);
-                    add((j, j), weight * b * b - bend * a * a);
-                }
-            }
-            match self.stages.get_mut(k) {
-                Some(stage) => stage.gradient = gradient,
-                None => end.gradient += gradient.fixed_rows::<STATES>(0),
+                let mixed = (weight + bend) * a * b;
+                hessian[(i, j)] += mixed;
+                hessian[(j, i)] += mixed;
+                hessian[(j, j)] += weight * b * b - bend * a * a;
             }
         }
-        end
     }
 
     /// Completes a step of states and controls by those of slacks and multipliers.
@@ -122,14 +138,18 @@ impl InteriorPoint<'_> {
         let problem = self.problem;
         for k in 0..=problem.count {
             let w = self.step.point(k);
-            for n in problem.of(k) {
-                let row = &self.rows[n];
-                let (slack, dual) = (self.at.slack[n], self.at.dual[n]);
+            let of = problem.of(k);
+            let steps = self.step.slack[of.clone()].iter_mut();
+            let slacks = self.at.slack[of.clone()].iter();
+            for ((step, slack), row) in steps.zip(slacks).zip(&self.values.rows[of]) {
                 let moved = row.slope[0] * w[row.at[0]] + row.slope[1] * w[row.at[1]];
-                let step = -(row.value + slack) - moved;
-                self.step.slack[n] = step;
-                self.step.dual[n] = (barrier - slack * dual - dual * step) / slack;
+                *step = -(row.value + slack) - moved;
             }
+        }
+        let steps = self.step.dual.iter_mut().zip(&self.step.slack);
+        let at = self.at.dual.iter().zip(&self.inverse);
+        for ((to, step), (dual, inverse)) in steps.zip(at) {
+            *to = (barrier - dual * step) * inverse - dual;
         }
         let last = self.at.states[problem.count] + self.step.states[problem.count];
         for (i, target) in problem.prescribed() {

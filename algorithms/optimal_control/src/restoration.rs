@@ -39,13 +39,13 @@ impl InteriorPoint<'_> {
                 .map(|halvings| self.violation_of_part(0.5f64.powi(halvings)))
                 .find(|reduced| *reduced < violation);
             let Some(reduced) = reduced else { break };
-            core::mem::swap(&mut self.at.states, &mut self.trial.states);
-            core::mem::swap(&mut self.at.controls, &mut self.trial.controls);
+            self.move_to_trial();
             violation = reduced;
         }
         self.at.costates.fill(State::zeros());
         self.at.end.fill(0.0);
         self.at.center(self.problem, barrier);
+        self.merit = None;
     }
 
     /// Sum of the violations after a part of the step.
@@ -68,7 +68,7 @@ impl InteriorPoint<'_> {
         for k in 0..=problem.count {
             let mut hessian = SMatrix::<f64, BOTH, BOTH>::zeros();
             let mut gradient = Point::zeros();
-            for row in self.rows[problem.of(k)]
+            for row in self.values.rows[problem.of(k)]
                 .iter()
                 .filter(|row| row.value > 0.0)
             {

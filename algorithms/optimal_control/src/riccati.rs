@@ -1,9 +1,11 @@
 //! Linear-quadratic problem by a Riccati recursion.
 //!
 //! `min Σₖ ½ wₖᵀ Hₖ wₖ + gₖᵀ wₖ + ½ s_Nᵀ H_N s_N + g_Nᵀ s_N` with wₖ = (sₖ, uₖ), subject to
-//! sₖ₊₁ = Mₖ wₖ + cₖ; components of s₀ are zero or free.
+//! sₖ₊₁ = Mₖ wₖ + cₖ; components of s₀ are zero or free. Mₖ has the robot's structure ([`Transition`]).
 
 use nalgebra::{SMatrix, SVector};
+
+use crate::rows::{OMEGA, P, Q, THETA, TIME, V, X, Y};
 
 /// Number of states: x, y, θ, v, ω, T.
 pub const STATES: usize = 6;
@@ -19,27 +21,75 @@ pub type Control = SVector<f64, CONTROLS>;
 /// State and control.
 pub type Point = SVector<f64, BOTH>;
 
+/// Number of components of w from θ on.
+pub const TURNED: usize = BOTH - THETA;
+
+/// M: the linear motion of a stage.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Transition {
+    /// Derivatives of the next x, y and θ by the components of w from θ on. Those of x and y by
+    /// themselves are 1.
+    pub pose: [[f64; TURNED]; 3],
+    /// Factor of v and ω in the next, to which their changes are added. T stays.
+    pub kept: f64,
+}
+
 /// One stage.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Stage {
     /// H.
     pub hessian: SMatrix<f64, BOTH, BOTH>,
     /// g.
     pub gradient: Point,
     /// M.
-    pub motion: SMatrix<f64, STATES, BOTH>,
+    pub motion: Transition,
     /// c.
     pub defect: State,
 }
 
-impl Default for Stage {
-    fn default() -> Self {
-        Self {
-            hessian: SMatrix::zeros(),
-            gradient: Point::zeros(),
-            motion: SMatrix::zeros(),
-            defect: State::zeros(),
-        }
+impl Transition {
+    /// M w.
+    pub fn of(&self, state: &State, control: &Control) -> State {
+        let turned = [
+            state[THETA],
+            state[V],
+            state[OMEGA],
+            state[TIME],
+            control[0],
+            control[1],
+        ];
+        let [x, y, theta] = self.pose.map(|slopes| {
+            let products: [f64; TURNED] = core::array::from_fn(|i| slopes[i] * turned[i]);
+            let [a, b, c, d, e, f] = products;
+            (a + b) + (c + d) + (e + f)
+        });
+        State::from([
+            state[X] + x,
+            state[Y] + y,
+            theta,
+            self.kept * state[V] + control[0],
+            self.kept * state[OMEGA] + control[1],
+            state[TIME],
+        ])
+    }
+
+    /// Mᵀ s; also a column of Mᵀ P M, of the column of P M.
+    pub fn transposed(&self, s: &[f64; STATES]) -> [f64; BOTH] {
+        let [x, y, theta] = &self.pose;
+        let [v, omega] = [s[V], s[OMEGA]];
+        let mut sums = [0.0, self.kept * v, self.kept * omega, s[TIME], v, omega];
+        add(&mut sums, s[X], x);
+        add(&mut sums, s[Y], y);
+        add(&mut sums, s[THETA], theta);
+        let [a, b, c, d, e, f] = sums;
+        [s[X], s[Y], a, b, c, d, e, f]
+    }
+}
+
+/// Adds a multiple.
+fn add<const N: usize>(to: &mut [f64; N], factor: f64, by: &[f64; N]) {
+    for (to, by) in to.iter_mut().zip(by) {
+        *to += factor * by;
     }
 }
 
@@ -108,16 +158,16 @@ impl Riccati {
         shift: f64,
         to: &mut Unknowns<'_>,
     ) -> Result<(), Indefinite> {
-        let mut cost = end.hessian;
+        let mut end_cost = end.hessian;
         for i in 0..STATES {
-            cost[(i, i)] += shift;
+            end_cost[(i, i)] += shift;
         }
-        let end_cost = cost;
-        let mut slope = end.gradient;
+        let mut after = (&end_cost, &end.gradient);
         for (stage, feedback) in stages.iter().zip(&mut self.feedback).rev() {
-            backward(stage, shift, &mut cost, &mut slope, feedback)?;
+            backward(stage, shift, after, feedback)?;
+            after = (&feedback.cost, &feedback.slope);
         }
-        let first = initial(&cost, &slope, free)?;
+        let first = initial(after.0, after.1, free)?;
         let Some(slot) = to.states.first_mut() else {
             return Ok(());
         };
@@ -127,10 +177,7 @@ impl Riccati {
             let control = feedback.gain * state + feedback.offset;
             to.controls[k] = control;
             to.costates[k] = feedback.cost * state + feedback.slope;
-            let mut point = Point::zeros();
-            point.fixed_rows_mut::<STATES>(0).copy_from(&state);
-            point.fixed_rows_mut::<CONTROLS>(STATES).copy_from(&control);
-            to.states[k + 1] = stage.motion * point + stage.defect;
+            to.states[k + 1] = stage.motion.of(&state, &control) + stage.defect;
         }
         let last = stages.len();
         to.costates[last] = end_cost * to.states[last] + end.gradient;
@@ -138,47 +185,77 @@ impl Riccati {
     }
 }
 
-/// Eliminates the control of a stage; replaces the cost to go of its end by that of its first node.
+/// Eliminates the control of a stage: the cost to go of its first node, from that of its end.
 fn backward(
     stage: &Stage,
     shift: f64,
-    cost: &mut SMatrix<f64, STATES, STATES>,
-    slope: &mut State,
+    (cost, slope): (&SMatrix<f64, STATES, STATES>, &State),
     feedback: &mut Feedback,
 ) -> Result<(), Indefinite> {
     let motion = &stage.motion;
-    let weighed = *cost * motion;
-    let mut whole = stage.hessian + motion.tr_mul(&weighed);
-    for i in 0..BOTH {
-        whole[(i, i)] += shift;
+    let before = &cost.data.0;
+    // Columns of H + Mᵀ P M from θ on; its first two rows are their first two elements.
+    let mut columns = [[0.0; BOTH]; TURNED];
+    for (j, column) in columns.iter_mut().enumerate() {
+        let mut weighed = [0.0; STATES];
+        for (row, slopes) in before.iter().zip(&motion.pose) {
+            add(&mut weighed, slopes[j], row);
+        }
+        match j + THETA {
+            V | OMEGA => add(&mut weighed, motion.kept, &before[j + THETA]),
+            TIME => add(&mut weighed, 1.0, &before[TIME]),
+            P => add(&mut weighed, 1.0, &before[V]),
+            Q => add(&mut weighed, 1.0, &before[OMEGA]),
+            _ => {}
+        }
+        *column = motion.transposed(&weighed);
+        add(column, 1.0, &stage.hessian.data.0[j + THETA]);
+        column[j + THETA] += shift;
     }
-    let linear = stage.gradient + motion.tr_mul(&(*slope + *cost * stage.defect));
-    let (a, b, d) = (whole[(6, 6)], whole[(7, 6)], whole[(7, 7)]);
+    let mut whole = [[0.0; STATES]; STATES];
+    for (j, column) in whole.iter_mut().enumerate() {
+        if j < THETA {
+            for i in 0..THETA {
+                column[i] = before[j][i] + stage.hessian[(i, j)];
+            }
+            column[j] += shift;
+            for i in THETA..STATES {
+                column[i] = columns[i - THETA][j];
+            }
+        } else {
+            column.copy_from_slice(&columns[j - THETA][..STATES]);
+        }
+    }
+    let [.., by_p, by_q] = &columns;
+    let (a, b, d) = (by_p[P], by_p[Q], by_q[Q]);
     let determinant = a * d - b * b;
     if !(a > 0.0 && determinant > 1e-14 * a * d.abs()) {
         return Err(Indefinite);
     }
-    let inverse = SMatrix::<f64, 2, 2>::new(d, -b, -b, a) / determinant;
-    let cross = whole.fixed_view::<CONTROLS, STATES>(STATES, 0);
-    let gain = -(inverse * cross);
-    let offset = -(inverse * linear.fixed_rows::<CONTROLS>(STATES));
-    let mut next = whole.fixed_view::<STATES, STATES>(0, 0) + cross.tr_mul(&gain);
-    // Rounding must not let the two halves drift apart.
-    for i in 0..STATES {
-        for j in 0..i {
-            let mean = 0.5 * (next[(i, j)] + next[(j, i)]);
-            next[(i, j)] = mean;
-            next[(j, i)] = mean;
-        }
+    let [a, b, d] = [d / determinant, -b / determinant, a / determinant];
+    let gain: [[f64; CONTROLS]; STATES] =
+        core::array::from_fn(|i| [-(a * by_p[i] + b * by_q[i]), -(b * by_p[i] + d * by_q[i])]);
+    let cross = [by_p, by_q].map(|column| core::array::from_fn(|i| column[i]));
+    for (column, [p, q]) in whole.iter_mut().zip(gain) {
+        add(column, p, &cross[0]);
+        add(column, q, &cross[1]);
     }
-    *slope = linear.fixed_rows::<STATES>(0) + cross.tr_mul(&offset);
-    *cost = next;
-    *feedback = Feedback {
-        gain,
-        offset,
-        cost: next,
-        slope: *slope,
-    };
+    // Rounding must not let the two halves drift apart.
+    feedback.cost = SMatrix::from_fn(|i, j| whole[i.max(j)][i.min(j)]);
+    let mut linear = slope.data.0[0];
+    for (column, defect) in before.iter().zip(stage.defect.iter()) {
+        add(&mut linear, *defect, column);
+    }
+    let mut linear = motion.transposed(&linear);
+    add(&mut linear, 1.0, &stage.gradient.data.0[0]);
+    let [.., p, q] = linear;
+    let offset = [-(a * p + b * q), -(b * p + d * q)];
+    let mut first: [f64; STATES] = core::array::from_fn(|i| linear[i]);
+    add(&mut first, offset[0], &cross[0]);
+    add(&mut first, offset[1], &cross[1]);
+    feedback.slope = State::from(first);
+    feedback.gain = SMatrix::from(gain);
+    feedback.offset = Control::from(offset);
     Ok(())
 }
 
@@ -219,7 +296,10 @@ mod tests {
             stages.push(Stage {
                 hessian: root.tr_mul(&root) + SMatrix::identity() * 0.1,
                 gradient: Point::from_fn(|_, _| next()),
-                motion: SMatrix::from_fn(|_, _| next()),
+                motion: Transition {
+                    pose: [(); 3].map(|()| [(); TURNED].map(|()| next())),
+                    kept: next().round().abs(),
+                },
                 defect: State::from_fn(|_, _| next()),
             });
         }
@@ -258,8 +338,19 @@ mod tests {
                     matrix[(variable, constraint)] += value;
                 };
                 add(place(k + 1, row), -1.0);
-                for i in 0..BOTH {
-                    add(place(k, i), stage.motion[(row, i)]);
+                let motion = &stage.motion;
+                match row {
+                    X | Y | THETA => {
+                        for (i, slope) in motion.pose[row].iter().enumerate() {
+                            add(place(k, THETA + i), *slope);
+                        }
+                        add(place(k, row), f64::from(u8::from(row != THETA)));
+                    }
+                    TIME => add(place(k, TIME), 1.0),
+                    _ => {
+                        add(place(k, row), motion.kept);
+                        add(place(k, row + P - V), 1.0);
+                    }
                 }
             }
         }

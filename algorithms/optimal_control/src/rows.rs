@@ -142,6 +142,20 @@ impl Obstacle {
     }
 }
 
+impl Evaluated {
+    /// The constant derivatives of a row; the others, and the value, are 0.
+    pub fn of(row: &Row) -> Self {
+        match row {
+            Row::Linear { at, factors, .. } => Self {
+                at: *at,
+                slope: *factors,
+                ..Self::default()
+            },
+            Row::Contact { .. } => Self::default(),
+        }
+    }
+}
+
 impl Row {
     /// `factor` wᵢ ≤ limit.
     pub fn bound(i: usize, factor: f64, limit: f64) -> Self {
@@ -152,16 +166,13 @@ impl Row {
         }
     }
 
-    /// Value and derivatives at w.
-    pub fn evaluate(&self, w: &Point, obstacles: &[Obstacle]) -> Evaluated {
+    /// Sets value and derivatives at w.
+    pub fn evaluate(&self, w: &Point, obstacles: &[Obstacle], to: &mut Evaluated) {
         match self {
-            Self::Linear { at, factors, limit } => Evaluated {
-                value: factors[0] * w[at[0]] + factors[1] * w[at[1]] - limit,
-                at: *at,
-                slope: *factors,
-                bend: 0.0,
-            },
-            Self::Contact { obstacle } => obstacles[*obstacle].evaluate(Point2::new(w[X], w[Y])),
+            Self::Linear { .. } => to.value = self.value(w, obstacles),
+            Self::Contact { obstacle } => {
+                *to = obstacles[*obstacle].evaluate(Point2::new(w[X], w[Y]));
+            }
         }
     }
 

@@ -15,9 +15,8 @@ pub const COARSE: usize = 20;
 const FINE: usize = 160;
 /// Maximum number of stages of a guess.
 pub const MAX_STAGES: usize = 640;
-/// Barrier parameters: for a guess, between numbers of stages, after a change of obstacles, and at
-/// the end.
-const BARRIER: [f64; 4] = [1e-3, 1e-5, 1e-7, 3e-8];
+/// Barrier parameters: for a guess, up to the last doubling of its stages, and from there on.
+const BARRIER: [f64; 3] = [1e-3, 1e-5, 3e-8];
 
 /// Residual on fewer stages above which a search has failed.
 const UNSOLVED: f64 = 1e-2;
@@ -88,12 +87,12 @@ impl<'a> Search<'a> {
     pub fn run(&mut self, stop: &mut dyn FnMut(usize) -> bool) -> Outcome {
         loop {
             let last = if self.scaled.count >= FINE {
-                BARRIER[3]
+                BARRIER[2]
             } else {
                 BARRIER[1]
             };
             let outcome = self.iterate(last, stop);
-            if last == BARRIER[3] || outcome.stopped || outcome.residual > UNSOLVED {
+            if last == BARRIER[2] || outcome.stopped || outcome.residual > UNSOLVED {
                 return outcome;
             }
             self.double();
@@ -105,7 +104,6 @@ impl<'a> Search<'a> {
         if let Some(obstacle) = self.scaled.obstacles.get_mut(obstacle) {
             obstacle.grow(by / self.scaled.length);
         }
-        self.barrier = BARRIER[2];
     }
 
     /// Number of stages.
@@ -176,6 +174,9 @@ impl<'a> Search<'a> {
         at.dual = dual;
         self.at = at;
         let old = core::mem::replace(&mut self.scaled, fine);
+        if self.scaled.count >= FINE {
+            self.barrier = BARRIER[2];
+        }
         self.follow(&old);
     }
 

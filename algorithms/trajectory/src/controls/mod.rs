@@ -8,7 +8,6 @@
 
 mod samples;
 mod starts;
-mod step_dynamics;
 
 use optimal_control::Search;
 

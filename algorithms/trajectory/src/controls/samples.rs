@@ -3,7 +3,6 @@
 use nalgebra::Point2;
 use optimal_control::{Node, Solution};
 
-use super::step_dynamics;
 use crate::path_points::SPACING;
 use crate::plan::Sample;
 
@@ -64,7 +63,7 @@ pub fn of(solution: &Solution) -> Option<Vec<Sample>> {
         let parts = parts(&a, &b);
         for i in 1..parts as usize {
             let part = i as f64 / parts;
-            let node = step_dynamics::within(&a, &b, time, part);
+            let node = a.within(&b, time, part);
             samples.push(sample(t + part * time, &node));
         }
         samples.push(sample((k + 1) as f64 * time, &b));
