@@ -42,7 +42,7 @@ const RULES: Rules = Rules {
             "statistics",
             "tracking",
         ],
-        &["navigation"],
+        &["navigation", "passing"],
         &["steering", "trajectory"],
         &["coverage", "observation", "patrol", "planner"],
         // One crate per kind of process, or per family of kinds; none depends on another one.

@@ -1,43 +1,63 @@
-//! Two robots in a lane that is too narrow for both.
+//! Robots in lanes and doors that are too narrow for two.
+
+use core::f64::consts::PI;
 
 use mission::in_process::{InProcessOptions, run};
 use recorder::Summary;
 
-/// A lane of this width (m) from x = 0 to 8 m, with bays: their middle and half their width (m). Two
-/// robots swap its ends.
-fn lane(bays: &[(f64, f64)], width: f64, limits: &str) -> String {
+/// Place along x (m), heading (rad) and goal along x (m) of a robot in a lane.
+type Trip = (f64, f64, f64);
+
+/// Two robots swap the ends of a lane.
+const SWAP: [Trip; 2] = [(0.4, 0.0, 7.6), (7.6, PI, 0.4)];
+
+/// A lane of this width (m) from x = 0 to 8 m, with bays: their middle and half their width (m).
+fn lane(bays: &[(f64, f64)], width: f64, limits: &str, trips: &[Trip]) -> String {
     let mut ends = vec![0.0];
     ends.extend(bays.iter().flat_map(|(at, half)| [at - half, at + half]));
     ends.push(8.0);
     let blocks = ends.chunks(2).map(|pair| (pair[0], pair[1], width));
     let backs = bays.iter().map(|(at, half)| (at - half, at + half, 1.0));
-    let obstacles: Vec<String> = blocks
-        .chain(backs)
-        .map(|(from, to, low)| {
-            let center = [f64::midpoint(from, to), f64::midpoint(low, 1.6)];
-            let half = [0.5 * (to - from), 0.5 * (1.6 - low)];
-            format!(
-                "[[world.map.vector.obstacles]]\n\
-                 shape.rectangle = {{ center = {center:?}, half_extents = {half:?} }}\n"
-            )
-        })
+    let blocks = blocks.chain(backs);
+    let obstacles: Vec<_> = blocks.map(|(from, to, low)| [from, low, to, 1.6]).collect();
+    let y = 0.5 * width;
+    let trips = trips.iter();
+    let trips: Vec<_> = trips
+        .map(|&(x, theta, to)| ([x, y], theta, [to, y]))
         .collect();
-    let obstacles = obstacles.concat();
-    let robot = |name: &str, from: f64, theta: f64, to: f64| {
+    mission([8.0, 1.6], &obstacles, limits, &trips)
+}
+
+/// A mission of robots among rectangles from (x, y) to (x, y) (m): their starts, headings and goals.
+fn mission(
+    size: [f64; 2],
+    rectangles: &[[f64; 4]],
+    limits: &str,
+    trips: &[([f64; 2], f64, [f64; 2])],
+) -> String {
+    let obstacles = rectangles.iter().map(|[x0, y0, x1, y1]| {
+        let center = [f64::midpoint(*x0, *x1), f64::midpoint(*y0, *y1)];
+        let half = [0.5 * (x1 - x0), 0.5 * (y1 - y0)];
         format!(
-            "[[robots]]\nname = \"{name}\"\nteam = \"neutral\"\nlimits = {{ {limits} }}\n\
-             start = {{ x = {from}, y = {y}, theta = {theta} }}\n\
-             goal = {{ circle = {{ center = [{to}, {y}], radius = 0.05 }} }}\n",
-            y = 0.5 * width
+            "[[world.map.vector.obstacles]]\n\
+             shape.rectangle = {{ center = {center:?}, half_extents = {half:?} }}\n"
         )
-    };
+    });
+    let robots = trips.iter().enumerate().map(|(i, ([x, y], theta, to))| {
+        format!(
+            "[[robots]]\nname = \"r{i}\"\nteam = \"neutral\"\nlimits = {{ {limits} }}\n\
+             start = {{ x = {x}, y = {y}, theta = {theta} }}\n\
+             goal = {{ circle = {{ center = {to:?}, radius = 0.05 }} }}\n"
+        )
+    });
+    let names: Vec<String> = (0..trips.len()).map(|i| format!("r{i}")).collect();
     format!(
-        "[world.map.vector]\nbounds = {{ min = [0.0, 0.0], max = [8.0, 1.6] }}\n{obstacles}\
-         [rules]\ntime_limit = 200.0\n{}{}\
+        "[world.map.vector]\nbounds = {{ min = [0.0, 0.0], max = {size:?} }}\n{}\
+         [rules]\ntime_limit = 200.0\n{}\
          [[processes]]\nkind = \"optimiser\"\n\
-         [[processes]]\nkind = \"navigator\"\nrobots = [\"east\", \"west\"]\n",
-        robot("east", 0.4, 0.0, 7.6),
-        robot("west", 7.6, core::f64::consts::PI, 0.4),
+         [[processes]]\nkind = \"navigator\"\nrobots = {names:?}\n",
+        obstacles.collect::<String>(),
+        robots.collect::<String>(),
     )
 }
 
@@ -68,7 +88,7 @@ fn two_robots_nose_to_nose_swap_ends_wherever_the_bay_is() {
         ((3.8, 0.2), 0.3, ""),
         ((2.0, 0.3), 0.3, ""),
     ] {
-        let summary = drive(&lane(&[bay], width, limits));
+        let summary = drive(&lane(&[bay], width, limits, &SWAP));
         assert_eq!(
             outcomes(&summary),
             [("goal_reached", 0); 2],
@@ -79,8 +99,32 @@ fn two_robots_nose_to_nose_swap_ends_wherever_the_bay_is() {
 }
 
 #[test]
+fn convoys_swap_the_ends_of_a_lane() {
+    // The bays hold one convoy of two and a robot of the other one of three.
+    let east = [(1.2, 0.0, 7.6), (0.8, 0.0, 7.2), (0.4, 0.0, 6.8)];
+    let west = [(7.2, PI, 0.4), (7.6, PI, 0.8)];
+    let trips: Vec<Trip> = east.into_iter().chain(west).collect();
+    let summary = drive(&lane(&[(3.0, 0.35), (5.0, 0.35)], 0.4, "", &trips));
+    assert_eq!(outcomes(&summary), [("goal_reached", 0); 5]);
+}
+
+#[test]
+fn robots_swap_two_rooms_through_a_door() {
+    // A door of 0.34 m.
+    let wall = [[2.0, 0.0, 2.1, 1.03], [2.0, 1.37, 2.1, 2.4]];
+    let trips = [
+        ([1.6, 1.2], 0.0, [3.4, 0.4]),
+        ([1.0, 0.5], 0.0, [3.6, 1.9]),
+        ([2.5, 1.2], PI, [0.5, 0.4]),
+        ([3.0, 1.8], PI, [0.5, 1.9]),
+    ];
+    let summary = drive(&mission([4.1, 2.4], &wall, "", &trips));
+    assert_eq!(outcomes(&summary), [("goal_reached", 0); 4]);
+}
+
+#[test]
 fn robots_that_stand_without_a_way_are_reported() {
-    let summary = drive(&lane(&[], 0.4, ""));
+    let summary = drive(&lane(&[], 0.4, "", &SWAP));
     assert_eq!(outcomes(&summary), [("timed_out", 0); 2]);
     for robot in &summary.robots {
         assert_eq!(robot.standstills, 1, "{robot:?}");

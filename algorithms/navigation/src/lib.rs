@@ -5,7 +5,6 @@
 //! - [`routes`]: paths along the streets of a grid, to all places at once;
 //! - [`bearing`]: direction to a point, straight or along the streets;
 //! - [`wavefront`]: first arrival times;
-//! - [`passing`]: ways past another robot in a narrow lane;
 //! - [`dominance`]: places that each team reaches first.
 //!
 //! All functions are pure: equal inputs give equal bits on every machine.
@@ -15,7 +14,6 @@
 
 pub mod bearing;
 pub mod dominance;
-pub mod passing;
 pub mod routes;
 pub mod shortest_paths;
 pub mod tangent_graph;

@@ -85,8 +85,7 @@ impl Planner for NavigatorPlanner {
     }
 
     fn open(&mut self, config: &ProcessConfig, bus: &Bus, robot: u32) -> Result<(), ProcessError> {
-        let models = config.run.robots.iter().map(|robot| robot.model);
-        self.navigator.meet(models.collect());
+        self.navigator.meet(&config.run.robots);
         self.link = Some(Link {
             client: ServiceClient::open(bus, config.index, PlanRequest::MAX_POINTS)?,
             robot,

@@ -6,6 +6,7 @@
 //! the other the room to pass.
 
 use nalgebra::Point2;
+use passing::Spacing;
 use planner_view::view::View;
 use sim_backend::spec::RobotModel;
 
@@ -23,8 +24,9 @@ const SLACK: f64 = 3e-3;
 const ROUNDING: f64 = 2e-4;
 /// Additional clearance to other robots in plans (m), so that the plan can be driven.
 const EASE: f64 = 0.01;
-/// Deviation (m) of a robot that passes from the way that its place was found for.
-const SWAY: f64 = 0.02;
+/// Distance of two places where robots stand, in distances of robots that pass each other: a robot on the way from one
+/// corner of an equilateral triangle to another passes the third.
+const TRIANGLE: f64 = 1.16;
 /// Standstill after which a robot counts as an obstacle (s).
 const PARKED_S: f64 = 1.0;
 
@@ -41,10 +43,6 @@ pub struct Other {
     required: f64,
     /// Required distance if they are too near already (m).
     least: f64,
-    /// Distance between the two centres at which it passes this robot.
-    apart: f64,
-    /// `true` if it takes part in the game.
-    active: bool,
     /// `true` if it will not move soon.
     pub parked: bool,
 }
@@ -58,14 +56,23 @@ impl Other {
         let room = |p: Point2<f64>| (p - self.at).norm() - clearance - 1e-6;
         wanted.min(room(start)).min(room(goal))
     }
+}
 
-    /// Returns the distance (m) between the two centres that lets it pass this robot at rest.
-    pub fn apart_to_pass(&self) -> f64 {
-        self.apart
+/// Returns the distances that robots of these models keep when they pass each other at rest.
+pub fn spacing<'a>(models: impl Iterator<Item = &'a RobotModel>, margin: f64, dt: f64) -> Spacing {
+    let (radius, reach) = models.fold((0.0f64, 0.0f64), |(radius, reach), model| {
+        let at_rest = Drive::new(*model).reach(0.0, dt);
+        (radius.max(model.radius), reach.max(at_rest))
+    });
+    let apart = 2.0 * radius + reach + GAP + EASE;
+    Spacing {
+        clearance: radius + margin,
+        apart,
+        places: TRIANGLE * apart,
     }
 }
 
-/// The other robots, and the start of their standstill.
+/// The other robots, and the start of the standstill of each robot.
 #[derive(Debug, Clone, Default)]
 pub struct Traffic {
     others: Vec<Other>,
@@ -78,13 +85,16 @@ impl Traffic {
     pub fn update(&mut self, view: &View<'_>, own: &RobotModel, models: &[RobotModel]) {
         self.others.clear();
         self.standing.resize(view.robots.len(), None);
-        for other in view.bodies().filter(|other| other.index != view.me) {
+        for other in view.bodies() {
             let speed = other.twist.v.abs();
             let stands = !other.active || speed < STANDING && other.twist.omega == 0.0;
             let Some(since) = self.standing.get_mut(other.index) else {
                 continue;
             };
             *since = stands.then(|| since.unwrap_or(view.time_s));
+            if other.index == view.me {
+                continue;
+            }
             let parked =
                 !other.active || since.is_some_and(|since| view.time_s - since >= PARKED_S);
             let reach = match models.get(other.index) {
@@ -98,15 +108,12 @@ impl Traffic {
             } else {
                 0.0
             };
-            let at_rest = Drive::new(*own).reach(0.0, view.dt);
             self.others.push(Other {
                 index: other.index,
                 at: other.pose.position(),
                 radius: other.radius,
                 required: touch + reach + GAP + yields,
                 least: touch + reach + 0.5 * GAP,
-                apart: touch + at_rest + GAP + EASE + SWAY,
-                active: other.active,
                 parked,
             });
         }
@@ -117,11 +124,10 @@ impl Traffic {
         &self.others
     }
 
-    /// The robot with this index, if it takes part in the game.
-    pub fn active(&self, index: usize) -> Option<&Other> {
-        self.others
-            .iter()
-            .find(|other| other.index == index && other.active)
+    /// Returns the time for which a robot has stood (s).
+    pub fn stood(&self, index: usize, time_s: f64) -> f64 {
+        let since = self.standing.get(index).copied().flatten();
+        since.map_or(0.0, |since| time_s - since)
     }
 
     /// Returns the distance (m) along a path that a robot may drive from the time `from` (s) on,

@@ -7,7 +7,6 @@ mod support;
 
 mod classes;
 mod dominance;
-mod passing;
 mod routes;
 mod shortest_path;
 mod wavefront;

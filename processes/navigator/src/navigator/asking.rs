@@ -163,13 +163,10 @@ impl Navigator {
         if self.ignore_robots {
             return Vec::new();
         }
-        let blockers = [
-            self.held_up.map(|(_, who)| who),
-            self.giving_way.map(|giving_way| giving_way.to),
-        ];
+        let blocker = self.held_up.map(|(_, who)| who);
         let others = self.traffic.others().iter();
         others
-            .filter(|other| other.parked || blockers.contains(&Some(other.index)))
+            .filter(|other| other.parked || blocker == Some(other.index))
             .filter_map(|other| {
                 let radius = other.planned_radius(clearance, start, goal);
                 (radius > 0.0).then(|| Convex::disc(other.at, radius))

@@ -1,16 +1,16 @@
 //! Navigator of one robot: its requests, plans and commands.
 
 mod asking;
-mod giving_way;
+mod right_of_way;
 
 use geometry::pose::Twist2;
-use giving_way::GivingWay;
 use nalgebra::Point2;
-use navigation::passing::Trail;
 use navigation::routes::RouteFinder;
 use planner_view::free_space::FreeSpace;
 use planner_view::map::PlannerMap;
 use planner_view::view::View;
+use right_of_way::RightOfWay;
+use runtime::config::RobotInfo;
 use sim_backend::spec::RobotModel;
 
 use crate::drive::Drive;
@@ -82,12 +82,9 @@ pub struct Navigator {
     traffic: Traffic,
     /// Time since which another robot blocks the path (s), and its index.
     held_up: Option<(f64, usize)>,
-    /// Time since which the robot stands before another one (s), and its index.
-    standoff: Option<(f64, usize)>,
-    /// `true` if the last plan around other robots failed.
-    is_boxed_in: bool,
-    giving_way: Option<GivingWay>,
-    trail: Trail,
+    right_of_way: RightOfWay,
+    /// Place (m) to which the robot drives first to let others pass.
+    detour: Option<Point2<f64>>,
     /// Routes on a map that is too large for one request.
     routes: RouteFinder,
     asked: Option<OpenRequest>,
@@ -128,10 +125,8 @@ impl Navigator {
             pace: (0.0, 0.0),
             traffic: Traffic::default(),
             held_up: None,
-            standoff: None,
-            is_boxed_in: false,
-            giving_way: None,
-            trail: Trail::new(model.radius),
+            right_of_way: RightOfWay::default(),
+            detour: None,
             routes: RouteFinder::default(),
             asked: None,
             want: Some(ReplanReason::Need),
@@ -143,9 +138,10 @@ impl Navigator {
         })
     }
 
-    /// Stores the models of the robots of the run, by their index.
-    pub fn meet(&mut self, models: Vec<RobotModel>) {
-        self.models = models;
+    /// Stores the properties of the robots of the run, by their index.
+    pub fn meet(&mut self, robots: &[RobotInfo]) {
+        self.models = robots.iter().map(|robot| robot.model).collect();
+        self.right_of_way = RightOfWay::new(robots, self.params.margin);
     }
 
     /// Returns the followed trajectory.
@@ -188,8 +184,6 @@ impl Navigator {
         };
         self.known = None;
         self.ignore_robots = false;
-        self.is_boxed_in &= !asked.around_robots;
-        self.giving_way = self.giving_way.filter(|giving_way| !giving_way.waits);
         let left = self.follow.as_ref().map(Follow::left);
         let better = left.is_some_and(|left| trajectory.duration() < left - GAIN);
         if asked.want == ReplanReason::Better && !better {
@@ -229,16 +223,8 @@ impl Navigator {
             // Requests again at once, while the robot drives.
         } else if asked.stands {
             self.not_before = time_s + RETRY_S;
-            match &self.giving_way {
-                // The other has not passed yet.
-                Some(giving_way) if giving_way.waits => {}
-                Some(_) => self.giving_way = None,
-                None => {
-                    // Other robots may stand on the goal or all around; they may also leave.
-                    self.is_boxed_in |= asked.around_robots;
-                    self.ignore_robots = asked.around_robots && !self.ignore_robots;
-                }
-            }
+            // Other robots may stand on the goal or all around; they may also leave.
+            self.ignore_robots = asked.around_robots && !self.ignore_robots;
         } else {
             // More paths are possible from a standstill.
             self.halt = true;
@@ -267,9 +253,9 @@ impl Navigator {
         self.look_at_map(space, map.revision());
         self.look_at_error(&motion, stands);
         self.look_at_stretch(view.dt);
+        self.look_at_right_of_way(space, view, &motion);
         self.look_at_goal(&motion, view.dt);
         let stops = self.look_at_others(&motion, view);
-        self.look_at_right_of_way(space, view, own);
         let (command, pace) = match &self.follow {
             Some(follow) => {
                 let pace = follow.pace(&self.drive, &motion, &stops, view.dt);
@@ -343,7 +329,7 @@ impl Navigator {
     /// Selects the next goal when the robot has reached this one, or will reach it before a plan
     /// could be ready.
     fn look_at_goal(&mut self, motion: &Motion, dt: f64) {
-        let Some(goal) = self.goal().filter(|_| self.giving_way.is_none()) else {
+        let Some(goal) = self.goal().filter(|_| self.detour.is_none()) else {
             return;
         };
         let Some(follow) = &self.follow else { return };
@@ -369,6 +355,24 @@ impl Navigator {
         }
     }
 
+    /// Returns the place that the next plan leads to (m).
+    fn destination(&self) -> Option<Point2<f64>> {
+        self.detour.or_else(|| self.goal())
+    }
+
+    /// Requests a plan when the robots that pass each other leave another place to this one.
+    fn look_at_right_of_way(&mut self, space: &FreeSpace, view: &View<'_>, motion: &Motion) {
+        self.right_of_way.update(space, view, &self.traffic);
+        let at = motion.pose.position();
+        let detour = self.right_of_way.destination(view.me, at, space);
+        if detour != self.detour {
+            self.detour = detour;
+            self.want = Some(ReplanReason::Need);
+            self.ignore_robots = false;
+            self.not_before = 0.0;
+        }
+    }
+
     /// Finds where other robots block the path, and whether they have blocked it for long.
     fn look_at_others(&mut self, motion: &Motion, view: &View<'_>) -> Stops {
         let mut stops = Stops {
@@ -381,7 +385,6 @@ impl Navigator {
         let ahead = self.drive.reach(motion.twist.v, view.dt) + self.params.margin;
         let stop = self.traffic.stop(&follow.trajectory, follow.tau, ahead);
         let stands = motion.twist.v.abs() < STANDING;
-        self.note_standoff(stop.map(|(_, who)| who), stands, view.time_s);
         let Some((along, who)) = stop else {
             self.held_up = None;
             return stops;
