@@ -13,7 +13,7 @@ use crate::problem::{MAX_NUMBER, ProblemError};
 pub const MAX_CONTROL_POINTS: usize = 64;
 
 /// Work at which every plan ends with its best result so far: several times that of nearly all, about 0.1 s of a processor.
-pub const MAX_WORK: u64 = 1_000_000;
+pub const MAX_WORK: u64 = 1_250_000;
 
 /// Initial path of a method.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]

@@ -25,11 +25,11 @@ const MAX_RESIDUAL: f64 = 1e-3;
 pub const FINER: [f64; 3] = [1.0, 2.0, 4.0];
 
 /// Maximum work of all searches.
-const MAX_WORK: f64 = 9.6e5;
+const MAX_WORK: f64 = 1.2e6;
 /// Maximum work of one search on few stages, and of one on all stages, per stage of a guess: more than nearly all need
 /// that succeed.
 const MAX_COARSE: f64 = 5e3;
-const MAX_FINE: f64 = 1e4;
+const MAX_FINE: f64 = 2e4;
 /// Depth of a coarse solution in an obstacle, relative to the smallest obstacle's radius, from which on it
 /// passes over it between two nodes.
 const CROSSED: f64 = 0.2;
