@@ -7,20 +7,20 @@ use crate::convex::curve_search::CurveSearch;
 use crate::convex::effort::Effort;
 use crate::convex::obstacle_planes::{NO_DEPTH, grow_margins};
 use crate::convex::scaling::Scaling;
-use crate::curve::bspline_basis::Basis;
-use crate::curve::knot_placement::{self, Headings};
-use crate::curve::lgl_nodes::Lgl;
-use crate::curve::{Camouflage, Curve, Ends, Pursuit, Spline};
 use crate::drive::sample_curve;
 use crate::drive::speed_profile;
 use crate::drive::trajectory_builder::Trajectory;
 use crate::guide::Guide;
+use crate::guide::knot_placement::{self, Headings};
 use crate::guide::previous_plan::Rest;
 use crate::obstacle_field::ObstacleField;
 use crate::options::{Constraints, Options};
 use crate::path_points::PathPoint;
 use crate::plan::Method;
 use crate::problem::Problem;
+use curves::bspline_basis::Basis;
+use curves::lgl_nodes::Lgl;
+use curves::{Camouflage, Curve, Ends, Pursuit, Spline};
 
 /// Maximum number of times that a curve is recomputed because it is too near to an obstacle between
 /// its samples.

@@ -9,7 +9,7 @@
 //! **Approach.** Turning is quick compared to driving, so without inertia the problem is geometric: the
 //! exact shortest path ([`navigation::tangent_graph`]) at full speed is a lower bound
 //! ([`lower_bound()`]) and selects the corridor. A few convex programs (`convex`) find a smooth curve
-//! of the method's family ([`curve`]) in it; it is sampled densely (`drive::sample_curve`) and driven
+//! of the method's family ([`curves`]) in it; it is sampled densely (`drive::sample_curve`) and driven
 //! as fast as its curvature and the limits allow (`drive::speed_profile`). Where the robot turns slowly
 //! or has inertia, the bound is loose and the path itself changes: `controls` searches for local optima
 //! in the controls. Every result passes the [`trajectory_check`], which shares no code with this crate. If no smooth trajectory
@@ -60,7 +60,6 @@ mod controls;
 mod convex;
 mod corridors;
 mod course;
-pub mod curve;
 mod curve_plan;
 mod drive;
 mod guesses;

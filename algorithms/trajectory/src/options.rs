@@ -4,10 +4,10 @@ use nalgebra::Point2;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::curve::bspline_basis::MAX_DEGREE;
-use crate::curve::lgl_nodes::MAX_NODES;
 use crate::plan::Method;
 use crate::problem::{MAX_NUMBER, ProblemError};
+use curves::bspline_basis::MAX_DEGREE;
+use curves::lgl_nodes::MAX_NODES;
 
 /// Maximum number of control points.
 pub const MAX_CONTROL_POINTS: usize = 64;

@@ -1,11 +1,11 @@
 //! Options of the planner, with lengths in pixels.
 
+use curves::bspline_basis::MAX_DEGREE;
+use curves::lgl_nodes::MAX_NODES;
 use nalgebra::Point2;
 use parameters::{Parameters, ParamsError, between, each};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use trajectory::curve::bspline_basis::MAX_DEGREE;
-use trajectory::curve::lgl_nodes::MAX_NODES;
 use trajectory::options::{Constraints, Guess, MAX_CONTROL_POINTS};
 use trajectory::problem::MAX_NUMBER;
 use trajectory::{Method, Options, ProblemError};

@@ -15,9 +15,9 @@ use crate::convex::effort::Effort;
 use crate::convex::obstacle_planes::{HalfPlane, NO_DEPTH, surface};
 use crate::convex::quadratic_program::QuadraticProgram;
 use crate::convex::scaling::{Scaling, UNITS};
-use crate::curve::{Curve, Row};
 use crate::guide::Guide;
 use crate::obstacle_field::ObstacleField;
+use curves::{Curve, Row};
 
 /// Cost per unit of penetration of an obstacle.
 const SLACK_COST: f64 = 10.0;

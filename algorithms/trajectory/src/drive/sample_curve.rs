@@ -4,9 +4,9 @@ use geometry::math;
 use nalgebra::Vector2;
 
 use crate::convex::scaling::Scaling;
-use crate::curve::{Curve, Trace};
 use crate::path_points::{self, PathPoint};
 use crate::problem::RobotLimits;
+use curves::{Curve, Trace};
 
 /// Number of points per span at which its curvature is evaluated.
 const CURVATURE_POINTS: usize = 6;

@@ -5,6 +5,7 @@
 
 pub mod grid_guide;
 mod guide_path;
+pub mod knot_placement;
 pub mod previous_plan;
 
 pub use guide_path::Guide;

@@ -2,7 +2,6 @@
 
 mod backwards;
 mod bad_input;
-mod curves;
 mod ends;
 mod inertia;
 mod methods;

@@ -1,13 +1,13 @@
 //! Properties of the families of curves for all variables.
 
+use curves::bspline_basis::Basis;
+use curves::lgl_nodes::Lgl;
+use curves::{Camouflage, Curve, Ends, Pursuit, Row, Spline};
 use geometry::math;
 use nalgebra::{DMatrix, Vector2};
 use proptest::prelude::*;
-use trajectory::curve::bspline_basis::Basis;
-use trajectory::curve::lgl_nodes::Lgl;
-use trajectory::curve::{Camouflage, Curve, Ends, Pursuit, Row, Spline};
 
-const RATE: f64 = trajectory::curve::PURSUIT_RATE;
+const RATE: f64 = curves::PURSUIT_RATE;
 
 fn unit(angle: f64) -> Vector2<f64> {
     Vector2::new(math::cos(angle), math::sin(angle))

@@ -19,7 +19,7 @@ use geometry::math;
 use nalgebra::Vector2;
 
 use super::{Curve, Ends, Row, Trace};
-use crate::curve::bspline_basis::{Basis, MAX_DEGREE, Values};
+use crate::bspline_basis::{Basis, MAX_DEGREE, Values};
 
 /// ν̂. With larger values the path is nearly the prey's own; with smaller ones the prey runs far
 /// ahead.

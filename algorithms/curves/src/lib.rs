@@ -1,16 +1,17 @@
 //! The curves among which the methods search for the fastest: a position for every τ of [0, 1], as a
 //! function of some variables.
 //!
-//! - `motion_camouflage`: a B-spline, alone or in front of a reference point ([`crate::Method::Bspline`],
-//!   [`crate::Method::Vmc`]).
-//! - `local_pursuit`: a curve that pursues a prey on a B-spline ([`crate::Method::Lp`]).
+//! - `motion_camouflage`: a B-spline, alone or in front of a reference point (methods `bspline` and `vmc`).
+//! - `local_pursuit`: a curve that pursues a prey on a B-spline (method `lp`).
 //!
 //! The boundary conditions are eliminated (paper, step 3 of §3.1 and Eq. 13–14): for all variables, the
 //! curve begins at the start and ends at the goal, with the prescribed headings, as long as its speeds
 //! there ([`Curve::start_speed`]) are positive.
 
+#![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
+#![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
+
 pub mod bspline_basis;
-pub mod knot_placement;
 pub mod lgl_nodes;
 mod local_pursuit;
 mod motion_camouflage;

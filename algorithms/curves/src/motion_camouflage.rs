@@ -13,8 +13,8 @@
 use nalgebra::{DMatrix, DVector, Vector2};
 
 use super::{Curve, Ends, Row, Trace};
-use crate::curve::bspline_basis::{Basis, Values};
-use crate::curve::lgl_nodes::Lgl;
+use crate::bspline_basis::{Basis, Values};
+use crate::lgl_nodes::Lgl;
 
 /// Parameters of motion camouflage.
 #[derive(Debug, Clone, PartialEq)]
