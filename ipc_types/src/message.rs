@@ -101,7 +101,7 @@ numbers! {
 /// Defines a message: the `repr(C)` struct, its zero-copy traits, its compile-time layout checks
 /// and its [`Descriptor`].
 ///
-/// The file imports [`ZeroCopySend`](crate::message::ZeroCopySend), which the generated code names.
+/// The file imports [`ZeroCopySend`], which the generated code names.
 ///
 /// The first field must have the alignment of the whole struct: only then are the bytes of a
 /// slice of messages also their ROS 2 CDR encoding (the encapsulation aligns the first primitive,

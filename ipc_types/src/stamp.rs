@@ -50,7 +50,7 @@ pub trait Header: message::Message {
     fn stamp_mut(&mut self) -> &mut Stamp;
 }
 
-/// Implements [`Header`](crate::stamp::Header) for messages with a `stamp` field at offset 0, and checks that offset.
+/// Implements [`Header`] for messages with a `stamp` field at offset 0, and checks that offset.
 #[macro_export]
 macro_rules! headers {
     ($($name:ident),+ $(,)?) => {$(
