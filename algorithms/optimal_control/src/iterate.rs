@@ -4,8 +4,8 @@ use nalgebra::Vector2;
 
 use crate::problem::{Node, Problem};
 use crate::riccati::{CONTROLS, Control, Point, STATES, State};
-use crate::rows::{OMEGA, THETA, V, X, Y};
 use crate::scaled::Scaled;
+use crate::variables::{OMEGA, THETA, V, X, Y};
 
 /// Minimum slack of a first guess.
 const MIN_SLACK: f64 = 1e-3;

@@ -64,6 +64,7 @@ mod rows;
 mod scaled;
 mod search;
 mod sincos;
+mod variables;
 
 pub use interior_point::Outcome;
 pub use problem::{Keep, Limits, Node, Problem};

@@ -6,7 +6,7 @@ use geometry::math;
 use crate::interior_point::InteriorPoint;
 use crate::iterate::Iterate;
 use crate::riccati::STATES;
-use crate::rows::TIME;
+use crate::variables::TIME;
 
 /// Maximum number of times that a step is halved.
 const MAX_HALVINGS: usize = 12;

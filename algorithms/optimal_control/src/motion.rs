@@ -9,8 +9,8 @@ use nalgebra::{SMatrix, Vector2};
 
 use crate::problem::Node;
 use crate::riccati::{Point, Stage, State, TURNED, Transition};
-use crate::rows::{OMEGA, P, Q, THETA, TIME, V, X, Y};
 use crate::sincos::sincos;
+use crate::variables::{OMEGA, P, Q, THETA, TIME, V, X, Y};
 
 /// Nodes and weights of Gauss's quadrature on [0, 1].
 const GAUSS: [(f64, f64); 3] = [

@@ -5,7 +5,7 @@ use nalgebra::SMatrix;
 use crate::errors::Errors;
 use crate::interior_point::InteriorPoint;
 use crate::riccati::{BOTH, End, Point, STATES, State};
-use crate::rows::{OMEGA, Q, TIME};
+use crate::variables::{OMEGA, Q, TIME};
 
 /// Weight of the conditions of the last state in the augmented Lagrangian.
 pub(super) const END_WEIGHT: f64 = 1e4;

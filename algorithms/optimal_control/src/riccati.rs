@@ -5,7 +5,7 @@
 
 use nalgebra::{SMatrix, SVector};
 
-use crate::rows::{OMEGA, P, Q, THETA, TIME, V, X, Y};
+use crate::variables::{OMEGA, P, Q, THETA, TIME, V, X, Y};
 
 /// Number of states: x, y, θ, v, ω, T.
 pub const STATES: usize = 6;

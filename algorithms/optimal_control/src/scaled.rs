@@ -11,7 +11,8 @@ use nalgebra::{Point2, Vector2};
 use crate::motion::Motion;
 use crate::problem::{Limits, Node, Problem};
 use crate::riccati::{Point, STATES, State};
-use crate::rows::{OMEGA, Obstacle, P, Q, Row, THETA, TIME, V, X, Y};
+use crate::rows::{Obstacle, Row};
+use crate::variables::{OMEGA, P, Q, THETA, TIME, V, X, Y};
 
 /// Distance from a node within which its obstacles and bounds are considered.
 const REACH: f64 = 0.1;

@@ -6,8 +6,8 @@ use crate::interior_point::{InteriorPoint, Outcome};
 use crate::iterate::Iterate;
 use crate::problem::{Node, Problem};
 use crate::riccati::BOTH;
-use crate::rows::{OMEGA, THETA, TIME, V};
 use crate::scaled::Scaled;
+use crate::variables::{OMEGA, THETA, TIME, V};
 
 /// Number of stages of a guess that suffices where no obstacle is smaller than a stage.
 pub const COARSE: usize = 20;
