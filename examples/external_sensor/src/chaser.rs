@@ -4,7 +4,7 @@ use ipc_types::bus::{Bus, Subscriber};
 use planner::nalgebra::Point2;
 use planner::steering::go_to::{GoToParams, go_to};
 use planner::{Declaration, Input, Limits, Planner, PlannerMap, RobotInfo, Steering, View, limits};
-use runtime::declaration::{Flow, Of, When};
+use runtime::declaration::{Flow, When};
 use runtime::{ProcessConfig, ProcessError};
 
 use crate::messages::{Track, Tracks};
@@ -24,7 +24,7 @@ impl Planner for Chaser {
     type Params = ();
 
     fn declare((): &()) -> Declaration {
-        let tracks = Input::new(Flow::of::<Tracks>(), Of::Opponents, When::ThisTick);
+        let tracks = Input::new(Flow::of::<Tracks>(), When::ThisTick);
         Declaration::default().reads(tracks)
     }
 

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use ipc_types::bus::{Bus, Publisher, PublisherOptions, Subscriber};
 use ipc_types::stamp::PlainHeader;
-use runtime::declaration::{Declaration, Flow, Input, Of, Output, When};
+use runtime::declaration::{Declaration, Flow, Input, Output, When};
 use runtime::inputs::{StateInput, reply_stamp};
 use runtime::{Process, ProcessConfig, ProcessError, ProcessKind};
 
@@ -73,7 +73,7 @@ impl ProcessKind for BearingTracker {
     type Params = ();
 
     fn declare((): &()) -> Declaration {
-        let bearings = Input::new(Flow::of::<Bearings>(), Of::Opponents, When::ThisTick);
+        let bearings = Input::new(Flow::of::<Bearings>(), When::ThisTick);
         Declaration::default()
             .reads(Input::STATE)
             .reads(bearings)

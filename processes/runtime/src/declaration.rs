@@ -40,21 +40,6 @@ impl fmt::Display for Flow {
     }
 }
 
-/// Subject of the messages that a process reads.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Of {
-    /// The world, which all processes share.
-    World,
-    /// Each robot that the process drives.
-    OwnRobots,
-    /// The opponents of its team.
-    Opponents,
-    /// The process itself: answers to its requests.
-    Itself,
-    /// Every robot.
-    All,
-}
-
 /// Time at which a message counts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum When {
@@ -73,8 +58,6 @@ pub enum When {
 pub struct Input {
     /// Its messages.
     pub flow: Flow,
-    /// Their subject.
-    pub of: Of,
     /// The time at which they count.
     pub when: When,
     /// `true` if the process cannot do without it.
@@ -83,10 +66,9 @@ pub struct Input {
 
 impl Input {
     /// A required input.
-    pub const fn new(flow: Flow, of: Of, when: When) -> Self {
+    pub const fn new(flow: Flow, when: When) -> Self {
         Self {
             flow,
-            of,
             when,
             is_required: true,
         }
@@ -102,16 +84,15 @@ impl Input {
     }
 
     /// The state of all robots.
-    pub const STATE: Self = Self::new(Flow::Topic(TopicId::WorldState), Of::All, When::ThisTick);
+    pub const STATE: Self = Self::new(Flow::Topic(TopicId::WorldState), When::ThisTick);
     /// The grids of the map.
-    pub const MAP: Self = Self::new(Flow::Topic(TopicId::WorldMap), Of::World, When::Latched);
+    pub const MAP: Self = Self::new(Flow::Topic(TopicId::WorldMap), When::Latched);
     /// The exact pieces of the map.
-    pub const SHAPES: Self = Self::new(Flow::Topic(TopicId::WorldShapes), Of::World, When::Latched);
+    pub const SHAPES: Self = Self::new(Flow::Topic(TopicId::WorldShapes), When::Latched);
     /// Range scans of its robots.
-    pub const SCANS: Self = Self::new(Flow::Topic(TopicId::Scan), Of::OwnRobots, When::ThisTick);
+    pub const SCANS: Self = Self::new(Flow::Topic(TopicId::Scan), When::ThisTick);
     /// Beliefs about its opponents.
-    pub const BELIEFS: Self =
-        Self::new(Flow::Topic(TopicId::Belief), Of::Opponents, When::ThisTick);
+    pub const BELIEFS: Self = Self::new(Flow::Topic(TopicId::Belief), When::ThisTick);
 }
 
 /// An output of a process.
@@ -121,7 +102,7 @@ pub struct Output {
     pub flow: Flow,
     /// The time at which they count.
     pub when: When,
-    /// Maximum number of elements of a message.
+    /// Maximum number of elements of a message; 0 if the process derives it from the run.
     pub elements: usize,
     /// `true` if only one process of a run may write it.
     pub is_sole: bool,
@@ -201,7 +182,7 @@ impl Declaration {
     /// Adds requests to a service of at most `elements`, and its answers.
     #[must_use]
     pub fn asks<S: Service>(self, elements: usize) -> Self {
-        self.reads(Input::new(Flow::Answers(S::NAME), Of::Itself, When::Event))
+        self.reads(Input::new(Flow::Answers(S::NAME), When::Event))
             .writes(Output {
                 flow: Flow::Requests(S::NAME),
                 when: When::Event,
@@ -213,7 +194,7 @@ impl Declaration {
     /// Adds answers of at most `elements` to the requests to a service; one process of a run gives them.
     #[must_use]
     pub fn answers<S: Service>(self, elements: usize) -> Self {
-        let requests = Input::new(Flow::Requests(S::NAME), Of::All, When::Event);
+        let requests = Input::new(Flow::Requests(S::NAME), When::Event);
         self.reads(requests.optional()).writes(Output {
             flow: Flow::Answers(S::NAME),
             when: When::Event,
@@ -304,7 +285,7 @@ mod tests {
     use super::*;
 
     fn within<T: Topic>() -> Input {
-        Input::new(Flow::of::<T>(), Of::World, When::ThisTick)
+        Input::new(Flow::of::<T>(), When::ThisTick)
     }
 
     fn sensor() -> Declaration {

@@ -20,15 +20,15 @@ pub use params::SimulatorParams;
 use ipc_types::topics::{
     Commands, Coverage, ObstacleEvents, Scan, WorldEvents, WorldMap, WorldShapes, WorldState,
 };
-use runtime::declaration::{Declaration, Flow, Input, Of, Output, When};
+use runtime::declaration::{Declaration, Flow, Input, Output, When};
 
 /// The name of the simulator, as a process and as its kind.
 pub const NAME: &str = "simulator";
 
 /// Returns its inputs and outputs. The size of its messages follows from the world.
 pub fn declaration() -> Declaration {
-    let commands = Input::new(Flow::of::<Commands>(), Of::All, When::NextTick);
-    let changes = Input::new(Flow::of::<ObstacleEvents>(), Of::World, When::Event);
+    let commands = Input::new(Flow::of::<Commands>(), When::NextTick);
+    let changes = Input::new(Flow::of::<ObstacleEvents>(), When::Event);
     Declaration::default()
         .reads(commands)
         .reads(changes)

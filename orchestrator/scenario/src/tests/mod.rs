@@ -12,7 +12,7 @@ mod teams;
 use ipc_types::bus::Bus;
 use ipc_types::topics::{Belief, Commands, OptimiserPlan, Predictions, Topic, Verdicts};
 use parameters::{Parameters, ParamsError};
-use runtime::declaration::{Declaration, Flow, Input, Of, Output, When};
+use runtime::declaration::{Declaration, Flow, Input, Output, When};
 use runtime::{Process, ProcessConfig, ProcessError, ProcessKind};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -144,7 +144,7 @@ kinds! {
 /// A process that reads one flow within the tick and writes another.
 fn relays<From: Topic, To: Topic>() -> Declaration {
     Declaration::default()
-        .reads(Input::new(Flow::of::<From>(), Of::World, When::ThisTick))
+        .reads(Input::new(Flow::of::<From>(), When::ThisTick))
         .writes(Output::new::<To>(1).at(When::ThisTick))
 }
 
