@@ -32,9 +32,9 @@ pub enum LogWriteError {
         /// Error of the operating system.
         source: io::Error,
     },
-    /// A write failed; the log stays readable up to the last flush.
+    /// A write failed; the log stays readable up to the last flush. A log without a flush is removed.
     #[error("cannot write the log {path}: {source} ({})", match *readable {
-        0 => "nothing of it can be read".to_owned(),
+        0 => "nothing of it is left".to_owned(),
         bytes => format!("it stays readable up to {bytes} bytes"),
     })]
     Write {

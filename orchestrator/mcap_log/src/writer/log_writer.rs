@@ -2,6 +2,7 @@
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
+use std::fs::File;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -132,8 +133,26 @@ impl LogWriter {
         options: &LogOptions,
         manifest: &Manifest,
     ) -> Result<Self, LogWriteError> {
+        Self::create_on(path, options, manifest, |file| Box::new(file))
+    }
+
+    /// [`LogWriter::create`] with a storage above the file. A file of which nothing can be read is removed.
+    pub(super) fn create_on(
+        path: &Path,
+        options: &LogOptions,
+        manifest: &Manifest,
+        storage: impl FnOnce(File) -> Box<dyn Storage>,
+    ) -> Result<Self, LogWriteError> {
         let file = log_file::create(path, options.force)?;
-        Self::on(Box::new(file), path, options, manifest)
+        // Holds the lock until the file is removed: another run may not have overwritten it by then.
+        let lock = file.try_clone();
+        let log = Self::on(storage(file), path, options, manifest).inspect_err(|error| {
+            if matches!(error, LogWriteError::Write { readable: 0, .. }) {
+                let _ = std::fs::remove_file(path);
+            }
+        });
+        drop(lock);
+        log
     }
 
     pub(super) fn on(

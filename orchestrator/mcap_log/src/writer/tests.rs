@@ -142,3 +142,25 @@ fn on_a_full_disk_all_complete_chunks_stay_readable() {
         assert_eq!(read, written / 20 * 20, "room for {room}");
     }
 }
+
+#[test]
+fn a_log_of_which_nothing_could_be_written_is_removed() {
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().join("run.mcap");
+    for force in [false, true] {
+        let options = LogOptions {
+            force,
+            ..LogOptions::default()
+        };
+        let error = LogWriter::create_on(&path, &options, &Manifest::default(), |_| {
+            Box::new(SmallDisk::new(10))
+        })
+        .unwrap_err();
+        assert!(
+            error.to_string().contains("nothing of it is left"),
+            "{error}"
+        );
+        assert!(!path.exists());
+        std::fs::write(&path, "old").unwrap();
+    }
+}
