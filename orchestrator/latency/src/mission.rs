@@ -11,7 +11,6 @@ use super::of_log::{Measured, of_log};
 use mission::{self, MissionOptions};
 use platform::scratch::Scratch;
 use scenario::ResolvedScenario;
-use scenario::kind::Kind;
 
 /// Options of a mission.
 #[derive(Debug, Clone, Default)]
@@ -26,14 +25,13 @@ pub struct RunOptions {
     pub interrupted: Arc<AtomicBool>,
 }
 
-/// Runs a scenario with these kinds of processes in its own mode, and reads the stamps in its log.
+/// Runs a scenario in its own mode, and reads the stamps in its log.
 /// Also returns `true` if the run was interrupted.
 ///
 /// # Errors
 /// [`LatencyError`]: the mission failed, or ended before any measurement.
 pub fn run(
     scenario: &ResolvedScenario,
-    kinds: &[Kind],
     options: &RunOptions,
 ) -> Result<(Measured, bool), LatencyError> {
     let folder = Scratch::create().map_err(|source| LatencyError::System {
@@ -54,5 +52,5 @@ pub fn run(
     )?;
     // After Ctrl-C, the log up to the interruption is read.
     let mut watch = ReadProgress::new(Arc::default(), options.quiet);
-    Ok((of_log(&log, kinds, &mut watch)?, report.interrupted))
+    Ok((of_log(&log, &mut watch)?, report.interrupted))
 }

@@ -13,15 +13,8 @@ use mcap_log::{Condition, LogReadError, ReadProgress, known};
 use statistics::{Distribution, Distributions};
 
 use super::error::LatencyError;
-use mission::MissionError;
-use mission::plan::Plan;
-use mission::recording;
-use mission::report::mode_name;
-use recorder::ProcessInfo;
+use recorder::RunInfo;
 use recorder::chain::{Answers, Chain, Passage};
-use scenario::ResolvedScenario;
-use scenario::kind::Kind;
-use scenario::spec::Mode;
 
 /// Number and size of the messages of one topic, for baselines of the same size.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -51,7 +44,7 @@ pub struct Measured {
     /// Machine on which it ran.
     pub machine: String,
     /// `real_time` or `lock_step`.
-    pub mode: &'static str,
+    pub mode: String,
     /// Ticks per second of the scenario (Hz).
     pub rate_hz: f64,
     /// Wall-clock time between two ticks (ns); `None` in lock-step.
@@ -90,15 +83,11 @@ impl Measured {
 /// # Errors
 /// [`LatencyError`]: the log cannot be read, is not a Protean log of this version, or contains no
 /// stamped or answered message.
-pub fn of_log(
-    log: &Path,
-    kinds: &[Kind],
-    watch: &mut ReadProgress,
-) -> Result<Measured, LatencyError> {
+pub fn of_log(log: &Path, watch: &mut ReadProgress) -> Result<Measured, LatencyError> {
     let mut reader = Reader::open(log, Some(watch))?;
     let mut reading = Reading::default();
     while let Some(item) = reader.next()? {
-        reading.item(log, kinds, item)?;
+        reading.item(log, item)?;
     }
     reader.check_all()?;
     let condition = reader.condition().clone();
@@ -109,7 +98,8 @@ pub fn of_log(
 #[derive(Default)]
 struct Reading {
     origin: Origin,
-    known: Option<Known>,
+    run: Option<RunInfo>,
+    chain: Option<Chain>,
     channels: BTreeMap<u16, TopicId>,
     topics: BTreeMap<u16, String>,
     sizes: BTreeMap<u16, Sizes>,
@@ -117,16 +107,8 @@ struct Reading {
     stamped: u64,
 }
 
-/// Collectors that need the list of processes.
-struct Known {
-    scenario: ResolvedScenario,
-    processes: Vec<ProcessInfo>,
-    period_ns: Option<u64>,
-    chain: Chain,
-}
-
 impl Reading {
-    fn item(&mut self, log: &Path, kinds: &[Kind], item: Item<'_>) -> Result<(), LatencyError> {
+    fn item(&mut self, log: &Path, item: Item<'_>) -> Result<(), LatencyError> {
         match item {
             Item::Metadata(record) if record.name == MANIFEST => {
                 self.origin.manifest = record.metadata;
@@ -134,11 +116,20 @@ impl Reading {
             Item::Attachment(header, data) if header.name == "scenario.toml" => {
                 self.origin.scenario = Some(data.to_vec());
             }
+            Item::Attachment(header, data) if header.name == RunInfo::ATTACHMENT => {
+                self.run = serde_json::from_slice(data).ok();
+            }
             Item::Channel(channel) => self.channel(log, &channel)?,
             Item::Message(header, data) => {
-                if self.known.is_none() {
+                if self.chain.is_none() {
                     self.origin.check(log)?;
-                    self.known = Some(self.processes(log, kinds)?);
+                    let lacks = || LatencyError::Lacks {
+                        path: log.to_owned(),
+                        what: "readable description of its run (run.json)",
+                    };
+                    let run = self.run.as_ref().ok_or_else(lacks)?;
+                    let chain = Chain::new(&run.processes).with_detail(run.wall_period_ns);
+                    self.chain = Some(chain);
                 }
                 self.message(header.channel_id, header.log_time, data);
             }
@@ -159,23 +150,6 @@ impl Reading {
         Ok(())
     }
 
-    /// Returns the processes, from the scenario in the log.
-    fn processes(&self, log: &Path, kinds: &[Kind]) -> Result<Known, LatencyError> {
-        let scenario = replay::origin::scenario_of(&self.origin, log, &[], "", kinds)?;
-        let plan = Plan::new(&scenario, Path::new(""), "", "").map_err(MissionError::from)?;
-        let processes = recording::processes(&plan);
-        let period_ns = (scenario.run.mode == Mode::RealTime).then(|| {
-            let factor = scenario.run.real_time_factor.max(1e-3);
-            (plan.run.tick_period_ns as f64 / factor) as u64
-        });
-        Ok(Known {
-            chain: Chain::new(&processes).with_detail(period_ns),
-            scenario,
-            processes,
-            period_ns,
-        })
-    }
-
     fn message(&mut self, channel: u16, time_ns: u64, data: &[u8]) {
         let Some(&topic) = self.channels.get(&channel) else {
             return;
@@ -184,7 +158,7 @@ impl Reading {
         sizes.messages += 1;
         sizes.bytes += data.len().saturating_sub(known::ENCAPSULATION) as u64;
         let message = LoggedMessage::new(topic, time_ns, data);
-        let (Some(known), Some(message)) = (&mut self.known, message) else {
+        let (Some(chain), Some(message)) = (&mut self.chain, message) else {
             return;
         };
         if let Ok(Some((_, status))) = message.decode::<Status>()
@@ -197,7 +171,7 @@ impl Reading {
             self.stamped += u64::from(matches!(topic, TopicId::WorldState | TopicId::Commands));
         }
         if topic.facts().timed {
-            known.chain.message(&message, &mut ());
+            chain.message(&message, &mut ());
         }
     }
 
@@ -220,29 +194,31 @@ impl Reading {
         if of_topic(Commands::NAME) == 0 {
             return Err(lacks("commands (robot/command)"));
         }
-        let Some(mut known) = self.known.take() else {
-            return Err(lacks("scenario before its messages"));
+        let (Some(mut chain), Some(run)) = (self.chain.take(), &self.run) else {
+            return Err(lacks(
+                "description of its run before its messages (run.json)",
+            ));
         };
         if self.stamped == 0 {
             return Err(lacks(
                 "clock times in its stamps: runs in one process do not record them",
             ));
         }
-        known.chain.settle();
-        let detail = known.chain.detail.take().unwrap_or_default();
+        chain.settle();
+        let detail = chain.detail.take().unwrap_or_default();
         let name = |index: u32| {
-            let process = known.processes.iter().find(|p| p.index == index);
+            let process = run.processes.iter().find(|p| p.index == index);
             process.map_or_else(|| format!("process {index}"), |p| p.name.clone())
         };
         let text = |key: &str| self.origin.manifest.get(key).cloned().unwrap_or_default();
         Ok(Measured {
             scenario: text("scenario"),
-            seed: known.scenario.run.seed,
+            seed: text("seed").parse().unwrap_or_default(),
             version: text("version"),
             machine: text("machine"),
-            mode: mode_name(known.scenario.run.mode),
-            rate_hz: 1.0 / known.scenario.run.dt,
-            period_ns: known.period_ns,
+            mode: text("mode"),
+            rate_hz: 1e9 / run.tick_period_ns as f64,
+            period_ns: run.wall_period_ns,
             overruns: self
                 .overruns
                 .iter()
@@ -253,8 +229,8 @@ impl Reading {
                 .iter()
                 .filter_map(|(id, topic)| Some((topic.clone(), *self.sizes.get(id)?)))
                 .collect(),
-            hops: known.chain.hops,
-            stages: known.chain.stages,
+            hops: chain.hops,
+            stages: chain.stages,
             turns: detail.turns,
             period: detail.period,
             answers: detail.answers,

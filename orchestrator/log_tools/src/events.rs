@@ -8,25 +8,19 @@ use mcap_log::known;
 use mcap_log::output::MANIFEST;
 use mcap_log::reader::{Item, Reader};
 use mcap_log::{LogReadError, ReadProgress};
-use recorder::{EventEntry, EventNames};
-use scenario::Loader;
-use scenario::kind::Kind;
+use recorder::{EventEntry, EventNames, RunInfo};
 
 use super::topic_table::RobotNames;
 
 /// Returns the events of a run in the order of its log. A truncated or damaged log is read as far as possible. Obstacles
-/// have names if the log has a scenario that this version can load.
+/// have names if the log describes its run.
 ///
 /// # Errors
 /// [`LogReadError`]: the log cannot be read, or its events have the layout of another version.
-pub fn events(
-    log: &Path,
-    kinds: &[Kind],
-    watch: &mut ReadProgress,
-) -> Result<Vec<EventEntry>, LogReadError> {
+pub fn events(log: &Path, watch: &mut ReadProgress) -> Result<Vec<EventEntry>, LogReadError> {
     let mut reader = Reader::open(log, Some(watch))?;
     let mut robots = RobotNames::default();
-    let (mut version, mut scenario) = (String::new(), String::new());
+    let (mut version, mut run) = (String::new(), RunInfo::default());
     let mut channel = None;
     let mut found = Vec::new();
     while let Some(item) = reader.next()? {
@@ -34,8 +28,8 @@ pub fn events(
             Item::Metadata(record) if record.name == MANIFEST => {
                 version = record.metadata.get("version").cloned().unwrap_or_default();
             }
-            Item::Attachment(header, data) if header.name == "scenario.toml" => {
-                scenario = String::from_utf8_lossy(data).into_owned();
+            Item::Attachment(header, data) if header.name == RunInfo::ATTACHMENT => {
+                run = serde_json::from_slice(data).unwrap_or_default();
             }
             Item::Channel(next) => {
                 robots.channel(&next, reader.schema(next.schema_id).as_deref());
@@ -61,7 +55,7 @@ pub fn events(
     }
     let names = EventNames {
         robots: robots.names,
-        obstacles: Loader::new(kinds).obstacle_names(&scenario),
+        obstacles: run.obstacles,
     };
     let entries = found
         .iter()

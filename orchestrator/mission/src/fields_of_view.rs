@@ -1,28 +1,18 @@
 //! The fields of view of a run, drawn by viewers and reports.
 
 use geometry::visibility::polygon::SightLimits;
-use runtime::kind::ViewSpec;
+use recorder::{FieldOfView, ViewOrigin};
 use scenario::ResolvedScenario;
-use sim_backend::spec::RobotSpec;
 use sim_backend::team::Role;
-use viewer::{FieldOfView, ViewOrigin};
 
-/// Returns the fields of view of a scenario's processes.
-pub fn of_scenario(scenario: &ResolvedScenario) -> Vec<FieldOfView> {
+/// Returns the fields of view of a scenario's processes, each with a name. If no process has one, the Police have an
+/// unlimited view in all directions.
+pub(crate) fn fields_of_view(scenario: &ResolvedScenario) -> Vec<FieldOfView> {
     let robots = &scenario.world.robots;
     let lookouts = scenario.processes.iter().filter_map(|process| {
         let kind = process.program.kind()?;
         Some((&*process.name, kind.lookout(&process.robots, robots)?))
     });
-    fields_of_view(robots, lookouts)
-}
-
-/// Returns the fields of view of these processes, each with a name. If no process has one, the Police have an
-/// unlimited view in all directions.
-pub fn fields_of_view<'a>(
-    robots: &[RobotSpec],
-    lookouts: impl IntoIterator<Item = (&'a str, ViewSpec)>,
-) -> Vec<FieldOfView> {
     let name = |robot: usize| robots.get(robot).map_or("", |robot| robot.name.as_str());
     let mut fields: Vec<FieldOfView> = Vec::new();
     let mut has_lookout = false;
@@ -71,7 +61,7 @@ mod tests {
 
     fn names(target: &str, set: &[&str]) -> Vec<String> {
         let set: Vec<String> = set.iter().map(|&set| set.to_owned()).collect();
-        let fields = of_scenario(&load(target, &set, None).unwrap());
+        let fields = fields_of_view(&load(target, &set, None).unwrap());
         fields.into_iter().map(|field| field.name).collect()
     }
 
@@ -82,7 +72,7 @@ mod tests {
             "processes.perception.params.sensor.field_of_view=2",
         ];
         let scenario = load("chase", &set.map(str::to_owned), None).unwrap();
-        let fields = of_scenario(&scenario);
+        let fields = fields_of_view(&scenario);
         assert_eq!(fields.len(), 4);
         for (robot, field) in fields.iter().enumerate() {
             assert_eq!(field.origin, ViewOrigin::Robot(robot as u32));

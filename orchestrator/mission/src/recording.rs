@@ -14,10 +14,11 @@ use super::child_process::Executable;
 use super::error::MissionError;
 use super::plan::Plan;
 use super::report;
-use crate::fields_of_view;
-use recorder::{DigestPrefixes, ProcessInfo, Recording, RobotInfo, RunInfo};
+use crate::fields_of_view::fields_of_view;
+use recorder::{DigestPrefixes, ProcessInfo, Recording, RobotInfo, RunInfo, TaskInfo};
+use runtime::kind::TaskSketch;
 use scenario::ResolvedScenario;
-use scenario::spec;
+use scenario::spec::{self, Mode};
 use viewer::{ViewerOptions, viewer_topics};
 
 /// Directory of logs without a given path.
@@ -45,11 +46,14 @@ pub(super) fn create(
     digest_prefixes: Arc<DigestPrefixes>,
     mirror: Option<Box<dyn LogObserver>>,
 ) -> Result<Recording, MissionError> {
-    let run = run_info(scenario, plan);
+    let mut run = run_info(scenario, plan);
     let recording = Recording::new(&run, digest_prefixes);
     let Some(log) = log else {
         return Ok(recording);
     };
+    // Only readers of the log need them, and a decomposition takes time.
+    run.fields_of_view = fields_of_view(scenario);
+    run.tasks = tasks(scenario);
     let mut writer = create_log(scenario, &run, plan, log)?;
     if let Some(mirror) = mirror {
         writer.set_observer(mirror);
@@ -57,7 +61,6 @@ pub(super) fn create(
     let viewer = ViewerOptions {
         rate_hz: scenario.log.viewer_rate_hz,
         obstacles: plan.standing.clone(),
-        fields_of_view: fields_of_view::of_scenario(scenario),
         ..ViewerOptions::default()
     };
     Ok(recording.with_log(writer, viewer_topics(&run, &viewer))?)
@@ -152,26 +155,57 @@ fn manifest(scenario: &ResolvedScenario, run: &RunInfo, plan: &Plan) -> Manifest
     ]);
     Manifest {
         entries,
-        attachments: vec![ManifestFile {
-            name: "scenario.toml".into(),
-            media_type: "application/toml".into(),
-            data: toml.into_bytes(),
-        }],
+        attachments: vec![
+            ManifestFile {
+                name: "scenario.toml".into(),
+                media_type: "application/toml".into(),
+                data: toml.into_bytes(),
+            },
+            ManifestFile {
+                name: RunInfo::ATTACHMENT.into(),
+                media_type: "application/json".into(),
+                data: serde_json::to_vec(run).unwrap_or_default(),
+            },
+        ],
     }
 }
 
-/// Returns the description of the run for the recorder.
+/// Returns the description of the run, without what only readers of a log need.
 pub(super) fn run_info(scenario: &ResolvedScenario, plan: &Plan) -> RunInfo {
     RunInfo {
         processes: processes(plan),
         robots: robots(plan),
         obstacles: scenario.obstacle_names(),
         tick_period_ns: plan.run.tick_period_ns,
+        wall_period_ns: (scenario.run.mode == Mode::RealTime).then(|| {
+            let factor = scenario.run.real_time_factor.max(1e-3);
+            (plan.run.tick_period_ns as f64 / factor) as u64
+        }),
+        fields_of_view: Vec::new(),
+        tasks: Vec::new(),
     }
 }
 
+/// Returns the tasks with a geometry.
+fn tasks(scenario: &ResolvedScenario) -> Vec<TaskInfo> {
+    let world = &scenario.world;
+    let tasks = scenario.processes.iter().flat_map(|process| {
+        let robots = process.robots.iter();
+        robots.filter_map(|&robot| {
+            let kind = process.program.kind()?;
+            let sketch = kind.sketch(world.robots.get(robot)?, &world.map);
+            let is_drawn = sketch != TaskSketch::default();
+            is_drawn.then_some(TaskInfo {
+                robot: robot as u32,
+                sketch,
+            })
+        })
+    });
+    tasks.collect()
+}
+
 /// Returns all senders: the processes and the orchestrator.
-pub fn processes(plan: &Plan) -> Vec<ProcessInfo> {
+fn processes(plan: &Plan) -> Vec<ProcessInfo> {
     let mut processes: Vec<ProcessInfo> = plan
         .launches
         .iter()
@@ -197,7 +231,7 @@ pub fn processes(plan: &Plan) -> Vec<ProcessInfo> {
 }
 
 /// Returns the robots for the recorder.
-pub fn robots(plan: &Plan) -> Vec<RobotInfo> {
+fn robots(plan: &Plan) -> Vec<RobotInfo> {
     let robots = plan.run.robots.iter().zip(0..);
     robots
         .map(|(r, index)| RobotInfo {
@@ -212,4 +246,25 @@ pub fn robots(plan: &Plan) -> Vec<RobotInfo> {
 
 fn names<'a>(names: impl Iterator<Item = &'a str>) -> String {
     names.collect::<Vec<_>>().join(",")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_tasks_with_a_geometry_are_described() {
+        let tasks_of = |name: &str| tasks(&kinds::load(name, &[], None).unwrap());
+        let [patrol] = &tasks_of("patrol_square")[..] else {
+            panic!("one robot has a contour");
+        };
+        assert!(patrol.robot == 0 && patrol.sketch.contour.len() > 3);
+        assert!(
+            !tasks_of("coverage_polygons")[0]
+                .sketch
+                .rectangles
+                .is_empty()
+        );
+        assert_eq!(tasks_of("chase"), []);
+    }
 }

@@ -22,6 +22,7 @@ mod digest_prefixes;
 mod error;
 mod event_list;
 mod event_names;
+mod field_of_view;
 mod log;
 mod message_audit;
 mod message_counts;
@@ -54,12 +55,13 @@ pub use derived::{DerivedChannel, DerivedMessages, DerivedTopics};
 pub use digest_prefixes::DigestPrefixes;
 pub use error::RecorderError;
 pub use event_names::EventNames;
+pub use field_of_view::{FieldOfView, ViewOrigin};
 pub use mcap_log::output::ROBOTS_TOPIC;
 pub use message_counts::MessageCounts;
 pub use outcome_words::outcome_words;
 pub use recording::Recording;
 pub use robot_names::robot_names;
-pub use run_info::{ProcessInfo, RobotInfo, RunInfo};
+pub use run_info::{ProcessInfo, RobotInfo, RunInfo, TaskInfo};
 pub use summary::{
     CoverageByWay, CoverageOutcome, EventEntry, LapFigures, Outage, PredictionOutcome,
     ProcessOutcome, RobotOutcome, Summary, TopicCount, WaypointOutcome, role_name, status_name,

@@ -1,11 +1,15 @@
-//! Description of a run for the recorder.
+//! Description of a run, for the recorder and in the log.
 
 use std::collections::BTreeMap;
 
+use runtime::kind::TaskSketch;
+use serde::{Deserialize, Serialize};
+
 use super::event_names::EventNames;
+use super::field_of_view::FieldOfView;
 
 /// A process of the run.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ProcessInfo {
     /// Index: the `source` of its stamps.
     pub index: u32,
@@ -18,7 +22,7 @@ pub struct ProcessInfo {
 }
 
 /// A robot of the run; its position in the list is its index.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct RobotInfo {
     /// Its name.
     pub name: String,
@@ -32,8 +36,17 @@ pub struct RobotInfo {
     pub lap_limit_s: Option<f64>,
 }
 
-/// Description of the recorded run.
-#[derive(Debug, Clone, Default, PartialEq)]
+/// The task of a robot, drawn in pictures.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct TaskInfo {
+    /// Index of the robot.
+    pub robot: u32,
+    /// Geometry of the task.
+    pub sketch: TaskSketch,
+}
+
+/// Description of a run. It is in the log, so that readers need neither the scenario nor the kinds of processes.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct RunInfo {
     /// All sending processes, including the orchestrator. Messages of others are logged and counted as
     /// rejected.
@@ -44,9 +57,18 @@ pub struct RunInfo {
     pub obstacles: BTreeMap<u32, String>,
     /// Simulated time between two ticks (ns), > 0.
     pub tick_period_ns: u64,
+    /// Wall-clock time between two ticks (ns), > 0; `None` in lock-step.
+    pub wall_period_ns: Option<u64>,
+    /// Fields of view of the processes; none without a log.
+    pub fields_of_view: Vec<FieldOfView>,
+    /// Tasks with a geometry, in the order of the processes; none without a log.
+    pub tasks: Vec<TaskInfo>,
 }
 
 impl RunInfo {
+    /// Name of the attachment of a log that contains the description as JSON.
+    pub const ATTACHMENT: &str = "run.json";
+
     /// Returns the names for events.
     pub fn event_names(&self) -> EventNames {
         EventNames {

@@ -5,3 +5,4 @@
 
 pub mod page;
 pub mod picture;
+mod run_model;

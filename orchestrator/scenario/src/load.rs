@@ -1,6 +1,5 @@
 //! Loading a [`ResolvedScenario`] from a path or a name.
 
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use config::{
@@ -134,12 +133,6 @@ impl<'k> Loader<'k> {
         let mut draft = self.draft_text(file, text, base)?;
         draft.apply_all(overrides, seed);
         draft.resolve()
-    }
-
-    /// Returns the names of the obstacles of a scenario from a log, by id; none if this version cannot load its text.
-    pub fn obstacle_names(&self, text: &str) -> BTreeMap<u32, String> {
-        let loaded = self.load_text("scenario.toml", text, &Base::Nothing, &[], None);
-        loaded.map_or_else(|_| BTreeMap::new(), |scenario| scenario.obstacle_names())
     }
 
     /// Parses the text of a scenario without resolving it; arguments as those of [`Loader::load_text`].

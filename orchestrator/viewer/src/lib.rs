@@ -7,7 +7,6 @@
 #![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
 #![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
 
-mod field_of_view;
 mod live;
 mod ros;
 mod topics;
@@ -15,6 +14,5 @@ mod topics;
 #[cfg(test)]
 mod tests;
 
-pub use field_of_view::{FieldOfView, ViewOrigin};
 pub use live::{BroadcastHandle, Broadcaster, LiveError, LiveServer, LiveTotals};
 pub use topics::{ViewerOptions, viewer_topics};

@@ -8,6 +8,7 @@ use geometry::shape::Shape;
 use geometry::visibility::polygon::SightLimits;
 use ipc_types::bus::Bus;
 use ipc_types::topics::{Scan, WorldShapes};
+use serde::{Deserialize, Serialize};
 use sim_backend::spec::RobotSpec;
 
 use crate::config::{ProcessConfig, RobotInfo};
@@ -172,7 +173,7 @@ pub struct ViewSpec {
 }
 
 /// Geometry of a task, for pictures.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct TaskSketch {
     /// Contour of a patrol, its corners in order (m); the first again at the end if it is closed.
     pub contour: Vec<[f64; 2]>,

@@ -7,7 +7,6 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use draw::raster::{Pixels, pixels};
-use kinds::KINDS;
 use log_tools::{LogInfo, TopicColumns, events, info_text};
 use mcap_log::derived::failed;
 use mcap_log::{DerivedError, LogReadError, ReadProgress};
@@ -86,13 +85,13 @@ impl LogFile {
 
     /// Events of the run as JSON: a list as `events` in `protean run --json`.
     fn events(&self, py: Python<'_>) -> PyResult<String> {
-        let found = read(py, |watch| Ok(events(&self.path, KINDS, watch)?))?;
+        let found = read(py, |watch| Ok(events(&self.path, watch)?))?;
         Ok(serde_json::json!(found).to_string())
     }
 
     /// The page of the run (HTML).
     fn page(&self, py: Python<'_>) -> PyResult<String> {
-        let render = |watch: &mut ReadProgress| page::render(&[&self.path], KINDS, watch);
+        let render = |watch: &mut ReadProgress| page::render(&[&self.path], watch);
         let (page, _) = read(py, |watch| Ok(render(watch)?))?;
         Ok(page)
     }
@@ -103,13 +102,13 @@ impl LogFile {
             .check(out)
             .map_err(InvalidInput::new_err)?;
         let log: &Path = &self.path;
-        read(py, |watch| page::report(&[log], KINDS, &out, force, watch)).map(drop)
+        read(py, |watch| page::report(&[log], &out, force, watch)).map(drop)
     }
 
     /// The plots of the page as JSON: `title`, `unit`, `steps` if values hold until the next one, and `curves` with
     /// `name`, `times_ns` and `values`.
     fn plots(&self, py: Python<'_>) -> PyResult<String> {
-        let plots = read(py, |watch| Ok(page::plots(&self.path, KINDS, watch)?))?;
+        let plots = read(py, |watch| Ok(page::plots(&self.path, watch)?))?;
         Ok(serde_json::json!(plots).to_string())
     }
 
@@ -122,7 +121,7 @@ impl LogFile {
         size: Option<[u32; 2]>,
     ) -> PyResult<Bound<'py, PyArray3<u8>>> {
         let pixels = read(py, |watch| {
-            let trace = RunTrace::read(&self.path, Some(at), KINDS, watch)?.0;
+            let trace = RunTrace::read(&self.path, Some(at), watch)?.0;
             pixels(&draw(&trace), size).map_err(failed(&self.path))
         })?;
         image(py, pixels)
@@ -135,7 +134,7 @@ impl LogFile {
             .check(out)
             .map_err(InvalidInput::new_err)?;
         read(py, |watch| {
-            picture::save(&self.path, at, KINDS, &out, force, watch)
+            picture::save(&self.path, at, &out, force, watch)
         })
         .map(drop)
     }

@@ -109,13 +109,13 @@ pub fn file(folder: &TempDir, name: &str, bytes: &[u8]) -> PathBuf {
     path
 }
 
-/// Copies a log; `change` may change every message and metadata record.
+/// Copies a log; the closures may change or drop messages, change metadata records, and change or drop the scenario.
 pub fn rewrite(
     from: &Path,
     to: &Path,
     mut message: impl FnMut(&Channel, &mut Vec<u8>) -> bool,
     mut metadata: impl FnMut(&mut Metadata),
-    mut attachment: impl FnMut(&mut Vec<u8>) -> bool,
+    mut scenario: impl FnMut(&mut Vec<u8>) -> bool,
 ) {
     let mut reader = Reader::open(from, None).unwrap();
     let mut output = Output::create(to, from, true, "").unwrap();
@@ -139,7 +139,7 @@ pub fn rewrite(
             }
             Item::Attachment(header, data) => {
                 let mut data = data.to_vec();
-                if attachment(&mut data) {
+                if header.name != "scenario.toml" || scenario(&mut data) {
                     output.attachment(&header, &data).unwrap();
                 }
             }

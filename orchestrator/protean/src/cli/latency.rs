@@ -122,7 +122,7 @@ fn measure(
     let mut code = 0;
     if let Some(log) = &log {
         let mut watch = ReadProgress::new(Arc::clone(interrupted), args.quiet.quiet);
-        let measured = of_log(log, kinds, &mut watch).map_err(|error| refusal(&error))?;
+        let measured = of_log(log, &mut watch).map_err(|error| refusal(&error))?;
         if !measured.condition.data {
             eprintln!("warning: {} is incomplete", log.display());
             code = EXIT_PARTIAL;
@@ -228,7 +228,7 @@ fn missions(
             quiet: args.quiet.quiet,
             interrupted: Arc::clone(interrupted),
         };
-        let (measured, ended) = match mission::run(scenario, kinds, &options) {
+        let (measured, ended) = match mission::run(scenario, &options) {
             Ok(done) => done,
             // The results of earlier missions are kept.
             Err(error) if !report.runs.is_empty() => {

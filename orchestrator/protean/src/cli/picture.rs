@@ -9,7 +9,6 @@ use super::common::{ForceArg, out};
 use super::logs;
 use super::output::print;
 use report::picture::save;
-use scenario::kind::Kind;
 
 /// Help below the options.
 pub(super) const HELP: &str = "\
@@ -34,12 +33,12 @@ pub(super) struct PictureArgs {
 }
 
 /// Draws a log into a file and prints the file's name.
-pub(super) fn run(kinds: &[Kind], args: &PictureArgs) -> ExitCode {
+pub(super) fn run(args: &PictureArgs) -> ExitCode {
     let log = &args.log;
     logs::command(false, |watch| {
         let out = args.out.clone();
         let out = out.unwrap_or_else(|| log.with_extension("svg"));
-        let condition = save(log, args.at, kinds, &out, args.force.force, watch)?;
+        let condition = save(log, args.at, &out, args.force.force, watch)?;
         print(&out.display().to_string());
         Ok(logs::of_condition(log, &condition))
     })

@@ -10,7 +10,6 @@ use super::common::{ForceArg, JsonArg, QuietArg, out};
 use super::logs;
 use super::output::{EXIT_FAILED, print, print_json};
 use report::page::report;
-use scenario::kind::Kind;
 
 /// Help below the options.
 pub(super) const HELP: &str = "\
@@ -42,11 +41,11 @@ pub(super) struct ReportArgs {
 }
 
 /// Writes the page and prints the file's name.
-pub fn run(kinds: &'static [Kind], args: &ReportArgs) -> ExitCode {
+pub fn run(args: &ReportArgs) -> ExitCode {
     logs::command(args.quiet.quiet, |watch| {
         let logs: Vec<&Path> = args.logs.iter().map(PathBuf::as_path).collect();
         let out = args.out.clone().unwrap_or_else(|| page_of(&logs));
-        let reports = report(&logs, kinds, &out, args.force.force, watch)?;
+        let reports = report(&logs, &out, args.force.force, watch)?;
         let conditions = reports.iter().map(|report| &report.condition);
         let code = logs::of_conditions(logs.iter().copied().zip(conditions));
         match &*reports {

@@ -13,14 +13,12 @@ use statistics::Percentiles;
 
 use super::gather::Gathered;
 use super::timing::PER_DECADE;
-use crate::picture::TaskTrace;
-use crate::picture::static_scene::corners;
 use crate::picture::trace::pursuers;
+use crate::run_model::TaskTrace;
+use crate::run_model::corners;
 use recorder::{
     CoverageOutcome, EventNames, MessageCounts, RobotOutcome, outcome_words, status_name,
 };
-use scenario::Loader;
-use scenario::kind::Kind;
 use sim_backend::team::Role;
 
 /// Outcomes of the robots: from the result of the run, else from the last state in the log.
@@ -188,12 +186,13 @@ fn task(task: &TaskTrace) -> Json {
     })
 }
 
-/// Names of robots and obstacles. Without a scenario that this version can parse, obstacles have none.
-fn names(gathered: &Gathered, kinds: &[Kind]) -> EventNames {
+/// Names of robots and obstacles. Without a description of the run in the log, obstacles have none.
+fn names(gathered: &Gathered) -> EventNames {
     let robots = gathered.scenario.robots.iter();
+    let run = gathered.facts.run.as_ref();
     EventNames {
         robots: robots.map(|robot| robot.name.clone()).collect(),
-        obstacles: Loader::new(kinds).obstacle_names(&gathered.facts.scenario_text),
+        obstacles: run.map_or_else(Default::default, |run| run.obstacles.clone()),
     }
 }
 
@@ -240,8 +239,11 @@ fn latency(gathered: &mut Gathered) -> Json {
 }
 
 /// All content of the page except lists and plots.
-pub(super) fn facts(gathered: &mut Gathered, kinds: &[Kind]) -> Json {
+pub(super) fn facts(gathered: &mut Gathered) -> Json {
     let latency = latency(gathered);
+    let described = gathered.facts.run.as_ref();
+    let tasks = described.map_or(&[][..], |run| &run.tasks);
+    let fields_of_view = described.map_or(&[][..], |run| &run.fields_of_view);
     let manifest = |key: &str| gathered.facts.manifest.get(key).cloned();
     let result = |key: &str| gathered.facts.result.get(key).cloned();
     let parsed = |key: &str| -> Option<Json> {
@@ -252,8 +254,9 @@ pub(super) fn facts(gathered: &mut Gathered, kinds: &[Kind]) -> Json {
         .scenario
         .robots
         .iter()
-        .map(|r| {
-            let sweeps = gathered.scenario.sweeps(r, kinds);
+        .enumerate()
+        .map(|(index, r)| {
+            let sweeps = gathered.scenario.sweeps(index, tasks);
             json!({
                 "name": r.name, "team": r.team, "role": r.role(),
                 "radius": r.model().radius, "sweeps": sweeps,
@@ -284,8 +287,8 @@ pub(super) fn facts(gathered: &mut Gathered, kinds: &[Kind]) -> Json {
         "tick_period_s": seconds(gathered.tick_period_ns),
         "robots": robots,
         "pursuers": pursuers,
-        "eyes": gathered.scenario.fields_of_view(kinds),
-        "task": task(&gathered.scenario.task(kinds)),
+        "eyes": fields_of_view,
+        "task": task(&gathered.scenario.task(tasks)),
         "result": outcome_words(&robots_outcome, coverage.as_ref()),
         "outcome": robots_outcome,
         "idleness": idleness,
@@ -295,7 +298,7 @@ pub(super) fn facts(gathered: &mut Gathered, kinds: &[Kind]) -> Json {
         "missing": missing(gathered),
         "messages": MessageCounts::from_topics(&gathered.counts, |messages| *messages).to_string(),
         "ground": static_scene(gathered),
-        "events": events(gathered, &names(gathered, kinds)),
+        "events": events(gathered, &names(gathered)),
         "event_kinds": WorldEvent::NAMES,
         "methods": Prediction::METHODS,
         "horizons_s": gathered.layers.horizons_s,

@@ -14,11 +14,10 @@ use super::layers::Layers;
 use super::measured::Measured;
 use super::sampled::{Sample, Sampled};
 use super::timing::Timing;
-use crate::picture::StaticScene;
-use crate::picture::log_facts::LogFacts;
-use crate::picture::log_run::{LoggedRun, Purpose};
-use crate::picture::logged::LoggedScenario;
-use scenario::kind::Kind;
+use crate::run_model::Facts;
+use crate::run_model::LoggedScenario;
+use crate::run_model::StaticScene;
+use crate::run_model::{LoggedRun, Purpose};
 
 /// Maximum number of robot states that are stored.
 const MAX_STATES: usize = 400_000;
@@ -33,7 +32,7 @@ pub(super) struct Frame {
 /// Content of the page of a run.
 #[derive(Debug)]
 pub(super) struct Gathered {
-    pub(super) facts: LogFacts,
+    pub(super) facts: Facts,
     pub(super) scenario: LoggedScenario,
     pub(super) frames: Vec<Sample<Frame>>,
     /// `true` if the log reaches the end of the game.
@@ -74,15 +73,11 @@ impl Consumer<LoggedRun> for Frames {
 
 impl Gathered {
     /// Reads a log up to its end or the first damaged record.
-    pub(super) fn read(
-        log: &Path,
-        kinds: &'static [Kind],
-        watch: &mut ReadProgress,
-    ) -> Result<Self, LogReadError> {
+    pub(super) fn read(log: &Path, watch: &mut ReadProgress) -> Result<Self, LogReadError> {
         let weigh = |frame: &Frame| frame.robots.len();
         let mut frames = Frames(Sampled::new(0, MAX_STATES, weigh));
         let (mut layers, mut happened) = (Layers::default(), Happened::default());
-        let (mut measured, mut timing) = (Measured::default(), Timing::new(kinds));
+        let (mut measured, mut timing) = (Measured::default(), Timing::default());
         let mut run = LoggedRun::read(
             log,
             Purpose::Page,

@@ -5,7 +5,7 @@ use ipc_types::messages::robot::WaypointEnd;
 use ipc_types::messages::world::WorldEvent;
 use ipc_types::topics::{TopicId, Waypoints, WorldEvents};
 
-use crate::picture::log_run::LoggedRun;
+use crate::run_model::LoggedRun;
 use scenario::spec::MAX_ROBOTS;
 
 /// Maximum number of events on the page: of important ones, and of frequent ones.

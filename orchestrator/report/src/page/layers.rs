@@ -10,7 +10,7 @@ use ipc_types::topics::{Belief, Dominance, Plan, Predictions, Scan, TopicId, Tre
 use super::regions::Regions;
 use super::sampled::Sampled;
 use crate::picture::layers::is_aimed;
-use crate::picture::log_run::LoggedRun;
+use crate::run_model::LoggedRun;
 use scenario::spec::MAX_ROBOTS;
 
 const SECOND: u64 = 1_000_000_000;

@@ -11,7 +11,7 @@ use ipc_types::messages::world::{CoverageState, RobotState};
 use ipc_types::topics::{Belief, Coverage, Predictions, TopicId, Verdicts};
 
 use super::sampled::Sampled;
-use crate::picture::log_run::LoggedRun;
+use crate::run_model::LoggedRun;
 use scenario::spec::MAX_ROBOTS;
 
 /// Maximum number of values of one curve.

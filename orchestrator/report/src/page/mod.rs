@@ -35,7 +35,6 @@ use self::html::Run;
 use self::pack::{Lists, Raster};
 pub use self::plots::{Plot, PlotCurve};
 use recorder::RobotOutcome;
-use scenario::kind::Kind;
 
 /// A written page.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -68,7 +67,6 @@ pub struct Report {
 /// be written.
 pub fn report(
     logs: &[&Path],
-    kinds: &'static [Kind],
     out: &Path,
     force: bool,
     watch: &mut ReadProgress,
@@ -78,7 +76,7 @@ pub fn report(
     for log in logs {
         file = Some(derived::create(out, log, force, Readers::Owner)?);
     }
-    let (page, mut reports) = render(logs, kinds, watch)?;
+    let (page, mut reports) = render(logs, watch)?;
     if let Some(mut file) = file {
         file.write_all(page.as_bytes())
             .and_then(|()| file.commit())
@@ -96,13 +94,12 @@ pub fn report(
 /// [`LogReadError`]: a log cannot be read or is not a Protean log of this version.
 pub fn render(
     logs: &[&Path],
-    kinds: &'static [Kind],
     watch: &mut ReadProgress,
 ) -> Result<(String, Vec<Report>), LogReadError> {
     let (mut runs, mut reports) = (Vec::new(), Vec::new());
     for log in logs {
-        let mut gathered = Gathered::read(log, kinds, watch)?;
-        let (run, report) = run(&mut gathered, kinds)
+        let mut gathered = Gathered::read(log, watch)?;
+        let (run, report) = run(&mut gathered)
             .map_err(|error| LogReadError::Argument(format!("{}: {error}", log.display())))?;
         runs.push(run);
         reports.push(report);
@@ -118,21 +115,17 @@ pub fn render(
 ///
 /// # Errors
 /// As [`render`].
-pub fn plots(
-    log: &Path,
-    kinds: &'static [Kind],
-    watch: &mut ReadProgress,
-) -> Result<Vec<Plot>, LogReadError> {
-    Ok(plots::plots(&mut Gathered::read(log, kinds, watch)?))
+pub fn plots(log: &Path, watch: &mut ReadProgress) -> Result<Vec<Plot>, LogReadError> {
+    Ok(plots::plots(&mut Gathered::read(log, watch)?))
 }
 
 /// Returns a run for the page and its summary.
-fn run(gathered: &mut Gathered, kinds: &[Kind]) -> std::io::Result<(Run, Report)> {
+fn run(gathered: &mut Gathered) -> std::io::Result<(Run, Report)> {
     fit_bounds(gathered);
     let raster = Raster::of(gathered.static_scene.min, gathered.static_scene.max);
     let frames = gathered.frames.len();
     let mut lists = Lists::default();
-    let mut facts = facts::facts(gathered, kinds);
+    let mut facts = facts::facts(gathered);
     let plots = plots::pack(&plots::plots(gathered), &mut lists);
     scene::pack(gathered, raster, &mut lists);
     if let Some(facts) = facts.as_object_mut() {

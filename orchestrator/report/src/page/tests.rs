@@ -6,7 +6,7 @@ use mcap_log::{DerivedError, LogReadError, ReadProgress, Topics};
 use serde_json::Value as Json;
 
 use super::{Report, report};
-use kinds::{KINDS, load};
+use kinds::load;
 use log_tools::{FilterOptions, filter};
 use mission::in_process::{self, InProcessOptions};
 use recorder::Summary;
@@ -31,7 +31,7 @@ fn play(folder: &Path) -> (PathBuf, Summary) {
 /// Writes the page of a log, and returns the facts in it.
 fn facts(log: &Path) -> (Report, Json) {
     let out = log.with_extension("html");
-    let mut reports = report(&[log], KINDS, &out, true, &mut watch()).unwrap();
+    let mut reports = report(&[log], &out, true, &mut watch()).unwrap();
     let report = reports.remove(0);
     let page = std::fs::read_to_string(&out).unwrap();
     assert_eq!(page.len() as u64, report.bytes);
@@ -77,18 +77,12 @@ fn the_page_shows_the_result_of_the_run() {
         assert!(plots.iter().any(|plot| plot["title"] == title), "{title}");
     }
     // Neither another page nor the log is replaced without `force`.
-    let again = super::report(
-        &[&log],
-        KINDS,
-        &log.with_extension("html"),
-        false,
-        &mut watch(),
-    );
+    let again = super::report(&[&log], &log.with_extension("html"), false, &mut watch());
     assert!(
         matches!(again, Err(DerivedError::Exists { .. })),
         "{again:?}"
     );
-    let itself = super::report(&[&log], KINDS, &log, true, &mut watch());
+    let itself = super::report(&[&log], &log, true, &mut watch());
     assert!(
         matches!(itself, Err(DerivedError::IsTheLog { .. })),
         "{itself:?}"
@@ -128,7 +122,7 @@ fn a_truncated_log_is_shown_as_far_as_it_goes() {
     let out = folder.path().join("any.html");
     for part in 0..40 {
         std::fs::write(&cut, &bytes[..bytes.len() * part / 40]).unwrap();
-        match super::report(&[&cut], KINDS, &out, true, &mut watch()) {
+        match super::report(&[&cut], &out, true, &mut watch()) {
             Ok(reports) => assert!(!reports[0].missing.is_empty()),
             Err(DerivedError::Log(LogReadError::NotMcap { .. } | LogReadError::Foreign { .. })) => {
             }
@@ -169,14 +163,14 @@ fn a_page_of_two_logs_has_both_runs() {
     let other = folder.path().join("other.mcap");
     std::fs::copy(&log, &other).unwrap();
     let out = folder.path().join("both.html");
-    let reports = super::report(&[&log, &other], KINDS, &out, false, &mut watch()).unwrap();
+    let reports = super::report(&[&log, &other], &out, false, &mut watch()).unwrap();
     let page = std::fs::read_to_string(&out).unwrap();
     for report in &reports {
         assert_eq!(report.robots, summary.robots);
         assert_eq!((&report.page, report.bytes), (&out, page.len() as u64));
     }
     assert_eq!(page.matches("<script class=\"facts\"").count(), 2);
-    let itself = super::report(&[&log, &other], KINDS, &other, true, &mut watch());
+    let itself = super::report(&[&log, &other], &other, true, &mut watch());
     assert!(
         matches!(itself, Err(DerivedError::IsTheLog { .. })),
         "{itself:?}"

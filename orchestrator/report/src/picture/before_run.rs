@@ -3,10 +3,10 @@
 use geometry::map::{MapError, ObstacleChange, WorldMap};
 use scenario::ResolvedScenario;
 
-use super::static_scene::{Cells, StaticScene};
-use super::task::TaskTrace;
 use super::trace::{RobotTrace, RunTrace};
 use super::trail::Trail;
+use crate::run_model::TaskTrace;
+use crate::run_model::{Cells, StaticScene};
 
 impl RunTrace {
     /// Takes the content of a picture from a scenario: walls, exits, robots at their starts, goals, the
@@ -46,7 +46,7 @@ impl RunTrace {
             };
             let robots = process.robots.iter();
             for robot in robots.filter_map(|&robot| world.robots.get(robot)) {
-                task.add(kind.sketch(robot, &world.map));
+                task.add(&kind.sketch(robot, &world.map));
             }
         }
         let robots = world.robots.iter().map(|spec| RobotTrace {

@@ -16,8 +16,8 @@ use super::labels::{Area, Labels};
 use super::layout::Layout;
 use super::legend::{Legend, scale_bar};
 use super::signs::{HALO, MARK, Sign, disc, sign};
-use super::static_scene::corners;
 use super::trace::{Mark, RunTrace};
+use crate::run_model::corners;
 
 /// Minimum radius of a robot on the page (px): smaller robots are enlarged.
 const MIN_DISC: f64 = 8.0;
@@ -40,7 +40,7 @@ const NAMED_BELIEF: f64 = 45.0;
 /// use report::picture::{RunTrace, draw};
 ///
 /// let log = Path::new("logs/chase-1.mcap");
-/// let (trace, _condition) = RunTrace::read(log, None, kinds::KINDS, &mut ReadProgress::default())?;
+/// let (trace, _condition) = RunTrace::read(log, None, &mut ReadProgress::default())?;
 /// std::fs::write("chase.svg", draw(&trace))?;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```

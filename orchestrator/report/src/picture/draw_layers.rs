@@ -4,8 +4,8 @@ use draw::canvas::{Canvas, Num};
 use draw::palette;
 
 use super::layout::Layout;
-use super::static_scene::Cells;
 use super::trace::RunTrace;
+use crate::run_model::Cells;
 
 /// Maximum number of edges of all trees together.
 const MAX_EDGES: usize = 2500;

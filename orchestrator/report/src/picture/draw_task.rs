@@ -6,8 +6,8 @@ use geometry::shape::Shape;
 
 use super::bands::ages;
 use super::layout::Layout;
-use super::static_scene::corners;
 use super::trace::RunTrace;
+use crate::run_model::corners;
 
 /// Opacity of swept ground.
 pub(super) const SWEPT_OPACITY: f64 = 0.45;

@@ -5,7 +5,6 @@ use std::path::Path;
 use draw::raster;
 use mcap_log::{Condition, DerivedError, ReadProgress, derived};
 use platform::atomic_file::Readers;
-use scenario::kind::Kind;
 
 use super::draw::draw;
 use super::trace::RunTrace;
@@ -18,12 +17,11 @@ use super::trace::RunTrace;
 pub fn save(
     log: &Path,
     at_s: Option<f64>,
-    kinds: &[Kind],
     out: &Path,
     force: bool,
     watch: &mut ReadProgress,
 ) -> Result<Condition, DerivedError> {
-    let (trace, condition) = RunTrace::read(log, at_s, kinds, watch)?;
+    let (trace, condition) = RunTrace::read(log, at_s, watch)?;
     let bytes = raster::encoded(draw(&trace), out).map_err(derived::failed(out))?;
     derived::write(&bytes, out, log, force, Readers::All)?;
     Ok(condition)

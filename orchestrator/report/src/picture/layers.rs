@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use ipc_types::messages::referee::{DominanceCell, DominanceHeader, Verdict};
 use ipc_types::messages::robot::{PlanPoint, TreeEdge};
 
-use super::static_scene::Cells;
+use crate::run_model::Cells;
 
 /// Maximum number of points of a plan, and of edges of a tree, that are stored.
 const MAX_PARTS: usize = 4000;

@@ -4,7 +4,7 @@ use draw::canvas::{Canvas, Num};
 use geometry::region::Region;
 
 use super::labels::Area;
-use super::static_scene::rectangle;
+use crate::run_model::rectangle;
 
 /// Maximum width and height of the map on the page (px).
 const MAX_SIDE_PX: f64 = 760.0;

@@ -17,14 +17,9 @@ mod labels;
 pub(crate) mod layers;
 mod layout;
 mod legend;
-pub(crate) mod log_facts;
-pub(crate) mod log_run;
-pub(crate) mod logged;
 mod of_world;
 mod read;
 mod signs;
-pub(crate) mod static_scene;
-pub(crate) mod task;
 pub(crate) mod trace;
 mod trail;
 
@@ -32,10 +27,9 @@ mod trail;
 mod tests;
 
 pub use self::draw::draw;
+pub use crate::run_model::{Cells, Standing, StaticScene, TaskTrace, WaypointTrace};
 pub use ::draw::raster::encoded;
 pub use file::save;
 pub use layers::{DominanceTrace, PlanTrace, TreeTrace, VerdictTrace};
-pub use static_scene::{Cells, Standing, StaticScene};
-pub use task::{TaskTrace, WaypointTrace};
 pub use trace::{BeliefTrace, Mark, MarkKind, RobotTrace, RunTrace};
 pub use trail::{Trail, TrailPoint};

@@ -3,9 +3,9 @@
 use sim_backend::robot::RobotStatus;
 use sim_backend::world::World;
 
-use super::static_scene::Standing;
 use super::trace::{Mark, MarkKind, RunTrace};
 use super::trail::TrailPoint;
+use crate::run_model::Standing;
 
 impl RunTrace {
     /// Shows a world as it is now. `self` is what the same episode showed before, or

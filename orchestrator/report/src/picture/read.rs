@@ -13,11 +13,10 @@ use ipc_types::topics::{
 use mcap_log::{Condition, LogReadError, ReadProgress};
 
 use super::layers::Layers;
-use super::log_run::{LoggedRun, Purpose, is_near};
-use super::task::TaskTrace;
 use super::trace::{BeliefTrace, Mark, MarkKind, RobotTrace, RunTrace};
 use super::trail::{Trail, TrailPoint};
-use scenario::kind::Kind;
+use crate::run_model::TaskTrace;
+use crate::run_model::{LoggedRun, Purpose, is_near};
 use scenario::spec::MAX_ROBOTS;
 
 /// Maximum number of events that are marked.
@@ -38,7 +37,6 @@ impl RunTrace {
     pub fn read(
         log: &Path,
         at: Option<f64>,
-        kinds: &[Kind],
         watch: &mut ReadProgress,
     ) -> Result<(Self, Condition), LogReadError> {
         // Times of ticks are rounded to nanoseconds: the margin of 0.5 us includes the tick at
@@ -61,7 +59,7 @@ impl RunTrace {
             ],
             watch,
         )?;
-        let (mut trace, condition) = finish(log, at, run, kinds, trails, moment)?;
+        let (mut trace, condition) = finish(log, at, run, trails, moment)?;
         ended.finish();
         (trace.task.waypoints, trace.task.swept) = (ended.waypoints, ended.swept);
         trace.marks = marks.0;
@@ -246,7 +244,6 @@ fn finish(
     log: &Path,
     at: Option<f64>,
     mut run: LoggedRun,
-    kinds: &[Kind],
     trails: Trails,
     moment: Moment,
 ) -> Result<(RunTrace, Condition), LogReadError> {
@@ -267,19 +264,21 @@ fn finish(
     let changes = run.changes.into_iter();
     changes.for_each(|(_, change)| static_scene.apply(change));
 
-    let task = scenario.task(kinds);
+    let tasks = run.facts.run.map_or_else(Vec::new, |run| run.tasks);
+    let task = scenario.task(&tasks);
     let robots: Vec<RobotTrace> = scenario
         .robots
         .iter()
+        .enumerate()
         .zip(
             trails
                 .0
                 .into_iter()
                 .chain(std::iter::repeat_with(Seen::default)),
         )
-        .map(|(spec, seen)| RobotTrace {
+        .map(|((index, spec), seen)| RobotTrace {
             radius: spec.model().radius,
-            sweeps: scenario.sweeps(spec, kinds),
+            sweeps: scenario.sweeps(index, &tasks),
             name: spec.name.clone(),
             team: spec.team.clone(),
             role: spec.role(),

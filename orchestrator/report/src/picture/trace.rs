@@ -5,9 +5,9 @@ use geometry::pose::Pose2;
 use sim_backend::team::Role;
 
 use super::layers::{DominanceTrace, PlanTrace, TreeTrace, VerdictTrace};
-use super::static_scene::StaticScene;
-use super::task::TaskTrace;
 use super::trail::Trail;
+use crate::run_model::StaticScene;
+use crate::run_model::TaskTrace;
 
 /// The content of a picture of a run, up to one moment.
 #[derive(Debug, Clone, PartialEq, Default)]

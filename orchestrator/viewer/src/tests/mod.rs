@@ -12,10 +12,10 @@ use std::path::Path;
 
 use ipc_types::messages::world::ObstacleEvent;
 use mcap_log::LogOptions;
-use recorder::{Recording, Summary};
+use recorder::{FieldOfView, Recording, RunInfo, Summary, ViewOrigin};
 
 use self::made_up::{Sent, run_info};
-use crate::{FieldOfView, ViewOrigin, ViewerOptions, viewer_topics};
+use crate::{ViewerOptions, viewer_topics};
 
 /// Returns the options of the viewer topics.
 fn options() -> ViewerOptions {
@@ -26,19 +26,22 @@ fn options() -> ViewerOptions {
             shape: 1,
             ..ObstacleEvent::default()
         }],
-        fields_of_view: vec![FieldOfView {
-            name: "seen by police_1".to_owned(),
-            origin: ViewOrigin::Robot(0),
-            range: None,
-            angle: None,
-        }],
         ..ViewerOptions::default()
     }
 }
 
 /// Creates a recording of the run with these viewer topics.
 fn recording(path: &Path, options: &ViewerOptions) -> Recording {
-    let topics = viewer_topics(&run_info(), options);
+    let run = RunInfo {
+        fields_of_view: vec![FieldOfView {
+            name: "seen by police_1".to_owned(),
+            origin: ViewOrigin::Robot(0),
+            range: None,
+            angle: None,
+        }],
+        ..run_info()
+    };
+    let topics = viewer_topics(&run, options);
     made_up::recording(path, &LogOptions::default(), topics)
 }
 

@@ -28,7 +28,6 @@ use ipc_types::topics::TopicId;
 use recorder::{DerivedChannel, DerivedMessages, DerivedTopics, RunInfo};
 
 use self::picture::Picture;
-use crate::field_of_view::FieldOfView;
 
 /// Creates the viewer topics of a run, in the order of the channels in the log. Each one is a consumer that
 /// draws messages on arrival or at the end of their tick; a new topic takes a file and a line here.
@@ -39,7 +38,7 @@ fn topics(run: &RunInfo, options: &ViewerOptions, picture: &mut Picture) -> Vec<
         Box::new(walls::WallsTopic::new(picture)),
         Box::new(sight::SightTopic::new(picture)),
         Box::new(visibility::VisibilityTopic::new(
-            &options.fields_of_view,
+            &run.fields_of_view,
             picture,
         )),
         Box::new(dominance::DominanceTopic::new(picture)),
@@ -63,8 +62,6 @@ pub struct ViewerOptions {
     pub trail_s: f64,
     /// Obstacles that exist from the beginning.
     pub obstacles: Vec<ObstacleEvent>,
-    /// Fields of view to draw.
-    pub fields_of_view: Vec<FieldOfView>,
 }
 
 impl Default for ViewerOptions {
@@ -73,7 +70,6 @@ impl Default for ViewerOptions {
             rate_hz: 10.0,
             trail_s: 5.0,
             obstacles: Vec::new(),
-            fields_of_view: Vec::new(),
         }
     }
 }

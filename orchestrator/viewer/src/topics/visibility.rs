@@ -16,8 +16,8 @@ use super::channel::ViewerChannel;
 use super::picture::Picture;
 use super::primitives::{add_triangles, picture};
 use super::{grid, palette};
-use crate::field_of_view::{FieldOfView, ViewOrigin};
 use crate::ros::messages::{MarkerArray, Point};
+use recorder::{FieldOfView, ViewOrigin};
 
 /// Minimum time between two pictures (simulated ns): polygons are large, and robots slow.
 const PERIOD_NS: u64 = 200_000_000;

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use geometry::shape::Shape;
 use ipc_types::messages::perception::{BeliefHeader, Particle};
 use ipc_types::messages::robot::{PlanHeader, PlanPoint, WaypointEnd};
 use ipc_types::messages::world::{
@@ -16,6 +17,8 @@ use ipc_types::topics::{
 use ipc_types::{cdr, schema};
 use mcap_log::{ChannelId, ChannelSpec, LogOptions, LogWriter, Manifest, ManifestFile};
 use mcap_log::{Condition, LogReadError, ReadProgress};
+use recorder::{RunInfo, TaskInfo};
+use runtime::kind::TaskSketch;
 use tempfile::TempDir;
 
 use crate::picture::{MarkKind, RunTrace};
@@ -44,16 +47,27 @@ struct Log {
 
 impl Log {
     fn new(scenario: &str) -> Self {
+        Self::described(scenario, &RunInfo::default())
+    }
+
+    fn described(scenario: &str, run: &RunInfo) -> Self {
         let manifest = Manifest {
             entries: [("scenario", "test"), ("seed", "7")]
                 .into_iter()
                 .map(|(k, v)| (k.to_owned(), v.to_owned()))
                 .collect(),
-            attachments: vec![ManifestFile {
-                name: "scenario.toml".to_owned(),
-                media_type: "application/toml".to_owned(),
-                data: scenario.as_bytes().to_vec(),
-            }],
+            attachments: vec![
+                ManifestFile {
+                    name: "scenario.toml".to_owned(),
+                    media_type: "application/toml".to_owned(),
+                    data: scenario.as_bytes().to_vec(),
+                },
+                ManifestFile {
+                    name: RunInfo::ATTACHMENT.to_owned(),
+                    media_type: "application/json".to_owned(),
+                    data: serde_json::to_vec(run).unwrap(),
+                },
+            ],
         };
         Self::with(&manifest)
     }
@@ -175,7 +189,7 @@ impl Log {
 }
 
 fn read(path: &Path, at: Option<f64>) -> Result<(RunTrace, Condition), LogReadError> {
-    RunTrace::read(path, at, kinds::KINDS, &mut ReadProgress::default())
+    RunTrace::read(path, at, &mut ReadProgress::default())
 }
 
 fn drawn(path: &Path, at: Option<f64>) -> RunTrace {
@@ -385,22 +399,28 @@ radius = 0.1
 name = "guard"
 team = "neutral"
 start = { x = 1.0, y = 1.0, theta = 0.0 }
-[[processes]]
-name = "cover"
-kind = "coverage_chebyshev"
-robots = ["sweeper"]
-[[processes]]
-name = "patrol"
-kind = "patrol_awg"
-robots = ["guard"]
-[processes.params.mission]
-contour = [[1.0, 1.0], [9.0, 1.0], [9.0, 9.0]]
-danger_zones = [{ circle = { center = [9.0, 1.0], radius = 1.0 } }]
 "#;
 
 #[test]
-fn a_picture_shows_the_tasks_of_the_scenario_and_what_is_swept() {
-    let mut log = Log::new(TASKS);
+fn a_picture_shows_the_tasks_of_the_run_and_what_is_swept() {
+    let rectangles = TaskSketch {
+        rectangles: vec![[[0.0, 0.0], [5.0, 5.0]], [[5.0, 5.0], [10.0, 10.0]]],
+        ..TaskSketch::default()
+    };
+    let patrol = TaskSketch {
+        contour: vec![[1.0, 1.0], [9.0, 1.0], [9.0, 9.0], [1.0, 1.0]],
+        danger_zones: vec![Shape::Circle {
+            center: [9.0, 1.0],
+            radius: 1.0,
+        }],
+        ..TaskSketch::default()
+    };
+    let tasks = [(0, rectangles), (1, patrol)].map(|(robot, sketch)| TaskInfo { robot, sketch });
+    let run = RunInfo {
+        tasks: tasks.into(),
+        ..RunInfo::default()
+    };
+    let mut log = Log::described(TASKS, &run);
     let states = log.channel::<WorldState>(&schema::hash::<WorldState>());
     let ends = log.channel::<Waypoints>(&schema::hash::<Waypoints>());
     let coverage = log.channel::<Coverage>(&schema::hash::<Coverage>());
@@ -425,7 +445,7 @@ fn a_picture_shows_the_tasks_of_the_scenario_and_what_is_swept() {
     let (_folder, path) = log.finish();
     let trace = drawn(&path, None);
     let task = &trace.task;
-    assert_eq!(task.rectangles.len(), 4);
+    assert_eq!(task.rectangles.len(), 2);
     assert_eq!(
         task.contours,
         [[[1.0, 1.0], [9.0, 1.0], [9.0, 9.0], [1.0, 1.0]]]

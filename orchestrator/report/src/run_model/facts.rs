@@ -7,13 +7,14 @@ use ipc_types::messages::world::{MapCell, MapHeader};
 use mcap_log::LogReadError;
 use mcap_log::output::{FILTERED, MANIFEST, RECOVERED, RESULT};
 use mcap_log::{AttachmentHeader, Metadata};
+use recorder::RunInfo;
 
-use super::logged::LoggedScenario;
+use super::scenario::LoggedScenario;
 use super::static_scene::StaticScene;
 
 /// Facts of a run, from the part of the log that has been read.
 #[derive(Debug, Default)]
-pub(crate) struct LogFacts {
+pub(crate) struct Facts {
     /// Scenario name, seed, version and others; empty without a manifest.
     pub(crate) manifest: BTreeMap<String, String>,
     /// Result of the run; empty if the run was killed.
@@ -25,11 +26,13 @@ pub(crate) struct LogFacts {
     /// Text of the resolved scenario.
     pub(crate) scenario_text: String,
     scenario: Option<LoggedScenario>,
+    /// Description of the run; `None` if it is not in the log or cannot be read.
+    pub(crate) run: Option<RunInfo>,
     /// Bounds and cells of map messages.
     grid: StaticScene,
 }
 
-impl LogFacts {
+impl Facts {
     /// Adds a metadata record.
     pub(crate) fn metadata(&mut self, record: Metadata) {
         match record.name.as_str() {
@@ -51,6 +54,9 @@ impl LogFacts {
         header: &AttachmentHeader,
         data: &[u8],
     ) -> Result<(), LogReadError> {
+        if header.name == RunInfo::ATTACHMENT {
+            self.run = serde_json::from_slice(data).ok();
+        }
         if header.name != "scenario.toml" {
             return Ok(());
         }

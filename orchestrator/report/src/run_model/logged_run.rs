@@ -13,7 +13,7 @@ use mcap_log::known;
 use mcap_log::reader::{Channel, Item, Reader};
 use mcap_log::{Condition, LogReadError, ReadProgress};
 
-use super::log_facts::LogFacts;
+use super::facts::Facts;
 use scenario::spec::{MAX_EVENTS, MAX_ROBOTS};
 
 /// Maximum number of notes on unreadable content.
@@ -38,7 +38,7 @@ pub(crate) enum Purpose {
 pub(crate) struct LoggedRun {
     purpose: Purpose,
     /// Facts from metadata and attachments.
-    pub(crate) facts: LogFacts,
+    pub(crate) facts: Facts,
     /// The newest states of the robots.
     pub(crate) states: Vec<RobotState>,
     /// Time of these states (ns); `None` before the first.
@@ -77,7 +77,7 @@ impl LoggedRun {
         let mut reader = Reader::open(log, Some(watch))?;
         let mut run = Self {
             purpose,
-            facts: LogFacts::default(),
+            facts: Facts::default(),
             states: Vec::new(),
             now_ns: None,
             tick_period_ns: 0,

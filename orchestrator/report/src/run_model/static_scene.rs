@@ -29,7 +29,7 @@ pub struct StaticScene {
     /// Exits of the evaders.
     pub exits: Vec<Region>,
     /// Number of obstacles of the map, whose numbers are the first.
-    pub(super) own: u32,
+    pub(crate) own: u32,
 }
 
 /// An obstacle with a shape.
@@ -102,13 +102,13 @@ impl StaticScene {
     }
 
     /// Returns `true` if there are walls or obstacles.
-    pub(super) fn has_walls(&self) -> bool {
+    pub(crate) fn has_walls(&self) -> bool {
         let occupied = self.cells.iter().flat_map(|cells| &cells.occupied);
         self.has_vectors() || occupied.into_iter().any(|&cell| cell)
     }
 
     /// Applies a change of the obstacles.
-    pub(super) fn apply(&mut self, change: ObstacleChange) {
+    pub(crate) fn apply(&mut self, change: ObstacleChange) {
         match change {
             ObstacleChange::Appear { id, shape } | ObstacleChange::Move { id, shape } => {
                 self.obstacles.insert(id.0, Standing { shape, came: true });
@@ -140,7 +140,7 @@ impl StaticScene {
     }
 
     /// Sets the walls and the bounds to those of a grid.
-    pub(super) fn set_cells(&mut self, fine: Cells) {
+    pub(crate) fn set_cells(&mut self, fine: Cells) {
         let (width, side) = (fine.width.max(1), fine.side);
         let height = fine.occupied.len() / width;
         self.min = fine.origin;
@@ -185,7 +185,7 @@ impl Cells {
     }
 
     /// Like [`Cells::rectangles`], with at most `most` rectangles.
-    pub(super) fn at_most(&self, most: usize) -> Vec<[[f64; 2]; 2]> {
+    pub(crate) fn at_most(&self, most: usize) -> Vec<[[f64; 2]; 2]> {
         let mut rectangles = self.runs();
         let mut factor = 2;
         while rectangles.len() > most.max(1) {
@@ -260,7 +260,7 @@ pub(crate) fn corners(shape: &Shape) -> Vec<[f64; 2]> {
 }
 
 /// Returns the corners of a rectangle (m).
-pub(super) fn rectangle(center: [f64; 2], half_extents: [f64; 2], angle: f64) -> Vec<[f64; 2]> {
+pub(crate) fn rectangle(center: [f64; 2], half_extents: [f64; 2], angle: f64) -> Vec<[f64; 2]> {
     let (sin, cos) = math::sincos(angle);
     [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]
         .map(|(sx, sy)| {

@@ -1,14 +1,14 @@
-//! Fields of view of robots or fixed points, for viewers.
+//! Fields of view of robots or fixed points, drawn by viewers and reports.
 
 use geometry::visibility::polygon::SightLimits;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// A field of view; viewers draw the visible area as a polygon.
 ///
 /// In JSON its origin is the key `robot` or `point`.
 ///
 /// ```
-/// use viewer::{FieldOfView, ViewOrigin};
+/// use recorder::{FieldOfView, ViewOrigin};
 ///
 /// let field = FieldOfView {
 ///     name: "seen by camera".to_owned(),
@@ -18,7 +18,7 @@ use serde::Serialize;
 /// };
 /// assert!(field.limits().is_all_round());
 /// ```
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct FieldOfView {
     /// Unique name in viewers.
     pub name: String,
@@ -43,7 +43,7 @@ impl FieldOfView {
 }
 
 /// The apex of a field of view.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ViewOrigin {
     /// A robot, by index, while it is active.

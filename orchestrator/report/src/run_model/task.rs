@@ -51,23 +51,23 @@ impl TaskTrace {
     }
 
     /// Adds the geometry of a robot's task; equal ones of several robots are shown once.
-    pub(crate) fn add(&mut self, sketch: TaskSketch) {
+    pub(crate) fn add(&mut self, sketch: &TaskSketch) {
         let TaskSketch {
             contour,
             danger_zones,
             rectangles,
         } = sketch;
-        if contour.len() > 1 && !self.contours.contains(&contour) {
-            self.contours.push(contour);
+        if contour.len() > 1 && !self.contours.contains(contour) {
+            self.contours.push(contour.clone());
         }
         for zone in danger_zones {
-            if !self.danger_zones.contains(&zone) {
-                self.danger_zones.push(zone);
+            if !self.danger_zones.contains(zone) {
+                self.danger_zones.push(zone.clone());
             }
         }
         for rectangle in rectangles {
-            if self.rectangles.len() < MAX_RECTANGLES && !self.rectangles.contains(&rectangle) {
-                self.rectangles.push(rectangle);
+            if self.rectangles.len() < MAX_RECTANGLES && !self.rectangles.contains(rectangle) {
+                self.rectangles.push(*rectangle);
             }
         }
     }
@@ -75,7 +75,7 @@ impl TaskTrace {
 
 impl TaskTrace {
     /// Adds a waypoint that has ended.
-    pub(super) fn waypoint(&mut self, end: &WaypointEnd) {
+    pub(crate) fn waypoint(&mut self, end: &WaypointEnd) {
         let at = [end.x, end.y];
         // Half at a time: removing single ones would move all others.
         if self.waypoints.len() >= 2 * MAX_WAYPOINTS {
@@ -88,7 +88,7 @@ impl TaskTrace {
     }
 
     /// Drops the waypoints before the last ones.
-    pub(super) fn finish(&mut self) {
+    pub(crate) fn finish(&mut self) {
         let surplus = self.waypoints.len().saturating_sub(MAX_WAYPOINTS);
         self.waypoints.drain(..surplus);
     }
@@ -120,9 +120,9 @@ mod tests {
             }],
             rectangles: vec![[[0.0, 0.0], [1.0, 1.0]]],
         };
-        task.add(sketch.clone());
-        task.add(sketch);
-        task.add(TaskSketch::default());
+        task.add(&sketch);
+        task.add(&sketch);
+        task.add(&TaskSketch::default());
         let counts = (
             task.contours.len(),
             task.danger_zones.len(),
