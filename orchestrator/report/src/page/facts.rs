@@ -11,7 +11,7 @@ use mcap_log::output::RUN_DIGEST;
 use serde_json::{Value as Json, json};
 use statistics::Percentiles;
 
-use super::gather::Gathered;
+use super::content::PageContent;
 use super::timing::PER_DECADE;
 use crate::picture::trace::pursuers;
 use crate::run_model::TaskTrace;
@@ -22,12 +22,12 @@ use recorder::{
 use sim_backend::team::Role;
 
 /// Outcomes of the robots: from the result of the run, else from the last state in the log.
-pub(super) fn outcome(gathered: &Gathered) -> Vec<RobotOutcome> {
-    let recorded = gathered.facts.result.get("robots");
+pub(super) fn outcome(content: &PageContent) -> Vec<RobotOutcome> {
+    let recorded = content.facts.result.get("robots");
     if let Some(robots) = recorded.and_then(|text| serde_json::from_str(text).ok()) {
         return robots;
     }
-    let Some(last) = gathered.frames.last() else {
+    let Some(last) = content.frames.last() else {
         return Vec::new();
     };
     let states = last.item.robots.iter();
@@ -35,7 +35,7 @@ pub(super) fn outcome(gathered: &Gathered) -> Vec<RobotOutcome> {
         .map(|state| {
             // Time since which the robot has had its last status.
             let robot = state.robot;
-            let same = gathered.frames.iter().rev().take_while(|frame| {
+            let same = content.frames.iter().rev().take_while(|frame| {
                 let then = frame.item.robots.iter().find(|s| s.robot == robot);
                 then.is_some_and(|s| s.status == state.status)
             });
@@ -45,9 +45,9 @@ pub(super) fn outcome(gathered: &Gathered) -> Vec<RobotOutcome> {
             } else {
                 since
             };
-            let spec = gathered.scenario.robots.get(robot as usize);
+            let spec = content.scenario.robots.get(robot as usize);
             RobotOutcome {
-                name: gathered.name(robot),
+                name: content.name(robot),
                 team: spec.map(|spec| spec.team.clone()).unwrap_or_default(),
                 role: recorder::role_name(state.team).to_owned(),
                 outcome: status_name(state.status).to_owned(),
@@ -66,38 +66,38 @@ pub(super) fn outcome(gathered: &Gathered) -> Vec<RobotOutcome> {
 }
 
 /// The parts of the run or of the log that are missing, a sentence each.
-pub(super) fn missing(gathered: &Gathered) -> Vec<String> {
+pub(super) fn missing(content: &PageContent) -> Vec<String> {
     let mut missing = Vec::new();
-    let count = |topic: &str| gathered.counts.get(topic).copied().unwrap_or(0);
-    if !gathered.condition.is_whole() {
-        missing.extend(gathered.condition.lines());
+    let count = |topic: &str| content.counts.get(topic).copied().unwrap_or(0);
+    if !content.condition.is_whole() {
+        missing.extend(content.condition.lines());
     }
-    if gathered.facts.is_filtered {
+    if content.facts.is_filtered {
         missing.push("the log is a part of another: it was cut by time or topic".to_owned());
     }
-    if gathered.facts.is_recovered {
+    if content.facts.is_recovered {
         missing.push("the log was recovered from a damaged one".to_owned());
     }
     if count("world/state") == 0 {
         missing.push("no world/state: robots are shown at their start poses".to_owned());
-    } else if !gathered.over {
+    } else if !content.over {
         missing
             .push("the log ends before the run: outcomes are those of its last state".to_owned());
     }
-    if !gathered.facts.result.contains_key("robots") {
+    if !content.facts.result.contains_key("robots") {
         missing.push(
             "no result of the run: the run was killed, or its end is not in the log".to_owned(),
         );
     }
     for topic in ["world/event", "world/map"] {
-        if !gathered.counts.contains_key(topic) {
+        if !content.counts.contains_key(topic) {
             missing.push(format!("no {topic}"));
         }
     }
-    let happened = &gathered.happened;
+    let event_lists = &content.event_lists;
     for (omitted, what) in [
-        (happened.events_omitted, "events"),
-        (happened.waypoints_omitted, "waypoints"),
+        (event_lists.events_omitted, "events"),
+        (event_lists.waypoints_omitted, "waypoints"),
     ] {
         if omitted > 0 {
             missing.push(format!(
@@ -105,7 +105,7 @@ pub(super) fn missing(gathered: &Gathered) -> Vec<String> {
             ));
         }
     }
-    missing.extend(gathered.notes.iter().cloned());
+    missing.extend(content.notes.iter().cloned());
     missing
 }
 
@@ -143,14 +143,14 @@ fn seconds(time_ns: u64) -> f64 {
 }
 
 /// The static scene and its changes.
-fn static_scene(gathered: &Gathered) -> Json {
-    let static_scene = &gathered.static_scene;
+fn static_scene(content: &PageContent) -> Json {
+    let static_scene = &content.static_scene;
     let obstacles: Vec<Json> = static_scene
         .obstacles
         .iter()
         .map(|(id, standing)| with(shape(&standing.shape), "id", json!(id)))
         .collect();
-    let changes: Vec<Json> = gathered
+    let changes: Vec<Json> = content
         .changes
         .iter()
         .map(|(time_ns, change)| {
@@ -187,19 +187,19 @@ fn task(task: &TaskTrace) -> Json {
 }
 
 /// Names of robots and obstacles. Without a description of the run in the log, obstacles have none.
-fn names(gathered: &Gathered) -> EventNames {
-    let robots = gathered.scenario.robots.iter();
-    let run = gathered.facts.run.as_ref();
+fn names(content: &PageContent) -> EventNames {
+    let robots = content.scenario.robots.iter();
+    let run = content.facts.run.as_ref();
     EventNames {
         robots: robots.map(|robot| robot.name.clone()).collect(),
         obstacles: run.map_or_else(Default::default, |run| run.obstacles.clone()),
     }
 }
 
-fn events(gathered: &Gathered, names: &EventNames) -> Json {
+fn events(content: &PageContent, names: &EventNames) -> Json {
     let name = |robot: u32| (robot != WorldEvent::NONE).then_some(robot);
-    gathered
-        .happened
+    content
+        .event_lists
         .events
         .iter()
         .map(|(time_ns, e)| {
@@ -218,8 +218,8 @@ fn events(gathered: &Gathered, names: &EventNames) -> Json {
 }
 
 /// Latencies; without a list of processes in the log, the percentiles that the log stores.
-fn latency(gathered: &mut Gathered) -> Json {
-    let measured = gathered.timing.finish();
+fn latency(content: &mut PageContent) -> Json {
+    let measured = content.timing.finish();
     if !measured.is_empty() {
         return measured
             .into_iter()
@@ -228,7 +228,7 @@ fn latency(gathered: &mut Gathered) -> Json {
             })
             .collect();
     }
-    let recorded = gathered.facts.result.get("latency_us");
+    let recorded = content.facts.result.get("latency_us");
     let recorded: Option<std::collections::BTreeMap<String, Percentiles>> =
         recorded.and_then(|text| serde_json::from_str(text).ok());
     recorded
@@ -239,74 +239,74 @@ fn latency(gathered: &mut Gathered) -> Json {
 }
 
 /// All content of the page except lists and plots.
-pub(super) fn facts(gathered: &mut Gathered) -> Json {
-    let latency = latency(gathered);
-    let described = gathered.facts.run.as_ref();
+pub(super) fn facts(content: &mut PageContent) -> Json {
+    let latency = latency(content);
+    let described = content.facts.run.as_ref();
     let tasks = described.map_or(&[][..], |run| &run.tasks);
     let fields_of_view = described.map_or(&[][..], |run| &run.fields_of_view);
-    let manifest = |key: &str| gathered.facts.manifest.get(key).cloned();
-    let result = |key: &str| gathered.facts.result.get(key).cloned();
+    let manifest = |key: &str| content.facts.manifest.get(key).cloned();
+    let result = |key: &str| content.facts.result.get(key).cloned();
     let parsed = |key: &str| -> Option<Json> {
-        let text = gathered.facts.result.get(key)?;
+        let text = content.facts.result.get(key)?;
         serde_json::from_str(text).ok()
     };
-    let robots: Vec<Json> = gathered
+    let robots: Vec<Json> = content
         .scenario
         .robots
         .iter()
         .enumerate()
         .map(|(index, r)| {
-            let sweeps = gathered.scenario.sweeps(index, tasks);
+            let sweeps = content.scenario.sweeps(index, tasks);
             json!({
                 "name": r.name, "team": r.team, "role": r.role(),
                 "radius": r.model().radius, "sweeps": sweeps,
             })
         })
         .collect();
-    let specs = gathered.scenario.robots.iter();
+    let specs = content.scenario.robots.iter();
     let named = specs.map(|spec| (spec.team.as_str(), spec.role()));
     let pursuers = pursuers(named);
-    let robots_outcome = outcome(gathered);
-    let coverage = gathered.facts.result.get("coverage");
+    let robots_outcome = outcome(content);
+    let coverage = content.facts.result.get("coverage");
     let coverage: Option<CoverageOutcome> =
         coverage.and_then(|text| serde_json::from_str(text).ok());
-    let bounds = palette::idleness_bounds(seconds(gathered.end_ns)).map(Some);
+    let bounds = palette::idleness_bounds(seconds(content.end_ns)).map(Some);
     let idleness: Vec<Option<f64>> = bounds.into_iter().chain([None]).collect();
     json!({
-        "title": gathered.scenario.title,
-        "description": gathered.scenario.description,
+        "title": content.scenario.title,
+        "description": content.scenario.description,
         "scenario": manifest("scenario"),
         "seed": manifest("seed"),
         "mode": manifest("mode"),
         "version": manifest("version"),
         "machine": manifest("machine"),
-        "digest": result("digest").filter(|_| gathered.over && gathered.condition.data),
+        "digest": result("digest").filter(|_| content.over && content.condition.data),
         "run_digest": result(RUN_DIGEST),
-        "over": gathered.over,
-        "end_s": seconds(gathered.end_ns),
-        "tick_period_s": seconds(gathered.tick_period_ns),
+        "over": content.over,
+        "end_s": seconds(content.end_ns),
+        "tick_period_s": seconds(content.tick_period_ns),
         "robots": robots,
         "pursuers": pursuers,
         "eyes": fields_of_view,
-        "task": task(&gathered.scenario.task(tasks)),
+        "task": task(&content.scenario.task(tasks)),
         "result": outcome_words(&robots_outcome, coverage.as_ref()),
         "outcome": robots_outcome,
         "idleness": idleness,
-        "dominance": gathered.layers.regions.grid(),
+        "dominance": content.layers.regions.grid(),
         "coverage": coverage,
         "predictions": parsed("predictions"),
-        "missing": missing(gathered),
-        "messages": MessageCounts::from_topics(&gathered.counts, |messages| *messages).to_string(),
-        "ground": static_scene(gathered),
-        "events": events(gathered, &names(gathered)),
+        "missing": missing(content),
+        "messages": MessageCounts::from_topics(&content.counts, |messages| *messages).to_string(),
+        "ground": static_scene(content),
+        "events": events(content, &names(content)),
         "event_kinds": WorldEvent::NAMES,
         "methods": Prediction::METHODS,
-        "horizons_s": gathered.layers.horizons_s,
+        "horizons_s": content.layers.horizons_s,
         "waypoint_outcomes": WaypointEnd::OUTCOMES,
         "waypoint_kinds": WaypointEnd::KINDS,
         "latency": latency,
         "per_decade": PER_DECADE,
-        "text": gathered.facts.scenario_text,
+        "text": content.facts.scenario_text,
     })
 }
 

@@ -8,7 +8,7 @@ use ipc_types::messages::robot::{PlanPoint, ScanHeader, TreeEdge};
 use ipc_types::topics::{Belief, Dominance, Plan, Predictions, Scan, TopicId, Tree, Verdicts};
 
 use super::regions::Regions;
-use super::sampled::Sampled;
+use super::thinning::ThinnedSeries;
 use crate::picture::layers::is_aimed;
 use crate::run_model::LoggedRun;
 use scenario::spec::MAX_ROBOTS;
@@ -87,12 +87,12 @@ pub(super) struct MethodPrediction {
 /// All layers, by robot.
 #[derive(Debug)]
 pub(super) struct Layers {
-    pub(super) beliefs: Sampled<Cloud>,
-    pub(super) plans: Sampled<Path>,
-    pub(super) trees: Sampled<Vec<Edge>>,
-    pub(super) scans: Sampled<Beams>,
-    pub(super) predictions: Sampled<Vec<MethodPrediction>>,
-    pub(super) verdicts: Sampled<Verdict>,
+    pub(super) beliefs: ThinnedSeries<Cloud>,
+    pub(super) plans: ThinnedSeries<Path>,
+    pub(super) trees: ThinnedSeries<Vec<Edge>>,
+    pub(super) scans: ThinnedSeries<Beams>,
+    pub(super) predictions: ThinnedSeries<Vec<MethodPrediction>>,
+    pub(super) verdicts: ThinnedSeries<Verdict>,
     pub(super) regions: Regions,
     /// The horizons of predictions (s).
     pub(super) horizons_s: Vec<f64>,
@@ -101,14 +101,14 @@ pub(super) struct Layers {
 impl Default for Layers {
     fn default() -> Self {
         Self {
-            beliefs: Sampled::new(BELIEF_INTERVAL, ALL_PARTICLES, |cloud| {
+            beliefs: ThinnedSeries::new(BELIEF_INTERVAL, ALL_PARTICLES, |cloud| {
                 cloud.points.len() + 8
             }),
-            plans: Sampled::new(PLAN_INTERVAL, ALL_POINTS, |path| path.points.len() + 2),
-            trees: Sampled::new(BELIEF_INTERVAL, ALL_EDGES, |edges| edges.len() + 2),
-            scans: Sampled::new(PLAN_INTERVAL, ALL_BEAMS, |beams| beams.ranges.len() + 4),
-            predictions: Sampled::new(PLAN_INTERVAL, ALL_PREDICTIONS, |all| all.len() + 2),
-            verdicts: Sampled::new(PLAN_INTERVAL, ALL_VERDICTS, |_| 1),
+            plans: ThinnedSeries::new(PLAN_INTERVAL, ALL_POINTS, |path| path.points.len() + 2),
+            trees: ThinnedSeries::new(BELIEF_INTERVAL, ALL_EDGES, |edges| edges.len() + 2),
+            scans: ThinnedSeries::new(PLAN_INTERVAL, ALL_BEAMS, |beams| beams.ranges.len() + 4),
+            predictions: ThinnedSeries::new(PLAN_INTERVAL, ALL_PREDICTIONS, |all| all.len() + 2),
+            verdicts: ThinnedSeries::new(PLAN_INTERVAL, ALL_VERDICTS, |_| 1),
             regions: Regions::default(),
             horizons_s: Vec::new(),
         }

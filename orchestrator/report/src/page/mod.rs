@@ -1,22 +1,22 @@
 //! The page of a run for a browser: animated mission, events, figures over time, latencies,
 //! outcome. One file that works without a server or a network.
 //!
-//! * `gather` reads a log up to its end or the first damaged record, and thins out dense topics
-//!   (`sampled`), so that neither memory nor the page grows with the run;
+//! * `content` reads a log up to its end or the first damaged record, and thins out dense topics
+//!   (`thinning`), so that neither memory nor the page grows with the run;
 //! * `pack` encodes numbers as small integers;
 //! * `html` inserts them into the page, whose parts are in `page/`.
 
+mod content;
+mod events;
 mod facts;
-mod gather;
-mod happened;
 mod html;
 mod layers;
-mod measured;
 mod pack;
 mod plots;
 mod regions;
-mod sampled;
 mod scene;
+mod series;
+mod thinning;
 mod timing;
 
 #[cfg(test)]
@@ -30,7 +30,7 @@ use mcap_log::{Condition, DerivedError, LogReadError, ReadProgress};
 use platform::atomic_file::Readers;
 use serde::Serialize;
 
-use self::gather::Gathered;
+use self::content::PageContent;
 use self::html::Run;
 use self::pack::{Lists, Raster};
 pub use self::plots::{Plot, PlotCurve};
@@ -98,8 +98,8 @@ pub fn render(
 ) -> Result<(String, Vec<Report>), LogReadError> {
     let (mut runs, mut reports) = (Vec::new(), Vec::new());
     for log in logs {
-        let mut gathered = Gathered::read(log, watch)?;
-        let (run, report) = run(&mut gathered)
+        let mut content = PageContent::read(log, watch)?;
+        let (run, report) = run(&mut content)
             .map_err(|error| LogReadError::Argument(format!("{}: {error}", log.display())))?;
         runs.push(run);
         reports.push(report);
@@ -116,18 +116,18 @@ pub fn render(
 /// # Errors
 /// As [`render`].
 pub fn plots(log: &Path, watch: &mut ReadProgress) -> Result<Vec<Plot>, LogReadError> {
-    Ok(plots::plots(&mut Gathered::read(log, watch)?))
+    Ok(plots::plots(&mut PageContent::read(log, watch)?))
 }
 
 /// Returns a run for the page and its summary.
-fn run(gathered: &mut Gathered) -> std::io::Result<(Run, Report)> {
-    fit_bounds(gathered);
-    let raster = Raster::of(gathered.static_scene.min, gathered.static_scene.max);
-    let frames = gathered.frames.len();
+fn run(content: &mut PageContent) -> std::io::Result<(Run, Report)> {
+    fit_bounds(content);
+    let raster = Raster::of(content.static_scene.min, content.static_scene.max);
+    let frames = content.frames.len();
     let mut lists = Lists::default();
-    let mut facts = facts::facts(gathered);
-    let plots = plots::pack(&plots::plots(gathered), &mut lists);
-    scene::pack(gathered, raster, &mut lists);
+    let mut facts = facts::facts(content);
+    let plots = plots::pack(&plots::plots(content), &mut lists);
+    scene::pack(content, raster, &mut lists);
     if let Some(facts) = facts.as_object_mut() {
         facts.insert("plots".to_owned(), plots);
         facts.insert("raster".to_owned(), serde_json::json!(raster));
@@ -139,28 +139,28 @@ fn run(gathered: &mut Gathered) -> std::io::Result<(Run, Report)> {
         bytes: 0,
         scenario: text("scenario").unwrap_or_default().to_owned(),
         digest: text("digest").map(str::to_owned),
-        sim_time_s: gathered.end_ns as f64 / 1e9,
+        sim_time_s: content.end_ns as f64 / 1e9,
         frames,
-        robots: facts::outcome(gathered),
-        missing: facts::missing(gathered),
-        condition: gathered.condition.clone(),
+        robots: facts::outcome(content),
+        missing: facts::missing(content),
+        condition: content.condition.clone(),
     };
     let data = lists.finish()?;
     Ok((Run { facts, data }, report))
 }
 
 /// Without a map in the log, the bounds of the world are those of the robots' positions.
-fn fit_bounds(gathered: &mut Gathered) {
-    let static_scene = &mut gathered.static_scene;
+fn fit_bounds(content: &mut PageContent) {
+    let static_scene = &mut content.static_scene;
     if static_scene.min != static_scene.max {
         return;
     }
-    let starts = gathered
+    let starts = content
         .scenario
         .robots
         .iter()
         .map(|r| (r.start.x, r.start.y));
-    let states = gathered.frames.iter().flat_map(|f| &f.item.robots);
+    let states = content.frames.iter().flat_map(|f| &f.item.robots);
     for (x, y) in starts.chain(states.map(|s| (s.x, s.y))) {
         static_scene.min = [
             static_scene.min[0].min(x - 1.0),

@@ -4,9 +4,9 @@ use ipc_types::messages::observer::Prediction;
 use serde::Serialize;
 use serde_json::{Value as Json, json};
 
-use super::gather::Gathered;
-use super::measured::{Curve, Figure};
+use super::content::PageContent;
 use super::pack::{Lists, Range, pack_time};
+use super::series::{Curve, Figure};
 
 /// Title and unit of a plot.
 fn heading(figure: Figure) -> (String, &'static str) {
@@ -59,10 +59,10 @@ pub struct PlotCurve {
     pub values: Vec<f64>,
 }
 
-/// Returns all plots in order; moves the curves out of `gathered`.
-pub(super) fn plots(gathered: &mut Gathered) -> Vec<Plot> {
-    let measured = core::mem::take(&mut gathered.measured);
-    let watched = measured
+/// Returns all plots in order; moves the curves out of `content`.
+pub(super) fn plots(content: &mut PageContent) -> Vec<Plot> {
+    let series = core::mem::take(&mut content.series);
+    let watched = series
         .curves
         .keys()
         .filter_map(|(_, curve)| match curve {
@@ -72,7 +72,7 @@ pub(super) fn plots(gathered: &mut Gathered) -> Vec<Plot> {
         .collect::<std::collections::BTreeSet<u32>>()
         .len();
     let mut plots: Vec<(Figure, Plot)> = Vec::new();
-    for ((figure, curve), values) in measured.curves {
+    for ((figure, curve), values) in series.curves {
         let values = values.finish();
         let scale = match figure {
             Figure::Coverage | Figure::SafeShare => 100.0,
@@ -83,11 +83,11 @@ pub(super) fn plots(gathered: &mut Gathered) -> Vec<Plot> {
             _ => None,
         };
         let (name, robot) = match curve {
-            Curve::Robot(robot) => (gathered.name(robot), Some(robot)),
+            Curve::Robot(robot) => (content.name(robot), Some(robot)),
             Curve::Method(robot, method) => {
                 let method = Prediction::method_name(method).replace('_', " ");
                 let name = if watched > 1 {
-                    format!("{}: {method}", gathered.name(robot))
+                    format!("{}: {method}", content.name(robot))
                 } else {
                     method
                 };

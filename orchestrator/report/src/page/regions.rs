@@ -3,7 +3,7 @@
 use ipc_types::messages::referee::{DominanceCell, DominanceHeader};
 use serde_json::{Value as Json, json};
 
-use super::sampled::{Sample, Sampled};
+use super::thinning::{Sample, ThinnedSeries};
 
 const SECOND: u64 = 1_000_000_000;
 /// Maximum number of cells along a side of the grid on the page.
@@ -18,7 +18,7 @@ const MAX_COORDINATE: f64 = 1e6;
 pub(super) struct Regions {
     grid: Option<Grid>,
     /// Owners of the cells, row by row from the smallest y.
-    owners: Sampled<Vec<u8>>,
+    owners: ThinnedSeries<Vec<u8>>,
 }
 
 /// The grid of a message, and how many of its cells are one on the page.
@@ -35,7 +35,7 @@ impl Default for Regions {
     fn default() -> Self {
         Self {
             grid: None,
-            owners: Sampled::new(SECOND, ALL_CELLS, Vec::len),
+            owners: ThinnedSeries::new(SECOND, ALL_CELLS, Vec::len),
         }
     }
 }

@@ -3,10 +3,10 @@
 use geometry::pose::Pose2;
 use ipc_types::messages::referee::Verdict;
 
-use super::gather::{Frame, Gathered};
+use super::content::{Frame, PageContent};
 use super::layers::{Beams, Cloud, Edge, Layers, MethodPrediction, Path};
 use super::pack::{Lists, NONE, Raster, pack_angle, pack_time};
-use super::sampled::Sample;
+use super::thinning::Sample;
 use crate::picture::Cells;
 
 /// Flag bits above a robot's status.
@@ -14,11 +14,11 @@ const IN_CONTACT: u8 = 1 << 4;
 const FAIL_SAFE: u8 = 1 << 5;
 const PRESENT: u8 = 1 << 6;
 
-/// Packs everything that has a position; moves the layers out of `gathered`.
-pub(super) fn pack(gathered: &mut Gathered, raster: Raster, lists: &mut Lists) {
-    states(gathered, raster, lists);
-    let layers = core::mem::take(&mut gathered.layers);
-    gathered.layers.horizons_s.clone_from(&layers.horizons_s);
+/// Packs everything that has a position; moves the layers out of `content`.
+pub(super) fn pack(content: &mut PageContent, raster: Raster, lists: &mut Lists) {
+    states(content, raster, lists);
+    let layers = core::mem::take(&mut content.layers);
+    content.layers.horizons_s.clone_from(&layers.horizons_s);
     let Layers {
         beliefs,
         plans,
@@ -36,14 +36,14 @@ pub(super) fn pack(gathered: &mut Gathered, raster: Raster, lists: &mut Lists) {
     predicted(&predictions.finish(), raster, lists);
     judged(&verdicts.finish(), lists);
     owners(&regions.finish(), lists);
-    waypoints(gathered, raster, lists);
-    rectangles(gathered, raster, lists);
+    waypoints(content, raster, lists);
+    rectangles(content, raster, lists);
 }
 
 /// Packs the states robot by robot, because successive states of a robot are similar.
-fn states(gathered: &Gathered, raster: Raster, lists: &mut Lists) {
+fn states(content: &PageContent, raster: Raster, lists: &mut Lists) {
     let start;
-    let frames: &[Sample<Frame>] = if gathered.frames.is_empty() {
+    let frames: &[Sample<Frame>] = if content.frames.is_empty() {
         // Without states, the page shows the start poses.
         start = [Sample {
             time_ns: 0,
@@ -55,7 +55,7 @@ fn states(gathered: &Gathered, raster: Raster, lists: &mut Lists) {
         }];
         &start
     } else {
-        &gathered.frames
+        &content.frames
     };
     lists.u32(
         "tick",
@@ -67,11 +67,11 @@ fn states(gathered: &Gathered, raster: Raster, lists: &mut Lists) {
         frames.iter().map(|f| pack_time(f.time_ns)).collect(),
         2,
     );
-    let robots = gathered.scenario.robots.len();
+    let robots = content.scenario.robots.len();
     let [mut x, mut y, mut theta] = [const { Vec::<u16>::new() }; 3];
     let mut flags = Vec::new();
     for robot in 0..robots {
-        let put = gathered.scenario.robots.get(robot).map(|r| r.start);
+        let put = content.scenario.robots.get(robot).map(|r| r.start);
         let mut last = put.unwrap_or(Pose2::new(0.0, 0.0, 0.0));
         for frame in frames {
             let state = frame.item.robots.iter().find(|s| s.robot as usize == robot);
@@ -230,8 +230,8 @@ fn predicted(all: &[Sample<Vec<MethodPrediction>>], raster: Raster, lists: &mut 
     put_places("predictions", places, lists);
 }
 
-fn waypoints(gathered: &Gathered, raster: Raster, lists: &mut Lists) {
-    let all = &gathered.happened.waypoints;
+fn waypoints(content: &PageContent, raster: Raster, lists: &mut Lists) {
+    let all = &content.event_lists.waypoints;
     let times = all.iter().map(|(time_ns, _)| pack_time(*time_ns)).collect();
     lists.u32("waypoints.time", times, 1);
     put_places(
@@ -257,8 +257,8 @@ fn waypoints(gathered: &Gathered, raster: Raster, lists: &mut Lists) {
 }
 
 /// Packs the walls of a map that has no shapes: smallest and largest corner of rectangles.
-fn rectangles(gathered: &Gathered, raster: Raster, lists: &mut Lists) {
-    let cells = gathered.static_scene.cells.as_ref();
+fn rectangles(content: &PageContent, raster: Raster, lists: &mut Lists) {
+    let cells = content.static_scene.cells.as_ref();
     let rectangles = cells.map(Cells::rectangles).unwrap_or_default();
     let corners = rectangles.iter().flatten().flat_map(|&p| raster.pack(p));
     lists.u16("walls", corners.collect(), 0);

@@ -68,7 +68,7 @@ pub struct DominanceTrace {
 }
 
 /// Layers of the robots that are still in the game.
-pub(super) struct Finished {
+pub(super) struct MomentLayers {
     pub(super) plans: Vec<PlanTrace>,
     pub(super) trees: Vec<TreeTrace>,
     pub(super) verdicts: Vec<VerdictTrace>,
@@ -148,11 +148,11 @@ impl Layers {
     }
 
     /// Returns the layers of the robots that are still in the game.
-    pub(super) fn finish(self, plays: impl Fn(usize) -> bool) -> Finished {
+    pub(super) fn finish(self, plays: impl Fn(usize) -> bool) -> MomentLayers {
         let plans = self.plans.into_values();
         let trees = self.trees.into_values();
         let verdicts = self.verdicts.into_values();
-        Finished {
+        MomentLayers {
             plans: plans
                 .filter(|p| plays(p.robot) && p.points.len() > 1)
                 .collect(),

@@ -69,7 +69,7 @@ impl RunTrace {
 
 /// Poses of the robots over time.
 #[derive(Default)]
-struct Trails(Vec<Seen>);
+struct Trails(Vec<RobotRecord>);
 
 /// Events with a position.
 #[derive(Default)]
@@ -87,7 +87,7 @@ struct Moment {
 
 /// The state of a robot, from the messages read so far.
 #[derive(Debug, Clone, Default)]
-struct Seen {
+struct RobotRecord {
     trail: Trail,
     pose: Pose2,
     active: bool,
@@ -110,7 +110,7 @@ impl Trails {
     fn state(&mut self, time_s: f64, state: &RobotState) {
         let robot = state.robot as usize;
         if robot >= self.0.len() {
-            self.0.resize_with(robot + 1, Seen::default);
+            self.0.resize_with(robot + 1, RobotRecord::default);
         }
         let Some(seen) = self.0.get_mut(robot) else {
             return;
@@ -274,7 +274,7 @@ fn finish(
             trails
                 .0
                 .into_iter()
-                .chain(std::iter::repeat_with(Seen::default)),
+                .chain(std::iter::repeat_with(RobotRecord::default)),
         )
         .map(|((index, spec), seen)| RobotTrace {
             radius: spec.model().radius,

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 /// Timed items by key (for example, a robot) in bounded memory: per key, one item per interval and
 /// the last one. The interval grows when the items exceed the maximum weight.
 #[derive(Debug)]
-pub(super) struct Sampled<T> {
+pub(super) struct ThinnedSeries<T> {
     interval_ns: u64,
     /// Maximum sum of the weights of the items.
     most: usize,
@@ -25,7 +25,7 @@ pub(super) struct Sample<T> {
     pub(super) item: T,
 }
 
-impl<T> Sampled<T> {
+impl<T> ThinnedSeries<T> {
     /// Returns an empty series. Items of a key are at least `interval_ns` apart.
     pub(super) fn new(interval_ns: u64, most: usize, weigh: fn(&T) -> usize) -> Self {
         Self {
@@ -113,7 +113,7 @@ mod tests {
 
     #[test]
     fn items_are_an_interval_apart_and_the_last_is_there() {
-        let mut sampled = Sampled::new(10, 1000, |_| 1);
+        let mut sampled = ThinnedSeries::new(10, 1000, |_| 1);
         for time in 0..=27 {
             sampled.push(time, 0, time);
             sampled.push(time, 1, time);
@@ -129,7 +129,7 @@ mod tests {
 
     #[test]
     fn a_time_that_goes_back_is_left_out() {
-        let mut sampled = Sampled::new(0, 1000, |()| 1);
+        let mut sampled = ThinnedSeries::new(0, 1000, |()| 1);
         for time in [5, 6, 3, 7] {
             sampled.push(time, 0, ());
         }
@@ -143,7 +143,7 @@ mod tests {
             count in 1_u64..3000,
             most in 8_usize..200,
         ) {
-            let mut sampled = Sampled::new(0, most, |_| 1);
+            let mut sampled = ThinnedSeries::new(0, most, |_| 1);
             for i in 0..count {
                 sampled.push(i * 50, 0, i);
             }

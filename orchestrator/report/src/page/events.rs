@@ -22,7 +22,7 @@ const FREQUENT: [&str; 4] = [
 
 /// Events and waypoints in order, up to the maximum numbers.
 #[derive(Debug, Default)]
-pub(super) struct Happened {
+pub(super) struct EventLists {
     /// Events, by time (ns).
     pub(super) events: Vec<(u64, WorldEvent)>,
     frequent: usize,
@@ -34,7 +34,7 @@ pub(super) struct Happened {
     pub(super) waypoints_omitted: u64,
 }
 
-impl Consumer<LoggedRun> for Happened {
+impl Consumer<LoggedRun> for EventLists {
     fn topics(&self) -> &[TopicId] {
         &[TopicId::WorldEvents, TopicId::Waypoints]
     }
@@ -54,7 +54,7 @@ impl Consumer<LoggedRun> for Happened {
     }
 }
 
-impl Happened {
+impl EventLists {
     fn event(&mut self, time_ns: u64, event: &WorldEvent) {
         let is_frequent = FREQUENT.contains(&WorldEvent::name_of(event.kind));
         let others = self.events.len() - self.frequent;
@@ -81,17 +81,17 @@ mod tests {
 
     #[test]
     fn frequent_events_do_not_displace_important_ones() {
-        let mut happened = Happened::default();
+        let mut event_lists = EventLists::default();
         let event = |kind| WorldEvent {
             kind,
             ..WorldEvent::default()
         };
         for i in 0..6000 {
-            happened.event(i, &event(4));
+            event_lists.event(i, &event(4));
         }
-        happened.event(6000, &event(0));
-        assert_eq!(happened.events.len(), EVENTS + 1);
-        assert_eq!(happened.events_omitted, 1000);
-        assert_eq!(happened.events.last().unwrap().1.kind, 0);
+        event_lists.event(6000, &event(0));
+        assert_eq!(event_lists.events.len(), EVENTS + 1);
+        assert_eq!(event_lists.events_omitted, 1000);
+        assert_eq!(event_lists.events.last().unwrap().1.kind, 0);
     }
 }

@@ -10,7 +10,7 @@ use ipc_types::messages::referee::Verdict;
 use ipc_types::messages::world::{CoverageState, RobotState};
 use ipc_types::topics::{Belief, Coverage, Predictions, TopicId, Verdicts};
 
-use super::sampled::Sampled;
+use super::thinning::ThinnedSeries;
 use crate::run_model::LoggedRun;
 use scenario::spec::MAX_ROBOTS;
 
@@ -53,13 +53,13 @@ pub(super) enum Curve {
 
 /// All curves read so far.
 #[derive(Debug, Default)]
-pub(super) struct Measured {
-    pub(super) curves: BTreeMap<(Figure, Curve), Sampled<f64>>,
+pub(super) struct Series {
+    pub(super) curves: BTreeMap<(Figure, Curve), ThinnedSeries<f64>>,
     /// Sum and number of prediction errors so far.
     errors: BTreeMap<(Figure, Curve), (f64, u64)>,
 }
 
-impl Consumer<LoggedRun> for Measured {
+impl Consumer<LoggedRun> for Series {
     fn topics(&self) -> &[TopicId] {
         &[
             TopicId::WorldState,
@@ -97,14 +97,14 @@ impl Consumer<LoggedRun> for Measured {
     }
 }
 
-impl Measured {
+impl Series {
     fn add(&mut self, figure: Figure, curve: Curve, time_ns: u64, value: f64) {
         if self.curves.len() >= CURVES && !self.curves.contains_key(&(figure, curve)) {
             return;
         }
         self.curves
             .entry((figure, curve))
-            .or_insert_with(|| Sampled::new(0, VALUES, |_| 1))
+            .or_insert_with(|| ThinnedSeries::new(0, VALUES, |_| 1))
             .push(time_ns, 0, value);
     }
 
@@ -200,8 +200,8 @@ impl Measured {
 mod tests {
     use super::*;
 
-    fn values(measured: Measured, figure: Figure, curve: Curve) -> Vec<f64> {
-        let mut curves = measured.curves;
+    fn values(series: Series, figure: Figure, curve: Curve) -> Vec<f64> {
+        let mut curves = series.curves;
         let curve = curves.remove(&(figure, curve)).unwrap();
         curve.finish().into_iter().map(|s| s.item).collect()
     }
@@ -215,26 +215,26 @@ mod tests {
             x,
             ..RobotState::default()
         };
-        let mut measured = Measured::default();
+        let mut series = Series::default();
         let evader = |status| robot(2, EVADER, status, 0.0);
         let (off, on) = (robot(0, PURSUER, 5, 1.0), robot(1, PURSUER, 0, 3.0));
-        measured.state(0, &[off, on, evader(0)]);
-        measured.state(1, &[off, on, evader(CAUGHT)]);
+        series.state(0, &[off, on, evader(0)]);
+        series.state(1, &[off, on, evader(CAUGHT)]);
         assert_eq!(
-            measured
+            series
                 .curves
                 .keys()
                 .filter(|k| k.0 == Figure::Outcome)
                 .count(),
             3
         );
-        let nearest = values(measured, Figure::Nearest, Curve::Robot(2));
+        let nearest = values(series, Figure::Nearest, Curve::Robot(2));
         assert_eq!(nearest, [3.0, f64::INFINITY]);
     }
 
     #[test]
     fn the_mean_is_of_the_errors_that_are_due() {
-        let mut measured = Measured::default();
+        let mut series = Series::default();
         for (time, due, error) in [(1, 0, 9.0), (2, 1, 0.5), (3, 1, f64::INFINITY), (4, 1, 1.5)] {
             let prediction = Prediction {
                 horizon_s: 2.0,
@@ -243,9 +243,9 @@ mod tests {
                 method: 3,
                 ..Prediction::default()
             };
-            measured.predictions(time, &[prediction]);
+            series.predictions(time, &[prediction]);
         }
         let figure = Figure::PredictionError(2.0_f64.to_bits());
-        assert_eq!(values(measured, figure, Curve::Method(0, 3)), [0.5, 1.0]);
+        assert_eq!(values(series, figure, Curve::Method(0, 3)), [0.5, 1.0]);
     }
 }

@@ -9,10 +9,10 @@ use ipc_types::messages::world::RobotState;
 use ipc_types::topics::TopicId;
 use mcap_log::{Condition, LogReadError, ReadProgress};
 
-use super::happened::Happened;
+use super::events::EventLists;
 use super::layers::Layers;
-use super::measured::Measured;
-use super::sampled::{Sample, Sampled};
+use super::series::Series;
+use super::thinning::{Sample, ThinnedSeries};
 use super::timing::Timing;
 use crate::run_model::Facts;
 use crate::run_model::LoggedScenario;
@@ -31,7 +31,7 @@ pub(super) struct Frame {
 
 /// Content of the page of a run.
 #[derive(Debug)]
-pub(super) struct Gathered {
+pub(super) struct PageContent {
     pub(super) facts: Facts,
     pub(super) scenario: LoggedScenario,
     pub(super) frames: Vec<Sample<Frame>>,
@@ -45,8 +45,8 @@ pub(super) struct Gathered {
     /// Its changes, by time (ns).
     pub(super) changes: Vec<(u64, ObstacleChange)>,
     pub(super) layers: Layers,
-    pub(super) happened: Happened,
-    pub(super) measured: Measured,
+    pub(super) event_lists: EventLists,
+    pub(super) series: Series,
     pub(super) timing: Timing,
     /// Messages by topic, of the lossless topics.
     pub(super) counts: BTreeMap<String, u64>,
@@ -55,7 +55,7 @@ pub(super) struct Gathered {
 }
 
 /// A thinned-out series of world states.
-struct Frames(Sampled<Frame>);
+struct Frames(ThinnedSeries<Frame>);
 
 impl Consumer<LoggedRun> for Frames {
     fn topics(&self) -> &[TopicId] {
@@ -71,21 +71,21 @@ impl Consumer<LoggedRun> for Frames {
     }
 }
 
-impl Gathered {
+impl PageContent {
     /// Reads a log up to its end or the first damaged record.
     pub(super) fn read(log: &Path, watch: &mut ReadProgress) -> Result<Self, LogReadError> {
         let weigh = |frame: &Frame| frame.robots.len();
-        let mut frames = Frames(Sampled::new(0, MAX_STATES, weigh));
-        let (mut layers, mut happened) = (Layers::default(), Happened::default());
-        let (mut measured, mut timing) = (Measured::default(), Timing::default());
+        let mut frames = Frames(ThinnedSeries::new(0, MAX_STATES, weigh));
+        let (mut layers, mut event_lists) = (Layers::default(), EventLists::default());
+        let (mut series, mut timing) = (Series::default(), Timing::default());
         let mut run = LoggedRun::read(
             log,
             Purpose::Page,
             vec![
                 Box::new(&mut frames),
                 Box::new(&mut layers),
-                Box::new(&mut happened),
-                Box::new(&mut measured),
+                Box::new(&mut event_lists),
+                Box::new(&mut series),
                 Box::new(&mut timing),
             ],
             watch,
@@ -112,8 +112,8 @@ impl Gathered {
             static_scene,
             changes: run.changes,
             layers,
-            happened,
-            measured,
+            event_lists,
+            series,
             timing,
             counts: run.counts,
             notes: run.notes,
