@@ -13,6 +13,7 @@ mod chase;
 mod command_line;
 mod coverage;
 mod cpp_planner;
+mod diff;
 mod documentation;
 mod external;
 mod external_planner;

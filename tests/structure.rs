@@ -48,6 +48,7 @@ const RULES: Rules = Rules {
         // One crate per kind of process, or per family of kinds; none depends on another one.
         &["processes/*"],
         &["recorder", "scenario"],
+        &["diff"],
         // Readers of logs: no kinds of processes, no missions.
         &["import", "log_tools", "report", "viewer"],
         &["kinds", "mission", "plan"],

@@ -312,7 +312,7 @@ fn run_info() -> RunInfo {
                     .get(index as usize)
                     .unwrap_or(&"pursuer")
                     .to_string(),
-                reads_beliefs: index >= 2,
+                upstream: if index >= 2 { vec![1] } else { Vec::new() },
             })
             .collect(),
         robots: (0..ROBOTS)

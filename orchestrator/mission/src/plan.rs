@@ -159,13 +159,6 @@ impl Plan {
             .find(|launch| launch.config.robots.contains(&robot));
         driver?.declaration.as_ref()?.lap_limit_s
     }
-
-    /// Returns `true` if the beliefs of a tick are input of a process.
-    pub fn reads_beliefs(&self, index: usize) -> bool {
-        self.launches
-            .get(index)
-            .is_some_and(|l| !l.config.upstream.is_empty())
-    }
 }
 
 /// Returns the configuration that all processes of a run of this scenario share, except its directory.

@@ -218,14 +218,14 @@ fn processes(plan: &Plan) -> Vec<ProcessInfo> {
                 Executable::Kind(kind) => kind,
                 Executable::Command { .. } => launch.config.name.clone(),
             },
-            reads_beliefs: plan.reads_beliefs(index),
+            upstream: launch.config.upstream.clone(),
         })
         .collect();
     processes.push(ProcessInfo {
         index: plan.orchestrator_index(),
         name: "orchestrator".into(),
         kind: "orchestrator".into(),
-        reads_beliefs: false,
+        upstream: Vec::new(),
     });
     processes
 }

@@ -17,8 +17,8 @@ pub struct ProcessInfo {
     pub name: String,
     /// Kind; latencies are grouped by it.
     pub kind: String,
-    /// `true` if its commands wait for the beliefs of their tick.
-    pub reads_beliefs: bool,
+    /// Indices of the processes whose messages of a tick it waits for, beside the simulator and the orchestrator.
+    pub upstream: Vec<u32>,
 }
 
 /// A robot of the run; its position in the list is its index.

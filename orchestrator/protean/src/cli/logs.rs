@@ -87,6 +87,9 @@ pub(super) enum CommandError {
     /// An output file cannot be written.
     #[error(transparent)]
     Derived(#[from] DerivedError),
+    /// An argument is not usable.
+    #[error("{0}")]
+    Usage(String),
     /// The run cannot be replayed or verified.
     #[error(transparent)]
     Replay(#[from] ReplayError),
@@ -97,6 +100,7 @@ impl CommandError {
         match self {
             Self::Log(error) | Self::Replay(ReplayError::Log(error)) => exit_code_of_read(error),
             Self::Derived(error) => exit_code_of_derived(error),
+            Self::Usage(_) => EXIT_INVALID,
             Self::Replay(ReplayError::Mission(error)) => exit_code_of_mission(error),
         }
     }

@@ -5,6 +5,7 @@ mod check;
 mod clean;
 mod common;
 mod coverage;
+mod diff;
 mod export;
 mod filter;
 mod help;
@@ -106,6 +107,9 @@ enum Command {
     /// Run the scenario of a log again and compare every message
     #[command(after_long_help = verify::HELP)]
     Verify(verify::VerifyArgs),
+    /// Name the first difference of two runs, and the process that caused it
+    #[command(after_long_help = diff::HELP)]
+    Diff(diff::DiffArgs),
     /// Run an experiment: many missions, one table of results
     #[command(
         args_conflicts_with_subcommands = true,
@@ -259,6 +263,7 @@ fn command(kinds: &'static [Kind], cli: Cli) -> ExitCode {
         Command::Recover(args) => recover::run(&args),
         Command::Replay(args) => replay::run(kinds, args),
         Command::Verify(args) => verify::run(kinds, &args),
+        Command::Diff(args) => diff::run(kinds, &args),
         Command::Sweep(args) => sweep::sweep(kinds, &args),
         Command::Reproduce(args) => reproduce::run(kinds, &args),
         Command::Plan(args) => plan::run(&args),

@@ -98,7 +98,7 @@ impl Chain {
         let processes = processes.iter().map(|p| {
             let process = Process {
                 kind: p.kind.clone(),
-                reads_beliefs: p.reads_beliefs,
+                reads_beliefs: !p.upstream.is_empty(),
                 step: format!("{} step", p.kind),
                 hops: BTreeMap::new(),
             };

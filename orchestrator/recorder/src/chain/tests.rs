@@ -19,7 +19,11 @@ fn processes() -> Vec<ProcessInfo> {
         index,
         name: kind.to_owned(),
         kind: kind.to_owned(),
-        reads_beliefs,
+        upstream: if reads_beliefs {
+            vec![PERCEPTION]
+        } else {
+            Vec::new()
+        },
     })
     .to_vec()
 }

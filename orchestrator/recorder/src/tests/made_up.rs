@@ -345,7 +345,11 @@ pub fn run_info() -> RunInfo {
                 index: index as u32,
                 name: format!("{kind}_{index}"),
                 kind: (*kind).to_owned(),
-                reads_beliefs: *kind == "pursuer",
+                upstream: if *kind == "pursuer" {
+                    vec![2]
+                } else {
+                    Vec::new()
+                },
             })
             .collect(),
         robots: ["police_1", "police_2", "baddie_1"]

@@ -1,0 +1,33 @@
+//! The first difference of two recorded histories: tick, topic, process, field, both values, and the processes that
+//! caused it; scenario keys, outcomes and events that differ.
+//!
+//! * `history` reads the simulated history of a log tick by tick, in memory that does not grow with the log;
+//! * `message` compares two messages, of different versions by the names of their fields;
+//! * `cause` tells the processes that differ by themselves from those that only received other inputs;
+//! * `facts` compares scenarios, results and events.
+//!
+//! ```no_run
+//! use std::path::Path;
+//!
+//! let mut watch = mcap_log::ReadProgress::default();
+//! let report = diff::diff(Path::new("a.mcap"), Path::new("b.mcap"), &mut watch)?;
+//! for cause in report.first.iter().flat_map(|first| &first.causes) {
+//!     println!("tick {}: {} {}", cause.tick, cause.process, cause.field);
+//! }
+//! # Ok::<(), mcap_log::LogReadError>(())
+//! ```
+
+#![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
+#![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
+
+mod cause;
+mod facts;
+mod history;
+mod message;
+mod report;
+
+#[cfg(test)]
+mod tests;
+
+pub use facts::{EventChange, ValueChange};
+pub use report::{DiffReport, Difference, FirstDifference, LogFacts, diff};

@@ -1,0 +1,236 @@
+//! `protean diff`.
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::sync::Arc;
+
+use diff::{DiffReport, Difference, EventChange, LogFacts, ValueChange, diff};
+use mcap_log::ReadProgress;
+use mission::in_process::{self, InProcessOptions};
+use mission::{MissionError, MissionOptions};
+use platform::file_kind::FileKind;
+use platform::scratch::Scratch;
+use recorder::time_text;
+use replay::ReplayError;
+use scenario::Loader;
+use scenario::kind::Kind;
+
+use super::common::{ExternalArg, JsonArg, QuietArg};
+use super::logs::{self, CommandError};
+use super::output::{print, print_json};
+use super::run::refuse_external;
+use super::run_args::OverrideArgs;
+use super::tips;
+
+/// Maximum number of lines of a list in the text.
+const MAX_LINES: usize = 12;
+
+/// Help below the options.
+pub(super) const HELP: &str = "\
+Each side is a log, or a scenario that is run first, in this process, without a log. The command names the first tick in
+which the histories differ, and in it the processes that received the same inputs and answered otherwise. It also lists the
+keys of the scenario, the results and the events that differ.
+
+  protean diff old.mcap new.mcap
+  protean diff chase --seed-b 2
+  protean diff chase --set-b teams.police.limits.v_max=0.25
+
+Exit codes: 0 the histories are equal, 1 they differ or a run failed, 2 a side is not usable, 3 equal as far as an incomplete
+log goes.";
+
+/// Arguments of `protean diff`.
+#[derive(Debug, clap::Args)]
+pub(super) struct DiffArgs {
+    /// Log, scenario file or built-in scenario
+    a: String,
+    /// The other side [default: the same scenario]
+    b: Option<String>,
+    #[command(flatten)]
+    overrides: OverrideArgs,
+    /// Seed of the second side
+    #[arg(long, value_name = "N", value_parser = tips::seed)]
+    seed_b: Option<u64>,
+    /// Override a value of the scenario of the second side
+    #[arg(long, value_name = "KEY=VALUE")]
+    set_b: Vec<String>,
+    #[command(flatten)]
+    external: ExternalArg,
+    #[command(flatten)]
+    json: JsonArg,
+    #[command(flatten)]
+    quiet: QuietArg,
+}
+
+/// Compares two sides and prints their differences.
+pub(super) fn run(kinds: &[Kind], args: &DiffArgs) -> ExitCode {
+    runtime::logging::start("warn");
+    logs::command(args.quiet.quiet, |watch| {
+        let folder = Scratch::create().map_err(|source| {
+            ReplayError::from(MissionError::System {
+                what: "cannot create a temporary directory".into(),
+                source,
+            })
+        })?;
+        let b = args.b.as_ref().unwrap_or(&args.a);
+        let first = log_of(kinds, args, &args.a, &args.overrides, &folder, "a", watch)?;
+        let mut overrides = args.overrides.clone();
+        overrides.seed = args.seed_b.or(overrides.seed);
+        overrides.set.extend(args.set_b.iter().cloned());
+        let second = log_of(kinds, args, b, &overrides, &folder, "b", watch)?;
+        let report = diff(&first, &second, watch)?;
+        if args.json.json {
+            print_json(&serde_json::json!(report));
+        } else {
+            print(&text(&report, &args.a, b));
+        }
+        for (side, facts) in [(&args.a, &report.a), (b, &report.b)] {
+            logs::warn_of_faults(Path::new(side), &facts.condition.lines());
+        }
+        Ok(logs::of_comparison(report.same, report.whole))
+    })
+}
+
+/// Returns the log of a side; runs a scenario first.
+fn log_of(
+    kinds: &[Kind],
+    args: &DiffArgs,
+    side: &str,
+    overrides: &OverrideArgs,
+    folder: &Scratch,
+    name: &str,
+    watch: &ReadProgress,
+) -> Result<PathBuf, CommandError> {
+    let path = PathBuf::from(side);
+    let is_changed = overrides.seed.is_some() || !overrides.set.is_empty();
+    if FileKind::of(&path) == Some(FileKind::Log) {
+        if is_changed && name == "b" && args.b.is_none() {
+            return Err(CommandError::Usage(format!(
+                "{side} is a log: its seed and scenario cannot be changed; name another log or scenario"
+            )));
+        }
+        return Ok(path);
+    }
+    let mut scenario = Loader::new(kinds)
+        .allow_outside(overrides.allow_outside)
+        .load(side, &overrides.set, overrides.seed)
+        .map_err(|problems| usage(&problems.to_string()))?;
+    refuse_external(side, &scenario, args.external.allow_external).map_err(|text| usage(&text))?;
+    // Only the history is compared.
+    scenario.log.viewer_rate_hz = 0.0;
+    let log = folder.path().join(format!("{name}.mcap"));
+    let interrupted = Arc::clone(&watch.interrupted);
+    let done = if scenario.uses_external_commands() {
+        let options = MissionOptions {
+            out: Some(log.clone()),
+            quiet: true,
+            interrupted,
+            ..MissionOptions::default()
+        };
+        mission::run(&scenario, &options)
+    } else {
+        let options = InProcessOptions {
+            out: Some(log.clone()),
+            interrupted,
+            ..InProcessOptions::default()
+        };
+        in_process::run(&scenario, &options)
+    };
+    done.map_err(ReplayError::from)?;
+    Ok(log)
+}
+
+/// Returns the error of an argument, from a text that begins like one.
+fn usage(text: &str) -> CommandError {
+    CommandError::Usage(text.strip_prefix("error: ").unwrap_or(text).to_owned())
+}
+
+/// Returns the report as text.
+fn text(report: &DiffReport, a: &str, b: &str) -> String {
+    let side = |name: &str, facts: &LogFacts| {
+        let (scenario, seed, version) = (&facts.scenario, &facts.seed, &facts.version);
+        format!("{name}          {scenario}, seed {seed}, protean {version}")
+    };
+    let mut lines = vec![
+        format!("{}: {a}", side("A", &report.a)),
+        format!("{}: {b}", side("B", &report.b)),
+    ];
+    list(&mut lines, "scenario", &report.scenario, value_line);
+    match &report.first {
+        None if report.whole => lines.push("histories  equal".to_owned()),
+        None => lines.push("histories  equal as far as both logs go".to_owned()),
+        Some(first) => {
+            let tick = first.causes.first().map_or(0, |cause| cause.tick);
+            let time = time_text(first.time_s);
+            lines.push(format!(
+                "histories  DIFFERENT from tick {tick} on ({time} s)"
+            ));
+            list(&mut lines, "cause", &first.causes, difference_line);
+            list(&mut lines, "effects", &first.effects, difference_line);
+        }
+    }
+    list(&mut lines, "results", &report.results, value_line);
+    list(&mut lines, "events", &report.events, event_line);
+    lines.join("\n")
+}
+
+/// Adds a list with a heading, shortened.
+fn list<T>(lines: &mut Vec<String>, heading: &str, items: &[T], line: impl Fn(&T) -> String) {
+    for (at, item) in items.iter().take(MAX_LINES).enumerate() {
+        let heading = if at == 0 { heading } else { "" };
+        lines.push(format!("{heading:<10} {}", line(item)));
+    }
+    if items.len() > MAX_LINES {
+        let others = items.len() - MAX_LINES;
+        lines.push(format!("{:<10} and {others} others (--json lists all)", ""));
+    }
+}
+
+fn difference_line(change: &Difference) -> String {
+    let Difference {
+        process,
+        topic,
+        field,
+        a,
+        b,
+        ..
+    } = change;
+    let of = change
+        .robot
+        .as_ref()
+        .map_or_else(String::new, |robot| format!(" of {robot}"));
+    let field = if field.is_empty() {
+        ""
+    } else {
+        &format!(" {field}{of}:")
+    };
+    format!("{process}, {topic}:{field} {} → {}", or_none(a), or_none(b))
+}
+
+fn value_line(change: &ValueChange) -> String {
+    let value =
+        |value: &Option<String>| value.as_deref().map_or_else(|| "none".to_owned(), or_none);
+    format!(
+        "{}: {} → {}",
+        change.key,
+        value(&change.a),
+        value(&change.b)
+    )
+}
+
+fn event_line(change: &EventChange) -> String {
+    let time = |time: Option<f64>| time.map_or_else(|| "never".to_owned(), |t| time_text(t) + " s");
+    format!(
+        "{}: {} → {}",
+        change.event,
+        time(change.a_s),
+        time(change.b_s)
+    )
+}
+
+fn or_none(value: &str) -> String {
+    if value.is_empty() {
+        "none".to_owned()
+    } else {
+        value.to_owned()
+    }
+}
