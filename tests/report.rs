@@ -171,6 +171,7 @@ fn a_page_opens_before_the_first_decision_and_two_runs_share_its_clock() {
     let steps = json!([
         { "eval": times("['goal_reached']") },
         { "eval": times("['obstacle']") },
+        { "eval": "document.getElementById('difference').textContent" },
         { "eval": "protean.t" },
         { "key": "p" },
         { "eval": later("[protean.t, location.hash]") },
@@ -194,6 +195,10 @@ fn a_page_opens_before_the_first_decision_and_two_runs_share_its_clock() {
     };
     let (goals, obstacles) = (all(next()), all(next()));
     assert_eq!((goals.len(), obstacles.len()), (2, 4));
+    let difference = next().as_str().unwrap();
+    for words in ["The histories are equal", "run.seed"] {
+        assert!(difference.contains(words), "{difference}");
+    }
     let opens = next().as_f64().unwrap();
     let first = goals.iter().copied().fold(f64::INFINITY, f64::min);
     assert!((first - 5.0 - opens).abs() < 1e-6, "{opens} s, {goals:?}");

@@ -5,7 +5,10 @@ use serde_json::Value as Json;
 const PAGE: &str = include_str!("page/page.html");
 const STYLE: &str = include_str!("page/page.css");
 /// Scripts of the whole page.
-const SHARED: [&str; 1] = [include_str!("page/clock.js")];
+const SHARED: [&str; 2] = [
+    include_str!("page/clock.js"),
+    include_str!("page/difference.js"),
+];
 /// The scripts of a run, each after those that it uses.
 const VIEWER: [&str; 10] = [
     include_str!("page/data.js"),
@@ -39,9 +42,10 @@ impl Run {
     }
 }
 
-/// Inserts runs into the page.
-pub(super) fn page(runs: &[Run], colours: &str) -> String {
-    let titles: Vec<&str> = runs.iter().map(Run::title).collect();
+/// Inserts runs, and the comparison of two, into the page.
+pub(super) fn page(runs: &[Run], comparison: Option<&Json>, colours: &str) -> String {
+    let mut titles: Vec<&str> = runs.iter().map(Run::title).collect();
+    titles.dedup();
     let size: usize = runs.iter().map(|run| run.data.len()).sum();
     let mut page = String::with_capacity(size + (256 << 10));
     let mut rest = PAGE;
@@ -62,6 +66,13 @@ pub(super) fn page(runs: &[Run], colours: &str) -> String {
                     page.push_str("</script>\n<script type=\"application/octet-stream\">");
                     page.push_str(data);
                     page.push_str("</script>\n");
+                }
+            }
+            "difference" => {
+                if let Some(comparison) = comparison {
+                    page.push_str("<script id=\"compared\" type=\"application/json\">");
+                    page.push_str(&in_script(&comparison.to_string()));
+                    page.push_str("</script>");
                 }
             }
             "shared" => SHARED.iter().for_each(|script| page.push_str(script)),
@@ -104,7 +115,11 @@ mod tests {
     #[test]
     fn names_from_the_log_are_escaped() {
         let evil = "</script><script>alert(1)</script>{{data}}<!--";
-        let page = page(&[run(json!({ "title": evil, "x": evil }))], "--ink:#000;");
+        let page = page(
+            &[run(json!({ "title": evil, "x": evil }))],
+            Some(&json!({ "error": evil })),
+            "--ink:#000;",
+        );
         assert!(!page.contains("alert(1)<"), "escaped");
         assert_eq!(page.matches("QUJD").count(), 1);
         assert!(page.contains("&lt;/script&gt;"));
@@ -118,6 +133,7 @@ mod tests {
                 run(json!({ "scenario": "chase" })),
                 run(json!({ "title": "Hello" })),
             ],
+            None,
             "",
         );
         assert!(page.starts_with("<!doctype html>") && page.trim_end().ends_with("</html>"));

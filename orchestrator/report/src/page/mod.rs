@@ -25,10 +25,12 @@ mod tests;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
+use diff::diff;
 use mcap_log::derived;
 use mcap_log::{Condition, DerivedError, LogReadError, ReadProgress};
 use platform::atomic_file::Readers;
 use serde::Serialize;
+use serde_json::{Value as Json, json};
 
 use self::content::PageContent;
 use self::html::Run;
@@ -104,11 +106,27 @@ pub fn render(
         runs.push(run);
         reports.push(report);
     }
-    let page = html::page(&runs, &facts::colours());
+    let comparison = match logs {
+        [a, b] => Some(comparison(a, b, watch)?),
+        _ => None,
+    };
+    let page = html::page(&runs, comparison.as_ref(), &facts::colours());
     for report in &mut reports {
         report.bytes = page.len() as u64;
     }
     Ok((page, reports))
+}
+
+/// Returns the differences of two logs, or the reason why they cannot be compared.
+///
+/// # Errors
+/// [`LogReadError::Interrupted`].
+fn comparison(a: &Path, b: &Path, watch: &mut ReadProgress) -> Result<Json, LogReadError> {
+    match diff(a, b, watch) {
+        Ok(report) => Ok(json!({ "report": report })),
+        Err(LogReadError::Interrupted) => Err(LogReadError::Interrupted),
+        Err(error) => Ok(json!({ "error": error.to_string() })),
+    }
 }
 
 /// Returns the plots of the page of a log.

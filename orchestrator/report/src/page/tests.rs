@@ -170,6 +170,10 @@ fn a_page_of_two_logs_has_both_runs() {
         assert_eq!((&report.page, report.bytes), (&out, page.len() as u64));
     }
     assert_eq!(page.matches("<script class=\"facts\"").count(), 2);
+    assert!(
+        page.contains("\"same\":true"),
+        "the comparison is on the page"
+    );
     let itself = super::report(&[&log, &other], &other, true, &mut watch());
     assert!(
         matches!(itself, Err(DerivedError::IsTheLog { .. })),

@@ -37,7 +37,7 @@ const LONGEST_PLAY = 60;
 
 const control = (id) => document.getElementById(id);
 const clock = {
-  t: 0, end: 0, playing: false, speed: 1, viewers: [], waiting: false, before: 0, drawn: 0, address: 0,
+  t: 0, end: 0, difference: NaN, playing: false, speed: 1, viewers: [], waiting: false, before: 0, drawn: 0, address: 0,
 
   /** Schedules one redraw. */
   redraw() {

@@ -7,6 +7,8 @@ const sources = [...document.querySelectorAll('script.facts')].map((script) => {
   return source;
 });
 const isPair = sources.length > 1;
+const compared = control('compared');
+if (compared) clock.difference = showDifference(JSON.parse(compared.textContent));
 document.body.classList.toggle('pair', isPair);
 for (const { facts, packed } of sources) {
   const host = element('div', { className: 'run' });

@@ -72,6 +72,10 @@ function drawEventPicture() {
     ctx.fillStyle = colours.faint;
     fillInside(ctx, `${t} s`, eventX(t), bottom + 11, eventsCanvas.clientWidth);
   }
+  if (clock.difference <= axisEnd()) {
+    ctx.fillStyle = colours.evader;
+    ctx.fillRect(eventX(clock.difference) - 1, 0, 2, bottom);
+  }
   usedLanes.forEach((lane, row) => {
     ctx.fillStyle = colours.faint;
     ctx.textAlign = 'right';
