@@ -23,7 +23,7 @@ use scenario::ResolvedScenario;
 use scenario::kind::Kind;
 use scenario::spec::Mode;
 
-/// Number and size of the messages of one topic, for baselines of the same size.
+/// Number and size of the messages of one topic.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Sizes {
     /// Number of messages.
