@@ -3,7 +3,6 @@
 mod any_bus;
 mod bus;
 mod bus_in_memory;
-mod c_header;
 mod cdr_python;
 mod cdr_round_trip;
 
