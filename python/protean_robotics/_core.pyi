@@ -12,6 +12,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from ._types import PointLike
 
+# Scenario, overrides, seed, whether files outside its folder may be used, process.
+_Source = tuple[str, Sequence[str], int | None, bool, str | None]
+
 MAX_MISSIONS: int
 __version__: str
 
@@ -286,6 +289,9 @@ def sweep_figures(directory: str | os.PathLike[str]) -> str: ...
 def missions_to_run(
     experiment: str | os.PathLike[str], out: str | os.PathLike[str] | None, options: Any
 ) -> tuple[Path, list[int]]: ...
+def plan_patrol(source: _Source, key: str | None, laps: int) -> str: ...
+def predict_patrol(source: _Source, key: str | None, at: Sequence[float], waypoints: Sequence[int]) -> str: ...
+def plan_coverage(source: _Source, loops: int | None, goals: int | None, length: float | None) -> str: ...
 def run_in_process(
     scenario: str,
     *,

@@ -14,6 +14,7 @@ mod interruptible;
 mod log;
 mod map;
 mod planner;
+mod routes;
 mod run;
 mod sweep;
 
@@ -37,6 +38,8 @@ mod _core {
     use crate::map::Map;
     #[pymodule_export]
     use crate::planner::{Belief, Function, PySteering, Robot, Scan, World, go_to, serve};
+    #[pymodule_export]
+    use crate::routes::{plan_coverage, plan_patrol, predict_patrol};
     #[pymodule_export]
     use crate::run::run_in_process;
     #[pymodule_export]
