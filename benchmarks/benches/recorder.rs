@@ -5,6 +5,8 @@
 //! * `compression`: levels and chunk sizes; the sizes of the files are printed.
 //! * `tick`: all work of a recorder for one tick of a chase (goal < 60 µs), by part.
 
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::unreachable)]
+
 use std::collections::BTreeMap;
 use std::hint::black_box;
 use std::path::Path;

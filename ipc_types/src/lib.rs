@@ -9,9 +9,6 @@
 //! * [`schema`], [`cdr`]: the messages in logs;
 //! * [`consumer`]: consumers of the messages of a run in order, from the bus or from a log.
 
-#![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
-#![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
-
 // The macros name the crate as others do.
 extern crate self as ipc_types;
 

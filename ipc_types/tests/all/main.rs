@@ -1,5 +1,7 @@
 //! Tests of the public interface; one program, because linking five takes time.
 
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::unreachable)]
+
 mod any_bus;
 mod bus;
 mod bus_in_memory;

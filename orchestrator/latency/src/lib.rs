@@ -5,9 +5,6 @@
 //! * [`run`](mission::run) runs a mission in real time for such a log;
 //! * [`Report`] is the result as a table and as JSON.
 
-#![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
-#![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
-
 mod error;
 pub mod mission;
 mod of_log;

@@ -4,9 +4,6 @@
 //! sub-goals that only its key predicts; [`baselines`] are for comparison. Each makes its sub-goals
 //! with [`coverage`]; [`follower::Follower`] is their common process.
 
-#![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
-#![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
-
 pub mod baselines;
 pub mod chebyshev;
 mod check;

@@ -11,9 +11,6 @@
 //! A library is trusted as code of this process: what it returns is checked, but it can break the process. The
 //! orchestrator then acts as for any process that ends.
 
-#![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
-#![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
-
 #[expect(clippy::doc_markdown, reason = "the comments are those of the header")]
 mod abi;
 mod c_structure;

@@ -1,5 +1,7 @@
 //! Tests of the navigator without processes: an ideal world, and a planner of straight lines only.
 
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::unreachable)]
+
 use core::f64::consts::{FRAC_PI_2, PI};
 
 use geometry::grid::{Grid, GridFrame};
