@@ -6,7 +6,7 @@ use geometry::map::{MapSpec, WorldMap};
 use geometry::pose::Pose2;
 use geometry::shape::Aabb;
 use nalgebra::Point2;
-use planner::{Declaration, Input, Output, Planner, limits};
+use planner::{Declaration, Input, Output, Planner, PlannerError, limits};
 use planner_view::limits::Limits;
 use planner_view::map::PlannerMap;
 use planner_view::steering::Steering;
@@ -135,8 +135,8 @@ impl<D: Design> Planner for Follower<D> {
         check_task::<D>(params, task, seed)
     }
 
-    fn new(params: &D::Params, robot: &RobotInfo, seed: u64) -> Result<Self, String> {
-        parameters::check(params).map_err(|e| e.to_string())?;
+    fn new(params: &D::Params, robot: &RobotInfo, seed: u64) -> Result<Self, PlannerError> {
+        parameters::check(params)?;
         let mut follow = D::follow(params);
         let model = &robot.model;
         follow.driver = follow
@@ -149,7 +149,7 @@ impl<D: Design> Planner for Follower<D> {
             limits,
             radius,
             seed,
-            drive: Self::driver(&follow, limits, radius)?,
+            drive: Self::driver(&follow, limits, radius).map_err(PlannerError::algorithm)?,
             goals: None,
             revision: None,
             last: None,
