@@ -1,7 +1,5 @@
 //! The compiled part of the Python package `protean_robotics`.
 
-#![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
-#![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
 // Arguments come from Python as values, and doc comments of what it sees are docstrings.
 #![allow(clippy::needless_pass_by_value, clippy::doc_markdown)]
 
@@ -58,7 +56,7 @@ mod _core {
     #[pymodule]
     mod navigation {
         #[pymodule_export]
-        use crate::algorithms::navigation::{arrival_times, dominance, ways};
+        use crate::algorithms::navigation::{arrival_times, dominance, shortest_paths};
     }
 
     #[pymodule]

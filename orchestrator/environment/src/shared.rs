@@ -121,7 +121,7 @@ impl Shared {
         } else {
             WayLeft::of_agents(&agents.robots, &facts, exits.len())?
         };
-        let planner_map = if options.observation.way || !evaders.is_empty() || !ways_left.is_empty()
+        let planner_map = if options.observation.path || !evaders.is_empty() || !ways_left.is_empty()
         {
             Some(planner_map(world.map(), blur_sigma)?)
         } else {
