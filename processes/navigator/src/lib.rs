@@ -16,7 +16,7 @@ pub mod trajectory;
 pub mod trajectory_request;
 pub mod wire;
 
-pub use navigator::{Decision, Navigator};
+pub use navigator::{Decision, Navigator, NavigatorError};
 pub use params::NavigatorParams;
 pub use trajectory::{Trajectory, TrajectoryError};
 pub use trajectory_request::{PlanFailure, TrajectoryRequest};
