@@ -24,6 +24,7 @@ use coverage::sub_goals::site::Site;
 
 use crate::check::check_task;
 use crate::design::Design;
+use crate::error::DesignError;
 
 /// Method of driving.
 #[derive(Debug)]
@@ -57,16 +58,14 @@ impl<D: Design> Follower<D> {
         self.goals.as_mut()
     }
 
-    fn driver(follow: &FollowParams, limits: Limits, radius: f64) -> Result<Drive, String> {
+    fn driver(follow: &FollowParams, limits: Limits, radius: f64) -> Result<Drive, DesignError> {
         Ok(match follow.interpolation {
             Interpolation::Linear => {
                 let driver = WaypointDriver::new(follow.driver, limits, radius);
-                Drive::Linear(Box::new(
-                    driver.map_err(|e| e.within("follow.driver").to_string())?,
-                ))
+                Drive::Linear(Box::new(driver.map_err(|e| e.within("follow.driver"))?))
             }
             Interpolation::Arc => {
-                let driver = ArcDriver::new(follow, limits).map_err(|e| e.to_string())?;
+                let driver = ArcDriver::new(follow, limits)?;
                 Drive::Arc(Box::new(driver))
             }
         })
@@ -226,17 +225,10 @@ fn site(
     radius: f64,
     follow: &FollowParams,
     here: Point2<f64>,
-) -> Result<Site, String> {
-    let space = map.space().ok_or(
-        "the map has more pieces than world/shapes holds: use a map with fewer obstacles or corners",
-    )?;
-    Site::new(
-        *space.bounds(),
-        space.shapes().parts(),
-        radius,
-        follow,
-        here,
-    )
+) -> Result<Site, DesignError> {
+    let space = map.space().ok_or(DesignError::Shapes)?;
+    let (bounds, parts) = (*space.bounds(), space.shapes().parts());
+    Ok(Site::new(bounds, parts, radius, follow, here)?)
 }
 
 /// Logs the parts of a workplace that will not be covered.

@@ -8,6 +8,7 @@ pub mod baselines;
 pub mod chebyshev;
 mod check;
 pub mod design;
+mod error;
 pub mod follower;
 pub mod keyed;
 
@@ -19,6 +20,7 @@ pub use baselines::{
     RandomParams, Uniform, UniformPlanner,
 };
 pub use chebyshev::{Chebyshev, ChebyshevParams, ChebyshevPlanner};
+pub use error::DesignError;
 pub use keyed::{Keyed, KeyedCoverageParams, KeyedCoveragePlanner};
 
 /// Rejects keys of generators that are not secret.

@@ -97,12 +97,10 @@ fn chebyshev(order: &Order<'_>) -> Result<Planned, RouteError> {
     let mut planned = order.plan::<Chebyshev>(params)?;
     let decomposition = &planned.site.decomposition;
     if let Some(first) = decomposition.rectangle_at(planned.site.start) {
-        let tour = Chebyshev::lay_out(params, &planned.site)
-            .and_then(|decomposition| {
-                Tour::new(&decomposition, first, &params.route, &params.iterations)
-                    .map_err(|e| e.to_string())
-            })
-            .map_err(|reason| order.router.refused(&reason))?;
+        let refused = |e: &dyn std::fmt::Display| order.router.refused(e);
+        let decomposition = Chebyshev::lay_out(params, &planned.site).map_err(|e| refused(&e))?;
+        let tour = Tour::new(&decomposition, first, &params.route, &params.iterations)
+            .map_err(|e| refused(&e))?;
         planned.tour = Some(tour);
     }
     Ok(planned)
