@@ -4,7 +4,7 @@
 //! One program for all of it, because linking nine costs minutes; `cargo test -p end_to_end
 //! sweep::` runs the tests of one file.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::unreachable)]
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 mod support;
 

@@ -5,7 +5,7 @@
 //! * `compression`: levels and chunk sizes; the sizes of the files are printed.
 //! * `tick`: all work of a recorder for one tick of a chase (goal < 60 µs), by part.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::unreachable)]
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::collections::BTreeMap;
 use std::hint::black_box;

@@ -3,7 +3,7 @@
 //!
 //! `cargo run -p coverage --example equal_paths [keys]`: 30 keys by default.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::unreachable)]
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use chaotic_maps::{Emission, Key, KeyKind, Source};
 use coverage::plan::map;

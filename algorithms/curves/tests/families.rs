@@ -1,6 +1,6 @@
 //! Properties of the families of curves for all variables.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::unreachable)]
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use curves::bspline_basis::Basis;
 use curves::lgl_nodes::Lgl;

@@ -1,6 +1,6 @@
 //! Robots that pass each other: convoys in lanes with bays, as graphs and as maps.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::unreachable)]
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::collections::BTreeSet;
 

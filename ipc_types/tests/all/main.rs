@@ -1,6 +1,6 @@
 //! Tests of the public interface; one program, because linking five takes time.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::unreachable)]
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 mod any_bus;
 mod bus;

@@ -1,6 +1,6 @@
 //! Episodes: histories, seeds, threads, ends and rewards.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::unreachable)]
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 mod learner;
 mod scripted;

@@ -1,6 +1,6 @@
 //! Rewards: events times weights, and progress along the way.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::unreachable)]
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 mod learner;
 

@@ -1,6 +1,6 @@
 //! Episodes with other values of the scenario than those of the environments.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::unreachable)]
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 mod scripted;
 

@@ -1,6 +1,6 @@
 //! The evader in the paper's city, in a kinematic mini-simulation.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::unreachable)]
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 #[path = "../../../algorithms/planner_view/tests/support/mod.rs"]
 mod arena;

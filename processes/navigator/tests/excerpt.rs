@@ -1,6 +1,6 @@
 //! Excerpts of large maps: what a request contains.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::unreachable)]
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use geometry::grid::{Grid, GridFrame};
 use geometry::map::{CellMap, WorldMap};

@@ -1,6 +1,6 @@
 //! Case 2 of the paper with fictive obstacles, and the mixture, driven.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::unreachable)]
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 mod support;
 

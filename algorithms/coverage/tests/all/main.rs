@@ -1,6 +1,6 @@
 //! Tests of the public interface of the crate.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::unreachable)]
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 mod c_library;
 mod division;

@@ -1,6 +1,6 @@
 //! Path finding in the city and other places; one program, because linking four takes minutes.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::unreachable)]
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 #[path = "../../../planner_view/tests/scenes/mod.rs"]
 mod scenes;

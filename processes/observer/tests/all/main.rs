@@ -1,6 +1,6 @@
 //! Tests of observers with driving robots; one program saves link time.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::unreachable)]
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 mod drive;
 mod keys;

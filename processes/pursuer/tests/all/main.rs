@@ -1,6 +1,6 @@
 //! Tests of the Police against scripted evaders; one program saves link time.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::unreachable)]
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 #[path = "../../../../algorithms/planner_view/tests/support/mod.rs"]
 mod support;
