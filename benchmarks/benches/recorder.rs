@@ -241,7 +241,7 @@ fn write_ours(path: &Path, options: &LogOptions, messages: &[(usize, u64, Vec<u8
 
 fn write_bare(path: &Path, options: &LogOptions, messages: &[(usize, u64, Vec<u8>)]) {
     let Compression::Zstd(level) = options.compression else {
-        unreachable!("benches compress")
+        panic!("benches compress")
     };
     let mut log = WriteOptions::new()
         .compression_level(level.cast_unsigned())

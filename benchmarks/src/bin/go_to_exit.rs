@@ -5,7 +5,10 @@ use std::process::ExitCode;
 use planner::geometry::region::Region;
 use planner::nalgebra::Point2;
 use planner::steering::go_to::{GoToParams, go_to};
-use planner::{Declaration, Input, Limits, Planner, PlannerError, PlannerMap, RobotInfo, Steering, View, limits};
+use planner::{
+    Declaration, Input, Limits, Planner, PlannerError, PlannerMap, RobotInfo, Steering, View,
+    limits,
+};
 
 /// The planner of one robot.
 struct GoToExit {

@@ -13,7 +13,10 @@ use observation::layout::Layout;
 use observation::route_entries::RouteEntries;
 use observation::scene::{Hiding, Scene};
 use parameters::Parameters;
-use planner::{Declaration, Input, Planner, PlannerError, PlannerMap, PlannerProcess, RobotInfo, Steering, View};
+use planner::{
+    Declaration, Input, Planner, PlannerError, PlannerMap, PlannerProcess, RobotInfo, Steering,
+    View,
+};
 use scenario::Template;
 use scenario::kind::ConfiguredKind;
 use schemars::JsonSchema;

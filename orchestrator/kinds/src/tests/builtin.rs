@@ -31,7 +31,12 @@ fn parameters_with_former_names_are_read_from_logs_and_corrected_in_scenarios() 
     for (name, process, present, former) in [
         ("coverage_open", "cover", "follow.max_miss", "most_miss"),
         ("patrol_octagon", "observer", "viewpoint.noise", "eyes"),
-        ("chase_reach_avoid", "evader_reach_avoid", "avoid_radius", "keep_away"),
+        (
+            "chase_reach_avoid",
+            "evader_reach_avoid",
+            "avoid_radius",
+            "keep_away",
+        ),
     ] {
         let s = load(name, &[], None).unwrap();
         let key = present.rsplit('.').find(|key| *key != "noise").unwrap();
