@@ -1,9 +1,7 @@
 //! Invalid input: the error names file, line, field, value and expectation; no process starts, no file is
 //! written, and the exit code distinguishes bad input from a failed run.
 
-#[path = "bad_input/failing_runs.rs"]
 mod failing_runs;
-#[path = "bad_input/routes.rs"]
 mod routes;
 
 use crate::support::Sandbox;

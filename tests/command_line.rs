@@ -69,12 +69,9 @@ fn files(sandbox: &Sandbox) -> Vec<(&'static str, &'static str)> {
 }
 
 /// The commands that read a file, `FILE`, and the files that they take.
-const COMMANDS: [(&str, &[&str]); 17] = [
+const COMMANDS: [(&str, &[&str]); 14] = [
     ("run FILE", &["scenario.toml"]),
     ("check FILE", &["scenario.toml"]),
-    ("patrol plan FILE", &["scenario.toml"]),
-    ("patrol predict FILE --at 1", &["scenario.toml"]),
-    ("coverage plan FILE", &["scenario.toml"]),
     ("latency FILE", &["scenario.toml", "run.mcap"]),
     ("sweep FILE", &["experiment.toml"]),
     ("plan FILE", &["instances.json"]),

@@ -3,6 +3,7 @@
 use crate::support::Sandbox;
 use crate::support::geometry::{Walls, between, to_segment};
 use crate::support::ways::Drive;
+use plan::routes::coverage::{Extent, plan};
 use serde_json::Value as Json;
 
 /// Side of the cells in which area is counted (m): the maps' own.
@@ -70,19 +71,15 @@ fn number(json: &Json, key: &str) -> f64 {
     json[key].as_f64().unwrap()
 }
 
-/// The sub-goals of the log are those that another process plans from the same scenario, and the
+/// The sub-goals of the log are those that a plan without a run has from the same scenario, and the
 /// straight legs between them stay in the free space.
 #[track_caller]
-fn goals_are_as_planned(sandbox: &Sandbox, drive: &Drive, scenario: &str, set: &[&str]) {
+fn goals_are_as_planned(drive: &Drive, scenario: &str, set: &[&str]) {
     let ends = &drive.history.waypoints;
-    let goals = (ends.len() + 1).to_string();
-    let words = ["coverage", "plan", scenario, "--json", "--goals", &goals];
-    let call = set
-        .iter()
-        .fold(sandbox.protean(words), |call, change| call.set(change));
-    let outcome = call.run();
-    assert_eq!(outcome.code, Some(0), "{outcome}");
-    let planned = outcome.json();
+    let set: Vec<String> = set.iter().map(|&change| change.to_owned()).collect();
+    let loaded = kinds::load(scenario, &set, None).unwrap();
+    let extent = Extent::Goals(ends.len() as u64 + 1);
+    let planned = plan(&loaded, None, extent).unwrap().json();
     let planned = planned["sub_goals"].as_array().unwrap();
     assert!(
         planned.len() > ends.len() && ends.len() >= 10,
@@ -156,7 +153,7 @@ fn area_is_as_driven(drive: &Drive) {
 fn the_empty_workplace_is_covered_as_planned_and_counted() {
     let sandbox = Sandbox::new();
     let drive = Drive::run(&sandbox, "coverage_open", &["rules.time_limit=280"]);
-    goals_are_as_planned(&sandbox, &drive, "coverage_open", &[]);
+    goals_are_as_planned(&drive, "coverage_open", &[]);
     area_is_as_driven(&drive);
     let by_way = drive.summary["coverage"]["by_way"].as_array().unwrap();
     assert_eq!(by_way.len(), 1, "250 m: {by_way:?}");
@@ -169,7 +166,7 @@ fn workplaces_with_obstacles_are_covered_as_planned_and_counted() {
         let few = "processes.cover.params.iterations={ in_all = 12 }";
         let set = ["rules.time_limit=150", few];
         let drive = Drive::run(&sandbox, scenario, &set);
-        goals_are_as_planned(&sandbox, &drive, scenario, &set);
+        goals_are_as_planned(&drive, scenario, &set);
         area_is_as_driven(&drive);
         // Through passages and around corners, not in one part only.
         let transits = drive
@@ -193,7 +190,7 @@ fn arcs_in_place_of_corners_are_driven_without_stopping() {
     for scenario in ["coverage_case1", "coverage_polygons"] {
         let straight = Drive::run(&sandbox, scenario, &[time]);
         let round = Drive::run(&sandbox, scenario, &[time, arc]);
-        goals_are_as_planned(&sandbox, &round, scenario, &[arc]);
+        goals_are_as_planned(&round, scenario, &[arc]);
         area_is_as_driven(&round);
         assert!(
             standing(&round) * 2 < standing(&straight),

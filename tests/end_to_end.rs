@@ -4,6 +4,8 @@
 //! One program for all of it, because linking nine costs minutes; `cargo test -p end_to_end
 //! sweep::` runs the tests of one file.
 
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
 mod support;
 
 mod bad_input;

@@ -3,9 +3,7 @@
 //! `PROTEAN_GOLDENS=write cargo test -p end_to_end goldens::` writes the files anew. The commit that
 //! changes one says which contract changed and why.
 
-#[path = "goldens/digests.rs"]
 mod digests;
-#[path = "goldens/names.rs"]
 mod names;
 
 use std::path::PathBuf;

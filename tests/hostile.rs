@@ -2,15 +2,10 @@
 //! leave the scenario's folder, text cannot control the terminal, and files of a run are readable by its user
 //! only.
 
-#[path = "hostile/access.rs"]
 mod access;
-#[path = "hostile/limits.rs"]
 mod limits;
-#[path = "hostile/paths.rs"]
 mod paths;
-#[path = "hostile/question.rs"]
 mod question;
-#[path = "hostile/text.rs"]
 mod text;
 
 /// The smallest scenario, for changes.

@@ -1,8 +1,6 @@
 //! The language of the source tree: the words of `docs/glossary.md` and the first words of doc comments.
 
-#[path = "language/glossary.rs"]
 mod glossary;
-#[path = "language/words.rs"]
 mod words;
 
 use std::collections::BTreeMap;

@@ -20,8 +20,6 @@ const STAGES: [&str; 7] = [
     "way to the simulator",
 ];
 
-const PLACES: [&str; 3] = ["unpinned", "one core", "two cores"];
-
 /// Percentiles are there, in order.
 #[track_caller]
 fn ordered(us: &Json) {
@@ -102,15 +100,7 @@ fn stamps(log: &Path) -> Vec<Stamp> {
 #[test]
 fn a_real_time_mission_is_measured_sense_to_act() {
     let sandbox = Sandbox::new();
-    let words = [
-        "latency",
-        "chase",
-        "--duration",
-        "2",
-        "--rate",
-        "50",
-        "--no-baselines",
-    ];
+    let words = ["latency", "chase", "--duration", "2", "--rate", "50"];
     let outcome = sandbox
         .protean(words)
         .arg("--log=kept.mcap")
@@ -192,7 +182,6 @@ fn a_recorded_log_says_what_its_stamps_say() {
         (&run["period_us"], &run["tick_off_its_time"]),
         (&Json::Null, &Json::Null)
     );
-    assert_eq!(run["baselines"], Json::Array(Vec::new()));
     assert!(run["messages"]["robot/command"]["count"].as_u64().unwrap() >= 360);
     // The total equals that of the stamps, computed independently here.
     let commands = |tick| {
@@ -218,47 +207,6 @@ fn a_recorded_log_says_what_its_stamps_say() {
     ] {
         assert!(text.contains(words), "{words}: {text}");
     }
-}
-
-#[test]
-fn baselines_of_every_kind_are_measured_beside_the_mission() {
-    let sandbox = Sandbox::new();
-    let words = ["latency", "hello", "--duration", "0.5", "--quick", "--json"];
-    let outcome = sandbox.protean(words).run();
-    assert_eq!(outcome.code, Some(0), "{outcome}");
-    assert!(
-        outcome.stderr.contains("measuring baselines, one core"),
-        "{outcome}"
-    );
-    let json = outcome.json();
-    let run = &json["runs"][0];
-    let baselines = run["baselines"].as_array().unwrap();
-    let several = std::thread::available_parallelism().unwrap().get() > 1;
-    for place in PLACES.iter().take(if several { 3 } else { 2 }) {
-        for topic in ["world/state", "robot/command"] {
-            let own: Vec<&Json> = baselines
-                .iter()
-                .filter(|b| b["placement"] == *place && b["topic"] == topic)
-                .collect();
-            let ways: BTreeSet<&str> = own.iter().map(|b| b["way"].as_str().unwrap()).collect();
-            for way in [
-                "event wake-up",
-                "Unix domain socket",
-                "pipe",
-                "protean, futex wake-up",
-            ] {
-                assert!(ways.iter().any(|w| w.contains(way)), "{way}: {ways:?}");
-            }
-            assert!(ways.iter().any(|w| w.contains("poll")), "{ways:?}");
-            for baseline in own {
-                ordered(&baseline["us"]);
-                let mean = run["messages"][topic]["mean_bytes"].as_u64().unwrap();
-                let bytes = baseline["bytes"].as_u64().unwrap();
-                assert!((mean..mean + 8).contains(&bytes), "{baseline}");
-            }
-        }
-    }
-    sandbox.assert_nothing_left();
 }
 
 #[test]

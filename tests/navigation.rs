@@ -1,14 +1,9 @@
 //! Robots that drive to goals on the optimiser's trajectories, from the command to the log.
 
-#[path = "navigation/client.rs"]
 mod client;
-#[path = "navigation/lanes.rs"]
 mod lanes;
-#[path = "navigation/popups.rs"]
 mod popups;
-#[path = "navigation/service.rs"]
 mod service;
-#[path = "navigation/work.rs"]
 mod work;
 
 use crate::support::Sandbox;

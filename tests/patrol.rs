@@ -4,6 +4,7 @@ use crate::support::Sandbox;
 use crate::support::geometry::{between, to_segment};
 use crate::support::history::Visit;
 use crate::support::ways::{Drive, EPSILON};
+use plan::routes::patrol::Patrol;
 use serde_json::Value as Json;
 
 /// The octagon's corners (m).
@@ -24,11 +25,11 @@ fn off_contour(p: [f64; 2]) -> f64 {
     sides.fold(f64::INFINITY, f64::min)
 }
 
-/// The output of `protean patrol`, run as a separate process.
+/// The octagon's patrol as an ally computes it, with a seed, and with a key if it has one.
 #[track_caller]
-fn ally(sandbox: &Sandbox, words: &[&str]) -> Json {
-    let all = std::iter::once("patrol").chain(words.iter().copied());
-    sandbox.protean(all).json()
+fn ally(seed: Option<u64>, key: Option<&str>) -> Patrol {
+    let scenario = kinds::load("patrol_octagon", &[], seed).unwrap();
+    Patrol::of(&scenario, None, key.map(|key| key.parse().unwrap())).unwrap()
 }
 
 /// Returns `true` if a waypoint of the log equals the predicted one bit for bit.
@@ -58,23 +59,16 @@ fn an_ally_with_the_key_predicts_the_octagon_and_no_other_key_does() {
     assert_eq!(drive.count("reached"), ends.len());
 
     // Nothing but the key is needed beside the scenario: not the seed that made it.
-    let plan = ["plan", "patrol_octagon"];
-    let key = ally(&sandbox, &plan)["key"].as_str().unwrap().to_owned();
-    let elsewhere = ["--seed", "77", "--laps", "3"];
-    let with_key = [&plan[..], &elsewhere, &["--key", &key]].concat();
-    let predicted = ally(&sandbox, &with_key[..]);
+    let key = ally(None, None).key().to_string();
+    let with_key = ally(Some(77), Some(&key));
+    let predicted = with_key.plan_json(3).unwrap();
     let waypoints = predicted["waypoints"].as_array().unwrap();
     assert!(ends.len() > 240 && waypoints.len() > ends.len());
     for (end, waypoint) in ends.iter().zip(waypoints) {
         assert!(is_predicted(end, waypoint), "{end:?} {waypoint}");
     }
-    let numbers = ends.iter().step_by(50).map(|end| end.number.to_string());
-    let numbers: Vec<String> = numbers.collect();
-    let mut predict = vec!["predict", "patrol_octagon", "--seed", "77", "--key", &key];
-    for number in &numbers {
-        predict.extend(["--waypoint", number]);
-    }
-    let one_by_one = ally(&sandbox, &predict);
+    let numbers: Vec<u64> = ends.iter().step_by(50).map(|end| end.number).collect();
+    let one_by_one = with_key.prediction_json(&[], &numbers).unwrap();
     let one_by_one = one_by_one["waypoints"].as_array().unwrap();
     assert_eq!(one_by_one.len(), numbers.len());
     for (end, waypoint) in ends.iter().step_by(50).zip(one_by_one) {
@@ -82,7 +76,7 @@ fn an_ally_with_the_key_predicts_the_octagon_and_no_other_key_does() {
     }
 
     // Without it, only the contour itself is known.
-    let without_key = ally(&sandbox, &[&plan[..], &elsewhere].concat());
+    let without_key = ally(Some(77), None).plan_json(3).unwrap();
     let guesses = without_key["waypoints"].as_array().unwrap();
     let (mut hits, mut inserted) = (0, 0);
     for (end, guess) in ends.iter().zip(guesses) {

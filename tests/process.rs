@@ -1,12 +1,8 @@
 //! Single real processes against a test that plays all the others, honest and hostile.
 
-#[path = "process/endings.rs"]
 mod endings;
-#[path = "process/perception.rs"]
 mod perception;
-#[path = "process/planners.rs"]
 mod planners;
-#[path = "process/simulator.rs"]
 mod simulator;
 
 use crate::support::rig::{Rig, World};

@@ -3,15 +3,10 @@
 //! A failure names file, line and rule. Dependencies of tests are free: they may use any crate, and other
 //! programs' libraries as independent readers.
 
-#[path = "structure/checks.rs"]
 mod checks;
-#[path = "structure/graph.rs"]
 mod graph;
-#[path = "structure/made_up.rs"]
 mod made_up;
-#[path = "structure/manifests.rs"]
 mod manifests;
-#[path = "structure/sources.rs"]
 mod sources;
 
 use std::path::Path;

@@ -1,15 +1,10 @@
 //! Processes that fail during a run: the policy of the scenario is applied, the log holds the events, and
 //! no other process is delayed.
 
-#[path = "supervision/disk.rs"]
 mod disk;
-#[path = "supervision/grandchildren.rs"]
 mod grandchildren;
-#[path = "supervision/orchestrator.rs"]
 mod orchestrator;
-#[path = "supervision/shared_memory.rs"]
 mod shared_memory;
-#[path = "supervision/surroundings.rs"]
 mod surroundings;
 
 use std::collections::BTreeSet;

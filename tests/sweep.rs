@@ -1,9 +1,7 @@
 //! Experiments from the command to the table: with any faults on the way, however many missions
 //! run at once and however they are shared out, the table is the same.
 
-#[path = "sweep/engines.rs"]
 mod engines;
-#[path = "sweep/failures.rs"]
 mod failures;
 
 use std::collections::BTreeMap;

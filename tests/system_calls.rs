@@ -3,11 +3,8 @@
 //! `system_calls/inject.c` observes the calls. CI injects into a sample of them; the ignored tests into all, or as many
 //! as ten minutes allow (`docs/how-to/faults.md`).
 
-#[path = "system_calls/held.rs"]
 mod held;
-#[path = "system_calls/killed.rs"]
 mod killed;
-#[path = "system_calls/locks.rs"]
 mod locks;
 
 use std::cell::Cell;

@@ -3,6 +3,8 @@
 //! The value of a leg comes from sums along rows and columns, which are recomputed after every
 //! sweep. Baseline: a loop over the same cells, without sums.
 
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
 use std::hint::black_box;
 
 use coverage::decomposition::Decomposition;

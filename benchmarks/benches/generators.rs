@@ -5,6 +5,8 @@
 //! affected by a busy machine). Each kind of key is measured as a concrete type, which a planner
 //! could choose at compile time, and as [`AnySource`], which dispatches at every step.
 
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
 use std::hint::black_box;
 use std::time::Instant;
 

@@ -5,6 +5,8 @@
 //! comparison with FATROP and IPOPT see `benchmarks/collocation_baseline`, with Drake's graphs of
 //! convex sets `benchmarks/drake_baseline.py`.
 
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
 use std::hint::black_box;
 
 use ::plan::Recipe;

@@ -6,6 +6,8 @@
 //! m/s) was lost. A table is printed before Criterion's measurements: the best of several
 //! repetitions (least affected by a busy machine).
 
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
 #[path = "support/streets.rs"]
 mod streets;
 

@@ -2,6 +2,8 @@
 //! kind of generator, compared with the generator's steps alone; and the choice of the zig-zag's
 //! width.
 
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
 use std::hint::black_box;
 use std::time::Duration;
 

@@ -5,6 +5,8 @@
 //! of 6. For path lengths relative to the shortest, and a comparison with OMPL, see
 //! `benchmarks/ompl_baseline`.
 
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
 #[path = "../../processes/evader_rrt_star/tests/support/mod.rs"]
 mod support;
 

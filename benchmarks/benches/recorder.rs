@@ -5,6 +5,8 @@
 //! * `compression`: levels and chunk sizes; the sizes of the files are printed.
 //! * `tick`: all work of a recorder for one tick of a chase (goal < 60 µs), by part.
 
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
 use std::collections::BTreeMap;
 use std::hint::black_box;
 use std::path::Path;
@@ -239,7 +241,7 @@ fn write_ours(path: &Path, options: &LogOptions, messages: &[(usize, u64, Vec<u8
 
 fn write_bare(path: &Path, options: &LogOptions, messages: &[(usize, u64, Vec<u8>)]) {
     let Compression::Zstd(level) = options.compression else {
-        unreachable!("benches compress")
+        panic!("benches compress")
     };
     let mut log = WriteOptions::new()
         .compression_level(level.cast_unsigned())

@@ -3,6 +3,8 @@
 //! Baselines: parry's exact distance of a segment to every piece, and A* on the grid of the map
 //! (the `pathfinding` crate, cells of 5 cm, eight neighbours).
 
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
 #[path = "../../algorithms/planner_view/tests/scenes/mod.rs"]
 mod scenes;
 

@@ -5,6 +5,8 @@
 //! affected by a busy machine), the ratio to the literal formula, and the largest error against the
 //! same integral in f64.
 
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
 #[path = "support/streets.rs"]
 mod streets;
 

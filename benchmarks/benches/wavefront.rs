@@ -1,5 +1,7 @@
 //! Cost of geodesic waves and of the referee's dominance regions, in the paper's city.
 
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
 #[path = "../../algorithms/planner_view/tests/support/mod.rs"]
 mod support;
 

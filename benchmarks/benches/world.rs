@@ -3,6 +3,8 @@
 //! `cargo bench -p benchmarks --bench world` prints Criterion's figures, then one line per ratio,
 //! measured alternately in the same run.
 
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
 use core::f64::consts::PI;
 use core::hint::black_box;
 use core::time::Duration;

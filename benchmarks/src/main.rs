@@ -3,6 +3,8 @@
 //! * [`chase`]: real-time factor of the whole chase, and CPU time by process;
 //! * [`start`]: start time of a run, its memory and the size of its log;
 //! * [`ticks`]: lock-step ticks per second against the same exchange on bare iceoryx2 and futexes;
+//! * [`links`]: latency of one message between two processes over Protean's bus, bare iceoryx2, a
+//!   socket and a pipe;
 //! * [`in_process`]: games per second of runs in one process against runs with processes, and the
 //!   share of the log.
 //!
@@ -12,6 +14,8 @@
 
 mod chase;
 mod in_process;
+mod link;
+mod links;
 mod probe;
 mod report;
 mod session;
@@ -77,6 +81,10 @@ enum Item {
     /// Lock-step ticks/s of 8 trivial planner processes (baseline: the same exchange on bare
     /// iceoryx2 and a futex page), on all processors and pinned to one
     Ticks,
+    /// Latency of messages as large as those of the chase between two processes, unpinned, on one core and
+    /// on two: Protean's bus, a Unix domain socket, a pipe, polled iceoryx2 (baseline: bare iceoryx2 with
+    /// event wake-up)
+    Links,
     /// Games/s of one core with `run --in-process` in a sweep, CPU per tick (baseline: the same games
     /// with processes, one at a time); cost of a log
     InProcess,
@@ -89,6 +97,7 @@ impl Item {
             Self::Chase => "chase",
             Self::Start => "start",
             Self::Ticks => "ticks",
+            Self::Links => "links",
             Self::InProcess => "in-process",
         }
     }
@@ -98,6 +107,7 @@ impl Item {
             Self::Chase => chase::measure(options),
             Self::Start => start::measure(options),
             Self::Ticks => ticks::measure(options),
+            Self::Links => links::measure(options),
             Self::InProcess => in_process::measure(options),
         }
     }
@@ -113,6 +123,7 @@ fn main() -> ExitCode {
         (Some("process"), Some(ticks::RAW_PLANNER), Some(config)) => {
             ticks::raw_planner(Path::new(config))
         }
+        (Some("process"), Some(link::SINK_KIND), Some(config)) => link::sink(Path::new(config)),
         (Some("process" | "run"), ..) => protean::main_with(kinds::KINDS.to_vec()),
         _ => measure(&Cli::parse()),
     }

@@ -5,7 +5,7 @@ import protean_robotics as pr
 
 @pr.planner
 def steer(robot: pr.Robot, world: pr.World, map: pr.Map) -> tuple[float, float]:
-    return pr.go_to(robot, map.way(robot, robot.goal))
+    return pr.go_to(robot, map.path(robot, robot.goal))
 
 
 if __name__ == "__main__":

@@ -6,24 +6,19 @@
 //! * [`topics`]: the topics with their quality of service;
 //! * [`bus`]: publishers, subscribers, request–response and events of one isolated run;
 //! * [`transport`]: the parts of the bus that use iceoryx2;
-//! * [`schema`], [`cdr`], [`python`], [`c_header`]: the messages in logs and other languages;
+//! * [`schema`], [`cdr`]: the messages in logs;
 //! * [`consumer`]: consumers of the messages of a run in order, from the bus or from a log.
-
-#![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
-#![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
 
 // The macros name the crate as others do.
 extern crate self as ipc_types;
 
 pub mod bus;
-pub mod c_header;
 pub mod cdr;
 pub mod clock;
 pub mod consumer;
 mod error;
 pub mod message;
 pub mod messages;
-pub mod python;
 pub mod schema;
 pub mod stamp;
 pub mod topics;

@@ -1,5 +1,5 @@
 //! Common properties of messages: a fixed layout without padding, a stable name, and a description of the
-//! fields, from which schemas for logs and other languages are generated.
+//! fields, from which schemas for logs are generated.
 
 pub use iceoryx2::prelude::ZeroCopySend;
 pub use zerocopy;

@@ -1,4 +1,4 @@
-//! Schemas of the topics for logs and other languages, generated from the message definitions.
+//! Schemas of the topics for logs, generated from the message definitions.
 
 use core::fmt::Write as _;
 

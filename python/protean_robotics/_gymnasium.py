@@ -46,7 +46,7 @@ class VectorEnv(gymnasium.vector.VectorEnv[NDArray[np.float32], NDArray[np.float
         Names of the robots, teams or processes that the learner steers.
     observation
         Contents of the observations: "state" (true poses of all robots, lines of sight), "scan" (own range scan) or
-        "belief" (beliefs about opponents), "way" (shortest ways to exits and opponents), or several as in "state+way".
+        "belief" (beliefs about opponents), "path" (shortest paths to exits and opponents), or several as in "state+path".
         Attribute `entries` has the names of all entries.
     action
         Meaning of the actions: "twist" (forward speed and turning rate) or, for evaders, "tune" (parameters of an

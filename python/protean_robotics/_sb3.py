@@ -38,7 +38,7 @@ class VecEnv(_VecEnv):  # type: ignore[misc, unused-ignore]
     Examples
     --------
     >>> import protean_robotics as pr
-    >>> envs = pr.VectorEnv("hello", 8, agents=["robot"], observation="state+way", ticks_per_action=10)
+    >>> envs = pr.VectorEnv("hello", 8, agents=["robot"], observation="state+path", ticks_per_action=10)
     >>> # model = PPO("MlpPolicy", VecMonitor(pr.sb3.VecEnv(envs)))
     """
 

@@ -1,4 +1,6 @@
-from typing import Self, final
+import os
+from collections.abc import Mapping
+from typing import Any, Self, final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,4 +37,16 @@ class Plan:
     @property
     def key(self) -> str: ...
 
-__all__ = ["Plan"]
+def plan(
+    scenario: str | os.PathLike[str] = "coverage_open",
+    *,
+    process: str | None = None,
+    loops: int | None = None,
+    goals: int | None = None,
+    length: float | None = None,
+    seed: int | None = None,
+    set: Mapping[str, Any] | None = None,
+    allow_outside: bool = False,
+) -> dict[str, Any]: ...
+
+__all__ = ["Plan", "plan"]

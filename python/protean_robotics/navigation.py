@@ -4,6 +4,6 @@ from . import _core
 
 arrival_times = _core.navigation.arrival_times
 dominance = _core.navigation.dominance
-ways = _core.navigation.ways
+shortest_paths = _core.navigation.shortest_paths
 
-__all__ = ["arrival_times", "dominance", "ways"]
+__all__ = ["arrival_times", "dominance", "shortest_paths"]

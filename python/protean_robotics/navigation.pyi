@@ -4,7 +4,7 @@ from numpy.typing import ArrayLike, NDArray
 from ._core import Map
 from ._types import PointLike
 
-def ways(
+def shortest_paths(
     map: Map,
     start: PointLike,
     goal: PointLike,
@@ -28,4 +28,4 @@ def dominance(
     pitch: float | None = None,
 ) -> NDArray[np.uint8]: ...
 
-__all__ = ["arrival_times", "dominance", "ways"]
+__all__ = ["arrival_times", "dominance", "shortest_paths"]

@@ -1,4 +1,6 @@
-from typing import Self, final
+import os
+from collections.abc import Mapping, Sequence
+from typing import Any, Self, final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -31,4 +33,26 @@ class ZigZag:
     @property
     def waypoints_per_lap(self) -> int: ...
 
-__all__ = ["ZigZag"]
+def plan(
+    scenario: str | os.PathLike[str] = "patrol_octagon",
+    *,
+    process: str | None = None,
+    key: str | None = None,
+    laps: int = 1,
+    seed: int | None = None,
+    set: Mapping[str, Any] | None = None,
+    allow_outside: bool = False,
+) -> dict[str, Any]: ...
+def predict(
+    scenario: str | os.PathLike[str] = "patrol_octagon",
+    *,
+    times: Sequence[float] = (),
+    waypoints: Sequence[int] = (),
+    process: str | None = None,
+    key: str | None = None,
+    seed: int | None = None,
+    set: Mapping[str, Any] | None = None,
+    allow_outside: bool = False,
+) -> dict[str, Any]: ...
+
+__all__ = ["ZigZag", "plan", "predict"]

@@ -1,7 +1,5 @@
 //! The compiled part of the Python package `protean_robotics`.
 
-#![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
-#![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
 // Arguments come from Python as values, and doc comments of what it sees are docstrings.
 #![allow(clippy::needless_pass_by_value, clippy::doc_markdown)]
 
@@ -14,6 +12,7 @@ mod interruptible;
 mod log;
 mod map;
 mod planner;
+mod routes;
 mod run;
 mod sweep;
 
@@ -38,6 +37,8 @@ mod _core {
     #[pymodule_export]
     use crate::planner::{Belief, Function, PySteering, Robot, Scan, World, go_to, serve};
     #[pymodule_export]
+    use crate::routes::{plan_coverage, plan_patrol, predict_patrol};
+    #[pymodule_export]
     use crate::run::run_in_process;
     #[pymodule_export]
     use crate::sweep::{Interruption, missions_to_run, sweep_figures, sweep_in_process};
@@ -55,7 +56,7 @@ mod _core {
     #[pymodule]
     mod navigation {
         #[pymodule_export]
-        use crate::algorithms::navigation::{arrival_times, dominance, ways};
+        use crate::algorithms::navigation::{arrival_times, dominance, shortest_paths};
     }
 
     #[pymodule]

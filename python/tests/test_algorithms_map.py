@@ -25,8 +25,8 @@ def length(points: np.ndarray) -> float:
 def test_the_way_around_a_corner_is_two_tangents_and_an_arc(block: pr.Map) -> None:
     start, goal = (1.25, 1.5), (2.5, 2.75)
     exact = 1.0 + RADIUS * math.pi / 2 + 1.0
-    assert block.way_length(start, goal, RADIUS) == pytest.approx(exact, abs=1e-9)
-    way = block.way(start, goal, RADIUS)
+    assert block.path_length(start, goal, RADIUS) == pytest.approx(exact, abs=1e-9)
+    way = block.path(start, goal, RADIUS)
     assert way.dtype == np.float64 and way.shape[1] == 2
     assert way[0].tolist() == list(start) and way[-1].tolist() == list(goal)
     assert exact < length(way) < exact + 0.01
@@ -38,10 +38,10 @@ def test_ways_are_symmetric_and_at_least_straight(block: pr.Map) -> None:
     points = rng.uniform(0.3, 3.7, (60, 2))
     points = points[block.clearance(points) > RADIUS]
     for goal in points[:5]:
-        lengths = block.way_length(points, goal, RADIUS)
+        lengths = block.path_length(points, goal, RADIUS)
         straight = np.linalg.norm(points - goal, axis=1)
         assert (lengths >= straight - 1e-12).all()
-        back = [block.way_length(goal, p, RADIUS) for p in points]
+        back = [block.path_length(goal, p, RADIUS) for p in points]
         np.testing.assert_allclose(lengths, back, atol=1e-9)
         clear = block.line_is_clear(goal, points, RADIUS)
         np.testing.assert_allclose(lengths[clear], straight[clear], atol=1e-12)
@@ -52,15 +52,15 @@ def test_no_way_is_an_empty_array(block: pr.Map) -> None:
     wall = np.zeros((20, 20), dtype=bool)
     wall[:, 10] = True
     divided = pr.Map.from_grid(wall, 0.1)
-    assert divided.way((0.3, 1.0), (1.7, 1.0), 0.1).shape == (0, 2)
-    assert divided.way_length((0.3, 1.0), (1.7, 1.0), 0.1) == math.inf
+    assert divided.path((0.3, 1.0), (1.7, 1.0), 0.1).shape == (0, 2)
+    assert divided.path_length((0.3, 1.0), (1.7, 1.0), 0.1) == math.inf
     # The middle of the block is too deep.
-    assert block.way((0.5, 0.5), (2.0, 2.0), RADIUS).shape == (0, 2)
-    assert block.way_length([], (1.0, 1.0), RADIUS).shape == (0,)
+    assert block.path((0.5, 0.5), (2.0, 2.0), RADIUS).shape == (0, 2)
+    assert block.path_length([], (1.0, 1.0), RADIUS).shape == (0,)
 
 
 def test_an_end_without_room_is_moved(block: pr.Map) -> None:
-    way = block.way((0.1, 2.0), (0.5, 0.5), RADIUS)
+    way = block.path((0.1, 2.0), (0.5, 0.5), RADIUS)
     np.testing.assert_allclose(way[0], (RADIUS, 2.0), atol=1e-5)
 
 
@@ -127,8 +127,8 @@ class Disc:
 
 
 def test_a_robot_stands_for_its_position_and_radius(block: pr.Map) -> None:
-    way = block.way(Disc(), (3.5, 3.5))
-    np.testing.assert_array_equal(way, block.way((0.5, 0.5), (3.5, 3.5), 0.1))
+    way = block.path(Disc(), (3.5, 3.5))
+    np.testing.assert_array_equal(way, block.path((0.5, 0.5), (3.5, 3.5), 0.1))
 
 
 @pytest.mark.parametrize(
@@ -147,7 +147,7 @@ def test_a_robot_stands_for_its_position_and_radius(block: pr.Map) -> None:
 )
 def test_invalid_arguments_are_named(block: pr.Map, arguments: tuple, text: str) -> None:
     with pytest.raises(pr.InvalidInput) as raised:
-        block.way(*arguments)
+        block.path(*arguments)
     assert text in str(raised.value)
 
 

@@ -31,17 +31,17 @@ def length(points: np.ndarray) -> float:
 
 
 def test_a_block_has_a_way_on_either_side(block: pr.Map) -> None:
-    ways = pr.navigation.ways(block, (0.5, 2.2), (3.5, 2.2), 0.1, count=2)
+    ways = pr.navigation.shortest_paths(block, (0.5, 2.2), (3.5, 2.2), 0.1, count=2)
     above, below = ways
     assert above[1:-1, 1].min() > 2.5 and below[1:-1, 1].max() < 1.5
-    shortest = block.way_length((0.5, 2.2), (3.5, 2.2), 0.1)
+    shortest = block.path_length((0.5, 2.2), (3.5, 2.2), 0.1)
     assert shortest <= length(above) < shortest + 0.01 < length(below)
-    np.testing.assert_array_equal(above, block.way((0.5, 2.2), (3.5, 2.2), 0.1))
-    limited = pr.navigation.ways(
+    np.testing.assert_array_equal(above, block.path((0.5, 2.2), (3.5, 2.2), 0.1))
+    limited = pr.navigation.shortest_paths(
         block, (0.5, 2.2), (3.5, 2.2), 0.1, count=9, max_length=shortest + 0.05
     )
     assert len(limited) == 1
-    assert pr.navigation.ways(block, (2.0, 2.0), (3.5, 2.2), 0.1) == []
+    assert pr.navigation.shortest_paths(block, (2.0, 2.0), (3.5, 2.2), 0.1) == []
 
 
 def test_times_in_the_open_are_distances_over_speeds(room: pr.Map) -> None:
@@ -88,10 +88,10 @@ def test_equal_robots_divide_the_open_at_their_bisector(room: pr.Map) -> None:
 
 def test_invalid_input_is_named(room: pr.Map) -> None:
     for call, text in [
-        (lambda: pr.navigation.ways(room, (1, 1), (2, 2), 0.0), "`radius`"),
-        (lambda: pr.navigation.ways(room, (1, 1), (2, 2), 0.1, count=10**6), "`count`"),
+        (lambda: pr.navigation.shortest_paths(room, (1, 1), (2, 2), 0.0), "`radius`"),
+        (lambda: pr.navigation.shortest_paths(room, (1, 1), (2, 2), 0.1, count=10**6), "`count`"),
         (
-            lambda: pr.navigation.ways(room, (1, 1), (2, 2), 0.1, max_length=math.nan),
+            lambda: pr.navigation.shortest_paths(room, (1, 1), (2, 2), 0.1, max_length=math.nan),
             "`max_length`",
         ),
         (lambda: pr.navigation.arrival_times(room, (1, 1), -1.0, 0.1), "`speeds`"),

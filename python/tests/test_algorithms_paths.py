@@ -111,7 +111,7 @@ def block() -> pr.Map:
 def test_a_tree_finds_almost_the_shortest_path(block: pr.Map) -> None:
     start, goal, radius = (0.5, 2.1), (3.5, 2.1), 0.15
     tree = pr.rrt_star.plan(block, start, goal, radius, iterations=2000, seed=1)
-    shortest = block.way_length(start, goal, radius)
+    shortest = block.path_length(start, goal, radius)
     assert tree.reached and shortest - 1e-9 <= tree.cost <= 1.01 * shortest
     walked = np.linalg.norm(np.diff(tree.path, axis=0), axis=1).sum()
     assert walked == pytest.approx(tree.cost)
@@ -152,7 +152,7 @@ def test_arcs_turn_no_faster_than_the_robot(block: pr.Map) -> None:
         params={"primitive": "arc"},
     )
     assert tree.reached
-    assert tree.cost >= block.way_length((0.5, 1.0), (3.4, 3.4), 0.15) - 1e-9
+    assert tree.cost >= block.path_length((0.5, 1.0), (3.4, 3.4), 0.15) - 1e-9
 
 
 def test_a_goal_without_a_path_is_approached() -> None:

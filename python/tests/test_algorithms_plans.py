@@ -1,6 +1,8 @@
 """Patrols and coverages: what their papers state, and determinism."""
 
 import math
+import re
+from collections.abc import Callable
 
 import numpy as np
 import protean_robotics as pr
@@ -118,3 +120,41 @@ def test_invalid_coverages_are_refused(block: pr.Map) -> None:
         values: dict = {"start": (0.5, 0.5), "radius": 0.2, **changes}
         with pytest.raises(pr.InvalidInput, match=text):
             pr.coverage.Plan(block, values.pop("start"), values.pop("radius"), **values)
+
+
+def test_routes_of_scenarios_are_planned_without_a_run() -> None:
+    laps = pr.patrol.plan("patrol_octagon", laps=2, key="catp:0.4,0.644")
+    assert laps["key"] == "catp:0.4,0.644" and laps["metrics"]["laps"] == 2
+    found = pr.patrol.predict(times=[30.0], waypoints=[7], key="catp:0.4,0.644", seed=77)
+    assert found["waypoints"] == [laps["waypoints"][7]]
+    assert found["at"][0]["from"]["number"] < found["at"][0]["to"]["number"]
+    goals = pr.coverage.plan("coverage_case1", goals=10)["sub_goals"]
+    assert goals == pr.coverage.plan("coverage_case1", goals=20)["sub_goals"][:10]
+    assert pr.coverage.plan("coverage_case1", length=50)["coverage"]["length"] <= 50
+
+
+@pytest.mark.parametrize(
+    ("call", "words"),
+    [
+        (lambda: pr.patrol.predict(times=[-1]), "`t` is -1"),
+        (lambda: pr.patrol.predict(times=[float("nan")]), "`t` is NaN"),
+        (lambda: pr.patrol.predict(waypoints=[-1]), "waypoints = -1"),
+        (lambda: pr.patrol.predict(times=["soon"]), "times = 'soon'"),
+        (lambda: pr.patrol.plan(key="garbage"), "garbage"),
+        (lambda: pr.patrol.plan(key="catp:0,0"), "all zero"),
+        (lambda: pr.patrol.plan("chase"), "chase: no process of kind patrol_awg"),
+        (lambda: pr.patrol.plan(process="unknown"), "`unknown`"),
+        (lambda: pr.patrol.plan("chaze"), "did you mean `chase`?"),
+        (lambda: pr.patrol.plan(laps=0), "laps = 0"),
+        (lambda: pr.patrol.plan(laps=10_001), "laps"),
+        (lambda: pr.patrol.plan(set={"processes.patrol.params.mission.t_max": 40}), "`t_max` is 40 s"),
+        (lambda: pr.coverage.plan("patrol_octagon"), "no process of kind coverage_chebyshev"),
+        (lambda: pr.coverage.plan(length=-1), "length"),
+        (lambda: pr.coverage.plan(length=float("nan")), "length"),
+        (lambda: pr.coverage.plan(loops=2, goals=3), "one of loops, goals and length"),
+        (lambda: pr.coverage.plan("coverage_case1", set={"processes.cover.params.follow.margin": 6}), "`follow.margin` is 6 m"),
+    ],
+)
+def test_routes_that_cannot_be_planned_are_refused(call: Callable[[], object], words: str) -> None:
+    with pytest.raises(pr.InvalidInput, match=re.escape(words)):
+        call()

@@ -42,7 +42,7 @@ def test_a_robot_follows_the_shortest_way_without_a_collision() -> None:
     pose = np.array([0.5, 0.6, -2.0])
     ticks = 0
     while np.linalg.norm(pose[:2] - goal) > 0.05:
-        way = map.way(pose[:2], goal, radius + 0.03)
+        way = map.path(pose[:2], goal, radius + 0.03)
         pose = moved(pose, *pr.steering.go_to(pose, way, **LIMITS), LIMITS["dt"])
         assert map.clearance(pose[:2]) > radius
         ticks += 1

@@ -167,8 +167,8 @@ CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
         pr.Map.from_grid,
         {"blocked": np.zeros((40, 40), bool), "resolution": 0.1, "origin": POINT, "blur_sigma": 0.2},
     ),
-    "Map.way": (MAP.way, {"start": POINT, "goal": (2.0, 1.0), "radius": 0.1}),
-    "Map.way_length": (MAP.way_length, {"start": POINT, "goal": (2.0, 1.0), "radius": 0.1}),
+    "Map.path": (MAP.path, {"start": POINT, "goal": (2.0, 1.0), "radius": 0.1}),
+    "Map.path_length": (MAP.path_length, {"start": POINT, "goal": (2.0, 1.0), "radius": 0.1}),
     "Map.clearance": (MAP.clearance, {"points": POINT}),
     "Map.line_is_clear": (MAP.line_is_clear, {"start": POINT, "ends": POINT, "radius": 0.1}),
     "Map.free_run": (MAP.free_run, {"start": POINT, "ends": POINT, "radius": 0.1}),
@@ -184,8 +184,8 @@ CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
         {"map": MAP, "evaders": [POINT], "evader_speeds": [1.0], "pursuers": [(2.0, 1.0)], "pursuer_speeds": [1.0]}
         | {"radius": 0.1, "capture_radius": 0.1, "pitch": None},
     ),
-    "navigation.ways": (
-        pr.navigation.ways,
+    "navigation.shortest_paths": (
+        pr.navigation.shortest_paths,
         {"map": MAP, "start": POINT, "goal": (2.0, 1.0), "radius": 0.1, "count": 2, "max_length": None},
     ),
     "coverage.Plan": (

@@ -27,7 +27,7 @@ EXAMPLES = [(name, item.__doc__) for name, item in compiled(_core) if ">>>" in s
 
 
 def test_there_are_examples() -> None:
-    assert {"Map.way", "steering.go_to", "trajectory.plan"} <= {name for name, _ in EXAMPLES}
+    assert {"Map.path", "steering.go_to", "trajectory.plan"} <= {name for name, _ in EXAMPLES}
 
 
 @pytest.mark.parametrize("name,text", EXAMPLES, ids=[name for name, _ in EXAMPLES])

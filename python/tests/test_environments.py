@@ -176,9 +176,9 @@ def test_the_reward_of_the_documentation_pays_for_arriving_and_not_for_staying()
     names: dict[str, Any] = {"pr": pr}
     exec(compile(code, page.name, "exec"), names)
     envs = pr.VectorEnv(
-        "hello", 1, agents=["robot"], observation="state+way", ticks_per_action=10, reward=names["progress"], seed=1
+        "hello", 1, agents=["robot"], observation="state+path", ticks_per_action=10, reward=names["progress"], seed=1
     )
-    ahead, left = (envs.entries[0].index(f"way.bearing_{name}") for name in ("cos", "sin"))
+    ahead, left = (envs.entries[0].index(f"path.bearing_{name}") for name in ("cos", "sin"))
     observations, _ = envs.reset()
     rewards: list[float] = []
     ended = False
@@ -200,7 +200,7 @@ def test_an_action_of_several_ticks_is_that_of_as_many_steps() -> None:
             "chase_exact",
             2,
             agents=["evader"],
-            observation="state+way",
+            observation="state+path",
             seed=4,
             ticks_per_action=ticks,
             set=settings,
@@ -224,9 +224,9 @@ def test_an_action_of_several_ticks_is_that_of_as_many_steps() -> None:
 
 
 def test_ways_lead_to_the_exit() -> None:
-    envs = pr.VectorEnv("chase_exact", 1, agents=["evader_1"], observation="way", ticks_per_action=4)
+    envs = pr.VectorEnv("chase_exact", 1, agents=["evader_1"], observation="path", ticks_per_action=4)
     names = envs.entries[0]
-    proximity, ahead, left = (names.index(f"way.{name}") for name in ("proximity", "bearing_cos", "bearing_sin"))
+    proximity, ahead, left = (names.index(f"path.{name}") for name in ("proximity", "bearing_cos", "bearing_sin"))
     observations, _ = envs.reset(seed=1)
     first = 1 / observations[0, proximity] - 1
     for _ in range(50):
@@ -237,7 +237,7 @@ def test_ways_lead_to_the_exit() -> None:
 
 
 def test_the_action_zero_is_evader_potential_and_others_are_not() -> None:
-    options: dict[str, Any] = {"agents": ["evader_1"], "observation": "state+way", "seed": 3}
+    options: dict[str, Any] = {"agents": ["evader_1"], "observation": "state+path", "seed": 3}
     twist = pr.VectorEnv("chase_exact", 1, **options)
     tune = pr.VectorEnv("chase_exact", 1, action="tune", **options)
     action = [twist.entries[0].index(f"potential.{name}") for name in ("speed", "turn")]
@@ -274,7 +274,7 @@ def test_the_residual_zero_is_evader_potential(scenario: str, agents: list[str])
 
 
 def test_a_residual_is_added_to_the_action_of_evader_potential() -> None:
-    options: dict[str, Any] = {"agents": ["evader_1"], "observation": "state+way", "seed": 3}
+    options: dict[str, Any] = {"agents": ["evader_1"], "observation": "state+path", "seed": 3}
     twist = pr.VectorEnv("chase_exact", 1, **options)
     residual = pr.VectorEnv("chase_exact", 1, action="residual", **options)
     action = [twist.entries[0].index(f"potential.{name}") for name in ("speed", "turn")]

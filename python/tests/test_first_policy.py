@@ -104,7 +104,7 @@ def rewards_of(envs: pr.VectorEnv, act: Callable[[Array], Array]) -> list[float]
 def test_a_proposed_reward_pays_for_its_purpose(reward: dict[str, float]) -> None:
     hello: dict[str, Any] = {**games()["hello"], "reward": reward, "seed": 1}
     envs = pr.VectorEnv(num_envs=1, **hello)
-    ahead, left = (envs.entries[0].index(f"way.bearing_{name}") for name in ("cos", "sin"))
+    ahead, left = (envs.entries[0].index(f"path.bearing_{name}") for name in ("cos", "sin"))
 
     def along_the_way(observations: Array) -> Array:
         return np.stack([observations[:, ahead].clip(0.0), observations[:, left]], axis=1)

@@ -141,10 +141,10 @@ CALLS: dict[str, list[tuple[str, str]]] = {
             " radius=0.1 + 1e-4 * i, pitch=0.05)",
         ),
     ],
-    "algorithms/navigation.rs:ways": [
+    "algorithms/navigation.rs:shortest_paths": [
         (
             SMALL,
-            f"for i in range(9999): pr.navigation.ways(map, {NEAR}, 0.2 + 1e-5 * i, count=1000)",
+            f"for i in range(9999): pr.navigation.shortest_paths(map, {NEAR}, 0.2 + 1e-5 * i, count=1000)",
         ),
     ],
     "algorithms/patrol.rs:lap": [(ZIG_ZAG, "while True: patrol.lap(100_000)")],
@@ -177,7 +177,7 @@ CALLS: dict[str, list[tuple[str, str]]] = {
         ),
     ],
     "environments.rs:new": [
-        (FILES, "while True: pr.Env(name, agents=['robot'], observation='way')"),
+        (FILES, "while True: pr.Env(name, agents=['robot'], observation='path')"),
     ],
     "environments.rs:replay": [
         (
@@ -191,7 +191,7 @@ CALLS: dict[str, list[tuple[str, str]]] = {
     ],
     "environments.rs:variant": [
         (
-            f"{FILES}; env = pr.Env('hello', agents=['robot'], observation='way')",
+            f"{FILES}; env = pr.Env('hello', agents=['robot'], observation='path')",
             "for i in range(9999): env.reset(options={'set': {'world.map': 'map.toml', 'rules.time_limit': 1 + i}})",
         ),
     ],
@@ -208,8 +208,8 @@ CALLS: dict[str, list[tuple[str, str]]] = {
         ),
     ],
     "map/mod.rs:new": [(FILES, "while True: pr.Map('map.toml')")],
-    "map/mod.rs:way": [(SMALL, f"for i in range(9999): map.way({NEAR}, 0.2 + 1e-5 * i)")],
-    "map/mod.rs:way_length": [(SMALL, "map.way_length(many(23.25, 23.25), (0.85, 0.85), 0.2)")],
+    "map/mod.rs:path": [(SMALL, f"for i in range(9999): map.path({NEAR}, 0.2 + 1e-5 * i)")],
+    "map/mod.rs:path_length": [(SMALL, "map.path_length(many(23.25, 23.25), (0.85, 0.85), 0.2)")],
     "map/mod.rs:clearance": [(ROOM, "while True: map.clearance(many(0.1, 0.1))")],
     "map/mod.rs:line_is_clear": [(ROOM, "while True: map.line_is_clear((0.1, 0.1), many(0.1, 79.9), 0.1)")],
     "map/mod.rs:free_run": [(ROOM, "while True: map.free_run((0.1, 0.1), many(0.1, 79.9), 0.1)")],

@@ -71,7 +71,7 @@ CALLS: list[tuple[str, int, Callable[[int], Any]]] = [
     ("starts", EXITS, lambda n: pr.navigation.arrival_times(ROOM, points(n), 1.0, 0.1)),
     ("evaders", ROBOTS, lambda n: pr.navigation.dominance(ROOM, points(n), 1.0, [POINT], 1.0, radius=0.1)),
     ("pursuers", ROBOTS, lambda n: pr.navigation.dominance(ROOM, [POINT], 1.0, points(n), 1.0, radius=0.1)),
-    ("count", 1000, lambda n: pr.navigation.ways(ROOM, POINT, (2.0, 1.0), 0.1, count=n)),
+    ("count", 1000, lambda n: pr.navigation.shortest_paths(ROOM, POINT, (2.0, 1.0), 0.1, count=n)),
     ("goals", EXITS, lambda n: pr.steering.attraction(POINT, points(n))),
     ("robots", ROBOTS, lambda n: pr.steering.repulsion(POINT, points(n))),
     ("ranges", BEAMS, advise),

@@ -42,13 +42,13 @@ def test_the_specification_makes_the_same_again() -> None:
 
 
 def test_a_made_vector_is_one_of_ours() -> None:
-    envs = gymnasium.make_vec("protean/hello-v0", num_envs=3, observation="state+way", seed=1)
+    envs = gymnasium.make_vec("protean/hello-v0", num_envs=3, observation="state+path", seed=1)
     assert isinstance(envs, pr.VectorEnv) and envs.num_envs == 3
     assert envs.spec is not None and envs.spec.id == "protean/hello-v0"
-    assert "way.proximity" in envs.entries[0]
+    assert "path.proximity" in envs.entries[0]
     observations, _ = envs.reset()
     # Of single environments, which reset in another way.
-    single = gymnasium.make_vec("protean/hello-v0", num_envs=3, vectorization_mode="sync", observation="state+way")
+    single = gymnasium.make_vec("protean/hello-v0", num_envs=3, vectorization_mode="sync", observation="state+path")
     assert single.reset(seed=[1, 2, 3])[0].shape == observations.shape
 
 

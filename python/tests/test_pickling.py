@@ -244,7 +244,7 @@ def work(map, env):
     env.reset()
     env.step(np.zeros(2, dtype=np.float32))
     done = pr.run("hello", in_process=True, seed=1, set={"rules.time_limit": 0.2}, planners={"robot": steer})
-    way = map.way((1.5, 2.5), (4.5, 2.5), 0.1)
+    way = map.path((1.5, 2.5), (4.5, 2.5), 0.1)
     return [map.clearance((1.5, 2.5)), way.tolist(), env.digest(running=True), done.digest]
 """
 

@@ -14,7 +14,7 @@ WORK = {
     "run": "pr.run('chase', in_process=True)",
     "step": "envs.step(np.zeros((4, 2), np.float32))",
     "step with planners": "planned.step(np.zeros((4, 2), np.float32))",
-    "map": "map.way((-9.0, -9.0), (9.0, 9.0), 0.1)",
+    "map": "map.path((-9.0, -9.0), (9.0, 9.0), 0.1)",
     "rrt_star": "pr.rrt_star.plan(map, (-9.0, -9.0), np.array([[9.0, 9.0]]), 0.1)",
     "log": "pr.Log('hello.mcap')['world/state'].to_numpy()",
     "planner": "pr.run('hello', in_process=True, planners={'robot': ahead}, set=ENDLESS)",

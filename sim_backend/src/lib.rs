@@ -8,9 +8,6 @@
 //!
 //! No IPC, no clock, no files: all functions are pure. Shapes and maps are in `geometry`.
 
-#![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
-#![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
-
 pub mod random;
 pub mod robot;
 pub mod spec;

@@ -1,5 +1,7 @@
 //! Comparison of the city of the scenarios with that of the chasing game.
 
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
 use std::path::Path;
 
 use geometry::map::{MapSpec, UnknownCells, WorldMap};

@@ -22,16 +22,6 @@ fn cover(sandbox: &Sandbox, scenario: &str, change: &str, words: &str) {
     refused(sandbox, &[scenario, "--set", change], words);
 }
 
-/// A call of another command that must be refused.
-#[track_caller]
-fn call(sandbox: &Sandbox, words: &[&str], expected: &[&str]) {
-    let outcome = sandbox.protean(words.iter().copied()).run();
-    outcome.refused(2, expected);
-    let is_reported_once =
-        outcome.stderr.starts_with("error: ") && !outcome.stderr.contains("error: error");
-    assert!(is_reported_once, "{outcome}");
-}
-
 #[test]
 fn keys_that_are_none_or_make_no_secret() {
     let sandbox = Sandbox::new();
@@ -304,70 +294,4 @@ fn routes_bridges_and_numbers_that_do_not_fit_the_workplace() {
         let change = format!("processes.cover.params.{change}");
         cover(&sandbox, "coverage_case1", &change, words);
     }
-}
-
-#[test]
-fn questions_to_planners_that_make_no_sense() {
-    let sandbox = Sandbox::new();
-    let predict = |words: &[&str], expected: &[&str]| {
-        call(
-            &sandbox,
-            &[&["patrol", "predict"], words].concat(),
-            expected,
-        );
-    };
-    predict(&["--at", "-1"], &["`t` is -1", "at least 0"]);
-    predict(&["--at", "nan"], &["`t` is NaN", "at least 0"]);
-    predict(&["--at", "inf"], &["`t` is inf", "at least 0"]);
-    predict(&["--at", "soon"], &["soon", "--at"]);
-    predict(&["--waypoint", "-1"], &["-1", "--waypoint"]);
-    predict(&["--waypoint", "99999999999999999"], &["too far ahead"]);
-    predict(&[], &["--at <T>"]);
-    predict(
-        &["--at", "5", "--key", "garbage"],
-        &["garbage", "--key", "kind:values"],
-    );
-    predict(&["--at", "5", "--key", "catp:0,0"], &["all zero"]);
-    predict(
-        &["chase", "--at", "5"],
-        &["chase: no process of kind patrol_awg", "pursuer"],
-    );
-    predict(
-        &["--process", "unknown", "--at", "5"],
-        &["`unknown`", "patrol"],
-    );
-    call(
-        &sandbox,
-        &["patrol", "plan", "chaze"],
-        &["cannot read chaze", "did you mean `chase`?"],
-    );
-    call(&sandbox, &["patrol", "plan", "--laps", "0"], &["--laps"]);
-    let short = [
-        "patrol",
-        "plan",
-        "--set",
-        "processes.patrol.params.mission.t_max=40",
-    ];
-    call(&sandbox, &short, &["`t_max` is 40 s"]);
-
-    let plan = |words: &[&str], expected: &[&str]| {
-        call(&sandbox, &[&["coverage", "plan"], words].concat(), expected);
-    };
-    plan(
-        &["patrol_octagon"],
-        &[
-            "patrol_octagon: no process of kind coverage_chebyshev",
-            "patrol_awg",
-        ],
-    );
-    plan(&["--way=-1"], &["--way", "above 0"]);
-    plan(&["--way", "nan"], &["--way", "above 0"]);
-    plan(&["--loops", "0"], &["--loops"]);
-    plan(&["--goals", "0"], &["--goals"]);
-    plan(&["--loops", "2", "--goals", "3"], &["--loops", "--goals"]);
-    let margin = "processes.cover.params.follow.margin=6";
-    plan(
-        &["coverage_case1", "--set", margin],
-        &["`follow.margin` is 6 m"],
-    );
 }

@@ -147,17 +147,6 @@ const COMMANDS: &[(&str, &[&str], i32)] = &[
     ),
     ("plan", &["plan", "instances.json", "--samples"], 0),
     (
-        "patrol plan",
-        &["patrol", "plan", "patrol_octagon", "--laps", "2"],
-        0,
-    ),
-    (
-        "patrol predict",
-        &["patrol", "predict", "patrol_octagon", "--at", "30"],
-        0,
-    ),
-    ("coverage plan", &["coverage", "plan", "coverage_case1"], 0),
-    (
         "sweep",
         &[
             "sweep",

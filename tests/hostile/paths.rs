@@ -10,13 +10,7 @@ const YAML: &str = "image: map.pgm\nresolution: 0.05\norigin: [0, 0, 0]\noccupie
 /// Calls every command that reads a scenario's files; each must refuse it with these words.
 #[track_caller]
 fn refused(sandbox: &Sandbox, more: &[&str], words: &[&str]) {
-    for command in [
-        &["check"][..],
-        &["run"],
-        &["run", "--in-process"],
-        &["patrol", "plan"],
-        &["coverage", "plan"],
-    ] {
+    for command in [&["check"][..], &["run"], &["run", "--in-process"]] {
         let words_of_call = command.iter().chain(&["in/s.toml"]).chain(more).copied();
         let outcome = sandbox.protean(words_of_call).within_seconds("60").run();
         outcome.refused(2, words);

@@ -2,6 +2,7 @@
 //! beside its contour was not protected at all; no command mentioned it.
 
 use crate::support::Sandbox;
+use plan::routes::patrol::Patrol;
 use serde_json::Value as Json;
 
 fn zone(center: [f64; 2]) -> String {
@@ -19,10 +20,9 @@ fn warnings(remarks: &Json) -> Vec<&str> {
 #[test]
 fn a_patrol_with_a_danger_zone_stays_inside_the_map() {
     let sandbox = Sandbox::new();
-    let plan = sandbox
-        .protean(["patrol", "plan", "patrol_octagon"])
-        .set(&zone([5.0, 0.0]))
-        .json();
+    let scenario = kinds::load("patrol_octagon", &[zone([5.0, 0.0])], None).unwrap();
+    let plan = Patrol::of(&scenario, None, None).unwrap();
+    let plan = plan.plan_json(1).unwrap();
     assert_eq!(plan["alpha_choice"], "room");
     for waypoint in plan["waypoints"].as_array().unwrap() {
         for axis in ["x", "y"] {
@@ -60,11 +60,8 @@ fn waypoints_outside_the_map_are_reported_by_every_command() {
         let logged = logged.run();
         assert!(logged.stdout.contains("the robot does not fit"), "{logged}");
     }
-    for words in [&["check"][..], &["patrol", "plan"]] {
-        let told = sandbox.protean(words.iter().copied().chain(["patrol_octagon"]));
-        let told = told.set(wide).run();
-        assert!(told.stdout.contains("the robot does not fit"), "{told}");
-    }
+    let told = sandbox.protean(["check", "patrol_octagon"]).set(wide).run();
+    assert!(told.stdout.contains("the robot does not fit"), "{told}");
 }
 
 #[test]

@@ -103,7 +103,7 @@ impl Drive {
         let follow = params.get("follow").unwrap_or(params);
         let is_arc = follow.get("interpolation").and_then(toml::Value::as_str) == Some("arc");
         if is_arc {
-            return (STRAYING + follow["most_miss"].as_float().unwrap(), true);
+            return (STRAYING + follow["max_miss"].as_float().unwrap(), true);
         }
         (
             follow["driver"]["go_to"]["arrived"].as_float().unwrap(),

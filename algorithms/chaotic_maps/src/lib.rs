@@ -23,9 +23,6 @@
 //! # Ok::<(), chaotic_maps::KeyError>(())
 //! ```
 
-#![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
-#![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
-
 mod any_source;
 pub mod cat;
 pub mod chebyshev;

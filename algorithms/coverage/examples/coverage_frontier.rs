@@ -7,6 +7,8 @@
 //! that knows the method and its state, but not the key, guesses from `guesses` (24) next sub-goals
 //! under keys of its own, for the first `watched` (8) of the keys.
 
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
 use std::process::ExitCode;
 
 use chaotic_maps::{ChebP, Emission, Keyed, Source};

@@ -3,6 +3,8 @@
 //!
 //! `cargo run -p coverage --example equal_paths [keys]`: 30 keys by default.
 
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
 use chaotic_maps::{Emission, Key, KeyKind, Source};
 use coverage::plan::map;
 use coverage::workplace::Workplace;

@@ -3,6 +3,8 @@
 //! `cargo run -p coverage --example random_maps [maps] [seed]`: 10 000 maps by default, of 1 to 12
 //! obstacles.
 
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
 use std::time::Instant;
 
 use coverage::decomposition::Decomposition;

@@ -187,11 +187,6 @@ impl Decomposition {
             .map(|(rectangle, _)| rectangle)
     }
 
-    /// Area of a component (m²).
-    pub fn component_area(&self, component: usize) -> f64 {
-        self.component(component).map(|r| self.area_of(r)).sum()
-    }
-
     /// The free space that cannot be reached from a rectangle.
     pub fn unreachable_from(&self, rectangle: usize) -> Unreachable {
         let Some(own) = self.component_of(rectangle) else {

@@ -66,13 +66,13 @@ pub struct RoundingError {
 pub struct Rounding {
     v: f64,
     omega: f64,
-    most_miss: f64,
+    max_miss: f64,
     least_radius: f64,
 }
 
 impl Rounding {
     /// Creates arcs for a robot that drives at `v` (m/s) and turns at `omega` (rad/s): of radius v/ω
-    /// where there is room and the arc passes the corner by no more than `most_miss` (m) (at a sharp
+    /// where there is room and the arc passes the corner by no more than `max_miss` (m) (at a sharp
     /// corner a wide arc passes far from it). Arcs smaller than `least_radius` (m) are omitted: the
     /// robot turns on the spot.
     ///
@@ -81,7 +81,7 @@ impl Rounding {
     pub fn new(
         v: f64,
         omega: f64,
-        most_miss: f64,
+        max_miss: f64,
         least_radius: f64,
     ) -> Result<Self, RoundingError> {
         let refuse = |field, value, expected| {
@@ -98,8 +98,8 @@ impl Rounding {
         if !positive(omega) {
             return refuse("omega", omega, "a finite number > 0 (rad/s)");
         }
-        if !positive(most_miss) {
-            return refuse("most_miss", most_miss, "a finite number > 0 (m)");
+        if !positive(max_miss) {
+            return refuse("max_miss", max_miss, "a finite number > 0 (m)");
         }
         if !(positive(least_radius) || least_radius == 0.0) {
             return refuse("least_radius", least_radius, "a finite number ≥ 0 (m)");
@@ -107,7 +107,7 @@ impl Rounding {
         Ok(Self {
             v,
             omega,
-            most_miss,
+            max_miss,
             least_radius,
         })
     }
@@ -134,7 +134,7 @@ pub struct Fillet {
     pub arc: Arc,
 }
 
-/// The arc of at most `radius` (m), passing the corner by at most `most_miss` (m), that replaces
+/// The arc of at most `radius` (m), passing the corner by at most `max_miss` (m), that replaces
 /// the corner at `b` on the path from `a` over `b` to `c` (m). The legs run in the rectangles
 /// `first` and `second`. `None` if there is no corner or no room.
 pub fn fillet(
@@ -142,7 +142,7 @@ pub fn fillet(
     first: &Aabb,
     second: &Aabb,
     radius: f64,
-    most_miss: f64,
+    max_miss: f64,
 ) -> Option<Fillet> {
     let (arriving, leaving) = (b - a, c - b);
     let (before, after) = (arriving.norm(), leaving.norm());
@@ -157,7 +157,7 @@ pub fn fillet(
     let half_turn = math::tan(0.5 * turn.abs());
     // The arc passes B by radius · (1/cos(turn/2) − 1).
     let miss = 1.0 / math::cos(0.5 * turn.abs()) - 1.0;
-    let radius = radius.min(most_miss / miss.max(0.0));
+    let radius = radius.min(max_miss / miss.max(0.0));
     let tangent = (radius * half_turn).min(0.5 * before.min(after)).min(room);
     let radius = tangent / half_turn;
     let usable = tangent > 0.0 && radius > 0.0;
@@ -312,7 +312,7 @@ impl Rounder {
             .zip(goal.within)
             .and_then(|(first, second)| {
                 let radius = self.rounding.radius();
-                fillet([a, b, to], &first, &second, radius, self.rounding.most_miss)
+                fillet([a, b, to], &first, &second, radius, self.rounding.max_miss)
             })
             .filter(|fillet| fillet.arc.radius >= self.rounding.least_radius);
         if let Some(corner) = corner {

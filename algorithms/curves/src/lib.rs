@@ -8,9 +8,6 @@
 //! curve begins at the start and ends at the goal, with the prescribed headings, as long as its speeds
 //! there ([`Curve::start_speed`]) are positive.
 
-#![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
-#![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
-
 pub mod bspline_basis;
 pub mod lgl_nodes;
 mod local_pursuit;

@@ -1,5 +1,7 @@
 //! Properties of the families of curves for all variables.
 
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
 use curves::bspline_basis::Basis;
 use curves::lgl_nodes::Lgl;
 use curves::{Camouflage, Curve, Ends, Pursuit, Row, Spline};

@@ -22,9 +22,6 @@
 //! assert!(bound <= fastest);
 //! ```
 
-#![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
-#![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
-
 mod least_time;
 mod motion;
 pub mod words;

@@ -9,9 +9,6 @@
 //!
 //! All functions are pure, except for the loaders of map files: equal inputs give equal bits on every machine.
 
-#![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
-#![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
-
 pub mod blur;
 pub mod extent;
 pub mod grid;

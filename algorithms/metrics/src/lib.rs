@@ -21,9 +21,6 @@
 //! assert_eq!(mae_lap(&line, &[lap], 10), Some(0.5));
 //! ```
 
-#![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
-#![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
-
 pub mod coverage;
 pub mod driven;
 pub mod path;

@@ -10,9 +10,6 @@
 //! The modules: `proto` has the messages of a file, `tensor` reads constants, `node` reads attributes, `compile` turns a
 //! graph into steps, `step` computes one of them.
 
-#![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
-#![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
-
 mod broadcast;
 mod compile;
 mod error;

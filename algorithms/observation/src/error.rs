@@ -7,7 +7,7 @@ use thiserror::Error;
 pub enum LayoutError {
     /// The contents have an unknown name.
     #[error(
-        "observation {given:?}: expected state, scan, belief, way, or several of them as in state+scan"
+        "observation {given:?}: expected state, scan, belief, path, or several of them as in state+scan"
     )]
     Parts {
         /// The name.

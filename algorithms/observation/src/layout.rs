@@ -40,7 +40,7 @@ const BELIEF_LENGTH: usize = 5 + relative::LENGTH;
 /// - `belief`: every opponent in the scenario's order (10 each): 1 if there is a belief; 1 if a robot of the team sees
 ///   it; relative position of the mean; cosine and sine of its mean heading relative to the own one; 1 / (1 + σ) with
 ///   the standard deviation σ of the position (m). All 0 without a belief;
-/// - `way`: see [`RouteEntries`], which writes them.
+/// - `path`: see [`RouteEntries`], which writes them.
 ///
 /// A *relative position* has 5 entries: the parts ahead and to the left, divided by the diagonal of the map; cosine and
 /// sine of the bearing; 1 / (1 + d) with the distance d (m).
@@ -97,7 +97,7 @@ impl Layout {
             return Err(LayoutError::NoOpponents { robot });
         }
         layout.names = layout.entry_names(robots);
-        if parts.way {
+        if parts.path {
             let opponents: Vec<usize> = others(true).filter(is_opponent).collect();
             let name = |&i: &usize| robots.get(i).map_or("", |robot| &robot.name);
             let names = RouteEntries::names(opponents.iter().map(name));

@@ -30,8 +30,8 @@ pub struct Parts {
     pub scan: bool,
     /// The beliefs about opponents.
     pub belief: bool,
-    /// Shortest ways to the exits and to opponents.
-    pub way: bool,
+    /// Shortest paths to the exits and to opponents.
+    pub path: bool,
 }
 
 impl FromStr for Parts {
@@ -44,7 +44,7 @@ impl FromStr for Parts {
                 "state" => &mut parts.state,
                 "scan" => &mut parts.scan,
                 "belief" => &mut parts.belief,
-                "way" => &mut parts.way,
+                "path" => &mut parts.path,
                 _ => {
                     let given = text.to_owned();
                     return Err(LayoutError::Parts { given });
@@ -62,7 +62,7 @@ impl fmt::Display for Parts {
             (self.state, "state"),
             (self.scan, "scan"),
             (self.belief, "belief"),
-            (self.way, "way"),
+            (self.path, "path"),
         ];
         let mut separator = "";
         for (_, name) in named.into_iter().filter(|(given, _)| *given) {

@@ -33,15 +33,15 @@ const DIRECTION_LENGTH: usize = 3;
 /// Slot of the route finder.
 const OUT: usize = 0;
 
-/// Writes the part `way` of the observations of one robot, and keeps what it knows of the map between ticks.
+/// Writes the part `path` of the observations of one robot, and keeps what it knows of the map between ticks.
 ///
 /// In this order; all 0 for what is unknown or not in the game:
 ///
-/// - `way` (4): cosine and sine of the bearing of the first straight leg of the shortest way to an exit; its length / 10 m,
+/// - `path` (4): cosine and sine of the bearing of the first straight leg of the shortest way to an exit; its length / 10 m,
 ///   at most 1; 1 / (1 + length in m);
 /// - `potential` (4), 0 for a robot that is no evader: what the potential-field evader does with its default parameters:
 ///   cosine and sine of the bearing of the first straight leg of its way past the opponents, and its action;
-/// - `way_to.` every opponent in the scenario's order (2 each): 1 / (1 + length in m) of the shortest way to it; the
+/// - `path_to.` every opponent in the scenario's order (2 each): 1 / (1 + length in m) of the shortest way to it; the
 ///   length of its own way to an exit less that of this robot / 10 m;
 /// - `around.0` … (3 each): places 1 m away, or at the nearest obstacle, in eight directions from the heading
 ///   counter-clockwise: the distance / 1 m; how much shorter the way to an exit is from there / 1 m; 1 / (1 + length in m)
@@ -86,12 +86,12 @@ impl RouteEntries {
             names.extend(entries.iter().map(|entry| format!("{prefix}.{entry}")));
         };
         let bearing = ["bearing_cos", "bearing_sin"];
-        add("way", &bearing);
-        add("way", &["length", "proximity"]);
+        add("path", &bearing);
+        add("path", &["length", "proximity"]);
         add("potential", &bearing);
         add("potential", &["speed", "turn"]);
         for opponent in opponents {
-            let prefix = format!("way_to.{opponent}");
+            let prefix = format!("path_to.{opponent}");
             add(&prefix, &["proximity", "exit_lead"]);
         }
         for direction in 0..DIRECTIONS {

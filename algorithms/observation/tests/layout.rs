@@ -1,5 +1,7 @@
 //! Observations of robots of a world.
 
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
 use core::f64::consts::{FRAC_PI_2, PI};
 use std::time::Duration;
 

@@ -1,5 +1,7 @@
 //! Ways in observations.
 
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
 use core::f64::consts::PI;
 use std::collections::BTreeMap;
 
@@ -89,14 +91,14 @@ fn observed(world: &World, parts: &str) -> BTreeMap<String, f32> {
 #[test]
 fn the_way_goes_around_the_block_and_the_evader_past_an_opponent_around_the_other_side() {
     // It looks along +x; the way below the block is shorter, and the pursuer stands in it.
-    let seen = observed(&world(Pose2::new(1.0, 2.7, 0.0), [4.0, 1.0]), "way");
-    assert!(seen["way.bearing_sin"] < -0.5, "{seen:?}");
+    let seen = observed(&world(Pose2::new(1.0, 2.7, 0.0), [4.0, 1.0]), "path");
+    assert!(seen["path.bearing_sin"] < -0.5, "{seen:?}");
     assert!(seen["potential.bearing_sin"] > 0.5, "{seen:?}");
-    let length = 1.0 / seen["way.proximity"] - 1.0;
+    let length = 1.0 / seen["path.proximity"] - 1.0;
     assert!((6.5..8.5).contains(&length), "{length}");
-    assert!((seen["way.length"] - length / 10.0).abs() < 1e-3);
+    assert!((seen["path.length"] - length / 10.0).abs() < 1e-3);
     // Far from both ways it has no effect.
-    let seen = observed(&world(Pose2::new(1.0, 2.7, 0.0), [0.3, 5.7]), "way");
+    let seen = observed(&world(Pose2::new(1.0, 2.7, 0.0), [0.3, 5.7]), "path");
     assert!(seen["potential.bearing_sin"] < -0.5, "{seen:?}");
 }
 
@@ -120,23 +122,23 @@ fn the_action_of_the_potential_field_is_that_of_its_planner() {
     };
     let map = PlannerMap::of_world(world.map(), 0.19, 0).unwrap();
     let expected = action(evader.command(&map, &view).command, &model);
-    let seen = observed(&world, "way");
+    let seen = observed(&world, "path");
     assert_ne!(expected, [0.0, 0.0]);
     assert_eq!([seen["potential.speed"], seen["potential.turn"]], expected);
 }
 
 #[test]
 fn bearings_turn_with_the_robot() {
-    let ahead = observed(&world(Pose2::new(1.0, 2.7, 0.0), [4.0, 1.0]), "way");
-    let back = observed(&world(Pose2::new(1.0, 2.7, PI), [4.0, 1.0]), "way");
-    assert!((ahead["way.bearing_sin"] + back["way.bearing_sin"]).abs() < 1e-5);
+    let ahead = observed(&world(Pose2::new(1.0, 2.7, 0.0), [4.0, 1.0]), "path");
+    let back = observed(&world(Pose2::new(1.0, 2.7, PI), [4.0, 1.0]), "path");
+    assert!((ahead["path.bearing_sin"] + back["path.bearing_sin"]).abs() < 1e-5);
     assert!((ahead["around.0.danger"] - back["around.4.danger"]).abs() < 1e-5);
 }
 
 #[test]
 fn places_around_know_walls_the_exit_and_opponents() {
     // In the street below the block, the pursuer behind.
-    let seen = observed(&world(Pose2::new(4.0, 1.0, 0.0), [2.5, 1.0]), "way");
+    let seen = observed(&world(Pose2::new(4.0, 1.0, 0.0), [2.5, 1.0]), "path");
     // 0 is ahead, 2 left.
     assert_eq!(seen["around.0.free"], 1.0);
     assert!((seen["around.2.free"] - 0.9).abs() < 0.1, "{seen:?}");
@@ -150,11 +152,11 @@ fn places_around_know_walls_the_exit_and_opponents() {
     );
     // The pursuer's way is longer by the 1.5 m between them.
     assert!(
-        (seen["way_to.police.exit_lead"] - 0.15).abs() < 0.04,
+        (seen["path_to.police.exit_lead"] - 0.15).abs() < 0.04,
         "{seen:?}"
     );
     assert!(
-        (seen["way_to.police.proximity"] - 0.4).abs() < 0.05,
+        (seen["path_to.police.proximity"] - 0.4).abs() < 0.05,
         "{seen:?}"
     );
 }
@@ -162,7 +164,7 @@ fn places_around_know_walls_the_exit_and_opponents() {
 #[test]
 fn ways_are_the_last_entries_and_others_stay_what_they_are() {
     let world = world(Pose2::new(1.0, 2.7, 0.4), [4.0, 1.0]);
-    let (alone, both) = (observed(&world, "state"), observed(&world, "state+way"));
+    let (alone, both) = (observed(&world, "state"), observed(&world, "state+path"));
     assert!(both.len() > alone.len());
     assert!(alone.iter().all(|(name, value)| both[name] == *value));
 }

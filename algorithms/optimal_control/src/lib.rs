@@ -48,9 +48,6 @@
 //! assert!(solution.duration > 5.0 && solution.duration < 5.5);
 //! ```
 
-#![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
-#![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
-
 mod errors;
 mod interior_point;
 mod iterate;

@@ -1,5 +1,7 @@
 //! Searches whose results are known, and their symmetries.
 
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
 use core::f64::consts::PI;
 
 use geometry::math;

@@ -41,9 +41,6 @@
 //! probably in another unit. [`Reference`] writes the same
 //! declarations as tables in Markdown, [`schema_generator`] for editors.
 
-#![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
-#![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
-
 mod bounds;
 mod check;
 mod error;

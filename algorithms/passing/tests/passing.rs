@@ -1,5 +1,7 @@
 //! Robots that pass each other: convoys in lanes with bays, as graphs and as maps.
 
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
 use std::collections::BTreeSet;
 
 use geometry::shape::{Aabb, Convex};

@@ -14,9 +14,6 @@ use thiserror::Error;
 
 use crate::awg::{Awg, Leg, waypoint};
 
-/// Maximum number of laps that [`Forecast::at_distance`] measures one by one.
-pub const MAX_MEASURED_LAPS: u32 = 100_000;
-
 /// Maximum number of steps of a generator without jumps.
 const MAX_SINGLE_STEPS: u64 = 1_000_000_000;
 
@@ -146,32 +143,6 @@ impl Forecast {
         let number = self.awg.first_of_lap(lap) + leg.waypoints_before + passed as u64 - 1;
         let (from, to) = (self.waypoint(number)?, self.waypoint(number + 1)?);
         Ok(between(from, to, (waypoints - passed).clamp(0.0, 1.0)))
-    }
-
-    /// The position of the robot after `s` (m) of the path along its waypoints.
-    ///
-    /// # Errors
-    /// [`ForecastError`] for a distance that is invalid or longer than [`MAX_MEASURED_LAPS`] laps.
-    pub fn at_distance(&self, s: f64) -> Result<Predicted, ForecastError> {
-        check("s", s)?;
-        let mut source = self.source.clone();
-        let mut before = self.waypoint(0)?;
-        let mut rest = s;
-        let mut lap_waypoints = Vec::with_capacity(self.awg.waypoints_per_lap() as usize);
-        for lap in 0..MAX_MEASURED_LAPS {
-            lap_waypoints.clear();
-            self.awg.lap_into(lap, &mut source, &mut lap_waypoints);
-            for &to in &lap_waypoints {
-                let length = (to.point - before.point).norm();
-                if rest <= length {
-                    let share = if length > 0.0 { rest / length } else { 0.0 };
-                    return Ok(between(before, to, share));
-                }
-                rest -= length;
-                before = to;
-            }
-        }
-        Err(too_far(format!("{s} m"), u64::from(MAX_MEASURED_LAPS)))
     }
 
     /// The generator before a step of a lap.

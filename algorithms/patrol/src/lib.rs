@@ -22,9 +22,6 @@
 //! # Ok::<(), patrol::contour::ContourError>(())
 //! ```
 
-#![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
-#![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
-
 pub mod alpha;
 pub mod awg;
 pub mod contour;

@@ -7,9 +7,6 @@
 //! - [`steering::Steering`]: the command, and data for display;
 //! - [`waypoint`]: waypoints and their outcomes.
 
-#![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
-#![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
-
 pub mod derived;
 pub mod free_space;
 pub mod limits;

@@ -3,6 +3,8 @@
 //! `cargo run --release -p protean-steering --example random_worlds [worlds] [first]`: 2000 worlds from number
 //! 100 000 by default, for sensors with a range of 0.5 m and of 3.5 m.
 
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
 use drive::{Machine, PATROL};
 use planner_view::waypoint::WaypointOutcome::Reached;
 use random_world::RandomWorld;

@@ -51,9 +51,6 @@
 //! assert!(plan.min_clearance > -1e-3);
 //! ```
 
-#![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
-#![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
-
 mod attempt;
 mod backwards;
 mod controls;

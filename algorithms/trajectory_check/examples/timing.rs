@@ -2,6 +2,8 @@
 //!
 //! `cargo run --release -p trajectory_check --example timing`
 
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
 use std::hint::black_box;
 use std::time::Instant;
 

@@ -32,9 +32,6 @@
 //! assert!((report.min_clearance - 0.1).abs() < 1e-9);
 //! ```
 
-#![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
-#![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
-
 mod boundary;
 mod clearance;
 mod contract;

@@ -5,7 +5,10 @@ use std::process::ExitCode;
 use planner::geometry::region::Region;
 use planner::nalgebra::Point2;
 use planner::steering::go_to::{GoToParams, go_to};
-use planner::{Declaration, Input, Limits, Planner, PlannerMap, RobotInfo, Steering, View, limits};
+use planner::{
+    Declaration, Input, Limits, Planner, PlannerError, PlannerMap, RobotInfo, Steering, View,
+    limits,
+};
 
 /// The planner of one robot.
 struct GoToExit {
@@ -25,7 +28,7 @@ impl Planner for GoToExit {
         Declaration::default().reads(Input::SHAPES)
     }
 
-    fn new(params: &GoToParams, robot: &RobotInfo, _seed: u64) -> Result<Self, String> {
+    fn new(params: &GoToParams, robot: &RobotInfo, _seed: u64) -> Result<Self, PlannerError> {
         Ok(Self {
             params: *params,
             limits: limits(robot)?,

@@ -13,13 +13,13 @@ use std::process::ExitCode;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use crate::link::pin;
 use geometry::pose::Pose2;
 use ipc_types::bus::{Bus, Publisher, PublisherOptions, Subscriber, TopicHolder};
 use ipc_types::messages::robot::Command;
 use ipc_types::messages::world::{RobotState, WorldHeader};
 use ipc_types::stamp::PlainHeader;
 use ipc_types::topics::{Commands, Status, WorldState};
-use latency::link::pin;
 use mission::child_process::Executable;
 use mission::process_group::ProcessGroup;
 use mission::run_directory::RunDirectory;

@@ -7,6 +7,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
+use crate::link::{LINE, SharedWords, raw_node, sleep_while, store_and_wake, wake};
 use iceoryx2::port::publisher::Publisher;
 use iceoryx2::port::subscriber::Subscriber;
 use iceoryx2::prelude::{Node, ZeroCopySend, ipc};
@@ -14,7 +15,6 @@ use ipc_types::bus::RunSpace;
 use ipc_types::messages::robot::Command;
 use ipc_types::messages::world::{RobotState, WorldHeader};
 use ipc_types::stamp::PlainHeader;
-use latency::link::{LINE, SharedWords, raw_node, sleep_while, store_and_wake, wake};
 use serde::{Deserialize, Serialize};
 
 use crate::{Failure, Result};

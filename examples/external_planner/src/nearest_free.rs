@@ -9,7 +9,7 @@ use planner::geometry::region::Region;
 use planner::nalgebra::{Point2, Vector2};
 use planner::parameters::{Parameters, above, at_least};
 use planner::steering::go_to::{GoToParams, go_to};
-use planner::{Limits, Planner, PlannerMap, RobotInfo, Steering, View, limits};
+use planner::{Limits, Planner, PlannerError, PlannerMap, RobotInfo, Steering, View, limits};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -57,12 +57,16 @@ impl Planner for NearestFree {
 
     type Params = NearestFreeParams;
 
-    fn new(params: &NearestFreeParams, robot: &RobotInfo, _seed: u64) -> Result<Self, String> {
+    fn new(
+        params: &NearestFreeParams,
+        robot: &RobotInfo,
+        _seed: u64,
+    ) -> Result<Self, PlannerError> {
         let goal = robot.goal.as_ref().map(Region::center);
         Ok(Self {
             params: *params,
             limits: limits(robot)?,
-            goal: goal.ok_or_else(|| format!("robot {} has no `goal`", robot.name))?,
+            goal: goal.ok_or_else(|| PlannerError::of_robot(&robot.name, "it has no `goal`"))?,
         })
     }
 

@@ -3,7 +3,10 @@
 use ipc_types::bus::{Bus, Subscriber};
 use planner::nalgebra::Point2;
 use planner::steering::go_to::{GoToParams, go_to};
-use planner::{Declaration, Input, Limits, Planner, PlannerMap, RobotInfo, Steering, View, limits};
+use planner::{
+    Declaration, Input, Limits, Planner, PlannerError, PlannerMap, RobotInfo, Steering, View,
+    limits,
+};
 use runtime::declaration::{Flow, When};
 use runtime::{ProcessConfig, ProcessError};
 
@@ -28,7 +31,7 @@ impl Planner for Chaser {
         Declaration::default().reads(tracks)
     }
 
-    fn new((): &(), robot: &RobotInfo, _seed: u64) -> Result<Self, String> {
+    fn new((): &(), robot: &RobotInfo, _seed: u64) -> Result<Self, PlannerError> {
         Ok(Self {
             limits: limits(robot)?,
             tracks: None,

@@ -45,7 +45,7 @@ pub struct BusOptions {
     pub overflow: bool,
 }
 
-/// Number of nodes of a run with this many processes: one each, the bridge's for external programs,
+/// Number of nodes of a run with this many processes: one each and one of its successor after a crash,
 /// the orchestrator's, its recorder's, and the external subscribers'.
 fn nodes(size: &RunSize) -> usize {
     2 * size.processes + 2 + crate::topics::EXTERNAL_SUBSCRIBERS

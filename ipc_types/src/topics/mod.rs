@@ -217,12 +217,5 @@ pub trait TopicVisitor {
     fn visit<T: Topic>(&mut self) -> Result<(), Self::Error>;
 }
 
-/// Event that starts a step of a process without the tick barrier; the id is its index.
-pub const TURN_EVENT: &str = "run/turn";
-/// Event by which such a process reports the end of its step; the id is its index.
-pub const DONE_EVENT: &str = "run/done";
-/// Added to the index in [`TURN_EVENT`]: there will be no more steps.
-pub const END_OF_TURNS: usize = 64;
-
-/// Largest id of an event.
-pub const MAX_EVENT_ID: usize = 2 * END_OF_TURNS;
+/// Largest id of an event, which is the index of a process.
+pub const MAX_EVENT_ID: usize = 128;

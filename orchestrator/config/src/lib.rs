@@ -4,9 +4,6 @@
 //! typed values with a `serde` deserializer that reports places of errors ([`fn@read`]), and collects
 //! problems in [`Diagnostics`].
 
-#![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
-#![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
-
 mod deserialize;
 mod diagnostic;
 mod node;

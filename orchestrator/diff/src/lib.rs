@@ -17,9 +17,6 @@
 //! # Ok::<(), mcap_log::LogReadError>(())
 //! ```
 
-#![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
-#![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
-
 mod cause;
 mod facts;
 mod history;

@@ -21,9 +21,6 @@
 //! assert!(draw(&chart).svg().starts_with("<svg"));
 //! ```
 
-#![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
-#![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
-
 pub mod canvas;
 pub mod figures;
 pub mod legend;

@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use geometry::pose::Twist2;
 use parameters::Parameters;
-use planner::{Planner, PlannerMap, RobotInfo, Steering, View};
+use planner::{Planner, PlannerError, PlannerMap, RobotInfo, Steering, View};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -92,9 +92,12 @@ impl Planner for CommandedPlanner {
 
     type Params = CommandedParams;
 
-    fn new(params: &CommandedParams, robot: &RobotInfo, _: u64) -> Result<Self, String> {
+    fn new(params: &CommandedParams, robot: &RobotInfo, _: u64) -> Result<Self, PlannerError> {
         Ok(Self {
-            source: params.source.clone().ok_or("it has no commands")?,
+            source: params
+                .source
+                .clone()
+                .ok_or_else(|| PlannerError::algorithm("it has no commands"))?,
             robot: robot.name.clone(),
             tick: 0,
         })

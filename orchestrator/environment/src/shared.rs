@@ -121,12 +121,12 @@ impl Shared {
         } else {
             WayLeft::of_agents(&agents.robots, &facts, exits.len())?
         };
-        let planner_map = if options.observation.way || !evaders.is_empty() || !ways_left.is_empty()
-        {
-            Some(planner_map(world.map(), blur_sigma)?)
-        } else {
-            None
-        };
+        let planner_map =
+            if options.observation.path || !evaders.is_empty() || !ways_left.is_empty() {
+                Some(planner_map(world.map(), blur_sigma)?)
+            } else {
+                None
+            };
         let are_alone = agents.are_alone(template.scenario()) && !beliefs;
         Ok(Self {
             are_alone,

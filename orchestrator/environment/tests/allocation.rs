@@ -1,5 +1,7 @@
 //! Steps of worlds without other processes allocate no memory once the buffers have grown.
 
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::atomic::{AtomicUsize, Ordering};
 

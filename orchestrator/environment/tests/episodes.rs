@@ -1,5 +1,7 @@
 //! Episodes: histories, seeds, threads, ends and rewards.
 
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
 mod learner;
 mod scripted;
 
@@ -95,7 +97,7 @@ fn episodes_with_other_processes_are_ordinary_runs() {
 #[test]
 fn ways_are_those_of_a_planner_also_when_an_obstacle_appears() {
     let template = template("chase_popup", &["events.0.time_s=1.0"]);
-    let mut learner = Learner::new(template.clone(), options(&["evader"], "state+way"));
+    let mut learner = Learner::new(template.clone(), options(&["evader"], "state+path"));
     learner.reset(Some(1));
     assert_is_an_ordinary_run(&mut learner, &template, 40);
 }
@@ -106,7 +108,7 @@ fn field_evaders_are_those_of_a_planner() {
     for action in [ActionKind::Tune, ActionKind::Residual] {
         let options = Options {
             action,
-            ..options(&["evader"], "state+way")
+            ..options(&["evader"], "state+path")
         };
         let mut learner = Learner::new(template.clone(), options);
         learner.reset(Some(1));

@@ -1,5 +1,7 @@
 //! Rewards: events times weights, and progress along the way.
 
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
 mod learner;
 
 use environment::{Autoreset, EVENT_NAMES, Options, RewardWeights};
@@ -58,13 +60,13 @@ fn progress_is_rewarded_per_metre_of_the_way_that_became_shorter() {
             },
             autoreset,
             ticks_per_action: ticks,
-            ..options(&["evader_1", "police_1", "police_2"], "state+way")
+            ..options(&["evader_1", "police_1", "police_2"], "state+path")
         };
         let mut learner = Learner::new(template.clone(), options);
         learner.reset(Some(1));
         let layouts = learner.environments.layouts();
         let names = layouts[0].names();
-        let entry = names.iter().position(|name| name == "way.proximity");
+        let entry = names.iter().position(|name| name == "path.proximity");
         let length = |observations: &[f32]| 1.0 / f64::from(observations[entry.unwrap()]) - 1.0;
         // Two episodes: the reset between them is no progress.
         for _ in 0..2 {

@@ -1,5 +1,7 @@
 //! Episodes with other values of the scenario than those of the environments.
 
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
 mod scripted;
 
 use std::collections::BTreeMap;
@@ -55,7 +57,7 @@ fn an_episode_with_other_values_is_an_ordinary_run_with_them() {
         (
             "hello",
             &["robot"],
-            "state+way",
+            "state+path",
             &[
                 "world.map={vector={bounds={min=[0,0],max=[5,3]},resolution=0.05,obstacles=[{name='box',shape={rectangle={center=[2.5,2.2],half_extents=[0.3,0.3]}}}]}}",
                 "rules.time_limit=0.4",

@@ -1,8 +1,5 @@
 //! The kinds of processes of this program.
 
-#![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
-#![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
-
 use config::Diagnostics;
 use coverage_planners::{
     BoustrophedonPlanner, ChebyshevPlanner, KeyedCoveragePlanner, RandomBouncePlanner,

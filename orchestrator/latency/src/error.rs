@@ -4,7 +4,6 @@ use std::path::PathBuf;
 
 use mcap_log::LogReadError;
 
-use super::link::LinkError;
 use mission::MissionError;
 
 /// Failure to measure latencies.
@@ -24,9 +23,6 @@ pub enum LatencyError {
     /// The mission failed.
     #[error(transparent)]
     Mission(Box<MissionError>),
-    /// A baseline could not be measured.
-    #[error(transparent)]
-    Link(#[from] LinkError),
     /// An operation of the operating system failed.
     #[error("{what}: {source}")]
     System {
@@ -44,7 +40,7 @@ impl LatencyError {
             Self::Lacks { .. } => true,
             Self::Log(error) => !matches!(**error, LogReadError::Interrupted),
             Self::Mission(error) => error.is_refusal(),
-            Self::Link(_) | Self::System { .. } => false,
+            Self::System { .. } => false,
         }
     }
 }

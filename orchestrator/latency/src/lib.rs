@@ -1,18 +1,11 @@
-//! `protean latency`: the latency from a world state to its commands, hop by hop, compared with
-//! other transports on the same machine at the same time.
+//! `protean latency`: the latency from a world state to its commands, hop by hop.
 //!
 //! * [`of_log()`] reads the stamps in a log: hops, steps, parts of steps, and the stages of every
 //!   tick;
 //! * [`run`](mission::run) runs a mission in real time for such a log;
-//! * [`baselines`] sends messages of the same sizes over bare iceoryx2, sockets and pipes;
 //! * [`Report`] is the result as a table and as JSON.
 
-#![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
-#![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
-
-pub mod baselines;
 mod error;
-pub mod link;
 pub mod mission;
 mod of_log;
 mod report;

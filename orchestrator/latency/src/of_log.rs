@@ -16,7 +16,7 @@ use super::error::LatencyError;
 use recorder::RunInfo;
 use recorder::chain::{Answers, Chain, Passage};
 
-/// Number and size of the messages of one topic, for baselines of the same size.
+/// Number and size of the messages of one topic.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Sizes {
     /// Number of messages.

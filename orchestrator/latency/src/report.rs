@@ -6,7 +6,6 @@ use platform::machine::machine;
 use serde_json::{Map, Value as Json, json};
 use statistics::{Distribution, Percentiles};
 
-use super::baselines::Baseline;
 use super::of_log::Measured;
 use super::{REACTION, Stage, TICK_JITTER, WHOLE};
 
@@ -22,8 +21,6 @@ pub struct Run {
     pub log: Option<PathBuf>,
     /// `true` if it was interrupted.
     pub interrupted: bool,
-    /// Latencies of its messages over other transports; empty for a log.
-    pub baselines: Vec<Baseline>,
 }
 
 /// All measurements.
@@ -146,13 +143,6 @@ impl Run {
                 "count": sizes.messages,
                 "mean_bytes": sizes.mean(),
             }))).collect::<Map<_, _>>(),
-            "baselines": self.baselines.iter().map(|b| json!({
-                "way": b.transport.name(),
-                "placement": b.placement.name(),
-                "topic": b.topic,
-                "bytes": b.bytes,
-                "us": b.latency.percentiles(),
-            })).collect::<Vec<_>>(),
             "per_decade": PER_DECADE,
         })
     }

@@ -7,7 +7,6 @@ use statistics::Percentiles;
 use tables::{Importance, TerminalTable};
 
 use super::TICK_JITTER;
-use super::baselines::Baseline;
 use super::report::{Report, Run};
 
 /// Returns the tables.
@@ -134,9 +133,6 @@ fn of_run(text: &mut String, run: &Run) {
         run.measured.passages.len(),
         run.sum_error_ns()
     );
-    if !run.baselines.is_empty() {
-        let _ = writeln!(text, "\n{}", baselines(&run.baselines));
-    }
     if let Some(log) = &run.log {
         let _ = writeln!(text, "log        {}", log.display());
     }
@@ -160,44 +156,6 @@ fn turns(run: &Run) -> TerminalTable {
             let own = all.get(&format!("{kind} {part}"));
             own.map_or_else(String::new, |own| {
                 format!("{} / {}", us(own.at(0.5)), us(own.at(0.99)))
-            })
-        }));
-        found.add_row(row);
-    }
-    found
-}
-
-/// Returns a table with a row per transport and payload, and the placements as columns.
-fn baselines(all: &[Baseline]) -> TerminalTable {
-    let mut placements = Vec::new();
-    for baseline in all {
-        if !placements.contains(&baseline.placement) {
-            placements.push(baseline.placement);
-        }
-    }
-    let header = [("size of: p50 / p99", 0), ("transport", 0)].into_iter();
-    let header = header.chain(placements.iter().map(|p| (p.name(), 1)));
-    let mut found = TerminalTable::new(header, 2);
-    let mut rows: Vec<(String, String)> = Vec::new();
-    for b in all {
-        let row = (
-            format!("{}, {} B", b.topic, b.bytes),
-            b.transport.name().to_owned(),
-        );
-        if !rows.contains(&row) {
-            rows.push(row);
-        }
-    }
-    for (payload, way) in rows {
-        let mut row = vec![payload.clone(), way.clone()];
-        row.extend(placements.iter().map(|placement| {
-            let own = all.iter().find(|b| {
-                b.placement == *placement
-                    && b.transport.name() == way
-                    && format!("{}, {} B", b.topic, b.bytes) == payload
-            });
-            own.map_or_else(String::new, |own| {
-                format!("{} / {}", us(own.latency.at(0.5)), us(own.latency.at(0.99)))
             })
         }));
         found.add_row(row);

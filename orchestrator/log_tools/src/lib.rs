@@ -3,9 +3,6 @@
 //! [`export`](export()) writes tables, [`TopicColumns`] are a table in memory, [`ros2bag`](ros2bag()) writes a ROS 2
 //! bag, and [`compare`](compare()) compares two.
 
-#![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
-#![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
-
 mod cat;
 mod compare;
 mod deviation;

@@ -11,7 +11,6 @@ use runtime::lockstep::{BarrierMonitor, Phase};
 use super::child_process::{ChildError, RunningProcess};
 use super::decide::{Action, Activity, Event, Moment, Observation};
 use super::error::MissionError;
-use super::external_bridge::ExternalBridge;
 use super::plan::Launch;
 use super::process_group::{ProcessGroup, config_path, write_config};
 use super::process_log::ProcessEventLog;
@@ -23,7 +22,6 @@ pub(super) struct Executor<'a> {
     resources: &'a RunResources,
     launches: &'a [Launch],
     monitor: BarrierMonitor,
-    bridge: Option<ExternalBridge>,
     processes: ProcessGroup,
     /// Destination of process events and output lines, if any.
     pub(super) log: Option<ProcessEventLog>,
@@ -33,29 +31,20 @@ pub(super) struct Executor<'a> {
 
 impl<'a> Executor<'a> {
     /// Assigns each of these processes its slot at the barrier.
-    ///
-    /// # Errors
-    /// [`MissionError`] if the external bridge cannot be started.
-    pub(super) fn new(
-        resources: &'a RunResources,
-        launches: &'a [Launch],
-        echo: bool,
-    ) -> Result<Self, MissionError> {
+    pub(super) fn new(resources: &'a RunResources, launches: &'a [Launch], echo: bool) -> Self {
         let monitor = BarrierMonitor::new(Arc::clone(&resources.barrier));
         for launch in launches {
             let slot = launch.config.index as usize;
             monitor.assign_slot(slot, slot != 0, launch.is_awaited());
         }
-        let bridge = ExternalBridge::start(launches, &resources.bus, &resources.barrier)?;
-        Ok(Self {
+        Self {
             resources,
             launches,
             monitor,
-            bridge: Some(bridge),
             processes: ProcessGroup::default(),
             log: None,
             echo,
-        })
+        }
     }
 
     /// Starts all processes.
@@ -95,11 +84,9 @@ impl<'a> Executor<'a> {
     /// Observes the current state of the processes.
     pub(super) fn observe(&self) -> Vec<Observation> {
         let barrier = self.monitor.barrier();
-        let bridge = self.bridge.as_ref();
         let observe = |process: &RunningProcess| Observation {
             state: barrier.state(process.slot),
             done: barrier.ticks_done(process.slot),
-            is_vacant: bridge.is_none_or(|bridge| bridge.is_vacant(process.slot)),
         };
         self.processes.iter().map(observe).collect()
     }
@@ -217,11 +204,6 @@ impl<'a> Executor<'a> {
             tracing::warn!("process {name} did not end and was killed");
         }
         self.forward_lines();
-        if let Some(bridge) = self.bridge.take()
-            && let Err(error) = bridge.finish()
-        {
-            tracing::warn!("bridge to external processes: {error}");
-        }
     }
 
     fn forward_lines(&self) {

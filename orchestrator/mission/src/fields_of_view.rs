@@ -102,7 +102,7 @@ mod tests {
         assert_eq!(
             names(
                 "patrol_square",
-                &[places, "processes.observer.params.eyes.range=2"]
+                &[places, "processes.observer.params.viewpoint.range=2"]
             ),
             ["seen by 1 0.5 (observer)"]
         );

@@ -3,20 +3,16 @@
 //!
 //! * [`plan`], `launch`, `obstacle_schedule`: configuration of every process; [`dataflow`]: its picture;
 //! * [`run_directory`], `resources`, `shm_usage`, `orphans`: resources of a run, and of abandoned runs;
-//! * [`child_process`], `output_lines`, [`process_group`], `external_bridge`: processes and their turns;
+//! * [`child_process`], `output_lines`, [`process_group`]: processes and their turns;
 //! * `supervisor`, `decide`, `executor`, `process_log`: events of processes and the reactions;
 //! * `recording`, [`fields_of_view`], `recorder_thread`, `progress`, `team_colours`, [`report`]: log, display and summary;
 //! * `run`: a run with operating-system processes; [`in_process`]: a run in one thread of this process.
-
-#![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
-#![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
 
 pub mod child_process;
 pub mod dataflow;
 mod decide;
 mod error;
 mod executor;
-mod external_bridge;
 mod fields_of_view;
 pub mod in_process;
 mod launch;

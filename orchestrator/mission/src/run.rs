@@ -109,7 +109,7 @@ pub fn run(
         let _ = event_log.line_sender().try_send(line);
     }
     let mut supervisor =
-        Supervisor::new(&resources, launches, hang_timeout, !options.quiet)?.with_log(event_log);
+        Supervisor::new(&resources, launches, hang_timeout, !options.quiet).with_log(event_log);
     let recorder = RecorderThread::start(&resources, requests, recording, printer)?;
     let mut active = ActiveRun {
         resources: &resources,

@@ -29,20 +29,17 @@ pub struct Supervisor<'a> {
 
 impl<'a> Supervisor<'a> {
     /// Assigns each of these processes its slot at the barrier; with `echo`, their output is shown.
-    ///
-    /// # Errors
-    /// [`MissionError`] if the external bridge cannot be started.
     pub fn new(
         resources: &'a RunResources,
         launches: &'a [Launch],
         hang_timeout: Duration,
         echo: bool,
-    ) -> Result<Self, MissionError> {
+    ) -> Self {
         let in_lock_step = resources.plan.run.clock == Clock::LockStep;
-        Ok(Self {
-            executor: Executor::new(resources, launches, echo)?,
+        Self {
+            executor: Executor::new(resources, launches, echo),
             state: State::new(launches, in_lock_step, hang_timeout),
-        })
+        }
     }
 
     /// Sends the events and output lines of the processes to the log.

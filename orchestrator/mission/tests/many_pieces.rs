@@ -2,6 +2,8 @@
 //!
 //! It takes more than 10 s in the dev profile: the largest maps have 131 072 pieces.
 
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
 use std::fmt::Write as _;
 use std::path::Path;
 

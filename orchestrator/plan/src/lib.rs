@@ -3,9 +3,6 @@
 //! [`file::read`] reads problems from a file; [`generate`] generates them from seeds. [`solve`] plans one problem and
 //! checks the plan against the problem as given; [`batch::solve_all`] does so for many problems in parallel.
 
-#![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
-#![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
-
 pub mod answer;
 pub mod batch;
 pub mod field;

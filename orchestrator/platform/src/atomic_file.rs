@@ -5,7 +5,7 @@
 //! systems without `O_TMPFILE` need one from the beginning. Its process keeps a file with a temporary name locked, and
 //! the next file that needs one in the directory removes those that no process has locked.
 
-use std::fs::{File, OpenOptions, Permissions, TryLockError};
+use std::fs::{File, OpenOptions, Permissions};
 use std::io::{self, Seek, SeekFrom, Write};
 use std::os::fd::AsRawFd as _;
 use std::os::unix::fs::{MetadataExt as _, OpenOptionsExt as _, PermissionsExt as _};
@@ -14,6 +14,7 @@ use std::path::{Path, PathBuf};
 use rustix::fs::{AtFlags, CWD, OFlags, linkat};
 use tempfile::TempPath;
 
+use crate::file_lock::{LockOutcome, try_lock};
 use crate::own_file;
 
 /// Beginning and end of temporary names.
@@ -106,7 +107,7 @@ impl AtomicFile {
                     let folder = folder_of(&self.path);
                     remove_abandoned(folder);
                     // Before the file has a name. Without locks no file is taken for abandoned.
-                    let _ = self.file.try_lock();
+                    let _ = try_lock(&self.file);
                     let link = |name: &Path| link(&self.file, name);
                     builder().make_in(folder, link)?.into_temp_path()
                 }
@@ -175,7 +176,7 @@ fn named(folder: &Path, mode: u32) -> io::Result<(File, TempPath)> {
             .tempfile_in(folder)?
             .into_parts();
         // Until it is locked, another process may take it for abandoned.
-        let is_taken = matches!(file.try_lock(), Err(TryLockError::WouldBlock));
+        let is_taken = matches!(try_lock(&file), Ok(LockOutcome::InUse));
         if !is_taken && file.metadata()?.nlink() > 0 {
             return Ok((file, name));
         }
@@ -191,7 +192,7 @@ fn remove_abandoned(folder: &Path) {
         if name.starts_with(TEMPORARY.0.as_bytes())
             && name.ends_with(TEMPORARY.1.as_bytes())
             && let Ok(file) = own_file::open(&entry.path(), OpenOptions::new().write(true))
-            && file.try_lock().is_ok()
+            && matches!(try_lock(&file), Ok(LockOutcome::Acquired))
         {
             let _ = std::fs::remove_file(entry.path());
         }

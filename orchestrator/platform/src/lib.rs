@@ -1,8 +1,5 @@
 //! Functions of the operating system: files, processes, signals and the terminal.
 
-#![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
-#![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
-
 pub mod atomic_file;
 pub mod descriptors;
 pub mod file_kind;

@@ -3,13 +3,15 @@
 //! A process keeps its scratch directory locked; one that is not locked is abandoned. The Python package does the same
 //! (`_scratch` in `python/protean_robotics/_sweep.py`).
 
-use std::fs::{File, Permissions, TryLockError};
+use std::fs::{File, Permissions};
 use std::io::{self, ErrorKind};
 use std::os::unix::fs::{MetadataExt as _, PermissionsExt as _};
 use std::path::{Path, PathBuf};
 
 use rustix::process::geteuid;
 use tempfile::TempDir;
+
+use crate::file_lock::{LockOutcome, try_lock};
 
 /// First characters of their names.
 const NAMES: &str = "protean-scratch-";
@@ -38,7 +40,7 @@ impl Scratch {
                 lock => lock?,
             };
             // A file system without locks refuses that of a `clean`, too.
-            let is_taken = matches!(lock.try_lock(), Err(TryLockError::WouldBlock));
+            let is_taken = matches!(try_lock(&lock), Ok(LockOutcome::InUse));
             if !is_taken && folder.path().try_exists()? {
                 return Ok(Self {
                     folder,
@@ -90,10 +92,10 @@ fn remove(path: &Path) -> io::Result<bool> {
         return Ok(false);
     }
     let lock = File::open(path)?;
-    match lock.try_lock() {
-        Ok(()) => std::fs::remove_dir_all(path).map(|()| true),
-        Err(TryLockError::WouldBlock) => Ok(false),
-        Err(TryLockError::Error(error)) => Err(error),
+    match try_lock(&lock)? {
+        LockOutcome::Acquired => std::fs::remove_dir_all(path).map(|()| true),
+        LockOutcome::InUse => Ok(false),
+        LockOutcome::Unsupported(error) => Err(error),
     }
 }
 

@@ -1,8 +1,5 @@
 //! The `protean` command.
 
-#![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
-#![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
-
 use std::process::ExitCode;
 
 fn main() -> ExitCode {

@@ -9,9 +9,6 @@
 //! Topics are encoded as ROS 2 CDR whose body consists of the bytes of the message (`ipc_types::cdr`).
 //! [`DerivedTopics`] adds derived channels, such as those for viewers. Log time is simulated time.
 
-#![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
-#![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
-
 mod bus;
 pub mod chain;
 mod checks;

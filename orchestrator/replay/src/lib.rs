@@ -1,9 +1,6 @@
 //! Repetition of a recorded run: [`replay()`] sends the messages of a log to any subscriber, [`verify()`] sends them to
 //! processes under test, and [`rerun()`] executes its scenario again. The latter two compare the result with the log.
 
-#![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
-#![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
-
 mod error;
 mod live_replay;
 pub mod origin;

@@ -10,9 +10,6 @@
 //! A new kind of process is one implementation of [`runtime::ProcessKind`] and one entry in a program's
 //! list of kinds.
 
-#![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
-#![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
-
 pub mod builtin;
 mod context;
 mod draft;
@@ -25,6 +22,7 @@ mod load;
 mod overrides;
 mod processes;
 mod remarks;
+mod renamed;
 mod resolve;
 mod resolved;
 mod robots;

@@ -11,6 +11,7 @@ use super::builtin;
 use super::draft::Draft;
 use super::files::{Base, read_text};
 use super::kind::Kind;
+use super::renamed;
 use super::resolved::ResolvedScenario;
 use platform::file_kind::FileKind;
 
@@ -148,10 +149,13 @@ impl<'k> Loader<'k> {
         let mut sources = Sources::default();
         let mut problems = Diagnostics::default();
         let source = sources.add(SourceKind::File, file, text);
-        let Some(root) = parse_document(&sources, source, &mut problems) else {
+        let Some(mut root) = parse_document(&sources, source, &mut problems) else {
             problems.push_if_empty(|| Diagnostic::new(Code::Syntax, "not a scenario"));
             return Err(problems.sorted());
         };
+        if *base == Base::Nothing {
+            renamed::update(&mut root);
+        }
         let stem = Path::new(file)
             .file_stem()
             .and_then(|s| s.to_str())

@@ -7,9 +7,6 @@
 //! Elementary functions come from [`geometry::math`], and sums are over integers or in a fixed order, so that
 //! the same results give the same figures on every machine.
 
-#![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
-#![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
-
 mod distribution;
 mod interval;
 mod mean;

@@ -19,9 +19,6 @@
 //! | [`summary`], [`figures`] | summaries of results |
 //! | `missions`, [`planning`] | the kinds of missions: of robots, of plans |
 
-#![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
-#![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
-
 mod assignments;
 mod cases;
 mod cell;

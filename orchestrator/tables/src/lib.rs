@@ -1,9 +1,6 @@
 //! Tables with typed columns, as CSV, as Apache Parquet or in memory (results of sweeps, messages of logs), and tables
 //! on a terminal.
 
-#![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
-#![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
-
 mod csv;
 mod in_memory;
 mod parquet;

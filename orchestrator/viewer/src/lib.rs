@@ -4,9 +4,6 @@
 //!   [`recorder::Recording`] writes them into the log;
 //! * `live`: [`LiveServer`], which sends logged messages to viewers during the run.
 
-#![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
-#![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
-
 mod live;
 mod ros;
 mod topics;

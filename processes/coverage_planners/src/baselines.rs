@@ -6,6 +6,7 @@ pub mod params;
 use core::marker::PhantomData;
 
 use crate::design::Design;
+use crate::error::DesignError;
 use crate::follower::Follower;
 use chaotic_maps::Key;
 use coverage::boustrophedon;
@@ -47,7 +48,7 @@ impl Design for Boustrophedon {
         site: &Site,
         _seed: u64,
         before: Option<Self::Goals>,
-    ) -> Result<Self::Goals, String> {
+    ) -> Result<Self::Goals, DesignError> {
         let (workplace, parts) = (&site.workplace, &site.decomposition);
         let made = if let Some(before) = before {
             before.moved(workplace, parts, site.start)
@@ -56,7 +57,7 @@ impl Design for Boustrophedon {
             let disc = workplace.radius() - params.follow.margin;
             Self::Goals::new(workplace, parts, site.start, disc)
         };
-        made.map_err(|e| e.to_string())
+        Ok(made?)
     }
 }
 
@@ -104,12 +105,12 @@ impl<R: RandomKind> Design for Memoryless<R> {
         site: &Site,
         seed: u64,
         before: Option<Self::Goals>,
-    ) -> Result<Self::Goals, String> {
+    ) -> Result<Self::Goals, DesignError> {
         let (workplace, parts) = (&site.workplace, &site.decomposition);
         if let Some(before) = before {
             return Ok(before.moved(workplace, parts, site.start));
         }
-        let secret = Key::secret(params.key, seed).map_err(|e| e.to_string())?;
+        let secret = Key::secret(params.key, seed)?;
         Ok(Wanderer::new(workplace, parts, site.start, secret))
     }
 }

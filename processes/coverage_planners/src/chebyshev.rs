@@ -6,9 +6,10 @@ pub mod params;
 mod tests;
 
 use crate::design::Design;
+use crate::error::DesignError;
 use crate::follower::Follower;
 use chaotic_maps::{AnySource, Key};
-use coverage::decomposition::Decomposition;
+use coverage::decomposition::{BridgeError, Decomposition};
 use coverage::plan::{CoveragePlan, PlanSpec};
 use coverage::sub_goals::params::FollowParams;
 use coverage::sub_goals::site::Site;
@@ -28,17 +29,16 @@ impl Chebyshev {
     /// Returns the free space of a site with the bridges of the parameters.
     ///
     /// # Errors
-    /// A text that names the invalid bridge.
-    pub fn lay_out(params: &ChebyshevParams, site: &Site) -> Result<Decomposition, String> {
+    /// [`BridgeError`] names the invalid bridge.
+    pub fn lay_out(params: &ChebyshevParams, site: &Site) -> Result<Decomposition, BridgeError> {
         let mut decomposition = site.decomposition.clone();
         for bridge in &params.bridges {
             let rectangle = Aabb {
                 min: Point2::from(bridge.min),
                 max: Point2::from(bridge.max),
             };
-            decomposition = decomposition
-                .with_bridge(&site.workplace, bridge.between, rectangle)
-                .map_err(|e| e.to_string())?;
+            decomposition =
+                decomposition.with_bridge(&site.workplace, bridge.between, rectangle)?;
         }
         Ok(decomposition)
     }
@@ -61,7 +61,7 @@ impl Design for Chebyshev {
         site: &Site,
         seed: u64,
         before: Option<Self::Goals>,
-    ) -> Result<Self::Goals, String> {
+    ) -> Result<Self::Goals, DesignError> {
         let decomposition = Self::lay_out(params, site)?;
         let spec = PlanSpec {
             route: params.route.clone(),
@@ -75,9 +75,9 @@ impl Design for Chebyshev {
             let key = params
                 .key
                 .unwrap_or_else(|| Key::from_seed(params.map, seed));
-            let source = key.source().map_err(|e| e.to_string())?;
+            let source = key.source()?;
             CoveragePlan::new(decomposition, site.start, &spec, source)
         };
-        plan.map_err(|e| e.to_string())
+        Ok(plan?)
     }
 }

@@ -7,6 +7,7 @@ use geometry::shape::Shape;
 use runtime::kind::{Task, TaskFault};
 
 use crate::design::Design;
+use crate::error::DesignError;
 
 /// Makes the first sub-goals on the map; `seed` is the planner's.
 pub(crate) fn check_task<D: Design>(
@@ -32,18 +33,7 @@ pub(crate) fn check_task<D: Design>(
     }
     let here = task.robot.start.position();
     Site::new(bounds, task.world_map.parts(), radius, &follow, here)
+        .map_err(DesignError::from)
         .and_then(|site| D::goals(params, &site, seed, None).map(drop))
-        .map_err(|message| TaskFault::param(field_of(&message), &message))
-}
-
-/// Parameter named by a rejection.
-fn field_of(message: &str) -> &str {
-    let first = message.split(|c: char| !c.is_alphanumeric()).next();
-    match first.unwrap_or_default() {
-        "route" => "route",
-        "iterations" => "iterations",
-        "bridge" => "bridges",
-        "tolerance" => "follow.tolerance",
-        _ => message.split('`').nth(1).unwrap_or_default(),
-    }
+        .map_err(|error| TaskFault::param(error.field(), &error))
 }

@@ -3,6 +3,7 @@
 use core::fmt::Debug;
 use parameters::Parameters;
 
+use crate::error::DesignError;
 use coverage::goal::GoalSource;
 use coverage::sub_goals::params::FollowParams;
 use coverage::sub_goals::site::Site;
@@ -26,11 +27,11 @@ pub trait Design: 'static {
     /// that it replaces, if the map has changed: secrets and numbers continue from them.
     ///
     /// # Errors
-    /// A text that names the fault of the site.
+    /// [`DesignError`] names the fault of the site.
     fn goals(
         params: &Self::Params,
         site: &Site,
         seed: u64,
         before: Option<Self::Goals>,
-    ) -> Result<Self::Goals, String>;
+    ) -> Result<Self::Goals, DesignError>;
 }

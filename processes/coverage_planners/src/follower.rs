@@ -6,7 +6,7 @@ use geometry::map::{MapSpec, WorldMap};
 use geometry::pose::Pose2;
 use geometry::shape::Aabb;
 use nalgebra::Point2;
-use planner::{Declaration, Input, Output, Planner, limits};
+use planner::{Declaration, Input, Output, Planner, PlannerError, limits};
 use planner_view::limits::Limits;
 use planner_view::map::PlannerMap;
 use planner_view::steering::Steering;
@@ -24,6 +24,7 @@ use coverage::sub_goals::site::Site;
 
 use crate::check::check_task;
 use crate::design::Design;
+use crate::error::DesignError;
 
 /// Method of driving.
 #[derive(Debug)]
@@ -57,16 +58,14 @@ impl<D: Design> Follower<D> {
         self.goals.as_mut()
     }
 
-    fn driver(follow: &FollowParams, limits: Limits, radius: f64) -> Result<Drive, String> {
+    fn driver(follow: &FollowParams, limits: Limits, radius: f64) -> Result<Drive, DesignError> {
         Ok(match follow.interpolation {
             Interpolation::Linear => {
                 let driver = WaypointDriver::new(follow.driver, limits, radius);
-                Drive::Linear(Box::new(
-                    driver.map_err(|e| e.within("follow.driver").to_string())?,
-                ))
+                Drive::Linear(Box::new(driver.map_err(|e| e.within("follow.driver"))?))
             }
             Interpolation::Arc => {
-                let driver = ArcDriver::new(follow, limits).map_err(|e| e.to_string())?;
+                let driver = ArcDriver::new(follow, limits)?;
                 Drive::Arc(Box::new(driver))
             }
         })
@@ -135,8 +134,8 @@ impl<D: Design> Planner for Follower<D> {
         check_task::<D>(params, task, seed)
     }
 
-    fn new(params: &D::Params, robot: &RobotInfo, seed: u64) -> Result<Self, String> {
-        parameters::check(params).map_err(|e| e.to_string())?;
+    fn new(params: &D::Params, robot: &RobotInfo, seed: u64) -> Result<Self, PlannerError> {
+        parameters::check(params)?;
         let mut follow = D::follow(params);
         let model = &robot.model;
         follow.driver = follow
@@ -149,7 +148,7 @@ impl<D: Design> Planner for Follower<D> {
             limits,
             radius,
             seed,
-            drive: Self::driver(&follow, limits, radius)?,
+            drive: Self::driver(&follow, limits, radius).map_err(PlannerError::algorithm)?,
             goals: None,
             revision: None,
             last: None,
@@ -226,17 +225,10 @@ fn site(
     radius: f64,
     follow: &FollowParams,
     here: Point2<f64>,
-) -> Result<Site, String> {
-    let space = map.space().ok_or(
-        "the map has more pieces than world/shapes holds: use a map with fewer obstacles or corners",
-    )?;
-    Site::new(
-        *space.bounds(),
-        space.shapes().parts(),
-        radius,
-        follow,
-        here,
-    )
+) -> Result<Site, DesignError> {
+    let space = map.space().ok_or(DesignError::Shapes)?;
+    let (bounds, parts) = (*space.bounds(), space.shapes().parts());
+    Ok(Site::new(bounds, parts, radius, follow, here)?)
 }
 
 /// Logs the parts of a workplace that will not be covered.

@@ -4,6 +4,7 @@
 pub mod params;
 
 use crate::design::Design;
+use crate::error::DesignError;
 use crate::follower::Follower;
 use chaotic_maps::Key;
 use coverage::keyed::KeyedCoverage;
@@ -36,12 +37,12 @@ impl Design for Keyed {
         site: &Site,
         seed: u64,
         before: Option<KeyedCoverage>,
-    ) -> Result<KeyedCoverage, String> {
+    ) -> Result<KeyedCoverage, DesignError> {
         let (workplace, parts) = (&site.workplace, &site.decomposition);
         let made = if let Some(before) = before {
             before.moved(workplace, parts, site.start)
         } else {
-            let key = Key::secret(params.key, seed).map_err(|e| e.to_string())?;
+            let key = Key::secret(params.key, seed)?;
             // Legs keep the margin; the body covers the area.
             let disc = workplace.radius() - params.follow.margin;
             KeyedCoverage::new(
@@ -60,6 +61,6 @@ impl Design for Keyed {
                 planner
             }
         });
-        made.map_err(|e| e.to_string())
+        Ok(made?)
     }
 }

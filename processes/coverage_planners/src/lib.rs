@@ -4,13 +4,11 @@
 //! sub-goals that only its key predicts; [`baselines`] are for comparison. Each makes its sub-goals
 //! with [`coverage`]; [`follower::Follower`] is their common process.
 
-#![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
-#![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
-
 pub mod baselines;
 pub mod chebyshev;
 mod check;
 pub mod design;
+mod error;
 pub mod follower;
 pub mod keyed;
 
@@ -22,6 +20,7 @@ pub use baselines::{
     RandomParams, Uniform, UniformPlanner,
 };
 pub use chebyshev::{Chebyshev, ChebyshevParams, ChebyshevPlanner};
+pub use error::DesignError;
 pub use keyed::{Keyed, KeyedCoverageParams, KeyedCoveragePlanner};
 
 /// Rejects keys of generators that are not secret.

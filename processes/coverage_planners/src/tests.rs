@@ -85,5 +85,7 @@ fn keys_that_are_no_secret_and_values_out_of_range_are_refused() {
 fn cells_too_large_for_the_body_are_refused() {
     let params: KeyedCoverageParams = toml::from_str("goals = { cell = 0.12 }").unwrap();
     let error = Keyed::goals(&params, &site(), 1, None).unwrap_err();
-    assert!(error.starts_with("`cell` is 0.12"), "{error}");
+    assert_eq!(error.field(), "goals.cell");
+    let text = error.to_string();
+    assert!(text.starts_with("`cell` is 0.12"), "{text}");
 }

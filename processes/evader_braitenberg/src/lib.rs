@@ -5,9 +5,6 @@
 //! exit is found by chance or not at all. [`cones`] reads the scan, [`vehicle`] computes the
 //! speeds; the paper's exact formula is [`BraitenbergParams::paper`].
 
-#![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
-#![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
-
 pub mod cones;
 pub mod params;
 pub mod process;

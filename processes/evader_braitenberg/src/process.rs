@@ -1,6 +1,6 @@
 //! Connects [`Braitenberg`] to its topics: state and scan in, command out.
 
-use planner::{Declaration, Input, Planner, limits};
+use planner::{Declaration, Input, Planner, PlannerError, limits};
 use planner_view::map::PlannerMap;
 use planner_view::steering::Steering;
 use planner_view::view::View;
@@ -26,10 +26,8 @@ impl Planner for BraitenbergPlanner {
         Declaration::default().reads(Input::SCANS)
     }
 
-    fn new(params: &BraitenbergParams, robot: &RobotInfo, seed: u64) -> Result<Self, String> {
-        Braitenberg::new(*params, limits(robot)?, seed)
-            .map(Self)
-            .map_err(|e| e.to_string())
+    fn new(params: &BraitenbergParams, robot: &RobotInfo, seed: u64) -> Result<Self, PlannerError> {
+        Ok(Self(Braitenberg::new(*params, limits(robot)?, seed)?))
     }
 
     fn steer(&mut self, _: &PlannerMap, view: &View<'_>) -> Steering {

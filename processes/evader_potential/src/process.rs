@@ -1,6 +1,6 @@
 //! Connects [`Evader`] to its topics: state and map in, command and plan out.
 
-use planner::{Planner, limits};
+use planner::{Planner, PlannerError, limits};
 use planner_view::map::PlannerMap;
 use planner_view::steering::Steering;
 use planner_view::view::View;
@@ -22,10 +22,8 @@ impl Planner for PotentialPlanner {
         vec![("paper", EvaderParams::paper())]
     }
 
-    fn new(params: &EvaderParams, robot: &RobotInfo, seed: u64) -> Result<Self, String> {
-        Evader::new(*params, limits(robot)?, seed)
-            .map(Self)
-            .map_err(|e| e.to_string())
+    fn new(params: &EvaderParams, robot: &RobotInfo, seed: u64) -> Result<Self, PlannerError> {
+        Ok(Self(Evader::new(*params, limits(robot)?, seed)?))
     }
 
     fn prepare(&mut self, map: &PlannerMap, robot: &RobotInfo) {

@@ -6,6 +6,8 @@
 //! line: the evaders that were told so at the start and at all, how many of these escaped, and the 95 %
 //! interval. Each that did not escape has a line of its own.
 
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
 use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;

@@ -230,7 +230,7 @@ impl Evader {
         }
         let params = &self.params;
         for pursuer in &mut self.police {
-            pursuer.reach += params.keep_away;
+            pursuer.reach += params.avoid_radius;
         }
         let slower = Runner {
             speed: own.v_max * params.speed_fraction,

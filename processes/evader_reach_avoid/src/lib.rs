@@ -6,9 +6,6 @@
 //! that it reaches before any pursuer could (`navigation::dominance`): near the exit, but with time to
 //! spare, so that pursuers that approach it leave the exit open.
 
-#![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
-#![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
-
 pub mod evader;
 pub mod params;
 pub mod process;

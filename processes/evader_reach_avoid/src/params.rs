@@ -21,7 +21,7 @@ pub struct ReachAvoidParams {
     /// Without a safe way out: distance beyond the capture radius that its plans keep from where
     /// pursuers could be.
     #[schemars(transform = at_least(0).unit("m"))]
-    pub keep_away: f64,
+    pub avoid_radius: f64,
     /// Without a safe way out: maximum useful lead over the pursuers at a place.
     #[schemars(transform = at_least(0).unit("s"))]
     pub enough_s: f64,
@@ -52,7 +52,7 @@ impl Default for ReachAvoidParams {
         Self {
             period_s: 0.25,
             speed_fraction: 0.9,
-            keep_away: 0.1,
+            avoid_radius: 0.1,
             enough_s: 6.0,
             exit_weight: 0.5,
             sight: 4.0,

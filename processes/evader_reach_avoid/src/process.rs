@@ -1,7 +1,7 @@
 //! Connects [`Evader`] to its topics: state and map in, command and plan out.
 
 use geometry::region::Region;
-use planner::Planner;
+use planner::{Planner, PlannerError};
 use planner_view::map::PlannerMap;
 use planner_view::steering::Steering;
 use planner_view::view::View;
@@ -20,10 +20,10 @@ impl Planner for ReachAvoidPlanner {
 
     type Params = ReachAvoidParams;
 
-    fn new(params: &ReachAvoidParams, robot: &RobotInfo, _seed: u64) -> Result<Self, String> {
+    fn new(params: &ReachAvoidParams, robot: &RobotInfo, _seed: u64) -> Result<Self, PlannerError> {
         Evader::new(*params, robot.model)
             .map(Self)
-            .map_err(|e| format!("{}: {e}", robot.name))
+            .map_err(|e| PlannerError::of_robot(&robot.name, e))
     }
 
     fn rules(&mut self, exits: &[Region], capture_radius: f64) {

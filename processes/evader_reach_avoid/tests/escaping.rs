@@ -1,5 +1,7 @@
 //! The evader in the city and in a room with a wall.
 
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
 #[path = "../../../algorithms/planner_view/tests/support/mod.rs"]
 mod support;
 

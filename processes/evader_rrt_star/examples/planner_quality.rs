@@ -3,6 +3,8 @@
 //! It prints one line per improvement, `planner,query,seed,cpu_ms,cost`, like
 //! `benchmarks/ompl_baseline`, after the exact optima as `optimum,query,,,cost`.
 
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
 #[path = "../tests/support/mod.rs"]
 mod support;
 

@@ -74,11 +74,6 @@ impl CostModel {
         self.params.kind != CostKind::TimeAware || self.pursuers.is_empty()
     }
 
-    /// Returns `true` if the cost of an edge is its length.
-    pub fn is_length(&self) -> bool {
-        self.pursuers.is_empty()
-    }
-
     /// Returns the cost (m) of this link from one point to another, after a path of length `before`
     /// (m). It is at least the link's length.
     pub fn edge(&self, from: Point2<f64>, to: Point2<f64>, link: &Link, before: f64) -> f64 {
@@ -262,7 +257,7 @@ mod tests {
             CostParams::paper(),
             &[(f64::NAN, 0.0), (f64::INFINITY, 1.0)],
         );
-        assert!(model.is_length());
+        assert!(model.pursuers.is_empty());
     }
 
     proptest! {

@@ -5,9 +5,6 @@
 //! decides when to plan, delays its plans by their simulated computing time, and follows them. The
 //! chasing-game paper's planner (§III-G) is [`RrtStarParams::paper`].
 
-#![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
-#![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
-
 pub mod bound;
 pub mod collision_map;
 pub mod cost;

@@ -2,7 +2,9 @@
 //! out.
 
 use ipc_types::messages::robot::TreeEdge;
-use planner::{Declaration, Input, Output, PlannedPoint, Planner, headed_for, limits};
+use planner::{
+    Declaration, Input, Output, PlannedPoint, Planner, PlannerError, headed_for, limits,
+};
 use planner_view::map::PlannerMap;
 use planner_view::steering::Steering;
 use planner_view::view::View;
@@ -39,9 +41,9 @@ impl Planner for RrtStarPlanner {
             .writes(Output::tree(SHOWN_EDGES))
     }
 
-    fn new(params: &RrtStarParams, robot: &RobotInfo, seed: u64) -> Result<Self, String> {
+    fn new(params: &RrtStarParams, robot: &RobotInfo, seed: u64) -> Result<Self, PlannerError> {
         let limits = limits(robot)?;
-        let evader = RrtStarEvader::new(*params, limits, seed).map_err(|e| e.to_string())?;
+        let evader = RrtStarEvader::new(*params, limits, seed)?;
         Ok(Self {
             evader,
             v_max: limits.v_max(),

@@ -144,11 +144,6 @@ impl Tree {
         })
     }
 
-    /// Returns `true` if a node has children.
-    pub fn has_children(&self, node: u32) -> bool {
-        self.nodes[node as usize].first_child != NONE
-    }
-
     /// Returns the path from the root to a node, both included, root first; empty for a node that
     /// is not joined to the tree.
     pub fn way_to(&self, node: u32, way: &mut Vec<u32>) {
@@ -196,7 +191,8 @@ mod tests {
         assert_eq!(children(&tree, 1), [2, 3, 4]);
         tree.attach(3, 2);
         assert_eq!(children(&tree, 1), [2, 4]);
-        assert!(tree.has_children(2) && !tree.has_children(3));
+        assert_eq!(children(&tree, 2), [3]);
+        assert_eq!(children(&tree, 3), [0; 0]);
     }
 
     #[test]

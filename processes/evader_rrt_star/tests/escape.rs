@@ -1,5 +1,7 @@
 //! The evader in the paper's city, in a kinematic mini-simulation.
 
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
 #[path = "../../../algorithms/planner_view/tests/support/mod.rs"]
 mod arena;
 mod support;

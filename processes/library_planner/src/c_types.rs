@@ -2,7 +2,7 @@
 
 use core::ffi::{c_char, c_void};
 
-use ipc_types::c_header::Structure;
+use crate::c_structure::Structure;
 
 /// A type that can be a member or an argument.
 pub(crate) trait CType {
@@ -134,12 +134,12 @@ macro_rules! c_structures {
         impl $crate::c_types::CStructure for $name {
             const NAME: &'static str = $c;
 
-            fn structure() -> ipc_types::c_header::Structure {
-                ipc_types::c_header::Structure {
+            fn structure() -> crate::c_structure::Structure {
+                crate::c_structure::Structure {
                     name: $c.to_owned(),
                     doc: concat!($($doc),+).trim().to_owned(),
                     size: size_of::<$name>(),
-                    members: vec![$(ipc_types::c_header::Member {
+                    members: vec![$(crate::c_structure::Member {
                         name: stringify!($field).to_owned(),
                         declaration: <$ty as $crate::c_types::CType>::declare(stringify!($field)),
                         doc: $member_doc.to_owned(),
@@ -173,10 +173,10 @@ macro_rules! c_functions {
         impl $crate::c_types::CStructure for $name {
             const NAME: &'static str = $c;
 
-            fn structure() -> ipc_types::c_header::Structure {
+            fn structure() -> crate::c_structure::Structure {
                 let functions = <$name as $crate::c_types::CFunctions>::functions();
                 let mut offsets = [$( core::mem::offset_of!($name, $function) ),+].into_iter();
-                let members = functions.into_iter().map(|function| ipc_types::c_header::Member {
+                let members = functions.into_iter().map(|function| crate::c_structure::Member {
                     name: function.name.to_owned(),
                     declaration: function.pointer(
                         <$of_type as $crate::c_types::CStructure>::NAME,
@@ -185,7 +185,7 @@ macro_rules! c_functions {
                     doc: String::new(),
                     offset: offsets.next().unwrap_or_default(),
                 });
-                ipc_types::c_header::Structure {
+                crate::c_structure::Structure {
                     name: $c.to_owned(),
                     doc: concat!($($doc),+).trim().to_owned(),
                     size: size_of::<$name>(),

@@ -2,12 +2,11 @@
 
 use core::fmt::Write as _;
 
-use ipc_types::c_header;
-
 use crate::abi::{
     Belief, INPUTS, Particle, PlannerTable, Point, Robot, SIDES, Scan, Start, StartFunctions,
     Steering, Tick, TickFunctions, VERSION,
 };
+use crate::c_structure::ASSERT;
 use crate::c_types::{CFunctions, CStructure as _};
 
 /// Returns the header of planners in C and C++.
@@ -33,7 +32,7 @@ pub fn planner() -> String {
     for (name, code, doc) in SIDES {
         define(name, u32::from(code), doc);
     }
-    text += &format!("\n{}\n", c_header::ASSERT);
+    text += &format!("\n{ASSERT}\n");
     let structures = [
         Point::structure(),
         Robot::structure(),
@@ -52,7 +51,7 @@ pub fn planner() -> String {
     }
     text.push('\n');
     for structure in &structures {
-        structure.write(&mut text, "");
+        structure.write(&mut text);
     }
     inline_functions::<TickFunctions>(&mut text);
     inline_functions::<StartFunctions>(&mut text);

@@ -1,6 +1,6 @@
 //! Planners in C and C++: shared libraries that `protean planner LIBRARY` loads as processes of a run.
 //!
-//! - `abi`: the interface, declared once in Rust; `c_types`: the declaration of C types;
+//! - `abi`: the interface, declared once in Rust; `c_types`: the declaration of C types; `c_structure`: their text;
 //! - [`header`]: the interface as the header `protean_planner.h`;
 //! - `library`: a loaded library, checked;
 //! - `start_functions`, `tick_functions`: the functions that a library calls;
@@ -11,11 +11,9 @@
 //! A library is trusted as code of this process: what it returns is checked, but it can break the process. The
 //! orchestrator then acts as for any process that ends.
 
-#![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
-#![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
-
 #[expect(clippy::doc_markdown, reason = "the comments are those of the header")]
 mod abi;
+mod c_structure;
 mod c_types;
 pub mod header;
 mod library;

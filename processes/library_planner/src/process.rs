@@ -10,8 +10,8 @@ use geometry::region::Region;
 use ipc_types::bus::Bus;
 use parameters::Parameters;
 use planner::{
-    Declaration, Input, Limits, Planner, PlannerMap, PlannerProcess, RobotInfo, Steering, View,
-    limits,
+    Declaration, Input, Limits, Planner, PlannerError, PlannerMap, PlannerProcess, RobotInfo,
+    Steering, View, limits,
 };
 use rand_chacha::ChaCha8Rng;
 use runtime::config::{CONFIG_VARIABLE, ProcessConfig};
@@ -105,7 +105,7 @@ impl Planner for LibraryPlanner {
             .reads_if(reads(WAYS), Input::SHAPES.optional())
     }
 
-    fn new(params: &LibraryParams, robot: &RobotInfo, seed: u64) -> Result<Self, String> {
+    fn new(params: &LibraryParams, robot: &RobotInfo, seed: u64) -> Result<Self, PlannerError> {
         Ok(Self {
             params: params.clone(),
             limits: limits(robot)?,

@@ -4,9 +4,6 @@
 //! [`Navigator`] is the algorithm: per tick it makes the request, accepts the answer and commands
 //! the robot. [`process`] connects it to its topics and to `optimiser/plan`.
 
-#![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
-#![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
-
 pub mod drive;
 pub mod excerpt;
 pub mod follow;
@@ -19,7 +16,7 @@ pub mod trajectory;
 pub mod trajectory_request;
 pub mod wire;
 
-pub use navigator::{Decision, Navigator};
+pub use navigator::{Decision, Navigator, NavigatorError};
 pub use params::NavigatorParams;
 pub use trajectory::{Trajectory, TrajectoryError};
 pub use trajectory_request::{PlanFailure, TrajectoryRequest};

@@ -8,7 +8,7 @@ use ipc_types::messages::optimiser::PlanRequest;
 use ipc_types::stamp::Stamp;
 use ipc_types::topics::OptimiserPlan;
 use nalgebra::{Point2, Vector2};
-use planner::{Declaration, Input, MAX_PLAN_POINTS, PlannedPoint, Planner};
+use planner::{Declaration, Input, MAX_PLAN_POINTS, PlannedPoint, Planner, PlannerError};
 use planner_view::map::PlannerMap;
 use planner_view::steering::Steering;
 use planner_view::view::View;
@@ -61,8 +61,8 @@ impl Planner for NavigatorPlanner {
         .asks::<OptimiserPlan>(PlanRequest::MAX_POINTS)
     }
 
-    fn new(params: &NavigatorParams, robot: &RobotInfo, _seed: u64) -> Result<Self, String> {
-        check(params).map_err(|e| e.to_string())?;
+    fn new(params: &NavigatorParams, robot: &RobotInfo, _seed: u64) -> Result<Self, PlannerError> {
+        check(params)?;
         let goals = if params.goals.is_empty() {
             robot
                 .goal
@@ -74,7 +74,7 @@ impl Planner for NavigatorPlanner {
             params.goals.iter().copied().map(Point2::from).collect()
         };
         let navigator = Navigator::new(params.clone(), robot.model, goals)
-            .map_err(|reason| format!("{}: {reason}", robot.name))?;
+            .map_err(|e| PlannerError::of_robot(&robot.name, e))?;
         Ok(Self {
             navigator,
             params: params.clone(),

@@ -1,5 +1,7 @@
 //! The navigator's model of the drive is that of the world.
 
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
 use core::time::Duration;
 
 use geometry::map::{MapSpec, VectorMap};

@@ -1,5 +1,7 @@
 //! Excerpts of large maps: what a request contains.
 
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
 use geometry::grid::{Grid, GridFrame};
 use geometry::map::{CellMap, WorldMap};
 use ipc_types::messages::optimiser::PlanRequest;

@@ -1,6 +1,8 @@
 //! Number of goals from which a key is recovered, for a robot in the simulated world: by generator,
 //! speed and noise. `cargo run -p observer --example key_recovery -- [keys] [part of a row's name]`
 
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
 #[path = "../tests/all/drive.rs"]
 mod drive;
 

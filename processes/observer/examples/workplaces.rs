@@ -7,6 +7,8 @@
 //! with a noise of 5 mm and 5 mrad. The errors of its predictions are averaged over the time after the
 //! key is known, by the rectangle in which the robot then is.
 
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
 #[path = "../tests/all/drive.rs"]
 mod drive;
 

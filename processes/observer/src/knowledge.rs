@@ -220,7 +220,7 @@ impl ChebyshevKnowledge {
             tolerance: self.tolerance,
             ..FollowParams::default()
         };
-        let site = Site::new(bounds, parts, radius, &follow, start)?;
+        let site = Site::new(bounds, parts, radius, &follow, start).map_err(|e| e.to_string())?;
         let first = site.decomposition.rectangle_at(site.start);
         let first = first.ok_or("the robot starts outside the free space")?;
         let tour = Tour::new(&site.decomposition, first, &self.route, &self.iterations)

@@ -6,9 +6,6 @@
 //! allows it. Each prediction is stored until it is due and then scored against the truth
 //! ([`score`]): a measure of unpredictability.
 
-#![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
-#![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
-
 pub mod knowledge;
 pub mod layout;
 pub mod legs;

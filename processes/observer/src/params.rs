@@ -78,7 +78,7 @@ pub struct ObserverParams {
     /// Names of the robots that are viewpoints.
     pub from_robots: Vec<String>,
     /// Accuracy of its view.
-    pub eyes: PoseSensorParams,
+    pub viewpoint: PoseSensorParams,
     /// Time between two messages, rounded to whole ticks.
     #[schemars(transform = above(0).unit("s"))]
     pub period_s: f64,
@@ -108,7 +108,7 @@ impl Default for ObserverParams {
             watch: Vec::new(),
             from_points: Vec::new(),
             from_robots: Vec::new(),
-            eyes: PoseSensorParams::default(),
+            viewpoint: PoseSensorParams::default(),
             period_s: 0.25,
             horizons_s: vec![0.5, 1.0, 2.0, 5.0],
             methods: Method::ALL.to_vec(),

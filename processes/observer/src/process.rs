@@ -89,7 +89,7 @@ impl ProcessKind for ObserverProcess {
             robots: (0..robots.len()).filter(looks).collect(),
             points: params.from_points.clone(),
             limits: SightLimits {
-                range: params.eyes.range,
+                range: params.viewpoint.range,
                 field_of_view: None,
             },
         })
@@ -135,7 +135,7 @@ impl ProcessKind for ObserverProcess {
         let capacity = robots.len() * methods * params.horizons_s.len();
         let limited = !(params.from_points.is_empty() && from_robots.is_empty());
         Ok(Self {
-            sensor: PoseSensor::new(&params.eyes, limited),
+            sensor: PoseSensor::new(&params.viewpoint, limited),
             every: ticks(params.period_s, run.tick_period()),
             state: StateInput::open(bus, run.robots.len())?,
             map: MapInput::open(bus)?,

@@ -3,6 +3,8 @@
 //!
 //! `cargo run --release -p optimiser --example round_trip [METHOD] [REQUESTS]`
 
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
 use std::error::Error;
 use std::time::{Duration, Instant};
 

@@ -3,9 +3,6 @@
 //! [`wire`] converts requests to problems and plans to answers; [`service`] answers several
 //! requests in parallel.
 
-#![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
-#![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
-
 pub mod params;
 pub mod process;
 pub mod service;

@@ -5,9 +5,6 @@
 //! mixed with additional waypoints (§5.2 and §6). [`patrol`] makes waypoints and fictive obstacles,
 //! the waypoint driver of [`steering`] drives; [`process`] connects both to their topics.
 
-#![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
-#![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
-
 mod awg;
 pub mod check;
 mod fto;

@@ -2,7 +2,7 @@
 
 use geometry::map::MapSpec;
 use patrol::mission::{Drive, MissionParams};
-use planner::{Declaration, Input, Output, PlannedPoint, Planner};
+use planner::{Declaration, Input, Output, PlannedPoint, Planner, PlannerError};
 use planner_view::map::PlannerMap;
 use planner_view::steering::Steering;
 use planner_view::view::View;
@@ -74,10 +74,10 @@ impl Planner for PatrolAwgPlanner {
         declare(&params.mission)
     }
 
-    fn new(params: &PatrolAwgParams, robot: &RobotInfo, seed: u64) -> Result<Self, String> {
+    fn new(params: &PatrolAwgParams, robot: &RobotInfo, seed: u64) -> Result<Self, PlannerError> {
         PatrolAwg::new(params, &robot.model, seed)
             .map(Self)
-            .map_err(|error| error.to_string())
+            .map_err(PlannerError::algorithm)
     }
 
     fn prepare(&mut self, map: &PlannerMap, _: &RobotInfo) {
@@ -136,18 +136,20 @@ impl Planner for PatrolFtoPlanner {
         declare(&params.mission)
     }
 
-    fn new(params: &PatrolFtoParams, robot: &RobotInfo, seed: u64) -> Result<Self, String> {
+    fn new(params: &PatrolFtoParams, robot: &RobotInfo, seed: u64) -> Result<Self, PlannerError> {
         if robot.beams == 0 {
-            return Err(format!(
+            let reason = format!(
                 "{} has no range scanner, without which it cannot see fictive obstacles: give it \
                  a `scan` table",
                 robot.name
-            ));
+            );
+            return Err(PlannerError::algorithm(reason));
         }
-        let drive = Drive::of(&robot.model).map_err(|error| format!("{}: {error}", robot.name))?;
+        let drive =
+            Drive::of(&robot.model).map_err(|error| PlannerError::of_robot(&robot.name, error))?;
         PatrolFto::new(params, &drive, &robot.model, seed)
             .map(Self)
-            .map_err(|error| error.to_string())
+            .map_err(PlannerError::algorithm)
     }
 
     fn prepare(&mut self, map: &PlannerMap, _: &RobotInfo) {

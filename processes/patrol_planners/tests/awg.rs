@@ -1,5 +1,7 @@
 //! Cases 1 and 2 of the paper, driven and not only planned.
 
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
 mod support;
 
 use geometry::pose::Pose2;

@@ -1,5 +1,7 @@
 //! Case 2 of the paper with fictive obstacles, and the mixture, driven.
 
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
 mod support;
 
 use geometry::pose::Pose2;

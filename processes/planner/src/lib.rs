@@ -2,14 +2,13 @@
 //! robot.
 //!
 //! - [`Planner`]: the trait of an algorithm;
+//! - [`PlannerError`]: the reason why there is none for a robot;
 //! - [`main`]: the main function of a program that is a process of a planner;
 //! - [`PlannerProcess`]: its process, which reads the state, the map, beliefs and scans, and sends
 //!   commands, plans, trees and waypoints;
 //! - [`planner_map`], [`robot_views`], [`teams`], [`limits`]: conversions of messages to inputs of algorithms.
 
-#![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
-#![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
-
+mod error;
 mod main_function;
 mod maps;
 mod outputs;
@@ -17,6 +16,7 @@ mod planner;
 mod process;
 mod views;
 
+pub use error::PlannerError;
 pub use main_function::main;
 pub use maps::planner_map;
 pub use outputs::{MAX_PLAN_POINTS, PlannedPoint, headed_for};

@@ -19,13 +19,14 @@ use runtime::error::ProcessError;
 use runtime::kind::{Remark, Task, TaskFault, TaskSketch};
 use sim_backend::spec::RobotSpec;
 
+use crate::error::PlannerError;
 use crate::outputs::{PlannedPoint, headed_for};
 
 /// Steering algorithm for one robot. [`PlannerProcess`](crate::PlannerProcess) makes it a kind of
 /// process.
 ///
 /// ```
-/// use planner::{Planner, PlannerProcess};
+/// use planner::{Planner, PlannerError, PlannerProcess};
 /// use planner_view::map::PlannerMap;
 /// use planner_view::steering::Steering;
 /// use planner_view::view::View;
@@ -41,7 +42,7 @@ use crate::outputs::{PlannedPoint, headed_for};
 ///     const SUMMARY: &'static str = "drives ahead";
 ///     type Params = ();
 ///
-///     fn new((): &(), robot: &RobotInfo, _seed: u64) -> Result<Self, String> {
+///     fn new((): &(), robot: &RobotInfo, _seed: u64) -> Result<Self, PlannerError> {
 ///         Ok(Self(0.5 * robot.model.v_max))
 ///     }
 ///
@@ -108,8 +109,8 @@ pub trait Planner: Sized + 'static {
     /// Returns a planner for a robot; `seed` is its own.
     ///
     /// # Errors
-    /// A text that names the invalid parameter.
-    fn new(params: &Self::Params, robot: &RobotInfo, seed: u64) -> Result<Self, String>;
+    /// [`PlannerError`] names the invalid parameter, or the robot.
+    fn new(params: &Self::Params, robot: &RobotInfo, seed: u64) -> Result<Self, PlannerError>;
 
     /// Sets the rules: exits of evaders, and the capture distance of Police (m) (0 without
     /// capture). Called once, before all other calls.
@@ -168,9 +169,9 @@ pub fn planner_seed(run_seed: u64, kind: &str, robot: &str) -> u64 {
 /// Returns the limits of a robot in the form of its planner.
 ///
 /// # Errors
-/// A text that names the invalid limit.
-pub fn limits(robot: &RobotInfo) -> Result<Limits, String> {
+/// [`PlannerError::Robot`] names the invalid limit.
+pub fn limits(robot: &RobotInfo) -> Result<Limits, PlannerError> {
     let model = &robot.model;
     Limits::new(model.v_max, model.v_reverse_max, model.omega_max)
-        .map_err(|e| format!("{}: {e}", robot.name))
+        .map_err(|e| PlannerError::of_robot(&robot.name, e))
 }

@@ -21,6 +21,7 @@ use runtime::kind::{Process, ProcessKind, Remark, Task, TaskFault, TaskSketch};
 use sim_backend::spec::RobotSpec;
 use sim_backend::team::Team;
 
+use crate::error::PlannerError;
 use crate::maps::planner_map;
 use crate::outputs::{MAX_PLAN_POINTS, Outputs, PlannedPoint};
 use crate::planner::{Planner, planner_seed};
@@ -87,10 +88,10 @@ impl<P: Planner> ProcessKind for PlannerProcess<P> {
     }
 
     fn open(config: &ProcessConfig, params: &P::Params, bus: &Bus) -> Result<Self, ProcessError> {
-        let refused = |reason: String| ProcessError::Params {
+        let refused = |error: PlannerError| ProcessError::Params {
             process: config.name.clone(),
             kind: config.kind.clone(),
-            reason,
+            reason: error.to_string(),
         };
         let declaration = P::declare(params);
         let reads = |input: Input| declaration.input(input.flow).is_some();

@@ -1,5 +1,7 @@
 //! Maps of planners whose processes share a thread.
 
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
 use std::sync::Arc;
 
 use geometry::map::{MapSpec, VectorMap, WorldMap as Map};

@@ -3,9 +3,6 @@
 //! The policy is a [`network::Network`] from an observation ([`observation::layout::Layout`]) to an action
 //! ([`observation::action`]), both as in the environments that it learned in. Its history is the same on every machine.
 
-#![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
-#![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
-
 pub mod params;
 pub mod policy;
 pub mod process;

@@ -5,7 +5,7 @@ use network::Network;
 use observation::action::ActionKind;
 use observation::facts::RobotFacts;
 use observation::parts::Parts;
-use planner::{Declaration, Input, Planner, teams};
+use planner::{Declaration, Input, Planner, PlannerError, teams};
 use planner_view::map::PlannerMap;
 use planner_view::steering::Steering;
 use planner_view::view::View;
@@ -69,11 +69,11 @@ impl Planner for PolicyPlanner {
         }
     }
 
-    fn new(params: &PolicyParams, _: &RobotInfo, _: u64) -> Result<Self, String> {
+    fn new(params: &PolicyParams, _: &RobotInfo, _: u64) -> Result<Self, PlannerError> {
         Ok(Self {
-            network: params.network().map_err(|error| error.to_string())?,
-            parts: params.parts().map_err(|error| error.to_string())?,
-            action: params.action_kind().map_err(|error| error.to_string())?,
+            network: params.network()?,
+            parts: params.parts()?,
+            action: params.action_kind()?,
             ticks_per_action: params.ticks_per_action,
             policy: None,
             failure: None,

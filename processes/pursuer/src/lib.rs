@@ -12,9 +12,6 @@
 //! [`PursuerParams::paper`], every deviation of the defaults is a named parameter. Cutting off is an
 //! addition to the paper; it is off by default.
 
-#![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
-#![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
-
 pub mod assignment;
 pub mod chase;
 pub mod cut_off;

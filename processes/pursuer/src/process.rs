@@ -1,6 +1,6 @@
 //! Connects [`Pursuer`] to its topics: state, map and beliefs in, command and plan out.
 
-use planner::{Declaration, Input, Planner, limits};
+use planner::{Declaration, Input, Planner, PlannerError, limits};
 use planner_view::map::PlannerMap;
 use planner_view::steering::Steering;
 use planner_view::view::View;
@@ -26,10 +26,8 @@ impl Planner for PursuerPlanner {
         Declaration::default().reads_if(params.needs_beliefs(), Input::BELIEFS)
     }
 
-    fn new(params: &PursuerParams, robot: &RobotInfo, seed: u64) -> Result<Self, String> {
-        Pursuer::new(*params, limits(robot)?, seed)
-            .map(Self)
-            .map_err(|e| e.to_string())
+    fn new(params: &PursuerParams, robot: &RobotInfo, seed: u64) -> Result<Self, PlannerError> {
+        Ok(Self(Pursuer::new(*params, limits(robot)?, seed)?))
     }
 
     fn prepare(&mut self, map: &PlannerMap, robot: &RobotInfo) {

@@ -5,9 +5,6 @@
 //! for every evader, if it escapes whatever the pursuers do, and for every place, the robot that
 //! reaches it first. It steers no robot.
 
-#![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
-#![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
-
 pub mod params;
 pub mod process;
 pub mod referee;

@@ -4,9 +4,6 @@
 //! A process is an algorithm (a pure library) and a [`ProcessKind`] that connects it to its topics.
 //! [`life::run`] runs it. Steering planners implement the trait of crate `planner` instead.
 
-#![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
-#![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
-
 pub mod config;
 pub mod declaration;
 pub mod error;

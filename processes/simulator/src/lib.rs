@@ -5,9 +5,6 @@
 //! * [`commands`]: selection of each robot's command;
 //! * [`outputs`]: the world as messages.
 
-#![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
-#![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
-
 pub mod commands;
 pub mod event_schedule;
 mod obstacles;

@@ -107,7 +107,8 @@ impl Plan {
         let space = Arc::clone(space);
         let made = compute(py, move || {
             let parts = space.shapes().parts();
-            let site = Site::new(*space.bounds(), parts, radius, &follow, start)?;
+            let site = Site::new(*space.bounds(), parts, radius, &follow, start)
+                .map_err(|error| error.to_string())?;
             let plan = CoveragePlan::new(site.decomposition.clone(), site.start, &spec, source)
                 .map_err(|error| error.to_string())?;
             Ok((plan, site))

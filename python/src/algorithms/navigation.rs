@@ -39,7 +39,7 @@ const MAX_CLASSES: usize = 1000;
 /// Returns
 /// -------
 /// list of ndarray
-///     Corners of each path (m), shape (n, 2), as those of `Map.way`; fewer than `count` if there are fewer.
+///     Corners of each path (m), shape (n, 2), as those of `Map.path`; fewer than `count` if there are fewer.
 ///
 /// Raises
 /// ------
@@ -52,12 +52,12 @@ const MAX_CLASSES: usize = 1000;
 /// >>> blocked = np.zeros((40, 40), dtype=bool)
 /// >>> blocked[15:25, 15:25] = True
 /// >>> map = pr.Map.from_grid(blocked, 0.1)
-/// >>> above, below = pr.navigation.ways(map, (0.5, 2.1), (3.5, 2.1), radius=0.1, count=2)
+/// >>> above, below = pr.navigation.shortest_paths(map, (0.5, 2.1), (3.5, 2.1), radius=0.1, count=2)
 /// >>> bool(above[2, 1] > 2.5 > 1.5 > below[2, 1])
 /// True
 #[pyfunction]
 #[pyo3(signature = (map, start, goal, radius, *, count=3, max_length=None))]
-pub fn ways<'py>(
+pub fn shortest_paths<'py>(
     py: Python<'py>,
     map: &Map,
     start: &Bound<'py, PyAny>,

@@ -95,7 +95,7 @@ pub struct Tree {
 /// >>> blocked[15:25, 15:25] = True
 /// >>> map = pr.Map.from_grid(blocked, 0.1)
 /// >>> tree = pr.rrt_star.plan(map, (0.5, 2.0), (3.5, 2.0), 0.1, iterations=500, seed=1)
-/// >>> shortest = map.way_length((0.5, 2.0), (3.5, 2.0), 0.1)
+/// >>> shortest = map.path_length((0.5, 2.0), (3.5, 2.0), 0.1)
 /// >>> tree.reached, bool(shortest <= tree.cost < 1.05 * shortest)
 /// (True, True)
 #[pyfunction]

@@ -32,7 +32,7 @@ use crate::interruptible::{compute, each};
 /// >>> map = pr.Map("chase")
 /// >>> map.grid.shape, map.resolution
 /// ((380, 380), 0.05)
-/// >>> map.way((-9.0, -9.0), (9.0, 9.0), radius=0.1).shape[1]
+/// >>> map.path((-9.0, -9.0), (9.0, 9.0), radius=0.1).shape[1]
 /// 2
 #[pyclass(frozen, module = "protean_robotics")]
 #[derive(Debug)]
@@ -205,10 +205,10 @@ impl Map {
     /// --------
     /// >>> import numpy as np, protean_robotics as pr
     /// >>> map = pr.Map.from_grid(np.zeros((20, 40), dtype=bool), 0.1)
-    /// >>> map.way((0.5, 0.5), (3.5, 1.5), radius=0.2).tolist()
+    /// >>> map.path((0.5, 0.5), (3.5, 1.5), radius=0.2).tolist()
     /// [[0.5, 0.5], [3.5, 1.5]]
     #[pyo3(signature = (start, goal, radius=None))]
-    fn way<'py>(
+    fn path<'py>(
         &self,
         py: Python<'py>,
         start: &Bound<'py, PyAny>,
@@ -225,7 +225,7 @@ impl Map {
         arguments::array_of_points(py, &corners.map_err(|error| arguments::invalid(&error))?)
     }
 
-    /// Length of the exact shortest path of a disc, which is that of `way` but for the corners outside its arcs.
+    /// Length of the exact shortest path of a disc, which is that of `path` but for the corners outside its arcs.
     ///
     /// Parameters
     /// ----------
@@ -245,10 +245,10 @@ impl Map {
     /// --------
     /// >>> import numpy as np, protean_robotics as pr
     /// >>> map = pr.Map.from_grid(np.zeros((20, 40), dtype=bool), 0.1)
-    /// >>> map.way_length([(0.5, 1.0), (1.5, 1.0)], (3.5, 1.0), radius=0.2).tolist()
+    /// >>> map.path_length([(0.5, 1.0), (1.5, 1.0)], (3.5, 1.0), radius=0.2).tolist()
     /// [3.0, 2.0]
     #[pyo3(signature = (start, goal, radius=None))]
-    fn way_length<'py>(
+    fn path_length<'py>(
         &self,
         py: Python<'py>,
         start: &Bound<'py, PyAny>,

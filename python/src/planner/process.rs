@@ -6,7 +6,10 @@ use geometry::pose::Twist2;
 use geometry::region::Region;
 use ipc_types::bus::Bus;
 use nalgebra::Point2;
-use planner::{Declaration, Input, Limits, Planner, PlannerMap, RobotInfo, Steering, View, limits};
+use planner::{
+    Declaration, Input, Limits, Planner, PlannerError, PlannerMap, RobotInfo, Steering, View,
+    limits,
+};
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
@@ -64,8 +67,10 @@ impl Planner for PythonPlanner {
             .reads_if(uses(Argument::Map), Input::SHAPES.optional())
     }
 
-    fn new(params: &PythonParams, robot: &RobotInfo, seed: u64) -> Result<Self, String> {
-        let function = params.function().ok_or("it has no function")?;
+    fn new(params: &PythonParams, robot: &RobotInfo, seed: u64) -> Result<Self, PlannerError> {
+        let function = params
+            .function()
+            .ok_or_else(|| PlannerError::algorithm("it has no function"))?;
         Ok(Self {
             function: Arc::clone(function),
             values: params.values().clone(),

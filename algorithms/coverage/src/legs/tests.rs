@@ -160,7 +160,7 @@ fn limits_that_no_robot_has_are_refused() {
     );
     assert_eq!(
         Rounding::new(1.0, 1.0, 0.0, 0.0).unwrap_err().field,
-        "most_miss"
+        "max_miss"
     );
     let error = Rounding::new(1.0, 1.0, 1.0, -1.0).unwrap_err();
     assert_eq!(error.field, "least_radius");
@@ -172,7 +172,7 @@ proptest! {
         points in prop::array::uniform3((0.0..9.0, 0.0..9.0)),
         margins in prop::array::uniform4(0.0..1.0),
         radius in 0.001..5.0,
-        most_miss in 0.01..2.0,
+        max_miss in 0.01..2.0,
     ) {
         let [a, b, c] = points.map(|(x, y)| Point2::new(x, y));
         let around = |p: Point2<f64>, q: Point2<f64>, low: f64, high: f64| Aabb {
@@ -181,12 +181,12 @@ proptest! {
         };
         let first = around(a, b, margins[0], margins[1]);
         let second = around(b, c, margins[2], margins[3]);
-        let Some(fillet) = fillet([a, b, c], &first, &second, radius, most_miss) else {
+        let Some(fillet) = fillet([a, b, c], &first, &second, radius, max_miss) else {
             return Ok(());
         };
         prop_assert!(fillet.arc.radius <= radius * (1.0 + 1e-9));
         let miss = (fillet.arc.at(0.5) - b).norm();
-        prop_assert!(miss <= most_miss * (1.0 + 1e-6), "{miss} {most_miss}");
+        prop_assert!(miss <= max_miss * (1.0 + 1e-6), "{miss} {max_miss}");
         let (u, w) = ((b - a).normalize(), (c - b).normalize());
         prop_assert!((fillet.enter - b).norm() <= 0.5 * (b - a).norm() + 1e-9);
         prop_assert!((fillet.leave - b).norm() <= 0.5 * (c - b).norm() + 1e-9);

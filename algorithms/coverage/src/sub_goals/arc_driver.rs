@@ -81,7 +81,7 @@ impl ArcDriver {
         Ok(Self {
             limits,
             tracking,
-            rounding: Rounding::new(v, omega, params.most_miss, MIN_RADIUS)?,
+            rounding: Rounding::new(v, omega, params.max_miss, MIN_RADIUS)?,
             half_turn_s: core::f64::consts::PI / omega,
             time_limit_factor: params.driver.time_limit_factor,
             rounder: None,

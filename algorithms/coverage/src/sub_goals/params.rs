@@ -36,7 +36,7 @@ pub struct FollowParams {
     pub interpolation: Interpolation,
     /// Maximum distance between an arc and its sub-goal.
     #[schemars(transform = above(0).unit("m"))]
-    pub most_miss: f64,
+    pub max_miss: f64,
     /// Parameters of driving straight legs.
     pub driver: DriverParams,
     /// Parameters of driving arcs; `arrived` is also the tolerance of corners without arcs.
@@ -49,7 +49,7 @@ impl Default for FollowParams {
             tolerance: 0.1,
             margin: 0.05,
             interpolation: Interpolation::default(),
-            most_miss: 0.1,
+            max_miss: 0.1,
             // A robot that turns towards the next sub-goal before it starts does not bulge out of
             // its leg.
             driver: DriverParams {

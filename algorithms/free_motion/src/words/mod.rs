@@ -21,7 +21,7 @@ use geometry::math;
 use geometry::pose::Pose2;
 use nalgebra::Point2;
 
-use crate::motion::{Motion, NOTHING};
+use crate::motion::Motion;
 
 /// Maximum distance of a word's end from the goal, in radii and radians.
 const AT_GOAL: f64 = 1e-6;
@@ -58,20 +58,6 @@ impl Word {
         let pieces = self.pieces.iter().map(|piece| piece.1.abs());
         let spins = self.spins.iter().map(|spin| spin.abs());
         pieces.chain(spins).sum::<f64>() * self.radius
-    }
-
-    /// Number of changes between forwards and backwards.
-    pub fn cusps(&self) -> usize {
-        let moving = self.pieces.iter().map(|piece| piece.1);
-        let mut before = 0.0;
-        let changes = moving
-            .filter(|length| length.abs() > NOTHING)
-            .filter(|length| {
-                let changed = before * length < 0.0;
-                before = *length;
-                changed
-            });
-        changes.count()
     }
 
     /// The pose (m, rad) at its end if it begins at `from`.

@@ -1,4 +1,4 @@
-use core::f64::consts::FRAC_2_PI;
+use core::f64::consts::{FRAC_2_PI, PI};
 
 use super::*;
 use chaotic_maps::{AnySource, Key, Source as _};
@@ -279,4 +279,80 @@ fn exact_orbits<const N: usize>(digits: [u64; N], n: usize) -> [Vec<f64>; N] {
         }
         orbit
     })
+}
+
+/// Lyapunov exponent (per step) from the derivatives of a map of one variable along an orbit: the
+/// mean of `ln |f'(x_n)|` (Chebyshev coverage paper, Eq. 2).
+///
+/// Derivatives of 0 give −∞; NaN without any derivative.
+fn lyapunov_from_derivatives(derivatives: impl IntoIterator<Item = f64>) -> f64 {
+    mean(derivatives.into_iter().map(|d| libm::log(d.abs())))
+}
+
+/// Derivative of the Chebyshev map `cos(k·acos x)` (Chebyshev coverage paper, Eq. 3).
+///
+/// At `x = ±1`, where the formula is 0/0, it is its limit `±k²`.
+fn chebyshev_derivative(k: f64, x: f64) -> f64 {
+    let angle = libm::acos(x.clamp(-1.0, 1.0));
+    let sine = libm::sin(angle);
+    if sine.abs() < 1e-8 {
+        // sin(kα)/sin α → k·cos(kα)/cos α
+        k * k * libm::cos(k * angle) / libm::cos(angle)
+    } else {
+        k * libm::sin(k * angle) / sine
+    }
+}
+
+/// "Derivative after the arcsine transform" as the Chebyshev coverage paper prints it (Eq. 7):
+/// `2k·sin(k·acos x) / (π·√(1 − cos²(k·acos x))·√(1 − x²))`.
+///
+/// It mixes two coordinates (the transformed image by the untransformed argument). So its mean
+/// logarithm, `ln(4k/π)`, is not an exponent of any map; the exponent of the transformed map is
+/// still `ln k`. For comparison only.
+fn chebyshev_derivative_as_printed(k: f64, x: f64) -> f64 {
+    let angle = libm::acos(x.clamp(-1.0, 1.0));
+    let (sine, image) = (libm::sin(k * angle), libm::cos(k * angle));
+    2.0 * k * sine / (PI * (1.0 - image * image).sqrt() * (1.0 - x * x).sqrt())
+}
+
+/// Pearson's χ² of samples against the uniform law on [`low`, `high`], over `bins` equal bins
+/// (`bins − 1` degrees of freedom). Samples outside count in the first or the last bin.
+///
+/// NaN without samples or bins.
+fn chi_square_uniform(samples: &[f64], [low, high]: [f64; 2], bins: usize) -> f64 {
+    let mut counts = vec![0_u64; bins];
+    for sample in samples {
+        let bin = ((sample - low) / (high - low) * bins as f64).floor() as usize;
+        if let Some(count) = counts.get_mut(bin.min(bins.saturating_sub(1))) {
+            *count += 1;
+        }
+    }
+    let expected = samples.len() as f64 / bins as f64;
+    if counts.is_empty() {
+        return f64::NAN;
+    }
+    counts
+        .iter()
+        .map(|&count| {
+            let difference = count as f64 - expected;
+            difference * difference / expected
+        })
+        .sum()
+}
+
+/// Kolmogorov–Smirnov distance of samples from the uniform law on [`low`, `high`]: the largest
+/// difference of the two distribution functions, in [0, 1]. NaN without samples.
+fn ks_distance_uniform(samples: &[f64], [low, high]: [f64; 2]) -> f64 {
+    let mut sorted: Vec<f64> = samples
+        .iter()
+        .map(|sample| ((sample - low) / (high - low)).clamp(0.0, 1.0))
+        .collect();
+    sorted.sort_by(f64::total_cmp);
+    let n = sorted.len() as f64;
+    sorted
+        .iter()
+        .enumerate()
+        .map(|(i, &value)| (value - i as f64 / n).max((i + 1) as f64 / n - value))
+        .reduce(f64::max)
+        .unwrap_or(f64::NAN)
 }

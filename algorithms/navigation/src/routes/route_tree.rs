@@ -370,11 +370,6 @@ impl Routes<'_> {
         Some(self.tree.length(node)? + (to - self.grid.point(node)?).norm())
     }
 
-    /// Cost of the path to a point (m); `None` if no path is known.
-    pub fn cost_of(&self, to: Point2<f64>) -> Option<f64> {
-        self.tree.cost(self.known(to)?)
-    }
-
     /// Writes the path from the root to a point into `path`, root first, as points (m) with the distance
     /// travelled to each (m); leaves it empty if no path is known.
     pub fn way_to(&self, to: Point2<f64>, path: &mut Vec<(Point2<f64>, f64)>) {

@@ -303,10 +303,9 @@ fn answer(
     for to in targets.chain(elsewhere.iter().copied()) {
         routes.way_to(to, &mut path);
         text += &format!(
-            "{:?} {:?} {:?} {path:?}\n",
+            "{:?} {:?} {path:?}\n",
             routes.leg_to(to),
-            routes.distance_to(to),
-            routes.cost_of(to)
+            routes.distance_to(to)
         );
     }
     text

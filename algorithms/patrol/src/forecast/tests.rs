@@ -91,32 +91,12 @@ fn without_a_threat_the_clock_is_that_of_the_unprotected_patrol() {
 }
 
 #[test]
-fn by_distance_the_robot_is_that_far_along_its_waypoints() {
-    let awg = awg(&open(), 14.0, 0.7, Mode::default());
-    let forecast = Forecast::new(awg.clone(), catp());
-    assert_eq!(forecast.at_distance(0.0).unwrap().point, Point2::origin());
-    let driven: Vec<_> = awg.laps(catp()).take(60).collect();
-    let mut s = 0.0;
-    for pair in driven.windows(2) {
-        let leg = pair[1].point - pair[0].point;
-        let found = forecast.at_distance(s + 0.5 * leg.norm()).unwrap();
-        assert_eq!((found.from, found.to), (pair[0], pair[1]));
-        assert!((found.point - (pair[0].point + leg * 0.5)).norm() < 1e-9);
-        s += leg.norm();
-    }
-}
-
-#[test]
 fn invalid_and_distant_times_have_no_forecast() {
     let awg = awg(&octagon(), 120.0, 1.7, Mode::default());
     let forecast = Forecast::new(awg.clone(), catp());
     for t in [-1.0, f64::NAN, f64::INFINITY] {
         assert!(matches!(
             forecast.at_time(t),
-            Err(ForecastError::Value { .. })
-        ));
-        assert!(matches!(
-            forecast.at_distance(t),
             Err(ForecastError::Value { .. })
         ));
     }
@@ -126,10 +106,6 @@ fn invalid_and_distant_times_have_no_forecast() {
     ));
     assert!(matches!(
         forecast.waypoint(u64::MAX),
-        Err(ForecastError::TooFar { .. })
-    ));
-    assert!(matches!(
-        forecast.at_distance(1e9),
         Err(ForecastError::TooFar { .. })
     ));
     let slow = Forecast::new(awg, source("standard:0.3,0.4"));

@@ -1,5 +1,7 @@
 //! Maps and free space from outside; one program, because linking two takes time.
 
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
 #[path = "../scenes/mod.rs"]
 mod scenes;
 

@@ -13,7 +13,10 @@ use observation::layout::Layout;
 use observation::route_entries::RouteEntries;
 use observation::scene::{Hiding, Scene};
 use parameters::Parameters;
-use planner::{Declaration, Input, Planner, PlannerMap, PlannerProcess, RobotInfo, Steering, View};
+use planner::{
+    Declaration, Input, Planner, PlannerError, PlannerMap, PlannerProcess, RobotInfo, Steering,
+    View,
+};
 use scenario::Template;
 use scenario::kind::ConfiguredKind;
 use schemars::JsonSchema;
@@ -67,7 +70,7 @@ impl Planner for ScriptedPlanner {
             .reads_if(observation.contains("scan"), Input::SCANS)
     }
 
-    fn new(params: &ScriptParams, robot: &RobotInfo, _: u64) -> Result<Self, String> {
+    fn new(params: &ScriptParams, robot: &RobotInfo, _: u64) -> Result<Self, PlannerError> {
         Ok(Self {
             script: Arc::clone(&params.script),
             robot: robot.name.clone(),

@@ -27,6 +27,38 @@ fn every_built_in_scenario_loads_and_can_be_written() {
 }
 
 #[test]
+fn parameters_with_former_names_are_read_from_logs_and_corrected_in_scenarios() {
+    for (name, process, present, former) in [
+        ("coverage_open", "cover", "follow.max_miss", "most_miss"),
+        ("patrol_octagon", "observer", "viewpoint.noise", "eyes"),
+        (
+            "chase_reach_avoid",
+            "evader_reach_avoid",
+            "avoid_radius",
+            "keep_away",
+        ),
+    ] {
+        let s = load(name, &[], None).unwrap();
+        let key = present.rsplit('.').find(|key| *key != "noise").unwrap();
+        let text = s.to_toml().replace(key, former);
+        assert!(text.contains(former), "{former} in {text}");
+        let logged = Loader::new(KINDS)
+            .load_text("log", &text, &scenario::files::Base::Nothing, &[], None)
+            .unwrap_or_else(|e| panic!("{name}: {e}"));
+        assert_eq!(logged, s);
+
+        let own = present.replace(key, former);
+        let error = load(
+            name,
+            &[format!("processes.{process}.params.{own}=0.125")],
+            None,
+        );
+        let error = error.unwrap_err().to_string();
+        assert!(error.contains(&format!("did you mean `{key}`?")), "{error}");
+    }
+}
+
+#[test]
 fn the_world_accepts_every_built_in_scenario_and_its_events() {
     for scenario in builtin::SCENARIOS {
         let s = load(scenario.name, &[], None).unwrap();

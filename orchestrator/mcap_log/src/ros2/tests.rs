@@ -208,7 +208,9 @@ proptest! {
         padding in 0_usize..4,
         more in 4_usize..70,
     ) {
-        let Type::Message(fields) = &message else { unreachable!() };
+        let Type::Message(fields) = &message else {
+            panic!("a message")
+        };
         let mut sections = String::new();
         let text = definition(fields, &mut sections, &mut 0) + &sections;
         let schema = Schema::parse("p/msg/T", text.as_bytes()).expect(&text);

@@ -165,7 +165,6 @@ fn seen(done: [u64; 4]) -> [Observation; 4] {
     done.map(|done| Observation {
         state: SlotState::Prepared,
         done,
-        is_vacant: true,
     })
 }
 
@@ -338,7 +337,7 @@ fn in_real_time_each_process_without_progress_is_reported() {
 }
 
 #[test]
-fn a_restart_waits_for_its_delay_and_a_vacant_slot_and_has_a_timeout() {
+fn a_restart_waits_for_its_delay_and_has_a_timeout() {
     let mut state = state(false, OnFailure::Restart);
     let now = Instant::now();
     state.decide(1, ended(), at(now));
@@ -357,9 +356,6 @@ fn a_restart_waits_for_its_delay_and_a_vacant_slot_and_has_a_timeout() {
             .collect::<Vec<_>>()
     };
     assert_eq!(look(&mut state, now, &seen), []);
-    seen[1].is_vacant = false;
-    assert_eq!(look(&mut state, due, &seen), []);
-    seen[1].is_vacant = true;
     assert_eq!(look(&mut state, due, &seen), [Event::RestartDue]);
     state.decide(1, Event::RestartDue, at(due));
     assert_eq!(look(&mut state, due, &seen), []);

@@ -14,8 +14,6 @@ pub(crate) struct Observation {
     pub(crate) state: SlotState,
     /// Ticks that it has done.
     pub(crate) done: u64,
-    /// `true` if no resource of its predecessor prevents its start.
-    pub(crate) is_vacant: bool,
 }
 
 /// Progress of the processes in a step of their start.
@@ -71,7 +69,7 @@ impl State {
                 Participation::Starting { until } if now >= until => {
                     events.push((index, Event::NotReady));
                 }
-                Participation::Failed { due } if now >= due && seen.is_vacant => {
+                Participation::Failed { due } if now >= due => {
                     events.push((index, Event::RestartDue));
                 }
                 _ => {}

@@ -28,7 +28,7 @@ pub enum Extent {
     /// This many sub-goals.
     Goals(u64),
     /// A path of this length (m).
-    Way(f64),
+    Length(f64),
 }
 
 /// Maximum number of planned sub-goals.
@@ -97,12 +97,10 @@ fn chebyshev(order: &Order<'_>) -> Result<Planned, RouteError> {
     let mut planned = order.plan::<Chebyshev>(params)?;
     let decomposition = &planned.site.decomposition;
     if let Some(first) = decomposition.rectangle_at(planned.site.start) {
-        let tour = Chebyshev::lay_out(params, &planned.site)
-            .and_then(|decomposition| {
-                Tour::new(&decomposition, first, &params.route, &params.iterations)
-                    .map_err(|e| e.to_string())
-            })
-            .map_err(|reason| order.router.refused(&reason))?;
+        let refused = |e: &dyn std::fmt::Display| order.router.refused(e);
+        let decomposition = Chebyshev::lay_out(params, &planned.site).map_err(|e| refused(&e))?;
+        let tour = Tour::new(&decomposition, first, &params.route, &params.iterations)
+            .map_err(|e| refused(&e))?;
         planned.tour = Some(tour);
     }
     Ok(planned)
@@ -174,7 +172,7 @@ impl Order<'_> {
             let done = match self.extent {
                 Extent::Loops(loops) => goal.waypoint.lap >= loops,
                 Extent::Goals(most) => goals.len() as u64 >= most,
-                Extent::Way(most) => way + length > most,
+                Extent::Length(most) => way + length > most,
             };
             if done {
                 break;
@@ -234,80 +232,6 @@ impl Planned {
                 .collect::<Json>(),
             "coverage": self.figures.as_ref().map(figures_json),
         })
-    }
-
-    /// Describes the result in text.
-    pub fn text(&self) -> String {
-        let decomposition = &self.site.decomposition;
-        let mut text = format!(
-            "{}: {} starts at ({:.3}, {:.3}) m\n\n",
-            self.process, self.robot, self.site.start.x, self.site.start.y
-        );
-        text += "  free rectangle   x (m)            y (m)            area (m2)\n";
-        for (number, r) in decomposition.rectangles().iter().enumerate() {
-            text += &format!(
-                "  {number:14}   {:6.3} … {:6.3}   {:6.3} … {:6.3}   {:8.3}\n",
-                r.min.x,
-                r.max.x,
-                r.min.y,
-                r.max.y,
-                decomposition.area_of(number),
-            );
-        }
-        let bridges: Vec<String> = decomposition
-            .bridges()
-            .iter()
-            .map(|b| format!("{}–{}", b.between[0], b.between[1]))
-            .collect();
-        if !bridges.is_empty() {
-            text += &format!("\nbridges  {}\n", bridges.join(", "));
-        }
-        if let Some(tour) = &self.tour {
-            let stops: Vec<String> = tour
-                .stops()
-                .iter()
-                .map(|s| format!("{} ({})", s.rectangle, s.iterations))
-                .collect();
-            text += &format!(
-                "tour     {}  (number of sub-goals in parentheses)\n",
-                stops.join(" → ")
-            );
-        }
-        let loss = self.site.workplace.loss();
-        if loss.area > 0.0 {
-            text += &format!(
-                "lost     {:.3} m2 of free space ({:.2} %) to the rectangles around obstacles\n",
-                loss.area,
-                100.0 * loss.share
-            );
-        }
-        if let Some(start) = decomposition.rectangle_at(self.site.start) {
-            let unreachable = decomposition.unreachable_from(start);
-            if unreachable.components > 0 {
-                text += &format!(
-                    "unreachable: {:.3} m2 in {} parts\n",
-                    unreachable.area, unreachable.components
-                );
-            }
-        }
-        text += &format!("sub-goals {}\n", self.goals.len());
-        if let Some(f) = &self.figures {
-            text += &format!(
-                "covered  {:.4} by the robot's disc, {:.1} m of path\n",
-                f.disc.share(),
-                f.length
-            );
-            for (i, side) in CELL_SIDES.iter().enumerate() {
-                let part = |rates: &[Rate; 3]| rates.get(i).map_or(0.0, |rate| rate.share());
-                text += &format!(
-                    "         cells of {side} m: {:.4} by sub-goals, {:.4} by the path, unevenness {:.2}\n",
-                    part(&f.goals),
-                    part(&f.path),
-                    f.variation.get(i).copied().unwrap_or_default(),
-                );
-            }
-        }
-        text.trim_end().to_owned()
     }
 }
 

@@ -35,9 +35,7 @@ pub enum RouteError {
         found: String,
     },
     /// Several processes are suitable.
-    #[error(
-        "{scenario} has several processes of kind {wanted}: name one of {found} with --process"
-    )]
+    #[error("{scenario} has several processes of kind {wanted}: name one of {found} by `process`")]
     Several {
         /// Name of the scenario.
         scenario: String,

@@ -132,8 +132,45 @@ impl Patrol {
         }
     }
 
+    /// Returns the waypoints of the first laps, and their metrics, as JSON.
+    ///
+    /// # Errors
+    /// [`RouteError::Refused`] if the generator cannot produce these laps.
+    pub fn plan_json(&self, count: u32) -> Result<Json, RouteError> {
+        let laps = self.laps(count)?;
+        let mut json = self.json();
+        json["waypoints"] = laps.waypoints.iter().map(waypoint_json).collect();
+        json["metrics"] = laps.metrics_json();
+        Ok(json)
+    }
+
+    /// Returns the positions at times after the start (s), and waypoints by their numbers, as JSON.
+    ///
+    /// # Errors
+    /// [`RouteError::Refused`] for an invalid time, and for a time or number too far ahead.
+    pub fn prediction_json(&self, times: &[f64], numbers: &[u64]) -> Result<Json, RouteError> {
+        let at = |&t: &f64| {
+            let place = self.at(t)?;
+            Ok(json!({
+                "t": t,
+                "x": place.point.x,
+                "y": place.point.y,
+                "from": waypoint_json(&place.from),
+                "to": waypoint_json(&place.to),
+            }))
+        };
+        let waypoint = |&number: &u64| Ok(waypoint_json(&self.waypoint(number)?));
+        let mut json = self.json();
+        json["at"] = times.iter().map(at).collect::<Result<_, RouteError>>()?;
+        json["waypoints"] = numbers
+            .iter()
+            .map(waypoint)
+            .collect::<Result<_, RouteError>>()?;
+        Ok(json)
+    }
+
     /// Describes the patrol as JSON.
-    pub fn json(&self) -> Json {
+    fn json(&self) -> Json {
         let awg = &self.mission.awg;
         json!({
             "process": self.process,
@@ -162,7 +199,7 @@ pub struct Laps {
 
 impl Laps {
     /// Returns the metrics by their names in the papers.
-    pub fn metrics_json(&self) -> Json {
+    fn metrics_json(&self) -> Json {
         let Some(m) = &self.metrics else {
             return Json::Null;
         };
@@ -186,7 +223,7 @@ impl Laps {
 }
 
 /// Writes a waypoint as JSON.
-pub fn waypoint_json(waypoint: &Waypoint) -> Json {
+fn waypoint_json(waypoint: &Waypoint) -> Json {
     json!({
         "number": waypoint.number,
         "lap": waypoint.lap,
@@ -197,7 +234,7 @@ pub fn waypoint_json(waypoint: &Waypoint) -> Json {
 }
 
 /// Returns the name of a kind of waypoints, as in messages.
-pub fn kind_name(kind: WaypointKind) -> &'static str {
+pub(super) fn kind_name(kind: WaypointKind) -> &'static str {
     match kind {
         WaypointKind::Route => "route",
         WaypointKind::Inserted => "inserted",

@@ -37,7 +37,7 @@ fn laps_of_the_octagon_are_those_of_the_papers_formulas() {
     ] {
         assert!((found / expected - 1.0).abs() < 1e-6, "{found} {expected}");
     }
-    assert_eq!(laps.metrics_json()["laps"], 12);
+    assert_eq!(patrol.plan_json(12).unwrap()["metrics"]["laps"], 12);
 }
 
 const MISSION: &str = "processes.patrol.params.mission";
@@ -112,7 +112,18 @@ fn only_an_ally_with_the_key_predicts_the_path() {
     assert_ne!(other_key.waypoint(1_000_001).unwrap().point, far.point);
     let place = ally.at(1234.5).unwrap();
     assert_eq!(place.point, patrol.at(1234.5).unwrap().point);
-    assert!(patrol.at(-1.0).is_err() && patrol.at(f64::NAN).is_err());
+    for (time, words) in [
+        (-1.0, "`t` is -1"),
+        (f64::NAN, "`t` is NaN"),
+        (f64::INFINITY, "`t` is inf"),
+    ] {
+        let error = patrol.prediction_json(&[time], &[]).unwrap_err();
+        assert!(error.to_string().contains(words), "{error}");
+    }
+    let error = patrol
+        .prediction_json(&[], &[99_999_999_999_999_999])
+        .unwrap_err();
+    assert!(error.to_string().contains("too far ahead"), "{error}");
 }
 
 #[test]
@@ -149,7 +160,7 @@ fn a_coverage_is_planned_up_to_the_requested_extent() {
     let open = scenario("coverage_open", &[]);
     let goals = plan(&open, Some("cover"), Extent::Goals(17)).unwrap().goals;
     assert_eq!(goals.len(), 17);
-    let way = plan(&open, None, Extent::Way(100.0)).unwrap();
+    let way = plan(&open, None, Extent::Length(100.0)).unwrap();
     let length = way.figures.unwrap().length;
     assert!(length <= 100.0 && length > 85.0, "{length}");
 }

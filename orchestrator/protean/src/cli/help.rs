@@ -12,7 +12,7 @@ pub(crate) const HEADINGS: [(&str, &[&str]); 6] = [
         ],
     ),
     ("Experiments", &["sweep", "reproduce"]),
-    ("Planning", &["plan", "patrol", "coverage"]),
+    ("Planning", &["plan"]),
     ("Health", &["latency", "clean"]),
     ("Other", &["schema", "completions", "help"]),
 ];
@@ -93,7 +93,7 @@ mod tests {
             }
         }
         assert_eq!(listed, visible);
-        assert!(visible.len() <= 24, "too many commands to choose from");
+        assert!(visible.len() <= 22, "too many commands to choose from");
     }
 
     #[test]

@@ -17,21 +17,17 @@ use super::logs;
 use super::output::{EXIT_FAILED, EXIT_INVALID, EXIT_PARTIAL, print, print_json};
 use super::run::{handle_signals, refuse_external};
 use super::run_args::{DEFAULT_SCENARIO, OverrideArgs};
-use latency::baselines::Repetitions;
-use latency::{LatencyError, Report, Run, baselines, mission, of_log, text};
+use latency::{LatencyError, Report, Run, mission, of_log, text};
 use scenario::kind::Kind;
 use scenario::{Loader, ResolvedScenario};
 
 /// Help below the options.
 pub(super) const HELP: &str = "\
-Runs the scenario in real time, once for every --rate, and measures baselines: messages of the same sizes over plain
-iceoryx2 (busy polling, and event wake-up), over Protean's bus with its wake-up, over a Unix domain socket and over a
-pipe; each between two processes: unpinned, on one core, on two cores. With a log, it measures from the stamps in the
-log and runs nothing.
+Runs the scenario in real time, once for every --rate. With a log, it measures from the stamps in the log and runs nothing.
 
 Prints count, p50, p90, p99, p99.9, max and jitter (mean absolute difference of consecutive values) in us, for the
-stages of sense-to-act, for every hop, and for the parts of every process's tick; then the ticks answered in time, and
-the baselines. The stages of a tick add up to the whole.
+stages of sense-to-act, for every hop, and for the parts of every process's tick; then the ticks answered in time.
+The stages of a tick add up to the whole.
 
 Examples:
   protean latency --rate 20 --rate 200
@@ -59,12 +55,6 @@ pub(super) struct LatencyArgs {
     /// Ticks per second (Hz) [default: the scenario's]; repeatable: one mission for each
     #[arg(long, value_name = "HZ")]
     rate: Vec<f64>,
-    /// Measure no baselines
-    #[arg(long)]
-    no_baselines: bool,
-    /// Repeat the baselines less often
-    #[arg(long)]
-    quick: bool,
     /// Write the JSON object to FILE
     #[arg(long, short, value_name = "FILE", value_parser = out(OutputFormat::JSON))]
     out: Option<PathBuf>,
@@ -131,7 +121,6 @@ fn measure(
             measured,
             log: Some(log.clone()),
             interrupted: false,
-            baselines: Vec::new(),
         });
     } else {
         missions(kinds, args, interrupted, &mut report)?;
@@ -178,16 +167,7 @@ fn log_of(args: &LatencyArgs) -> Option<PathBuf> {
     })
 }
 
-fn say(args: &LatencyArgs) -> impl FnMut(&str) + Send + use<> {
-    let quiet = args.quiet.quiet;
-    move |what: &str| {
-        if !quiet {
-            eprintln!("measuring {what}");
-        }
-    }
-}
-
-/// Runs a mission for every rate, each with its baselines.
+/// Runs a mission for every rate.
 fn missions(
     kinds: &[Kind],
     args: &LatencyArgs,
@@ -217,11 +197,10 @@ fn missions(
             report.interrupted = true;
             break;
         }
-        say(args)(&format!(
-            "{} in real time at {:.0} Hz",
-            scenario.name,
-            1.0 / scenario.run.dt
-        ));
+        if !args.quiet.quiet {
+            let rate = 1.0 / scenario.run.dt;
+            eprintln!("measuring {} in real time at {rate:.0} Hz", scenario.name);
+        }
         let options = mission::RunOptions {
             log: args.log.clone(),
             force: args.force.force,
@@ -242,21 +221,11 @@ fn missions(
                 return Err((text, if ended { EXIT_PARTIAL } else { code }));
             }
         };
-        let mut run = Run {
+        report.runs.push(Run {
             measured,
             log: args.log.clone(),
             interrupted: ended,
-            baselines: Vec::new(),
-        };
-        if !args.no_baselines && !ended {
-            let payloads = baselines::payloads(&run.measured);
-            let repetitions = Repetitions::new(args.quick);
-            match baselines::measure(&payloads, repetitions, interrupted, &mut say(args)) {
-                Ok(baselines) => run.baselines = baselines,
-                Err(error) => report.errors.push(format!("baselines: {error}")),
-            }
-        }
-        report.runs.push(run);
+        });
         report.interrupted |= ended || interrupted.load(Ordering::SeqCst);
     }
     Ok(())

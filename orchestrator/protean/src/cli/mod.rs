@@ -4,7 +4,6 @@ mod cat;
 mod check;
 mod clean;
 mod common;
-mod coverage;
 mod diff;
 mod export;
 mod filter;
@@ -15,7 +14,6 @@ mod list;
 mod logs;
 mod new;
 mod output;
-mod patrol;
 mod picture;
 mod plan;
 mod plan_generate;
@@ -127,12 +125,6 @@ enum Command {
         after_long_help = plan::HELP
     )]
     Plan(plan::PlanArgs),
-    /// Plan or predict the waypoints of a patrol
-    #[command(subcommand)]
-    Patrol(patrol::PatrolCommand),
-    /// Plan the sub-goals of a coverage
-    #[command(subcommand)]
-    Coverage(coverage::CoverageCommand),
     /// Measure the latency from world state to command, and its parts
     #[command(after_long_help = latency::HELP)]
     Latency(latency::LatencyArgs),
@@ -267,8 +259,6 @@ fn command(kinds: &'static [Kind], cli: Cli) -> ExitCode {
         Command::Sweep(args) => sweep::sweep(kinds, &args),
         Command::Reproduce(args) => reproduce::run(kinds, &args),
         Command::Plan(args) => plan::run(&args),
-        Command::Patrol(command) => patrol::patrol(kinds, command),
-        Command::Coverage(command) => coverage::coverage(kinds, &command),
         Command::Latency(args) => latency::run(kinds, &args),
         Command::Clean { json } => clean::clean(json.json),
         Command::Schema { subject } => schema::schema(kinds, subject),

@@ -5,7 +5,6 @@ use std::path::Path;
 use std::process::ExitCode;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use config::Diagnostics;
 use mcap_log::{DerivedError, derived};
 use mission::MissionError;
 use platform::atomic_file::{AtomicFile, Readers};
@@ -25,15 +24,6 @@ pub(super) fn exit_code_of_mission(error: &MissionError) -> u8 {
         EXIT_INVALID
     } else {
         EXIT_FAILED
-    }
-}
-
-/// Prints an error to stderr; diagnostics of a scenario have their own form.
-pub(super) fn print_error(error: &(dyn std::error::Error + 'static)) {
-    if let Some(problems) = error.downcast_ref::<Diagnostics>() {
-        eprintln!("{problems}");
-    } else {
-        eprintln!("error: {error}");
     }
 }
 

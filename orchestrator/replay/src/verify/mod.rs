@@ -152,7 +152,7 @@ pub fn verify(
             &test_selection.launches,
             hang_timeout,
             !options.quiet,
-        )?;
+        );
         let interrupted = Arc::clone(&watch.interrupted);
         let mut processes = Processes::start(&resources, supervisor, &interrupted)?;
         test_bus.run(&mut processes, &mut source, watch, &mut done)?;

@@ -1,12 +1,13 @@
 //! Reading one `[[processes]]` block.
 
-use config::{Code, FieldPath, Node, Origin, Step, describe, suggest};
+use config::{Code, FieldPath, Node, Origin, ReadFault, Step, describe, suggest};
 
 use super::files;
 use crate::context::Context;
 use crate::failure;
 use crate::files::Base;
 use crate::kind::{ConfiguredKind, Kind, ParamsProblem, find};
+use crate::renamed;
 use crate::resolved::{ProcessSpec, Program};
 use crate::robots::{Robot, check_name};
 use crate::spec::{Grouping, ProcessBlock, RunSpec};
@@ -268,7 +269,12 @@ fn apply_preset(
 /// Reports every key of `params` that the kind cannot read.
 fn report_all(ctx: &mut Context<'_>, kind: &Kind, left: &mut Node, path: &FieldPath) {
     while let Err(ParamsProblem::Read(error)) = kind.read(left) {
-        let problem = describe(&ctx.sources, &error, path);
+        let mut problem = describe(&ctx.sources, &error, path);
+        if let ReadFault::UnknownKey { key, .. } = &error.fault
+            && let Some(present) = renamed::present_name(key)
+        {
+            problem = problem.help(format!("did you mean `{present}`?"));
+        }
         ctx.problems.push(problem);
         let Some(Step::Key(key)) = error.path.0.first() else {
             return;

@@ -164,5 +164,8 @@ fn maps_that_cannot_be_covered_end_the_process_with_a_remedy() {
 fn parameters_out_of_range_are_refused_before_the_start() {
     let params: ChebyshevParams = toml::from_str("follow = { tolerance = -1 }").unwrap();
     let error = ChebyshevPlanner::new(&params, &robot(), 7).err().unwrap();
-    assert!(error.starts_with("`follow.tolerance` is -1"), "{error}");
+    assert!(
+        error.to_string().starts_with("`follow.tolerance` is -1"),
+        "{error}"
+    );
 }

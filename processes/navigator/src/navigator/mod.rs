@@ -99,21 +99,32 @@ pub struct Navigator {
     known: Option<PlanFailure>,
 }
 
+/// Reason why a robot cannot navigate.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+pub enum NavigatorError {
+    /// It has nowhere to go.
+    #[error("no goals: neither the process's `goals` nor the robot's `goal`")]
+    NoGoals,
+    /// It drives straight only.
+    #[error("a robot that cannot turn (limits.omega_max = 0) cannot navigate")]
+    CannotTurn,
+}
+
 impl Navigator {
     /// Returns a navigator for a robot with these goals (m).
     ///
     /// # Errors
-    /// A text that names the fault.
+    /// [`NavigatorError`].
     pub fn new(
         params: NavigatorParams,
         model: RobotModel,
         goals: Vec<Point2<f64>>,
-    ) -> Result<Self, String> {
+    ) -> Result<Self, NavigatorError> {
         if goals.is_empty() {
-            return Err("no goals: neither the process's `goals` nor the robot's `goal`".into());
+            return Err(NavigatorError::NoGoals);
         }
         if model.omega_max <= 0.0 {
-            return Err("a robot that cannot turn (limits.omega_max = 0) cannot navigate".into());
+            return Err(NavigatorError::CannotTurn);
         }
         Ok(Self {
             params,

@@ -358,7 +358,7 @@ pub fn watch<P: Planner, F: Finder>(
             };
         }
     }
-    unreachable!("ticks do not end")
+    panic!("ticks do not end")
 }
 
 impl<P: Planner> Drive<P> {

@@ -1,5 +1,7 @@
 //! Tests of observers with driving robots; one program saves link time.
 
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
 mod drive;
 mod keys;
 mod next_goal;

@@ -140,7 +140,7 @@ impl World {
 fn predictions_are_published_with_their_errors_when_due() {
     let mut world = World::new(json!({
         "watch": ["patrol"],
-        "eyes": { "noise": 0.0, "heading_noise": 0.0 },
+        "viewpoint": { "noise": 0.0, "heading_noise": 0.0 },
         "period_s": 0.25,
         "horizons_s": [0.5, 1.0],
     }));

@@ -1,5 +1,7 @@
 //! Tests of the Police against scripted evaders; one program saves link time.
 
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
 #[path = "../../../../algorithms/planner_view/tests/support/mod.rs"]
 mod support;
 

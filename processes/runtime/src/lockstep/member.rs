@@ -39,7 +39,7 @@ impl BarrierMember {
 
     /// Sets the state of this process and wakes those that wait for it.
     pub fn set_state(&self, state: SlotState) {
-        // A dead process stays dead: a bridge may report for a process that has gone.
+        // A dead process stays dead, whatever it reports last.
         let alive = |now| (now != SlotState::Dead as u32).then_some(state as u32);
         let word = &self.barrier.slot(self.slot).state;
         let _ = word.fetch_update(Ordering::SeqCst, Ordering::SeqCst, alive);
