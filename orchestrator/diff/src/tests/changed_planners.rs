@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use evader_potential::process::PotentialPlanner;
 use geometry::region::Region;
 use ipc_types::bus::Bus;
-use planner::{PlannedPoint, Planner, PlannerProcess};
+use planner::{PlannedPoint, Planner, PlannerError, PlannerProcess};
 use planner_view::map::PlannerMap;
 use planner_view::steering::Steering;
 use planner_view::view::View;
@@ -40,7 +40,7 @@ impl<P: Planner> Planner for Changed<P> {
         P::declare(params)
     }
 
-    fn new(params: &Self::Params, robot: &RobotInfo, seed: u64) -> Result<Self, String> {
+    fn new(params: &Self::Params, robot: &RobotInfo, seed: u64) -> Result<Self, PlannerError> {
         let from = CHANGED_FROM.with_borrow(|all| all.get(&robot.name).copied());
         Ok(Self {
             inner: P::new(params, robot, seed)?,
