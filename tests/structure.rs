@@ -32,13 +32,14 @@ const RULES: Rules = Rules {
             "trajectory_check",
         ],
         &["chaotic_maps", "geometry"],
-        &["curves", "free_motion", "network", "sim_backend"],
+        &["curves", "free_motion", "network", "robot"],
         &[
             "draw",
             "mcap_log",
             "optimal_control",
             "planner_view",
             "runtime",
+            "sim_backend",
             "statistics",
             "tracking",
         ],
@@ -72,6 +73,19 @@ const RULES: Rules = Rules {
         (
             &["coverage_planners", "patrol_planners"],
             &["kinds", "plan"],
+        ),
+        // Worlds that are stepped, described or drawn: no algorithm and no planner needs one.
+        (
+            &["sim_backend"],
+            &[
+                "simulator",
+                "mission",
+                "environment",
+                "plan",
+                "report",
+                "scenario",
+                "benchmarks",
+            ],
         ),
         // It leads the loop that the kinds follow.
         (&["simulator"], &["mission", "protean"]),

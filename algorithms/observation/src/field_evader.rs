@@ -4,8 +4,8 @@ use planner_view::limits::Limits;
 use planner_view::map::PlannerMap;
 use planner_view::steering::Steering;
 use planner_view::view::View;
-use sim_backend::spec::RobotModel;
-use sim_backend::team::Role;
+use robot::spec::RobotModel;
+use robot::team::Role;
 use steering::potential_evader::{Evader, EvaderParams};
 
 use crate::action::{ACTION_LENGTH, ActionKind, action, command};

@@ -1,10 +1,10 @@
 //! The fields of view of a run, drawn by viewers and reports.
 
 use geometry::visibility::polygon::SightLimits;
+use robot::spec::RobotSpec;
+use robot::team::Role;
 use runtime::kind::ViewSpec;
 use scenario::ResolvedScenario;
-use sim_backend::spec::RobotSpec;
-use sim_backend::team::Role;
 use viewer::{FieldOfView, ViewOrigin};
 
 /// Returns the fields of view of a scenario's processes.

@@ -12,10 +12,10 @@ use planner_view::map::PlannerMap;
 use planner_view::steering::Steering;
 use planner_view::view::View;
 use planner_view::waypoint::WaypointReport;
+use robot::spec::RobotSpec;
 use runtime::config::RobotInfo;
 use runtime::error::ProcessError;
 use runtime::kind::{Task, TaskFault, TaskSketch};
-use sim_backend::spec::RobotSpec;
 use steering::waypoint_driver::{Driving, Situation, WaypointDriver};
 
 use coverage::sub_goals::arc_driver::ArcDriver;

@@ -9,7 +9,7 @@ use planner_view::limits::Limits;
 use planner_view::map::PlannerMap;
 use planner_view::steering::Steering;
 use planner_view::view::{RobotView, View};
-use sim_backend::team::Role;
+use robot::team::Role;
 use steering::feedback_linearisation::EPSILON;
 use steering::path_tracking::{PathTracker, TrackingParams};
 use steering::potential_evader::{Evader, EvaderParams};

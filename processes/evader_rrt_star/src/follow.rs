@@ -8,7 +8,7 @@ use planner_view::free_space::FreeSpace;
 use planner_view::limits::Limits;
 use planner_view::map::PlannerMap;
 use planner_view::view::{RobotView, View};
-use sim_backend::team::Role;
+use robot::team::Role;
 use steering::feedback_linearisation::{EPSILON, command};
 use steering::path_tracking::{PathTracker, Tracking, TrackingParams};
 use steering::potential_evader::EvaderParams;

@@ -214,7 +214,7 @@ pub fn stop(drive: &Drive, motion: &mut Motion, dt: f64) {
 
 #[cfg(test)]
 mod tests {
-    use sim_backend::spec::RobotModel;
+    use robot::spec::RobotModel;
 
     use super::*;
     use crate::trajectory::Sample;

@@ -3,7 +3,7 @@
 use geometry::pose::Pose2;
 use geometry::shape::{Aabb, Convex};
 use nalgebra::Point2;
-use sim_backend::spec::RobotModel;
+use robot::spec::RobotModel;
 use thiserror::Error;
 
 /// Request for a trajectory.

@@ -9,8 +9,9 @@ use navigator::drive::Drive;
 use navigator::follow::{Follow, Motion, Stops};
 use navigator::trajectory::Sample;
 use proptest::prelude::*;
-use sim_backend::spec::{ActuatorSpec, LimitsSpec, RobotSpec, RulesSpec, WorldSpec};
-use sim_backend::team::Role;
+use robot::spec::{ActuatorSpec, LimitsSpec, RobotSpec};
+use robot::team::Role;
+use sim_backend::spec::{RulesSpec, WorldSpec};
 use sim_backend::world::World;
 use steering::go_to::coast;
 

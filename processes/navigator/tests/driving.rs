@@ -16,8 +16,8 @@ use navigator::{Navigator, NavigatorParams, PlanFailure, Trajectory, TrajectoryR
 use parameters::check;
 use planner_view::map::PlannerMap;
 use planner_view::view::{RobotView, View};
-use sim_backend::spec::RobotModel;
-use sim_backend::team::Role;
+use robot::spec::RobotModel;
+use robot::team::Role;
 
 const DT: f64 = 0.05;
 

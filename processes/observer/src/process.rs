@@ -9,12 +9,12 @@ use ipc_types::topics::Predictions;
 use metrics::prediction::View;
 use nalgebra::Point2;
 use rand_chacha::ChaCha8Rng;
+use robot::spec::RobotSpec;
 use runtime::declaration::{Declaration, Input, Output};
 use runtime::grids::{blurred_map, map_grids};
 use runtime::inputs::{MapInput, ShapesInput, StateInput, reply_stamp};
 use runtime::kind::ViewSpec;
 use runtime::{Clock, Process, ProcessConfig, ProcessError, ProcessKind, RobotInfo};
-use sim_backend::spec::RobotSpec;
 use tracking::particle_filter::MotionLimits;
 use tracking::space::Space;
 

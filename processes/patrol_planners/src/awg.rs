@@ -13,7 +13,7 @@ use planner_view::map::PlannerMap;
 use planner_view::steering::Steering;
 use planner_view::view::View;
 use planner_view::waypoint::{Waypoint, WaypointReport};
-use sim_backend::spec::RobotModel;
+use robot::spec::RobotModel;
 use steering::waypoint_driver::{Situation, WaypointDriver};
 
 use crate::PatrolError;

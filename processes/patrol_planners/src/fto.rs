@@ -17,7 +17,7 @@ use planner_view::map::PlannerMap;
 use planner_view::steering::Steering;
 use planner_view::view::View;
 use planner_view::waypoint::{Waypoint, WaypointKind, WaypointReport};
-use sim_backend::spec::RobotModel;
+use robot::spec::RobotModel;
 use steering::waypoint_driver::{Situation, WaypointDriver};
 
 use crate::PatrolError;

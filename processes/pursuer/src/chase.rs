@@ -8,7 +8,7 @@ use planner_view::limits::Limits;
 use planner_view::map::PlannerMap;
 use planner_view::steering::Steering;
 use planner_view::view::{RobotView, View};
-use sim_backend::team::Role;
+use robot::team::Role;
 use steering::feedback_linearisation::command;
 use steering::potential_field::{
     Body, Goal, Perturbation, Repulsor, attraction, compose, obstacle, repulsion,

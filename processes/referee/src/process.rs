@@ -10,10 +10,10 @@ use navigation::dominance::{Cell, Owner};
 use planner::{planner_map, robot_views, teams};
 use planner_view::map::PlannerMap;
 use planner_view::view::RobotView;
+use robot::team::{Role, Team};
 use runtime::declaration::{Declaration, Input, Output};
 use runtime::inputs::{MapInput, StateInput, reply_stamp};
 use runtime::{Clock, Process, ProcessConfig, ProcessError, ProcessKind};
-use sim_backend::team::{Role, Team};
 
 use crate::params::RefereeParams;
 use crate::referee::{Game, Judgement, Referee};

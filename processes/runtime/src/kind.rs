@@ -8,7 +8,7 @@ use geometry::shape::Shape;
 use geometry::visibility::polygon::SightLimits;
 use ipc_types::bus::Bus;
 use ipc_types::topics::{Scan, WorldShapes};
-use sim_backend::spec::RobotSpec;
+use robot::spec::RobotSpec;
 
 use crate::config::{ProcessConfig, RobotInfo};
 use crate::declaration::{Declaration, Flow};

@@ -6,7 +6,7 @@ use numpy::PyArray1;
 use planner_view::limits::Limits;
 use planner_view::view::ScanView;
 use pyo3::prelude::*;
-use sim_backend::spec::MAX_BEAMS;
+use robot::spec::MAX_BEAMS;
 use steering::path_tracking::{self, Path, TrackingParams};
 use steering::tangent_bug::{self, Advice, Mode};
 

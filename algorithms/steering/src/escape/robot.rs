@@ -3,8 +3,8 @@
 use geometry::pose::{Pose2, Twist2};
 use parameters::positive;
 use planner_view::limits::Limits;
-use sim_backend::robot::{integrate, limit};
-use sim_backend::spec::RobotModel;
+use robot::drive::{integrate, limit};
+use robot::spec::RobotModel;
 
 /// A robot at one instant.
 #[derive(Debug, Clone, Copy, PartialEq)]

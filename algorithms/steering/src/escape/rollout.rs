@@ -2,7 +2,7 @@
 
 use navigation::dominance::{Arena, Dominance};
 use planner_view::map::PlannerMap;
-use sim_backend::spec::RobotModel;
+use robot::spec::RobotModel;
 
 use super::{Course, Robot};
 

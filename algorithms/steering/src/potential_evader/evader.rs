@@ -12,7 +12,7 @@ use planner_view::limits::Limits;
 use planner_view::map::PlannerMap;
 use planner_view::steering::Steering;
 use planner_view::view::View;
-use sim_backend::team::Role;
+use robot::team::Role;
 
 use super::params::{EvaderParams, ThreatParams};
 

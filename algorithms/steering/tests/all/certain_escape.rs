@@ -12,8 +12,8 @@ use navigation::dominance::{Arena, Dominance, DominanceParams, Runner};
 use navigation::tangent_graph::{TangentGraph, Towards};
 use planner_view::free_space::FreeSpace;
 use proptest::prelude::*;
-use sim_backend::robot::limit;
-use sim_backend::spec::{Preset, RobotModel};
+use robot::drive::limit;
+use robot::spec::{Preset, RobotModel};
 use steering::escape::{Escape, Robot, plan};
 
 const CAPTURE: f64 = 0.3;

@@ -6,7 +6,7 @@ use nalgebra::Point2;
 use planner_view::limits::Limits;
 use planner_view::view::RobotView;
 use proptest::prelude::*;
-use sim_backend::team::Role;
+use robot::team::Role;
 use steering::potential_evader::{Evader, EvaderParams};
 
 const EXIT_RADIUS: f64 = 0.5;

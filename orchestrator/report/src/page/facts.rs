@@ -19,9 +19,9 @@ use crate::picture::trace::pursuers;
 use recorder::{
     CoverageOutcome, EventNames, MessageCounts, RobotOutcome, outcome_words, status_name,
 };
+use robot::team::Role;
 use scenario::Loader;
 use scenario::kind::Kind;
-use sim_backend::team::Role;
 
 /// Outcomes of the robots: from the result of the run, else from the last state in the log.
 pub(super) fn outcome(gathered: &Gathered) -> Vec<RobotOutcome> {

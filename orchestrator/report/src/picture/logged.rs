@@ -3,9 +3,10 @@
 use config::{Node, Origin};
 use geometry::map::MapSpec;
 use parameters::check;
+use robot::spec::RobotSpec;
 use serde::Deserialize;
 use serde_json::Value as Json;
-use sim_backend::spec::{RobotSpec, RulesSpec};
+use sim_backend::spec::RulesSpec;
 
 use mission::fields_of_view::fields_of_view;
 use scenario::kind::{ConfiguredKind, Kind, find};

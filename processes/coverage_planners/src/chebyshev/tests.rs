@@ -8,8 +8,8 @@ use geometry::shape::{Aabb, Convex};
 use planner_view::free_space::FreeSpace;
 use planner_view::view::RobotView;
 use planner_view::waypoint::WaypointOutcome;
-use sim_backend::spec::RobotModel;
-use sim_backend::team::Role;
+use robot::spec::RobotModel;
+use robot::team::Role;
 use steering::go_to::coast;
 
 use crate::follower::Follower;

@@ -5,7 +5,7 @@ use nalgebra::Point2;
 use planner_view::free_space::FreeSpace;
 use planner_view::map::PlannerMap;
 use planner_view::view::{RobotView, View};
-use sim_backend::spec::RobotModel;
+use robot::spec::RobotModel;
 
 use super::{Navigator, OpenRequest};
 use crate::excerpt::{Excerpt, Trip};

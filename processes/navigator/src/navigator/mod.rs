@@ -10,8 +10,8 @@ use planner_view::free_space::FreeSpace;
 use planner_view::map::PlannerMap;
 use planner_view::view::View;
 use right_of_way::RightOfWay;
+use robot::spec::RobotModel;
 use runtime::config::RobotInfo;
-use sim_backend::spec::RobotModel;
 
 use crate::drive::Drive;
 use crate::follow::{Follow, Motion, STANDING, Stops};

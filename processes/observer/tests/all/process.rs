@@ -7,12 +7,12 @@ use ipc_types::messages::world::{MapCell, MapHeader, RobotState, WorldHeader};
 use ipc_types::topics::{Predictions, WorldMap, WorldState};
 use observer::ObserverParams;
 use observer::process::ObserverProcess;
+use robot::spec::RobotModel;
+use robot::team::Role;
 use runtime::kind::open;
 use runtime::{Clock, ProcessConfig, ProcessError, RobotInfo, RunConfig};
 use runtime::{Process as _, ProcessKind as _};
 use serde_json::json;
-use sim_backend::spec::RobotModel;
-use sim_backend::team::Role;
 use std::collections::BTreeMap;
 
 const CELLS: u32 = 60;

@@ -1,14 +1,10 @@
-//! Conversion of a command to motion: limits, imperfections, exact integration.
+//! Conversion of a command to motion: limits, exact integration.
 
 use geometry::math;
 use geometry::pose::{Pose2, Twist2};
 use nalgebra::Vector2;
 
-use crate::random::Stream;
-use crate::spec::{ActuatorSpec, RobotModel};
-
-/// Number of standard deviations at which noise is cut off.
-const MAX_SIGMAS: f64 = 3.0;
+use crate::spec::RobotModel;
 
 /// The twist (m/s, rad/s) that a drive executes during a step of `dt` (s) for a finite `command`,
 /// after `current`.
@@ -20,8 +16,8 @@ const MAX_SIGMAS: f64 = 3.0;
 ///
 /// ```
 /// use geometry::pose::Twist2;
-/// use sim_backend::robot::limit;
-/// use sim_backend::spec::Preset;
+/// use robot::drive::limit;
+/// use robot::spec::Preset;
 ///
 /// let model = Preset::Turtlebot3Burger.model();
 /// let executed = limit(&model, Twist2::STOP, Twist2::new(100.0, 0.0), 0.05);
@@ -52,22 +48,6 @@ pub fn limit(model: &RobotModel, current: Twist2, command: Twist2, dt: f64) -> T
     Twist2::new(v, omega)
 }
 
-/// The twist of an imperfect drive; within the robot's limits.
-pub(crate) fn perturb(
-    model: &RobotModel,
-    actuator: &ActuatorSpec,
-    twist: Twist2,
-    noise: &mut Stream,
-) -> Twist2 {
-    let mut normal = || noise.normal().clamp(-MAX_SIGMAS, MAX_SIGMAS);
-    let (n_v, n_omega, n_veer) = (normal(), normal(), normal());
-    let v = twist.v * (1.0 - actuator.slip) * (1.0 + actuator.noise * n_v);
-    let omega =
-        twist.omega * (1.0 - actuator.angular_slip) * (1.0 + actuator.angular_noise * n_omega)
-            + v * actuator.veer * n_veer;
-    limit(&model.without_inertia(), twist, Twist2::new(v, omega), 0.0)
-}
-
 /// sin(x)/x, accurate to rounding for every x.
 fn sinc(x: f64) -> f64 {
     if x.abs() < 0.1 {
@@ -84,7 +64,7 @@ fn sinc(x: f64) -> f64 {
 /// The end of an arc lies at the arc's length times sinc(φ/2) in the direction of its middle
 /// heading, φ being the angle turned. This form needs no division by ω and no special case for
 /// driving straight.
-pub(crate) fn arc_displacement(theta: f64, twist: Twist2, dt: f64) -> Vector2<f64> {
+pub fn arc_displacement(theta: f64, twist: Twist2, dt: f64) -> Vector2<f64> {
     let half_turn = 0.5 * twist.omega * dt;
     let chord = twist.v * dt * sinc(half_turn);
     let (sin, cos) = math::sincos(theta + half_turn);
@@ -92,7 +72,7 @@ pub(crate) fn arc_displacement(theta: f64, twist: Twist2, dt: f64) -> Vector2<f6
 }
 
 /// The heading (rad) after turning by `turn`, wrapped.
-pub(crate) fn turned(theta: f64, turn: f64) -> f64 {
+pub fn turned(theta: f64, turn: f64) -> f64 {
     let sum = theta + turn;
     let pi = core::f64::consts::PI;
     if sum > -pi && sum <= pi {
@@ -172,7 +152,7 @@ mod tests {
         #[test]
         fn no_limit_is_ever_exceeded(
             v in -9.0..9.0f64, omega in -9.0..9.0f64, v0 in -0.5..1.0f64, w0 in -2.0..2.0f64,
-            dt in 0.0..0.5f64, seed in any::<u64>(),
+            dt in 0.0..0.5f64,
         ) {
             let model = RobotModel {
                 radius: 0.1, wheel_separation: 0.2, v_max: 1.0, v_reverse_max: 0.5, omega_max: 4.0,
@@ -181,12 +161,8 @@ mod tests {
             };
             let current = Twist2::new(v0, w0);
             let next = limit(&model, current, Twist2::new(v, omega), dt);
-            let actuator = ActuatorSpec { noise: 0.5, angular_noise: 0.5, veer: 1.0, ..Default::default() };
-            let perturbed = perturb(&model, &actuator, next, &mut Stream::new(seed, 0, 0));
-            for twist in [next, perturbed] {
-                prop_assert!((-0.5..=1.0).contains(&twist.v) && twist.omega.abs() <= 4.0);
-                prop_assert!(twist.v.abs() + twist.omega.abs() * 0.1 <= 1.2 + 1e-12);
-            }
+            prop_assert!((-0.5..=1.0).contains(&next.v) && next.omega.abs() <= 4.0);
+            prop_assert!(next.v.abs() + next.omega.abs() * 0.1 <= 1.2 + 1e-12);
             prop_assert!((next.v - v0).abs() <= 2.0 * dt + 1e-12);
         }
     }
