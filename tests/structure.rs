@@ -42,6 +42,7 @@ const RULES: Rules = Rules {
             "sim_backend",
             "statistics",
             "tracking",
+            "trajectory_problem",
         ],
         &["navigation", "passing"],
         &["steering", "trajectory"],

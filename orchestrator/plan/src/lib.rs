@@ -13,7 +13,6 @@ pub mod file;
 pub mod generate;
 pub mod instance;
 pub mod loose;
-pub mod options;
 pub mod routes;
 pub mod summary;
 
@@ -25,4 +24,4 @@ pub use field::FieldError;
 pub use file::{Element, FileError, FileProblem, read};
 pub use generate::{Kind, Recipe};
 pub use instance::{Body, Instance};
-pub use options::PlanOptions;
+pub use trajectory_problem::Options;

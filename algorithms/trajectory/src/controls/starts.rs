@@ -10,7 +10,7 @@ use crate::lower_bound::lower_bound;
 use crate::obstacle_field::ObstacleField;
 use crate::path_points;
 use crate::plan::Sample;
-use crate::problem::Problem;
+use trajectory_problem::Problem;
 
 /// Maximum number of times that obstacles grow.
 const MAX_REPAIRS: u32 = 8;

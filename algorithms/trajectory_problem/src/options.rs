@@ -1,10 +1,10 @@
 //! Options of planning.
 
-use nalgebra::Point2;
+use parameters::{Parameters, ParamsError, between, each};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::plan::Method;
+use crate::method::{Constraints, Guess, Method};
 use crate::problem::{MAX_NUMBER, ProblemError};
 use curves::bspline_basis::MAX_DEGREE;
 use curves::lgl_nodes::MAX_NODES;
@@ -15,58 +15,41 @@ pub const MAX_CONTROL_POINTS: usize = 64;
 /// Work at which every plan ends with its best result so far: several times that of nearly all, about 0.1 s of a processor.
 pub const MAX_WORK: u64 = 1_250_000;
 
-/// Initial path of a method.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum Guess {
-    /// The exact shortest path.
-    #[default]
-    Tangent,
-    /// The wavefront on a grid (the paper's), pulled taut.
-    Wavefront,
-}
-
-/// Points of the curve at which obstacles are tested.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum Constraints {
-    /// Everywhere, dense enough to miss none.
-    #[default]
-    Dense,
-    /// Only at the N + 1 Legendre–Gauss–Lobatto nodes, as in the paper. Obstacles between two nodes
-    /// are not detected: most such curves hit one, and are then rejected.
-    Nodes,
-}
+/// Number N of nodes if options state none.
+const NODES: usize = 15;
 
 /// Options of a plan; the defaults are the recommended values.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Options {
-    /// The method.
+    /// Method of the optimiser.
     pub method: Method,
-    /// Initial path.
+    /// Initial path of the optimisation.
     pub guess: Guess,
-    /// Points of the curve at which obstacles are tested.
+    /// Points of the curve at which obstacles are checked.
     pub constraints: Constraints,
-    /// `true` to try alternatives if the requested curve fails the check or is not good: turning on
-    /// the spot before and after it, more control points, and finally the exact shortest path.
+    /// `true` to try other methods if the requested one finds no valid trajectory.
+    // Turning on the spot before and after the curve, more control points, and finally the exact shortest path.
     pub fallbacks: bool,
     /// `true` to search in the controls where speeds cannot step; with `fallbacks` and `bspline` also
     /// where the curve is not near the lower bound.
+    #[serde(skip)]
     pub refine: bool,
-    /// Degree of the B-spline, 2…8; absent: 3, or 2 for the prey of `lp`.
+    /// Degree of the B-spline; the method's own if absent.
+    #[schemars(transform = between(2, MAX_DEGREE))]
     pub degree: Option<usize>,
-    /// Number of its control points, spread evenly, from degree + 1 to 64; absent: as many as the
-    /// path needs, at the places where it needs them.
+    /// Number of its control points, more than `degree`; as many as the path needs if absent.
+    #[schemars(transform = between(3, MAX_CONTROL_POINTS))]
     pub control_points: Option<usize>,
-    /// N of the N + 1 Legendre–Gauss–Lobatto nodes: of the path control parameter of `vmc`, and of
-    /// [`Constraints::Nodes`]; 2…64.
-    pub nodes: usize,
-    /// Reference point of `vmc` (m); absent: 2.25 diagonals of the bounds beyond their smaller
-    /// corner.
-    pub reference_point: Option<Point2<f64>>,
-    /// Work ([`Plan::work`](crate::Plan::work)) at which the search ends with its best result so
-    /// far; at most, and if it is absent, [`MAX_WORK`].
+    /// Number N, for N + 1 Legendre–Gauss–Lobatto nodes; 15 if absent.
+    // Of the path control parameter of `vmc`, and of `Constraints::Nodes`.
+    #[schemars(transform = between(2, MAX_NODES))]
+    pub nodes: Option<usize>,
+    /// Reference point of `vmc`, x and y; far beyond the lower corner of the board if absent.
+    #[schemars(transform = each(between(-MAX_NUMBER, MAX_NUMBER).unit("px")))]
+    pub reference_point: Option<[f64; 2]>,
+    /// Work at which the search ends with its best result so far; at most, and if it is absent, [`MAX_WORK`].
+    #[serde(skip)]
     pub max_work: Option<u64>,
 }
 
@@ -80,7 +63,7 @@ impl Default for Options {
             refine: true,
             degree: None,
             control_points: None,
-            nodes: 15,
+            nodes: None,
             reference_point: None,
             max_work: None,
         }
@@ -88,6 +71,20 @@ impl Default for Options {
 }
 
 impl Options {
+    /// The same options in another unit of length, of which the present one has `scale`.
+    #[must_use]
+    pub fn scaled(&self, scale: f64) -> Self {
+        Self {
+            reference_point: self.reference_point.map(|point| point.map(|x| x * scale)),
+            ..*self
+        }
+    }
+
+    /// N of the N + 1 Legendre–Gauss–Lobatto nodes.
+    pub fn node_count(&self) -> usize {
+        self.nodes.unwrap_or(NODES)
+    }
+
     /// Checks every field.
     ///
     /// # Errors
@@ -98,17 +95,24 @@ impl Options {
         if let Some(count) = self.control_points {
             within("control_points", count, degree + 1, MAX_CONTROL_POINTS)?;
         }
-        within("nodes", self.nodes, 2, MAX_NODES)?;
-        if let Some(p) = self.reference_point
-            && !(p.x.abs() <= MAX_NUMBER && p.y.abs() <= MAX_NUMBER)
+        within("nodes", self.node_count(), 2, MAX_NODES)?;
+        if let Some([x, y]) = self.reference_point
+            && !(x.abs() <= MAX_NUMBER && y.abs() <= MAX_NUMBER)
         {
             return Err(ProblemError {
                 field: "reference_point".to_owned(),
-                value: format!("({}, {})", p.x, p.y),
+                value: format!("({x}, {y})"),
                 expected: format!("coordinates of at most {MAX_NUMBER:e} (m) in magnitude"),
             });
         }
         Ok(())
+    }
+}
+
+impl Parameters for Options {
+    fn check_relations(&self) -> Result<(), ParamsError> {
+        self.validate()
+            .map_err(|error| ParamsError::new(&error.field, &error.value, error.expected))
     }
 }
 

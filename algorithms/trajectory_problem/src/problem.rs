@@ -1,4 +1,4 @@
-//! Minimum-time problem: start, goal, robot and obstacles.
+//! A problem: start, goal, limits of the robot, obstacles.
 
 use core::fmt::Display;
 
@@ -6,6 +6,8 @@ use geometry::pose::Pose2;
 use geometry::shape::{Aabb, Convex};
 use nalgebra::Point2;
 use thiserror::Error;
+
+use crate::limits::RobotLimits;
 
 /// Maximum number of obstacles of one problem.
 pub const MAX_OBSTACLES: usize = 4096;
@@ -17,100 +19,6 @@ pub const MIN_CLEARANCE: f64 = 1e-6;
 /// the tracking error of a robot that follows its last trajectory. For a deeper start there is no
 /// plan.
 pub const START_TOLERANCE: f64 = 5e-3;
-
-/// Limit of the wheel speeds: |V| + |ω| b / 2 ≤ `speed`.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Wheels {
-    /// Maximum speed of a wheel over the ground (m/s), > 0.
-    pub speed: f64,
-    /// Distance b between the wheels (m), > 0.
-    pub separation: f64,
-}
-
-/// Limits of the robot.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct RobotLimits {
-    /// Maximum forward speed V (m/s), > 0.
-    pub v_max: f64,
-    /// Minimum forward speed (m/s), from −`v_max` to 0: the negative of the maximum speed
-    /// backwards; 0 for plans that only drive forwards.
-    pub v_min: f64,
-    /// Maximum turning rate ω (rad/s), > 0.
-    pub omega_max: f64,
-    /// Coupling of both by the wheels; `None`: independent, as in the paper.
-    pub wheels: Option<Wheels>,
-    /// Maximum rate of change of V (m/s²), > 0; `None`: V may step, as in the paper.
-    pub acceleration: Option<f64>,
-    /// Maximum rate of change of ω (rad/s²), > 0; `None`: ω may step.
-    pub angular_acceleration: Option<f64>,
-}
-
-impl RobotLimits {
-    /// Speed (m/s) and turning rate (rad/s) limited independently: |V| ≤ `v_max` and |ω| ≤
-    /// `omega_max`.
-    pub fn simple(v_max: f64, omega_max: f64) -> Self {
-        Self {
-            v_max,
-            v_min: -v_max,
-            omega_max,
-            wheels: None,
-            acceleration: None,
-            angular_acceleration: None,
-        }
-    }
-
-    /// The same robot, driven forwards only.
-    #[must_use]
-    pub fn forwards(&self) -> Self {
-        Self {
-            v_min: 0.0,
-            ..*self
-        }
-    }
-
-    /// The same robot without limits on its accelerations.
-    #[must_use]
-    pub fn without_inertia(&self) -> Self {
-        Self {
-            acceleration: None,
-            angular_acceleration: None,
-            ..*self
-        }
-    }
-
-    /// Returns `true` if the robot may drive backwards.
-    pub fn may_reverse(&self) -> bool {
-        self.v_min < 0.0
-    }
-
-    /// Returns `true` if speeds may step.
-    pub fn is_without_inertia(&self) -> bool {
-        self.acceleration.is_none() && self.angular_acceleration.is_none()
-    }
-
-    /// Maximum speed (m/s) on a straight line, forwards or backwards.
-    pub fn top_speed(&self) -> f64 {
-        let top = self.v_max.max(-self.v_min);
-        self.wheels.map_or(top, |w| top.min(w.speed))
-    }
-
-    /// Maximum turning rate (rad/s) on the spot.
-    pub fn top_turn_rate(&self) -> f64 {
-        self.wheels.map_or(self.omega_max, |w| {
-            self.omega_max.min(2.0 * w.speed / w.separation)
-        })
-    }
-
-    /// Maximum speed (m/s) forwards on a path of curvature `kappa` (1/m).
-    pub fn speed_at(&self, kappa: f64) -> f64 {
-        let kappa = kappa.abs();
-        let turning = self.omega_max / kappa.max(1e-300);
-        let wheels = self.wheels.map_or(f64::INFINITY, |w| {
-            w.speed / (1.0 + 0.5 * kappa * w.separation)
-        });
-        self.v_max.min(turning).min(wheels)
-    }
-}
 
 /// A minimum-time problem; all values in one frame, in SI units.
 #[derive(Debug, Clone, PartialEq)]
@@ -192,8 +100,7 @@ fn not_negative(field: &str, value: f64) -> Result<(), ProblemError> {
 
 impl Problem {
     /// Checks every field on its own, and that the prescribed speeds are within the limits.
-    /// [`ObstacleField`](crate::obstacle_field::ObstacleField) checks the positions of start and
-    /// goal.
+    /// The planner checks the positions of start and goal.
     ///
     /// # Errors
     /// [`ProblemError`] names the first field that is out of range.
