@@ -14,7 +14,9 @@ use runtime::declaration::{Declaration, Input, Output, When};
 use runtime::grids::{blurred_map, map_grids};
 use runtime::inputs::{MapInput, StateInput, reply_stamp};
 use runtime::kind::ViewSpec;
+use runtime::maps::Maps;
 use runtime::{Clock, Process, ProcessConfig, ProcessError, ProcessKind};
+use std::sync::Arc;
 
 use tracking::params::PerceptionParams;
 use tracking::particle_filter::MotionLimits;
@@ -128,6 +130,10 @@ impl ProcessKind for PerceptionProcess {
 }
 
 impl Process for PerceptionProcess {
+    fn share_maps(&mut self, maps: &Arc<Maps>) {
+        self.map.share(maps);
+    }
+
     fn connect(&mut self) -> Result<(), ProcessError> {
         self.state.connect()?;
         self.map.connect()?;

@@ -20,6 +20,7 @@ use runtime::inputs::{
     BeliefInput, Latest, MapInput, ScanInput, ShapesInput, StateInput, reply_stamp,
 };
 use runtime::kind::{Process, ProcessKind, Remark, Task, TaskFault, TaskSketch};
+use runtime::maps::Maps;
 
 use crate::maps::planner_map;
 use crate::outputs::{MAX_PLAN_POINTS, Outputs, PlannedPoint};
@@ -144,6 +145,10 @@ impl<P: Planner> ProcessKind for PlannerProcess<P> {
 }
 
 impl<P: Planner> Process for PlannerProcess<P> {
+    fn share_maps(&mut self, maps: &Arc<Maps>) {
+        self.map_input.share(maps);
+    }
+
     fn connect(&mut self) -> Result<(), ProcessError> {
         self.state.connect()?;
         self.map_input.connect()?;

@@ -13,6 +13,7 @@ use planner_view::view::RobotView;
 use robot::team::{Role, Team};
 use runtime::declaration::{Declaration, Input, Output};
 use runtime::inputs::{MapInput, StateInput, reply_stamp};
+use runtime::maps::Maps;
 use runtime::{Clock, Process, ProcessConfig, ProcessError, ProcessKind};
 
 use crate::params::RefereeParams;
@@ -114,6 +115,10 @@ impl ProcessKind for RefereeProcess {
 }
 
 impl Process for RefereeProcess {
+    fn share_maps(&mut self, maps: &Arc<Maps>) {
+        self.map_input.share(maps);
+    }
+
     fn connect(&mut self) -> Result<(), ProcessError> {
         self.state.connect()?;
         self.map_input.connect()?;

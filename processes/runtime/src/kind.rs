@@ -2,6 +2,7 @@
 
 use core::fmt;
 use parameters::Parameters;
+use std::sync::Arc;
 
 use geometry::map::{MapSpec, WorldMap};
 use geometry::shape::Shape;
@@ -13,9 +14,16 @@ use robot::spec::RobotSpec;
 use crate::config::{ProcessConfig, RobotInfo};
 use crate::declaration::{Declaration, Flow};
 use crate::error::ProcessError;
+use crate::maps::Maps;
 
 /// Process connected to its topics, as the loop of a run drives it.
 pub trait Process {
+    /// Shares the data of maps with the other processes of a thread. Called before [`Self::connect`], and not in a run
+    /// with processes.
+    fn share_maps(&mut self, maps: &Arc<Maps>) {
+        let _ = maps;
+    }
+
     /// Connects every port. All processes have opened theirs by then.
     ///
     /// # Errors
