@@ -44,8 +44,9 @@ const RULES: Rules = Rules {
             "tracking",
             "trajectory_problem",
         ],
-        &["navigation", "passing"],
-        &["steering", "trajectory"],
+        &["control", "navigation", "passing"],
+        &["avoidance", "trajectory"],
+        &["pursuit_evasion"],
         &["coverage", "observation", "patrol", "planner"],
         // One crate per kind of process, or per family of kinds; none depends on another one.
         &["processes/*"],

@@ -16,11 +16,11 @@ use observation::scene::{Hiding, Scene};
 use planner_view::limits::Limits;
 use planner_view::map::PlannerMap;
 use planner_view::view::View;
+use pursuit_evasion::potential_evader::{Evader, EvaderParams};
 use robot::spec::RobotSpec;
 use robot::team::Role;
 use sim_backend::spec::{RulesSpec, WorldSpec};
 use sim_backend::world::World;
-use steering::potential_evader::{Evader, EvaderParams};
 
 /// A ring of streets, 8 m × 6 m, about a block of 4 m × 2 m; the exit is in the street on the right, an evader in that on
 /// the left, and a pursuer at `pursuer`.

@@ -1,6 +1,7 @@
 //! Process of planners of sub-goals. Inputs: state and map. Outputs: command, plan and the results
 //! of the sub-goals.
 
+use avoidance::waypoint_driver::{Driving, Situation, WaypointDriver};
 use coverage::goal::{Goal, GoalSource};
 use geometry::map::{MapSpec, WorldMap};
 use geometry::pose::Pose2;
@@ -16,7 +17,6 @@ use robot::spec::RobotSpec;
 use runtime::config::RobotInfo;
 use runtime::error::ProcessError;
 use runtime::kind::{Task, TaskFault, TaskSketch};
-use steering::waypoint_driver::{Driving, Situation, WaypointDriver};
 
 use coverage::sub_goals::arc_driver::ArcDriver;
 use coverage::sub_goals::params::{FollowParams, Interpolation};

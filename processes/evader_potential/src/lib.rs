@@ -1,8 +1,8 @@
-//! Evader driven by potential fields: [`steering::potential_evader`] in its process.
+//! Evader driven by potential fields: [`pursuit_evasion::potential_evader`] in its process.
 
 #![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
 #![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
 
 pub mod process;
 
-pub use steering::potential_evader::{Evader, EvaderParams};
+pub use pursuit_evasion::potential_evader::{Evader, EvaderParams};

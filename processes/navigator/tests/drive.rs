@@ -2,6 +2,7 @@
 
 use core::time::Duration;
 
+use control::go_to::coast;
 use geometry::map::{MapSpec, VectorMap};
 use geometry::pose::{Pose2, Twist2};
 use navigator::Trajectory;
@@ -13,7 +14,6 @@ use robot::spec::{ActuatorSpec, LimitsSpec, RobotSpec};
 use robot::team::Role;
 use sim_backend::spec::{RulesSpec, WorldSpec};
 use sim_backend::world::World;
-use steering::go_to::coast;
 
 const DT: Duration = Duration::from_millis(50);
 

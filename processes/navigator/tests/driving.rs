@@ -160,7 +160,7 @@ impl Rig {
         }
         let drive = Drive::new(RobotModel::turtlebot3_burger());
         self.twist = drive.execute(self.twist, decision.command, DT);
-        self.pose = steering::go_to::coast(&self.pose, self.twist, DT);
+        self.pose = control::go_to::coast(&self.pose, self.twist, DT);
         self.tick += 1;
     }
 

@@ -5,6 +5,7 @@ mod params;
 use parameters::check;
 use std::collections::VecDeque;
 
+use avoidance::waypoint_driver::{Situation, WaypointDriver};
 use chaotic_maps::AnySource;
 use nalgebra::Vector2;
 use patrol::awg::Laps;
@@ -14,7 +15,6 @@ use planner_view::steering::Steering;
 use planner_view::view::View;
 use planner_view::waypoint::{Waypoint, WaypointReport};
 use robot::spec::RobotModel;
-use steering::waypoint_driver::{Situation, WaypointDriver};
 
 use crate::PatrolError;
 use crate::check::fitted;

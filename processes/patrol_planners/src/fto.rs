@@ -6,6 +6,7 @@ mod params;
 use parameters::{check, within};
 use std::collections::VecDeque;
 
+use avoidance::waypoint_driver::{Situation, WaypointDriver};
 use chaotic_maps::AnySource;
 use nalgebra::{Point2, Vector2};
 use patrol::awg::{Awg, Laps};
@@ -18,7 +19,6 @@ use planner_view::steering::Steering;
 use planner_view::view::View;
 use planner_view::waypoint::{Waypoint, WaypointKind, WaypointReport};
 use robot::spec::RobotModel;
-use steering::waypoint_driver::{Situation, WaypointDriver};
 
 use crate::PatrolError;
 use crate::check::fitted;

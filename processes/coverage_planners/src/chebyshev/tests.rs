@@ -1,5 +1,6 @@
 use std::sync::Arc;
 
+use control::go_to::coast;
 use coverage::goal::GoalSource as _;
 use geometry::blur::BlurredMap;
 use geometry::grid::{Grid, GridFrame};
@@ -10,7 +11,6 @@ use planner_view::view::RobotView;
 use planner_view::waypoint::WaypointOutcome;
 use robot::spec::RobotModel;
 use robot::team::Role;
-use steering::go_to::coast;
 
 use crate::follower::Follower;
 use geometry::pose::Pose2;

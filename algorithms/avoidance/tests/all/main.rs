@@ -1,0 +1,10 @@
+//! Steering in the city and other places; one program, because linking four takes minutes.
+
+#[path = "../../../planner_view/tests/support/mod.rs"]
+mod support;
+
+mod avoidance;
+mod drive;
+mod field_goldens;
+mod random_world;
+mod walls_and_bodies;
