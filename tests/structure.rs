@@ -36,7 +36,6 @@ const RULES: Rules = Rules {
         &[
             "draw",
             "mcap_log",
-            "optimal_control",
             "planner_view",
             "runtime",
             "sim_backend",
@@ -44,7 +43,7 @@ const RULES: Rules = Rules {
             "tracking",
             "trajectory_problem",
         ],
-        &["control", "navigation", "passing"],
+        &["control", "navigation", "optimal_control", "passing"],
         &["avoidance", "trajectory"],
         &["pursuit_evasion"],
         &["coverage", "observation", "patrol", "planner"],
