@@ -27,18 +27,20 @@ const RULES: Rules = Rules {
             "trajectory_check",
         ],
         &["chaotic_maps", "geometry"],
-        &["curves", "free_motion", "network", "sim_backend"],
+        &["curves", "free_motion", "network", "robot"],
         &[
             "draw",
             "mcap_log",
-            "optimal_control",
             "planner_view",
             "runtime",
+            "sim_backend",
             "statistics",
             "tracking",
+            "trajectory_problem",
         ],
-        &["navigation", "passing"],
-        &["steering", "trajectory"],
+        &["control", "navigation", "optimal_control", "passing"],
+        &["avoidance", "trajectory"],
+        &["pursuit_evasion"],
         &["coverage", "observation", "patrol", "planner"],
         // One crate per kind of process, or per family of kinds; none depends on another one.
         &["processes/*"],
@@ -69,6 +71,19 @@ const RULES: Rules = Rules {
         (
             &["coverage_planners", "patrol_planners"],
             &["kinds", "plan"],
+        ),
+        // Worlds that are stepped, described or drawn: no algorithm and no planner needs one.
+        (
+            &["sim_backend"],
+            &[
+                "simulator",
+                "mission",
+                "environment",
+                "plan",
+                "report",
+                "scenario",
+                "benchmarks",
+            ],
         ),
         // It leads the loop that the kinds follow.
         (&["simulator"], &["mission", "protean"]),

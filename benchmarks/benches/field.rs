@@ -10,15 +10,15 @@ mod support;
 
 use std::hint::black_box;
 
+use avoidance::potential_field::{
+    Goal, RepulsionParams, Repulsor, attraction, capped, obstacle, repulsion,
+};
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use nalgebra::{Point2, Vector2};
 use navigation::bearing::Bearings;
 use navigation::routes::{NavGrid, RouteFinder, RouteTree, Threat};
 use parameters::Fidelity;
 use planner_view::map::PlannerMap;
-use steering::potential_field::{
-    Goal, RepulsionParams, Repulsor, attraction, capped, obstacle, repulsion,
-};
 use support::{Arena, EXIT, RADIUS};
 
 const POLICE: [(f64, f64); 4] = [(7.5, 4.5), (7.5, 1.5), (7.5, -1.5), (7.5, -4.5)];

@@ -21,9 +21,10 @@ use nalgebra::{Point2, Vector2};
 use parry2d_f64::math::{Pose, Vector};
 use parry2d_f64::query::{PointQuery, Ray, RayCast};
 use parry2d_f64::shape::Compound;
+use robot::spec::{RobotSpec, ScanSpec};
+use robot::team::Role;
 use sim_backend::random::Stream;
-use sim_backend::spec::{CaptureSpec, RobotSpec, RulesSpec, ScanSpec, WorldSpec};
-use sim_backend::team::Role;
+use sim_backend::spec::{CaptureSpec, RulesSpec, WorldSpec};
 use sim_backend::world::World;
 
 const DT: Duration = Duration::from_millis(50);

@@ -4,6 +4,7 @@ use core::fmt::Display;
 use std::path::PathBuf;
 
 use chaotic_maps::{Key, KeyKind};
+use control::path_tracking::Path;
 use geometry::map::MAX_EXITS;
 use geometry::pose::Pose2;
 use nalgebra::{Point2, Vector2};
@@ -19,7 +20,6 @@ use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList, PyString, PyTuple};
 use scenario::spec::MAX_ROBOTS;
-use steering::path_tracking::Path;
 
 use crate::error::InvalidInput;
 

@@ -9,8 +9,9 @@ use std::time::Duration;
 use geometry::map::{MapSpec, ObstacleSpec, VectorMap};
 use geometry::pose::{Pose2, Twist2};
 use geometry::shape::Shape;
-use sim_backend::spec::{CaptureSpec, RobotSpec, RulesSpec, ScanSpec, WorldSpec};
-use sim_backend::team::Role;
+use robot::spec::{RobotSpec, ScanSpec};
+use robot::team::Role;
+use sim_backend::spec::{CaptureSpec, RulesSpec, WorldSpec};
 use sim_backend::world::World;
 
 static ALLOCATIONS: AtomicUsize = AtomicUsize::new(0);

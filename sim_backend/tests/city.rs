@@ -7,8 +7,9 @@ use std::path::Path;
 use geometry::map::{MapSpec, UnknownCells, WorldMap};
 use geometry::pose::{Pose2, Twist2};
 use nalgebra::Point2;
-use sim_backend::spec::{RobotSpec, RulesSpec, WorldSpec};
-use sim_backend::team::Role;
+use robot::spec::RobotSpec;
+use robot::team::Role;
+use sim_backend::spec::{RulesSpec, WorldSpec};
 use sim_backend::world::{World, WorldError};
 
 fn map_spec(name: &str) -> MapSpec {

@@ -3,7 +3,7 @@
 use core::str::FromStr;
 
 use geometry::pose::Twist2;
-use sim_backend::spec::RobotModel;
+use robot::spec::RobotModel;
 
 use crate::error::LayoutError;
 
@@ -45,7 +45,7 @@ impl FromStr for ActionKind {
 ///
 /// ```
 /// use observation::action::command;
-/// use sim_backend::spec::Preset;
+/// use robot::spec::Preset;
 ///
 /// let model = Preset::Turtlebot3Burger.model();
 /// let twist = command([0.5, -1.0], &model);
@@ -88,7 +88,7 @@ pub fn action(command: Twist2, model: &RobotModel) -> [f32; ACTION_LENGTH] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use sim_backend::spec::Preset;
+    use robot::spec::Preset;
 
     #[test]
     fn backward_speeds_have_their_own_limit() {

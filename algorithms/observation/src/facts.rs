@@ -1,9 +1,8 @@
 //! Properties of robots that stay the same for a run.
 
 use geometry::region::Region;
-use sim_backend::spec::{RobotModel, RobotSpec};
-use sim_backend::team::Team;
-use sim_backend::world::World;
+use robot::spec::{RobotModel, RobotSpec};
+use robot::team::Team;
 
 /// A robot as an observation needs it from the start of a run.
 #[derive(Debug, Clone, PartialEq)]
@@ -21,19 +20,6 @@ pub struct RobotFacts {
 }
 
 impl RobotFacts {
-    /// Returns the robots of a world, in their order.
-    pub fn of_world(world: &World) -> Vec<Self> {
-        let robots = world.robots().iter().enumerate();
-        let facts = robots.map(|(index, robot)| Self {
-            name: robot.name.clone(),
-            team: robot.team,
-            model: robot.model,
-            goal: robot.goal,
-            beams: world.scan_spec(index).map_or(0, |scan| scan.beams),
-        });
-        facts.collect()
-    }
-
     /// Returns the robots of a scenario, in their order.
     pub fn of_specs(robots: &[RobotSpec]) -> Vec<Self> {
         let teams = RobotSpec::teams(robots);

@@ -4,9 +4,9 @@ use planner_view::limits::Limits;
 use planner_view::map::PlannerMap;
 use planner_view::steering::Steering;
 use planner_view::view::View;
-use sim_backend::spec::RobotModel;
-use sim_backend::team::Role;
-use steering::potential_evader::{Evader, EvaderParams};
+use pursuit_evasion::potential_evader::{Evader, EvaderParams};
+use robot::spec::RobotModel;
+use robot::team::Role;
 
 use crate::action::{ACTION_LENGTH, ActionKind, action, command};
 use crate::error::LayoutError;

@@ -6,7 +6,7 @@ use nalgebra::{Point2, Vector2};
 use navigation::routes::{Lengths, LengthsFrom, RouteFinder};
 use planner_view::map::PlannerMap;
 use planner_view::view::{RobotView, View};
-use sim_backend::spec::RobotModel;
+use robot::spec::RobotModel;
 
 use crate::action::{ActionKind, action};
 use crate::facts::RobotFacts;

@@ -1,6 +1,7 @@
 //! Observations of robots of a world.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+mod support;
 
 use core::f64::consts::{FRAC_PI_2, PI};
 use std::time::Duration;
@@ -15,10 +16,11 @@ use observation::error::{LayoutError, WriteError};
 use observation::facts::RobotFacts;
 use observation::layout::Layout;
 use observation::scene::{Hiding, Scene};
-use planner_view::view::{BeliefView, RobotView, ScanView, View};
+use planner_view::view::{BeliefView, ScanView, View};
 use proptest::prelude::*;
-use sim_backend::spec::{RobotSpec, RulesSpec, ScanSpec, WorldSpec};
-use sim_backend::team::Role;
+use robot::spec::{RobotSpec, ScanSpec};
+use robot::team::Role;
+use sim_backend::spec::{RulesSpec, WorldSpec};
 use sim_backend::world::World;
 
 fn four_robots() -> Vec<RobotSpec> {
@@ -81,12 +83,12 @@ struct Observed {
 
 impl Observed {
     fn of(world: &World, me: usize, parts: &str, beliefs: &[BeliefView<'_>]) -> Self {
-        let facts = RobotFacts::of_world(world);
+        let facts = support::facts(world);
         let exits: Vec<Point2<f64>> = world.exits().iter().map(Region::center).collect();
         let layout = Layout::new(parts.parse().unwrap(), &facts, me, exits.len()).unwrap();
         let mut scene = Scene::new(&facts, &[me]);
-        let (mut robots, mut ranges) = (Vec::new(), Vec::new());
-        RobotView::of_world(world, &mut robots);
+        let robots = support::robots(world);
+        let mut ranges = Vec::new();
         let scan = world.scan(me, &mut ranges).copied();
         let view = View {
             time_s: world.time().as_secs_f64(),
@@ -220,7 +222,7 @@ fn a_belief_has_its_mean_and_its_certainty_and_none_is_zero() {
 
 #[test]
 fn robots_without_what_a_part_needs_are_refused() {
-    let mut facts = RobotFacts::of_world(&world());
+    let mut facts = support::facts(&world());
     let layout = |facts: &[RobotFacts], parts: &str, me| {
         Layout::new(parts.parse().unwrap(), facts, me, 2).map(|layout| layout.length())
     };
@@ -244,7 +246,7 @@ fn robots_without_what_a_part_needs_are_refused() {
 #[test]
 fn a_slice_of_another_length_and_an_absent_robot_are_refused() {
     let world = world();
-    let facts = RobotFacts::of_world(&world);
+    let facts = support::facts(&world);
     let layout = Layout::new("state".parse().unwrap(), &facts, 0, 0).unwrap();
     let scene = Scene::new(&facts, &[0]);
     let view = View {
@@ -274,9 +276,8 @@ proptest! {
         flags in any::<u32>(),
     ) {
         let world = world();
-        let facts = RobotFacts::of_world(&world);
-        let mut robots = Vec::new();
-        RobotView::of_world(&world, &mut robots);
+        let facts = support::facts(&world);
+        let mut robots = support::robots(&world);
         for (i, robot) in robots.iter_mut().enumerate().skip(1) {
             let n = &numbers[i * 5..];
             robot.pose = Pose2 { x: n[0], y: n[1], theta: n[2] };
@@ -340,11 +341,10 @@ fn what_hid_robots_before_has_no_effect() {
         seed: 1,
     });
     let world = world.unwrap();
-    let facts = RobotFacts::of_world(&world);
+    let facts = support::facts(&world);
     let (mut known, mut fresh) = (Scene::new(&facts, &[3]), Scene::new(&facts, &[3]));
     let layout = Layout::new("state".parse().unwrap(), &facts, 3, 0).unwrap();
-    let mut robots = Vec::new();
-    RobotView::of_world(&world, &mut robots);
+    let mut robots = support::robots(&world);
     let mut hiding = Hiding::default();
     let mut seen = [0, 0];
     for tick in 0..3000 {

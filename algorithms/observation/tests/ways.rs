@@ -1,6 +1,7 @@
 //! Ways in observations.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+mod support;
 
 use core::f64::consts::PI;
 use std::collections::BTreeMap;
@@ -11,16 +12,16 @@ use geometry::region::Region;
 use geometry::shape::Shape;
 use nalgebra::Point2;
 use observation::action::action;
-use observation::facts::RobotFacts;
 use observation::layout::Layout;
 use observation::scene::{Hiding, Scene};
 use planner_view::limits::Limits;
 use planner_view::map::PlannerMap;
-use planner_view::view::{RobotView, View};
-use sim_backend::spec::{RobotSpec, RulesSpec, WorldSpec};
-use sim_backend::team::Role;
+use planner_view::view::View;
+use pursuit_evasion::potential_evader::{Evader, EvaderParams};
+use robot::spec::RobotSpec;
+use robot::team::Role;
+use sim_backend::spec::{RulesSpec, WorldSpec};
 use sim_backend::world::World;
-use steering::potential_evader::{Evader, EvaderParams};
 
 /// A ring of streets, 8 m × 6 m, about a block of 4 m × 2 m; the exit is in the street on the right, an evader in that on
 /// the left, and a pursuer at `pursuer`.
@@ -53,11 +54,10 @@ fn world(evader: Pose2, pursuer: [f64; 2]) -> World {
 
 /// The observation of the evader, by the names of its entries.
 fn observed(world: &World, parts: &str) -> BTreeMap<String, f32> {
-    let facts = RobotFacts::of_world(world);
+    let facts = support::facts(world);
     let exits: Vec<Point2<f64>> = world.exits().iter().map(Region::center).collect();
     let layout = Layout::new(parts.parse().unwrap(), &facts, 0, exits.len()).unwrap();
-    let mut robots = Vec::new();
-    RobotView::of_world(world, &mut robots);
+    let robots = support::robots(world);
     let mut scene = Scene::new(&facts, &[0]);
     scene.update(&robots, world.map().shapes(), &mut Hiding::default());
     let view = View {
@@ -105,10 +105,9 @@ fn the_way_goes_around_the_block_and_the_evader_past_an_opponent_around_the_othe
 #[test]
 fn the_action_of_the_potential_field_is_that_of_its_planner() {
     let world = world(Pose2::new(1.0, 2.7, 0.6), [3.0, 1.0]);
-    let mut robots = Vec::new();
-    RobotView::of_world(&world, &mut robots);
+    let robots = support::robots(&world);
     let exits: Vec<Point2<f64>> = world.exits().iter().map(Region::center).collect();
-    let model = RobotFacts::of_world(&world)[0].model;
+    let model = support::facts(&world)[0].model;
     let limits = Limits::new(model.v_max, model.v_reverse_max, model.omega_max).unwrap();
     let mut evader = Evader::new(EvaderParams::default(), limits, 0).unwrap();
     let view = View {

@@ -18,7 +18,8 @@
 //! ```
 //! use geometry::shape::{Aabb, Convex};
 //! use nalgebra::Point2;
-//! use optimal_control::{Keep, Limits, Node, Problem, Search};
+//! use optimal_control::{Keep, Node, Problem, Search};
+//! use trajectory_problem::RobotLimits;
 //!
 //! let disc = Convex::disc(Point2::new(1.0, 0.1), 0.2);
 //! let problem = Problem {
@@ -28,12 +29,10 @@
 //!     goal: Point2::new(2.0, 0.0),
 //!     goal_heading: None,
 //!     goal_speed: Some(0.0),
-//!     limits: Limits {
-//!         v: [0.0, 0.5],
-//!         omega: 1.0,
-//!         wheels: None,
+//!     limits: RobotLimits {
 //!         acceleration: Some(0.5),
 //!         angular_acceleration: Some(2.0),
+//!         ..RobotLimits::simple(0.5, 1.0).forwards()
 //!     },
 //!     bounds: Aabb { min: Point2::new(-1.0, -1.0), max: Point2::new(3.0, 1.0) },
 //!     obstacles: vec![Keep { shape: &disc, distance: 0.1 }],
@@ -64,5 +63,5 @@ mod sincos;
 mod variables;
 
 pub use interior_point::Outcome;
-pub use problem::{Keep, Limits, Node, Problem};
+pub use problem::{Keep, Node, Problem};
 pub use search::{COARSE, MAX_STAGES, Search, Solution};

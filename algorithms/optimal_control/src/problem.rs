@@ -2,21 +2,7 @@
 
 use geometry::shape::{Aabb, Convex};
 use nalgebra::Point2;
-
-/// Limits of the robot.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Limits {
-    /// Minimum and maximum forward speed V (m/s), ≤ 0 and > 0.
-    pub v: [f64; 2],
-    /// Maximum turning rate (rad/s), > 0.
-    pub omega: f64,
-    /// Maximum speed of a wheel (m/s) and distance between the wheels (m), both > 0.
-    pub wheels: Option<[f64; 2]>,
-    /// Maximum rate of change of V (m/s²), > 0; `None`: unlimited.
-    pub acceleration: Option<f64>,
-    /// Maximum rate of change of ω (rad/s²), > 0; `None`: unlimited.
-    pub angular_acceleration: Option<f64>,
-}
+use trajectory_problem::RobotLimits;
 
 /// A place that the robot keeps away from.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -43,7 +29,7 @@ pub struct Problem<'a> {
     /// Speed at the goal (m/s); `None`: free.
     pub goal_speed: Option<f64>,
     /// Limits of the robot.
-    pub limits: Limits,
+    pub limits: RobotLimits,
     /// Allowed positions between the ends.
     pub bounds: Aabb,
     /// Obstacles.

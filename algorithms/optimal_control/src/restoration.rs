@@ -94,10 +94,11 @@ impl InteriorPoint<'_> {
 mod tests {
     use geometry::shape::{Aabb, Convex};
     use nalgebra::Point2;
+    use trajectory_problem::RobotLimits;
 
     use super::*;
     use crate::iterate::Iterate;
-    use crate::problem::{Keep, Limits, Node, Problem};
+    use crate::problem::{Keep, Node, Problem};
     use crate::scaled::Scaled;
 
     #[test]
@@ -110,12 +111,10 @@ mod tests {
             goal: Point2::new(2.0, 0.0),
             goal_heading: None,
             goal_speed: Some(0.0),
-            limits: Limits {
-                v: [0.0, 0.5],
-                omega: 1.0,
-                wheels: None,
+            limits: RobotLimits {
                 acceleration: Some(0.5),
                 angular_acceleration: Some(2.0),
+                ..RobotLimits::simple(0.5, 1.0).forwards()
             },
             bounds: Aabb {
                 min: Point2::new(-1.0, -1.0),

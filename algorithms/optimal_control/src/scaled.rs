@@ -9,10 +9,11 @@ use geometry::math;
 use nalgebra::{Point2, Vector2};
 
 use crate::motion::Motion;
-use crate::problem::{Limits, Node, Problem};
+use crate::problem::{Node, Problem};
 use crate::riccati::{Point, STATES, State};
 use crate::rows::{Obstacle, Row};
 use crate::variables::{OMEGA, P, Q, THETA, TIME, V, X, Y};
+use trajectory_problem::{RobotLimits, Wheels};
 
 /// Distance from a node within which its obstacles and bounds are considered.
 const REACH: f64 = 0.1;
@@ -56,15 +57,10 @@ impl Scaled {
     /// follow by [`Self::set_rows`].
     pub fn new(problem: &Problem<'_>, guess: &[Node], duration: f64) -> Self {
         let limits = &problem.limits;
-        let wheel = limits.wheels.map_or(f64::INFINITY, |[speed, _]| speed);
-        let spin = limits
-            .wheels
-            .map_or(f64::INFINITY, |[speed, apart]| 2.0 * speed / apart);
-        let [slowest, fastest] = limits.v;
-        let v = fastest.max(-slowest).min(wheel);
-        let omega = limits.omega.min(spin);
+        let v = limits.top_speed();
+        let omega = limits.top_turn_rate();
         let length = v * duration;
-        let steps = limits.acceleration.is_none() && limits.angular_acceleration.is_none();
+        let steps = limits.is_without_inertia();
         let free_speed = |k: usize| !steps && problem.start_speeds[k].is_none();
         let goal = (problem.goal - problem.start) / length;
         // Of the goal's headings, the one that is nearest to the guess's.
@@ -108,7 +104,7 @@ impl Scaled {
     }
 
     /// Sets the number of stages.
-    pub fn set_count(&mut self, count: usize, limits: &Limits) {
+    pub fn set_count(&mut self, count: usize, limits: &RobotLimits) {
         self.count = count;
         self.motion = Motion {
             steps: self.motion.steps,
@@ -183,22 +179,22 @@ impl Scaled {
         }
     }
 
-    fn speed_limits(&self, limits: &Limits) -> Vec<Row> {
+    fn speed_limits(&self, limits: &RobotLimits) -> Vec<Row> {
         let (v, omega) = if self.motion.steps {
             (P, Q)
         } else {
             (V, OMEGA)
         };
-        let turn = limits.omega / self.omega;
+        let turn = limits.omega_max / self.omega;
         let mut rows = vec![
-            Row::bound(v, -1.0, -limits.v[0] / self.v),
-            Row::bound(v, 1.0, limits.v[1] / self.v),
+            Row::bound(v, -1.0, -limits.v_min / self.v),
+            Row::bound(v, 1.0, limits.v_max / self.v),
             Row::bound(omega, -1.0, turn),
             Row::bound(omega, 1.0, turn),
         ];
-        if let Some([speed, apart]) = limits.wheels {
-            let side = 0.5 * apart * self.omega / self.v;
-            let signs: &[f64] = if limits.v[0] < 0.0 {
+        if let Some(Wheels { speed, separation }) = limits.wheels {
+            let side = 0.5 * separation * self.omega / self.v;
+            let signs: &[f64] = if limits.v_min < 0.0 {
                 &[1.0, -1.0]
             } else {
                 &[1.0]
@@ -217,7 +213,7 @@ impl Scaled {
     }
 
     /// The changes of speeds in a stage of T/N.
-    fn acceleration_limits(&self, limits: &Limits) -> Vec<Row> {
+    fn acceleration_limits(&self, limits: &RobotLimits) -> Vec<Row> {
         let per_stage = self.duration / self.count as f64;
         let axes = [
             (P, limits.acceleration, self.v),

@@ -132,7 +132,7 @@ impl<'a> Search<'a> {
     pub fn solution(&self) -> Solution {
         let scaled = &self.scaled;
         let steps = scaled.motion.steps;
-        let [slowest, fastest] = self.problem.limits.v;
+        let (slowest, fastest) = (self.problem.limits.v_min, self.problem.limits.v_max);
         let node = |k: usize| {
             let speeds = &self.at.states[if steps { (k + 1).min(scaled.count) } else { k }];
             let at: Vector2<f64> = self.at.position(k);

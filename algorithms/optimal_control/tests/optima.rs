@@ -7,18 +7,20 @@ use core::f64::consts::PI;
 use geometry::math;
 use geometry::shape::{Aabb, Convex};
 use nalgebra::{Point2, Rotation2, Vector2};
-use optimal_control::{COARSE, Keep, Limits, Node, Problem, Search, Solution};
+use optimal_control::{COARSE, Keep, Node, Problem, Search, Solution};
 use proptest::prelude::*;
+use trajectory_problem::{RobotLimits, Wheels};
 
-const LIMITS: Limits = Limits {
-    v: [0.0, 0.5],
-    omega: 1.0,
+const LIMITS: RobotLimits = RobotLimits {
+    v_max: 0.5,
+    v_min: 0.0,
+    omega_max: 1.0,
     wheels: None,
     acceleration: Some(0.5),
     angular_acceleration: Some(2.0),
 };
 
-fn open(goal: Point2<f64>, limits: Limits) -> Problem<'static> {
+fn open(goal: Point2<f64>, limits: RobotLimits) -> Problem<'static> {
     let far = Vector2::repeat(100.0);
     Problem {
         start: Point2::origin(),
@@ -72,8 +74,8 @@ fn a_straight_motion_is_a_trapezoid_of_speeds() {
 fn a_goal_behind_is_reached_backwards() {
     let problem = open(
         Point2::new(-3.0, 0.0),
-        Limits {
-            v: [-0.5, 0.5],
+        RobotLimits {
+            v_min: -0.5,
             ..LIMITS
         },
     );
@@ -88,7 +90,7 @@ fn a_goal_behind_is_reached_backwards() {
 
 #[test]
 fn without_inertia_the_path_is_an_arc_and_a_straight_line() {
-    let limits = Limits {
+    let limits = RobotLimits {
         acceleration: None,
         angular_acceleration: None,
         ..LIMITS
@@ -110,8 +112,11 @@ fn without_inertia_the_path_is_an_arc_and_a_straight_line() {
 
 #[test]
 fn wheels_limit_both_speeds_together() {
-    let limits = Limits {
-        wheels: Some([0.5, 0.4]),
+    let limits = RobotLimits {
+        wheels: Some(Wheels {
+            speed: 0.5,
+            separation: 0.4,
+        }),
         ..LIMITS
     };
     let solution = solve(&open(Point2::new(1.0, 1.0), limits), 0.4);
@@ -149,7 +154,7 @@ fn around(disc: &Convex, scale: f64, turned: Rotation2<f64>) -> (Problem<'_>, Ve
         Point2::from(turned * Vector2::new(2.0, 0.0)) * scale,
         LIMITS,
     );
-    problem.limits.v[1] *= scale;
+    problem.limits.v_max *= scale;
     problem.limits.acceleration = Some(0.5 * scale);
     problem.start_heading = turned.angle();
     problem.obstacles.push(Keep {
@@ -190,8 +195,8 @@ proptest! {
         let turned = Rotation2::new(angle);
         let moved = Convex::disc(Point2::from(turned * Vector2::new(1.0, y)) * scale, 0.2 * scale);
         let (mut problem, mut guess, time) = around(&moved, scale, turned);
-        problem.limits.v[1] /= slower;
-        problem.limits.omega /= slower;
+        problem.limits.v_max /= slower;
+        problem.limits.omega_max /= slower;
         problem.limits.acceleration = problem.limits.acceleration.map(|a| a / (slower * slower));
         problem.limits.angular_acceleration = Some(2.0 / (slower * slower));
         for node in &mut guess {
@@ -220,7 +225,7 @@ proptest! {
         problem.start_speeds = [Some(0.0), None];
         let there = duration(&problem, &guess, time);
         (problem.start, problem.goal) = (problem.goal, problem.start);
-        problem.limits.v = [-0.5, 0.0];
+        (problem.limits.v_min, problem.limits.v_max) = (-0.5, 0.0);
         let back: Vec<Node> = guess.iter().rev().map(|node| Node { v: -node.v, ..*node }).collect();
         let back = duration(&problem, &back, time);
         prop_assert!((back / there - 1.0).abs() < 1e-5, "reversed {there} {back}");
@@ -259,13 +264,7 @@ fn a_search_that_leaves_its_guess_keeps_away_from_what_it_comes_to() {
         }],
         ..open(
             Point2::new(361.213, 252.038),
-            Limits {
-                v: [0.0, 20.0],
-                omega: 0.2374,
-                wheels: None,
-                acceleration: None,
-                angular_acceleration: None,
-            },
+            RobotLimits::simple(20.0, 0.2374).forwards(),
         )
     };
     let way = problem.goal - problem.start;

@@ -2,15 +2,15 @@
 
 mod simulated_drive;
 
+use avoidance::waypoint_driver::DriverParams;
 use chaotic_maps::{Key, KeyError, KeyKind};
+use control::go_to::GoToParams;
 use nalgebra::Point2;
 use parameters::{Parameters, ParamsError, above, at_least, check, each, unit};
 use planner_view::limits::Limits;
+use robot::spec::RobotModel;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use sim_backend::spec::RobotModel;
-use steering::go_to::GoToParams;
-use steering::waypoint_driver::DriverParams;
 use thiserror::Error;
 
 use crate::alpha::{AlphaError, LAPS, alpha_max_driven, check_driven};

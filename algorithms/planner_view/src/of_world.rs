@@ -1,15 +1,13 @@
-//! Inputs of a planner from the world, without messages.
+//! Maps of planners from maps of the world, without messages.
 
 use std::sync::Arc;
 
 use geometry::blur::{BlurError, BlurredMap};
 use geometry::map::WorldMap;
-use sim_backend::world::World;
 use thiserror::Error;
 
 use crate::free_space::{FreeSpace, FreeSpaceError};
 use crate::map::{MapError, PlannerMap};
-use crate::view::RobotView;
 
 /// Reason why a world's map cannot be a planner's.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -41,24 +39,6 @@ impl PlannerMap {
         let space = FreeSpace::new(pieces, *world.bounds(), world.frame().resolution)?;
         let map = Self::new(blurred, world.clearance().clone(), revision)?;
         Ok(map.with_space(Arc::new(space)))
-    }
-}
-
-impl RobotView {
-    /// Replaces `views` by the robots of a world, as the planners of a run see them.
-    pub fn of_world(world: &World, views: &mut Vec<Self>) {
-        views.clear();
-        let robots = world.robots().iter().enumerate();
-        views.extend(robots.map(|(index, robot)| Self {
-            index,
-            team: robot.team,
-            active: robot.is_active(),
-            present: world.is_present(index),
-            pose: robot.pose,
-            twist: robot.twist,
-            radius: robot.radius(),
-            v_max: robot.model.v_max,
-        }));
     }
 }
 

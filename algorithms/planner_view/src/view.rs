@@ -6,7 +6,7 @@
 
 use geometry::pose::{Pose2, Twist2};
 use nalgebra::Point2;
-use sim_backend::team::{Role, Team};
+use robot::team::{Role, Team};
 
 /// One robot, as the world's state reports it.
 #[derive(Debug, Clone, Copy, PartialEq)]

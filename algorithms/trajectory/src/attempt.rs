@@ -14,13 +14,13 @@ use crate::guide::Guide;
 use crate::guide::knot_placement::{self, Headings};
 use crate::guide::previous_plan::Rest;
 use crate::obstacle_field::ObstacleField;
-use crate::options::{Constraints, Options};
 use crate::path_points::PathPoint;
-use crate::plan::Method;
-use crate::problem::Problem;
 use curves::bspline_basis::Basis;
 use curves::lgl_nodes::Lgl;
 use curves::{Camouflage, Curve, Ends, Pursuit, Spline};
+use trajectory_problem::Method;
+use trajectory_problem::Problem;
+use trajectory_problem::{Constraints, Options};
 
 /// Maximum number of times that a curve is recomputed because it is too near to an obstacle between
 /// its samples.
@@ -100,7 +100,7 @@ impl Attempts<'_> {
                     return self.drive(&curve, &points, variant);
                 }
                 let reference = frame.inward(self.reference());
-                let camouflage = Camouflage::new(self.options.nodes, reference, ends.start)?;
+                let camouflage = Camouflage::new(self.options.node_count(), reference, ends.start)?;
                 let hidden = Spline::new(basis, ends, Some(camouflage))?;
                 let start = hidden.hidden(&z);
                 let polished = self
@@ -126,11 +126,12 @@ impl Attempts<'_> {
     }
 
     fn reference(&self) -> Point2<f64> {
-        self.options.reference_point.unwrap_or_else(|| {
-            let bounds = &self.problem.bounds;
-            let diagonal = (bounds.max - bounds.min).norm();
-            bounds.min - Vector2::repeat(REFERENCE * diagonal)
-        })
+        if let Some([x, y]) = self.options.reference_point {
+            return Point2::new(x, y);
+        }
+        let bounds = &self.problem.bounds;
+        let diagonal = (bounds.max - bounds.min).norm();
+        bounds.min - Vector2::repeat(REFERENCE * diagonal)
     }
 
     /// A free curve of the family, with its points.
@@ -148,7 +149,7 @@ impl Attempts<'_> {
         let theta = self.problem.start.theta;
         let nodes_only = self.options.constraints == Constraints::Nodes;
         if nodes_only {
-            let nodes = Lgl::new(self.options.nodes).nodes;
+            let nodes = Lgl::new(self.options.node_count()).nodes;
             search.only_at = Some(nodes.iter().map(|x| 0.5 * (x + 1.0)).collect());
         }
         let mut result = None;

@@ -10,7 +10,7 @@ use core::f64::consts::PI;
 use geometry::pose::Pose2;
 
 use crate::plan::{Plan, Sample};
-use crate::problem::{Problem, RobotLimits};
+use trajectory_problem::{Problem, RobotLimits};
 
 /// The problem with the robot turned around; its forward speeds are the backward speeds.
 pub fn problem(problem: &Problem) -> Problem {

@@ -10,7 +10,7 @@ use crate::guesses;
 use crate::lower_bound::lower_bound;
 use crate::obstacle_field::ExactObstacleField;
 use crate::plan::PlanError;
-use crate::problem::{Problem, ProblemError};
+use trajectory_problem::{Problem, ProblemError};
 
 /// Number of corridors by length, per corridor by time.
 const SPARE: usize = 3;

@@ -5,8 +5,8 @@ use crate::guide::Guide;
 use crate::obstacle_field::{ExactObstacleField, ObstacleField};
 use crate::path_points;
 use crate::plan::PlanError;
-use crate::problem::Problem;
 use crate::validity_check;
+use trajectory_problem::Problem;
 
 /// The obstacles of a problem, and the shortest path among them.
 pub struct Course {

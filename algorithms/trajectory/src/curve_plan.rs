@@ -13,10 +13,11 @@ use crate::guide::grid_guide;
 use crate::guide::previous_plan;
 use crate::lower_bound::lower_bound;
 use crate::obstacle_field::{ExactObstacleField, ObstacleField};
-use crate::options::{Guess, Options};
-use crate::plan::{Basis, Method, Plan, PlanError, Status};
-use crate::problem::Problem;
+use crate::plan::{Basis, Plan, PlanError, Status};
 use geometry::math;
+use trajectory_problem::Method;
+use trajectory_problem::Problem;
+use trajectory_problem::{Guess, Options};
 
 /// Gap to the lower bound, relative to it, below which the search ends; in addition to the cost of
 /// turning into the shortest path on the spot.

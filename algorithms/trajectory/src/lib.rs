@@ -22,7 +22,7 @@
 //! Errors of the paper, corrected: Eq. 4 divides by cos θ (here: the velocity's length and angle); Eq.
 //! 5 lacks dots (curvature is (ẋÿ − ẏẍ) / V³); the pseudo-inverse of Eq. 14 gives up the initial
 //! velocity (here all conditions at the ends are eliminated exactly); trajectories that avoid obstacles
-//! at the nodes only hit them between nodes ([`options::Constraints::Nodes`] shows it).
+//! at the nodes only hit them between nodes ([`trajectory_problem::Constraints::Nodes`] shows it).
 //!
 //! All functions are pure: no clock, no randomness. The same problem, options and last plan give the
 //! same plan, bit for bit, unless `stop` ends the search early.
@@ -63,15 +63,12 @@ mod guesses;
 mod guide;
 mod lower_bound;
 pub mod obstacle_field;
-pub mod options;
 mod path_points;
 pub mod plan;
-pub mod problem;
 mod solve;
 pub mod validity_check;
 
 pub use lower_bound::lower_bound;
-pub use options::Options;
-pub use plan::{Basis, Method, Plan, PlanError, Sample, Status};
-pub use problem::{Problem, ProblemError, RobotLimits, Wheels};
+pub use plan::{Basis, Plan, PlanError, Sample, Status};
 pub use solve::plan;
+pub use trajectory_problem::{Method, Options, Problem, ProblemError, RobotLimits, Wheels};

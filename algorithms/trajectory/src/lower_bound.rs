@@ -3,8 +3,8 @@
 use free_motion::{Heading, Speeds};
 
 use crate::drive::turn_in_place;
-use crate::problem::{Problem, RobotLimits};
 use geometry::math;
+use trajectory_problem::{Problem, RobotLimits};
 
 /// A lower bound (s) on the duration of every trajectory that solves a problem whose shortest path
 /// has this length (m).

@@ -8,7 +8,7 @@ use planner_view::free_space::FreeSpace;
 
 use crate::path_points::PathPoint;
 use crate::plan::PlanError;
-use crate::problem::{Problem, ProblemError};
+use trajectory_problem::{Problem, ProblemError};
 
 /// Cells along the longer side of the field of the exact geometry. Few: a problem needs some
 /// hundred queries, and building the field costs as much as they do.

@@ -1,48 +1,11 @@
 //! Results of the optimiser.
 
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 pub use trajectory_check::Sample;
 
-use crate::problem::ProblemError;
-
-/// Planning method.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum Method {
-    /// The path is a cubic B-spline.
-    #[default]
-    Bspline,
-    /// The path pursues a virtual prey that moves on a B-spline (Eq. 1–14 of the paper).
-    Lp,
-    /// The path hides in front of a virtual prey on a B-spline: it stays on the line from the prey
-    /// to a reference point (Eq. 16–22 of the paper).
-    Vmc,
-    /// The exact shortest path: straight lines and arcs, with turns on the spot where necessary.
-    Tangent,
-}
-
-impl Method {
-    /// All methods.
-    pub const ALL: [Self; 4] = [Self::Bspline, Self::Lp, Self::Vmc, Self::Tangent];
-
-    /// The name in requests and commands.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Bspline => "bspline",
-            Self::Lp => "lp",
-            Self::Vmc => "vmc",
-            Self::Tangent => "tangent",
-        }
-    }
-
-    /// The method with this name.
-    pub fn by_name(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|method| method.name() == name)
-    }
-}
+use trajectory_problem::{Method, ProblemError};
 
 /// Origin of a plan.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]

@@ -9,10 +9,12 @@ use crate::curve_plan;
 use crate::drive::trajectory_builder::Trajectory;
 use crate::guide::previous_plan;
 use crate::lower_bound::lower_bound;
-use crate::options::{MAX_WORK, Options};
-use crate::plan::{Basis, Method, Plan, PlanError, Sample, Status};
-use crate::problem::Problem;
+use crate::plan::{Basis, Plan, PlanError, Sample, Status};
 use navigation::tangent_graph::PathLeg;
+use trajectory_problem::Method;
+use trajectory_problem::Options;
+use trajectory_problem::Problem;
+use trajectory_problem::options::MAX_WORK;
 
 /// Maximum number of corridors from which a search starts.
 const CORRIDORS: usize = 4;

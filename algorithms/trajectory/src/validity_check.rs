@@ -5,7 +5,7 @@ use trajectory_check::{Contract, Obstacle, Report, WheelLimit};
 
 use crate::obstacle_field::ObstacleField;
 use crate::plan::Sample;
-use crate::problem::Problem;
+use trajectory_problem::Problem;
 
 /// The contract of a trajectory that solves a problem on its obstacle field.
 pub fn contract(problem: &Problem, obstacle_field: &ObstacleField) -> Contract {

@@ -2,9 +2,9 @@
 
 use std::process::ExitCode;
 
+use planner::control::go_to::{GoToParams, go_to};
 use planner::geometry::region::Region;
 use planner::nalgebra::Point2;
-use planner::steering::go_to::{GoToParams, go_to};
 use planner::{
     Declaration, Input, Limits, Planner, PlannerError, PlannerMap, RobotInfo, Steering, View,
     limits,

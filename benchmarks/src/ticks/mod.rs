@@ -23,14 +23,14 @@ use ipc_types::topics::{Commands, Status, WorldState};
 use mission::child_process::Executable;
 use mission::process_group::ProcessGroup;
 use mission::run_directory::RunDirectory;
+use robot::spec::Preset;
+use robot::team::Role;
 use runtime::config::{Clock, ProcessConfig, RobotInfo, RunConfig, document};
 use runtime::declaration::{Declaration, Input, Output};
 use runtime::inputs::{StateInput, reply_stamp};
 use runtime::lockstep::{BarrierLeader, BarrierMonitor, Phase, SlotState, TickBarrier, TickEnd};
 use runtime::{Process, ProcessError, ProcessKind};
 use serde::Serialize;
-use sim_backend::spec::Preset;
-use sim_backend::team::Role;
 use statistics::{Spread, paired_ratio};
 
 pub use self::raw::planner as raw_planner;

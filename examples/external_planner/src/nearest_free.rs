@@ -8,7 +8,7 @@ use planner::geometry::math;
 use planner::geometry::region::Region;
 use planner::nalgebra::{Point2, Vector2};
 use planner::parameters::{Parameters, above, at_least};
-use planner::steering::go_to::{GoToParams, go_to};
+use planner::control::go_to::{GoToParams, go_to};
 use planner::{Limits, Planner, PlannerError, PlannerMap, RobotInfo, Steering, View, limits};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

@@ -1,8 +1,8 @@
 //! A planner that drives to the nearest tracked opponent.
 
 use ipc_types::bus::{Bus, Subscriber};
+use planner::control::go_to::{GoToParams, go_to};
 use planner::nalgebra::Point2;
-use planner::steering::go_to::{GoToParams, go_to};
 use planner::{
     Declaration, Input, Limits, Planner, PlannerError, PlannerMap, RobotInfo, Steering, View,
     limits,

@@ -22,9 +22,7 @@ pub use publisher::{Publisher, PublisherOptions};
 pub use request_response::{ActiveRequest, Attendant, Client, PendingResponse, Server};
 pub use subscriber::{Received, Subscriber};
 
-use core::any::Any;
 use std::rc::Rc;
-use std::sync::Arc;
 
 use crate::clock::{StampClock, StepStart};
 use crate::schema;
@@ -103,11 +101,9 @@ impl Bus {
 
     /// Creates the bus of a run whose processes are all in this thread. It reads no clock: the
     /// clocks in the stamps of its messages are 0.
-    ///
-    /// `commons` is their shared state besides messages, for [`Bus::commons`].
-    pub fn local(options: BusOptions, commons: Option<Arc<dyn Any + Send + Sync>>) -> Self {
+    pub fn local(options: BusOptions) -> Self {
         Self {
-            backend: Backend::Local(Rc::new(LocalTopics::new(commons))),
+            backend: Backend::Local(Rc::default()),
             options,
             turn: StepStart::default(),
         }
@@ -130,17 +126,6 @@ impl Bus {
     /// time.
     pub fn begin_turn(&self) {
         self.turn.set(self.clock().now_ns());
-    }
-
-    /// The shared state of the processes of a run in one thread; `None` for any type other than that
-    /// given to [`Bus::local`].
-    pub fn commons<S: Any + Send + Sync>(&self) -> Option<Arc<S>> {
-        match &self.backend {
-            Backend::Ipc { .. } => None,
-            Backend::Local(local_topics) => {
-                Arc::clone(local_topics.commons.as_ref()?).downcast().ok()
-            }
-        }
     }
 
     /// The run space; `None` for a run in memory.

@@ -2,14 +2,14 @@
 
 use std::sync::Arc;
 
-use ipc_types::bus::{Bus, BusError, SendError};
+use ipc_types::bus::{BusError, SendError};
 use ipc_types::messages::optimiser::{PlanRequest, PlanResponse, TrajectorySample};
 use ipc_types::messages::robot::{PlanHeader, PlanPoint};
 use ipc_types::messages::world::{MapCell, MapHeader, RobotState, ShapePoint};
 use ipc_types::topics::{Commands, OptimiserPlan, Plan, WorldMap, WorldState};
 use proptest::prelude::*;
 
-use crate::support::{OtherCommands, local, options, port, state};
+use crate::support::{OtherCommands, local, port, state};
 
 #[test]
 fn the_memory_of_messages_is_used_again() {
@@ -142,14 +142,6 @@ fn another_type_under_the_same_name_is_a_mismatch() {
     let _service = bus.create::<Commands>().unwrap();
     let error = bus.subscriber::<OtherCommands>().unwrap_err().to_string();
     assert!(error.contains("robot/command"), "{error}");
-}
-
-#[test]
-fn commons_are_found_by_their_type() {
-    let bus = Bus::local(options(false), Some(Arc::new(42_u64)));
-    assert_eq!(bus.commons::<u64>().as_deref(), Some(&42));
-    assert!(bus.commons::<u32>().is_none());
-    assert!(local(false).commons::<u64>().is_none());
 }
 
 proptest! {

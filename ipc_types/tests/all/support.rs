@@ -49,7 +49,7 @@ pub fn options(overflow: bool) -> BusOptions {
 
 /// A bus in memory.
 pub fn local(overflow: bool) -> Bus {
-    Bus::local(options(overflow), None)
+    Bus::local(options(overflow))
 }
 
 /// Options of a port whose sender does not wait long.

@@ -1,6 +1,6 @@
 //! Colours that are distinguishable with any colour vision (Okabe and Ito's palette), as `#rrggbb`.
 
-use sim_backend::team::Role;
+use robot::team::Role;
 
 /// Background.
 pub const PAPER: &str = "#ffffff";

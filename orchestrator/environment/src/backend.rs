@@ -5,7 +5,7 @@ use std::sync::Arc;
 use geometry::pose::{Pose2, Twist2};
 use mission::in_process::SteppedRun;
 use planner::PlannerProcess;
-use planner_view::view::BeliefView;
+use planner_view::view::{BeliefView, RobotView};
 use scenario::kind::ConfiguredKind;
 use sim_backend::world::World;
 
@@ -33,6 +33,22 @@ pub(crate) trait Backend: Sized {
 
     /// Replaces `beliefs` by the newest ones.
     fn beliefs(&self, beliefs: &mut Vec<BeliefView<'static>>);
+}
+
+/// Replaces `views` by the robots of a world, as the planners of a run see them.
+pub(crate) fn view_robots(world: &World, views: &mut Vec<RobotView>) {
+    views.clear();
+    let robots = world.robots().iter().enumerate();
+    views.extend(robots.map(|(index, robot)| RobotView {
+        index,
+        team: robot.team,
+        active: robot.is_active(),
+        present: world.is_present(index),
+        pose: robot.pose,
+        twist: robot.twist,
+        radius: robot.radius(),
+        v_max: robot.model.v_max,
+    }));
 }
 
 /// The world alone.

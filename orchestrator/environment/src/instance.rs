@@ -15,7 +15,7 @@ use sim_backend::robot::Robot;
 use sim_backend::world::{GameOver, World};
 
 use crate::arrays::ArraysMut;
-use crate::backend::Backend;
+use crate::backend::{Backend, view_robots};
 use crate::episode::Episode;
 use crate::episode_seed::episode_seed;
 use crate::error::EnvironmentError;
@@ -257,7 +257,7 @@ impl<B: Backend> Instance<B> {
         let Some(map) = &self.map else {
             return Ok(());
         };
-        RobotView::of_world(world, &mut scratch.robots);
+        view_robots(world, &mut scratch.robots);
         for (evader, &robot) in self.evaders.iter_mut().zip(&shared.agents.robots) {
             let view = View {
                 time_s: time_s(world),
@@ -342,7 +342,7 @@ impl<B: Backend> Instance<B> {
         out: &mut [f32],
     ) -> Result<(), EnvironmentError> {
         let world = self.backend.world();
-        RobotView::of_world(world, &mut scratch.robots);
+        view_robots(world, &mut scratch.robots);
         let (scene, hiding) = (&mut scratch.scene, &mut self.hiding);
         scene.update(&scratch.robots, world.map().shapes(), hiding);
         self.backend.beliefs(&mut scratch.beliefs);

@@ -1,6 +1,6 @@
 //! Events of agents, and rewards from them.
 
-use sim_backend::team::Team;
+use robot::team::Team;
 use sim_backend::world::{ContactWith, EventKind, World};
 
 use crate::error::EnvironmentError;

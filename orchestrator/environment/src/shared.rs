@@ -92,8 +92,8 @@ impl Shared {
         }
         let dt = Duration::from_nanos((scenario.run.dt * 1e9).round() as u64);
         let blur_sigma = scenario.blur_sigma;
+        let facts = RobotFacts::of_specs(&scenario.world.robots);
         let world = World::new(scenario.world)?;
-        let facts = RobotFacts::of_world(&world);
         let exits: Vec<Point2<f64>> = world.exits().iter().map(Region::center).collect();
         let layout = |&robot| Layout::new(options.observation, &facts, robot, exits.len());
         let layouts: Vec<Layout> = agents.robots.iter().map(layout).collect::<Result<_, _>>()?;

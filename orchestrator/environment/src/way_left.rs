@@ -5,7 +5,7 @@ use navigation::routes::RouteFinder;
 use observation::facts::RobotFacts;
 use planner_view::map::PlannerMap;
 use planner_view::view::View;
-use sim_backend::team::Role;
+use robot::team::Role;
 
 use crate::error::EnvironmentError;
 

@@ -16,7 +16,6 @@ use observation::action::ActionKind;
 use observation::facts::RobotFacts;
 use scenario::Template;
 use scripted::ordinary_run;
-use sim_backend::world::World;
 
 impl Learner {
     fn reset_each(&mut self, starts: &[Option<Start>]) {
@@ -410,8 +409,8 @@ fn an_interrupted_step_or_reset_demands_a_reset_of_all_instances() {
 #[test]
 fn agents_have_the_facts_of_their_robots() {
     let template = template("chase_exact", &[]);
-    let world = World::new(template.with_seed(1).unwrap().world).unwrap();
-    let facts = RobotFacts::of_world(&world);
+    let world = template.with_seed(1).unwrap().world;
+    let facts = RobotFacts::of_specs(&world.robots);
     let learner = Learner::new(template, options(&["evader", "police_2"], "state"));
     let agents: Vec<&RobotFacts> = learner.environments.agents().collect();
     assert_eq!(agents, [&facts[4], &facts[5], &facts[1]]);

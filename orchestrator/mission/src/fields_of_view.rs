@@ -2,8 +2,8 @@
 
 use geometry::visibility::polygon::SightLimits;
 use recorder::{FieldOfView, ViewOrigin};
+use robot::team::Role;
 use scenario::ResolvedScenario;
-use sim_backend::team::Role;
 
 /// Returns the fields of view of a scenario's processes, each with a name. If no process has one, the Police have an
 /// unlimited view in all directions.

@@ -8,12 +8,12 @@ use ipc_types::bus::{Publisher, SendError};
 use ipc_types::messages::world::ObstacleEvent;
 use ipc_types::stamp::PlainHeader;
 use ipc_types::topics::{Belief, ObstacleEvents, OptimiserPlan, Service as _, Waypoints};
+use robot::spec::RobotSpec;
 use runtime::config::{Clock, RobotInfo, RunConfig};
 use runtime::declaration::{Flow, Input};
 use runtime::obstacle::{self, ObstacleMessageError};
 use runtime::shapes;
 use serde_json::Value as Json;
-use sim_backend::spec::RobotSpec;
 use simulator::SimulatorParams;
 
 pub use super::launch::{Launch, Role};

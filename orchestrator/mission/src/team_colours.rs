@@ -1,8 +1,8 @@
 //! Colours of robots in output to a terminal.
 
 use platform::terminal::Colours;
+use robot::team::Role;
 use scenario::ResolvedScenario;
-use sim_backend::team::Role;
 
 /// Returns the names of the robots in the colours of their roles, which are those of the page of a log.
 pub fn team_colours(scenario: &ResolvedScenario) -> Colours {

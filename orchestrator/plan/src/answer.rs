@@ -9,7 +9,7 @@ use trajectory::{Method, Plan, PlanError, Sample, Status};
 
 use super::field::FieldError;
 use super::instance::Instance;
-use super::options::PlanOptions;
+use trajectory_problem::Options;
 
 /// Result of planning a problem.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -193,7 +193,7 @@ fn cpu_ms() -> f64 {
 /// interrupted.
 pub fn solve(
     instance: &Instance,
-    options: &PlanOptions,
+    options: &Options,
     repeat: u32,
     interrupted: &AtomicBool,
 ) -> Option<Answer> {

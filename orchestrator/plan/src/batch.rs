@@ -5,13 +5,13 @@ use std::sync::mpsc;
 
 use super::answer::{Answer, solve};
 use super::file::Element;
-use super::options::PlanOptions;
+use trajectory_problem::Options;
 
 /// Settings for planning many problems.
 #[derive(Debug, Clone)]
 pub struct Settings {
     /// Options of the planner.
-    pub options: PlanOptions,
+    pub options: Options,
     /// Number of problems planned in parallel, > 0.
     pub jobs: usize,
     /// Number of repetitions of each problem, to measure its CPU time, > 0.

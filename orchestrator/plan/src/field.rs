@@ -1,6 +1,7 @@
 //! The fields of an instance, each read with its unit and range.
 
-use trajectory::problem::{MAX_NUMBER, MAX_OBSTACLES};
+use trajectory_problem::problem::{MAX_NUMBER, MAX_OBSTACLES};
+use trajectory_problem::{RobotLimits, Wheels};
 
 use super::instance::{Body, Instance};
 use super::loose::Loose;
@@ -108,9 +109,19 @@ pub fn read_instance(id: &str, from: &Loose) -> Result<Instance, FieldError> {
     let instance = Instance {
         id: id.to_owned(),
         cm_per_px: get("cm_per_px", Positive, "cm/px")?,
-        v_max,
-        v_min: optional(from, "v_min", NotPositive, "px/s")?.unwrap_or(-v_max),
-        omega_max: get("wmax_rad_s", Positive, "rad/s")?,
+        limits: RobotLimits {
+            v_max,
+            v_min: optional(from, "v_min", NotPositive, "px/s")?.unwrap_or(-v_max),
+            omega_max: get("wmax_rad_s", Positive, "rad/s")?,
+            wheels: wheels(from)?,
+            acceleration: optional(from, "acceleration_px_s2", Positive, "px/s²")?,
+            angular_acceleration: optional(
+                from,
+                "angular_acceleration_rad_s2",
+                Positive,
+                "rad/s²",
+            )?,
+        },
         buffer: get("buffer_px", NotNegative, "px")?,
         bounds: bounds(from)?,
         start: [
@@ -125,9 +136,6 @@ pub fn read_instance(id: &str, from: &Loose) -> Result<Instance, FieldError> {
             .map(|value| number(Some(value), "goal.theta", Any, "rad"))
             .transpose()?,
         goal_speed: optional(from, "goal_speed", Any, "px/s")?,
-        wheels: wheels(from)?,
-        acceleration: optional(from, "acceleration_px_s2", Positive, "px/s²")?,
-        angular_acceleration: optional(from, "angular_acceleration_rad_s2", Positive, "rad/s²")?,
         obstacles: obstacles(from)?,
     };
     instance.check().map_err(|error| FieldError {
@@ -159,11 +167,11 @@ fn bounds(from: &Loose) -> Result<[f64; 4], FieldError> {
     ))
 }
 
-fn wheels(from: &Loose) -> Result<Option<[f64; 2]>, FieldError> {
+fn wheels(from: &Loose) -> Result<Option<Wheels>, FieldError> {
     let speed = optional(from, "wheel_speed_px_s", Range::Positive, "px/s")?;
     let separation = optional(from, "wheel_separation_px", Range::Positive, "px")?;
     match (speed, separation) {
-        (Some(speed), Some(separation)) => Ok(Some([speed, separation])),
+        (Some(speed), Some(separation)) => Ok(Some(Wheels { speed, separation })),
         (None, None) => Ok(None),
         (Some(_), None) => Err(FieldError::new(
             "wheel_separation_px",

@@ -15,6 +15,7 @@ use serde_json::{Value as Json, json};
 use sim_backend::random::Stream;
 use trajectory::obstacle_field::ObstacleField;
 use trajectory::{PlanError, lower_bound};
+use trajectory_problem::RobotLimits;
 
 use super::instance::{Body, Instance};
 
@@ -240,9 +241,7 @@ fn board(start: [f64; 3], goal: [f64; 2]) -> Instance {
     Instance {
         id: String::new(),
         cm_per_px: CM_PER_PX,
-        v_max: V_MAX,
-        v_min: 0.0,
-        omega_max: OMEGA_MAX,
+        limits: RobotLimits::simple(V_MAX, OMEGA_MAX).forwards(),
         buffer: BUFFER,
         bounds: [0.0, 0.0, BOARD[0], BOARD[1]],
         start,
@@ -251,9 +250,6 @@ fn board(start: [f64; 3], goal: [f64; 2]) -> Instance {
         goal,
         goal_heading: None,
         goal_speed: None,
-        wheels: None,
-        acceleration: None,
-        angular_acceleration: None,
         obstacles: Vec::new(),
     }
 }

@@ -5,9 +5,9 @@ use geometry::shape::{Aabb, Convex};
 use nalgebra::Point2;
 use serde_json::{Value as Json, json};
 use trajectory::obstacle_field::ObstacleField;
-use trajectory::problem::MIN_CLEARANCE;
-use trajectory::{Problem, ProblemError, RobotLimits, Wheels};
 use trajectory_check::{Contract, Obstacle, WheelLimit};
+use trajectory_problem::problem::MIN_CLEARANCE;
+use trajectory_problem::{Problem, ProblemError, RobotLimits};
 
 /// Smallest extent (m) of a problem that is planned in metres.
 const MIN_EXTENT: f64 = 0.1;
@@ -39,12 +39,8 @@ pub struct Instance {
     pub id: String,
     /// Size of a pixel (cm), > 0.
     pub cm_per_px: f64,
-    /// Maximum speed (px/s), > 0.
-    pub v_max: f64,
-    /// Minimum forward speed (px/s), from −`v_max` to 0: 0 for plans that only drive forwards.
-    pub v_min: f64,
-    /// Maximum turning rate (rad/s), > 0.
-    pub omega_max: f64,
+    /// Limits of the robot (px, s, rad).
+    pub limits: RobotLimits,
     /// Minimum distance of the robot's centre from obstacles (px), ≥ 0.
     pub buffer: f64,
     /// Bounds of its centre (px): minimum x, minimum y, maximum x, maximum y.
@@ -61,12 +57,6 @@ pub struct Instance {
     pub goal_heading: Option<f64>,
     /// Speed at the goal (px/s).
     pub goal_speed: Option<f64>,
-    /// Maximum speed of a wheel (px/s) and distance between the wheels (px).
-    pub wheels: Option<[f64; 2]>,
-    /// Maximum acceleration (px/s²).
-    pub acceleration: Option<f64>,
-    /// Maximum angular acceleration (rad/s²).
-    pub angular_acceleration: Option<f64>,
     /// Obstacles.
     pub obstacles: Vec<Body>,
 }
@@ -140,16 +130,7 @@ impl Instance {
             goal: point(self.goal[0], self.goal[1]),
             goal_heading: self.goal_heading,
             goal_speed: self.goal_speed.map(|v| v * k),
-            limits: RobotLimits {
-                wheels: self.wheels.map(|[speed, separation]| Wheels {
-                    speed: speed * k,
-                    separation: separation * k,
-                }),
-                acceleration: self.acceleration.map(|a| a * k),
-                angular_acceleration: self.angular_acceleration,
-                v_min: self.v_min * k,
-                ..RobotLimits::simple(self.v_max * k, self.omega_max)
-            },
+            limits: self.limits.scaled(k),
             obstacles: self
                 .obstacles
                 .iter()
@@ -172,19 +153,19 @@ impl Instance {
 
     /// Returns the conditions that a plan must meet (in the planner's unit of length), from the problem as given and not from the optimiser.
     pub fn contract(&self) -> Contract {
-        let k = self.scale();
+        let (k, limits) = (self.scale(), &self.limits);
         let [x, y, theta] = self.start;
         Contract {
             start_speed: self.start_speed.map(|v| v * k),
             start_turn_rate: self.start_turn_rate,
             goal_heading: self.goal_heading,
             goal_speed: self.goal_speed.map(|v| v * k),
-            wheel: self.wheels.map(|[speed, separation]| WheelLimit {
-                speed: speed * k,
-                separation: separation * k,
+            wheel: limits.wheels.map(|wheels| WheelLimit {
+                speed: wheels.speed * k,
+                separation: wheels.separation * k,
             }),
-            acceleration_max: self.acceleration.map(|a| a * k),
-            angular_acceleration_max: self.angular_acceleration,
+            acceleration_max: limits.acceleration.map(|a| a * k),
+            angular_acceleration_max: limits.angular_acceleration,
             obstacles: self
                 .obstacles
                 .iter()
@@ -202,19 +183,20 @@ impl Instance {
                 })
                 .collect(),
             clearance: self.buffer * k,
-            v_min: self.v_min * k,
+            v_min: limits.v_min * k,
             bounds: Some(self.bounds.map(|v| v * k)),
             ..Contract::new(
                 [x * k, y * k, theta],
                 [self.goal[0] * k, self.goal[1] * k],
-                self.v_max * k,
-                self.omega_max,
+                limits.v_max * k,
+                limits.omega_max,
             )
         }
     }
 
     /// Writes the instance as in files.
     pub fn to_json(&self) -> Json {
+        let limits = &self.limits;
         let obstacles: Vec<Json> = self
             .obstacles
             .iter()
@@ -230,8 +212,8 @@ impl Instance {
         let mut json = json!({
             "id": self.id,
             "cm_per_px": self.cm_per_px,
-            "vmax_px_s": self.v_max,
-            "wmax_rad_s": self.omega_max,
+            "vmax_px_s": limits.v_max,
+            "wmax_rad_s": limits.omega_max,
             "buffer_px": self.buffer,
             "bounds_px": self.bounds,
             "start": { "x": self.start[0], "y": self.start[1], "theta": self.start[2] },
@@ -240,13 +222,16 @@ impl Instance {
             "obstacles": obstacles,
         });
         let more = [
-            ("v_min", (self.v_min != -self.v_max).then_some(self.v_min)),
+            (
+                "v_min",
+                (limits.v_min != -limits.v_max).then_some(limits.v_min),
+            ),
             ("start_turn_rate", self.start_turn_rate),
             ("goal_speed", self.goal_speed),
-            ("wheel_speed_px_s", self.wheels.map(|w| w[0])),
-            ("wheel_separation_px", self.wheels.map(|w| w[1])),
-            ("acceleration_px_s2", self.acceleration),
-            ("angular_acceleration_rad_s2", self.angular_acceleration),
+            ("wheel_speed_px_s", limits.wheels.map(|w| w.speed)),
+            ("wheel_separation_px", limits.wheels.map(|w| w.separation)),
+            ("acceleration_px_s2", limits.acceleration),
+            ("angular_acceleration_rad_s2", limits.angular_acceleration),
         ];
         if let Some(json) = json.as_object_mut() {
             for (key, value) in more {

@@ -10,7 +10,6 @@ pub mod file;
 pub mod generate;
 pub mod instance;
 pub mod loose;
-pub mod options;
 pub mod routes;
 pub mod summary;
 
@@ -22,4 +21,4 @@ pub use field::FieldError;
 pub use file::{Element, FileError, FileProblem, read};
 pub use generate::{Kind, Recipe};
 pub use instance::{Body, Instance};
-pub use options::PlanOptions;
+pub use trajectory_problem::Options;

@@ -3,7 +3,7 @@
 use core::fmt;
 
 use serde::de::{Deserialize, Deserializer, Error, IgnoredAny, MapAccess, SeqAccess, Visitor};
-use trajectory::problem::MAX_OBSTACLES;
+use trajectory_problem::problem::MAX_OBSTACLES;
 
 /// Maximum number of stored elements of a list: one more than the permitted maximum.
 const KEPT: usize = MAX_OBSTACLES + 1;

@@ -72,7 +72,13 @@ fn every_optional_field_is_read() {
     // Clockwise, and reversed.
     json["obstacles"] = json!([{ "polygon": [[100, 100], [100, 150], [150, 100]] }]);
     let instance = read_one(&json).unwrap();
-    assert_eq!(instance.wheels, Some([25.0, 12.0]));
+    assert_eq!(
+        instance.limits.wheels,
+        Some(trajectory_problem::Wheels {
+            speed: 25.0,
+            separation: 12.0
+        })
+    );
     assert_eq!(instance.goal_heading, Some(1.5));
     assert_eq!(
         instance.obstacles,
@@ -288,7 +294,7 @@ fn a_plan_does_not_depend_on_the_scale_of_the_board() {
     // A board of 0.64 mm, the usual one, and one of 640 km.
     let answers = [1e-4, 0.75, 1e5].map(|cm_per_px| {
         let instance = read_one(&changed("/cm_per_px", json!(cm_per_px))).unwrap();
-        solve(&instance, &PlanOptions::default(), 1, &go).unwrap()
+        solve(&instance, &Options::default(), 1, &go).unwrap()
     });
     for answer in &answers {
         let (t, bound) = (answer.t_s.unwrap(), answer.lower_bound_s.unwrap());
@@ -314,7 +320,7 @@ fn a_plan_does_not_depend_on_the_scale_of_the_board() {
         let value = json.pointer_mut(pointer).unwrap();
         *value = scaled(value);
     }
-    let answer = solve(&read_one(&json).unwrap(), &PlanOptions::default(), 1, &go).unwrap();
+    let answer = solve(&read_one(&json).unwrap(), &Options::default(), 1, &go).unwrap();
     assert!(
         (answer.t_s.unwrap() - answers[1].t_s.unwrap()).abs() < 1e-2,
         "{answer:?}"
@@ -401,9 +407,9 @@ fn a_plan_is_checked_against_the_instance_as_given() {
     let instance = read_one(&good()).unwrap();
     let go = AtomicBool::new(false);
     for name in ["bspline", "lp", "vmc", "tangent"] {
-        let options = PlanOptions {
+        let options = Options {
             method: trajectory::Method::by_name(name).unwrap(),
-            ..PlanOptions::default()
+            ..Options::default()
         };
         let answer = solve(&instance, &options, 1, &go).unwrap();
         assert_eq!(answer.honest, Some(true), "{name}: {answer:?}");
@@ -415,7 +421,7 @@ fn a_plan_is_checked_against_the_instance_as_given() {
         assert!(answer.cpu_ms.unwrap() > 0.0);
     }
     let stopped = AtomicBool::new(true);
-    assert_eq!(solve(&instance, &PlanOptions::default(), 1, &stopped), None);
+    assert_eq!(solve(&instance, &Options::default(), 1, &stopped), None);
 }
 
 #[test]
@@ -423,7 +429,7 @@ fn answers_without_a_plan_contain_the_reason() {
     let go = AtomicBool::new(false);
     let solved = |json: &Json| {
         let instance = read_one(json).unwrap();
-        solve(&instance, &PlanOptions::default(), 1, &go).unwrap()
+        solve(&instance, &Options::default(), 1, &go).unwrap()
     };
     let wall = json!([{ "polygon": [[300, -50], [310, -50], [310, 550], [300, 550]] }]);
     let answer = solved(&changed("/obstacles", wall));

@@ -13,9 +13,9 @@ use navigation::tangent_graph::{ShortestPath, TangentGraph};
 use parameters::check;
 use planner_view::free_space::FreeSpace;
 use planner_view::limits::Limits;
+use robot::spec::RobotModel;
+use robot::team::Role;
 use runtime::seed::stream;
-use sim_backend::spec::RobotModel;
-use sim_backend::team::Role;
 
 use super::plans::Plan;
 

@@ -6,8 +6,8 @@ use geometry::map::{MapSpec, Occupancy, VectorMap, WorldMap};
 use geometry::pose::Pose2;
 use geometry::region::Region;
 use nalgebra::{Point2, Vector2};
+use robot::team::Role;
 use sim_backend::spec::{RulesSpec, WorldSpec};
-use sim_backend::team::Role;
 use sim_backend::world::{World, WorldError};
 
 use super::context::Context;

@@ -10,12 +10,12 @@ use config::{Node, ReadError, read_once};
 use geometry::map::MapSpec;
 use ipc_types::bus::Bus;
 use parameters::{ParamsError, Unusual};
+use robot::spec::RobotSpec;
 use runtime::declaration::Declaration;
 use runtime::kind::{Process, ProcessKind, Remark, Task, TaskFault, TaskSketch, ViewSpec};
 use runtime::{ProcessConfig, ProcessError};
 use schemars::{Schema, SchemaGenerator};
 use serde_json::Value as Json;
-use sim_backend::spec::RobotSpec;
 
 /// A kind of process: one element of a program's list of kinds.
 #[derive(Clone, Copy)]

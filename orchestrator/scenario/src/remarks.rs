@@ -3,9 +3,9 @@
 use core::fmt;
 
 use geometry::map::WorldMap;
+use robot::team::Role;
 use runtime::kind::{Remark, Task};
 use serde::Serialize;
-use sim_backend::team::Role;
 
 use super::resolved::ResolvedScenario;
 

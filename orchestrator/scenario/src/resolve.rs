@@ -4,11 +4,12 @@ use std::collections::BTreeMap;
 
 use config::{Code, Diagnostic, FieldPath};
 use geometry::map::MapSpec;
+use robot::spec::RobotSpec;
+use robot::team::Role;
 use schemars::JsonSchema;
 use serde::Deserialize;
 use serde::de::IgnoredAny;
-use sim_backend::spec::{RobotSpec, RulesSpec, WorldSpec};
-use sim_backend::team::Role;
+use sim_backend::spec::{RulesSpec, WorldSpec};
 
 use super::context::Context;
 use super::events::EventBlock;

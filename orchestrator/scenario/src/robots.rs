@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use config::{Code, FieldPath, Node, Value};
 use geometry::pose::Pose2;
 use parameters::{Parameters, faults};
-use sim_backend::spec::RobotSpec;
+use robot::spec::RobotSpec;
 
 use super::context::Context;
 use super::spec::{Defaults, MAX_NAME, MAX_ROBOTS, RobotBlock};

@@ -1,4 +1,5 @@
-//! Tables of a scenario file as written, except those of the world (`sim_backend::spec`).
+//! Tables of a scenario file as written, except those of robots (`robot::spec`) and of the world
+//! (`sim_backend::spec`).
 
 use core::f64::consts::PI;
 
@@ -6,11 +7,11 @@ use geometry::extent::positive;
 use geometry::pose::Pose2;
 use geometry::region::Region;
 use parameters::{Bounds, Parameters, between};
+use robot::spec::{ActuatorSpec, LimitsSpec, OdometrySpec, Preset, ScanSpec};
+use robot::team::Role;
 use schemars::JsonSchema;
 use serde::de::IgnoredAny;
 use serde::{Deserialize, Serialize};
-use sim_backend::spec::{ActuatorSpec, LimitsSpec, OdometrySpec, Preset, ScanSpec};
-use sim_backend::team::Role;
 
 /// Maximum number of robots in a scenario.
 pub const MAX_ROBOTS: usize = 64;

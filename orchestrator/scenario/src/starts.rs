@@ -10,8 +10,9 @@ use geometry::region::Region;
 use nalgebra::Point2;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
-use sim_backend::spec::{RobotSpec, RulesSpec};
-use sim_backend::team::{Role, Team};
+use robot::spec::RobotSpec;
+use robot::team::{Role, Team};
+use sim_backend::spec::RulesSpec;
 
 pub use self::no_start::NoStart;
 use self::no_start::{Fault, MAX_DRAWS};

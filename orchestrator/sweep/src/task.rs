@@ -5,7 +5,7 @@ use parameters::{Parameters, ParamsError, within};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use plan::{PlanOptions, Recipe};
+use plan::{Options, Recipe};
 
 /// Task of a mission: one random problem, planned once.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -14,7 +14,7 @@ pub struct Task {
     /// Random problems.
     pub instances: Recipe,
     /// Options of the optimiser.
-    pub options: PlanOptions,
+    pub options: Options,
 }
 
 /// A task during the setting of its keys.

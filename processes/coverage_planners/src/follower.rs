@@ -1,6 +1,7 @@
 //! Process of planners of sub-goals. Inputs: state and map. Outputs: command, plan and the results
 //! of the sub-goals.
 
+use avoidance::waypoint_driver::{Driving, Situation, WaypointDriver};
 use coverage::goal::{Goal, GoalSource};
 use geometry::map::{MapSpec, WorldMap};
 use geometry::pose::Pose2;
@@ -12,11 +13,10 @@ use planner_view::map::PlannerMap;
 use planner_view::steering::Steering;
 use planner_view::view::View;
 use planner_view::waypoint::WaypointReport;
+use robot::spec::RobotSpec;
 use runtime::config::RobotInfo;
 use runtime::error::ProcessError;
 use runtime::kind::{Task, TaskFault, TaskSketch};
-use sim_backend::spec::RobotSpec;
-use steering::waypoint_driver::{Driving, Situation, WaypointDriver};
 
 use coverage::sub_goals::arc_driver::ArcDriver;
 use coverage::sub_goals::params::{FollowParams, Interpolation};

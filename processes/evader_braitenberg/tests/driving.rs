@@ -10,7 +10,7 @@ use geometry::pose::{Pose2, Twist2};
 use planner_view::limits::Limits;
 use planner_view::view::{RobotView, ScanView, View};
 use proptest::prelude::*;
-use sim_backend::team::Role;
+use robot::team::Role;
 use support::{Arena, DT, Kinematic, street_starts};
 
 const V_MAX: f64 = 0.6;

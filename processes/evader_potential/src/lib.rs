@@ -1,5 +1,5 @@
-//! Evader driven by potential fields: [`steering::potential_evader`] in its process.
+//! Evader driven by potential fields: [`pursuit_evasion::potential_evader`] in its process.
 
 pub mod process;
 
-pub use steering::potential_evader::{Evader, EvaderParams};
+pub use pursuit_evasion::potential_evader::{Evader, EvaderParams};

@@ -25,11 +25,12 @@ use planner_view::view::{RobotView, View};
 use pursuer::PursuerParams;
 use pursuer::process::PursuerPlanner;
 use referee::{Game, Referee, RefereeParams};
+use robot::spec::RobotSpec;
+use robot::team::Role;
 use runtime::config::RobotInfo;
 use sim_backend::random::Stream;
 use sim_backend::robot::RobotStatus;
-use sim_backend::spec::{CaptureSpec, RobotSpec, RulesSpec, WorldSpec};
-use sim_backend::team::Role;
+use sim_backend::spec::{CaptureSpec, RulesSpec, WorldSpec};
 use sim_backend::world::World;
 use statistics::wilson;
 

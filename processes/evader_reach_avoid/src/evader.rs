@@ -1,5 +1,7 @@
 //! Controller of one evader.
 
+use avoidance::potential_field::{Body, Goal, attraction, compose, obstacle};
+use control::feedback_linearisation::command;
 use geometry::region::Region;
 use nalgebra::Point2;
 use navigation::bearing::Bearings;
@@ -9,11 +11,9 @@ use planner_view::limits::Limits;
 use planner_view::map::PlannerMap;
 use planner_view::steering::Steering;
 use planner_view::view::{RobotView, View};
-use sim_backend::spec::RobotModel;
-use sim_backend::team::Role;
-use steering::escape::{self, Course, Robot, Rollout};
-use steering::feedback_linearisation::command;
-use steering::potential_field::{Body, Goal, attraction, compose, obstacle};
+use pursuit_evasion::escape::{self, Course, Robot, Rollout};
+use robot::spec::RobotModel;
+use robot::team::Role;
 
 use crate::params::ReachAvoidParams;
 

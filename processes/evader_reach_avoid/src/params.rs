@@ -1,11 +1,11 @@
 //! Parameters of the reach–avoid evader.
 
+use avoidance::potential_field::ObstacleParams;
+use control::feedback_linearisation::FeedbackParams;
 use navigation::dominance::DominanceParams;
 use parameters::{Parameters, above, at_least};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use steering::feedback_linearisation::FeedbackParams;
-use steering::potential_field::ObstacleParams;
 
 /// Parameters of an [`Evader`](crate::Evader).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]

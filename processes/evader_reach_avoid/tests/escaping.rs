@@ -9,8 +9,8 @@ use evader_reach_avoid::{Evader, ReachAvoidParams};
 use geometry::region::Region;
 use nalgebra::Point2;
 use planner_view::map::PlannerMap;
-use sim_backend::spec::{Preset, RobotModel};
-use sim_backend::team::Role;
+use robot::spec::{Preset, RobotModel};
+use robot::team::Role;
 use support::{Arena, CITY, DT, EXIT, Kinematic, robot, street_starts, view};
 
 const V_MAX: f64 = 0.45;

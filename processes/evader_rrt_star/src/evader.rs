@@ -1,5 +1,7 @@
 //! Controller of one evader: when it plans, its motion meanwhile, and the follower of its plans.
 
+use control::feedback_linearisation::EPSILON;
+use control::path_tracking::{PathTracker, TrackingParams};
 use geometry::pose::Pose2;
 use nalgebra::Point2;
 use navigation::shortest_paths::END_TOLERANCE;
@@ -9,10 +11,8 @@ use planner_view::limits::Limits;
 use planner_view::map::PlannerMap;
 use planner_view::steering::Steering;
 use planner_view::view::{RobotView, View};
-use sim_backend::team::Role;
-use steering::feedback_linearisation::EPSILON;
-use steering::path_tracking::{PathTracker, TrackingParams};
-use steering::potential_evader::{Evader, EvaderParams};
+use pursuit_evasion::potential_evader::{Evader, EvaderParams};
+use robot::team::Role;
 
 use crate::collision_map::{Body, CollisionMap};
 use crate::cost::{CostModel, Pursuer};

@@ -1,5 +1,8 @@
 //! Followers of a route.
 
+use avoidance::potential_field::{Goal, Repulsor, attraction, compose, obstacle, repulsion};
+use control::feedback_linearisation::{EPSILON, command};
+use control::path_tracking::{PathTracker, Tracking, TrackingParams};
 use geometry::math;
 use geometry::pose::{Pose2, Twist2};
 use nalgebra::{Point2, Vector2};
@@ -8,11 +11,8 @@ use planner_view::free_space::FreeSpace;
 use planner_view::limits::Limits;
 use planner_view::map::PlannerMap;
 use planner_view::view::{RobotView, View};
-use sim_backend::team::Role;
-use steering::feedback_linearisation::{EPSILON, command};
-use steering::path_tracking::{PathTracker, Tracking, TrackingParams};
-use steering::potential_evader::EvaderParams;
-use steering::potential_field::{Goal, Repulsor, attraction, compose, obstacle, repulsion};
+use pursuit_evasion::potential_evader::EvaderParams;
+use robot::team::Role;
 
 use crate::motion::{Arcs, Motion as _};
 

@@ -1,9 +1,9 @@
 //! Parameters of the evader that plans with RRT*.
 
 use parameters::{Parameters, ParamsError, above, at_least, between, require, within};
+use pursuit_evasion::potential_evader::EvaderParams;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use steering::potential_evader::EvaderParams;
 
 /// Maximum number of iterations of a plan.
 pub const MAX_ITERATIONS: u32 = 1_000_000;

@@ -2,11 +2,11 @@
 
 use std::sync::Arc;
 
+use control::path_tracking::TrackingParams;
 use geometry::pose::Pose2;
 use nalgebra::Point2;
 use navigation::tangent_graph::Towards;
 use planner_view::limits::Limits;
-use steering::path_tracking::TrackingParams;
 
 use crate::bound::Bound;
 use crate::collision_map::{Body, CollisionMap};

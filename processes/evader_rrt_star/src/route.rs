@@ -1,8 +1,8 @@
 //! Route of the robot: a found path with its length at every point.
 
+use control::path_tracking::Path;
 use geometry::pose::Pose2;
 use nalgebra::Point2;
-use steering::path_tracking::Path;
 
 use crate::motion::Leg;
 use crate::search::Waypoint;

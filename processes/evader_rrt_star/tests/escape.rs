@@ -17,7 +17,7 @@ use nalgebra::Point2;
 use planner_view::limits::Limits;
 use planner_view::map::PlannerMap;
 use planner_view::view::RobotView;
-use sim_backend::team::Role;
+use robot::team::Role;
 use support::{EXIT, POLICE, START};
 
 const V_MAX: f64 = 0.6;

@@ -3,6 +3,7 @@
 use core::ffi::c_char;
 use std::cell::RefCell;
 
+use control::go_to::GoToParams;
 use geometry::math;
 use nalgebra::Point2;
 use navigation::tangent_graph::{PathLeg, TangentGraph};
@@ -10,7 +11,6 @@ use planner_view::limits::Limits;
 use planner_view::map::PlannerMap;
 use rand::RngExt as _;
 use rand_chacha::ChaCha8Rng;
-use steering::go_to::GoToParams;
 
 use crate::abi::{Point, Robot, Steering, Tick, TickFunctions};
 use crate::start_functions::text;
@@ -147,7 +147,7 @@ unsafe extern "C" fn go_to(tick: *const Tick, target: Point, steering: *mut Stee
     };
     let pose = context.own.pose();
     let params = GoToParams::default();
-    let command = steering::go_to::go_to(
+    let command = control::go_to::go_to(
         &pose,
         target.into(),
         None,

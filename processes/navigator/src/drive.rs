@@ -1,8 +1,8 @@
 //! Limits of the robot's drive, applied to commands.
 
 use geometry::pose::Twist2;
-use sim_backend::robot::limit;
-use sim_backend::spec::RobotModel;
+use robot::drive::limit;
+use robot::spec::RobotModel;
 
 /// The drive of a robot.
 #[derive(Debug, Clone, Copy, PartialEq)]

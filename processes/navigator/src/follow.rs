@@ -5,8 +5,8 @@
 //! not catch up with a reference at full speed; the reference must brake to stop before an
 //! obstacle; it accelerates again.
 
+use control::go_to::coast;
 use geometry::pose::{Pose2, Twist2};
-use steering::go_to::coast;
 
 use crate::drive::Drive;
 use crate::tracking::{self, K_X};
@@ -214,7 +214,7 @@ pub fn stop(drive: &Drive, motion: &mut Motion, dt: f64) {
 
 #[cfg(test)]
 mod tests {
-    use sim_backend::spec::RobotModel;
+    use robot::spec::RobotModel;
 
     use super::*;
     use crate::trajectory::Sample;

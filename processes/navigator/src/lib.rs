@@ -9,14 +9,14 @@ pub mod excerpt;
 pub mod follow;
 pub mod navigator;
 pub mod params;
+mod plan_failure;
 pub mod process;
 pub mod tracking;
 pub mod traffic;
 pub mod trajectory;
-pub mod trajectory_request;
 pub mod wire;
 
 pub use navigator::{Decision, Navigator, NavigatorError};
 pub use params::NavigatorParams;
+pub use plan_failure::PlanFailure;
 pub use trajectory::{Trajectory, TrajectoryError};
-pub use trajectory_request::{PlanFailure, TrajectoryRequest};

@@ -3,32 +3,7 @@
 use parameters::{Parameters, ParamsError, above, at_least, between, each, require, unit, within};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-
-/// Method of the optimiser.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum Method {
-    /// The path is a B-spline.
-    #[default]
-    Bspline,
-    /// The path pursues a virtual prey on a B-spline.
-    Lp,
-    /// The path hides before a virtual prey on a B-spline.
-    Vmc,
-    /// The exact shortest path.
-    Tangent,
-}
-
-/// Initial path of the optimiser.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum Guess {
-    /// The exact shortest path.
-    #[default]
-    Tangent,
-    /// The wavefront on a grid.
-    Wavefront,
-}
+use trajectory_problem::{Guess, Method};
 
 /// Reaction of a robot to an obstacle that appears on its path.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]

@@ -18,7 +18,7 @@ use runtime::service_client::ServiceClient;
 
 use crate::navigator::Navigator;
 use crate::params::NavigatorParams;
-use crate::trajectory_request::PlanFailure;
+use crate::plan_failure::PlanFailure;
 use crate::wire;
 
 /// Process of one robot.
@@ -27,6 +27,8 @@ pub struct NavigatorPlanner {
     navigator: Navigator,
     params: NavigatorParams,
     name: String,
+    /// Distance between the wheels (m).
+    wheel_separation: f64,
     link: Option<Link>,
     failure: Option<ProcessError>,
 }
@@ -79,6 +81,7 @@ impl Planner for NavigatorPlanner {
             navigator,
             params: params.clone(),
             name: robot.name.clone(),
+            wheel_separation: robot.model.wheel_separation,
             link: None,
             failure: None,
         })
@@ -180,8 +183,15 @@ impl NavigatorPlanner {
             };
             let deadline_ns = link.deadline_ns(self.params.planning_time_s);
             let plan = &self.params.plan;
-            let (header, points) =
-                wire::encode(ask, plan, link.robot, link.last, deadline_ns, stamp);
+            let (header, points) = wire::encode(
+                ask,
+                plan,
+                self.wheel_separation,
+                link.robot,
+                link.last,
+                deadline_ns,
+                stamp,
+            );
             link.client.ask(header, &points)?;
         }
         Ok(Steering {

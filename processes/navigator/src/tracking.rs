@@ -60,7 +60,7 @@ pub fn error(pose: &Pose2, reference: &Pose2) -> Pose2 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use steering::go_to::coast;
+    use control::go_to::coast;
 
     #[test]
     fn errors_vanish_along_a_straight_line_and_a_circle() {

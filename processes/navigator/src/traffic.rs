@@ -8,7 +8,7 @@
 use nalgebra::Point2;
 use passing::Spacing;
 use planner_view::view::View;
-use sim_backend::spec::RobotModel;
+use robot::spec::RobotModel;
 
 use crate::drive::Drive;
 use crate::follow::STANDING;
@@ -169,7 +169,7 @@ impl Traffic {
 mod tests {
     use geometry::pose::{Pose2, Twist2};
     use planner_view::view::RobotView;
-    use sim_backend::team::Role;
+    use robot::team::Role;
 
     use super::*;
     use crate::trajectory::Sample;

@@ -1,9 +1,9 @@
 //! Trajectory from an answer of the optimiser.
 
+use control::go_to::coast;
 use geometry::pose::{Pose2, Twist2};
 use nalgebra::Point2;
 use planner_view::free_space::FreeSpace;
-use steering::go_to::coast;
 use thiserror::Error;
 
 /// Maximum length of a piece of the path that counts as straight (m), and its maximum bend (rad).

@@ -5,15 +5,18 @@ use ipc_types::messages::optimiser::{PlanRequest, PlanResponse, TrajectorySample
 use ipc_types::messages::world::ShapePoint;
 use ipc_types::stamp::Stamp;
 use runtime::shapes;
+use trajectory_problem::Problem;
 
-use crate::params::{Guess, Method, PlanningParams};
+use crate::params::PlanningParams;
+use crate::plan_failure::PlanFailure;
 use crate::trajectory::{Sample, Trajectory};
-use crate::trajectory_request::{PlanFailure, TrajectoryRequest};
 
-/// Encodes a request; `last` as in [`PlanRequest::last`].
+/// Encodes a request; `last` as in [`PlanRequest::last`], the distance between the wheels (m) also of a robot whose wheels
+/// limit nothing.
 pub fn encode(
-    ask: &TrajectoryRequest,
+    ask: &Problem,
     params: &PlanningParams,
+    wheel_separation: f64,
     robot: u32,
     last: u64,
     deadline_ns: u64,
@@ -21,7 +24,7 @@ pub fn encode(
 ) -> (PlanRequest, Vec<ShapePoint>) {
     let unlimited = |limit: Option<f64>| limit.unwrap_or(f64::INFINITY);
     let free = |value: Option<f64>| value.unwrap_or(f64::NAN);
-    let model = &ask.model;
+    let limits = &ask.limits;
     let [reference_x, reference_y] = params.reference_point.unwrap_or([f64::NAN; 2]);
     let header = PlanRequest {
         stamp,
@@ -32,15 +35,15 @@ pub fn encode(
         start_omega: free(ask.start_turn_rate),
         goal_x: ask.goal.x,
         goal_y: ask.goal.y,
-        goal_theta: f64::NAN,
+        goal_theta: free(ask.goal_heading),
         goal_v: free(ask.goal_speed),
-        v_max: model.v_max,
-        v_min: 0.0 - model.v_reverse_max,
-        omega_max: model.omega_max,
-        acceleration_max: unlimited(model.acceleration),
-        angular_acceleration_max: unlimited(model.angular_acceleration),
-        wheel_speed_max: unlimited(model.wheel_speed_max),
-        wheel_separation: model.wheel_separation,
+        v_max: limits.v_max,
+        v_min: limits.v_min,
+        omega_max: limits.omega_max,
+        acceleration_max: unlimited(limits.acceleration),
+        angular_acceleration_max: unlimited(limits.angular_acceleration),
+        wheel_speed_max: unlimited(limits.wheels.map(|wheels| wheels.speed)),
+        wheel_separation,
         clearance: ask.clearance,
         start_tolerance: ask.start_tolerance,
         bounds: [
@@ -54,16 +57,8 @@ pub fn encode(
         deadline_ns,
         last,
         robot,
-        method: match params.method {
-            Method::Bspline => PlanRequest::BSPLINE,
-            Method::Lp => PlanRequest::LOCAL_PURSUIT,
-            Method::Vmc => PlanRequest::MOTION_CAMOUFLAGE,
-            Method::Tangent => PlanRequest::TANGENT,
-        },
-        guess: match params.guess {
-            Guess::Tangent => PlanRequest::GUESS_TANGENT,
-            Guess::Wavefront => PlanRequest::GUESS_WAVEFRONT,
-        },
+        method: params.method.code(),
+        guess: params.guess.code(),
         degree: params.degree.unwrap_or(0),
         control_points: params.control_points.unwrap_or(0),
         nodes: params.nodes.unwrap_or(0),

@@ -4,6 +4,7 @@
 
 use core::time::Duration;
 
+use control::go_to::coast;
 use geometry::map::{MapSpec, VectorMap};
 use geometry::pose::{Pose2, Twist2};
 use navigator::Trajectory;
@@ -11,10 +12,10 @@ use navigator::drive::Drive;
 use navigator::follow::{Follow, Motion, Stops};
 use navigator::trajectory::Sample;
 use proptest::prelude::*;
-use sim_backend::spec::{ActuatorSpec, LimitsSpec, RobotSpec, RulesSpec, WorldSpec};
-use sim_backend::team::Role;
+use robot::spec::{ActuatorSpec, LimitsSpec, RobotSpec};
+use robot::team::Role;
+use sim_backend::spec::{RulesSpec, WorldSpec};
 use sim_backend::world::World;
-use steering::go_to::coast;
 
 const DT: Duration = Duration::from_millis(50);
 

@@ -19,14 +19,13 @@ use nalgebra::{Point2, Vector2};
 use navigator::drive::Drive;
 use navigator::params::AtPopup;
 use navigator::trajectory::Sample;
-use navigator::{
-    Navigator, NavigatorError, NavigatorParams, PlanFailure, Trajectory, TrajectoryRequest,
-};
+use navigator::{Navigator, NavigatorError, NavigatorParams, PlanFailure, Trajectory};
 use parameters::check;
 use planner_view::map::PlannerMap;
 use planner_view::view::{RobotView, View};
-use sim_backend::spec::RobotModel;
-use sim_backend::team::Role;
+use robot::spec::RobotModel;
+use robot::team::Role;
+use trajectory_problem::Problem;
 
 const DT: f64 = 0.05;
 
@@ -37,9 +36,9 @@ struct Rig {
     pose: Pose2,
     twist: Twist2,
     tick: u32,
-    asked: Option<TrajectoryRequest>,
+    asked: Option<Problem>,
     /// All requests, with their times (s).
-    asks: Vec<(f64, TrajectoryRequest)>,
+    asks: Vec<(f64, Problem)>,
     /// Answer instead of a straight line.
     refusal: Option<PlanFailure>,
     /// Number of ticks by which every answer is late.
@@ -66,21 +65,21 @@ fn map(discs: &[(f64, f64, f64)], revision: u64) -> PlannerMap {
 
 /// Turn on the spot, straight ahead at full speed; or backwards, if that takes less turning and is
 /// allowed.
-fn straight(ask: &TrajectoryRequest) -> Trajectory {
+fn straight(ask: &Problem) -> Trajectory {
     let way: Vector2<f64> = ask.goal - ask.start.position();
     let heading = math::atan2(way.y, way.x);
     let forwards = math::angle_difference(heading, ask.start.theta);
-    if ask.model.v_reverse_max > 0.0 && forwards.abs() > FRAC_PI_2 {
+    if ask.limits.v_min < 0.0 && forwards.abs() > FRAC_PI_2 {
         let turn = math::angle_difference(heading + PI, ask.start.theta);
-        return leg(ask, turn, -ask.model.v_reverse_max);
+        return leg(ask, turn, ask.limits.v_min);
     }
-    leg(ask, forwards, ask.model.v_max)
+    leg(ask, forwards, ask.limits.v_max)
 }
 
 /// Turn on the spot by an angle (rad), then straight to the goal at a speed (m/s).
-fn leg(ask: &TrajectoryRequest, turn: f64, v: f64) -> Trajectory {
+fn leg(ask: &Problem, turn: f64, v: f64) -> Trajectory {
     let way: Vector2<f64> = ask.goal - ask.start.position();
-    let omega = turn.signum() * ask.model.omega_max;
+    let omega = turn.signum() * ask.limits.omega_max;
     let (turned, there) = (turn / omega, turn / omega + way.norm() / v.abs());
     let sample = |t: f64, at: Point2<f64>, theta: f64, v: f64, omega: f64| Sample {
         t,
@@ -168,7 +167,7 @@ impl Rig {
         }
         let drive = Drive::new(RobotModel::turtlebot3_burger());
         self.twist = drive.execute(self.twist, decision.command, DT);
-        self.pose = steering::go_to::coast(&self.pose, self.twist, DT);
+        self.pose = control::go_to::coast(&self.pose, self.twist, DT);
         self.tick += 1;
     }
 
@@ -225,7 +224,7 @@ fn plans_may_drive_backwards_if_the_parameters_allow_it() {
             assert!(rig.tick < 1000, "{:?}", rig.pose);
         }
         assert!(rig.distance(0.6, 1.0) < 0.03, "{:?}", rig.pose);
-        let reverse = rig.asks[0].1.model.v_reverse_max;
+        let reverse = -rig.asks[0].1.limits.v_min;
         if backwards {
             assert_eq!(reverse, 0.22);
             assert!((back - 1.4).abs() < 0.05 && (ahead - 1.0).abs() < 0.05);

@@ -9,12 +9,14 @@ use ipc_types::topics::Predictions;
 use metrics::prediction::View;
 use nalgebra::Point2;
 use rand_chacha::ChaCha8Rng;
+use robot::spec::RobotSpec;
 use runtime::declaration::{Declaration, Input, Output};
 use runtime::grids::{blurred_map, map_grids};
 use runtime::inputs::{MapInput, ShapesInput, StateInput, reply_stamp};
 use runtime::kind::ViewSpec;
+use runtime::maps::Maps;
 use runtime::{Clock, Process, ProcessConfig, ProcessError, ProcessKind, RobotInfo};
-use sim_backend::spec::RobotSpec;
+use std::sync::Arc;
 use tracking::particle_filter::MotionLimits;
 use tracking::space::Space;
 
@@ -163,6 +165,10 @@ fn divides_the_map(params: &ObserverParams) -> bool {
 }
 
 impl Process for ObserverProcess {
+    fn share_maps(&mut self, maps: &Arc<Maps>) {
+        self.map.share(maps);
+    }
+
     fn connect(&mut self) -> Result<(), ProcessError> {
         self.state.connect()?;
         self.map.connect()?;

@@ -140,12 +140,7 @@ fn popup(method: Method) -> (PlanRequest, Vec<ShapePoint>) {
         bounds: [0.11, 0.11, 4.69, 3.49],
         reference_x: f64::NAN,
         reference_y: f64::NAN,
-        method: match method {
-            Method::Bspline => PlanRequest::BSPLINE,
-            Method::Lp => PlanRequest::LOCAL_PURSUIT,
-            Method::Vmc => PlanRequest::MOTION_CAMOUFLAGE,
-            Method::Tangent => PlanRequest::TANGENT,
-        },
+        method: method.code(),
         shapes: discs.len() as u32,
         ..PlanRequest::default()
     };

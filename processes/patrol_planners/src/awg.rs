@@ -5,6 +5,7 @@ mod params;
 use parameters::check;
 use std::collections::VecDeque;
 
+use avoidance::waypoint_driver::{Situation, WaypointDriver};
 use chaotic_maps::AnySource;
 use nalgebra::Vector2;
 use patrol::awg::Laps;
@@ -13,8 +14,7 @@ use planner_view::map::PlannerMap;
 use planner_view::steering::Steering;
 use planner_view::view::View;
 use planner_view::waypoint::{Waypoint, WaypointReport};
-use sim_backend::spec::RobotModel;
-use steering::waypoint_driver::{Situation, WaypointDriver};
+use robot::spec::RobotModel;
 
 use crate::PatrolError;
 use crate::check::fitted;

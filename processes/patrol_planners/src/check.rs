@@ -1,5 +1,6 @@
 //! Check that a robot can patrol a contour on a map, and remarks about the patrol.
 
+use avoidance::waypoint_driver::DriverParams;
 use geometry::map::ShapeMap;
 use nalgebra::Point2;
 use patrol::mission::{Drive, Mission, MissionParams};
@@ -7,7 +8,6 @@ use patrol::remarks;
 use patrol::room::Room;
 use planner_view::map::PlannerMap;
 use runtime::kind::{Remark, Task, TaskFault};
-use steering::waypoint_driver::DriverParams;
 
 /// Checks the contour against the map, and the order against the robot; `seed` is the planner's.
 pub(crate) fn check_task(

@@ -6,6 +6,7 @@ mod params;
 use parameters::{check, within};
 use std::collections::VecDeque;
 
+use avoidance::waypoint_driver::{Situation, WaypointDriver};
 use chaotic_maps::AnySource;
 use nalgebra::{Point2, Vector2};
 use patrol::awg::{Awg, Laps};
@@ -17,8 +18,7 @@ use planner_view::map::PlannerMap;
 use planner_view::steering::Steering;
 use planner_view::view::View;
 use planner_view::waypoint::{Waypoint, WaypointKind, WaypointReport};
-use sim_backend::spec::RobotModel;
-use steering::waypoint_driver::{Situation, WaypointDriver};
+use robot::spec::RobotModel;
 
 use crate::PatrolError;
 use crate::check::fitted;

@@ -7,9 +7,9 @@ use planner_view::map::PlannerMap;
 use planner_view::steering::Steering;
 use planner_view::view::View;
 use planner_view::waypoint::WaypointReport;
+use robot::spec::RobotSpec;
 use runtime::config::RobotInfo;
 use runtime::kind::{Remark, Task, TaskFault, TaskSketch};
-use sim_backend::spec::RobotSpec;
 
 use crate::check::{Waypoints, check_task, task_remarks};
 use crate::{PatrolAwg, PatrolAwgParams, PatrolFto, PatrolFtoParams};

@@ -8,13 +8,15 @@ use ipc_types::messages::perception::{BeliefHeader, Particle, Sighting};
 use ipc_types::messages::world::WorldEvent;
 use ipc_types::stamp::{PlainHeader, Stamp};
 use ipc_types::topics::{Belief, Sightings};
+use robot::spec::RobotSpec;
+use robot::team::Role;
 use runtime::declaration::{Declaration, Input, Output, When};
 use runtime::grids::{blurred_map, map_grids};
 use runtime::inputs::{MapInput, StateInput, reply_stamp};
 use runtime::kind::ViewSpec;
+use runtime::maps::Maps;
 use runtime::{Clock, Process, ProcessConfig, ProcessError, ProcessKind};
-use sim_backend::spec::RobotSpec;
-use sim_backend::team::Role;
+use std::sync::Arc;
 
 use tracking::params::PerceptionParams;
 use tracking::particle_filter::MotionLimits;
@@ -128,6 +130,10 @@ impl ProcessKind for PerceptionProcess {
 }
 
 impl Process for PerceptionProcess {
+    fn share_maps(&mut self, maps: &Arc<Maps>) {
+        self.map.share(maps);
+    }
+
     fn connect(&mut self) -> Result<(), ProcessError> {
         self.state.connect()?;
         self.map.connect()?;

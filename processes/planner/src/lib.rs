@@ -32,4 +32,4 @@ pub use runtime::config::RobotInfo;
 pub use runtime::declaration::{Declaration, Input, Output};
 
 // What planners outside the workspace use, so that they depend on this crate alone.
-pub use {geometry, nalgebra, parameters, planner_view, runtime, steering};
+pub use {avoidance, control, geometry, nalgebra, parameters, planner_view, runtime};

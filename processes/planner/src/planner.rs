@@ -13,11 +13,11 @@ use planner_view::steering::Steering;
 use planner_view::view::View;
 use planner_view::waypoint::WaypointReport;
 use rand::Rng as _;
+use robot::spec::RobotSpec;
 use runtime::config::{ProcessConfig, RobotInfo};
 use runtime::declaration::Declaration;
 use runtime::error::ProcessError;
 use runtime::kind::{Remark, Task, TaskFault, TaskSketch};
-use sim_backend::spec::RobotSpec;
 
 use crate::error::PlannerError;
 use crate::outputs::{PlannedPoint, headed_for};

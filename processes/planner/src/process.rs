@@ -11,6 +11,8 @@ use ipc_types::topics::{Commands, Plan, Scan, Tree, Waypoints};
 use nalgebra::Point2;
 use planner_view::map::PlannerMap;
 use planner_view::view::{BeliefView, ParticleView, RobotView, ScanView, View};
+use robot::spec::RobotSpec;
+use robot::team::Team;
 use runtime::config::{Clock, ProcessConfig};
 use runtime::declaration::{Declaration, Flow, Input, Output};
 use runtime::error::ProcessError;
@@ -18,8 +20,7 @@ use runtime::inputs::{
     BeliefInput, Latest, MapInput, ScanInput, ShapesInput, StateInput, reply_stamp,
 };
 use runtime::kind::{Process, ProcessKind, Remark, Task, TaskFault, TaskSketch};
-use sim_backend::spec::RobotSpec;
-use sim_backend::team::Team;
+use runtime::maps::Maps;
 
 use crate::error::PlannerError;
 use crate::maps::planner_map;
@@ -145,6 +146,10 @@ impl<P: Planner> ProcessKind for PlannerProcess<P> {
 }
 
 impl<P: Planner> Process for PlannerProcess<P> {
+    fn share_maps(&mut self, maps: &Arc<Maps>) {
+        self.map_input.share(maps);
+    }
+
     fn connect(&mut self) -> Result<(), ProcessError> {
         self.state.connect()?;
         self.map_input.connect()?;

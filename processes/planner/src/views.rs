@@ -3,9 +3,9 @@
 use geometry::pose::{Pose2, Twist2};
 use ipc_types::messages::world::RobotState;
 use planner_view::view::RobotView;
+use robot::team::Team;
 use runtime::config::RobotInfo;
 use runtime::inputs::StateInput;
-use sim_backend::team::Team;
 
 /// Returns the view of a robot from the world's state.
 fn robot_view(index: usize, state: &RobotState, info: &RobotInfo, team: Team) -> RobotView {

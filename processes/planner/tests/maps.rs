@@ -15,7 +15,7 @@ use runtime::shapes;
 
 const CELLS: usize = 16;
 
-fn bus(maps: &Arc<Maps>) -> Bus {
+fn bus() -> Bus {
     let options = BusOptions {
         size: RunSize {
             robots: 1,
@@ -25,7 +25,7 @@ fn bus(maps: &Arc<Maps>) -> Bus {
         recorder_ticks: 2,
         overflow: false,
     };
-    Bus::local(options, Some(Arc::clone(maps) as _))
+    Bus::local(options)
 }
 
 fn header() -> MapHeader {
@@ -41,7 +41,7 @@ fn header() -> MapHeader {
 #[test]
 fn processes_of_one_thread_make_a_map_once() {
     let maps = Arc::new(Maps::default());
-    let bus = bus(&maps);
+    let bus = bus();
     let map_state = MapState {
         spec: MapSpec::Vector(VectorMap::empty([0.0; 2], [2.0, 2.0], 0.5)),
         changes: Vec::new(),
@@ -60,6 +60,7 @@ fn processes_of_one_thread_make_a_map_once() {
     let mut inputs: Vec<MapInput> = (0..2).map(|_| MapInput::open(&bus).unwrap()).collect();
     sender.send_shared(header, &cells).unwrap();
     for input in &mut inputs {
+        input.share(&maps);
         assert!(input.update().unwrap());
     }
     let made: Vec<_> = inputs

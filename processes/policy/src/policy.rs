@@ -13,7 +13,7 @@ use observation::route_entries::RouteEntries;
 use observation::scene::{Hiding, Scene};
 use planner_view::map::PlannerMap;
 use planner_view::view::View;
-use sim_backend::spec::RobotModel;
+use robot::spec::RobotModel;
 use thiserror::Error;
 
 /// Reason why a policy does not fit its robot.

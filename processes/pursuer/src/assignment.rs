@@ -10,7 +10,7 @@ use nalgebra::Point2;
 use navigation::routes::RouteFinder;
 use planner_view::map::PlannerMap;
 use planner_view::view::{RobotView, View};
-use sim_backend::team::Role;
+use robot::team::Role;
 
 use crate::cut_off::{CutSearch, EvaderState, ExitBlocker, allot};
 use crate::goals::estimate;

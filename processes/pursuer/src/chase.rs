@@ -1,5 +1,9 @@
 //! Controller of one Police robot.
 
+use avoidance::potential_field::{
+    Body, Goal, Perturbation, Repulsor, attraction, compose, obstacle, repulsion,
+};
+use control::feedback_linearisation::command;
 use nalgebra::{Point2, Vector2};
 use navigation::bearing::{Bearings, GoalField};
 use navigation::routes::{MARGIN, RouteFinder};
@@ -8,11 +12,7 @@ use planner_view::limits::Limits;
 use planner_view::map::PlannerMap;
 use planner_view::steering::Steering;
 use planner_view::view::{RobotView, View};
-use sim_backend::team::Role;
-use steering::feedback_linearisation::command;
-use steering::potential_field::{
-    Body, Goal, Perturbation, Repulsor, attraction, compose, obstacle, repulsion,
-};
+use robot::team::Role;
 
 use crate::assignment::{Assigner, Order};
 use crate::goals::{Hypothesis, estimate, goals, hypotheses};

@@ -2,13 +2,13 @@
 
 use std::collections::BTreeMap;
 
+use avoidance::potential_field::Goal;
 use geometry::math;
 use geometry::pose::Pose2;
 use nalgebra::Point2;
 use parameters::Fidelity;
 use planner_view::map::PlannerMap;
 use planner_view::view::{BeliefView, View};
-use steering::potential_field::Goal;
 
 use crate::params::{BeliefGoals, Knowledge};
 

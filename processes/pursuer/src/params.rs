@@ -1,11 +1,11 @@
 //! Parameters of a pursuer.
 
+use avoidance::potential_field::{ObstacleParams, PerturbationParams, RepulsionParams};
+use control::feedback_linearisation::FeedbackParams;
 use navigation::bearing::GoalField;
 use parameters::{Fidelity, Parameters, above, at_least};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use steering::feedback_linearisation::FeedbackParams;
-use steering::potential_field::{ObstacleParams, PerturbationParams, RepulsionParams};
 
 /// Source of information on the opponents.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]

@@ -10,10 +10,11 @@ use navigation::dominance::{Cell, Owner};
 use planner::{planner_map, robot_views, teams};
 use planner_view::map::PlannerMap;
 use planner_view::view::RobotView;
+use robot::team::{Role, Team};
 use runtime::declaration::{Declaration, Input, Output};
 use runtime::inputs::{MapInput, StateInput, reply_stamp};
+use runtime::maps::Maps;
 use runtime::{Clock, Process, ProcessConfig, ProcessError, ProcessKind};
-use sim_backend::team::{Role, Team};
 
 use crate::params::RefereeParams;
 use crate::referee::{Game, Judgement, Referee};
@@ -114,6 +115,10 @@ impl ProcessKind for RefereeProcess {
 }
 
 impl Process for RefereeProcess {
+    fn share_maps(&mut self, maps: &Arc<Maps>) {
+        self.map_input.share(maps);
+    }
+
     fn connect(&mut self) -> Result<(), ProcessError> {
         self.state.connect()?;
         self.map_input.connect()?;

@@ -4,9 +4,9 @@ use geometry::region::Region;
 use navigation::dominance::{Arena, Cell, Dominance, Runner, Verdict};
 use planner_view::map::PlannerMap;
 use planner_view::view::RobotView;
-use sim_backend::spec::RobotModel;
-use sim_backend::team::{Role, Team};
-use steering::escape::{self, Robot};
+use pursuit_evasion::escape::{self, Robot};
+use robot::spec::RobotModel;
+use robot::team::{Role, Team};
 
 use crate::RefereeParams;
 

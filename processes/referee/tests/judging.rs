@@ -11,8 +11,8 @@ use navigation::dominance::Owner;
 use planner_view::view::RobotView;
 use proptest::prelude::*;
 use referee::{Game, Referee, RefereeParams};
-use sim_backend::spec::{Preset, RobotModel};
-use sim_backend::team::{Role, Team};
+use robot::spec::{Preset, RobotModel};
+use robot::team::{Role, Team};
 use support::{Arena, EXIT};
 
 fn robot(index: usize, role: Role, x: f64, y: f64) -> RobotView {

@@ -8,11 +8,11 @@ use geometry::pose::Pose2;
 use geometry::region::Region;
 use ipc_types::bus::{BusError, BusOptions, RunSpace};
 use ipc_types::topics::RunSize;
+use robot::spec::RobotModel;
+pub use robot::team::Role;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use serde_json::Value as Json;
-use sim_backend::spec::RobotModel;
-pub use sim_backend::team::Role;
 
 use crate::declaration::Flow;
 

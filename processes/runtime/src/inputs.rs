@@ -145,9 +145,14 @@ impl MapInput {
             subscriber: bus.subscriber()?,
             header: MapHeader::default(),
             newest: None,
-            maps: bus.commons(),
+            maps: None,
             rejected: 0,
         })
+    }
+
+    /// Shares maps with the other processes of this thread; call it before the first map.
+    pub fn share(&mut self, maps: &Arc<Maps>) {
+        self.maps = Some(Arc::clone(maps));
     }
 
     /// Connects to the simulator.

@@ -2,21 +2,29 @@
 
 use core::fmt;
 use parameters::Parameters;
+use std::sync::Arc;
 
 use geometry::map::{MapSpec, WorldMap};
 use geometry::shape::Shape;
 use geometry::visibility::polygon::SightLimits;
 use ipc_types::bus::Bus;
 use ipc_types::topics::{Scan, WorldShapes};
+use robot::spec::RobotSpec;
 use serde::{Deserialize, Serialize};
-use sim_backend::spec::RobotSpec;
 
 use crate::config::{ProcessConfig, RobotInfo};
 use crate::declaration::{Declaration, Flow};
 use crate::error::ProcessError;
+use crate::maps::Maps;
 
 /// Process connected to its topics, as the loop of a run drives it.
 pub trait Process {
+    /// Shares the data of maps with the other processes of a thread. Called before [`Self::connect`], and not in a run
+    /// with processes.
+    fn share_maps(&mut self, maps: &Arc<Maps>) {
+        let _ = maps;
+    }
+
     /// Connects every port. All processes have opened theirs by then.
     ///
     /// # Errors

@@ -1,8 +1,8 @@
 //! Maps that the processes of one thread share. In a run with processes each process builds its own
 //! data of a map; runs in one process build it once for all robots and runs.
 //!
-//! The cache lies on the bus, see [`Bus::commons`](ipc_types::bus::Bus::commons); there is none
-//! between processes. All its values are functions of the map state's description and of the
+//! The runner of a thread hands its processes the cache ([`Process::share_maps`](crate::kind::Process::share_maps));
+//! there is none between processes. All its values are functions of the map state's description and of the
 //! obstacle changes since. It therefore does not matter which run made them.
 
 use std::any::Any;

@@ -9,9 +9,10 @@ use std::collections::BTreeMap;
 
 use geometry::map::{ObstacleChange, ObstacleId};
 use nalgebra::Point2;
+use robot::spec::RobotSpec;
 use serde::{Deserialize, Serialize};
 use sim_backend::robot::Robot;
-use sim_backend::spec::{Condition, RobotSpec};
+use sim_backend::spec::Condition;
 
 /// Condition at which a change is due.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -172,8 +173,8 @@ mod tests {
     use geometry::map::{MapSpec, VectorMap};
     use geometry::pose::Pose2;
     use geometry::shape::Shape;
+    use robot::team::Role;
     use sim_backend::spec::{RulesSpec, WorldSpec};
-    use sim_backend::team::Role;
     use sim_backend::world::World;
 
     use super::*;

@@ -34,7 +34,7 @@ use crate::params::SimulatorParams;
 pub fn run(config: &Path) -> ExitCode {
     runtime::run_with(config, Vec::new(), |config, params: &SimulatorParams| {
         let mut setup = Setup::new(config)?;
-        let mut simulator = Simulator::open(config, params, &setup.bus)?;
+        let mut simulator = Simulator::open(config, params, &setup.bus, None)?;
         let member = setup.member(config);
         member.set_state(SlotState::Ready);
         let stop = Arc::clone(&setup.stop);
@@ -122,7 +122,7 @@ pub struct Simulator {
 }
 
 impl Simulator {
-    /// Builds the world and opens its topics.
+    /// Builds the world and opens its topics; `maps` are those that the processes of a thread share.
     ///
     /// # Errors
     /// [`ProcessError`] if the parameters are invalid, or a topic cannot be opened.
@@ -130,10 +130,10 @@ impl Simulator {
         config: &ProcessConfig,
         params: &SimulatorParams,
         bus: &Bus,
+        maps: Option<Arc<Maps>>,
     ) -> Result<Self, ProcessError> {
         let world =
             World::new(params.world.clone()).map_err(|e| refused(config, &e.to_string()))?;
-        let maps: Option<Arc<Maps>> = bus.commons();
         let shared = maps.map(|maps| {
             let map_state = MapState {
                 spec: params.world.map.clone(),

@@ -1,12 +1,12 @@
 //! Potential fields and feedback linearisation.
 
+use avoidance::potential_field::{self, Goal, RepulsionParams, Repulsor};
+use control::feedback_linearisation::{self, FeedbackParams};
 use nalgebra::{Point2, Vector2};
 use navigation::bearing::Bearings;
 use parameters::Fidelity;
 use planner_view::limits::Limits;
 use pyo3::prelude::*;
-use steering::feedback_linearisation::{self, FeedbackParams};
-use steering::potential_field::{self, Goal, RepulsionParams, Repulsor};
 
 use crate::arguments::{self, invalid, scalar};
 use crate::interruptible::each;

@@ -2,13 +2,13 @@
 
 use std::sync::{Mutex, PoisonError};
 
+use avoidance::tangent_bug::{self, Advice, Mode};
+use control::path_tracking::{self, Path, TrackingParams};
 use numpy::PyArray1;
 use planner_view::limits::Limits;
 use planner_view::view::ScanView;
 use pyo3::prelude::*;
-use sim_backend::spec::MAX_BEAMS;
-use steering::path_tracking::{self, Path, TrackingParams};
-use steering::tangent_bug::{self, Advice, Mode};
+use robot::spec::MAX_BEAMS;
 
 use crate::arguments::{self, invalid, refused, scalar};
 

@@ -1,10 +1,9 @@
 //! Steering of differential-drive robots.
 
+use control::go_to::GoToParams;
 use geometry::pose::{Pose2, Twist2};
 use planner_view::limits::Limits;
 use pyo3::prelude::*;
-use steering::go_along::go_along;
-use steering::go_to::GoToParams;
 
 use crate::arguments::{self, Target, invalid, positive, scalar};
 
@@ -17,8 +16,23 @@ pub fn drive(
     dt: f64,
 ) -> Twist2 {
     match target {
-        Target::Point(point) => steering::go_to::go_to(pose, *point, None, limits, params, dt),
-        Target::Path(path) => go_along(pose, path, limits, params, dt),
+        Target::Point(point) => control::go_to::go_to(pose, *point, None, limits, params, dt),
+        Target::Path(path) => {
+            let here = pose.position();
+            let Some((progress, _)) = path.project(here, 0.0, path.length()) else {
+                return Twist2::STOP;
+            };
+            // The first corner ahead that the robot has not reached; near the end, the end.
+            let corners = path.points().iter().zip(path.along());
+            let mut ahead = corners
+                .filter(|(_, along)| **along > progress)
+                .map(|(corner, _)| *corner)
+                .skip_while(|corner| (corner - here).norm() <= params.arrived);
+            let next = ahead.next().or_else(|| path.points().last().copied());
+            next.map_or(Twist2::STOP, |corner| {
+                control::go_to::go_to(pose, corner, ahead.next(), limits, params, dt)
+            })
+        }
     }
 }
 

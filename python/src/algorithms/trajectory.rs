@@ -9,9 +9,8 @@ use std::sync::atomic::AtomicBool;
 
 use ::plan::field::{counter_clockwise, read_instance};
 use ::plan::loose::Loose;
-use ::plan::options::PlanOptions;
-use ::trajectory::problem::{MIN_CLEARANCE, START_TOLERANCE};
 use ::trajectory::{Method, Options, PlanError, Problem, RobotLimits, Sample, Wheels};
+use ::trajectory_problem::problem::{MIN_CLEARANCE, START_TOLERANCE};
 use geometry::shape::{Aabb, Convex};
 use nalgebra::Point2;
 use numpy::{PyArray1, PyArray2};
@@ -292,7 +291,7 @@ pub fn plan_instance(
     instance: &Bound<'_, PyAny>,
     options: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Trajectory> {
-    let options: PlanOptions = arguments::params(options)?;
+    let options: Options = arguments::params(options)?;
     let text = arguments::json("instance", instance)?;
     let fields: Loose = serde_json::from_str(&text)
         .map_err(|error| InvalidInput::new_err(format!("instance: {error}")))?;

@@ -1,5 +1,6 @@
 //! A robot as a planner in Python sees it.
 
+use control::go_to::GoToParams;
 use geometry::pose::{Pose2, Twist2};
 use geometry::region::Region;
 use nalgebra::Point2;
@@ -7,7 +8,6 @@ use numpy::{PyArray1, ToPyArray as _};
 use planner::{Limits, RobotInfo};
 use planner_view::view::RobotView;
 use pyo3::prelude::*;
-use steering::go_to::GoToParams;
 
 use crate::algorithms::steering::drive;
 use crate::arguments;

@@ -43,9 +43,9 @@ fn share(goal: &Region, start: Point2<f64>, at: Point2<f64>) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::spec::RobotSpec;
-    use crate::team::Role;
     use geometry::pose::Pose2;
+    use robot::spec::RobotSpec;
+    use robot::team::Role;
 
     fn start() -> Pose2 {
         Pose2::new(1.0, 1.0, 0.0)

@@ -1,8 +1,7 @@
-//! Robots: their state, and the conversion of commands to motion.
+//! Robots: their state, conditions on it, and imperfections of their drives.
 
 mod condition;
-pub(crate) mod drive;
+pub(crate) mod imperfection;
 mod state;
 
-pub use drive::{integrate, limit};
 pub use state::{ContactCounts, Robot, RobotStatus};

@@ -6,8 +6,8 @@ use geometry::pose::{Pose2, Twist2};
 use geometry::region::Region;
 use serde::{Deserialize, Serialize};
 
-use crate::spec::{RobotModel, RobotSpec};
-use crate::team::Team;
+use robot::spec::{RobotModel, RobotSpec};
+use robot::team::Team;
 
 /// Status of a robot in the game.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]

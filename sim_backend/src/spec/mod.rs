@@ -5,17 +5,14 @@
 
 mod condition;
 mod coverage;
-mod robot;
 mod rules;
-mod sensor;
 
 pub use condition::Condition;
 pub use coverage::CoverageSpec;
-pub use robot::{ActuatorSpec, LimitsSpec, Preset, RobotModel, RobotSpec};
 pub use rules::{Blocked, CaptureSpec, OutOfPlay, RulesSpec};
-pub use sensor::{MAX_BEAMS, OdometrySpec, ScanSpec};
 
 use geometry::map::MapSpec;
+use robot::spec::RobotSpec;
 use serde::{Deserialize, Serialize};
 
 /// All inputs of [`World::new`](crate::world::World::new).

@@ -25,10 +25,10 @@ use motion::Motion;
 use standstill::Rest;
 
 use crate::random::Stream;
-use crate::robot::{Robot, drive};
-use crate::spec::{
-    ActuatorSpec, OdometrySpec, OutOfPlay, RobotSpec, RulesSpec, ScanSpec, WorldSpec,
-};
+use crate::robot::{Robot, imperfection};
+use crate::spec::{OutOfPlay, RulesSpec, WorldSpec};
+use robot::drive;
+use robot::spec::{ActuatorSpec, OdometrySpec, RobotSpec, ScanSpec};
 
 /// Maximum number of robots in one world.
 pub const MAX_ROBOTS: usize = 1024;
@@ -39,8 +39,9 @@ pub const MAX_ROBOTS: usize = 1024;
 /// # use core::time::Duration;
 /// # use geometry::map::{MapSpec, VectorMap};
 /// # use geometry::pose::{Pose2, Twist2};
-/// # use sim_backend::spec::{RobotSpec, RulesSpec, WorldSpec};
-/// # use sim_backend::team::Role;
+/// # use robot::spec::RobotSpec;
+/// # use sim_backend::spec::{RulesSpec, WorldSpec};
+/// # use robot::team::Role;
 /// # use sim_backend::world::World;
 /// let mut world = World::new(WorldSpec {
 ///     map: MapSpec::Vector(VectorMap::empty([0.0, 0.0], [4.0, 3.0], 0.05)),
@@ -238,7 +239,7 @@ impl World {
             if let Some(actuator) = &extra.actuator {
                 let stream = stream_number(i, Purpose::Actuator);
                 let mut noise = Stream::new(self.seed, stream, self.tick);
-                twist = drive::perturb(&robot.model, actuator, twist, &mut noise);
+                twist = imperfection::perturb(&robot.model, actuator, twist, &mut noise);
             }
             self.twists[i] = twist;
             if first_invalid {

@@ -17,8 +17,8 @@ use nalgebra::{Point2, Vector2};
 
 use super::impact::{Mover, TOUCH, leads_away, slide, sweep, time_to_impact};
 use crate::robot::Robot;
-use crate::robot::drive;
 use crate::spec::Blocked;
+use robot::drive;
 
 /// Maximum distance (m) between an arc and the chords that replace it near contacts.
 const SAGITTA: f64 = 1e-5;

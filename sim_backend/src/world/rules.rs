@@ -4,7 +4,7 @@ use core::time::Duration;
 
 use super::{EventKind, GameOver, World};
 use crate::robot::RobotStatus;
-use crate::team::Role;
+use robot::team::Role;
 
 impl World {
     /// Applies the rules to the poses at the end of a step of length `dt`.

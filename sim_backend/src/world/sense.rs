@@ -7,8 +7,8 @@ use nalgebra::{Point2, Vector2};
 
 use super::{Purpose, World, has_body, stream_number};
 use crate::random::Stream;
-use crate::robot::drive;
-use crate::spec::ScanSpec;
+use robot::drive;
+use robot::spec::ScanSpec;
 
 impl World {
     /// The range scanner of a robot.
@@ -24,8 +24,9 @@ impl World {
     /// ```
     /// # use geometry::map::{MapSpec, VectorMap};
     /// # use geometry::pose::Pose2;
-    /// # use sim_backend::spec::{RobotSpec, RulesSpec, ScanSpec, WorldSpec};
-    /// # use sim_backend::team::Role;
+    /// # use robot::spec::{RobotSpec, ScanSpec};
+    /// # use sim_backend::spec::{RulesSpec, WorldSpec};
+    /// # use robot::team::Role;
     /// # use sim_backend::world::World;
     /// let mut robot = RobotSpec::new("walle", Role::Neutral, Pose2::new(1.0, 1.5, 0.0));
     /// robot.scan = Some(ScanSpec { beams: 1, noise: 0.0, ..ScanSpec::default() });

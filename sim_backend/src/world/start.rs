@@ -6,8 +6,9 @@ use parameters::check;
 
 use super::{MAX_ROBOTS, WorldError};
 use crate::robot::Robot;
-use crate::spec::{RobotSpec, RulesSpec};
-use crate::team::Role;
+use crate::spec::RulesSpec;
+use robot::spec::RobotSpec;
+use robot::team::Role;
 
 /// Checks robots and rules separately.
 pub(super) fn check_specs(robots: &[RobotSpec], rules: &RulesSpec) -> Result<(), WorldError> {

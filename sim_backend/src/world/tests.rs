@@ -11,8 +11,8 @@ use geometry::map::{MapSpec, ObstacleSpec, VectorMap};
 use geometry::shape::Shape;
 
 use super::*;
-use crate::spec::{LimitsSpec, RobotSpec};
-use crate::team::Role;
+use robot::spec::{LimitsSpec, RobotSpec};
+use robot::team::Role;
 
 const TICK: Duration = Duration::from_millis(50);
 

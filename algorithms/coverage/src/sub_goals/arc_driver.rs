@@ -1,21 +1,21 @@
 //! Driver through sub-goals without stops.
 //!
 //! Arcs join the legs (Chebyshev coverage paper, Fig. 9b and c; [`crate::legs`]), and pure pursuit tracks
-//! the path ([`steering::path_tracking`]). A sub-goal whose corner is an arc is passed at the end of the
+//! the path ([`control::path_tracking`]). A sub-goal whose corner is an arc is passed at the end of the
 //! arc; the robot drives to a sub-goal without an arc.
 
 use std::collections::VecDeque;
 
 use crate::goal::Goal;
 use crate::legs::{Piece, Rounder, Rounding, RoundingError};
+use avoidance::waypoint_driver::{Driving, MIN_TIME_S, Situation};
+use control::go_to::distance_to_segment;
+use control::path_tracking::{Path, PathTracker, TrackingParams};
 use geometry::pose::Twist2;
 use geometry::shape::Aabb;
 use nalgebra::Point2;
 use planner_view::limits::Limits;
 use planner_view::waypoint::{WaypointOutcome, WaypointReport};
-use steering::go_to::distance_to_segment;
-use steering::path_tracking::{Path, PathTracker, TrackingParams};
-use steering::waypoint_driver::{Driving, MIN_TIME_S, Situation};
 
 use crate::sub_goals::params::FollowParams;
 

@@ -1,12 +1,12 @@
 //! Parameters that all planners of sub-goals share.
 
 use crate::workplace::MIN_TOLERANCE;
+use avoidance::waypoint_driver::DriverParams;
+use control::go_to::GoToParams;
+use control::path_tracking::TrackingParams;
 use parameters::{Parameters, ParamsError, above, at_least, positive, within};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use steering::go_to::GoToParams;
-use steering::path_tracking::TrackingParams;
-use steering::waypoint_driver::DriverParams;
 
 /// Motion from sub-goal to sub-goal (Chebyshev coverage paper, Fig. 9).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]

@@ -10,7 +10,7 @@
 //! off.
 //!
 //! If an exit is in the set, an evader that turns at once and follows the path exactly escapes by it
-//! whatever the pursuers do, even if they know the path; `steering::escape` takes the drive of a real
+//! whatever the pursuers do, even if they know the path; `pursuit_evasion::escape` takes the drive of a real
 //! evader into account. If no exit is in the set, no path that the evader could choose *now* is
 //! safe; pursuers that do not know which path it takes may still let it through.
 //!

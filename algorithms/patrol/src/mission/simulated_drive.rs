@@ -1,11 +1,11 @@
 //! Laps driven in a simulated drive without obstacles, to measure their times.
 
+use avoidance::waypoint_driver::lap_time;
+use control::go_to::GoToParams;
 use geometry::math;
 use geometry::pose::Pose2;
 use nalgebra::Point2;
 use planner_view::limits::Limits;
-use steering::go_to::GoToParams;
-use steering::waypoint_driver::lap_time;
 
 use super::Drive;
 use crate::alpha::LapTimes;

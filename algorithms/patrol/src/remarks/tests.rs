@@ -1,6 +1,6 @@
+use control::go_to::GoToParams;
 use geometry::shape::Aabb;
 use planner_view::limits::Limits;
-use steering::go_to::GoToParams;
 
 use super::*;
 use crate::awg::Mode;

@@ -1,7 +1,7 @@
+use control::go_to::GoToParams;
 use geometry::map::{ObstacleSpec, VectorMap, WorldMap};
 use geometry::shape::Shape;
 use planner_view::limits::Limits;
-use steering::go_to::GoToParams;
 
 use super::*;
 use crate::awg::Mode;

@@ -12,7 +12,7 @@ use geometry::pose::{Pose2, Twist2};
 use nalgebra::Point2;
 use planner_view::map::PlannerMap;
 use planner_view::view::{RobotView, View};
-use sim_backend::team::Role;
+use robot::team::Role;
 
 /// Radius of the TurtleBot3 Burger's body as a disc (m).
 pub const RADIUS: f64 = 0.105;

@@ -14,8 +14,8 @@ use optimal_control::Search;
 use crate::convex::effort::Effort;
 use crate::course::Course;
 use crate::plan::Sample;
-use crate::problem::Problem;
 use starts::{Coarse, FINER, Starts, formulated};
+use trajectory_problem::Problem;
 
 /// Excess of a coarse solution's duration over the best, relative to it, up to which it is searched
 /// on more stages: few stages make errors of this size.

@@ -1,6 +1,6 @@
 //! Searches from guesses: on few stages, and from there on all.
 
-use optimal_control::{COARSE, Keep, Limits, MAX_STAGES, Node, Search};
+use optimal_control::{COARSE, Keep, MAX_STAGES, Node, Search};
 
 use super::{Optimum, samples};
 use crate::convex::effort::Effort;
@@ -10,7 +10,7 @@ use crate::lower_bound::lower_bound;
 use crate::obstacle_field::ObstacleField;
 use crate::path_points;
 use crate::plan::Sample;
-use crate::problem::Problem;
+use trajectory_problem::Problem;
 
 /// Maximum number of times that obstacles grow.
 const MAX_REPAIRS: u32 = 8;
@@ -147,7 +147,6 @@ pub fn formulated<'a>(
     problem: &Problem,
     obstacle_field: &'a ObstacleField,
 ) -> optimal_control::Problem<'a> {
-    let limits = &problem.limits;
     optimal_control::Problem {
         start: problem.start.position(),
         start_heading: problem.start.theta,
@@ -155,15 +154,7 @@ pub fn formulated<'a>(
         goal: problem.goal,
         goal_heading: problem.goal_heading,
         goal_speed: problem.goal_speed,
-        limits: Limits {
-            v: [limits.v_min, limits.v_max],
-            omega: limits.omega_max,
-            wheels: limits
-                .wheels
-                .map(|wheels| [wheels.speed, wheels.separation]),
-            acceleration: limits.acceleration,
-            angular_acceleration: limits.angular_acceleration,
-        },
+        limits: problem.limits,
         bounds: obstacle_field.bounds,
         obstacles: obstacle_field
             .obstacles

@@ -5,8 +5,8 @@ use nalgebra::Vector2;
 
 use crate::convex::scaling::Scaling;
 use crate::path_points::{self, PathPoint};
-use crate::problem::RobotLimits;
 use curves::{Curve, Trace};
+use trajectory_problem::RobotLimits;
 
 /// Number of points per span at which its curvature is evaluated.
 const CURVATURE_POINTS: usize = 6;

@@ -20,7 +20,7 @@ use crate::guide::Guide;
 use crate::obstacle_field::ExactObstacleField;
 use crate::path_points::{self, PathPoint};
 use crate::plan::PlanError;
-use crate::problem::{Problem, RobotLimits};
+use trajectory_problem::{Problem, RobotLimits};
 
 /// Maximum turn of a robot while its turning rate fades (rad); above it there is no plan.
 const MAX_SPIN: f64 = 100.0;

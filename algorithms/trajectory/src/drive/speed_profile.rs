@@ -8,7 +8,7 @@
 //! be reached; the forward pass takes the largest u within it.
 
 use crate::path_points::PathPoint;
-use crate::problem::RobotLimits;
+use trajectory_problem::RobotLimits;
 
 /// Share of the accelerations that is used: the rest covers errors of the linearisation.
 const SHARE: f64 = 0.9995;

@@ -9,7 +9,7 @@ use nalgebra::Point2;
 use crate::drive::turn_in_place;
 use crate::path_points::PathPoint;
 use crate::plan::Sample;
-use crate::problem::{Problem, RobotLimits};
+use trajectory_problem::{Problem, RobotLimits};
 
 /// Maximum turn (rad) between two samples on the spot.
 const TURN_SPACING: f64 = 0.1;

@@ -1,6 +1,6 @@
 //! Turning on the spot.
 
-use crate::problem::RobotLimits;
+use trajectory_problem::RobotLimits;
 
 /// Phase of a turn: duration and turning rates, changed linearly.
 #[derive(Debug, Clone, Copy, PartialEq)]

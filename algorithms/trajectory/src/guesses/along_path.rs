@@ -10,7 +10,7 @@ use navigation::tangent_graph::PathLeg;
 
 use super::turning_radius;
 use crate::guide::Guide;
-use crate::problem::Problem;
+use trajectory_problem::Problem;
 
 /// Distances from an end of the path at which a word may join it, in turning radii.
 const JOINTS: [f64; 7] = [0.0, 0.5, 1.0, 1.5, 2.0, 3.0, 4.0];

@@ -8,7 +8,7 @@ use navigation::tangent_graph::PathLeg;
 use super::along_path::Along;
 use crate::path_points::MAX_LENGTH;
 use crate::plan::Sample;
-use crate::problem::Problem;
+use trajectory_problem::Problem;
 
 /// Number of stages.
 const STAGES: usize = 256;

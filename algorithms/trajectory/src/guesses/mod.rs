@@ -24,8 +24,8 @@ use navigation::tangent_graph::PathLeg;
 
 use crate::path_points::MAX_LENGTH;
 use crate::plan::Sample;
-use crate::problem::Problem;
 use along_path::{Along, Join};
+use trajectory_problem::Problem;
 
 /// Number of words straight to the goal, of each kind.
 const DIRECT: usize = 3;

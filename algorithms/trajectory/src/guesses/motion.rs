@@ -9,7 +9,7 @@ use crate::drive::speed_profile;
 use crate::drive::trajectory_builder::Trajectory;
 use crate::path_points::{self, PathPoint};
 use crate::plan::Sample;
-use crate::problem::{Problem, RobotLimits};
+use trajectory_problem::{Problem, RobotLimits};
 
 /// The trajectory of motions from the start of a problem. Speeds are those of the limits, except
 /// that the turning rate may step.

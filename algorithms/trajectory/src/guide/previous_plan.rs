@@ -6,7 +6,7 @@ use crate::guide::Guide;
 use crate::obstacle_field::ObstacleField;
 use crate::path_points;
 use crate::plan::{Plan, Sample};
-use crate::problem::Problem;
+use trajectory_problem::Problem;
 
 /// Maximum distance (m) of start and goal from the old plan.
 const NEAR: f64 = 0.05;

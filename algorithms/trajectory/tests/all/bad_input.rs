@@ -127,18 +127,24 @@ fn options_out_of_range_are_refused_by_name() {
                 ..ok
             },
         ),
-        ("nodes", Options { nodes: 0, ..ok }),
         (
             "nodes",
             Options {
-                nodes: 1_000_000,
+                nodes: Some(0),
+                ..ok
+            },
+        ),
+        (
+            "nodes",
+            Options {
+                nodes: Some(1_000_000),
                 ..ok
             },
         ),
         (
             "reference_point",
             Options {
-                reference_point: Some(Point2::new(f64::NAN, 0.0)),
+                reference_point: Some([f64::NAN, 0.0]),
                 ..ok
             },
         ),
@@ -154,7 +160,7 @@ fn options_out_of_range_are_refused_by_name() {
 #[test]
 fn a_reference_point_at_the_start_still_gives_a_plan() {
     let options = Options {
-        reference_point: Some(board().start.position()),
+        reference_point: Some([board().start.x, board().start.y]),
         ..options(Method::Vmc)
     };
     let plan = plan(&cluttered(), &options).unwrap();

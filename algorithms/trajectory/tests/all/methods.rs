@@ -4,8 +4,8 @@ use core::f64::consts::{FRAC_PI_3, TAU};
 
 use geometry::shape::Convex;
 use nalgebra::Point2;
-use trajectory::options::{Constraints, Guess};
 use trajectory::{Method, Options, PlanError, Problem, Status};
+use trajectory_problem::{Constraints, Guess};
 
 use crate::problems::{board, cluttered, disc, faults, motors, options, plan};
 

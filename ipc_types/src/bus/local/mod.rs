@@ -14,7 +14,6 @@ use core::any::Any;
 use core::cell::RefCell;
 use std::collections::BTreeMap;
 use std::rc::Rc;
-use std::sync::Arc;
 
 use channel::Channel;
 pub(super) use endpoint::Endpoint;
@@ -26,24 +25,15 @@ use crate::schema;
 use crate::topics::{Service, Topic};
 
 /// The topics of one run in memory.
+#[derive(Default)]
 pub(super) struct LocalTopics {
     /// Every topic's [`Channel`], by its name.
     channels: RefCell<BTreeMap<&'static str, Rc<dyn Any>>>,
     /// Every service's [`Endpoint`], by its name.
     endpoints: RefCell<BTreeMap<&'static str, Rc<dyn Any>>>,
-    /// State that the processes share besides messages.
-    pub(super) commons: Option<Arc<dyn Any + Send + Sync>>,
 }
 
 impl LocalTopics {
-    pub(super) fn new(commons: Option<Arc<dyn Any + Send + Sync>>) -> Self {
-        Self {
-            channels: RefCell::default(),
-            endpoints: RefCell::default(),
-            commons,
-        }
-    }
-
     /// The channel of a topic, created on the first request.
     pub(super) fn channel<T: Topic>(
         &self,

@@ -15,7 +15,6 @@ mod stepped;
 pub use processes::LocalProcesses;
 pub use stepped::SteppedRun;
 
-use std::any::Any;
 use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
@@ -80,11 +79,6 @@ impl Cache {
     fn digest_prefixes(&self) -> Arc<DigestPrefixes> {
         Arc::clone(&self.digest_prefixes)
     }
-
-    /// Returns the maps as the processes of a run find them on their bus.
-    fn commons(&self) -> Arc<dyn Any + Send + Sync> {
-        Arc::clone(&self.maps) as Arc<dyn Any + Send + Sync>
-    }
 }
 
 /// Runs a scenario to its end in this thread.
@@ -133,7 +127,7 @@ fn execute(
 ) -> Result<MissionReport, MissionError> {
     let start = Instant::now();
     let plan = Plan::new(scenario, Path::new(""), "", "warn")?;
-    let bus = Bus::local(plan.run.bus_options(), Some(options.cache.commons()));
+    let bus = Bus::local(plan.run.bus_options());
     // The recorder's subscriptions must exist before the first message is sent.
     let log = options.out.as_deref().map(|path| LogFile {
         path: Some(path),
@@ -149,7 +143,7 @@ fn execute(
         plan.orchestrator_index(),
         MAX_TEXT_BYTES,
     ))?;
-    let mut processes = LocalRun::open_with(&plan, &options.programs, &bus)?;
+    let mut processes = LocalRun::open_with(&plan, &options.programs, &bus, &options.cache.maps)?;
     processes.connect()?;
     plan.send_obstacle_changes(&obstacles)?;
     for line in remark_lines(&plan, &options.remarks) {

@@ -1,9 +1,11 @@
 //! The processes of a run in one thread.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use ipc_types::bus::Bus;
 use runtime::declaration;
+use runtime::maps::Maps;
 use runtime::{Process, ProcessConfig, ProcessError};
 use scenario::kind::ConfiguredKind;
 use sim_backend::world::World;
@@ -107,21 +109,26 @@ pub(super) struct LocalRun {
 }
 
 impl LocalRun {
-    /// Opens the ports of all processes; `programs` run in the place of those with their names.
+    /// Opens the ports of all processes, which share `maps`; `programs` run in the place of those with their names.
     pub(super) fn open_with(
         plan: &Plan,
         programs: &BTreeMap<String, ConfiguredKind>,
         bus: &Bus,
+        maps: &Arc<Maps>,
     ) -> Result<Self, InProcessError> {
         let Some((leader, params, followers)) = plan.split_simulator() else {
             return Err(InProcessError::NoSimulator);
         };
-        let simulator = Simulator::open(&leader.config, params, bus)
+        let simulator = Simulator::open(&leader.config, params, bus, Some(Arc::clone(maps)))
             .map_err(|source| failed(&leader.config.name, None, source))?;
+        let mut followers = LocalProcesses::open_with(followers, programs, bus)?;
+        for follower in &mut followers.processes {
+            follower.process.share_maps(maps);
+        }
         Ok(Self {
             leader: leader.config.name.clone(),
             simulator,
-            followers: LocalProcesses::open_with(followers, programs, bus)?,
+            followers,
         })
     }
 

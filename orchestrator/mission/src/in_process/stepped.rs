@@ -43,12 +43,12 @@ impl SteppedRun {
             return Err(InProcessError::RealTime.into());
         }
         let plan = Plan::new(scenario, Path::new(""), "", "warn")?;
-        let bus = Bus::local(plan.run.bus_options(), Some(cache.commons()));
+        let bus = Bus::local(plan.run.bus_options());
         let obstacles = bus.publisher(PublisherOptions::new(plan.orchestrator_index(), 1))?;
         let robots = scenario.world.robots.len();
         let beliefs = beliefs.then(|| BeliefInput::open(&bus, robots));
         let beliefs = beliefs.transpose()?;
-        let mut processes = LocalRun::open_with(&plan, own, &bus)?;
+        let mut processes = LocalRun::open_with(&plan, own, &bus, &cache.maps)?;
         if let Some(beliefs) = &beliefs {
             beliefs.connect()?;
         }

@@ -4,7 +4,7 @@
 pub mod coverage;
 pub mod patrol;
 
-use sim_backend::spec::RobotSpec;
+use robot::spec::RobotSpec;
 use thiserror::Error;
 
 use scenario::{ProcessSpec, ResolvedScenario};

@@ -11,8 +11,7 @@ use platform::atomic_file::AtomicFile;
 use platform::eprintln;
 use platform::output_format::OutputFormat;
 use platform::progress::Progress;
-use trajectory::Method;
-use trajectory::options::{Constraints, Guess};
+use trajectory_problem::{Constraints, Guess, Method};
 
 use super::common::{ForceArg, QuietArg, out};
 use super::output::{EXIT_FAILED, EXIT_INVALID, EXIT_PARTIAL, create, print, write};
@@ -20,7 +19,7 @@ use super::plan_generate;
 use super::run::handle_signals;
 use plan::batch::{Settings, solve_all};
 use plan::summary::Summary;
-use plan::{Answer, PlanOptions, read};
+use plan::{Answer, Options, read};
 use platform::machine::processors;
 
 /// Help below the options.
@@ -159,8 +158,8 @@ fn parse_point(text: &str) -> Result<[f64; 2], String> {
 }
 
 impl PlanMethodArgs {
-    fn options(&self) -> PlanOptions {
-        PlanOptions {
+    fn options(&self) -> Options {
+        Options {
             method: match self.method {
                 MethodName::Bspline => Method::Bspline,
                 MethodName::Lp => Method::Lp,
@@ -180,6 +179,7 @@ impl PlanMethodArgs {
             control_points: self.control_points,
             nodes: self.nodes,
             reference_point: self.reference_point,
+            ..Options::default()
         }
     }
 }
@@ -313,7 +313,7 @@ impl<'a> AnswerWriter<'a> {
         }
     }
 
-    fn conclude(mut self, options: &PlanOptions, interrupted: bool) -> ExitCode {
+    fn conclude(mut self, options: &Options, interrupted: bool) -> ExitCode {
         // After an interruption, earlier lines may be missing; the order stays.
         for line in std::mem::take(&mut self.waiting).into_values() {
             self.line(&line);

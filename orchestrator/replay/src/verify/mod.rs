@@ -130,7 +130,7 @@ pub fn verify(
     if options.in_process {
         let plan = Plan::new(&scenario, Path::new(""), "", "warn").map_err(MissionError::from)?;
         let test_selection = TestSelection::new(&plan, &recorded.origin, options)?;
-        let bus = Bus::local(plan.run.bus_options(), None);
+        let bus = Bus::local(plan.run.bus_options());
         let mut test_bus = TestBus::open(&bus, &plan, &test_selection, &mut source, watch)?;
         let mut members =
             LocalProcesses::open(&test_selection.launches, &bus).map_err(MissionError::from)?;

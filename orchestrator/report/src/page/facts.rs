@@ -19,7 +19,7 @@ use crate::run_model::corners;
 use recorder::{
     CoverageOutcome, EventNames, MessageCounts, RobotOutcome, outcome_words, status_name,
 };
-use sim_backend::team::Role;
+use robot::team::Role;
 
 /// Outcomes of the robots: from the result of the run, else from the last state in the log.
 pub(super) fn outcome(content: &PageContent) -> Vec<RobotOutcome> {

@@ -4,7 +4,7 @@ use draw::canvas::{Canvas, Num, Style, wrap};
 use draw::legend::Legend as Rows;
 use draw::palette;
 use recorder::time_text;
-use sim_backend::team::Role;
+use robot::team::Role;
 
 use super::draw_layers::verdict_sign;
 use super::draw_task::{CONTOUR, GOAL, RECTANGLE, SWEPT_OPACITY, ZONE, waypoint_signs};

@@ -2,7 +2,7 @@
 
 use draw::palette;
 use geometry::pose::Pose2;
-use sim_backend::team::Role;
+use robot::team::Role;
 
 use super::layers::{DominanceTrace, PlanTrace, TreeTrace, VerdictTrace};
 use super::trail::Trail;

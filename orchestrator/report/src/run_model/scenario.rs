@@ -3,9 +3,10 @@
 use geometry::map::MapSpec;
 use parameters::check;
 use recorder::TaskInfo;
+use robot::spec::RobotSpec;
 use runtime::kind::TaskSketch;
 use serde::Deserialize;
-use sim_backend::spec::{RobotSpec, RulesSpec};
+use sim_backend::spec::RulesSpec;
 
 use super::task::TaskTrace;
 

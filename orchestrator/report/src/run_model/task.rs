@@ -4,8 +4,8 @@
 use geometry::region::Region;
 use geometry::shape::Shape;
 use ipc_types::messages::robot::WaypointEnd;
+use robot::spec::RobotSpec;
 use runtime::kind::TaskSketch;
-use sim_backend::spec::RobotSpec;
 
 /// Maximum number of waypoints that are shown, the last ones.
 const MAX_WAYPOINTS: usize = 1500;

@@ -3,10 +3,11 @@
 
 use config::{Code, FieldPath, Step};
 use geometry::map::{MapSpec, WorldMap};
+use robot::spec::RobotSpec;
 use runtime::declaration::Input;
 use runtime::kind::{Task, TaskFault};
 use runtime::shapes;
-use sim_backend::spec::{RobotSpec, RulesSpec};
+use sim_backend::spec::RulesSpec;
 
 use super::read::Read;
 use crate::context::Context;

@@ -1,7 +1,7 @@
 //! Teams: their tables, roles and opponents.
 
 use config::{Code, FieldPath, Node, suggest};
-use sim_backend::team::Role;
+use robot::team::Role;
 
 use super::{Robot, check_name};
 use crate::context::Context;

@@ -1,6 +1,6 @@
 //! Teams of any name.
 
-use sim_backend::team::Role;
+use robot::team::Role;
 
 use super::*;
 

@@ -1,6 +1,6 @@
 //! Meaning of a valid experiment file.
 
-use sim_backend::team::Role;
+use robot::team::Role;
 
 use super::super::{Metric, Seeds, Value};
 use super::*;

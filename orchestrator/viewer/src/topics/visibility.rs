@@ -10,7 +10,7 @@ use ipc_types::consumer::{Consumer, LoggedMessage};
 use ipc_types::messages::world::{MapCell, MapHeader, RobotState};
 use ipc_types::topics::{TopicId, WorldMap};
 use nalgebra::Point2;
-use sim_backend::team::Role;
+use robot::team::Role;
 
 use super::channel::ViewerChannel;
 use super::picture::Picture;

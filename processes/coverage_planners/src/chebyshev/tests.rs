@@ -1,5 +1,6 @@
 use std::sync::Arc;
 
+use control::go_to::coast;
 use coverage::goal::GoalSource as _;
 use geometry::blur::BlurredMap;
 use geometry::grid::{Grid, GridFrame};
@@ -8,9 +9,8 @@ use geometry::shape::{Aabb, Convex};
 use planner_view::free_space::FreeSpace;
 use planner_view::view::RobotView;
 use planner_view::waypoint::WaypointOutcome;
-use sim_backend::spec::RobotModel;
-use sim_backend::team::Role;
-use steering::go_to::coast;
+use robot::spec::RobotModel;
+use robot::team::Role;
 
 use crate::follower::Follower;
 use geometry::pose::Pose2;

@@ -13,10 +13,10 @@ use nalgebra::Point2;
 use planner::{Planner as _, PlannerMap, Steering, View, limits};
 use planner_view::free_space::FreeSpace;
 use planner_view::view::{BeliefView, ParticleView, RobotView, ScanView};
+use robot::spec::RobotModel;
+use robot::team::Role;
 use runtime::config::{Clock, ProcessConfig, RobotInfo, RunConfig};
 use serde_json::Value as Json;
-use sim_backend::spec::RobotModel;
-use sim_backend::team::Role;
 
 use crate::Library;
 use crate::abi::Point;

@@ -5,13 +5,14 @@ use nalgebra::Point2;
 use planner_view::free_space::FreeSpace;
 use planner_view::map::PlannerMap;
 use planner_view::view::{RobotView, View};
-use sim_backend::spec::RobotModel;
+use robot::spec::RobotModel;
+use trajectory_problem::{Problem, RobotLimits};
 
 use super::{Navigator, OpenRequest};
 use crate::excerpt::{Excerpt, Trip};
 use crate::follow::{self, Motion, STANDING, Stops};
+use crate::plan_failure::PlanFailure;
 use crate::trajectory::SAGITTA;
-use crate::trajectory_request::{PlanFailure, TrajectoryRequest};
 
 /// Maximum contact depth beyond the margin at which a robot still gets a plan (m).
 const CONTACT: f64 = 2e-3;
@@ -30,7 +31,7 @@ impl Navigator {
         view: &View<'_>,
         own: &RobotView,
         stops: &Stops,
-    ) -> Option<TrajectoryRequest> {
+    ) -> Option<Problem> {
         let want = self.want?;
         let goal = self.destination()?;
         let stands = own.twist.v.abs() < STANDING;
@@ -78,7 +79,7 @@ impl Navigator {
             return None;
         };
         self.asked = Some(open);
-        Some(TrajectoryRequest {
+        Some(Problem {
             start: start.pose,
             goal: excerpt.end,
             obstacles: excerpt.pieces.into_iter().chain(robots).collect(),
@@ -90,7 +91,7 @@ impl Navigator {
     }
 
     /// Returns a request with the speeds of its start and its end.
-    fn speeds(&self, start: &Motion) -> TrajectoryRequest {
+    fn speeds(&self, start: &Motion) -> Problem {
         let share = self.params.speed_fraction;
         let model = self.drive.model();
         let backwards = if self.params.plan.backwards {
@@ -114,14 +115,15 @@ impl Navigator {
         });
         let [least, most] = [-model.v_reverse_max, model.v_max].map(|v| v.clamp(-wheels, wheels));
         let speed = start.twist.v.clamp(least, most);
-        TrajectoryRequest {
+        Problem {
             start: start.pose,
             start_speed: model.acceleration.map(|_| speed),
             start_turn_rate: turn,
             goal: Point2::origin(),
+            goal_heading: None,
             // The robot stands at its end: no further goal is known.
             goal_speed: model.acceleration.map(|_| 0.0),
-            model,
+            limits: RobotLimits::of_model(&model),
             obstacles: Vec::new(),
             clearance: 0.0,
             bounds: Aabb {

@@ -10,15 +10,16 @@ use planner_view::free_space::FreeSpace;
 use planner_view::map::PlannerMap;
 use planner_view::view::View;
 use right_of_way::RightOfWay;
+use robot::spec::RobotModel;
 use runtime::config::RobotInfo;
-use sim_backend::spec::RobotModel;
+use trajectory_problem::Problem;
 
 use crate::drive::Drive;
 use crate::follow::{Follow, Motion, STANDING, Stops};
 use crate::params::{AtPopup, NavigatorParams};
+use crate::plan_failure::PlanFailure;
 use crate::traffic::Traffic;
 use crate::trajectory::Trajectory;
-use crate::trajectory_request::{PlanFailure, TrajectoryRequest};
 
 /// Distance below which a goal counts as reached (m).
 const GOAL_TOLERANCE: f64 = 0.03;
@@ -64,7 +65,7 @@ pub struct Decision {
     /// Command to the robot.
     pub command: Twist2,
     /// Request to the optimiser; it replaces any earlier request.
-    pub ask: Option<TrajectoryRequest>,
+    pub ask: Option<Problem>,
 }
 
 /// Drives one robot to its goals.

@@ -9,8 +9,8 @@ use nalgebra::Point2;
 use passing::{Schedule, Traveller};
 use planner_view::free_space::FreeSpace;
 use planner_view::view::{RobotView, View};
+use robot::team::Role;
 use runtime::config::RobotInfo;
-use sim_backend::team::Role;
 
 use crate::traffic::{Traffic, spacing};
 

@@ -9,8 +9,8 @@
 use std::collections::VecDeque;
 
 use chaotic_maps::{AnySource, Source as _};
+use control::go_to::distance_to_segment;
 use nalgebra::Point2;
-use steering::go_to::distance_to_segment;
 
 mod guess;
 

@@ -7,12 +7,12 @@ use ipc_types::messages::world::{MapCell, MapHeader, RobotState, WorldHeader};
 use ipc_types::topics::{Predictions, WorldMap, WorldState};
 use observer::ObserverParams;
 use observer::process::ObserverProcess;
+use robot::spec::RobotModel;
+use robot::team::Role;
 use runtime::kind::open;
 use runtime::{Clock, ProcessConfig, ProcessError, RobotInfo, RunConfig};
 use runtime::{Process as _, ProcessKind as _};
 use serde_json::json;
-use sim_backend::spec::RobotModel;
-use sim_backend::team::Role;
 use std::collections::BTreeMap;
 
 const CELLS: u32 = 60;
@@ -74,7 +74,7 @@ impl World {
     fn new(params: serde_json::Value) -> Self {
         let config = config();
         let params = params_of(params);
-        let bus = Bus::local(config.run.bus_options(), None);
+        let bus = Bus::local(config.run.bus_options());
         let predictions = bus.recorder().unwrap();
         let state = bus.publisher(PublisherOptions::new(0, 2)).unwrap();
         let map: Publisher<WorldMap> = bus
@@ -229,7 +229,7 @@ fn names_that_are_unknown_and_numbers_out_of_range_are_refused() {
         (json!({ "horizon": 1.0 }), "unknown field"),
     ] {
         let config = config();
-        let bus = Bus::local(config.run.bus_options(), None);
+        let bus = Bus::local(config.run.bus_options());
         let reason = match serde_json::from_value(params) {
             Err(error) => error.to_string(),
             Ok(params) => match open::<ObserverProcess>(&config, &params, &bus).map(|_| ()) {

@@ -9,9 +9,8 @@ use std::time::Instant;
 
 use ipc_types::clock;
 use rustix::event::{EventfdFlags, eventfd};
-use trajectory::options::Options;
 use trajectory::plan::Plan;
-use trajectory::problem::Problem;
+use trajectory_problem::{Options, Problem};
 
 use crate::wire::Refusal;
 

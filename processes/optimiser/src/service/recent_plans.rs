@@ -56,7 +56,8 @@ impl Memory {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use trajectory::plan::{Basis, Method, Status};
+    use trajectory::plan::{Basis, Status};
+    use trajectory_problem::Method;
 
     fn plan(final_time: f64) -> Plan {
         Plan {

@@ -7,14 +7,21 @@ use ipc_types::messages::world::ShapePoint;
 use nalgebra::Point2;
 use runtime::shapes::{self, ShapesMessageError};
 use thiserror::Error;
-use trajectory::options::{Constraints, Guess, Options};
-use trajectory::plan::Method;
-use trajectory::problem::{
-    MAX_OBSTACLES, Problem, ProblemError, RobotLimits, START_TOLERANCE, Wheels,
+use trajectory_problem::problem::{MAX_OBSTACLES, START_TOLERANCE};
+use trajectory_problem::{
+    Constraints, Guess, Method, Options, Problem, ProblemError, RobotLimits, Wheels,
 };
 
-// Clients know the limit without this crate.
+// Clients know limit and codes without this crate.
 const _: () = assert!(PlanRequest::MAX_SHAPES == MAX_OBSTACLES);
+const _: () = assert!(
+    PlanRequest::BSPLINE == Method::Bspline.code()
+        && PlanRequest::LOCAL_PURSUIT == Method::Lp.code()
+        && PlanRequest::MOTION_CAMOUFLAGE == Method::Vmc.code()
+        && PlanRequest::TANGENT == Method::Tangent.code()
+        && PlanRequest::GUESS_TANGENT == Guess::Tangent.code()
+        && PlanRequest::GUESS_WAVEFRONT == Guess::Wavefront.code()
+);
 
 /// Work at which a plan of a robot without inertia, without a time limit, ends with its best trajectory so far: about
 /// 15 ms of a processor. Others have the limit of all plans.
@@ -92,24 +99,15 @@ fn limits(header: &PlanRequest) -> RobotLimits {
 }
 
 fn options(header: &PlanRequest) -> Result<Options, RequestError> {
-    let method = match header.method {
-        PlanRequest::BSPLINE => Method::Bspline,
-        PlanRequest::LOCAL_PURSUIT => Method::Lp,
-        PlanRequest::MOTION_CAMOUFLAGE => Method::Vmc,
-        PlanRequest::TANGENT => Method::Tangent,
-        other => return Err(refused("method", other, "a number from 0 to 3")),
-    };
-    let guess = match header.guess {
-        PlanRequest::GUESS_TANGENT => Guess::Tangent,
-        PlanRequest::GUESS_WAVEFRONT => Guess::Wavefront,
-        other => return Err(refused("guess", other, "0 or 1")),
-    };
+    let method = Method::from_code(header.method)
+        .ok_or_else(|| refused("method", header.method, "a number from 0 to 3"))?;
+    let guess =
+        Guess::from_code(header.guess).ok_or_else(|| refused("guess", header.guess, "0 or 1"))?;
     let flags = header.flags;
     let known = PlanRequest::NO_FALLBACKS | PlanRequest::NO_REFINEMENT | PlanRequest::AT_NODES;
     if flags & !known != 0 {
         return Err(refused("flags", flags, "a sum of 1, 2 and 4"));
     }
-    let defaults = Options::default();
     let is_limited = header.deadline_ns == 0 && limits(header).is_without_inertia();
     let (x, y) = (header.reference_x, header.reference_y);
     let options = Options {
@@ -124,8 +122,8 @@ fn options(header: &PlanRequest) -> Result<Options, RequestError> {
         refine: flags & PlanRequest::NO_REFINEMENT == 0,
         degree: unless_zero(header.degree),
         control_points: unless_zero(header.control_points),
-        nodes: unless_zero(header.nodes).unwrap_or(defaults.nodes),
-        reference_point: (!(x.is_nan() && y.is_nan())).then(|| Point2::new(x, y)),
+        nodes: unless_zero(header.nodes),
+        reference_point: (!(x.is_nan() && y.is_nan())).then_some([x, y]),
         // A limit of time comes at another point on every machine.
         max_work: is_limited.then_some(MAX_WORK),
     };

@@ -3,7 +3,7 @@
 use ipc_types::messages::optimiser::{PlanRequest, PlanResponse, TrajectorySample};
 use ipc_types::stamp::Stamp;
 use thiserror::Error;
-use trajectory::{Method, Plan, PlanError, Status};
+use trajectory::{Plan, PlanError, Status};
 
 use super::decode_request::RequestError;
 
@@ -103,12 +103,7 @@ fn of_plan(header: &PlanResponse, plan: &Plan) -> PlanResponse {
         lower_bound: plan.lower_bound,
         length: plan.length,
         min_clearance: plan.min_clearance,
-        method: match plan.method {
-            Method::Bspline => PlanRequest::BSPLINE,
-            Method::Lp => PlanRequest::LOCAL_PURSUIT,
-            Method::Vmc => PlanRequest::MOTION_CAMOUFLAGE,
-            Method::Tangent => PlanRequest::TANGENT,
-        },
+        method: plan.method.code(),
         iterations: plan.iterations,
         control_points: plan.control_points,
         failed_searches: plan.failed_searches,

@@ -1,10 +1,10 @@
 //! Parameters of the patrol.
 
+use avoidance::waypoint_driver::DriverParams;
 use parameters::{Parameters, ParamsError, within};
 use patrol::mission::MissionParams;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use steering::waypoint_driver::DriverParams;
 
 /// Speed of the patrol.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]

@@ -1,12 +1,12 @@
 //! Parameters of the patrol.
 
+use avoidance::waypoint_driver::DriverParams;
 use parameters::{Parameters, ParamsError, within};
 use patrol::fto::FtoParams;
 use patrol::mission::MissionParams;
 use patrol::mixed::MixedParams;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use steering::waypoint_driver::DriverParams;
 
 use crate::check::Waypoints;
 

@@ -13,8 +13,9 @@ use planner_view::map::PlannerMap;
 use planner_view::steering::Steering;
 use planner_view::view::{RobotView, ScanView, View};
 use planner_view::waypoint::WaypointReport;
-use sim_backend::spec::{LimitsSpec, RobotModel, RobotSpec, RulesSpec, ScanSpec, WorldSpec};
-use sim_backend::team::Role;
+use robot::spec::{LimitsSpec, RobotModel, RobotSpec, ScanSpec};
+use robot::team::Role;
+use sim_backend::spec::{RulesSpec, WorldSpec};
 use sim_backend::world::World;
 
 /// Tick of the drive.

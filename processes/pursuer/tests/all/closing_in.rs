@@ -10,7 +10,7 @@ use planner_view::view::{BeliefView, ParticleView, RobotView};
 use proptest::prelude::*;
 use pursuer::params::{AssignmentMethod, BeliefGoals, Knowledge};
 use pursuer::{Pursuer, PursuerParams};
-use sim_backend::team::Role;
+use robot::team::Role;
 
 fn robot(index: usize, role: Role, pose: Pose2) -> RobotView {
     support::robot(index, role, pose, V_POLICE)

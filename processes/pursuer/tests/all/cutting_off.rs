@@ -12,7 +12,7 @@ use planner_view::view::{RobotView, View};
 use pursuer::cut_off::{CutSearch, EvaderState, ExitBlocker};
 use pursuer::params::AssignmentMethod;
 use pursuer::{Pursuer, PursuerParams};
-use sim_backend::team::Role;
+use robot::team::Role;
 
 fn evader(index: usize, pose: Pose2, v_max: f64) -> RobotView {
     RobotView {

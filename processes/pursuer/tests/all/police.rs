@@ -4,7 +4,7 @@ use geometry::pose::Pose2;
 use planner_view::view::{BeliefView, RobotView, View};
 use pursuer::PursuerParams;
 use pursuer::params::Knowledge;
-use sim_backend::team::Role;
+use robot::team::Role;
 
 use crate::support::{self, EXIT};
 

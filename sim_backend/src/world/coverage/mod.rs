@@ -21,8 +21,8 @@ use self::swept::SweptPath;
 use super::motion::Motion;
 use crate::robot::Robot;
 use crate::spec::CoverageSpec;
-use crate::team::Role;
 use parameters::ParamsError;
+use robot::team::Role;
 
 /// Maximum number of accounted cells: 24 bytes each.
 const MAX_CELLS: f64 = 16_000_000.0;
@@ -102,8 +102,9 @@ fn part(some: usize, all: usize) -> f64 {
 /// # use core::time::Duration;
 /// # use geometry::map::{MapSpec, VectorMap};
 /// # use geometry::pose::{Pose2, Twist2};
-/// # use sim_backend::spec::{CoverageSpec, RobotSpec, RulesSpec, WorldSpec};
-/// # use sim_backend::team::Role;
+/// # use robot::spec::RobotSpec;
+/// # use sim_backend::spec::{CoverageSpec, RulesSpec, WorldSpec};
+/// # use robot::team::Role;
 /// # use sim_backend::world::World;
 /// let mut world = World::new(WorldSpec {
 ///     map: MapSpec::Vector(VectorMap::empty([0.0, 0.0], [4.0, 3.0], 0.05)),

@@ -121,7 +121,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::robot::drive::integrate;
+    use robot::drive::integrate;
 
     proptest! {
         /// Compared with many discs along the path.

@@ -7,10 +7,11 @@ use geometry::shape::Shape;
 use proptest::prelude::*;
 
 use super::*;
-use crate::robot::drive::integrate;
-use crate::spec::{LimitsSpec, OutOfPlay, RobotSpec, RulesSpec, WorldSpec};
-use crate::team::Role;
+use crate::spec::{OutOfPlay, RulesSpec, WorldSpec};
 use crate::world::{World, WorldError};
+use robot::drive::integrate;
+use robot::spec::{LimitsSpec, RobotSpec};
+use robot::team::Role;
 
 const TICK: Duration = Duration::from_millis(50);
 

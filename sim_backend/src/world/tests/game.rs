@@ -288,7 +288,7 @@ fn slip_and_noise_keep_within_the_limits_and_repeat_with_the_seed() {
         let mut robot = racer("a", Role::Neutral, 0.0, 0.0, 0.0);
         robot.limits.v_max = Some(1.0);
         robot.limits.omega_max = Some(2.0);
-        robot.actuator = crate::spec::ActuatorSpec {
+        robot.actuator = robot::spec::ActuatorSpec {
             slip: 0.1,
             noise: 0.3,
             veer: 0.5,

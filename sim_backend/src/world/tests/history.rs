@@ -6,7 +6,8 @@ use proptest::prelude::*;
 
 use super::*;
 use crate::random::Stream;
-use crate::spec::{ActuatorSpec, CaptureSpec, ScanSpec};
+use crate::spec::CaptureSpec;
+use robot::spec::{ActuatorSpec, ScanSpec};
 
 /// Steps a crowded world with noise, contacts and captures, and hashes all states, scans and numbers
 /// of events (FNV-1a).

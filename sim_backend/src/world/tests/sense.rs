@@ -1,5 +1,5 @@
 use super::*;
-use crate::spec::{OdometrySpec, ScanSpec};
+use robot::spec::{OdometrySpec, ScanSpec};
 
 fn scanner(spec: ScanSpec) -> World {
     let mut robot = racer("a", Role::Neutral, 0.0, 0.0, core::f64::consts::FRAC_PI_2);

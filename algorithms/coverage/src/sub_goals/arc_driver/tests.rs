@@ -3,9 +3,9 @@ use crate::plan::{CoveragePlan, PlanSpec};
 use crate::tour::Iterations;
 use crate::workplace::Workplace;
 use chaotic_maps::{Emission, Key, KeyKind};
+use control::go_to::coast;
 use geometry::pose::Pose2;
 use geometry::shape::Convex;
-use steering::go_to::coast;
 
 use super::*;
 

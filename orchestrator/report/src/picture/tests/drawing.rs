@@ -3,8 +3,8 @@
 use geometry::pose::Pose2;
 use geometry::region::Region;
 use geometry::shape::Shape;
+use robot::team::Role;
 use roxmltree::{Document, Node};
-use sim_backend::team::Role;
 
 use crate::picture::{
     BeliefTrace, Cells, DominanceTrace, Mark, MarkKind, PlanTrace, RobotTrace, RunTrace, Standing,

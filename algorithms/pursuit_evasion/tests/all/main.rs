@@ -1,0 +1,7 @@
+//! Evaders in the city and other places; one program, because linking several takes minutes.
+
+#[path = "../../../planner_view/tests/support/mod.rs"]
+mod support;
+
+mod certain_escape;
+mod escape;
