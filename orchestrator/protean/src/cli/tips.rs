@@ -172,7 +172,6 @@ mod tests {
             ("picture a.mcap --at x", "expected a number"),
             ("sweep a.toml --jobs -1", "-1 is not in 1..=4096"),
             ("cat a.mcap --limit -1", "expected a whole number"),
-            ("verfy a.mcap", "a similar subcommand exists: 'verify'"),
             ("run --sede 1", "a similar argument exists: '--seed'"),
         ] {
             let message = message(line);
