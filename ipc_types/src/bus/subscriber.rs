@@ -3,6 +3,7 @@
 use std::rc::Rc;
 use std::sync::Arc;
 
+use super::inbox::{Inbox, Queue};
 use super::{BusError, BusOptions, LocalTopics, ReceiveError, agreed, buffer, local};
 use crate::schema;
 use crate::topics::Topic;
@@ -17,6 +18,8 @@ pub struct Subscriber<T: Topic> {
 enum Port<T: Topic> {
     Ipc(Box<dyn Receiver<T::Header, T::Element>>),
     Local(local::Receiver<T>),
+    /// That of a process with an inbox.
+    Inbox(Rc<Queue<T>>),
 }
 
 impl<T: Topic> Subscriber<T> {
@@ -44,6 +47,18 @@ impl<T: Topic> Subscriber<T> {
         })
     }
 
+    /// Returns the subscriber of a process with an inbox.
+    pub(super) fn through(self, inbox: &Rc<Inbox>) -> Self {
+        Self {
+            port: Port::Inbox(Queue::open(self, inbox)),
+        }
+    }
+
+    /// Returns `true` if the newest message may be older than that of the tick.
+    pub fn may_be_late(&self) -> bool {
+        matches!(self.port, Port::Inbox(_))
+    }
+
     /// Connects to new publishers.
     ///
     /// # Errors
@@ -52,6 +67,7 @@ impl<T: Topic> Subscriber<T> {
         match &self.port {
             Port::Ipc(port) => port.update_connections(),
             Port::Local(_) => Ok(()),
+            Port::Inbox(queue) => queue.update_connections(),
         }
     }
 
@@ -64,6 +80,7 @@ impl<T: Topic> Subscriber<T> {
         let held = match &self.port {
             Port::Ipc(port) => port.receive()?.map(Held::Ipc),
             Port::Local(port) => port.receive().map(Held::Local),
+            Port::Inbox(queue) => return queue.receive(),
         };
         Ok(held.map(|held| Received { held }))
     }
@@ -103,6 +120,19 @@ impl<T: Topic> Received<T> {
             Held::Ipc(loan) => loan.elements(),
             Held::Local(message) => message.elements(),
         }
+    }
+
+    /// The same message in the memory of the receiver, which may keep any number of them.
+    pub(super) fn kept(self) -> Self {
+        let Held::Ipc(loan) = self.held else {
+            return self;
+        };
+        let mut own = local::Message::default();
+        own.fill(*loan.header(), |own| {
+            own.extend_from_slice(loan.elements());
+        });
+        let held = Held::Local(Rc::new(own));
+        Self { held }
     }
 
     /// The elements that a sender in the same process shares; `None` if they belong to the message.

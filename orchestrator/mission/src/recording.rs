@@ -167,6 +167,12 @@ pub(super) fn run_info(scenario: &ResolvedScenario, plan: &Plan) -> RunInfo {
         robots: robots(plan),
         obstacles: scenario.obstacle_names(),
         tick_period_ns: plan.run.tick_period_ns,
+        links: plan
+            .launches
+            .iter()
+            .flat_map(|l| l.config.links.clone())
+            .collect(),
+        seed: plan.run.seed,
     }
 }
 

@@ -22,6 +22,7 @@ mod digest_prefixes;
 mod error;
 mod event_list;
 mod event_names;
+mod linked;
 mod log;
 mod message_audit;
 mod message_counts;

@@ -2,6 +2,8 @@
 
 use std::collections::BTreeMap;
 
+use runtime::link::Link;
+
 use super::event_names::EventNames;
 
 /// A process of the run.
@@ -44,6 +46,10 @@ pub struct RunInfo {
     pub obstacles: BTreeMap<u32, String>,
     /// Simulated time between two ticks (ns), > 0.
     pub tick_period_ns: u64,
+    /// All links.
+    pub links: Vec<Link>,
+    /// Seed of the run, from which losses are drawn.
+    pub seed: u64,
 }
 
 impl RunInfo {

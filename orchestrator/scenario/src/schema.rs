@@ -10,6 +10,7 @@ use sim_backend::spec::{CoverageSpec, RulesSpec};
 
 use super::events::{EventBlock, WhenBlock};
 use super::kind::Kind;
+use super::links::LinkSpec;
 use super::resolve::TopLevel;
 use super::spec::{LogSpec, ProcessBlock, RobotBlock, RunSpec};
 use super::world::WorldBlock;
@@ -81,6 +82,7 @@ pub fn reference() -> String {
     reference.section::<ProcessBlock>("`[[processes]]`");
     reference.section::<EventBlock>("`[[events]]`");
     reference.section::<WhenBlock>("`when`");
+    reference.section::<LinkSpec>("`[[links]]`");
     reference.section::<LogSpec>("`[log]`");
     reference.section::<Shape>("Shapes");
     reference.section::<Region>("Regions");

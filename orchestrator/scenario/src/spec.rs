@@ -24,6 +24,8 @@ pub const MAX_CELLS: usize = 25_000_000;
 pub const MAX_TICKS: f64 = 1e8;
 /// Maximum number of events in a scenario.
 pub const MAX_EVENTS: usize = 10_000;
+/// Maximum period of a process (ticks).
+pub(super) const MAX_PERIOD: u64 = 10_000;
 
 /// Time, randomness, and synchronisation of the processes.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -302,6 +304,9 @@ pub(super) struct ProcessBlock {
     /// `run.ready_timeout_s` if absent.
     #[schemars(transform = ready_timeout())]
     pub ready_timeout_s: Option<f64>,
+    /// It steps in every n-th tick, from tick 0 on; between two steps its last commands and outputs count. 1 if absent.
+    #[schemars(transform = between(1, MAX_PERIOD).unit("ticks"))]
+    pub period: Option<u64>,
     /// Parameters of the kind; for a `command`, any parameters of the program.
     #[serde(rename = "params")]
     #[schemars(with = "Option<serde_json::Map<String, serde_json::Value>>")]

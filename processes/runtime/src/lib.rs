@@ -16,6 +16,7 @@ pub mod guard;
 pub mod inputs;
 pub mod kind;
 pub mod life;
+pub mod link;
 pub mod lockstep;
 pub mod logging;
 pub mod maps;

@@ -145,9 +145,7 @@ pub fn follow<K: ProcessKind>(
         kind: K::NAME.to_owned(),
         ..config.clone()
     };
-    live(config, setup, &|bus| {
-        Ok(Box::new(kind::open::<K>(config, params, bus)?))
-    })
+    live(config, setup, &|bus| kind::start::<K>(config, params, bus))
 }
 
 /// Like [`run`], with these presets of parameters and another body (the simulator leads the loop instead of following

@@ -364,6 +364,8 @@ pub fn run_info() -> RunInfo {
             .to_vec(),
         obstacles: std::collections::BTreeMap::new(),
         tick_period_ns: PERIOD_NS,
+        links: Vec::new(),
+        seed: 1,
     }
 }
 
