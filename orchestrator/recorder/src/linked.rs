@@ -17,7 +17,7 @@ pub(super) struct Linked {
 }
 
 impl Linked {
-    pub(super) fn new(links: &[Link], seed: u64, tick_period_ns: u64) -> Self {
+    pub(super) fn new(links: &[Link], seed: u64) -> Self {
         let mut of_senders: BTreeMap<_, Vec<_>> = BTreeMap::new();
         for link in links {
             let Some(topic) = TopicId::all().find(|topic| topic.name() == link.topic) else {
@@ -27,7 +27,6 @@ impl Linked {
                 topic: link.topic.clone(),
                 from: link.from.clone(),
                 to: link.to.clone(),
-                delay_s: link.delay.saturating_mul(tick_period_ns) as f64 / 1e9,
                 messages: 0,
                 lost: 0,
             };

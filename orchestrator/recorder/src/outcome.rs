@@ -29,7 +29,7 @@ pub(super) fn parts(run: &RunInfo) -> Consumers<dyn OutcomePart> {
         Box::new(VerdictTotals::new(robots.len())),
         Box::new(AllVisits::new(robots)),
         Box::new(Predicted::default()),
-        Box::new(Linked::new(&run.links, run.seed, *tick_period_ns)),
+        Box::new(Linked::new(&run.links, run.seed)),
         Box::new(Outages::new(processes, *tick_period_ns)),
     ])
 }

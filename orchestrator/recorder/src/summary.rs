@@ -252,8 +252,6 @@ pub struct LinkOutcome {
     pub from: String,
     /// Name of the receiver.
     pub to: String,
-    /// Delay of its messages (s).
-    pub delay_s: f64,
     /// Number of messages sent.
     pub messages: u64,
     /// Number of those that never arrived.
