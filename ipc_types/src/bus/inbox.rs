@@ -4,9 +4,8 @@ use core::cell::{Cell, RefCell};
 use std::collections::VecDeque;
 use std::rc::{Rc, Weak};
 
-use super::{ReceiveError, Received, Subscriber};
-use crate::stamp::{Header as _, Stamp};
-use crate::topics::Topic;
+use super::ReceiveError;
+use crate::stamp::Stamp;
 
 /// Arrival of the messages at the inputs of one process, as a function of their topic and stamp.
 pub trait Arrivals: core::fmt::Debug {
@@ -58,6 +57,15 @@ impl Inbox {
     }
 }
 
+/// The messages of one topic on the bus, with their stamps.
+pub(super) trait Source<M> {
+    /// Returns the next message, which may be kept.
+    fn next(&self) -> Result<Option<(Stamp, M)>, ReceiveError>;
+
+    /// Connects to new publishers.
+    fn update_connections(&self) -> Result<(), ReceiveError>;
+}
+
 /// A queue of any topic.
 trait Collect {
     /// Moves all messages of the bus into the queue. Returns `false` while the first one is awaited.
@@ -65,17 +73,23 @@ trait Collect {
 }
 
 /// The messages at one input, by arrival, then by stamp.
-pub(super) struct Queue<T: Topic> {
-    from: Subscriber<T>,
+pub(super) struct Queue<M> {
+    topic: &'static str,
+    source: Box<dyn Source<M>>,
     inbox: Rc<Inbox>,
-    waiting: RefCell<VecDeque<(u64, Received<T>)>>,
+    waiting: RefCell<VecDeque<(u64, Stamp, M)>>,
     has_begun: Cell<bool>,
 }
 
-impl<T: Topic> Queue<T> {
-    pub(super) fn open(from: Subscriber<T>, inbox: &Rc<Inbox>) -> Rc<Self> {
+impl<M: 'static> Queue<M> {
+    pub(super) fn open(
+        topic: &'static str,
+        source: Box<dyn Source<M>>,
+        inbox: &Rc<Inbox>,
+    ) -> Rc<Self> {
         let queue = Rc::new(Self {
-            from,
+            topic,
+            source,
             inbox: Rc::clone(inbox),
             waiting: RefCell::default(),
             has_begun: Cell::new(false),
@@ -86,44 +100,42 @@ impl<T: Topic> Queue<T> {
     }
 
     pub(super) fn update_connections(&self) -> Result<(), ReceiveError> {
-        self.from.update_connections()
+        self.source.update_connections()
     }
 
     /// Returns the next message that has arrived.
-    pub(super) fn receive(&self) -> Result<Option<Received<T>>, ReceiveError> {
+    pub(super) fn receive(&self) -> Result<Option<M>, ReceiveError> {
         self.collect()?;
-        let mut waiting = self.waiting.borrow_mut();
-        let is_here = waiting.front().is_some_and(|next| self.is_here(next));
-        Ok(is_here
-            .then(|| waiting.pop_front())
-            .flatten()
-            .map(|next| next.1))
-    }
-
-    fn is_here(&self, (arrival, _): &(u64, Received<T>)) -> bool {
-        *arrival <= self.inbox.tick.get()
+        let next = self.begins().then(|| self.waiting.borrow_mut().pop_front());
+        Ok(next.flatten().map(|(_, _, message)| message))
     }
 }
 
-impl<T: Topic> Collect for Queue<T> {
+impl<M> Queue<M> {
+    /// Returns `true` if its first message has arrived.
+    fn begins(&self) -> bool {
+        let waiting = self.waiting.borrow();
+        let first = waiting.front();
+        first.is_some_and(|(arrival, _, _)| *arrival <= self.inbox.tick.get())
+    }
+}
+
+impl<M> Collect for Queue<M> {
     fn collect(&self) -> Result<bool, ReceiveError> {
         let arrivals = &self.inbox.arrivals;
-        let mut waiting = self.waiting.borrow_mut();
-        while let Some(message) = self.from.receive()? {
-            let Some(arrival) = arrivals.arrival(T::NAME, message.header().stamp()) else {
-                continue;
-            };
-            let order = |arrival: u64, message: &Received<T>| {
-                let stamp = message.header().stamp();
-                (arrival, stamp.tick, stamp.source, stamp.sequence)
-            };
-            let own = order(arrival, &message);
-            let place = waiting.partition_point(|(at, other)| order(*at, other) <= own);
-            waiting.insert(place, (arrival, message.kept()));
+        while let Some((stamp, message)) = self.source.next()? {
+            if let Some(arrival) = arrivals.arrival(self.topic, &stamp) {
+                let order = |arrival: u64, stamp: &Stamp| {
+                    (arrival, stamp.tick, stamp.source, stamp.sequence)
+                };
+                let own = order(arrival, &stamp);
+                let mut waiting = self.waiting.borrow_mut();
+                let place = waiting.partition_point(|(at, other, _)| order(*at, other) <= own);
+                waiting.insert(place, (arrival, stamp, message));
+            }
         }
-        let begins = waiting.front().is_some_and(|next| self.is_here(next));
-        let has_begun = self.has_begun.get() || begins;
+        let has_begun = self.has_begun.get() || self.begins();
         self.has_begun.set(has_begun);
-        Ok(has_begun || !arrivals.is_awaited(T::NAME))
+        Ok(has_begun || !arrivals.is_awaited(self.topic))
     }
 }

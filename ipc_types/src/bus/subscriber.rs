@@ -3,9 +3,10 @@
 use std::rc::Rc;
 use std::sync::Arc;
 
-use super::inbox::{Inbox, Queue};
+use super::inbox::{Inbox, Queue, Source};
 use super::{BusError, BusOptions, LocalTopics, ReceiveError, agreed, buffer, local};
 use crate::schema;
+use crate::stamp::{Header as _, Stamp};
 use crate::topics::Topic;
 use crate::transport::{Home, Loan, Receiver};
 
@@ -19,7 +20,7 @@ enum Port<T: Topic> {
     Ipc(Box<dyn Receiver<T::Header, T::Element>>),
     Local(local::Receiver<T>),
     /// That of a process with an inbox.
-    Inbox(Rc<Queue<T>>),
+    Inbox(Rc<Queue<Received<T>>>),
 }
 
 impl<T: Topic> Subscriber<T> {
@@ -50,7 +51,7 @@ impl<T: Topic> Subscriber<T> {
     /// Returns the subscriber of a process with an inbox.
     pub(super) fn through(self, inbox: &Rc<Inbox>) -> Self {
         Self {
-            port: Port::Inbox(Queue::open(self, inbox)),
+            port: Port::Inbox(Queue::open(T::NAME, Box::new(self), inbox)),
         }
     }
 
@@ -83,6 +84,17 @@ impl<T: Topic> Subscriber<T> {
             Port::Inbox(queue) => return queue.receive(),
         };
         Ok(held.map(|held| Received { held }))
+    }
+}
+
+impl<T: Topic> Source<Received<T>> for Subscriber<T> {
+    fn next(&self) -> Result<Option<(Stamp, Received<T>)>, ReceiveError> {
+        let next = self.receive()?;
+        Ok(next.map(|message| (*message.header().stamp(), message.kept())))
+    }
+
+    fn update_connections(&self) -> Result<(), ReceiveError> {
+        Self::update_connections(self)
     }
 }
 
@@ -123,7 +135,7 @@ impl<T: Topic> Received<T> {
     }
 
     /// The same message in the memory of the receiver, which may keep any number of them.
-    pub(super) fn kept(self) -> Self {
+    fn kept(self) -> Self {
         let Held::Ipc(loan) = self.held else {
             return self;
         };

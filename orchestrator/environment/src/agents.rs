@@ -36,7 +36,7 @@ impl Agents {
         Ok(agents)
     }
 
-    /// Checks that the agents can step in every tick, and nothing comes late to or from them.
+    /// Checks that the agents can step in every tick, and nothing is late to or from them.
     pub fn check_links(&self, scenario: &ResolvedScenario) -> Result<(), EnvironmentError> {
         let links = scenario.links_by_receiver();
         for (process, index) in scenario.processes.iter().zip(1..) {

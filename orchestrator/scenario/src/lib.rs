@@ -43,7 +43,6 @@ pub use context::refusal;
 pub use draft::Draft;
 pub use events::{EventSpec, Moment};
 pub use failure::Supervision;
-pub use links::LinkSpec;
 pub use load::{Listed, Loader, list};
 pub use remarks::{ScenarioRemark, remark_lines};
 pub use resolved::{ProcessSpec, Program, ResolvedScenario};

@@ -2,49 +2,15 @@
 
 use config::{Code, FieldPath, Node, suggest};
 use ipc_types::topics::{TopicId, fits};
-use parameters::{Parameters, between};
 use runtime::declaration::{Declaration, Flow, When, between as flows_between};
 use runtime::link::Link;
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
 
 use super::context::Context;
 use super::resolved::{ProcessSpec, ResolvedScenario};
+use super::spec::{ANY, LinkSpec};
 
-/// Maximum delay (s).
-const MAX_DELAY: f64 = 60.0;
-/// Sender or receiver of a link without one.
-const ANY: &str = "any";
 /// Name and kind of the simulator.
 const SIMULATOR: &str = "simulator";
-
-/// Delay and loss of the messages of some topics between some processes.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct LinkSpec {
-    /// Name of the topic, or a pattern in which `*` stands for any characters. Required.
-    pub topic: String,
-    /// Senders: the name or the kind of processes, or a pattern of names; `"simulator"` for the world; `"any"` if absent.
-    #[serde(default = "any")]
-    pub from: String,
-    /// Receivers, as for `from`.
-    #[serde(default = "any")]
-    pub to: String,
-    /// Time after which a message arrives, rounded to the nearest number of ticks.
-    #[serde(default)]
-    #[schemars(transform = between(0, MAX_DELAY).unit("s"))]
-    pub delay_s: f64,
-    /// Probability with which a message never arrives.
-    #[serde(default)]
-    #[schemars(transform = parameters::at_least(0).below(1))]
-    pub loss: f64,
-}
-
-impl Parameters for LinkSpec {}
-
-fn any() -> String {
-    ANY.to_owned()
-}
 
 /// A sender and receiver of messages.
 struct Party<'s> {

@@ -13,11 +13,12 @@ use sim_backend::team::Role;
 use super::context::Context;
 use super::events::EventBlock;
 use super::files::Base;
-use super::links::{self, LinkSpec};
+use super::links;
 use super::resolved::ResolvedScenario;
 use super::robots::Robot;
 use super::spec::{
-    Defaults, LogSpec, MAX_EVENTS, MAX_ROBOTS, MAX_TICKS, ProcessBlock, RobotBlock, RunSpec,
+    Defaults, LinkSpec, LogSpec, MAX_EVENTS, MAX_ROBOTS, MAX_TICKS, ProcessBlock, RobotBlock,
+    RunSpec,
 };
 use super::starts::Placement;
 use super::world::WorldBlock;

@@ -12,8 +12,7 @@ use sim_backend::spec::{RulesSpec, WorldSpec};
 use super::events::EventSpec;
 use super::failure::Supervision;
 use super::kind::ConfiguredKind;
-use super::links::LinkSpec;
-use super::spec::{LogSpec, RunSpec};
+use super::spec::{LinkSpec, LogSpec, RunSpec};
 
 /// Program of a process.
 #[derive(Debug, Clone, PartialEq)]

@@ -10,9 +10,8 @@ use sim_backend::spec::{CoverageSpec, RulesSpec};
 
 use super::events::{EventBlock, WhenBlock};
 use super::kind::Kind;
-use super::links::LinkSpec;
 use super::resolve::TopLevel;
-use super::spec::{LogSpec, ProcessBlock, RobotBlock, RunSpec};
+use super::spec::{LinkSpec, LogSpec, ProcessBlock, RobotBlock, RunSpec};
 use super::world::WorldBlock;
 
 /// Returns the schema of a scenario file with these kinds of processes: the keys of `params` depend on

@@ -5,7 +5,7 @@ use core::f64::consts::PI;
 use geometry::extent::positive;
 use geometry::pose::Pose2;
 use geometry::region::Region;
-use parameters::{Bounds, Parameters, between};
+use parameters::{Bounds, Parameters, at_least, between};
 use schemars::JsonSchema;
 use serde::de::IgnoredAny;
 use serde::{Deserialize, Serialize};
@@ -24,6 +24,10 @@ pub const MAX_CELLS: usize = 25_000_000;
 pub const MAX_TICKS: f64 = 1e8;
 /// Maximum number of events in a scenario.
 pub const MAX_EVENTS: usize = 10_000;
+/// Maximum delay of a link (s).
+const MAX_DELAY: f64 = 60.0;
+/// Sender or receiver of a link without one.
+pub(super) const ANY: &str = "any";
 /// Maximum period of a process (ticks).
 pub(super) const MAX_PERIOD: u64 = 10_000;
 
@@ -311,6 +315,34 @@ pub(super) struct ProcessBlock {
     #[serde(rename = "params")]
     #[schemars(with = "Option<serde_json::Map<String, serde_json::Value>>")]
     pub _params: Option<IgnoredAny>,
+}
+
+/// Delay and loss of the messages of some topics between some processes.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct LinkSpec {
+    /// Name of the topic, or a pattern in which `*` stands for any characters. Required.
+    pub topic: String,
+    /// Senders: the name or the kind of processes, or a pattern of names; `"simulator"` for the world; `"any"` if absent.
+    #[serde(default = "any")]
+    pub from: String,
+    /// Receivers, as for `from`.
+    #[serde(default = "any")]
+    pub to: String,
+    /// Time after which a message arrives, rounded to the nearest number of ticks.
+    #[serde(default)]
+    #[schemars(transform = between(0, MAX_DELAY).unit("s"))]
+    pub delay_s: f64,
+    /// Probability with which a message never arrives.
+    #[serde(default)]
+    #[schemars(transform = at_least(0).below(1))]
+    pub loss: f64,
+}
+
+impl Parameters for LinkSpec {}
+
+fn any() -> String {
+    ANY.to_owned()
 }
 
 /// Default values of robots.

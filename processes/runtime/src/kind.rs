@@ -13,7 +13,6 @@ use sim_backend::spec::RobotSpec;
 use crate::config::{ProcessConfig, RobotInfo};
 use crate::declaration::{Declaration, Flow};
 use crate::error::ProcessError;
-use crate::link::{self, Paced};
 
 /// Process connected to its topics, as the loop of a run drives it.
 pub trait Process {
@@ -122,26 +121,6 @@ pub fn open<K: ProcessKind>(
     })?;
     check_inputs(&K::declare(params), config)?;
     K::open(config, params, bus)
-}
-
-/// Opens a process as [`open`] does, with its period and its links.
-///
-/// # Errors
-/// As [`open`].
-pub fn start<K: ProcessKind>(
-    config: &ProcessConfig,
-    params: &K::Params,
-    bus: &Bus,
-) -> Result<Box<dyn Process>, ProcessError> {
-    let Some(inbox) = link::inbox(config, &K::declare(params)) else {
-        return Ok(Box::new(open::<K>(config, params, bus)?));
-    };
-    let process = bus.through(&inbox, || open::<K>(config, params, bus))?;
-    Ok(Box::new(Paced::new(
-        Box::new(process),
-        inbox,
-        config.period,
-    )))
 }
 
 /// Checks that a run has the required inputs of a process.

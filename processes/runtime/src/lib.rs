@@ -21,6 +21,7 @@ pub mod lockstep;
 pub mod logging;
 pub mod maps;
 pub mod obstacle;
+pub mod paced;
 pub mod seed;
 pub mod service_client;
 pub mod shapes;

@@ -19,9 +19,9 @@ use ipc_types::topics::{
     Commands, Coverage, Scan, WorldEvents, WorldMap as MapTopic, WorldShapes, WorldState,
 };
 use runtime::declaration::{Declaration, Input};
-use runtime::link;
 use runtime::lockstep::{BarrierLeader, Phase, SlotState};
 use runtime::maps::{MapState, Maps};
+use runtime::paced;
 use runtime::{Clock, ProcessConfig, ProcessError, Setup, shapes};
 use sim_backend::robot::Robot;
 use sim_backend::world::World;
@@ -154,7 +154,7 @@ impl Simulator {
         let event_schedule =
             EventSchedule::new(params.event_schedule.clone(), &params.world.robots)
                 .map_err(|e| refused(config, &e.to_string()))?;
-        let inbox = link::inbox(config, &Declaration::of_simulator());
+        let inbox = paced::inbox(config, &Declaration::of_simulator());
         let port = |capacity: usize| PublisherOptions::new(config.index, capacity);
         let beams = config.run.robots.iter().map(|r| r.beams).max().unwrap_or(0);
         Ok(Self {
