@@ -27,6 +27,7 @@ mod in_process;
 mod language;
 mod latency;
 mod lifecycle;
+mod links;
 mod live;
 mod logs;
 mod maps;

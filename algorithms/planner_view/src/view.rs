@@ -98,7 +98,7 @@ pub struct ScanView<'a> {
 pub struct View<'a> {
     /// Simulated time since the start of the run (s).
     pub time_s: f64,
-    /// Length of a tick (s).
+    /// Time until the next step: a tick, or the `period` of the process (s).
     pub dt: f64,
     /// Index of the planner's own robot.
     pub me: usize,

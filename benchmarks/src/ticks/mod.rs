@@ -211,6 +211,8 @@ impl RuntimeExchange {
                 index,
                 robots: vec![index - 1],
                 upstream: Vec::new(),
+                period: 1,
+                links: Vec::new(),
             })
             .collect();
         let configs: Vec<_> = configs.iter().map(|c| document(c, ())).collect();

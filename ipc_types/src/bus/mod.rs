@@ -8,6 +8,7 @@
 //! A run in one thread has a bus in memory with the same ports ([`Bus::local`]).
 
 mod any_topic;
+mod inbox;
 mod local;
 mod publisher;
 mod request_response;
@@ -18,10 +19,12 @@ pub use crate::transport::{
     Listener, MemoryUse, Notifier, RunSpace, TopicHolder, TransportConfig, quiet_transport,
 };
 pub use any_topic::{AnyMessage, AnyPublisher, AnySubscriber, AnyTopic, SharedElements};
+pub use inbox::{Arrivals, Inbox};
 pub use publisher::{Publisher, PublisherOptions};
 pub use request_response::{ActiveRequest, Attendant, Client, PendingResponse, Server};
 pub use subscriber::{Received, Subscriber};
 
+use core::cell::RefCell;
 use std::rc::Rc;
 
 use crate::clock::{StampClock, StepStart};
@@ -71,6 +74,8 @@ pub struct Bus {
     backend: Backend,
     options: BusOptions,
     turn: StepStart,
+    /// The inbox of the process that opens its ports now.
+    inbox: RefCell<Option<Rc<Inbox>>>,
 }
 
 #[derive(Debug)]
@@ -96,6 +101,7 @@ impl Bus {
             },
             options,
             turn: StepStart::default(),
+            inbox: RefCell::default(),
         })
     }
 
@@ -106,7 +112,17 @@ impl Bus {
             backend: Backend::Local(Rc::default()),
             options,
             turn: StepStart::default(),
+            inbox: RefCell::default(),
         }
+    }
+
+    /// Opens ports for a process with an inbox: its inputs get their messages from there, and its outputs belong to the
+    /// tick of the inbox.
+    pub fn through<R>(&self, inbox: &Rc<Inbox>, open: impl FnOnce() -> R) -> R {
+        let before = self.inbox.replace(Some(Rc::clone(inbox)));
+        let opened = open();
+        self.inbox.replace(before);
+        opened
     }
 
     /// Returns `true` if the run is in one thread ([`Bus::local`]).
@@ -234,14 +250,15 @@ impl Bus {
     /// service's creator disagree on its type (names both), [`BusError::Port`] if it has no free
     /// publisher.
     pub fn publisher<T: Topic>(&self, options: PublisherOptions) -> Result<Publisher<T>, BusError> {
-        match &self.backend {
+        let opened = match &self.backend {
             Backend::Ipc { node, .. } => {
                 Publisher::open(&**node, &self.options, options, self.turn.clone())
             }
             Backend::Local(local_topics) => {
                 Publisher::open_local(local_topics, &self.options, options)
             }
-        }
+        };
+        Ok(opened?.dated_by(self.inbox.borrow().clone()))
     }
 
     /// Opens a topic for reading with the buffer of a process in the loop.
@@ -249,7 +266,11 @@ impl Bus {
     /// # Errors
     /// As [`Bus::publisher`].
     pub fn subscriber<T: Topic>(&self) -> Result<Subscriber<T>, BusError> {
-        self.subscribe(LOOP_TICKS)
+        let subscriber = self.subscribe(LOOP_TICKS)?;
+        Ok(match &*self.inbox.borrow() {
+            Some(inbox) => subscriber.through(inbox),
+            None => subscriber,
+        })
     }
 
     /// Opens a topic for reading with the deep buffer of the recorder.
@@ -275,14 +296,13 @@ impl Bus {
     /// # Errors
     /// As [`Bus::publisher`].
     pub fn client<S: Service>(&self, source: u32, capacity: usize) -> Result<Client<S>, BusError> {
-        match &self.backend {
-            Backend::Ipc { node, .. } => Client::open(&**node, source, capacity),
-            Backend::Local(local_topics) => Ok(Client::open_local(
-                local_topics.endpoint()?,
-                source,
-                capacity,
-            )),
-        }
+        let client = match &self.backend {
+            Backend::Ipc { node, .. } => Client::open(&**node, source, capacity)?,
+            Backend::Local(local_topics) => {
+                Client::open_local(local_topics.endpoint()?, source, capacity)
+            }
+        };
+        Ok(client.dated_by(self.inbox.borrow().clone()))
     }
 
     /// Opens a server of a request–response service, for the process with index `source` and answers

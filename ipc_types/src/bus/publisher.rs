@@ -1,10 +1,11 @@
 //! The sending side of a topic.
 
 use core::cell::Cell;
+use std::rc::Rc;
 use std::sync::Arc;
 use std::time::Duration;
 
-use super::{BusError, BusOptions, LocalTopics, SendError, agreed, local};
+use super::{BusError, BusOptions, Inbox, LocalTopics, SendError, agreed, local};
 use crate::clock::{StepStart, monotonic_ns};
 use crate::schema;
 use crate::stamp::Header;
@@ -54,6 +55,7 @@ pub struct Publisher<T: Topic> {
     options: PublisherOptions,
     sequence: Cell<u64>,
     turn: StepStart,
+    inbox: Option<Rc<Inbox>>,
 }
 
 /// A publisher of one of the buses.
@@ -82,6 +84,7 @@ impl<T: Topic> Publisher<T> {
             options,
             sequence: Cell::new(0),
             turn,
+            inbox: None,
         })
     }
 
@@ -95,7 +98,13 @@ impl<T: Topic> Publisher<T> {
             options,
             sequence: Cell::new(0),
             turn: StepStart::default(),
+            inbox: None,
         })
+    }
+
+    /// Returns the publisher of a process with an inbox, whose messages belong to the tick of the inbox.
+    pub(super) fn dated_by(self, inbox: Option<Rc<Inbox>>) -> Self {
+        Self { inbox, ..self }
     }
 
     /// Maximum number of elements of a message.
@@ -254,6 +263,9 @@ impl<T: Topic> Publisher<T> {
         stamp.sequence = self.sequence.get();
         stamp.source = self.options.source;
         stamp.reserved = 0;
+        if let Some(inbox) = &self.inbox {
+            inbox.date(stamp);
+        }
         stamp.begun_ns = self.turn.get();
         (stamp.computed_ns, stamp.sent_ns) = (0, 0);
         Ok(header)

@@ -3,8 +3,10 @@
 use std::rc::Rc;
 use std::sync::Arc;
 
+use super::inbox::{Inbox, Queue, Source};
 use super::{BusError, BusOptions, LocalTopics, ReceiveError, agreed, buffer, local};
 use crate::schema;
+use crate::stamp::{Header as _, Stamp};
 use crate::topics::Topic;
 use crate::transport::{Home, Loan, Receiver};
 
@@ -17,6 +19,8 @@ pub struct Subscriber<T: Topic> {
 enum Port<T: Topic> {
     Ipc(Box<dyn Receiver<T::Header, T::Element>>),
     Local(local::Receiver<T>),
+    /// That of a process with an inbox.
+    Inbox(Rc<Queue<Received<T>>>),
 }
 
 impl<T: Topic> Subscriber<T> {
@@ -44,6 +48,18 @@ impl<T: Topic> Subscriber<T> {
         })
     }
 
+    /// Returns the subscriber of a process with an inbox.
+    pub(super) fn through(self, inbox: &Rc<Inbox>) -> Self {
+        Self {
+            port: Port::Inbox(Queue::open(T::NAME, Box::new(self), inbox)),
+        }
+    }
+
+    /// Returns `true` if the newest message may be older than that of the tick.
+    pub fn may_be_late(&self) -> bool {
+        matches!(self.port, Port::Inbox(_))
+    }
+
     /// Connects to new publishers.
     ///
     /// # Errors
@@ -52,6 +68,7 @@ impl<T: Topic> Subscriber<T> {
         match &self.port {
             Port::Ipc(port) => port.update_connections(),
             Port::Local(_) => Ok(()),
+            Port::Inbox(queue) => queue.update_connections(),
         }
     }
 
@@ -64,8 +81,20 @@ impl<T: Topic> Subscriber<T> {
         let held = match &self.port {
             Port::Ipc(port) => port.receive()?.map(Held::Ipc),
             Port::Local(port) => port.receive().map(Held::Local),
+            Port::Inbox(queue) => return queue.receive(),
         };
         Ok(held.map(|held| Received { held }))
+    }
+}
+
+impl<T: Topic> Source<Received<T>> for Subscriber<T> {
+    fn next(&self) -> Result<Option<(Stamp, Received<T>)>, ReceiveError> {
+        let next = self.receive()?;
+        Ok(next.map(|message| (*message.header().stamp(), message.kept())))
+    }
+
+    fn update_connections(&self) -> Result<(), ReceiveError> {
+        Self::update_connections(self)
     }
 }
 
@@ -103,6 +132,19 @@ impl<T: Topic> Received<T> {
             Held::Ipc(loan) => loan.elements(),
             Held::Local(message) => message.elements(),
         }
+    }
+
+    /// The same message in the memory of the receiver, which may keep any number of them.
+    fn kept(self) -> Self {
+        let Held::Ipc(loan) = self.held else {
+            return self;
+        };
+        let mut own = local::Message::default();
+        own.fill(*loan.header(), |own| {
+            own.extend_from_slice(loan.elements());
+        });
+        let held = Held::Local(Rc::new(own));
+        Self { held }
     }
 
     /// The elements that a sender in the same process shares; `None` if they belong to the message.

@@ -7,11 +7,13 @@
 //! * [`Service`]: request–response; the constants at the end: events.
 
 mod built_in;
+mod pattern;
 mod registry;
 mod service;
 mod topic_id;
 
 pub use built_in::*;
+pub use pattern::fits;
 pub use registry::PerTopic;
 pub use service::{OptimiserPlan, PortsOf, Service};
 pub use topic_id::TopicId;

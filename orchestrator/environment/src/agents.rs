@@ -36,6 +36,20 @@ impl Agents {
         Ok(agents)
     }
 
+    /// Checks that the agents can step in every tick, and nothing is late to or from them.
+    pub fn check_links(&self, scenario: &ResolvedScenario) -> Result<(), EnvironmentError> {
+        let links = scenario.links_by_receiver();
+        for (process, index) in scenario.processes.iter().zip(1..) {
+            let is_from = links.iter().flatten().any(|link| link.source == index);
+            let is_to = links.get(index as usize).is_some_and(|to| !to.is_empty());
+            let is_agent = self.processes.contains(&(index as usize - 1));
+            if is_agent && (process.period != 1 || is_from || is_to) {
+                return Err(EnvironmentError::Linked(process.name.clone()));
+            }
+        }
+        Ok(())
+    }
+
     /// Returns `true` if nothing but the agents' commands has an effect on the world.
     pub fn are_alone(&self, scenario: &ResolvedScenario) -> bool {
         let others = scenario.processes.iter().enumerate();

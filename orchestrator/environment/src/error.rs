@@ -34,6 +34,9 @@ pub enum EnvironmentError {
         "observation belief: no process of the scenario makes beliefs: expected one of kind perception"
     )]
     NoBeliefs,
+    /// The process of an agent has a period or links, in whose place a learner steps in every tick and sees the world.
+    #[error("process {0} of an agent: expected neither `period` nor [[links]] from or to it")]
+    Linked(String),
     /// A seed has no valid scenario.
     #[error("{0}")]
     Scenario(#[from] Diagnostics),

@@ -84,6 +84,7 @@ impl Shared {
     ) -> Result<Self, EnvironmentError> {
         options.check()?;
         let agents = Agents::new(template.scenario(), &options.agents)?;
+        agents.check_links(template.scenario())?;
         let scenario = template.with_seed(episode_seed(options.seed, 0, 0))?;
         let beliefs = options.observation.belief;
         let is_source = |process: &ProcessSpec| process.writes(Input::BELIEFS.flow);

@@ -2,8 +2,9 @@
 
 use core::fmt::Write as _;
 
-use ipc_types::topics::{Commands, ObstacleEvents};
-use runtime::declaration::{Declaration, Flow, Output, When};
+use ipc_types::topics::ObstacleEvents;
+use runtime::declaration::{self, Declaration, Flow, Output, When};
+use runtime::link::Link;
 
 use crate::plan::{Launch, Plan};
 
@@ -14,12 +15,17 @@ pub struct Dataflow {
     edges: Vec<Edge>,
 }
 
-/// Processes of one kind with the same declaration, or the orchestrator.
+/// Processes of one kind with the same declaration and period, or the orchestrator.
 #[derive(Debug, Clone, PartialEq)]
 struct Node {
     kind: String,
     names: Vec<String>,
     declaration: Option<Declaration>,
+    period: u64,
+    /// Indices of its processes in the run.
+    indices: Vec<u32>,
+    /// The links to each of its processes.
+    links: Vec<Vec<Link>>,
 }
 
 /// Flows from one node to another.
@@ -44,6 +50,9 @@ impl Dataflow {
                     outputs: vec![Output::new::<ObstacleEvents>(1)],
                     ..Declaration::default()
                 }),
+                period: 1,
+                indices: vec![plan.orchestrator_index()],
+                links: vec![Vec::new()],
             });
         }
         for launch in &plan.launches {
@@ -55,22 +64,29 @@ impl Dataflow {
             let flows = |known: &Option<Declaration>| known.as_ref().map(flows_of);
             let like = nodes.iter_mut().find(|node| {
                 node.declaration.is_some()
-                    && node.kind == config.kind
+                    && (&node.kind, node.period) == (&config.kind, config.period)
                     && flows(&node.declaration) == flows(declaration)
             });
             match like {
-                Some(node) => node.names.push(config.name.clone()),
+                Some(node) => {
+                    node.names.push(config.name.clone());
+                    node.indices.push(config.index);
+                    node.links.push(config.links.clone());
+                }
                 None => nodes.push(Node {
                     kind: config.kind.clone(),
                     names: vec![config.name.clone()],
                     declaration: declaration.clone(),
+                    period: config.period,
+                    indices: vec![config.index],
+                    links: vec![config.links.clone()],
                 }),
             }
         }
         let mut edges = Vec::new();
         for (from, writer) in nodes.iter().enumerate() {
             for (to, reader) in nodes.iter().enumerate() {
-                let (flows, is_awaited) = between(writer, reader);
+                let (flows, is_awaited) = between(writer, reader, plan.run.tick_period());
                 if !flows.is_empty() && from != to {
                     edges.push(Edge {
                         from,
@@ -158,14 +174,19 @@ impl Dataflow {
 }
 
 impl Node {
-    /// Returns its kind, and the name or the number of its processes.
+    /// Returns its kind, the name or the number of its processes, and their period.
     fn title(&self, open: &str, close: &str, newline: &str) -> String {
         let kind = &self.kind;
-        match self.names.as_slice() {
-            [name] if name != kind => format!("{open}{kind}{close}{newline}{name}"),
-            [] | [_] => format!("{open}{kind}{close}"),
-            names => format!("{open}{kind}{close}{newline}{} processes", names.len()),
-        }
+        let names = match self.names.as_slice() {
+            [name] if name != kind => format!("{newline}{name}"),
+            [] | [_] => String::new(),
+            names => format!("{newline}{} processes", names.len()),
+        };
+        let period = match self.period {
+            1 => String::new(),
+            period => format!("{newline}every {} tick", ordinal(period)),
+        };
+        format!("{open}{kind}{close}{names}{period}")
     }
 }
 
@@ -176,27 +197,55 @@ fn flows_of(declaration: &Declaration) -> (Vec<Flow>, Vec<Flow>) {
     (inputs.collect(), outputs.collect())
 }
 
-/// Returns what a node writes for another, and whether any of it counts within the tick. An external program commands robots,
-/// and may read all that others write for the tick.
-fn between(writer: &Node, reader: &Node) -> (Vec<String>, bool) {
-    let commands = [Output::new::<Commands>(1)];
-    let outputs = writer
-        .declaration
-        .as_ref()
-        .map_or(&commands[..], |known| &known.outputs);
-    let mut flows = Vec::new();
+/// Returns what the processes of a node write for those of another, with the links between them, and whether any of it counts
+/// within the tick.
+fn between(writer: &Node, reader: &Node, tick_period_s: f64) -> (Vec<String>, bool) {
+    let flows = declaration::between(writer.declaration.as_ref(), reader.declaration.as_ref());
+    let mut labels: Vec<String> = Vec::new();
     let mut is_awaited = false;
-    for output in outputs {
-        let when = match &reader.declaration {
-            Some(known) => known.input(output.flow).map(|input| input.when),
-            None => (output.when != When::NextTick).then_some(output.when),
-        };
-        if let Some(when) = when {
-            flows.push(output.flow.to_string());
-            is_awaited |= when == When::ThisTick;
+    for (flow, when) in flows {
+        is_awaited |= when == When::ThisTick;
+        let name = flow.to_string();
+        for source in &writer.indices {
+            for links in &reader.links {
+                let mut links = links.iter();
+                let link = links.find(|link| link.source == *source && link.topic == name);
+                let link = link.map(|link| link_text(link, tick_period_s));
+                let label = format!("{name}{}", link.unwrap_or_default());
+                if !labels.contains(&label) {
+                    labels.push(label);
+                }
+            }
         }
     }
-    (flows, is_awaited)
+    (labels, is_awaited)
+}
+
+/// Returns a number of a series: 2nd, 3rd, 11th.
+fn ordinal(number: u64) -> String {
+    let ending = match (number % 10, number % 100) {
+        (_, 11..=13) => "th",
+        (1, _) => "st",
+        (2, _) => "nd",
+        (3, _) => "rd",
+        _ => "th",
+    };
+    format!("{number}{ending}")
+}
+
+/// Returns delay and loss of a link as the end of its label.
+fn link_text(link: &Link, tick_period_s: f64) -> String {
+    // Without the rounding error of the product.
+    let delay_s = (link.delay as f64 * tick_period_s * 1e6).round() / 1e6;
+    let delay = (link.delay > 0).then(|| format!("+{delay_s} s"));
+    let lost_percent = (link.loss * 1e6).round() / 1e4;
+    let loss = (link.loss > 0.0).then(|| format!("{lost_percent} % lost"));
+    let parts: Vec<String> = [delay, loss].into_iter().flatten().collect();
+    if parts.is_empty() {
+        String::new()
+    } else {
+        format!(" ({})", parts.join(", "))
+    }
 }
 
 /// Writes lines of text about a centre.

@@ -1,7 +1,10 @@
 //! One process of a run: its program, configuration and supervision.
 
-use runtime::config::{ProcessConfig, RunConfig, document};
+use std::time::Duration;
+
+use runtime::config::{ProcessConfig, RunConfig, document, ticks_within};
 use runtime::declaration::{self, Declaration, Flow};
+use runtime::link::Link;
 use runtime::obstacle::ObstacleMessageError;
 use serde::{Serialize, Serializer};
 use simulator::SimulatorParams;
@@ -100,10 +103,13 @@ pub(super) fn launches(
         .map(ProcessSpec::declaration)
         .collect();
     let upstream = declaration::upstream(&declarations);
+    let mut links = scenario.links_by_receiver().into_iter();
+    let to_simulator = links.next().unwrap_or_default();
     let processes = scenario.processes.iter().zip(1..);
-    let mut launches = vec![simulator(scenario, run, &declarations)?];
-    launches.extend(processes.zip(declarations.into_iter().zip(upstream)).map(
-        |((process, index), (declaration, upstream))| {
+    let mut launches = vec![simulator(scenario, run, &declarations, to_simulator)?];
+    let flows = declarations.into_iter().zip(upstream).zip(links);
+    launches.extend(processes.zip(flows).map(
+        |((process, index), ((declaration, upstream), links))| {
             Launch {
                 role: Role::Process(process.program.clone()),
                 config: ProcessConfig {
@@ -118,6 +124,8 @@ pub(super) fn launches(
                     robots: process.robots.iter().map(|&r| r as u32).collect(),
                     // The simulator is before them.
                     upstream: upstream.into_iter().map(|at| at as u32 + 1).collect(),
+                    period: process.period,
+                    links,
                 },
                 declaration,
                 supervision: process.supervision,
@@ -127,17 +135,42 @@ pub(super) fn launches(
     Ok(launches)
 }
 
+/// Returns the number of ticks after its own for which a command of a process counts: until the next one is due. Over a link
+/// with losses it may take longer, up to the deadline of commands.
+fn hold_ticks(
+    scenario: &ResolvedScenario,
+    run: &RunConfig,
+    process: &ProcessSpec,
+    link: Option<&Link>,
+) -> u64 {
+    let until_next = process.period - 1 + link.map_or(0, |link| link.delay);
+    if link.is_none_or(|link| link.loss <= 0.0) {
+        return until_next;
+    }
+    let tick_period = Duration::from_nanos(run.tick_period_ns);
+    let deadline_ns = (scenario.run.command_deadline_s * 1e9).round() as u64;
+    until_next + ticks_within(deadline_ns, tick_period)
+}
+
 fn simulator(
     scenario: &ResolvedScenario,
     run: &RunConfig,
     declarations: &[Option<Declaration>],
+    links: Vec<Link>,
 ) -> Result<Launch, ObstacleMessageError> {
     let mut drivers: Vec<Option<u32>> = vec![None; scenario.world.robots.len()];
+    let mut holds = vec![0; drivers.len()];
     for ((process, declaration), index) in scenario.processes.iter().zip(declarations).zip(1..) {
         let drives = declaration.as_ref().is_none_or(Declaration::drives_robots);
         for &robot in process.robots.iter().filter(|_| drives) {
-            if let Some(driver) = drivers.get_mut(robot) {
+            if let Some((driver, hold)) = drivers.get_mut(robot).zip(holds.get_mut(robot)) {
                 *driver = Some(index);
+                *hold = hold_ticks(
+                    scenario,
+                    run,
+                    process,
+                    links.iter().find(|l| l.source == index),
+                );
             }
         }
     }
@@ -145,6 +178,7 @@ fn simulator(
         world: scenario.world.clone(),
         blur_sigma: scenario.blur_sigma,
         drivers,
+        holds,
         event_schedule: obstacle_schedule::event_schedule(&scenario.events, run.tick_period_ns)?,
     };
     Ok(Launch {
@@ -156,8 +190,10 @@ fn simulator(
             index: 0,
             robots: Vec::new(),
             upstream: Vec::new(),
+            period: 1,
+            links,
         },
-        declaration: Some(simulator::declaration()),
+        declaration: Some(Declaration::of_simulator()),
         // A run needs its simulator.
         supervision: Supervision {
             ready_timeout_s: scenario.run.ready_timeout_s,

@@ -183,6 +183,12 @@ pub(super) fn run_info(scenario: &ResolvedScenario, plan: &Plan) -> RunInfo {
         }),
         fields_of_view: Vec::new(),
         tasks: Vec::new(),
+        links: plan
+            .launches
+            .iter()
+            .flat_map(|l| l.config.links.clone())
+            .collect(),
+        seed: plan.run.seed,
     }
 }
 

@@ -55,6 +55,9 @@ impl MissionReport {
         if !s.processes.is_empty() {
             json["processes"] = json!(s.processes);
         }
+        if !s.links.is_empty() {
+            json["links"] = json!(s.links);
+        }
         if let Some(predictions) = &s.predictions {
             json["predictions"] = json!(predictions);
         }

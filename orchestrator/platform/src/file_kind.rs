@@ -65,6 +65,7 @@ pub const TOML_KEYS: [(FileKind, &[&str]); 3] = [
             "rules",
             "defaults",
             "robots",
+            "links",
             "teams",
             "processes",
             "events",

@@ -158,6 +158,8 @@ fn result_entries(summary: &Summary) -> BTreeMap<String, String> {
         .map(|p| ("predictions", json(serde_json::to_string(p))));
     let failed = (!summary.processes.is_empty())
         .then(|| ("processes", json(serde_json::to_string(&summary.processes))));
+    let links =
+        (!summary.links.is_empty()).then(|| ("links", json(serde_json::to_string(&summary.links))));
     [
         ("digest", summary.digest.clone()),
         ("ticks", summary.ticks.to_string()),
@@ -172,6 +174,7 @@ fn result_entries(summary: &Summary) -> BTreeMap<String, String> {
     .chain(coverage)
     .chain(predictions)
     .chain(failed)
+    .chain(links)
     .map(|(key, value)| (key.to_owned(), value))
     .collect()
 }

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use runtime::kind::TaskSketch;
+use runtime::link::Link;
 use serde::{Deserialize, Serialize};
 
 use super::event_names::EventNames;
@@ -63,6 +64,10 @@ pub struct RunInfo {
     pub fields_of_view: Vec<FieldOfView>,
     /// Tasks with a geometry, in the order of the processes; none without a log.
     pub tasks: Vec<TaskInfo>,
+    /// All links.
+    pub links: Vec<Link>,
+    /// Seed of the run, from which losses are drawn.
+    pub seed: u64,
 }
 
 impl RunInfo {

@@ -37,6 +37,9 @@ pub struct Summary {
     /// Accuracy of predictions, by observer, robot, method and horizon; absent unless an observer ran.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub predictions: Option<Vec<PredictionOutcome>>,
+    /// Messages on the links of the scenario, by topic and sender; absent without links.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub links: Vec<LinkOutcome>,
     /// Processes that failed, by index; absent if none failed.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub processes: Vec<ProcessOutcome>,
@@ -238,6 +241,21 @@ pub struct PredictionOutcome {
     /// Number of goals observed by then.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub key_recovered_after: Option<u32>,
+}
+
+/// Messages on a link.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct LinkOutcome {
+    /// Name of the topic.
+    pub topic: String,
+    /// Name of the sender.
+    pub from: String,
+    /// Name of the receiver.
+    pub to: String,
+    /// Number of messages sent.
+    pub messages: u64,
+    /// Number of those that never arrived.
+    pub lost: u64,
 }
 
 /// Outcome of a process that failed.

@@ -176,7 +176,7 @@ impl ConfiguredKind {
     /// Opens a process in this thread.
     ///
     /// # Errors
-    /// See [`runtime::kind::open`].
+    /// See [`runtime::paced::start`].
     pub fn open(
         &self,
         config: &ProcessConfig,
@@ -261,7 +261,6 @@ impl<K: ProcessKind> Configured for Typed<K> {
     }
 
     fn open(&self, config: &ProcessConfig, bus: &Bus) -> Result<Box<dyn Process>, ProcessError> {
-        let process = runtime::kind::open::<K>(config, &self.params, bus)?;
-        Ok(Box::new(process))
+        runtime::paced::start::<K>(config, &self.params, bus)
     }
 }

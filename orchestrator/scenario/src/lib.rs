@@ -18,6 +18,7 @@ mod failure;
 mod feasibility;
 pub mod files;
 pub mod kind;
+mod links;
 mod load;
 mod overrides;
 mod processes;

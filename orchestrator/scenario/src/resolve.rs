@@ -14,10 +14,12 @@ use sim_backend::spec::{RulesSpec, WorldSpec};
 use super::context::Context;
 use super::events::EventBlock;
 use super::files::Base;
+use super::links;
 use super::resolved::ResolvedScenario;
 use super::robots::Robot;
 use super::spec::{
-    Defaults, LogSpec, MAX_EVENTS, MAX_ROBOTS, MAX_TICKS, ProcessBlock, RobotBlock, RunSpec,
+    Defaults, LinkSpec, LogSpec, MAX_EVENTS, MAX_ROBOTS, MAX_TICKS, ProcessBlock, RobotBlock,
+    RunSpec,
 };
 use super::starts::Placement;
 use super::world::WorldBlock;
@@ -55,6 +57,9 @@ pub(super) struct TopLevel {
     /// Changes of obstacles, at most 10 000 events.
     #[schemars(with = "Option<Vec<EventBlock>>", length(max = MAX_EVENTS))]
     pub events: Option<Vec<IgnoredAny>>,
+    /// Delays and losses of messages.
+    #[schemars(with = "Option<Vec<LinkSpec>>")]
+    pub links: Option<Vec<IgnoredAny>>,
     /// Contents and format of the log.
     #[schemars(with = "Option<LogSpec>")]
     pub log: Option<IgnoredAny>,
@@ -88,6 +93,7 @@ pub(super) fn resolve(
         &events,
         read,
     );
+    let links = links::resolve(ctx, &processes);
     let (top, run, log, rules) = (top?, run?, log?, rules?);
     let (map_setup, robots) = (map_setup?, robots?);
     if !ctx.problems.is_empty() {
@@ -122,6 +128,7 @@ pub(super) fn resolve(
         map_remark: map_setup.remark,
         processes,
         events,
+        links,
         log,
     };
     Some((scenario, placements))

@@ -12,7 +12,7 @@ use sim_backend::spec::{RulesSpec, WorldSpec};
 use super::events::EventSpec;
 use super::failure::Supervision;
 use super::kind::ConfiguredKind;
-use super::spec::{LogSpec, RunSpec};
+use super::spec::{LinkSpec, LogSpec, RunSpec};
 
 /// Program of a process.
 #[derive(Debug, Clone, PartialEq)]
@@ -94,6 +94,8 @@ pub struct ProcessSpec {
     pub robots: Vec<usize>,
     /// Supervision of the process.
     pub supervision: Supervision,
+    /// It steps in the ticks that are multiples of this number, ≥ 1.
+    pub period: u64,
 }
 
 /// A scenario ready to run, with presets, teams, defaults, overrides, map and start jitter applied.
@@ -118,6 +120,8 @@ pub struct ResolvedScenario {
     /// Changes of the obstacles: first those with known times, by time; then, in order, those of
     /// obstacles with a change that waits for a robot.
     pub events: Vec<EventSpec>,
+    /// Links with delays and losses.
+    pub links: Vec<LinkSpec>,
     /// Contents and format of the log.
     pub log: LogSpec,
 }
@@ -186,6 +190,9 @@ impl ResolvedScenario {
                         block["folder"] = json!(folder);
                     }
                 }
+                if p.period != 1 {
+                    block["period"] = json!(p.period);
+                }
                 if !p.robots.is_empty() {
                     block["robots"] = p.robots.iter().map(robot_name).collect();
                     block["grouping"] = json!("together");
@@ -193,7 +200,7 @@ impl ResolvedScenario {
                 block
             })
             .collect();
-        let root = json!({
+        let mut root = json!({
             "name": self.name,
             "title": self.title,
             "description": self.description,
@@ -205,6 +212,9 @@ impl ResolvedScenario {
             "events": self.events,
             "log": self.log,
         });
+        if !self.links.is_empty() {
+            root["links"] = json!(self.links);
+        }
         Node::from_json(&root)
             .map(|node| write_document(&node))
             .unwrap_or_default()

@@ -11,7 +11,7 @@ use sim_backend::spec::{CoverageSpec, RulesSpec};
 use super::events::{EventBlock, WhenBlock};
 use super::kind::Kind;
 use super::resolve::TopLevel;
-use super::spec::{LogSpec, ProcessBlock, RobotBlock, RunSpec};
+use super::spec::{LinkSpec, LogSpec, ProcessBlock, RobotBlock, RunSpec};
 use super::world::WorldBlock;
 
 /// Returns the schema of a scenario file with these kinds of processes: the keys of `params` depend on
@@ -81,6 +81,7 @@ pub fn reference() -> String {
     reference.section::<ProcessBlock>("`[[processes]]`");
     reference.section::<EventBlock>("`[[events]]`");
     reference.section::<WhenBlock>("`when`");
+    reference.section::<LinkSpec>("`[[links]]`");
     reference.section::<LogSpec>("`[log]`");
     reference.section::<Shape>("Shapes");
     reference.section::<Region>("Regions");

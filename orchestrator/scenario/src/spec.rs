@@ -6,7 +6,7 @@ use core::f64::consts::PI;
 use geometry::extent::positive;
 use geometry::pose::Pose2;
 use geometry::region::Region;
-use parameters::{Bounds, Parameters, between};
+use parameters::{Bounds, Parameters, at_least, between};
 use robot::spec::{ActuatorSpec, LimitsSpec, OdometrySpec, Preset, ScanSpec};
 use robot::team::Role;
 use schemars::JsonSchema;
@@ -25,6 +25,12 @@ pub const MAX_CELLS: usize = 25_000_000;
 pub const MAX_TICKS: f64 = 1e8;
 /// Maximum number of events in a scenario.
 pub const MAX_EVENTS: usize = 10_000;
+/// Maximum delay of a link (s).
+const MAX_DELAY: f64 = 60.0;
+/// Sender or receiver of a link without one.
+pub(super) const ANY: &str = "any";
+/// Maximum period of a process (ticks).
+pub(super) const MAX_PERIOD: u64 = 10_000;
 
 /// Time, randomness, and synchronisation of the processes.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -303,10 +309,41 @@ pub(super) struct ProcessBlock {
     /// `run.ready_timeout_s` if absent.
     #[schemars(transform = ready_timeout())]
     pub ready_timeout_s: Option<f64>,
+    /// It steps in every n-th tick, from tick 0 on; between two steps its last commands and outputs count. 1 if absent.
+    #[schemars(transform = between(1, MAX_PERIOD).unit("ticks"))]
+    pub period: Option<u64>,
     /// Parameters of the kind; for a `command`, any parameters of the program.
     #[serde(rename = "params")]
     #[schemars(with = "Option<serde_json::Map<String, serde_json::Value>>")]
     pub _params: Option<IgnoredAny>,
+}
+
+/// Delay and loss of the messages of some topics between some processes.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct LinkSpec {
+    /// Name of the topic, or a pattern in which `*` stands for any characters. Required.
+    pub topic: String,
+    /// Senders: the name or the kind of processes, or a pattern of names; `"simulator"` for the world; `"any"` if absent.
+    #[serde(default = "any")]
+    pub from: String,
+    /// Receivers, as for `from`.
+    #[serde(default = "any")]
+    pub to: String,
+    /// Time after which a message arrives, rounded to the nearest number of ticks.
+    #[serde(default)]
+    #[schemars(transform = between(0, MAX_DELAY).unit("s"))]
+    pub delay_s: f64,
+    /// Probability with which a message never arrives.
+    #[serde(default)]
+    #[schemars(transform = at_least(0).below(1))]
+    pub loss: f64,
+}
+
+impl Parameters for LinkSpec {}
+
+fn any() -> String {
+    ANY.to_owned()
 }
 
 /// Default values of robots.

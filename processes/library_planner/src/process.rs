@@ -170,7 +170,7 @@ impl LibraryPlanner {
             exits: self.exits.as_ptr(),
             exit_count: self.exits.len(),
             capture_radius: self.capture_radius,
-            dt: config.run.tick_period(),
+            dt: config.step_period(),
             seed: self.seed,
             functions: &raw const start_functions::FUNCTIONS,
             context: (&raw const context).cast(),

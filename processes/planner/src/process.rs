@@ -258,7 +258,7 @@ impl<P: Planner> Process for PlannerProcess<P> {
             let scan = self.scans.as_ref().and_then(|scans| scans.of(driven.robot));
             let view = View {
                 time_s: self.state.header.stamp.time_ns as f64 * 1e-9,
-                dt: self.config.run.tick_period(),
+                dt: self.config.step_period(),
                 me: driven.robot as usize,
                 robots: &self.views,
                 beliefs: &belief_views,

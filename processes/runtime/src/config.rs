@@ -15,6 +15,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value as Json;
 
 use crate::declaration::Flow;
+use crate::link::Link;
 
 /// Environment variable with the path of a process's configuration.
 pub const CONFIG_VARIABLE: &str = "PROTEAN_CONFIG";
@@ -34,6 +35,10 @@ pub struct ProcessConfig {
     pub robots: Vec<u32>,
     /// Indices of the processes whose output of a tick it waits for.
     pub upstream: Vec<u32>,
+    /// It steps in the ticks that are multiples of this number, ≥ 1.
+    pub period: u64,
+    /// Links to it; the messages of other senders and topics arrive in their tick.
+    pub links: Vec<Link>,
 }
 
 /// File of a process: its configuration and the parameters of its kind, checked before the start.
@@ -263,6 +268,11 @@ impl ProcessConfig {
     /// [`ConfigError`] names the file and the place in it.
     pub fn load(path: &Path) -> Result<Self, ConfigError> {
         Ok(load_untyped(path)?.0)
+    }
+
+    /// Returns the simulated time between two steps (s).
+    pub fn step_period(&self) -> f64 {
+        self.run.tick_period() * self.period as f64
     }
 
     /// Returns the robots that this process drives, with their indices; an index without a robot is

@@ -4,7 +4,10 @@
 use core::fmt;
 
 use ipc_types::bus::AnyTopic;
-use ipc_types::topics::{Commands, Service, Topic, TopicId, Tree, Waypoints};
+use ipc_types::topics::{
+    Commands, Coverage, ObstacleEvents, Scan, Service, Topic, TopicId, Tree, Waypoints,
+    WorldEvents, WorldMap, WorldShapes, WorldState,
+};
 
 /// A stream of messages between processes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -159,6 +162,22 @@ pub struct Declaration {
 }
 
 impl Declaration {
+    /// Returns that of the simulator. The size of its messages follows from the world.
+    pub fn of_simulator() -> Self {
+        let commands = Input::new(Flow::of::<Commands>(), When::NextTick);
+        let changes = Input::new(Flow::of::<ObstacleEvents>(), When::Event);
+        Self::default()
+            .reads(commands)
+            .reads(changes)
+            .writes(Output::new::<WorldState>(0).at(When::ThisTick))
+            .writes(Output::new::<Scan>(0).at(When::ThisTick))
+            .writes(Output::new::<WorldMap>(0).at(When::Latched))
+            .writes(Output::new::<WorldShapes>(0).at(When::Latched))
+            .writes(Output::new::<WorldEvents>(0))
+            .writes(Output::new::<Coverage>(0))
+            .writes(Output::new::<ObstacleEvents>(1).at(When::Event))
+    }
+
     /// Adds an input.
     #[must_use]
     pub fn reads(mut self, input: Input) -> Self {
@@ -229,6 +248,21 @@ impl Declaration {
         let mut outputs = self.outputs.iter();
         outputs.any(|output| output.when == When::ThisTick)
     }
+}
+
+/// Returns what one process writes for another, and when the reader takes it. An external program (`None`) commands robots,
+/// and may read all that others write for the tick.
+pub fn between(writer: Option<&Declaration>, reader: Option<&Declaration>) -> Vec<(Flow, When)> {
+    let commands = [Output::new::<Commands>(1)];
+    let outputs = writer.map_or(&commands[..], |known| &known.outputs);
+    let taken = |output: &Output| {
+        let when = match reader {
+            Some(known) => known.input(output.flow).map(|input| input.when),
+            None => (output.when != When::NextTick).then_some(output.when),
+        };
+        Some((output.flow, when?))
+    };
+    outputs.iter().filter_map(taken).collect()
 }
 
 /// Returns, for each process, the indices of those whose output of a tick it waits for. An external program (`None`) has an

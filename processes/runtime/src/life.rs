@@ -13,9 +13,10 @@ use serde::de::DeserializeOwned;
 use crate::config::{self, Clock, ProcessConfig};
 use crate::error::ProcessError;
 use crate::guard;
-use crate::kind::{self, Process, ProcessKind};
+use crate::kind::{Process, ProcessKind};
 use crate::lockstep::{BarrierMember, Phase, SlotState, TickBarrier, TickWait};
 use crate::logging;
+use crate::paced;
 use crate::status::Heartbeat;
 
 /// Resources that every process opens first and keeps to its end.
@@ -145,9 +146,7 @@ pub fn follow<K: ProcessKind>(
         kind: K::NAME.to_owned(),
         ..config.clone()
     };
-    live(config, setup, &|bus| {
-        Ok(Box::new(kind::open::<K>(config, params, bus)?))
-    })
+    live(config, setup, &|bus| paced::start::<K>(config, params, bus))
 }
 
 /// Like [`run`], with these presets of parameters and another body (the simulator leads the loop instead of following

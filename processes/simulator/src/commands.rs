@@ -27,21 +27,32 @@ struct Held {
 #[derive(Debug)]
 pub struct CommandBoard {
     drivers: Vec<Option<u32>>,
+    holds: Vec<u64>,
     held: Vec<Option<Held>>,
     in_force: Vec<Option<Twist2>>,
     received_ns: u64,
 }
 
 impl CommandBoard {
-    /// Returns a board for robots with these drivers (process indices).
+    /// Returns a board for robots with these drivers (process indices), whose commands count in no tick but their own.
     pub fn new(drivers: Vec<Option<u32>>) -> Self {
         let robots = drivers.len();
         Self {
             drivers,
+            holds: vec![0; robots],
             held: vec![None; robots],
             in_force: vec![None; robots],
             received_ns: 0,
         }
+    }
+
+    /// Returns the board with commands that count for more ticks, by robot.
+    #[must_use]
+    pub fn holding(mut self, holds: &[u64]) -> Self {
+        for (own, hold) in self.holds.iter_mut().zip(holds) {
+            *own = *hold;
+        }
+        self
     }
 
     /// Accepts a command that arrived at `now_ns` (monotonic clock) during tick `tick`.
@@ -78,9 +89,11 @@ impl CommandBoard {
     }
 
     /// Returns the commands in force at tick `tick`: those not older than `max_age` ticks (0 in
-    /// lock-step: the command must answer this very state).
+    /// lock-step: the command must answer this very state) and those that the robot holds.
     pub fn in_force(&mut self, tick: u64, max_age: u64) -> &[Option<Twist2>] {
-        for (force, held) in self.in_force.iter_mut().zip(&self.held) {
+        let commands = self.held.iter().zip(&self.holds);
+        for (force, (held, hold)) in self.in_force.iter_mut().zip(commands) {
+            let max_age = max_age.saturating_add(*hold);
             *force = held
                 .filter(|h| h.stamp.tick.saturating_add(max_age) >= tick)
                 .map(|h| h.twist);
@@ -185,6 +198,22 @@ mod tests {
             board.take(&stamp(4, 3), &command(0, 2.0), 9, 0),
             Err(Refusal::Outdated)
         );
+    }
+
+    #[test]
+    fn a_robot_holds_a_command_until_its_driver_steps_again() {
+        let mut board = CommandBoard::new(vec![Some(3), Some(4)]).holding(&[4, 0]);
+        for robot in [0, 1] {
+            let stamp = stamp(5, 3 + robot);
+            board.take(&stamp, &command(robot, 1.0), 5, 0).unwrap();
+        }
+        let mut stopped = |tick| {
+            board.in_force(tick, 0);
+            [board.is_stopped(0), board.is_stopped(1)]
+        };
+        assert_eq!(stopped(5), [false, false]);
+        assert_eq!(stopped(9), [false, true]);
+        assert_eq!(stopped(10), [true, true]);
     }
 
     #[test]

@@ -15,6 +15,9 @@ pub struct SimulatorParams {
     pub blur_sigma: f64,
     /// Index of the driving process of every robot; `None`: no driver, it stands.
     pub drivers: Vec<Option<u32>>,
+    /// Number of ticks after its own for which a command of every robot counts, beyond the general one: its driver steps in
+    /// some ticks only, or its commands come late.
+    pub holds: Vec<u64>,
     /// Changes of the obstacles that depend on robots or on each other, in their order. (Changes at
     /// a fixed time arrive over their topic.)
     #[serde(default, skip_serializing_if = "Vec::is_empty")]

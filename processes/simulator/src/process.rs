@@ -4,12 +4,13 @@ mod loops;
 
 use std::path::Path;
 use std::process::ExitCode;
+use std::rc::Rc;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::Duration;
 
 use geometry::blur::BlurError;
-use ipc_types::bus::{Bus, Publisher, PublisherOptions, Subscriber};
+use ipc_types::bus::{Bus, Inbox, Publisher, PublisherOptions, Subscriber};
 use ipc_types::clock::StampClock;
 use ipc_types::messages::robot::ScanHeader;
 use ipc_types::messages::world::{MapHeader, RobotState, WorldEvent, WorldHeader};
@@ -17,9 +18,10 @@ use ipc_types::stamp::{PlainHeader, Stamp};
 use ipc_types::topics::{
     Commands, Coverage, Scan, WorldEvents, WorldMap as MapTopic, WorldShapes, WorldState,
 };
-use runtime::declaration::Input;
+use runtime::declaration::{Declaration, Input};
 use runtime::lockstep::{BarrierLeader, Phase, SlotState};
 use runtime::maps::{MapState, Maps};
+use runtime::paced;
 use runtime::{Clock, ProcessConfig, ProcessError, Setup, shapes};
 use sim_backend::robot::Robot;
 use sim_backend::world::World;
@@ -119,6 +121,8 @@ pub struct Simulator {
     scan_out: Publisher<Scan>,
     coverage_out: Publisher<Coverage>,
     commands_in: Subscriber<Commands>,
+    /// The commands that come late or not at all; `None` without links.
+    inbox: Option<Rc<Inbox>>,
 }
 
 impl Simulator {
@@ -150,11 +154,12 @@ impl Simulator {
         let event_schedule =
             EventSchedule::new(params.event_schedule.clone(), &params.world.robots)
                 .map_err(|e| refused(config, &e.to_string()))?;
+        let inbox = paced::inbox(config, &Declaration::of_simulator());
         let port = |capacity: usize| PublisherOptions::new(config.index, capacity);
         let beams = config.run.robots.iter().map(|r| r.beams).max().unwrap_or(0);
         Ok(Self {
             clock: bus.clock(),
-            board: CommandBoard::new(params.drivers.clone()),
+            board: CommandBoard::new(params.drivers.clone()).holding(&params.holds),
             blur_sigma: params.blur_sigma,
             tick_period: Duration::from_nanos(config.run.tick_period_ns),
             tick: 0,
@@ -184,7 +189,11 @@ impl Simulator {
             )))?,
             scan_out: bus.publisher(port(beams as usize))?,
             coverage_out: bus.publisher(port(1))?,
-            commands_in: bus.subscriber()?,
+            commands_in: match &inbox {
+                Some(inbox) => bus.through(inbox, || bus.subscriber())?,
+                None => bus.subscriber()?,
+            },
+            inbox,
             world,
         })
     }
@@ -366,6 +375,9 @@ impl Simulator {
     /// # Errors
     /// [`ProcessError`] if the transport fails.
     pub fn take_commands(&mut self) -> Result<(), ProcessError> {
+        if let Some(inbox) = &self.inbox {
+            inbox.begin(self.tick)?;
+        }
         while let Some(message) = self.commands_in.receive()? {
             let now = self.clock.now_ns();
             for command in message.elements() {

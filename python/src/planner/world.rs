@@ -83,7 +83,7 @@ impl World {
         exits: &[Point2<f64>],
     ) -> PyResult<Self> {
         let run = &config.run;
-        let dt = run.tick_period();
+        let dt = config.step_period();
         let robots = run.robots.iter().enumerate();
         let rows = robots
             .map(|(index, info)| Py::new(py, Robot::new(index, info, dt)))

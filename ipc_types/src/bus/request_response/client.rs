@@ -4,6 +4,7 @@ use core::cell::{Cell, RefCell};
 use std::rc::Rc;
 
 use super::layout;
+use crate::bus::inbox::Inbox;
 use crate::bus::local::Endpoint;
 use crate::bus::{Answer, BusError, ReceiveError, SendError, agreed};
 use crate::clock::StampClock;
@@ -17,6 +18,7 @@ pub struct Client<S: Service> {
     source: u32,
     capacity: usize,
     sequence: Cell<u64>,
+    inbox: Option<Rc<Inbox>>,
 }
 
 /// A client of one of the buses.
@@ -49,6 +51,7 @@ impl<S: Service> Client<S> {
             source,
             capacity,
             sequence: Cell::new(0),
+            inbox: None,
         })
     }
 
@@ -62,7 +65,13 @@ impl<S: Service> Client<S> {
             source,
             capacity: capacity.max(1),
             sequence: Cell::new(0),
+            inbox: None,
         }
+    }
+
+    /// Returns the client of a process with an inbox, whose requests belong to the tick of the inbox.
+    pub(in crate::bus) fn dated_by(self, inbox: Option<Rc<Inbox>>) -> Self {
+        Self { inbox, ..self }
     }
 
     /// Sends a request; the returned handle polls the answer. The stamp's sequence, source and sending clock
@@ -87,6 +96,9 @@ impl<S: Service> Client<S> {
         stamp.sequence = self.sequence.replace(self.sequence.get() + 1);
         stamp.source = self.source;
         stamp.reserved = 0;
+        if let Some(inbox) = &self.inbox {
+            inbox.date(stamp);
+        }
         let pending = match &self.port {
             Port::Ipc(port) => {
                 stamp.sent_ns = StampClock::MONOTONIC.now_ns();

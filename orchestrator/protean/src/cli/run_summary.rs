@@ -250,6 +250,12 @@ pub(super) fn text(
     for process in &s.processes {
         text += &failures_text(process);
     }
+    if !s.links.is_empty() {
+        let messages: u64 = s.links.iter().map(|link| link.messages).sum();
+        let lost: u64 = s.links.iter().map(|link| link.lost).sum();
+        let links = s.links.len();
+        text += &format!("links     {lost} of {messages} messages lost on {links} links\n");
+    }
     if let Some(coverage) = &s.coverage {
         text += &format!(
             "coverage  {:.1} % of {:.1} m2 free area, {:.1} % of the coverable area, path length {:.0} m\n",

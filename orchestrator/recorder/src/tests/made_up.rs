@@ -368,6 +368,7 @@ pub fn run_info() -> RunInfo {
             .to_vec(),
         obstacles: std::collections::BTreeMap::new(),
         tick_period_ns: PERIOD_NS,
+        seed: 1,
         ..RunInfo::default()
     }
 }

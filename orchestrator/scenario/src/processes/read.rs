@@ -1,6 +1,7 @@
 //! Reading one `[[processes]]` block.
 
 use config::{Code, FieldPath, Node, Origin, ReadFault, Step, describe, suggest};
+use runtime::declaration::Flow;
 
 use super::files;
 use crate::context::Context;
@@ -10,7 +11,7 @@ use crate::kind::{ConfiguredKind, Kind, ParamsProblem, find};
 use crate::renamed;
 use crate::resolved::{ProcessSpec, Program};
 use crate::robots::{Robot, check_name};
-use crate::spec::{Grouping, ProcessBlock, RunSpec};
+use crate::spec::{Grouping, MAX_PERIOD, ProcessBlock, RunSpec};
 
 /// A process as read, with its place for error messages.
 pub struct Read {
@@ -80,6 +81,9 @@ pub fn block(
     let Some(supervision) = failure::read(ctx, node, path, &block, run) else {
         return;
     };
+    let Some(period) = read_period(ctx, node, path, block.period, &program) else {
+        return;
+    };
     let together = block.grouping == Some(Grouping::Together) || driven.len() <= 1;
     let groups: Vec<(String, Vec<usize>)> = if together {
         vec![(name, driven)]
@@ -98,6 +102,7 @@ pub fn block(
             program: program.clone(),
             robots,
             supervision,
+            period,
         };
         read.push(Read {
             spec,
@@ -105,6 +110,36 @@ pub fn block(
             path: path.clone(),
         });
     }
+}
+
+/// Returns the period of a process. One that answers requests has no steps.
+fn read_period(
+    ctx: &mut Context<'_>,
+    node: &Node,
+    path: &FieldPath,
+    period: Option<u64>,
+    program: &Program,
+) -> Option<u64> {
+    let period = period.unwrap_or(1);
+    let answers = |kind: &ConfiguredKind| {
+        let outputs = kind.declaration().outputs;
+        let mut flows = outputs.iter().map(|output| output.flow);
+        flows.any(|flow| matches!(flow, Flow::Answers(_)))
+    };
+    let (message, expected) = if !(1..=MAX_PERIOD).contains(&period) {
+        let expected = format!("a number from 1 to {MAX_PERIOD} (ticks)");
+        ("`period` is out of range", expected)
+    } else if period > 1 && program.kind().is_some_and(answers) {
+        let message = "a process that answers requests does so on their arrival";
+        (message, "no `period`".to_owned())
+    } else {
+        return Some(period);
+    };
+    let problem = ctx
+        .problem(node, path, "period", Code::OutOfRange, message)
+        .expected(expected);
+    ctx.problems.push(problem);
+    None
 }
 
 /// Program that a block names.

@@ -136,6 +136,8 @@ fn config() -> ProcessConfig {
         index: 1,
         robots: vec![ME],
         upstream: Vec::new(),
+        period: 1,
+        links: Vec::new(),
     }
 }
 

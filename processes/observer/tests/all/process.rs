@@ -55,6 +55,8 @@ fn config() -> ProcessConfig {
         index: 1,
         robots: Vec::new(),
         upstream: Vec::new(),
+        period: 1,
+        links: Vec::new(),
     }
 }
 
