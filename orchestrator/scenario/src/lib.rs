@@ -13,6 +13,7 @@
 #![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
 #![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
 
+mod asked;
 pub mod builtin;
 mod context;
 mod draft;
@@ -38,12 +39,13 @@ mod world;
 #[cfg(test)]
 mod tests;
 
+pub use asked::ask;
 pub use context::refusal;
 pub use draft::Draft;
 pub use events::{EventSpec, Moment};
 pub use failure::Supervision;
 pub use load::{Listed, Loader, list};
 pub use remarks::{ScenarioRemark, remark_lines};
-pub use resolved::{ProcessSpec, Program, ResolvedScenario};
+pub use resolved::{Declared, ProcessSpec, Program, ResolvedScenario};
 pub use spec::OnFailure;
 pub use template::{MapCache, Template};
