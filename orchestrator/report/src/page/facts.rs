@@ -289,6 +289,7 @@ pub(super) fn facts(gathered: &mut Gathered, kinds: &[Kind]) -> Json {
         "result": outcome_words(&robots_outcome, coverage.as_ref()),
         "outcome": robots_outcome,
         "idleness": idleness,
+        "marks": gathered.marks.names(),
         "dominance": gathered.layers.regions.grid(),
         "coverage": coverage,
         "predictions": parsed("predictions"),

@@ -11,6 +11,7 @@ use mcap_log::{Condition, LogReadError, ReadProgress};
 
 use super::happened::Happened;
 use super::layers::Layers;
+use super::marks::Marks;
 use super::measured::Measured;
 use super::sampled::{Sample, Sampled};
 use super::timing::Timing;
@@ -46,6 +47,7 @@ pub(super) struct Gathered {
     /// Its changes, by time (ns).
     pub(super) changes: Vec<(u64, ObstacleChange)>,
     pub(super) layers: Layers,
+    pub(super) marks: Marks,
     pub(super) happened: Happened,
     pub(super) measured: Measured,
     pub(super) timing: Timing,
@@ -82,6 +84,7 @@ impl Gathered {
         let weigh = |frame: &Frame| frame.robots.len();
         let mut frames = Frames(Sampled::new(0, MAX_STATES, weigh));
         let (mut layers, mut happened) = (Layers::default(), Happened::default());
+        let mut marks = Marks::of(log);
         let (mut measured, mut timing) = (Measured::default(), Timing::new(kinds));
         let mut run = LoggedRun::read(
             log,
@@ -89,6 +92,7 @@ impl Gathered {
             vec![
                 Box::new(&mut frames),
                 Box::new(&mut layers),
+                Box::new(&mut marks),
                 Box::new(&mut happened),
                 Box::new(&mut measured),
                 Box::new(&mut timing),
@@ -117,6 +121,7 @@ impl Gathered {
             static_scene,
             changes: run.changes,
             layers,
+            marks,
             happened,
             measured,
             timing,

@@ -7,12 +7,13 @@ const STYLE: &str = include_str!("page/page.css");
 /// Scripts of the whole page.
 const SHARED: [&str; 1] = [include_str!("page/clock.js")];
 /// The scripts of a run, each after those that it uses.
-const VIEWER: [&str; 10] = [
+const VIEWER: [&str; 11] = [
     include_str!("page/data.js"),
     include_str!("page/ground.js"),
     include_str!("page/view.js"),
     include_str!("page/paths.js"),
     include_str!("page/areas.js"),
+    include_str!("page/marks.js"),
     include_str!("page/layers.js"),
     include_str!("page/timeline.js"),
     include_str!("page/plots.js"),

@@ -11,6 +11,7 @@ mod gather;
 mod happened;
 mod html;
 mod layers;
+mod marks;
 mod measured;
 mod pack;
 mod plots;

@@ -36,6 +36,7 @@ pub(super) fn pack(gathered: &mut Gathered, raster: Raster, lists: &mut Lists) {
     predicted(&predictions.finish(), raster, lists);
     judged(&verdicts.finish(), lists);
     owners(&regions.finish(), lists);
+    gathered.marks.pack(raster, lists);
     waypoints(gathered, raster, lists);
     rectangles(gathered, raster, lists);
 }
