@@ -45,9 +45,7 @@ fn a_sensor_with_a_message_of_its_own_is_read_within_the_tick_logged_and_execute
     assert!(tracks.contains("tracks.sigma"), "{tracks}");
     assert_eq!(tracks.lines().count() as u64, 1 + ticks);
     // It draws them, too: bearings from the robots, and circles about the tracks.
-    let report = sandbox
-        .protean(["report", "mission.mcap", "--out", "report.html"])
-        .run();
+    let report = call(&["report", "mission.mcap", "--out", "report.html"]).run();
     assert_eq!(report.code, Some(0), "{report}");
     let report = read("report.html");
     assert!(report.contains(r#""marks":["sonar/bearing","sonar/track"]"#));
