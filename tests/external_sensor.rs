@@ -44,6 +44,15 @@ fn a_sensor_with_a_message_of_its_own_is_read_within_the_tick_logged_and_execute
     let tracks = read("tables/sonar.track.csv");
     assert!(tracks.contains("tracks.sigma"), "{tracks}");
     assert_eq!(tracks.lines().count() as u64, 1 + ticks);
+    // It draws them, too: bearings from the robots, and circles about the tracks.
+    let report = call(&["report", "mission.mcap", "--out", "report.html"]).run();
+    assert_eq!(report.code, Some(0), "{report}");
+    let report = read("report.html");
+    assert!(report.contains(r#""marks":["sonar/bearing","sonar/track"]"#));
+    let marks = call(&["cat", "mission.mcap", "/marks"]).run().stdout;
+    for name in [r#""ns":"sonar/bearing""#, r#""ns":"sonar/track""#] {
+        assert!(marks.contains(name), "{marks:.400}");
+    }
     let found: Option<BTreeMap<String, BTreeMap<String, u64>>> =
         python::call("read_rosbag.py", sandbox.path());
     if let Some(read) = found {

@@ -158,6 +158,23 @@ pub fn view<T: Topic>(
     Some((header, elements))
 }
 
+/// Splits the CDR form of a message of a topic into the bytes of its header and of its elements, with their number; `None` if it
+/// is not one message of the topic.
+pub(crate) fn split<'b>(
+    topic: &TopicFacts,
+    bytes: &'b [u8],
+) -> Option<(&'b [u8], &'b [u8], usize)> {
+    let body = bytes.strip_prefix(&ENCAPSULATION)?;
+    let (header, rest) = body.split_at_checked(topic.header.size)?;
+    let count = match topic.arity {
+        Arity::One => 1,
+        Arity::Many => u32::from_le_bytes(*rest.first_chunk()?) as usize,
+    };
+    let elements = rest.get(head_len(topic, count)..)?;
+    let is_whole = count.checked_mul(topic.element.size) == Some(elements.len());
+    is_whole.then_some((header, elements, count))
+}
+
 /// Length (bytes) of the CDR form of a message with this number of elements (saturating).
 pub fn encoded_len<T: Topic>(elements: usize) -> usize {
     let head = ENCAPSULATION.len() + size_of::<T::Header>() + head_len(T::FACTS, elements);
@@ -167,7 +184,7 @@ pub fn encoded_len<T: Topic>(elements: usize) -> usize {
 }
 
 /// Length (bytes) of a sequence's count and gap.
-const fn head_len(topic: &TopicFacts, elements: usize) -> usize {
+pub(crate) const fn head_len(topic: &TopicFacts, elements: usize) -> usize {
     match topic.arity {
         Arity::One => 0,
         Arity::Many if elements == 0 => 4,

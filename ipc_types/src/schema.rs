@@ -34,6 +34,21 @@ pub fn ros2msg(topic: TopicId) -> String {
             }
         }
     }
+    definitions_of(&mut text, nested);
+    text
+}
+
+/// The fields of the element of a topic in the same words, then each message in it, and the header.
+pub(crate) fn definitions(facts: &TopicFacts) -> String {
+    let mut text = String::new();
+    let mut nested = vec![facts.header];
+    fields(&mut text, &facts.element, &mut nested);
+    definitions_of(&mut text, nested);
+    text
+}
+
+/// Adds messages, each once.
+fn definitions_of(text: &mut String, mut nested: Vec<Descriptor>) {
     let mut done: Vec<&str> = Vec::new();
     while let Some(descriptor) = nested.pop() {
         if done.contains(&descriptor.name) {
@@ -41,9 +56,8 @@ pub fn ros2msg(topic: TopicId) -> String {
         }
         done.push(descriptor.name);
         let _ = writeln!(text, "{}\nMSG: {}", "=".repeat(80), descriptor.name);
-        fields(&mut text, &descriptor, &mut nested);
+        fields(text, &descriptor, &mut nested);
     }
-    text
 }
 
 fn fields(text: &mut String, descriptor: &Descriptor, nested: &mut Vec<Descriptor>) {
@@ -73,7 +87,8 @@ pub fn hash_of(topic: TopicId) -> String {
     fingerprint(topic.facts())
 }
 
-fn fingerprint(topic: &TopicFacts) -> String {
+/// As [`hash`], of the facts of a topic.
+pub(crate) fn fingerprint(topic: &TopicFacts) -> String {
     let mut hasher = blake3::Hasher::new();
     hasher.update(topic.name.as_bytes());
     hasher.update(&[u8::from(topic.arity == Arity::Many)]);

@@ -30,6 +30,11 @@ impl Stamp {
     /// Number of leading bytes that belong to simulated history; the clocks follow them.
     pub const SIMULATED_BYTES: usize = core::mem::offset_of!(Stamp, origin_ns);
 
+    /// Offset of `computed_ns` (bytes).
+    pub(crate) const COMPUTED_AT: usize = core::mem::offset_of!(Stamp, computed_ns);
+    /// Offset of `sent_ns` (bytes).
+    pub(crate) const SENT_AT: usize = core::mem::offset_of!(Stamp, sent_ns);
+
     /// All clocks, mutable.
     pub fn clocks_mut(&mut self) -> [&mut u64; 5] {
         [

@@ -26,6 +26,7 @@ from ._log import Log, Topic
 from ._objective import objective
 from ._pickling import register as _register
 from ._planner import Planner, planner, serve
+from ._process import Message, Output, Process, process
 from ._program import program
 from ._run import Run, run
 from ._sweep import Executor, Future, Sweep, sweep
@@ -54,8 +55,11 @@ __all__ = [
     "InvalidInput",
     "Log",
     "Map",
+    "Message",
     "MissingFile",
+    "Output",
     "Planner",
+    "Process",
     "Robot",
     "Run",
     "Scan",
@@ -73,6 +77,7 @@ __all__ = [
     "objective",
     "patrol",
     "planner",
+    "process",
     "program",
     "rrt_star",
     "run",

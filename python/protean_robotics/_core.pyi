@@ -276,8 +276,17 @@ def go_to(robot: Robot, target: ArrayLike) -> tuple[float, float]: ...
 @final
 class Function:
     def __new__(
-        cls, callable: Callable[..., Any], inputs: Sequence[str], setup: Sequence[str] | None = None
+        cls,
+        callable: Callable[..., Any],
+        inputs: Sequence[str],
+        setup: Sequence[str] | None = None,
+        reads: Sequence[str] = [],
+        writes: str | None = None,
     ) -> Function: ...
+    @property
+    def is_process(self) -> bool: ...
+    @property
+    def declaration(self) -> str: ...
 
 def serve(function: Function, config: str | os.PathLike[str]) -> bool: ...
 @final

@@ -6,12 +6,12 @@ import os
 import pickle
 import signal
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any, NoReturn
+from typing import Any, NoReturn, overload
 
 from ._arguments import refused
 from ._core import Function
@@ -20,6 +20,8 @@ from ._errors import InvalidInput
 
 #: Environment variable with the path of a process's configuration.
 _CONFIG = "PROTEAN_CONFIG"
+#: Environment variable of a program that shall print its declaration.
+_DECLARE = "PROTEAN_DECLARE"
 #: Refusal of planners for processes.
 ONLY_IN_PROCESS = (
     "planners: expected in_process=True; a planner that is a process is a program of the scenario"
@@ -39,27 +41,30 @@ class Planner:
     _file: Path
     __name__: str
 
-    def __init__(self, steer: Callable[..., Any]) -> None:
+    _what = "planner"
+
+    def __init__(self, steer: Callable[..., Any], reads: Sequence[str] = (), writes: str | None = None) -> None:
         self.steer = steer
         self._file = _source(steer)
         if inspect.isclass(steer):
             call = getattr(steer, "__call__", None)
             if call is None or call is type.__call__:
-                raise InvalidInput(f"planner {steer.__name__}: expected a class with __call__(self, ...)")
+                raise InvalidInput(f"{self._what} {steer.__name__}: expected a class with __call__(self, ...)")
             setup = None if steer.__init__ is object.__init__ else _arguments(steer.__init__)[1:]
-            self._function = Function(steer, _arguments(call)[1:], setup or [])
+            self._function = Function(steer, _arguments(call)[1:], setup or [], [*reads], writes)
         elif callable(steer):
-            self._function = Function(steer, _arguments(steer))
+            self._function = Function(steer, _arguments(steer), None, [*reads], writes)
         else:
-            raise refused("planner", steer, "a function or a class")
+            raise refused(self._what, steer, "a function or a class")
+        self._declared = ([*reads], writes)
         self.__doc__ = steer.__doc__
-        self.__name__ = getattr(steer, "__name__", "planner")
+        self.__name__ = getattr(steer, "__name__", self._what)
 
     def __call__(self, *args: Any, **kwargs: Any) -> Any:
         return self.steer(*args, **kwargs)
 
     def __repr__(self) -> str:
-        return f"<planner {self.__name__}>"
+        return f"<{self._what} {self.__name__}>"
 
     def __reduce__(self) -> tuple[Callable[..., "Planner"], tuple[Any, ...]]:
         # Other processes import a planner of a module by its name. One of a script or a function, which they cannot
@@ -67,11 +72,22 @@ class Planner:
         module, name = self.steer.__module__, self.steer.__qualname__
         if module == "__main__" or "<locals>" in name:
             if find_spec("cloudpickle") is not None:
-                return _of_code, (import_module("cloudpickle").dumps(self.steer), self._file)
+                code = import_module("cloudpickle").dumps(self.steer)
+                return _of_code, (type(self), code, self._file, *self._declared)
         return _of_module, (module, name)
 
 
-def planner(steer: Callable[..., Any]) -> Planner:
+@overload
+def planner(steer: Callable[..., Any]) -> Planner: ...
+
+
+@overload
+def planner(*, reads: Sequence[str]) -> Callable[[Callable[..., Any]], Planner]: ...
+
+
+def planner(
+    steer: Callable[..., Any] | None = None, *, reads: Sequence[str] = ()
+) -> Planner | Callable[[Callable[..., Any]], Planner]:
     """Makes a planner from a function or a class.
 
     A function is called once per tick and robot. Its arguments name its inputs, in any order:
@@ -85,6 +101,8 @@ def planner(steer: Callable[..., Any]) -> Planner:
                process of kind ``perception``)
     ``params`` dict of ``params`` in the scenario
     ``rng``    :class:`numpy.random.Generator`, seeded by run and robot
+    ``inputs`` dict of the messages of this tick, by the name of the topic: a list of
+               (header, elements) for each topic in `reads`
     ========== =============================================================================
 
     A class is for planners with a memory: it is called once per robot with ``robot``, ``world``, ``params`` and ``rng``,
@@ -95,6 +113,8 @@ def planner(steer: Callable[..., Any]) -> Planner:
     steer
         Function or class. In a tick it returns forward speed (m/s) and turning rate (rad/s), or a :class:`Steering`;
         values beyond the limits of the robot are clipped.
+    reads
+        Names of topics, also of other programs, whose messages ``inputs`` has. ``@pr.planner(reads=["sonar/track"])``
 
     Returns
     -------
@@ -111,7 +131,7 @@ def planner(steer: Callable[..., Any]) -> Planner:
     >>> run.outcome
     {'robot': 'timed_out'}
     """
-    return Planner(steer)
+    return Planner(steer, reads) if steer is not None else lambda steer: Planner(steer, reads)
 
 
 def _of_module(module: str, name: str) -> Planner:
@@ -122,22 +142,25 @@ def _of_module(module: str, name: str) -> Planner:
     return found if isinstance(found, Planner) else Planner(found)
 
 
-def _of_code(code: bytes, file: Path) -> Planner:
+def _of_code(
+    kind: type[Planner], code: bytes, file: Path, reads: Sequence[str] = (), writes: str | None = None
+) -> Planner:
     """Planner of the code of its function or class, and the file that it comes from."""
-    planner = Planner(pickle.loads(code))
+    planner = kind(pickle.loads(code), reads, writes)
     planner._file = file
     return planner
 
 
-def serve(steer: Callable[..., Any]) -> NoReturn:
-    """Runs a planner as a process of a run: the main function of its program.
+def serve(*steers: Callable[..., Any]) -> NoReturn:
+    """Runs a planner or a process as a process of a run: the main function of its program.
 
     A scenario names the program with ``command = ["python3", "planner.py"]``; a run starts it.
 
     Parameters
     ----------
-    steer
-        The planner; a function or a class becomes one.
+    steers
+        The planner or process; a function or a class becomes a planner. Of several ones, the first argument of the program
+        is the name: ``command = ["python3", "planner.py", "NAME"]``.
 
     Raises
     ------
@@ -146,12 +169,21 @@ def serve(steer: Callable[..., Any]) -> NoReturn:
     SystemExit
         Always: 0 at the end of the run, 1 after a failure, 2 if no run has started the program.
     """
-    if not isinstance(steer, Planner):
-        steer = Planner(steer)
+    own = {steer.__name__: steer for steer in (s if isinstance(s, Planner) else Planner(s) for s in steers)}
+    name = next(iter(own), "") if len(own) == 1 else "".join(sys.argv[1:2])
+    if name not in own:
+        raise InvalidInput(f"serve: {name!r}: expected the first argument of the program to be one of {', '.join(own)}")
+    steer = own[name]
+    if os.environ.get(_DECLARE):
+        if not steer._function.is_process:
+            print(f"{name}: a planner has no declaration: remove it from the scenario", file=sys.stderr)
+            raise SystemExit(2)
+        print(steer._function.declaration, flush=True)
+        raise SystemExit(0)
     config = os.environ.get(_CONFIG)
     if config is None:
         print(
-            f"{steer.__name__}: a run of protean starts this program, a planner: name it in a scenario,"
+            f"{steer.__name__}: a run of protean starts this program, a {steer._what}: name it in a scenario,"
             ' command = ["python3", "FILE"] in [[processes]].',
             file=sys.stderr,
         )

@@ -13,6 +13,7 @@ from ._core import run_in_process
 from ._errors import InvalidInput
 from ._log import Log
 from ._planner import ONLY_IN_PROCESS, placed
+from ._process import Process, declared
 from ._program import json_of, overrides
 from ._views import run_html
 
@@ -105,6 +106,7 @@ def run(
     set: Mapping[str, Any] | None = None,
     in_process: bool = False,
     planners: Mapping[str, Callable[..., Any]] | None = None,
+    processes: Mapping[str, Process] | None = None,
     out: str | os.PathLike[str] | None = None,
     force: bool = False,
     allow_external: bool = False,
@@ -126,6 +128,8 @@ def run(
     planners
         Planners, also as mere functions or classes, in the place of those of the scenario, by the name of a robot, a team or
         a process; with `in_process` only.
+    processes
+        Processes with own topics in the place of the scenario's programs, by the name of the process; with `in_process` only.
     out
         Path of the log; ``logs/SCENARIO-SEED.mcap`` if None.
     force
@@ -160,6 +164,7 @@ def run(
     """
     changes = overrides(set)
     if in_process:
+        changes += declared(processes)
         report = run_in_process(
             os.fspath(scenario),
             seed=seed,
@@ -167,10 +172,10 @@ def run(
             out=out,
             force=force,
             allow_outside=allow_outside,
-            planners=placed(planners),
+            planners=placed({**(planners or {}), **(processes or {})}),
         )
         return Run(json.loads(report))
-    if planners:
+    if planners or processes:
         raise InvalidInput(ONLY_IN_PROCESS)
     command = ["run", os.fspath(scenario), "--quiet", *(f"--set={change}" for change in changes)]
     if seed is not None:

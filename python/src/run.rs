@@ -10,12 +10,12 @@ use mission::in_process::{self, Cache, InProcessOptions, placement};
 use planner::PlannerProcess;
 use pyo3::prelude::*;
 use scenario::kind::ConfiguredKind;
-use scenario::{Loader, Program, ResolvedScenario};
+use scenario::{Declared, Loader, Program, ResolvedScenario};
 use serde_json::Value as Json;
 
 use crate::error::{Error, InvalidInput};
 use crate::interruptible::{compute, wait};
-use crate::planner::{Function, PythonParams, PythonPlanner};
+use crate::planner::{Function, OwnTopics, PythonParams, PythonPlanner};
 
 /// Data of maps, which all runs of the process share.
 pub static CACHE: LazyLock<Arc<Cache>> = LazyLock::new(Arc::default);
@@ -42,6 +42,29 @@ impl<'py> FromPyObject<'_, 'py> for Shared {
 
     fn extract(value: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
         Ok(Self(Arc::new(value.extract()?)))
+    }
+}
+
+impl Planned {
+    fn is_process(&self) -> bool {
+        self.function.0.get().is_process()
+    }
+
+    /// Returns the processes in whose place it runs: those of a planner's robots, or the one with its name.
+    fn places(&self, scenario: &ResolvedScenario) -> Result<Vec<usize>, String> {
+        if !self.is_process() {
+            return processes_of(scenario, &self.name);
+        }
+        let mut processes = scenario.processes.iter();
+        let place = processes.position(|process| {
+            process.name == self.name && matches!(process.program, Program::Command { .. })
+        });
+        place.map(|place| vec![place]).ok_or_else(|| {
+            format!(
+                "processes: the scenario has no process {:?} with a command",
+                self.name
+            )
+        })
     }
 }
 
@@ -111,7 +134,7 @@ pub fn run_in_process(
 /// # Errors
 /// The text names the planner that means none, or more than it says.
 pub fn place(scenario: &mut ResolvedScenario, planners: &[Planned]) -> Result<(), String> {
-    for planned in planners {
+    for planned in planners.iter().filter(|planned| !planned.is_process()) {
         for index in processes_of(scenario, &planned.name)? {
             if let Some(process) = scenario.processes.get_mut(index)
                 && let Program::Kind(_) = process.program
@@ -120,6 +143,7 @@ pub fn place(scenario: &mut ResolvedScenario, planners: &[Planned]) -> Result<()
                     words: planned.command.clone(),
                     folder: planned.folder.clone(),
                     params: Json::Object(serde_json::Map::new()),
+                    declared: Declared::Nothing,
                 };
             }
         }
@@ -137,13 +161,17 @@ pub fn kinds_of(
 ) -> Result<BTreeMap<String, ConfiguredKind>, String> {
     let mut kinds = BTreeMap::new();
     for planned in planners {
-        for index in processes_of(scenario, &planned.name)? {
+        for index in planned.places(scenario)? {
             let Some(process) = scenario.processes.get(index) else {
                 continue;
             };
             let function = Arc::clone(&planned.function.0);
             let params = PythonParams::new(process.program.params(), function);
-            let kind = ConfiguredKind::new::<PlannerProcess<PythonPlanner>>(params);
+            let kind = if planned.is_process() {
+                ConfiguredKind::new::<OwnTopics>(params)
+            } else {
+                ConfiguredKind::new::<PlannerProcess<PythonPlanner>>(params)
+            };
             kinds.insert(process.name.clone(), kind);
         }
     }

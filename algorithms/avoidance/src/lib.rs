@@ -6,9 +6,6 @@
 //!
 //! All functions are pure: equal inputs give equal bits on every machine.
 
-#![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
-#![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
-
 pub mod potential_field;
 pub mod tangent_bug;
 pub mod waypoint_driver;

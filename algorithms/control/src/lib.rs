@@ -6,9 +6,6 @@
 //!
 //! They know no obstacles. All functions are pure: equal inputs give equal bits on every machine.
 
-#![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
-#![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
-
 pub mod feedback_linearisation;
 pub mod go_to;
 pub mod path_tracking;

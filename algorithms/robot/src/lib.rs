@@ -6,9 +6,6 @@
 //!
 //! No world and no rules: a planner for a real robot needs no simulator.
 
-#![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
-#![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
-
 pub mod drive;
 pub mod spec;
 pub mod team;

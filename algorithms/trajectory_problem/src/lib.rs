@@ -3,9 +3,6 @@
 //! Planner, clients and files describe a problem with these types. No solver: a client that sends
 //! requests links none. The check of plans has types of its own, since it shares no code with a planner.
 
-#![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
-#![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
-
 mod limits;
 mod method;
 pub mod options;

@@ -295,6 +295,7 @@ fn run_config(root: &Path, prefix: &str) -> RunConfig {
         processes: PLANNERS as u32 + 1,
         events: 0,
         recorder_ticks: 2,
+        topics: Vec::new(),
         capacities: BTreeMap::from([
             ("world/map".to_owned(), 1),
             ("perception/belief".to_owned(), 1),

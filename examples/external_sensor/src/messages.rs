@@ -3,6 +3,7 @@
 use ipc_types::message;
 use ipc_types::message::ZeroCopySend;
 use ipc_types::stamp::{PlainHeader, Stamp};
+use ipc_types::topics::Drawing;
 
 message! {
     /// Header of the bearings that one robot measures in a tick.
@@ -42,10 +43,12 @@ ipc_types::topic! {
     Bearings = "sonar/bearing": Many, "bearings", BearingHeader, Bearing,
         simulated true, latched false, timed true,
         may_be_infinite [],
-        qos |s| per_tick s.robots, publishers s.processes, subscribers s.readers();
+        qos |s| per_tick s.robots, publishers s.processes, subscribers s.readers(),
+        drawing Drawing::points("x", "y").towards("angle");
     /// Positions of all robots of which bearings cross: tracker → planners.
     Tracks = "sonar/track": Many, "tracks", PlainHeader, Track,
         simulated true, latched false, timed true,
         may_be_infinite [],
-        qos |s| per_tick 1, publishers s.processes, subscribers s.readers();
+        qos |s| per_tick 1, publishers s.processes, subscribers s.readers(),
+        drawing Drawing::points("x", "y").with_radius("sigma");
 }

@@ -1,62 +1,97 @@
 //! Topics without their types, for the parts of a run that handle all topics alike: recorder, replay, resources.
 
 use core::any::Any;
+use core::marker::PhantomData;
 use std::sync::{Arc, PoisonError, RwLock};
 
 use zerocopy::IntoBytes as _;
 
-use super::{Bus, BusError, Publisher, PublisherOptions, ReceiveError, SendError, Subscriber};
+use super::raw::RawTopic;
+use super::{
+    Bus, BusError, LOOP_TICKS, Publisher, PublisherOptions, ReceiveError, SendError, Subscriber,
+};
 use crate::cdr::{self, SequenceHead};
 use crate::message::Message;
 use crate::stamp::{Header as _, Stamp};
-use crate::topics::{Topic, TopicId, TopicVisitor, for_each_topic};
+use crate::topics::{Topic, TopicFacts, TopicId, TopicVisitor, for_each_topic};
 use crate::transport::TopicHolder;
 
 /// Operations of the topics that are not built in.
 static OTHERS: RwLock<Vec<AnyTopic>> = RwLock::new(Vec::new());
 
 /// A topic with its operations.
-#[derive(Debug, Clone, Copy)]
+#[derive(Clone, Copy)]
 pub struct AnyTopic {
     /// The topic.
     pub id: TopicId,
-    create: fn(&Bus) -> Result<TopicHolder, BusError>,
-    recorder: OpenSubscriber,
-    repeater: OpenPublisher,
+    ports: &'static dyn AnyPorts,
 }
 
-type OpenSubscriber = fn(&Bus) -> Result<Box<dyn AnySubscriber>, BusError>;
-type OpenPublisher = fn(&Bus, u32) -> Result<Box<dyn AnyPublisher>, BusError>;
+/// Operations of a topic.
+pub(super) trait AnyPorts: Sync {
+    /// As [`Bus::create`].
+    fn create(&self, bus: &Bus) -> Result<TopicHolder, BusError>;
+    /// Opens it for reading with a buffer for this many ticks.
+    fn subscriber(&self, bus: &Bus, ticks: usize) -> Result<Box<dyn AnySubscriber>, BusError>;
+    /// Opens it for repeating the messages of a process.
+    fn repeater(&self, bus: &Bus, source: u32) -> Result<Box<dyn AnyPublisher>, BusError>;
+}
+
+/// A topic with its types.
+struct Typed<T>(PhantomData<fn(T)>);
+
+impl<T: Topic> AnyPorts for Typed<T> {
+    fn create(&self, bus: &Bus) -> Result<TopicHolder, BusError> {
+        bus.create::<T>()
+    }
+
+    fn subscriber(&self, bus: &Bus, ticks: usize) -> Result<Box<dyn AnySubscriber>, BusError> {
+        Ok(Box::new(bus.subscribe::<T>(ticks)?))
+    }
+
+    fn repeater(&self, bus: &Bus, source: u32) -> Result<Box<dyn AnyPublisher>, BusError> {
+        Ok(Box::new(Repeater::<T> {
+            port: bus.publisher(PublisherOptions::growing(source))?,
+            elements: Vec::new(),
+        }))
+    }
+}
 
 impl AnyTopic {
     fn of<T: Topic>() -> Self {
         Self {
             id: T::id(),
-            create: |bus| bus.create::<T>(),
-            recorder: |bus| Ok(Box::new(bus.recorder::<T>()?)),
-            repeater: |bus, source| {
-                Ok(Box::new(Repeater::<T> {
-                    port: bus.publisher(PublisherOptions::growing(source))?,
-                    elements: Vec::new(),
-                }))
-            },
+            ports: &Typed::<T>(PhantomData),
         }
     }
 
     /// Registers a topic that is not built in.
     pub fn register<T: Topic>() {
-        let id = T::id();
-        if id.is_built_in() {
-            return;
+        if !T::id().is_built_in() {
+            Self::of::<T>().add();
         }
-        let is_known = |others: &[Self]| others.iter().any(|other| other.id == id);
+    }
+
+    /// Registers a topic that a program declares while it runs.
+    pub(crate) fn register_raw(facts: &'static TopicFacts, id: TopicId) {
+        let ports = Box::leak(Box::new(RawTopic::new(facts)));
+        Self { id, ports }.add();
+    }
+
+    fn add(self) {
+        let is_known = |others: &[Self]| others.iter().any(|other| other.id == self.id);
         if is_known(&OTHERS.read().unwrap_or_else(PoisonError::into_inner)) {
             return;
         }
         let mut others = OTHERS.write().unwrap_or_else(PoisonError::into_inner);
         if !is_known(&others) {
-            others.push(Self::of::<T>());
+            others.push(self);
         }
+    }
+
+    /// Returns the operations of a registered topic.
+    pub fn find(id: TopicId) -> Option<Self> {
+        Self::all().into_iter().find(|topic| topic.id == id)
     }
 
     /// Returns all registered topics: the built-in ones, then the others.
@@ -81,7 +116,7 @@ impl AnyTopic {
     /// # Errors
     /// As [`Bus::create`].
     pub fn create(&self, bus: &Bus) -> Result<TopicHolder, BusError> {
-        (self.create)(bus)
+        self.ports.create(bus)
     }
 
     /// Opens it for reading with the buffer of the recorder; see [`Bus::recorder`].
@@ -89,7 +124,15 @@ impl AnyTopic {
     /// # Errors
     /// As [`Bus::recorder`].
     pub fn recorder(&self, bus: &Bus) -> Result<Box<dyn AnySubscriber>, BusError> {
-        (self.recorder)(bus)
+        self.ports.subscriber(bus, bus.options().recorder_ticks)
+    }
+
+    /// Opens it for reading with the buffer of a process in the loop; see [`Bus::subscriber`].
+    ///
+    /// # Errors
+    /// As [`Bus::subscriber`].
+    pub fn subscriber(&self, bus: &Bus) -> Result<Box<dyn AnySubscriber>, BusError> {
+        self.ports.subscriber(bus, LOOP_TICKS)
     }
 
     /// Opens it for repeating the logged messages of a process.
@@ -97,7 +140,13 @@ impl AnyTopic {
     /// # Errors
     /// As [`Bus::publisher`].
     pub fn repeater(&self, bus: &Bus, source: u32) -> Result<Box<dyn AnyPublisher>, BusError> {
-        (self.repeater)(bus, source)
+        self.ports.repeater(bus, source)
+    }
+}
+
+impl core::fmt::Debug for AnyTopic {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.debug_tuple("AnyTopic").field(&self.id.name()).finish()
     }
 }
 

@@ -11,6 +11,7 @@ mod any_topic;
 mod inbox;
 mod local;
 mod publisher;
+mod raw;
 mod request_response;
 mod subscriber;
 
@@ -21,6 +22,7 @@ pub use crate::transport::{
 pub use any_topic::{AnyMessage, AnyPublisher, AnySubscriber, AnyTopic, SharedElements};
 pub use inbox::{Arrivals, Inbox};
 pub use publisher::{Publisher, PublisherOptions};
+pub use raw::RawPublisher;
 pub use request_response::{ActiveRequest, Attendant, Client, PendingResponse, Server};
 pub use subscriber::{Received, Subscriber};
 
@@ -29,7 +31,7 @@ use std::rc::Rc;
 
 use crate::clock::{StampClock, StepStart};
 use crate::schema;
-use crate::topics::{MAX_EVENT_ID, Qos, RunSize, Service, Topic};
+use crate::topics::{MAX_EVENT_ID, Qos, RunSize, Service, Topic, TopicFacts};
 use crate::transport::{self, Agreed, Home, Limits};
 use local::LocalTopics;
 
@@ -183,23 +185,28 @@ impl Bus {
     pub fn create<T: Topic>(&self) -> Result<TopicHolder, BusError> {
         match &self.backend {
             Backend::Ipc { node, .. } => {
-                let qos = (T::FACTS.qos)(&self.options.size);
-                let limits = Limits {
-                    history: qos.history,
-                    buffer: buffer(&qos, self.options.recorder_ticks.max(LOOP_TICKS)),
-                    publishers: qos.publishers,
-                    subscribers: qos.subscribers,
-                    nodes: nodes(&self.options.size),
-                    overflow: self.options.overflow,
-                };
+                let limits = self.limits(T::FACTS);
                 let schema = schema::hash::<T>();
                 (T::ports().create)(node.node(), &agreed(T::NAME, &schema), &limits)
             }
             // The local topics hold it already.
             Backend::Local(local_topics) => {
-                local_topics.channel::<T>(&self.options)?;
+                local_topics.channel::<T::Header, T::Element>(T::FACTS, &self.options)?;
                 Ok(TopicHolder::new(T::NAME, ()))
             }
+        }
+    }
+
+    /// Limits of the service of a topic.
+    fn limits(&self, facts: &TopicFacts) -> Limits {
+        let qos = (facts.qos)(&self.options.size);
+        Limits {
+            history: qos.history,
+            buffer: buffer(&qos, self.options.recorder_ticks.max(LOOP_TICKS)),
+            publishers: qos.publishers,
+            subscribers: qos.subscribers,
+            nodes: nodes(&self.options.size),
+            overflow: self.options.overflow,
         }
     }
 

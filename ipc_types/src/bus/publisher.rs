@@ -40,6 +40,16 @@ impl PublisherOptions {
         }
     }
 
+    /// Options of its sending end on a bus between processes.
+    pub(super) fn sender(&self, bus: &BusOptions) -> SenderOptions {
+        SenderOptions {
+            capacity: self.capacity,
+            grows: self.grows,
+            overflow: bus.overflow,
+            patience: self.patience,
+        }
+    }
+
     /// A publisher of repeated messages, whose numbers of elements are not known in advance.
     pub fn growing(source: u32) -> Self {
         Self {
@@ -61,7 +71,7 @@ pub struct Publisher<T: Topic> {
 /// A publisher of one of the buses.
 enum Port<T: Topic> {
     Ipc(Box<dyn Sender<T::Header, T::Element>>),
-    Local(local::Sender<T>),
+    Local(local::Sender<T::Header, T::Element>),
 }
 
 impl<T: Topic> Publisher<T> {
@@ -71,12 +81,7 @@ impl<T: Topic> Publisher<T> {
         options: PublisherOptions,
         turn: StepStart,
     ) -> Result<Self, BusError> {
-        let sender = SenderOptions {
-            capacity: options.capacity,
-            grows: options.grows,
-            overflow: bus.overflow,
-            patience: options.patience,
-        };
+        let sender = options.sender(bus);
         let schema = schema::hash::<T>();
         let port = (T::ports().publisher)(node.node(), &agreed(T::NAME, &schema), sender)?;
         Ok(Self {
@@ -94,7 +99,7 @@ impl<T: Topic> Publisher<T> {
         options: PublisherOptions,
     ) -> Result<Self, BusError> {
         Ok(Self {
-            port: Port::Local(local::Sender::open(local_topics.channel(bus)?)?),
+            port: Port::Local(local::Sender::open(local_topics.channel(T::FACTS, bus)?)?),
             options,
             sequence: Cell::new(0),
             turn: StepStart::default(),

@@ -18,7 +18,7 @@ pub struct Subscriber<T: Topic> {
 /// A subscriber of one of the buses.
 enum Port<T: Topic> {
     Ipc(Box<dyn Receiver<T::Header, T::Element>>),
-    Local(local::Receiver<T>),
+    Local(local::Receiver<T::Header, T::Element>),
     /// That of a process with an inbox.
     Inbox(Rc<Queue<Received<T>>>),
 }
@@ -42,7 +42,7 @@ impl<T: Topic> Subscriber<T> {
         options: &BusOptions,
         ticks: usize,
     ) -> Result<Self, BusError> {
-        let receiver = local::Receiver::open(local_topics.channel(options)?, ticks)?;
+        let receiver = local::Receiver::open(local_topics.channel(T::FACTS, options)?, ticks)?;
         Ok(Self {
             port: Port::Local(receiver),
         })
@@ -114,7 +114,7 @@ pub struct Received<T: Topic> {
 /// A message of one of the buses.
 enum Held<T: Topic> {
     Ipc(Loan<T::Header, T::Element>),
-    Local(Rc<local::Message<T>>),
+    Local(Rc<local::Message<T::Header, T::Element>>),
 }
 
 impl<T: Topic> Received<T> {

@@ -4,15 +4,20 @@
 //! * [`Topic`]: a topic as a type, with the types of its messages; [`TopicId`]: a topic as a value;
 //!   [`TopicFacts`]: the facts;
 //! * `built_in`: the topics of Protean's own processes; `registry`: those of others;
+//! * [`TopicLayout`]: a topic that a program declares while it runs; [`Drawing`]: the form of its elements in pictures;
 //! * [`Service`]: request–response; the constants at the end: events.
 
 mod built_in;
+mod declared;
+mod drawing;
 mod pattern;
 mod registry;
 mod service;
 mod topic_id;
 
 pub use built_in::*;
+pub use declared::{LayoutError, TopicLayout};
+pub use drawing::{Drawing, Drawn, Mark};
 pub use pattern::fits;
 pub use registry::PerTopic;
 pub use service::{OptimiserPlan, PortsOf, Service};
@@ -55,6 +60,8 @@ pub struct TopicFacts {
     /// number that is not finite is rejected. For elements that are plain numbers: the name of the
     /// sequence.
     pub may_be_infinite: &'static [&'static str],
+    /// Form of its elements in pictures; `None` if they have none.
+    pub drawing: Option<Drawing>,
     /// Quality of service in a run of a size.
     pub qos: fn(&RunSize) -> Qos,
 }
@@ -145,7 +152,7 @@ macro_rules! topic {
         simulated $simulated:literal, latched $latched:literal, timed $timed:literal,
         may_be_infinite $infinite:expr,
         qos |$size:ident| per_tick $per_tick:expr, publishers $publishers:expr,
-        subscribers $subscribers:expr;
+        subscribers $subscribers:expr $(, drawing $drawing:expr)?;
     ) => {
         $(#[doc = $doc])+
         #[derive(Debug, Clone, Copy)]
@@ -162,6 +169,7 @@ macro_rules! topic {
                 latched: $latched,
                 timed: $timed,
                 may_be_infinite: &$infinite,
+                drawing: $crate::topic!(@drawing $($drawing)?),
                 qos: |$size| $crate::topics::Qos {
                     history: if $latched { 1 } else { 0 },
                     per_tick: $per_tick,
@@ -189,7 +197,7 @@ macro_rules! topic {
         simulated $simulated:literal, latched $latched:literal, timed $timed:literal,
         may_be_infinite $infinite:expr,
         qos |$size:ident| per_tick $per_tick:expr, publishers $publishers:expr,
-        subscribers $subscribers:expr;
+        subscribers $subscribers:expr $(, drawing $drawing:expr)?;
     )+) => {$(
         $crate::topic! {@
             {
@@ -203,9 +211,12 @@ macro_rules! topic {
             $topic = $name: $arity, $elements, $header, $element,
             simulated $simulated, latched $latched, timed $timed,
             may_be_infinite $infinite,
-            qos |$size| per_tick $per_tick, publishers $publishers, subscribers $subscribers;
+            qos |$size| per_tick $per_tick, publishers $publishers, subscribers $subscribers
+            $(, drawing $drawing)?;
         }
     )+};
+    (@drawing) => { None };
+    (@drawing $drawing:expr) => { Some($drawing) };
 }
 
 /// An operation for every built-in topic, each with its own types.

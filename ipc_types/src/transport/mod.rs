@@ -12,6 +12,7 @@ mod exchange;
 mod node;
 mod ports;
 mod publisher;
+pub(crate) mod raw;
 mod run_space;
 mod service;
 mod subscriber;

@@ -4,7 +4,8 @@ use std::time::Duration;
 
 use iceoryx2::port::update_connections::UpdateConnections;
 use iceoryx2::port::{BackpressureAction, LoanError};
-use iceoryx2::prelude::{AllocationStrategy, BackpressureStrategy, Node, ipc};
+use iceoryx2::prelude::{AllocationStrategy, BackpressureStrategy, Node, ZeroCopySend, ipc};
+use iceoryx2::service::port_factory::publisher::PortFactoryPublisher;
 
 use super::degradation::Failures;
 use super::service::{self, Agreed};
@@ -56,8 +57,26 @@ pub(super) fn open<H: Header, E: Message>(
 ) -> Result<Box<dyn Sender<H, E>>, BusError> {
     let factory = service::open::<H, E>(node, agreed)?;
     let failures = Failures::default();
-    let builder = factory
-        .publisher_builder()
+    let builder = configured(factory.publisher_builder(), &options, &failures);
+    let inner = failures.checked(agreed.topic, "publisher", builder.create())?;
+    Ok(Box::new(Port {
+        topic: agreed.topic,
+        inner,
+        patience: options.patience,
+    }))
+}
+
+/// Applies options to a publisher to be created.
+pub(super) fn configured<'f, P, H>(
+    builder: PortFactoryPublisher<'f, ipc::Service, [P], H>,
+    options: &SenderOptions,
+    failures: &Failures,
+) -> PortFactoryPublisher<'f, ipc::Service, [P], H>
+where
+    P: core::fmt::Debug + ZeroCopySend,
+    H: core::fmt::Debug + ZeroCopySend,
+{
+    let builder = builder
         .initial_max_slice_len(options.capacity.max(1))
         .allocation_strategy(if options.grows {
             AllocationStrategy::PowerOfTwo
@@ -67,26 +86,19 @@ pub(super) fn open<H: Header, E: Message>(
         .max_loaned_samples(1)
         .set_degradation_handler(failures.handler());
     let patience = options.patience;
-    let builder = if options.overflow {
-        builder
-    } else {
-        builder
-            .backpressure_strategy(BackpressureStrategy::RetryUntilDelivered)
-            // A stopped or dead receiver must not block its sender forever.
-            .set_backpressure_handler(move |info| {
-                if info.elapsed_time < patience {
-                    BackpressureAction::Retry
-                } else {
-                    BackpressureAction::DiscardDataAndFail
-                }
-            })
-    };
-    let inner = failures.checked(agreed.topic, "publisher", builder.create())?;
-    Ok(Box::new(Port {
-        topic: agreed.topic,
-        inner,
-        patience,
-    }))
+    if options.overflow {
+        return builder;
+    }
+    builder
+        .backpressure_strategy(BackpressureStrategy::RetryUntilDelivered)
+        // A stopped or dead receiver must not block its sender forever.
+        .set_backpressure_handler(move |info| {
+            if info.elapsed_time < patience {
+                BackpressureAction::Retry
+            } else {
+                BackpressureAction::DiscardDataAndFail
+            }
+        })
 }
 
 impl<H: Header, E: Message> Port<H, E> {
@@ -131,12 +143,22 @@ impl<H: Header, E: Message> Sender<H, E> for Port<H, E> {
                 stamp.computed_ns = stamp.sent_ns;
             }
         }
-        sample.send().map_err(|e| match e {
-            iceoryx2::port::SendError::UnableToDeliver => SendError::Blocked {
-                topic: self.topic,
-                waited: self.patience,
-            },
-            other => self.failed(format!("{other:?}")),
-        })
+        let sent = sample.send();
+        sent.map_err(|e| undelivered(self.topic, self.patience, e))
+    }
+}
+
+/// Converts the error of a message that was not sent.
+pub(super) fn undelivered(
+    topic: &'static str,
+    waited: Duration,
+    error: iceoryx2::port::SendError,
+) -> SendError {
+    match error {
+        iceoryx2::port::SendError::UnableToDeliver => SendError::Blocked { topic, waited },
+        other => SendError::Transport {
+            topic,
+            reason: format!("{other:?}"),
+        },
     }
 }

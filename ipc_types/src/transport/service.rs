@@ -1,13 +1,16 @@
 //! The publish–subscribe service of a topic: creation and opening.
 
-use iceoryx2::prelude::{MessagingPattern, Node, PortFactory as _, Service as _, ServiceName, ipc};
-use iceoryx2::service::builder::publish_subscribe::PublishSubscribeOpenError;
+use iceoryx2::prelude::{
+    IceoryxSend, MessagingPattern, Node, PortFactory as _, Service as _, ServiceName, ZeroCopySend,
+    ipc,
+};
+use iceoryx2::service::builder::publish_subscribe::{Builder, PublishSubscribeOpenError};
 use iceoryx2::service::port_factory::publish_subscribe::PortFactory;
 use iceoryx2::service::static_config::messaging_pattern::MessagingPattern as Details;
 
 use super::agreement;
 use crate::error::BusError;
-use crate::message::Message;
+use crate::message::{Descriptor, Message};
 use crate::stamp::Header;
 
 /// Name of a topic and hash of its schema, on which the processes of a run agree.
@@ -90,10 +93,38 @@ pub(super) fn create<H: Header, E: Message>(
     let topic = agreed.topic;
     let failed = |reason: String| BusError::Create { topic, reason };
     let attributes = agreement::define(agreed.schema).map_err(failed)?;
-    let service = node
-        .service_builder(&service_name(topic)?)
-        .publish_subscribe::<[E]>()
-        .user_header::<H>()
+    let builder = node.service_builder(&service_name(topic)?);
+    let builder = builder.publish_subscribe::<[E]>().user_header::<H>();
+    let service = limited(builder, limits)
+        .create_with_attributes(&attributes)
+        .map_err(|e| failed(format!("{e:?}")))?;
+    Ok(held(topic, service))
+}
+
+/// Holds a created service.
+pub(super) fn held<P, H>(
+    topic: &'static str,
+    service: PortFactory<ipc::Service, P, H>,
+) -> TopicHolder
+where
+    P: IceoryxSend + core::fmt::Debug + ?Sized + 'static,
+    H: core::fmt::Debug + ZeroCopySend + 'static,
+{
+    TopicHolder::counting(topic, service, |service| {
+        service.dynamic_config().number_of_subscribers()
+    })
+}
+
+/// Applies the limits of a topic to a service to be created.
+pub(super) fn limited<P, H>(
+    builder: Builder<P, H, ipc::Service>,
+    limits: &Limits,
+) -> Builder<P, H, ipc::Service>
+where
+    P: IceoryxSend + core::fmt::Debug + ?Sized,
+    H: core::fmt::Debug + ZeroCopySend,
+{
+    builder
         .history_size(limits.history)
         .subscriber_max_buffer_size(limits.buffer)
         // The recorder and the processes copy the messages that they keep: one borrowed message at a
@@ -103,11 +134,6 @@ pub(super) fn create<H: Header, E: Message>(
         .max_subscribers(limits.subscribers)
         .max_nodes(limits.nodes)
         .enable_safe_overflow(limits.overflow)
-        .create_with_attributes(&attributes)
-        .map_err(|e| failed(format!("{e:?}")))?;
-    Ok(TopicHolder::counting(topic, service, |service| {
-        service.dynamic_config().number_of_subscribers()
-    }))
 }
 
 pub(super) fn open<H: Header, E: Message>(
@@ -121,22 +147,42 @@ pub(super) fn open<H: Header, E: Message>(
         .publish_subscribe::<[E]>()
         .user_header::<H>()
         .open_with_attributes(&verifier)
-        .map_err(|e| match e {
-            PublishSubscribeOpenError::IncompatibleTypes
-            | PublishSubscribeOpenError::IncompatibleAttributes => mismatch::<H, E>(node, agreed),
-            PublishSubscribeOpenError::DoesNotExist => failed(format!(
-                "no such service in the run at {} (prefix {})",
-                node.config().global.root_path(),
-                node.config().global.prefix
-            )),
-            other => failed(format!("{other:?}")),
-        })
+        .map_err(|e| refused(node, agreed, e, &H::DESCRIPTOR, &E::DESCRIPTOR))
+}
+
+/// Describes why a service was not opened with these types.
+pub(super) fn refused(
+    node: &Node<ipc::Service>,
+    agreed: &Agreed<'_>,
+    error: PublishSubscribeOpenError,
+    header: &Descriptor,
+    element: &Descriptor,
+) -> BusError {
+    let reason = match error {
+        PublishSubscribeOpenError::IncompatibleTypes
+        | PublishSubscribeOpenError::IncompatibleAttributes => {
+            return mismatch(node, agreed, header, element);
+        }
+        PublishSubscribeOpenError::DoesNotExist => format!(
+            "no such service in the run at {} (prefix {})",
+            node.config().global.root_path(),
+            node.config().global.prefix
+        ),
+        other => format!("{other:?}"),
+    };
+    BusError::Open {
+        topic: agreed.topic,
+        reason,
+    }
 }
 
 /// Describes both sides of a type mismatch.
-fn mismatch<H: Header, E: Message>(node: &Node<ipc::Service>, agreed: &Agreed<'_>) -> BusError {
-    let header = H::DESCRIPTOR;
-    let element = E::DESCRIPTOR;
+fn mismatch(
+    node: &Node<ipc::Service>,
+    agreed: &Agreed<'_>,
+    header: &Descriptor,
+    element: &Descriptor,
+) -> BusError {
     let ours = format!(
         "[{}] of {} bytes with header {} of {} bytes, schema {}",
         element.name, element.size, header.name, header.size, agreed.schema

@@ -2,13 +2,13 @@
 
 use std::sync::Arc;
 
-use ipc_types::bus::{Bus, BusError, SendError};
+use ipc_types::bus::{AnyTopic, Bus, BusError, RawPublisher, SendError};
 use ipc_types::messages::robot::{Command, PlanHeader, PlanPoint};
 use ipc_types::messages::world::{MapCell, MapHeader, RobotState};
 use ipc_types::stamp::PlainHeader;
-use ipc_types::topics::{Commands, Plan, Topic, WorldMap, WorldState};
+use ipc_types::topics::{Commands, Plan, Topic, TopicId, TopicLayout, WorldMap, WorldState};
 
-use crate::support::{Space, local, options, port, state};
+use crate::support::{Echoes, Space, local, options, port, state};
 
 /// Tests a behaviour on both buses.
 fn on_both(name: &str, overflow: bool, behaviour: impl Fn(&Bus)) {
@@ -161,4 +161,109 @@ fn a_topic_has_the_ports_of_its_quality_of_service_and_they_become_free_again() 
         drop(taken);
         bus.subscriber::<WorldState>().unwrap();
     });
+}
+
+#[test]
+fn a_topic_that_is_declared_while_the_program_runs_has_bytes_as_messages() {
+    let layout = TopicLayout {
+        name: "declared/echo".to_owned(),
+        message: "float64 range  # [m]\nuint32 robot\nuint32 reserved\n".to_owned(),
+        ..TopicLayout::default()
+    };
+    let topic = layout.register().unwrap();
+    assert_eq!(layout.register(), Ok(topic));
+    assert_eq!(topic.facts().element.name, "declared/Echo");
+    let elements: Vec<u8> = (0..48).collect();
+    on_both("declared", false, |bus| {
+        let any = AnyTopic::find(topic).unwrap();
+        let _service = any.create(bus).unwrap();
+        let publisher = RawPublisher::open(bus, topic, port(5, 3)).unwrap();
+        let mut repeater = any.repeater(bus, 6).unwrap();
+        let subscriber = any.subscriber(bus).unwrap();
+        publisher.update_connections().unwrap();
+        publisher.send(state(4).stamp, &elements).unwrap();
+        publisher.send(state(5).stamp, &[]).unwrap();
+        let full = publisher.send(state(6).stamp, &[0; 64]);
+        assert!(matches!(full, Err(SendError::Capacity { .. })), "{full:?}");
+        let (mut all, mut logged) = (Vec::new(), Vec::new());
+        let read_all = |all: &mut Vec<_>, logged: &mut Vec<u8>| {
+            let taken = subscriber.drain(9, &mut |message| {
+                logged.clear();
+                message.encode(logged);
+                let stamp = message.stamp;
+                all.push((
+                    stamp.tick,
+                    stamp.sequence,
+                    stamp.source,
+                    message.elements.to_vec(),
+                ));
+            });
+            assert!(taken.unwrap());
+        };
+        read_all(&mut all, &mut logged);
+        assert_eq!(all, [(4, 0, 5, elements.clone()), (5, 1, 5, Vec::new())]);
+        // A log's message is sent again byte for byte; others are refused.
+        let again = logged.clone();
+        assert!(repeater.repeat(&again).unwrap());
+        assert!(!repeater.repeat(&again[..again.len() - 1]).unwrap());
+        read_all(&mut all, &mut logged);
+        assert_eq!((all.len(), &logged), (3, &again));
+    });
+}
+
+#[test]
+fn a_topic_in_words_is_the_same_as_one_of_another_crate() {
+    // What a program with the types tells one without them.
+    let words = TopicLayout::of(Echoes::id());
+    assert_eq!(words.register(), Ok(Echoes::id()));
+    let space = Space::new("words");
+    space.0.create_root().unwrap();
+    let bus = Bus::join(&space.0, options(false), "test").unwrap();
+    let _service = bus.create::<Echoes>().unwrap();
+    let typed = bus.subscriber::<Echoes>().unwrap();
+    let raw = RawPublisher::open(&bus, Echoes::id(), port(2, 2)).unwrap();
+    let (mut first, second) = (Command::default(), Command::default());
+    first.v = 0.5;
+    let bytes = [first, second].map(|command| zerocopy::transmute!(command));
+    let bytes: [[u8; size_of::<Command>()]; 2] = bytes;
+    raw.send(state(3).stamp, bytes.as_flattened()).unwrap();
+    let message = typed.receive().unwrap().expect("one message");
+    assert_eq!(message.header().stamp.tick, 3);
+    assert!(message.header().stamp.sent_ns > 0);
+    assert_eq!(message.elements(), [first, second]);
+}
+
+#[test]
+fn a_layout_that_is_no_ros_message_is_refused_with_its_field() {
+    let refused = |name: &str, message: &str| {
+        let layout = TopicLayout {
+            name: name.to_owned(),
+            message: message.to_owned(),
+            ..TopicLayout::default()
+        };
+        layout.register().unwrap_err().reason
+    };
+    for (message, words) in [
+        ("", "expected from 1 to"),
+        ("float64", "line \"float64\": expected a type and a name"),
+        (
+            "float64 x\nfloat64 x",
+            "field \"x\": expected a name of its own",
+        ),
+        ("float32 x\nfloat64 y", "field \"y\": it begins at byte 4"),
+        ("float64 x\nuint32 n", "12 bytes: expected a multiple of 8"),
+        (
+            "float64[] x",
+            "field \"x\": type float64[]: expected a fixed number",
+        ),
+        ("string x", "type \"string\""),
+        ("own/A a\nMSG: own/A\nown/A a", "type \"own/A\""),
+        ("float64[99999999] x", "expected from 1 to"),
+    ] {
+        let reason = refused("own/refused", message);
+        assert!(reason.contains(words), "{message:?}: {reason}");
+    }
+    assert!(refused("Own", "float64 x").contains("lower-case"));
+    assert!(refused("world/state", "float64 x").contains("Protean's own"));
+    assert!(TopicId::from_name("own/refused").is_none());
 }

@@ -3,9 +3,10 @@
 use std::time::Duration;
 
 use ipc_types::bus::{Bus, BusOptions, PublisherOptions, RunSpace};
+use ipc_types::messages::robot::Command;
 use ipc_types::messages::world::{RobotState, WorldHeader};
 use ipc_types::stamp::PlainHeader;
-use ipc_types::topics::RunSize;
+use ipc_types::topics::{Drawing, RunSize};
 
 /// A separate run space that is wiped at the end of the test, also after a panic.
 pub struct Space(
@@ -68,6 +69,12 @@ pub fn state(tick: u64) -> WorldHeader {
 }
 
 ipc_types::topic! {
+    /// A topic of another crate.
+    Echoes = "typed/echo": Many, "echoes", PlainHeader, Command,
+        simulated true, latched false, timed true,
+        may_be_infinite [],
+        qos |s| per_tick s.robots, publishers s.processes, subscribers s.readers(),
+        drawing Drawing::points("v", "omega");
     /// The topic of commands with another element, as a process of another build would open it.
     OtherCommands = "robot/command": One, "command", PlainHeader, RobotState,
         simulated true, latched false, timed true,

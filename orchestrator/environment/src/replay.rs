@@ -58,6 +58,7 @@ fn replay(
             words: vec!["learner".to_owned()],
             folder: "/".to_owned(),
             params: serde_json::Value::Object(serde_json::Map::new()),
+            declared: scenario::Declared::Nothing,
         };
         let params = CommandedParams::new(Arc::clone(&commands) as _);
         let kind = ConfiguredKind::new::<PlannerProcess<CommandedPlanner>>(params);

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use ipc_types::schema;
 use ipc_types::stamp::Stamp;
-use ipc_types::topics::{PerTopic, TopicId};
+use ipc_types::topics::{PerTopic, TopicId, TopicLayout};
 use zerocopy::FromBytes as _;
 
 use super::reader::Channel;
@@ -37,9 +37,15 @@ pub fn layout(topic: TopicId) -> &'static Layout {
 }
 
 /// Returns the topic of a channel whose messages have the layout of this version; they begin with a
-/// [`Stamp`].
+/// [`Stamp`]. A topic that is not built in becomes known by the layout in the log.
 pub fn topic_of(channel: &Channel) -> Option<TopicId> {
     let hash = channel.metadata.get("schema_hash")?;
+    if TopicId::from_name(&channel.topic).is_none()
+        && let Some(layout) = TopicLayout::from_entries(&channel.topic, &channel.metadata)
+    {
+        // A refused layout leaves the topic unknown.
+        let _ = layout.register();
+    }
     TopicId::from_name(&channel.topic).filter(|topic| layout(*topic).hash == *hash)
 }
 

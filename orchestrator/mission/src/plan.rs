@@ -7,10 +7,10 @@ use geometry::map::{ObstacleChange, WorldMap};
 use ipc_types::bus::{Publisher, SendError};
 use ipc_types::messages::world::ObstacleEvent;
 use ipc_types::stamp::PlainHeader;
-use ipc_types::topics::{Belief, ObstacleEvents, OptimiserPlan, Service as _, Waypoints};
+use ipc_types::topics::{Belief, ObstacleEvents, OptimiserPlan, Service as _, TopicId, Waypoints};
 use robot::spec::RobotSpec;
 use runtime::config::{Clock, RobotInfo, RunConfig};
-use runtime::declaration::{Flow, Input};
+use runtime::declaration::{Flow, Input, When, WrittenTopic};
 use runtime::obstacle::{self, ObstacleMessageError};
 use runtime::shapes;
 use serde_json::Value as Json;
@@ -39,6 +39,11 @@ pub enum PlanError {
     /// An obstacle event has an invalid shape.
     #[error(transparent)]
     Shape(#[from] geometry::shape::ShapeError),
+    /// An external program has not been asked for its declaration.
+    #[error(
+        "process {0}: its declaration is not known: expected a command that asks for it, as `protean run`"
+    )]
+    NotAsked(String),
     /// An obstacle event does not fit its message.
     #[error(transparent)]
     Obstacle(#[from] ObstacleMessageError),
@@ -75,6 +80,9 @@ impl Plan {
         prefix: &str,
         log_level: &str,
     ) -> Result<Self, PlanError> {
+        if let Some(process) = scenario.processes.iter().find(|p| p.is_to_be_asked()) {
+            return Err(PlanError::NotAsked(process.name.clone()));
+        }
         let map = WorldMap::recent(&scenario.world.map)?;
         let run = RunConfig {
             root: root.to_owned(),
@@ -164,23 +172,26 @@ impl Plan {
 /// Returns the configuration that all processes of a run of this scenario share, except its directory.
 fn run_config(scenario: &ResolvedScenario, map: &WorldMap) -> Result<RunConfig, PlanError> {
     let mut capacities: BTreeMap<String, u32> = BTreeMap::new();
+    let mut topics: BTreeMap<TopicId, bool> = BTreeMap::new();
     let mut write = |flow: Flow, elements: usize| {
         let most = capacities.entry(flow.to_string()).or_default();
         *most = u32::try_from(elements).unwrap_or(u32::MAX).max(*most);
     };
     let belief = Flow::of::<Belief>();
     for process in &scenario.processes {
-        match &process.program {
-            Program::Kind(kind) => {
-                for output in kind.declaration().outputs {
-                    write(output.flow, output.elements);
-                }
+        let outputs = process.declaration().map(|declaration| declaration.outputs);
+        for output in outputs.into_iter().flatten() {
+            write(output.flow, output.elements);
+            if let Flow::Topic(topic) = output.flow
+                && !topic.is_built_in()
+            {
+                topics.insert(topic, output.when == When::NextTick);
             }
-            Program::Command { params, .. } => {
-                if let Some(particles) = particles(params) {
-                    write(belief, particles);
-                }
-            }
+        }
+        if let Program::Command { params, .. } = &process.program
+            && let Some(particles) = particles(params)
+        {
+            write(belief, particles);
         }
     }
     write(Input::MAP.flow, map.frame().len());
@@ -223,6 +234,10 @@ fn run_config(scenario: &ResolvedScenario, map: &WorldMap) -> Result<RunConfig, 
         events: scenario.events.len() as u32,
         recorder_ticks: recorder_ticks(clock, scenario, particles) as u32,
         capacities,
+        topics: topics
+            .into_iter()
+            .map(|(topic, later)| WrittenTopic::of(topic, later))
+            .collect(),
         robots: world.robots.iter().map(robot).collect(),
         exits: map.exits().iter().chain(&rules.exits).copied().collect(),
         capture_radius: rules.capture.map_or(0.0, |c| c.radius),

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use ipc_types::consumer::LoggedMessage;
 use ipc_types::schema;
-use ipc_types::topics::TopicId;
+use ipc_types::topics::{TopicId, TopicLayout};
 use mcap_log::{ChannelId, ChannelSpec, LogWriteError, LogWriter};
 
 use super::derived::{DerivedLog, DerivedTopics};
@@ -140,6 +140,13 @@ fn metadata(topic: TopicId) -> BTreeMap<String, String> {
     .map(|(key, value)| (key.to_owned(), value))
     .into_iter()
     .chain(facts.latched.then(mcap_log::states::latched_entry))
+    // Programs that do not know the topic learn it from the log.
+    .chain(
+        (!topic.is_built_in())
+            .then(|| TopicLayout::of(topic).entries())
+            .into_iter()
+            .flatten(),
+    )
     .collect()
 }
 

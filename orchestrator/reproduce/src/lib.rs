@@ -16,9 +16,6 @@
 //! | [`experiments`], [`evidence`], [`run`] | the experiments, their results, their execution |
 //! | [`report`] | all claims as Markdown, JSON and HTML |
 
-#![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
-#![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
-
 mod chase;
 pub mod claim;
 pub mod evidence;

@@ -10,6 +10,7 @@
 //! A new kind of process is one implementation of [`runtime::ProcessKind`] and one entry in a program's
 //! list of kinds.
 
+mod asked;
 pub mod builtin;
 mod context;
 mod draft;
@@ -37,12 +38,13 @@ mod world;
 #[cfg(test)]
 mod tests;
 
+pub use asked::ask;
 pub use context::refusal;
 pub use draft::Draft;
 pub use events::{EventSpec, Moment};
 pub use failure::Supervision;
 pub use load::{Listed, Loader, list};
 pub use remarks::{ScenarioRemark, remark_lines};
-pub use resolved::{ProcessSpec, Program, ResolvedScenario};
+pub use resolved::{Declared, ProcessSpec, Program, ResolvedScenario};
 pub use spec::OnFailure;
 pub use template::{MapCache, Template};

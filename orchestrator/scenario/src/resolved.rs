@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use config::{Node, write_document};
 use geometry::map::MapSpec;
 use platform::shell::quote;
-use runtime::declaration::{Declaration, Flow};
+use runtime::declaration::{Declaration, Flow, WrittenDeclaration};
 use serde_json::{Value as Json, json};
 use sim_backend::spec::{RulesSpec, WorldSpec};
 
@@ -13,6 +13,9 @@ use super::events::EventSpec;
 use super::failure::Supervision;
 use super::kind::ConfiguredKind;
 use super::spec::{LinkSpec, LogSpec, RunSpec};
+
+/// Value of `declaration` of a program that is asked for it.
+pub(super) const ASK: &str = "ask";
 
 /// Program of a process.
 #[derive(Debug, Clone, PartialEq)]
@@ -27,13 +30,38 @@ pub enum Program {
         folder: String,
         /// Its parameters as written.
         params: Json,
+        /// Its declaration in words.
+        declared: Declared,
     },
 }
 
+/// Declaration of an external program.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub enum Declared {
+    /// Its inputs and outputs are unknown: it may read all, and commands its robots.
+    #[default]
+    Nothing,
+    /// The program states it when it is asked, before the run.
+    OnRequest,
+    /// Its inputs and outputs, as written and with their topics.
+    Written(Box<(WrittenDeclaration, Declaration)>),
+}
+
 impl ProcessSpec {
-    /// Returns its inputs and outputs; `None` for an external program, which alone knows them.
+    /// Returns its inputs and outputs; `None` for an external program that does not declare them.
     pub fn declaration(&self) -> Option<Declaration> {
-        self.program.kind().map(ConfiguredKind::declaration)
+        match &self.program {
+            Program::Kind(kind) => Some(kind.declaration()),
+            Program::Command { declared, .. } => match declared {
+                Declared::Written(known) => Some(known.1.clone()),
+                Declared::Nothing | Declared::OnRequest => None,
+            },
+        }
+    }
+
+    /// Returns `true` for an external program that states its declaration when it is asked.
+    pub fn is_to_be_asked(&self) -> bool {
+        matches!(&self.program, Program::Command { declared, .. } if *declared == Declared::OnRequest)
     }
 
     /// Returns `true` if it is known to write this flow.
@@ -185,9 +213,19 @@ impl ResolvedScenario {
                 });
                 match &p.program {
                     Program::Kind(kind) => block["kind"] = json!(kind.kind().name),
-                    Program::Command { words, folder, .. } => {
+                    Program::Command {
+                        words,
+                        folder,
+                        declared,
+                        ..
+                    } => {
                         block["command"] = json!(words);
                         block["folder"] = json!(folder);
+                        match declared {
+                            Declared::Nothing => {}
+                            Declared::OnRequest => block["declaration"] = json!(ASK),
+                            Declared::Written(known) => block["declaration"] = json!(known.0),
+                        }
                     }
                 }
                 if p.period != 1 {
@@ -232,6 +270,7 @@ mod tests {
                 words: words.iter().map(|&w| w.to_owned()).collect(),
                 folder: "/my missions".to_owned(),
                 params: Json::Null,
+                declared: Declared::Nothing,
             }
             .command_line()
         };

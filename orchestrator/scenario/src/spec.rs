@@ -297,6 +297,11 @@ pub(super) struct ProcessBlock {
     /// Working directory of the external program, to which relative paths in `command` refer; relative to the
     /// scenario's folder, which is used if absent.
     pub folder: Option<String>,
+    /// Inputs and outputs of an external program that drives no robots: `"ask"` for one that states them itself, or a table
+    /// with `reads` and `writes`, as the program states it.
+    #[serde(rename = "declaration")]
+    #[schemars(with = "Option<serde_json::Value>")]
+    pub _declaration: Option<IgnoredAny>,
     /// Names of the robots that it drives; this or `team`.
     pub robots: Option<Vec<String>>,
     /// Name of the team whose robots it drives.

@@ -14,7 +14,7 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use serde_json::Value as Json;
 
-use crate::declaration::Flow;
+use crate::declaration::{Flow, WrittenTopic};
 use crate::link::Link;
 
 /// Environment variable with the path of a process's configuration.
@@ -75,6 +75,8 @@ pub struct RunConfig {
     pub recorder_ticks: u32,
     /// Maximum number of elements of a message, for each flow that a process of the run writes, by its text.
     pub capacities: BTreeMap<String, u32>,
+    /// The topics that processes of the run write and that are not built in.
+    pub topics: Vec<WrittenTopic>,
     /// Every robot of the run, in the order of its index.
     pub robots: Vec<RobotInfo>,
     /// Regions through which evaders escape.
@@ -132,6 +134,9 @@ pub fn ticks_within(deadline_ns: u64, tick_period: Duration) -> u64 {
 /// Faults that make a configuration unusable.
 #[derive(Debug, thiserror::Error)]
 pub enum ConfigError {
+    /// A topic of the run is not the one of this program.
+    #[error("{0}")]
+    Topic(String),
     /// The file cannot be read.
     #[error("process configuration {path}: {source}")]
     File {
@@ -253,6 +258,9 @@ fn load_untyped(path: &Path) -> Result<(ProcessConfig, Json), ConfigError> {
             path: path.to_owned(),
             source,
         })?;
+    for topic in &document.config.run.topics {
+        topic.register().map_err(ConfigError::Topic)?;
+    }
     Ok((document.config, document.params))
 }
 

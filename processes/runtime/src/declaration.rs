@@ -1,6 +1,10 @@
 //! Declaration of a process: its inputs and outputs. The order of a tick, the checks of a scenario, the capacity
 //! of buffers and the picture of the dataflow follow from it.
 
+mod written;
+
+pub use written::{WrittenDeclaration, WrittenOutput, WrittenTopic, input, readable, reading_time};
+
 use core::fmt;
 
 use ipc_types::bus::AnyTopic;

@@ -4,6 +4,8 @@ use std::sync::{Mutex, PoisonError};
 
 use pyo3::prelude::*;
 
+use runtime::declaration::{WrittenDeclaration, WrittenOutput};
+
 use crate::error::InvalidInput;
 
 /// Argument of a planner, by its name.
@@ -23,6 +25,8 @@ pub(super) enum Argument {
     Params,
     /// Random numbers.
     Rng,
+    /// Messages of the topics that it reads.
+    Inputs,
 }
 
 impl Argument {
@@ -35,20 +39,31 @@ impl Argument {
             "belief" => Self::Belief,
             "params" => Self::Params,
             "rng" => Self::Rng,
+            "inputs" => Self::Inputs,
             _ => {
                 return Err(InvalidInput::new_err(format!(
-                    "argument {name:?} of a planner: expected robot, world, map, scan, belief, params or rng"
+                    "argument {name:?} of a planner: expected robot, world, map, scan, belief, params, rng or inputs"
                 )));
             }
         })
     }
 
-    fn all(names: &[String]) -> PyResult<Vec<Self>> {
+    /// Returns arguments; those of a process are no robot's.
+    fn all(names: &[String], is_process: bool) -> PyResult<Vec<Self>> {
+        const OF_PROCESSES: [&str; 4] = ["world", "inputs", "params", "rng"];
+        let mut refused = names
+            .iter()
+            .filter(|name| is_process && !OF_PROCESSES.contains(&name.as_str()));
+        if let Some(name) = refused.next() {
+            return Err(InvalidInput::new_err(format!(
+                "argument {name:?} of a process: expected world, inputs, params or rng"
+            )));
+        }
         names.iter().map(|name| Self::of(name)).collect()
     }
 }
 
-/// Function or class that steers a robot.
+/// Function or class that steers a robot, or that is a process with own topics.
 ///
 /// A function is called once per tick and robot. A class is called once per robot; its object is called once per tick.
 #[pyclass(frozen, module = "protean_robotics")]
@@ -59,6 +74,10 @@ pub struct Function {
     pub(super) setup: Option<Vec<Argument>>,
     /// Inputs of a tick.
     pub(super) inputs: Vec<Argument>,
+    /// Names of the topics that it reads.
+    pub(super) reads: Vec<String>,
+    /// Topics that it writes; `None` for a planner.
+    pub(super) writes: Option<Vec<WrittenOutput>>,
     /// Exception that ended the last run.
     failure: Mutex<Option<PyErr>>,
 }
@@ -73,19 +92,68 @@ impl Function {
     ///     Names of the arguments of a tick.
     /// setup
     ///     Names of the arguments of the class; None for a function.
+    /// reads
+    ///     Names of the topics that it reads.
+    /// writes
+    ///     Topics that a process writes, as JSON; None for a planner.
     #[new]
-    #[pyo3(signature = (callable, inputs, setup=None))]
-    fn new(callable: Py<PyAny>, inputs: Vec<String>, setup: Option<Vec<String>>) -> PyResult<Self> {
+    #[pyo3(signature = (callable, inputs, setup=None, reads=Vec::new(), writes=None))]
+    fn new(
+        callable: Py<PyAny>,
+        inputs: Vec<String>,
+        setup: Option<Vec<String>>,
+        reads: Vec<String>,
+        writes: Option<String>,
+    ) -> PyResult<Self> {
+        let refused = |reason: String| InvalidInput::new_err(reason);
+        let writes: Option<Vec<WrittenOutput>> = writes
+            .map(|json| serde_json::from_str(&json).map_err(|error| refused(error.to_string())))
+            .transpose()?;
+        let is_process = writes.is_some();
+        let all = |names: &Vec<String>| Argument::all(names, is_process);
+        let declared = WrittenDeclaration {
+            reads: Vec::new(),
+            writes: writes.clone().unwrap_or_default(),
+        };
+        declared.register().map_err(refused)?;
         Ok(Self {
             callable,
-            setup: setup.as_deref().map(Argument::all).transpose()?,
-            inputs: Argument::all(&inputs)?,
+            setup: setup.as_ref().map(all).transpose()?,
+            inputs: all(&inputs)?,
+            reads,
+            writes,
             failure: Mutex::new(None),
         })
+    }
+
+    /// `True` for a process with own topics.
+    #[getter(is_process)]
+    fn get_is_process(&self) -> bool {
+        self.is_process()
+    }
+
+    /// Declaration of a process, as JSON.
+    #[getter]
+    fn declaration(&self) -> PyResult<String> {
+        let json = serde_json::to_string(&self.declared());
+        json.map_err(|error| InvalidInput::new_err(error.to_string()))
     }
 }
 
 impl Function {
+    /// Returns `true` if it is a process with own topics, not a planner.
+    pub fn is_process(&self) -> bool {
+        self.writes.is_some()
+    }
+
+    /// Returns the topics that it reads and writes.
+    pub fn declared(&self) -> WrittenDeclaration {
+        WrittenDeclaration {
+            reads: self.reads.clone(),
+            writes: self.writes.clone().unwrap_or_default(),
+        }
+    }
+
     /// Returns `true` if it has this input, in a tick or at its start.
     pub(super) fn uses(&self, input: Argument) -> bool {
         let setup = self.setup.iter().flatten();

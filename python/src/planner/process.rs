@@ -14,10 +14,12 @@ use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 use runtime::config::ProcessConfig;
+use runtime::declaration::{input, readable};
 use runtime::error::ProcessError;
 use serde_json::Value as Json;
 
 use super::function::{Argument, Function};
+use super::messages::Messages;
 use super::params::PythonParams;
 use super::robot::Robot;
 use super::sensors::{Belief, Scan};
@@ -36,6 +38,7 @@ pub struct PythonPlanner {
     exits: Vec<Point2<f64>>,
     objects: Option<Objects>,
     failure: Option<String>,
+    messages: Messages,
 }
 
 /// Function of a tick and its inputs.
@@ -61,7 +64,23 @@ impl Planner for PythonPlanner {
             let function = params.function();
             function.is_some_and(|function| function.get().uses(input))
         };
-        Declaration::default()
+        let own = params.function().map(|function| function.get());
+        let reads = own.iter().flat_map(|function| &function.reads);
+        // Unknown topics are refused when they are opened.
+        let reads = reads.filter_map(|name| readable(name).ok());
+        let reads = reads.map(|topic| input(topic, &[]));
+        reads
+            .fold(Declaration::default(), |declared, input| {
+                let own = [
+                    Input::STATE,
+                    Input::MAP,
+                    Input::BELIEFS,
+                    Input::SCANS,
+                    Input::SHAPES,
+                ];
+                let is_own = own.iter().any(|own| own.flow == input.flow);
+                declared.reads_if(!is_own, input)
+            })
             .reads_if(uses(Argument::Belief), Input::BELIEFS)
             .reads_if(uses(Argument::Scan), Input::SCANS)
             .reads_if(uses(Argument::Map), Input::SHAPES.optional())
@@ -79,6 +98,7 @@ impl Planner for PythonPlanner {
             exits: Vec::new(),
             objects: None,
             failure: None,
+            messages: Messages::default(),
         })
     }
 
@@ -86,7 +106,8 @@ impl Planner for PythonPlanner {
         self.exits = exits.iter().map(Region::center).collect();
     }
 
-    fn open(&mut self, config: &ProcessConfig, _: &Bus, robot: u32) -> Result<(), ProcessError> {
+    fn open(&mut self, config: &ProcessConfig, bus: &Bus, robot: u32) -> Result<(), ProcessError> {
+        self.messages = Messages::open(&self.function.get().reads, config, bus)?;
         call_planner(|py| {
             let opened = self.set_up(py, config, robot as usize);
             self.objects =
@@ -102,6 +123,11 @@ impl Planner for PythonPlanner {
     }
 
     fn steer(&mut self, map: &PlannerMap, view: &View<'_>) -> Steering {
+        let tick = (view.time_s / view.dt).round() as u64;
+        if let Err(error) = self.messages.receive(tick) {
+            self.failure = Some(error.to_string());
+            return Steering::stop();
+        }
         call_planner(|py| match self.call(py, map, view) {
             Ok(steering) => steering,
             Err(error) => {
@@ -119,20 +145,13 @@ impl PythonPlanner {
         let world = World::new(py, config, own, &self.exits)?;
         let robot = world.robot(own).map(|robot| robot.clone_ref(py));
         let robot = robot.ok_or_else(|| PyValueError::new_err("the run has no such robot"))?;
-        let random = py.import("numpy.random")?;
-        let bits = random.call_method1("PCG64", (self.seed,))?;
-        let json = py.import("json")?;
-        let values = match &self.values {
-            Json::Null => "{}".to_owned(),
-            values => values.to_string(),
-        };
         let mut objects = Objects {
             callable: function.callable.clone_ref(py),
             inputs: function.inputs.clone(),
             robot,
             world: Py::new(py, world)?,
-            params: json.call_method1("loads", (values,))?.unbind(),
-            rng: random.call_method1("Generator", (bits,))?.unbind(),
+            params: params(py, &self.values)?,
+            rng: generator(py, self.seed)?,
             map: None,
         };
         if let Some(setup) = &function.setup {
@@ -154,6 +173,11 @@ impl PythonPlanner {
             let map = Arc::new(map.clone());
             objects.map = Some(Py::new(py, Map { map, recipe: None })?);
         }
+        let messages = objects
+            .inputs
+            .contains(&Argument::Inputs)
+            .then(|| self.messages.take(py))
+            .transpose()?;
         let inputs = objects.inputs.iter();
         let arguments = inputs.map(|input| match input {
             Argument::Map => Ok(match &objects.map {
@@ -165,6 +189,9 @@ impl PythonPlanner {
                 None => Ok(py.None()),
             },
             Argument::Belief => objects.beliefs(py, view),
+            Argument::Inputs => Ok(messages
+                .as_ref()
+                .map_or_else(|| py.None(), |messages| messages.clone_ref(py).into_any())),
             input => objects.constant(py, *input),
         });
         let arguments = PyTuple::new(py, arguments.collect::<PyResult<Vec<_>>>()?)?;
@@ -187,6 +214,25 @@ impl PythonPlanner {
     }
 }
 
+/// Returns the parameters of the scenario as a dict.
+pub(super) fn params(py: Python<'_>, values: &Json) -> PyResult<Py<PyAny>> {
+    let values = match values {
+        Json::Null => "{}".to_owned(),
+        values => values.to_string(),
+    };
+    Ok(py
+        .import("json")?
+        .call_method1("loads", (values,))?
+        .unbind())
+}
+
+/// Returns a generator of random numbers.
+pub(super) fn generator(py: Python<'_>, seed: u64) -> PyResult<Py<PyAny>> {
+    let random = py.import("numpy.random")?;
+    let bits = random.call_method1("PCG64", (seed,))?;
+    Ok(random.call_method1("Generator", (bits,))?.unbind())
+}
+
 impl Objects {
     /// Returns an input that is the same object in all ticks.
     fn constant(&self, py: Python<'_>, input: Argument) -> PyResult<Py<PyAny>> {
@@ -195,7 +241,7 @@ impl Objects {
             Argument::World => self.world.clone_ref(py).into_any(),
             Argument::Params => self.params.clone_ref(py),
             Argument::Rng => self.rng.clone_ref(py),
-            Argument::Map | Argument::Scan | Argument::Belief => {
+            Argument::Map | Argument::Scan | Argument::Belief | Argument::Inputs => {
                 return Err(PyTypeError::new_err(
                     "__init__ of a planner: expected robot, world, params or rng as arguments",
                 ));

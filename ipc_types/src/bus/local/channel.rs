@@ -6,32 +6,34 @@ use std::rc::Rc;
 
 use super::Message;
 use crate::bus::{BusError, BusOptions, buffer};
-use crate::topics::{Qos, Topic};
+use crate::topics::{Qos, TopicFacts};
 
 /// The unread messages of one subscriber, oldest first.
-pub(super) struct Queue<T: Topic> {
-    pub(super) messages: RefCell<VecDeque<Rc<Message<T>>>>,
+pub(super) struct Queue<H, E> {
+    pub(super) messages: RefCell<VecDeque<Rc<Message<H, E>>>>,
     capacity: usize,
 }
 
 /// Messages of one publisher that late joiners get, oldest first.
-type History<T> = VecDeque<Rc<Message<T>>>;
+type History<H, E> = VecDeque<Rc<Message<H, E>>>;
 
 /// A topic in memory.
-pub(in crate::bus) struct Channel<T: Topic> {
+pub(in crate::bus) struct Channel<H, E> {
+    topic: &'static str,
     qos: Qos,
     overflow: bool,
-    queues: RefCell<Vec<Rc<Queue<T>>>>,
+    queues: RefCell<Vec<Rc<Queue<H, E>>>>,
     /// Per live publisher, its number and the messages for late joiners.
-    histories: RefCell<Vec<(usize, History<T>)>>,
+    histories: RefCell<Vec<(usize, History<H, E>)>>,
     /// Number of the next publisher.
     next: Cell<usize>,
 }
 
-impl<T: Topic> Channel<T> {
-    pub(super) fn new(options: &BusOptions) -> Self {
+impl<H, E> Channel<H, E> {
+    pub(super) fn new(facts: &TopicFacts, options: &BusOptions) -> Self {
         Self {
-            qos: (T::FACTS.qos)(&options.size),
+            topic: facts.name,
+            qos: (facts.qos)(&options.size),
             overflow: options.overflow,
             queues: RefCell::default(),
             histories: RefCell::default(),
@@ -42,7 +44,7 @@ impl<T: Topic> Channel<T> {
     /// Adds a publisher; returns its number.
     pub(super) fn add_publisher(&self) -> Result<usize, BusError> {
         let mut histories = self.histories.borrow_mut();
-        check_capacity::<T>("publisher", histories.len(), self.qos.publishers)?;
+        self.check_capacity("publisher", histories.len(), self.qos.publishers)?;
         let number = self.next.replace(self.next.get() + 1);
         histories.push((number, VecDeque::with_capacity(self.qos.history + 1)));
         Ok(number)
@@ -54,9 +56,9 @@ impl<T: Topic> Channel<T> {
     }
 
     /// Creates a queue that holds `ticks` ticks of every publisher, with their histories in it.
-    pub(super) fn add_subscriber(&self, ticks: usize) -> Result<Rc<Queue<T>>, BusError> {
+    pub(super) fn add_subscriber(&self, ticks: usize) -> Result<Rc<Queue<H, E>>, BusError> {
         let mut queues = self.queues.borrow_mut();
-        check_capacity::<T>("subscriber", queues.len(), self.qos.subscribers)?;
+        self.check_capacity("subscriber", queues.len(), self.qos.subscribers)?;
         let per_publisher = buffer(&self.qos, ticks);
         let histories = self.histories.borrow();
         let messages = histories.iter().flat_map(|(_, sent)| sent).cloned();
@@ -69,7 +71,7 @@ impl<T: Topic> Channel<T> {
         Ok(queue)
     }
 
-    pub(super) fn remove_subscriber(&self, queue: &Rc<Queue<T>>) {
+    pub(super) fn remove_subscriber(&self, queue: &Rc<Queue<H, E>>) {
         self.queues
             .borrow_mut()
             .retain(|other| !Rc::ptr_eq(other, queue));
@@ -77,9 +79,9 @@ impl<T: Topic> Channel<T> {
 
     /// Delivers a message of a publisher to all subscribers; returns their number, `None` if one of
     /// them has no room for it (then none gets it).
-    pub(super) fn deliver(&self, publisher: usize, message: &Rc<Message<T>>) -> Option<usize> {
+    pub(super) fn deliver(&self, publisher: usize, message: &Rc<Message<H, E>>) -> Option<usize> {
         let queues = self.queues.borrow();
-        let is_full = |queue: &Rc<Queue<T>>| queue.messages.borrow().len() >= queue.capacity;
+        let is_full = |queue: &Rc<Queue<H, E>>| queue.messages.borrow().len() >= queue.capacity;
         if !self.overflow && queues.iter().any(is_full) {
             return None;
         }
@@ -101,19 +103,20 @@ impl<T: Topic> Channel<T> {
         }
         Some(queues.len())
     }
-}
 
-fn check_capacity<T: Topic>(
-    port: &'static str,
-    taken: usize,
-    capacity: usize,
-) -> Result<(), BusError> {
-    if taken < capacity {
-        return Ok(());
+    fn check_capacity(
+        &self,
+        port: &'static str,
+        taken: usize,
+        capacity: usize,
+    ) -> Result<(), BusError> {
+        if taken < capacity {
+            return Ok(());
+        }
+        Err(BusError::Port {
+            topic: self.topic,
+            port,
+            reason: format!("all {capacity} are taken"),
+        })
     }
-    Err(BusError::Port {
-        topic: T::NAME,
-        port,
-        reason: format!("all {capacity} are taken"),
-    })
 }

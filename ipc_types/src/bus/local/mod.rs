@@ -22,7 +22,7 @@ pub(super) use ports::{Receiver, Sender};
 
 use super::{BusError, BusOptions};
 use crate::schema;
-use crate::topics::{Service, Topic};
+use crate::topics::{Service, TopicFacts};
 
 /// The topics of one run in memory.
 #[derive(Default)]
@@ -34,20 +34,21 @@ pub(super) struct LocalTopics {
 }
 
 impl LocalTopics {
-    /// The channel of a topic, created on the first request.
-    pub(super) fn channel<T: Topic>(
+    /// The channel of a topic with these headers and elements, created on the first request.
+    pub(super) fn channel<H: 'static, E: 'static>(
         &self,
+        facts: &'static TopicFacts,
         options: &BusOptions,
-    ) -> Result<Rc<Channel<T>>, BusError> {
+    ) -> Result<Rc<Channel<H, E>>, BusError> {
         let channel = Rc::clone(
             self.channels
                 .borrow_mut()
-                .entry(T::NAME)
-                .or_insert_with(|| Rc::new(Channel::<T>::new(options))),
+                .entry(facts.name)
+                .or_insert_with(|| Rc::new(Channel::<H, E>::new(facts, options))),
         );
         channel.downcast().map_err(|_| BusError::Mismatch {
-            topic: T::NAME,
-            ours: format!("schema {}", schema::hash::<T>()),
+            topic: facts.name,
+            ours: format!("schema {}", schema::fingerprint(facts)),
             theirs: "another type of the same name".into(),
         })
     }

@@ -7,18 +7,17 @@ use std::rc::Rc;
 use super::Message;
 use super::channel::{Channel, Queue};
 use crate::bus::{BusError, LOOP_TICKS};
-use crate::topics::Topic;
 
 /// The sending end.
-pub(in crate::bus) struct Sender<T: Topic> {
-    channel: Rc<Channel<T>>,
+pub(in crate::bus) struct Sender<H, E> {
+    channel: Rc<Channel<H, E>>,
     number: usize,
     /// Messages sent before, the oldest first; the memory of an unreferenced one is reused.
-    sent: RefCell<VecDeque<Rc<Message<T>>>>,
+    sent: RefCell<VecDeque<Rc<Message<H, E>>>>,
 }
 
-impl<T: Topic> Sender<T> {
-    pub(in crate::bus) fn open(channel: Rc<Channel<T>>) -> Result<Self, BusError> {
+impl<H: Default, E: Copy> Sender<H, E> {
+    pub(in crate::bus) fn open(channel: Rc<Channel<H, E>>) -> Result<Self, BusError> {
         let number = channel.add_publisher()?;
         Ok(Self {
             channel,
@@ -29,7 +28,7 @@ impl<T: Topic> Sender<T> {
 
     /// Sends the message that `write` fills; returns the number of receivers, `None` if one of them
     /// had no room.
-    pub(in crate::bus) fn send(&self, write: impl FnOnce(&mut Message<T>)) -> Option<usize> {
+    pub(in crate::bus) fn send(&self, write: impl FnOnce(&mut Message<H, E>)) -> Option<usize> {
         let mut sent = self.sent.borrow_mut();
         let free = sent.iter().position(|old| Rc::strong_count(old) == 1);
         let mut message = free.and_then(|at| sent.remove(at)).unwrap_or_default();
@@ -42,30 +41,30 @@ impl<T: Topic> Sender<T> {
     }
 }
 
-impl<T: Topic> Drop for Sender<T> {
+impl<H, E> Drop for Sender<H, E> {
     fn drop(&mut self) {
         self.channel.remove_publisher(self.number);
     }
 }
 
 /// The receiving end.
-pub(in crate::bus) struct Receiver<T: Topic> {
-    channel: Rc<Channel<T>>,
-    queue: Rc<Queue<T>>,
+pub(in crate::bus) struct Receiver<H, E> {
+    channel: Rc<Channel<H, E>>,
+    queue: Rc<Queue<H, E>>,
 }
 
-impl<T: Topic> Receiver<T> {
-    pub(in crate::bus) fn open(channel: Rc<Channel<T>>, ticks: usize) -> Result<Self, BusError> {
+impl<H, E> Receiver<H, E> {
+    pub(in crate::bus) fn open(channel: Rc<Channel<H, E>>, ticks: usize) -> Result<Self, BusError> {
         let queue = channel.add_subscriber(ticks)?;
         Ok(Self { channel, queue })
     }
 
-    pub(in crate::bus) fn receive(&self) -> Option<Rc<Message<T>>> {
+    pub(in crate::bus) fn receive(&self) -> Option<Rc<Message<H, E>>> {
         self.queue.messages.borrow_mut().pop_front()
     }
 }
 
-impl<T: Topic> Drop for Receiver<T> {
+impl<H, E> Drop for Receiver<H, E> {
     fn drop(&mut self) {
         self.channel.remove_subscriber(&self.queue);
     }

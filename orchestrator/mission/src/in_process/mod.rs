@@ -264,6 +264,7 @@ mod tests {
             words: vec!["./mine".into()],
             folder: "/".into(),
             params: serde_json::Value::Null,
+            declared: scenario::Declared::Nothing,
         };
         let error = run(&scenario, &InProcessOptions::default()).unwrap_err();
         let field = format!("processes.{}.command", scenario.processes[0].name);

@@ -15,7 +15,7 @@ use platform::output_format::OutputFormat;
 use super::common::{ExternalArg, ForceArg, JsonArg, QuietArg, out};
 use super::logs;
 use super::output::{EXIT_FAILED, EXIT_INVALID, EXIT_PARTIAL, print, print_json};
-use super::run::{handle_signals, refuse_external};
+use super::run::{asked, handle_signals, refuse_external};
 use super::run_args::{DEFAULT_SCENARIO, OverrideArgs};
 use latency::{LatencyError, Report, Run, mission, of_log, text};
 use scenario::kind::Kind;
@@ -271,5 +271,5 @@ fn load(
         }
     }
     refuse_external(target, &scenario, args.external.allow_external)?;
-    Ok(scenario)
+    asked(scenario, &set, load)
 }

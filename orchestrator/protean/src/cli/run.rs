@@ -126,12 +126,27 @@ fn load(kinds: &[Kind], target: &str, args: &RunArgs) -> Result<ResolvedScenario
     }
     check_factor("--pace", args.pace)?;
     let set = with_real_time(&args.overrides.set, args.real_time)?;
-    let scenario = Loader::new(kinds)
-        .allow_outside(args.overrides.allow_outside)
-        .load(target, &set, args.overrides.seed)
-        .map_err(|problems| problems.to_string())?;
+    let loader = Loader::new(kinds).allow_outside(args.overrides.allow_outside);
+    let load = |set: &[String]| {
+        let loaded = loader.load(target, set, args.overrides.seed);
+        loaded.map_err(|problems| problems.to_string())
+    };
+    let scenario = load(&set)?;
     refuse_external(target, &scenario, args.external.allow_external)?;
-    Ok(scenario)
+    asked(scenario, &set, load)
+}
+
+/// Asks the external programs for their declarations, which the user has permitted, and loads the scenario with them.
+pub(super) fn asked(
+    scenario: ResolvedScenario,
+    set: &[String],
+    load: impl Fn(&[String]) -> Result<ResolvedScenario, String>,
+) -> Result<ResolvedScenario, String> {
+    let declared = scenario::ask(&scenario).map_err(|problem| format!("error: {problem}"))?;
+    if declared.is_empty() {
+        return Ok(scenario);
+    }
+    load(&[set, &declared].concat())
 }
 
 /// Returns the overrides of `--set` and those that `--real-time` adds.

@@ -11,6 +11,7 @@ use mcap_log::{Condition, LogReadError, ReadProgress};
 
 use super::events::EventLists;
 use super::layers::Layers;
+use super::marks::Marks;
 use super::series::Series;
 use super::thinning::{Sample, ThinnedSeries};
 use super::timing::Timing;
@@ -45,6 +46,7 @@ pub(super) struct PageContent {
     /// Its changes, by time (ns).
     pub(super) changes: Vec<(u64, ObstacleChange)>,
     pub(super) layers: Layers,
+    pub(super) marks: Marks,
     pub(super) event_lists: EventLists,
     pub(super) series: Series,
     pub(super) timing: Timing,
@@ -77,6 +79,7 @@ impl PageContent {
         let weigh = |frame: &Frame| frame.robots.len();
         let mut frames = Frames(ThinnedSeries::new(0, MAX_STATES, weigh));
         let (mut layers, mut event_lists) = (Layers::default(), EventLists::default());
+        let mut marks = Marks::of(log);
         let (mut series, mut timing) = (Series::default(), Timing::default());
         let mut run = LoggedRun::read(
             log,
@@ -84,6 +87,7 @@ impl PageContent {
             vec![
                 Box::new(&mut frames),
                 Box::new(&mut layers),
+                Box::new(&mut marks),
                 Box::new(&mut event_lists),
                 Box::new(&mut series),
                 Box::new(&mut timing),
@@ -112,6 +116,7 @@ impl PageContent {
             static_scene,
             changes: run.changes,
             layers,
+            marks,
             event_lists,
             series,
             timing,

@@ -292,6 +292,7 @@ pub(super) fn facts(content: &mut PageContent) -> Json {
         "result": outcome_words(&robots_outcome, coverage.as_ref()),
         "outcome": robots_outcome,
         "idleness": idleness,
+        "marks": content.marks.names(),
         "dominance": content.layers.regions.grid(),
         "coverage": coverage,
         "predictions": parsed("predictions"),

@@ -10,12 +10,13 @@ const SHARED: [&str; 2] = [
     include_str!("page/difference.js"),
 ];
 /// The scripts of a run, each after those that it uses.
-const VIEWER: [&str; 10] = [
+const VIEWER: [&str; 11] = [
     include_str!("page/data.js"),
     include_str!("page/ground.js"),
     include_str!("page/view.js"),
     include_str!("page/paths.js"),
     include_str!("page/areas.js"),
+    include_str!("page/marks.js"),
     include_str!("page/layers.js"),
     include_str!("page/timeline.js"),
     include_str!("page/plots.js"),

@@ -11,6 +11,7 @@ mod events;
 mod facts;
 mod html;
 mod layers;
+mod marks;
 mod pack;
 mod plots;
 mod regions;

@@ -36,6 +36,7 @@ pub(super) fn pack(content: &mut PageContent, raster: Raster, lists: &mut Lists)
     predicted(&predictions.finish(), raster, lists);
     judged(&verdicts.finish(), lists);
     owners(&regions.finish(), lists);
+    content.marks.pack(raster, lists);
     waypoints(content, raster, lists);
     rectangles(content, raster, lists);
 }

@@ -69,7 +69,10 @@ pub fn check_drivers(ctx: &mut Context<'_>, read: &[Read], robots: &[Robot]) {
 pub fn check_inputs(ctx: &mut Context<'_>, read: &[Read], robots: &[Robot]) {
     let declarations: Vec<_> = read.iter().map(|r| r.spec.declaration()).collect();
     check_sole_writers(ctx, read, &declarations);
-    check_writers(ctx, read, &declarations);
+    // A program that is asked before the run may write any topic.
+    if !read.iter().any(|r| r.spec.is_to_be_asked()) {
+        check_writers(ctx, read, &declarations);
+    }
     check_circles(ctx, read, &declarations);
     check_robots(ctx, read, &declarations, robots, &SCANNER);
     check_robots(ctx, read, &declarations, robots, &GOAL);

@@ -32,7 +32,14 @@ pub fn resolve(
 ) -> Vec<ProcessSpec> {
     let mut read: Vec<Read> = Vec::new();
     let before = ctx.problems.len();
-    for (path, node) in ctx.blocks("processes") {
+    let blocks = ctx.blocks("processes");
+    for (path, node) in &blocks {
+        read::register_topics(ctx, node, path);
+    }
+    if ctx.problems.len() > before {
+        return Vec::new();
+    }
+    for (path, node) in blocks {
         read::block(ctx, base, &node, &path, robots, run, &mut read);
     }
     if let Some(extra) = read.get(MAX_PROCESSES) {

@@ -9,9 +9,10 @@ use crate::failure;
 use crate::files::Base;
 use crate::kind::{ConfiguredKind, Kind, ParamsProblem, find};
 use crate::renamed;
-use crate::resolved::{ProcessSpec, Program};
+use crate::resolved::{ASK, Declared, ProcessSpec, Program};
 use crate::robots::{Robot, check_name};
 use crate::spec::{Grouping, MAX_PERIOD, ProcessBlock, RunSpec};
+use runtime::declaration::WrittenDeclaration;
 
 /// A process as read, with its place for error messages.
 pub struct Read {
@@ -67,10 +68,14 @@ pub fn block(
                     return;
                 }
             };
+            let Some(declared) = read_declaration(ctx, node, path) else {
+                return;
+            };
             let program = Program::Command {
                 words,
                 folder,
                 params,
+                declared,
             };
             (program, None)
         }
@@ -78,6 +83,16 @@ pub fn block(
     let Some(driven) = read_robots(ctx, node, path, &block, kind, robots) else {
         return;
     };
+    if !driven.is_empty() && node.get("declaration").is_some() {
+        let message = "a program with a `declaration` drives no robots";
+        let problem = ctx
+            .problem(node, path, "declaration", Code::Requirement, message)
+            .expected(
+                "no `declaration` of a program with robots; the run reads its inputs from it",
+            );
+        ctx.problems.push(problem);
+        return;
+    }
     let Some(supervision) = failure::read(ctx, node, path, &block, run) else {
         return;
     };
@@ -138,6 +153,47 @@ fn read_period(
     let problem = ctx
         .problem(node, path, "period", Code::OutOfRange, message)
         .expected(expected);
+    ctx.problems.push(problem);
+    None
+}
+
+/// Registers the topics that the external programs declare to write, so that others can name them.
+pub fn register_topics(ctx: &mut Context<'_>, node: &Node, path: &FieldPath) {
+    if let Some(declaration) = node.get("declaration").filter(|it| it.as_table().is_some())
+        && let Some(written) =
+            ctx.read::<WrittenDeclaration>(declaration, &path.then("declaration"))
+        && let Err(message) = written.register()
+    {
+        let problem = ctx.problem(node, path, "declaration", Code::OutOfRange, message);
+        ctx.problems.push(problem);
+    }
+}
+
+/// Reads the declaration of an external program; `None` after a problem.
+fn read_declaration(ctx: &mut Context<'_>, node: &Node, path: &FieldPath) -> Option<Declared> {
+    let Some(declaration) = node.get("declaration") else {
+        return Some(Declared::Nothing);
+    };
+    let problem = match declaration.as_str() {
+        Some(ASK) => return Some(Declared::OnRequest),
+        Some(_) => ctx
+            .problem(
+                node,
+                path,
+                "declaration",
+                Code::OutOfRange,
+                "no declaration",
+            )
+            .expected("\"ask\", or a table with `reads` and `writes`"),
+        None => {
+            let path = path.then("declaration");
+            let written: WrittenDeclaration = ctx.read(declaration, &path)?;
+            match written.declaration() {
+                Ok(known) => return Some(Declared::Written(Box::new((written, known)))),
+                Err(message) => ctx.problem(declaration, &path, "", Code::Requirement, message),
+            }
+        }
+    };
     ctx.problems.push(problem);
     None
 }

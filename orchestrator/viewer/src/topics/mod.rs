@@ -10,6 +10,7 @@ mod dominance;
 mod grid;
 mod log;
 mod map;
+mod marks;
 mod obstacles;
 mod palette;
 mod picture;
@@ -32,7 +33,7 @@ use self::picture::Picture;
 /// Creates the viewer topics of a run, in the order of the channels in the log. Each one is a consumer that
 /// draws messages on arrival or at the end of their tick; a new topic takes a file and a line here.
 fn topics(run: &RunInfo, options: &ViewerOptions, picture: &mut Picture) -> Vec<Box<Topic>> {
-    vec![
+    let mut topics: Vec<Box<Topic>> = vec![
         Box::new(robots::RobotsTopic::new(options.trail_s, picture)),
         Box::new(map::MapTopic::new(picture)),
         Box::new(walls::WallsTopic::new(picture)),
@@ -48,7 +49,11 @@ fn topics(run: &RunInfo, options: &ViewerOptions, picture: &mut Picture) -> Vec<
         Box::new(log::LogTopic::new(run, picture)),
         Box::new(points::BeliefsTopic::new(picture)),
         Box::new(points::ScansTopic::new(picture)),
-    ]
+    ];
+    if let Some(marks) = marks::MarksTopic::new(picture) {
+        topics.push(Box::new(marks));
+    }
+    topics
 }
 
 type Topic = dyn Consumer<Picture> + Send;

@@ -40,6 +40,7 @@ fn config() -> ProcessConfig {
             processes: 2,
             events: 0,
             recorder_ticks: 8,
+            topics: Vec::new(),
             capacities: BTreeMap::from([
                 ("world/map".to_owned(), CELLS * CELLS),
                 ("world/shapes".to_owned(), 0),

@@ -36,6 +36,8 @@ const LAYERS = [
     parts: [...new Set(lists['predictions.method'])].sort().map((method) => [methodColour(method), words(facts.methods[method] || 'unknown')]) },
   { id: 'verdicts', text: 'verdicts of the referee on the evaders', there: some('verdicts'), on: true,
     parts: [['exit', 'escape possible'], ['pursuer', 'can be stopped']] },
+  ...facts.marks.map((name, topic) => ({ id: `marks ${name}`, text: name, there: some('marks'), on: true,
+    parts: [[markColour(topic), 'elements of the topic']] })),
   { id: 'names', text: 'names', colour: 'ink', there: true, on: true },
 ].filter((layer) => layer.there);
 const shown = Object.fromEntries(LAYERS.map((layer) => [layer.id, layer.on]));
@@ -437,6 +439,7 @@ function drawMap(t, followed, trail) {
   if (shown.scans) drawScans(t);
   if (shown.plans) drawPlans(t);
   if (shown.predictions) drawPredictions(t);
+  drawMarkTopics(t);
   drawMarks(t);
   drawRobots(t, followed);
   if (shown.verdicts) drawVerdicts(t);
