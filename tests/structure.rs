@@ -51,8 +51,7 @@ const RULES: Rules = Rules {
         &["import", "viewer"],
         &["kinds", "log_tools", "mission", "plan"],
         &["environment", "replay", "report"],
-        &["latency", "sweep"],
-        &["reproduce"],
+        &["latency", "published", "sweep"],
         &["protean"],
         &["_core", "benchmarks", "end_to_end"],
     ],
@@ -65,7 +64,7 @@ const RULES: Rules = Rules {
         (&["prost"], &["network"]),
         (&["tungstenite"], &["viewer"]),
         (&["processes/*"], &["kinds"]),
-        (&["evader_rrt_star"], &["kinds", "reproduce", "_core"]),
+        (&["evader_rrt_star"], &["kinds", "published", "_core"]),
         // No kind of scenarios: a command.
         (&["library_planner"], &["protean"]),
         // Routes without a run.
