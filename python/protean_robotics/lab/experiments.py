@@ -1,4 +1,7 @@
-"""The experiments of the papers: files of `experiments/`, linked into the package one by one, as wheels follow no linked folder."""
+"""The experiments of the papers: the files of `experiments/`, as parts of the package.
+
+They are linked one by one: wheels follow no linked folder.
+"""
 
 from dataclasses import dataclass
 from pathlib import Path
