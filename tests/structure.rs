@@ -50,8 +50,7 @@ const RULES: Rules = Rules {
         &["import", "log_tools", "report", "viewer"],
         &["kinds", "mission", "plan"],
         &["environment", "replay"],
-        &["latency", "sweep"],
-        &["reproduce"],
+        &["latency", "published", "sweep"],
         &["protean"],
         &["_core", "benchmarks", "end_to_end"],
     ],
@@ -64,7 +63,7 @@ const RULES: Rules = Rules {
         (&["prost"], &["network"]),
         (&["tungstenite"], &["viewer"]),
         (&["processes/*"], &["kinds"]),
-        (&["evader_rrt_star"], &["kinds", "reproduce", "_core"]),
+        (&["evader_rrt_star"], &["kinds", "published", "_core"]),
         // No kind of scenarios: a command.
         (&["library_planner"], &["protean"]),
         // Routes without a run.

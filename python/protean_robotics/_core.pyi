@@ -294,7 +294,9 @@ class Interruption:
     def __new__(cls) -> Self: ...
     def set(self) -> None: ...
 
-def sweep_figures(directory: str | os.PathLike[str]) -> str: ...
+# The submodule of what `protean_robotics.lab` computes.
+lab: Any
+
 def missions_to_run(
     experiment: str | os.PathLike[str], out: str | os.PathLike[str] | None, options: Any
 ) -> tuple[Path, list[int]]: ...
@@ -319,4 +321,5 @@ def sweep_in_process(
     shard: str | None,
     jobs: int | None,
     quiet: bool,
+    reuse: Sequence[str | os.PathLike[str]] = [],
 ) -> str: ...

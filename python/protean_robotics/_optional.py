@@ -4,7 +4,7 @@ import importlib
 from types import ModuleType
 
 #: Extras of the package by the module that they bring.
-_EXTRAS = {"matplotlib": "plot", "PIL": "plot", "pyarrow": "arrow"}
+_EXTRAS = {"jinja2": "lab", "matplotlib": "plot", "PIL": "plot", "pyarrow": "arrow", "scipy": "lab"}
 
 
 def imported(name: str) -> ModuleType:

@@ -103,30 +103,6 @@ def quantity_axes(log: "Log", name: str, ax: "Axes | None") -> "Axes":
     return ax
 
 
-def sweep_axes(figure: dict[str, Any], ax: "Axes | None") -> "Axes":
-    """Draws a figure of a sweep."""
-    ax = axes(ax)
-    scale = 100 if figure["share"] else 1
-    for series in figure["series"]:
-        x, y, low, high = np.array(series["points"], dtype=float).reshape(-1, 4).T
-        spread = np.maximum(np.array([y - low, high - y]) * scale, 0)
-        style = "o" if figure["x_names"] else "o-"
-        bars = ax.errorbar(x, y * scale, spread, fmt=style, capsize=3, label=series["name"] or None)
-        if series["reference"]:
-            x, y, _, _ = np.array(series["reference"], dtype=float).T
-            ax.plot(x, y * scale, "o", markerfacecolor="white", color=bars[0].get_color(), label="published")
-    if figure["x_names"]:
-        ax.set_xticks(range(len(figure["x_names"])), figure["x_names"])
-    if figure["x_log"]:
-        ax.set_xscale("log")
-    ax.set_title(figure["title"])
-    ax.set_xlabel(figure["x_label"])
-    ax.set_ylabel(figure["y_label"])
-    if ax.get_legend_handles_labels()[1]:
-        ax.legend()
-    return ax
-
-
 def trajectory_axes(plan: "Trajectory", ax: "Axes | None") -> "Axes":
     """Draws the path of a trajectory, coloured by the speed, among its obstacles."""
     ax = axes(ax)

@@ -20,13 +20,14 @@ from typing import TYPE_CHECKING, Any, Protocol
 from uuid import uuid4
 
 from ._arguments import checked, refused
-from ._core import Interruption, missions_to_run, sweep_figures, sweep_in_process
+from ._core import Interruption, missions_to_run, sweep_in_process
 from ._errors import Error, InvalidInput
 from ._optional import imported
 from ._planner import ONLY_IN_PROCESS, Planner, placed, planners_of
-from ._plots import sweep_axes
+from ._plots import axes
 from ._program import json_of, overrides
 from ._views import sweep_html
+from .lab import figures, results
 
 if TYPE_CHECKING:
     # Optional, and three of them have no types.
@@ -75,7 +76,7 @@ class Sweep:
     Attributes
     ----------
     directory
-        Directory of the results: ``results.csv``, ``results.parquet``, figures and more.
+        Directory of the results: ``results.csv``, ``results.parquet`` and more.
     summary
         Summary of the cells, as ``protean sweep --json`` prints it.
     """
@@ -145,19 +146,27 @@ class Sweep:
         Raises
         ------
         ImportError
-            matplotlib is not installed.
+            matplotlib or scipy is not installed.
         InvalidInput
             The experiment has no such figure.
         """
-        figures = {found["name"]: found for found in json.loads(sweep_figures(self.directory))}
-        name = next(iter(figures), None) if figure is None else figure
-        if name not in figures:
-            raise refused("figure", figure, f"one of {', '.join(figures)}" if figures else "a figure in the experiment file")
-        return sweep_axes(figures[name], ax)
+        found = {chart.name: chart for chart in self._charts()}
+        name = next(iter(found), None) if figure is None else figure
+        if name not in found:
+            raise refused("figure", figure, f"one of {', '.join(found)}" if found else "a figure in the experiment file")
+        return figures.draw(found[name], axes(ax))
+
+    def _charts(self) -> list[figures.Chart]:
+        found = results.read(self.directory)
+        return [] if found.is_planning else figures.charts(found)
 
     def _repr_html_(self) -> str:
-        """Returns the figures for a notebook."""
-        return sweep_html(self)
+        """Returns the figures for a notebook, without matplotlib the numbers of missions alone."""
+        try:
+            pictures = [(chart.name, figures.svg(chart)) for chart in self._charts()]
+        except ImportError:
+            pictures = []
+        return sweep_html(self, pictures)
 
 
 @dataclass(frozen=True)

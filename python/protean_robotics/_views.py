@@ -71,11 +71,10 @@ def run_html(run: "Run") -> str:
     )
 
 
-def sweep_html(sweep: "Sweep") -> str:
-    """Returns the figures and the missions of a sweep."""
-    figures = sorted((sweep.directory / "figures").glob("*.svg"))
+def sweep_html(sweep: "Sweep", figures: Iterable[tuple[str, bytes]]) -> str:
+    """Returns the figures, names and SVG, and the missions of a sweep."""
     missions, failed = sweep.summary["missions"], len(sweep.summary["failures"])
-    pictures = (_picture("image/svg+xml", figure.read_bytes(), figure.stem) for figure in figures)
+    pictures = (_picture("image/svg+xml", figure, name) for name, figure in figures)
     text = note(f"{missions} missions, {failed} failed; results in {sweep.directory}")
     return block(f"Sweep {sweep.directory.name}", text, *pictures)
 

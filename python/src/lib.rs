@@ -9,6 +9,7 @@ mod environments;
 mod error;
 mod interpreter;
 mod interruptible;
+mod lab;
 mod log;
 mod map;
 mod planner;
@@ -41,7 +42,7 @@ mod _core {
     #[pymodule_export]
     use crate::run::run_in_process;
     #[pymodule_export]
-    use crate::sweep::{Interruption, missions_to_run, sweep_figures, sweep_in_process};
+    use crate::sweep::{Interruption, missions_to_run, sweep_in_process};
 
     #[pymodule]
     mod steering {
@@ -87,6 +88,14 @@ mod _core {
     mod rrt_star {
         #[pymodule_export]
         use crate::algorithms::rrt_star::{Tree, plan};
+    }
+
+    #[pymodule]
+    mod lab {
+        #[pymodule_export]
+        use crate::lab::{
+            chebyshev_difference, chebyshev_exponents, chebyshev_key, patrol_laps, single_plans,
+        };
     }
 
     #[pymodule_init]

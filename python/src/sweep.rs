@@ -5,18 +5,17 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-use draw::figures::{Point, Scale, Unit};
 use kinds::KINDS;
 use mission::MissionReport;
 use pyo3::prelude::*;
 use scenario::ResolvedScenario;
-use serde_json::{Value as Json, json};
+use serde_json::Value as Json;
 use sweep::engine::{Call, Engine, InProcess};
-use sweep::planning::{Task, is_planning};
+use sweep::planning::{self, Task, is_planning};
 use sweep::runner::{self, RunOptions, RunReport};
 use sweep::shard::Shard;
 use sweep::{
-    Experiment, ExperimentOf, LoadOptions, Mission, Results, Seeds, Subject, SweepError, figures,
+    Experiment, ExperimentOf, LoadOptions, Mission, Results, Seeds, Subject, SweepError, published,
     summary,
 };
 
@@ -135,40 +134,8 @@ fn to_run<S: Subject>(
     Ok((out, open.collect()))
 }
 
-/// Returns the figures of results as JSON: a list of charts.
-///
-/// Raises
-/// ------
-/// Error
-///     The results cannot be read.
-#[pyfunction]
-pub fn sweep_figures(py: Python<'_>, directory: PathBuf) -> PyResult<String> {
-    let charts = compute(py, move || figures::charts(&Results::read(&directory)?))?;
-    let charts = charts.map_err(|error| raised(&error))?;
-    let points = |points: &[Point]| {
-        let bounds = |p: &Point| p.interval.unwrap_or((p.y, p.y));
-        let row = |p: &Point| [p.x, p.y, bounds(p).0, bounds(p).1];
-        points.iter().map(row).collect::<Vec<_>>()
-    };
-    let charts = charts.iter().map(|(name, chart)| {
-        let series = chart.series.iter().map(|series| {
-            json!({ "name": series.name, "points": points(&series.points), "reference": points(&series.reference) })
-        });
-        json!({
-            "name": name,
-            "title": chart.title,
-            "x_label": chart.x_label,
-            "x_names": chart.x_names,
-            "x_log": chart.x_scale == Scale::Logarithmic,
-            "y_label": chart.y_label,
-            "share": chart.unit == Unit::Share,
-            "series": series.collect::<Vec<_>>(),
-        })
-    });
-    Ok(charts.collect::<Json>().to_string())
-}
-
-/// Runs missions of robots in threads of this process; returns the summary as JSON.
+/// Runs the missions of an experiment that are not finished in threads of this process; returns the summary as JSON.
+/// Missions with the same scenario and seed are copied from the results in `reuse`.
 ///
 /// Raises
 /// ------
@@ -179,7 +146,8 @@ pub fn sweep_figures(py: Python<'_>, directory: PathBuf) -> PyResult<String> {
 /// KeyboardInterrupt
 ///     Ctrl-C; finished missions are kept.
 #[pyfunction]
-#[pyo3(signature = (experiment, out, options, *, shard, jobs, quiet))]
+#[pyo3(signature = (experiment, out, options, *, shard, jobs, quiet, reuse=Vec::new()))]
+#[expect(clippy::too_many_arguments, reason = "the options of the command")]
 pub fn sweep_in_process(
     py: Python<'_>,
     experiment: PathBuf,
@@ -188,54 +156,86 @@ pub fn sweep_in_process(
     shard: Option<String>,
     jobs: Option<usize>,
     quiet: bool,
+    reuse: Vec<PathBuf>,
 ) -> PyResult<String> {
     runtime::logging::start("warn");
-    let path = experiment;
-    let (experiment, options, path) = compute(py, move || {
-        let experiment = options.load_missions(&path)?;
-        PyResult::Ok((experiment, options, path))
-    })??;
-    let retry_failed = options.retry_failed;
-    let engine = PlannersInProcess {
-        engine: InProcess::default(),
-        planners: options.placed,
-    };
-    engine.check(&experiment)?;
     let shard = shard.as_deref().map_or(Ok(Shard::WHOLE), Shard::parse);
     let interrupted = Arc::clone(&options.interruption.get().0);
     let run = RunOptions {
         jobs: jobs.unwrap_or_else(platform::machine::processors),
         shard: shard.map_err(|error| InvalidInput::new_err(error.to_string()))?,
-        retry_failed,
+        retry_failed: options.retry_failed,
         log: sweep::spec::LogPolicy::None,
-        timeout: Duration::from_secs_f64(experiment.run.timeout_s),
+        timeout: Duration::ZERO,
         quiet,
         interrupted: Arc::clone(&interrupted),
     };
-    let (ended, signal) = wait(py, &interrupted, || {
-        let folder = path.parent().unwrap_or(Path::new(""));
-        carry_out(&experiment, folder, &out, &engine, &run)
-    })?;
-    signal?;
-    let (results, report) = ended.map_err(|error| raised(&error))?;
-    Ok(summary::json(&results, Some(&report)).to_string())
+    let path = experiment;
+    let folder = path.parent().unwrap_or(Path::new("")).to_owned();
+    let keep = |results: &Results| published::keep(&folder, results);
+    if options.placed.is_empty() && is_planning(&path) {
+        let experiment = compute(py, move || options.load::<Task>(&path))??;
+        return wait_for(py, &interrupted, || {
+            // A panic of a planner becomes the error of its row.
+            let hook = std::panic::take_hook();
+            std::panic::set_hook(Box::new(|_| ()));
+            let ended = carry_out(&experiment, &out, &reuse, &(), run, |_| Ok(()));
+            std::panic::set_hook(hook);
+            let (results, report) = ended?;
+            Ok(planning::summary::json(&results, Some(&report)))
+        });
+    }
+    let (experiment, options) = compute(py, move || {
+        let experiment = options.load_missions(&path)?;
+        PyResult::Ok((experiment, options))
+    })??;
+    let engine = PlannersInProcess {
+        engine: InProcess::default(),
+        planners: options.placed,
+    };
+    engine.check(&experiment)?;
+    let engine: &dyn Engine = &engine;
+    wait_for(py, &interrupted, || {
+        let (results, report) = carry_out(&experiment, &out, &reuse, engine, run, keep)?;
+        Ok(summary::json(&results, Some(&report)))
+    })
 }
 
-fn carry_out(
-    experiment: &Experiment,
-    folder: &Path,
+/// Waits for a sweep and returns its summary.
+fn wait_for(
+    py: Python<'_>,
+    interrupted: &AtomicBool,
+    work: impl FnOnce() -> Result<Json, SweepError> + Send,
+) -> PyResult<String> {
+    let (ended, signal) = wait(py, interrupted, work)?;
+    signal?;
+    let summary = ended.map_err(|error| raised(&error))?;
+    Ok(summary.to_string())
+}
+
+/// Runs missions; `keep` copies what figures need to the results.
+fn carry_out<S: Subject>(
+    experiment: &ExperimentOf<S>,
     out: &Path,
-    engine: &PlannersInProcess,
-    options: &RunOptions,
-) -> Result<(Results, RunReport), SweepError> {
+    reuse: &[PathBuf],
+    engine: &S::Engine,
+    options: RunOptions,
+    keep: impl Fn(&Results<S::Row>) -> Result<(), SweepError>,
+) -> Result<(Results<S::Row>, RunReport), SweepError> {
     let mut results = Results::open(out, &experiment.manifest(), &experiment.text)?;
-    figures::keep_published(folder, &results)?;
-    let ran = runner::run(experiment, &mut results, engine, options);
+    keep(&results)?;
+    for other in reuse {
+        results.reuse(&Results::read(other)?)?;
+    }
+    let options = RunOptions {
+        timeout: Duration::from_secs_f64(experiment.run.timeout_s),
+        ..options
+    };
+    let ran = runner::run(experiment, &mut results, engine, &options);
     // The tables are written also after an error.
     let written = results.write_tables();
     let report = ran?;
     written?;
-    figures::write(&results)?;
     Ok((results, report))
 }
 

@@ -207,6 +207,9 @@ CALLS: dict[str, list[tuple[str, str]]] = {
             "while True: log.report(force=True)",
         ),
     ],
+    "lab.rs:single_plans": [
+        ("from protean_robotics._core import lab", "while True: lab.single_plans(1, 100_000)"),
+    ],
     "map/mod.rs:new": [(FILES, "while True: pr.Map('map.toml')")],
     "map/mod.rs:path": [(SMALL, f"for i in range(9999): map.path({NEAR}, 0.2 + 1e-5 * i)")],
     "map/mod.rs:path_length": [(SMALL, "map.path_length(many(23.25, 23.25), (0.85, 0.85), 0.2)")],
@@ -227,17 +230,16 @@ CALLS: dict[str, list[tuple[str, str]]] = {
             "while True: pr.sweep(name, in_process=True, quiet=True)",
         ),
     ],
-    "sweep.rs:sweep_figures": [
-        (
-            f"name = file('sweep.toml', {GRID!r});"
-            " done = pr.sweep(name, in_process=True, quiet=True)",
-            "while True: done.plot()",
-        ),
-    ],
     "sweep.rs:sweep_in_process": [
         (
             f"{FILES}; name = file('sweep.toml', {EXPERIMENT!r})",
             "pr.sweep(name, in_process=True, planners={'robot': ahead}, set=ENDLESS, quiet=True)",
+        ),
+    ],
+    "sweep.rs:wait_for": [
+        (
+            "from protean_robotics.lab import claim, reproduce",
+            "reproduce.run(Path('plans'), reproduce.Options([claim.Paper.VMC_LP], quiet=True))",
         ),
     ],
 }
@@ -251,7 +253,7 @@ EXECUTORS = {
     "processes of joblib": ("get_reusable_executor(2)", "in_process=True"),
 }
 #: Limits of the arguments bound these.
-SHORT = {"algorithms/coverage.rs:next"}
+SHORT = {"algorithms/coverage.rs:next", "lab.rs:patrol_laps"}
 
 def functions() -> set[str]:
     """Functions that leave the interpreter."""

@@ -17,6 +17,7 @@ pub const PACKAGES: &[&str] = &[
     "distributed==2026.8.0",
     "duckdb==2.0.1",
     "hyperqueue==0.27.0",
+    "jinja2==3.1.6",
     "joblib==1.6.0",
     "matplotlib==3.11.2",
     "maturin==1.16.0",
@@ -35,6 +36,7 @@ pub const PACKAGES: &[&str] = &[
     "pyright[nodejs]==1.1.414",
     "pytest==9.2.0",
     "ray==2.60.0",
+    "scipy==1.17.1",
     "submitit==1.5.4",
 ];
 

@@ -23,16 +23,6 @@ impl Interval {
         self.low <= value && value <= self.high
     }
 
-    /// Returns `true` if the interval lies within another one.
-    pub fn is_within(&self, other: &Self) -> bool {
-        other.low <= self.low && self.high <= other.high
-    }
-
-    /// Returns `true` if the intervals overlap.
-    pub fn meets(&self, other: &Self) -> bool {
-        self.low <= other.high && other.low <= self.high
-    }
-
     /// Returns the width of the interval.
     pub fn width(&self) -> f64 {
         self.high - self.low

@@ -21,4 +21,4 @@ pub use mean::Mean;
 pub use quantile::quantile;
 pub use sample::Sample;
 pub use spread::{Spread, paired_ratio};
-pub use wilson::{Z95, wilson, wilson_at};
+pub use wilson::{Z95, wilson};

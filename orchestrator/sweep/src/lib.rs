@@ -11,12 +11,12 @@
 //!
 //! | modules | content |
 //! |---|---|
-//! | `cell`, `kind`, `columns`, `row`, `long_tables`, `metrics` | cells, rows of results, their tables, and metrics of rows |
+//! | `cell`, `kind`, `columns`, `row`, `long_tables`, `metrics` | cells, rows of results, their tables, and names of metrics |
 //! | [`spec`], `seeds`, `mission_id`, `options` | the keys of the file, and options beside it |
 //! | `manifest`, `table`, `directory`, `journal`, `results`, [`merge`] | the directory of results |
 //! | `reader`, `assignments`, `parameters`, `grid`, `parts`, `cases` | parts of the file during reading |
 //! | [`engine`], `subject`, `experiment`, [`shard`], [`runner`] | experiments of any kind, and their execution |
-//! | [`summary`], [`figures`] | summaries of results |
+//! | [`summary`], [`published`] | summaries of results; published points beside them |
 //! | `missions`, [`planning`] | the kinds of missions: of robots, of plans |
 
 mod assignments;
@@ -27,7 +27,6 @@ mod directory;
 pub mod engine;
 mod error;
 mod experiment;
-pub mod figures;
 mod grid;
 mod journal;
 mod kind;
@@ -41,6 +40,7 @@ mod options;
 mod parameters;
 mod parts;
 pub mod planning;
+pub mod published;
 mod reader;
 mod results;
 mod row;

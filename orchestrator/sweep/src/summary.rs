@@ -9,7 +9,6 @@ use statistics::{Interval, Mean, Sample, Z95, wilson};
 use tables::{Importance, TerminalTable};
 
 use super::manifest::Manifest;
-use super::metrics::Metric;
 use super::mission_id::MissionId;
 use super::results::Results;
 use super::row::{Record, Row};
@@ -73,7 +72,10 @@ fn summarise(cell: usize, rows: &[&Row]) -> CellSummary {
     let share = escapes.share();
     let sum = |f: fn(&Row) -> u32| played.iter().map(|r| u64::from(f(r))).sum::<u64>();
     let mean = |sum: f64| (!played.is_empty()).then(|| sum / played.len() as f64);
-    let measure = |metric: Metric| metric.measure(&played).map(|(value, _)| value);
+    let mean_of = |value: fn(&Row) -> Option<f64>| {
+        let values: Vec<f64> = played.iter().filter_map(|row| value(row)).collect();
+        Mean::of(&values).map(|mean| mean.value)
+    };
     let robots = played.iter().flat_map(|row| &row.robots);
     let arrivals = robots.filter(|robot| robot.outcome == "goal_reached");
     let arrivals: Vec<f64> = arrivals.map(|robot| robot.time_s).collect();
@@ -91,9 +93,16 @@ fn summarise(cell: usize, rows: &[&Row]) -> CellSummary {
         contacts: mean(sum(|r| r.contacts) as f64),
         arrived: arrivals.len(),
         arrival_s: Mean::of(&arrivals).map(|mean| mean.value),
-        coverage: measure(Metric::Coverage),
-        lap_m: measure(Metric::LapLength),
+        coverage: mean_of(|row| Some(row.coverage.as_ref()?.coverable_fraction)),
+        lap_m: mean_of(lap_m),
     }
+}
+
+/// Returns the mean length of a planned lap over the robots that have one (m).
+fn lap_m(row: &Row) -> Option<f64> {
+    let visits = row.robots.iter().filter_map(|r| r.waypoints.as_ref());
+    let lengths: Vec<f64> = visits.filter_map(|w| Some(w.planned?.length_m)).collect();
+    Mean::of(&lengths).map(|mean| mean.value)
 }
 
 /// Returns the missions that failed.

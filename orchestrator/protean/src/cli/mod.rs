@@ -9,6 +9,7 @@ mod export;
 mod filter;
 mod help;
 mod info;
+mod lab;
 mod latency;
 mod list;
 mod logs;
@@ -21,7 +22,6 @@ mod process;
 mod recover;
 mod replay;
 mod report;
-mod reproduce;
 mod run;
 mod run_args;
 mod run_summary;
@@ -116,8 +116,8 @@ enum Command {
     )]
     Sweep(sweep_args::SweepArgs),
     /// Reproduce the published results of four papers, with verdicts
-    #[command(after_long_help = reproduce::HELP)]
-    Reproduce(reproduce::ReproduceArgs),
+    #[command(after_long_help = lab::HELP)]
+    Reproduce(lab::LabArgs),
     /// Plan minimum-time trajectories for the instances of a file
     #[command(
         args_conflicts_with_subcommands = true,
@@ -257,7 +257,7 @@ fn command(kinds: &'static [Kind], cli: Cli) -> ExitCode {
         Command::Verify(args) => verify::run(kinds, &args),
         Command::Diff(args) => diff::run(kinds, &args),
         Command::Sweep(args) => sweep::sweep(kinds, &args),
-        Command::Reproduce(args) => reproduce::run(kinds, &args),
+        Command::Reproduce(args) => lab::execute("reproduce", &args),
         Command::Plan(args) => plan::run(&args),
         Command::Latency(args) => latency::run(kinds, &args),
         Command::Clean { json } => clean::clean(json.json),

@@ -9,7 +9,8 @@ use std::time::Duration;
 use platform::eprintln;
 use serde_json::Value as Json;
 
-use super::output::{EXIT_FAILED, EXIT_INVALID, print};
+use super::lab;
+use super::output::{EXIT_FAILED, EXIT_INVALID};
 use super::run::handle_signals;
 use super::sweep_args::{SweepArgs, SweepCommand, SweepRunArgs};
 use super::sweep_kind::SweepKind;
@@ -22,14 +23,14 @@ use sweep::runner::{self, RunOptions};
 use sweep::shard::Shard;
 use sweep::spec::LogPolicy;
 use sweep::{
-    ExperimentOf, Kind, LoadOptions, Mission, Record, Results, Seeds, SweepError, figures, kind_of,
+    ExperimentOf, Kind, LoadOptions, Mission, Record, Results, Seeds, SweepError, kind_of,
 };
 
 /// Runs an experiment, merges results, or draws their figures.
 pub(super) fn sweep(kinds: &'static [kind::Kind], args: &SweepArgs) -> ExitCode {
     match (&args.command, &args.run.experiment) {
         (Some(SweepCommand::Merge { parts, out, json }), _) => merged(parts, out, json.json),
-        (Some(SweepCommand::Figures { results }), _) => redrawn(results),
+        (Some(SweepCommand::Figures(args)), _) => lab::execute("figures", args),
         (None, Some(experiment)) => run(kinds, experiment, &args.run),
         (None, None) => {
             invalid("error: expected an experiment file: `protean sweep EXPERIMENT.toml`")
@@ -60,35 +61,16 @@ fn merged(parts: &[PathBuf], out: &Path, as_json: bool) -> ExitCode {
 }
 
 fn merged_of<S: SweepKind>(parts: &[PathBuf], out: &Path, as_json: bool) -> ExitCode {
-    let drawn = || {
+    let joined = || {
         let results = merge::<S::Row>(parts, out)?;
         // Every shard has the published points of the figures.
         if let Some(part) = parts.first() {
             S::keep_published(part, &results)?;
         }
-        S::draw(&results)?;
         Ok(results)
     };
-    match drawn() {
+    match joined() {
         Ok(results) => conclude::<S>(&results, None, as_json, false),
-        Err(error) => failed(&error),
-    }
-}
-
-/// Draws the figures of results and prints their files.
-fn redrawn(directory: &Path) -> ExitCode {
-    if matches!(kind_of(directory), Ok(Kind::Planning)) {
-        return invalid(
-            "error: results of plans have no figures; `protean reproduce --paper vmc-lp` draws those of the paper",
-        );
-    }
-    match Results::read(directory).and_then(|results| figures::write(&results)) {
-        Ok(files) => {
-            for file in files {
-                print(&file.display().to_string());
-            }
-            ExitCode::SUCCESS
-        }
         Err(error) => failed(&error),
     }
 }
@@ -241,12 +223,10 @@ fn carry_out<S: SweepKind>(
     let written = results.write_tables();
     let report = ran?;
     written?;
-    let figures = S::draw(&results)?;
-    let code = conclude::<S>(&results, Some(&report), args.json.json, args.quiet.quiet);
-    if !args.json.json {
-        for figure in figures {
-            print(&format!("figure    {}", figure.display()));
-        }
-    }
-    Ok(code)
+    Ok(conclude::<S>(
+        &results,
+        Some(&report),
+        args.json.json,
+        args.quiet.quiet,
+    ))
 }

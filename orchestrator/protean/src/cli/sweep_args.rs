@@ -8,6 +8,7 @@ use sweep::spec::LogPolicy;
 use platform::output_format::OutputFormat;
 
 use super::common::{ExternalArg, JsonArg, QuietArg, out};
+use super::lab;
 
 /// Help below the options.
 pub(super) const HELP: &str = "\
@@ -50,11 +51,8 @@ pub(super) struct SweepArgs {
 #[derive(Debug, Subcommand)]
 pub(super) enum SweepCommand {
     /// Draw the figures of existing results
-    Figures {
-        /// Directory of the results
-        #[arg(value_name = "DIR")]
-        results: PathBuf,
-    },
+    #[command(after_long_help = lab::HELP)]
+    Figures(lab::LabArgs),
     /// Merge the results of the shards of an experiment
     Merge {
         /// Directories of the shards

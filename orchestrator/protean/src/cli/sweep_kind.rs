@@ -1,6 +1,6 @@
 //! Differences of `protean sweep` between missions of robots and plans.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use platform::eprintln;
 use serde_json::{Value as Json, json};
@@ -9,7 +9,7 @@ use super::sweep_args::SweepRunArgs;
 use sweep::engine::{Engine, InProcess, Processes};
 use sweep::planning::{self, Task};
 use sweep::runner::RunReport;
-use sweep::{Cell, ExperimentOf, Mission, Results, Subject, SweepError, figures, summary};
+use sweep::{Cell, ExperimentOf, Mission, Results, Subject, SweepError, published, summary};
 
 /// A kind of missions on the command line.
 pub(super) trait SweepKind: Subject {
@@ -34,14 +34,6 @@ pub(super) trait SweepKind: Subject {
     /// [`SweepError`] if it cannot be copied.
     fn keep_published(_folder: &Path, _results: &Results<Self::Row>) -> Result<(), SweepError> {
         Ok(())
-    }
-
-    /// Draws the figures; returns their files.
-    ///
-    /// # Errors
-    /// [`SweepError`] if one cannot be drawn.
-    fn draw(_results: &Results<Self::Row>) -> Result<Vec<PathBuf>, SweepError> {
-        Ok(Vec::new())
     }
 
     /// Returns the summary as JSON.
@@ -81,11 +73,7 @@ impl SweepKind for Mission {
     }
 
     fn keep_published(folder: &Path, results: &Results) -> Result<(), SweepError> {
-        figures::keep_published(folder, results)
-    }
-
-    fn draw(results: &Results) -> Result<Vec<PathBuf>, SweepError> {
-        figures::write(results)
+        published::keep(folder, results)
     }
 
     fn json(results: &Results, report: Option<&RunReport>) -> Json {

@@ -2,8 +2,8 @@
 
 mod contradictions;
 mod experiment;
-mod figures;
 mod messages;
+mod published;
 mod results;
 
 use super::{Experiment, LoadOptions};

@@ -1,0 +1,70 @@
+//! Doors to the Python package `protean_robotics.lab`: this process becomes its interpreter.
+
+use std::ffi::OsString;
+use std::os::unix::process::CommandExt as _;
+use std::path::{Path, PathBuf};
+use std::process::{Command, ExitCode, Stdio};
+
+use platform::eprintln;
+
+use super::output::EXIT_FAILED;
+
+/// Help of the commands that are such doors.
+pub(super) const HELP: &str = "\
+The command is part of the Python package: pip install 'protean-robotics[lab]'. It runs with the python3 beside this
+program, else with that in PATH.";
+
+/// Test whether an interpreter has the package.
+const HAS_PACKAGE: &str =
+    "import importlib.util as u, sys; sys.exit(u.find_spec('protean_robotics') is None)";
+
+/// Arguments of a command that the package takes as they are.
+#[derive(Debug, clap::Args)]
+#[command(disable_help_flag = true)]
+pub(super) struct LabArgs {
+    /// Arguments; --help lists them
+    #[arg(
+        trailing_var_arg = true,
+        allow_hyphen_values = true,
+        value_name = "ARGUMENT"
+    )]
+    arguments: Vec<OsString>,
+}
+
+/// Replaces this process by a command of the package; returns only if it cannot.
+pub(super) fn execute(command: &str, args: &LabArgs) -> ExitCode {
+    let program = interpreter();
+    // No module of the working directory: -P.
+    let has_package = Command::new(&program)
+        .args(["-P", "-c", HAS_PACKAGE])
+        .stdin(Stdio::null())
+        .stderr(Stdio::null())
+        .status();
+    let reason = match has_package {
+        Ok(status) if status.success() => {
+            let module = ["-P", "-m", "protean_robotics.lab", command];
+            let error = Command::new(&program)
+                .args(module)
+                .args(&args.arguments)
+                .exec();
+            error.to_string()
+        }
+        Ok(_) => "it lacks the package protean_robotics, or is older than 3.11".to_owned(),
+        Err(error) => error.to_string(),
+    };
+    eprintln!(
+        "error: {}: {reason}; expected a Python with the package: pip install 'protean-robotics[lab]'",
+        program.display()
+    );
+    ExitCode::from(EXIT_FAILED)
+}
+
+/// Returns the interpreter beside this program, as in a virtual environment, else the name of that in PATH.
+fn interpreter() -> PathBuf {
+    let name = Path::new("python3");
+    let own = std::env::current_exe().ok();
+    let beside = own.map(|program| program.with_file_name(name));
+    beside
+        .filter(|path| path.exists())
+        .unwrap_or_else(|| name.to_owned())
+}

@@ -1,0 +1,23 @@
+//! Laps of a zig-zag as the cat-map patrol paper computes them: without a robot.
+
+use metrics::path::PathMetrics;
+use plan::routes::patrol::Patrol;
+
+/// Returns the speed along the contour (m/s) and the metrics of the first laps of the patrol of a built-in scenario
+/// under the key of a seed.
+///
+/// # Errors
+/// The scenario has no such patrol.
+pub fn of_seed(
+    scenario: &str,
+    overrides: &[String],
+    seed: u64,
+    laps: u32,
+) -> Result<(f64, PathMetrics), String> {
+    let failed = |reason: &dyn std::fmt::Display| format!("{scenario}: {reason}");
+    let resolved = kinds::load(scenario, overrides, Some(seed)).map_err(|e| failed(&e))?;
+    let patrol = Patrol::of(&resolved, None, None).map_err(|e| failed(&e))?;
+    let planned = patrol.laps(laps).map_err(|e| failed(&e))?;
+    let metrics = planned.metrics.ok_or_else(|| failed(&"it has no laps"))?;
+    Ok((patrol.v(), metrics))
+}

@@ -1,0 +1,90 @@
+//! Computations of `protean_robotics.lab` without a mission.
+
+use chaotic_maps::Emission;
+use published::{laps, plans, sequences};
+use pyo3::prelude::*;
+
+use crate::arguments::invalid;
+use crate::error::Error;
+use crate::interruptible::{compute, short};
+
+/// Planner, scene, path and shortest path: length and smallest distance from a pursuer (m).
+type Plan = (
+    &'static str,
+    &'static str,
+    Option<[f64; 2]>,
+    Option<[f64; 2]>,
+);
+
+/// Single plans of the RRT* planners.
+///
+/// Raises
+/// ------
+/// Error
+///     The built-in scenario is unusable.
+#[pyfunction]
+pub fn single_plans(py: Python<'_>, seed: u64, iterations: u32) -> PyResult<Vec<Plan>> {
+    let plans = compute(py, move || plans::of_seed(seed, iterations))?;
+    let plans = plans.map_err(Error::new_err)?;
+    let fields = |plan: plans::Plan| (plan.case, plan.scene, plan.path, plan.shortest);
+    Ok(plans.into_iter().map(fields).collect())
+}
+
+/// Speed along the contour (m/s), and of the first laps of a patrol: speed (m/s) and length (m) of the first, mean distance
+/// from the contour (m), mean angle of the first between turns and folded to acute ones (rad), changes of direction (1/s).
+///
+/// Raises
+/// ------
+/// Error
+///     The scenario has no such patrol.
+#[pyfunction]
+pub fn patrol_laps(
+    py: Python<'_>,
+    scenario: &str,
+    overrides: Vec<String>,
+    seed: u64,
+    laps: u32,
+) -> PyResult<(f64, [f64; 6])> {
+    let found = short(py, || laps::of_seed(scenario, &overrides, seed, laps));
+    let (v, m) = found.map_err(Error::new_err)?;
+    let turns = m.turns_first;
+    let metrics = [
+        m.speed_first,
+        m.length_first,
+        m.mae_time,
+        turns.maa,
+        turns.maa_fold,
+        m.andc,
+    ];
+    Ok((v, metrics))
+}
+
+/// Key of the exact Chebyshev map for a seed.
+#[pyfunction]
+pub fn chebyshev_key(seed: u64) -> [u64; 2] {
+    sequences::key(seed)
+}
+
+/// Mean difference of the coordinates of points of the Chebyshev map, raw or by the arcsine law: of the exact map under a
+/// key, else in floating point from the paper's first values.
+///
+/// Raises
+/// ------
+/// InvalidInput
+///     A key that the map does not take.
+#[pyfunction]
+#[pyo3(signature = (raw, count, key=None))]
+pub fn chebyshev_difference(raw: bool, count: usize, key: Option<[u64; 2]>) -> PyResult<f64> {
+    let emission = if raw {
+        Emission::Raw
+    } else {
+        Emission::Arcsine
+    };
+    sequences::difference(emission, count, key).map_err(|error| invalid(&error))
+}
+
+/// Lyapunov exponents (per step) along orbits of the Chebyshev map and of its arcsine transform.
+#[pyfunction]
+pub fn chebyshev_exponents() -> [f64; 2] {
+    sequences::exponents()
+}
