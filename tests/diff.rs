@@ -39,7 +39,7 @@ fn sides_that_cannot_be_compared_are_refused() {
     for (words, expected) in [
         ("diff a.mcap --seed-b 2", "a.mcap is a log"),
         ("diff a.mcap chse", "did you mean `chase`"),
-        ("diff chase --set rules.tme_limit=1", "time_limit"),
+        ("diff chase --set rules.timelimit=1", "time_limit"),
     ] {
         let refused = sandbox.protean(words.split(' ')).run();
         assert_eq!(refused.code, Some(2), "{refused}");

@@ -6,6 +6,7 @@ use std::sync::{Arc, PoisonError, RwLock};
 
 use zerocopy::IntoBytes as _;
 
+use super::any_queue::AnyQueue;
 use super::raw::RawTopic;
 use super::{
     Bus, BusError, LOOP_TICKS, Publisher, PublisherOptions, ReceiveError, SendError, Subscriber,
@@ -132,7 +133,11 @@ impl AnyTopic {
     /// # Errors
     /// As [`Bus::subscriber`].
     pub fn subscriber(&self, bus: &Bus) -> Result<Box<dyn AnySubscriber>, BusError> {
-        self.ports.subscriber(bus, LOOP_TICKS)
+        let subscriber = self.ports.subscriber(bus, LOOP_TICKS)?;
+        Ok(match &*bus.inbox.borrow() {
+            Some(inbox) => Box::new(AnyQueue::open(self.id, subscriber, inbox)),
+            None => subscriber,
+        })
     }
 
     /// Opens it for repeating the logged messages of a process.

@@ -7,6 +7,7 @@
 //!
 //! A run in one thread has a bus in memory with the same ports ([`Bus::local`]).
 
+mod any_queue;
 mod any_topic;
 mod inbox;
 mod local;

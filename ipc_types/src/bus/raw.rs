@@ -1,10 +1,12 @@
 //! Topics whose messages a program knows as bytes alone, by their layout.
 
 use core::cell::Cell;
+use std::rc::Rc;
 
 use zerocopy::{FromBytes as _, IntoBytes as _};
 
 use super::any_topic::{AnyPorts, AnyPublisher, AnySubscriber};
+use super::inbox::Inbox;
 use super::publisher::PublisherOptions;
 use super::{AnyMessage, Backend, Bus, BusError, ReceiveError, SendError, agreed, buffer, local};
 use crate::cdr;
@@ -51,6 +53,7 @@ impl RawTopic {
             options,
             sequence: Cell::new(0),
             turn: bus.turn.clone(),
+            inbox: bus.inbox.borrow().clone(),
         })
     }
 }
@@ -103,6 +106,8 @@ pub struct RawPublisher {
     options: PublisherOptions,
     sequence: Cell<u64>,
     turn: StepStart,
+    /// That of the process; its messages belong to the tick of the inbox.
+    inbox: Option<Rc<Inbox>>,
 }
 
 enum SendPort {
@@ -135,7 +140,7 @@ impl RawPublisher {
     /// # Errors
     /// As [`Publisher::send`](super::Publisher::send).
     pub fn send(&self, stamp: Stamp, elements: &[u8]) -> Result<(), SendError> {
-        let header = PlainHeader {
+        let mut header = PlainHeader {
             stamp: Stamp {
                 sequence: self.sequence.get(),
                 source: self.options.source,
@@ -146,6 +151,9 @@ impl RawPublisher {
                 ..stamp
             },
         };
+        if let Some(inbox) = &self.inbox {
+            inbox.date(&mut header.stamp);
+        }
         let count = elements.len() / self.facts.element.size.max(1);
         if count > self.options.capacity {
             return Err(SendError::Capacity {

@@ -2,10 +2,10 @@
 
 use std::sync::Arc;
 
-use ipc_types::bus::{AnyTopic, Bus, BusError, RawPublisher, SendError};
+use ipc_types::bus::{AnyTopic, Arrivals, Bus, BusError, Inbox, RawPublisher, SendError};
 use ipc_types::messages::robot::{Command, PlanHeader, PlanPoint};
 use ipc_types::messages::world::{MapCell, MapHeader, RobotState};
-use ipc_types::stamp::PlainHeader;
+use ipc_types::stamp::{PlainHeader, Stamp};
 use ipc_types::topics::{Commands, Plan, Topic, TopicId, TopicLayout, WorldMap, WorldState};
 
 use crate::support::{Echoes, Space, local, options, port, state};
@@ -266,4 +266,60 @@ fn a_layout_that_is_no_ros_message_is_refused_with_its_field() {
     assert!(refused("Own", "float64 x").contains("lower-case"));
     assert!(refused("world/state", "float64 x").contains("Protean's own"));
     assert!(TopicId::from_name("own/refused").is_none());
+}
+
+/// A link that delays all messages by two ticks and loses those of tick 5.
+#[derive(Debug)]
+struct Late;
+
+impl Arrivals for Late {
+    fn arrival(&self, _topic: &str, stamp: &Stamp) -> Option<u64> {
+        (stamp.tick != 5).then_some(stamp.tick + 2)
+    }
+
+    fn is_awaited(&self, _topic: &str) -> bool {
+        true
+    }
+}
+
+#[test]
+fn links_hold_for_topics_without_their_types() {
+    let layout = TopicLayout {
+        name: "declared/late".to_owned(),
+        message: "float64 range\n".to_owned(),
+        ..TopicLayout::default()
+    };
+    let topic = layout.register().unwrap();
+    on_both("late", false, |bus| {
+        let any = AnyTopic::find(topic).unwrap();
+        let _service = any.create(bus).unwrap();
+        let publisher = RawPublisher::open(bus, topic, port(1, 1)).unwrap();
+        let inbox = Inbox::new(Box::new(Late), 50_000_000);
+        let (subscriber, answers) = bus.through(&inbox, || {
+            let answers = RawPublisher::open(bus, topic, port(2, 1)).unwrap();
+            (any.subscriber(bus).unwrap(), answers)
+        });
+        let recorder = any.subscriber(bus).unwrap();
+        for port in [&publisher, &answers] {
+            port.update_connections().unwrap();
+        }
+        let mut seen = Vec::new();
+        for tick in 4..9 {
+            publisher.send(state(tick).stamp, &[0; 8]).unwrap();
+            assert_eq!(inbox.begin(tick).unwrap(), tick >= 6);
+            let taken = subscriber.drain(9, &mut |message| {
+                seen.push((tick, message.stamp.tick));
+            });
+            assert!(taken.unwrap());
+        }
+        assert_eq!(seen, [(6, 4), (8, 6)]);
+        // An answer to an old message belongs to the tick in which it is sent.
+        answers.send(state(6).stamp, &[0; 8]).unwrap();
+        let mut dates = Vec::new();
+        let taken = recorder.drain(20, &mut |message| {
+            dates.push((message.stamp.source, message.stamp.tick));
+        });
+        assert!(taken.unwrap());
+        assert_eq!(dates.last(), Some(&(2, 8)), "{dates:?}");
+    });
 }

@@ -5,7 +5,7 @@
 //! * [`run_directory`], `resources`, `shm_usage`, `orphans`: resources of a run, and of abandoned runs;
 //! * [`child_process`], `output_lines`, [`process_group`]: processes and their turns;
 //! * `supervisor`, `decide`, `executor`, `process_log`: events of processes and the reactions;
-//! * `recording`, [`fields_of_view`], `recorder_thread`, `progress`, `team_colours`, [`report`]: log, display and summary;
+//! * `recording`, `fields_of_view`, `recorder_thread`, `progress`, `team_colours`, [`report`]: log, display and summary;
 //! * `run`: a run with operating-system processes; [`in_process`]: a run in one thread of this process.
 
 pub mod child_process;

@@ -10,11 +10,11 @@ use planner_view::view::RobotView;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
+use robot::team::Team;
 use runtime::config::ProcessConfig;
 use runtime::error::ProcessError;
 use runtime::inputs::{StateInput, reply_stamp};
 use runtime::{Process, ProcessKind};
-use sim_backend::team::Team;
 
 use super::function::{Argument, Function};
 use super::messages::{Messages, dtype};
