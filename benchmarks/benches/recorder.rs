@@ -328,8 +328,8 @@ fn run_info() -> RunInfo {
             .collect(),
         obstacles: std::collections::BTreeMap::new(),
         tick_period_ns: PERIOD_NS,
-        links: Vec::new(),
         seed: 1,
+        ..RunInfo::default()
     }
 }
 

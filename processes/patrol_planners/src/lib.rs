@@ -3,7 +3,7 @@
 //! [`PatrolAwg`] drives a zig-zag of additional waypoints: every lap is different, avoids obstacles
 //! and keeps to the ordered time. [`PatrolFto`] drives past fictive temporary obstacles, alone or
 //! mixed with additional waypoints (§5.2 and §6). [`patrol`] makes waypoints and fictive obstacles,
-//! the waypoint driver of [`steering`] drives; [`process`] connects both to their topics.
+//! the waypoint driver of `avoidance` drives; [`process`] connects both to their topics.
 
 mod awg;
 pub mod check;
