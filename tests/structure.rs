@@ -93,7 +93,20 @@ const RULES: Rules = Rules {
 };
 
 /// Faults that are still there, each with its file. What is mended goes from the list.
-const KNOWN: &[(&str, &str)] = &[];
+const KNOWN: &[(&str, &str)] = &[
+    (
+        "ipc_types/Cargo.toml",
+        "`ipc_types` has 6942 lines without tests; at most 6000 are allowed",
+    ),
+    (
+        "orchestrator/scenario/Cargo.toml",
+        "`scenario` has 6139 lines without tests; at most 6000 are allowed",
+    ),
+    (
+        "python/Cargo.toml",
+        "`_core` has 6599 lines without tests; at most 6000 are allowed",
+    ),
+];
 
 #[test]
 fn the_tree_keeps_its_structure() {

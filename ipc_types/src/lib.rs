@@ -7,6 +7,7 @@
 //! * [`bus`]: publishers, subscribers, request–response and events of one isolated run;
 //! * [`transport`]: the parts of the bus that use iceoryx2;
 //! * [`schema`], [`cdr`]: the messages in logs;
+//! * [`layout`]: topics that a program declares while it runs; [`marks`]: the drawn elements of messages;
 //! * [`consumer`]: consumers of the messages of a run in order, from the bus or from a log.
 
 // The macros name the crate as others do.
@@ -17,6 +18,8 @@ pub mod cdr;
 pub mod clock;
 pub mod consumer;
 mod error;
+pub mod layout;
+pub mod marks;
 pub mod message;
 pub mod messages;
 pub mod schema;

@@ -280,7 +280,7 @@ class Function:
         callable: Callable[..., Any],
         inputs: Sequence[str],
         setup: Sequence[str] | None = None,
-        reads: Sequence[str] = [],
+        reads: Sequence[str] = ...,
         writes: str | None = None,
     ) -> Function: ...
     @property
@@ -321,5 +321,5 @@ def sweep_in_process(
     shard: str | None,
     jobs: int | None,
     quiet: bool,
-    reuse: Sequence[str | os.PathLike[str]] = [],
+    reuse: Sequence[str | os.PathLike[str]] = ...,
 ) -> str: ...

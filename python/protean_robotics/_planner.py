@@ -13,7 +13,7 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, NoReturn, overload
 
-from ._arguments import refused
+from ._arguments import refused, texts
 from ._core import Function
 from ._core import serve as _serve
 from ._errors import InvalidInput
@@ -44,6 +44,7 @@ class Planner:
     _what = "planner"
 
     def __init__(self, steer: Callable[..., Any], reads: Sequence[str] = (), writes: str | None = None) -> None:
+        reads = texts("reads", reads)
         self.steer = steer
         self._file = _source(steer)
         if inspect.isclass(steer):
@@ -82,7 +83,7 @@ def planner(steer: Callable[..., Any]) -> Planner: ...
 
 
 @overload
-def planner(*, reads: Sequence[str]) -> Callable[[Callable[..., Any]], Planner]: ...
+def planner(steer: None = None, *, reads: Sequence[str] = ()) -> Callable[[Callable[..., Any]], Planner]: ...
 
 
 def planner(

@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from ._arguments import mapping, texts
 from ._errors import InvalidInput
 from ._planner import Planner
 from ._program import toml
@@ -60,7 +61,7 @@ class Output:
     def _written(self, name: str) -> dict[str, Any]:
         return {
             "name": name,
-            "message": _message(name, np.dtype(self.dtype)),
+            "message": _message(name, _dtype(name, self.dtype)),
             "elements": self.most,
             "later": self.later,
             "sole": self.sole,
@@ -116,20 +117,31 @@ def process(
     >>> sonar
     <process sonar>
     """
-    outputs = {name: output if isinstance(output, Output) else Output(output) for name, output in writes.items()}
+    known = texts("reads", reads)
+    outputs = {
+        name: output if isinstance(output, Output) else Output(output) for name, output in mapping("writes", writes).items()
+    }
     written = json.dumps([output._written(name) for name, output in outputs.items()])
-    return lambda function: Process(function, reads, written)
+    return lambda function: Process(function, known, written)
 
 
 def declared(processes: Mapping[str, Process] | None) -> list[str]:
     """Declarations of processes, as values of the scenario."""
-    for name, own in (processes or {}).items():
+    given = {} if processes is None else mapping("processes", processes)
+    for name, own in given.items():
         if not isinstance(own, Process):
             raise InvalidInput(f"processes: {name}: expected a process (pr.process)")
     return [
-        f"processes.{name}.declaration={toml(name, json.loads(own._function.declaration))}"
-        for name, own in (processes or {}).items()
+        f"processes.{name}.declaration={toml(name, json.loads(own._function.declaration))}" for name, own in given.items()
     ]
+
+
+def _dtype(topic: str, given: Any) -> np.dtype[Any]:
+    try:
+        found: np.dtype[Any] = np.dtype(given)
+    except (TypeError, ValueError) as error:
+        raise InvalidInput(f"writes: topic {topic}: {error}: expected a structured type, as [('angle', 'f8')]") from None
+    return found
 
 
 def _message(topic: str, dtype: np.dtype[Any]) -> str:

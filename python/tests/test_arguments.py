@@ -48,6 +48,10 @@ def steer(robot: pr.Robot) -> tuple[float, float]:
     return robot.v_max, 0.0
 
 
+def sense(world: pr.World) -> list[tuple[float]]:
+    return [(robot.x,) for robot in world.robots]
+
+
 def suggest(trial: Any) -> dict[str, Any]:
     return SHORT
 
@@ -97,6 +101,7 @@ RUN = {
     "set": SHORT,
     "in_process": True,
     "planners": {"robot": steer},
+    "processes": {},
     "out": "out.mcap",
     "force": True,
     "allow_external": False,
@@ -132,7 +137,11 @@ CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
         | {"allow_outside": False},
     ),
     "planner": (pr.planner, {"steer": steer}),
-    "serve": (pr.serve, {"steer": steer}),
+    "serve": (lambda steer: pr.serve(steer), {"steer": steer}),
+    "process": (
+        lambda **arguments: pr.process(**arguments)(sense),
+        {"reads": ["sonar/echo"], "writes": {"sonar/echo": [("range", "f8")]}},
+    ),
     "Env": (pr.Env, ENV),
     "VectorEnv": (
         pr.VectorEnv,
@@ -271,6 +280,7 @@ def test_wrong_arguments_are_named(name: str, monkeypatch: pytest.MonkeyPatch) -
 def test_every_public_function_is_tried() -> None:
     #: They take no arguments, or the package calls them.
     without = {"program", "go_to", "Belief", "Episode", "Error", "Executor", "Future", "InvalidInput", "Planner"}
+    without |= {"Message", "Output", "Process"}
     without |= {"MissingFile", "ParallelEnv", "Robot", "Run", "Scan", "Step", "Sweep", "Table", "Topic", "World"}
     public = {name for name in pr.__all__ if callable(getattr(pr, name))}
     assert public - without <= CALLS.keys()

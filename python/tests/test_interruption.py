@@ -253,7 +253,8 @@ EXECUTORS = {
     "processes of joblib": ("get_reusable_executor(2)", "in_process=True"),
 }
 #: Limits of the arguments bound these.
-SHORT = {"algorithms/coverage.rs:next", "lab.rs:patrol_laps"}
+SHORT = {"algorithms/coverage.rs:next", "lab.rs:patrol_laps", "routes.rs:plan_coverage", "routes.rs:plan_patrol"}
+SHORT |= {"routes.rs:predict_patrol"}
 
 def functions() -> set[str]:
     """Functions that leave the interpreter."""

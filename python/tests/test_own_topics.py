@@ -91,7 +91,7 @@ def total(inputs, world):
     assert state.header["stamp"]["tick"] == round(world.time / world.dt)
     early = np.concatenate(messages["own/early"])
     np.testing.assert_array_equal(early["inner"]["pose"], world.poses)
-    # Those for the next tick are of the tick before, whoever steps first.
+    # Those for the next tick are of the tick before, in any order of steps.
     times = [float(m["time"][0]) for m in messages["own/later"]]
     assert len(times) == (world.time > 0) and all(abs(t + world.dt - world.time) < 1e-9 for t in times)
     assert len(inputs["world/map"]) == 1 and len(inputs["robot/scan"]) == 1

@@ -28,6 +28,11 @@ def steer(robot: pr.Robot) -> tuple[float, float]:
     return robot.v_max, 0.0
 
 
+@pr.process(writes={"sonar/echo": [("range", "f8")]})
+def sense(world: pr.World) -> list[tuple[float]]:
+    return [(robot.x,) for robot in world.robots]
+
+
 def suggest(trial: Any) -> dict[str, Any]:
     return SHORT
 
@@ -102,10 +107,13 @@ PICKLED: dict[str, list[tuple[Callable[[], Any], Callable[[Any], Any]]]] = {
     "Error": [(lambda: pr.Error("reason"), lambda given: given.args)],
     "InvalidInput": [(lambda: pr.InvalidInput("reason"), lambda given: given.args)],
     "Log": [(lambda: run().log, lambda given: (given.info, given["world/state"]["robots.x"]))],
+    "Message": [(lambda: pr.Message(1, np.zeros(2)), lambda given: (given.header, given.elements))],
     "MissingFile": [(lambda: pr.MissingFile("reason"), lambda given: given.args)],
     "Map": [(room, grids), (lambda: pr.Map("hello"), grids), (lambda: pr.Map(MAP), grids)],
     "ParallelEnv": [(lambda: pr.parallel_env("hello", agents=["robot"], set=SHORT, seed=1), first)],
+    "Output": [(lambda: pr.Output([("range", "f8")], most=3), lambda given: (given.most, np.dtype(given.dtype).itemsize))],
     "Planner": [(lambda: steer, lambda given: given.steer)],
+    "Process": [(lambda: sense, lambda given: given.steer)],
     "Run": [(run, lambda given: (given.summary, given.log.digest))],
     "Steering": [
         (lambda: pr.Steering(1.0, 0.5, target=1, aim=(1, 2)), fields(["v", "omega", "target", "aim", "waypoint"]))

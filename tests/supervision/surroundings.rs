@@ -60,7 +60,7 @@ fn a_program_that_is_replaced_in_the_middle_of_its_run_starts_itself_again() {
 fn a_result_that_cannot_be_written_is_told() {
     let sandbox = Sandbox::new();
     let full = ["-c", "exec \"$@\" > /dev/full", "sh"];
-    for words in [&["list", "--json"][..], &["schema", "messages"]] {
+    for words in [&["list", "--json"][..], &["schema", "scenario"]] {
         let outcome = sandbox.protean(words.iter().copied()).through("sh", &full);
         let words = ["error: cannot write the result to stdout: No space left on device"];
         outcome.run().refused(1, &words);

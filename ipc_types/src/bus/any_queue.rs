@@ -3,7 +3,7 @@
 use std::rc::Rc;
 
 use super::ReceiveError;
-use super::any_topic::{AnyMessage, AnySubscriber};
+use super::any_message::{AnyMessage, AnySubscriber};
 use super::inbox::{Inbox, Queue, Source};
 use crate::stamp::Stamp;
 use crate::topics::TopicId;

@@ -7,6 +7,7 @@
 //!
 //! A run in one thread has a bus in memory with the same ports ([`Bus::local`]).
 
+mod any_message;
 mod any_queue;
 mod any_topic;
 mod inbox;
@@ -20,7 +21,8 @@ pub use crate::error::{BusError, ReceiveError, SendError};
 pub use crate::transport::{
     Listener, MemoryUse, Notifier, RunSpace, TopicHolder, TransportConfig, quiet_transport,
 };
-pub use any_topic::{AnyMessage, AnyPublisher, AnySubscriber, AnyTopic, SharedElements};
+pub use any_message::{AnyMessage, AnyPublisher, AnySubscriber, SharedElements};
+pub use any_topic::AnyTopic;
 pub use inbox::{Arrivals, Inbox};
 pub use publisher::{Publisher, PublisherOptions};
 pub use raw::RawPublisher;

@@ -5,7 +5,7 @@ use std::rc::Rc;
 
 use zerocopy::{FromBytes as _, IntoBytes as _};
 
-use super::any_topic::{AnyPorts, AnyPublisher, AnySubscriber};
+use super::any_message::{AnyPorts, AnyPublisher, AnySubscriber};
 use super::inbox::Inbox;
 use super::publisher::PublisherOptions;
 use super::{AnyMessage, Backend, Bus, BusError, ReceiveError, SendError, agreed, buffer, local};
@@ -14,11 +14,21 @@ use crate::clock::StepStart;
 use crate::schema;
 use crate::stamp::{PlainHeader, Stamp};
 use crate::topics::{TopicFacts, TopicId};
+use crate::transport::raw::RawFormat;
 use crate::transport::{TopicHolder, raw};
 
 /// Header and elements of a message in memory.
 type Sender = local::Sender<Vec<u8>, u8>;
 type Receiver = local::Receiver<Vec<u8>, u8>;
+
+/// Returns name and messages of a topic.
+fn format(facts: &'static TopicFacts) -> RawFormat {
+    RawFormat {
+        name: facts.name,
+        header: &facts.header,
+        element: &facts.element,
+    }
+}
 
 /// A topic that is declared while the program runs.
 pub(super) struct RawTopic {
@@ -39,7 +49,7 @@ impl RawTopic {
         let port = match &bus.backend {
             Backend::Ipc { node, .. } => SendPort::Ipc(raw::Sender::open(
                 node.node(),
-                self.facts,
+                format(self.facts),
                 &agreed,
                 &options.sender(&bus.options),
             )?),
@@ -64,7 +74,7 @@ impl AnyPorts for RawTopic {
         match &bus.backend {
             Backend::Ipc { node, .. } => raw::create(
                 node.node(),
-                self.facts,
+                format(self.facts),
                 &agreed(name, &self.schema),
                 &bus.limits(self.facts),
             ),
@@ -79,7 +89,7 @@ impl AnyPorts for RawTopic {
         let port = match &bus.backend {
             Backend::Ipc { node, .. } => ReceivePort::Ipc(raw::Receiver::open(
                 node.node(),
-                self.facts,
+                format(self.facts),
                 &agreed(self.facts.name, &self.schema),
                 buffer(&(self.facts.qos)(&bus.options.size), ticks),
             )?),

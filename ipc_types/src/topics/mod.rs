@@ -8,7 +8,6 @@
 //! * [`Service`]: request–response; the constants at the end: events.
 
 mod built_in;
-mod declared;
 mod drawing;
 mod pattern;
 mod registry;
@@ -16,8 +15,7 @@ mod service;
 mod topic_id;
 
 pub use built_in::*;
-pub use declared::{LayoutError, TopicLayout};
-pub use drawing::{Drawing, Drawn, Mark};
+pub use drawing::Drawing;
 pub use pattern::fits;
 pub use registry::PerTopic;
 pub use service::{OptimiserPlan, PortsOf, Service};

@@ -1,4 +1,4 @@
-//! Ports of topics whose messages are known as bytes alone, with the layout of their facts.
+//! Ports of topics whose messages are known as bytes alone, with the layout of their parts.
 
 use core::slice;
 use std::time::Duration;
@@ -17,14 +17,24 @@ use crate::clock::monotonic_ns;
 use crate::error::{BusError, ReceiveError, SendError};
 use crate::message::Descriptor;
 use crate::stamp::Stamp;
-use crate::topics::TopicFacts;
+
+/// Name and messages of a topic.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct RawFormat {
+    /// Name of the topic.
+    pub(crate) name: &'static str,
+    /// The user header.
+    pub(crate) header: &'static Descriptor,
+    /// The elements.
+    pub(crate) element: &'static Descriptor,
+}
 
 type RawBuilder = Builder<[CustomPayloadMarker], CustomHeaderMarker, ipc::Service>;
 type RawService = PortFactory<ipc::Service, [CustomPayloadMarker], CustomHeaderMarker>;
 
 /// Returns the builder of the service, with the types that a program with these messages has.
-fn builder(node: &Node<ipc::Service>, facts: &TopicFacts) -> Result<RawBuilder, BusError> {
-    let topic = facts.name;
+fn builder(node: &Node<ipc::Service>, format: RawFormat) -> Result<RawBuilder, BusError> {
+    let topic = format.name;
     let detail = |variant, of: &Descriptor| {
         TypeDetail::__internal_new_from_parts(variant, of.name, of.size, of.align).map_err(|e| {
             BusError::Open {
@@ -33,8 +43,8 @@ fn builder(node: &Node<ipc::Service>, facts: &TopicFacts) -> Result<RawBuilder, 
             }
         })
     };
-    let payload = detail(TypeVariant::Dynamic, &facts.element)?;
-    let header = detail(TypeVariant::FixedSize, &facts.header)?;
+    let payload = detail(TypeVariant::Dynamic, format.element)?;
+    let header = detail(TypeVariant::FixedSize, format.header)?;
     let builder = node
         .service_builder(&service::service_name(topic)?)
         .publish_subscribe::<[CustomPayloadMarker]>()
@@ -50,14 +60,14 @@ fn builder(node: &Node<ipc::Service>, facts: &TopicFacts) -> Result<RawBuilder, 
 /// Creates the service and holds it.
 pub(crate) fn create(
     node: &Node<ipc::Service>,
-    facts: &TopicFacts,
+    format: RawFormat,
     agreed: &Agreed<'_>,
     limits: &Limits,
 ) -> Result<TopicHolder, BusError> {
     let topic = agreed.topic;
     let failed = |reason: String| BusError::Create { topic, reason };
     let attributes = super::agreement::define(agreed.schema).map_err(failed)?;
-    let service = service::limited(builder(node, facts)?, limits)
+    let service = service::limited(builder(node, format)?, limits)
         .create_with_attributes(&attributes)
         .map_err(|e| failed(format!("{e:?}")))?;
     Ok(service::held(topic, service))
@@ -65,19 +75,19 @@ pub(crate) fn create(
 
 fn open(
     node: &Node<ipc::Service>,
-    facts: &TopicFacts,
+    format: RawFormat,
     agreed: &Agreed<'_>,
 ) -> Result<RawService, BusError> {
     let topic = agreed.topic;
     let verifier = super::agreement::require(agreed.schema);
     let verifier = verifier.map_err(|reason| BusError::Open { topic, reason })?;
-    let opened = builder(node, facts)?.open_with_attributes(&verifier);
-    opened.map_err(|e| service::refused(node, agreed, e, &facts.header, &facts.element))
+    let opened = builder(node, format)?.open_with_attributes(&verifier);
+    opened.map_err(|e| service::refused(node, agreed, e, format.header, format.element))
 }
 
 /// A sending end.
 pub(crate) struct Sender {
-    facts: &'static TopicFacts,
+    format: RawFormat,
     inner: iceoryx2::port::publisher::Publisher<
         ipc::Service,
         [CustomPayloadMarker],
@@ -89,15 +99,15 @@ pub(crate) struct Sender {
 impl Sender {
     pub(crate) fn open(
         node: &Node<ipc::Service>,
-        facts: &'static TopicFacts,
+        format: RawFormat,
         agreed: &Agreed<'_>,
         options: &SenderOptions,
     ) -> Result<Self, BusError> {
-        let factory = open(node, facts, agreed)?;
+        let factory = open(node, format, agreed)?;
         let failures = Failures::default();
         let builder = publisher::configured(factory.publisher_builder(), options, &failures);
         Ok(Self {
-            facts,
+            format,
             inner: failures.checked(agreed.topic, "publisher", builder.create())?,
             patience: options.patience,
         })
@@ -105,7 +115,7 @@ impl Sender {
 
     fn failed(&self, reason: String) -> SendError {
         SendError::Transport {
-            topic: self.facts.name,
+            topic: self.format.name,
             reason,
         }
     }
@@ -116,7 +126,7 @@ impl Sender {
         updated.map_err(|e| self.failed(format!("{e:?}")))
     }
 
-    /// Sends a message of `count` elements, whose bytes have the lengths of the facts; returns the number of receivers. With
+    /// Sends a message of `count` elements, whose bytes have the lengths of the format; returns the number of receivers. With
     /// `timed`, the stamp at the begin of the header gets the time of sending.
     pub(crate) fn send(
         &self,
@@ -125,7 +135,7 @@ impl Sender {
         count: usize,
         timed: bool,
     ) -> Result<usize, SendError> {
-        let (header_bytes, element_bytes) = (self.facts.header.size, self.facts.element.size);
+        let (header_bytes, element_bytes) = (self.format.header.size, self.format.element.size);
         if header.len() != header_bytes || Some(elements.len()) != count.checked_mul(element_bytes)
         {
             return Err(self.failed("bytes that are no message of the topic".to_owned()));
@@ -159,13 +169,13 @@ impl Sender {
         }
         // SAFETY: all bytes were written above.
         let sent = unsafe { sample.assume_init() }.send();
-        sent.map_err(|e| publisher::undelivered(self.facts.name, self.patience, e))
+        sent.map_err(|e| publisher::undelivered(self.format.name, self.patience, e))
     }
 }
 
 /// A receiving end.
 pub(crate) struct Receiver {
-    facts: &'static TopicFacts,
+    format: RawFormat,
     inner: iceoryx2::port::subscriber::Subscriber<
         ipc::Service,
         [CustomPayloadMarker],
@@ -176,23 +186,23 @@ pub(crate) struct Receiver {
 impl Receiver {
     pub(crate) fn open(
         node: &Node<ipc::Service>,
-        facts: &'static TopicFacts,
+        format: RawFormat,
         agreed: &Agreed<'_>,
         buffer: usize,
     ) -> Result<Self, BusError> {
         let failures = Failures::default();
-        let created = open(node, facts, agreed)?
+        let created = open(node, format, agreed)?
             .subscriber_builder()
             .buffer_size(buffer)
             .set_degradation_handler(failures.handler())
             .create();
         let inner = failures.checked(agreed.topic, "subscriber", created)?;
-        Ok(Self { facts, inner })
+        Ok(Self { format, inner })
     }
 
     fn failed(&self, reason: String) -> ReceiveError {
         ReceiveError::Transport {
-            topic: self.facts.name,
+            topic: self.format.name,
             reason,
         }
     }
@@ -211,7 +221,7 @@ impl Receiver {
         };
         let header = core::ptr::from_ref(sample.user_header()).cast::<u8>();
         // SAFETY: the details of the service reserve this many bytes for the header; it lives as long as the sample.
-        let header = unsafe { slice::from_raw_parts(header, self.facts.header.size) };
+        let header = unsafe { slice::from_raw_parts(header, self.format.header.size) };
         let payload = sample.payload();
         // SAFETY: a marker is one byte, and any byte is a valid value; they live as long as the sample.
         let elements = unsafe { slice::from_raw_parts(payload.as_ptr().cast(), payload.len()) };

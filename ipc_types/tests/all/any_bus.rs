@@ -3,10 +3,11 @@
 use std::sync::Arc;
 
 use ipc_types::bus::{AnyTopic, Arrivals, Bus, BusError, Inbox, RawPublisher, SendError};
+use ipc_types::layout::TopicLayout;
 use ipc_types::messages::robot::{Command, PlanHeader, PlanPoint};
 use ipc_types::messages::world::{MapCell, MapHeader, RobotState};
 use ipc_types::stamp::{PlainHeader, Stamp};
-use ipc_types::topics::{Commands, Plan, Topic, TopicId, TopicLayout, WorldMap, WorldState};
+use ipc_types::topics::{Commands, Plan, Topic, TopicId, WorldMap, WorldState};
 
 use crate::support::{Echoes, Space, local, options, port, state};
 

@@ -2,9 +2,10 @@
 
 use std::path::Path;
 
+use ipc_types::layout::TopicLayout;
 use ipc_types::schema;
 use ipc_types::stamp::Stamp;
-use ipc_types::topics::{PerTopic, TopicId, TopicLayout};
+use ipc_types::topics::{PerTopic, TopicId};
 use zerocopy::FromBytes as _;
 
 use super::reader::Channel;

@@ -8,6 +8,7 @@
 //! * `recording`, `fields_of_view`, `recorder_thread`, `progress`, `team_colours`, [`report`]: log, display and summary;
 //! * `run`: a run with operating-system processes; [`in_process`]: a run in one thread of this process.
 
+mod asked;
 pub mod child_process;
 pub mod dataflow;
 mod decide;
@@ -33,6 +34,7 @@ mod shm_usage;
 pub mod supervisor;
 mod team_colours;
 
+pub use asked::ask;
 pub use error::{InProcessError, MissionError};
 pub use report::MissionReport;
 pub use run::{MissionOptions, run};

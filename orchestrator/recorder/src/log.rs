@@ -3,8 +3,9 @@
 use std::collections::BTreeMap;
 
 use ipc_types::consumer::LoggedMessage;
+use ipc_types::layout::TopicLayout;
 use ipc_types::schema;
-use ipc_types::topics::{TopicId, TopicLayout};
+use ipc_types::topics::TopicId;
 use mcap_log::{ChannelId, ChannelSpec, LogWriteError, LogWriter};
 
 use super::derived::{DerivedLog, DerivedTopics};

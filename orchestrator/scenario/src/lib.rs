@@ -10,7 +10,6 @@
 //! A new kind of process is one implementation of [`runtime::ProcessKind`] and one entry in a program's
 //! list of kinds.
 
-mod asked;
 pub mod builtin;
 mod context;
 mod draft;
@@ -38,7 +37,6 @@ mod world;
 #[cfg(test)]
 mod tests;
 
-pub use asked::ask;
 pub use context::refusal;
 pub use draft::Draft;
 pub use events::{EventSpec, Moment};

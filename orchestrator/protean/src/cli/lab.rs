@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode, Stdio};
 
 use platform::eprintln;
+use platform::presence;
 
 use super::output::EXIT_FAILED;
 
@@ -65,6 +66,7 @@ fn interpreter() -> PathBuf {
     let own = std::env::current_exe().ok();
     let beside = own.map(|program| program.with_file_name(name));
     beside
-        .filter(|path| path.exists())
+        // One that cannot be looked at is tried: its execution tells the cause.
+        .filter(|path| !matches!(presence::entry(path), Ok(None)))
         .unwrap_or_else(|| name.to_owned())
 }

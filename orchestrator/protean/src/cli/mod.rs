@@ -105,7 +105,7 @@ enum Command {
     /// Run the scenario of a log again and compare every message
     #[command(after_long_help = verify::HELP)]
     Verify(verify::VerifyArgs),
-    /// Name the first difference of two runs, and the process that caused it
+    /// Name the first difference of two runs and the process behind it
     #[command(after_long_help = diff::HELP)]
     Diff(diff::DiffArgs),
     /// Run an experiment: many missions, one table of results
@@ -133,7 +133,7 @@ enum Command {
         #[command(flatten)]
         json: JsonArg,
     },
-    /// Print a schema (scenarios, experiments, messages) or a C header
+    /// Print a schema (scenarios, experiments) or the C header of planners
     Schema {
         /// File type that the schema describes
         #[arg(value_enum)]

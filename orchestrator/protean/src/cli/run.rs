@@ -142,7 +142,7 @@ pub(super) fn asked(
     set: &[String],
     load: impl Fn(&[String]) -> Result<ResolvedScenario, String>,
 ) -> Result<ResolvedScenario, String> {
-    let declared = scenario::ask(&scenario).map_err(|problem| format!("error: {problem}"))?;
+    let declared = mission::ask(&scenario).map_err(|problem| format!("error: {problem}"))?;
     if declared.is_empty() {
         return Ok(scenario);
     }

@@ -4,7 +4,8 @@ use std::path::Path;
 
 use geometry::math::sincos;
 use ipc_types::consumer::{Consumer, LoggedMessage};
-use ipc_types::topics::{Drawn, TopicId};
+use ipc_types::marks::Drawn;
+use ipc_types::topics::TopicId;
 use mcap_log::known;
 use mcap_log::reader::{Item, Reader};
 

@@ -3,7 +3,8 @@
 use draw::palette::{BELIEF, NEUTRAL, OBSTACLE, rgb};
 use geometry::math::sincos;
 use ipc_types::consumer::{Consumer, LoggedMessage};
-use ipc_types::topics::{Drawn, Mark, TopicId};
+use ipc_types::marks::{Drawn, Mark};
+use ipc_types::topics::TopicId;
 
 use super::channel::ViewerChannel;
 use super::palette::color;

@@ -3,7 +3,8 @@
 use std::collections::BTreeMap;
 
 use ipc_types::bus::AnyTopic;
-use ipc_types::topics::{TopicId, TopicLayout};
+use ipc_types::layout::TopicLayout;
+use ipc_types::topics::TopicId;
 use serde::{Deserialize, Serialize};
 
 use super::{Declaration, Flow, Input, Output, When};

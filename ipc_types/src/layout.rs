@@ -3,12 +3,12 @@
 use std::collections::BTreeMap;
 use std::sync::{PoisonError, RwLock};
 
-use super::drawing::{Drawing, Drawn};
-use super::{Arity, Qos, TopicFacts, TopicId};
 use crate::bus::AnyTopic;
+use crate::marks::Drawn;
 use crate::message::{Descriptor, Field, FieldKind, Message as _};
 use crate::schema;
 use crate::stamp::PlainHeader;
+use crate::topics::{Arity, Drawing, Qos, TopicFacts, TopicId};
 
 /// Name of the sequence of elements in the schema of such a topic.
 const ELEMENTS: &str = "elements";

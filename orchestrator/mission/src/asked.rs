@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use config::{Node, write_value};
 
-use super::resolved::{ProcessSpec, Program, ResolvedScenario};
+use scenario::{ProcessSpec, Program, ResolvedScenario};
 
 /// Environment variable of a program that shall print its declaration as JSON and end.
 pub const DECLARE_VARIABLE: &str = "PROTEAN_DECLARE";
