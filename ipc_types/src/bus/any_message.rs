@@ -93,16 +93,16 @@ impl<E: Message> SharedElements for Arc<[E]> {
 
 /// A subscriber of any topic.
 pub trait AnySubscriber {
-    /// As [`Subscriber::update_connections`].
+    /// As [`Subscriber::update_connections`](super::Subscriber::update_connections).
     ///
     /// # Errors
-    /// As [`Subscriber::update_connections`].
+    /// As [`Subscriber::update_connections`](super::Subscriber::update_connections).
     fn update_connections(&self) -> Result<(), ReceiveError>;
 
     /// Takes at most `most` unread messages; returns `false` if there may be more.
     ///
     /// # Errors
-    /// As [`Subscriber::receive`].
+    /// As [`Subscriber::receive`](super::Subscriber::receive).
     fn drain(
         &self,
         most: usize,
@@ -115,12 +115,12 @@ pub trait AnyPublisher {
     /// Sends a message again, byte for byte, from its CDR form. Returns `false` if it is not a message of the topic.
     ///
     /// # Errors
-    /// As [`Publisher::repeat`].
+    /// As [`Publisher::repeat`](super::Publisher::repeat).
     fn repeat(&mut self, cdr: &[u8]) -> Result<bool, SendError>;
 
-    /// As [`Publisher::update_connections`].
+    /// As [`Publisher::update_connections`](super::Publisher::update_connections).
     ///
     /// # Errors
-    /// As [`Publisher::update_connections`].
+    /// As [`Publisher::update_connections`](super::Publisher::update_connections).
     fn update_connections(&self) -> Result<(), SendError>;
 }

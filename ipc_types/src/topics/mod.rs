@@ -4,7 +4,7 @@
 //! * [`Topic`]: a topic as a type, with the types of its messages; [`TopicId`]: a topic as a value;
 //!   [`TopicFacts`]: the facts;
 //! * `built_in`: the topics of Protean's own processes; `registry`: those of others;
-//! * [`TopicLayout`]: a topic that a program declares while it runs; [`Drawing`]: the form of its elements in pictures;
+//! * [`TopicLayout`](crate::layout::TopicLayout): a topic that a program declares while it runs; [`Drawing`]: the form of its elements in pictures;
 //! * [`Service`]: request–response; the constants at the end: events.
 
 mod built_in;

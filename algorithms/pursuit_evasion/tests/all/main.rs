@@ -1,5 +1,7 @@
 //! Evaders in the city and other places; one program, because linking several takes minutes.
 
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
 #[path = "../../../planner_view/tests/support/mod.rs"]
 mod support;
 

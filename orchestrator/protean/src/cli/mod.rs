@@ -133,7 +133,7 @@ enum Command {
         #[command(flatten)]
         json: JsonArg,
     },
-    /// Print a schema (scenarios, experiments) or the C header of planners
+    /// Print a schema (scenarios, experiments) or a C header
     Schema {
         /// File type that the schema describes
         #[arg(value_enum)]
