@@ -153,8 +153,9 @@ def _message(topic: str, dtype: np.dtype[Any]) -> str:
         if dtype.names is None or dtype.fields is None:
             raise InvalidInput(f"topic {topic}: {dtype}: expected a structured type, as [('angle', 'f8')]")
         lines, end = [], 0
+        known: dict[Any, Any] = dict(dtype.fields)
         for name in dtype.names:
-            kind, offset = dtype.fields[name][:2]
+            kind, offset = known[name][:2]
             where = f"topic {topic}: field {path}{name}"
             if offset != end:
                 raise InvalidInput(f"{where}: it begins at byte {offset}: expected {end}, without padding")

@@ -190,7 +190,10 @@ def changed(study: Study, case: str) -> list[Change]:
         if difference is not None:
             found.append((row, difference, len(before.keys() & after.keys())))
     p = holm([difference.p_value for _, difference, _ in found])
-    return [Change(*change, adjusted) for change, adjusted in zip(found, p, strict=True)]
+    return [
+        Change(row, difference, seeds, adjusted)
+        for (row, difference, seeds), adjusted in zip(found, p, strict=True)
+    ]
 
 
 def _changes(study: Study, case: str) -> str:
