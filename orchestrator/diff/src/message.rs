@@ -3,22 +3,17 @@
 use std::ops::Range;
 
 use ipc_types::stamp::Stamp;
-use mcap_log::known::ENCAPSULATION;
+use mcap_log::known::{CLOCKS, ENCAPSULATION};
 use mcap_log::ros2::{Cdr, DecodeError, Schema, field_at};
 use tables::Cell;
 
 use crate::history::Message;
 
-/// Bytes of a message that are compared by name or not at all: the index of the sender, and the clocks.
-const SOURCE: Range<usize> = bytes_of(core::mem::offset_of!(Stamp, source), size_of::<u32>());
-const CLOCKS: Range<usize> = bytes_of(
-    Stamp::SIMULATED_BYTES,
-    size_of::<Stamp>() - Stamp::SIMULATED_BYTES,
-);
-
-const fn bytes_of(start: usize, length: usize) -> Range<usize> {
-    ENCAPSULATION + start..ENCAPSULATION + start + length
-}
+/// Bytes of the index of the sender, which is compared by its name.
+const SOURCE: Range<usize> = {
+    let start = ENCAPSULATION + core::mem::offset_of!(Stamp, source);
+    start..start + size_of::<u32>()
+};
 
 /// A field with different values.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -82,7 +77,7 @@ fn by_names(a: &Message, b: &Message) -> Option<FieldChange> {
         y.iter().map(|(name, cell)| (name.as_str(), cell)).collect();
     let changed = x.iter().find_map(|(name, cell)| {
         let other = other.get(name.as_str())?;
-        (!is_same(cell, other)).then(|| (name.clone(), [cell.to_string(), other.to_string()]))
+        (!cell.is_same(other)).then(|| (name.clone(), [cell.to_string(), other.to_string()]))
     });
     let (field, values) = changed?;
     let schema = a.topic.schema.as_ref()?;
@@ -123,13 +118,4 @@ fn robot_of(schema: &Schema, message: &Message, field: &str) -> Option<u64> {
         Cell::UInt(robot) if name == "robot" || name == "header.robot" => Some(*robot),
         _ => None,
     })
-}
-
-/// Returns `true` if two values have the same bits.
-fn is_same(a: &Cell, b: &Cell) -> bool {
-    match (a, b) {
-        (Cell::F32(a), Cell::F32(b)) => a.to_bits() == b.to_bits(),
-        (Cell::F64(a), Cell::F64(b)) => a.to_bits() == b.to_bits(),
-        (a, b) => a == b,
-    }
 }

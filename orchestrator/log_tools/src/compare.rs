@@ -9,12 +9,12 @@ use ipc_types::topics::TopicId;
 use mcap_log::LogReadError;
 use mcap_log::ReadProgress;
 use mcap_log::Topics;
-use mcap_log::known;
+use mcap_log::known::{self, CLOCKS};
 use mcap_log::ros2::field_at;
 use mcap_log::source::{Logged, Source};
 use serde::Serialize;
 
-use super::deviation::{CLOCKS, Deviation, add_deviations};
+use super::deviation::{Deviation, add_deviations};
 
 /// The first difference of a topic.
 #[derive(Debug, Clone, PartialEq, Serialize)]

@@ -1,17 +1,11 @@
 //! Deviation of two messages of a topic, field by field.
 
 use std::collections::BTreeMap;
-use std::ops::Range;
 
-use ipc_types::stamp::Stamp;
-use mcap_log::known::ENCAPSULATION;
+use mcap_log::known::CLOCKS;
 use mcap_log::ros2::{Cdr, Count, DecodeError, Field, Kind, Primitive, Schema};
 use serde::Serialize;
 use tables::Cell;
-
-/// Bytes of the stamp's clocks in a message.
-pub(super) const CLOCKS: Range<usize> =
-    ENCAPSULATION + Stamp::SIMULATED_BYTES..ENCAPSULATION + size_of::<Stamp>();
 
 /// Deviation of a field over all messages of a topic.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
@@ -106,7 +100,7 @@ impl Pair<'_> {
                 let a = self.a.primitive(*number, name)?;
                 let b = self.b.primitive(*number, name)?;
                 let is_clock = CLOCKS.contains(&(self.a.end() - 1));
-                if !is_clock && !is_same(&a, &b) {
+                if !is_clock && !a.is_same(&b) {
                     let (a, b) = (number_of(&a), number_of(&b));
                     let field = self.fields.entry(name.to_owned()).or_default();
                     field.add(self.tick, a, b);
@@ -114,15 +108,6 @@ impl Pair<'_> {
             }
         }
         Ok(())
-    }
-}
-
-/// Returns `true` if two numbers have the same bits.
-fn is_same(a: &Cell, b: &Cell) -> bool {
-    match (a, b) {
-        (Cell::F32(a), Cell::F32(b)) => a.to_bits() == b.to_bits(),
-        (Cell::F64(a), Cell::F64(b)) => a.to_bits() == b.to_bits(),
-        (a, b) => a == b,
     }
 }
 

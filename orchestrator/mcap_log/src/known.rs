@@ -1,5 +1,6 @@
 //! Layouts of the project's topics.
 
+use std::ops::Range;
 use std::path::Path;
 
 use ipc_types::layout::TopicLayout;
@@ -14,6 +15,9 @@ use crate::LogReadError;
 
 /// Size of the CDR encapsulation header before the first field of a message (bytes).
 pub const ENCAPSULATION: usize = 4;
+/// Bytes of the stamp's clocks in a message; they do not belong to the simulated history.
+pub const CLOCKS: Range<usize> =
+    ENCAPSULATION + Stamp::SIMULATED_BYTES..ENCAPSULATION + size_of::<Stamp>();
 
 /// The layout of a topic's messages in this version.
 #[derive(Debug)]

@@ -95,6 +95,17 @@ pub enum Cell {
     Text(String),
 }
 
+impl Cell {
+    /// Returns `true` if both have the same value, numbers with the same bits.
+    pub fn is_same(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::F32(a), Self::F32(b)) => a.to_bits() == b.to_bits(),
+            (Self::F64(a), Self::F64(b)) => a.to_bits() == b.to_bits(),
+            (a, b) => a == b,
+        }
+    }
+}
+
 impl fmt::Display for Cell {
     /// Writes the shortest text that reads back to the same value; a floating-point number has a point or an exponent.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

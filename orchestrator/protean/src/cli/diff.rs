@@ -65,6 +65,7 @@ pub(super) struct DiffArgs {
 pub(super) fn run(kinds: &[Kind], args: &DiffArgs) -> ExitCode {
     runtime::logging::start("warn");
     logs::command(args.quiet.quiet, |watch| {
+        refuse_changes_of_logs(args)?;
         let folder = Scratch::create().map_err(|source| {
             ReplayError::from(MissionError::System {
                 what: "cannot create a temporary directory".into(),
@@ -90,6 +91,25 @@ pub(super) fn run(kinds: &[Kind], args: &DiffArgs) -> ExitCode {
     })
 }
 
+fn is_log(side: &str) -> bool {
+    FileKind::of(Path::new(side)) == Some(FileKind::Log)
+}
+
+/// Refuses seeds and overrides that no scenario takes.
+fn refuse_changes_of_logs(args: &DiffArgs) -> Result<(), CommandError> {
+    let b = args.b.as_ref().unwrap_or(&args.a);
+    let OverrideArgs { seed, set, .. } = &args.overrides;
+    let is_given = |seed: &Option<u64>, set: &[String]| seed.is_some() || !set.is_empty();
+    let of_b = is_given(&args.seed_b, &args.set_b) && is_log(b);
+    let of_both = is_given(seed, set) && is_log(&args.a) && is_log(b);
+    if of_b || of_both {
+        return Err(CommandError::Usage(format!(
+            "{b} is a log: its seed and scenario cannot be changed; name a scenario"
+        )));
+    }
+    Ok(())
+}
+
 /// Returns the log of a side; runs a scenario first.
 fn log_of(
     kinds: &[Kind],
@@ -101,13 +121,7 @@ fn log_of(
     watch: &ReadProgress,
 ) -> Result<PathBuf, CommandError> {
     let path = PathBuf::from(side);
-    let is_changed = overrides.seed.is_some() || !overrides.set.is_empty();
-    if FileKind::of(&path) == Some(FileKind::Log) {
-        if is_changed && name == "b" && args.b.is_none() {
-            return Err(CommandError::Usage(format!(
-                "{side} is a log: its seed and scenario cannot be changed; name another log or scenario"
-            )));
-        }
+    if is_log(side) {
         return Ok(path);
     }
     let mut scenario = Loader::new(kinds)
