@@ -8,7 +8,6 @@
 //! * `recording`, `fields_of_view`, `recorder_thread`, `progress`, `team_colours`, [`report`]: log, display and summary;
 //! * `run`: a run with operating-system processes; [`in_process`]: a run in one thread of this process.
 
-mod asked;
 pub mod child_process;
 pub mod dataflow;
 mod decide;
@@ -23,6 +22,7 @@ mod output_lines;
 pub mod plan;
 pub mod process_group;
 mod process_log;
+mod program_declarations;
 mod progress;
 mod recorder_thread;
 mod recording;
@@ -34,8 +34,8 @@ mod shm_usage;
 pub mod supervisor;
 mod team_colours;
 
-pub use asked::ask;
 pub use error::{InProcessError, MissionError};
+pub use program_declarations::ask;
 pub use report::MissionReport;
 pub use run::{MissionOptions, run};
 pub use shm_usage::ShmFull;

@@ -20,7 +20,7 @@ mod error;
 mod event_list;
 mod event_names;
 mod field_of_view;
-mod linked;
+mod link_counts;
 mod log;
 mod message_audit;
 mod message_counts;

@@ -4,7 +4,7 @@ use ipc_types::consumer::Consumers;
 
 use super::covered::Covered;
 use super::event_list::EventList;
-use super::linked::Linked;
+use super::link_counts::LinkCounts;
 use super::outages::Outages;
 use super::predicted::Predicted;
 use super::robots::Robots;
@@ -29,7 +29,7 @@ pub(super) fn parts(run: &RunInfo) -> Consumers<dyn OutcomePart> {
         Box::new(VerdictTotals::new(robots.len())),
         Box::new(AllVisits::new(robots)),
         Box::new(Predicted::default()),
-        Box::new(Linked::new(&run.links, run.seed)),
+        Box::new(LinkCounts::new(&run.links, run.seed)),
         Box::new(Outages::new(processes, *tick_period_ns)),
     ])
 }

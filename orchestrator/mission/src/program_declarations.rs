@@ -52,7 +52,7 @@ fn ask_one(process: &ProcessSpec) -> Result<String, String> {
     // It has nothing more to do, whatever it has answered.
     let _ = child.kill();
     let _ = child.wait();
-    let answer = answer.ok_or_else(|| failed(format!("no answer in {} s", PATIENCE.as_secs())))?;
+    let answer = answer.map_err(&failed)?;
     let value: serde_json::Value = serde_json::from_str(answer.trim()).map_err(|error| {
         failed(format!(
             "its answer is no JSON ({error}); it ends with pr.serve in Python"
@@ -65,15 +65,20 @@ fn ask_one(process: &ProcessSpec) -> Result<String, String> {
     ))
 }
 
-/// Returns what a program prints until it closes its output; `None` after the maximum time.
-fn answer_of(child: &mut Child) -> Option<String> {
-    let output = child.stdout.take()?;
-    let (tell, told) = mpsc::channel();
+/// Returns what a program prints until it closes its output.
+///
+/// # Errors
+/// A text: it does not end within the maximum time, or its output cannot be read.
+fn answer_of(child: &mut Child) -> Result<String, String> {
+    let output = child.stdout.take().ok_or("its output is not piped")?;
+    let (sender, receiver) = mpsc::channel();
     std::thread::spawn(move || {
         let mut text = Vec::new();
         let read = output.take(MAX_ANSWER).read_to_end(&mut text);
-        let _ = tell.send(read.map(|_| text));
+        let _ = sender.send(read.map(|_| text));
     });
-    let text = told.recv_timeout(PATIENCE).ok()?.ok()?;
-    Some(String::from_utf8_lossy(&text).into_owned())
+    let answer = receiver.recv_timeout(PATIENCE);
+    let text = answer.map_err(|_| format!("no answer in {} s", PATIENCE.as_secs()))?;
+    let text = text.map_err(|error| format!("its answer cannot be read: {error}"))?;
+    Ok(String::from_utf8_lossy(&text).into_owned())
 }

@@ -10,13 +10,13 @@ use super::summary::{LinkOutcome, OutcomePart, Summary};
 
 /// Counts the messages of all links. Which of them are lost follows from the run, so that no receiver has to report it.
 #[derive(Debug)]
-pub(super) struct Linked {
+pub(super) struct LinkCounts {
     topics: Vec<TopicId>,
     /// The outcome and the losses of each link, by topic and sender.
     links: BTreeMap<(TopicId, u32), Vec<(LinkOutcome, Losses)>>,
 }
 
-impl Linked {
+impl LinkCounts {
     pub(super) fn new(links: &[Link], seed: u64) -> Self {
         let mut of_senders: BTreeMap<_, Vec<_>> = BTreeMap::new();
         for link in links {
@@ -42,7 +42,7 @@ impl Linked {
     }
 }
 
-impl Consumer for Linked {
+impl Consumer for LinkCounts {
     fn topics(&self) -> &[TopicId] {
         &self.topics
     }
@@ -57,7 +57,7 @@ impl Consumer for Linked {
     }
 }
 
-impl OutcomePart for Linked {
+impl OutcomePart for LinkCounts {
     fn finish(self: Box<Self>, summary: &mut Summary) {
         let links = self.links.into_values().flatten();
         summary.links = links.map(|(outcome, _)| outcome).collect();
