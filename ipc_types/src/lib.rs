@@ -15,14 +15,12 @@ extern crate self as ipc_types;
 
 pub mod bus;
 pub mod cdr;
-pub mod clock;
 pub mod consumer;
-mod error;
 pub mod layout;
 pub mod marks;
-pub mod message;
 pub mod messages;
 pub mod schema;
-pub mod stamp;
 pub mod topics;
-pub mod transport;
+
+pub use ::transport;
+pub use ::transport::{clock, headers, message, stamp};

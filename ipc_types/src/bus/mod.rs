@@ -17,7 +17,7 @@ mod raw;
 mod request_response;
 mod subscriber;
 
-pub use crate::error::{BusError, ReceiveError, SendError};
+pub use crate::transport::error::{BusError, ReceiveError, SendError};
 pub use crate::transport::{
     Listener, MemoryUse, Notifier, RunSpace, TopicHolder, TransportConfig, quiet_transport,
 };

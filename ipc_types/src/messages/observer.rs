@@ -1,6 +1,6 @@
 //! Positions of robots as an observer predicts them.
 
-use iceoryx2::prelude::ZeroCopySend;
+use crate::message::ZeroCopySend;
 
 use crate::message;
 

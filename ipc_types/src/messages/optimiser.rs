@@ -1,6 +1,6 @@
 //! Minimum-time planning as a service: `optimiser/plan`.
 
-use iceoryx2::prelude::ZeroCopySend;
+use crate::message::ZeroCopySend;
 
 use crate::headers;
 use crate::message;

@@ -1,6 +1,6 @@
 //! A team's knowledge of its opponents.
 
-use iceoryx2::prelude::ZeroCopySend;
+use crate::message::ZeroCopySend;
 
 use crate::headers;
 use crate::message;

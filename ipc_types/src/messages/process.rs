@@ -1,6 +1,6 @@
 //! State of processes, and messages of the run to them.
 
-use iceoryx2::prelude::ZeroCopySend;
+use crate::message::ZeroCopySend;
 
 use crate::headers;
 use crate::message;

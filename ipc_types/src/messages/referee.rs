@@ -1,6 +1,6 @@
 //! Assessment of the game by a referee: dominance, and possible escapes.
 
-use iceoryx2::prelude::ZeroCopySend;
+use crate::message::ZeroCopySend;
 
 use crate::headers;
 use crate::message;

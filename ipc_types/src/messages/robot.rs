@@ -1,6 +1,6 @@
 //! Sensor data of robots and commands of planners.
 
-use iceoryx2::prelude::ZeroCopySend;
+use crate::message::ZeroCopySend;
 
 use crate::headers;
 use crate::message;

@@ -1,6 +1,6 @@
 //! Messages of the simulator to all processes, and changes of obstacles.
 
-use iceoryx2::prelude::ZeroCopySend;
+use crate::message::ZeroCopySend;
 
 use crate::headers;
 use crate::message;

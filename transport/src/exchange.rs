@@ -15,18 +15,24 @@ use crate::stamp::Header;
 const OPEN_REQUESTS: usize = 4;
 
 /// Header and elements of an answer, copied from shared memory.
-pub(crate) type Answer<AH, AE> = (AH, Vec<AE>);
+pub type Answer<AH, AE> = (AH, Vec<AE>);
 
 /// Client side of a service with request header `QH`, request elements `QE`, answer header `AH` and
 /// answer elements `AE`.
-pub(crate) trait Client<QH, QE, AH, AE> {
+pub trait Client<QH, QE, AH, AE> {
     /// Sends a request.
+    ///
+    /// # Errors
+    /// [`SendError`] if iceoryx2 fails.
     fn ask(&self, header: QH, elements: &[QE]) -> Result<Box<dyn Pending<AH, AE>>, SendError>;
 }
 
 /// A request that waits for its answer; dropping it cancels the request.
-pub(crate) trait Pending<AH, AE> {
+pub trait Pending<AH, AE> {
     /// The answer, if it has arrived.
+    ///
+    /// # Errors
+    /// [`ReceiveError`] if iceoryx2 fails.
     fn poll(&self) -> Result<Option<Answer<AH, AE>>, ReceiveError>;
 
     /// Returns `true` if a server still works on it.
@@ -34,22 +40,30 @@ pub(crate) trait Pending<AH, AE> {
 }
 
 /// Server side.
-pub(crate) trait Server<QH, QE, AH, AE> {
+pub trait Server<QH, QE, AH, AE> {
     /// The next request, if any.
+    ///
+    /// # Errors
+    /// [`ReceiveError`] if iceoryx2 fails.
     #[allow(clippy::type_complexity)]
     fn receive(&self) -> Result<Option<Box<dyn Active<QH, QE, AH, AE>>>, ReceiveError>;
 }
 
 /// A request in progress; dropping it ends the exchange.
-pub(crate) trait Active<QH, QE, AH, AE> {
+pub trait Active<QH, QE, AH, AE> {
+    /// Header of the request.
     fn header(&self) -> &QH;
 
+    /// Elements of the request.
     fn elements(&self) -> &[QE];
 
     /// Returns `true` if the client still waits.
     fn is_wanted(&self) -> bool;
 
     /// Sends the answer; the stamp gets the time of sending.
+    ///
+    /// # Errors
+    /// [`SendError`] if iceoryx2 fails.
     fn answer(&self, header: AH, elements: &[AE]) -> Result<(), SendError>;
 }
 
@@ -66,9 +80,12 @@ type Open<P> =
 /// service.
 #[derive(Debug)]
 pub struct ExchangePorts<QH: Header, QE: Message, AH: Header, AE: Message> {
-    pub(crate) create: Create,
-    pub(crate) client: Open<Box<dyn Client<QH, QE, AH, AE>>>,
-    pub(crate) server: Open<Box<dyn Server<QH, QE, AH, AE>>>,
+    /// Creates the service.
+    pub create: Create,
+    /// Opens it as a client.
+    pub client: Open<Box<dyn Client<QH, QE, AH, AE>>>,
+    /// Opens it as the server.
+    pub server: Open<Box<dyn Server<QH, QE, AH, AE>>>,
 }
 
 impl<QH: Header, QE: Message, AH: Header, AE: Message> ExchangePorts<QH, QE, AH, AE> {

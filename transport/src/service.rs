@@ -15,23 +15,28 @@ use crate::stamp::Header;
 
 /// Name of a topic and hash of its schema, on which the processes of a run agree.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Agreed<'a> {
-    pub(crate) topic: &'static str,
-    pub(crate) schema: &'a str,
+pub struct Agreed<'a> {
+    /// Name of the topic.
+    pub topic: &'static str,
+    /// Hash of the schema.
+    pub schema: &'a str,
 }
 
 /// The limits of a topic's service.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Limits {
+pub struct Limits {
     /// Number of messages kept for late joiners.
-    pub(crate) history: usize,
+    pub history: usize,
     /// Maximum number of unread messages of a receiver.
-    pub(crate) buffer: usize,
-    pub(crate) publishers: usize,
-    pub(crate) subscribers: usize,
-    pub(crate) nodes: usize,
+    pub buffer: usize,
+    /// Maximum number of senders.
+    pub publishers: usize,
+    /// Maximum number of receivers.
+    pub subscribers: usize,
+    /// Maximum number of processes of the run.
+    pub nodes: usize,
     /// `true` if a full buffer drops its oldest message.
-    pub(crate) overflow: bool,
+    pub overflow: bool,
 }
 
 /// Keeps a created service alive; drop it when the run has ended.
@@ -42,7 +47,8 @@ pub struct TopicHolder {
 }
 
 impl TopicHolder {
-    pub(crate) fn new<S: Send + 'static>(topic: &'static str, service: S) -> Self {
+    /// Holds the service of this topic.
+    pub fn new<S: Send + 'static>(topic: &'static str, service: S) -> Self {
         Self::counting(topic, service, |_| 0)
     }
 
@@ -78,14 +84,14 @@ impl core::fmt::Debug for TopicHolder {
     }
 }
 
-pub(super) fn service_name(topic: &'static str) -> Result<ServiceName, BusError> {
+pub(crate) fn service_name(topic: &'static str) -> Result<ServiceName, BusError> {
     topic.try_into().map_err(|e| BusError::Open {
         topic,
         reason: format!("{e:?}"),
     })
 }
 
-pub(super) fn create<H: Header, E: Message>(
+pub(crate) fn create<H: Header, E: Message>(
     node: &Node<ipc::Service>,
     agreed: &Agreed<'_>,
     limits: &Limits,
@@ -102,7 +108,7 @@ pub(super) fn create<H: Header, E: Message>(
 }
 
 /// Holds a created service.
-pub(super) fn held<P, H>(
+pub(crate) fn held<P, H>(
     topic: &'static str,
     service: PortFactory<ipc::Service, P, H>,
 ) -> TopicHolder
@@ -116,7 +122,7 @@ where
 }
 
 /// Applies the limits of a topic to a service to be created.
-pub(super) fn limited<P, H>(
+pub(crate) fn limited<P, H>(
     builder: Builder<P, H, ipc::Service>,
     limits: &Limits,
 ) -> Builder<P, H, ipc::Service>
@@ -136,7 +142,7 @@ where
         .enable_safe_overflow(limits.overflow)
 }
 
-pub(super) fn open<H: Header, E: Message>(
+pub(crate) fn open<H: Header, E: Message>(
     node: &Node<ipc::Service>,
     agreed: &Agreed<'_>,
 ) -> Result<PortFactory<ipc::Service, [E], H>, BusError> {
@@ -151,7 +157,7 @@ pub(super) fn open<H: Header, E: Message>(
 }
 
 /// Describes why a service was not opened with these types.
-pub(super) fn refused(
+pub(crate) fn refused(
     node: &Node<ipc::Service>,
     agreed: &Agreed<'_>,
     error: PublishSubscribeOpenError,

@@ -5,10 +5,10 @@ use iceoryx2::prelude::{AttributeSpecifier, AttributeVerifier};
 use iceoryx2::service::attribute::{AttributeKey, AttributeValue};
 
 /// Name of the attribute.
-pub(super) const ATTRIBUTE: &str = "protean.schema";
+pub(crate) const ATTRIBUTE: &str = "protean.schema";
 
 /// The attribute for the creator of a service.
-pub(super) fn define(fingerprint: &str) -> Result<AttributeSpecifier, String> {
+pub(crate) fn define(fingerprint: &str) -> Result<AttributeSpecifier, String> {
     let (key, value) = attribute(fingerprint)?;
     AttributeSpecifier::new()
         .define(&key, &value)
@@ -16,7 +16,7 @@ pub(super) fn define(fingerprint: &str) -> Result<AttributeSpecifier, String> {
 }
 
 /// The required attribute for opening a service.
-pub(super) fn require(fingerprint: &str) -> Result<AttributeVerifier, String> {
+pub(crate) fn require(fingerprint: &str) -> Result<AttributeVerifier, String> {
     let (key, value) = attribute(fingerprint)?;
     AttributeVerifier::new()
         .require(&key, &value)

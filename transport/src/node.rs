@@ -18,7 +18,7 @@ pub fn quiet_transport() {
 }
 
 /// A node.
-pub(crate) trait Home: fmt::Debug {
+pub trait Home: fmt::Debug {
     /// The node of iceoryx2.
     fn node(&self) -> &Node<ipc::Service>;
 
@@ -44,11 +44,10 @@ impl Home for Joined {
 }
 
 /// Joins a run with this number of nodes as the process with this name.
-pub(crate) fn join(
-    space: &RunSpace,
-    nodes: usize,
-    process: &str,
-) -> Result<Box<dyn Home>, BusError> {
+///
+/// # Errors
+/// [`BusError`] if iceoryx2 refuses.
+pub fn join(space: &RunSpace, nodes: usize, process: &str) -> Result<Box<dyn Home>, BusError> {
     let failed = |reason: String| BusError::Node {
         root: space.root().to_owned(),
         reason,

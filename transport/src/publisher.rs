@@ -16,25 +16,31 @@ use crate::stamp::Header;
 
 /// Options of a sending end.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct SenderOptions {
+pub struct SenderOptions {
     /// Maximum number of elements of a message; it determines the size of the shared memory.
-    pub(crate) capacity: usize,
+    pub capacity: usize,
     /// `true` if the shared memory grows when a message has more.
-    pub(crate) grows: bool,
+    pub grows: bool,
     /// `true` if a full buffer drops its oldest message instead of blocking the sender.
-    pub(crate) overflow: bool,
+    pub overflow: bool,
     /// Maximum time to wait for a receiver whose buffer is full.
-    pub(crate) patience: Duration,
+    pub patience: Duration,
 }
 
 /// A sending end.
-pub(crate) trait Sender<H, E> {
+pub trait Sender<H, E> {
     /// Connects to new receivers.
+    ///
+    /// # Errors
+    /// [`SendError`] if iceoryx2 fails.
     fn update_connections(&self) -> Result<(), SendError>;
 
     /// Sends a message with this number of elements; returns the number of receivers. `write` gets
     /// the elements with the content of the memory: zeros, or an earlier message. With `timed`, the
     /// stamp gets the time of sending, and that of writing unless it is set.
+    ///
+    /// # Errors
+    /// [`SendError`] if iceoryx2 fails.
     fn send(
         &self,
         header: H,
@@ -50,7 +56,7 @@ struct Port<H: Header, E: Message> {
     patience: Duration,
 }
 
-pub(super) fn open<H: Header, E: Message>(
+pub(crate) fn open<H: Header, E: Message>(
     node: &Node<ipc::Service>,
     agreed: &Agreed<'_>,
     options: SenderOptions,
@@ -67,7 +73,7 @@ pub(super) fn open<H: Header, E: Message>(
 }
 
 /// Applies options to a publisher to be created.
-pub(super) fn configured<'f, P, H>(
+pub(crate) fn configured<'f, P, H>(
     builder: PortFactoryPublisher<'f, ipc::Service, [P], H>,
     options: &SenderOptions,
     failures: &Failures,
@@ -149,7 +155,7 @@ impl<H: Header, E: Message> Sender<H, E> for Port<H, E> {
 }
 
 /// Converts the error of a message that was not sent.
-pub(super) fn undelivered(
+pub(crate) fn undelivered(
     topic: &'static str,
     waited: Duration,
     error: iceoryx2::port::SendError,

@@ -19,9 +19,12 @@ type OpenReceiver<H, E> =
 /// is compiled in the crate that declares the topic.
 #[derive(Debug)]
 pub struct Ports<H: Header, E: Message> {
-    pub(crate) create: Create,
-    pub(crate) publisher: OpenSender<H, E>,
-    pub(crate) subscriber: OpenReceiver<H, E>,
+    /// Creates the service.
+    pub create: Create,
+    /// Opens it as a sender.
+    pub publisher: OpenSender<H, E>,
+    /// Opens it as a receiver with a buffer of this many messages.
+    pub subscriber: OpenReceiver<H, E>,
 }
 
 impl<H: Header, E: Message> Ports<H, E> {

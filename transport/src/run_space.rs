@@ -137,7 +137,10 @@ impl RunSpace {
     /// Holds the lock of the run's shared memory until the result is dropped. Every process of the run holds it, shared,
     /// from before its first segment: no shared memory of a run is without a lock, and the lock tells its use in every
     /// PID namespace.
-    pub(crate) fn hold(&self) -> std::io::Result<File> {
+    ///
+    /// # Errors
+    /// Errors of the file system.
+    pub fn hold(&self) -> std::io::Result<File> {
         loop {
             let lock = open_lock(&self.lock(), OpenOptions::new().create(true))?;
             match lock.lock_shared() {

@@ -20,13 +20,13 @@ use crate::stamp::Stamp;
 
 /// Name and messages of a topic.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct RawFormat {
+pub struct RawFormat {
     /// Name of the topic.
-    pub(crate) name: &'static str,
+    pub name: &'static str,
     /// The user header.
-    pub(crate) header: &'static Descriptor,
+    pub header: &'static Descriptor,
     /// The elements.
-    pub(crate) element: &'static Descriptor,
+    pub element: &'static Descriptor,
 }
 
 type RawBuilder = Builder<[CustomPayloadMarker], CustomHeaderMarker, ipc::Service>;
@@ -58,7 +58,10 @@ fn builder(node: &Node<ipc::Service>, format: RawFormat) -> Result<RawBuilder, B
 }
 
 /// Creates the service and holds it.
-pub(crate) fn create(
+///
+/// # Errors
+/// [`BusError`] if iceoryx2 refuses.
+pub fn create(
     node: &Node<ipc::Service>,
     format: RawFormat,
     agreed: &Agreed<'_>,
@@ -86,7 +89,7 @@ fn open(
 }
 
 /// A sending end.
-pub(crate) struct Sender {
+pub struct Sender {
     format: RawFormat,
     inner: iceoryx2::port::publisher::Publisher<
         ipc::Service,
@@ -97,7 +100,11 @@ pub(crate) struct Sender {
 }
 
 impl Sender {
-    pub(crate) fn open(
+    /// The sending end of a topic that exists.
+    ///
+    /// # Errors
+    /// [`BusError`] if iceoryx2 refuses.
+    pub fn open(
         node: &Node<ipc::Service>,
         format: RawFormat,
         agreed: &Agreed<'_>,
@@ -121,14 +128,20 @@ impl Sender {
     }
 
     /// As `update_connections` of a publisher.
-    pub(crate) fn update_connections(&self) -> Result<(), SendError> {
+    ///
+    /// # Errors
+    /// [`SendError`] if iceoryx2 fails.
+    pub fn update_connections(&self) -> Result<(), SendError> {
         let updated = self.inner.update_connections();
         updated.map_err(|e| self.failed(format!("{e:?}")))
     }
 
     /// Sends a message of `count` elements, whose bytes have the lengths of the format; returns the number of receivers. With
     /// `timed`, the stamp at the begin of the header gets the time of sending.
-    pub(crate) fn send(
+    ///
+    /// # Errors
+    /// [`SendError`] if iceoryx2 fails.
+    pub fn send(
         &self,
         header: &[u8],
         elements: &[u8],
@@ -174,7 +187,7 @@ impl Sender {
 }
 
 /// A receiving end.
-pub(crate) struct Receiver {
+pub struct Receiver {
     format: RawFormat,
     inner: iceoryx2::port::subscriber::Subscriber<
         ipc::Service,
@@ -184,7 +197,11 @@ pub(crate) struct Receiver {
 }
 
 impl Receiver {
-    pub(crate) fn open(
+    /// The receiving end of a topic that exists, with a buffer of this many messages.
+    ///
+    /// # Errors
+    /// [`BusError`] if iceoryx2 refuses.
+    pub fn open(
         node: &Node<ipc::Service>,
         format: RawFormat,
         agreed: &Agreed<'_>,
@@ -208,13 +225,19 @@ impl Receiver {
     }
 
     /// As `update_connections` of a subscriber.
-    pub(crate) fn update_connections(&self) -> Result<(), ReceiveError> {
+    ///
+    /// # Errors
+    /// [`ReceiveError`] if iceoryx2 fails.
+    pub fn update_connections(&self) -> Result<(), ReceiveError> {
         let updated = self.inner.update_connections();
         updated.map_err(|e| self.failed(format!("{e:?}")))
     }
 
     /// Hands over header and elements of the next unread message; returns `false` if there is none.
-    pub(crate) fn receive(&self, take: &mut dyn FnMut(&[u8], &[u8])) -> Result<bool, ReceiveError> {
+    ///
+    /// # Errors
+    /// [`ReceiveError`] if iceoryx2 fails.
+    pub fn receive(&self, take: &mut dyn FnMut(&[u8], &[u8])) -> Result<bool, ReceiveError> {
         let sample = self.inner.receive();
         let Some(sample) = sample.map_err(|e| self.failed(format!("{e:?}")))? else {
             return Ok(false);

@@ -11,11 +11,11 @@ use crate::error::BusError;
 /// established (for example with too many open files), and the messages over it are lost. While a port is created it
 /// does so in any case.
 #[derive(Default)]
-pub(super) struct Failures(Arc<AtomicBool>);
+pub(crate) struct Failures(Arc<AtomicBool>);
 
 impl Failures {
     /// Returns the reaction of a port to a connection that fails: sending or receiving fails, too.
-    pub(super) fn handler(
+    pub(crate) fn handler(
         &self,
     ) -> impl Fn(DegradationCause, &DegradationInfo) -> DegradationAction + Send + 'static {
         let has_failed = Arc::clone(&self.0);
@@ -30,7 +30,7 @@ impl Failures {
     }
 
     /// Returns the port that was created, if it has all connections.
-    pub(super) fn checked<P, E: core::fmt::Debug>(
+    pub(crate) fn checked<P, E: core::fmt::Debug>(
         &self,
         topic: &'static str,
         port: &'static str,

@@ -12,29 +12,37 @@ use crate::message::Message;
 use crate::stamp::Header;
 
 /// A receiving end.
-pub(crate) trait Receiver<H: Header, E: Message> {
+pub trait Receiver<H: Header, E: Message> {
     /// Connects to new senders.
+    ///
+    /// # Errors
+    /// [`ReceiveError`] if iceoryx2 fails.
     fn update_connections(&self) -> Result<(), ReceiveError>;
 
     /// The next unread message, if any.
+    ///
+    /// # Errors
+    /// [`ReceiveError`] if iceoryx2 fails.
     fn receive(&self) -> Result<Option<Loan<H, E>>, ReceiveError>;
 }
 
 type Sample<H, E> = iceoryx2::sample::Sample<ipc::Service, [E], H>;
 
 /// A message in the memory where it was written (mapped read-only), freed on drop.
-pub(crate) struct Loan<H: Header, E: Message> {
+pub struct Loan<H: Header, E: Message> {
     sample: ManuallyDrop<Sample<H, E>>,
     /// Function of this crate that frees it.
     release: fn(Sample<H, E>),
 }
 
 impl<H: Header, E: Message> Loan<H, E> {
-    pub(crate) fn header(&self) -> &H {
+    /// Header of the message.
+    pub fn header(&self) -> &H {
         self.sample.user_header()
     }
 
-    pub(crate) fn elements(&self) -> &[E] {
+    /// Elements of the message.
+    pub fn elements(&self) -> &[E] {
         self.sample.payload()
     }
 }
@@ -52,7 +60,7 @@ struct Port<H: Header, E: Message> {
     inner: iceoryx2::port::subscriber::Subscriber<ipc::Service, [E], H>,
 }
 
-pub(super) fn open<H: Header, E: Message>(
+pub(crate) fn open<H: Header, E: Message>(
     node: &Node<ipc::Service>,
     agreed: &Agreed<'_>,
     buffer: usize,

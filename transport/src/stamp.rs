@@ -31,9 +31,9 @@ impl Stamp {
     pub const SIMULATED_BYTES: usize = core::mem::offset_of!(Stamp, origin_ns);
 
     /// Offset of `computed_ns` (bytes).
-    pub(crate) const COMPUTED_AT: usize = core::mem::offset_of!(Stamp, computed_ns);
+    pub const COMPUTED_AT: usize = core::mem::offset_of!(Stamp, computed_ns);
     /// Offset of `sent_ns` (bytes).
-    pub(crate) const SENT_AT: usize = core::mem::offset_of!(Stamp, sent_ns);
+    pub const SENT_AT: usize = core::mem::offset_of!(Stamp, sent_ns);
 
     /// All clocks, mutable.
     pub fn clocks_mut(&mut self) -> [&mut u64; 5] {

@@ -13,7 +13,10 @@ use super::service::{TopicHolder, service_name};
 use crate::error::{BusError, ReceiveError, SendError};
 
 /// Creates an event for these numbers of ports and nodes, with ids up to `largest`.
-pub(crate) fn create(
+///
+/// # Errors
+/// [`BusError`] if iceoryx2 refuses.
+pub fn create(
     node: &Node<ipc::Service>,
     name: &'static str,
     ports: usize,
@@ -104,7 +107,11 @@ pub struct Notifier {
 }
 
 impl Notifier {
-    pub(crate) fn open(node: &Node<ipc::Service>, name: &'static str) -> Result<Self, BusError> {
+    /// The port of the event with this name, which exists.
+    ///
+    /// # Errors
+    /// [`BusError`] if iceoryx2 refuses.
+    pub fn open(node: &Node<ipc::Service>, name: &'static str) -> Result<Self, BusError> {
         let port = open(node, name)?
             .notifier_builder()
             .create()
@@ -141,7 +148,11 @@ pub struct Listener {
 }
 
 impl Listener {
-    pub(crate) fn open(node: &Node<ipc::Service>, name: &'static str) -> Result<Self, BusError> {
+    /// The port of the event with this name, which exists.
+    ///
+    /// # Errors
+    /// [`BusError`] if iceoryx2 refuses.
+    pub fn open(node: &Node<ipc::Service>, name: &'static str) -> Result<Self, BusError> {
         let port = open(node, name)?
             .listener_builder()
             .create()
