@@ -19,11 +19,11 @@ use report::picture::{RunTrace, draw};
 use scenario::kind::ConfiguredKind;
 use scenario::{Draft, Loader, MapCache, Template};
 
-use crate::arguments::{invalid, refused};
-use crate::error::{Error, InvalidInput};
-use crate::interruptible::{compute, short, wait};
 use crate::log::image;
 use crate::run::{CACHE, Planned, kinds_of, place};
+use python_algorithms::arguments::{invalid, refused};
+use python_algorithms::error::{Error, InvalidInput};
+use python_algorithms::interruptible::{compute, short, wait};
 
 /// Begun episode: seed with its index, and scenario.
 type Begun = (Option<(u64, usize)>, Option<Py<Variant>>);

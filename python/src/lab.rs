@@ -4,9 +4,9 @@ use chaotic_maps::Emission;
 use published::{laps, plans, sequences};
 use pyo3::prelude::*;
 
-use crate::arguments::invalid;
-use crate::error::Error;
-use crate::interruptible::{compute, short};
+use python_algorithms::arguments::invalid;
+use python_algorithms::error::Error;
+use python_algorithms::interruptible::{compute, short};
 
 /// Planner, scene, path and shortest path: length and smallest distance from a pursuer (m).
 type Plan = (

@@ -3,26 +3,15 @@
 // Arguments come from Python as values, and doc comments of what it sees are docstrings.
 #![allow(clippy::needless_pass_by_value, clippy::doc_markdown)]
 
-mod algorithms;
-mod arguments;
 mod environments;
-mod error;
-mod interpreter;
-mod interruptible;
 mod lab;
 mod log;
-mod map;
 mod planner;
 mod routes;
 mod run;
 mod sweep;
 
 use pyo3::prelude::*;
-
-/// Returns the module whose functions draw objects.
-fn plots(py: Python<'_>) -> PyResult<Bound<'_, PyModule>> {
-    py.import("protean_robotics._plots")
-}
 
 /// Functions and classes that `protean_robotics` hands on.
 #[pymodule(gil_used = false)]
@@ -34,8 +23,6 @@ mod _core {
     #[pymodule_export]
     use crate::log::{Column, LogFile};
     #[pymodule_export]
-    use crate::map::Map;
-    #[pymodule_export]
     use crate::planner::{Belief, Function, PySteering, Robot, Scan, World, go_to, serve};
     #[pymodule_export]
     use crate::routes::{plan_coverage, plan_patrol, predict_patrol};
@@ -43,51 +30,53 @@ mod _core {
     use crate::run::run_in_process;
     #[pymodule_export]
     use crate::sweep::{Interruption, missions_to_run, sweep_in_process};
+    #[pymodule_export]
+    use python_algorithms::map::Map;
 
     #[pymodule]
     mod steering {
         #[pymodule_export]
-        use crate::algorithms::fields::{attraction, linearise, obstacle_push, repulsion};
+        use python_algorithms::fields::{attraction, linearise, obstacle_push, repulsion};
         #[pymodule_export]
-        use crate::algorithms::followers::{PathTracker, TangentBug};
+        use python_algorithms::followers::{PathTracker, TangentBug};
         #[pymodule_export]
-        use crate::algorithms::steering::go_to;
+        use python_algorithms::steering::go_to;
     }
 
     #[pymodule]
     mod navigation {
         #[pymodule_export]
-        use crate::algorithms::navigation::{arrival_times, dominance, shortest_paths};
+        use python_algorithms::navigation::{arrival_times, dominance, shortest_paths};
     }
 
     #[pymodule]
     mod tracking {
         #[pymodule_export]
-        use crate::algorithms::tracking::{ParticleFilter, visibility};
+        use python_algorithms::tracking::{ParticleFilter, visibility};
     }
 
     #[pymodule]
     mod patrol {
         #[pymodule_export]
-        use crate::algorithms::patrol::ZigZag;
+        use python_algorithms::patrol::ZigZag;
     }
 
     #[pymodule]
     mod coverage {
         #[pymodule_export]
-        use crate::algorithms::coverage::Plan;
+        use python_algorithms::coverage::Plan;
     }
 
     #[pymodule]
     mod trajectory {
         #[pymodule_export]
-        use crate::algorithms::trajectory::{Trajectory, plan, plan_instance};
+        use python_algorithms::trajectory::{Trajectory, plan, plan_instance};
     }
 
     #[pymodule]
     mod rrt_star {
         #[pymodule_export]
-        use crate::algorithms::rrt_star::{Tree, plan};
+        use python_algorithms::rrt_star::{Tree, plan};
     }
 
     #[pymodule]
@@ -100,7 +89,7 @@ mod _core {
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
-        crate::interpreter::register(module)?;
+        python_algorithms::interpreter::register(module)?;
         module.add("MAX_MISSIONS", sweep::spec::MAX_MISSIONS)?;
         module.add("__version__", env!("CARGO_PKG_VERSION"))
     }

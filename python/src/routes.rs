@@ -6,8 +6,8 @@ use plan::routes::patrol::Patrol;
 use pyo3::prelude::*;
 use scenario::{Loader, ResolvedScenario};
 
-use crate::arguments::{invalid, refused};
-use crate::interruptible::compute;
+use python_algorithms::arguments::{invalid, refused};
+use python_algorithms::interruptible::compute;
 
 /// Maximum number of laps of a plan.
 const MAX_LAPS: u32 = 10_000;

@@ -13,9 +13,9 @@ use scenario::kind::ConfiguredKind;
 use scenario::{Declared, Loader, Program, ResolvedScenario};
 use serde_json::Value as Json;
 
-use crate::error::{Error, InvalidInput};
-use crate::interruptible::{compute, wait};
 use crate::planner::{Function, OwnTopics, PythonParams, PythonPlanner};
+use python_algorithms::error::{Error, InvalidInput};
+use python_algorithms::interruptible::{compute, wait};
 
 /// Data of maps, which all runs of the process share.
 pub static CACHE: LazyLock<Arc<Cache>> = LazyLock::new(Arc::default);

@@ -19,9 +19,9 @@ use sweep::{
     summary,
 };
 
-use crate::error::{Error, InvalidInput};
-use crate::interruptible::{compute, wait};
 use crate::run::{Planned, kinds_of, place};
+use python_algorithms::error::{Error, InvalidInput};
+use python_algorithms::interruptible::{compute, wait};
 
 /// End of the parts of an experiment that threads of Python run: Ctrl-C reaches the main thread alone.
 #[pyclass(frozen, module = "protean_robotics")]

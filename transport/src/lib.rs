@@ -1,4 +1,4 @@
-//! What a message is, and iceoryx2: the part of the bus that lies between processes. It knows no topic.
+//! Definition of messages, and iceoryx2: the part of the bus that lies between processes. It knows no topic.
 //!
 //! * [`mod@message`]: definition of message types, with proofs at compile time;
 //! * [`stamp`]: the first field of each header; [`clock`]: its times;

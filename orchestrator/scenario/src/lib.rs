@@ -10,13 +10,11 @@
 //! A new kind of process is one implementation of [`runtime::ProcessKind`] and one entry in a program's
 //! list of kinds.
 
-pub mod builtin;
 mod context;
 mod draft;
 pub mod events;
 mod failure;
 mod feasibility;
-pub mod files;
 pub mod kind;
 mod links;
 mod load;
@@ -44,5 +42,6 @@ pub use failure::Supervision;
 pub use load::{Listed, Loader, list};
 pub use remarks::{ScenarioRemark, remark_lines};
 pub use resolved::{Declared, ProcessSpec, Program, ResolvedScenario};
+pub use scenario_files::{builtin, files};
 pub use spec::OnFailure;
 pub use template::{MapCache, Template};

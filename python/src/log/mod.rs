@@ -17,8 +17,8 @@ use report::picture::{RunTrace, draw};
 use report::{page, picture};
 
 pub use self::columns::Column;
-use crate::error::{Error, InvalidInput};
-use crate::interruptible::wait;
+use python_algorithms::error::{Error, InvalidInput};
+use python_algorithms::interruptible::wait;
 
 /// A log file and its contents.
 ///

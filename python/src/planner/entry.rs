@@ -12,7 +12,7 @@ use super::function::Function;
 use super::own_topics::OwnTopics;
 use super::params::PythonParams;
 use super::process::PythonPlanner;
-use crate::interpreter::detach;
+use python_algorithms::interpreter::detach;
 
 /// Runs a function or class as the process of a run with the configuration in a file; returns `true` if the run ended in order.
 #[pyfunction]

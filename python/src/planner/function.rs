@@ -6,7 +6,7 @@ use pyo3::prelude::*;
 
 use runtime::declaration::{WrittenDeclaration, WrittenOutput};
 
-use crate::error::InvalidInput;
+use python_algorithms::error::InvalidInput;
 
 /// Argument of a planner, by its name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

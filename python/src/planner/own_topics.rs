@@ -21,7 +21,7 @@ use super::messages::{Messages, dtype};
 use super::params::PythonParams;
 use super::process::{generator, params};
 use super::world::World;
-use crate::interpreter::call_planner;
+use python_algorithms::interpreter::call_planner;
 
 /// The process.
 pub struct OwnTopics {

@@ -25,8 +25,8 @@ use super::robot::Robot;
 use super::sensors::{Belief, Scan};
 use super::steering::Command;
 use super::world::World;
-use crate::interpreter::call_planner;
-use crate::map::Map;
+use python_algorithms::interpreter::call_planner;
+use python_algorithms::map::Map;
 
 /// The planner of one robot.
 #[derive(Debug)]

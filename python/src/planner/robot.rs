@@ -9,9 +9,9 @@ use planner::{Limits, RobotInfo};
 use planner_view::view::RobotView;
 use pyo3::prelude::*;
 
-use crate::algorithms::steering::drive;
-use crate::arguments;
-use crate::error::InvalidInput;
+use python_algorithms::arguments;
+use python_algorithms::error::InvalidInput;
+use python_algorithms::steering::drive;
 
 /// A robot in a tick.
 ///

@@ -4,7 +4,7 @@ use nalgebra::Point2;
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 
-use crate::arguments::{row, scalar};
+use python_algorithms::arguments::{row, scalar};
 
 /// Accepted values of a point.
 const POINT: &str = "two finite numbers (m)";

@@ -6,7 +6,7 @@ use std::path::{Component, Path, PathBuf};
 
 use geometry::text_file;
 
-use super::builtin;
+use crate::builtin;
 
 /// Base of the relative paths of a scenario.
 #[derive(Debug, Clone, PartialEq, Eq)]
