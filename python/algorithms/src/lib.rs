@@ -1,7 +1,11 @@
 //! Algorithms and maps for Python, and the conversion of arguments: the part of the module `_core` that knows no mission.
 
 // Arguments come from Python as values, and doc comments of what it sees are docstrings.
-#![allow(clippy::needless_pass_by_value, clippy::doc_markdown)]
+#![allow(
+    clippy::needless_pass_by_value,
+    clippy::doc_markdown,
+    clippy::missing_errors_doc
+)]
 
 pub mod arguments;
 pub mod coverage;
