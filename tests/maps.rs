@@ -92,52 +92,22 @@ fn a_check_draws_the_world_and_keeps_an_existing_picture() {
     assert_eq!(forced.code, Some(0), "{forced}");
 }
 
-/// Rooms, two corridors wide, and problems between them.
-const GRID: &str = "type octile\nheight 10\nwidth 14\nmap\n@@@@@@@@@@@@@@\n@......@.....@\n@......@.....@\n\
-                    @............@\n@......@.....@\n@@.@@@@@.@@@@@\n@..TT........@\n@............@\n\
-                    @......WW....@\n@@@@@@@@@@@@@@\n";
-const PROBLEMS: &str = "version 1\n0\tgrid.map\t14\t10\t1\t1\t12\t8\t20\n\
-                        0\tgrid.map\t14\t10\t12\t1\t1\t8\t20\n";
-const STREETS: &str = r#"<osm version="0.6">
-<node id="1" lat="48.0000" lon="16.0000"/><node id="2" lat="48.0000" lon="16.0010"/>
-<node id="3" lat="48.0006" lon="16.0010"/><node id="4" lat="48.0006" lon="16.0000"/>
-<way id="7"><nd ref="1"/><nd ref="2"/><nd ref="3"/><nd ref="4"/><nd ref="1"/><tag k="highway" v="residential"/></way>
-</osm>"#;
-
 #[test]
-fn benchmark_files_become_scenarios_that_check_and_run() {
+fn files_that_are_no_maps_are_refused_before_the_package_is_asked() {
     let sandbox = Sandbox::new();
-    sandbox.file("grid.map", GRID);
-    sandbox.file("grid.map.scen", PROBLEMS);
-    sandbox.file("streets.osm", STREETS);
-    sandbox.file("room.png", png());
-    sandbox.file("room.yaml", YAML);
-    for (from, name) in [
-        ("room.yaml", "room"),
-        ("grid.map", "chase"),
-        ("grid.map.scen", "problems"),
-        ("streets.osm", "streets"),
+    for (from, words) in [
+        ("room.PNG", ["room.PNG", "an image without its scale"]),
+        (
+            "room.txt",
+            [
+                "room.txt",
+                "unknown kind of file: expected .yaml, .yml, .map",
+            ],
+        ),
     ] {
-        let file = format!("own/{name}.toml");
-        let made = sandbox.protean(["new", &file, "--from", from]).run();
-        assert_eq!(made.code, Some(0), "{made}");
-        let checked = sandbox.protean(["check", &file]).run();
-        assert_eq!(checked.code, Some(0), "{checked}");
-        assert!(checked.stdout.lines().count() == 1, "no remark: {checked}");
-        let log = format!("{name}.mcap");
-        let words = ["run", &file, "--in-process", "--out", &log];
-        let summary = sandbox.protean(words).set("rules.time_limit=10").json();
-        assert!(summary["digest"].is_string(), "{summary}");
+        let refused = sandbox.protean(["new", "x.toml", "--from", from]).run();
+        refused.refused(2, &words);
     }
-    let problems = sandbox.protean(["check", "own/problems.toml"]).json();
-    assert_eq!(problems["robots"].as_array().unwrap().len(), 2);
-    let refused = sandbox.protean(["new", "x.toml", "--from", "no.map"]).run();
-    refused.refused(2, &["no.map"]);
-    sandbox.file("bad.map", "type octile\nheight 2\n");
-    let refused = sandbox
-        .protean(["new", "x.toml", "--from", "bad.map"])
-        .run();
-    refused.refused(2, &["bad.map, line 3", "expected width"]);
 }
 
 const KNOWN: &str = "image: room.png\nresolution: 0.5\norigin: [0, 0, 0]\noccupied_thresh: 0.65\nfree_thresh: 0.196\n";
@@ -180,9 +150,6 @@ fn a_byte_order_mark_has_no_effect_in_any_format() {
         ("experiment.toml", experiment),
         ("points.csv", "series,x,y\npaper,0.5,0\n"),
         ("instances.json", instance),
-        ("grid.map", GRID),
-        ("grid.map.scen", PROBLEMS),
-        ("streets.osm", STREETS),
     ];
     let answers = |mark: &str| {
         let sandbox = Sandbox::new();
@@ -190,7 +157,7 @@ fn a_byte_order_mark_has_no_effect_in_any_format() {
         for (name, text) in files {
             sandbox.file(name, format!("{mark}{text}"));
         }
-        let calls: [&[&str]; 7] = [
+        let calls: [&[&str]; 4] = [
             &["check", "a.toml"],
             &["check", "vectors.toml"],
             &[
@@ -204,21 +171,12 @@ fn a_byte_order_mark_has_no_effect_in_any_format() {
                 "--quiet",
             ],
             &["plan", "instances.json", "--quiet"],
-            &["new", "own/grid.toml", "--from", "grid.map"],
-            &["new", "own/problems.toml", "--from", "grid.map.scen"],
-            &["new", "own/streets.toml", "--from", "streets.osm"],
         ];
         for call in calls {
             let outcome = sandbox.protean(call.iter().copied()).run();
             assert_eq!(outcome.code, Some(0), "{mark:?} {call:?}: {outcome}");
         }
-        let made = [
-            "out/results.csv",
-            "own/grid.toml",
-            "own/problems.toml",
-            "own/streets.toml",
-        ];
-        made.map(|name| fs::read_to_string(sandbox.path().join(name)).unwrap())
+        fs::read_to_string(sandbox.path().join("out/results.csv")).unwrap()
     };
     assert_eq!(answers("\u{feff}"), answers(""));
 }

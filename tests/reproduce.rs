@@ -7,12 +7,16 @@ use std::os::unix::fs::PermissionsExt as _;
 use crate::support::Sandbox;
 
 /// The commands, and the arguments that the interpreter gets.
-const COMMANDS: [(&[&str], &str); 2] = [
+const COMMANDS: [(&[&str], &str); 3] = [
     (
         &["reproduce", "--quick", "--help", "a b"],
         "reproduce --quick --help a b",
     ),
     (&["sweep", "figures", "results"], "figures results"),
+    (
+        &["new", "a.toml", "--from", "a.map", "--street", "6"],
+        "maps --cell 1 --street 6 -- a.map",
+    ),
 ];
 
 /// Calls a command with this script as `python3`; without one there is none.
@@ -45,11 +49,11 @@ fn without_the_package_its_commands_say_what_to_install() {
 #[test]
 fn the_package_gets_all_arguments_and_its_exit_code_is_that_of_the_command() {
     // The first call asks for the package.
-    let script = "[ \"$2\" = -c ] && exit 0\necho \"$@\"\nexit 3";
+    let script = "[ \"$2\" = -c ] && exit 0\necho \"$@\" >&2\nexit 3";
     for (words, expected) in COMMANDS {
         let outcome = called(words, Some(script));
         assert_eq!(outcome.code, Some(3), "{outcome}");
         let expected = format!("-P -m protean_robotics.lab {expected}\n");
-        assert_eq!(outcome.stdout, expected, "{outcome}");
+        assert_eq!(outcome.stderr, expected, "{outcome}");
     }
 }

@@ -49,7 +49,7 @@ const RULES: Rules = Rules {
         &["recorder", "scenario"],
         &["diff"],
         // Readers of logs: no kinds of processes, no missions.
-        &["import", "log_tools", "report", "viewer"],
+        &["log_tools", "report", "viewer"],
         &["kinds", "mission", "plan"],
         &["environment", "replay"],
         &["latency", "published", "sweep"],

@@ -1,8 +1,15 @@
 //! Computations of `protean_robotics.lab` without a mission.
 
+use std::path::PathBuf;
+
 use chaotic_maps::Emission;
+use geometry::map::{Occupancy, RosMap};
+use kinds::KINDS;
+use numpy::{IntoPyArray as _, PyArray2, PyArrayMethods as _};
 use published::{laps, plans, sequences};
 use pyo3::prelude::*;
+use scenario::Loader;
+use scenario::files::{Base, Found, Refused};
 
 use python_algorithms::arguments::invalid;
 use python_algorithms::error::Error;
@@ -87,4 +94,65 @@ pub fn chebyshev_difference(raw: bool, count: usize, key: Option<[u64; 2]>) -> P
 #[pyfunction]
 pub fn chebyshev_exponents() -> [f64; 2] {
     sequences::exponents()
+}
+
+/// Cells of a map of ROS that are not free, their side (m) and the corner of the first (m).
+///
+/// Raises
+/// ------
+/// InvalidInput
+///     The map or its image is invalid, or the image lies outside the folder without permission.
+#[pyfunction]
+pub fn ros_map(
+    py: Python<'_>,
+    path: PathBuf,
+    allow_outside: bool,
+) -> PyResult<(Bound<'_, PyArray2<bool>>, f64, [f64; 2])> {
+    let map = RosMap::read(&path).map_err(|error| invalid(&error))?;
+    let image = map.image.to_string_lossy().into_owned();
+    let folder = path.parent().filter(|path| !path.as_os_str().is_empty());
+    let base = Base::Folder {
+        folder: folder.unwrap_or(".".as_ref()).to_owned(),
+        allow_outside,
+    };
+    let refused = |Refused { message, expected }| {
+        let path = path.display();
+        invalid(&format!(
+            "{path} refers to {image}: {message}: expected {expected}"
+        ))
+    };
+    let found = match base.find(&image).map_err(refused)? {
+        Found::Disk(file) => file,
+        Found::Text(_) => PathBuf::from(&image),
+    };
+    let cells = compute(py, move || map.load_image(&found))?.map_err(|error| invalid(&error))?;
+    let frame = cells.frame;
+    let is_occupied = |cell: Occupancy| cell != Occupancy::Free;
+    let occupied: Vec<bool> = cells.cells.into_iter().map(is_occupied).collect();
+    let occupied = occupied.into_pyarray(py);
+    let occupied = occupied.reshape([frame.height, frame.width])?;
+    Ok((occupied, frame.resolution, [frame.origin.x, frame.origin.y]))
+}
+
+/// Problems of a scenario that uses no file: of the first seed that has any, from 1 to this one.
+#[pyfunction]
+pub fn scenario_problems(py: Python<'_>, text: String, seeds: u64) -> PyResult<Vec<String>> {
+    let check = move || {
+        let loader = Loader::new(KINDS);
+        let draft = loader.draft_text("scenario.toml", &text, &Base::Nothing)?;
+        (1..=seeds).try_for_each(|seed| {
+            let mut draft = draft.clone();
+            draft.apply("--seed", &format!("run.seed={seed}"));
+            draft.resolve().map(drop)
+        })
+    };
+    let Err(problems) = compute(py, check)? else {
+        return Ok(Vec::new());
+    };
+    // Without their places, which are those of a text in memory alone.
+    let texts = problems.iter().map(|problem| match &problem.value {
+        Some(value) => format!("{} ({value})", problem.message),
+        None => problem.message.clone(),
+    });
+    Ok(texts.collect())
 }

@@ -83,7 +83,8 @@ mod _core {
     mod lab {
         #[pymodule_export]
         use crate::lab::{
-            chebyshev_difference, chebyshev_exponents, chebyshev_key, patrol_laps, single_plans,
+            chebyshev_difference, chebyshev_exponents, chebyshev_key, patrol_laps, ros_map,
+            scenario_problems, single_plans,
         };
     }
 

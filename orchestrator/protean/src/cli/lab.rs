@@ -1,9 +1,10 @@
 //! Doors to the Python package `protean_robotics.lab`: this process becomes its interpreter.
 
+use core::fmt::Display;
 use std::ffi::OsString;
 use std::os::unix::process::CommandExt as _;
 use std::path::{Path, PathBuf};
-use std::process::{Command, ExitCode, Stdio};
+use std::process::{Command, ExitCode, Output, Stdio};
 
 use platform::eprintln;
 use platform::presence;
@@ -34,6 +35,29 @@ pub(super) struct LabArgs {
 
 /// Replaces this process by a command of the package; returns only if it cannot.
 pub(super) fn execute(command: &str, args: &LabArgs) -> ExitCode {
+    let reason = match door(command) {
+        Ok(mut door) => unusable(&door.args(&args.arguments).exec()),
+        Err(reason) => reason,
+    };
+    eprintln!("error: {reason}");
+    ExitCode::from(EXIT_FAILED)
+}
+
+/// Runs a command of the package, which tells its errors itself, and returns its output.
+///
+/// # Errors
+/// The package is missing or cannot be run.
+pub(super) fn output(command: &str, arguments: &[OsString]) -> Result<Output, String> {
+    let mut door = door(command)?;
+    let door = door.args(arguments).stderr(Stdio::inherit());
+    door.output().map_err(|error| unusable(&error))
+}
+
+/// Returns the begin of a command of the package.
+///
+/// # Errors
+/// The package is missing.
+fn door(command: &str) -> Result<Command, String> {
     let program = interpreter();
     // No module of the working directory: -P.
     let has_package = Command::new(&program)
@@ -41,23 +65,25 @@ pub(super) fn execute(command: &str, args: &LabArgs) -> ExitCode {
         .stdin(Stdio::null())
         .stderr(Stdio::null())
         .status();
-    let reason = match has_package {
+    match has_package {
         Ok(status) if status.success() => {
-            let module = ["-P", "-m", "protean_robotics.lab", command];
-            let error = Command::new(&program)
-                .args(module)
-                .args(&args.arguments)
-                .exec();
-            error.to_string()
+            let mut door = Command::new(&program);
+            door.args(["-P", "-m", "protean_robotics.lab", command]);
+            Ok(door)
         }
-        Ok(_) => "it lacks the package protean_robotics, or is older than 3.11".to_owned(),
-        Err(error) => error.to_string(),
-    };
-    eprintln!(
-        "error: {}: {reason}; expected a Python with the package: pip install 'protean-robotics[lab]'",
+        Ok(_) => Err(unusable(
+            &"it lacks the package protean_robotics, or is older than 3.11",
+        )),
+        Err(error) => Err(unusable(&error)),
+    }
+}
+
+fn unusable(reason: &dyn Display) -> String {
+    let program = interpreter();
+    format!(
+        "{}: {reason}; expected a Python with the package: pip install 'protean-robotics[lab]'",
         program.display()
-    );
-    ExitCode::from(EXIT_FAILED)
+    )
 }
 
 /// Returns the interpreter beside this program, as in a virtual environment, else the name of that in PATH.

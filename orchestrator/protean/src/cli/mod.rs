@@ -244,7 +244,7 @@ fn command(kinds: &'static [Kind], cli: Cli) -> ExitCode {
     match command {
         Command::Run { scenario, args } => run::run(kinds, &scenario, &args),
         Command::Check(args) => check::run(kinds, &args),
-        Command::New(args) => new::run(kinds, &args),
+        Command::New(args) => new::run(&args),
         Command::List { json } => list::list(kinds, json.json),
         Command::Report(args) => report::run(&args),
         Command::Picture(args) => picture::run(&args),

@@ -3,20 +3,20 @@
 mod project;
 
 use std::borrow::Cow;
+use std::ffi::OsString;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use import::{EXTENSIONS, ImportError, Imported, Sizes};
 use mcap_log::{DerivedError, derived};
 use platform::file_kind::FileKind;
 use platform::{eprintln, presence};
-use scenario::kind::Kind;
-use scenario::{Loader, builtin};
+use scenario::builtin;
 
 use super::common::ForceArg;
+use super::lab;
 use super::logs::exit_code_of_derived;
-use super::output::{self, EXIT_INVALID, command_line, create, print};
+use super::output::{self, EXIT_FAILED, EXIT_INVALID, command_line, create, print};
 use super::run_args::DEFAULT_SCENARIO;
 use project::Project;
 
@@ -24,7 +24,8 @@ use project::Project;
 pub(super) const HELP: &str = "\
 The file is a copy of a built-in scenario, or made from a published file: a ROS map (.yaml, with its image), a MovingAI \
 map (.map) or problems on one (.scen), or a street graph (.graphml, OpenStreetMap .osm). A map file that the scenario \
-uses is written to the folder maps beside it.
+uses is written to the folder maps beside it. Published files need the Python package: \
+pip install 'protean-robotics[lab]'.
 
 With --python, --rust or --cpp, FILE is the folder of a new project: a planner, its mission and a test.
 
@@ -53,10 +54,10 @@ pub(super) struct NewArgs {
     #[arg(long, group = "language", conflicts_with = "from")]
     cpp: bool,
     /// Side of a cell of a .map (m)
-    #[arg(long, value_name = "M", default_value_t = Sizes::default().cell, value_parser = length)]
+    #[arg(long, value_name = "M", default_value_t = 1.0, value_parser = length)]
     cell: f64,
     /// Width of the streets of a street graph (m)
-    #[arg(long, value_name = "M", default_value_t = Sizes::default().street, value_parser = length)]
+    #[arg(long, value_name = "M", default_value_t = 8.0, value_parser = length)]
     street: f64,
     /// Let the file of --from use files outside its folder
     #[arg(long)]
@@ -78,6 +79,11 @@ impl NewArgs {
     }
 }
 
+/// Extensions of published files.
+const EXTENSIONS: &str = ".yaml, .yml, .map, .scen, .graphml, .osm or .xml";
+/// Extensions of images, which have no size.
+const IMAGES: [&str; 8] = ["pgm", "png", "jpg", "jpeg", "bmp", "gif", "tif", "tiff"];
+
 /// Reason why no scenario was written.
 #[derive(Debug, thiserror::Error)]
 enum NewError {
@@ -89,8 +95,15 @@ enum NewError {
         "no built-in scenario {0:?}; expected one of {1}, or a file that ends in {EXTENSIONS}{2}"
     )]
     Unknown(String, String, String),
-    #[error(transparent)]
-    Import(#[from] ImportError),
+    #[error("{}: an image without its scale: expected the .yaml of the ROS map that names it", _0.display())]
+    Image(PathBuf),
+    #[error("{}: unknown kind of file: expected {EXTENSIONS}{_1}", _0.display())]
+    Kind(PathBuf, String),
+    #[error("{0}")]
+    Package(String),
+    /// The package has told the error.
+    #[error("no scenario of {0}")]
+    Import(String, u8),
     #[error("{} exists already; choose another name or overwrite it with --force", _0.display())]
     Exists(PathBuf),
     #[error(transparent)]
@@ -98,8 +111,8 @@ enum NewError {
 }
 
 /// Writes a scenario and the map that it uses, or a project.
-pub(super) fn run(kinds: &[Kind], args: &NewArgs) -> ExitCode {
-    match write(kinds, args) {
+pub(super) fn run(args: &NewArgs) -> ExitCode {
+    match write(args) {
         Ok(files) => {
             for file in &files {
                 print(&file.display().to_string());
@@ -113,9 +126,13 @@ pub(super) fn run(kinds: &[Kind], args: &NewArgs) -> ExitCode {
             ExitCode::SUCCESS
         }
         Err(error) => {
-            eprintln!("error: {error}");
+            if !matches!(error, NewError::Import(..)) {
+                eprintln!("error: {error}");
+            }
             ExitCode::from(match error {
                 NewError::Refused(error) => exit_code_of_derived(&error),
+                NewError::Import(_, code) => code,
+                NewError::Package(_) => EXIT_FAILED,
                 _ => EXIT_INVALID,
             })
         }
@@ -123,25 +140,25 @@ pub(super) fn run(kinds: &[Kind], args: &NewArgs) -> ExitCode {
 }
 
 /// Writes the files; returns their paths.
-fn write(kinds: &[Kind], args: &NewArgs) -> Result<Vec<PathBuf>, NewError> {
+fn write(args: &NewArgs) -> Result<Vec<PathBuf>, NewError> {
     let files = match args.project() {
         Some(project) => {
             let name = project::name(&args.file);
             let name = name.ok_or_else(|| NewError::ProjectName(args.file.clone()))?;
             project.files(&args.file, name)
         }
-        None => scenario_files(kinds, args)?,
+        None => scenario_files(args)?,
     };
     write_all(&files, args.force.force)?;
     Ok(files.into_iter().map(|(path, _)| path).collect())
 }
 
 /// Returns the scenario and the map that it uses.
-fn scenario_files(kinds: &[Kind], args: &NewArgs) -> Result<Vec<(PathBuf, String)>, NewError> {
+fn scenario_files(args: &NewArgs) -> Result<Vec<(PathBuf, String)>, NewError> {
     if args.file.extension().is_none_or(|end| end != "toml") {
         return Err(NewError::Name(args.file.clone()));
     }
-    let (text, map) = content(kinds, args)?;
+    let (text, map) = content(args)?;
     let folder = args.file.parent().unwrap_or(Path::new(""));
     let mut files = vec![(args.file.clone(), text.into_owned())];
     if let Some((path, text)) = map {
@@ -174,7 +191,7 @@ fn write_all(files: &[(PathBuf, String)], force: bool) -> Result<(), NewError> {
 type Text = Cow<'static, str>;
 
 /// Returns the text of the scenario, and path and text of its map.
-fn content(kinds: &[Kind], args: &NewArgs) -> Result<(Text, Option<(Text, Text)>), NewError> {
+fn content(args: &NewArgs) -> Result<(Text, Option<(Text, Text)>), NewError> {
     if let Some(scenario) = builtin::scenario(&args.from) {
         let map = scenario
             .map()
@@ -182,25 +199,48 @@ fn content(kinds: &[Kind], args: &NewArgs) -> Result<(Text, Option<(Text, Text)>
         return Ok((scenario.text.into(), map));
     }
     let file = Path::new(&args.from);
-    if file.extension().is_none() {
-        let names = builtin::SCENARIOS.map(|scenario| scenario.name).join(", ");
+    let help = || {
         let help = FileKind::of(file).map(|kind| format!("; {}", kind.help(file)));
-        return Err(NewError::Unknown(
-            args.from.clone(),
-            names,
-            help.unwrap_or_default(),
-        ));
-    }
-    let sizes = Sizes {
-        cell: args.cell,
-        street: args.street,
+        help.unwrap_or_default()
     };
-    let Imported {
-        scenario,
-        map_path,
-        map,
-    } = import::import(file, sizes, args.allow_outside, &Loader::new(kinds))?;
+    let Some(extension) = file.extension() else {
+        let names = builtin::SCENARIOS.map(|scenario| scenario.name).join(", ");
+        return Err(NewError::Unknown(args.from.clone(), names, help()));
+    };
+    let extension = extension.to_string_lossy().to_ascii_lowercase();
+    if IMAGES.contains(&&*extension) {
+        return Err(NewError::Image(file.to_owned()));
+    }
+    if !EXTENSIONS
+        .split([' ', ',', '.'])
+        .any(|known| known == extension)
+    {
+        return Err(NewError::Kind(file.to_owned(), help()));
+    }
+    let [scenario, map_path, map] = import(args)?;
     Ok((scenario.into(), Some((map_path.into(), map.into()))))
+}
+
+/// Returns a published file as scenario, path of the map and map, from the Python package.
+fn import(args: &NewArgs) -> Result<[String; 3], NewError> {
+    let [cell, street] = [args.cell, args.street].map(|length| length.to_string());
+    let words = ["--cell", &cell, "--street", &street];
+    let mut words: Vec<OsString> = words.map(OsString::from).into();
+    words.extend(args.allow_outside.then(|| "--allow-outside".into()));
+    words.extend(["--".into(), args.from.clone().into()]);
+    let output = lab::output("maps", &words).map_err(NewError::Package)?;
+    let code = output
+        .status
+        .code()
+        .and_then(|code| u8::try_from(code).ok());
+    match code {
+        Some(0) => serde_json::from_slice(&output.stdout)
+            .map_err(|error| NewError::Package(format!("the package's answer: {error}"))),
+        code => Err(NewError::Import(
+            args.from.clone(),
+            code.unwrap_or(EXIT_FAILED),
+        )),
+    }
 }
 
 /// Parses a length (m).
