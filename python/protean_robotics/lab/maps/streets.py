@@ -41,10 +41,11 @@ def world(path: Path, streets: Streets, width: float) -> World:
         raise bad_content(path, found, f"a smaller part, or streets wider than {width:g} m")
     shape = (math.ceil(h / side), math.ceil(w / side))
     cells = Cells(np.ones(shape, dtype=bool), side, (left - border, bottom - border))
-    columns = cells.origin[0] + (np.arange(shape[1]) + 0.5) * side
-    for start, end in streets.pieces:
+    columns: NDArray[np.float64] = cells.origin[0] + (np.arange(shape[1]) + 0.5) * side
+    for piece in streets.pieces:
         # Rounding must not tell a street from its reverse.
-        _clear(cells, columns, *sorted((start, end)), reach=border)
+        start, end = sorted(piece)
+        _clear(cells, columns, start, end, border)
     return of_grid(path, cells, side)
 
 

@@ -162,7 +162,8 @@ def _largest(occupied: NDArray[np.bool_]) -> NDArray[np.bool_]:
     if not sizes.any():
         return np.ones_like(occupied)
     first = int((sizes == sizes.max())[part_of.ravel()].argmax())
-    return part_of != part_of.ravel()[first]
+    largest: NDArray[np.bool_] = part_of != part_of.ravel()[first]
+    return largest
 
 
 def _rectangles(path: Path, cells: Cells) -> list[tuple[Point, Point]]:
