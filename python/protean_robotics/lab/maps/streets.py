@@ -2,6 +2,7 @@
 
 import math
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -41,7 +42,7 @@ def world(path: Path, streets: Streets, width: float) -> World:
         raise bad_content(path, found, f"a smaller part, or streets wider than {width:g} m")
     shape = (math.ceil(h / side), math.ceil(w / side))
     cells = Cells(np.ones(shape, dtype=bool), side, (left - border, bottom - border))
-    columns: NDArray[np.float64] = cells.origin[0] + (np.arange(shape[1]) + 0.5) * side
+    columns = cells.origin[0] + (np.arange(shape[1]) + 0.5) * side
     for piece in streets.pieces:
         # Rounding must not tell a street from its reverse.
         start, end = sorted(piece)
@@ -49,7 +50,7 @@ def world(path: Path, streets: Streets, width: float) -> World:
     return of_grid(path, cells, side)
 
 
-def _clear(cells: Cells, columns: NDArray[np.float64], start: Point, end: Point, reach: float) -> None:
+def _clear(cells: Cells, columns: NDArray[np.floating[Any]], start: Point, end: Point, reach: float) -> None:
     """Frees the cells whose centres are at most this far from a segment (m)."""
     (x0, y0), (x1, y1) = start, end
     ax, ay = x1 - x0, y1 - y0
