@@ -158,9 +158,9 @@ def pytest_runtest_makereport(item: pytest.Item) -> Generator[None, pytest.TestR
         missions.is_failed = True
         text = missions.report()
         # A section of the failure is shown also where captured output is not, and is part of JUnit files.
-        failure = report.longrepr
-        if hasattr(failure, "addsection"):
-            failure.addsection("missions", text)
+        add = getattr(report.longrepr, "addsection", None)
+        if add is not None:
+            add("missions", text)
         else:
             report.sections.append(("missions", text))
     if report.when == "teardown" and not missions.is_failed:

@@ -68,13 +68,13 @@ def test_a_test_has_five_lines_and_its_paths_are_those_of_its_file(pytester: pyt
         'def test_city(mission):\n    run = mission("city.toml", seed=7)\n    assert run.outcome["robot"] == "timed_out"\n'
         'def test_built_in(mission):\n    assert mission("hello", seed=1).outcome == {"robot": "escaped"}\n'
     )
-    pytester.runpytest_subprocess("missions").assert_outcomes(passed=2)
-    result = pytester.runpytest_subprocess("test_city.py", "-p", "no:cacheprovider", "--rootdir=.")
+    pytester.runpytest_inprocess("missions").assert_outcomes(passed=2)
+    result = pytester.runpytest_inprocess("test_city.py", "-p", "no:cacheprovider", "--rootdir=.")
     assert result.ret != 0
 
 
 def test_a_failure_shows_picture_and_commands_that_work(pytester: pytest.Pytester) -> None:
-    result = pytester.runpytest_subprocess("--protean-logs=kept", "--show-capture=no", "--junitxml=report.xml")
+    result = pytester.runpytest_inprocess("--protean-logs=kept", "--show-capture=no", "--junitxml=report.xml")
     result.assert_outcomes(passed=1, failed=1)
     text = result.stdout.str()
     assert "<Run city, seed 7: robot timed_out; digest" in text
@@ -97,15 +97,15 @@ def test_a_failure_shows_picture_and_commands_that_work(pytester: pytest.Pyteste
 
 
 def test_the_next_call_removes_the_log_of_a_test_that_passes_now(pytester: pytest.Pytester) -> None:
-    pytester.runpytest_subprocess("--protean-logs=kept").assert_outcomes(passed=1, failed=1)
+    pytester.runpytest_inprocess("--protean-logs=kept").assert_outcomes(passed=1, failed=1)
     test = pytester.path / "missions/test_city.py"
     test.write_text(test.read_text().replace('"escaped"', '"timed_out"'))
-    pytester.runpytest_subprocess("--protean-logs=kept").assert_outcomes(passed=2)
+    pytester.runpytest_inprocess("--protean-logs=kept").assert_outcomes(passed=2)
     assert kept(pytester.path / "kept") == []
 
 
 def test_without_the_option_logs_are_in_the_temporary_directory(pytester: pytest.Pytester) -> None:
-    result = pytester.runpytest_subprocess("--basetemp=temporary")
+    result = pytester.runpytest_inprocess("--basetemp=temporary")
     result.assert_outcomes(passed=1, failed=1)
     assert [Path(name).name for name in kept(pytester.path / "temporary")] == ["1-city.mcap", "1-city.svg"]
     assert shown(result.stdout.str())["picture"].startswith("temporary/")
@@ -120,13 +120,13 @@ def test_missions_of_functions_run_again_by_pytest(pytester: pytest.Pytester) ->
         "    assert run.metrics['robot']['distance_m'] > 0.15\n"
         "    mission('city.toml', planners={'robot': lambda robot: 1 / 0})\n"
     )
-    result = pytester.runpytest_subprocess("--protean-logs=kept", "-k", "0.1")
+    result = pytester.runpytest_inprocess("--protean-logs=kept", "-k", "0.1")
     result.assert_outcomes(failed=1, deselected=1)
     again = shlex.split(shown(result.stdout.str())["again"])
     assert again == ["pytest", "missions/test_city.py::test_city[0.1]"]
-    pytester.runpytest_subprocess(*again[1:]).assert_outcomes(failed=1)
+    pytester.runpytest_inprocess(*again[1:]).assert_outcomes(failed=1)
     # A mission that does not reach its end is shown, too, after the one before it.
-    result = pytester.runpytest_subprocess("--protean-logs=kept", "-k", "0.2")
+    result = pytester.runpytest_inprocess("--protean-logs=kept", "-k", "0.2")
     result.stdout.fnmatch_lines(["*ZeroDivisionError*", "<Run city,*", "missions/city.toml: it did not reach its end"])
 
 
@@ -151,7 +151,7 @@ def test_failures_outside_of_the_test_itself_count_and_expected_ones_do_not(pyte
         "def test_unexpected(mission):\n"
         "    mission('city.toml')\n"
     )
-    result = pytester.runpytest_subprocess("--protean-logs=kept")
+    result = pytester.runpytest_inprocess("--protean-logs=kept")
     result.assert_outcomes(passed=1, errors=2, xfailed=1, failed=1)
     names = {Path(name).parts[0] for name in kept(pytester.path / "kept")}
     assert names == {f"missions-test_city.py-test_{name}" for name in ("late", "early", "unexpected")}
@@ -171,7 +171,7 @@ def test_wrong_arguments_are_named(pytester: pytest.Pytester) -> None:
         "    with pytest.raises(pr.InvalidInput, match=text):\n"
         "        mission(**{'scenario': 'city.toml', **arguments})\n"
     )
-    pytester.runpytest_subprocess("--protean-logs=kept").assert_outcomes(passed=4)
+    pytester.runpytest_inprocess("--protean-logs=kept").assert_outcomes(passed=4)
     assert kept(pytester.path / "kept") == []
 
 

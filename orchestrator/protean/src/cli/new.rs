@@ -26,7 +26,8 @@ The file is a copy of a built-in scenario, or made from a published file: a ROS 
 map (.map) or problems on one (.scen), or a street graph (.graphml, OpenStreetMap .osm). A map file that the scenario \
 uses is written to the folder maps beside it.
 
-With --python, --rust or --cpp, FILE is the folder of a new project: a planner, its mission and a test.
+With --python, --rust or --cpp, FILE is the folder of a new project: a planner, its mission, tests, and files that run
+them on GitHub, on GitLab and before every commit.
 
 Exit codes: 0 written, 1 a file cannot be written, 2 wrong usage, or a file exists and --force is absent.";
 
