@@ -42,13 +42,13 @@ class Missions:
     ----------
     folder
         Folder of the logs.
-    is_failed
-        True once a part of the test has failed.
+    is_shown
+        True once a failure of the test shows the missions; their logs are then kept.
     """
 
     def __init__(self, item: pytest.Item, folder: Path) -> None:
         self.folder = folder
-        self.is_failed = False
+        self.is_shown = False
         self._item = item
         self._attempts: list[_Attempt] = []
 
@@ -82,8 +82,12 @@ class Missions:
         self.folder.mkdir(parents=True, exist_ok=True)
         log = self.folder / f"{len(self._attempts) + 1}-{Path(name).stem}.mcap"
         attempt = _Attempt(name, options | {"in_process": in_process}, log)
-        self._attempts.append(attempt)
-        attempt.run = run(name, in_process=in_process, out=log, force=True, **options)
+        try:
+            attempt.run = run(name, in_process=in_process, out=log, force=True, **options)
+        finally:
+            # Without a log nothing has been started: there is nothing to look at.
+            if log.exists():
+                self._attempts.append(attempt)
         return attempt.run
 
     def report(self) -> str:
@@ -92,12 +96,11 @@ class Missions:
 
     def _lines(self, attempt: _Attempt) -> Iterator[str]:
         yield repr(attempt.run) if attempt.run else f"{self._near(attempt.scenario)}: it did not reach its end"
-        if attempt.log.exists():
-            try:
-                yield f"  picture  {self._near(Log(attempt.log).picture(force=True))}"
-            except Error as error:
-                yield f"  picture  {error}"
-            yield f"  open     {shlex.join(['protean', 'report', self._near(attempt.log), '--open'])}"
+        try:
+            yield f"  picture  {self._near(Log(attempt.log).picture(force=True))}"
+        except Error as error:
+            yield f"  picture  {error}"
+        yield f"  open     {shlex.join(['protean', 'report', self._near(attempt.log), '--open'])}"
         yield f"  again    {shlex.join(self._again(attempt))}"
 
     def _again(self, attempt: _Attempt) -> list[str]:
@@ -154,15 +157,14 @@ def pytest_runtest_makereport(item: pytest.Item) -> Generator[None, pytest.TestR
     missions = item.stash.get(_MISSIONS, None)
     if missions is None:
         return report
-    if report.failed and not missions.is_failed:
-        missions.is_failed = True
-        text = missions.report()
+    if report.failed and not missions.is_shown and (text := missions.report()):
+        missions.is_shown = True
         # A section of the failure is shown also where captured output is not, and is part of JUnit files.
         add = getattr(report.longrepr, "addsection", None)
         if add is not None:
             add("missions", text)
         else:
             report.sections.append(("missions", text))
-    if report.when == "teardown" and not missions.is_failed:
+    if report.when == "teardown" and not missions.is_shown:
         shutil.rmtree(missions.folder, ignore_errors=True)
     return report

@@ -173,6 +173,18 @@ def test_wrong_arguments_are_named(pytester: pytest.Pytester) -> None:
     )
     pytester.runpytest_inprocess("--protean-logs=kept").assert_outcomes(passed=4)
     assert kept(pytester.path / "kept") == []
+    (pytester.path / "missions/test_city.py").write_text(
+        "import pytest\n"
+        "@pytest.mark.parametrize('set', [3, {'rules.time_limit': object()}, {'rules.time_limit': -1}])\n"
+        "def test_city(mission, set):\n"
+        "    mission('city.toml', set=set)\n"
+        "def test_typo(mission):\n"
+        "    mission('city.toml', sede=1)\n"
+    )
+    result = pytester.runpytest_inprocess("--protean-logs=kept")
+    result.assert_outcomes(failed=4)
+    result.stdout.fnmatch_lines(["*InvalidInput: set = 3: expected*", "*TypeError*sede*"])
+    assert "missions ---" not in result.stdout.str() and not list((pytester.path / "kept").iterdir())
 
 
 def test_tests_at_once_have_logs_of_their_own(pytester: pytest.Pytester) -> None:
