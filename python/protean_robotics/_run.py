@@ -40,6 +40,18 @@ class Run:
         return {robot["name"]: robot["outcome"] for robot in self.summary["robots"]}
 
     @property
+    def metrics(self) -> dict[str, dict[str, Any]]:
+        """Figures of each robot: ``time_s`` (s), ``distance_m`` (m), ``contacts`` and those of its rules."""
+        words = ("name", "outcome", "role", "team")
+        robots = self.summary["robots"]
+        return {robot["name"]: {key: value for key, value in robot.items() if key not in words} for robot in robots}
+
+    @property
+    def events(self) -> list[dict[str, Any]]:
+        """Events in order, as those of ``Log.events``; the log also has those beyond the first 100 000."""
+        return list(self.summary["events"])
+
+    @property
     def digest(self) -> str:
         """Hash of the simulated history, 64 hexadecimal digits."""
         return str(self.summary["digest"])

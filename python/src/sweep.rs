@@ -197,7 +197,7 @@ pub fn sweep_in_process(
     let engine: &dyn Engine = &engine;
     wait_for(py, &interrupted, || {
         let (results, report) = carry_out(&experiment, &out, &reuse, engine, run, keep)?;
-        Ok(summary::json(&results, Some(&report)))
+        Ok(summary::json(&results, Some(&report), None))
     })
 }
 

@@ -54,7 +54,9 @@ def write() -> None:
                     sources.append(code_of(part))
             if sources and not lacks("\n".join(sources)):
                 module = re.sub(r"\W", "_", name)
-                (folder / f"{module}.py").write_text("\n".join(sources))
+                # Tests for pytest are written without types.
+                tests = "# mypy: allow-untyped-defs\n" if "def test_" in "\n".join(sources) else ""
+                (folder / f"{module}.py").write_text(tests + "\n".join(sources))
     for example in EXAMPLES:
         (folder / f"example_{example.name}").write_text(example.read_text())
 

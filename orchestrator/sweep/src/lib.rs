@@ -16,7 +16,7 @@
 //! | `manifest`, `table`, `directory`, `journal`, `results`, [`merge`] | the directory of results |
 //! | `reader`, `assignments`, `parameters`, `grid`, `parts`, `cases` | parts of the file during reading |
 //! | [`engine`], `subject`, `experiment`, [`shard`], [`runner`] | experiments of any kind, and their execution |
-//! | [`summary`], [`published`] | summaries of results; published points beside them |
+//! | `worst`, [`summary`], [`published`] | summaries of results; published points beside them |
 //! | `missions`, [`planning`] | the kinds of missions: of robots, of plans |
 
 mod assignments;
@@ -53,6 +53,7 @@ mod subject;
 pub mod summary;
 mod table;
 mod task;
+mod worst;
 
 #[cfg(test)]
 mod tests;
@@ -73,3 +74,4 @@ pub use results::Results;
 pub use row::{Outcome, Record, Row};
 pub use seeds::Seeds;
 pub use subject::Subject;
+pub use worst::{Measure, MeasureError};

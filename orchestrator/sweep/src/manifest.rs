@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::cell::{Value, describe};
 use super::kind::Kind;
+use super::mission_id::MissionId;
 use super::seeds::Seeds;
 
 /// Version of the files in a directory of results; other versions are refused.
@@ -84,6 +85,25 @@ impl Manifest {
             Some(cell) => describe(&cell.case, &names, &cell.values),
             None => format!("cell {cell}"),
         }
+    }
+
+    /// Returns the name of the log of a mission: `1-potential-relative_speed=1.5-seed=7.mcap`.
+    pub(super) fn log_name(&self, mission: MissionId) -> String {
+        let label = self.describe(mission.cell);
+        let label = label
+            .trim_start_matches("case ")
+            .replace(" = ", "=")
+            .replace(", ", "-");
+        let plain = |c: char| {
+            if c.is_ascii_alphanumeric() || "_-=.+".contains(c) {
+                c
+            } else {
+                '_'
+            }
+        };
+        let label: String = label.chars().take(180).map(plain).collect();
+        // The index of the cell distinguishes long labels that were cut.
+        format!("{}-{label}-seed={}.mcap", mission.cell, mission.seed)
     }
 
     /// Describes how the program of `theirs` differs from this one; `None` if it does not.

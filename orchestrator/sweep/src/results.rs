@@ -303,6 +303,17 @@ impl<R: Record> Results<R> {
         &self.directory
     }
 
+    /// Folder of the logs.
+    pub(super) fn logs(&self) -> PathBuf {
+        self.directory.join("logs")
+    }
+
+    /// Returns the path of the log of a mission, if it has been kept.
+    pub(super) fn log(&self, mission: MissionId) -> Option<PathBuf> {
+        let log = self.logs().join(self.manifest.log_name(mission));
+        log.exists().then_some(log)
+    }
+
     /// The manifest.
     pub fn manifest(&self) -> &Manifest {
         &self.manifest

@@ -9,10 +9,10 @@ use std::time::{Duration, Instant};
 
 use platform::progress::Progress;
 
-use super::cell::describe;
 use super::engine::{Call, processors, stay_on};
 use super::error::SweepError;
 use super::experiment::ExperimentOf;
+use super::manifest::Manifest;
 use super::mission_id::{MissionId, missions};
 use super::results::Results;
 use super::row::Record as _;
@@ -85,6 +85,7 @@ struct Shared<'a, S: Subject> {
     experiment: &'a ExperimentOf<S>,
     engine: &'a S::Engine,
     options: &'a RunOptions,
+    manifest: &'a Manifest,
     logs: PathBuf,
     open: &'a [MissionId],
     next: AtomicUsize,
@@ -130,7 +131,7 @@ pub fn run<S: Subject>(
         options.retry_failed,
     );
     open.sort_by_key(|mission| (mission.seed, mission.cell));
-    let logs = results.directory().join("logs");
+    let logs = results.logs();
     if options.log != LogPolicy::None {
         std::fs::create_dir_all(&logs)
             .map_err(SweepError::io(&logs, "cannot create the directory"))?;
@@ -140,6 +141,7 @@ pub fn run<S: Subject>(
         experiment,
         engine,
         options,
+        manifest: &experiment.manifest(),
         logs,
         open: &open,
         next: AtomicUsize::new(0),
@@ -283,7 +285,8 @@ impl<S: Subject> Shared<'_, S> {
         start: Instant,
     ) -> Option<Ended<S::Row>> {
         let cell = self.experiment.cells.get(mission.cell)?;
-        let log = (self.options.log != LogPolicy::None).then(|| self.log_path(mission));
+        let log = (self.options.log != LogPolicy::None)
+            .then(|| self.logs.join(self.manifest.log_name(mission)));
         let call = Call {
             log: log.clone(),
             interrupted: Arc::default(),
@@ -329,38 +332,6 @@ impl<S: Subject> Shared<'_, S> {
             discard(log.as_deref());
         }
         Some(ended)
-    }
-
-    /// `logs/potential-relative_speed=1.5-seed=7.mcap`.
-    fn log_path(&self, mission: MissionId) -> PathBuf {
-        let names: Vec<&str> = self
-            .experiment
-            .parameters
-            .iter()
-            .map(|p| p.name.as_str())
-            .collect();
-        let label = self
-            .experiment
-            .cells
-            .get(mission.cell)
-            .map_or_else(String::new, |cell| {
-                describe(&cell.case, &names, &cell.values)
-            });
-        let label = label
-            .trim_start_matches("case ")
-            .replace(" = ", "=")
-            .replace(", ", "-");
-        let plain = |c: char| {
-            if c.is_ascii_alphanumeric() || "_-=.+".contains(c) {
-                c
-            } else {
-                '_'
-            }
-        };
-        let label: String = label.chars().take(180).map(plain).collect();
-        // The index of the cell distinguishes long labels that were cut.
-        let name = format!("{}-{label}-seed={}.mcap", mission.cell, mission.seed);
-        self.logs.join(name)
     }
 }
 

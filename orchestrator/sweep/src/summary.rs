@@ -13,9 +13,12 @@ use super::mission_id::MissionId;
 use super::results::Results;
 use super::row::{Record, Row};
 use super::runner::RunReport;
+use super::worst::{Measure, worst};
 
 /// Maximum number of failures listed on a terminal; JSON and the table of results contain all.
 const SHOWN: usize = 20;
+/// Maximum number of worst missions listed on a terminal; JSON contains those of all cells.
+const WORST_SHOWN: usize = 5;
 
 /// Summary of the games of one cell.
 #[derive(Debug, Clone, PartialEq)]
@@ -219,9 +222,9 @@ type CellColumn = (
     Box<dyn Fn(&CellSummary) -> String>,
 );
 
-/// Returns the summary as text: a table of the cells, failures with the command that repeats them,
-/// and missing missions.
-pub fn text(results: &Results, report: Option<&RunReport>) -> String {
+/// Returns the summary as text: a table of the cells, failures and the worst missions by the measure with the command
+/// that repeats them, and missing missions.
+pub fn text(results: &Results, report: Option<&RunReport>, measure: Option<Measure>) -> String {
     let manifest = results.manifest();
     let summaries = cells(results);
     let has = |fact: fn(&CellSummary) -> bool| summaries.iter().any(fact);
@@ -273,16 +276,23 @@ pub fn text(results: &Results, report: Option<&RunReport>) -> String {
         text += &format!("\n{} missions failed; to repeat one:\n", failures.len());
         for (mission, row) in failures.iter().take(SHOWN) {
             let reason = row.error.lines().next().unwrap_or_default();
-            text += &format!(
-                "  {}: {reason}\n    {}\n",
-                results.describe(*mission),
-                command(results, *mission)
-            );
+            text += &listed(results, *mission, reason);
         }
         if failures.len() > SHOWN {
             text += &format!("  … and {} more, see results.csv\n", failures.len() - SHOWN);
         }
         text += "--retry-failed runs them again\n";
+    }
+    let worst = worst(results, measure);
+    if !worst.is_empty() {
+        let order = match measure {
+            Some(_) => "",
+            None => " at the time limit, or with contacts (--worst COLUMN=max|min: by a column)",
+        };
+        text += &format!("\nworst missions{order}:\n");
+        for (mission, reason) in worst.iter().take(WORST_SHOWN) {
+            text += &listed(results, *mission, reason);
+        }
     }
     let missing = missing(results, report);
     if !missing.is_empty() {
@@ -292,6 +302,14 @@ pub fn text(results: &Results, report: Option<&RunReport>) -> String {
         }
     }
     text
+}
+
+/// Returns the lines of a mission in a list: what is the matter, the command that repeats it, and its log if there is one.
+fn listed(results: &Results, mission: MissionId, reason: &str) -> String {
+    let (name, command) = (results.describe(mission), command(results, mission));
+    let log = results.log(mission);
+    let log = log.map_or_else(String::new, |log| format!("    log: {}\n", log.display()));
+    format!("  {name}: {reason}\n    {command}\n{log}")
 }
 
 /// Returns missing missions cell by cell: `case potential, relative_speed = 1.5: seeds 3..7, 9`.
@@ -310,7 +328,7 @@ fn ranges(results: &Results, missing: &[MissionId]) -> Vec<String> {
 }
 
 /// Returns the summary as JSON.
-pub fn json(results: &Results, report: Option<&RunReport>) -> Json {
+pub fn json(results: &Results, report: Option<&RunReport>, measure: Option<Measure>) -> Json {
     let manifest = results.manifest();
     let labels = |cell: usize| {
         let values = manifest
@@ -341,18 +359,24 @@ pub fn json(results: &Results, report: Option<&RunReport>) -> Json {
             })
         })
         .collect();
-    let failures: Vec<Json> = failures(results)
-        .into_iter()
-        .map(|(mission, row)| {
-            let (case, parameters) = labels(mission.cell);
-            json!({
-                "case": case,
-                "parameters": parameters,
-                "seed": mission.seed,
-                "error": row.error,
-                "command": command(results, mission),
-            })
+    let listed = |mission: MissionId, key: &str, reason: &str| {
+        let (case, parameters) = labels(mission.cell);
+        json!({
+            "case": case,
+            "parameters": parameters,
+            "seed": mission.seed,
+            key: reason,
+            "command": command(results, mission),
+            "log": results.log(mission),
         })
+    };
+    let failures = failures(results).into_iter();
+    let failures: Vec<Json> = failures
+        .map(|(mission, row)| listed(mission, "error", &row.error))
+        .collect();
+    let worst = worst(results, measure).into_iter();
+    let worst: Vec<Json> = worst
+        .map(|(mission, reason)| listed(mission, "reason", &reason))
         .collect();
     let missing: Vec<Json> = missing(results, report)
         .into_iter()
@@ -365,6 +389,7 @@ pub fn json(results: &Results, report: Option<&RunReport>) -> Json {
     all.extend([
         ("cells".to_owned(), json!(cells)),
         ("failures".to_owned(), json!(failures)),
+        ("worst".to_owned(), json!(worst)),
         ("missing".to_owned(), json!(missing)),
     ]);
     Json::Object(all)

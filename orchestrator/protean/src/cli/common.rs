@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::builder::{PathBufValueParser, TypedValueParser};
 use platform::output_format::OutputFormat;
+use sweep::spec::LogPolicy;
 
 /// Returns the parser of an output file's name, which may not have the ending of another format.
 pub(super) fn out(format: OutputFormat) -> impl TypedValueParser<Value = PathBuf> {
@@ -40,4 +41,25 @@ pub(super) struct ExternalArg {
     /// Start external programs that the scenario names, without asking
     #[arg(long)]
     pub(super) allow_external: bool,
+}
+
+/// Missions that keep their log.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub(super) enum LogPolicyArg {
+    /// No mission; no log is written
+    None,
+    /// Failed missions; the logs of the others are removed
+    Failed,
+    /// All missions
+    All,
+}
+
+impl From<LogPolicyArg> for LogPolicy {
+    fn from(policy: LogPolicyArg) -> Self {
+        match policy {
+            LogPolicyArg::None => Self::None,
+            LogPolicyArg::Failed => Self::Failed,
+            LogPolicyArg::All => Self::All,
+        }
+    }
 }

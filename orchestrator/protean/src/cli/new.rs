@@ -27,7 +27,8 @@ map (.map) or problems on one (.scen), or a street graph (.graphml, OpenStreetMa
 uses is written to the folder maps beside it. Published files need the Python package: \
 pip install 'protean-robotics[lab]'.
 
-With --python, --rust or --cpp, FILE is the folder of a new project: a planner, its mission and a test.
+With --python, --rust or --cpp, FILE is the folder of a new project: a planner, its mission, tests, and files that run
+them on GitHub, on GitLab and before every commit.
 
 Exit codes: 0 written, 1 a file cannot be written, 2 wrong usage, or a file exists and --force is absent.";
 

@@ -70,7 +70,7 @@ fn merged_of<S: SweepKind>(parts: &[PathBuf], out: &Path, as_json: bool) -> Exit
         Ok(results)
     };
     match joined() {
-        Ok(results) => conclude::<S>(&results, None, as_json, false),
+        Ok(results) => conclude::<S>(&results, None, None, as_json, false),
         Err(error) => failed(&error),
     }
 }
@@ -226,6 +226,7 @@ fn carry_out<S: SweepKind>(
     Ok(conclude::<S>(
         &results,
         Some(&report),
+        args.worst,
         args.json.json,
         args.quiet.quiet,
     ))

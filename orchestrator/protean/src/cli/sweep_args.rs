@@ -3,11 +3,11 @@
 use std::path::PathBuf;
 
 use clap::Subcommand;
-use sweep::spec::LogPolicy;
+use sweep::Measure;
 
 use platform::output_format::OutputFormat;
 
-use super::common::{ExternalArg, JsonArg, QuietArg, out};
+use super::common::{ExternalArg, JsonArg, LogPolicyArg, QuietArg, out};
 use super::lab;
 
 /// Help below the options.
@@ -17,27 +17,6 @@ determines results.csv, byte for byte. docs/reference/experiment.md describes th
 
 Exit codes: 0 all missions are done, 1 the results cannot be written, 2 wrong usage or experiment, 3 missions failed or
 are missing.";
-
-/// Missions that keep their log.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
-pub(super) enum LogPolicyArg {
-    /// No mission; no log is written
-    None,
-    /// Failed missions; the logs of the others are removed
-    Failed,
-    /// All missions
-    All,
-}
-
-impl From<LogPolicyArg> for LogPolicy {
-    fn from(policy: LogPolicyArg) -> Self {
-        match policy {
-            LogPolicyArg::None => Self::None,
-            LogPolicyArg::Failed => Self::Failed,
-            LogPolicyArg::All => Self::All,
-        }
-    }
-}
 
 /// Arguments of `protean sweep`.
 #[derive(Debug, clap::Args)]
@@ -105,6 +84,9 @@ pub(super) struct SweepRunArgs {
     /// Missions that keep their log, in folder logs of the results
     #[arg(long, value_name = "WHICH")]
     pub(super) keep_logs: Option<LogPolicyArg>,
+    /// List the missions at the worse END, max or min, of a column of results.csv
+    #[arg(long, value_name = "COLUMN=END")]
+    pub(super) worst: Option<Measure>,
     #[command(flatten)]
     pub(super) external: ExternalArg,
     /// Let the experiment and its scenarios use files outside their folders

@@ -9,7 +9,9 @@ use super::sweep_args::SweepRunArgs;
 use sweep::engine::{Engine, InProcess, Processes};
 use sweep::planning::{self, Task};
 use sweep::runner::RunReport;
-use sweep::{Cell, ExperimentOf, Mission, Results, Subject, SweepError, published, summary};
+use sweep::{
+    Cell, ExperimentOf, Measure, Mission, Results, Subject, SweepError, published, summary,
+};
 
 /// A kind of missions on the command line.
 pub(super) trait SweepKind: Subject {
@@ -37,10 +39,18 @@ pub(super) trait SweepKind: Subject {
     }
 
     /// Returns the summary as JSON.
-    fn json(results: &Results<Self::Row>, report: Option<&RunReport>) -> Json;
+    fn json(
+        results: &Results<Self::Row>,
+        report: Option<&RunReport>,
+        worst: Option<Measure>,
+    ) -> Json;
 
     /// Returns the summary as text.
-    fn text(results: &Results<Self::Row>, report: Option<&RunReport>) -> String;
+    fn text(
+        results: &Results<Self::Row>,
+        report: Option<&RunReport>,
+        worst: Option<Measure>,
+    ) -> String;
 }
 
 impl SweepKind for Mission {
@@ -76,12 +86,12 @@ impl SweepKind for Mission {
         published::keep(folder, results)
     }
 
-    fn json(results: &Results, report: Option<&RunReport>) -> Json {
-        summary::json(results, report)
+    fn json(results: &Results, report: Option<&RunReport>, worst: Option<Measure>) -> Json {
+        summary::json(results, report, worst)
     }
 
-    fn text(results: &Results, report: Option<&RunReport>) -> String {
-        summary::text(results, report)
+    fn text(results: &Results, report: Option<&RunReport>, worst: Option<Measure>) -> String {
+        summary::text(results, report, worst)
     }
 }
 
@@ -89,10 +99,12 @@ impl SweepKind for Task {
     const TO_DO: &'static str = "plans to make";
 
     fn check(_: &ExperimentOf<Self>, args: &SweepRunArgs) -> Result<(), String> {
-        match args.keep_logs {
-            Some(_) => Err("--keep-logs: plans have no logs; remove the option".to_owned()),
-            None => Ok(()),
-        }
+        let refused = match args {
+            _ if args.keep_logs.is_some() => "--keep-logs: plans have no logs",
+            _ if args.worst.is_some() => "--worst: plans have no missions to run again",
+            _ => return Ok(()),
+        };
+        Err(format!("{refused}; remove the option"))
     }
 
     fn engine(_: &SweepRunArgs) -> Box<()> {
@@ -105,11 +117,15 @@ impl SweepKind for Task {
         json!({ "task": cell.subject })
     }
 
-    fn json(results: &Results<Self::Row>, report: Option<&RunReport>) -> Json {
+    fn json(results: &Results<Self::Row>, report: Option<&RunReport>, _: Option<Measure>) -> Json {
         planning::summary::json(results, report)
     }
 
-    fn text(results: &Results<Self::Row>, report: Option<&RunReport>) -> String {
+    fn text(
+        results: &Results<Self::Row>,
+        report: Option<&RunReport>,
+        _: Option<Measure>,
+    ) -> String {
         planning::summary::text(results, report)
     }
 }

@@ -9,7 +9,7 @@ use serde_json::{Value as Json, json};
 use super::output::{EXIT_PARTIAL, print, print_json};
 use super::sweep_kind::SweepKind;
 use sweep::runner::RunReport;
-use sweep::{Manifest, MissionId, Record as _, Results};
+use sweep::{Manifest, Measure, MissionId, Record as _, Results};
 
 /// Missions that a sweep would run.
 pub(super) struct Listing<'a> {
@@ -68,10 +68,11 @@ pub(super) fn list(listing: &Listing<'_>, as_json: bool, details: impl Fn(usize)
     );
 }
 
-/// Prints the summary of results, without notes if `quiet`; returns the exit code.
+/// Prints the summary of results with the worst missions by a measure, without notes if `quiet`; returns the exit code.
 pub(super) fn conclude<S: SweepKind>(
     results: &Results<S::Row>,
     report: Option<&RunReport>,
+    worst: Option<Measure>,
     as_json: bool,
     quiet: bool,
 ) -> ExitCode {
@@ -79,10 +80,10 @@ pub(super) fn conclude<S: SweepKind>(
         eprintln!("note: {note}");
     }
     if as_json {
-        print_json(&S::json(results, report));
+        print_json(&S::json(results, report, worst));
     } else {
         let table = results.directory().join("results.csv");
-        let text = S::text(results, report);
+        let text = S::text(results, report, worst);
         print(&format!("{text}\nresults   {}", table.display()));
     }
     let failures = results.rows().any(|(_, row)| row.is_failed());

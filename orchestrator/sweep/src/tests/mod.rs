@@ -5,6 +5,7 @@ mod experiment;
 mod messages;
 mod published;
 mod results;
+mod worst;
 
 use super::{Experiment, LoadOptions};
 

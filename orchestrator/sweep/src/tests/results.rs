@@ -341,7 +341,7 @@ fn the_summary_counts_games_and_repeats_failures() {
     assert_eq!((cells[1].evaders, cells[1].escaped), (4, 2));
     assert_eq!(cells[1].escape_chance, Some(0.5));
     assert_eq!(cells[0].escape_chance, None);
-    let text = summary::text(&results, None);
+    let text = summary::text(&results, None, None);
     for word in [
         "2/4",
         "0.500",
@@ -353,7 +353,7 @@ fn the_summary_counts_games_and_repeats_failures() {
     ] {
         assert!(text.contains(word), "{word} is missing in\n{text}");
     }
-    let json = summary::json(&results, None);
+    let json = summary::json(&results, None, None);
     assert_eq!(json["cells"][1]["wilson_95"].as_array().unwrap().len(), 2);
     assert_eq!(json["failures"][0]["seed"], 3);
     assert_eq!(json["missing"].as_array().unwrap().len(), 15);
@@ -380,7 +380,7 @@ fn a_summary_has_the_columns_of_what_the_missions_have() {
         };
         results.record(mission(0, seed), arrived, 0.1).unwrap();
     }
-    let text = summary::text(&results, None);
+    let text = summary::text(&results, None, None);
     let lines: Vec<&str> = text.lines().collect();
     assert_eq!(lines[0], "small", "no title twice");
     let titles: Vec<&str> = lines[2].split_whitespace().collect();

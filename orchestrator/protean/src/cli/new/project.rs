@@ -35,20 +35,22 @@ macro_rules! example {
 pub(super) const RUST: Project = Project {
     build: "cargo build --release",
     files: example!("external_planner": "Cargo.toml" "src/main.rs" "src/nearest_free.rs" "tests/mission.rs" "hall.toml"
-        "sweep.toml" "README.md" ".gitignore"),
+        "sweep.toml" "README.md" ".gitignore" "tests/hall.toml" ".github/workflows/tests.yml" ".gitlab-ci.yml"
+        ".pre-commit-config.yaml"),
 };
 
 /// A planner in Python.
 pub(super) const PYTHON: Project = Project {
     build: "",
-    files: example!("python_planner": "planner.py" "test_planner.py" "hall.toml" "README.md" ".gitignore"),
+    files: example!("python_planner": "planner.py" "test_planner.py" "hall.toml" "README.md" ".gitignore"
+        "tests/hall.toml" ".github/workflows/tests.yml" ".gitlab-ci.yml" ".pre-commit-config.yaml"),
 };
 
 /// A planner in C++.
 pub(super) const CPP: Project = Project {
     build: "make",
     files: example!("cpp_planner": "planner.cpp" "protean_planner.h" "Makefile" "test.sh" "hall.toml" "README.md"
-        ".gitignore"),
+        ".gitignore" "tests/hall.toml" ".github/workflows/tests.yml" ".gitlab-ci.yml" ".pre-commit-config.yaml"),
 };
 
 /// Returns the name of a project in this folder if Cargo and scenarios accept it.
