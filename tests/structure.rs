@@ -51,6 +51,7 @@ const RULES: Rules = Rules {
         &["kinds", "mission", "plan"],
         &["environment", "replay"],
         &["latency", "published", "sweep"],
+        &["mission_tests"],
         &["protean"],
         &["_core", "benchmarks", "end_to_end"],
     ],
@@ -100,7 +101,7 @@ const KNOWN: &[(&str, &str)] = &[
     ),
     (
         "orchestrator/scenario/Cargo.toml",
-        "`scenario` has 6139 lines without tests; at most 6000 are allowed",
+        "`scenario` has 6297 lines without tests; at most 6000 are allowed",
     ),
     (
         "python/Cargo.toml",

@@ -14,6 +14,7 @@ pub mod builtin;
 mod context;
 mod draft;
 pub mod events;
+pub mod expect;
 mod failure;
 mod feasibility;
 pub mod files;

@@ -122,7 +122,8 @@ impl<R> ResultColumn<R> {
         Self { name, meaning, get }
     }
 
-    fn kind(&self) -> Type {
+    /// Returns the type of its values.
+    pub fn kind(&self) -> Type {
         match self.get {
             Get::Bool(_) => Type::Bool,
             Get::Int(_) => Type::Int,
@@ -138,7 +139,7 @@ impl<R> ResultColumn<R> {
     }
 
     /// Returns the value of a row.
-    fn cell(&self, row: &R) -> Cell {
+    pub fn cell(&self, row: &R) -> Cell {
         match self.get {
             Get::Bool(get) => get(row).map_or(Cell::Empty, Cell::Bool),
             // Counts and ticks are below 2^63.
