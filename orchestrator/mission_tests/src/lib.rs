@@ -1,9 +1,9 @@
 //! Missions as tests: `protean test`.
 //!
-//! [`load`] reads test files, and scenarios with `[expect]`, into [`MissionTest`]s. [`run`] executes their missions with
+//! [`load`] reads test files, and scenarios with `[expect]`, into [`MissionTest`]s. [`fn@run`] executes their missions with
 //! the engines of sweeps and judges them; what is expected of several missions is decided by its interval. The
 //! [`SuiteReport`] is written as text, Markdown, `JUnit` XML, annotations or JSON; the JSON of an earlier run is the
-//! [`Baseline`] of a later one. [`update`] writes accepted digests and outcomes into the files.
+//! [`Baseline`] of a later one. [`fn@update`] writes accepted digests and outcomes into the files.
 
 mod baseline;
 mod error;
