@@ -32,6 +32,7 @@ mod live;
 mod logs;
 mod maps;
 mod metadata;
+mod mission_tests;
 mod missions;
 mod namespaces;
 mod navigation;

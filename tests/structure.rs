@@ -53,6 +53,7 @@ const RULES: Rules = Rules {
         &["kinds", "mission", "plan"],
         &["environment", "replay"],
         &["latency", "published", "sweep"],
+        &["mission_tests"],
         &["protean", "python_algorithms"],
         &["_core", "benchmarks", "end_to_end"],
     ],

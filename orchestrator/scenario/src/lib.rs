@@ -13,6 +13,7 @@
 mod context;
 mod draft;
 pub mod events;
+pub mod expect;
 mod failure;
 mod feasibility;
 pub mod kind;

@@ -13,6 +13,7 @@ use sim_backend::spec::{RulesSpec, WorldSpec};
 
 use super::context::Context;
 use super::events::EventBlock;
+use super::expect::ExpectSpec;
 use super::files::Base;
 use super::links;
 use super::resolved::ResolvedScenario;
@@ -63,6 +64,8 @@ pub(super) struct TopLevel {
     /// Contents and format of the log.
     #[schemars(with = "Option<LogSpec>")]
     pub log: Option<IgnoredAny>,
+    /// Results that `protean test` expects; a run ignores them.
+    pub expect: Option<ExpectSpec>,
 }
 
 /// Reads every part, so that all problems are reported, then joins the parts.

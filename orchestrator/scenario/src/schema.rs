@@ -9,6 +9,7 @@ use serde_json::{Value as Json, json};
 use sim_backend::spec::{CoverageSpec, RulesSpec};
 
 use super::events::{EventBlock, WhenBlock};
+use super::expect::{ExpectSpec, MeanSpec, RangeSpec, ShareSpec};
 use super::kind::Kind;
 use super::resolve::TopLevel;
 use super::spec::{LinkSpec, LogSpec, ProcessBlock, RobotBlock, RunSpec};
@@ -83,6 +84,10 @@ pub fn reference() -> String {
     reference.section::<WhenBlock>("`when`");
     reference.section::<LinkSpec>("`[[links]]`");
     reference.section::<LogSpec>("`[log]`");
+    reference.section::<ExpectSpec>("`[expect]`");
+    reference.section::<RangeSpec>("Ranges");
+    reference.section::<ShareSpec>("Shares");
+    reference.section::<MeanSpec>("Means");
     reference.section::<Shape>("Shapes");
     reference.section::<Region>("Regions");
     reference.markdown()

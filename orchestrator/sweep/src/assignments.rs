@@ -6,7 +6,7 @@ use super::reader::Reader;
 
 /// One override of the scenario.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Assignment {
+pub struct Assignment {
     /// `key=value`, as `--set` takes it.
     pub argument: String,
     /// Location in the file: `experiment.toml:12`.
@@ -36,7 +36,7 @@ impl Assignment {
 /// Keys are paths as `--set` takes them, quoted if they contain more than names (`"processes[+]"`).
 /// A table overrides key by key; keys that it does not name are unchanged. A table with a `kind` or
 /// a `command` is a whole process and replaces the previous one, as an empty table does.
-pub(super) fn read(reader: &mut Reader, path: &FieldPath, node: &Node) -> Vec<Assignment> {
+pub fn read(reader: &mut Reader, path: &FieldPath, node: &Node) -> Vec<Assignment> {
     let mut found = Vec::new();
     if node
         .as_table()

@@ -58,6 +58,7 @@ mod worst;
 #[cfg(test)]
 mod tests;
 
+pub use assignments::{Assignment, read as read_overrides};
 pub use cases::Case;
 pub use cell::{Cell, Value};
 pub use columns::{Part, ResultColumn, ResultTable};
@@ -70,6 +71,7 @@ pub use metrics::Metric;
 pub use mission_id::MissionId;
 pub use missions::{Experiment, Mission};
 pub use options::LoadOptions;
+pub use reader::Reader;
 pub use results::Results;
 pub use row::{Outcome, Record, Row};
 pub use seeds::Seeds;

@@ -1,4 +1,4 @@
-//! Reader of an experiment's text, with the list of problems.
+//! Reader of the text of an experiment or a test, with the list of problems.
 
 use config::{
     Code, Diagnostic, Diagnostics, FieldPath, Node, SourceKind, Sources, parse_document,
@@ -8,10 +8,13 @@ use parameters::{Parameters, faults};
 use scenario::refusal;
 use serde::de::DeserializeOwned;
 
-/// Text and problems of an experiment file.
-pub(super) struct Reader {
+/// Text and problems of a file.
+pub struct Reader {
+    /// The text.
     pub sources: Sources,
+    /// Its values.
     pub root: Node,
+    /// The problems found so far.
     pub problems: Diagnostics,
 }
 
@@ -103,7 +106,7 @@ impl Reader {
     }
 
     /// Returns `file:line` of a node.
-    pub fn line_of(&self, node: &Node) -> String {
+    pub(super) fn line_of(&self, node: &Node) -> String {
         match self.sources.place(node.origin) {
             Some(place) => format!("{}:{}", place.file, place.line),
             None => "experiment".to_owned(),

@@ -4,7 +4,7 @@ use clap::Command;
 
 /// The commands by heading, in the order of the help.
 pub(crate) const HEADINGS: [(&str, &[&str]); 6] = [
-    ("Missions", &["run", "check", "new", "list"]),
+    ("Missions", &["run", "test", "check", "new", "list"]),
     (
         "Logs",
         &[
@@ -94,7 +94,7 @@ mod tests {
             }
         }
         assert_eq!(listed, visible);
-        assert!(visible.len() <= 22, "too many commands to choose from");
+        assert!(visible.len() <= 23, "too many commands to choose from");
     }
 
     #[test]

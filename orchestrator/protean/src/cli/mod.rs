@@ -30,6 +30,7 @@ mod sweep;
 mod sweep_args;
 mod sweep_kind;
 mod sweep_output;
+mod test;
 mod tips;
 mod verify;
 
@@ -115,6 +116,9 @@ enum Command {
         after_long_help = sweep_args::HELP
     )]
     Sweep(sweep_args::SweepArgs),
+    /// Run missions as tests of what is expected of them
+    #[command(after_long_help = test::HELP)]
+    Test(test::TestArgs),
     /// Reproduce the published results of four papers, with verdicts
     #[command(after_long_help = lab::HELP)]
     Reproduce(lab::LabArgs),
@@ -257,6 +261,7 @@ fn command(kinds: &'static [Kind], cli: Cli) -> ExitCode {
         Command::Verify(args) => verify::run(kinds, &args),
         Command::Diff(args) => diff::run(kinds, &args),
         Command::Sweep(args) => sweep::sweep(kinds, &args),
+        Command::Test(args) => test::run(kinds, &args),
         Command::Reproduce(args) => lab::execute("reproduce", &args),
         Command::Plan(args) => plan::run(&args),
         Command::Latency(args) => latency::run(kinds, &args),
