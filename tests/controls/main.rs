@@ -1,4 +1,4 @@
-//! Protean with a planner that breaks determinism on demand: negative controls of the checks that promise it.
+//! Protean with a planner that breaks determinism on demand: negative controls of its checks.
 //!
 //! A check that has never failed proves nothing. `tests/determinism.rs` and `tools/determinism --control` run
 //! `mission.toml` with this program and expect the checks to fail, and to name the process.
