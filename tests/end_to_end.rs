@@ -15,6 +15,7 @@ mod chase;
 mod command_line;
 mod coverage;
 mod cpp_planner;
+mod determinism;
 mod diff;
 mod documentation;
 mod external;

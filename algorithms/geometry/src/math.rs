@@ -7,7 +7,9 @@
 
 use core::f64::consts::{PI, TAU};
 
-pub use libm::{acos, asin, atan, atan2, cos, exp, hypot, log as ln, pow, sin, sincos, tan, tanh};
+pub use libm::{
+    acos, asin, atan, atan2, cbrt, cos, exp, hypot, log as ln, pow, sin, sincos, tan, tanh,
+};
 pub use libm::{cosf, expf, logf as lnf, sincosf, sinf, tanhf};
 pub use libm::{erfc, lgamma as ln_gamma};
 

@@ -1,7 +1,7 @@
 //! The JSON Schema of a type, generated once.
 
 use std::any::TypeId;
-use std::collections::HashMap;
+use std::collections::BTreeMap;
 use std::sync::{Mutex, OnceLock, PoisonError};
 
 use schemars::JsonSchema;
@@ -10,7 +10,7 @@ use serde_json::Value;
 
 /// The schema of a type in one piece, without references.
 pub(crate) fn inline<P: JsonSchema + 'static>() -> &'static Value {
-    static MADE: OnceLock<Mutex<HashMap<TypeId, &'static Value>>> = OnceLock::new();
+    static MADE: OnceLock<Mutex<BTreeMap<TypeId, &'static Value>>> = OnceLock::new();
     let made = MADE.get_or_init(Mutex::default);
     // The map is complete whenever the lock is free: a schema enters it after its generation.
     let mut made = made.lock().unwrap_or_else(PoisonError::into_inner);

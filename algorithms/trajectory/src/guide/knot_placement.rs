@@ -65,7 +65,7 @@ pub fn breaks(guide: &Guide, headings: Headings, turning: f64, level: u32) -> Ve
         let (a, b) = (s, s + leg.length());
         // A spline rounds off the step of the curvature over d, which costs about d³ / 25 R².
         let little = LOSS * length * arc.radius * arc.radius * 25.0;
-        let d = (AROUND * arc.radius).min(little.cbrt());
+        let d = (AROUND * arc.radius).min(math::cbrt(little));
         if b - a <= 2.5 * d {
             at.extend([a - d, 0.5 * (a + b), b + d]);
         } else {
