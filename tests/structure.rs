@@ -65,7 +65,7 @@ const RULES: Rules = Rules {
         (&["processes/*"], &["kinds"]),
         (&["evader_rrt_star"], &["kinds", "published", "_core"]),
         // No kind of scenarios: a command.
-        (&["library_planner"], &["protean"]),
+        (&["library_planner"], &["mission", "protean"]),
         // Routes without a run.
         (
             &["coverage_planners", "patrol_planners"],
@@ -104,7 +104,7 @@ const KNOWN: &[(&str, &str)] = &[
     ),
     (
         "python/Cargo.toml",
-        "`_core` has 6599 lines without tests; at most 6000 are allowed",
+        "`_core` has 6408 lines without tests; at most 6000 are allowed",
     ),
 ];
 
