@@ -72,7 +72,7 @@ const RULES: Rules = Rules {
             &["kinds", "published", "python_algorithms"],
         ),
         // No kind of scenarios: a command.
-        (&["library_planner"], &["protean"]),
+        (&["library_planner"], &["mission", "protean"]),
         // Routes without a run.
         (
             &["coverage_planners", "patrol_planners"],

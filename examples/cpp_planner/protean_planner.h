@@ -2,7 +2,8 @@
  *
  * A planner in C99 or C++17: a shared library that exports the function protean_planner_table. A scenario names it with
  * command = ["protean", "planner", "LIBRARY.so"]. There is one planner per robot of the process; all calls come from
- * one thread, which alone may call the functions protean_NAME. Metres, seconds, radians. */
+ * one thread, which alone may call the functions protean_NAME. A library with `step` is a process that steers no robot, with
+ * topics of its own; declaration = "ask" in the scenario reads them from it. Metres, seconds, radians. */
 #ifndef PROTEAN_PLANNER_H
 #define PROTEAN_PLANNER_H
 
@@ -14,11 +15,13 @@
 extern "C" {
 #endif
 
-#define PROTEAN_PLANNER_VERSION 1u /* version of this interface */
+#define PROTEAN_PLANNER_VERSION 2u /* version of this interface */
 #define PROTEAN_NO_ROBOT 4294967295u /* no index of a robot */
 #define PROTEAN_BELIEFS 1u /* beliefs about the opponents */
 #define PROTEAN_SCANS 2u /* range scans of the own robot */
 #define PROTEAN_WAYS 4u /* shortest ways: protean_way */
+#define PROTEAN_LATER 1u /* the messages count in the next tick; readers do not wait for them */
+#define PROTEAN_SOLE 2u /* only one process of a run may write the topic */
 #define PROTEAN_OTHER 0u /* neither team-mate nor opponent */
 #define PROTEAN_TEAM 1u /* of the own team: the own robot, too */
 #define PROTEAN_OPPONENT 2u /* of a hostile team */
@@ -29,6 +32,12 @@ extern "C" {
 #define PROTEAN_ASSERT(name, condition) typedef char name[(condition) ? 1 : -1]
 #endif
 
+/* Field of a structure, with its type in the words of ROS 2: PROTEAN_FIELD(echo, range, "float64"). */
+#define PROTEAN_FIELD(STRUCTURE, NAME, KIND) \
+    {#NAME, KIND, (uint32_t)offsetof(STRUCTURE, NAME), (uint32_t)sizeof(((STRUCTURE *)0)->NAME)}
+/* Size and fields of a topic in protean_topic, from its structure and an array of its fields. */
+#define PROTEAN_ELEMENTS(STRUCTURE, FIELDS) sizeof(STRUCTURE), FIELDS, sizeof(FIELDS) / sizeof((FIELDS)[0])
+
 typedef struct protean_point protean_point;
 typedef struct protean_robot protean_robot;
 typedef struct protean_particle protean_particle;
@@ -37,6 +46,10 @@ typedef struct protean_scan protean_scan;
 typedef struct protean_tick protean_tick;
 typedef struct protean_steering protean_steering;
 typedef struct protean_start protean_start;
+typedef struct protean_field protean_field;
+typedef struct protean_topic protean_topic;
+typedef struct protean_message protean_message;
+typedef struct protean_messages protean_messages;
 typedef struct protean_tick_functions protean_tick_functions;
 typedef struct protean_start_functions protean_start_functions;
 typedef struct protean_planner protean_planner;
@@ -144,7 +157,7 @@ PROTEAN_ASSERT(protean_scan_at_range_count, offsetof(protean_scan, range_count) 
 struct protean_tick {
     double time; /* simulated time since the start of the run (s) */
     double dt; /* length of a tick (s) */
-    const protean_robot *own; /* robot to steer */
+    const protean_robot *own; /* robot to steer; NULL in a process */
     const protean_robot *robots; /* all robots in the order of their indices */
     size_t robot_count; /* number of robots */
     const protean_point *exits; /* centres of the exits (m) */
@@ -188,14 +201,14 @@ PROTEAN_ASSERT(protean_steering_at_target, offsetof(protean_steering, target) ==
 
 /* Facts at the start of the run; valid until the call that receives it returns. */
 struct protean_start {
-    const protean_robot *own; /* robot to steer, at its start */
+    const protean_robot *own; /* robot to steer, at its start; NULL in a process */
     const protean_robot *robots; /* all robots in the order of their indices */
     size_t robot_count; /* number of robots */
     const protean_point *exits; /* centres of the exits (m) */
     size_t exit_count; /* number of exits */
     double capture_radius; /* distance of a capture (m); 0 without captures */
     double dt; /* length of a tick (s) */
-    uint64_t seed; /* seed of the planner of this robot */
+    uint64_t seed; /* seed of the planner of this robot, or of the process */
     const protean_start_functions *functions; /* called by the functions protean_NAME */
     const void *context; /* private */
 };
@@ -211,6 +224,64 @@ PROTEAN_ASSERT(protean_start_at_seed, offsetof(protean_start, seed) == 56);
 PROTEAN_ASSERT(protean_start_at_functions, offsetof(protean_start, functions) == 64);
 PROTEAN_ASSERT(protean_start_at_context, offsetof(protean_start, context) == 72);
 
+/* Field of the elements of a topic: PROTEAN_FIELD. */
+struct protean_field {
+    const char *name; /* name, that of the member of the structure */
+    const char *kind; /* type in the words of ROS 2, as float64, or uint8 with the length in brackets */
+    uint32_t offset; /* offset in the structure (bytes) */
+    uint32_t size; /* size in the structure (bytes) */
+};
+PROTEAN_ASSERT(protean_field_size, sizeof(protean_field) == 24);
+PROTEAN_ASSERT(protean_field_at_name, offsetof(protean_field, name) == 0);
+PROTEAN_ASSERT(protean_field_at_kind, offsetof(protean_field, kind) == 8);
+PROTEAN_ASSERT(protean_field_at_offset, offsetof(protean_field, offset) == 16);
+PROTEAN_ASSERT(protean_field_at_size, offsetof(protean_field, size) == 20);
+
+/* Topic that a library reads or writes. To read one, name and size suffice. */
+struct protean_topic {
+    const char *name; /* name, as sonar/echo */
+    size_t size; /* size of the structure of an element (bytes): PROTEAN_ELEMENTS */
+    const protean_field *fields; /* fields of the structure; NULL for a topic that is read unchecked */
+    size_t field_count; /* number of fields */
+    size_t capacity; /* maximum number of elements of a message that is written */
+    const char *may_be_infinite; /* names of fields in which infinity is valid, or NULL */
+    const char *drawing; /* form in pictures by names of fields, as x=x y=y angle=angle; or NULL */
+    uint32_t flags; /* sum of PROTEAN_LATER and PROTEAN_SOLE, for a topic that is written */
+};
+PROTEAN_ASSERT(protean_topic_size, sizeof(protean_topic) == 64);
+PROTEAN_ASSERT(protean_topic_at_name, offsetof(protean_topic, name) == 0);
+PROTEAN_ASSERT(protean_topic_at_size, offsetof(protean_topic, size) == 8);
+PROTEAN_ASSERT(protean_topic_at_fields, offsetof(protean_topic, fields) == 16);
+PROTEAN_ASSERT(protean_topic_at_field_count, offsetof(protean_topic, field_count) == 24);
+PROTEAN_ASSERT(protean_topic_at_capacity, offsetof(protean_topic, capacity) == 32);
+PROTEAN_ASSERT(protean_topic_at_may_be_infinite, offsetof(protean_topic, may_be_infinite) == 40);
+PROTEAN_ASSERT(protean_topic_at_drawing, offsetof(protean_topic, drawing) == 48);
+PROTEAN_ASSERT(protean_topic_at_flags, offsetof(protean_topic, flags) == 56);
+
+/* Message of a topic that a library reads; valid as the tick. */
+struct protean_message {
+    const void *header; /* its header, as docs/reference/messages.md describes it */
+    const void *elements; /* array of the structures of its elements */
+    size_t count; /* number of elements */
+    uint64_t tick; /* tick in which it was sent */
+    uint32_t source; /* index of the process that sent it */
+};
+PROTEAN_ASSERT(protean_message_size, sizeof(protean_message) == 40);
+PROTEAN_ASSERT(protean_message_at_header, offsetof(protean_message, header) == 0);
+PROTEAN_ASSERT(protean_message_at_elements, offsetof(protean_message, elements) == 8);
+PROTEAN_ASSERT(protean_message_at_count, offsetof(protean_message, count) == 16);
+PROTEAN_ASSERT(protean_message_at_tick, offsetof(protean_message, tick) == 24);
+PROTEAN_ASSERT(protean_message_at_source, offsetof(protean_message, source) == 32);
+
+/* Messages of a topic in a tick, by tick and sender. */
+struct protean_messages {
+    const protean_message *all; /* the messages */
+    size_t count; /* number of messages */
+};
+PROTEAN_ASSERT(protean_messages_size, sizeof(protean_messages) == 16);
+PROTEAN_ASSERT(protean_messages_at_all, offsetof(protean_messages, all) == 0);
+PROTEAN_ASSERT(protean_messages_at_count, offsetof(protean_messages, count) == 8);
+
 /* Functions of a tick. */
 struct protean_tick_functions {
     double (*clearance)(const protean_tick *tick, protean_point at);
@@ -221,10 +292,12 @@ struct protean_tick_functions {
     void (*go_to)(const protean_tick *tick, protean_point target, protean_steering *steering);
     protean_point (*direction)(const protean_tick *tick, double angle);
     double (*angle)(const protean_tick *tick, protean_point vector);
+    protean_messages (*read)(const protean_tick *tick, const char *topic);
+    void (*write)(const protean_tick *tick, const char *topic, const void *elements, size_t count);
     double (*random)(const protean_tick *tick);
     void (*fail)(const protean_tick *tick, const char *text);
 };
-PROTEAN_ASSERT(protean_tick_functions_size, sizeof(protean_tick_functions) == 80);
+PROTEAN_ASSERT(protean_tick_functions_size, sizeof(protean_tick_functions) == 96);
 PROTEAN_ASSERT(protean_tick_functions_at_clearance, offsetof(protean_tick_functions, clearance) == 0);
 PROTEAN_ASSERT(protean_tick_functions_at_free_run, offsetof(protean_tick_functions, free_run) == 8);
 PROTEAN_ASSERT(protean_tick_functions_at_line_is_clear, offsetof(protean_tick_functions, line_is_clear) == 16);
@@ -233,8 +306,10 @@ PROTEAN_ASSERT(protean_tick_functions_at_way, offsetof(protean_tick_functions, w
 PROTEAN_ASSERT(protean_tick_functions_at_go_to, offsetof(protean_tick_functions, go_to) == 40);
 PROTEAN_ASSERT(protean_tick_functions_at_direction, offsetof(protean_tick_functions, direction) == 48);
 PROTEAN_ASSERT(protean_tick_functions_at_angle, offsetof(protean_tick_functions, angle) == 56);
-PROTEAN_ASSERT(protean_tick_functions_at_random, offsetof(protean_tick_functions, random) == 64);
-PROTEAN_ASSERT(protean_tick_functions_at_fail, offsetof(protean_tick_functions, fail) == 72);
+PROTEAN_ASSERT(protean_tick_functions_at_read, offsetof(protean_tick_functions, read) == 64);
+PROTEAN_ASSERT(protean_tick_functions_at_write, offsetof(protean_tick_functions, write) == 72);
+PROTEAN_ASSERT(protean_tick_functions_at_random, offsetof(protean_tick_functions, random) == 80);
+PROTEAN_ASSERT(protean_tick_functions_at_fail, offsetof(protean_tick_functions, fail) == 88);
 
 /* Functions of the start. */
 struct protean_start_functions {
@@ -247,20 +322,30 @@ PROTEAN_ASSERT(protean_start_functions_at_number, offsetof(protean_start_functio
 PROTEAN_ASSERT(protean_start_functions_at_params, offsetof(protean_start_functions, params) == 8);
 PROTEAN_ASSERT(protean_start_functions_at_refuse, offsetof(protean_start_functions, refuse) == 16);
 
-/* Functions of a library. None of them may throw. */
+/* Functions and topics of a library. It steers robots by `steer`, or it is a process with topics of its own by `step`; the other one is NULL. No function may throw. */
 struct protean_planner {
     uint32_t version; /* PROTEAN_PLANNER_VERSION */
-    uint32_t inputs; /* sum of PROTEAN_BELIEFS, PROTEAN_SCANS and PROTEAN_WAYS */
-    void *(*create)(const protean_start *); /* returns the planner of a robot; NULL after protean_refuse */
+    uint32_t inputs; /* sum of PROTEAN_BELIEFS, PROTEAN_SCANS and PROTEAN_WAYS; 0 in a process */
+    void *(*create)(const protean_start *); /* returns the planner of a robot, or the process; NULL after protean_refuse */
     void (*steer)(void *, const protean_tick *, protean_steering *); /* steers the robot in a tick */
-    void (*destroy)(void *); /* frees the planner */
+    void (*destroy)(void *); /* frees what create has returned */
+    void (*step)(void *, const protean_tick *); /* reads and writes the messages of a tick */
+    const protean_topic *reads; /* topics that it reads */
+    size_t read_count; /* number of them */
+    const protean_topic *writes; /* topics that a process writes */
+    size_t write_count; /* number of them */
 };
-PROTEAN_ASSERT(protean_planner_size, sizeof(protean_planner) == 32);
+PROTEAN_ASSERT(protean_planner_size, sizeof(protean_planner) == 72);
 PROTEAN_ASSERT(protean_planner_at_version, offsetof(protean_planner, version) == 0);
 PROTEAN_ASSERT(protean_planner_at_inputs, offsetof(protean_planner, inputs) == 4);
 PROTEAN_ASSERT(protean_planner_at_create, offsetof(protean_planner, create) == 8);
 PROTEAN_ASSERT(protean_planner_at_steer, offsetof(protean_planner, steer) == 16);
 PROTEAN_ASSERT(protean_planner_at_destroy, offsetof(protean_planner, destroy) == 24);
+PROTEAN_ASSERT(protean_planner_at_step, offsetof(protean_planner, step) == 32);
+PROTEAN_ASSERT(protean_planner_at_reads, offsetof(protean_planner, reads) == 40);
+PROTEAN_ASSERT(protean_planner_at_read_count, offsetof(protean_planner, read_count) == 48);
+PROTEAN_ASSERT(protean_planner_at_writes, offsetof(protean_planner, writes) == 56);
+PROTEAN_ASSERT(protean_planner_at_write_count, offsetof(protean_planner, write_count) == 64);
 
 /* Distance from a point to the nearest obstacle (m); at most 0 inside one and outside the map. */
 static inline double protean_clearance(const protean_tick *tick, protean_point at) {
@@ -305,6 +390,18 @@ static inline double protean_angle(const protean_tick *tick, protean_point vecto
     return tick->functions->angle(tick, vector);
 }
 
+/* Messages of a topic in `reads`: those of this tick, and of the tick before if the sender
+ * writes it with PROTEAN_LATER. Another name ends the run. */
+static inline protean_messages protean_read(const protean_tick *tick, const char *topic) {
+    return tick->functions->read(tick, topic);
+}
+
+/* Writes the message of this tick to a topic in `writes` of a process: an array of its
+ * structures, which is copied. Without a call there is none. */
+static inline void protean_write(const protean_tick *tick, const char *topic, const void *elements, size_t count) {
+    tick->functions->write(tick, topic, elements, count);
+}
+
 /* Random number in [0, 1), from the stream of this planner. */
 static inline double protean_random(const protean_tick *tick) {
     return tick->functions->random(tick);
@@ -331,18 +428,20 @@ static inline void protean_refuse(const protean_start *start, const char *text) 
     start->functions->refuse(start, text);
 }
 
-/* Returns the functions of the library, which stay valid. */
+/* Returns the functions and topics of the library, which stay valid and never change. */
 const protean_planner *protean_planner_table(void);
 
 #ifdef __cplusplus
 } /* extern "C" */
 
+#include <cstddef>
 #include <exception>
 
 namespace protean {
 
 /* Functions of a class with the constructor Planner(const protean_start &) and the method
- * void steer(const protean_tick &, protean_steering &). An exception ends the run with its text. */
+ * void steer(const protean_tick &, protean_steering &), or of a process with the method
+ * void step(const protean_tick &). An exception ends the run with its text. */
 template <class Planner>
 struct Exported {
     static void *create(const protean_start *start) noexcept {
@@ -366,8 +465,22 @@ struct Exported {
         }
     }
 
+    static void step(void *process, const protean_tick *tick) noexcept {
+        try {
+            static_cast<Planner *>(process)->step(*tick);
+        } catch (const std::exception &error) {
+            protean_fail(tick, error.what());
+        } catch (...) {
+            protean_fail(tick, "unknown exception");
+        }
+    }
+
     static void destroy(void *planner) noexcept { delete static_cast<Planner *>(planner); }
 };
+
+template <std::size_t N>
+constexpr std::size_t count(const protean_topic (&)[N]) { return N; }
+constexpr std::size_t count(std::nullptr_t) { return 0; }
 
 } // namespace protean
 
@@ -376,7 +489,18 @@ struct Exported {
     const protean_planner *protean_planner_table(void) {                                       \
         using Exported = protean::Exported<PLANNER>;                                           \
         static const protean_planner table = {PROTEAN_PLANNER_VERSION, INPUTS, Exported::create, \
-                                              Exported::steer, Exported::destroy};             \
+                                              Exported::steer, Exported::destroy, nullptr,     \
+                                              nullptr, 0, nullptr, 0};                         \
+        return &table;                                                                         \
+    }
+
+/* Exports a class as a process that reads and writes these arrays of topics, or nullptr for none. */
+#define PROTEAN_PROCESS(PROCESS, READS, WRITES)                                                \
+    const protean_planner *protean_planner_table(void) {                                       \
+        using Exported = protean::Exported<PROCESS>;                                           \
+        static const protean_planner table = {                                                 \
+            PROTEAN_PLANNER_VERSION, 0, Exported::create, nullptr, Exported::destroy,          \
+            Exported::step, READS, protean::count(READS), WRITES, protean::count(WRITES)};     \
         return &table;                                                                         \
     }
 #endif

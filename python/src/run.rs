@@ -7,7 +7,7 @@ use std::sync::{Arc, LazyLock};
 
 use kinds::KINDS;
 use mission::in_process::{self, Cache, InProcessOptions, placement};
-use planner::PlannerProcess;
+use planner::{PlannerProcess, TopicProcess};
 use pyo3::prelude::*;
 use scenario::kind::ConfiguredKind;
 use scenario::{Declared, Loader, Program, ResolvedScenario};
@@ -168,7 +168,7 @@ pub fn kinds_of(
             let function = Arc::clone(&planned.function.0);
             let params = PythonParams::new(process.program.params(), function);
             let kind = if planned.is_process() {
-                ConfiguredKind::new::<OwnTopics>(params)
+                ConfiguredKind::new::<TopicProcess<OwnTopics>>(params)
             } else {
                 ConfiguredKind::new::<PlannerProcess<PythonPlanner>>(params)
             };

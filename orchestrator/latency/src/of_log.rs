@@ -139,13 +139,13 @@ impl Reading {
     }
 
     fn channel(&mut self, log: &Path, channel: &Rc<Channel>) -> Result<(), LogReadError> {
-        if TopicId::from_name(&channel.topic).is_none() {
+        // A topic that a program has declared becomes known by its layout in the log.
+        if let Some(topic) = known::topic_of(channel) {
+            self.channels.insert(channel.id, topic);
+        } else if TopicId::from_name(&channel.topic).is_none() {
             return Ok(());
         }
         self.origin.check_layout(log, channel)?;
-        if let Some(topic) = known::topic_of(channel) {
-            self.channels.insert(channel.id, topic);
-        }
         self.topics.insert(channel.id, channel.topic.clone());
         Ok(())
     }

@@ -23,7 +23,16 @@ use super::output_lines::{OutputLine, OutputLines};
 const KILL_TIMEOUT: Duration = Duration::from_secs(5);
 
 /// Word of a command that stands for the running program, whatever `PATH` holds: `command = ["protean", "planner", …]`.
-const OWN_NAME: &str = "protean";
+pub(crate) const OWN_NAME: &str = "protean";
+
+/// Returns the path of the program that the first word of a command means.
+pub(crate) fn program_file(word: &str) -> &str {
+    if word == OWN_NAME {
+        program::THIS
+    } else {
+        word
+    }
+}
 
 /// Error of starting or observing a process.
 #[derive(Debug, thiserror::Error)]
@@ -107,11 +116,12 @@ impl RunningProcess {
             Executable::Command { words, folder } => {
                 orphans::become_subreaper().map_err(failed("cannot be observed"))?;
                 let arguments: Vec<&OsStr> = words.iter().map(OsStr::new).collect();
-                let file = match words.first().map(String::as_str) {
-                    Some(OWN_NAME) => program::THIS,
-                    word => word.unwrap_or_default(),
-                };
-                (OsStr::new(file), arguments, Some(OsStr::new(folder)))
+                let word = words.first().map_or("", String::as_str);
+                (
+                    OsStr::new(program_file(word)),
+                    arguments,
+                    Some(OsStr::new(folder)),
+                )
             }
         };
         let program = Program {

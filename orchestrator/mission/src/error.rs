@@ -3,6 +3,7 @@
 use std::time::Duration;
 
 use ipc_types::bus::{BusError, ReceiveError, SendError};
+use library_planner::LibraryError;
 use mcap_log::LogWriteError;
 use runtime::ProcessError;
 use runtime::lockstep::BarrierError;
@@ -141,6 +142,14 @@ pub enum InProcessError {
     External {
         /// Name of the process.
         name: String,
+    },
+    /// The library of a process cannot be loaded.
+    #[error("process {name}: {source}")]
+    Library {
+        /// Name of the process.
+        name: String,
+        /// Fault of the file.
+        source: LibraryError,
     },
     /// The plan does not begin with the simulator.
     #[error("the run has no simulator")]

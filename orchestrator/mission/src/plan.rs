@@ -41,7 +41,7 @@ pub enum PlanError {
     Shape(#[from] geometry::shape::ShapeError),
     /// An external program has not been asked for its declaration.
     #[error(
-        "process {0}: its declaration is not known: expected a command that asks for it, as `protean run`"
+        "process {0}: its declaration is not known: expected a command that asks for it, as `protean run`, or --allow-external"
     )]
     NotAsked(String),
     /// An obstacle event does not fit its message.

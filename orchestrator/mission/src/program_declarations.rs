@@ -6,11 +6,11 @@ use std::sync::mpsc;
 use std::time::Duration;
 
 use config::{Node, write_value};
-
+use runtime::config::DECLARE_VARIABLE;
 use scenario::{ProcessSpec, Program, ResolvedScenario};
 
-/// Environment variable of a program that shall print its declaration as JSON and end.
-pub const DECLARE_VARIABLE: &str = "PROTEAN_DECLARE";
+use crate::child_process;
+
 /// Maximum time for the answer.
 const PATIENCE: Duration = Duration::from_secs(60);
 /// Maximum length of an answer (bytes).
@@ -40,7 +40,7 @@ fn ask_one(process: &ProcessSpec) -> Result<String, String> {
     let [file, arguments @ ..] = words.as_slice() else {
         return Err(failed("its command is empty".to_owned()));
     };
-    let started = Command::new(file)
+    let started = Command::new(child_process::program_file(file))
         .args(arguments)
         .current_dir(folder)
         .env(DECLARE_VARIABLE, "1")
@@ -55,7 +55,7 @@ fn ask_one(process: &ProcessSpec) -> Result<String, String> {
     let answer = answer.map_err(&failed)?;
     let value: serde_json::Value = serde_json::from_str(answer.trim()).map_err(|error| {
         failed(format!(
-            "its answer is no JSON ({error}); it ends with pr.serve in Python"
+            "its answer is no JSON ({error}); a program in Python ends with pr.serve"
         ))
     })?;
     let node = Node::from_json(&value).ok_or_else(|| failed("its answer is null".to_owned()))?;

@@ -172,6 +172,7 @@ fn run_again(
             last_tick: Some(last_tick),
             show: !watch.quiet,
             interrupted,
+            libraries: true,
             ..InProcessOptions::default()
         };
         in_process::run(scenario, &options)

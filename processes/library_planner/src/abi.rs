@@ -8,7 +8,7 @@ use nalgebra::{Point2, Vector2};
 use crate::c_types::{c_functions, c_structures};
 
 /// Version of the interface. A changed structure or function needs another one.
-pub const VERSION: u32 = 1;
+pub const VERSION: u32 = 2;
 
 /// Number that stands for no robot.
 pub const NO_ROBOT: u32 = u32::MAX;
@@ -19,6 +19,25 @@ pub const BELIEFS: u32 = 1;
 pub const SCANS: u32 = 2;
 /// Bit of [`PlannerTable::inputs`]: exact shapes of the map, for shortest ways.
 pub const WAYS: u32 = 4;
+
+/// Bit of [`Topic::flags`]: messages count in the next tick.
+pub const LATER: u32 = 1;
+/// Bit of [`Topic::flags`]: one writer.
+pub const SOLE: u32 = 2;
+
+/// Flags by their names in the header and their bits.
+pub(crate) const FLAGS: [(&str, u32, &str); 2] = [
+    (
+        "PROTEAN_LATER",
+        LATER,
+        "the messages count in the next tick; readers do not wait for them",
+    ),
+    (
+        "PROTEAN_SOLE",
+        SOLE,
+        "only one process of a run may write the topic",
+    ),
+];
 
 /// Inputs by their names in the header and their bits.
 pub(crate) const INPUTS: [(&str, u32, &str); 3] = [
@@ -96,7 +115,7 @@ c_structures! {
     pub struct Tick = "protean_tick" {
         time: f64 = "simulated time since the start of the run (s)",
         dt: f64 = "length of a tick (s)",
-        own: *const Robot = "robot to steer",
+        own: *const Robot = "robot to steer; NULL in a process",
         robots: *const Robot = "all robots in the order of their indices",
         robot_count: usize = "number of robots",
         exits: *const Point = "centres of the exits (m)",
@@ -120,27 +139,69 @@ c_structures! {
 
     /// Facts at the start of the run; valid until the call that receives it returns.
     pub struct Start = "protean_start" {
-        own: *const Robot = "robot to steer, at its start",
+        own: *const Robot = "robot to steer, at its start; NULL in a process",
         robots: *const Robot = "all robots in the order of their indices",
         robot_count: usize = "number of robots",
         exits: *const Point = "centres of the exits (m)",
         exit_count: usize = "number of exits",
         capture_radius: f64 = "distance of a capture (m); 0 without captures",
         dt: f64 = "length of a tick (s)",
-        seed: u64 = "seed of the planner of this robot",
+        seed: u64 = "seed of the planner of this robot, or of the process",
         functions: *const StartFunctions = "called by the functions protean_NAME",
         context: *const c_void = "private",
     }
 
-    /// Functions of a library. None of them may throw.
+    /// Field of the elements of a topic: PROTEAN_FIELD.
+    pub struct Field = "protean_field" {
+        name: *const c_char = "name, that of the member of the structure",
+        kind: *const c_char = "type in the words of ROS 2, as float64, or uint8 with the length in brackets",
+        offset: u32 = "offset in the structure (bytes)",
+        size: u32 = "size in the structure (bytes)",
+    }
+
+    /// Topic that a library reads or writes. To read one, name and size suffice.
+    pub struct Topic = "protean_topic" {
+        name: *const c_char = "name, as sonar/echo",
+        size: usize = "size of the structure of an element (bytes): PROTEAN_ELEMENTS",
+        fields: *const Field = "fields of the structure; NULL for a topic that is read unchecked",
+        field_count: usize = "number of fields",
+        capacity: usize = "maximum number of elements of a message that is written",
+        may_be_infinite: *const c_char = "names of fields in which infinity is valid, or NULL",
+        drawing: *const c_char = "form in pictures by names of fields, as x=x y=y angle=angle; or NULL",
+        flags: u32 = "sum of PROTEAN_LATER and PROTEAN_SOLE, for a topic that is written",
+    }
+
+    /// Message of a topic that a library reads; valid as the tick.
+    pub struct Message = "protean_message" {
+        header: *const c_void = "its header, as docs/reference/messages.md describes it",
+        elements: *const c_void = "array of the structures of its elements",
+        count: usize = "number of elements",
+        tick: u64 = "tick in which it was sent",
+        source: u32 = "index of the process that sent it",
+    }
+
+    /// Messages of a topic in a tick, by tick and sender.
+    pub struct Messages = "protean_messages" {
+        all: *const Message = "the messages",
+        count: usize = "number of messages",
+    }
+
+    /// Functions and topics of a library. It steers robots by `steer`, or it is a process with topics of its own by
+    /// `step`; the other one is NULL. No function may throw.
     pub struct PlannerTable = "protean_planner" {
         version: u32 = "PROTEAN_PLANNER_VERSION",
-        inputs: u32 = "sum of PROTEAN_BELIEFS, PROTEAN_SCANS and PROTEAN_WAYS",
+        inputs: u32 = "sum of PROTEAN_BELIEFS, PROTEAN_SCANS and PROTEAN_WAYS; 0 in a process",
         create: Option<unsafe extern "C" fn(*const Start) -> *mut c_void> =
-            "returns the planner of a robot; NULL after protean_refuse",
+            "returns the planner of a robot, or the process; NULL after protean_refuse",
         steer: Option<unsafe extern "C" fn(*mut c_void, *const Tick, *mut Steering) -> ()> =
             "steers the robot in a tick",
-        destroy: Option<unsafe extern "C" fn(*mut c_void) -> ()> = "frees the planner",
+        destroy: Option<unsafe extern "C" fn(*mut c_void) -> ()> = "frees what create has returned",
+        step: Option<unsafe extern "C" fn(*mut c_void, *const Tick) -> ()> =
+            "reads and writes the messages of a tick",
+        reads: *const Topic = "topics that it reads",
+        read_count: usize = "number of them",
+        writes: *const Topic = "topics that a process writes",
+        write_count: usize = "number of them",
     }
 }
 
@@ -166,6 +227,12 @@ c_functions! {
         fn direction(angle: f64) -> Point;
         /// Angle of a vector (rad), in (-pi, pi]: atan2, with the same bits on every machine.
         fn angle(vector: Point) -> f64;
+        /// Messages of a topic in `reads`: those of this tick, and of the tick before if the sender writes it
+        /// with PROTEAN_LATER. Another name ends the run.
+        fn read(topic: *const c_char) -> Messages;
+        /// Writes the message of this tick to a topic in `writes` of a process: an array of its structures, which is
+        /// copied. Without a call there is none.
+        fn write(topic: *const c_char, elements: *const c_void, count: usize) -> ();
         /// Random number in [0, 1), from the stream of this planner.
         fn random() -> f64;
         /// Ends the run with this text after the call.

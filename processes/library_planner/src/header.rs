@@ -3,8 +3,8 @@
 use core::fmt::Write as _;
 
 use crate::abi::{
-    Belief, INPUTS, Particle, PlannerTable, Point, Robot, SIDES, Scan, Start, StartFunctions,
-    Steering, Tick, TickFunctions, VERSION,
+    Belief, FLAGS, Field, INPUTS, Message, Messages, Particle, PlannerTable, Point, Robot, SIDES,
+    Scan, Start, StartFunctions, Steering, Tick, TickFunctions, Topic, VERSION,
 };
 use crate::c_structure::ASSERT;
 use crate::c_types::{CFunctions, CStructure as _};
@@ -26,13 +26,13 @@ pub fn planner() -> String {
         crate::abi::NO_ROBOT,
         "no index of a robot",
     );
-    for (name, bit, doc) in INPUTS {
+    for (name, bit, doc) in INPUTS.into_iter().chain(FLAGS) {
         define(name, bit, doc);
     }
     for (name, code, doc) in SIDES {
         define(name, u32::from(code), doc);
     }
-    text += &format!("\n{ASSERT}\n");
+    text += &format!("\n{ASSERT}\n{TOPICS}");
     let structures = [
         Point::structure(),
         Robot::structure(),
@@ -42,6 +42,10 @@ pub fn planner() -> String {
         Tick::structure(),
         Steering::structure(),
         Start::structure(),
+        Field::structure(),
+        Topic::structure(),
+        Message::structure(),
+        Messages::structure(),
         TickFunctions::structure(),
         StartFunctions::structure(),
         PlannerTable::structure(),
@@ -69,7 +73,8 @@ const HEAD: &str = "\
  *
  * A planner in C99 or C++17: a shared library that exports the function protean_planner_table. A scenario names it with
  * command = [\"protean\", \"planner\", \"LIBRARY.so\"]. There is one planner per robot of the process; all calls come from
- * one thread, which alone may call the functions protean_NAME. Metres, seconds, radians. */
+ * one thread, which alone may call the functions protean_NAME. A library with `step` is a process that steers no robot, with
+ * topics of its own; declaration = \"ask\" in the scenario reads them from it. Metres, seconds, radians. */
 #ifndef PROTEAN_PLANNER_H
 #define PROTEAN_PLANNER_H
 
@@ -83,19 +88,31 @@ extern \"C\" {
 
 ";
 
+/// Macros of topics.
+const TOPICS: &str = "\
+/* Field of a structure, with its type in the words of ROS 2: PROTEAN_FIELD(echo, range, \"float64\"). */
+#define PROTEAN_FIELD(STRUCTURE, NAME, KIND) \\
+    {#NAME, KIND, (uint32_t)offsetof(STRUCTURE, NAME), (uint32_t)sizeof(((STRUCTURE *)0)->NAME)}
+/* Size and fields of a topic in protean_topic, from its structure and an array of its fields. */
+#define PROTEAN_ELEMENTS(STRUCTURE, FIELDS) sizeof(STRUCTURE), FIELDS, sizeof(FIELDS) / sizeof((FIELDS)[0])
+
+";
+
 const TAIL: &str = "\
-/* Returns the functions of the library, which stay valid. */
+/* Returns the functions and topics of the library, which stay valid and never change. */
 const protean_planner *protean_planner_table(void);
 
 #ifdef __cplusplus
 } /* extern \"C\" */
 
+#include <cstddef>
 #include <exception>
 
 namespace protean {
 
 /* Functions of a class with the constructor Planner(const protean_start &) and the method
- * void steer(const protean_tick &, protean_steering &). An exception ends the run with its text. */
+ * void steer(const protean_tick &, protean_steering &), or of a process with the method
+ * void step(const protean_tick &). An exception ends the run with its text. */
 template <class Planner>
 struct Exported {
     static void *create(const protean_start *start) noexcept {
@@ -119,8 +136,22 @@ struct Exported {
         }
     }
 
+    static void step(void *process, const protean_tick *tick) noexcept {
+        try {
+            static_cast<Planner *>(process)->step(*tick);
+        } catch (const std::exception &error) {
+            protean_fail(tick, error.what());
+        } catch (...) {
+            protean_fail(tick, \"unknown exception\");
+        }
+    }
+
     static void destroy(void *planner) noexcept { delete static_cast<Planner *>(planner); }
 };
+
+template <std::size_t N>
+constexpr std::size_t count(const protean_topic (&)[N]) { return N; }
+constexpr std::size_t count(std::nullptr_t) { return 0; }
 
 } // namespace protean
 
@@ -129,7 +160,18 @@ struct Exported {
     const protean_planner *protean_planner_table(void) {                                       \\
         using Exported = protean::Exported<PLANNER>;                                           \\
         static const protean_planner table = {PROTEAN_PLANNER_VERSION, INPUTS, Exported::create, \\
-                                              Exported::steer, Exported::destroy};             \\
+                                              Exported::steer, Exported::destroy, nullptr,     \\
+                                              nullptr, 0, nullptr, 0};                         \\
+        return &table;                                                                         \\
+    }
+
+/* Exports a class as a process that reads and writes these arrays of topics, or nullptr for none. */
+#define PROTEAN_PROCESS(PROCESS, READS, WRITES)                                                \\
+    const protean_planner *protean_planner_table(void) {                                       \\
+        using Exported = protean::Exported<PROCESS>;                                           \\
+        static const protean_planner table = {                                                 \\
+            PROTEAN_PLANNER_VERSION, 0, Exported::create, nullptr, Exported::destroy,          \\
+            Exported::step, READS, protean::count(READS), WRITES, protean::count(WRITES)};     \\
         return &table;                                                                         \\
     }
 #endif

@@ -1,12 +1,13 @@
-//! Planners in C and C++: shared libraries that `protean planner LIBRARY` loads as processes of a run.
+//! Planners and processes in C and C++: shared libraries that `protean planner LIBRARY` loads as processes of a run.
 //!
 //! - `abi`: the interface, declared once in Rust; `c_types`: the declaration of C types; `c_structure`: their text;
 //! - [`header`]: the interface as the header `protean_planner.h`;
 //! - `library`: a loaded library, checked;
 //! - `start_functions`, `tick_functions`: the functions that a library calls;
-//! - `robots`: the robots of a run in C;
-//! - `process`: the planner of one robot as a [`planner::Planner`];
-//! - [`run`]: the main function.
+//! - `robots`: the robots of a run in C; `topics`, `records`: its topics and their messages;
+//! - [`LibraryPlanner`]: the planner of one robot as a [`planner::Planner`];
+//! - [`LibraryProgram`]: a process with topics of its own as a [`planner::TopicProgram`];
+//! - [`run`]: the main function; [`LibraryParams`]: the parameters.
 //!
 //! A library is trusted as code of this process: what it returns is checked, but it can break the process. The
 //! orchestrator then acts as for any process that ends.
@@ -15,15 +16,23 @@
 mod abi;
 mod c_structure;
 mod c_types;
+mod entry;
 pub mod header;
 mod library;
+mod params;
 mod process;
+mod records;
 mod robots;
 mod start_functions;
 mod tick_functions;
+mod topic_process;
+mod topics;
 
+pub use entry::run;
 pub use library::{Library, LibraryError};
-pub use process::run;
+pub use params::LibraryParams;
+pub use process::LibraryPlanner;
+pub use topic_process::LibraryProgram;
 
 #[cfg(test)]
 mod tests;

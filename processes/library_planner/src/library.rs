@@ -3,7 +3,10 @@
 use core::ffi::c_void;
 use std::path::{Path, PathBuf};
 
+use runtime::declaration::WrittenDeclaration;
+
 use crate::abi::{BELIEFS, INPUTS, PlannerTable, SCANS, Start, Steering, Tick, VERSION, WAYS};
+use crate::topics;
 
 /// The function that a library exports.
 const SYMBOL: &str = "protean_planner_table";
@@ -47,7 +50,7 @@ pub enum LibraryError {
         /// The file.
         path: PathBuf,
         /// Part of the table, and what is expected.
-        what: &'static str,
+        what: String,
     },
 }
 
@@ -56,6 +59,13 @@ pub enum LibraryError {
 pub struct Library {
     pub(crate) table: &'static PlannerTable,
 }
+
+// SAFETY: neither a library nor this program changes a table and its topics, as the header demands; they stay in memory.
+#[expect(unsafe_code, reason = "a table has addresses of arrays")]
+unsafe impl Sync for Library {}
+// SAFETY: as for `Sync`; its functions are called by the thread that has created what they get.
+#[expect(unsafe_code, reason = "a table has addresses of arrays")]
+unsafe impl Send for Library {}
 
 /// Libraries are the same if their tables are at the same address.
 impl PartialEq for Library {
@@ -100,9 +110,9 @@ impl Library {
         };
         // The code behind the table must stay.
         std::mem::forget(loaded);
-        let fault = |what| LibraryError::Table {
+        let fault = |what: &str| LibraryError::Table {
             path: path.to_owned(),
-            what,
+            what: what.to_owned(),
         };
         if table.is_null() || !table.is_aligned() {
             return Err(fault(
@@ -119,9 +129,11 @@ impl Library {
         }
         // SAFETY: a table of this version has this layout, which the header asserts, and never changes.
         let table = unsafe { &*table };
-        if table.create.is_none() || table.steer.is_none() || table.destroy.is_none() {
+        let is_process = table.step.is_some();
+        if table.create.is_none() || table.destroy.is_none() || is_process == table.steer.is_some()
+        {
             return Err(fault(
-                "a function of the table is NULL; expected create, steer and destroy",
+                "expected create, destroy, and either steer or step; the others of the table are NULL",
             ));
         }
         if table.inputs & !(BELIEFS | SCANS | WAYS) != 0 {
@@ -129,18 +141,54 @@ impl Library {
                 "unknown inputs; expected a sum of PROTEAN_BELIEFS, PROTEAN_SCANS and PROTEAN_WAYS",
             ));
         }
-        Ok(Self { table })
+        let library = Self { table };
+        if is_process {
+            if table.inputs != 0 {
+                return Err(fault(
+                    "inputs of a process: expected 0; it names its topics in reads",
+                ));
+            }
+            library.declaration().map_err(|what| fault(&what))?;
+        } else {
+            if table.write_count != 0 {
+                return Err(fault("writes of a planner: expected none, or step"));
+            }
+            library.reads().map_err(|what| fault(&what))?;
+        }
+        Ok(library)
     }
 
-    /// Returns `true` if it reads these inputs.
-    pub(crate) fn reads(self, input: u32) -> bool {
+    /// Returns `true` if it is a process with topics of its own, not a planner.
+    pub fn is_process(self) -> bool {
+        self.table.step.is_some()
+    }
+
+    /// Returns the topics that a process reads and writes.
+    ///
+    /// # Errors
+    /// A text that names the topic; [`Self::load`] has checked it.
+    pub fn declaration(self) -> Result<WrittenDeclaration, String> {
+        topics::declaration(self.table)
+    }
+
+    /// Returns the names of the topics that it reads.
+    ///
+    /// # Errors
+    /// As [`Self::declaration`].
+    pub(crate) fn reads(self) -> Result<Vec<String>, String> {
+        topics::reads(self.table)
+    }
+
+    /// Returns `true` if it uses these inputs.
+    pub(crate) fn uses(self, input: u32) -> bool {
         self.table.inputs & input != 0
     }
 
     /// Returns its inputs beside state and map in words.
     pub(crate) fn inputs(self) -> String {
-        let read = INPUTS.iter().filter(|(_, bit, _)| self.reads(*bit));
-        let names: Vec<&str> = read.map(|(name, ..)| *name).collect();
+        let used = INPUTS.iter().filter(|(_, bit, _)| self.uses(*bit));
+        let mut names: Vec<String> = used.map(|(name, ..)| (*name).to_owned()).collect();
+        names.extend(self.reads().unwrap_or_default());
         if names.is_empty() {
             return "no further inputs".to_owned();
         }
@@ -165,6 +213,14 @@ impl Library {
         if let Some(steer) = self.table.steer {
             // SAFETY: as in `create`; every planner is used by one thread and destroyed once, at its end.
             unsafe { steer(planner, tick, out) }
+        }
+    }
+
+    /// Steps a process that [`Self::create`] has returned.
+    pub(crate) fn step(self, process: *mut c_void, tick: &Tick) {
+        if let Some(step) = self.table.step {
+            // SAFETY: as in `steer`.
+            unsafe { step(process, tick) }
         }
     }
 

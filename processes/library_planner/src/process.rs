@@ -1,93 +1,41 @@
-//! The planner of one robot in a library, as a [`Planner`], and the process of such planners.
+//! The planner of one robot in a library, as a [`Planner`], and the calls of a library.
 
 use core::ffi::c_void;
 use std::cell::RefCell;
-use std::path::Path;
-use std::process::ExitCode;
 
 use geometry::pose::Twist2;
 use geometry::region::Region;
 use ipc_types::bus::Bus;
-use parameters::Parameters;
 use planner::{
-    Declaration, Input, Limits, Planner, PlannerError, PlannerMap, PlannerProcess, RobotInfo,
-    Steering, View, limits,
+    Declaration, Input, Limits, Planner, PlannerError, PlannerMap, RawOutput, RobotInfo, Steering,
+    View, limits, planner_reads,
 };
 use rand_chacha::ChaCha8Rng;
-use runtime::config::{CONFIG_VARIABLE, ProcessConfig};
+use runtime::config::ProcessConfig;
 use runtime::error::ProcessError;
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
-use serde_json::{Map, Value as Json};
+use runtime::raw_inputs::RawInputs;
 
 use crate::abi::{
     self, BELIEFS, Belief, NO_ROBOT, Particle, Point, SCANS, Scan, Start, Tick, WAYS,
 };
 use crate::library::Library;
+use crate::params::LibraryParams;
+use crate::records::Records;
 use crate::robots::Robots;
 use crate::start_functions::StartContext;
-use crate::tick_functions::TickContext;
-use crate::{start_functions, tick_functions};
-
-/// Exit code of a library that no run has started.
-const EXIT_WITHOUT_RUN: u8 = 2;
-
-/// Main function of a process whose planner is in a library: `command = ["protean", "planner", "LIBRARY"]`.
-///
-/// Without a run it checks the library and says how to use it, with exit code 2.
-pub fn run(path: &Path) -> ExitCode {
-    let library = match Library::load(path) {
-        Ok(library) => library,
-        Err(error) => {
-            eprintln!("error: {error}");
-            return ExitCode::FAILURE;
-        }
-    };
-    let Some(config) = std::env::var_os(CONFIG_VARIABLE) else {
-        eprintln!(
-            "{path}: a planner that reads {}\nA run of protean starts it: name it in a scenario, command = [\"protean\", \
-             \"planner\", \"{path}\"] in [[processes]].",
-            library.inputs(),
-            path = path.display()
-        );
-        return ExitCode::from(EXIT_WITHOUT_RUN);
-    };
-    runtime::run_with(Path::new(&config), Vec::new(), |config, values| {
-        let params = LibraryParams::new(values, library);
-        runtime::follow::<PlannerProcess<LibraryPlanner>>(config, &params)
-    })
-}
-
-/// Parameters as written, which the library checks, and the library.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub(crate) struct LibraryParams {
-    #[serde(flatten)]
-    values: Map<String, Json>,
-    #[serde(skip)]
-    library: Option<Library>,
-}
-
-impl LibraryParams {
-    /// Returns the parameters of a planner in this library.
-    pub fn new(values: &Map<String, Json>, library: Library) -> Self {
-        Self {
-            values: values.clone(),
-            library: Some(library),
-        }
-    }
-}
-
-impl Parameters for LibraryParams {}
+use crate::tick_functions::{RobotTask, TickContext};
+use crate::{start_functions, tick_functions, topics};
 
 /// The planner of one robot in a library.
 #[derive(Debug)]
-pub(crate) struct LibraryPlanner {
+pub struct LibraryPlanner {
     params: LibraryParams,
     limits: Limits,
     seed: u64,
     exits: Vec<Point>,
     capture_radius: f64,
     driven: Option<Driven>,
+    inputs: RawInputs,
     failure: Option<ProcessError>,
 }
 
@@ -98,11 +46,11 @@ impl Planner for LibraryPlanner {
     type Params = LibraryParams;
 
     fn declare(params: &LibraryParams) -> Declaration {
-        let reads = |input| params.library.is_some_and(|library| library.reads(input));
-        Declaration::default()
-            .reads_if(reads(BELIEFS), Input::BELIEFS)
-            .reads_if(reads(SCANS), Input::SCANS)
-            .reads_if(reads(WAYS), Input::SHAPES.optional())
+        let uses = |input| params.library.is_some_and(|library| library.uses(input));
+        planner_reads(&names(params))
+            .reads_if(uses(BELIEFS), Input::BELIEFS)
+            .reads_if(uses(SCANS), Input::SCANS)
+            .reads_if(uses(WAYS), Input::SHAPES.optional())
     }
 
     fn new(params: &LibraryParams, robot: &RobotInfo, seed: u64) -> Result<Self, PlannerError> {
@@ -113,6 +61,7 @@ impl Planner for LibraryPlanner {
             exits: Vec::new(),
             capture_radius: 0.0,
             driven: None,
+            inputs: RawInputs::default(),
             failure: None,
         })
     }
@@ -122,7 +71,11 @@ impl Planner for LibraryPlanner {
         self.capture_radius = capture_radius;
     }
 
-    fn open(&mut self, config: &ProcessConfig, _: &Bus, robot: u32) -> Result<(), ProcessError> {
+    fn open(&mut self, config: &ProcessConfig, bus: &Bus, robot: u32) -> Result<(), ProcessError> {
+        self.inputs = RawInputs::open(&names(&self.params), config, bus)?;
+        if let Some(library) = self.params.library {
+            topics::check_reads(library.table).map_err(ProcessError::Algorithm)?;
+        }
         let driven = self
             .start(config, robot)
             .map_err(|reason| ProcessError::Params {
@@ -142,7 +95,13 @@ impl Planner for LibraryPlanner {
         let Some(driven) = &mut self.driven else {
             return Steering::stop();
         };
-        match driven.steer(map, view, &self.exits, self.limits) {
+        let tick = (view.time_s / view.dt).round() as u64;
+        let received = self.inputs.receive(tick);
+        let steered = received.map_err(|error| error.to_string()).and_then(|()| {
+            let records = Records::new(&self.inputs);
+            driven.steer(map, view, &self.exits, self.limits, &records)
+        });
+        match steered {
             Ok(steering) => steering,
             Err(text) => {
                 let text = format!("at {} s the planner fails: {text}", view.time_s);
@@ -153,32 +112,84 @@ impl Planner for LibraryPlanner {
     }
 }
 
+/// Returns the names of the topics that a library reads.
+fn names(params: &LibraryParams) -> Vec<String> {
+    let names = params.library.map(Library::reads);
+    // The library was checked.
+    names.and_then(Result::ok).unwrap_or_default()
+}
+
 impl LibraryPlanner {
     /// Returns the started planner of a robot.
     ///
     /// # Errors
+    /// As [`Driven::start`].
+    pub(crate) fn start(&self, config: &ProcessConfig, robot: u32) -> Result<Driven, String> {
+        let rules = Rules {
+            exits: &self.exits,
+            capture_radius: self.capture_radius,
+        };
+        Driven::start(config, &self.params, Some(robot), &rules, self.seed)
+    }
+}
+
+/// Rules of a run.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Rules<'a> {
+    /// Centres of the exits.
+    pub exits: &'a [Point],
+    /// Distance of a capture (m); 0 without captures.
+    pub capture_radius: f64,
+}
+
+/// A planner, or a process, that a library has created.
+#[derive(Debug)]
+pub(crate) struct Driven {
+    pub library: Library,
+    pub planner: *mut c_void,
+    robots: Robots,
+    random: RefCell<ChaCha8Rng>,
+    particles: Vec<Particle>,
+    beliefs: Vec<Belief>,
+}
+
+impl Driven {
+    /// Returns the started planner of a robot, or a process without a robot.
+    ///
+    /// # Errors
     /// The reason of the library, or an unknown parameter.
-    pub fn start(&self, config: &ProcessConfig, robot: u32) -> Result<Driven, String> {
-        let library = self.params.library.ok_or("no library is loaded")?;
-        let robots = Robots::new(&config.run.robots, robot as usize);
-        let robots = robots.ok_or_else(|| format!("the run has no robot {robot}"))?;
-        let context = StartContext::new(&self.params.values);
+    pub fn start(
+        config: &ProcessConfig,
+        params: &LibraryParams,
+        robot: Option<u32>,
+        rules: &Rules<'_>,
+        seed: u64,
+    ) -> Result<Self, String> {
+        let library = params.library.ok_or("no library is loaded")?;
+        let own = robot.map(|robot| robot as usize);
+        let robots = Robots::new(&config.run.robots, own);
+        let robots =
+            robots.ok_or_else(|| format!("the run has no robot {}", robot.unwrap_or_default()))?;
+        let context = StartContext::new(&params.values);
         let start = Start {
-            own: robots.own(),
+            own: robots.own().map_or(std::ptr::null(), std::ptr::from_ref),
             robots: robots.all().as_ptr(),
             robot_count: robots.all().len(),
-            exits: self.exits.as_ptr(),
-            exit_count: self.exits.len(),
-            capture_radius: self.capture_radius,
+            exits: rules.exits.as_ptr(),
+            exit_count: rules.exits.len(),
+            capture_radius: rules.capture_radius,
             dt: config.step_period(),
-            seed: self.seed,
+            seed,
             functions: &raw const start_functions::FUNCTIONS,
             context: (&raw const context).cast(),
         };
-        let name = &config.run.robots.get(robot as usize);
-        let name = name.map_or("", |info| info.name.as_str());
-        let random = runtime::seed::stream(config.run.seed, Self::NAME, name, "random");
-        let driven = Driven {
+        let info = own.and_then(|own| config.run.robots.get(own));
+        let (name, purpose) = match info {
+            Some(info) => (&info.name, "random"),
+            None => (&config.name, "random of a process"),
+        };
+        let random = runtime::seed::stream(config.run.seed, LibraryPlanner::NAME, name, purpose);
+        let driven = Self {
             planner: library.create(&start),
             library,
             robots,
@@ -191,31 +202,20 @@ impl LibraryPlanner {
             None => Ok(driven),
         }
     }
-}
 
-/// A planner that a library has created.
-#[derive(Debug)]
-pub(crate) struct Driven {
-    library: Library,
-    planner: *mut c_void,
-    robots: Robots,
-    random: RefCell<ChaCha8Rng>,
-    particles: Vec<Particle>,
-    beliefs: Vec<Belief>,
-}
-
-impl Driven {
-    /// Returns the steering of a tick.
+    /// Calls the library in a tick; a planner has a map and limits.
     ///
     /// # Errors
-    /// The failure that the library reports, or numbers that are not finite.
-    pub fn steer(
+    /// The failure that the library reports.
+    pub fn call(
         &mut self,
-        map: &PlannerMap,
         view: &View<'_>,
         exits: &[Point],
-        limits: Limits,
-    ) -> Result<Steering, String> {
+        task: Option<(&PlannerMap, Limits)>,
+        records: &Records,
+        outputs: &mut [RawOutput],
+        call: impl FnOnce(&Self, &Tick),
+    ) -> Result<(), String> {
         self.robots.update(view.robots);
         self.take_beliefs(view);
         let scan = view.scan.map(|scan| Scan {
@@ -226,18 +226,20 @@ impl Driven {
             ranges: scan.ranges.as_ptr(),
             range_count: scan.ranges.len(),
         });
+        let own = self.robots.own();
+        let task = own.zip(task);
         let context = TickContext {
-            map,
-            own: self.robots.own(),
-            limits,
+            task: task.map(|(own, (map, limits))| RobotTask { map, own, limits }),
             dt: view.dt,
             random: &self.random,
+            records,
+            outputs: RefCell::new(outputs),
             failure: RefCell::default(),
         };
         let tick = Tick {
             time: view.time_s,
             dt: view.dt,
-            own: self.robots.own(),
+            own: own.map_or(std::ptr::null(), std::ptr::from_ref),
             robots: self.robots.all().as_ptr(),
             robot_count: self.robots.all().len(),
             exits: exits.as_ptr(),
@@ -245,15 +247,31 @@ impl Driven {
             beliefs: self.beliefs.as_ptr(),
             belief_count: self.beliefs.len(),
             scan: scan.as_ref().map_or(std::ptr::null(), std::ptr::from_ref),
-            map_revision: map.revision(),
+            map_revision: task.map_or(0, |(_, (map, _))| map.revision()),
             functions: &raw const tick_functions::FUNCTIONS,
             context: (&raw const context).cast(),
         };
+        call(self, &tick);
+        context.failure.into_inner().map_or(Ok(()), Err)
+    }
+
+    /// Returns the steering of a tick.
+    ///
+    /// # Errors
+    /// The failure that the library reports, or numbers that are not finite.
+    pub fn steer(
+        &mut self,
+        map: &PlannerMap,
+        view: &View<'_>,
+        exits: &[Point],
+        limits: Limits,
+        records: &Records,
+    ) -> Result<Steering, String> {
         let mut out = abi::Steering::STOP;
-        self.library.steer(self.planner, &tick, &mut out);
-        if let Some(text) = context.failure.into_inner() {
-            return Err(text);
-        }
+        let task = Some((map, limits));
+        self.call(view, exits, task, records, &mut [], |driven, tick| {
+            driven.library.steer(driven.planner, tick, &mut out);
+        })?;
         let command = Twist2::new(out.v, out.omega);
         if !command.is_finite() {
             let (v, omega) = (out.v, out.omega);

@@ -13,13 +13,16 @@ pub(crate) struct Robots {
     /// Names of the robots and of their teams, to which the robots refer.
     _names: Vec<[CString; 2]>,
     all: Vec<Robot>,
-    own: usize,
+    own: Option<usize>,
 }
 
 impl Robots {
-    /// Returns the robots at their starts; `None` without a robot of this index.
-    pub fn new(infos: &[RobotInfo], own: usize) -> Option<Self> {
-        let me = infos.get(own)?;
+    /// Returns the robots at their starts; `None` without a robot of this index. A process has no own robot.
+    pub fn new(infos: &[RobotInfo], own: Option<usize>) -> Option<Self> {
+        let me = match own {
+            Some(own) => Some(infos.get(own)?),
+            None => None,
+        };
         // Scenarios allow no zero byte in a name.
         let text = |text: &str| CString::new(text).unwrap_or_default();
         let names: Vec<[CString; 2]> = infos
@@ -43,12 +46,10 @@ impl Robots {
             goal: (info.goal.as_ref()).map_or(Point::NONE, |goal| goal.center().into()),
             index: index as u32,
             role: info.role.code(),
-            side: if info.team == me.team {
-                team
-            } else if me.opponents.contains(&(index as u32)) {
-                opponent
-            } else {
-                other
+            side: match me {
+                Some(me) if info.team == me.team => team,
+                Some(me) if me.opponents.contains(&(index as u32)) => opponent,
+                _ => other,
             },
             active: true,
             present: true,
@@ -77,9 +78,8 @@ impl Robots {
         &self.all
     }
 
-    /// Returns the robot to steer.
-    pub fn own(&self) -> &Robot {
-        // `new` has checked the index.
-        &self.all[self.own]
+    /// Returns the robot to steer; `None` in a process.
+    pub fn own(&self) -> Option<&Robot> {
+        self.all.get(self.own?)
     }
 }

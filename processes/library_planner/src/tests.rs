@@ -2,6 +2,7 @@
 
 mod calls;
 mod files;
+mod topics;
 mod world;
 
 use std::path::{Path, PathBuf};

@@ -1,18 +1,20 @@
 //! Functions that a library calls in a tick: the map, driving to a point, random numbers.
 
-use core::ffi::c_char;
+use core::ffi::{c_char, c_void};
 use std::cell::RefCell;
 
 use control::go_to::GoToParams;
 use geometry::math;
 use nalgebra::Point2;
 use navigation::tangent_graph::{PathLeg, TangentGraph};
+use planner::RawOutput;
 use planner_view::limits::Limits;
 use planner_view::map::PlannerMap;
 use rand::RngExt as _;
 use rand_chacha::ChaCha8Rng;
 
-use crate::abi::{Point, Robot, Steering, Tick, TickFunctions};
+use crate::abi::{Messages, Point, Robot, Steering, Tick, TickFunctions};
+use crate::records::{Records, unknown};
 use crate::start_functions::text;
 
 /// The functions of all ticks.
@@ -25,6 +27,8 @@ pub(crate) static FUNCTIONS: TickFunctions = TickFunctions {
     go_to,
     direction,
     angle,
+    read,
+    write,
     random,
     fail,
 };
@@ -35,21 +39,83 @@ const MAX_BEND: f64 = 0.25;
 /// The private part of a [`Tick`].
 #[derive(Debug)]
 pub(crate) struct TickContext<'a> {
+    /// The task of a planner; none in a process.
+    pub task: Option<RobotTask<'a>>,
+    /// Length of a tick (s).
+    pub dt: f64,
+    /// Random stream of the planner.
+    pub random: &'a RefCell<ChaCha8Rng>,
+    /// Messages of the topics that it reads.
+    pub records: &'a Records,
+    /// Topics that a process writes.
+    pub outputs: RefCell<&'a mut [RawOutput]>,
+    /// First failure that the library reports.
+    pub failure: RefCell<Option<String>>,
+}
+
+/// The robot of a planner in a tick, and its map.
+#[derive(Debug)]
+pub(crate) struct RobotTask<'a> {
     /// The map.
     pub map: &'a PlannerMap,
     /// The own robot.
     pub own: &'a Robot,
     /// Limits of its drive.
     pub limits: Limits,
-    /// Length of a tick (s).
-    pub dt: f64,
-    /// Random stream of the planner.
-    pub random: &'a RefCell<ChaCha8Rng>,
-    /// First failure that the library reports.
-    pub failure: RefCell<Option<String>>,
 }
 
 impl TickContext<'_> {
+    fn fail(&self, reason: String) {
+        self.failure.borrow_mut().get_or_insert(reason);
+    }
+
+    /// Takes the elements of a message; NULL for none.
+    ///
+    /// # Errors
+    /// A text that names the topic and the expectation.
+    #[expect(unsafe_code, reason = "the elements are of the library")]
+    unsafe fn write(
+        &self,
+        topic: &str,
+        elements: *const c_void,
+        count: usize,
+    ) -> Result<(), String> {
+        let mut outputs = self.outputs.borrow_mut();
+        let names = outputs.iter().map(|output| output.topic().name());
+        let names: Vec<&'static str> = names.collect();
+        let Some(at) = names.iter().position(|name| *name == topic) else {
+            return Err(unknown("protean_write", topic, names.into_iter()));
+        };
+        let output = &mut outputs[at];
+        let capacity = output.capacity();
+        if count > capacity || (count > 0 && elements.is_null()) {
+            let found = if elements.is_null() {
+                "NULL"
+            } else {
+                "an array"
+            };
+            return Err(format!(
+                "protean_write: {topic}: {count} elements at {found}: expected at most {capacity} in an array"
+            ));
+        }
+        let bytes = if count == 0 {
+            Vec::new()
+        } else {
+            let length = count * output.topic().facts().element.size;
+            // SAFETY: duty of the library, stated in the header: the array has this many elements of the size that was
+            // compared at the start.
+            unsafe { std::slice::from_raw_parts(elements.cast::<u8>(), length) }.to_vec()
+        };
+        if !output.fill(bytes) {
+            return Err(format!(
+                "protean_write: {topic}: expected one message in a tick"
+            ));
+        }
+        Ok(())
+    }
+}
+
+impl RobotTask<'_> {
     /// Returns the corners of the shortest way of the own robot to a point; empty without one.
     fn way(&self, to: Point2<f64>, margin: f64) -> Vec<Point> {
         let radius = self.own.radius + margin;
@@ -85,34 +151,48 @@ unsafe fn context<'a>(tick: *const Tick) -> Option<&'a TickContext<'a>> {
     unsafe { tick.as_ref()?.context.cast::<TickContext<'a>>().as_ref() }
 }
 
+/// Returns the task of a planner in a tick; a process fails.
+///
+/// # Safety
+/// As [`context`].
+#[expect(unsafe_code, reason = "the pointer comes back from the library")]
+unsafe fn task<'a>(tick: *const Tick) -> Option<&'a RobotTask<'a>> {
+    // SAFETY: the caller's.
+    let context = unsafe { context(tick) }?;
+    if context.task.is_none() {
+        context.fail("a function of planners: a process has no robot and no map".to_owned());
+    }
+    context.task.as_ref()
+}
+
 #[expect(unsafe_code, reason = "called by the library")]
 unsafe extern "C" fn clearance(tick: *const Tick, at: Point) -> f64 {
     // SAFETY: duty of the library, stated in the header.
-    let context = unsafe { context(tick) };
-    context.map_or(0.0, |context| context.map.clearance(at.into()))
+    let task = unsafe { task(tick) };
+    task.map_or(0.0, |task| task.map.clearance(at.into()))
 }
 
 #[expect(unsafe_code, reason = "called by the library")]
 unsafe extern "C" fn free_run(tick: *const Tick, from: Point, to: Point, radius: f64) -> f64 {
     // SAFETY: duty of the library, stated in the header.
-    let context = unsafe { context(tick) };
-    context.map_or(0.0, |context| {
-        context.map.free_run(from.into(), to.into(), radius)
+    let task = unsafe { task(tick) };
+    task.map_or(0.0, |task| {
+        task.map.free_run(from.into(), to.into(), radius)
     })
 }
 
 #[expect(unsafe_code, reason = "called by the library")]
 unsafe extern "C" fn line_is_clear(tick: *const Tick, from: Point, to: Point, radius: f64) -> bool {
     // SAFETY: duty of the library, stated in the header.
-    let context = unsafe { context(tick) };
-    context.is_some_and(|context| context.map.line_is_clear(from.into(), to.into(), radius))
+    let task = unsafe { task(tick) };
+    task.is_some_and(|task| task.map.line_is_clear(from.into(), to.into(), radius))
 }
 
 #[expect(unsafe_code, reason = "called by the library")]
 unsafe extern "C" fn away_from_obstacles(tick: *const Tick, at: Point) -> Point {
     // SAFETY: duty of the library, stated in the header.
-    let context = unsafe { context(tick) };
-    let away = context.and_then(|context| context.map.away_from_obstacles(at.into()));
+    let task = unsafe { task(tick) };
+    let away = task.and_then(|task| task.map.away_from_obstacles(at.into()));
     away.unwrap_or_default().into()
 }
 
@@ -125,11 +205,11 @@ unsafe extern "C" fn way(
     capacity: usize,
 ) -> usize {
     // SAFETY: duty of the library, stated in the header.
-    let context = unsafe { context(tick) };
-    let (Some(context), Some(to)) = (context, to.finite()) else {
+    let task = unsafe { task(tick) };
+    let (Some(task), Some(to)) = (task, to.finite()) else {
         return 0;
     };
-    let corners = context.way(to, margin);
+    let corners = task.way(to, margin);
     let count = corners
         .len()
         .min(if points.is_null() { 0 } else { capacity });
@@ -141,17 +221,17 @@ unsafe extern "C" fn way(
 #[expect(unsafe_code, reason = "called by the library")]
 unsafe extern "C" fn go_to(tick: *const Tick, target: Point, steering: *mut Steering) {
     // SAFETY: duties of the library, stated in the header.
-    let (context, steering) = unsafe { (context(tick), steering.as_mut()) };
-    let (Some(context), Some(steering)) = (context, steering) else {
+    let (context, task, steering) = unsafe { (context(tick), task(tick), steering.as_mut()) };
+    let (Some(context), Some(task), Some(steering)) = (context, task, steering) else {
         return;
     };
-    let pose = context.own.pose();
+    let pose = task.own.pose();
     let params = GoToParams::default();
     let command = control::go_to::go_to(
         &pose,
         target.into(),
         None,
-        &context.limits,
+        &task.limits,
         &params,
         context.dt,
     );
@@ -169,6 +249,36 @@ extern "C" fn angle(_: *const Tick, vector: Point) -> f64 {
 }
 
 #[expect(unsafe_code, reason = "called by the library")]
+unsafe extern "C" fn read(tick: *const Tick, topic: *const c_char) -> Messages {
+    // SAFETY: duties of the library, stated in the header.
+    let (context, topic) = unsafe { (context(tick), text(topic)) };
+    let found = context.and_then(|context| {
+        let found = context.records.of(&topic);
+        found.map_err(|reason| context.fail(reason)).ok()
+    });
+    found.unwrap_or(Messages {
+        all: std::ptr::null(),
+        count: 0,
+    })
+}
+
+#[expect(unsafe_code, reason = "called by the library")]
+unsafe extern "C" fn write(
+    tick: *const Tick,
+    topic: *const c_char,
+    elements: *const c_void,
+    count: usize,
+) {
+    // SAFETY: duties of the library, stated in the header.
+    let (context, topic) = unsafe { (context(tick), text(topic)) };
+    if let Some(context) = context {
+        // SAFETY: duty of the library, stated in the header.
+        let written = unsafe { context.write(&topic, elements, count) };
+        written.unwrap_or_else(|reason| context.fail(reason));
+    }
+}
+
+#[expect(unsafe_code, reason = "called by the library")]
 unsafe extern "C" fn random(tick: *const Tick) -> f64 {
     // SAFETY: duty of the library, stated in the header.
     let context = unsafe { context(tick) };
@@ -180,6 +290,6 @@ unsafe extern "C" fn fail(tick: *const Tick, reason: *const c_char) {
     // SAFETY: duties of the library, stated in the header.
     let (context, reason) = unsafe { (context(tick), text(reason)) };
     if let Some(context) = context {
-        context.failure.borrow_mut().get_or_insert(reason);
+        context.fail(reason);
     }
 }

@@ -6,6 +6,7 @@
 //! - [`main`]: the main function of a program that is a process of a planner;
 //! - [`PlannerProcess`]: its process, which reads the state, the map, beliefs and scans, and sends
 //!   commands, plans, trees and waypoints;
+//! - [`TopicProcess`]: the process of a program that reads and writes topics by their names, a [`TopicProgram`];
 //! - [`planner_map`], [`robot_views`], [`teams`], [`limits`]: conversions of messages to inputs of algorithms.
 
 mod error;
@@ -14,6 +15,7 @@ mod maps;
 mod outputs;
 mod planner;
 mod process;
+mod topic_process;
 mod views;
 
 pub use error::PlannerError;
@@ -22,6 +24,7 @@ pub use maps::planner_map;
 pub use outputs::{MAX_PLAN_POINTS, PlannedPoint, headed_for};
 pub use planner::{Planner, limits, planner_seed};
 pub use process::PlannerProcess;
+pub use topic_process::{RawOutput, TopicProcess, TopicProgram, planner_reads};
 pub use views::{robot_views, teams};
 
 pub use planner_view::limits::Limits;

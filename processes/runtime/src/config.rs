@@ -20,6 +20,9 @@ use crate::link::Link;
 /// Environment variable with the path of a process's configuration.
 pub const CONFIG_VARIABLE: &str = "PROTEAN_CONFIG";
 
+/// Environment variable of a program that shall print its declaration as JSON and end.
+pub const DECLARE_VARIABLE: &str = "PROTEAN_DECLARE";
+
 /// Configuration of a process, except for the parameters of its kind.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ProcessConfig {

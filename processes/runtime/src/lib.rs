@@ -19,6 +19,7 @@ pub mod logging;
 pub mod maps;
 pub mod obstacle;
 pub mod paced;
+pub mod raw_inputs;
 pub mod seed;
 pub mod service_client;
 pub mod shapes;

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::Arc;
 
-use planner::PlannerProcess;
+use planner::{PlannerProcess, TopicProcess};
 use pyo3::prelude::*;
 use serde_json::Value as Json;
 
@@ -22,7 +22,7 @@ pub fn serve(py: Python<'_>, function: Py<Function>, config: PathBuf) -> bool {
         runtime::run_with(&config, Vec::new(), |config, values: &Json| {
             let params = PythonParams::new(values.clone(), Arc::clone(&function));
             if function.get().is_process() {
-                return runtime::follow::<OwnTopics>(config, &params);
+                return runtime::follow::<TopicProcess<OwnTopics>>(config, &params);
             }
             runtime::follow::<PlannerProcess<PythonPlanner>>(config, &params)
         })

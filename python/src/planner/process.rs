@@ -8,18 +8,18 @@ use ipc_types::bus::Bus;
 use nalgebra::Point2;
 use planner::{
     Declaration, Input, Limits, Planner, PlannerError, PlannerMap, RobotInfo, Steering, View,
-    limits,
+    limits, planner_reads,
 };
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 use runtime::config::ProcessConfig;
-use runtime::declaration::{input, readable};
 use runtime::error::ProcessError;
+use runtime::raw_inputs::RawInputs;
 use serde_json::Value as Json;
 
 use super::function::{Argument, Function};
-use super::messages::Messages;
+use super::messages::messages;
 use super::params::PythonParams;
 use super::robot::Robot;
 use super::sensors::{Belief, Scan};
@@ -38,7 +38,7 @@ pub struct PythonPlanner {
     exits: Vec<Point2<f64>>,
     objects: Option<Objects>,
     failure: Option<String>,
-    messages: Messages,
+    messages: RawInputs,
 }
 
 /// Function of a tick and its inputs.
@@ -64,23 +64,8 @@ impl Planner for PythonPlanner {
             let function = params.function();
             function.is_some_and(|function| function.get().uses(input))
         };
-        let own = params.function().map(|function| function.get());
-        let reads = own.iter().flat_map(|function| &function.reads);
-        // Unknown topics are refused when they are opened.
-        let reads = reads.filter_map(|name| readable(name).ok());
-        let reads = reads.map(|topic| input(topic, &[]));
-        reads
-            .fold(Declaration::default(), |declared, input| {
-                let own = [
-                    Input::STATE,
-                    Input::MAP,
-                    Input::BELIEFS,
-                    Input::SCANS,
-                    Input::SHAPES,
-                ];
-                let is_own = own.iter().any(|own| own.flow == input.flow);
-                declared.reads_if(!is_own, input)
-            })
+        let function = params.function().map(|function| function.get());
+        planner_reads(function.map_or(&[], |function| &function.reads))
             .reads_if(uses(Argument::Belief), Input::BELIEFS)
             .reads_if(uses(Argument::Scan), Input::SCANS)
             .reads_if(uses(Argument::Map), Input::SHAPES.optional())
@@ -98,7 +83,7 @@ impl Planner for PythonPlanner {
             exits: Vec::new(),
             objects: None,
             failure: None,
-            messages: Messages::default(),
+            messages: RawInputs::default(),
         })
     }
 
@@ -107,7 +92,7 @@ impl Planner for PythonPlanner {
     }
 
     fn open(&mut self, config: &ProcessConfig, bus: &Bus, robot: u32) -> Result<(), ProcessError> {
-        self.messages = Messages::open(&self.function.get().reads, config, bus)?;
+        self.messages = RawInputs::open(&self.function.get().reads, config, bus)?;
         call_planner(|py| {
             let opened = self.set_up(py, config, robot as usize);
             self.objects =
@@ -176,7 +161,7 @@ impl PythonPlanner {
         let messages = objects
             .inputs
             .contains(&Argument::Inputs)
-            .then(|| self.messages.take(py))
+            .then(|| messages(py, &self.messages))
             .transpose()?;
         let inputs = objects.inputs.iter();
         let arguments = inputs.map(|input| match input {

@@ -3,11 +3,12 @@
 //! It executes the code of the separate processes over a bus in memory, in the order of lock-step. The simulator
 //! publishes the state of a tick; every process steps after those it waits for; the simulator takes the commands and
 //! steps the world. All messages are identical: digest, outcome and metrics are those of a run with processes. There
-//! are no clocks and therefore no latencies. A crash is not contained, and external programs cannot run.
+//! are no clocks and therefore no latencies. A crash is not contained, and of external programs only libraries can run.
 //!
 //! Runs share only the data of their maps in [`InProcessOptions::cache`], so that each run may have its own
 //! thread.
 
+mod libraries;
 pub mod placement;
 mod processes;
 mod stepped;
@@ -62,6 +63,8 @@ pub struct InProcessOptions {
     /// Kinds that run in the place of those of the scenario, external programs among them, by the name of the process.
     /// Each is the same planner as the one that it replaces, so that the digest is that of a run with processes.
     pub programs: BTreeMap<String, ConfiguredKind>,
+    /// `true` if the libraries that the scenario names may be loaded into this program.
+    pub libraries: bool,
     /// Data that runs share; pass the same cache to all runs of a sweep, in any scenario and thread.
     pub cache: Arc<Cache>,
 }
@@ -103,7 +106,10 @@ pub fn run(
     if scenario.run.mode == Mode::RealTime {
         return Err(InProcessError::RealTime.into());
     }
-    let programs = &options.programs;
+    let mut programs = options.programs.clone();
+    if options.libraries {
+        libraries::load(scenario, &mut programs)?;
+    }
     let mut external = scenario.external_commands();
     if let Some(process) = external.find(|process| !programs.contains_key(&process.name)) {
         let name = process.name.clone();
@@ -111,19 +117,22 @@ pub fn run(
     }
     // In a run with processes, a panic ends one of them, and the run reports which. Here it must not end a whole
     // sweep. Only the cache outlives the run, and it contains only complete values.
-    catch_unwind(AssertUnwindSafe(|| execute(scenario, options))).unwrap_or_else(|panic| {
-        let text = panic
-            .downcast_ref::<String>()
-            .map(String::as_str)
-            .or_else(|| panic.downcast_ref::<&str>().copied());
-        let message = text.unwrap_or("no message").to_owned();
-        Err(InProcessError::Panicked { message }.into())
-    })
+    catch_unwind(AssertUnwindSafe(|| execute(scenario, options, &programs))).unwrap_or_else(
+        |panic| {
+            let text = panic
+                .downcast_ref::<String>()
+                .map(String::as_str)
+                .or_else(|| panic.downcast_ref::<&str>().copied());
+            let message = text.unwrap_or("no message").to_owned();
+            Err(InProcessError::Panicked { message }.into())
+        },
+    )
 }
 
 fn execute(
     scenario: &ResolvedScenario,
     options: &InProcessOptions,
+    programs: &BTreeMap<String, ConfiguredKind>,
 ) -> Result<MissionReport, MissionError> {
     let start = Instant::now();
     let plan = Plan::new(scenario, Path::new(""), "", "warn")?;
@@ -143,7 +152,7 @@ fn execute(
         plan.orchestrator_index(),
         MAX_TEXT_BYTES,
     ))?;
-    let mut processes = LocalRun::open_with(&plan, &options.programs, &bus, &options.cache.maps)?;
+    let mut processes = LocalRun::open_with(&plan, programs, &bus, &options.cache.maps)?;
     processes.connect()?;
     plan.send_obstacle_changes(&obstacles)?;
     for line in remark_lines(&plan, &options.remarks) {

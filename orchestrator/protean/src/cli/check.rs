@@ -34,6 +34,9 @@ pub(super) struct CheckArgs {
     /// Draw which processes write and read what: write FILE (.svg or .mmd, which is Mermaid)
     #[arg(long, value_name = "FILE", value_parser = out(OutputFormat::GRAPH))]
     graph: Option<PathBuf>,
+    /// Start external programs that state their topics (`declaration = "ask"`)
+    #[arg(long)]
+    allow_external: bool,
     #[command(flatten)]
     force: ForceArg,
     #[command(flatten)]
@@ -43,9 +46,22 @@ pub(super) struct CheckArgs {
 /// Checks a scenario and summarises it.
 pub(super) fn run(kinds: &[Kind], args: &CheckArgs) -> ExitCode {
     let (target, overrides) = (&args.scenario, &args.overrides);
-    let loaded = Loader::new(kinds)
-        .allow_outside(overrides.allow_outside)
-        .load(target, &overrides.set, overrides.seed);
+    let loader = Loader::new(kinds).allow_outside(overrides.allow_outside);
+    let mut loaded = loader.load(target, &overrides.set, overrides.seed);
+    if args.allow_external
+        && let Ok(scenario) = &loaded
+    {
+        match mission::ask(scenario) {
+            Ok(declared) => {
+                let set = [&*overrides.set, &declared].concat();
+                loaded = loader.load(target, &set, overrides.seed);
+            }
+            Err(problem) => {
+                eprintln!("error: {problem}");
+                return ExitCode::from(EXIT_INVALID);
+            }
+        }
+    }
     if let (Ok(scenario), Some(file)) = (&loaded, &args.picture)
         && let Err(code) = write_picture(scenario, file, args.force.force)
     {

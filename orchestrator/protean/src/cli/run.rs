@@ -85,6 +85,7 @@ fn execute(
             show: !args.quiet.quiet,
             remarks,
             interrupted,
+            libraries: true,
             ..InProcessOptions::default()
         };
         return in_process::run(scenario, &options);

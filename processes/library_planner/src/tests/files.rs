@@ -58,23 +58,25 @@ fn files_that_are_no_planners_are_named_with_the_expectation() {
         ),
         (
             "version.c",
-            table("2, 0, create, steer, destroy"),
-            "interface version 2; expected version 1",
+            table(".version = 3, .create = create, .steer = steer, .destroy = destroy"),
+            "interface version 3; expected version 2",
         ),
         (
             "partial.c",
-            table("1, 0, create, steer, 0 ? destroy : 0"),
-            "a function of the table is NULL",
+            table(".version = 2, .create = create, .steer = steer, .destroy = 0 ? destroy : 0"),
+            "expected create, destroy, and either steer or step",
         ),
         (
             "inputs.c",
-            table("1, 8, create, steer, destroy"),
+            table(
+                ".version = 2, .inputs = 8, .create = create, .steer = steer, .destroy = destroy",
+            ),
             "unknown inputs",
         ),
         (
             "null.c",
-            table("1, 0, create, steer, destroy")
-                .replace("return &table", "return table.version == 1 ? 0 : &table"),
+            table(".version = 2, .create = create, .steer = steer, .destroy = destroy")
+                .replace("return &table", "return table.version == 2 ? 0 : &table"),
             "returned no address",
         ),
     ];

@@ -126,7 +126,7 @@ static void destroy(void *planner) {
 }
 
 const protean_planner *protean_planner_table(void) {
-    static const protean_planner table = {PROTEAN_PLANNER_VERSION, PROTEAN_BELIEFS | PROTEAN_SCANS | PROTEAN_WAYS,
-                                          create, steer, destroy};
+    static const protean_planner table = {.version = PROTEAN_PLANNER_VERSION, .inputs = PROTEAN_BELIEFS | PROTEAN_SCANS | PROTEAN_WAYS,
+                                          .create = create, .steer = steer, .destroy = destroy};
     return &table;
 }

@@ -20,14 +20,16 @@ use serde_json::Value as Json;
 
 use crate::Library;
 use crate::abi::Point;
-use crate::process::{Driven, LibraryParams, LibraryPlanner};
+use crate::params::LibraryParams;
+use crate::process::{Driven, LibraryPlanner};
+use crate::records::Records;
 
 const ME: u32 = 1;
 
 /// Returns the started planner of a library with these parameters.
 pub fn start(library: Library, params: &Json) -> Result<Driven, String> {
     let config = config();
-    let params = LibraryParams::new(params.as_object().unwrap(), library);
+    let params = LibraryParams::new(params, library);
     let robot = &config.run.robots[ME as usize];
     let mut planner = LibraryPlanner::new(&params, robot, 7).unwrap();
     planner.rules(&config.run.exits, config.run.capture_radius);
@@ -87,7 +89,7 @@ pub fn steer(driven: &mut Driven) -> Result<Steering, String> {
     };
     let exits: Vec<Point> = config.run.exits.iter().map(|e| e.center().into()).collect();
     let limits = limits(&config.run.robots[ME as usize]).unwrap();
-    driven.steer(&map(), &view, &exits, limits)
+    driven.steer(&map(), &view, &exits, limits, &Records::default())
 }
 
 fn config() -> ProcessConfig {

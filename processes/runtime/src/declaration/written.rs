@@ -65,7 +65,11 @@ pub struct WrittenTopic {
 impl WrittenTopic {
     /// Returns a known topic in words.
     pub fn of(topic: TopicId, later: bool) -> Self {
-        let layout = TopicLayout::of(topic);
+        Self::from_layout(TopicLayout::of(topic), later)
+    }
+
+    /// Returns the topic with a layout.
+    pub fn from_layout(layout: TopicLayout, later: bool) -> Self {
         Self {
             name: layout.name,
             message: layout.message,
