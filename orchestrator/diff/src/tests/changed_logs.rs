@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use ipc_types::stamp::Stamp;
+use mcap_log::Origin;
 use mcap_log::known::{self, ENCAPSULATION};
 use mcap_log::output::Output;
 use mcap_log::reader::{Item, Reader};
@@ -78,14 +79,11 @@ fn rewritten(
 /// Returns the description of the run in a log.
 fn described(log: &Path) -> RunInfo {
     let mut reader = Reader::open(log, None).unwrap();
+    let mut origin = Origin::default();
     while let Some(item) = reader.next().unwrap() {
-        if let Item::Attachment(header, data) = item
-            && header.name == RunInfo::ATTACHMENT
-        {
-            return serde_json::from_slice(data).unwrap();
-        }
+        origin.add(&item);
     }
-    panic!("the log does not describe its run");
+    RunInfo::from_log(&origin).unwrap()
 }
 
 #[test]
@@ -129,7 +127,12 @@ fn the_processes_whose_messages_change_first_are_named() {
         let report = compared(&a, &b);
         let Some(field) = expected else {
             // The process sent nothing on the topic in that tick: the first difference comes later.
-            assert!(report.first.is_none_or(|first| first.time_s > 0.0));
+            assert!(
+                report
+                    .comparison
+                    .first
+                    .is_none_or(|first| first.time_s > 0.0)
+            );
             continue;
         };
         assert_caused(&report, tick, &[(name, topic, &field)]);
@@ -157,7 +160,7 @@ fn a_missing_message_is_a_difference_of_its_sender() {
         }
     });
     let report = compared(&a, &b);
-    let first = report.first.as_ref().unwrap();
+    let first = report.comparison.first.as_ref().unwrap();
     let found: Vec<_> = first
         .causes
         .iter()

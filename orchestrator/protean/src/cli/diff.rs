@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Arc;
 
-use diff::{DiffReport, Difference, EventChange, LogFacts, ValueChange, diff};
+use diff::{DiffReport, EventChange, LogFacts, ValueChange, diff};
 use mcap_log::ReadProgress;
 use mission::in_process::{self, InProcessOptions};
 use mission::{MissionError, MissionOptions};
@@ -16,14 +16,12 @@ use scenario::Loader;
 use scenario::kind::Kind;
 
 use super::common::{ExternalArg, JsonArg, QuietArg};
+use super::comparison_text::{difference_lines, list, or_none};
 use super::logs::{self, CommandError};
 use super::output::{print, print_json};
 use super::run::refuse_external;
 use super::run_args::OverrideArgs;
 use super::tips;
-
-/// Maximum number of lines of a list in the text.
-const MAX_LINES: usize = 12;
 
 /// Help below the options.
 pub(super) const HELP: &str = "\
@@ -169,55 +167,18 @@ fn text(report: &DiffReport, a: &str, b: &str) -> String {
         format!("{}: {b}", side("B", &report.b)),
     ];
     list(&mut lines, "scenario", &report.scenario, value_line);
-    match &report.first {
-        None if report.whole => lines.push("histories  equal".to_owned()),
-        None => lines.push("histories  equal as far as both logs go".to_owned()),
-        Some(first) => {
-            let tick = first.causes.first().map_or(0, |cause| cause.tick);
-            let time = time_text(first.time_s);
-            lines.push(format!(
-                "histories  DIFFERENT from tick {tick} on ({time} s)"
-            ));
-            list(&mut lines, "cause", &first.causes, difference_line);
-            list(&mut lines, "effects", &first.effects, difference_line);
-        }
+    if report.same {
+        let extent = if report.whole {
+            ""
+        } else {
+            " as far as both logs go"
+        };
+        lines.push(format!("histories  equal{extent}"));
     }
+    lines.extend(difference_lines("histories", &report.comparison));
     list(&mut lines, "results", &report.results, value_line);
     list(&mut lines, "events", &report.events, event_line);
     lines.join("\n")
-}
-
-/// Adds a list with a heading, shortened.
-fn list<T>(lines: &mut Vec<String>, heading: &str, items: &[T], line: impl Fn(&T) -> String) {
-    for (at, item) in items.iter().take(MAX_LINES).enumerate() {
-        let heading = if at == 0 { heading } else { "" };
-        lines.push(format!("{heading:<10} {}", line(item)));
-    }
-    if items.len() > MAX_LINES {
-        let others = items.len() - MAX_LINES;
-        lines.push(format!("{:<10} and {others} others (--json lists all)", ""));
-    }
-}
-
-fn difference_line(change: &Difference) -> String {
-    let Difference {
-        process,
-        topic,
-        field,
-        a,
-        b,
-        ..
-    } = change;
-    let of = change
-        .robot
-        .as_ref()
-        .map_or_else(String::new, |robot| format!(" of {robot}"));
-    let field = if field.is_empty() {
-        ""
-    } else {
-        &format!(" {field}{of}:")
-    };
-    format!("{process}, {topic}:{field} {} → {}", or_none(a), or_none(b))
 }
 
 fn value_line(change: &ValueChange) -> String {
@@ -239,12 +200,4 @@ fn event_line(change: &EventChange) -> String {
         time(change.a_s),
         time(change.b_s)
     )
-}
-
-fn or_none(value: &str) -> String {
-    if value.is_empty() {
-        "none".to_owned()
-    } else {
-        value.to_owned()
-    }
 }

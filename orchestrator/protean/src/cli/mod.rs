@@ -4,6 +4,7 @@ mod cat;
 mod check;
 mod clean;
 mod common;
+mod comparison_text;
 mod diff;
 mod export;
 mod filter;
