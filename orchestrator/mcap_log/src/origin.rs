@@ -6,7 +6,7 @@ use std::path::Path;
 use super::LogReadError;
 use super::known;
 use super::output::{MANIFEST, RESULT};
-use super::reader::{Channel, Item};
+use super::reader::{Channel, Item, Reader};
 
 /// Description and result of the run in a log, as far as it has been read.
 #[derive(Debug, Default)]
@@ -26,6 +26,23 @@ impl Origin {
     pub const SCENARIO: &str = "scenario.toml";
     /// Name of the attachment with the processes and robots of the run.
     pub const RUN: &str = "run.json";
+
+    /// Reads what precedes the messages of a log.
+    ///
+    /// # Errors
+    /// [`LogReadError`]: the log cannot be read or is not a Protean log.
+    pub fn read(log: &Path) -> Result<Self, LogReadError> {
+        let mut reader = Reader::open(log, None)?;
+        let mut origin = Self::default();
+        while let Some(item) = reader.next()? {
+            if matches!(item, Item::Message(..)) {
+                break;
+            }
+            origin.add(&item);
+        }
+        origin.check(log)?;
+        Ok(origin)
+    }
 
     /// Adds a record of the log.
     pub fn add(&mut self, item: &Item<'_>) {

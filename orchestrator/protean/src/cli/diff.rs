@@ -5,15 +5,16 @@ use std::process::ExitCode;
 use std::sync::Arc;
 
 use diff::{DiffReport, EventChange, LogFacts, ValueChange, diff};
-use mcap_log::ReadProgress;
+use mcap_log::{Origin, ReadProgress};
 use mission::in_process::{self, InProcessOptions};
 use mission::{MissionError, MissionOptions};
 use platform::file_kind::FileKind;
 use platform::scratch::Scratch;
 use recorder::time_text;
 use replay::ReplayError;
-use scenario::Loader;
+use replay::origin::scenario_of;
 use scenario::kind::Kind;
+use scenario::{Loader, ResolvedScenario};
 
 use super::common::{ExternalArg, JsonArg, QuietArg};
 use super::comparison_text::{difference_lines, list, or_none};
@@ -25,12 +26,14 @@ use super::tips;
 
 /// Help below the options.
 pub(super) const HELP: &str = "\
-Each side is a log, or a scenario that is run first, in this process, without a log. The command names the first tick in
+Each side is a log, or a scenario that is run first, in this process, without a log. With --seed-b or --set-b the second side
+may be a log, whose scenario is then run with these changes. The command names the first tick in
 which the histories differ, and in it the processes that received the same inputs and answered otherwise. It also lists the
 keys of the scenario, the results and the events that differ.
 
   protean diff old.mcap new.mcap
   protean diff chase --seed-b 2
+  protean diff run.mcap --seed-b 2
   protean diff chase --set-b teams.police.limits.v_max=0.25
 
 Exit codes: 0 the histories are equal, 1 they differ or a run failed, 2 a side is not usable, 3 equal as far as an incomplete
@@ -71,11 +74,34 @@ pub(super) fn run(kinds: &[Kind], args: &DiffArgs) -> ExitCode {
             })
         })?;
         let b = args.b.as_ref().unwrap_or(&args.a);
-        let first = log_of(kinds, args, &args.a, &args.overrides, &folder, "a", watch)?;
-        let mut overrides = args.overrides.clone();
-        overrides.seed = args.seed_b.or(overrides.seed);
-        overrides.set.extend(args.set_b.iter().cloned());
-        let second = log_of(kinds, args, b, &overrides, &folder, "b", watch)?;
+        let first = if is_log(&args.a) {
+            PathBuf::from(&args.a)
+        } else {
+            let scenario = scenario(kinds, &args.a, &args.overrides)?;
+            run_first(args, &args.a, scenario, &folder, "a", watch)?
+        };
+        let second = if !is_log(b) {
+            let mut overrides = args.overrides.clone();
+            overrides.seed = args.seed_b.or(overrides.seed);
+            overrides.set.extend(args.set_b.iter().cloned());
+            run_first(
+                args,
+                b,
+                scenario(kinds, b, &overrides)?,
+                &folder,
+                "b",
+                watch,
+            )?
+        } else if args.seed_b.is_some() || !args.set_b.is_empty() {
+            // The scenario of the log, changed.
+            let seed = args.seed_b.map(|seed| format!("run.seed={seed}"));
+            let changes: Vec<String> = args.set_b.iter().cloned().chain(seed).collect();
+            let log = Path::new(b);
+            let scenario = scenario_of(&Origin::read(log)?, log, &changes, "", kinds)?;
+            run_first(args, b, scenario, &folder, "b", watch)?
+        } else {
+            PathBuf::from(b)
+        };
         let report = diff(&first, &second, watch)?;
         if args.json.json {
             print_json(&serde_json::json!(report));
@@ -93,39 +119,39 @@ fn is_log(side: &str) -> bool {
     FileKind::of(Path::new(side)) == Some(FileKind::Log)
 }
 
-/// Refuses seeds and overrides that no scenario takes.
+/// Refuses a seed and overrides that no scenario takes.
 fn refuse_changes_of_logs(args: &DiffArgs) -> Result<(), CommandError> {
     let b = args.b.as_ref().unwrap_or(&args.a);
     let OverrideArgs { seed, set, .. } = &args.overrides;
-    let is_given = |seed: &Option<u64>, set: &[String]| seed.is_some() || !set.is_empty();
-    let of_b = is_given(&args.seed_b, &args.set_b) && is_log(b);
-    let of_both = is_given(seed, set) && is_log(&args.a) && is_log(b);
-    if of_b || of_both {
+    if (seed.is_some() || !set.is_empty()) && is_log(&args.a) && is_log(b) {
         return Err(CommandError::Usage(format!(
-            "{b} is a log: its seed and scenario cannot be changed; name a scenario"
+            "{b} is a log: --seed-b and --set-b run its scenario changed, --seed and --set change no log"
         )));
     }
     Ok(())
 }
 
-/// Returns the log of a side; runs a scenario first.
-fn log_of(
+/// Returns the scenario of a side.
+fn scenario(
     kinds: &[Kind],
-    args: &DiffArgs,
     side: &str,
     overrides: &OverrideArgs,
+) -> Result<ResolvedScenario, CommandError> {
+    Loader::new(kinds)
+        .allow_outside(overrides.allow_outside)
+        .load(side, &overrides.set, overrides.seed)
+        .map_err(|problems| usage(&problems.to_string()))
+}
+
+/// Runs the scenario of a side; returns its log.
+fn run_first(
+    args: &DiffArgs,
+    side: &str,
+    mut scenario: ResolvedScenario,
     folder: &Scratch,
     name: &str,
     watch: &ReadProgress,
 ) -> Result<PathBuf, CommandError> {
-    let path = PathBuf::from(side);
-    if is_log(side) {
-        return Ok(path);
-    }
-    let mut scenario = Loader::new(kinds)
-        .allow_outside(overrides.allow_outside)
-        .load(side, &overrides.set, overrides.seed)
-        .map_err(|problems| usage(&problems.to_string()))?;
     refuse_external(side, &scenario, args.external.allow_external).map_err(|text| usage(&text))?;
     // Only the history is compared.
     scenario.log.viewer_rate_hz = 0.0;
