@@ -32,7 +32,7 @@ fn a_log_tells_what_it_holds_and_is_run_again_the_same() {
             (&true.into(), &true.into())
         );
         assert!(
-            rerun["comparison"]["equal"].as_u64().unwrap() > 100,
+            rerun["topics"]["world/state"]["equal"].as_u64() > Some(20),
             "{rerun}"
         );
     }
@@ -107,7 +107,6 @@ fn a_log_with_another_behind_it_is_reported_by_every_command() {
         "replay joined.mcap --as-fast-as-possible",
         "replay joined.mcap --test evader_potential_evader_1 --in-process",
         "export joined.mcap --out tables",
-        "filter joined.mcap --out part.mcap",
         "cat joined.mcap world/map",
         "report joined.mcap",
         "recover joined.mcap --out ok.mcap",
@@ -167,34 +166,9 @@ fn what_is_left_of_a_truncated_log_is_recovered_and_read_by_python() {
 }
 
 #[test]
-fn parts_and_tables_of_a_log() {
+fn tables_of_a_log() {
     let sandbox = Sandbox::new();
-    let summary = sandbox.record("chase_exact");
-    let part = sandbox
-        .protean([
-            "filter",
-            "run.mcap",
-            "--out",
-            "part.mcap",
-            "--start",
-            "0.5",
-            "--end",
-            "1",
-        ])
-        .arg("--exclude")
-        .arg("perception/*,/beliefs")
-        .json();
-    let history = History::read(&sandbox.path().join("part.mcap"));
-    let messages: u64 = history.counts.values().map(|(messages, _)| messages).sum();
-    assert_eq!(part["messages"], messages);
-    assert_eq!(history.maps.len(), 1, "the map from before the start");
-    assert!(history.sightings.is_empty() && !history.commands.is_empty());
-    let info = sandbox.protean(["info", "part.mcap"]).json();
-    assert_eq!(
-        (&info["digest"], &info["run_digest"]),
-        (&Json::Null, &summary["digest"])
-    );
-
+    sandbox.record("chase_exact");
     let tables = sandbox
         .protean(["export", "run.mcap", "--out", "tables"])
         .json();
@@ -251,7 +225,6 @@ fn what_is_not_a_log_or_cannot_be_done_is_refused() {
             &["info"][..],
             &["verify"],
             &["recover", "--out", "x.mcap"],
-            &["filter", "--out", "x.mcap"],
             &["export", "--out", "x"],
         ] {
             let outcome = sandbox.protean(command.iter().copied()).arg(name).run();

@@ -151,6 +151,10 @@ fn a_page_plays_the_mission_in_a_browser_and_shows_what_the_log_says() {
 }
 
 #[test]
+#[expect(
+    clippy::too_many_lines,
+    reason = "one look at the page after the other"
+)]
 fn a_page_opens_before_the_first_decision_and_two_runs_share_its_clock() {
     let sandbox = Sandbox::new();
     for (log, seed) in [("a.mcap", "1"), ("b.mcap", "2")] {
@@ -172,6 +176,9 @@ fn a_page_opens_before_the_first_decision_and_two_runs_share_its_clock() {
         { "eval": times("['goal_reached']") },
         { "eval": times("['obstacle']") },
         { "eval": "document.getElementById('difference').textContent" },
+        { "eval": "['timeline', 'curves'].map((part) => document.querySelectorAll(`#${part} canvas`).length)" },
+        { "eval": "protean.runs.map((run) => run.root.querySelectorAll('#events, #plots').length)" },
+        { "eval": "[...document.querySelectorAll('#curves .legend button')].map((curve) => curve.textContent)" },
         { "eval": "protean.t" },
         { "key": "p" },
         { "eval": later("[protean.t, location.hash]") },
@@ -198,6 +205,16 @@ fn a_page_opens_before_the_first_decision_and_two_runs_share_its_clock() {
     let difference = next().as_str().unwrap();
     for words in ["The histories are equal", "run.seed"] {
         assert!(difference.contains(words), "{difference}");
+    }
+    // Time line and curves are there once, with both runs.
+    let counts = next();
+    assert_eq!(counts[0], 1);
+    assert!(counts[1].as_u64() > Some(1), "{counts}");
+    assert_eq!(next(), &json!([0, 0]));
+    let curves = next().as_array().unwrap();
+    assert!(curves.len() > 1);
+    for curve in curves {
+        assert!(curve.as_str().unwrap().contains(" | "), "{curve}");
     }
     let opens = next().as_f64().unwrap();
     let first = goals.iter().copied().fold(f64::INFINITY, f64::min);

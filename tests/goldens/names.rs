@@ -114,18 +114,6 @@ const COMMANDS: &[(&str, &[&str], i32)] = &[
         &["recover", "chase.mcap", "--out", "recovered.mcap"],
         0,
     ),
-    (
-        "filter",
-        &[
-            "filter",
-            "chase.mcap",
-            "--end",
-            "1",
-            "--out",
-            "filtered.mcap",
-        ],
-        0,
-    ),
     ("export", &["export", "chase.mcap", "--out", "tables"], 0),
     ("report", &["report", "chase.mcap"], 0),
     ("verify", &["verify", "chase.mcap", "--in-process"], 0),

@@ -76,9 +76,7 @@ fn what_is_no_file_is_neither_waited_for_nor_read_without_end() {
         sandbox.file("in/s.toml", changed("builtin:hello", path));
         refused(&sandbox, &["--allow-outside"], &[words]);
     }
-    for command in [
-        "info", "recover", "filter", "export", "report", "verify", "picture",
-    ] {
+    for command in ["info", "recover", "export", "report", "verify", "picture"] {
         for log in ["in/map.pgm", "/dev/zero"] {
             let call = [command, log, "--out", "out"];
             let arguments = &call[..if matches!(command, "info" | "verify") {

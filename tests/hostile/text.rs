@@ -48,7 +48,6 @@ fn titles_topics_and_stderr_lines_are_escaped_on_the_terminal() {
         &["report", "evil.mcap", "--out", "evil.html"],
         &["picture", "evil.mcap", "--out", "evil.svg"],
         &["export", "evil.mcap", "--out", "tables"],
-        &["filter", "evil.mcap", "--end", "0.5", "--out", "part.mcap"],
     ] {
         let outcome = sandbox.protean(call.iter().copied()).run();
         assert_eq!(outcome.code, Some(0), "{call:?}: {outcome}");

@@ -2,40 +2,22 @@
 
 use std::collections::BTreeMap;
 use std::path::Path;
-use std::rc::Rc;
+use std::sync::Arc;
 
 use ipc_types::consumer::LoggedMessage;
-use ipc_types::stamp::Stamp;
-use ipc_types::topics::{TopicId, WorldEvents};
-use mcap_log::known;
-use mcap_log::output::{MANIFEST, RESULT};
+use ipc_types::messages::world::WorldHeader;
+use ipc_types::topics::{Topic as _, TopicId, WorldEvents, WorldState};
+use mcap_log::known::{self, ENCAPSULATION};
 use mcap_log::reader::{Channel, Item, Reader};
 use mcap_log::ros2::Schema;
-use mcap_log::{Condition, LogReadError};
+use mcap_log::{Condition, LogReadError, Origin};
 use recorder::{EventEntry, RunInfo};
+use zerocopy::FromBytes as _;
+
+use crate::message::{Message, TopicFormat};
 
 /// Maximum number of events that are kept of a log.
 const MAX_EVENTS: usize = 10_000;
-
-/// A topic of a log.
-#[derive(Debug)]
-pub(crate) struct TopicFormat {
-    /// Its name.
-    pub(crate) name: String,
-    /// Definition of its messages.
-    pub(crate) definition: Vec<u8>,
-    /// The same, parsed; `None` if it cannot be.
-    pub(crate) schema: Option<Schema>,
-}
-
-/// A message of the simulated history.
-#[derive(Debug)]
-pub(crate) struct Message {
-    pub(crate) topic: Rc<TopicFormat>,
-    pub(crate) stamp: Stamp,
-    /// CDR form.
-    pub(crate) data: Vec<u8>,
-}
 
 /// All messages of one log time.
 #[derive(Debug, Default)]
@@ -49,52 +31,48 @@ pub(crate) struct Moment {
 /// The history in a log, and what else is known of the run after the part that has been read.
 pub(crate) struct History {
     reader: Reader<'static>,
-    topics: BTreeMap<u16, Rc<TopicFormat>>,
+    topics: BTreeMap<u16, Arc<TopicFormat>>,
     ahead: Option<(u64, Message)>,
-    /// Entries of the manifest.
-    pub(crate) manifest: BTreeMap<String, String>,
-    /// Text of the scenario.
-    pub(crate) scenario: String,
+    /// Log time at which the compared part ends (ns).
+    before: u64,
+    /// `true` if the last state of the world is that of the end of the run.
+    over: bool,
+    /// Manifest, scenario and result.
+    pub(crate) origin: Origin,
     /// Description of the run.
     pub(crate) run: RunInfo,
-    /// Result of the run; empty if it was killed, or before its end.
-    pub(crate) result: BTreeMap<String, String>,
     /// Events of the world.
     pub(crate) events: Vec<EventEntry>,
 }
 
 impl History {
-    /// Opens a log and reads what precedes its messages.
+    /// Opens a log and reads what precedes its messages; the history ends before a log time (ns).
     ///
     /// # Errors
     /// [`LogReadError`]: the log cannot be read or is not a Protean log.
-    pub(crate) fn open(log: &Path) -> Result<Self, LogReadError> {
+    pub(crate) fn open(log: &Path, before: u64) -> Result<Self, LogReadError> {
         let mut history = Self {
             reader: Reader::open(log, None)?,
             topics: BTreeMap::new(),
             ahead: None,
-            manifest: BTreeMap::new(),
-            scenario: String::new(),
+            before,
+            over: false,
+            origin: Origin::default(),
             run: RunInfo::default(),
-            result: BTreeMap::new(),
             events: Vec::new(),
         };
         history.ahead = history.next()?;
-        if history.manifest.is_empty() {
-            return Err(LogReadError::Foreign {
-                path: log.to_owned(),
-                missing: "manifest",
-            });
-        }
+        history.origin.check(log)?;
         Ok(history)
     }
 
-    /// Returns all messages of the next log time; `None` at the end of the log.
+    /// Returns all messages of the next log time; `None` at the end of the history.
     ///
     /// # Errors
     /// [`LogReadError`]: the log cannot be read, or its times are not in order.
     pub(crate) fn moment(&mut self) -> Result<Option<Moment>, LogReadError> {
-        let Some((time_ns, first)) = self.ahead.take() else {
+        let before = self.before;
+        let Some((time_ns, first)) = self.ahead.take_if(|(time_ns, _)| *time_ns < before) else {
             return Ok(None);
         };
         let mut moment = Moment {
@@ -126,11 +104,12 @@ impl History {
         self.reader.check_all()
     }
 
-    /// Returns the name of a process of the run.
-    pub(crate) fn process(&self, source: u32) -> String {
-        let mut processes = self.run.processes.iter();
-        let process = processes.find(|process| process.index == source);
-        process.map_or_else(|| format!("process {source}"), |found| found.name.clone())
+    /// Returns `true` if the messages that have been read reach the end of the run.
+    pub(crate) fn has_ended(&self) -> bool {
+        self.ahead.is_none()
+            && self.over
+            && self.origin.result.contains_key("digest")
+            && self.reader.condition().data
     }
 
     /// Returns the read position in the file (bytes).
@@ -150,16 +129,6 @@ impl History {
                 return Ok(None);
             };
             match item {
-                Item::Metadata(record) if record.name == MANIFEST => {
-                    self.manifest = record.metadata;
-                }
-                Item::Metadata(record) if record.name == RESULT => self.result = record.metadata,
-                Item::Attachment(header, data) if header.name == "scenario.toml" => {
-                    self.scenario = String::from_utf8_lossy(data).into_owned();
-                }
-                Item::Attachment(header, data) if header.name == RunInfo::ATTACHMENT => {
-                    self.run = serde_json::from_slice(data).unwrap_or_default();
-                }
                 Item::Channel(channel) => self.channel(&channel),
                 Item::Message(header, data) => {
                     let topic = self.topics.get(&header.channel_id);
@@ -167,15 +136,20 @@ impl History {
                         && let Some(stamp) = known::stamp(data)
                     {
                         let message = Message {
-                            topic: Rc::clone(topic),
+                            topic: Arc::clone(topic),
                             stamp,
                             data: data.to_vec(),
                         };
-                        self.event(header.log_time, &message);
+                        self.note(header.log_time, &message);
                         return Ok(Some((header.log_time, message)));
                     }
                 }
-                _ => {}
+                other => {
+                    self.origin.add(&other);
+                    if matches!(&other, Item::Attachment(header, _) if header.name == Origin::RUN) {
+                        self.run = RunInfo::from_log(&self.origin).unwrap_or_default();
+                    }
+                }
             }
         }
     }
@@ -195,11 +169,16 @@ impl History {
                 .and_then(|schema| Schema::parse(&schema.name, &schema.data).ok()),
             definition: schema.map_or_else(Vec::new, |schema| schema.data.clone()),
         };
-        self.topics.insert(channel.id, Rc::new(format));
+        self.topics.insert(channel.id, Arc::new(format));
     }
 
-    /// Keeps the events of a message.
-    fn event(&mut self, time_ns: u64, message: &Message) {
+    /// Keeps the events of a message, and if the run is over.
+    fn note(&mut self, time_ns: u64, message: &Message) {
+        if message.topic.name == WorldState::NAME {
+            let state = message.data.get(ENCAPSULATION..).unwrap_or_default();
+            self.over = WorldHeader::read_from_prefix(state)
+                .is_ok_and(|(state, _)| state.phase == WorldHeader::OVER);
+        }
         if message.topic.name != TopicId::WorldEvents.name() || self.events.len() >= MAX_EVENTS {
             return;
         }

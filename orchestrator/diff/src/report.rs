@@ -1,18 +1,14 @@
 //! The differences of two logs.
 
-use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 use mcap_log::{Condition, LogReadError, ReadProgress};
 use serde::Serialize;
 
-use crate::cause::causes;
+use crate::comparison::Comparison;
 use crate::facts::{EventChange, ValueChange, event_changes, result_changes, scenario_changes};
-use crate::history::{History, Message, Moment};
-use crate::message::first_change;
-
-/// Maximum number of messages that are listed of the first tick with a difference.
-const MAX_DIFFERENCES: usize = 64;
+use crate::history::{History, Moment};
+use crate::message::Message;
 
 /// One of the two logs.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -29,39 +25,6 @@ pub struct LogFacts {
     pub condition: Condition,
 }
 
-/// A message that differs, or that only one of the logs has.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-pub struct Difference {
-    /// Tick of the message.
-    pub tick: u64,
-    /// Name of the process that sent it.
-    pub process: String,
-    /// Kind of that process.
-    pub kind: String,
-    /// Topic.
-    pub topic: String,
-    /// Name of the robot that the field is about, if the message tells it.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub robot: Option<String>,
-    /// First field that differs, e.g. `robots[2].x`; empty if one of the logs lacks the message.
-    pub field: String,
-    /// Its value in the first log; empty if it has none.
-    pub a: String,
-    /// Its value in the second log; empty if it has none.
-    pub b: String,
-}
-
-/// The first tick in which two histories differ.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct FirstDifference {
-    /// Simulated time (s).
-    pub time_s: f64,
-    /// Messages of the processes that received the same inputs in both runs, one of each topic.
-    pub causes: Vec<Difference>,
-    /// Other messages of this tick that differ, of processes that received other inputs.
-    pub effects: Vec<Difference>,
-}
-
 /// The differences of two logs.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct DiffReport {
@@ -75,8 +38,9 @@ pub struct DiffReport {
     pub whole: bool,
     /// Keys of the scenario that differ.
     pub scenario: Vec<ValueChange>,
-    /// First difference of the histories; `None` if there is none.
-    pub first: Option<FirstDifference>,
+    /// Comparison of the histories.
+    #[serde(flatten)]
+    pub comparison: Comparison,
     /// Values of the result that differ; none if one of the logs has no result.
     pub results: Vec<ValueChange>,
     /// Events that differ.
@@ -91,40 +55,57 @@ pub struct DiffReport {
 /// # Errors
 /// [`LogReadError`]: a log cannot be read, is not a Protean log, or its times are not in order.
 pub fn diff(a: &Path, b: &Path, watch: &mut ReadProgress) -> Result<DiffReport, LogReadError> {
-    let (mut x, mut y) = (History::open(a)?, History::open(b)?);
+    diff_before(a, b, u64::MAX, watch)
+}
+
+/// Compares two logs like [`diff()`], their histories up to log time `before` (ns).
+///
+/// # Errors
+/// As [`diff()`].
+pub fn diff_before(
+    a: &Path,
+    b: &Path,
+    before: u64,
+    watch: &mut ReadProgress,
+) -> Result<DiffReport, LogReadError> {
+    let (mut x, mut y) = (History::open(a, before)?, History::open(b, before)?);
     watch.begin(x.condition().file_bytes);
-    let mut first = None;
+    let mut comparison = Comparison::new([x.run.clone(), y.run.clone()]);
     let (mut p, mut q) = (x.moment()?, y.moment()?);
-    while first.is_none() {
+    loop {
         watch.at(x.at())?;
         let times = [&p, &q].map(|moment| moment.as_ref().map(|moment| moment.time_ns));
-        let Some(now) = times.into_iter().flatten().min() else {
+        let has_more = times.map(|time| time.is_some());
+        let is_cut = [has_more[0] || x.has_ended(), has_more[1] || y.has_ended()].contains(&false);
+        let Some(now) = times.into_iter().flatten().min().filter(|_| !is_cut) else {
             break;
         };
         let (of_x, of_y) = (take(&mut p, &mut x, now)?, take(&mut q, &mut y, now)?);
         // The last tick of a log that was cut may be incomplete.
-        if p.is_none() && x.result.is_empty() || q.is_none() && y.result.is_empty() {
-            break;
-        }
-        first = difference(&x, &y, now, &of_x, &of_y);
+        let may_lack = [p.is_none() && !x.has_ended(), q.is_none() && !y.has_ended()];
+        comparison.add(now, &of_x, &of_y, may_lack);
     }
     x.finish()?;
     y.finish()?;
     watch.end();
-    let has_results = !x.result.is_empty() && !y.result.is_empty();
+    let has_results = !x.origin.result.is_empty() && !y.origin.result.is_empty();
+    let scenario = |history: &History| {
+        let text = history.origin.scenario.as_deref().unwrap_or_default();
+        String::from_utf8_lossy(text).into_owned()
+    };
     Ok(DiffReport {
-        same: first.is_none(),
-        whole: has_results && x.condition().is_whole() && y.condition().is_whole(),
-        scenario: scenario_changes(&x.scenario, &y.scenario),
-        first,
+        same: comparison.first.is_none(),
+        whole: x.has_ended() && y.has_ended(),
+        scenario: scenario_changes(&scenario(&x), &scenario(&y)),
         results: if has_results {
-            result_changes(&x.result, &y.result)
+            result_changes(&x.origin.result, &y.origin.result)
         } else {
             Vec::new()
         },
         events: event_changes(&x.events, &y.events),
         a: log_facts(&x),
         b: log_facts(&y),
+        comparison,
     })
 }
 
@@ -144,107 +125,19 @@ fn take(
 }
 
 fn log_facts(history: &History) -> LogFacts {
-    let entry = |key: &str| history.manifest.get(key).cloned().unwrap_or_default();
+    let entry = |key: &str| {
+        history
+            .origin
+            .manifest
+            .get(key)
+            .cloned()
+            .unwrap_or_default()
+    };
     LogFacts {
         scenario: entry("scenario"),
         seed: entry("seed"),
         version: entry("version"),
-        digest: history.result.get("digest").cloned(),
+        digest: history.origin.result.get("digest").cloned(),
         condition: history.condition().clone(),
     }
-}
-
-/// Returns the differences of all messages of a time (ns); `None` if there are none.
-fn difference(
-    x: &History,
-    y: &History,
-    time_ns: u64,
-    a: &[Message],
-    b: &[Message],
-) -> Option<FirstDifference> {
-    let (of_a, of_b) = (by_sender(x, a), by_sender(y, b));
-    let senders: BTreeSet<&(String, String)> = of_a.keys().chain(of_b.keys()).collect();
-    let mut found: Vec<Difference> = Vec::new();
-    for sender in senders {
-        let of = |all: &BTreeMap<_, Vec<_>>| all.get(sender).cloned().unwrap_or_default();
-        let (a, b): (Vec<&Message>, Vec<&Message>) = (of(&of_a), of(&of_b));
-        let mut pairs = (0..a.len().max(b.len())).map(|at| (a.get(at), b.get(at)));
-        let change = pairs.find_map(|pair| change(x, y, sender, pair));
-        found.extend(change);
-    }
-    if found.is_empty() {
-        return None;
-    }
-    let differing = found.iter().map(|change| change.process.clone()).collect();
-    let causes = causes(&x.run, &differing);
-    let is_cause = |change: &Difference| causes.contains(&change.process);
-    let (mut causes, mut effects): (Vec<_>, Vec<_>) = found.into_iter().partition(is_cause);
-    causes.truncate(MAX_DIFFERENCES);
-    effects.truncate(MAX_DIFFERENCES);
-    Some(FirstDifference {
-        time_s: mcap_log::seconds(time_ns),
-        causes,
-        effects,
-    })
-}
-
-/// Returns messages by process and topic.
-fn by_sender<'m>(
-    history: &History,
-    messages: &'m [Message],
-) -> BTreeMap<(String, String), Vec<&'m Message>> {
-    let mut senders: BTreeMap<_, Vec<_>> = BTreeMap::new();
-    for message in messages {
-        let sender = (
-            history.process(message.stamp.source),
-            message.topic.name.clone(),
-        );
-        senders.entry(sender).or_default().push(message);
-    }
-    senders
-}
-
-/// Returns the difference of two messages of a sender with the same position.
-fn change(
-    x: &History,
-    y: &History,
-    (process, topic): &(String, String),
-    pair: (Option<&&Message>, Option<&&Message>),
-) -> Option<Difference> {
-    let (tick, field, [a, b], robot) = match pair {
-        (Some(a), Some(b)) => {
-            let change = first_change(a, b)?;
-            (a.stamp.tick, change.field, change.values, change.robot)
-        }
-        (Some(one), None) => (
-            one.stamp.tick,
-            String::new(),
-            [sent(one), String::new()],
-            None,
-        ),
-        (None, Some(one)) => (
-            one.stamp.tick,
-            String::new(),
-            [String::new(), sent(one)],
-            None,
-        ),
-        (None, None) => return None,
-    };
-    let mut processes = x.run.processes.iter().chain(&y.run.processes);
-    let kind = processes.find(|info| info.name == *process);
-    let robot = robot.and_then(|robot| x.run.robots.get(usize::try_from(robot).ok()?));
-    Some(Difference {
-        tick,
-        process: process.clone(),
-        kind: kind.map_or_else(String::new, |info| info.kind.clone()),
-        topic: topic.clone(),
-        robot: robot.map(|robot| robot.name.clone()),
-        field,
-        a,
-        b,
-    })
-}
-
-fn sent(message: &Message) -> String {
-    format!("message {}", message.stamp.sequence)
 }

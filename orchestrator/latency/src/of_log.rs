@@ -7,7 +7,6 @@ use std::rc::Rc;
 use ipc_types::consumer::{Consumer as _, LoggedMessage};
 use ipc_types::topics::{Commands, Status, Topic as _, TopicId, WorldState};
 use mcap_log::Origin;
-use mcap_log::output::MANIFEST;
 use mcap_log::reader::{Channel, Item, Reader};
 use mcap_log::{Condition, LogReadError, ReadProgress, known};
 use statistics::{Distribution, Distributions};
@@ -110,15 +109,6 @@ struct Reading {
 impl Reading {
     fn item(&mut self, log: &Path, item: Item<'_>) -> Result<(), LatencyError> {
         match item {
-            Item::Metadata(record) if record.name == MANIFEST => {
-                self.origin.manifest = record.metadata;
-            }
-            Item::Attachment(header, data) if header.name == "scenario.toml" => {
-                self.origin.scenario = Some(data.to_vec());
-            }
-            Item::Attachment(header, data) if header.name == RunInfo::ATTACHMENT => {
-                self.run = serde_json::from_slice(data).ok();
-            }
             Item::Channel(channel) => self.channel(log, &channel)?,
             Item::Message(header, data) => {
                 if self.chain.is_none() {
@@ -127,13 +117,14 @@ impl Reading {
                         path: log.to_owned(),
                         what: "readable description of its run (run.json)",
                     };
-                    let run = self.run.as_ref().ok_or_else(lacks)?;
+                    let run = RunInfo::from_log(&self.origin).ok_or_else(lacks)?;
                     let chain = Chain::new(&run.processes).with_detail(run.wall_period_ns);
                     self.chain = Some(chain);
+                    self.run = Some(run);
                 }
                 self.message(header.channel_id, header.log_time, data);
             }
-            _ => {}
+            other => self.origin.add(&other),
         }
         Ok(())
     }
@@ -206,10 +197,6 @@ impl Reading {
         }
         chain.settle();
         let detail = chain.detail.take().unwrap_or_default();
-        let name = |index: u32| {
-            let process = run.processes.iter().find(|p| p.index == index);
-            process.map_or_else(|| format!("process {index}"), |p| p.name.clone())
-        };
         let text = |key: &str| self.origin.manifest.get(key).cloned().unwrap_or_default();
         Ok(Measured {
             scenario: text("scenario"),
@@ -222,7 +209,7 @@ impl Reading {
             overruns: self
                 .overruns
                 .iter()
-                .map(|(index, overruns)| (name(*index), *overruns))
+                .map(|(index, overruns)| (run.process_name(*index), *overruns))
                 .collect(),
             sizes: self
                 .topics

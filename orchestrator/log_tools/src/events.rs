@@ -5,9 +5,8 @@ use std::path::Path;
 use ipc_types::consumer::LoggedMessage;
 use ipc_types::topics::{Topic as _, TopicId, WorldEvents};
 use mcap_log::known;
-use mcap_log::output::MANIFEST;
 use mcap_log::reader::{Item, Reader};
-use mcap_log::{LogReadError, ReadProgress};
+use mcap_log::{LogReadError, Origin, ReadProgress};
 use recorder::{EventEntry, EventNames, RunInfo};
 
 use super::topic_table::RobotNames;
@@ -20,21 +19,15 @@ use super::topic_table::RobotNames;
 pub fn events(log: &Path, watch: &mut ReadProgress) -> Result<Vec<EventEntry>, LogReadError> {
     let mut reader = Reader::open(log, Some(watch))?;
     let mut robots = RobotNames::default();
-    let (mut version, mut run) = (String::new(), RunInfo::default());
+    let mut origin = Origin::default();
     let mut channel = None;
     let mut found = Vec::new();
     while let Some(item) = reader.next()? {
         match item {
-            Item::Metadata(record) if record.name == MANIFEST => {
-                version = record.metadata.get("version").cloned().unwrap_or_default();
-            }
-            Item::Attachment(header, data) if header.name == RunInfo::ATTACHMENT => {
-                run = serde_json::from_slice(data).unwrap_or_default();
-            }
             Item::Channel(next) => {
                 robots.channel(&next, reader.schema(next.schema_id).as_deref());
                 if next.topic == WorldEvents::id().name() {
-                    known::check_layout(log, &next, &version)?;
+                    known::check_layout(log, &next, origin.version())?;
                     channel = Some(next.id);
                 }
             }
@@ -50,12 +43,12 @@ pub fn events(log: &Path, watch: &mut ReadProgress) -> Result<Vec<EventEntry>, L
                     found.extend(events.map(|event| (message.time_s(), event)));
                 }
             }
-            _ => {}
+            other => origin.add(&other),
         }
     }
     let names = EventNames {
         robots: robots.names,
-        obstacles: run.obstacles,
+        obstacles: RunInfo::from_log(&origin).unwrap_or_default().obstacles,
     };
     let entries = found
         .iter()

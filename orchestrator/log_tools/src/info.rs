@@ -8,7 +8,7 @@ use mcap_log::LogReadError;
 use mcap_log::MessageHeader;
 use mcap_log::ReadProgress;
 use mcap_log::known;
-use mcap_log::output::{FILTERED, MANIFEST, RECOVERED, RESULT, RUN_DIGEST};
+use mcap_log::output::{MANIFEST, RECOVERED, RESULT, RUN_DIGEST};
 use mcap_log::reader::{Channel, Item, Reader};
 use serde::Serialize;
 
@@ -47,7 +47,7 @@ pub struct LogInfo {
     /// history.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub digest: Option<String>,
-    /// Digest of the run of which this log contains a part.
+    /// Digest of the run, if messages of it were lost before a repair.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub run_digest: Option<String>,
     /// Last tick of the world.
@@ -55,9 +55,6 @@ pub struct LogInfo {
     pub ticks: Option<u64>,
     /// Outcomes of the robots; empty if the log does not contain them.
     pub robots: Vec<RobotOutcome>,
-    /// Parameters of the filter that made the log; empty if it is not a part of another log.
-    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
-    pub filtered: BTreeMap<String, String>,
     /// Record of the repair; empty if the log was not repaired.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub recovered: BTreeMap<String, String>,
@@ -228,7 +225,6 @@ impl LogInfo {
         let last = with.map(|t| t.last).max().unwrap_or(0);
         let messages = tallies.values().map(|t| t.info.messages).sum();
         let unsorted = tallies.values().map(|t| t.unsorted).sum();
-        let whole = !records.contains_key(FILTERED);
         let mut topics: BTreeMap<String, TopicInfo> = BTreeMap::new();
         for (id, topic) in channels {
             if let Some(tally) = tallies.remove(&id) {
@@ -238,7 +234,7 @@ impl LogInfo {
                 } else {
                     topic
                 };
-                topics.insert(name, tally.finish(whole));
+                topics.insert(name, tally.finish(first == 0));
             }
         }
         let mut record = |name: &str| records.remove(name).unwrap_or_default();
@@ -262,7 +258,6 @@ impl LogInfo {
             robots: robots
                 .and_then(|text| serde_json::from_str(&text).ok())
                 .unwrap_or_default(),
-            filtered: record(FILTERED),
             recovered: record(RECOVERED),
             start_s: mcap_log::seconds(first),
             end_s: mcap_log::seconds(last),
@@ -309,7 +304,7 @@ impl Contents {
                 }
                 Item::Metadata(record) => {
                     contents.metadata.push(record.name.clone());
-                    if [MANIFEST, RESULT, FILTERED, RECOVERED].contains(&record.name.as_str()) {
+                    if [MANIFEST, RESULT, RECOVERED].contains(&record.name.as_str()) {
                         contents.records.insert(record.name, record.metadata);
                     }
                 }

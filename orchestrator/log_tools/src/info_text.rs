@@ -92,7 +92,6 @@ fn head(info: &LogInfo) -> String {
         let entries: Vec<String> = entries.map(|(k, v)| format!("{k} {v}")).collect();
         entries.join(", ")
     };
-    line("cut out", &list(&info.filtered));
     line("recovered", &list(&info.recovered));
     for robot in &info.robots {
         let outcome = robot.outcome.replace('_', " ");

@@ -1,14 +1,11 @@
 //! Tools for logs: [`LogInfo`] summarises a log, [`cat`](cat()) lists its messages as JSON, [`events`](events()) its
-//! events, [`recover`](recover()) repairs a truncated or damaged one, [`filter`](filter()) cuts it,
-//! [`export`](export()) writes tables, [`TopicColumns`] are a table in memory, [`ros2bag`](ros2bag()) writes a ROS 2
-//! bag, and [`compare`](compare()) compares two.
+//! events, [`recover`](recover()) repairs a truncated or damaged one,
+//! [`export`](export()) writes tables, [`TopicColumns`] are a table in memory, and [`ros2bag`](ros2bag()) writes
+//! a ROS 2 bag.
 
 mod cat;
-mod compare;
-mod deviation;
 mod events;
 mod export;
-mod filter;
 mod info;
 mod info_text;
 mod layout;
@@ -22,11 +19,8 @@ mod topic_table;
 mod tests;
 
 pub use cat::{CatOptions, cat};
-pub use compare::{Comparison, Difference, TopicComparison, compare};
-pub use deviation::Deviation;
 pub use events::events;
 pub use export::{ExportOptions, Exported, Ros2Bag, Table, export, ros2bag};
-pub use filter::{FilterOptions, Filtered, filter};
 pub use info::{LogInfo, TopicInfo};
 pub use info_text::text as info_text;
 pub use recover::{Recovered, recover};

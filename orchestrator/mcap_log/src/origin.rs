@@ -1,22 +1,72 @@
-//! Manifest and scenario at the head of a log.
+//! Description and result of the run in a log.
 
 use std::collections::BTreeMap;
 use std::path::Path;
 
 use super::LogReadError;
 use super::known;
-use super::reader::Channel;
+use super::output::{MANIFEST, RESULT};
+use super::reader::{Channel, Item, Reader};
 
-/// Manifest and scenario of a log.
+/// Description and result of the run in a log, as far as it has been read.
 #[derive(Debug, Default)]
 pub struct Origin {
     /// Metadata of the run, by name.
     pub manifest: BTreeMap<String, String>,
     /// The resolved scenario, as TOML.
     pub scenario: Option<Vec<u8>>,
+    /// Processes and robots of the run, as JSON.
+    pub run: Option<Vec<u8>>,
+    /// Result of the run, by name; empty if the run was killed, or before its end.
+    pub result: BTreeMap<String, String>,
 }
 
 impl Origin {
+    /// Name of the attachment with the scenario.
+    pub const SCENARIO: &str = "scenario.toml";
+    /// Name of the attachment with the processes and robots of the run.
+    pub const RUN: &str = "run.json";
+
+    /// Reads what precedes the messages of a log.
+    ///
+    /// # Errors
+    /// [`LogReadError`]: the log cannot be read or is not a Protean log.
+    pub fn read(log: &Path) -> Result<Self, LogReadError> {
+        let mut reader = Reader::open(log, None)?;
+        let mut origin = Self::default();
+        while let Some(item) = reader.next()? {
+            if matches!(item, Item::Message(..)) {
+                break;
+            }
+            origin.add(&item);
+        }
+        origin.check(log)?;
+        Ok(origin)
+    }
+
+    /// Adds a record of the log.
+    pub fn add(&mut self, item: &Item<'_>) {
+        match item {
+            Item::Metadata(record) if record.name == MANIFEST => {
+                self.manifest.clone_from(&record.metadata);
+            }
+            Item::Metadata(record) if record.name == RESULT => {
+                self.result.clone_from(&record.metadata);
+            }
+            Item::Attachment(header, data) => match header.name.as_str() {
+                Self::SCENARIO => self.scenario = Some(data.to_vec()),
+                Self::RUN => self.run = Some(data.to_vec()),
+                _ => {}
+            },
+            _ => {}
+        }
+    }
+
+    /// Returns the version of Protean that recorded the log; empty if it is not in the log.
+    pub fn version(&self) -> &str {
+        self.manifest.get("version").map_or("", String::as_str)
+    }
+
     /// Checks that manifest and scenario exist.
     ///
     /// # Errors
@@ -47,7 +97,6 @@ impl Origin {
 
     /// Returns the error of a topic that has another layout in this version.
     pub fn layout(&self, log: &Path, topic: &str, found: &str) -> LogReadError {
-        let version = self.manifest.get("version");
-        known::other_layout(log, topic, found, version.map_or("", String::as_str))
+        known::other_layout(log, topic, found, self.version())
     }
 }

@@ -184,7 +184,5 @@ pub const MANIFEST: &str = "protean";
 pub const RESULT: &str = "protean.result";
 /// Key of the digest in a log that does not contain the whole run.
 pub const RUN_DIGEST: &str = "run_digest";
-/// Name of the metadata record of a filtered log.
-pub const FILTERED: &str = "protean.filter";
 /// Name of the metadata record of a recovered log.
 pub const RECOVERED: &str = "protean.recovered";

@@ -10,7 +10,7 @@ use std::rc::Rc;
 use mcap::records::MessageHeader;
 
 use super::known;
-use super::output::{MANIFEST, ROBOTS_TOPIC};
+use super::output::ROBOTS_TOPIC;
 use super::reader::{Channel, ChunkPlace, Item, Reader, Schema};
 use super::states::{States, is_latched};
 use crate::LogReadError;
@@ -174,16 +174,10 @@ impl Source {
     /// Reads the records before the first message.
     fn read_head(&mut self) -> Result<(), LogReadError> {
         while let Some(item) = self.reader.next()? {
-            match item {
-                Item::Metadata(record) if record.name == MANIFEST => {
-                    self.origin.manifest = record.metadata;
-                }
-                Item::Attachment(header, data) if header.name == "scenario.toml" => {
-                    self.origin.scenario = Some(data.to_vec());
-                }
-                Item::Message(..) => break,
-                _ => {}
+            if matches!(item, Item::Message(..)) {
+                break;
             }
+            self.origin.add(&item);
         }
         self.origin.check(self.reader.path())
     }

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use mcap_log::{
-    Compression, LogObserver, LogOptions, LogWriteError, LogWriter, Manifest, ManifestFile,
+    Compression, LogObserver, LogOptions, LogWriteError, LogWriter, Manifest, ManifestFile, Origin,
 };
 use platform::eprintln;
 use platform::presence;
@@ -157,12 +157,12 @@ fn manifest(scenario: &ResolvedScenario, run: &RunInfo, plan: &Plan) -> Manifest
         entries,
         attachments: vec![
             ManifestFile {
-                name: "scenario.toml".into(),
+                name: Origin::SCENARIO.into(),
                 media_type: "application/toml".into(),
                 data: toml.into_bytes(),
             },
             ManifestFile {
-                name: RunInfo::ATTACHMENT.into(),
+                name: Origin::RUN.into(),
                 media_type: "application/json".into(),
                 data: serde_json::to_vec(run).unwrap_or_default(),
             },

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use mcap_log::Origin;
 use runtime::kind::TaskSketch;
 use runtime::link::Link;
 use serde::{Deserialize, Serialize};
@@ -71,8 +72,16 @@ pub struct RunInfo {
 }
 
 impl RunInfo {
-    /// Name of the attachment of a log that contains the description as JSON.
-    pub const ATTACHMENT: &str = "run.json";
+    /// Returns the description in a log; `None` if it is not in the log or cannot be read.
+    pub fn from_log(origin: &Origin) -> Option<Self> {
+        serde_json::from_slice(origin.run.as_deref()?).ok()
+    }
+
+    /// Returns the name of a process by its index.
+    pub fn process_name(&self, index: u32) -> String {
+        let process = self.processes.iter().find(|info| info.index == index);
+        process.map_or_else(|| format!("process {index}"), |found| found.name.clone())
+    }
 
     /// Returns the names for events.
     pub fn event_names(&self) -> EventNames {

@@ -1,6 +1,6 @@
 //! The whole run in a log, for its repetition.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use std::path::Path;
 
 use ipc_types::messages::process::ProcessEvent;
@@ -12,7 +12,6 @@ use mcap_log::LogReadError;
 use mcap_log::Origin;
 use mcap_log::ReadProgress;
 use mcap_log::known::ENCAPSULATION;
-use mcap_log::output::{FILTERED, MANIFEST, RESULT};
 use mcap_log::reader::{Item, Reader};
 use serde::Serialize;
 use zerocopy::FromBytes as _;
@@ -32,10 +31,6 @@ pub struct ProcessExit {
 #[derive(Debug, Default)]
 pub(super) struct Recorded {
     pub(super) origin: Origin,
-    /// Summary of the run in the log.
-    pub(super) result: BTreeMap<String, String>,
-    /// `true` if the log is a part of another log.
-    pub(super) filtered: bool,
     /// `true` if the last state of the world is that of the end of the run.
     pub(super) over: bool,
     /// Condition of the file.
@@ -62,18 +57,9 @@ impl Recorded {
         let mut reader = Reader::open(log, Some(watch))?;
         let mut topics = BTreeSet::new();
         let (mut states, mut events) = (None, None);
-        let mut last_time_ns = 0;
+        let (mut first_time_ns, mut last_time_ns) = (u64::MAX, 0);
         while let Some(item) = reader.next()? {
             match item {
-                Item::Metadata(record) => match record.name.as_str() {
-                    MANIFEST => recorded.origin.manifest = record.metadata,
-                    RESULT => recorded.result = record.metadata,
-                    FILTERED => recorded.filtered = true,
-                    _ => {}
-                },
-                Item::Attachment(header, data) if header.name == "scenario.toml" => {
-                    recorded.origin.scenario = Some(data.to_vec());
-                }
                 Item::Channel(channel) => {
                     recorded.origin.check_layout(log, &channel)?;
                     match TopicId::from_name(&channel.topic) {
@@ -85,6 +71,7 @@ impl Recorded {
                 }
                 Item::Message(header, data) => {
                     let id = Some(header.channel_id);
+                    first_time_ns = first_time_ns.min(header.log_time);
                     last_time_ns = last_time_ns.max(header.log_time);
                     let body = data.get(ENCAPSULATION..).unwrap_or_default();
                     if id == states {
@@ -94,20 +81,25 @@ impl Recorded {
                         recorded.note_failure(body, &of_interest);
                     }
                 }
-                _ => {}
+                other => recorded.origin.add(&other),
             }
         }
         recorded.condition = reader.condition().clone();
         recorded.origin.check(log)?;
         recorded.last_tick = last_time_ns / recorded.tick_period_ns();
         // A version with fewer topics recorded fewer messages.
-        if !recorded.filtered
-            && !topics.is_empty()
+        if !topics.is_empty()
             && let Some(topic) = TopicId::all().find(|topic| {
                 topic.is_built_in() && topic.facts().simulated && !topics.contains(topic.name())
             })
         {
             return Err(recorded.origin.layout(log, topic.name(), "none"));
+        }
+        if last_time_ns >= first_time_ns && first_time_ns > 0 {
+            return Err(LogReadError::NotRepeatable {
+                path: log.to_owned(),
+                reason: "it does not begin with its run".to_owned(),
+            });
         }
         Ok(recorded)
     }
@@ -143,13 +135,10 @@ impl Recorded {
         })
     }
 
-    /// Returns the last tick that a repetition needs: the log of a part tells the length of its whole run.
+    /// Returns the last tick that a repetition needs.
     pub(super) fn last_needed(&self) -> u64 {
-        let ticks = self.result.get("ticks").filter(|_| self.filtered);
-        let ticks = ticks.and_then(|ticks| ticks.parse().ok());
-        let last = ticks.map_or(self.last_tick, |ticks: u64| ticks.max(self.last_tick));
         let left = self.left.as_ref();
-        left.map_or(last, |left| left.tick.min(last))
+        left.map_or(self.last_tick, |left| left.tick.min(self.last_tick))
     }
 
     fn tick_period_ns(&self) -> u64 {
@@ -160,9 +149,7 @@ impl Recorded {
 
     /// Returns the version that recorded the log, if it differs from this one.
     pub(super) fn other_version(&self) -> Option<String> {
-        let version = self.origin.manifest.get("version");
-        version
-            .filter(|version| *version != env!("CARGO_PKG_VERSION"))
-            .cloned()
+        let version = self.origin.manifest.get("version")?;
+        (version != env!("CARGO_PKG_VERSION")).then(|| version.clone())
     }
 }

@@ -1,19 +1,17 @@
 //! Repetition of the run in a log.
 
-use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
 
+use diff::{Comparison, diff_before};
 use mcap_log::LogReadError;
 use mcap_log::ReadProgress;
-use mcap_log::output::RUN_DIGEST;
-use serde::{Serialize, Serializer};
+use serde::Serialize;
 
 use super::origin::{nothing_to_compare, refuse_external};
 use super::recorded::{ProcessExit, Recorded};
 use crate::ReplayError;
 use crate::origin::scenario_of;
-use log_tools::{Comparison, Difference, compare};
 use mission::in_process::{self, InProcessOptions};
 use mission::{self, MissionError, MissionOptions, MissionReport};
 use platform::scratch::Scratch;
@@ -55,35 +53,12 @@ pub struct Rerun {
     pub ticks: u64,
     /// Real time of the new run (s).
     pub wall_time_s: f64,
-    /// Comparison of the messages; absent for a log that is a part of another one.
-    #[serde(
-        skip_serializing_if = "Option::is_none",
-        serialize_with = "differences_only"
-    )]
-    pub comparison: Option<Comparison>,
+    /// Comparison of the messages in the log with those of the new run.
+    #[serde(flatten)]
+    pub comparison: Comparison,
     /// Faults of the file.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub faults: Vec<String>,
-}
-
-/// Writes the number of equal messages and the first difference of each topic.
-#[expect(clippy::ref_option, reason = "required by serde")]
-fn differences_only<S: Serializer>(
-    comparison: &Option<Comparison>,
-    serializer: S,
-) -> Result<S::Ok, S::Error> {
-    #[derive(Serialize)]
-    struct Summary<'a> {
-        equal: u64,
-        differences: BTreeMap<&'static str, &'a Difference>,
-        last_tick: u64,
-    }
-    let summary = comparison.as_ref().map(|comparison| Summary {
-        equal: comparison.equal(),
-        differences: comparison.differences().collect(),
-        last_tick: comparison.last_tick,
-    });
-    summary.serialize(serializer)
 }
 
 /// Repeats the run in a log from its scenario with these kinds of processes, and compares the messages.
@@ -123,33 +98,25 @@ pub fn rerun(
         return Err(LogReadError::Interrupted.into());
     }
     let digest = report.summary.digest;
-    let has_failures = recorded.left.is_some();
-    let has_end = recorded.over && recorded.result.contains_key("digest");
-    let ended = has_end && recorded.condition.data && !has_failures;
-    let (digest_logged, comparison) = if recorded.filtered {
-        let digest = recorded.result.get(RUN_DIGEST);
-        (digest.filter(|_| !has_failures), None)
-    } else {
-        let before = recorded.compared_before();
-        let comparison = compare(log, &again, before, !ended, watch)?;
-        let digest = recorded.result.get("digest");
-        (digest.filter(|_| ended), Some(comparison))
-    };
-    let digests_agree = digest_logged.is_none_or(|logged| *logged == digest);
-    if digest_logged.is_none() && comparison.as_ref().is_none_or(Comparison::is_empty) {
+    let difference = diff_before(log, &again, recorded.compared_before(), watch)?;
+    let comparison = difference.comparison;
+    let has_end = recorded.over && recorded.condition.data && recorded.left.is_none();
+    let digest_logged = difference.a.digest.filter(|_| has_end);
+    if digest_logged.is_none() && comparison.is_empty() {
         return Err(nothing_to_compare(log).into());
     }
-    let whole = ended || recorded.filtered && digest_logged.is_some();
-    let same = digests_agree && comparison.as_ref().is_none_or(|c| c.first().is_none());
+    let digests_agree = digest_logged
+        .as_ref()
+        .is_none_or(|logged| *logged == digest);
     Ok(Rerun {
         scenario: scenario.name,
         seed: scenario.run.seed,
         recorded_by: recorded.other_version(),
-        whole: whole && recorded.condition.following_bytes == 0,
-        digest_logged: digest_logged.cloned(),
+        whole: digest_logged.is_some() && recorded.condition.following_bytes == 0,
+        same: digests_agree && difference.same,
+        digest_logged,
         digest,
         left: recorded.left,
-        same,
         ticks: report.summary.ticks,
         wall_time_s: report.wall_time_s,
         comparison,

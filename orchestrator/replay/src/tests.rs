@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use diff::diff_before;
 use ipc_types::messages::robot::Command;
 use mcap_log::LogReadError;
 
@@ -9,7 +10,6 @@ use crate::ReplayError;
 use crate::{RerunOptions, rerun};
 use kinds::load;
 use log_tools::recover;
-use log_tools::{Comparison, compare};
 use mission::in_process::{self, InProcessOptions};
 use viewer::{ViewerOptions, viewer_topics};
 
@@ -47,40 +47,46 @@ fn the_first_difference_of_every_topic_is_named() {
     });
     record_run(&path("d"), 6, 4_000, |_, _| {});
     let twice = |a: &str, b: &str, before| {
-        compare(&path(a), &path(b), before, false, &mut watch()).unwrap()
+        let report = diff_before(&path(a), &path(b), before, &mut watch()).unwrap();
+        report.comparison
     };
     let same = twice("a", "b", u64::MAX);
-    assert!(same.first().is_none() && same.equal() > 90, "{same:?}");
+    assert!(same.first.is_none() && same.equal() > 90, "{same:?}");
     let differs = twice("a", "c", u64::MAX);
-    assert_eq!(differs.differences().count(), 1);
-    let (topic, first) = differs.first().unwrap();
-    assert_eq!((topic, first.tick, first.source), ("robot/command", 3, 4));
-    assert_eq!((first.field.as_str(), first.messages), ("omega", 5));
+    let first = differs.first.as_ref().unwrap();
+    let [cause] = &first.causes[..] else {
+        panic!("{first:?}");
+    };
+    assert_eq!((&*cause.topic, cause.tick), ("robot/command", 3));
+    assert_eq!(cause.process, "process 4", "the log does not name it");
     assert_eq!(
-        (first.logged.as_str(), first.again.as_str()),
-        ("0.2", "-0.5")
+        (&*cause.field, &*cause.a, &*cause.b),
+        ("omega", "0.2", "-0.5")
+    );
+    let topics = differs.topics.iter();
+    let topics: Vec<_> = topics.filter(|(_, topic)| topic.different > 0).collect();
+    assert_eq!(topics.len(), 1);
+    assert_eq!(
+        (topics[0].1.different, topics[0].1.first_tick),
+        (5, Some(3))
     );
     assert_eq!(differs.equal() + 5, same.equal());
     // They are identical up to the tick in which they differ.
     let time = |tick| (first.time_s * 1e9 / 3.0).round() as u64 * tick;
     let before = twice("a", "c", time(3));
-    assert!(
-        before.first().is_none() && before.equal() > 30,
-        "{before:?}"
-    );
+    assert!(before.first.is_none() && before.equal() > 30, "{before:?}");
     assert_eq!(before.last_tick, 2);
-    assert_eq!(twice("a", "c", 0), Comparison::default());
+    assert!(twice("a", "c", 0).is_empty());
     // Messages in only one of them. The last state of a short run marks its end.
     for (a, b) in [("a", "d"), ("d", "a")] {
         let differs = twice(a, b, u64::MAX);
-        let topic = |name: &str| differs.topics[name].first.clone().unwrap();
-        let command = topic("robot/command");
-        assert_eq!((command.tick, command.messages), (6, 6));
-        assert_eq!(
-            (command.logged.is_empty(), command.again.is_empty()),
-            (a == "d", a == "a")
-        );
-        assert_eq!(topic("world/state").field, "phase");
+        let command = &differs.topics["robot/command"];
+        assert_eq!((command.first_tick, command.different), (Some(6), 6));
+        assert_eq!(command.a > command.b, a == "a");
+        let first = differs.first.unwrap();
+        let mut all = first.causes.iter().chain(&first.effects);
+        let state = all.find(|change| change.topic == "world/state").unwrap();
+        assert_eq!(state.field, "phase");
     }
 }
 
@@ -106,7 +112,7 @@ fn a_repeated_run_is_identical_and_a_changed_log_is_detected() {
         (Some(&digest), &digest),
         (done.digest_logged.as_ref(), &done.digest)
     );
-    let equal = done.comparison.unwrap().equal();
+    let equal = done.comparison.equal();
     assert!(equal > 100);
 
     // One bit of one message differs.
@@ -126,10 +132,15 @@ fn a_repeated_run_is_identical_and_a_changed_log_is_detected() {
     );
     let done = rerun(&other, kinds::KINDS, IN_PROCESS, &mut watch()).unwrap();
     assert!(!done.same);
-    let comparison = done.comparison.unwrap();
+    let comparison = done.comparison;
     assert_eq!(comparison.equal() + 1, equal);
-    let (topic, first) = comparison.first().unwrap();
-    assert_eq!((topic, first.field.as_str()), ("robot/command", "v"));
+    let first = comparison.first.unwrap();
+    let [cause] = &first.causes[..] else {
+        panic!("{first:?}");
+    };
+    assert_eq!((&*cause.topic, &*cause.field), ("robot/command", "v"));
+    let robot = cause.robot.as_ref().unwrap();
+    assert!(cause.process.ends_with(robot), "the culprit is named");
 
     // A digest that does not belong to the messages.
     let wrong = |record: &mut mcap::records::Metadata| {
@@ -139,7 +150,7 @@ fn a_repeated_run_is_identical_and_a_changed_log_is_detected() {
     };
     rewrite(&log, &other, |_, _| true, wrong, |_| true);
     let done = rerun(&other, kinds::KINDS, IN_PROCESS, &mut watch()).unwrap();
-    assert!(!done.same && done.comparison.unwrap().first().is_none());
+    assert!(!done.same && done.comparison.first.is_none());
 }
 
 #[test]
@@ -166,7 +177,7 @@ fn a_truncated_log_is_compared_up_to_its_end() {
         let done = rerun(log, kinds::KINDS, IN_PROCESS, &mut watch()).unwrap();
         assert!(done.same && !done.whole, "{done:?}");
         assert_eq!(done.digest_logged, None);
-        let comparison = done.comparison.unwrap();
+        let comparison = done.comparison;
         assert!(comparison.equal() > 20, "{comparison:?}");
     }
 }

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use ipc_types::stamp::Stamp;
+use mcap_log::Origin;
 use mcap_log::known::{self, ENCAPSULATION};
 use mcap_log::output::Output;
 use mcap_log::reader::{Item, Reader};
@@ -78,14 +79,11 @@ fn rewritten(
 /// Returns the description of the run in a log.
 fn described(log: &Path) -> RunInfo {
     let mut reader = Reader::open(log, None).unwrap();
+    let mut origin = Origin::default();
     while let Some(item) = reader.next().unwrap() {
-        if let Item::Attachment(header, data) = item
-            && header.name == RunInfo::ATTACHMENT
-        {
-            return serde_json::from_slice(data).unwrap();
-        }
+        origin.add(&item);
     }
-    panic!("the log does not describe its run");
+    RunInfo::from_log(&origin).unwrap()
 }
 
 #[test]
@@ -99,9 +97,10 @@ fn the_processes_whose_messages_change_first_are_named() {
     let process = |name: &str| info.processes.iter().find(|p| p.name == name).unwrap();
     let perception = process("perception").index;
     let mut rng = ChaCha8Rng::seed_from_u64(7);
-    for mutant in 0..40 {
+    let mut named = 0;
+    while named < 40 {
         // Half of them are changes of the perception, which all pursuers hear within the tick.
-        let (name, topics): (&str, &[&str]) = if mutant < 20 {
+        let (name, topics): (&str, &[&str]) = if named < 20 {
             ("perception", &["perception/belief", "perception/sighting"])
         } else {
             ("simulator", &["world/state"])
@@ -129,10 +128,16 @@ fn the_processes_whose_messages_change_first_are_named() {
         let report = compared(&a, &b);
         let Some(field) = expected else {
             // The process sent nothing on the topic in that tick: the first difference comes later.
-            assert!(report.first.is_none_or(|first| first.time_s > 0.0));
+            assert!(
+                report
+                    .comparison
+                    .first
+                    .is_none_or(|first| first.time_s > 0.0)
+            );
             continue;
         };
         assert_caused(&report, tick, &[(name, topic, &field)]);
+        named += 1;
     }
 }
 
@@ -157,7 +162,7 @@ fn a_missing_message_is_a_difference_of_its_sender() {
         }
     });
     let report = compared(&a, &b);
-    let first = report.first.as_ref().unwrap();
+    let first = report.comparison.first.as_ref().unwrap();
     let found: Vec<_> = first
         .causes
         .iter()

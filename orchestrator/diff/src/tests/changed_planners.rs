@@ -125,7 +125,7 @@ fn the_planners_that_steer_otherwise_are_named() {
             .collect();
         let report = compared(&a, &b);
         assert_caused(&report, from, &expected);
-        let causes = &report.first.unwrap().causes;
+        let causes = &report.comparison.first.unwrap().causes;
         let robots: Vec<_> = causes.iter().map(|cause| cause.robot.as_deref()).collect();
         let named: Vec<_> = changed.iter().map(|&at| Some(ROBOTS[at].0)).collect();
         assert_eq!(robots, named);

@@ -41,7 +41,7 @@ fn compared(a: &Path, b: &Path) -> DiffReport {
 /// Asserts tick, processes, topic and first field of the causes, which are in the order of their names.
 #[track_caller]
 fn assert_caused(report: &DiffReport, tick: u64, expected: &[(&str, &str, &str)]) {
-    let first = report.first.as_ref().unwrap();
+    let first = report.comparison.first.as_ref().unwrap();
     let found: Vec<_> = first
         .causes
         .iter()

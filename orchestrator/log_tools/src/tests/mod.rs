@@ -4,7 +4,6 @@ mod assurance;
 mod broken;
 mod foreign;
 mod lz4;
-mod parts;
 mod still;
 mod tables;
 

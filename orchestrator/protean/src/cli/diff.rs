@@ -4,35 +4,36 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Arc;
 
-use diff::{DiffReport, Difference, EventChange, LogFacts, ValueChange, diff};
-use mcap_log::ReadProgress;
+use diff::{DiffReport, EventChange, LogFacts, ValueChange, diff};
+use mcap_log::{Origin, ReadProgress};
 use mission::in_process::{self, InProcessOptions};
 use mission::{MissionError, MissionOptions};
 use platform::file_kind::FileKind;
 use platform::scratch::Scratch;
 use recorder::time_text;
 use replay::ReplayError;
-use scenario::Loader;
+use replay::origin::scenario_of;
 use scenario::kind::Kind;
+use scenario::{Loader, ResolvedScenario};
 
 use super::common::{ExternalArg, JsonArg, QuietArg};
+use super::comparison_text::{difference_lines, list, or_none};
 use super::logs::{self, CommandError};
 use super::output::{print, print_json};
 use super::run::refuse_external;
 use super::run_args::OverrideArgs;
 use super::tips;
 
-/// Maximum number of lines of a list in the text.
-const MAX_LINES: usize = 12;
-
 /// Help below the options.
 pub(super) const HELP: &str = "\
-Each side is a log, or a scenario that is run first, in this process, without a log. The command names the first tick in
+Each side is a log, or a scenario that is run first, in this process, without a log. With --seed-b or --set-b the second side
+may be a log, whose scenario is then run with these changes. The command names the first tick in
 which the histories differ, and in it the processes that received the same inputs and answered otherwise. It also lists the
 keys of the scenario, the results and the events that differ.
 
   protean diff old.mcap new.mcap
   protean diff chase --seed-b 2
+  protean diff run.mcap --seed-b 2
   protean diff chase --set-b teams.police.limits.v_max=0.25
 
 Exit codes: 0 the histories are equal, 1 they differ or a run failed, 2 a side is not usable, 3 equal as far as an incomplete
@@ -73,11 +74,34 @@ pub(super) fn run(kinds: &[Kind], args: &DiffArgs) -> ExitCode {
             })
         })?;
         let b = args.b.as_ref().unwrap_or(&args.a);
-        let first = log_of(kinds, args, &args.a, &args.overrides, &folder, "a", watch)?;
-        let mut overrides = args.overrides.clone();
-        overrides.seed = args.seed_b.or(overrides.seed);
-        overrides.set.extend(args.set_b.iter().cloned());
-        let second = log_of(kinds, args, b, &overrides, &folder, "b", watch)?;
+        let first = if is_log(&args.a) {
+            PathBuf::from(&args.a)
+        } else {
+            let scenario = scenario(kinds, &args.a, &args.overrides)?;
+            run_first(args, &args.a, scenario, &folder, "a", watch)?
+        };
+        let second = if !is_log(b) {
+            let mut overrides = args.overrides.clone();
+            overrides.seed = args.seed_b.or(overrides.seed);
+            overrides.set.extend(args.set_b.iter().cloned());
+            run_first(
+                args,
+                b,
+                scenario(kinds, b, &overrides)?,
+                &folder,
+                "b",
+                watch,
+            )?
+        } else if args.seed_b.is_some() || !args.set_b.is_empty() {
+            // The scenario of the log, changed.
+            let seed = args.seed_b.map(|seed| format!("run.seed={seed}"));
+            let changes: Vec<String> = args.set_b.iter().cloned().chain(seed).collect();
+            let log = Path::new(b);
+            let scenario = scenario_of(&Origin::read(log)?, log, &changes, "", kinds)?;
+            run_first(args, b, scenario, &folder, "b", watch)?
+        } else {
+            PathBuf::from(b)
+        };
         let report = diff(&first, &second, watch)?;
         if args.json.json {
             print_json(&serde_json::json!(report));
@@ -95,39 +119,39 @@ fn is_log(side: &str) -> bool {
     FileKind::of(Path::new(side)) == Some(FileKind::Log)
 }
 
-/// Refuses seeds and overrides that no scenario takes.
+/// Refuses a seed and overrides that no scenario takes.
 fn refuse_changes_of_logs(args: &DiffArgs) -> Result<(), CommandError> {
     let b = args.b.as_ref().unwrap_or(&args.a);
     let OverrideArgs { seed, set, .. } = &args.overrides;
-    let is_given = |seed: &Option<u64>, set: &[String]| seed.is_some() || !set.is_empty();
-    let of_b = is_given(&args.seed_b, &args.set_b) && is_log(b);
-    let of_both = is_given(seed, set) && is_log(&args.a) && is_log(b);
-    if of_b || of_both {
+    if (seed.is_some() || !set.is_empty()) && is_log(&args.a) && is_log(b) {
         return Err(CommandError::Usage(format!(
-            "{b} is a log: its seed and scenario cannot be changed; name a scenario"
+            "{b} is a log: --seed-b and --set-b run its scenario changed, --seed and --set change no log"
         )));
     }
     Ok(())
 }
 
-/// Returns the log of a side; runs a scenario first.
-fn log_of(
+/// Returns the scenario of a side.
+fn scenario(
     kinds: &[Kind],
-    args: &DiffArgs,
     side: &str,
     overrides: &OverrideArgs,
+) -> Result<ResolvedScenario, CommandError> {
+    Loader::new(kinds)
+        .allow_outside(overrides.allow_outside)
+        .load(side, &overrides.set, overrides.seed)
+        .map_err(|problems| usage(&problems.to_string()))
+}
+
+/// Runs the scenario of a side; returns its log.
+fn run_first(
+    args: &DiffArgs,
+    side: &str,
+    mut scenario: ResolvedScenario,
     folder: &Scratch,
     name: &str,
     watch: &ReadProgress,
 ) -> Result<PathBuf, CommandError> {
-    let path = PathBuf::from(side);
-    if is_log(side) {
-        return Ok(path);
-    }
-    let mut scenario = Loader::new(kinds)
-        .allow_outside(overrides.allow_outside)
-        .load(side, &overrides.set, overrides.seed)
-        .map_err(|problems| usage(&problems.to_string()))?;
     refuse_external(side, &scenario, args.external.allow_external).map_err(|text| usage(&text))?;
     // Only the history is compared.
     scenario.log.viewer_rate_hz = 0.0;
@@ -169,55 +193,18 @@ fn text(report: &DiffReport, a: &str, b: &str) -> String {
         format!("{}: {b}", side("B", &report.b)),
     ];
     list(&mut lines, "scenario", &report.scenario, value_line);
-    match &report.first {
-        None if report.whole => lines.push("histories  equal".to_owned()),
-        None => lines.push("histories  equal as far as both logs go".to_owned()),
-        Some(first) => {
-            let tick = first.causes.first().map_or(0, |cause| cause.tick);
-            let time = time_text(first.time_s);
-            lines.push(format!(
-                "histories  DIFFERENT from tick {tick} on ({time} s)"
-            ));
-            list(&mut lines, "cause", &first.causes, difference_line);
-            list(&mut lines, "effects", &first.effects, difference_line);
-        }
+    if report.same {
+        let extent = if report.whole {
+            ""
+        } else {
+            " as far as both logs go"
+        };
+        lines.push(format!("histories  equal{extent}"));
     }
+    lines.extend(difference_lines("histories", &report.comparison));
     list(&mut lines, "results", &report.results, value_line);
     list(&mut lines, "events", &report.events, event_line);
     lines.join("\n")
-}
-
-/// Adds a list with a heading, shortened.
-fn list<T>(lines: &mut Vec<String>, heading: &str, items: &[T], line: impl Fn(&T) -> String) {
-    for (at, item) in items.iter().take(MAX_LINES).enumerate() {
-        let heading = if at == 0 { heading } else { "" };
-        lines.push(format!("{heading:<10} {}", line(item)));
-    }
-    if items.len() > MAX_LINES {
-        let others = items.len() - MAX_LINES;
-        lines.push(format!("{:<10} and {others} others (--json lists all)", ""));
-    }
-}
-
-fn difference_line(change: &Difference) -> String {
-    let Difference {
-        process,
-        topic,
-        field,
-        a,
-        b,
-        ..
-    } = change;
-    let of = change
-        .robot
-        .as_ref()
-        .map_or_else(String::new, |robot| format!(" of {robot}"));
-    let field = if field.is_empty() {
-        ""
-    } else {
-        &format!(" {field}{of}:")
-    };
-    format!("{process}, {topic}:{field} {} → {}", or_none(a), or_none(b))
 }
 
 fn value_line(change: &ValueChange) -> String {
@@ -239,12 +226,4 @@ fn event_line(change: &EventChange) -> String {
         time(change.a_s),
         time(change.b_s)
     )
-}
-
-fn or_none(value: &str) -> String {
-    if value.is_empty() {
-        "none".to_owned()
-    } else {
-        value.to_owned()
-    }
 }

@@ -8,8 +8,7 @@ pub(crate) const HEADINGS: [(&str, &[&str]); 6] = [
     (
         "Logs",
         &[
-            "report", "picture", "info", "cat", "export", "filter", "recover", "replay", "verify",
-            "diff",
+            "report", "picture", "info", "cat", "export", "recover", "replay", "verify", "diff",
         ],
     ),
     ("Experiments", &["sweep", "reproduce"]),

@@ -10,8 +10,6 @@ use platform::eprintln;
 
 use super::output::{EXIT_FAILED, EXIT_INVALID, EXIT_PARTIAL, exit_code_of_mission};
 use super::run::handle_signals;
-use log_tools::Difference;
-use recorder::time_text;
 use replay::ReplayError;
 
 /// Selection of topics.
@@ -140,24 +138,6 @@ pub(super) fn warn_of_faults(log: &Path, faults: &[String]) {
     for fault in faults {
         eprintln!("warning: {}: {fault}", log.display());
     }
-}
-
-/// Returns the text of the first difference of a topic.
-pub(super) fn difference(topic: &str, first: &Difference) -> String {
-    let or_none = |value: &str| match value {
-        "" => "nothing".to_owned(),
-        value => value.to_owned(),
-    };
-    format!(
-        "{topic}: {} messages differ, first at tick {} ({} s) from source {}: {} is {} in the log, {} now",
-        first.messages,
-        first.tick,
-        time_text(first.time_s),
-        first.source,
-        first.field,
-        or_none(&first.logged),
-        or_none(&first.again)
-    )
 }
 
 /// Returns the exit code of a comparison: `same` if no message differs, `whole` if it covers the whole run.

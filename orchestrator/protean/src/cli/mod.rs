@@ -4,9 +4,9 @@ mod cat;
 mod check;
 mod clean;
 mod common;
+mod comparison_text;
 mod diff;
 mod export;
-mod filter;
 mod help;
 mod info;
 mod lab;
@@ -94,9 +94,6 @@ enum Command {
     /// Write the messages of a log to CSV or Parquet files
     #[command(after_long_help = export::HELP)]
     Export(export::ExportArgs),
-    /// Copy a time span or some topics of a log to a new log
-    #[command(after_long_help = filter::HELP)]
-    Filter(filter::FilterArgs),
     /// Repair a truncated or damaged log
     #[command(after_long_help = recover::HELP)]
     Recover(recover::RecoverArgs),
@@ -255,7 +252,6 @@ fn command(kinds: &'static [Kind], cli: Cli) -> ExitCode {
         Command::Info(args) => info::run(&args),
         Command::Cat(args) => cat::run(args),
         Command::Export(args) => export::run(&args),
-        Command::Filter(args) => filter::run(args),
         Command::Recover(args) => recover::run(&args),
         Command::Replay(args) => replay::run(kinds, args),
         Command::Verify(args) => verify::run(kinds, &args),

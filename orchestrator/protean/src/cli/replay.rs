@@ -6,11 +6,11 @@ use std::process::ExitCode;
 use mcap_log::ReadProgress;
 
 use super::common::{JsonArg, QuietArg};
+use super::comparison_text::difference_lines;
 use super::logs::{self, CommandError, PartArgs};
 use super::output::{EXIT_PARTIAL, print, print_json};
 use super::run::report_viewers;
 use super::run_args::DEFAULT_PORT;
-use log_tools::TopicComparison;
 use replay::{ReplayOptions, Replayed, Verified, VerifyOptions, verify};
 use scenario::kind::Kind;
 
@@ -28,7 +28,7 @@ it never delays the replay.
 With --test, processes of the log's scenario run in lock-step, receive the messages that they received in the run, and
 their output is compared with the log. Processes under test receive each other's messages; the log supplies all others.
 The comparison ends at the first failure of a process in the run. With --set their parameters change, and the output
-lists the first difference and the deviation of every field.
+names the first difference with process, field and values, and lists the deviation of every field.
 
 Exit codes: 0 replayed, or identical; 1 different, or a process or the replay failed; 2 wrong usage, or the log cannot
 be used; 3 interrupted, or the log is incomplete (stderr lists what is missing).";
@@ -182,11 +182,16 @@ fn verified_text(done: &Verified) -> String {
     for (topic, verdict) in &done.comparison.topics {
         text += &format!(
             "{topic}: {} messages in the log, {} now, {} identical\n",
-            verdict.recorded, verdict.now, verdict.equal
+            verdict.a, verdict.b, verdict.equal
         );
-        text += &fields_text(verdict);
+        for (field, deviation) in &verdict.fields {
+            text += &format!(
+                "    {field}: {} values from tick {} on, max {:.4e}, mean {:.4e}\n",
+                deviation.values, deviation.first_tick, deviation.max, deviation.mean
+            );
+        }
     }
-    text += &match done.first() {
+    text += &match &done.comparison.first {
         None if done.whole => "result    IDENTICAL".to_owned(),
         None => match &done.left {
             Some(left) => format!(
@@ -195,26 +200,7 @@ fn verified_text(done: &Verified) -> String {
             ),
             None => "result    identical up to the end of the incomplete log".to_owned(),
         },
-        Some((topic, first)) => {
-            format!("result    DIFFERENT: {}", logs::difference(topic, first))
-        }
+        Some(_) => difference_lines("result", &done.comparison).join("\n"),
     };
-    text
-}
-
-fn fields_text(verdict: &TopicComparison) -> String {
-    let mut text = String::new();
-    if let Some(first) = &verdict.first {
-        text += &format!(
-            "    {} differ, the first at tick {}\n",
-            first.messages, first.tick
-        );
-    }
-    for (field, deviation) in &verdict.fields {
-        text += &format!(
-            "    {field}: {} values from tick {} on, max {:.4e}, mean {:.4e}\n",
-            deviation.values, deviation.first_tick, deviation.max, deviation.mean
-        );
-    }
     text
 }

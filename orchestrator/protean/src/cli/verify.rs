@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use super::common::{ExternalArg, JsonArg, QuietArg};
+use super::comparison_text::difference_lines;
 use super::logs;
 use super::output::{print, print_json};
 use replay::{Rerun, RerunOptions, rerun};
@@ -15,7 +16,8 @@ Runs the scenario, seed and events of the log again, and compares the digest and
 (all topics but clocks and heartbeats). If the run was killed or interrupted, the new run ends with the log; if a process
 failed, both end at the first failure.
 
-Exit codes: 0 identical, 1 different (the output lists the first difference of every topic) or the run failed, 2 the
+Exit codes: 0 identical, 1 different (the output names the first tick that differs, the processes
+that received the same inputs and answered otherwise, with field and values, and the topics) or the run failed, 2 the
 run cannot be repeated, 3 identical up to the end of an incomplete log or the first failure of a process, more
 in the file than the run; or interrupted.";
 
@@ -73,13 +75,11 @@ fn text(done: &Rerun) -> String {
         }
         None => text += "digest    none in the log\n",
     }
-    let Some(comparison) = &done.comparison else {
-        text += "messages  not compared: the log contains a part of its run";
-        return text;
-    };
-    let (recorded, equal) = (comparison.recorded(), comparison.equal());
+    let comparison = &done.comparison;
+    let recorded: u64 = comparison.topics.values().map(|topic| topic.a).sum();
+    let equal = comparison.equal();
     text += &format!("messages  {recorded} simulated, {equal} of them identical\n");
-    match comparison.first() {
+    match &comparison.first {
         None if done.same && done.whole => text += "result    identical",
         None if done.same && done.digest_logged.is_some() => {
             text += "result    identical; the file contains more than this run";
@@ -98,15 +98,7 @@ fn text(done: &Rerun) -> String {
             };
         }
         None => text += "result    DIFFERENT: the digest in the log does not match its messages",
-        Some((topic, first)) => {
-            text += &format!(
-                "result    DIFFERENT from tick {} on, first on {topic}\n",
-                first.tick
-            );
-            for (topic, first) in comparison.differences() {
-                text += &format!("          {}\n", logs::difference(topic, first));
-            }
-        }
+        Some(_) => text += &difference_lines("result", comparison).join("\n"),
     }
     text.trim_end().to_owned()
 }

@@ -2,8 +2,8 @@
 
 use std::collections::BTreeSet;
 
+use diff::Message;
 use ipc_types::bus::{AnySubscriber, AnyTopic, Bus, BusError, ReceiveError};
-use mcap_log::source::Logged;
 
 /// Subscribers of all topics of the simulated history.
 pub(super) struct OutputCapture {
@@ -28,21 +28,16 @@ impl OutputCapture {
             .try_for_each(|topic| topic.update_connections())
     }
 
-    /// Returns the new messages of these processes, in the order of their sequence numbers, with this log time.
-    pub(super) fn take(&self, of: &BTreeSet<u32>, time: u64) -> Result<Vec<Logged>, ReceiveError> {
+    /// Returns the new messages of these processes, in the order of their sequence numbers.
+    pub(super) fn take(&self, of: &BTreeSet<u32>) -> Result<Vec<Message>, ReceiveError> {
         let mut taken = Vec::new();
         for topic in &self.topics {
             topic.drain(usize::MAX, &mut |message| {
                 if of.contains(&message.stamp.source) {
                     let mut data = Vec::new();
                     message.encode(&mut data);
-                    let logged = Logged {
-                        time,
-                        rank: message.topic.rank(),
-                        channel: 0,
-                        data,
-                    };
-                    taken.push((message.stamp.sequence, logged));
+                    let captured = Message::from_cdr(message.topic, data);
+                    taken.extend(captured.map(|captured| (message.stamp.sequence, captured)));
                 }
             })?;
         }

@@ -13,6 +13,7 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;
 
+use diff::Comparison;
 use ipc_types::bus::Bus;
 use mcap_log::ReadProgress;
 use mcap_log::Topics;
@@ -27,11 +28,11 @@ use crate::ReplayError;
 use crate::origin::{nothing_to_compare, scenario_of};
 use crate::recorded::{ProcessExit, Recorded};
 use log_tools::nanoseconds;
-use log_tools::{Comparison, Difference};
 use mission::MissionError;
 use mission::in_process::LocalProcesses;
 use mission::plan::Plan;
 use mission::supervisor::Supervisor;
+use recorder::RunInfo;
 use scenario::kind::Kind;
 
 /// Options of a verification.
@@ -86,13 +87,6 @@ pub struct Verified {
     pub faults: Vec<String>,
 }
 
-impl Verified {
-    /// Returns the earliest difference and its topic.
-    pub fn first(&self) -> Option<(&'static str, &Difference)> {
-        self.comparison.first()
-    }
-}
-
 /// Runs processes of a recorded run with the messages that they received, and compares the messages that they send.
 ///
 /// # Errors
@@ -125,6 +119,9 @@ pub fn verify(
         processes: options.processes.clone(),
         changes: options.changes.clone(),
         recorded_by: recorded.other_version(),
+        comparison: Comparison::with_fields(
+            &RunInfo::from_log(&recorded.origin).unwrap_or_default(),
+        ),
         ..Verified::default()
     };
     if options.in_process {
@@ -165,6 +162,6 @@ pub fn verify(
     done.whole &= recorded.left.is_none() && recorded.condition.following_bytes == 0;
     done.left = recorded.left;
     done.faults = recorded.condition.lines();
-    done.identical = done.first().is_none();
+    done.identical = done.comparison.first.is_none();
     Ok(done)
 }

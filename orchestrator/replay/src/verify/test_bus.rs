@@ -2,9 +2,10 @@
 
 use std::time::Instant;
 
+use diff::Message;
 use ipc_types::bus::Bus;
 use ipc_types::messages::world::WorldHeader;
-use ipc_types::topics::{Control, NAMES, Topic as _, WorldMap, WorldShapes, WorldState};
+use ipc_types::topics::{Control, NAMES, Topic as _, TopicId, WorldMap, WorldShapes, WorldState};
 use mcap_log::LogReadError;
 use mcap_log::ReadProgress;
 use mcap_log::known::ENCAPSULATION;
@@ -17,7 +18,6 @@ use super::capture::OutputCapture;
 use super::processes::ProcessesUnderTest;
 use super::test_selection::TestSelection;
 use crate::ReplayError;
-use log_tools::Comparison;
 use mission::MissionError;
 use mission::plan::Plan;
 
@@ -112,7 +112,6 @@ impl<'a> TestBus<'a> {
         processes.connect()?;
         self.publishers.connect().map_err(MissionError::from)?;
         self.capture.connect().map_err(MissionError::from)?;
-        let mut comparison = Comparison::of(self.test_selection.senders.clone());
         let mut moment = self.next(source)?;
         // All processes build their data of the map before the first tick.
         if let Some(first) = &mut moment {
@@ -156,9 +155,19 @@ impl<'a> TestBus<'a> {
             }
             done.ticks += 1;
             // The last tick of a log that was cut may be incomplete.
-            let captured = self.capture.take(&self.test_selection.senders, now.time);
-            let captured = captured.map_err(MissionError::from)?;
-            comparison.add(&now.messages, &captured, moment.is_none() && !over);
+            let senders = &self.test_selection.senders;
+            let captured = self.capture.take(senders).map_err(MissionError::from)?;
+            let logged: Vec<Message> = now
+                .messages
+                .iter()
+                .filter(|message| senders.contains(&message.sender()))
+                .filter_map(|message| {
+                    let topic = TopicId::all().nth(message.rank)?;
+                    Message::from_cdr(topic, message.data.clone())
+                })
+                .collect();
+            let may_lack = [moment.is_none() && !over, false];
+            done.comparison.add(now.time, &logged, &captured, may_lack);
             for message in &now.messages {
                 let sender = message.sender();
                 if !self.test_selection.before.contains(&sender) {
@@ -166,7 +175,6 @@ impl<'a> TestBus<'a> {
                 }
             }
         }
-        done.comparison = comparison;
         done.whole = over || source.has_index();
         done.wall_time_s = start.elapsed().as_secs_f64();
         Ok(())

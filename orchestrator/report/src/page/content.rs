@@ -97,7 +97,7 @@ impl PageContent {
         let scenario = run.facts.take_scenario(log)?;
         let static_scene = run.facts.take_static_scene(&scenario);
         let tick_period_ns = if run.tick_period_ns == 0 {
-            let period = run.facts.manifest.get("tick_period_ns");
+            let period = run.facts.origin.manifest.get("tick_period_ns");
             period.and_then(|p| p.parse().ok()).unwrap_or(0)
         } else {
             run.tick_period_ns

@@ -23,7 +23,7 @@ use robot::team::Role;
 
 /// Outcomes of the robots: from the result of the run, else from the last state in the log.
 pub(super) fn outcome(content: &PageContent) -> Vec<RobotOutcome> {
-    let recorded = content.facts.result.get("robots");
+    let recorded = content.facts.origin.result.get("robots");
     if let Some(robots) = recorded.and_then(|text| serde_json::from_str(text).ok()) {
         return robots;
     }
@@ -72,9 +72,6 @@ pub(super) fn missing(content: &PageContent) -> Vec<String> {
     if !content.condition.is_whole() {
         missing.extend(content.condition.lines());
     }
-    if content.facts.is_filtered {
-        missing.push("the log is a part of another: it was cut by time or topic".to_owned());
-    }
     if content.facts.is_recovered {
         missing.push("the log was recovered from a damaged one".to_owned());
     }
@@ -84,7 +81,7 @@ pub(super) fn missing(content: &PageContent) -> Vec<String> {
         missing
             .push("the log ends before the run: outcomes are those of its last state".to_owned());
     }
-    if !content.facts.result.contains_key("robots") {
+    if !content.facts.origin.result.contains_key("robots") {
         missing.push(
             "no result of the run: the run was killed, or its end is not in the log".to_owned(),
         );
@@ -228,7 +225,7 @@ fn latency(content: &mut PageContent) -> Json {
             })
             .collect();
     }
-    let recorded = content.facts.result.get("latency_us");
+    let recorded = content.facts.origin.result.get("latency_us");
     let recorded: Option<std::collections::BTreeMap<String, Percentiles>> =
         recorded.and_then(|text| serde_json::from_str(text).ok());
     recorded
@@ -244,10 +241,10 @@ pub(super) fn facts(content: &mut PageContent) -> Json {
     let described = content.facts.run.as_ref();
     let tasks = described.map_or(&[][..], |run| &run.tasks);
     let fields_of_view = described.map_or(&[][..], |run| &run.fields_of_view);
-    let manifest = |key: &str| content.facts.manifest.get(key).cloned();
-    let result = |key: &str| content.facts.result.get(key).cloned();
+    let manifest = |key: &str| content.facts.origin.manifest.get(key).cloned();
+    let result = |key: &str| content.facts.origin.result.get(key).cloned();
     let parsed = |key: &str| -> Option<Json> {
-        let text = content.facts.result.get(key)?;
+        let text = content.facts.origin.result.get(key)?;
         serde_json::from_str(text).ok()
     };
     let robots: Vec<Json> = content
@@ -267,11 +264,13 @@ pub(super) fn facts(content: &mut PageContent) -> Json {
     let named = specs.map(|spec| (spec.team.as_str(), spec.role()));
     let pursuers = pursuers(named);
     let robots_outcome = outcome(content);
-    let coverage = content.facts.result.get("coverage");
+    let coverage = content.facts.origin.result.get("coverage");
     let coverage: Option<CoverageOutcome> =
         coverage.and_then(|text| serde_json::from_str(text).ok());
     let bounds = palette::idleness_bounds(seconds(content.end_ns)).map(Some);
     let idleness: Vec<Option<f64>> = bounds.into_iter().chain([None]).collect();
+    let scenario_text = content.facts.origin.scenario.as_deref();
+    let scenario_text = scenario_text.map(String::from_utf8_lossy);
     json!({
         "title": content.scenario.title,
         "description": content.scenario.description,
@@ -307,7 +306,7 @@ pub(super) fn facts(content: &mut PageContent) -> Json {
         "waypoint_kinds": WaypointEnd::KINDS,
         "latency": latency,
         "per_decade": PER_DECADE,
-        "text": content.facts.scenario_text,
+        "text": scenario_text,
     })
 }
 

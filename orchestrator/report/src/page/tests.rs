@@ -2,12 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
-use mcap_log::{DerivedError, LogReadError, ReadProgress, Topics};
+use mcap_log::output::Output;
+use mcap_log::reader::{Item, Reader};
+use mcap_log::{DerivedError, LogReadError, ReadProgress};
 use serde_json::Value as Json;
 
 use super::{Report, report};
 use kinds::load;
-use log_tools::{FilterOptions, filter};
 use mission::in_process::{self, InProcessOptions};
 use recorder::Summary;
 
@@ -136,23 +137,33 @@ fn missing_topics_are_named() {
     let folder = tempfile::tempdir().unwrap();
     let (log, summary) = play(folder.path());
     let without = folder.path().join("without.mcap");
-    let options = FilterOptions {
-        topics: Topics {
-            only: Vec::new(),
-            without: vec!["world/state".to_owned(), "perception/*".to_owned()],
-        },
-        ..FilterOptions::default()
-    };
-    filter(&log, &without, &options, &mut watch()).unwrap();
+    let mut reader = Reader::open(&log, None).unwrap();
+    let mut output = Output::create(&without, &log, false, "").unwrap();
+    let mut omitted = Vec::new();
+    while let Some(item) = reader.next().unwrap() {
+        match item {
+            Item::Header { .. } => {}
+            Item::Schema(id, schema) => output.schema(id, &schema).unwrap(),
+            Item::Channel(channel)
+                if channel.topic == "world/state" || channel.topic.starts_with("perception/") =>
+            {
+                omitted.push(channel.id);
+            }
+            Item::Channel(channel) => output.channel(&channel).unwrap(),
+            Item::Message(header, _) if omitted.contains(&header.channel_id) => {}
+            Item::Message(header, data) => output.message(&header, data).unwrap(),
+            Item::Attachment(header, data) => output.attachment(&header, data).unwrap(),
+            Item::Metadata(record) => output.metadata(&record).unwrap(),
+        }
+    }
+    output.finish().unwrap();
     let (report, facts) = facts(&without);
     let missing = report.missing.join("\n");
     assert!(
         missing.contains("no world/state: robots are shown at their start poses"),
         "{missing}"
     );
-    assert!(missing.contains("part of another"), "{missing}");
     assert_eq!(facts["outcome"], serde_json::json!(summary.robots));
-    assert_eq!(facts["run_digest"], summary.digest.as_str());
     assert_eq!(facts["digest"], Json::Null);
 }
 

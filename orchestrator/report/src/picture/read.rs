@@ -289,7 +289,14 @@ fn finish(
         .collect();
     let plays = |robot: usize| robots.get(robot).is_some_and(|r| r.active);
     let layers = moment.layers.finish(plays);
-    let entry = |key| run.facts.manifest.get(key).cloned().unwrap_or_default();
+    let entry = |key| {
+        run.facts
+            .origin
+            .manifest
+            .get(key)
+            .cloned()
+            .unwrap_or_default()
+    };
     let trace = RunTrace {
         title: scenario.title,
         description: scenario.description,

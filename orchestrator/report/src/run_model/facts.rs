@@ -1,12 +1,11 @@
 //! Facts of a run from the metadata and attachments of its log, for pictures and reports.
 
-use std::collections::BTreeMap;
 use std::path::Path;
 
 use ipc_types::messages::world::{MapCell, MapHeader};
-use mcap_log::LogReadError;
-use mcap_log::output::{FILTERED, MANIFEST, RECOVERED, RESULT};
-use mcap_log::{AttachmentHeader, Metadata};
+use mcap_log::output::RECOVERED;
+use mcap_log::reader::Item;
+use mcap_log::{LogReadError, Origin};
 use recorder::RunInfo;
 
 use super::scenario::LoggedScenario;
@@ -15,16 +14,10 @@ use super::static_scene::StaticScene;
 /// Facts of a run, from the part of the log that has been read.
 #[derive(Debug, Default)]
 pub(crate) struct Facts {
-    /// Scenario name, seed, version and others; empty without a manifest.
-    pub(crate) manifest: BTreeMap<String, String>,
-    /// Result of the run; empty if the run was killed.
-    pub(crate) result: BTreeMap<String, String>,
-    /// `true` if the log is a part of another.
-    pub(crate) is_filtered: bool,
+    /// Manifest, scenario and result.
+    pub(crate) origin: Origin,
     /// `true` if the log was repaired.
     pub(crate) is_recovered: bool,
-    /// Text of the resolved scenario.
-    pub(crate) scenario_text: String,
     scenario: Option<LoggedScenario>,
     /// Description of the run; `None` if it is not in the log or cannot be read.
     pub(crate) run: Option<RunInfo>,
@@ -33,40 +26,26 @@ pub(crate) struct Facts {
 }
 
 impl Facts {
-    /// Adds a metadata record.
-    pub(crate) fn metadata(&mut self, record: Metadata) {
-        match record.name.as_str() {
-            MANIFEST => self.manifest = record.metadata,
-            RESULT => self.result = record.metadata,
-            FILTERED => self.is_filtered = true,
-            RECOVERED => self.is_recovered = true,
-            _ => {}
-        }
-    }
-
-    /// Adds an attachment.
+    /// Adds a metadata record or an attachment.
     ///
     /// # Errors
     /// [`LogReadError::NotRepeatable`] if the scenario cannot be parsed.
-    pub(crate) fn attachment(
-        &mut self,
-        log: &Path,
-        header: &AttachmentHeader,
-        data: &[u8],
-    ) -> Result<(), LogReadError> {
-        if header.name == RunInfo::ATTACHMENT {
-            self.run = serde_json::from_slice(data).ok();
+    pub(crate) fn add(&mut self, log: &Path, item: &Item<'_>) -> Result<(), LogReadError> {
+        self.origin.add(item);
+        match item {
+            Item::Metadata(record) if record.name == RECOVERED => self.is_recovered = true,
+            Item::Attachment(header, _) if header.name == Origin::RUN => {
+                self.run = RunInfo::from_log(&self.origin);
+            }
+            Item::Attachment(header, data) if header.name == Origin::SCENARIO => {
+                let scenario = LoggedScenario::parse(data);
+                self.scenario = Some(scenario.map_err(|reason| LogReadError::NotRepeatable {
+                    path: log.to_owned(),
+                    reason: format!("its scenario cannot be parsed: {reason}"),
+                })?);
+            }
+            _ => {}
         }
-        if header.name != "scenario.toml" {
-            return Ok(());
-        }
-        let scenario =
-            LoggedScenario::parse(data).map_err(|reason| LogReadError::NotRepeatable {
-                path: log.to_owned(),
-                reason: format!("its scenario cannot be parsed: {reason}"),
-            })?;
-        self.scenario = Some(scenario);
-        self.scenario_text = String::from_utf8_lossy(data).into_owned();
         Ok(())
     }
 
@@ -80,24 +59,16 @@ impl Facts {
         self.grid.cells.is_some()
     }
 
-    /// Returns the version of Protean that recorded the log; empty if it is not in the log.
-    pub(crate) fn version(&self) -> &str {
-        self.manifest.get("version").map_or("", String::as_str)
-    }
-
     /// Moves the scenario out.
     ///
     /// # Errors
     /// [`LogReadError::Foreign`] without a manifest or a scenario.
     pub(crate) fn take_scenario(&mut self, log: &Path) -> Result<LoggedScenario, LogReadError> {
-        let foreign = |missing| LogReadError::Foreign {
+        self.origin.check(log)?;
+        self.scenario.take().ok_or_else(|| LogReadError::Foreign {
             path: log.to_owned(),
-            missing,
-        };
-        if self.manifest.is_empty() {
-            return Err(foreign("manifest"));
-        }
-        self.scenario.take().ok_or_else(|| foreign("scenario"))
+            missing: "scenario",
+        })
     }
 
     /// Moves the static scene out: the scenario's shapes, or the cells of the map messages.

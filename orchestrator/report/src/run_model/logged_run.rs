@@ -94,8 +94,6 @@ impl LoggedRun {
         let mut channels: BTreeMap<u16, (TopicId, u64)> = BTreeMap::new();
         while let Some(item) = reader.next()? {
             match item {
-                Item::Metadata(record) => run.facts.metadata(record),
-                Item::Attachment(header, data) => run.facts.attachment(log, &header, data)?,
                 Item::Channel(channel) => {
                     run.check_layout(log, &channel, &consumers)?;
                     if let Some(topic) = known::topic_of(&channel) {
@@ -109,7 +107,7 @@ impl LoggedRun {
                         run.check_failure(log)?;
                     }
                 }
-                Item::Header { .. } | Item::Schema(..) => {}
+                other => run.facts.add(log, &other)?,
             }
         }
         reader.check_all()?;
@@ -166,7 +164,7 @@ impl LoggedRun {
         if !is_shown && !consumers.take(topic) {
             return Ok(());
         }
-        match known::check_layout(log, channel, self.facts.version()) {
+        match known::check_layout(log, channel, self.facts.origin.version()) {
             Err(_) if self.purpose == Purpose::Page && topic != TopicId::WorldState => {
                 self.note(format!(
                     "{}: its messages are of another version and are left out",

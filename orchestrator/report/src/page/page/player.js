@@ -12,8 +12,9 @@ const player = {
       view.fitted = false;
     }
     drawMap(t, this.followed, this.trail);
-    drawEvents(t);
-    drawPlots(t);
+    // Their axes may be longer than this run.
+    drawEvents(now);
+    drawPlots(now);
   },
 
   follow(robot) {
@@ -81,6 +82,7 @@ eventsCanvas.addEventListener('click', (event) => {
 });
 eventsCanvas.addEventListener('pointermove', (event) => {
   hovered = markerAt(event.offsetX, event.offsetY);
+  eventsCanvas.title = hovered?.text ?? '';
   clock.redraw();
 });
 eventsCanvas.addEventListener('pointerleave', () => { hovered = null; clock.redraw(); });
@@ -91,6 +93,18 @@ $('loading').hidden = true;
 return {
   end, opening, markerTimes, refresh, zoom, showAll,
   draw: (t) => player.draw(t),
+  sharedMarkers, plots,
+  /** Shows time line and curves of both runs once, in parts of the page; `other` is the other run. */
+  share(other, timeline, curves) {
+    adoptEvents(other.sharedMarkers());
+    timeline.append($('events'));
+    other.open.root.getElementById('events').remove();
+    const parts = ['figures-title', 'curves-hint', 'plots'];
+    curves.append(...parts.map((part) => $(part)));
+    adoptPlots(other.plots);
+    for (const part of parts) other.open.root.getElementById(part).remove();
+    other.plots.length = 0;
+  },
   followNext: () => player.follow(player.followed + 1 < facts.robots.length ? player.followed + 1 : -1),
   /** Time of the state this many states after that at a time (s). */
   frameTime: (t, by) => lists.time[Math.min(frames - 1, Math.max(0, frameAt(t) + by))] / 1e4,

@@ -1,6 +1,7 @@
-// Curves over time, and histograms.
+// Curves over time, of two runs over each other, and histograms.
 
 const plots = [];
+const plotsHost = $('plots');
 const PAD = { left: 52, right: 12, top: 8, bottom: 22 };
 
 /** Formats a number with the digits that a range of this size needs: three; without one, of its own size. */
@@ -18,8 +19,8 @@ for (const { title, unit, steps, curves } of facts.plots) {
   canvas.setAttribute('aria-label', title);
   const legend = element('div', { className: 'legend' });
   box.append(canvas, legend);
-  $('plots').append(box);
-  const plot = { canvas, unit, steps, picture: null, curves: [] };
+  plotsHost.append(box);
+  const plot = { box, title, canvas, unit, steps, picture: null, curves: [] };
   curves.forEach(({ name, robot, method, list, range }, i) => {
     const packed = lists[`curve.${list}.value`];
     const values = new Float64Array(packed.length);
@@ -30,7 +31,9 @@ for (const { title, unit, steps, curves } of facts.plots) {
     const label = element('span');
     button.append(dash, label);
     button.setAttribute('aria-pressed', 'true');
-    const curve = { name, robot, method, time: lists[`curve.${list}.time`], values, on: true, label, dash, i };
+    // What each run of the page has of it.
+    const ofRun = { time: lists[`curve.${list}.time`], values, colour: () => curveColour({ robot, method, i }) };
+    const curve = { name, on: true, button, label, dash, runs: [ofRun] };
     button.addEventListener('click', () => {
       curve.on = !curve.on;
       button.setAttribute('aria-pressed', String(curve.on));
@@ -56,6 +59,27 @@ function curveColour(curve) {
   return facts.robots[curve.robot] ? robotColour(curve.robot) : colours.curves[curve.i % colours.curves.length];
 }
 
+/** Draws the curves of another run over those of this one. */
+function adoptPlots(others) {
+  for (const theirs of others) {
+    const ours = plots.find(({ title, unit }) => title === theirs.title && unit === theirs.unit);
+    if (!ours) {
+      for (const curve of theirs.curves) curve.runs.unshift(null);
+      plotsHost.append(theirs.box);
+      plots.push(theirs);
+      continue;
+    }
+    for (const curve of theirs.curves) {
+      const same = ours.curves.find(({ name }) => name === curve.name);
+      if (same) { same.runs.push(curve.runs[0]); continue; }
+      curve.runs.unshift(null);
+      curve.button.addEventListener('click', () => { ours.picture = null; });
+      ours.box.querySelector('.legend').append(curve.button);
+      ours.curves.push(curve);
+    }
+  }
+}
+
 const plotX = (canvas, t) => PAD.left + (canvas.clientWidth - PAD.left - PAD.right) * (end > 0 ? t / axisEnd() : 0);
 
 function drawPlotPicture(plot) {
@@ -68,8 +92,11 @@ function drawPlotPicture(plot) {
   const ctx = plot.picture.getContext('2d');
   ctx.setTransform(ratio, 0, 0, ratio, 0, 0);
   let least = 0, most = 0;
-  for (const { on, values } of plot.curves) {
-    if (on) for (const value of values) { if (value < least) least = value; if (value > most) most = value; }
+  for (const { runs } of plot.curves.filter(({ on }) => on)) {
+    for (const value of runs.flatMap((run) => (run ? [...run.values] : []))) {
+      if (value < least) least = value;
+      if (value > most) most = value;
+    }
   }
   if (most === least) most = least + 1;
   plot.span = most - least;
@@ -86,19 +113,26 @@ function drawPlotPicture(plot) {
     ctx.fillText(String(value), PAD.left - 6, y(value));
   }
   for (const t of axisSteps(0, axisEnd(), 6)) fillInside(ctx, `${t} s`, plotX(canvas, t), bottom + 12, canvas.clientWidth);
+  if (clock.difference <= axisEnd()) {
+    ctx.fillStyle = colours.evader;
+    ctx.fillRect(plotX(canvas, clock.difference) - 0.5, PAD.top, 1, high);
+  }
   for (const curve of plot.curves) {
-    const colour = curveColour(curve);
-    curve.dash.style.background = colour;
-    if (!curve.on) continue;
-    ctx.strokeStyle = colour;
+    curve.dash.style.background = (curve.runs[0] ?? curve.runs[1]).colour();
+    if (curve.on) curve.runs.forEach((run, second) => { if (run) drawCurve(run, second); });
+  }
+
+  function drawCurve(run, second) {
+    ctx.strokeStyle = run.colour();
+    ctx.setLineDash(second ? [5, 4] : []);
     ctx.lineWidth = 1.5;
     ctx.lineJoin = 'round';
     ctx.beginPath();
     let before = NaN;
-    for (let i = 0; i < curve.values.length; i++) {
-      const value = curve.values[i];
+    for (let i = 0; i < run.values.length; i++) {
+      const value = run.values[i];
       if (!Number.isNaN(value)) {
-        const x = plotX(canvas, curve.time[i] / 1e4);
+        const x = plotX(canvas, run.time[i] / 1e4);
         if (Number.isNaN(before)) ctx.moveTo(x, y(value));
         else {
           if (plot.steps) ctx.lineTo(x, y(before));
@@ -129,8 +163,11 @@ function drawPlots(t) {
       canvas.height - (PAD.top + PAD.bottom) * ratio);
     ctx.globalAlpha = 1;
     for (const curve of plot.curves) {
-      const i = lastUpTo(curve.time, ticksOf(t));
-      const text = `${curve.name} ${i < 0 ? '–' : short(curve.values[i], plot.span)}`;
+      const values = curve.runs.map((run) => {
+        const i = run ? lastUpTo(run.time, ticksOf(t)) : -1;
+        return i < 0 ? '–' : short(run.values[i], plot.span);
+      });
+      const text = `${curve.name} ${values.join(' | ')}`;
       if (curve.label.textContent !== text) curve.label.textContent = text;
     }
   }

@@ -24,6 +24,13 @@ for (const { facts, packed } of sources) {
   }
   clock.viewers.push(await viewer(root, facts, packed));
 }
+if (isPair) {
+  const [first, second] = clock.viewers;
+  const hosts = ['timeline', 'curves'].map(control);
+  for (const host of hosts) host.hidden = false;
+  first.share(second, ...hosts);
+  control('curves-hint').prepend('Solid: first run; dashed: second run. ');
+}
 clock.end = Math.max(...clock.viewers.map((run) => run.end));
 control('scrub').max = clock.end;
 

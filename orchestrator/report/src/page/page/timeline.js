@@ -1,4 +1,4 @@
-// The events of the run on a time axis.
+// The events of the run on a time axis; of two runs on one axis.
 
 const LANES = [
   { text: 'caught', kinds: ['captured'], colour: 'pursuer' },
@@ -36,8 +36,26 @@ if (waypointTimes.length) {
   }
 }
 markers.sort((a, b) => a.time - b.time);
-const usedLanes = LANES.map((_, i) => i).filter((i) => markers.some((m) => m.lane === i));
-for (const marker of markers) marker.row = usedLanes.indexOf(marker.lane);
+/** The markers on the axis: those of this run, and of another one on the same axis. */
+let shownMarkers = markers, usedLanes = [];
+function layRows() {
+  usedLanes = LANES.map((_, i) => i).filter((i) => shownMarkers.some((m) => m.lane === i));
+  for (const marker of shownMarkers) marker.row = usedLanes.indexOf(marker.lane);
+}
+layRows();
+/** Markers of this run for the axis of another one, with the names of their lanes. */
+const sharedMarkers = () => markers.map((marker) => ({ ...marker, lane: LANES[marker.lane] }));
+/** Shows the markers of another run on this axis. */
+function adoptEvents(others) {
+  const added = others.map((marker) => {
+    if (!marker.lane) return { ...marker, lane: -1 };
+    if (!LANES.some(({ text }) => text === marker.lane.text)) LANES.push(marker.lane);
+    const lane = LANES.findIndex(({ text }) => text === marker.lane.text);
+    return { ...marker, lane, second: true, text: `second run: ${marker.text}` };
+  });
+  shownMarkers = [...markers, ...added];
+  layRows();
+}
 const markerTimes = markers.map((m) => m.time);
 
 /** End of the axes of time (s): that of the longest run on the page. */
@@ -86,16 +104,25 @@ function drawEventPicture() {
     ctx.textAlign = 'right';
     ctx.fillText('no events', GUTTER - 10, LANE / 2);
   }
-  for (const marker of markers) {
+  for (const marker of shownMarkers) {
     if (marker.row < 0) continue;
     const x = eventX(marker.time), y = marker.row * LANE + LANE / 2;
-    ctx.fillStyle = colours[marker.colour || LANES[marker.lane].colour];
-    if (marker.small) ctx.fillRect(x - 1, y - 6, 2, 12);
+    ctx.fillStyle = ctx.strokeStyle = colours[marker.colour || LANES[marker.lane].colour];
+    ctx.lineWidth = 2;
+    // Those of the second run are open, so that both are seen.
+    if (marker.second) {
+      ctx.beginPath();
+      if (marker.small) { ctx.moveTo(x, y + 2); ctx.lineTo(x, y + 6); } else ctx.arc(x, y, 7, 0, 2 * Math.PI);
+      ctx.stroke();
+    } else if (marker.small) ctx.fillRect(x - 1, y - 6, 2, 12);
     else { ctx.beginPath(); ctx.arc(x, y, 5, 0, 2 * Math.PI); ctx.fill(); }
   }
 }
 
 function drawEvents(t) {
+  const text = eventText(t);
+  if ($('event-words').textContent !== text) $('event-words').textContent = text;
+  if (!eventsCanvas.isConnected) return;
   if (!eventPicture) drawEventPicture();
   const ctx = eventsCanvas.getContext('2d');
   ctx.setTransform(1, 0, 0, 1, 0, 0);
@@ -104,14 +131,12 @@ function drawEvents(t) {
   const ratio = window.devicePixelRatio || 1;
   ctx.fillStyle = colours.ink;
   ctx.fillRect(Math.round((eventX(t) - 0.75) * ratio), 0, Math.round(1.5 * ratio), eventsCanvas.height - 20 * ratio);
-  const text = eventText(t);
-  if ($('event-words').textContent !== text) $('event-words').textContent = text;
 }
 
 /** The marker under a point of the canvas. */
 function markerAt(x, y) {
   let best = null, least = 8;
-  for (const marker of markers) {
+  for (const marker of shownMarkers) {
     if (marker.row < 0 || Math.abs(y - marker.row * LANE - LANE / 2) > LANE / 2) continue;
     const away = Math.abs(x - eventX(marker.time));
     if (away < least) { least = away; best = marker; }

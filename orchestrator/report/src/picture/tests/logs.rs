@@ -16,7 +16,7 @@ use ipc_types::topics::{
 };
 use ipc_types::{cdr, schema};
 use mcap_log::{ChannelId, ChannelSpec, LogOptions, LogWriter, Manifest, ManifestFile};
-use mcap_log::{Condition, LogReadError, ReadProgress};
+use mcap_log::{Condition, LogReadError, Origin, ReadProgress};
 use recorder::{RunInfo, TaskInfo};
 use runtime::kind::TaskSketch;
 use tempfile::TempDir;
@@ -63,7 +63,7 @@ impl Log {
                     data: scenario.as_bytes().to_vec(),
                 },
                 ManifestFile {
-                    name: RunInfo::ATTACHMENT.to_owned(),
+                    name: Origin::RUN.to_owned(),
                     media_type: "application/json".to_owned(),
                     data: serde_json::to_vec(run).unwrap(),
                 },
