@@ -18,10 +18,10 @@ use sweep::LoadOptions;
 use sweep::engine::{Engine, InProcess, Processes};
 use sweep::spec::LogPolicy;
 
+use super::common::LogPolicyArg;
 use super::common::{ExternalArg, JsonArg, QuietArg};
 use super::output::{EXIT_FAILED, EXIT_INVALID, EXIT_PARTIAL, print, print_json};
 use super::run::handle_signals;
-use super::common::LogPolicyArg;
 
 /// Help below the options.
 pub(super) const HELP: &str = "\
