@@ -63,7 +63,7 @@ pub(crate) fn describe(
     if report.a.digest.as_deref() != Some(digest) {
         return None;
     }
-    let first = report.first?;
+    let first = report.comparison.first?;
     let change = first.causes.first().or(first.effects.first())?;
     let of = change
         .robot
