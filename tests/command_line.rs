@@ -69,7 +69,7 @@ fn files(sandbox: &Sandbox) -> Vec<(&'static str, &'static str)> {
 }
 
 /// The commands that read a file, `FILE`, and the files that they take.
-const COMMANDS: [(&str, &[&str]); 14] = [
+const COMMANDS: [(&str, &[&str]); 13] = [
     ("run FILE", &["scenario.toml"]),
     ("check FILE", &["scenario.toml"]),
     ("latency FILE", &["scenario.toml", "run.mcap"]),
@@ -85,7 +85,6 @@ const COMMANDS: [(&str, &[&str]); 14] = [
     ("info FILE", &["run.mcap"]),
     ("cat FILE", &["run.mcap"]),
     ("export FILE --out tables", &["run.mcap"]),
-    ("filter FILE --out part.mcap", &["run.mcap"]),
     ("replay FILE", &["run.mcap"]),
     ("verify FILE", &["run.mcap"]),
 ];

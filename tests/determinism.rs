@@ -56,7 +56,9 @@ fn a_planner_that_breaks_a_rule_fails_every_comparison_and_is_named() {
         for words in ["verify a.mcap", "verify a.mcap --in-process"] {
             let verified = call(&sandbox, words).run();
             assert_eq!(verified.code, Some(1), "{breach}: {verified}");
-            let told = verified.stdout.contains("first on robot/command");
+            let told = verified
+                .stdout
+                .contains("cause      suspect, robot/command");
             assert!(told, "{breach}: {verified}");
         }
         let tested = call(&sandbox, "replay a.mcap --test suspect").run();

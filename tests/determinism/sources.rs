@@ -41,8 +41,8 @@ const ALLOWED: [(&str, &str); 12] = [
         "whether this program can load libraries",
     ),
     (
-        "processes/library_planner/src/process.rs",
-        "the path of its configuration",
+        "processes/library_planner/src/entry.rs",
+        "the path of its configuration, or the question for its declaration",
     ),
     (
         "processes/optimiser/src/service/",

@@ -18,12 +18,11 @@ const NAMINGS: u64 = 3;
 const EXPERIMENT: &str = "scenario = \"builtin:hello\"\nseeds = { first = 1, count = 2 }\n";
 
 /// Commands that write files. The second time their results exist.
-const COMMANDS: [&str; 7] = [
+const COMMANDS: [&str; 6] = [
     "verify run.mcap",
     "export run.mcap --out out --force",
     "report run.mcap --out out.html --force",
     "recover run.mcap --out out.mcap --force",
-    "filter run.mcap --topics world/state --out out.mcap --force",
     "sweep small.toml --in-process --jobs 1 --set rules.time_limit=0.2 --out out",
     "latency run.mcap --json",
 ];

@@ -6,6 +6,7 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 
+use platform::presence::entry;
 use platform::progress::Progress;
 use sweep::engine::{Call, Engine};
 use sweep::spec::LogPolicy;
@@ -198,7 +199,7 @@ impl Shared<'_> {
         // The difference from an accepted run needs a log, too.
         let accepted = self
             .accepted_digest(test, seed)
-            .filter(|_| logs.accepted.exists());
+            .filter(|_| !matches!(entry(&logs.accepted), Ok(None)));
         let has_log = self.options.keep_logs != LogPolicy::None || accepted.is_some();
         let call = Call {
             log: has_log.then(|| logs.new.clone()),

@@ -311,7 +311,7 @@ impl<R: Record> Results<R> {
     /// Returns the path of the log of a mission, if it has been kept.
     pub(super) fn log(&self, mission: MissionId) -> Option<PathBuf> {
         let log = self.logs().join(self.manifest.log_name(mission));
-        log.exists().then_some(log)
+        (!matches!(presence::entry(&log), Ok(None))).then_some(log)
     }
 
     /// The manifest.

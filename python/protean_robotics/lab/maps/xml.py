@@ -18,9 +18,11 @@ class Element:
     __slots__ = ("attributes", "children", "line", "name", "text")
 
     def __init__(self, name: str, attributes: dict[str, str], line: int) -> None:
-        self.name, self.attributes, self.line = name.rpartition(" ")[2], attributes, line
+        self.name: str = name.rpartition(" ")[2]
+        self.attributes: dict[str, str] = attributes
+        self.line: int = line
         self.children: list[Element] = []
-        self.text = ""
+        self.text: str = ""
 
     def named(self, name: str) -> Iterator["Element"]:
         """Children with this name."""
