@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-SOURCES = Path(__file__).parents[1] / "src"
+SOURCES = [Path(__file__).parents[1] / folder for folder in ("src", "algorithms/src")]
 
 #: What the calls below use.
 PRELUDE = """
@@ -127,48 +127,48 @@ FILES = f"file('map.toml', {MAP!r}); name = file('big.toml', {SCENARIO!r})"
 
 #: Function that leaves the interpreter, by file and name: what calls of it need, and calls that would take long.
 CALLS: dict[str, list[tuple[str, str]]] = {
-    "algorithms/coverage.rs:new": [(SMALL, "while True: pr.coverage.Plan(map, (0.85, 0.85), 0.05, margin=0.0)")],
-    "algorithms/fields.rs:at_points": [
+    "coverage.rs:new": [(SMALL, "while True: pr.coverage.Plan(map, (0.85, 0.85), 0.05, margin=0.0)")],
+    "fields.rs:at_points": [
         ("goals = np.random.default_rng(1).uniform(0, 9, (1024, 2))", "pr.steering.attraction(many(4.0, 4.0), goals)"),
     ],
-    "algorithms/navigation.rs:arrival_times": [
+    "navigation.rs:arrival_times": [
         (ROOM, "while True: pr.navigation.arrival_times(map, many(0.1, 0.1, count=1024), 1.0, 0.1, pitch=0.05)"),
     ],
-    "algorithms/navigation.rs:dominance": [
+    "navigation.rs:dominance": [
         (
             ROOM,
             "for i in range(9999): pr.navigation.dominance(map, [(0.1, 0.1)], 1.0, [(70.0, 70.0)], 1.0,"
             " radius=0.1 + 1e-4 * i, pitch=0.05)",
         ),
     ],
-    "algorithms/navigation.rs:shortest_paths": [
+    "navigation.rs:shortest_paths": [
         (
             SMALL,
             f"for i in range(9999): pr.navigation.shortest_paths(map, {NEAR}, 0.2 + 1e-5 * i, count=1000)",
         ),
     ],
-    "algorithms/patrol.rs:lap": [(ZIG_ZAG, "while True: patrol.lap(100_000)")],
-    "algorithms/patrol.rs:predict": [(ZIG_ZAG, "patrol.predict(np.arange(1_000_000.0, 2_000_000.0))")],
-    "algorithms/rrt_star.rs:plan": [(ROOM, f"pr.rrt_star.plan(map, {ENDS}, 0.2, iterations=1_000_000)")],
-    "algorithms/tracking.rs:new": [
+    "patrol.rs:lap": [(ZIG_ZAG, "while True: patrol.lap(100_000)")],
+    "patrol.rs:predict": [(ZIG_ZAG, "patrol.predict(np.arange(1_000_000.0, 2_000_000.0))")],
+    "rrt_star.rs:plan": [(ROOM, f"pr.rrt_star.plan(map, {ENDS}, 0.2, iterations=1_000_000)")],
+    "tracking.rs:new": [
         (ROOM, f"while True: pr.tracking.ParticleFilter(map, {LIMITS}, params={{'particles': 1_000_000}})"),
     ],
-    "algorithms/tracking.rs:update": [
+    "tracking.rs:update": [
         (
             f"{ROOM}; belief = pr.tracking.ParticleFilter(map, {LIMITS}, params={{'particles': 1_000_000}})",
             "while True: belief.update(1.0, observers=many(0.1, 0.1, 0.0, count=64))",
         ),
     ],
-    "algorithms/tracking.rs:visibility": [
+    "tracking.rs:visibility": [
         (ROOM, "while True: pr.tracking.visibility(map, many(0.1, 0.1, 0.0, count=64), many(9.1, 9.1))"),
     ],
-    "algorithms/trajectory.rs:plan": [
+    "trajectory.rs:plan": [
         (
             DISCS,
             f"pr.trajectory.plan((0, 0, 0), (60, 60), discs=discs, bounds=[(-5, -5), (65, 65)], clearance=0.1, {LIMITS})",
         ),
     ],
-    "algorithms/trajectory.rs:plan_instance": [
+    "trajectory.rs:plan_instance": [
         (
             DISCS,
             "pr.trajectory.plan_instance({'cm_per_px': 1.0, 'vmax_px_s': 50, 'wmax_rad_s': 2, 'buffer_px': 1,"
@@ -253,23 +253,27 @@ EXECUTORS = {
     "processes of joblib": ("get_reusable_executor(2)", "in_process=True"),
 }
 #: Limits of the arguments bound these.
-SHORT = {"algorithms/coverage.rs:next", "lab.rs:patrol_laps", "routes.rs:plan_coverage", "routes.rs:plan_patrol"}
-SHORT |= {"routes.rs:predict_patrol"}
+SHORT = {"coverage.rs:next", "lab.rs:patrol_laps", "routes.rs:plan_coverage", "routes.rs:plan_patrol"}
+SHORT |= {"routes.rs:predict_patrol", "lab.rs:ros_map", "lab.rs:scenario_problems"}
+
+def sources() -> list[tuple[str, str]]:
+    """Names and texts of the sources in Rust."""
+    return [(f"{path.relative_to(folder)}", path.read_text()) for folder in SOURCES for path in folder.rglob("*.rs")]
+
 
 def functions() -> set[str]:
     """Functions that leave the interpreter."""
     found = set()
-    for path in SOURCES.rglob("*.rs"):
-        text = path.read_text()
+    for name, text in sources():
         for part in re.split(r"\bfn ", text)[1:]:
             if re.search(r"\b(wait|compute|each|short)\(\s*(py|at\.py\(\)|blocked\.py\(\)),", part):
-                found.add(f"{path.relative_to(SOURCES)}:{re.split('[<(]', part)[0]}")
+                found.add(f"{name}:{re.split('[<(]', part)[0]}")
     return found
 
 
 def test_no_function_leaves_the_interpreter_unseen() -> None:
     assert functions() == {*CALLS, *SHORT}
-    direct = {f"{path.relative_to(SOURCES)}" for path in SOURCES.rglob("*.rs") if "detach(" in path.read_text()}
+    direct = {name for name, text in sources() if "detach(" in text}
     # A planner's process ignores Ctrl-C: its run decides.
     assert direct == {"interpreter.rs", "interruptible.rs", "planner/entry.rs"}
 

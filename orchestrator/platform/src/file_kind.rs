@@ -69,6 +69,7 @@ pub const TOML_KEYS: [(FileKind, &[&str]); 3] = [
             "teams",
             "processes",
             "events",
+            "expect",
             "log",
         ],
     ),

@@ -23,6 +23,10 @@ impl OutputFormat {
     pub const GRAPH: Self = Self::new("graphs are SVG or Mermaid files", &["svg", "mmd", "md"]);
     /// Results of measurements and plans, instances.
     pub const JSON: Self = Self::new("results are JSON files", &["json", "jsonl", "ndjson"]);
+    /// Results of tests for servers of continuous integration.
+    pub const JUNIT: Self = Self::new("results of tests are XML files", &["xml"]);
+    /// Summaries.
+    pub const MARKDOWN: Self = Self::new("summaries are Markdown files", &["md", "markdown"]);
     /// Tables, bags and results of experiments.
     pub const FOLDER: Self = Self::new("the output is a folder", &[]);
 

@@ -11,6 +11,7 @@ use mission_tests::{
 };
 use platform::atomic_file::save;
 use platform::machine::processors;
+use platform::output_format::OutputFormat;
 use platform::{descriptors, eprintln};
 use scenario::kind::Kind;
 use serde_json::json;
@@ -18,8 +19,7 @@ use sweep::LoadOptions;
 use sweep::engine::{Engine, InProcess, Processes};
 use sweep::spec::LogPolicy;
 
-use super::common::LogPolicyArg;
-use super::common::{ExternalArg, JsonArg, QuietArg};
+use super::common::{ExternalArg, JsonArg, LogPolicyArg, QuietArg, out};
 use super::output::{EXIT_FAILED, EXIT_INVALID, EXIT_PARTIAL, print, print_json};
 use super::run::handle_signals;
 
@@ -59,10 +59,10 @@ pub(super) struct TestArgs {
     #[arg(long, value_name = "FILE")]
     baseline: Option<PathBuf>,
     /// Write the results to FILE as XML of `JUnit`
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", value_parser = out(OutputFormat::JUNIT))]
     junit: Option<PathBuf>,
     /// Write a summary to FILE as Markdown
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", value_parser = out(OutputFormat::MARKDOWN))]
     markdown: Option<PathBuf>,
     /// Print annotations of GitHub and add to its summary [default: if `GITHUB_ACTIONS` is set]
     #[arg(long)]

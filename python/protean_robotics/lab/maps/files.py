@@ -16,13 +16,13 @@ class InvalidMap(InvalidInput):
     """A file that cannot become a scenario."""
 
 
-def bad_line(path: Path, line: int, found: str, expected: str) -> InvalidMap:
+def bad_line(path: Path, line: int, found: str, expected: str) -> InvalidInput:
     """Error of a line, from 1."""
     shown = json.dumps(found[:_MAX_SHOWN], ensure_ascii=False)
     return InvalidMap(f"{path}, line {line}: {shown}: expected {expected}")
 
 
-def bad_content(path: Path, found: str, expected: str) -> InvalidMap:
+def bad_content(path: Path, found: str, expected: str) -> InvalidInput:
     """Error of a file as a whole."""
     return InvalidMap(f"{path}: {found}: expected {expected}")
 
