@@ -38,7 +38,7 @@ interval needs more missions, or Ctrl-C ended it.";
 /// Arguments of `protean test`.
 #[derive(Debug, clap::Args)]
 pub(super) struct TestArgs {
-    /// Test files, scenarios with [expect], or folders with these [default: tests]
+    /// Test files, scenarios with `expect`, or folders with these [default: tests]
     paths: Vec<PathBuf>,
     /// Run only tests with TEXT in their name
     #[arg(long, value_name = "TEXT", default_value = "")]
