@@ -1,7 +1,7 @@
 //! Results of tests as text, Markdown, `JUnit` XML and annotations of GitHub.
 
 use crate::baseline::TestChange;
-use crate::report::{Finding, SuiteReport, TestReport, Verdict};
+use crate::report::{Finding, SuiteReport, TestReport, Verdict, count_text};
 
 /// Maximum number of findings of a test in texts for people.
 const MAX_FINDINGS: usize = 10;
@@ -45,11 +45,11 @@ fn listed(test: &TestReport) -> (&[Finding], usize) {
 pub fn text(report: &SuiteReport) -> String {
     let mut text = String::new();
     for test in &report.tests {
-        let missions = test.missions.len();
         text += &format!(
-            "{:<13} {} ({missions} missions)\n",
+            "{:<13} {} ({})\n",
             test.verdict.name(),
-            test.name
+            test.name,
+            count_text(test.missions.len())
         );
         let (shown, others) = listed(test);
         for finding in shown {

@@ -117,6 +117,15 @@ impl SuiteReport {
         } else {
             ""
         };
-        format!("{pass} passed, {fail} failed, {open} inconclusive ({missions} missions){end}")
+        format!(
+            "{pass} passed, {fail} failed, {open} inconclusive ({}){end}",
+            count_text(missions)
+        )
     }
+}
+
+/// Returns a number of missions in words.
+pub(crate) fn count_text(missions: usize) -> String {
+    let noun = if missions == 1 { "mission" } else { "missions" };
+    format!("{missions} {noun}")
 }
