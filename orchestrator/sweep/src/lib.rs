@@ -15,7 +15,7 @@
 //! | [`spec`], `seeds`, `mission_id`, `options` | the keys of the file, and options beside it |
 //! | `manifest`, `table`, `directory`, `journal`, `results`, [`merge`] | the directory of results |
 //! | `reader`, `assignments`, `parameters`, `grid`, `parts`, `cases` | parts of the file during reading |
-//! | [`engine`], `subject`, `experiment`, [`shard`], [`runner`] | experiments of any kind, and their execution |
+//! | [`engine`], [`pool`], `subject`, `experiment`, [`shard`], [`runner`] | experiments of any kind, and their execution |
 //! | `worst`, [`summary`], [`published`] | summaries of results; published points beside them |
 //! | `missions`, [`planning`] | the kinds of missions: of robots, of plans |
 
@@ -40,6 +40,7 @@ mod options;
 mod parameters;
 mod parts;
 pub mod planning;
+pub mod pool;
 pub mod published;
 mod reader;
 mod results;

@@ -44,7 +44,7 @@ pub enum Outcome {
 
 impl Outcome {
     /// Name in the results.
-    pub fn name(self) -> &'static str {
+    pub const fn name(self) -> &'static str {
         match self {
             Self::Ended => "ended",
             Self::TimeLimit => "time_limit",

@@ -2,9 +2,8 @@
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::mpsc::{self, RecvTimeoutError};
-use std::sync::{Arc, Mutex};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use platform::progress::Progress;
@@ -14,14 +13,12 @@ use super::error::SweepError;
 use super::experiment::ExperimentOf;
 use super::manifest::Manifest;
 use super::mission_id::{MissionId, missions};
+use super::pool::{Pool, Turn};
 use super::results::Results;
 use super::row::Record as _;
 use super::shard::Shard;
 use super::spec::LogPolicy;
 use super::subject::{Ended, Pinning, Subject};
-
-/// Interval between checks for interruptions and time-outs.
-const POLL_INTERVAL: Duration = Duration::from_millis(50);
 
 /// Options of a sweep.
 #[derive(Debug, Clone)]
@@ -88,25 +85,12 @@ struct Shared<'a, S: Subject> {
     manifest: &'a Manifest,
     logs: PathBuf,
     open: &'a [MissionId],
-    next: AtomicUsize,
-    /// `true`: no further mission is started.
-    stop: AtomicBool,
-    /// Current mission of each worker.
-    current: Vec<Mutex<Option<Current>>>,
-}
-
-/// A running mission.
-struct Current {
-    since: Instant,
-    /// Set to end it in order.
-    end: Arc<AtomicBool>,
 }
 
 /// A finished mission.
 struct Done<R> {
     mission: MissionId,
-    /// `None`: aborted because of an interruption.
-    ended: Option<Ended<R>>,
+    ended: Ended<R>,
     wall_s: f64,
 }
 
@@ -136,7 +120,6 @@ pub fn run<S: Subject>(
         std::fs::create_dir_all(&logs)
             .map_err(SweepError::io(&logs, "cannot create the directory"))?;
     }
-    let jobs = options.jobs.clamp(1, open.len().max(1));
     let shared = Shared {
         experiment,
         engine,
@@ -144,120 +127,46 @@ pub fn run<S: Subject>(
         manifest: &experiment.manifest(),
         logs,
         open: &open,
-        next: AtomicUsize::new(0),
-        stop: AtomicBool::new(false),
-        current: (0..jobs).map(|_| Mutex::new(None)).collect(),
+    };
+    let pool = Pool {
+        jobs: options.jobs,
+        timeout: options.timeout,
+        interrupted: &options.interrupted,
     };
     let mut progress = Progress::new(open.len(), known, options.quiet, S::UNIT);
     let mut carried_out = 0;
-    let (tell, done) = mpsc::channel::<Done<S::Row>>();
-    let outcome = std::thread::scope(|scope| -> Result<(), SweepError> {
-        for worker in 0..jobs {
-            let (shared, tell) = (&shared, tell.clone());
-            let spawned = std::thread::Builder::new()
-                .name(format!("sweep-{worker}"))
-                .spawn_scoped(scope, move || shared.work(worker, &tell));
-            if let Err(source) = spawned {
-                shared.stop.store(true, Ordering::SeqCst);
-                return Err(SweepError::Resource {
-                    what: format!("cannot start thread {worker}: {source}"),
-                    help: "; choose fewer --jobs",
-                });
-            }
-        }
-        drop(tell);
-        let kept = collect(&shared, results, &done, &mut progress, &mut carried_out);
-        if kept.is_err() {
-            shared.abort(None);
-        }
-        kept
-    });
+    let outcome = pool.run(
+        open.len(),
+        |thread| shared.take_processor(thread),
+        |turn| shared.carry_out(turn),
+        |done| {
+            let Some(Done {
+                mission,
+                ended: Ended { row, cpu_ms },
+                wall_s,
+            }) = done
+            else {
+                return Ok(());
+            };
+            progress.done(row.is_failed(), || {
+                format!("{} failed: {}", results.describe(mission), row.error())
+            });
+            carried_out += 1;
+            results.record_timed(mission, row, wall_s, cpu_ms)
+        },
+    );
     progress.finish();
     outcome?;
     Ok(RunReport {
         carried_out,
         known,
         wall_time_s: start.elapsed().as_secs_f64(),
-        interrupted: shared.is_interrupted(),
+        interrupted: options.interrupted.load(Ordering::SeqCst),
         missing: to_do(experiment, Some(results), options.shard, false).0,
     })
 }
 
-/// Records finished missions until all workers have ended.
-fn collect<S: Subject>(
-    shared: &Shared<'_, S>,
-    results: &mut Results<S::Row>,
-    done: &mpsc::Receiver<Done<S::Row>>,
-    progress: &mut Progress,
-    carried_out: &mut usize,
-) -> Result<(), SweepError> {
-    loop {
-        match done.recv_timeout(POLL_INTERVAL) {
-            Ok(Done {
-                mission,
-                ended: Some(Ended { row, cpu_ms }),
-                wall_s,
-            }) => {
-                progress.done(row.is_failed(), || {
-                    format!("{} failed: {}", results.describe(mission), row.error())
-                });
-                results.record_timed(mission, row, wall_s, cpu_ms)?;
-                *carried_out += 1;
-            }
-            Ok(Done { ended: None, .. }) | Err(RecvTimeoutError::Timeout) => {}
-            Err(RecvTimeoutError::Disconnected) => return Ok(()),
-        }
-        if shared.is_interrupted() {
-            shared.abort(None);
-        } else {
-            shared.abort(Some(shared.options.timeout));
-        }
-    }
-}
-
 impl<S: Subject> Shared<'_, S> {
-    fn is_interrupted(&self) -> bool {
-        self.options.interrupted.load(Ordering::SeqCst)
-    }
-
-    /// Ends the missions that have taken longer than this time. Without a time, ends all missions
-    /// and starts no other.
-    fn abort(&self, longer_than: Option<Duration>) {
-        if longer_than.is_none() {
-            self.stop.store(true, Ordering::SeqCst);
-        }
-        for slot in &self.current {
-            let Ok(slot) = slot.lock() else { continue };
-            if let Some(Current { since, end }) = slot.as_ref()
-                && longer_than.is_none_or(|time| since.elapsed() > time)
-            {
-                end.store(true, Ordering::SeqCst);
-            }
-        }
-    }
-
-    /// Executes one mission after the other until none is left.
-    fn work(&self, worker: usize, tell: &mpsc::Sender<Done<S::Row>>) {
-        self.take_processor(worker);
-        while !self.stop.load(Ordering::SeqCst) {
-            let next = self.next.fetch_add(1, Ordering::SeqCst);
-            let Some(&mission) = self.open.get(next) else {
-                return;
-            };
-            let start = Instant::now();
-            let ended = self.carry_out(worker, mission, start);
-            let wall_s = start.elapsed().as_secs_f64();
-            let told = tell.send(Done {
-                mission,
-                ended,
-                wall_s,
-            });
-            if told.is_err() {
-                return;
-            }
-        }
-    }
-
     /// Pins this worker to a processor if its missions need one.
     fn take_processor(&self, worker: usize) {
         let first = self.open.first();
@@ -268,7 +177,8 @@ impl<S: Subject> Shared<'_, S> {
         }
         let processors = processors();
         // With spare processors, missions may spread over several.
-        if pinning == Pinning::Always || self.current.len() >= processors.len() {
+        if pinning == Pinning::Always || self.options.jobs.min(self.open.len()) >= processors.len()
+        {
             // Other parts may run on this machine too.
             let turn = worker + self.options.shard.index() - 1;
             let own = turn.checked_rem(processors.len());
@@ -278,30 +188,17 @@ impl<S: Subject> Shared<'_, S> {
         }
     }
 
-    fn carry_out(
-        &self,
-        worker: usize,
-        mission: MissionId,
-        start: Instant,
-    ) -> Option<Ended<S::Row>> {
+    /// Executes a mission; returns `None` if it was aborted because of an interruption.
+    fn carry_out(&self, turn: &Turn<'_>) -> Option<Done<S::Row>> {
+        let start = Instant::now();
+        let mission = *self.open.get(turn.mission)?;
         let cell = self.experiment.cells.get(mission.cell)?;
         let log = (self.options.log != LogPolicy::None)
             .then(|| self.logs.join(self.manifest.log_name(mission)));
         let call = Call {
             log: log.clone(),
-            interrupted: Arc::default(),
+            interrupted: Arc::clone(&turn.end),
         };
-        let current = self.current.get(worker);
-        if let Some(Ok(mut slot)) = current.map(Mutex::lock) {
-            *slot = Some(Current {
-                since: start,
-                end: Arc::clone(&call.interrupted),
-            });
-        }
-        // Another thread may have set `stop` before the entry above.
-        if self.stop.load(Ordering::SeqCst) {
-            return None;
-        }
         let failed = |error| Ended {
             row: S::Row::failed(error),
             cpu_ms: None,
@@ -310,10 +207,6 @@ impl<S: Subject> Shared<'_, S> {
         let carried_out = catch_unwind(AssertUnwindSafe(|| {
             S::carry_out(cell, mission.seed, self.engine, &call)
         }));
-        if let Some(Ok(mut slot)) = current.map(Mutex::lock) {
-            *slot = None;
-        }
-        let interrupted = matches!(carried_out, Ok(None));
         let ended = match carried_out {
             Ok(Some(ended)) => ended,
             Ok(None) => {
@@ -322,16 +215,20 @@ impl<S: Subject> Shared<'_, S> {
             }
             Err(panic) => failed(format!("it panicked: {}", panic_message(panic.as_ref()))),
         };
+        let is_failed = ended.row.is_failed();
         // A failure after an interruption does not count.
-        let stopped = self.stop.load(Ordering::SeqCst);
-        if stopped && (interrupted || ended.row.is_failed()) {
+        if is_failed && turn.is_stopped() {
             discard(log.as_deref());
             return None;
         }
-        if self.options.log == LogPolicy::Failed && !ended.row.is_failed() {
+        if self.options.log == LogPolicy::Failed && !is_failed {
             discard(log.as_deref());
         }
-        Some(ended)
+        Some(Done {
+            mission,
+            ended,
+            wall_s: start.elapsed().as_secs_f64(),
+        })
     }
 }
 
