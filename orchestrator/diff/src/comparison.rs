@@ -1,6 +1,7 @@
 //! Comparison of two simulated histories, moment by moment.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::fmt;
 
 use recorder::RunInfo;
 use serde::Serialize;
@@ -32,6 +33,27 @@ pub struct Difference {
     pub a: String,
     /// Its value in the second history; empty if it has none.
     pub b: String,
+}
+
+impl fmt::Display for Difference {
+    /// Writes process, topic, field and both values on one line.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}, {}:", self.process, self.topic)?;
+        if !self.field.is_empty() {
+            write!(f, " {}", self.field)?;
+            if let Some(robot) = &self.robot {
+                write!(f, " of {robot}")?;
+            }
+            write!(f, ":")?;
+        }
+        let [a, b] = [&self.a, &self.b].map(|value| or_none(value));
+        write!(f, " {a} → {b}")
+    }
+}
+
+/// Returns a value, or `none` for an empty one.
+pub fn or_none(value: &str) -> &str {
+    if value.is_empty() { "none" } else { value }
 }
 
 /// The first tick in which two histories differ.

@@ -29,7 +29,7 @@ mod report;
 #[cfg(test)]
 mod tests;
 
-pub use comparison::{Comparison, Difference, FirstDifference, TopicComparison};
+pub use comparison::{Comparison, Difference, FirstDifference, TopicComparison, or_none};
 pub use deviation::Deviation;
 pub use facts::{EventChange, ValueChange};
 pub use message::Message;

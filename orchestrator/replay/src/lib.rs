@@ -18,7 +18,7 @@ pub use error::ReplayError;
 pub use player::replay;
 pub use recorded::ProcessExit;
 pub use replay_report::{ReplayOptions, Replayed};
-pub use rerun::{Rerun, RerunOptions, rerun};
+pub use rerun::{Rerun, RerunOptions, rerun, run_again};
 pub use verify::{Verified, VerifyOptions, verify};
 
 use ipc_types::bus::BusOptions;

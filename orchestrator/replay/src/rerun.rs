@@ -72,7 +72,7 @@ pub fn rerun(
     watch: &mut ReadProgress,
 ) -> Result<Rerun, ReplayError> {
     let recorded = Recorded::read(log, |_| true, watch)?;
-    let mut scenario = scenario_of(
+    let scenario = scenario_of(
         &recorded.origin,
         log,
         &[],
@@ -80,17 +80,15 @@ pub fn rerun(
         kinds,
     )?;
     refuse_external(log, &scenario, options.allow_external)?;
-    // The repetition has no viewers.
-    scenario.log.viewer_rate_hz = 0.0;
     let folder = Scratch::create().map_err(|source| MissionError::System {
         what: "cannot create a temporary directory".into(),
         source,
     })?;
     let again = folder.path().join("again.mcap");
     let report = run_again(
-        &scenario,
+        scenario.clone(),
         &again,
-        recorded.last_needed(),
+        Some(recorded.last_needed()),
         options.in_process,
         watch,
     )?;
@@ -124,33 +122,37 @@ pub fn rerun(
     })
 }
 
-/// Runs a scenario with its log at `out`, up to this tick.
-fn run_again(
-    scenario: &ResolvedScenario,
+/// Runs a scenario for a comparison, up to this tick: its log at `out` has the history alone.
+///
+/// # Errors
+/// As [`mission::run`](fn@mission::run) and [`in_process::run`].
+pub fn run_again(
+    mut scenario: ResolvedScenario,
     out: &Path,
-    last_tick: u64,
+    last_tick: Option<u64>,
     in_process: bool,
     watch: &ReadProgress,
 ) -> Result<MissionReport, MissionError> {
+    scenario.log.viewer_rate_hz = 0.0;
     let (out, interrupted) = (Some(out.to_owned()), Arc::clone(&watch.interrupted));
     if in_process {
         let options = InProcessOptions {
             out,
-            last_tick: Some(last_tick),
+            last_tick,
             show: !watch.quiet,
             interrupted,
             libraries: true,
             ..InProcessOptions::default()
         };
-        in_process::run(scenario, &options)
+        in_process::run(&scenario, &options)
     } else {
         let options = MissionOptions {
             out,
-            last_tick: Some(last_tick),
+            last_tick,
             quiet: watch.quiet,
             interrupted,
             ..MissionOptions::default()
         };
-        mission::run(scenario, &options)
+        mission::run(&scenario, &options)
     }
 }

@@ -1,6 +1,6 @@
 //! Comparisons of histories as text.
 
-use diff::{Comparison, Difference, TopicComparison};
+use diff::{Comparison, TopicComparison};
 use recorder::time_text;
 
 /// Maximum number of lines of a list in the text.
@@ -16,8 +16,8 @@ pub(super) fn difference_lines(heading: &str, comparison: &Comparison) -> Vec<St
         first.tick(),
         time_text(first.time_s)
     )];
-    list(&mut lines, "cause", &first.causes, difference_line);
-    list(&mut lines, "effects", &first.effects, difference_line);
+    list(&mut lines, "cause", &first.causes, ToString::to_string);
+    list(&mut lines, "effects", &first.effects, ToString::to_string);
     let topics: Vec<_> = comparison
         .topics
         .iter()
@@ -47,35 +47,5 @@ pub(super) fn list<T>(
     if items.len() > MAX_LINES {
         let others = items.len() - MAX_LINES;
         lines.push(format!("{:<10} and {others} others (--json lists all)", ""));
-    }
-}
-
-fn difference_line(change: &Difference) -> String {
-    let Difference {
-        process,
-        topic,
-        field,
-        a,
-        b,
-        ..
-    } = change;
-    let of = change
-        .robot
-        .as_ref()
-        .map_or_else(String::new, |robot| format!(" of {robot}"));
-    let field = if field.is_empty() {
-        ""
-    } else {
-        &format!(" {field}{of}:")
-    };
-    format!("{process}, {topic}:{field} {} → {}", or_none(a), or_none(b))
-}
-
-/// Returns a value, or `none` for an empty one.
-pub(super) fn or_none(value: &str) -> String {
-    if value.is_empty() {
-        "none".to_owned()
-    } else {
-        value.to_owned()
     }
 }

@@ -4,20 +4,19 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Arc;
 
-use diff::{DiffReport, EventChange, LogFacts, ValueChange, diff};
+use diff::{DiffReport, EventChange, LogFacts, ValueChange, diff, or_none};
 use mcap_log::{Origin, ReadProgress};
-use mission::in_process::{self, InProcessOptions};
-use mission::{MissionError, MissionOptions};
+use mission::MissionError;
 use platform::file_kind::FileKind;
 use platform::scratch::Scratch;
 use recorder::time_text;
-use replay::ReplayError;
 use replay::origin::scenario_of;
+use replay::{ReplayError, run_again};
 use scenario::kind::Kind;
 use scenario::{Loader, ResolvedScenario};
 
 use super::common::{ExternalArg, JsonArg, QuietArg};
-use super::comparison_text::{difference_lines, list, or_none};
+use super::comparison_text::{difference_lines, list};
 use super::logs::{self, CommandError};
 use super::output::{print, print_json};
 use super::run::refuse_external;
@@ -147,33 +146,16 @@ fn scenario(
 fn run_first(
     args: &DiffArgs,
     side: &str,
-    mut scenario: ResolvedScenario,
+    scenario: ResolvedScenario,
     folder: &Scratch,
     name: &str,
     watch: &ReadProgress,
 ) -> Result<PathBuf, CommandError> {
     refuse_external(side, &scenario, args.external.allow_external).map_err(|text| usage(&text))?;
-    // Only the history is compared.
-    scenario.log.viewer_rate_hz = 0.0;
     let log = folder.path().join(format!("{name}.mcap"));
-    let interrupted = Arc::clone(&watch.interrupted);
-    let done = if scenario.uses_external_commands() {
-        let options = MissionOptions {
-            out: Some(log.clone()),
-            quiet: true,
-            interrupted,
-            ..MissionOptions::default()
-        };
-        mission::run(&scenario, &options)
-    } else {
-        let options = InProcessOptions {
-            out: Some(log.clone()),
-            interrupted,
-            ..InProcessOptions::default()
-        };
-        in_process::run(&scenario, &options)
-    };
-    done.map_err(ReplayError::from)?;
+    let watch = ReadProgress::new(Arc::clone(&watch.interrupted), true);
+    let in_process = !scenario.uses_external_commands();
+    run_again(scenario, &log, None, in_process, &watch).map_err(ReplayError::from)?;
     Ok(log)
 }
 
@@ -208,14 +190,8 @@ fn text(report: &DiffReport, a: &str, b: &str) -> String {
 }
 
 fn value_line(change: &ValueChange) -> String {
-    let value =
-        |value: &Option<String>| value.as_deref().map_or_else(|| "none".to_owned(), or_none);
-    format!(
-        "{}: {} → {}",
-        change.key,
-        value(&change.a),
-        value(&change.b)
-    )
+    let [a, b] = [&change.a, &change.b].map(|value| value.as_deref().map_or("none", or_none));
+    format!("{}: {a} → {b}", change.key)
 }
 
 fn event_line(change: &EventChange) -> String {
