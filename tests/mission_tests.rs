@@ -45,11 +45,11 @@ fn a_test_of_three_lines_passes_and_its_digest_is_accepted() {
     let files = "--junit out.xml --markdown out.md --github --update=fewer";
     let changed = call(&format!("test --quiet {change} {files}"));
     assert_eq!(changed.code, Some(1), "{changed}");
-    let difference = "perception perception/belief";
+    let difference = "perception, perception/belief";
     assert!(
         changed
             .stdout
-            .contains("::error file=tests/short.toml,line=6,title=tests/short%2C seed 1::"),
+            .contains("::error file=tests/short.toml,line=6,title=tests/short::"),
         "{changed}"
     );
     assert!(changed.stdout.contains(difference), "{changed}");
@@ -210,7 +210,11 @@ fn faults_of_test_files_have_line_key_and_suggestion() {
             "scenario = \"chase\"\nexpect = {}",
             &["nothing is expected"],
         ),
-        ("x = 1", &["there are no tests"]),
+        ("x = 1", &["there are no tests in tests"]),
+        (
+            "[[test]]\nname = \"end_to_end\"\npath = \"end_to_end.rs\"",
+            &["there are no tests in tests"],
+        ),
     ] {
         sandbox.file("tests/bad.toml", text);
         let refused = sandbox.protean(["test"]).run();
@@ -248,16 +252,54 @@ fn a_scenario_with_expectations_is_a_test_and_its_runs_are_those_without() {
     assert_eq!(digest("plain.toml"), digest("hello.toml"));
     let done = sandbox.protean(["test", "--quiet", "hello.toml"]).run();
     assert_eq!(done.code, Some(0), "{done}");
+    for (expect, place, near) in [
+        ("no_contct = true", "expect.no_contct", "no_contact"),
+        ("columns.tick = 1", "expect.columns.tick", "ticks"),
+        ("outcome.robt = \"caught\"", "expect.outcome.robt", "robot"),
+        ("events = [\"escapd\"]", "expect.events", "escaped"),
+    ] {
+        sandbox.file("hello.toml", format!("{hello}\n[expect]\n{expect}\n"));
+        for command in ["check", "test"] {
+            let refused = sandbox.protean([command, "hello.toml"]).run();
+            refused.refused(2, &[place, &format!("did you mean `{near}`")]);
+        }
+    }
+}
+
+#[test]
+fn a_folder_may_have_other_files_and_a_named_file_is_a_test() {
+    let sandbox = Sandbox::new();
     sandbox.file(
-        "hello.toml",
-        format!("{hello}\n[expect]\nno_contct = true\n"),
+        "tests/Cargo.toml",
+        "[package]\nname = \"tests\"\n[[test]]\nname = \"all\"\n",
     );
-    for command in ["check", "test"] {
-        let refused = sandbox.protean([command, "hello.toml"]).run();
-        assert_eq!(refused.code, Some(2), "{refused}");
-        assert!(
-            refused.stderr.contains("did you mean `no_contact`"),
-            "{refused}"
-        );
+    let text = format!("scenario = \"chase\"\n{SET}expect.outcome = \"time_limit\"\n");
+    sandbox.file("tests/short.toml", &text);
+    let done = sandbox.protean(["test", "--quiet"]).run();
+    assert_eq!(done.code, Some(0), "{done}");
+    assert!(done.stdout.contains("1 passed, 0 failed"), "{done}");
+    let named = sandbox.protean(["test", "tests/Cargo.toml"]).run();
+    named.refused(2, &["there are no tests in tests/Cargo.toml", "`[[test]]`"]);
+    let none = sandbox.protean(["test", "--filter", "long"]).run();
+    none.refused(2, &["no test has \"long\" in its name"]);
+}
+
+#[test]
+fn a_mission_without_end_is_not_decided() {
+    let sandbox = Sandbox::new();
+    let text = "scenario = \"patrol_square\"\nseeds = [1, 2]\nset.rules.time_limit = 1000000\n\
+                expect.no_contact = true\nexpect.means.ticks = { within = [0, 1] }\n";
+    sandbox.file("tests/endless.toml", text);
+    let command = ["test", "--quiet", "--timeout", "1", "--keep-logs", "failed"];
+    let done = sandbox.protean(command).run();
+    assert_eq!(done.code, Some(3), "{done}");
+    for part in [
+        "inconclusive  tests/endless (0 missions)",
+        "tests/endless.toml:1: the mission ends within 1 s of real time (seed 2)",
+        "repeat: protean run patrol_square --set rules.time_limit=1000000 --seed 2",
+        "log: logs/tests/tests-endless-2-failed.mcap",
+        "0 passed, 0 failed, 1 inconclusive",
+    ] {
+        assert!(done.stdout.contains(part), "{part}: {done}");
     }
 }

@@ -23,6 +23,9 @@ pub enum TestError {
         /// Problem, with line and column.
         source: serde_json::Error,
     },
+    /// The threads of the missions cannot be started.
+    #[error(transparent)]
+    Threads(#[from] sweep::SweepError),
     /// A test file changed during the run.
     #[error("{}: the file changed during the tests; repeat the command", path.display())]
     Changed {
@@ -33,7 +36,7 @@ pub enum TestError {
 
 impl TestError {
     /// Returns a closure for `map_err`: wraps an error of the operating system with path and operation.
-    pub(crate) fn io<P: Into<PathBuf>>(
+    pub fn io<P: Into<PathBuf>>(
         path: P,
         what: &'static str,
     ) -> impl FnOnce(std::io::Error) -> Self {

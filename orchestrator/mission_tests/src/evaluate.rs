@@ -1,11 +1,11 @@
 //! Verdicts on missions: functions of their results alone.
 
-use recorder::{EventEntry, RobotOutcome};
+use recorder::EventEntry;
 use statistics::{Interval, Mean, Sample, Z95};
-use sweep::{Part, Row};
+use sweep::Row;
 use tables::Cell;
 
-use crate::expectation::{Check, Limited, ShareOf};
+use crate::expectation::{Check, Limited};
 use crate::limit::number;
 use crate::report::Verdict;
 
@@ -16,8 +16,6 @@ pub(crate) fn of_mission(
     row: &Row,
     events: &[EventEntry],
 ) -> Option<String> {
-    let robot = |name: &str| row.robots.iter().find(|robot| robot.name == name);
-    let unless = |holds: bool, found: String| (!holds).then_some(found);
     match check {
         Check::Digest { seed: of, digest } => {
             let hint = if digest.is_empty() {
@@ -25,54 +23,22 @@ pub(crate) fn of_mission(
             } else {
                 ""
             };
-            let found = format!("{}{hint}", row.digest);
-            unless(*of != seed || row.digest == *digest, found)
-        }
-        Check::Outcome(outcome) => {
-            let found = row.outcome.name();
-            unless(found == outcome, found.to_owned())
-        }
-        Check::RobotOutcome {
-            robot: name,
-            outcome,
-        } => {
-            let found = robot(name).map_or("no such robot", |robot| robot.outcome.as_str());
-            unless(found == outcome, found.to_owned())
+            (*of == seed && row.digest != *digest).then(|| format!("{}{hint}", row.digest))
         }
         Check::NoContact => {
             let mut touching = row.robots.iter().filter(|robot| robot.contacts > 0);
-            let first = touching.next()?;
+            let (first, contacts) = (&touching.next()?.name, row.contacts);
+            let others = touching.count();
             Some(format!(
-                "{} contacts, of {} and {} others",
-                row.contacts,
-                first.name,
-                touching.count()
+                "{contacts} contacts, of {first} and {others} others"
             ))
         }
         Check::Events(expected) => missing_event(expected, row, events),
-        Check::Column(column) => column_value(column, row),
-        Check::RobotColumn {
-            robot: name,
-            column,
-        } => match robot(name) {
-            Some(robot) => column_value::<RobotOutcome>(column, robot),
-            None => Some("no such robot".to_owned()),
-        },
+        Check::Value(limited) => limited.other(row).map(|cell| match cell {
+            Cell::Empty => "no value".to_owned(),
+            cell => cell.to_string(),
+        }),
         Check::Share { .. } | Check::Mean { .. } => None,
-    }
-}
-
-fn column_value<P: Part<Row>>(limited: &Limited<P>, part: &P) -> Option<String> {
-    let cell = limited.column.cell(part);
-    (!limited.limit.contains(&cell)).then(|| shown(&cell))
-}
-
-fn shown(cell: &Cell) -> String {
-    match cell {
-        Cell::Bool(v) => v.to_string(),
-        Cell::Text(v) => v.clone(),
-        Cell::Empty => "no value".to_owned(),
-        cell => number(cell).map_or_else(String::new, |v| v.to_string()),
     }
 }
 
@@ -105,18 +71,29 @@ fn has_word(event: &EventEntry, word: &str, row: &Row) -> bool {
 /// Returns verdict and value of an expectation of several missions; `None` if it is about single ones.
 pub(crate) fn of_all(check: &Check, rows: &[&Row]) -> Option<(Verdict, String)> {
     let (over, within, value, interval) = match check {
-        Check::Share { of, over, within } => {
-            let groups = rows.iter().take(*over).map(|row| group(of, row));
-            let sample: Sample = groups.collect();
+        Check::Share {
+            members,
+            over,
+            within,
+        } => {
+            let hits = |row: &&Row| {
+                let holds =
+                    |limits: &&Vec<_>| limits.iter().all(|l: &Limited| l.other(row).is_none());
+                members.iter().filter(holds).count() as u32
+            };
+            let groups = rows.iter().take(*over);
+            let sample: Sample = groups
+                .map(|row| (hits(row), members.len() as u32))
+                .collect();
             (over, within, sample.share(), sample.interval(Z95))
         }
         Check::Mean {
-            column,
+            value,
             over,
             within,
         } => {
             let values = rows.iter().take(*over);
-            let values: Vec<f64> = values.filter_map(|row| number(&column.cell(row))).collect();
+            let values: Vec<f64> = values.filter_map(|row| number(&value(row))).collect();
             let mean = Mean::of(&values);
             let everything = Interval {
                 low: f64::NEG_INFINITY,
@@ -141,25 +118,4 @@ pub(crate) fn of_all(check: &Check, rows: &[&Row]) -> Option<(Verdict, String)> 
         verdict,
         format!("{value}, 95 % interval {low:.4} to {high:.4} of {missions} missions"),
     ))
-}
-
-/// Returns hits and members of a share in one mission.
-fn group(of: &ShareOf, row: &Row) -> (u32, u32) {
-    match of {
-        ShareOf::Missions(outcome) => (u32::from(row.outcome.name() == outcome), 1),
-        ShareOf::Robots { robots, outcome } => {
-            let members = row
-                .robots
-                .iter()
-                .filter(|robot| robots.contains(&robot.name));
-            let hits = members.filter(|robot| robot.outcome == *outcome);
-            (hits.count() as u32, robots.len() as u32)
-        }
-        ShareOf::Columns(columns) => {
-            let holds = columns
-                .iter()
-                .all(|c| c.limit.contains(&c.column.cell(row)));
-            (u32::from(holds), 1)
-        }
-    }
 }

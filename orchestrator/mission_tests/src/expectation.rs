@@ -8,7 +8,7 @@ use scenario::ResolvedScenario;
 use scenario::expect::{Bound, ExpectSpec, Texts};
 use statistics::Interval;
 use sweep::{Outcome, Part, Reader, ResultColumn, Row};
-use tables::Type;
+use tables::{Cell, Type};
 
 use crate::limit::Limit;
 
@@ -21,56 +21,44 @@ pub(crate) struct Expectation {
 
 /// Subject of an expectation.
 pub(crate) enum Check {
-    Digest {
-        seed: u64,
-        digest: String,
-    },
-    Outcome(String),
-    RobotOutcome {
-        robot: String,
-        outcome: String,
-    },
+    /// Digest of the mission with this seed.
+    Digest { seed: u64, digest: String },
+    /// No contacts.
     NoContact,
     /// Words of each event.
     Events(Vec<Vec<String>>),
-    Column(Limited<Row>),
-    RobotColumn {
-        robot: String,
-        column: Limited<RobotOutcome>,
-    },
+    /// A value of a mission.
+    Value(Limited),
+    /// A share over missions.
     Share {
-        of: ShareOf,
+        /// What each member meets that counts.
+        members: Vec<Vec<Limited>>,
         over: usize,
         within: Interval,
     },
+    /// A mean over missions.
     Mean {
-        column: &'static ResultColumn<Row>,
+        value: Value,
         over: usize,
         within: Interval,
     },
 }
 
-/// A column and its allowed values.
-pub(crate) struct Limited<R: 'static> {
-    pub column: &'static ResultColumn<R>,
-    pub limit: Limit,
+/// A value of a mission; empty if it has none.
+pub(crate) type Value = Box<dyn Fn(&Row) -> Cell + Send + Sync>;
+
+/// A value of a mission, and what it may be.
+pub(crate) struct Limited {
+    value: Value,
+    limit: Limit,
 }
 
-/// Members of a share.
-pub(crate) enum ShareOf {
-    /// Missions with this outcome.
-    Missions(String),
-    /// Those of these robots with this outcome.
-    Robots {
-        robots: Vec<String>,
-        outcome: String,
-    },
-    /// Missions with such values.
-    Columns(Vec<Limited<Row>>),
+impl Limited {
+    /// Returns the value if it is none of those that are allowed.
+    pub fn other(&self, row: &Row) -> Option<Cell> {
+        Some((self.value)(row)).filter(|cell| !self.limit.contains(cell))
+    }
 }
-
-/// Outcomes of missions.
-const OUTCOMES: [Outcome; 3] = [Outcome::Ended, Outcome::TimeLimit, Outcome::Failed];
 
 /// Reader of the expectations of a test.
 pub(crate) struct ExpectReader<'a> {
@@ -95,38 +83,41 @@ impl ExpectReader<'_> {
             self.add(&["events"], Check::Events(events));
         }
         for (name, bound) in &spec.columns {
-            if let Some(column) = self.limited::<Row>(&["columns", name], name, bound) {
-                self.add(&["columns", name], Check::Column(column));
+            let keys = ["columns", name];
+            if let Some(limited) = self.limited(&keys, name, bound, of_mission) {
+                self.add(&keys, Check::Value(limited));
             }
         }
         for (robot, bounds) in &spec.robots {
             self.robot(&["robots", robot], robot);
             for (name, bound) in bounds {
                 let keys = ["robots", robot, name];
-                if let Some(column) = self.limited::<RobotOutcome>(&keys, name, bound) {
-                    let robot = robot.clone();
-                    self.add(&keys, Check::RobotColumn { robot, column });
+                if let Some(limited) = self.limited(&keys, name, bound, of_robot(robot)) {
+                    self.add(&keys, Check::Value(limited));
                 }
             }
         }
-        let escapes = spec.escape_share.as_ref();
+        let escapes = spec.escape_share.iter();
         let escapes = escapes.map(|share| (vec!["escape_share"], "escaped", share));
         let shares = spec.shares.iter();
-        let shares =
-            shares.map(|(name, share)| (vec!["shares", name.as_str()], name.as_str(), share));
-        for (keys, name, share) in escapes.into_iter().chain(shares) {
-            let of = if share.columns.is_empty() {
-                self.outcome_share(&keys, name)
+        let shares = shares.map(|(name, share)| (vec!["shares", name], name.as_str(), share));
+        for (keys, name, share) in escapes.chain(shares) {
+            let members = if share.columns.is_empty() {
+                self.outcome_members(&keys, name)
             } else {
-                let columns = share.columns.iter().filter_map(|(column, bound)| {
-                    let keys = [&keys[..], &["columns", column.as_str()]].concat();
-                    self.limited(&keys, column, bound)
+                let limits = share.columns.iter().filter_map(|(column, bound)| {
+                    let keys = [&keys[..], &["columns", column]].concat();
+                    self.limited(&keys, column, bound, of_mission)
                 });
-                Some(ShareOf::Columns(columns.collect()))
+                vec![limits.collect()]
             };
-            let range = self.range(&keys, share.within, share.over);
-            if let (Some(of), Some((over, within))) = (of, range) {
-                self.add(&keys, Check::Share { of, over, within });
+            if let Some((over, within)) = self.range(&keys, share.within, share.over) {
+                let check = Check::Share {
+                    members,
+                    over,
+                    within,
+                };
+                self.add(&keys, check);
             }
         }
         for (name, mean) in &spec.means {
@@ -137,14 +128,12 @@ impl ExpectReader<'_> {
                 if matches!(column.kind(), Type::Bool | Type::Text) {
                     self.refuse(&keys, "this column has no numbers", "a column of numbers");
                 }
-                self.add(
-                    &keys,
-                    Check::Mean {
-                        column,
-                        over,
-                        within,
-                    },
-                );
+                let check = Check::Mean {
+                    value: of_mission(column),
+                    over,
+                    within,
+                };
+                self.add(&keys, check);
             }
         }
         if self.found.is_empty() && self.reader.problems.is_empty() {
@@ -179,20 +168,18 @@ impl ExpectReader<'_> {
     fn known(&mut self, keys: &[&str], what: &str, name: &str, known: &[&str]) -> bool {
         let is_known = known.contains(&name);
         if !is_known {
-            let problem = self.reader.problem(
-                &self.path(keys),
-                Code::UnknownName,
-                format!("`{name}` is no {what}"),
-            );
+            let message = format!("`{name}` is no {what}");
+            let path = self.path(keys);
+            let problem = self.reader.problem(&path, Code::UnknownName, message);
             self.reader.problems.push(suggest(problem, name, known, ""));
         }
         is_known
     }
 
-    fn robot(&mut self, keys: &[&str], name: &str) -> bool {
+    fn robot(&mut self, keys: &[&str], name: &str) {
         let robots = self.scenario.world.robots.iter();
         let robots: Vec<&str> = robots.map(|robot| robot.name.as_str()).collect();
-        self.known(keys, "robot of the scenario", name, &robots)
+        self.known(keys, "robot of the scenario", name, &robots);
     }
 
     fn digests(&mut self, spec: &ExpectSpec) {
@@ -228,21 +215,27 @@ impl ExpectReader<'_> {
         self.add(keys, Check::Digest { seed, digest });
     }
 
+    /// An outcome is the text of a column.
     fn outcomes(&mut self, spec: &ExpectSpec) {
         match &spec.outcome {
             None => {}
             Some(Texts::One(outcome)) => {
-                let known = OUTCOMES.map(Outcome::name);
-                self.known(&["outcome"], "outcome of a mission", outcome, &known);
-                self.add(&["outcome"], Check::Outcome(outcome.clone()));
+                let keys = ["outcome"];
+                self.known(&keys, "outcome of a mission", outcome, &OUTCOMES);
+                let outcome = Bound::Text(outcome.clone());
+                if let Some(limited) = self.limited(&keys, "outcome", &outcome, of_mission) {
+                    self.add(&keys, Check::Value(limited));
+                }
             }
             Some(Texts::ByName(texts)) => {
                 for (robot, outcome) in texts {
                     let keys = ["outcome", robot];
-                    let known = self.robot(&keys, robot);
-                    if known & self.known(&keys, "outcome of a robot", outcome, &robot_outcomes()) {
-                        let (robot, outcome) = (robot.clone(), outcome.clone());
-                        self.add(&keys, Check::RobotOutcome { robot, outcome });
+                    self.robot(&keys, robot);
+                    self.known(&keys, "outcome of a robot", outcome, &robot_outcomes());
+                    let outcome = Bound::Text(outcome.clone());
+                    let limited = self.limited(&keys, "outcome", &outcome, of_robot(robot));
+                    if let Some(limited) = limited {
+                        self.add(&keys, Check::Value(limited));
                     }
                 }
             }
@@ -251,6 +244,7 @@ impl ExpectReader<'_> {
 
     /// Returns the words of an event.
     fn event(&mut self, text: &str) -> Vec<String> {
+        const WHAT: &str = "kind of event, robot or obstacle";
         let obstacles = self.scenario.obstacle_names();
         let robots = self.scenario.world.robots.iter();
         let known: Vec<&str> = WorldEvent::NAMES
@@ -260,12 +254,7 @@ impl ExpectReader<'_> {
             .collect();
         let words: Vec<String> = text.split_whitespace().map(str::to_owned).collect();
         for word in &words {
-            self.known(
-                &["events"],
-                "kind of event, robot or obstacle",
-                word,
-                &known,
-            );
+            self.known(&["events"], WHAT, word, &known);
         }
         words
     }
@@ -280,12 +269,14 @@ impl ExpectReader<'_> {
         P::COLUMNS.iter().find(|column| column.name == name)
     }
 
+    /// Returns a column with its allowed values; `of` makes a value of a mission of the column.
     fn limited<P: Part<Row>>(
         &mut self,
         keys: &[&str],
         name: &str,
         bound: &Bound,
-    ) -> Option<Limited<P>> {
+        of: impl Fn(&'static ResultColumn<P>) -> Value,
+    ) -> Option<Limited> {
         let column = self.column::<P>(keys, name)?;
         let Some(limit) = Limit::from_bound(bound) else {
             self.refuse(keys, "no value meets this", Limit::FORM);
@@ -295,43 +286,44 @@ impl ExpectReader<'_> {
             let expected = format!("a {}", column.kind().name());
             self.refuse(keys, "the column has values of another type", &expected);
         }
-        Some(Limited { column, limit })
+        let value = of(column);
+        Some(Limited { value, limit })
     }
 
-    /// Returns the members of a share of an outcome.
-    fn outcome_share(&mut self, keys: &[&str], outcome: &str) -> Option<ShareOf> {
-        if OUTCOMES.iter().any(|known| known.name() == outcome) {
-            return Some(ShareOf::Missions(outcome.to_owned()));
+    /// Returns the members of a share of an outcome: the missions, or its robots.
+    fn outcome_members(&mut self, keys: &[&str], outcome: &str) -> Vec<Vec<Limited>> {
+        let bound = Bound::Text(outcome.to_owned());
+        if OUTCOMES.contains(&outcome) {
+            let limited = self.limited(keys, "outcome", &bound, of_mission);
+            return vec![limited.into_iter().collect()];
         }
-        let robots = robot_outcomes();
-        let all: Vec<&str> = OUTCOMES.iter().map(|o| o.name()).chain(robots).collect();
+        let all = [&OUTCOMES[..], &robot_outcomes()].concat();
         if !self.known(keys, "outcome", outcome, &all) {
-            return None;
+            return Vec::new();
         }
         let is_goal = outcome == "goal_reached";
-        let specs = self.scenario.world.robots.iter();
-        let members = specs.filter(|r| {
+        let scenario = self.scenario;
+        let robots = scenario.world.robots.iter().filter(|robot| {
             if is_goal {
-                r.goal.is_some()
+                robot.goal.is_some()
             } else {
-                r.role() == Role::Evader
+                robot.role() == Role::Evader
             }
         });
-        let robots: Vec<String> = members.map(|robot| robot.name.clone()).collect();
-        if robots.is_empty() {
+        let members: Vec<Vec<Limited>> = robots
+            .filter_map(|robot| self.limited(keys, "outcome", &bound, of_robot(&robot.name)))
+            .map(|limited| vec![limited])
+            .collect();
+        if members.is_empty() {
+            let message = "no robot of the scenario can have this outcome";
             let expected = if is_goal {
                 "a scenario with robots that have a goal"
             } else {
                 "a scenario with evaders"
             };
-            self.refuse(
-                keys,
-                "no robot of the scenario can have this outcome",
-                expected,
-            );
+            self.refuse(keys, message, expected);
         }
-        let outcome = outcome.to_owned();
-        Some(ShareOf::Robots { robots, outcome })
+        members
     }
 
     /// Returns the number of missions and the range of a share or mean.
@@ -342,17 +334,36 @@ impl ExpectReader<'_> {
         over: Option<u64>,
     ) -> Option<(usize, Interval)> {
         if low > high {
-            self.refuse(
-                keys,
-                "no value meets this",
-                "`within = [low, high]` with low <= high",
-            );
+            let expected = "`within = [low, high]` with low <= high";
+            self.refuse(keys, "no value meets this", expected);
             return None;
         }
         let over = over.map_or(self.seeds.len(), |over| over as usize);
         Some((over, Interval { low, high }))
     }
 }
+
+fn of_mission(column: &'static ResultColumn<Row>) -> Value {
+    Box::new(|row| column.cell(row))
+}
+
+fn of_robot(name: &str) -> impl Fn(&'static ResultColumn<RobotOutcome>) -> Value + use<> {
+    let name = name.to_owned();
+    move |column| {
+        let name = name.clone();
+        Box::new(move |row| {
+            let robot = row.robots.iter().find(|robot| robot.name == name);
+            robot.map_or(Cell::Empty, |robot| column.cell(robot))
+        })
+    }
+}
+
+/// Outcomes of missions.
+const OUTCOMES: [&str; 3] = [
+    Outcome::Ended.name(),
+    Outcome::TimeLimit.name(),
+    Outcome::Failed.name(),
+];
 
 /// Returns the outcomes of robots.
 fn robot_outcomes() -> [&'static str; 6] {

@@ -23,14 +23,8 @@ pub(crate) struct Logs {
 
 impl Logs {
     pub fn new(folder: &Path, test: &MissionTest, seed: u64) -> Self {
-        let plain = |c: char| {
-            if c.is_alphanumeric() || "_-+".contains(c) {
-                c
-            } else {
-                '-'
-            }
-        };
-        let name: String = test.name.chars().map(plain).collect();
+        let is_special = |c: char| !c.is_alphanumeric() && !"_-+".contains(c);
+        let name = test.name.replace(is_special, "-");
         let path = |end: &str| folder.join(format!("{}-{seed}{end}.mcap", name.trim_matches('-')));
         Self {
             accepted: path(""),
@@ -51,32 +45,16 @@ impl Logs {
     }
 }
 
-/// Describes the first difference of two logs; `None` if the first is not that of the digest, or none is found.
-pub(crate) fn describe(
-    accepted: &Path,
-    digest: &str,
-    now: &Path,
-    interrupted: &Arc<AtomicBool>,
-) -> Option<String> {
+/// Describes the first difference of the new log from the accepted one; `None` if that is not the log of the digest, or
+/// none is found.
+pub(crate) fn describe(logs: &Logs, digest: &str, interrupted: &Arc<AtomicBool>) -> Option<String> {
     let mut watch = ReadProgress::new(Arc::clone(interrupted), true);
-    let report = diff(accepted, now, &mut watch).ok()?;
+    let report = diff(&logs.accepted, &logs.new, &mut watch).ok()?;
     if report.a.digest.as_deref() != Some(digest) {
         return None;
     }
     let first = report.comparison.first?;
     let change = first.causes.first().or(first.effects.first())?;
-    let of = change
-        .robot
-        .as_ref()
-        .map_or_else(String::new, |robot| format!(" of {robot}"));
-    Some(format!(
-        "tick {} ({} s): {} {} {}{of}: {} -> {}",
-        change.tick,
-        time_text(first.time_s),
-        change.process,
-        change.topic,
-        change.field,
-        change.a,
-        change.b
-    ))
+    let (tick, time) = (change.tick, time_text(first.time_s));
+    Some(format!("tick {tick} ({time} s): {change}"))
 }

@@ -14,6 +14,7 @@ mod limit;
 mod output;
 mod report;
 mod runner;
+mod spec;
 mod test_file;
 mod update;
 
@@ -22,5 +23,6 @@ pub use error::TestError;
 pub use output::{annotations, junit, markdown, text};
 pub use report::{Finding, MissionRecord, SuiteReport, TestReport, Verdict};
 pub use runner::{RunOptions, run};
+pub use spec::schema;
 pub use test_file::{MissionTest, load};
 pub use update::update;

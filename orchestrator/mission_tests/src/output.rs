@@ -1,5 +1,7 @@
 //! Results of tests as text, Markdown, `JUnit` XML and annotations of GitHub.
 
+use draw::canvas::escape;
+
 use crate::baseline::TestChange;
 use crate::report::{Finding, SuiteReport, TestReport, Verdict, count_text};
 
@@ -9,29 +11,21 @@ const MAX_FINDINGS: usize = 10;
 /// Maximum number of changed columns of a test in a summary.
 const MAX_COLUMNS: usize = 8;
 
-fn subject(test: &TestReport, finding: &Finding) -> String {
-    match finding.seed {
-        Some(seed) => format!("{}, seed {seed}", test.name),
-        None => test.name.clone(),
-    }
-}
-
-/// Returns the lines of a finding after its expectation.
-fn details(finding: &Finding) -> Vec<(&'static str, String)> {
-    let optional = [
-        ("first difference", finding.first_difference.clone()),
-        ("repeat", finding.command.clone()),
-        (
-            "log",
-            finding.log.as_ref().map(|log| log.display().to_string()),
-        ),
+/// Returns the lines of a finding: place and expectation, the value, and what helps to find the reason.
+fn lines(test: &TestReport, finding: &Finding) -> Vec<String> {
+    let (file, line, expected) = (test.file.display(), finding.line, &finding.expected);
+    let seed = finding.seed.map(|seed| format!(" (seed {seed})"));
+    let log = finding.log.as_ref().map(|log| log.display().to_string());
+    let rest = [
+        ("found", Some(&finding.found)),
+        ("first difference", finding.first_difference.as_ref()),
+        ("repeat", finding.command.as_ref()),
+        ("log", log.as_ref()),
     ];
-    let optional = optional
-        .into_iter()
-        .filter_map(|(name, text)| Some((name, text?)));
-    std::iter::once(("found", finding.found.clone()))
-        .chain(optional)
-        .collect()
+    let rest = rest.into_iter();
+    let rest = rest.filter_map(|(name, text)| Some(format!("{name}: {}", text?)));
+    let first = format!("{file}:{line}: {expected}{}", seed.unwrap_or_default());
+    std::iter::once(first).chain(rest).collect()
 }
 
 /// Returns the findings of a test that are listed, and the number of others.
@@ -41,30 +35,26 @@ fn listed(test: &TestReport) -> (&[Finding], usize) {
     (first, test.findings.len() - shown)
 }
 
+/// Returns the findings of a test as lines.
+fn findings(test: &TestReport) -> String {
+    let (shown, others) = listed(test);
+    let shown = shown.iter();
+    let mut text: String = shown
+        .map(|finding| format!("  {}\n", lines(test, finding).join("\n    ")))
+        .collect();
+    if others > 0 {
+        text += &format!("  and {others} others (--json lists all)\n");
+    }
+    text
+}
+
 /// Returns the results as text.
 pub fn text(report: &SuiteReport) -> String {
     let mut text = String::new();
     for test in &report.tests {
-        text += &format!(
-            "{:<13} {} ({})\n",
-            test.verdict.name(),
-            test.name,
-            count_text(test.missions.len())
-        );
-        let (shown, others) = listed(test);
-        for finding in shown {
-            let (file, line) = (test.file.display(), finding.line);
-            let seed = finding
-                .seed
-                .map_or_else(String::new, |seed| format!(" (seed {seed})"));
-            text += &format!("  {file}:{line}: {}{seed}\n", finding.expected);
-            for (name, value) in details(finding) {
-                text += &format!("    {name}: {value}\n");
-            }
-        }
-        if others > 0 {
-            text += &format!("  and {others} others (--json lists all)\n");
-        }
+        let (verdict, missions) = (test.verdict.name(), count_text(test.missions.len()));
+        text += &format!("{verdict:<13} {} ({missions})\n", test.name);
+        text += &findings(test);
     }
     text + &report.total()
 }
@@ -72,44 +62,22 @@ pub fn text(report: &SuiteReport) -> String {
 /// Returns the results as Markdown: a summary for a pull request, with changes since a baseline.
 pub fn markdown(report: &SuiteReport, changes: &[TestChange]) -> String {
     let mut text = format!("### Missions: {}\n", report.total());
-    for test in report
-        .tests
-        .iter()
-        .filter(|test| test.verdict != Verdict::Pass)
-    {
-        text += &format!("\n**{}** {}\n\n", test.verdict.name(), test.name);
-        let (shown, others) = listed(test);
-        for finding in shown {
-            let (file, line) = (test.file.display(), finding.line);
-            let seed = finding
-                .seed
-                .map_or_else(String::new, |seed| format!(", seed {seed}"));
-            text += &format!("- {file}:{line}{seed}: {}\n", code(&finding.expected));
-            for (name, value) in details(finding) {
-                text += &format!("  - {name}: {}\n", code(&value));
-            }
-        }
-        if others > 0 {
-            text += &format!("- and {others} others\n");
-        }
+    let open = |test: &&TestReport| test.verdict != Verdict::Pass;
+    for test in report.tests.iter().filter(open) {
+        let findings = findings(test).replace('`', "'");
+        let (verdict, name) = (test.verdict.name(), &test.name);
+        text += &format!("\n**{verdict}** {name}\n\n```text\n{findings}```\n");
     }
     if !changes.is_empty() {
         text += "\n### Changed missions\n";
     }
     for change in changes {
-        let (changed, missions) = (change.seeds.len(), change.missions);
-        text += &format!(
-            "\n{}: {changed} of {missions} missions changed",
-            change.name
-        );
-        let first = change
-            .seeds
-            .first()
-            .map_or_else(String::new, ToString::to_string);
-        text += &match &change.first_difference {
-            Some(difference) => format!(", first {}\n", code(difference)),
-            None => format!(", first seed {first}\n"),
-        };
+        let (name, changed, missions) = (&change.name, change.seeds.len(), change.missions);
+        let seed = change.seeds.first().map(|seed| format!("seed {seed}"));
+        let difference = change.first_difference.as_ref();
+        let difference = difference.map(|text| format!("`{}`", text.replace('`', "'")));
+        let first = difference.or(seed).unwrap_or_default();
+        text += &format!("\n{name}: {changed} of {missions} missions changed, first {first}\n");
         if !change.columns.is_empty() {
             text += "\n| column | pairs | before | now | mean difference, 95 % |\n|---|---|---|---|---|\n";
         }
@@ -126,70 +94,38 @@ pub fn markdown(report: &SuiteReport, changes: &[TestChange]) -> String {
     text
 }
 
-/// Returns a text as code of Markdown, on one line.
-fn code(text: &str) -> String {
-    format!("`{}`", text.replace('`', "'").replace('\n', " "))
-}
-
 /// Returns the results as `JUnit` XML: a test case for each test.
 pub fn junit(report: &SuiteReport) -> String {
     let (tests, failures) = (report.tests.len(), report.count(Verdict::Fail));
-    let skipped = report.count(Verdict::Inconclusive);
+    let (skipped, time) = (report.count(Verdict::Inconclusive), report.wall_time_s);
     let mut text = format!(
         "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites>\n<testsuite name=\"protean\" tests=\"{tests}\" \
-         failures=\"{failures}\" errors=\"0\" skipped=\"{skipped}\" time=\"{:.3}\">\n",
-        report.wall_time_s
+         failures=\"{failures}\" errors=\"0\" skipped=\"{skipped}\" time=\"{time:.3}\">\n"
     );
     for test in &report.tests {
         let (name, file) = (escape(&test.name), escape(&test.file.display().to_string()));
+        let line = test.line;
         text += &format!(
-            "<testcase name=\"{name}\" classname=\"{file}\" file=\"{file}\" line=\"{}\">",
-            test.line
+            "<testcase name=\"{name}\" classname=\"{file}\" file=\"{file}\" line=\"{line}\">"
         );
         let element = match test.verdict {
-            Verdict::Pass => None,
-            Verdict::Inconclusive => Some("skipped"),
-            Verdict::Fail => Some("failure"),
+            Verdict::Pass => "",
+            Verdict::Inconclusive => "skipped",
+            Verdict::Fail => "failure",
         };
-        if let Some(element) = element {
-            let lines: Vec<String> = test.findings.iter().map(|f| message(test, f)).collect();
-            let first = lines.first().map_or("not all missions ran", |line| {
-                line.lines().next().unwrap_or_default()
-            });
-            text += &format!(
-                "<{element} message=\"{}\">{}</{element}>",
-                escape(first),
-                escape(&lines.join("\n"))
-            );
+        if !element.is_empty() {
+            let lines = test
+                .findings
+                .iter()
+                .flat_map(|finding| lines(test, finding));
+            let lines: Vec<String> = lines.map(|line| escape(&line)).collect();
+            let first = lines.first().map_or("not all missions ran", String::as_str);
+            let all = lines.join("\n");
+            text += &format!("<{element} message=\"{first}\">{all}</{element}>");
         }
         text += "</testcase>\n";
     }
     text + "</testsuite>\n</testsuites>\n"
-}
-
-/// Returns a finding as text with several lines.
-fn message(test: &TestReport, finding: &Finding) -> String {
-    let mut text = format!("{}: expected {}", subject(test, finding), finding.expected);
-    for (name, value) in details(finding) {
-        text += &format!("\n{name}: {value}");
-    }
-    text
-}
-
-/// Returns a text for XML; characters that it cannot contain are left out.
-fn escape(text: &str) -> String {
-    let mut escaped = String::with_capacity(text.len());
-    for c in text.chars() {
-        match c {
-            '&' => escaped += "&amp;",
-            '<' => escaped += "&lt;",
-            '>' => escaped += "&gt;",
-            '"' => escaped += "&quot;",
-            c if c < ' ' && !"\t\n\r".contains(c) => {}
-            c => escaped.push(c),
-        }
-    }
-    escaped
 }
 
 /// Returns an annotation of GitHub for each finding: an error, or a warning if it is not decided.
@@ -202,13 +138,12 @@ pub fn annotations(report: &SuiteReport) -> String {
             } else {
                 "warning"
             };
-            let file = property(&test.file.display().to_string());
-            let title = property(&subject(test, finding));
-            let message = data(&message(test, finding));
-            text += &format!(
-                "::{level} file={file},line={},title={title}::{message}\n",
-                finding.line
+            let (file, name) = (
+                property(&test.file.display().to_string()),
+                property(&test.name),
             );
+            let (line, message) = (finding.line, data(&lines(test, finding).join("\n")));
+            text += &format!("::{level} file={file},line={line},title={name}::{message}\n");
         }
     }
     text

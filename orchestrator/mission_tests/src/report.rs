@@ -6,12 +6,14 @@ use std::path::PathBuf;
 use serde::{Deserialize, Serialize};
 
 /// Verdict of a test, from the best to the worst.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
     /// Every expectation holds.
+    #[default]
     Pass,
-    /// An interval is neither inside the expected range nor outside: more missions can decide.
+    /// An interval is neither inside the expected range nor outside: more missions can decide. Or a mission did not end
+    /// within its limit of real time.
     Inconclusive,
     /// An expectation does not hold, or a mission failed.
     Fail,
@@ -29,7 +31,7 @@ impl Verdict {
 }
 
 /// An expectation that does not hold, or is not decided.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Finding {
     /// Verdict; never a pass.
     pub verdict: Verdict,

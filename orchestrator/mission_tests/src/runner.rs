@@ -1,14 +1,14 @@
 //! Execution of the missions of tests, several at once.
 
-use std::collections::BTreeMap;
 use std::path::PathBuf;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
-use std::time::Instant;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
 
 use platform::presence::entry;
 use platform::progress::Progress;
 use sweep::engine::{Call, Engine};
+use sweep::pool::{Pool, Turn};
 use sweep::spec::LogPolicy;
 use sweep::{Part, Row};
 
@@ -25,6 +25,8 @@ use crate::test_file::MissionTest;
 pub struct RunOptions {
     /// Number of parallel missions, > 0.
     pub jobs: usize,
+    /// Real time after which a mission is ended between two ticks; it is then not decided.
+    pub timeout: Duration,
     /// Missions whose logs are kept.
     pub keep_logs: LogPolicy,
     /// Folder of the logs.
@@ -35,11 +37,12 @@ pub struct RunOptions {
     pub interrupted: Arc<AtomicBool>,
 }
 
-/// A finished mission.
+/// A mission that was not interrupted.
 struct Ended {
     test: usize,
-    row: Row,
-    record: MissionRecord,
+    seed: u64,
+    /// Its result, unless the limit of real time ended it.
+    result: Option<(Row, MissionRecord)>,
     findings: Vec<Finding>,
 }
 
@@ -51,14 +54,12 @@ struct Shared<'a> {
     baseline: Option<&'a Baseline>,
     /// Test and seed of every mission.
     missions: Vec<(usize, u64)>,
-    next: AtomicUsize,
-    progress: Mutex<Progress>,
 }
 
 /// Runs the missions of tests and judges them.
 ///
 /// # Errors
-/// [`TestError::Io`]: the folder of the logs cannot be created, or a thread cannot be started.
+/// [`TestError::Io`]: the folder of the logs cannot be created; [`TestError::Threads`].
 pub fn run(
     tests: &[MissionTest],
     engine: &dyn Engine,
@@ -75,36 +76,37 @@ pub fn run(
         seeds.map(move |seed| (index, seed))
     };
     let missions: Vec<(usize, u64)> = tests.iter().enumerate().flat_map(of_test).collect();
-    let jobs = options.jobs.clamp(1, missions.len().max(1));
+    let mut progress = Progress::new(missions.len(), 0, options.quiet, "missions");
     let shared = Shared {
         tests,
         engine,
         options,
         baseline,
-        progress: Mutex::new(Progress::new(missions.len(), 0, options.quiet, "missions")),
         missions,
-        next: AtomicUsize::new(0),
     };
-    let mut ended = std::thread::scope(|scope| -> Result<Vec<Ended>, TestError> {
-        let mut workers = Vec::new();
-        for worker in 0..jobs {
-            let shared = &shared;
-            let thread = std::thread::Builder::new().name(format!("test-{worker}"));
-            let thread = thread.spawn_scoped(scope, move || shared.work());
-            workers.push(thread.map_err(TestError::io("--jobs", "cannot start a thread"))?);
-        }
-        // A mission that panics is a failed mission; its worker goes on.
-        Ok(workers
-            .into_iter()
-            .flat_map(|worker| worker.join().unwrap_or_default())
-            .collect())
-    })?;
-    shared
-        .progress
-        .lock()
-        .unwrap_or_else(PoisonError::into_inner)
-        .finish();
-    ended.sort_by_key(|mission| (mission.test, mission.record.seed));
+    let pool = Pool {
+        jobs: options.jobs,
+        timeout: options.timeout,
+        interrupted: &options.interrupted,
+    };
+    let mut ended: Vec<Ended> = Vec::new();
+    pool.run(
+        shared.missions.len(),
+        |_| (),
+        |turn| shared.carry_out(turn),
+        |mission| {
+            if let Some(mission) = mission {
+                let name = || tests.get(mission.test).map_or("", |test| &test.name);
+                progress.done(!mission.findings.is_empty(), || {
+                    format!("{} (seed {}) failed", name(), mission.seed)
+                });
+                ended.push(mission);
+            }
+            Ok(())
+        },
+    )?;
+    progress.finish();
+    ended.sort_by_key(|mission| (mission.test, mission.seed));
     let mut rest = ended.into_iter().peekable();
     let tests: Vec<TestReport> = (0..)
         .zip(tests)
@@ -113,12 +115,9 @@ pub fn run(
             judge(test, own.collect())
         })
         .collect();
+    let verdicts = tests.iter().map(|test| test.verdict);
     Ok(SuiteReport {
-        verdict: tests
-            .iter()
-            .map(|test| test.verdict)
-            .max()
-            .unwrap_or(Verdict::Pass),
+        verdict: verdicts.max().unwrap_or(Verdict::Pass),
         interrupted: options.interrupted.load(Ordering::SeqCst),
         wall_time_s: start.elapsed().as_secs_f64(),
         tests,
@@ -127,33 +126,31 @@ pub fn run(
 
 /// Returns the result of a test from those of its missions.
 fn judge(test: &MissionTest, ended: Vec<Ended>) -> TestReport {
-    let rows: Vec<&Row> = ended.iter().map(|mission| &mission.row).collect();
-    let is_whole = ended.len() == test.seeds.len();
-    let mut of_many = Vec::new();
+    let (mut findings, mut rows, mut missions) = (Vec::new(), Vec::new(), Vec::new());
+    for mission in ended {
+        findings.extend(mission.findings);
+        if let Some((row, record)) = mission.result {
+            rows.push(row);
+            missions.push(record);
+        }
+    }
+    let rows: Vec<&Row> = rows.iter().collect();
+    // A test without all its missions is not decided.
+    let is_whole = rows.len() == test.seeds.len();
     for expectation in test.expectations.iter().filter(|_| is_whole) {
         if let Some((verdict, found)) = of_all(&expectation.check, &rows)
             && verdict != Verdict::Pass
         {
-            of_many.push(Finding {
+            findings.push(Finding {
                 verdict,
                 expected: expectation.text.clone(),
                 line: expectation.line,
-                seed: None,
                 found,
-                first_difference: None,
-                command: None,
-                log: None,
+                ..Finding::default()
             });
         }
     }
-    let (mut findings, mut missions) = (Vec::new(), Vec::new());
-    for mission in ended {
-        findings.extend(mission.findings);
-        missions.push(mission.record);
-    }
-    findings.extend(of_many);
     let verdicts = findings.iter().map(|finding| finding.verdict);
-    // A test without all its missions is not decided.
     let least = if is_whole {
         Verdict::Pass
     } else {
@@ -170,31 +167,10 @@ fn judge(test: &MissionTest, ended: Vec<Ended>) -> TestReport {
 }
 
 impl Shared<'_> {
-    /// Executes one mission after the other until none is left.
-    fn work(&self) -> Vec<Ended> {
-        let mut ended = Vec::new();
-        while !self.options.interrupted.load(Ordering::SeqCst) {
-            let next = self.next.fetch_add(1, Ordering::SeqCst);
-            let Some(&(index, seed)) = self.missions.get(next) else {
-                break;
-            };
-            let Some(test) = self.tests.get(index) else {
-                break;
-            };
-            let Some(mission) = self.carry_out(index, test, seed) else {
-                break;
-            };
-            let mut progress = self.progress.lock().unwrap_or_else(PoisonError::into_inner);
-            progress.done(!mission.findings.is_empty(), || {
-                format!("{} (seed {seed}) failed", test.name)
-            });
-            ended.push(mission);
-        }
-        ended
-    }
-
     /// Executes a mission; returns `None` if it was interrupted.
-    fn carry_out(&self, index: usize, test: &MissionTest, seed: u64) -> Option<Ended> {
+    fn carry_out(&self, turn: &Turn<'_>) -> Option<Ended> {
+        let &(index, seed) = self.missions.get(turn.mission)?;
+        let test = self.tests.get(index)?;
         let logs = Logs::new(&self.options.logs, test, seed);
         // The difference from an accepted run needs a log, too.
         let accepted = self
@@ -203,61 +179,81 @@ impl Shared<'_> {
         let has_log = self.options.keep_logs != LogPolicy::None || accepted.is_some();
         let call = Call {
             log: has_log.then(|| logs.new.clone()),
-            interrupted: Arc::clone(&self.options.interrupted),
+            interrupted: Arc::clone(&turn.end),
         };
         let done = match test.template.with_seed(seed) {
             Ok(scenario) => self.engine.execute(&scenario, &call),
             Err(problems) => Err(problems.to_string()),
         };
-        let (row, events) = match done {
-            Ok(report) if report.interrupted => {
-                logs.settle(true, false);
-                return None;
+        let done = match done {
+            Ok(report) if !report.interrupted => Some((Row::of(&report), report.summary.events)),
+            // An engine may report the end as an error.
+            Err(error) if !turn.end.load(Ordering::SeqCst) => {
+                Some((Row::failed(error), Vec::new()))
             }
-            Ok(report) => (Row::of(&report), report.summary.events),
-            Err(error) => (Row::failed(error), Vec::new()),
+            _ => None,
         };
+        if done.is_none() && turn.is_stopped() {
+            logs.settle(true, false);
+            return None;
+        }
         let first_difference = accepted
-            .filter(|digest| *digest != row.digest)
-            .and_then(|digest| {
-                describe(&logs.accepted, digest, &logs.new, &self.options.interrupted)
-            });
-        let mut found: Vec<(String, usize, String)> = if row.is_failed() {
-            vec![(
-                "the mission runs to its end".to_owned(),
-                test.line,
-                row.error.clone(),
-            )]
-        } else {
-            let checks = test.expectations.iter();
-            checks
-                .filter_map(|expectation| {
-                    let found = of_mission(&expectation.check, seed, &row, &events)?;
-                    Some((expectation.text.clone(), expectation.line, found))
-                })
-                .collect()
-        };
-        let keep = match self.options.keep_logs {
-            LogPolicy::None => false,
-            LogPolicy::Failed => !found.is_empty(),
-            LogPolicy::All => true,
-        };
-        let log = logs.settle(!found.is_empty(), keep);
-        let findings = found.drain(..).map(|(expected, line, found)| Finding {
-            verdict: Verdict::Fail,
+            .zip(done.as_ref())
+            .filter(|(digest, (row, _))| *digest != row.digest)
+            .and_then(|(digest, _)| describe(&logs, digest, &self.options.interrupted));
+        let finding = |verdict, expected: String, line, found| Finding {
+            verdict,
             expected,
             line,
             seed: Some(seed),
             found,
             first_difference: first_difference.clone(),
             command: Some(test.command(seed)),
-            log: log.clone(),
-        });
+            log: None,
+        };
+        let mut findings: Vec<Finding> = match &done {
+            None => {
+                let limit = self.options.timeout.as_secs_f64();
+                let expected = format!("the mission ends within {limit} s of real time");
+                let found = "it was aborted (--timeout)".to_owned();
+                vec![finding(Verdict::Inconclusive, expected, test.line, found)]
+            }
+            Some((row, _)) if row.is_failed() => {
+                let expected = "the mission runs to its end".to_owned();
+                vec![finding(
+                    Verdict::Fail,
+                    expected,
+                    test.line,
+                    row.error.clone(),
+                )]
+            }
+            Some((row, events)) => {
+                let failing = test.expectations.iter().filter_map(|expectation| {
+                    let found = of_mission(&expectation.check, seed, row, events)?;
+                    let (text, line) = (expectation.text.clone(), expectation.line);
+                    Some(finding(Verdict::Fail, text, line, found))
+                });
+                failing.collect()
+            }
+        };
+        let failed = !findings.is_empty();
+        let keep = match self.options.keep_logs {
+            LogPolicy::None => false,
+            LogPolicy::Failed => failed,
+            LogPolicy::All => true,
+        };
+        let log = logs.settle(failed, keep);
+        findings
+            .iter_mut()
+            .for_each(|finding| finding.log.clone_from(&log));
         Some(Ended {
             test: index,
-            findings: findings.collect(),
-            record: record(seed, &row, first_difference),
-            row,
+            seed,
+            result: done.map(|(row, _)| {
+                let record = record(seed, &row, first_difference);
+                (row, record)
+            }),
+            findings,
         })
     }
 
@@ -282,7 +278,7 @@ fn record(seed: u64, row: &Row, first_difference: Option<String>) -> MissionReco
         robots: robots
             .map(|r| (r.name.clone(), r.outcome.clone()))
             .collect(),
-        columns: numbers.collect::<BTreeMap<_, _>>(),
+        columns: numbers.collect(),
         first_difference,
     }
 }

@@ -8,17 +8,17 @@ use scenario::expect::ExpectSpec;
 use scenario::files::read_text;
 use scenario::spec::{Mode, RunSpec};
 use scenario::{Draft, Loader, MapCache, Template};
-use serde::Deserialize;
-use serde::de::IgnoredAny;
+use sweep::spec::MAX_MISSIONS;
 use sweep::{LoadOptions, Reader, Seeds, read_overrides};
 
 use crate::expectation::{ExpectReader, Expectation};
+use crate::spec::{SeedList, TestSpec};
 
 /// Maximum size of a test file (bytes); a scenario may contain its map.
 const MAX_FILE: u64 = 64 << 20;
 
-/// Maximum number of missions of a test.
-const MAX_MISSIONS: u64 = 1_000_000;
+/// Files with tests, for errors.
+const EXPECTED: &str = "files with `scenario` or `[[test]]`, or scenarios with `[expect]`";
 
 /// A test: missions of a scenario, and what is expected of them.
 pub struct MissionTest {
@@ -34,8 +34,6 @@ pub struct MissionTest {
     target: String,
     /// Overrides, as `--set` takes them.
     overrides: Vec<String>,
-    /// `true` if it starts external programs.
-    pub external: bool,
     pub(crate) template: Template,
     pub(crate) seeds: Vec<u64>,
     pub(crate) outcome_only: bool,
@@ -51,30 +49,14 @@ impl MissionTest {
         }
         let seed = seed.to_string();
         words.extend(["--seed", seed.as_str()]);
-        words.extend(self.external.then_some("--allow-external"));
+        let is_external = self.template.scenario().uses_external_commands();
+        words.extend(is_external.then_some("--allow-external"));
         shell::line(words)
     }
 }
 
-/// The keys of a test.
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct TestSpec {
-    #[serde(default)]
-    name: Option<String>,
-    scenario: String,
-    #[serde(default)]
-    seed: Option<u64>,
-    #[serde(default)]
-    seeds: Option<IgnoredAny>,
-    #[serde(default, rename = "set")]
-    _set: Option<IgnoredAny>,
-    #[serde(rename = "expect")]
-    _expect: IgnoredAny,
-}
-
-/// Loads the tests of files and folders; without any, those of `tests/*.toml`. Those whose names do not contain
-/// `filter` are left out.
+/// Loads the tests of files, and of the files with tests of folders; without any, those of `tests/*.toml`. Those whose
+/// names do not contain `filter` are left out.
 ///
 /// # Errors
 /// All problems, each with file, line, key, value and expectation.
@@ -98,14 +80,11 @@ pub fn load(
                 .for_each(|problem| problems.push(problem.clone()));
         }
     }
-    if suite.tests.is_empty() && problems.is_empty() {
-        let message = if filter.is_empty() {
-            "there are no tests".to_owned()
-        } else {
-            format!("no test has {filter:?} in its name")
-        };
-        let expected = "files with `scenario` or `[[test]]`, or scenarios with `[expect]`";
-        problems.push(Diagnostic::new(Code::File, message).expected(expected));
+    if suite.tests.is_empty() {
+        problems.push_if_empty(|| {
+            let message = format!("no test has {filter:?} in its name");
+            Diagnostic::new(Code::File, message).expected("a part of a name")
+        });
     }
     problems.into_result(suite.tests)
 }
@@ -118,89 +97,95 @@ struct Suite<'a> {
     tests: Vec<MissionTest>,
 }
 
-/// A test during reading.
-struct Part {
+/// A table of a file that is a test.
+struct Part<'a> {
+    file: &'a Path,
     name: String,
     block: Option<usize>,
-    /// Path of the table of the test.
+    /// Path of the table.
     path: FieldPath,
-    target: String,
-    draft: Draft<'static>,
-    overrides: Vec<String>,
-    /// Its seeds, if it has its own.
-    seeds: Option<Seeds>,
-    seed: u64,
+    /// The key that names the scenario; `expect` in a scenario itself.
+    key: FieldPath,
 }
 
 impl Suite<'_> {
     /// Adds the tests of a file, or of the files of a folder.
     fn add(&mut self, path: &Path) -> Result<(), Diagnostics> {
         let refuse = |message: String| {
-            let expected = "a test file, a scenario with `[expect]`, or a folder with these";
             let problem = Diagnostic::new(Code::File, message).value(path.display());
-            Diagnostics::from(problem.expected(expected))
+            Diagnostics::from(problem.expected(EXPECTED))
         };
+        let mut files = vec![path.to_owned()];
         // Reading tells why nothing is there.
-        if !matches!(path.metadata(), Ok(found) if found.is_dir()) {
-            let text = read_text(path, MAX_FILE).map_err(|refused| refuse(refused.message))?;
-            if self.file(path, &text)? {
-                return Ok(());
-            }
-            return Err(refuse(format!("{} expects nothing", path.display())));
+        if matches!(path.metadata(), Ok(found) if found.is_dir()) {
+            let entries = std::fs::read_dir(path).and_then(Iterator::collect::<Result<Vec<_>, _>>);
+            let entries =
+                entries.map_err(|error| refuse(format!("cannot list the folder: {error}")))?;
+            files = entries.into_iter().map(|entry| entry.path()).collect();
+            files.retain(|file| file.extension().is_some_and(|ending| ending == "toml"));
+            files.sort();
         }
-        let entries = std::fs::read_dir(path).and_then(Iterator::collect::<Result<Vec<_>, _>>);
-        let entries =
-            entries.map_err(|error| refuse(format!("cannot list the folder: {error}")))?;
-        let mut files: Vec<PathBuf> = entries.into_iter().map(|entry| entry.path()).collect();
-        files.retain(|file| file.extension().is_some_and(|ending| ending == "toml"));
-        files.sort();
+        let mut has_tests = false;
         for file in files {
             let text = read_text(&file, MAX_FILE).map_err(|refused| refuse(refused.message))?;
-            self.file(&file, &text)?;
+            has_tests |= self.file(&file, &text)?;
         }
-        Ok(())
+        if has_tests {
+            return Ok(());
+        }
+        Err(refuse(format!("there are no tests in {}", path.display())))
     }
 
     /// Adds the tests of a file; returns `false` if it has none.
-    fn file(&mut self, path: &Path, text: &str) -> Result<bool, Diagnostics> {
-        let mut reader = Reader::new(&path.display().to_string(), text)?;
-        let stem = path.with_extension("").display().to_string();
-        let stem = stem.trim_start_matches("./");
-        let has = |key: &str| reader.root.get(key).is_some();
-        if has("test") {
-            if let Some(other) = ["scenario", "expect"].into_iter().find(|key| has(key)) {
-                let expected = "this key in each [[test]]";
-                reader.refuse(
-                    &FieldPath::key(other),
-                    Code::Requirement,
-                    "a key beside [[test]]",
-                    expected,
-                );
-            }
-            for (index, (at, node)) in reader.blocks("test").into_iter().enumerate() {
-                let own = node.get("name").and_then(Node::as_str).map(str::to_owned);
-                let own = own.unwrap_or_else(|| (index + 1).to_string());
-                self.test(
-                    &mut reader,
-                    path,
-                    (at, &node),
-                    format!("{stem}/{own}"),
-                    Some(index),
-                );
-            }
-        } else if has("scenario") {
-            let root = reader.root.clone();
-            self.test(
-                &mut reader,
-                path,
-                (FieldPath::default(), &root),
-                stem.to_owned(),
-                None,
-            );
-        } else if has("expect") {
-            self.scenario(&mut reader, path, stem.to_owned());
-        } else {
+    fn file(&mut self, file: &Path, text: &str) -> Result<bool, Diagnostics> {
+        let mut reader = Reader::new(&file.display().to_string(), text)?;
+        let root = reader.root.clone();
+        // Cargo.toml may have [[test]], too.
+        let is_test = |node: &Node| node.get("scenario").or(node.get("expect")).is_some();
+        let blocks = root.get("test").and_then(Node::as_array);
+        let is_one = is_test(&root);
+        if !is_one && !blocks.is_some_and(|blocks| blocks.iter().any(is_test)) {
             return Ok(false);
+        }
+        let tables = if is_one {
+            vec![(FieldPath::default(), root)]
+        } else {
+            reader.blocks("test")
+        };
+        let stem = file.with_extension("").display().to_string();
+        let stem = stem.trim_start_matches("./");
+        for (index, (path, node)) in tables.into_iter().enumerate() {
+            let own = node.get("name").and_then(Node::as_str);
+            let own = own.map_or_else(|| (index + 1).to_string(), str::to_owned);
+            let is_scenario = is_one && node.get("scenario").is_none();
+            let part = Part {
+                file,
+                name: if is_one {
+                    stem.to_owned()
+                } else {
+                    format!("{stem}/{own}")
+                },
+                block: (!is_one).then_some(index),
+                key: path.then(if is_scenario { "expect" } else { "scenario" }),
+                path,
+            };
+            let spec = if is_scenario {
+                Some(TestSpec::of_scenario(file))
+            } else {
+                reader.read(&node, &part.path)
+            };
+            let Some(spec) = spec else { continue };
+            // Problems without a place are reported at the key.
+            if let Err(problems) = self.test(&mut reader, &part, spec) {
+                for problem in problems.iter() {
+                    let mut problem = problem.clone();
+                    if problem.place.is_none() {
+                        let place = reader.sources.place(reader.root.origin_along(&part.key));
+                        problem = problem.at(place).field(&part.key);
+                    }
+                    reader.problems.push(problem);
+                }
+            }
         }
         if reader.problems.is_empty() {
             return Ok(true);
@@ -208,190 +193,81 @@ impl Suite<'_> {
         Err(reader.problems.sorted())
     }
 
-    /// Adds a test of a test file.
+    /// Adds a test; returns the problems of its scenario.
     fn test(
         &mut self,
         reader: &mut Reader,
-        file: &Path,
-        (path, node): (FieldPath, &Node),
-        name: String,
-        block: Option<usize>,
-    ) {
-        let Some(spec) = reader.read::<TestSpec>(node, &path) else {
-            return;
-        };
-        if self.tests.iter().any(|test| test.name == name) {
-            let message = format!("two tests `{}`", spec.name.as_deref().unwrap_or(&name));
-            reader.refuse(
-                &path.then("name"),
-                Code::Duplicate,
-                &message,
-                "different names",
-            );
+        part: &Part<'_>,
+        spec: TestSpec,
+    ) -> Result<(), Diagnostics> {
+        if self.tests.iter().any(|test| test.name == part.name) {
+            let message = format!("two tests `{}`", spec.name.as_deref().unwrap_or(&part.name));
+            let key = part.path.then("name");
+            reader.refuse(&key, Code::Duplicate, &message, "different names");
         }
-        if !name.contains(self.filter) {
-            return;
+        if !part.name.contains(self.filter) {
+            return Ok(());
         }
-        let is_file = spec.scenario.contains(['/', '.']);
-        let target = if is_file {
-            let folder = file.parent().unwrap_or(Path::new(""));
-            folder.join(&spec.scenario).display().to_string()
-        } else {
-            spec.scenario
-        };
-        let Some(draft) = self.draft(reader, &path.then("scenario"), &target) else {
-            return;
-        };
-        let sets = match node.get("set") {
-            Some(set) => read_overrides(reader, &path.then("set"), set),
-            None => Vec::new(),
-        };
-        let mut part = Part {
-            seed: seed_of(&draft),
-            seeds: node
-                .get("seeds")
-                .and_then(|node| seeds(reader, &path.then("seeds"), node)),
-            name,
-            block,
-            path: path.clone(),
-            target,
-            draft,
-            overrides: Vec::new(),
-        };
-        if let Some(seed) = spec.seed {
-            part.seed = seed;
-            if spec.seeds.is_some() {
-                reader.refuse(
-                    &path.then("seeds"),
-                    Code::Requirement,
-                    "`seeds` beside `seed`",
-                    "one of them",
-                );
+        let loader = Loader::new(self.options.kinds).allow_outside(self.options.allow_outside);
+        let target = spec.target(part.file);
+        let mut draft = loader.draft(&target)?;
+        let first = spec.seed.unwrap_or_else(|| seed_of(&draft));
+        let set = part.path.then("set");
+        let mut overrides = Vec::new();
+        if let Some(node) = reader.root.at(&set).cloned() {
+            for set in read_overrides(reader, &set, &node) {
+                draft.apply(&set.label, &set.argument);
+                overrides.push(set.argument);
             }
         }
-        for set in sets {
-            part.draft.apply(&set.label, &set.argument);
-            part.overrides.push(set.argument);
-        }
-        self.finish(reader, file, part);
-    }
-
-    /// Adds the test of a scenario with `[expect]`.
-    fn scenario(&mut self, reader: &mut Reader, file: &Path, name: String) {
-        if !name.contains(self.filter) {
-            return;
-        }
-        let target = format!(
-            "{}{}",
-            if file.components().count() == 1 {
-                "./"
-            } else {
-                ""
-            },
-            file.display()
-        );
-        let Some(draft) = self.draft(reader, &FieldPath::key("expect"), &target) else {
-            return;
-        };
-        let part = Part {
-            seed: seed_of(&draft),
-            seeds: None,
-            name,
-            block: None,
-            path: FieldPath::default(),
-            target,
-            draft,
-            overrides: Vec::new(),
-        };
-        self.finish(reader, file, part);
-    }
-
-    /// Opens a scenario; problems without a place are reported at the key that names it.
-    fn draft(&self, reader: &mut Reader, path: &FieldPath, target: &str) -> Option<Draft<'static>> {
-        let loader = Loader::new(self.options.kinds).allow_outside(self.options.allow_outside);
-        let found = loader.draft(target);
-        found
-            .map_err(|problems| place_at(reader, path, &problems))
-            .ok()
-    }
-
-    /// Resolves the scenario of a test, and reads its seeds and expectations.
-    fn finish(&mut self, reader: &mut Reader, file: &Path, mut part: Part) {
         for set in &self.options.set {
-            part.draft.apply("--set", set);
-            part.overrides.push(set.clone());
+            draft.apply("--set", set);
+            overrides.push(set.clone());
         }
+        let template = draft.template(&mut self.maps)?;
         let path = part.path.then("expect");
-        let Some(node) = reader.root.at(&path).cloned() else {
-            return;
-        };
-        let template = match part.draft.clone().template(&mut self.maps) {
-            Ok(template) => template,
-            Err(problems) => return place_at(reader, &part.path.then("scenario"), &problems),
-        };
-        let Some(spec) = reader.read::<ExpectSpec>(&node, &path) else {
-            return;
+        let node = reader.root.follow(&path).clone();
+        let Some(expect) = reader.read::<ExpectSpec>(&node, &path) else {
+            return Ok(());
         };
         let scenario = template.scenario();
         if scenario.run.mode != Mode::LockStep {
             let message =
                 "a test needs `run.mode = \"lock_step\"`: real-time results cannot be reproduced";
-            reader.refuse(
-                &part.path.then("scenario"),
-                Code::Requirement,
-                message,
-                "a scenario in lock-step",
-            );
+            let expected = "a scenario in lock-step";
+            reader.refuse(&part.key, Code::Requirement, message, expected);
         }
-        let external = scenario.uses_external_commands();
-        if external && !self.options.allow_external {
+        if scenario.uses_external_commands() && !self.options.allow_external {
             let message = "the scenario starts an external program";
             let expected = "--processes --allow-external, after a review of the program";
-            reader.refuse(
-                &part.path.then("scenario"),
-                Code::Requirement,
-                message,
-                expected,
-            );
+            reader.refuse(&part.key, Code::Requirement, message, expected);
         }
-        let Some(seeds) = missions(reader, &path, &spec, &part) else {
-            return;
+        let Some(seeds) = seeds(reader, &part.path, &spec, first, over(&expect)) else {
+            return Ok(());
         };
-        let mut expect = ExpectReader {
+        let mut found = ExpectReader {
             reader,
-            base: path.clone(),
+            base: path,
             scenario,
             seeds: &seeds,
             found: Vec::new(),
         };
-        expect.read(&spec);
-        let expectations = expect.found;
-        let origin = reader.root.at(&part.path).unwrap_or(&reader.root).origin;
+        found.read(&expect);
+        let expectations = found.found;
+        let origin = reader.root.follow(&part.path).origin;
         self.tests.push(MissionTest {
-            name: part.name,
-            file: file.to_owned(),
+            name: part.name.clone(),
+            file: part.file.to_owned(),
             line: reader.sources.place(origin).map_or(1, |place| place.line),
             block: part.block,
-            target: part.target,
-            overrides: part.overrides,
-            external,
+            target,
+            overrides,
             seeds,
-            outcome_only: spec.outcome_only,
+            outcome_only: expect.outcome_only,
             expectations,
             template,
         });
-    }
-}
-
-/// Reports the problems of a scenario; those without a place at the key that names it.
-fn place_at(reader: &mut Reader, path: &FieldPath, problems: &Diagnostics) {
-    for problem in problems.iter() {
-        let mut problem = problem.clone();
-        if problem.place.is_none() {
-            let origin = reader.root.origin_along(path);
-            problem = problem.at(reader.sources.place(origin)).field(path);
-        }
-        reader.problems.push(problem);
+        Ok(())
     }
 }
 
@@ -403,59 +279,51 @@ fn seed_of(draft: &Draft<'_>) -> u64 {
     }
 }
 
-/// Reads `seeds`.
-fn seeds(reader: &mut Reader, path: &FieldPath, node: &Node) -> Option<Seeds> {
-    const FORM: &str = "a range such as \"1..200\", or an array of seeds";
-    if let Some(text) = node.as_str() {
-        match Seeds::parse(text) {
-            Ok(seeds) => return Some(seeds),
-            Err(error) => reader.refuse(path, Code::OutOfRange, &error.to_string(), FORM),
-        }
-        return None;
-    }
-    if node.as_array().is_none() {
-        reader.wrong_type(path, node, FORM);
-        return None;
-    }
-    let seeds: Vec<u64> = reader.read(node, path)?;
-    if seeds.is_empty() {
-        reader.refuse(path, Code::Requirement, "no seeds: nothing to run", FORM);
-    }
-    Some(Seeds::of(seeds))
+/// Returns the number of missions that shares and means need, if they state it.
+fn over(expect: &ExpectSpec) -> Option<u64> {
+    let shares = expect.escape_share.iter().chain(expect.shares.values());
+    let shares = shares.filter_map(|share| share.over);
+    let means = expect.means.values().filter_map(|mean| mean.over);
+    shares.chain(means).max()
 }
 
-/// Returns the seeds of the missions of a test.
-fn missions(
+/// Returns the seeds of the missions of a test: its own, or `over` from the first on.
+fn seeds(
     reader: &mut Reader,
     path: &FieldPath,
-    spec: &ExpectSpec,
-    part: &Part,
+    spec: &TestSpec,
+    first: u64,
+    over: Option<u64>,
 ) -> Option<Vec<u64>> {
-    let shares = spec.escape_share.iter().chain(spec.shares.values());
-    let shares = shares.filter_map(|share| share.over);
-    let over = shares
-        .chain(spec.means.values().filter_map(|mean| mean.over))
-        .max();
-    let range = match (&part.seeds, over) {
-        (Some(seeds), None) => return Some(seeds.iter().collect()),
-        (Some(_), Some(_)) => {
-            let at = part.path.then("seeds");
-            reader.refuse(
-                &at,
-                Code::Requirement,
-                "`seeds` beside `over`",
-                "one of them",
-            );
-            return None;
+    let at = path.then("seeds");
+    if let Some(list) = &spec.seeds {
+        for (other, is_there) in [("seed", spec.seed.is_some()), ("over", over.is_some())] {
+            if is_there {
+                let message = format!("`seeds` beside `{other}`");
+                reader.refuse(&at, Code::Requirement, &message, "one of them");
+            }
         }
-        (None, over) => over.unwrap_or(1),
-    };
-    let seeds = Seeds::range(part.seed, range.min(MAX_MISSIONS))
-        .filter(|_| (1..=MAX_MISSIONS).contains(&range));
+        let seeds = match list {
+            SeedList::Range(text) => Seeds::parse(text),
+            SeedList::Each(seeds) => Ok(Seeds::of(seeds.clone())),
+        };
+        return match seeds {
+            Ok(seeds) if !seeds.is_empty() => Some(seeds.iter().collect()),
+            refused => {
+                let message = refused.err().map(|error| error.to_string());
+                let message = message.as_deref().unwrap_or("no seeds: nothing to run");
+                reader.refuse(&at, Code::OutOfRange, message, SeedList::FORM);
+                None
+            }
+        };
+    }
+    let (count, most) = (over.unwrap_or(1), MAX_MISSIONS as u64);
+    let seeds = Seeds::range(first, count.min(most)).filter(|_| (1..=most).contains(&count));
     if seeds.is_none() {
-        let message = format!("{range} missions from seed {} on", part.seed);
-        let expected = format!("`over` from 1 to {MAX_MISSIONS}, seeds below 2^63");
-        reader.refuse(path, Code::OutOfRange, &message, &expected);
+        let message = format!("{count} missions from seed {first} on");
+        let expected = format!("`over` from 1 to {most}, seeds below 2^63");
+        let expect = path.then("expect");
+        reader.refuse(&expect, Code::OutOfRange, &message, &expected);
     }
     seeds.map(|seeds| seeds.iter().collect())
 }

@@ -61,10 +61,9 @@ pub fn update(
     }
     if !changes.is_empty() {
         for (path, document) in documents {
-            let saved = save(document.to_string().as_bytes(), path);
-            saved.map_err(|error| {
-                TestError::io(path, "cannot write the test")(std::io::Error::other(error))
-            })?;
+            save(document.to_string().as_bytes(), path)
+                .map_err(std::io::Error::other)
+                .map_err(TestError::io(path, "cannot write the test"))?;
         }
     }
     Ok(changes)
@@ -87,17 +86,11 @@ fn digest(
     if mission.digest.is_empty() || *old == mission.digest {
         return None;
     }
-    let mut reasons = Vec::new();
-    if !old.is_empty() {
-        reasons.push(format!("was {}", old.get(..DIGITS).unwrap_or(old)));
-    }
-    reasons.extend((!why.is_empty()).then(|| why.replace(char::is_control, " ")));
-    reasons.extend(
-        mission
-            .first_difference
-            .as_ref()
-            .map(|first| format!("first difference: {first}")),
-    );
+    let was = old.get(..DIGITS).map(|old| format!("was {old}"));
+    let why = Some(why.to_owned()).filter(|why| !why.is_empty());
+    let first = mission.first_difference.as_ref();
+    let first = first.map(|first| format!("first difference: {first}"));
+    let reasons: Vec<String> = [was, why, first].into_iter().flatten().collect();
     let reason = reasons.join("; ").replace(char::is_control, " ");
     let key = mission.seed.to_string();
     let item = expect.get_mut("digest")?;
@@ -109,14 +102,11 @@ fn digest(
     let decor = value.decor().clone();
     *value = Value::from(mission.digest.as_str());
     *value.decor_mut() = decor;
-    if !reason.is_empty() {
-        annotate(expect, &key, &reason);
+    if reason.is_empty() {
+        return Some(format!("digest {}", mission.digest));
     }
-    Some(format!(
-        "digest {}{}{reason}",
-        mission.digest,
-        if reason.is_empty() { "" } else { ", " }
-    ))
+    annotate(expect, &key, &reason);
+    Some(format!("digest {}, {reason}", mission.digest))
 }
 
 /// Writes the reason behind the digest, in place of an earlier one; other comments stay.
@@ -154,53 +144,38 @@ fn annotate(expect: &mut Item, key: &str, reason: &str) -> Option<()> {
 
 /// Writes the outcomes of the robots, if others or none are expected; returns the change.
 fn outcomes(expect: &mut Item, test: &MissionTest, result: &TestReport) -> Option<String> {
-    let first = result
-        .missions
+    let missions = &result.missions;
+    let first = missions
         .first()
         .filter(|mission| !mission.digest.is_empty())?;
     // Robots whose outcome depends on the seed have none that a test could expect.
     let same = |(robot, outcome): &(&String, &String)| {
-        result
-            .missions
-            .iter()
-            .all(|mission| mission.robots.get(*robot) == Some(*outcome))
+        let mut missions = missions.iter();
+        missions.all(|mission| mission.robots.get(*robot) == Some(*outcome))
     };
-    let found: BTreeMap<&String, &String> = first.robots.iter().filter(same).collect();
-    let expected = test
-        .expectations
-        .iter()
-        .filter_map(|expectation| match &expectation.check {
-            Check::RobotOutcome { robot, outcome } => Some((robot, outcome)),
-            _ => None,
-        });
-    let expected: BTreeMap<&String, &String> = expected.collect();
-    if found == expected || found.is_empty() {
+    let found = first.robots.iter().filter(same);
+    let found: BTreeMap<&str, &str> = found.map(|(r, o)| (r.as_str(), o.as_str())).collect();
+    let expect = expect.as_table_like_mut()?;
+    let item = expect.entry("outcome").or_insert(Item::None);
+    let expected = item.as_table_like().map(|table| {
+        let outcomes = table.iter();
+        outcomes
+            .filter_map(|(robot, outcome)| Some((robot, outcome.as_str()?)))
+            .collect()
+    });
+    if found.is_empty() || expected.as_ref() == Some(&found) {
         return None;
     }
-    let pairs = found
-        .iter()
-        .map(|(robot, outcome)| (robot.as_str(), outcome.as_str()));
-    match expect.get_mut("outcome") {
-        Some(Item::Table(table)) => {
-            table.clear();
-            pairs.for_each(|(robot, outcome)| {
-                table.insert(robot, Item::Value(outcome.into()));
-            });
+    let count = found.len();
+    if let Item::Table(table) = item {
+        table.clear();
+        table.extend(found);
+    } else {
+        let mut outcomes: InlineTable = found.into_iter().collect();
+        if let Some(value) = item.as_value() {
+            *outcomes.decor_mut() = value.decor().clone();
         }
-        other => {
-            let decor = other
-                .and_then(|item| item.as_value())
-                .map(|value| value.decor().clone());
-            let mut table: InlineTable = pairs.collect();
-            if let Some(decor) = decor {
-                *table.decor_mut() = decor;
-            }
-            insert(expect.as_table_like_mut()?, table);
-        }
+        *item = Item::Value(outcomes.into());
     }
-    Some(format!("{}: outcomes of {} robots", test.name, found.len()))
-}
-
-fn insert(expect: &mut dyn toml_edit::TableLike, outcomes: InlineTable) {
-    expect.insert("outcome", Item::Value(outcomes.into()));
+    Some(format!("{}: outcomes of {count} robots", test.name))
 }

@@ -17,6 +17,7 @@ use super::output::{self, EXIT_INVALID, print, print_json};
 use super::run_args::OverrideArgs;
 use scenario::kind::Kind;
 use scenario::{Loader, ResolvedScenario, remark_lines};
+use sweep::LoadOptions;
 
 /// Arguments of `protean check`.
 #[derive(Debug, clap::Args)]
@@ -44,10 +45,24 @@ pub(super) struct CheckArgs {
 }
 
 /// Checks a scenario and summarises it.
-pub(super) fn run(kinds: &[Kind], args: &CheckArgs) -> ExitCode {
+pub(super) fn run(kinds: &'static [Kind], args: &CheckArgs) -> ExitCode {
     let (target, overrides) = (&args.scenario, &args.overrides);
     let loader = Loader::new(kinds).allow_outside(overrides.allow_outside);
     let mut loaded = loader.load(target, &overrides.set, overrides.seed);
+    if loaded.is_ok()
+        && let Ok(draft) = loader.draft(target)
+        && draft.find("expect").is_some()
+    {
+        let options = LoadOptions {
+            set: overrides.set.clone(),
+            allow_outside: overrides.allow_outside,
+            allow_external: true,
+            ..LoadOptions::new(kinds)
+        };
+        if let Err(problems) = mission_tests::load(&[target.into()], "", &options) {
+            loaded = Err(problems);
+        }
+    }
     if args.allow_external
         && let Ok(scenario) = &loaded
     {

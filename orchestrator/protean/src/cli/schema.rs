@@ -14,6 +14,8 @@ pub(super) enum SchemaOf {
     Scenario,
     /// Experiment files: JSON Schema, for editors
     Experiment,
+    /// Files of `protean test`: JSON Schema, for editors
+    Test,
     /// Planners in C and C++: the header `protean_planner.h`
     Planner,
 }
@@ -23,6 +25,7 @@ pub(super) fn schema(kinds: &[Kind], subject: SchemaOf) -> ExitCode {
     match subject {
         SchemaOf::Scenario => print_json(&scenario::schema::schema(kinds).to_value()),
         SchemaOf::Experiment => print_json(&sweep::schema::schema().to_value()),
+        SchemaOf::Test => print_json(&mission_tests::schema().to_value()),
         SchemaOf::Planner => print(library_planner::header::planner().trim_end()),
     }
     ExitCode::SUCCESS

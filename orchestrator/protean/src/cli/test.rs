@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
+use std::time::Duration;
 
 use mission_tests::{
     Baseline, MissionTest, RunOptions, SuiteReport, TestChange, TestError, Verdict,
@@ -33,7 +34,7 @@ A test file names a scenario and what is expected of its missions; a scenario wi
 The output of --json is the baseline of later runs. docs/how-to/tests.md describes the files.
 
 Exit codes: 0 all tests pass, 1 a test fails, 2 wrong usage or test file, 3 no test fails, but one is inconclusive: its
-interval needs more missions, or Ctrl-C ended it.";
+interval needs more missions, or --timeout or Ctrl-C ended it.";
 
 /// Arguments of `protean test`.
 #[derive(Debug, clap::Args)]
@@ -49,6 +50,9 @@ pub(super) struct TestArgs {
     /// Run N missions at once [default: number of processors; 1 with --processes]
     #[arg(long, short, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=4096))]
     jobs: Option<u16>,
+    /// End a mission after S seconds of real time, undecided
+    #[arg(long, value_name = "S", default_value = "600", value_parser = clap::value_parser!(u32).range(1..))]
+    timeout: u32,
     /// Override a value of every scenario, e.g. `rules.time_limit=60`
     #[arg(long = "set", value_name = "KEY=VALUE")]
     set: Vec<String>,
@@ -112,7 +116,7 @@ pub(super) fn run(kinds: &'static [Kind], args: &TestArgs) -> ExitCode {
         Err(error) => {
             eprintln!("error: {error}");
             ExitCode::from(match error {
-                TestError::Io { .. } => EXIT_FAILED,
+                TestError::Io { .. } | TestError::Threads(_) => EXIT_FAILED,
                 TestError::Baseline { .. } | TestError::Changed { .. } => EXIT_INVALID,
             })
         }
@@ -126,8 +130,7 @@ fn carry_out(
 ) -> Result<(SuiteReport, Vec<TestChange>), TestError> {
     let baseline = args.baseline.as_deref().map(Baseline::load).transpose()?;
     let interrupted = Arc::new(AtomicBool::new(false));
-    handle_signals(&interrupted)
-        .map_err(|source| io(Path::new("signals"), "cannot handle them", source))?;
+    handle_signals(&interrupted).map_err(TestError::io("signals", "cannot handle them"))?;
     let engine: Box<dyn Engine> = if args.processes {
         Box::new(Processes::new(descriptors::available()))
     } else {
@@ -136,6 +139,7 @@ fn carry_out(
     let jobs = if args.processes { 1 } else { processors() };
     let options = RunOptions {
         jobs: args.jobs.map_or(jobs, usize::from),
+        timeout: Duration::from_secs(args.timeout.into()),
         keep_logs: LogPolicy::from(args.keep_logs),
         logs: PathBuf::from("logs/tests"),
         quiet: args.quiet.quiet,
@@ -162,14 +166,9 @@ fn publish(args: &TestArgs, report: &SuiteReport, changes: &[TestChange]) -> Res
         }
     }
     let write = |path: &Path, text: String| {
-        let saved = save(text.as_bytes(), path);
-        saved.map_err(|error| {
-            io(
-                path,
-                "cannot write the results",
-                std::io::Error::other(error),
-            )
-        })
+        save(text.as_bytes(), path)
+            .map_err(std::io::Error::other)
+            .map_err(TestError::io(path, "cannot write the results"))
     };
     if let Some(path) = &args.junit {
         write(path, mission_tests::junit(report))?;
@@ -185,15 +184,7 @@ fn publish(args: &TestArgs, report: &SuiteReport, changes: &[TestChange]) -> Res
             .open(path);
         let text = mission_tests::markdown(report, changes);
         let written = file.and_then(|mut file| file.write_all(text.as_bytes()));
-        written.map_err(|source| io(path, "cannot write the summary", source))?;
+        written.map_err(TestError::io(path, "cannot write the summary"))?;
     }
     Ok(())
-}
-
-fn io(path: &Path, what: &'static str, source: std::io::Error) -> TestError {
-    TestError::Io {
-        path: path.to_owned(),
-        what,
-        source,
-    }
 }
