@@ -149,6 +149,7 @@ _CHECKS: dict[str, Callable[[str, Any], Any]] = {
     "goals": count,
     "i": index,
     "jobs": count,
+    "keep_logs": text,
     "key": text,
     "laps": count,
     "length": number,
@@ -170,6 +171,7 @@ _CHECKS: dict[str, Callable[[str, Any], Any]] = {
     "threads": count,
     "ticks_per_action": count,
     "value": function,
+    "worst": text,
 } | dict.fromkeys(FLAGS, flag)
 
 

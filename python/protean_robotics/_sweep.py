@@ -4,6 +4,7 @@ import fcntl
 import io
 import json
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -16,7 +17,7 @@ from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from pathlib import Path
 from types import SimpleNamespace
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any, Literal, Protocol
 from uuid import uuid4
 
 from ._arguments import checked, refused
@@ -45,6 +46,8 @@ _interrupted: set[str] = set()
 _INTERVAL = 0.05
 #: Shortest time between two mergings (s).
 _MERGE_INTERVAL = 1.0
+#: Values of ``keep_logs``.
+_LOGS = ("none", "failed", "all")
 #: Time between two lines of progress (s).
 _LINE_INTERVAL = 10.0
 
@@ -181,6 +184,8 @@ class _Task:
     allow_external: bool
     allow_outside: bool
     retry_failed: bool
+    keep_logs: str
+    worst: str | None
     name: str = field(default_factory=lambda: uuid4().hex)
     placed: list[SimpleNamespace] = field(init=False, repr=False)
     #: Programs that run its parts in this process.
@@ -202,7 +207,8 @@ class _Task:
             summary: dict[str, Any] = json.loads(text)
             return summary
         command = ["sweep", self.experiment, f"--out={out}", *(f"--set={change}" for change in self.overrides)]
-        values = {"--seeds": self.seeds, "--shard": shard, "--jobs": jobs}
+        keep_logs = None if self.keep_logs == "none" else self.keep_logs
+        values = {"--seeds": self.seeds, "--shard": shard, "--jobs": jobs, "--keep-logs": keep_logs, "--worst": self.worst}
         command += [f"{option}={value}" for option, value in values.items() if value is not None]
         flags = {
             "--in-process": self.in_process,
@@ -227,6 +233,8 @@ def sweep(
     in_process: bool = False,
     planners: Mapping[str, Callable[..., Any]] | None = None,
     retry_failed: bool = False,
+    keep_logs: Literal["none", "failed", "all"] = "none",
+    worst: str | None = None,
     allow_external: bool = False,
     allow_outside: bool = False,
     quiet: bool = False,
@@ -262,6 +270,11 @@ def sweep(
         a process; with `in_process` only.
     retry_failed
         True to run failed missions again.
+    keep_logs
+        Missions that keep their log, in the folder ``logs`` of the results.
+    worst
+        Column of numbers of the results and its worse end, ``"contacts=max"`` for example: the missions there are
+        ``summary["worst"]``. If None, those at the time limit, then those with contacts.
     allow_external
         True if scenarios may start programs (``command``). Check them first.
     allow_outside
@@ -311,6 +324,8 @@ def sweep(
         if type(executor).__module__.startswith("joblib"):
             expected = "joblib.externals.loky.get_reusable_executor()"
         raise refused("executor", executor, expected)
+    if keep_logs not in _LOGS:
+        raise refused("keep_logs", keep_logs, f"one of {', '.join(_LOGS)}")
     task = _Task(
         experiment=os.fspath(Path(experiment).absolute()),
         seeds=None if seeds is None else f"{seeds[0]}..{seeds[-1]}",
@@ -320,6 +335,8 @@ def sweep(
         allow_external=allow_external,
         allow_outside=allow_outside,
         retry_failed=retry_failed,
+        keep_logs=keep_logs,
+        worst=worst,
     )
     directory, missing = missions_to_run(task.experiment, None if out is None else Path(out), task)
     if executor is not None and missing:
@@ -446,6 +463,9 @@ def _merge(parts: list[bytes], out: Path) -> list[Error]:
                 with zipfile.ZipFile(io.BytesIO(part)) as files:
                     files.extractall(directory)
             json_of(["sweep", "merge", *directories, f"--out={out}"])
+            for log in folder.glob("*/logs/*"):
+                (out / "logs").mkdir(exist_ok=True)
+                shutil.move(log, out / "logs" / log.name)
     except Error as error:
         # One that does not fit must not take the others with it.
         if len(parts) == 1:

@@ -14,9 +14,10 @@ use sweep::engine::{Call, Engine, InProcess};
 use sweep::planning::{self, Task, is_planning};
 use sweep::runner::{self, RunOptions, RunReport};
 use sweep::shard::Shard;
+use sweep::spec::LogPolicy;
 use sweep::{
-    Experiment, ExperimentOf, LoadOptions, Mission, Results, Seeds, Subject, SweepError, published,
-    summary,
+    Experiment, ExperimentOf, LoadOptions, Measure, MeasureError, Mission, Results, Seeds, Subject,
+    SweepError, published, summary,
 };
 
 use crate::run::{Planned, kinds_of, place};
@@ -53,6 +54,10 @@ pub struct Options {
     allow_outside: bool,
     /// `true` if failed missions run again.
     retry_failed: bool,
+    /// Missions whose logs are kept: `failed`, `all`, or none.
+    keep_logs: String,
+    /// Column and end of the worst missions.
+    worst: Option<String>,
     /// Planners in the place of those of the scenarios.
     placed: Vec<Planned>,
     /// End by Ctrl-C.
@@ -74,6 +79,24 @@ impl Options {
             let text = problems.to_string();
             InvalidInput::new_err(text.trim_start_matches("error: ").to_owned())
         })
+    }
+
+    fn log(&self) -> LogPolicy {
+        match self.keep_logs.as_str() {
+            "failed" => LogPolicy::Failed,
+            "all" => LogPolicy::All,
+            _ => LogPolicy::None,
+        }
+    }
+
+    fn worst(&self) -> PyResult<Option<Measure>> {
+        let text = self.worst.as_deref();
+        let measure = text.map(|text| {
+            let refused =
+                |error: MeasureError| InvalidInput::new_err(format!("worst = {text:?}: {error}"));
+            text.parse().map_err(refused)
+        });
+        measure.transpose()
     }
 
     /// Loads an experiment of missions with the planners in their places.
@@ -102,6 +125,7 @@ pub fn missions_to_run(
     out: Option<PathBuf>,
     options: Options,
 ) -> PyResult<(PathBuf, Vec<usize>)> {
+    options.worst()?;
     compute(py, move || {
         if is_planning(&experiment) {
             to_run(&options.load::<Task>(&experiment)?, out, &options)
@@ -165,11 +189,12 @@ pub fn sweep_in_process(
         jobs: jobs.unwrap_or_else(platform::machine::processors),
         shard: shard.map_err(|error| InvalidInput::new_err(error.to_string()))?,
         retry_failed: options.retry_failed,
-        log: sweep::spec::LogPolicy::None,
+        log: options.log(),
         timeout: Duration::ZERO,
         quiet,
         interrupted: Arc::clone(&interrupted),
     };
+    let worst = options.worst()?;
     let path = experiment;
     let folder = path.parent().unwrap_or(Path::new("")).to_owned();
     let keep = |results: &Results| published::keep(&folder, results);
@@ -197,7 +222,7 @@ pub fn sweep_in_process(
     let engine: &dyn Engine = &engine;
     wait_for(py, &interrupted, || {
         let (results, report) = carry_out(&experiment, &out, &reuse, engine, run, keep)?;
-        Ok(summary::json(&results, Some(&report), None))
+        Ok(summary::json(&results, Some(&report), worst))
     })
 }
 

@@ -118,6 +118,8 @@ SWEEP = {
     "in_process": True,
     "planners": {"robot": steer},
     "retry_failed": False,
+    "keep_logs": "none",
+    "worst": "contacts=max",
     "allow_external": False,
     "allow_outside": False,
     "quiet": True,

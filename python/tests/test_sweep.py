@@ -2,6 +2,7 @@
 
 import csv
 import io
+import json
 import multiprocessing
 import os
 import pickle
@@ -115,6 +116,29 @@ def test_the_table_is_that_of_the_command_from_threads_processes_and_executors()
     # Nothing is left to run.
     again = pr.sweep("limits.toml", out="threads", executor=ThreadPoolExecutor(1), quiet=True)
     assert (again.summary["carried_out"], again.summary["known"]) == (0, MISSIONS)
+
+
+def test_logs_and_worst_missions_are_those_of_the_command() -> None:
+    options = ["--in-process", "--quiet", "--json", "--keep-logs=all", "--worst=sim_time_s=max"]
+    command = [str(pr.program()), "sweep", "limits.toml", "--out=by-command", *options]
+    expected = json.loads(subprocess.run(command, check=True, capture_output=True).stdout)["worst"]
+    assert len(expected) > 0 and all(Path(mission["log"]).exists() for mission in expected)
+
+    def swept(out: str, **more: Any) -> pr.Sweep:
+        done = pr.sweep(
+            "limits.toml", out=out, in_process=True, quiet=True, keep_logs="all", worst="sim_time_s=max", **more
+        )
+        assert len(list((done.directory / "logs").glob("*.mcap"))) == MISSIONS
+        return done
+
+    with ThreadPoolExecutor(2) as threads:
+        sweeps = [swept("here"), swept("there", executor=threads, shards=3)]
+    for done in sweeps:
+        assert json.loads(json.dumps(done.summary["worst"]).replace(str(done.directory), "by-command")) == expected
+    steered = swept("steered", planners={"robot": planner("ahead")})
+    assert [mission["reason"][:13] for mission in steered.summary["worst"]] == ["sim_time_s = "] * len(expected)
+    failed = pr.sweep("limits.toml", out="failed", in_process=True, quiet=True, keep_logs="failed")
+    assert failed.summary["failures"] == [] and list((failed.directory / "logs").iterdir()) == []
 
 
 def test_planners_in_python_have_the_same_results_here_and_on_an_executor() -> None:
@@ -408,6 +432,10 @@ def test_invalid_experiments_and_arguments_are_refused() -> None:
         pr.sweep("limits.toml", seeds=range(1, 9, 2))
     with pytest.raises(pr.InvalidInput, match="jobs = 0: expected a whole number from 1"):
         pr.sweep("limits.toml", jobs=0)
+    with pytest.raises(pr.InvalidInput, match="keep_logs = 'some': expected one of none, failed, all"):
+        pr.sweep("limits.toml", keep_logs="some")  # type: ignore[arg-type]
+    with pytest.raises(pr.InvalidInput, match='worst = "contact=max": expected COLUMN=max or COLUMN=min'):
+        pr.sweep("limits.toml", worst="contact=max")
     with pytest.raises(pr.InvalidInput, match="absent.toml"):
         pr.sweep("absent.toml", executor=ThreadPoolExecutor(1))
     assert not Path("results").exists()

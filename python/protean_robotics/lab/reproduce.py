@@ -127,6 +127,8 @@ def _sweep(directory: Path, experiment: Experiment, options: Options, turn: str)
         allow_external=False,
         allow_outside=False,
         retry_failed=False,
+        keep_logs="none",
+        worst=None,
         placed=[],
         interruption=Interruption(),
     )
