@@ -151,6 +151,34 @@ fn processes_in_c_with_messages_of_their_own_run_are_logged_measured_and_execute
     sandbox.assert_nothing_left();
 }
 
+#[test]
+fn late_and_lost_messages_of_processes_in_c_are_the_same_in_processes_in_one_thread_and_from_the_log()
+ {
+    let Some(sandbox) = sensor() else { return };
+    let mission = std::fs::read_to_string(example("c_sensor/mission.toml")).unwrap();
+    // To a process in C, from one in C to one in C, and from one in C to a planner in C.
+    let links = "[[links]]\ntopic = \"world/state\"\nto = \"sensor\"\ndelay_s = 0.1\n\
+                 [[links]]\ntopic = \"sonar/bearing\"\ndelay_s = 0.15\nloss = 0.2\n\
+                 [[links]]\ntopic = \"sonar/track\"\nfrom = \"tracker\"\nto = \"chaser_*\"\nloss = 0.3\n";
+    sandbox.file("linked.toml", mission + links);
+    let plain = run(&sandbox, "mission.toml").arg("--in-process").json();
+    let processes = run(&sandbox, "linked.toml").args(["--out", "linked.mcap"]);
+    let processes = processes.json();
+    let one = run(&sandbox, "linked.toml").arg("--in-process").json();
+    assert_ne!(one["digest"], plain["digest"]);
+    assert_eq!(processes["digest"], one["digest"]);
+    assert_eq!(processes["links"], one["links"]);
+    let links = one["links"].as_array().unwrap();
+    for topic in ["sonar/bearing", "sonar/track"] {
+        let link = links.iter().find(|link| link["topic"] == topic);
+        assert!(link.unwrap()["lost"].as_u64() > Some(0), "{links:?}");
+    }
+    let verify = ["verify", "linked.mcap", "--allow-external"];
+    let verified = sandbox.protean(verify).json();
+    assert_eq!(verified["same"], true, "{verified}");
+    sandbox.assert_nothing_left();
+}
+
 /// A sandbox with builds of the process with faults.
 struct Faulty {
     sandbox: Sandbox,
