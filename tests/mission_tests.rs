@@ -253,7 +253,7 @@ fn a_scenario_with_expectations_is_a_test_and_its_runs_are_those_without() {
     let done = sandbox.protean(["test", "--quiet", "hello.toml"]).run();
     assert_eq!(done.code, Some(0), "{done}");
     for (expect, place, near) in [
-        ("no_contct = true", "expect.no_contct", "no_contact"),
+        ("no_contacts = true", "expect.no_contacts", "no_contact"),
         ("columns.tick = 1", "expect.columns.tick", "ticks"),
         ("outcome.robt = \"caught\"", "expect.outcome.robt", "robot"),
         ("events = [\"escapd\"]", "expect.events", "escaped"),

@@ -237,12 +237,7 @@ impl Shared<'_> {
             }
         };
         let failed = !findings.is_empty();
-        let keep = match self.options.keep_logs {
-            LogPolicy::None => false,
-            LogPolicy::Failed => failed,
-            LogPolicy::All => true,
-        };
-        let log = logs.settle(failed, keep);
+        let log = logs.settle(failed, self.options.keep_logs.keeps(failed));
         findings
             .iter_mut()
             .for_each(|finding| finding.log.clone_from(&log));

@@ -92,7 +92,9 @@ impl ResolvedScenario {
 
 /// Reads all links and checks that each joins processes of the run. Reports all problems.
 pub(super) fn resolve(ctx: &mut Context<'_>, processes: &[ProcessSpec]) -> Vec<LinkSpec> {
-    let are_processes_known = ctx.problems.is_empty();
+    // A program that is still to be asked may have topics of its own.
+    let is_open = processes.iter().any(ProcessSpec::is_to_be_asked);
+    let are_processes_known = ctx.problems.is_empty() && !is_open;
     let parties = parties(processes);
     let mut links = Vec::new();
     for (path, node) in ctx.blocks("links") {

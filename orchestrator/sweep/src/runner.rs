@@ -221,7 +221,7 @@ impl<S: Subject> Shared<'_, S> {
             discard(log.as_deref());
             return None;
         }
-        if self.options.log == LogPolicy::Failed && !is_failed {
+        if !self.options.log.keeps(is_failed) {
             discard(log.as_deref());
         }
         Some(Done {

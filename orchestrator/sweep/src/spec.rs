@@ -164,6 +164,13 @@ pub enum LogPolicy {
     All,
 }
 
+impl LogPolicy {
+    /// Returns `true` if a mission keeps its log.
+    pub fn keeps(self, is_failed: bool) -> bool {
+        self == Self::All || self == Self::Failed && is_failed
+    }
+}
+
 /// A figure of the results.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
