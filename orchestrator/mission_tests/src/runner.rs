@@ -206,7 +206,10 @@ impl Shared<'_> {
             interrupted: Arc::clone(&self.options.interrupted),
         };
         let done = match test.template.with_seed(seed) {
-            Ok(scenario) => self.engine.execute(&scenario, &call),
+            Ok(scenario) => {
+                let done = self.engine.execute(&scenario, &call);
+                done.map_err(|error| error.to_string())
+            }
             Err(problems) => Err(problems.to_string()),
         };
         let (row, events) = match done {

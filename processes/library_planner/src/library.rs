@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use runtime::declaration::WrittenDeclaration;
 
 use crate::abi::{BELIEFS, INPUTS, PlannerTable, SCANS, Start, Steering, Tick, VERSION, WAYS};
+use crate::error::{TableError, Unexpected};
 use crate::topics;
 
 /// The function that a library exports.
@@ -45,12 +46,12 @@ pub enum LibraryError {
         found: u32,
     },
     /// Its table is not complete.
-    #[error("{}: {what}", path.display())]
+    #[error("{}: {source}", path.display())]
     Table {
         /// The file.
         path: PathBuf,
         /// Part of the table, and what is expected.
-        what: String,
+        source: TableError,
     },
 }
 
@@ -110,13 +111,15 @@ impl Library {
         };
         // The code behind the table must stay.
         std::mem::forget(loaded);
-        let fault = |what: &str| LibraryError::Table {
+        let fault = |source| LibraryError::Table {
             path: path.to_owned(),
-            what: what.to_owned(),
+            source,
         };
+        let unexpected = |part: &str, expected: &str| fault(Unexpected::new(part, expected).into());
         if table.is_null() || !table.is_aligned() {
-            return Err(fault(
-                "protean_planner_table returned no address of a table",
+            return Err(unexpected(
+                "result of protean_planner_table",
+                "the address of a table",
             ));
         }
         // SAFETY: every version of the table begins with its version, and the library stays loaded.
@@ -132,28 +135,31 @@ impl Library {
         let is_process = table.step.is_some();
         if table.create.is_none() || table.destroy.is_none() || is_process == table.steer.is_some()
         {
-            return Err(fault(
-                "expected create, destroy, and either steer or step; the others of the table are NULL",
+            return Err(unexpected(
+                "functions",
+                "create, destroy, and either steer or step; the others of the table are NULL",
             ));
         }
         if table.inputs & !(BELIEFS | SCANS | WAYS) != 0 {
-            return Err(fault(
-                "unknown inputs; expected a sum of PROTEAN_BELIEFS, PROTEAN_SCANS and PROTEAN_WAYS",
+            return Err(unexpected(
+                "unknown inputs",
+                "a sum of PROTEAN_BELIEFS, PROTEAN_SCANS and PROTEAN_WAYS",
             ));
         }
         let library = Self { table };
         if is_process {
             if table.inputs != 0 {
-                return Err(fault(
-                    "inputs of a process: expected 0; it names its topics in reads",
+                return Err(unexpected(
+                    "inputs of a process",
+                    "0; it names its topics in reads",
                 ));
             }
-            library.declaration().map_err(|what| fault(&what))?;
+            library.declaration().map_err(fault)?;
         } else {
             if table.write_count != 0 {
-                return Err(fault("writes of a planner: expected none, or step"));
+                return Err(unexpected("writes of a planner", "none, or step"));
             }
-            library.reads().map_err(|what| fault(&what))?;
+            library.reads().map_err(|error| fault(error.into()))?;
         }
         Ok(library)
     }
@@ -166,8 +172,8 @@ impl Library {
     /// Returns the topics that a process reads and writes.
     ///
     /// # Errors
-    /// A text that names the topic; [`Self::load`] has checked it.
-    pub fn declaration(self) -> Result<WrittenDeclaration, String> {
+    /// [`TableError`] names the topic; [`Self::load`] has checked it.
+    pub fn declaration(self) -> Result<WrittenDeclaration, TableError> {
         topics::declaration(self.table)
     }
 
@@ -175,7 +181,7 @@ impl Library {
     ///
     /// # Errors
     /// As [`Self::declaration`].
-    pub(crate) fn reads(self) -> Result<Vec<String>, String> {
+    pub(crate) fn reads(self) -> Result<Vec<String>, Unexpected> {
         topics::reads(self.table)
     }
 

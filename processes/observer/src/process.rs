@@ -20,7 +20,7 @@ use std::sync::Arc;
 use tracking::particle_filter::MotionLimits;
 use tracking::space::Space;
 
-use crate::knowledge::ChebyshevKnowledge;
+use crate::knowledge::{ChebyshevKnowledge, MapFault};
 use crate::layout::Layout;
 use crate::moment::Look;
 use crate::params::{Method, ObserverParams};
@@ -374,9 +374,7 @@ impl ObserverProcess {
                 let start = robot.start.position();
                 knowledge.layout_of_map(*bounds, parts, robot.model.radius, start)
             }
-            None => {
-                Err("the map has more pieces than world/shapes holds: give its `rectangle`".into())
-            }
+            None => Err(MapFault::NoPieces),
         };
         layout.map_err(|reason| ProcessError::Algorithm(format!("`chebyshev`: {reason}")))
     }

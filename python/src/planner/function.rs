@@ -115,7 +115,9 @@ impl Function {
             reads: Vec::new(),
             writes: writes.clone().unwrap_or_default(),
         };
-        declared.register().map_err(refused)?;
+        declared
+            .register()
+            .map_err(|error| refused(error.to_string()))?;
         Ok(Self {
             callable,
             setup: setup.as_ref().map(all).transpose()?,

@@ -64,10 +64,10 @@ impl TopicProgram for OwnTopics {
         view: &View<'_>,
         inputs: &RawInputs,
         outputs: &mut [RawOutput],
-    ) -> Result<(), String> {
+    ) -> Result<(), ProcessError> {
         call_planner(|py| {
             let called = self.call(py, view, inputs, outputs);
-            called.map_err(|error| self.function.get().fail(py, error))
+            called.map_err(|error| ProcessError::Algorithm(self.function.get().fail(py, error)))
         })
     }
 }

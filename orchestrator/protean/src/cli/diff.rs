@@ -152,7 +152,8 @@ fn run_first(
     name: &str,
     watch: &ReadProgress,
 ) -> Result<PathBuf, CommandError> {
-    refuse_external(side, &scenario, args.external.allow_external).map_err(|text| usage(&text))?;
+    refuse_external(side, &scenario, args.external.allow_external)
+        .map_err(|error| usage(&error.to_string()))?;
     // Only the history is compared.
     scenario.log.viewer_rate_hz = 0.0;
     let log = folder.path().join(format!("{name}.mcap"));
