@@ -380,7 +380,7 @@ fn rewards(given: &[(String, f64)]) -> PyResult<RewardWeights> {
             "progress" => &mut weights.progress,
             _ => {
                 return Err(InvalidInput::new_err(format!(
-                    "reward: no weight {name:?}: expected {}, time or progress",
+                    "reward: no weight {name:?}: expected one of {}, time, progress",
                     EVENT_NAMES.join(", ")
                 )));
             }

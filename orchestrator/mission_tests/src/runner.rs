@@ -68,7 +68,7 @@ pub fn run(
     let start = Instant::now();
     if options.keep_logs != LogPolicy::None {
         std::fs::create_dir_all(&options.logs)
-            .map_err(TestError::io(&options.logs, "cannot create the folder"))?;
+            .map_err(TestError::io(&options.logs, "cannot be created"))?;
     }
     let of_test = |(index, test): (usize, &MissionTest)| {
         let seeds = test.seeds.clone().into_iter();

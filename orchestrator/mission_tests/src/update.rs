@@ -37,7 +37,7 @@ pub fn update(
             document
         } else {
             let text = fs::read_to_string(path);
-            let text = text.map_err(TestError::io(path, "cannot read the test"))?;
+            let text = text.map_err(TestError::io(path, "cannot be read"))?;
             text.parse::<DocumentMut>().map_err(|_| changed())?
         };
         let document = documents.entry(path).or_insert(document);
@@ -63,7 +63,7 @@ pub fn update(
         for (path, document) in documents {
             let saved = save(document.to_string().as_bytes(), path);
             saved.map_err(|error| {
-                TestError::io(path, "cannot write the test")(std::io::Error::other(error))
+                TestError::io(path, "cannot be written")(std::io::Error::other(error))
             })?;
         }
     }

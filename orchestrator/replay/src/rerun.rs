@@ -83,7 +83,7 @@ pub fn rerun(
     // The repetition has no viewers.
     scenario.log.viewer_rate_hz = 0.0;
     let folder = Scratch::create().map_err(|source| MissionError::System {
-        what: "cannot create a temporary directory".into(),
+        what: "a temporary directory: cannot be created".into(),
         source,
     })?;
     let again = folder.path().join("again.mcap");

@@ -142,13 +142,16 @@ impl Base {
         let full = folder.join(path);
         let real = match full.canonicalize() {
             Ok(real) => real,
-            Err(e) => return refused(format!("cannot read {}: {e}", full.display()), "a file"),
+            Err(e) => return refused(format!("{}: cannot be read: {e}", full.display()), "a file"),
         };
         if !allow_outside {
             let folder = match folder.canonicalize() {
                 Ok(folder) => folder,
                 Err(e) => {
-                    return refused(format!("cannot read {}: {e}", folder.display()), "a folder");
+                    return refused(
+                        format!("{}: cannot be read: {e}", folder.display()),
+                        "a folder",
+                    );
                 }
             };
             if !real.starts_with(folder) {
@@ -164,7 +167,7 @@ impl Base {
         match fs::metadata(&real) {
             Ok(data) if data.is_file() => Ok(Found::Disk(real)),
             Ok(_) => refused(format!("{} is not a file", full.display()), "a file"),
-            Err(e) => refused(format!("cannot read {}: {e}", full.display()), "a file"),
+            Err(e) => refused(format!("{}: cannot be read: {e}", full.display()), "a file"),
         }
     }
 }
@@ -194,7 +197,7 @@ fn refusal(path: &Path, max: u64, error: &io::Error) -> Refused {
         ),
         io::ErrorKind::InvalidData => (format!("{shown} is not text"), "UTF-8 text".to_owned()),
         _ => (
-            format!("cannot read {shown}: {error}"),
+            format!("{shown}: cannot be read: {error}"),
             "a readable file".to_owned(),
         ),
     };

@@ -133,8 +133,7 @@ pub fn run<S: Subject>(
     open.sort_by_key(|mission| (mission.seed, mission.cell));
     let logs = results.logs();
     if options.log != LogPolicy::None {
-        std::fs::create_dir_all(&logs)
-            .map_err(SweepError::io(&logs, "cannot create the directory"))?;
+        std::fs::create_dir_all(&logs).map_err(SweepError::io(&logs, "cannot be created"))?;
     }
     let jobs = options.jobs.clamp(1, open.len().max(1));
     let shared = Shared {

@@ -16,7 +16,7 @@ const SYMBOL: &str = "protean_planner_table";
 #[derive(Debug, thiserror::Error)]
 pub enum LibraryError {
     /// The file cannot be read.
-    #[error("{}: {source}; expected the shared library of a planner", path.display())]
+    #[error("{}: cannot be read: {source}: expected the shared library of a planner", path.display())]
     File {
         /// The file.
         path: PathBuf,
@@ -24,10 +24,10 @@ pub enum LibraryError {
         source: std::io::Error,
     },
     /// The program has the C library inside; a second one would come with the planner.
-    #[error("{}: this statically linked program loads no shared libraries; expected the program of the wheel, or of an own build", .0.display())]
+    #[error("{}: this statically linked program loads no shared libraries: expected the program of the wheel, or of an own build", .0.display())]
     StaticProgram(PathBuf),
     /// The system does not load it.
-    #[error("{}: {source}; expected the shared library of a planner, built for this machine with -shared", path.display())]
+    #[error("{}: {source}: expected the shared library of a planner, built for this machine with -shared", path.display())]
     Load {
         /// The file.
         path: PathBuf,
@@ -35,10 +35,10 @@ pub enum LibraryError {
         source: libloading::Error,
     },
     /// It exports no planner.
-    #[error("{}: no function {SYMBOL}; expected a planner built with protean_planner.h (`protean schema planner`)", .0.display())]
+    #[error("{}: no function {SYMBOL}: expected a planner built with protean_planner.h (`protean schema planner`)", .0.display())]
     Symbol(PathBuf),
     /// Its table is of another version of the interface.
-    #[error("{}: a planner of interface version {found}; expected version {VERSION}: build it with the header of `protean schema planner`", path.display())]
+    #[error("{}: a planner of interface version {found}: expected version {VERSION}; build it with the header of `protean schema planner`", path.display())]
     Version {
         /// The file.
         path: PathBuf,

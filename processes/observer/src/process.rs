@@ -117,7 +117,7 @@ impl ProcessKind for ObserverProcess {
                         .position(|robot| robot.name == *name)
                         .ok_or_else(|| {
                             refuse(format!(
-                                "`{field}` names `{name}`, but must name robots of the scenario"
+                                "`{field}` names `{name}`: expected robots of the scenario"
                             ))
                         })
                 })

@@ -142,7 +142,7 @@ pub enum ConfigError {
     #[error(transparent)]
     Topic(#[from] LayoutError),
     /// The file cannot be read.
-    #[error("process configuration {path}: {source}")]
+    #[error("process configuration {path}: cannot be read: {source}")]
     File {
         /// The file.
         path: PathBuf,
@@ -151,7 +151,7 @@ pub enum ConfigError {
     },
     /// The file is not a process configuration of this version.
     #[error(
-        "process configuration {path}: {source}; this program must be built from the version of `protean` that runs it"
+        "process configuration {path}: {source}: expected a program built from the version of `protean` that runs it"
     )]
     Syntax {
         /// The file.

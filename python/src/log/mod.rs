@@ -73,7 +73,7 @@ impl LogFile {
             let known: Vec<&str> = self.info.topics.keys().map(String::as_str).collect();
             let known = known.join(", ");
             return Err(InvalidInput::new_err(format!(
-                "{topic}: no topic of the log has this name; it has {known}"
+                "{topic}: no topic of the log has this name: expected one of {known}"
             )));
         };
         let read = read(py, |watch| {

@@ -99,7 +99,7 @@ impl OwnTopics {
                 let Some(at) = names.iter().position(|known| *known == name) else {
                     let expected = names.join(", ");
                     return Err(PyValueError::new_err(format!(
-                        "it returned elements of topic {name:?}: expected {expected}"
+                        "it returned elements of topic {name:?}: expected one of {expected}"
                     )));
                 };
                 take(&mut outputs[at], &elements)?;

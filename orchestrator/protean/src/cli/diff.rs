@@ -69,7 +69,7 @@ pub(super) fn run(kinds: &[Kind], args: &DiffArgs) -> ExitCode {
         refuse_changes_of_logs(args)?;
         let folder = Scratch::create().map_err(|source| {
             ReplayError::from(MissionError::System {
-                what: "cannot create a temporary directory".into(),
+                what: "a temporary directory: cannot be created".into(),
                 source,
             })
         })?;

@@ -93,7 +93,7 @@ enum NewError {
     #[error("{}: expected a folder whose name has only ASCII letters, digits, `_` and `-` and begins with a letter", _0.display())]
     ProjectName(PathBuf),
     #[error(
-        "no built-in scenario {0:?}; expected one of {1}, or a file that ends in {EXTENSIONS}{2}"
+        "no built-in scenario {0:?}: expected one of {1}, or a file that ends in {EXTENSIONS}{2}"
     )]
     Unknown(String, String, String),
     #[error("{}: an image without its scale: expected the .yaml of the ROS map that names it", _0.display())]

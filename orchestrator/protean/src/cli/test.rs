@@ -163,13 +163,7 @@ fn publish(args: &TestArgs, report: &SuiteReport, changes: &[TestChange]) -> Res
     }
     let write = |path: &Path, text: String| {
         let saved = save(text.as_bytes(), path);
-        saved.map_err(|error| {
-            io(
-                path,
-                "cannot write the results",
-                std::io::Error::other(error),
-            )
-        })
+        saved.map_err(|error| io(path, "cannot be written", std::io::Error::other(error)))
     };
     if let Some(path) = &args.junit {
         write(path, mission_tests::junit(report))?;
@@ -185,7 +179,7 @@ fn publish(args: &TestArgs, report: &SuiteReport, changes: &[TestChange]) -> Res
             .open(path);
         let text = mission_tests::markdown(report, changes);
         let written = file.and_then(|mut file| file.write_all(text.as_bytes()));
-        written.map_err(|source| io(path, "cannot write the summary", source))?;
+        written.map_err(|source| io(path, "cannot be written", source))?;
     }
     Ok(())
 }
