@@ -107,7 +107,7 @@ fn faults_of_a_planner_in_cpp_are_named() {
     );
     fails(
         "processes.my_planner.params.margin='wide'",
-        &[params, "`margin` is \"wide\", but must be a number"],
+        &[params, "`margin` is \"wide\": expected a number"],
     );
     fails(
         "processes.my_planner.params.speed=2",

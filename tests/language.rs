@@ -1,4 +1,5 @@
-//! The language of the source tree: the words of `docs/glossary.md` and the first words of doc comments.
+//! The language of the source tree: the words of `docs/glossary.md`, the first words of doc comments and the form of error
+//! texts.
 
 mod glossary;
 mod words;
@@ -30,6 +31,19 @@ const QUESTIONS: &[&str] = &[
 /// The name of the rule for first words.
 const HEADS: &str = "(question at the head of a doc comment)";
 
+/// Parts of error texts of another form than that of CONTRIBUTING.md.
+const FORMS: &[&str] = &[
+    "but must be",
+    "; expected ",
+    "}, expected ",
+    "cannot read {",
+    "cannot write {",
+    "cannot create {",
+];
+
+/// The name of the rule for error texts.
+const GRAMMAR: &str = "(form of an error text, see CONTRIBUTING.md)";
+
 /// Places of findings by rule.
 type Findings = BTreeMap<String, Vec<String>>;
 
@@ -45,7 +59,7 @@ fn the_tree_keeps_to_the_glossary() {
     }
     assert!(
         faults.is_empty(),
-        "words that docs/glossary.md replaces:\n{faults}"
+        "words that docs/glossary.md replaces, or texts of another form:\n{faults}"
     );
 }
 
@@ -53,7 +67,8 @@ fn the_tree_keeps_to_the_glossary() {
 fn a_finding_names_file_line_and_rule() {
     let folder = tempfile::tempdir().unwrap();
     let source = "//! What it is.\n//!\n//! How.\n\n/// Whether `nobody` asks.\nstruct Hub;\n// A Hub.\nfn is_by_hand() {}\n\
-                  const MOST_SEATS: u32 = 1;\nlet seat = EyesParams { seat };\n";
+                  const MOST_SEATS: u32 = 1;\nlet seat = EyesParams { seat };\n\
+                  #[error(\"{x}; expected 1\")]\n#[error(\"{x}: expected 1\")]\n";
     std::fs::write(folder.path().join("a.rs"), source).unwrap();
     std::fs::write(folder.path().join("a.toml"), "seat = 1 # a seat\n").unwrap();
     let table = "| Term | Meaning | Not | Source |\n|---|---|---|---|\n\
@@ -66,6 +81,7 @@ fn a_finding_names_file_line_and_rule() {
         .collect();
     let expected = [
         (HEADS, "a.rs:1 a.rs:5"),
+        (GRAMMAR, "a.rs:11"),
         ("MOST_", "a.rs:9"),
         ("Hub", "a.rs:6"),
         ("by hand", "a.rs:8"),
@@ -108,6 +124,10 @@ fn search(root: &Path, glossary: &Glossary) -> Findings {
                 && QUESTIONS.iter().any(|question| begins_with(text, question))
             {
                 findings.entry(HEADS.to_owned()).or_default().push(place);
+            }
+            if matches!(kind, "rs" | "py") && FORMS.iter().any(|form| line.contains(form)) {
+                let places = findings.entry(GRAMMAR.to_owned()).or_default();
+                places.push(format!("{name}:{}", index + 1));
             }
             in_doc = doc.is_some();
         }

@@ -73,7 +73,7 @@ fn a_map_of_the_current_folder_takes_the_place_of_a_built_in_one() {
     let ran = hello("room.yaml");
     assert_eq!(ran.code, Some(0), "{ran}");
     hello("../room.yaml").refused(2, &["path leads out of", "without `..`"]);
-    hello("none.yaml").refused(2, &["cannot read ./none.yaml"]);
+    hello("none.yaml").refused(2, &["./none.yaml: cannot be read"]);
 }
 
 #[test]

@@ -159,7 +159,7 @@ fn the_table_and_the_file_say_the_same_as_the_lines() {
         .run()
         .refused(2, &["taken exists already", "--force"]);
     let forced = call().arg("--force").run();
-    forced.refused(1, &["cannot write", "taken"]);
+    forced.refused(1, &["taken: cannot be written"]);
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! The structure of the source tree: floors of crates, modules without cycles, sizes.
+//! The structure of the source tree: floors of crates, modules without cycles, sizes, errors that are types.
 //!
 //! A failure names file, line and rule. Dependencies of tests are free: they may use any crate, and other
 //! programs' libraries as independent readers.

@@ -48,9 +48,9 @@ class Instance:
 
 def number(value, name, positive=False):
     if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
-        raise Refused(f"{name} is {value!r}, expected a finite number")
+        raise Refused(f"{name} is {value!r}: expected a finite number")
     if positive and value <= 0:
-        raise Refused(f"{name} is {value!r}, expected a positive number")
+        raise Refused(f"{name} is {value!r}: expected a positive number")
     return float(value)
 
 
@@ -99,7 +99,7 @@ def parse(raw):
     if (instance.wheel_speed is None) != (instance.wheel_separation is None):
         raise Refused("wheel_speed_px_s and wheel_separation_px belong together")
     if not -instance.v_max <= instance.v_min <= 0.0:
-        raise Refused(f"v_min is {instance.v_min:g}, expected {-instance.v_max:g} to 0")
+        raise Refused(f"v_min is {instance.v_min:g}: expected {-instance.v_max:g} to 0")
     return instance
 
 

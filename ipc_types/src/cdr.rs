@@ -14,7 +14,7 @@ pub(crate) const ENCAPSULATION: [u8; 4] = [0x00, 0x01, 0x00, 0x00];
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum DecodeError {
     /// The first four bytes are not those of little-endian plain CDR.
-    #[error("encapsulation header is {found:02x?}, expected [00, 01, 00, 00] (little-endian CDR)")]
+    #[error("encapsulation header is {found:02x?}: expected [00, 01, 00, 00] (little-endian CDR)")]
     Encapsulation {
         /// Actual bytes (fewer than four if the message ends there).
         found: Vec<u8>,

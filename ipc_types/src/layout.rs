@@ -38,12 +38,40 @@ pub struct TopicLayout {
 
 /// Reason why a layout is refused.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("topic {topic:?}: {reason}")]
+#[error("topic {topic:?}: {fault}")]
 pub struct LayoutError {
     /// Name of the topic.
     pub topic: String,
-    /// The fault, with the field and the expectation.
-    pub reason: String,
+    /// The fault.
+    pub fault: LayoutFault,
+}
+
+/// Fault of a part of a layout.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("{part}expected {expected}")]
+pub struct LayoutFault {
+    /// Names of the part, each with `: ` behind it; empty for the whole layout.
+    pub part: String,
+    /// Description of an accepted part.
+    pub expected: String,
+}
+
+impl LayoutFault {
+    fn whole(expected: impl Into<String>) -> Self {
+        Self {
+            part: String::new(),
+            expected: expected.into(),
+        }
+    }
+
+    fn of(part: impl core::fmt::Display, expected: impl Into<String>) -> Self {
+        Self::whole(expected).within(part)
+    }
+
+    fn within(mut self, part: impl core::fmt::Display) -> Self {
+        self.part = format!("{part}: {}", self.part);
+        self
+    }
 }
 
 impl TopicLayout {
@@ -124,21 +152,19 @@ impl TopicLayout {
         if let Some(topic) = known(&KNOWN.read().unwrap_or_else(PoisonError::into_inner)) {
             return Ok(topic);
         }
-        let failed = |reason: String| LayoutError {
+        let failed = |fault: LayoutFault| LayoutError {
             topic: self.name.clone(),
-            reason,
+            fault,
         };
         if TopicId::all().filter(|topic| !topic.is_built_in()).count() >= MAX_TOPICS {
-            return Err(failed(format!(
-                "expected at most {MAX_TOPICS} topics in a program"
-            )));
+            let expected = format!("at most {MAX_TOPICS} topics in a program");
+            return Err(failed(LayoutFault::whole(expected)));
         }
         let facts = self.facts().map_err(failed)?;
         let topic = match TopicId::from_name(&self.name) {
             Some(known) if known.is_built_in() => {
-                return Err(failed(
-                    "expected a name that Protean's own topics do not have".into(),
-                ));
+                let expected = "a name that Protean's own topics do not have";
+                return Err(failed(LayoutFault::whole(expected)));
             }
             Some(known) => known,
             None => {
@@ -150,16 +176,16 @@ impl TopicLayout {
         };
         if schema::hash_of(topic) != schema::fingerprint(&facts) {
             let expected = schema::definitions(topic.facts());
-            return Err(failed(format!(
-                "this program knows it with other messages: expected\n{expected}"
-            )));
+            return Err(failed(LayoutFault::whole(format!(
+                "the messages that this program knows:\n{expected}"
+            ))));
         }
         let mut all = KNOWN.write().unwrap_or_else(PoisonError::into_inner);
         all.push((self.clone(), topic));
         Ok(topic)
     }
 
-    fn facts(&self) -> Result<TopicFacts, String> {
+    fn facts(&self) -> Result<TopicFacts, LayoutFault> {
         let is_word = |word: &str| {
             let mut letters = word.bytes();
             word.starts_with(|c: char| c.is_ascii_lowercase())
@@ -167,7 +193,9 @@ impl TopicLayout {
         };
         let words: Vec<&str> = self.name.split('/').collect();
         if words.len() < 2 || self.name.len() > 64 || !words.iter().all(|word| is_word(word)) {
-            return Err("expected a name of lower-case words, as sonar/echo".into());
+            return Err(LayoutFault::whole(
+                "a name of lower-case words, as sonar/echo",
+            ));
         }
         let mut blocks: Blocks<'_> = vec![(self.element_name(&words), Vec::new())];
         for line in self.message.lines() {
@@ -217,12 +245,16 @@ impl TopicLayout {
         let names: Vec<&str> = fields.into_iter().flatten().map(|f| f.name).collect();
         let is_unknown = |field: &&String| !names.contains(&field.as_str());
         if let Some(field) = self.may_be_infinite.iter().find(is_unknown) {
-            return Err(format!("may_be_infinite: no field {field:?}"));
+            return Err(LayoutFault::of(
+                format_args!("may_be_infinite: {field:?}"),
+                "a field of the messages",
+            ));
         }
         facts.drawing = self.drawn()?;
         if let Err(field) = Drawn::of(Box::leak(Box::new(facts))) {
-            return Err(format!(
-                "drawing: field {field:?}: expected a floating-point number of the message"
+            return Err(LayoutFault::of(
+                format_args!("drawing: field {field:?}"),
+                "a floating-point number of the message",
             ));
         }
         Ok(facts)
@@ -241,15 +273,16 @@ impl TopicLayout {
         format!("{}/{name}", words[0])
     }
 
-    fn drawn(&self) -> Result<Option<Drawing>, String> {
+    fn drawn(&self) -> Result<Option<Drawing>, LayoutFault> {
         const KEYS: [&str; 4] = ["x", "y", "angle", "radius"];
         if let Some(key) = self
             .drawing
             .keys()
             .find(|key| !KEYS.contains(&key.as_str()))
         {
-            return Err(format!(
-                "drawing: key {key:?}: expected x, y, angle or radius"
+            return Err(LayoutFault::of(
+                format_args!("drawing: key {key:?}"),
+                "one of x, y, angle, radius",
             ));
         }
         let field = |key: &str| self.drawing.get(key).map(|field| leak(field));
@@ -261,7 +294,7 @@ impl TopicLayout {
                 radius: field("radius"),
             })),
             (None, None) if self.drawing.is_empty() => Ok(None),
-            _ => Err("drawing: expected x and y".into()),
+            _ => Err(LayoutFault::of("drawing", "x and y")),
         }
     }
 }
@@ -291,12 +324,13 @@ fn number(name: &str) -> Option<(&'static str, usize)> {
 }
 
 /// Reads a message. Its bytes are those of ROS 2's CDR: no field needs padding.
-fn message(blocks: &Blocks<'_>, name: &str, depth: usize) -> Result<Descriptor, String> {
+fn message(blocks: &Blocks<'_>, name: &str, depth: usize) -> Result<Descriptor, LayoutFault> {
     // A message in itself has no end.
     let found = blocks.iter().find(|(known, _)| known == name && depth < 8);
     let Some((_, lines)) = found else {
-        return Err(format!(
-            "type {name:?}: expected float64, float32, a whole number as uint32, or a message of the text"
+        return Err(LayoutFault::of(
+            format_args!("type {name:?}"),
+            "one of float64, float32, a whole number as uint32, a message of the text",
         ));
     };
     let mut fields: Vec<Field> = Vec::new();
@@ -304,24 +338,28 @@ fn message(blocks: &Blocks<'_>, name: &str, depth: usize) -> Result<Descriptor, 
     for line in lines {
         let mut words = line.split_whitespace();
         let (Some(kind), Some(field), None) = (words.next(), words.next(), words.next()) else {
-            return Err(format!("line {line:?}: expected a type and a name"));
+            return Err(LayoutFault::of(
+                format_args!("line {line:?}"),
+                "a type and a name",
+            ));
         };
         let is_name = field.starts_with(|c: char| c.is_ascii_lowercase())
             && field
                 .bytes()
                 .all(|c| c.is_ascii_alphanumeric() || c == b'_');
         if !is_name || fields.iter().any(|known| known.name == field) {
-            return Err(format!(
-                "field {field:?}: expected a name of its own that begins with a lower-case letter"
+            return Err(LayoutFault::of(
+                format_args!("field {field:?}"),
+                "a name of its own that begins with a lower-case letter",
             ));
         }
-        let named = |reason: String| format!("field {field:?}: {reason}");
+        let named = |fault: LayoutFault| fault.within(format_args!("field {field:?}"));
+        let of_type =
+            |expected: &str| named(LayoutFault::of(format_args!("type {kind}"), expected));
         let (base, count) = match kind.strip_suffix(']').and_then(|kind| kind.split_once('[')) {
             Some((base, count)) => {
                 let count = count.parse().ok().filter(|count| *count > 0);
-                let count: usize = count.ok_or_else(|| {
-                    named(format!("type {kind}: expected a fixed number of elements"))
-                })?;
+                let count: usize = count.ok_or_else(|| of_type("a fixed number of elements"))?;
                 (base, Some(count))
             }
             None => (kind, None),
@@ -333,7 +371,7 @@ fn message(blocks: &Blocks<'_>, name: &str, depth: usize) -> Result<Descriptor, 
                 bytes.saturating_mul(count),
                 bytes,
             ),
-            (None, Some(_)) => return Err(named(format!("type {kind}: expected numbers"))),
+            (None, Some(_)) => return Err(of_type("numbers")),
             (None, None) => {
                 let inner = message(blocks, base, depth + 1).map_err(named)?;
                 let inner: &'static Descriptor = Box::leak(Box::new(inner));
@@ -341,17 +379,18 @@ fn message(blocks: &Blocks<'_>, name: &str, depth: usize) -> Result<Descriptor, 
             }
         };
         if size % own_align != 0 {
-            return Err(named(format!(
-                "it begins at byte {size}: expected a multiple of {own_align}; put larger numbers first, or \
-                 add a field before it"
-            )));
+            let expected = format!(
+                "a multiple of {own_align}; put larger numbers first, or add a field before it"
+            );
+            let part = format_args!("it begins at byte {size}");
+            return Err(named(LayoutFault::of(part, expected)));
         }
         if fields.is_empty() {
             align = own_align;
         } else if own_align > align {
-            return Err(named(format!(
-                "its numbers have {own_align} bytes: expected the largest numbers in the first field"
-            )));
+            let part = format_args!("its numbers have {own_align} bytes");
+            let expected = "the largest numbers in the first field";
+            return Err(named(LayoutFault::of(part, expected)));
         }
         fields.push(Field {
             name: leak(field),
@@ -362,13 +401,15 @@ fn message(blocks: &Blocks<'_>, name: &str, depth: usize) -> Result<Descriptor, 
         size = bytes.saturating_add(size);
     }
     if fields.is_empty() || size > MAX_MESSAGE_BYTES {
-        return Err(format!(
-            "message {name}: expected from 1 to {MAX_MESSAGE_BYTES} bytes"
+        return Err(LayoutFault::of(
+            format_args!("message {name}"),
+            format!("from 1 to {MAX_MESSAGE_BYTES} bytes"),
         ));
     }
     if size % align != 0 {
-        return Err(format!(
-            "message {name} has {size} bytes: expected a multiple of {align}; add a field at its end, as uint32 reserved"
+        return Err(LayoutFault::of(
+            format_args!("message {name} has {size} bytes"),
+            format!("a multiple of {align}; add a field at its end, as uint32 reserved"),
         ));
     }
     Ok(Descriptor {

@@ -63,7 +63,7 @@ def film(log: "Log", out: Path, fps: float, speed: float, size: tuple[int, int] 
     try:
         handle, name = tempfile.mkstemp(suffix=out.suffix.lower(), prefix=f".{out.stem}-", dir=out.parent)
     except OSError as error:
-        raise Error(f"cannot create {out}: {error.strerror}") from error
+        raise Error(f"{out}: cannot be created: {error.strerror}") from error
     os.close(handle)
     try:
         write(pictures, Path(name), fps)

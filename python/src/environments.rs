@@ -266,14 +266,14 @@ impl Environments {
             let mut trace = if let Some((_, trace)) = before.filter(is_same) {
                 trace
             } else {
-                let scenario = running.scenario().map_err(|error| error.to_string())?;
-                RunTrace::before_run(&scenario).map_err(|error| error.to_string())?
+                RunTrace::before_run(&running.scenario()?)?
             };
             trace.show(running.world);
             Ok((running.seed, trace))
         };
-        let seen: Result<_, String> = self.lock()?.look(instance, look).map_err(raised)?;
-        let (seed, trace) = seen.map_err(Error::new_err)?;
+        let seen: Result<_, Box<dyn core::error::Error + Send + Sync>> =
+            self.lock()?.look(instance, look).map_err(raised)?;
+        let (seed, trace) = seen.map_err(|error| Error::new_err(error.to_string()))?;
         self.pictures().insert(instance, (seed, trace.clone()));
         Ok(trace)
     }
@@ -348,9 +348,9 @@ fn filled(
     let template = draft.template(&mut MapCache::default());
     let mut template = template.map_err(|problems| raised(problems.into()))?;
     let placed = template.change(|scenario| place(scenario, planners));
-    placed.map_err(InvalidInput::new_err)?;
+    placed.map_err(|error| invalid(&error))?;
     let programs = kinds_of(template.scenario(), planners);
-    Ok((template, programs.map_err(InvalidInput::new_err)?))
+    Ok((template, programs.map_err(|error| invalid(&error))?))
 }
 
 fn zeros<T: Element>(py: Python<'_>, shape: &[usize]) -> Py<PyArrayDyn<T>> {
@@ -380,7 +380,7 @@ fn rewards(given: &[(String, f64)]) -> PyResult<RewardWeights> {
             "progress" => &mut weights.progress,
             _ => {
                 return Err(InvalidInput::new_err(format!(
-                    "reward: no weight {name:?}: expected {}, time or progress",
+                    "reward: no weight {name:?}: expected one of {}, time, progress",
                     EVENT_NAMES.join(", ")
                 )));
             }

@@ -32,7 +32,7 @@ type Plan = (
 #[pyfunction]
 pub fn single_plans(py: Python<'_>, seed: u64, iterations: u32) -> PyResult<Vec<Plan>> {
     let plans = compute(py, move || plans::of_seed(seed, iterations))?;
-    let plans = plans.map_err(Error::new_err)?;
+    let plans = plans.map_err(|error| Error::new_err(error.to_string()))?;
     let fields = |plan: plans::Plan| (plan.case, plan.scene, plan.path, plan.shortest);
     Ok(plans.into_iter().map(fields).collect())
 }
@@ -53,7 +53,7 @@ pub fn patrol_laps(
     laps: u32,
 ) -> PyResult<(f64, [f64; 6])> {
     let found = short(py, || laps::of_seed(scenario, &overrides, seed, laps));
-    let (v, m) = found.map_err(Error::new_err)?;
+    let (v, m) = found.map_err(|error| Error::new_err(error.to_string()))?;
     let turns = m.turns_first;
     let metrics = [
         m.speed_first,
@@ -115,12 +115,8 @@ pub fn ros_map(
         folder: folder.unwrap_or(".".as_ref()).to_owned(),
         allow_outside,
     };
-    let refused = |Refused { message, expected }| {
-        let path = path.display();
-        invalid(&format!(
-            "{path} refers to {image}: {message}: expected {expected}"
-        ))
-    };
+    let refused =
+        |refused: Refused| invalid(&format!("{} refers to {image}: {refused}", path.display()));
     let found = match base.find(&image).map_err(refused)? {
         Found::Disk(file) => file,
         Found::Text(_) => PathBuf::from(&image),

@@ -6,7 +6,8 @@ use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, LazyLock};
 
 use kinds::KINDS;
-use mission::in_process::{self, Cache, InProcessOptions, placement};
+use mission::in_process::placement::{self, PlacementError};
+use mission::in_process::{self, Cache, InProcessOptions};
 use planner::{PlannerProcess, TopicProcess};
 use pyo3::prelude::*;
 use scenario::kind::ConfiguredKind;
@@ -14,6 +15,7 @@ use scenario::{Declared, Loader, Program, ResolvedScenario};
 use serde_json::Value as Json;
 
 use crate::planner::{Function, OwnTopics, PythonParams, PythonPlanner};
+use python_algorithms::arguments::invalid;
 use python_algorithms::error::{Error, InvalidInput};
 use python_algorithms::interruptible::{compute, wait};
 
@@ -31,6 +33,17 @@ pub struct Planned {
     command: Vec<String>,
     /// Working directory of its program.
     folder: String,
+}
+
+/// Reason why planners have no place in a scenario.
+#[derive(Debug, thiserror::Error)]
+pub enum PlaceError {
+    /// The name of a planner.
+    #[error("planners: {0}")]
+    Planner(#[from] PlacementError),
+    /// The name of a process with own topics.
+    #[error("processes: the scenario has no process {0:?} with a command")]
+    NoCommand(String),
 }
 
 /// A planner that runs share.
@@ -51,20 +64,16 @@ impl Planned {
     }
 
     /// Returns the processes in whose place it runs: those of a planner's robots, or the one with its name.
-    fn places(&self, scenario: &ResolvedScenario) -> Result<Vec<usize>, String> {
+    fn places(&self, scenario: &ResolvedScenario) -> Result<Vec<usize>, PlaceError> {
         if !self.is_process() {
-            return processes_of(scenario, &self.name);
+            return Ok(placement::processes_of(scenario, &self.name)?);
         }
         let mut processes = scenario.processes.iter();
         let place = processes.position(|process| {
             process.name == self.name && matches!(process.program, Program::Command { .. })
         });
-        place.map(|place| vec![place]).ok_or_else(|| {
-            format!(
-                "processes: the scenario has no process {:?} with a command",
-                self.name
-            )
-        })
+        let place = place.ok_or_else(|| PlaceError::NoCommand(self.name.clone()))?;
+        Ok(vec![place])
     }
 }
 
@@ -100,8 +109,8 @@ pub fn run_in_process(
         let text = problems.to_string();
         InvalidInput::new_err(text.trim_start_matches("error: ").to_owned())
     })?;
-    place(&mut scenario, &planners).map_err(InvalidInput::new_err)?;
-    let programs = kinds_of(&scenario, &planners).map_err(InvalidInput::new_err)?;
+    place(&mut scenario, &planners).map_err(|error| invalid(&error))?;
+    let programs = kinds_of(&scenario, &planners).map_err(|error| invalid(&error))?;
     let interrupted = Arc::new(AtomicBool::new(false));
     let options = InProcessOptions {
         out,
@@ -132,10 +141,10 @@ pub fn run_in_process(
 /// or of a team.
 ///
 /// # Errors
-/// The text names the planner that means none, or more than it says.
-pub fn place(scenario: &mut ResolvedScenario, planners: &[Planned]) -> Result<(), String> {
+/// [`PlaceError`] names the planner that means none, or more than it says.
+pub fn place(scenario: &mut ResolvedScenario, planners: &[Planned]) -> Result<(), PlaceError> {
     for planned in planners.iter().filter(|planned| !planned.is_process()) {
-        for index in processes_of(scenario, &planned.name)? {
+        for index in placement::processes_of(scenario, &planned.name)? {
             if let Some(process) = scenario.processes.get_mut(index)
                 && let Program::Kind(_) = process.program
             {
@@ -158,7 +167,7 @@ pub fn place(scenario: &mut ResolvedScenario, planners: &[Planned]) -> Result<()
 pub fn kinds_of(
     scenario: &ResolvedScenario,
     planners: &[Planned],
-) -> Result<BTreeMap<String, ConfiguredKind>, String> {
+) -> Result<BTreeMap<String, ConfiguredKind>, PlaceError> {
     let mut kinds = BTreeMap::new();
     for planned in planners {
         for index in planned.places(scenario)? {
@@ -176,9 +185,4 @@ pub fn kinds_of(
         }
     }
     Ok(kinds)
-}
-
-/// Returns the processes that a name means, all of which steer robots.
-fn processes_of(scenario: &ResolvedScenario, name: &str) -> Result<Vec<usize>, String> {
-    placement::processes_of(scenario, name).map_err(|error| format!("planners: {error}"))
 }

@@ -10,7 +10,7 @@ use mission::MissionReport;
 use pyo3::prelude::*;
 use scenario::ResolvedScenario;
 use serde_json::Value as Json;
-use sweep::engine::{Call, Engine, InProcess};
+use sweep::engine::{Call, Engine, EngineError, InProcess};
 use sweep::planning::{self, Task, is_planning};
 use sweep::runner::{self, RunOptions, RunReport};
 use sweep::shard::Shard;
@@ -21,6 +21,7 @@ use sweep::{
 };
 
 use crate::run::{Planned, kinds_of, place};
+use python_algorithms::arguments::invalid;
 use python_algorithms::error::{Error, InvalidInput};
 use python_algorithms::interruptible::{compute, wait};
 
@@ -103,7 +104,7 @@ impl Options {
     fn load_missions(&self, path: &Path) -> PyResult<Experiment> {
         let mut experiment = self.load::<Mission>(path)?;
         let changed = experiment.change_processes(|scenario| place(scenario, &self.placed));
-        changed.map_err(InvalidInput::new_err)?;
+        changed.map_err(|error| invalid(&error))?;
         Ok(experiment)
     }
 }
@@ -277,7 +278,7 @@ impl PlannersInProcess {
             let scenario = cell.scenario(0);
             let scenario =
                 scenario.map_err(|problems| InvalidInput::new_err(problems.to_string()))?;
-            let kinds = kinds_of(&scenario, &self.planners).map_err(InvalidInput::new_err)?;
+            let kinds = kinds_of(&scenario, &self.planners).map_err(|error| invalid(&error))?;
             let mut programs = scenario.external_commands();
             if let Some(program) = programs.find(|process| !kinds.contains_key(&process.name)) {
                 return Err(InvalidInput::new_err(format!(
@@ -291,8 +292,13 @@ impl PlannersInProcess {
 }
 
 impl Engine for PlannersInProcess {
-    fn execute(&self, scenario: &ResolvedScenario, call: &Call) -> Result<MissionReport, String> {
-        let kinds = kinds_of(scenario, &self.planners)?;
+    fn execute(
+        &self,
+        scenario: &ResolvedScenario,
+        call: &Call,
+    ) -> Result<MissionReport, EngineError> {
+        let kinds = kinds_of(scenario, &self.planners)
+            .map_err(|error| EngineError::Programs(error.into()))?;
         self.engine.execute_with(kinds, scenario, call)
     }
 

@@ -123,8 +123,8 @@ def test_every_experiment_has_a_file_with_the_seeds_of_a_quick_reproduction() ->
 
 def test_results_of_other_experiments_are_refused() -> None:
     other = Results(Path("out"), "small", "", "", "1", (), (), {}, {})
-    with pytest.raises(pr.InvalidInput, match="out contains .*`small`; expected one of escape_vs_speed"):
+    with pytest.raises(pr.InvalidInput, match="out contains .*`small`: expected one of escape_vs_speed"):
         Evidence().add(other)
     varied = Results(Path("out"), "knowledge", "", "", "1", ("noise",), (Cell("a", (1.0,)),), {}, {})
-    with pytest.raises(pr.InvalidInput, match="varies .*noise.*; expected `relative_speed` alone"):
+    with pytest.raises(pr.InvalidInput, match="varies .*noise.*: expected `relative_speed` alone"):
         Evidence().add(varied)

@@ -111,7 +111,7 @@ def spellings(limit: int) -> list[str]:
 
 
 def test_arrays_of_environments_have_a_limit_together() -> None:
-    with pytest.raises(pr.InvalidInput, match="`num_envs` is 60000, but must be fewer, with at most 2.26 numbers"):
+    with pytest.raises(pr.InvalidInput, match="`num_envs` is 60000: expected fewer, with at most 2.26 numbers"):
         pr.VectorEnv("chase_exact", 60_000, agents=["evader", "police"], observation="state+scan", set=SCAN)
 
 

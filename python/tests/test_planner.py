@@ -202,4 +202,4 @@ def test_a_configuration_of_another_version_is_refused(tmp_path: Path, monkeypat
     monkeypatch.setenv("PROTEAN_CONFIG", str(tmp_path / "config.json"))
     done = subprocess.run([sys.executable, "planner.py"], capture_output=True, text=True, check=False)
     assert done.returncode == 1
-    assert "must be built from the version of `protean`" in done.stderr
+    assert "expected a program built from the version of `protean`" in done.stderr

@@ -221,7 +221,7 @@ def test_a_run_is_filmed(chase: pr.Log, tmp_path: Path) -> None:
     assert chase.animate(film, fps=1, size=(160, 120), force=True) == film
     with pytest.raises(pr.InvalidInput, match=r"films are GIF or MP4 files: .*for example .*a\.gif"):
         chase.animate(tmp_path / "a.avi")
-    with pytest.raises(pr.Error, match="cannot create"):
+    with pytest.raises(pr.Error, match="cannot be created"):
         chase.animate(tmp_path / "no" / "a.gif")
     if shutil.which("ffmpeg"):
         data = chase.animate(tmp_path / "chase.mp4", fps=2, size=(161, 121)).read_bytes()
@@ -232,7 +232,7 @@ def test_a_run_is_filmed(chase: pr.Log, tmp_path: Path) -> None:
 def test_environments_are_drawn() -> None:
     pytest.importorskip("gymnasium")
     env = pr.Env("hello", agents=["robot"], render_mode="rgb_array")
-    with pytest.raises(pr.Error, match="must be reset first"):
+    with pytest.raises(pr.Error, match="are not reset"):
         env.render()
     env.reset(seed=1)
     first = env.render()

@@ -110,7 +110,7 @@ fn logs_that_cannot_be_written() {
     let sandbox = Sandbox::new();
     let out = |path: &str| sandbox.protean(["run", "hello", "--out"]).arg(path).run();
     let before = sandbox.files();
-    out("no/such/x.mcap").refused(2, &["cannot create the log no/such/x.mcap: No such file"]);
+    out("no/such/x.mcap").refused(2, &["no/such/x.mcap: cannot be created: No such file"]);
     assert_eq!(sandbox.files(), before);
     let folder = sandbox.path().join("folder.mcap");
     std::fs::create_dir(&folder).unwrap();

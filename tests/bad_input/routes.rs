@@ -59,7 +59,7 @@ fn keys_that_are_none_or_make_no_secret() {
     for (key, expected) in [
         (
             "chebp-raw:0,3",
-            "`tx` of `chebp-raw` is 0, but must be above 0",
+            "`tx` of `chebp-raw` is 0: expected above 0",
         ),
         ("standard:0,0", "leads to a fixed point"),
     ] {
@@ -288,7 +288,7 @@ fn routes_bridges_and_numbers_that_do_not_fit_the_workplace() {
         ),
         (
             "follow.interpolation=spline",
-            "`spline` is not one of | follow.interpolation) | `linear` or `arc`",
+            "`spline` is not one of | follow.interpolation) | one of `linear`, `arc`",
         ),
     ] {
         let change = format!("processes.cover.params.{change}");

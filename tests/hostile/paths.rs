@@ -41,7 +41,7 @@ fn a_map_outside_is_not_read_by_any_command() {
     }
     // A tilde is a letter like any other.
     sandbox.file("in/s.toml", changed("builtin:hello", "~/outside.toml"));
-    refused(&sandbox, &[], &["cannot read in/~/outside.toml"]);
+    refused(&sandbox, &[], &["in/~/outside.toml: cannot be read"]);
     sandbox.file("in/s.toml", changed("builtin:hello", "../outside.toml"));
     let allowed = ["check", "in/s.toml", "--allow-outside"];
     let outcome = sandbox.protean(allowed).run();

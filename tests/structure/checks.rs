@@ -203,7 +203,7 @@ fn long_files(root: &Path, folder: &Path, rules: &Rules) -> Vec<Fault> {
     faults
 }
 
-/// Faults within a crate: its size, and cycles between its modules.
+/// Faults within a crate: its size, errors that are texts, and cycles between its modules.
 fn in_package(root: &Path, package: &Package, rules: &Rules) -> Vec<Fault> {
     let mut faults = Vec::new();
     let mut lines = 0;
@@ -215,6 +215,7 @@ fn in_package(root: &Path, package: &Package, rules: &Rules) -> Vec<Fault> {
         match sources::read(&path) {
             Ok(sources) => {
                 lines += sources.lines;
+                faults.extend(text_errors(root, &sources));
                 faults.extend(module_cycles(root, &sources));
             }
             Err(message) => faults.push(Fault {
@@ -235,6 +236,14 @@ fn in_package(root: &Path, package: &Package, rules: &Rules) -> Vec<Fault> {
         });
     }
     faults
+}
+
+fn text_errors(root: &Path, sources: &Sources) -> impl Iterator<Item = Fault> {
+    sources.text_errors.iter().map(move |(file, line)| Fault {
+        file: file.strip_prefix(root).unwrap_or(file).to_owned(),
+        line: *line,
+        message: "the error of this `Result` is a `String`; errors are types (`thiserror`)".into(),
+    })
 }
 
 /// Cycles between the modules of each module. What stands in a module itself has no place in their order: it may use

@@ -258,6 +258,31 @@ fn modules_of_a_module_have_an_order_too() {
 }
 
 #[test]
+fn an_error_that_is_a_text_is_a_fault_outside_tests() {
+    let inner = |text| [("wire/src/b/inner.rs", text)];
+    for text in [
+        "\nfn f() -> Result<(), String> {}\n",
+        "\nfn f() -> core::result::Result<Vec<(u8, u8)>, std::string::String,> {}\n",
+        "\nfn f(g: impl Fn() -> Result<fn(u8, u8) -> u8, String>) {}\n",
+    ] {
+        one_fault(
+            &inner(text),
+            "wire/src/b/inner.rs:2: ",
+            &["errors are types"],
+        );
+    }
+    for text in [
+        "fn f() -> Result<String, Error> {}\n",
+        "fn f() -> Result<Result<u8, Error>, Strings> {}\n",
+        "fn f() -> io::Result<String> {}\n",
+        "fn f(r: Result<u8, Error>, text: String) {}\n",
+        "#[cfg(test)]\nfn f() -> Result<(), String> {}\n",
+    ] {
+        assert_eq!(faults(&inner(text)), [""; 0], "{text}");
+    }
+}
+
+#[test]
 fn text_and_comments_are_not_uses() {
     let text = "// use crate::a::A;\n/// [`crate::a::A`]\nconst T: &str = \"crate::a::A\";\n";
     assert_eq!(faults(&[("wire/src/b/inner.rs", text)]), [""; 0]);

@@ -15,6 +15,8 @@ pub struct Sources {
     pub lines: usize,
     /// Every path from one module to another one of the crate.
     pub uses: Vec<Use>,
+    /// File and line, from 1, of every `Result` whose error is a `String`.
+    pub text_errors: Vec<(PathBuf, usize)>,
     /// Paths from the root by which modules name what is elsewhere, with where that is.
     aliases: BTreeMap<Vec<String>, Vec<String>>,
     /// All modules, the root included.
@@ -127,6 +129,10 @@ impl Sources {
                     } else {
                         Vec::new()
                     };
+                    let last = rest.first().map_or(&first, |(_, name)| name);
+                    if last == "Result" && has_text_error(tokens.clone()) {
+                        self.text_errors.push((file.path.to_owned(), line));
+                    }
                     for (path, name) in rest {
                         let Some(to) = absolute(module, &first, path) else {
                             continue;
@@ -234,6 +240,31 @@ type Tokens = Peekable<IntoIter>;
 fn double_colon(tokens: &mut Tokens) -> bool {
     let is_first = |token: &TokenTree| matches!(token, TokenTree::Punct(punct) if punct.as_char() == ':' && punct.spacing() == Spacing::Joint);
     tokens.next_if(is_first).is_some() && tokens.next().is_some()
+}
+
+/// Returns `true` if the arguments of a `Result` come next, and its error is a `String`.
+fn has_text_error(tokens: Tokens) -> bool {
+    let (mut depth, mut error, mut last) = (0, None, String::new());
+    for token in tokens {
+        let text = token.to_string();
+        match text.as_str() {
+            "<" => depth += 1,
+            // Not that of `->`.
+            ">" if last != "-" => depth -= 1,
+            "," if depth == 1 => error = Some(String::new()),
+            _ => {}
+        }
+        if depth == 0 {
+            break;
+        }
+        if let Some(error) = &mut error
+            && text != ","
+        {
+            error.push_str(&text);
+        }
+        last = text;
+    }
+    error.is_some_and(|error| error.rsplit("::").next() == Some("String"))
 }
 
 /// Takes a path or a tree of them: each path, and the name that a `use` gives it.

@@ -18,8 +18,7 @@ fn a_log_whose_directory_vanishes_ends_the_run() {
     let run = sandbox.next_run(&BTreeSet::new());
     wait_for_tick(&run, 50);
     std::fs::remove_dir_all(sandbox.path().join("gone")).unwrap();
-    let words =
-        ["error: cannot write the log gone/run.mcap: the file or its directory was removed"];
+    let words = ["error: gone/run.mcap: cannot be written: the file or its directory was removed"];
     running.finish().refused(1, &words);
     sandbox.assert_nothing_left();
 }
@@ -54,7 +53,7 @@ fn a_directory_that_cannot_be_written_to_is_reported_at_once() {
     let outcome = sandbox.protean(words).run();
     outcome.refused(
         2,
-        &["error: cannot create the log /proc/run.mcap: No such file"],
+        &["error: /proc/run.mcap: cannot be created: No such file"],
     );
     sandbox.assert_nothing_left();
     // The directory that logs go to by themselves, too.
@@ -100,7 +99,7 @@ fn a_full_disk_ends_the_run_and_what_is_in_the_log_can_be_read() {
     };
     let stderr = String::from_utf8_lossy(&outcome.stderr);
     assert_eq!(outcome.status.code(), Some(1), "{stderr}");
-    let words = "cannot write the log disk/run.mcap: No space left on device";
+    let words = "disk/run.mcap: cannot be written: No space left on device";
     assert!(stderr.contains(words), "{stderr}");
     assert_eq!(sandbox.processes(), [], "processes");
     assert_eq!(sandbox.runtime_files(), [] as [std::path::PathBuf; 0]);

@@ -71,7 +71,7 @@ fn a_run_with_too_little_shared_memory_does_not_begin() {
         let Some(call) = with_shared_memory(&sandbox, call, "2m") else {
             return;
         };
-        let words = "2.1 of 2.1 MB are free in /dev/shm, expected at least 4.2 MB; free some";
+        let words = "2.1 of 2.1 MB are free in /dev/shm: expected at least 4.2 MB; free some";
         call.run().refused(1, &[&format!("{FULL}{words}")]);
     }
     assert!(!sandbox.path().join("run.mcap").exists());
@@ -89,7 +89,7 @@ fn a_run_whose_shared_memory_is_used_up_ends_in_order() {
     let running = call.start();
     let inside = Inside::of(&sandbox, &running);
     inside.fill();
-    let words = "MB are free in /dev/shm, expected at least 1.0 MB; free some";
+    let words = "MB are free in /dev/shm: expected at least 1.0 MB; free some";
     running.finish().refused(1, &[FULL, words]);
     assert_eq!(inside.names(), ["filler"]);
     assert_eq!(sandbox.processes(), [], "processes");

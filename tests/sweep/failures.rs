@@ -120,7 +120,7 @@ fn a_full_disk_ends_the_sweep_and_keeps_what_is_done() {
     }
     assert_eq!(outcome.status.code(), Some(1), "{stdout}\n{stderr}");
     for word in [
-        "journal.jsonl: cannot write the journal: No space left",
+        "journal.jsonl: cannot be written: No space left",
         "free disk space and repeat the command",
     ] {
         assert!(stderr.contains(word), "{word} is missing in\n{stderr}");

@@ -1,31 +1,43 @@
 //! Agreement of the processes of a run beyond the checks of iceoryx2: the hash of the messages'
 //! layout, an attribute of every service.
 
+use core::fmt::Debug;
+
 use iceoryx2::prelude::{AttributeSpecifier, AttributeVerifier};
 use iceoryx2::service::attribute::{AttributeKey, AttributeValue};
+
+use crate::error::BusError;
 
 /// Name of the attribute.
 pub(crate) const ATTRIBUTE: &str = "protean.schema";
 
-/// The attribute for the creator of a service.
-pub(crate) fn define(fingerprint: &str) -> Result<AttributeSpecifier, String> {
-    let (key, value) = attribute(fingerprint)?;
-    AttributeSpecifier::new()
-        .define(&key, &value)
-        .map_err(|e| format!("{e:?}"))
+/// The attribute for the creator of the service of a topic.
+pub(crate) fn define(topic: &'static str, schema: &str) -> Result<AttributeSpecifier, BusError> {
+    let failed = |reason: &dyn Debug| BusError::Create {
+        topic,
+        reason: format!("{reason:?}"),
+    };
+    let (key, value) = attribute(schema, failed)?;
+    let defined = AttributeSpecifier::new().define(&key, &value);
+    defined.map_err(|e| failed(&e))
 }
 
-/// The required attribute for opening a service.
-pub(crate) fn require(fingerprint: &str) -> Result<AttributeVerifier, String> {
-    let (key, value) = attribute(fingerprint)?;
-    AttributeVerifier::new()
-        .require(&key, &value)
-        .map_err(|e| format!("{e:?}"))
+/// The required attribute for opening the service of a topic.
+pub(crate) fn require(topic: &'static str, schema: &str) -> Result<AttributeVerifier, BusError> {
+    let failed = |reason: &dyn Debug| BusError::Open {
+        topic,
+        reason: format!("{reason:?}"),
+    };
+    let (key, value) = attribute(schema, failed)?;
+    let required = AttributeVerifier::new().require(&key, &value);
+    required.map_err(|e| failed(&e))
 }
 
-fn attribute(fingerprint: &str) -> Result<(AttributeKey, AttributeValue), String> {
-    Ok((
-        ATTRIBUTE.try_into().map_err(|e| format!("{e:?}"))?,
-        fingerprint.try_into().map_err(|e| format!("{e:?}"))?,
-    ))
+fn attribute(
+    schema: &str,
+    failed: impl Fn(&dyn Debug) -> BusError,
+) -> Result<(AttributeKey, AttributeValue), BusError> {
+    let key = ATTRIBUTE.try_into().map_err(|e| failed(&e))?;
+    let value = schema.try_into().map_err(|e| failed(&e))?;
+    Ok((key, value))
 }

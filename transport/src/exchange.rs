@@ -108,7 +108,7 @@ fn create<QH: Header, QE: Message, AH: Header, AE: Message>(
 ) -> Result<TopicHolder, BusError> {
     let topic = agreed.topic;
     let failed = |reason: String| BusError::Create { topic, reason };
-    let attributes = agreement::define(agreed.schema).map_err(failed)?;
+    let attributes = agreement::define(topic, agreed.schema)?;
     let service = node
         .service_builder(&service_name(topic)?)
         .request_response::<[QE], [AE]>()
@@ -131,7 +131,7 @@ fn open<QH: Header, QE: Message, AH: Header, AE: Message>(
 ) -> Result<Factory<QH, QE, AH, AE>, BusError> {
     let topic = agreed.topic;
     let failed = |reason: String| BusError::Open { topic, reason };
-    let verifier = agreement::require(agreed.schema).map_err(failed)?;
+    let verifier = agreement::require(topic, agreed.schema)?;
     node.service_builder(&service_name(topic)?)
         .request_response::<[QE], [AE]>()
         .request_user_header::<QH>()

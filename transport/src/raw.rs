@@ -69,7 +69,7 @@ pub fn create(
 ) -> Result<TopicHolder, BusError> {
     let topic = agreed.topic;
     let failed = |reason: String| BusError::Create { topic, reason };
-    let attributes = super::agreement::define(agreed.schema).map_err(failed)?;
+    let attributes = super::agreement::define(topic, agreed.schema)?;
     let service = service::limited(builder(node, format)?, limits)
         .create_with_attributes(&attributes)
         .map_err(|e| failed(format!("{e:?}")))?;
@@ -82,8 +82,7 @@ fn open(
     agreed: &Agreed<'_>,
 ) -> Result<RawService, BusError> {
     let topic = agreed.topic;
-    let verifier = super::agreement::require(agreed.schema);
-    let verifier = verifier.map_err(|reason| BusError::Open { topic, reason })?;
+    let verifier = super::agreement::require(topic, agreed.schema)?;
     let opened = builder(node, format)?.open_with_attributes(&verifier);
     opened.map_err(|e| service::refused(node, agreed, e, format.header, format.element))
 }

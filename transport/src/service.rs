@@ -98,7 +98,7 @@ pub(crate) fn create<H: Header, E: Message>(
 ) -> Result<TopicHolder, BusError> {
     let topic = agreed.topic;
     let failed = |reason: String| BusError::Create { topic, reason };
-    let attributes = agreement::define(agreed.schema).map_err(failed)?;
+    let attributes = agreement::define(topic, agreed.schema)?;
     let builder = node.service_builder(&service_name(topic)?);
     let builder = builder.publish_subscribe::<[E]>().user_header::<H>();
     let service = limited(builder, limits)
@@ -147,8 +147,7 @@ pub(crate) fn open<H: Header, E: Message>(
     agreed: &Agreed<'_>,
 ) -> Result<PortFactory<ipc::Service, [E], H>, BusError> {
     let topic = agreed.topic;
-    let failed = |reason: String| BusError::Open { topic, reason };
-    let verifier = agreement::require(agreed.schema).map_err(failed)?;
+    let verifier = agreement::require(topic, agreed.schema)?;
     node.service_builder(&service_name(topic)?)
         .publish_subscribe::<[E]>()
         .user_header::<H>()

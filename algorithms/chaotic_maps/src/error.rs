@@ -12,7 +12,7 @@ pub(crate) const KINDS: &str = "catp, cat64, catf64, chebp, chebp-raw, chebf64, 
 pub enum KeyError {
     /// The text does not start with the name of a generator and a colon.
     #[error(
-        "`{found}` is not a generator; write `kind:values` with one of the kinds {}",
+        "`{found}` is not a generator: expected `kind:values` with one of the kinds {}",
         KINDS
     )]
     Kind {
@@ -20,13 +20,13 @@ pub enum KeyError {
         found: String,
     },
     /// An unknown name of a generator.
-    #[error("`{found}` is not a generator; use one of {}", KINDS)]
+    #[error("`{found}` is not a generator: expected one of {}", KINDS)]
     KindName {
         /// Actual text.
         found: String,
     },
     /// Too few or too many values.
-    #[error("a key of `{kind}` has {expected}, separated by commas, but `{found}` has {count}")]
+    #[error("the key `{found}` of `{kind}` has {count}: expected {expected}, separated by commas")]
     Count {
         /// Name of the generator.
         kind: String,
@@ -39,14 +39,14 @@ pub enum KeyError {
     },
     /// Not a decimal of the form `0.ddd`.
     #[error(
-        "`{found}` is not a decimal key; write `0.` and digits, such as 0.644, or a whole number"
+        "`{found}` is not a decimal key: expected `0.` and digits, such as 0.644, or a whole number"
     )]
     Decimal {
         /// Actual text.
         found: String,
     },
     /// More digits than the exact conversion allows.
-    #[error("`{found}` has {digits} digits after the point; the maximum is 19")]
+    #[error("`{found}` has {digits} digits after the point: expected at most 19")]
     TooManyDigits {
         /// Actual text.
         found: String,
@@ -54,9 +54,7 @@ pub enum KeyError {
         digits: usize,
     },
     /// Not an integer in the range of 64 bits.
-    #[error(
-        "`{found}` is not a whole number from 0 to 2^64 - 1, as the state of `{kind}` requires"
-    )]
+    #[error("`{found}` is no state of `{kind}`: expected a whole number from 0 to 2^64 - 1")]
     Integer {
         /// Name of the generator.
         kind: String,
@@ -64,7 +62,7 @@ pub enum KeyError {
         found: String,
     },
     /// Not a number.
-    #[error("`{found}` is not a number; `{kind}` takes numbers such as 0.644")]
+    #[error("`{found}` is no value of `{kind}`: expected a number such as 0.644")]
     Number {
         /// Name of the generator.
         kind: String,
@@ -73,7 +71,7 @@ pub enum KeyError {
     },
     /// Not 64 hexadecimal digits.
     #[error(
-        "the key of `keyed` must be 64 hexadecimal digits (32 bytes), but has {length} characters{}",
+        "the key of `keyed` has {length} characters{}: expected 64 hexadecimal digits (32 bytes)",
         if *.length == 64 { ", some of which are not hexadecimal digits" } else { "" }
     )]
     Hex {
@@ -81,7 +79,7 @@ pub enum KeyError {
         length: usize,
     },
     /// A value outside the range of the state.
-    #[error("`{name}` of `{kind}` is {value}, but must be {expected}")]
+    #[error("`{name}` of `{kind}` is {value}: expected {expected}")]
     OutOfRange {
         /// Name of the generator.
         kind: String,
@@ -169,7 +167,7 @@ pub enum KeyError {
         steps: u32,
     },
     /// A key of a generator that does not keep a secret, where a secret is required.
-    #[error("`{kind}` keeps no secret; write `keyed:` and 64 hexadecimal digits")]
+    #[error("`{kind}` keeps no secret: expected `keyed:` and 64 hexadecimal digits")]
     NotSecret {
         /// Name of the generator.
         kind: String,

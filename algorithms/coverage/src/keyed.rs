@@ -68,7 +68,7 @@ pub enum KeyedError {
     Coverage(#[from] CoverageError),
     /// Cells are too large for the disc to sweep them all.
     #[error(
-        "`cell` is {cell}, but must be at most the radius that the robot covers, {radius} m: take \
+        "`cell` is {cell}: expected at most the radius that the robot covers, {radius} m; take \
          smaller cells"
     )]
     Cell {

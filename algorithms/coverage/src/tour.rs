@@ -66,7 +66,7 @@ pub enum TourError {
         to: usize,
     },
     /// A list of iterations of the wrong length.
-    #[error("iterations: {found} numbers for {rectangles} rectangles; expected one for each")]
+    #[error("iterations: {found} numbers for {rectangles} rectangles: expected one for each")]
     IterationsMissing {
         /// Actual length.
         found: usize,
@@ -74,7 +74,7 @@ pub enum TourError {
         rectangles: usize,
     },
     /// No rectangle gets a sub-goal.
-    #[error("iterations: no rectangle of the tour gets a sub-goal; expected at least one")]
+    #[error("iterations: no rectangle of the tour gets a sub-goal: expected at least one")]
     NothingToDo,
 }
 

@@ -29,7 +29,7 @@ pub const MAX_SIDE: usize = 16_384;
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum BlurError {
     /// The map has no cells, or a side that is too long.
-    #[error("the map has {width} × {height} cells; each side must have 1 to {MAX_SIDE}")]
+    #[error("the map has {width} × {height} cells: expected sides of 1 to {MAX_SIDE}")]
     Size {
         /// Number of columns of the map.
         width: usize,
@@ -37,13 +37,13 @@ pub enum BlurError {
         height: usize,
     },
     /// The cell size is not a positive finite length.
-    #[error("the map's resolution is {resolution} m per cell; it must be positive and finite")]
+    #[error("the map's resolution is {resolution} m per cell: expected a finite number above 0")]
     Resolution {
         /// Actual resolution (m).
         resolution: f64,
     },
     /// The number of values does not match the frame.
-    #[error("the {what} has {found} cells; its frame needs {expected}")]
+    #[error("the {what} has {found} cells: expected {expected}, as its frame")]
     Length {
         /// Name of the grid.
         what: &'static str,
@@ -57,7 +57,7 @@ pub enum BlurError {
     FrameMismatch,
     /// The standard deviation of the blur is invalid.
     #[error(
-        "the blur's sigma is {sigma} m; it must be positive and at most the map's longer side, {limit} m"
+        "the blur's sigma is {sigma} m: expected a number above 0 and of at most the map's longer side, {limit} m"
     )]
     Sigma {
         /// Actual standard deviation (m).
@@ -66,7 +66,7 @@ pub enum BlurError {
         limit: f64,
     },
     /// A blurred value is outside 0…1.
-    #[error("the blurred layer holds {value} in cell {cell}; values lie in 0 to 1")]
+    #[error("the blurred layer holds {value} in cell {cell}: expected 0 to 1")]
     Value {
         /// Actual value.
         value: f32,

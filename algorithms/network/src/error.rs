@@ -9,7 +9,7 @@ use crate::{MAX_FILE, OPSETS};
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum NetworkError {
     /// The file is too large.
-    #[error("the file has {bytes} bytes, expected at most {MAX_FILE}")]
+    #[error("the file has {bytes} bytes: expected at most {MAX_FILE}")]
     TooLarge {
         /// Size of the file.
         bytes: usize,
@@ -21,13 +21,13 @@ pub enum NetworkError {
     #[error("not an ONNX file: it has no graph")]
     NoGraph,
     /// The version of the operator set is unsupported.
-    #[error("the ONNX operator set has version {version}, expected one of {} to {}", OPSETS.start(), OPSETS.end())]
+    #[error("the ONNX operator set has version {version}: expected one of {} to {}", OPSETS.start(), OPSETS.end())]
     Opset {
         /// The version in the file; 0 if it has none.
         version: i64,
     },
     /// An operator is unsupported.
-    #[error("node `{node}` has the operator `{operator}`, expected one of {}", OPERATORS.join(", "))]
+    #[error("node `{node}` has the operator `{operator}`: expected one of {}", OPERATORS.join(", "))]
     Operator {
         /// Name of the node.
         node: String,
@@ -35,7 +35,7 @@ pub enum NetworkError {
         operator: String,
     },
     /// A node cannot be computed as it is.
-    #[error("node `{node}` ({operator}): {found}, expected {expected}")]
+    #[error("node `{node}` ({operator}): {found}: expected {expected}")]
     Node {
         /// Name of the node.
         node: String,
@@ -47,7 +47,7 @@ pub enum NetworkError {
         expected: String,
     },
     /// A constant cannot be used.
-    #[error("constant `{name}`: {found}, expected {expected}")]
+    #[error("constant `{name}`: {found}: expected {expected}")]
     Constant {
         /// Name of the constant.
         name: String,
@@ -57,7 +57,7 @@ pub enum NetworkError {
         expected: String,
     },
     /// The inputs or outputs of the graph are unsupported.
-    #[error("{found}, expected {expected}")]
+    #[error("{found}: expected {expected}")]
     Ports {
         /// Description of the ports.
         found: String,
@@ -65,7 +65,7 @@ pub enum NetworkError {
         expected: &'static str,
     },
     /// A limit is exceeded.
-    #[error("the network has {value} {what}, expected at most {max}")]
+    #[error("the network has {value} {what}: expected at most {max}")]
     Limit {
         /// Limited quantity.
         what: &'static str,
@@ -80,7 +80,7 @@ pub enum NetworkError {
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum EvaluationError {
     /// The input has another length.
-    #[error("the input has {found} numbers, expected {expected}")]
+    #[error("the input has {found} numbers: expected {expected}")]
     InputLength {
         /// Length of the input.
         found: usize,
@@ -88,7 +88,7 @@ pub enum EvaluationError {
         expected: usize,
     },
     /// A number of the output is infinite or not a number.
-    #[error("number {index} of the output is {value}, expected a finite one")]
+    #[error("number {index} of the output is {value}: expected a finite one")]
     Output {
         /// Its place, from 0.
         index: usize,

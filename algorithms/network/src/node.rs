@@ -67,7 +67,7 @@ impl<'a> Node<'a> {
             )),
             Some(attribute) => Err(self.refused(
                 format!("it has the attribute `{}`", shown(&attribute.name)),
-                known.join(", "),
+                format!("one of {}", known.join(", ")),
             )),
         }
     }

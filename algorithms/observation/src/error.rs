@@ -7,14 +7,14 @@ use thiserror::Error;
 pub enum LayoutError {
     /// The contents have an unknown name.
     #[error(
-        "observation {given:?}: expected state, scan, belief, path, or several of them as in state+scan"
+        "observation {given:?}: expected one of state, scan, belief, path, or several of them as in state+scan"
     )]
     Parts {
         /// The name.
         given: String,
     },
     /// Unknown meaning of actions.
-    #[error("action = {given:?}: expected twist, tune or residual")]
+    #[error("action = {given:?}: expected one of twist, tune, residual")]
     Action {
         /// The text.
         given: String,

@@ -31,7 +31,7 @@ impl Display for ParamsError {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         match &self.fault {
             Fault::Value { found, expected } => {
-                write!(f, "`{}` is {found}, but must be {expected}", self.field)
+                write!(f, "`{}` is {found}: expected {expected}", self.field)
             }
             Fault::Refused(message) => f.write_str(message),
         }
@@ -130,7 +130,7 @@ mod tests {
         let error = positive("weight", -1.5).unwrap_err().within("scatter");
         assert_eq!(
             error.to_string(),
-            "`scatter.weight` is -1.5, but must be a finite number above 0"
+            "`scatter.weight` is -1.5: expected a finite number above 0"
         );
     }
 

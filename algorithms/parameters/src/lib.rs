@@ -32,7 +32,7 @@
 //! let params = Assignment { period_s: 0.0, ..Assignment::default() };
 //! assert_eq!(
 //!     check(&params).unwrap_err().to_string(),
-//!     "`period_s` is 0, but must be a finite number above 0 (s)"
+//!     "`period_s` is 0: expected a finite number above 0 (s)"
 //! );
 //! ```
 //!

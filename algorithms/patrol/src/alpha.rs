@@ -27,7 +27,7 @@ pub enum AlphaError {
     #[error(transparent)]
     Awg(#[from] AwgError),
     /// A speed, a margin or a number of laps out of its range.
-    #[error("`{field}` is {value}, but must be {expected}")]
+    #[error("`{field}` is {value}: expected {expected}")]
     Value {
         /// Name of the value.
         field: &'static str,

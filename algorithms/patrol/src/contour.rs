@@ -60,15 +60,15 @@ impl Segment {
 pub enum ContourError {
     /// Too few waypoints.
     #[error(
-        "`contour` has {count} waypoint(s), but must have at least 2 different ones: add the \
-         points of the route"
+        "`contour` has {count} waypoint(s): expected at least 2 different ones; add the points of \
+         the route"
     )]
     TooFew {
         /// Number of different ones.
         count: usize,
     },
     /// A coordinate that is not a number.
-    #[error("`contour[{index}]` is ({x}, {y}), but must be two finite numbers (m)")]
+    #[error("`contour[{index}]` is ({x}, {y}): expected two finite numbers (m)")]
     NotFinite {
         /// Index of the waypoint.
         index: usize,

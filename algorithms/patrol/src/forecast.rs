@@ -21,7 +21,7 @@ const MAX_SINGLE_STEPS: u64 = 1_000_000_000;
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum ForecastError {
     /// An invalid time or distance.
-    #[error("`{field}` is {value}, but must be a finite number of at least 0")]
+    #[error("`{field}` is {value}: expected a finite number of at least 0")]
     Value {
         /// Name of the value.
         field: &'static str,

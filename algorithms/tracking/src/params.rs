@@ -215,11 +215,11 @@ mod tests {
         };
         assert_eq!(
             bad(|p| p.filter.particles = 0),
-            "`filter.particles` is 0, but must be a whole number between 1 and 1000000"
+            "`filter.particles` is 0: expected a whole number between 1 and 1000000"
         );
         assert_eq!(
             bad(|p| p.sensor.range = Some(-2.0)),
-            "`sensor.range` is -2, but must be a finite number above 0 (m)"
+            "`sensor.range` is -2: expected a finite number above 0 (m)"
         );
         assert!(bad(|p| p.sensor.exact_above = 0.0).starts_with("`sensor.exact_above` is 0,"));
         assert!(bad(|p| p.sensor.field_of_view = Some(7.0)).contains("at most 2π (rad)"));

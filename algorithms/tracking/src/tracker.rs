@@ -30,7 +30,7 @@ pub enum PerceptionError {
         value: f64,
     },
     /// The time step is not positive.
-    #[error("the time step is {dt} s; it must be positive and finite")]
+    #[error("the time step is {dt} s: expected a finite number above 0")]
     TimeStep {
         /// The invalid step (s).
         dt: f64,

@@ -27,7 +27,7 @@ impl fmt::Display for Excess {
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum Violation {
     /// The problem itself is invalid; nothing was checked.
-    #[error("contract: {what} is {value}, but must be {expected}")]
+    #[error("contract: {what} is {value}: expected {expected}")]
     Contract {
         /// The field.
         what: &'static str,

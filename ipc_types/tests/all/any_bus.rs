@@ -242,7 +242,7 @@ fn a_layout_that_is_no_ros_message_is_refused_with_its_field() {
             message: message.to_owned(),
             ..TopicLayout::default()
         };
-        layout.register().unwrap_err().reason
+        layout.register().unwrap_err().to_string()
     };
     for (message, words) in [
         ("", "expected from 1 to"),

@@ -310,7 +310,10 @@ impl<'de> de::Deserializer<'de> for NodeReader<&Node> {
             Value::Table(table) => match table.entries.as_slice() {
                 [entry] => visitor.visit_enum(Variant { entry }),
                 _ => Err(ReadError::new(ReadFault::Range {
-                    expected: format!("a table with one key: {}", variants.join(", ")),
+                    expected: format!(
+                        "a table with one key: {}",
+                        super::suggest::list_choices(variants)
+                    ),
                 })),
             },
             _ => Err(ReadError::new(ReadFault::Type {

@@ -109,7 +109,7 @@ pub fn describe(sources: &Sources, error: &ReadError, base: &FieldPath) -> Diagn
             start(Code::UnknownKey, format!("unknown key `{key}`")),
             key,
             known,
-            "one of the keys ",
+            "",
         ),
         ReadFault::UnknownChoice { found, known } => suggest(
             start(

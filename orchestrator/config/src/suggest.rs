@@ -22,21 +22,24 @@ pub fn nearest<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) ->
     best.filter(|b| b.0 >= 0.75).map(|b| b.1)
 }
 
-/// Formats choices as "`a`, `b` or `c`", at most twelve.
+/// Formats choices as "one of `a`, `b`, `c`", each once and at most twelve.
 pub fn list_choices<S: AsRef<str>>(choices: &[S]) -> String {
     const MAX: usize = 12;
-    let mut shown: Vec<String> = choices
-        .iter()
-        .take(MAX)
-        .map(|c| format!("`{}`", c.as_ref()))
-        .collect();
-    if choices.len() > MAX {
-        return format!("{} … ({} in all)", shown.join(", "), choices.len());
+    let mut names: Vec<String> = Vec::new();
+    for choice in choices {
+        let name = format!("`{}`", choice.as_ref());
+        if !names.contains(&name) {
+            names.push(name);
+        }
     }
-    match shown.pop() {
-        None => "nothing".to_owned(),
-        Some(last) if shown.is_empty() => last,
-        Some(last) => format!("{} or {last}", shown.join(", ")),
+    match names.as_slice() {
+        [] => "nothing".to_owned(),
+        [only] => only.clone(),
+        _ if names.len() > MAX => {
+            let shown: Vec<&str> = names.iter().map(String::as_str).take(MAX).collect();
+            format!("one of {} … ({} in all)", shown.join(", "), names.len())
+        }
+        _ => format!("one of {}", names.join(", ")),
     }
 }
 
@@ -61,10 +64,10 @@ mod tests {
     }
 
     #[test]
-    fn choices_are_listed_as_a_sentence() {
+    fn choices_are_listed_with_their_number_if_there_are_many() {
         assert_eq!(list_choices::<&str>(&[]), "nothing");
         assert_eq!(list_choices(&["a"]), "`a`");
-        assert_eq!(list_choices(&["a", "b", "c"]), "`a`, `b` or `c`");
+        assert_eq!(list_choices(&["a", "b", "c", "a"]), "one of `a`, `b`, `c`");
         let many: Vec<String> = (0..20).map(|i| i.to_string()).collect();
         assert!(list_choices(&many).ends_with("(20 in all)"));
     }

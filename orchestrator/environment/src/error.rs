@@ -74,7 +74,7 @@ pub enum EnvironmentError {
         given: f32,
     },
     /// There are no episodes before the first reset, nor after an error.
-    #[error("the environments must be reset first: expected a reset of all instances")]
+    #[error("the environments are not reset: expected a reset of all instances first")]
     NotReset,
     /// [`Environments::interruption`](crate::Environments::interruption) ended a reset or a step.
     #[error("the environments were interrupted: expected a reset of all instances")]

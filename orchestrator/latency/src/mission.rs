@@ -35,7 +35,7 @@ pub fn run(
     options: &RunOptions,
 ) -> Result<(Measured, bool), LatencyError> {
     let folder = Scratch::create().map_err(|source| LatencyError::System {
-        what: "cannot create a temporary directory".to_owned(),
+        what: "a temporary directory: cannot be created".to_owned(),
         source,
     })?;
     let log = options.log.clone();

@@ -9,7 +9,7 @@ use mcap_log::reader::{Channel, Item, Reader, Schema as LogSchema};
 use mcap_log::ros2::Schema;
 use mcap_log::{Condition, LogReadError, ReadProgress, Topics, seconds};
 
-use crate::message_json::{object, quoted, schema_of};
+use crate::message_json::{Undecodable, object, quoted, schema_of};
 use crate::time_span::TimeSpan;
 
 /// Selection of messages.
@@ -32,7 +32,7 @@ enum Form {
     /// JSON text.
     Json,
     /// An encoding that is not decoded, with the reason.
-    Opaque(String),
+    Opaque(Undecodable),
 }
 
 impl Form {
@@ -47,8 +47,8 @@ impl Form {
     fn members(&self, data: &[u8]) -> String {
         let decoded = match self {
             Self::Ros2(schema) => object(schema, data).map_err(|error| error.to_string()),
-            Self::Json => verbatim(data),
-            Self::Opaque(reason) => Err(reason.clone()),
+            Self::Json => verbatim(data).map_err(|error| format!("it is not JSON: {error}")),
+            Self::Opaque(reason) => Err(reason.to_string()),
         };
         match decoded {
             Ok(message) => format!("\"message\":{message}"),
@@ -58,10 +58,9 @@ impl Form {
 }
 
 /// Returns a JSON message on one line.
-fn verbatim(data: &[u8]) -> Result<String, String> {
-    serde_json::from_slice::<serde::de::IgnoredAny>(data)
-        .map_err(|error| format!("it is not JSON: {error}"))?;
-    let text = str::from_utf8(data).map_err(|error| error.to_string())?;
+fn verbatim(data: &[u8]) -> Result<String, Box<dyn core::error::Error>> {
+    let text = str::from_utf8(data)?;
+    serde_json::from_str::<serde::de::IgnoredAny>(text)?;
     // Within strings, JSON allows no line breaks.
     Ok(text.replace(['\n', '\r'], " "))
 }

@@ -3,21 +3,38 @@
 use std::fmt::Write as _;
 
 use mcap_log::reader::{Channel, Schema as LogSchema};
-use mcap_log::ros2::{Cdr, Count, DecodeError, Field, Kind, Primitive, Schema};
+use mcap_log::ros2::{Cdr, Count, DecodeError, Field, Kind, Primitive, Schema, SchemaError};
 use tables::Cell;
 
-/// Returns the schema of a channel with ROS 2 messages, or the reason why its messages cannot be decoded.
-pub(crate) fn schema_of(channel: &Channel, schema: Option<&LogSchema>) -> Result<Schema, String> {
-    let Some(schema) = schema else {
-        return Err("it has no schema".to_owned());
-    };
+/// Reason why the messages of a channel cannot be decoded.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum Undecodable {
+    #[error("it has no schema")]
+    NoSchema,
+    #[error(
+        "its encoding is `{messages}` with a schema in `{schema}`; only ROS 2 messages (`cdr` with `ros2msg`) are decoded"
+    )]
+    Encoding { messages: String, schema: String },
+    #[error(transparent)]
+    Schema(#[from] SchemaError),
+}
+
+/// Returns the schema of a channel with ROS 2 messages.
+///
+/// # Errors
+/// Its messages cannot be decoded.
+pub(crate) fn schema_of(
+    channel: &Channel,
+    schema: Option<&LogSchema>,
+) -> Result<Schema, Undecodable> {
+    let schema = schema.ok_or(Undecodable::NoSchema)?;
     if channel.message_encoding != "cdr" || schema.encoding != "ros2msg" {
-        return Err(format!(
-            "its encoding is `{}` with a schema in `{}`; only ROS 2 messages (`cdr` with `ros2msg`) are decoded",
-            channel.message_encoding, schema.encoding
-        ));
+        return Err(Undecodable::Encoding {
+            messages: channel.message_encoding.clone(),
+            schema: schema.encoding.clone(),
+        });
     }
-    Schema::parse(&schema.name, &schema.data).map_err(|error| error.to_string())
+    Ok(Schema::parse(&schema.name, &schema.data)?)
 }
 
 /// Returns a message as a JSON object, its fields in the order of the schema.

@@ -8,11 +8,11 @@ use recorder::{ROBOTS_TOPIC, robot_names};
 use tables::{Cell, Column, Rows};
 
 use super::layout::Layout;
-use super::message_json::schema_of;
+use super::message_json::{Undecodable, schema_of};
 
 /// Returns the layout of a channel's table, or the reason why it has none.
-pub(crate) fn layout(channel: &Channel, schema: Option<&Schema>) -> Result<Layout, String> {
-    Layout::new(schema_of(channel, schema)?).map_err(|error| error.to_string())
+pub(crate) fn layout(channel: &Channel, schema: Option<&Schema>) -> Result<Layout, Undecodable> {
+    Ok(Layout::new(schema_of(channel, schema)?)?)
 }
 
 /// Names of the robots of a log.

@@ -28,7 +28,7 @@ pub enum DerivedError {
         path: PathBuf,
     },
     /// The output could not be created.
-    #[error("cannot create {}: {source}", path.display())]
+    #[error("{}: cannot be created: {source}", path.display())]
     Create {
         /// The file or directory.
         path: PathBuf,
@@ -36,7 +36,7 @@ pub enum DerivedError {
         source: io::Error,
     },
     /// The output could not be written; a file that existed before is unchanged.
-    #[error("cannot write {}: {source}", path.display())]
+    #[error("{}: cannot be written: {source}", path.display())]
     Write {
         /// The file.
         path: PathBuf,

@@ -9,7 +9,7 @@ use platform::file_kind::FileKind;
 #[derive(Debug, thiserror::Error)]
 pub enum LogReadError {
     /// The log is missing or may not be read.
-    #[error("cannot read {}: {source}", path.display())]
+    #[error("{}: cannot be read: {source}", path.display())]
     Open {
         /// The log.
         path: PathBuf,
@@ -41,7 +41,7 @@ pub enum LogReadError {
     },
     /// The log was recorded by a version with another message layout.
     #[error(
-        "{}: messages of {topic} have the layout {found}, expected {expected}: the log was \
+        "{}: messages of {topic} have the layout {found}: expected {expected}; the log was \
          recorded by another version of protean{}; use that version",
         path.display(),
         if version.is_empty() { String::new() } else { format!(" ({version})") }
@@ -77,7 +77,7 @@ pub enum LogReadError {
         limit: usize,
     },
     /// A name on the command line matches no topic.
-    #[error("{option} {wanted}: no topic of the log has this name; it has {known}")]
+    #[error("{option} {wanted}: no topic of the log has this name: expected {known}")]
     Topic {
         /// The option.
         option: &'static str,

@@ -48,9 +48,9 @@ impl Topics {
                         option,
                         wanted: pattern.clone(),
                         known: if names.is_empty() {
-                            "none".to_owned()
+                            "a log with topics".to_owned()
                         } else {
-                            names.join(", ")
+                            format!("one of {}", names.join(", "))
                         },
                     });
                 }

@@ -37,7 +37,7 @@ pub enum MissionError {
     #[error(transparent)]
     Log(#[from] LogWriteError),
     /// The directory of logs without a given path cannot be created.
-    #[error("cannot create the directory logs: {0}")]
+    #[error("logs: cannot be created: {0}")]
     LogDirectory(std::io::Error),
     /// Live viewers cannot be served.
     #[error(transparent)]

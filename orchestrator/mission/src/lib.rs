@@ -35,7 +35,7 @@ pub mod supervisor;
 mod team_colours;
 
 pub use error::{InProcessError, MissionError};
-pub use program_declarations::ask;
+pub use program_declarations::{AskError, AskFault, ask};
 pub use report::MissionReport;
 pub use run::{MissionOptions, run};
 pub use shm_usage::ShmFull;

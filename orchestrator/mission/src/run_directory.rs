@@ -42,7 +42,7 @@ pub enum RunDirectoryError {
     },
     /// Another user can read the directories of runs.
     #[error(
-        "{path}: owned by user {owner} with mode {mode:03o}, expected this user ({user}) and 700 so that no other \
+        "{path}: owned by user {owner} with mode {mode:03o}: expected this user ({user}) and 700 so that no other \
          user can read its runs"
     )]
     Open {
@@ -57,7 +57,7 @@ pub enum RunDirectoryError {
     },
     /// Another user could replace the directory of the runs.
     #[error(
-        "{path}: owned by user {owner} with mode {mode:04o}, expected a directory of this user \
+        "{path}: owned by user {owner} with mode {mode:04o}: expected a directory of this user \
          ({user}) or of the system in which no other user can rename its files; set \
          XDG_RUNTIME_DIR to one"
     )]

@@ -23,7 +23,7 @@ const SIGBUS: i32 = signal_hook::consts::SIGBUS;
 /// Error of shared memory that is full or nearly full.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "shared memory is full: {free}, expected at least {needed:.1} MB; free some, enlarge it \
+    "shared memory is full: {free}: expected at least {needed:.1} MB; free some, enlarge it \
      (`docker run --shm-size`, `mount -o remount,size=`), or run fewer robots or missions at once",
     needed = megabytes(*needed)
 )]
@@ -118,7 +118,7 @@ mod tests {
         assert_eq!(usage.has(MIN_FREE_TO_GO_ON), Ok(()));
         let error = usage.has(MIN_FREE_TO_START).unwrap_err().to_string();
         let words =
-            "shared memory is full: 3.1 of 67.1 MB are free in /dev/shm, expected at least 4.2 MB";
+            "shared memory is full: 3.1 of 67.1 MB are free in /dev/shm: expected at least 4.2 MB";
         assert!(error.starts_with(words), "{error}");
     }
 

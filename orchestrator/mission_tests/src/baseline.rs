@@ -48,7 +48,7 @@ impl Baseline {
     /// # Errors
     /// [`TestError::Io`], [`TestError::Baseline`].
     pub fn load(path: &Path) -> Result<Self, TestError> {
-        let text = std::fs::read(path).map_err(TestError::io(path, "cannot read the baseline"))?;
+        let text = std::fs::read(path).map_err(TestError::io(path, "cannot be read"))?;
         let report = serde_json::from_slice(&text);
         report.map(Self).map_err(|source| TestError::Baseline {
             path: path.to_owned(),

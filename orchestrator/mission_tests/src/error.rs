@@ -16,7 +16,7 @@ pub enum TestError {
         source: std::io::Error,
     },
     /// A baseline is not the output of `protean test --json`.
-    #[error("{}: not a baseline: {source}; expected the output of `protean test --json`", path.display())]
+    #[error("{}: not a baseline: {source}: expected the output of `protean test --json`", path.display())]
     Baseline {
         /// The file.
         path: PathBuf,

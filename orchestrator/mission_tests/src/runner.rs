@@ -69,7 +69,7 @@ pub fn run(
     let start = Instant::now();
     if options.keep_logs != LogPolicy::None {
         std::fs::create_dir_all(&options.logs)
-            .map_err(TestError::io(&options.logs, "cannot create the folder"))?;
+            .map_err(TestError::io(&options.logs, "cannot be created"))?;
     }
     let of_test = |(index, test): (usize, &MissionTest)| {
         let seeds = test.seeds.clone().into_iter();
@@ -182,7 +182,10 @@ impl Shared<'_> {
             interrupted: Arc::clone(&turn.end),
         };
         let done = match test.template.with_seed(seed) {
-            Ok(scenario) => self.engine.execute(&scenario, &call),
+            Ok(scenario) => {
+                let done = self.engine.execute(&scenario, &call);
+                done.map_err(|error| error.to_string())
+            }
             Err(problems) => Err(problems.to_string()),
         };
         let done = match done {

@@ -37,7 +37,7 @@ pub fn update(
             document
         } else {
             let text = fs::read_to_string(path);
-            let text = text.map_err(TestError::io(path, "cannot read the test"))?;
+            let text = text.map_err(TestError::io(path, "cannot be read"))?;
             text.parse::<DocumentMut>().map_err(|_| changed())?
         };
         let document = documents.entry(path).or_insert(document);
@@ -63,7 +63,7 @@ pub fn update(
         for (path, document) in documents {
             save(document.to_string().as_bytes(), path)
                 .map_err(std::io::Error::other)
-                .map_err(TestError::io(path, "cannot write the test"))?;
+                .map_err(TestError::io(path, "cannot be written"))?;
         }
     }
     Ok(changes)

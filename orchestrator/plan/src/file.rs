@@ -49,24 +49,24 @@ pub enum FileProblem {
     #[error("cannot be read: {0}")]
     Read(#[from] std::io::Error),
     /// It is a directory or a device.
-    #[error("not a regular file; expected a JSON array of instances")]
+    #[error("not a regular file: expected a JSON array of instances")]
     NotAFile,
     /// It is larger than [`MAX_FILE`].
-    #[error("larger than {} MiB; expected a JSON array of instances, split over several files", MAX_FILE >> 20)]
+    #[error("larger than {} MiB: expected a JSON array of instances, split over several files", MAX_FILE >> 20)]
     TooLarge,
     /// It is not valid JSON.
-    #[error("not JSON: {0}; expected an array of instances")]
+    #[error("not JSON: {0}: expected an array of instances")]
     Json(#[from] serde_json::Error),
     /// More than [`MAX_INVALID`] instances are invalid.
     #[error(
-        "more than {MAX_INVALID} invalid instances, the first: {first}; expected an array of instances"
+        "more than {MAX_INVALID} invalid instances, the first: {first}: expected an array of instances"
     )]
     TooManyInvalid {
         /// Error of the first one.
         first: FieldError,
     },
     /// It is JSON, but not an array of instances.
-    #[error("{found}; expected an array of at least one instance")]
+    #[error("{found}: expected an array of at least one instance")]
     NotInstances {
         /// Description of the contents.
         found: String,

@@ -273,7 +273,7 @@ fn many_numbers_instead_of_instances_take_no_memory_for_errors() {
         error.starts_with("more than 1000 invalid instances, the first: element 1 = 0:"),
         "{error}"
     );
-    // The rest of the file is read, but must be JSON.
+    // The rest of the file is read, but it must be JSON.
     let broken = format!("[{}1", "1,".repeat(most + 1));
     assert!(matches!(
         parse(broken.as_bytes()),

@@ -208,7 +208,7 @@ fn folder_of(path: &Path) -> &Path {
 
 /// Error of [`save`]; a file that existed before is unchanged.
 #[derive(Debug, thiserror::Error)]
-#[error("cannot write {}: {source}", path.display())]
+#[error("{}: cannot be written: {source}", path.display())]
 pub struct SaveError {
     /// The file.
     pub path: PathBuf,

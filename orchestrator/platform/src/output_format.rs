@@ -1,6 +1,18 @@
 //! Formats of output files: the ending of a file's name tells its format.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
+
+/// The name of an output file has the ending of another format.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("{format}: expected a name {expected}, for example {}", example.display())]
+pub struct OutputNameError {
+    /// Sentence that names the format.
+    pub format: &'static str,
+    /// Description of the ending.
+    pub expected: String,
+    /// The name with the expected ending.
+    pub example: PathBuf,
+}
 
 /// Format of an output file, or a folder.
 #[derive(Debug, Clone, Copy)]
@@ -38,8 +50,8 @@ impl OutputFormat {
     /// folder `run-0.5` has none.
     ///
     /// # Errors
-    /// Text that names the expected ending.
-    pub fn check(self, file: PathBuf) -> Result<PathBuf, String> {
+    /// [`OutputNameError`] names the expected ending.
+    pub fn check(self, file: PathBuf) -> Result<PathBuf, OutputNameError> {
         let ending = file.extension().and_then(|ending| ending.to_str());
         let ending = ending.filter(|ending| ending.starts_with(|c: char| c.is_alphabetic()));
         let is_own = |ending: &str| {
@@ -50,15 +62,15 @@ impl OutputFormat {
         if ending.is_none_or(is_own) {
             return Ok(file);
         }
-        let (expected, example): (_, &Path) = match self.endings.first() {
-            Some(own) => (format!("that ends in .{own}"), &file.with_extension(own)),
-            None => ("without an ending".to_owned(), &file.with_extension("")),
+        let (expected, example) = match self.endings.first() {
+            Some(own) => (format!("that ends in .{own}"), file.with_extension(own)),
+            None => ("without an ending".to_owned(), file.with_extension("")),
         };
-        Err(format!(
-            "{}: expected a name {expected}, for example {}",
-            self.text,
-            example.display()
-        ))
+        Err(OutputNameError {
+            format: self.text,
+            expected,
+            example,
+        })
     }
 }
 
@@ -84,10 +96,10 @@ mod tests {
             for name in fits {
                 assert_eq!(check(format, name), Ok(PathBuf::from(name)));
             }
-            let refused = check(format, other).unwrap_err();
+            let refused = check(format, other).unwrap_err().to_string();
             assert!(refused.contains("for example a"), "{refused}");
         }
-        let refused = check(Format::PICTURE, "d/x.gif").unwrap_err();
+        let refused = check(Format::PICTURE, "d/x.gif").unwrap_err().to_string();
         let expected = "pictures are SVG, PNG or PDF files: expected a name that ends in .svg, for example d/x.svg";
         assert_eq!(refused, expected);
     }

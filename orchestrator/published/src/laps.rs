@@ -1,7 +1,11 @@
 //! Laps of a zig-zag as the cat-map patrol paper computes them: without a robot.
 
+use core::error::Error;
+
 use metrics::path::PathMetrics;
 use plan::routes::patrol::Patrol;
+
+use crate::ScenarioError;
 
 /// Returns the speed along the contour (m/s) and the metrics of the first laps of the patrol of a built-in scenario
 /// under the key of a seed.
@@ -13,11 +17,13 @@ pub fn of_seed(
     overrides: &[String],
     seed: u64,
     laps: u32,
-) -> Result<(f64, PathMetrics), String> {
-    let failed = |reason: &dyn std::fmt::Display| format!("{scenario}: {reason}");
-    let resolved = kinds::load(scenario, overrides, Some(seed)).map_err(|e| failed(&e))?;
-    let patrol = Patrol::of(&resolved, None, None).map_err(|e| failed(&e))?;
-    let planned = patrol.laps(laps).map_err(|e| failed(&e))?;
-    let metrics = planned.metrics.ok_or_else(|| failed(&"it has no laps"))?;
+) -> Result<(f64, PathMetrics), ScenarioError> {
+    let failed = |reason: Box<dyn Error + Send + Sync>| ScenarioError::new(scenario, reason);
+    let resolved = kinds::load(scenario, overrides, Some(seed)).map_err(|e| failed(e.into()))?;
+    let patrol = Patrol::of(&resolved, None, None).map_err(|e| failed(e.into()))?;
+    let planned = patrol.laps(laps).map_err(|e| failed(e.into()))?;
+    let metrics = planned
+        .metrics
+        .ok_or_else(|| failed("it has no laps".into()))?;
     Ok((patrol.v(), metrics))
 }

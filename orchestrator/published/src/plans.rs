@@ -1,5 +1,6 @@
 //! Single plans of the RRT* planners in the city of the chase, in a static world.
 
+use core::error::Error;
 use std::sync::LazyLock;
 
 use evader_rrt_star::RrtStarParams;
@@ -17,6 +18,8 @@ use planner_view::limits::Limits;
 use robot::spec::RobotModel;
 use robot::team::Role;
 use runtime::seed::stream;
+
+use crate::ScenarioError;
 
 /// The scenario with the map, robots and starts.
 const SCENARIO: &str = "chase_paper";
@@ -36,21 +39,20 @@ pub struct Plan {
     pub shortest: Option<[f64; 2]>,
 }
 
-static SETTING: LazyLock<Result<Setting, String>> =
-    LazyLock::new(|| Setting::new().map_err(|error| format!("{SCENARIO}: {error}")));
+static SETTING: LazyLock<Result<Setting, ScenarioError>> = LazyLock::new(Setting::new);
 
 /// Plans with every planner, with the Police at their starts and again at random free positions. The same seed gives
 /// the same plans.
 ///
 /// # Errors
 /// The built-in scenario is unusable.
-pub fn of_seed(seed: u64, iterations: u32) -> Result<Vec<Plan>, String> {
+pub fn of_seed(seed: u64, iterations: u32) -> Result<Vec<Plan>, ScenarioError> {
     let setting = SETTING.as_ref().map_err(Clone::clone)?;
     setting.plans(seed, iterations)
 }
 
-fn failed(reason: impl std::fmt::Display) -> String {
-    reason.to_string()
+fn failed(reason: impl Into<Box<dyn Error + Send + Sync>>) -> ScenarioError {
+    ScenarioError::new(SCENARIO, reason)
 }
 
 /// Returns the measured cases: name, parameters.
@@ -79,7 +81,7 @@ struct Setting {
 }
 
 impl Setting {
-    fn new() -> Result<Self, String> {
+    fn new() -> Result<Self, ScenarioError> {
         // Seed 1: the starts have the same jitter each time.
         let scenario = kinds::load(SCENARIO, &[], Some(1)).map_err(failed)?;
         let map = WorldMap::new(&scenario.world.map).map_err(failed)?;
@@ -106,7 +108,7 @@ impl Setting {
     }
 
     /// Returns random free positions for all Police.
-    fn scattered(&self, seed: u64) -> Result<Vec<Point2<f64>>, String> {
+    fn scattered(&self, seed: u64) -> Result<Vec<Point2<f64>>, ScenarioError> {
         let mut rng = stream(seed, "plans", "police", "places");
         let place = || self.space.random_free(&mut rng, self.model.radius);
         let places: Option<Vec<_>> = std::iter::repeat_with(place)
@@ -115,7 +117,7 @@ impl Setting {
         places.ok_or_else(|| failed("there is no room for the Police"))
     }
 
-    fn plans(&self, seed: u64, iterations: u32) -> Result<Vec<Plan>, String> {
+    fn plans(&self, seed: u64, iterations: u32) -> Result<Vec<Plan>, ScenarioError> {
         let mut plans = Vec::new();
         for (case, params) in cases() {
             let radius = self.model.radius + params.margin;
@@ -144,7 +146,7 @@ impl Setting {
         collision_map: &mut CollisionMap,
         police: &[Point2<f64>],
         (seed, iterations): (u64, u32),
-    ) -> Result<[Option<[f64; 2]>; 2], String> {
+    ) -> Result<[Option<[f64; 2]>; 2], ScenarioError> {
         let model = &self.model;
         let limits =
             Limits::new(model.v_max, model.v_reverse_max, model.omega_max).map_err(failed)?;

@@ -81,7 +81,7 @@ pub fn rerun(
     )?;
     refuse_external(log, &scenario, options.allow_external)?;
     let folder = Scratch::create().map_err(|source| MissionError::System {
-        what: "cannot create a temporary directory".into(),
+        what: "a temporary directory: cannot be created".into(),
         source,
     })?;
     let again = folder.path().join("again.mcap");

@@ -37,7 +37,8 @@ pub enum Found {
 }
 
 /// Reason why a path of a scenario is refused.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("{message}: expected {expected}")]
 pub struct Refused {
     /// Description of the problem.
     pub message: String,
@@ -57,18 +58,21 @@ impl Base {
     /// current one.
     ///
     /// # Errors
-    /// A text, if the path is not UTF-8 or the current folder is unknown.
-    pub fn absolute(&self, path: &str) -> Result<String, String> {
+    /// The path is not UTF-8, or the current folder is unknown.
+    pub fn absolute(&self, path: &str) -> Result<String, Refused> {
         let base = match self {
             Self::Folder { folder, .. } => folder.as_path(),
             Self::Builtin { .. } | Self::Nothing => Path::new("."),
         };
-        let full = std::path::absolute(base.join(path)).map_err(|error| error.to_string())?;
+        let full = match std::path::absolute(base.join(path)) {
+            Ok(full) => full,
+            Err(e) => return refused(format!("{path:?}: {e}"), "a folder"),
+        };
         let text = full.to_str().map(|text| text.trim_end_matches('/'));
         match text {
             Some("") => Ok("/".to_owned()),
             Some(text) => Ok(text.to_owned()),
-            None => Err(format!("{}: the path is not UTF-8", full.display())),
+            None => refused(format!("{}: not UTF-8", full.display()), "a UTF-8 path"),
         }
     }
 
@@ -138,13 +142,16 @@ impl Base {
         let full = folder.join(path);
         let real = match full.canonicalize() {
             Ok(real) => real,
-            Err(e) => return refused(format!("cannot read {}: {e}", full.display()), "a file"),
+            Err(e) => return refused(format!("{}: cannot be read: {e}", full.display()), "a file"),
         };
         if !allow_outside {
             let folder = match folder.canonicalize() {
                 Ok(folder) => folder,
                 Err(e) => {
-                    return refused(format!("cannot read {}: {e}", folder.display()), "a folder");
+                    return refused(
+                        format!("{}: cannot be read: {e}", folder.display()),
+                        "a folder",
+                    );
                 }
             };
             if !real.starts_with(folder) {
@@ -160,7 +167,7 @@ impl Base {
         match fs::metadata(&real) {
             Ok(data) if data.is_file() => Ok(Found::Disk(real)),
             Ok(_) => refused(format!("{} is not a file", full.display()), "a file"),
-            Err(e) => refused(format!("cannot read {}: {e}", full.display()), "a file"),
+            Err(e) => refused(format!("{}: cannot be read: {e}", full.display()), "a file"),
         }
     }
 }
@@ -190,7 +197,7 @@ fn refusal(path: &Path, max: u64, error: &io::Error) -> Refused {
         ),
         io::ErrorKind::InvalidData => (format!("{shown} is not text"), "UTF-8 text".to_owned()),
         _ => (
-            format!("cannot read {shown}: {error}"),
+            format!("{shown}: cannot be read: {error}"),
             "a readable file".to_owned(),
         ),
     };

@@ -56,7 +56,7 @@ pub(super) fn lock(directory: &Path) -> Result<Lock, SweepError> {
     let mut options = OpenOptions::new();
     options.create(true).write(true);
     let file = own_file::open(&path, &options);
-    let file = file.map_err(SweepError::io(&path, "cannot open the lock file"))?;
+    let file = file.map_err(SweepError::io(&path, "cannot be opened"))?;
     let outcome = try_lock(&file).map_err(SweepError::io(&path, "the directory is not used"))?;
     if matches!(outcome, LockOutcome::InUse) {
         return Err(SweepError::InUse {
@@ -74,7 +74,7 @@ pub(super) fn lock(directory: &Path) -> Result<Lock, SweepError> {
 pub(super) fn read_manifest(directory: &Path) -> Result<Option<Manifest>, SweepError> {
     let path = directory.join(MANIFEST);
     let found = unless_absent(std::fs::read(&path));
-    let Some(text) = found.map_err(SweepError::io(&path, "cannot read the manifest"))? else {
+    let Some(text) = found.map_err(SweepError::io(&path, "cannot be read"))? else {
         return Ok(None);
     };
     let damaged = |what: String, line: usize| SweepError::Damaged {
@@ -112,7 +112,7 @@ pub(super) fn read_manifest(directory: &Path) -> Result<Option<Manifest>, SweepE
 pub(super) fn write_manifest(directory: &Path, manifest: &Manifest) -> Result<(), SweepError> {
     let path = directory.join(MANIFEST);
     let mut text = serde_json::to_vec_pretty(manifest)
-        .map_err(|e| SweepError::io(&path, "cannot write the manifest")(e.into()))?;
+        .map_err(|e| SweepError::io(&path, "cannot be written")(e.into()))?;
     text.push(b'\n');
     replace(&path, &text)
 }

@@ -1,5 +1,6 @@
 //! Engines: ways to execute a single mission.
 
+use core::error::Error;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -9,7 +10,7 @@ use std::time::Duration;
 use rustix::thread::{CpuSet, sched_getaffinity, sched_setaffinity};
 
 use mission::in_process::{self, InProcessOptions};
-use mission::{self, MissionOptions, MissionReport};
+use mission::{self, MissionError, MissionOptions, MissionReport};
 use scenario::ResolvedScenario;
 use scenario::kind::ConfiguredKind;
 
@@ -25,13 +26,39 @@ pub struct Call {
     pub interrupted: Arc<AtomicBool>,
 }
 
+/// Failure of a mission.
+#[derive(Debug, thiserror::Error)]
+pub enum EngineError {
+    /// The limit of open files is too low.
+    #[error("this mission needs about {wanted} open files, the limit is {limit} (`ulimit -n`)")]
+    Files {
+        /// Files of the mission.
+        wanted: u64,
+        /// The limit.
+        limit: u64,
+    },
+    /// The caller ended the mission before its start.
+    #[error("interrupted")]
+    Interrupted,
+    /// Programs of the mission have no kind in their place.
+    #[error(transparent)]
+    Programs(Box<dyn Error + Send + Sync>),
+    /// The run failed.
+    #[error(transparent)]
+    Mission(#[from] MissionError),
+}
+
 /// Executes single missions; called from several threads at once.
 pub trait Engine: Sync {
     /// Executes a mission to its end.
     ///
     /// # Errors
-    /// The reason of the failure, as text.
-    fn execute(&self, scenario: &ResolvedScenario, call: &Call) -> Result<MissionReport, String>;
+    /// [`EngineError`] if the mission does not run to its end.
+    fn execute(
+        &self,
+        scenario: &ResolvedScenario,
+        call: &Call,
+    ) -> Result<MissionReport, EngineError>;
 
     /// Returns `true` if a thread that calls it should be pinned to one processor.
     fn needs_pinning(&self) -> bool;
@@ -58,17 +85,15 @@ impl Processes {
     }
 
     /// Waits for the descriptors of a mission.
-    fn reserve(&self, wanted: u64, interrupted: &AtomicBool) -> Result<Reserved<'_>, String> {
+    fn reserve(&self, wanted: u64, interrupted: &AtomicBool) -> Result<Reserved<'_>, EngineError> {
         if wanted > self.limit {
-            return Err(format!(
-                "this mission needs about {wanted} open files, the limit is {} (`ulimit -n`)",
-                self.limit
-            ));
+            let limit = self.limit;
+            return Err(EngineError::Files { wanted, limit });
         }
         let mut free = self.free.lock().unwrap_or_else(PoisonError::into_inner);
         while *free < wanted {
             if interrupted.load(Ordering::Relaxed) {
-                return Err("interrupted".to_owned());
+                return Err(EngineError::Interrupted);
             }
             let waited = self.freed.wait_timeout(free, CHECK_INTERVAL);
             free = waited.unwrap_or_else(PoisonError::into_inner).0;
@@ -101,7 +126,11 @@ fn descriptors(scenario: &ResolvedScenario) -> u64 {
 }
 
 impl Engine for Processes {
-    fn execute(&self, scenario: &ResolvedScenario, call: &Call) -> Result<MissionReport, String> {
+    fn execute(
+        &self,
+        scenario: &ResolvedScenario,
+        call: &Call,
+    ) -> Result<MissionReport, EngineError> {
         let _reserved = self.reserve(descriptors(scenario), &call.interrupted)?;
         let options = MissionOptions {
             out: call.log.clone(),
@@ -112,7 +141,7 @@ impl Engine for Processes {
             interrupted: Arc::clone(&call.interrupted),
             ..MissionOptions::default()
         };
-        mission::run(scenario, &options).map_err(|error| error.to_string())
+        Ok(mission::run(scenario, &options)?)
     }
 
     /// The processes of a mission inherit the processor of the thread that starts them. They run
@@ -136,13 +165,13 @@ impl InProcess {
     /// Executes a mission with kinds in the place of external programs, by the name of the process.
     ///
     /// # Errors
-    /// The reason of the failure, as text.
+    /// [`EngineError`] if the mission does not run to its end.
     pub fn execute_with(
         &self,
         programs: BTreeMap<String, ConfiguredKind>,
         scenario: &ResolvedScenario,
         call: &Call,
-    ) -> Result<MissionReport, String> {
+    ) -> Result<MissionReport, EngineError> {
         let options = InProcessOptions {
             out: call.log.clone(),
             force: true,
@@ -151,12 +180,16 @@ impl InProcess {
             cache: Arc::clone(&self.cache),
             ..InProcessOptions::default()
         };
-        in_process::run(scenario, &options).map_err(|error| error.to_string())
+        Ok(in_process::run(scenario, &options)?)
     }
 }
 
 impl Engine for InProcess {
-    fn execute(&self, scenario: &ResolvedScenario, call: &Call) -> Result<MissionReport, String> {
+    fn execute(
+        &self,
+        scenario: &ResolvedScenario,
+        call: &Call,
+    ) -> Result<MissionReport, EngineError> {
         self.execute_with(BTreeMap::new(), scenario, call)
     }
 
@@ -191,7 +224,7 @@ mod tests {
     fn missions_wait_for_descriptors_and_impossible_ones_are_refused() {
         let engine = Processes::new(100);
         let interrupted = AtomicBool::new(false);
-        let refused = engine.reserve(101, &interrupted).err().unwrap();
+        let refused = engine.reserve(101, &interrupted).err().unwrap().to_string();
         assert!(
             refused.contains("101") && refused.contains("`ulimit -n`"),
             "{refused}"

@@ -47,7 +47,7 @@ pub enum SweepError {
         expected: &'static str,
     },
     /// A file of the results has invalid content.
-    #[error("{}:{line}: {what}: {found}; expected {expected}", path.display())]
+    #[error("{}:{line}: {what}: {found}: expected {expected}", path.display())]
     Damaged {
         /// The file.
         path: PathBuf,

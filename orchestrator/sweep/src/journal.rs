@@ -101,7 +101,7 @@ impl Journal {
         let written = serde_json::to_vec(entry)
             .map_err(io::Error::from)
             .and_then(|json| self.file.write_all(&checked(&json)));
-        written.map_err(SweepError::io(&self.path, "cannot write the journal"))
+        written.map_err(SweepError::io(&self.path, "cannot be written"))
     }
 
     /// Waits until everything is on the disk.
@@ -110,7 +110,7 @@ impl Journal {
     /// [`SweepError::Io`].
     pub fn sync(&self) -> Result<(), SweepError> {
         let synced = self.file.sync_all();
-        synced.map_err(SweepError::io(&self.path, "cannot write the journal"))
+        synced.map_err(SweepError::io(&self.path, "cannot be written"))
     }
 }
 
@@ -120,7 +120,7 @@ fn load<R: DeserializeOwned>(directory: &Path) -> Result<(Opened<R>, Vec<u8>), S
     let mut file = open_file(&path)?;
     let mut bytes = Vec::new();
     file.read_to_end(&mut bytes)
-        .map_err(SweepError::io(&path, "cannot read the journal"))?;
+        .map_err(SweepError::io(&path, "cannot be read"))?;
     let mut entries = Vec::new();
     let (mut kept, mut damaged) = (Vec::new(), Vec::new());
     for (number, line) in bytes.split_inclusive(|&b| b == b'\n').enumerate() {
@@ -145,7 +145,7 @@ fn load<R: DeserializeOwned>(directory: &Path) -> Result<(Opened<R>, Vec<u8>), S
 fn open_file(path: &Path) -> Result<File, SweepError> {
     let mut options = OpenOptions::new();
     options.create(true).read(true).append(true);
-    own_file::open(path, &options).map_err(SweepError::io(path, "cannot open the journal"))
+    own_file::open(path, &options).map_err(SweepError::io(path, "cannot be opened"))
 }
 
 /// Returns the line of an object of JSON: the object, with its checksum as first key.

@@ -36,11 +36,10 @@ pub fn keep(folder: &Path, results: &Results) -> Result<(), SweepError> {
             });
         }
         let (from, to) = (folder.join(&compare), results.directory().join(&compare));
-        let bytes = std::fs::read(&from)
-            .map_err(SweepError::io(&from, "cannot read the published points"))?;
+        let bytes = std::fs::read(&from).map_err(SweepError::io(&from, "cannot be read"))?;
         save(&bytes, &to).map_err(|error| SweepError::Io {
             path: error.path,
-            what: "cannot write",
+            what: "cannot be written",
             source: error.source,
         })?;
     }

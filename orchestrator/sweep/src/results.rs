@@ -57,7 +57,7 @@ impl<R: Record> Results<R> {
         // Before anything is written: a directory that is refused stays as it is.
         continued(directory, manifest)?;
         std::fs::create_dir_all(directory)
-            .map_err(SweepError::io(directory, "cannot create the directory"))?;
+            .map_err(SweepError::io(directory, "cannot be created"))?;
         let lock = lock(directory)?;
         // Again: another sweep may have begun meanwhile.
         let manifest = continued(directory, manifest)?;
@@ -80,7 +80,7 @@ impl<R: Record> Results<R> {
         if manifest.kind != R::KIND {
             return Err(SweepError::Other {
                 path: directory.to_owned(),
-                difference: format!("its kind is {:?}, expected {:?}", manifest.kind, R::KIND),
+                difference: format!("its kind is {:?}: expected {:?}", manifest.kind, R::KIND),
             });
         }
         let lock = lock(directory)?;
@@ -339,7 +339,7 @@ impl<R: Record> Results<R> {
     /// [`SweepError::Io`].
     pub fn experiment(&self) -> Result<String, SweepError> {
         let path = self.directory.join(EXPERIMENT);
-        std::fs::read_to_string(&path).map_err(SweepError::io(&path, "cannot read the experiment"))
+        std::fs::read_to_string(&path).map_err(SweepError::io(&path, "cannot be read"))
     }
 
     /// Writes the tables, as text and as Parquet; each file is replaced atomically.

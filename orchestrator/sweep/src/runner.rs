@@ -117,8 +117,7 @@ pub fn run<S: Subject>(
     open.sort_by_key(|mission| (mission.seed, mission.cell));
     let logs = results.logs();
     if options.log != LogPolicy::None {
-        std::fs::create_dir_all(&logs)
-            .map_err(SweepError::io(&logs, "cannot create the directory"))?;
+        std::fs::create_dir_all(&logs).map_err(SweepError::io(&logs, "cannot be created"))?;
     }
     let shared = Shared {
         experiment,

@@ -17,6 +17,20 @@ pub struct Task {
     pub options: Options,
 }
 
+/// Fault of a key of a task.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum DraftError {
+    /// Form of a setting.
+    #[error("expected {0}")]
+    Form(&'static str),
+    /// A key before a dot.
+    #[error("`{0}` is not a table")]
+    NoTable(String),
+    /// Text, key or type of a value.
+    #[error("{}", .0.message().trim())]
+    Toml(#[from] toml::de::Error),
+}
+
 /// A task during the setting of its keys.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Draft(toml::Table);
@@ -25,17 +39,16 @@ impl Draft {
     /// Applies `key.key=value`.
     ///
     /// # Errors
-    /// The reason, as text.
-    pub fn apply(&mut self, argument: &str) -> Result<(), String> {
+    /// [`DraftError`] if it has another form.
+    pub fn apply(&mut self, argument: &str) -> Result<(), DraftError> {
         let (path, value) = argument
             .split_once('=')
-            .ok_or_else(|| "expected KEY=VALUE".to_owned())?;
-        let document: toml::Table =
-            toml::from_str(&format!("value = {value}")).map_err(|e| e.message().to_owned())?;
+            .ok_or(DraftError::Form("KEY=VALUE"))?;
+        let document: toml::Table = toml::from_str(&format!("value = {value}"))?;
         let value = document
             .get("value")
             .cloned()
-            .ok_or_else(|| "expected a value".to_owned())?;
+            .ok_or(DraftError::Form("a value"))?;
         let mut keys: Vec<&str> = path.split('.').map(str::trim).collect();
         let last = keys.pop().unwrap_or_default();
         let mut table = &mut self.0;
@@ -45,7 +58,7 @@ impl Draft {
                 .or_insert_with(|| toml::Value::Table(toml::Table::new()));
             table = below
                 .as_table_mut()
-                .ok_or_else(|| format!("`{key}` is not a table"))?;
+                .ok_or_else(|| DraftError::NoTable(key.to_owned()))?;
         }
         table.insert(last.to_owned(), value);
         Ok(())
@@ -54,10 +67,9 @@ impl Draft {
     /// Returns the task, with keys and types checked.
     ///
     /// # Errors
-    /// The problem: key, value and expected value.
-    pub fn task(&self) -> Result<Task, String> {
-        let task: Result<Task, toml::de::Error> = self.0.clone().try_into();
-        task.map_err(|e| e.message().trim().to_owned())
+    /// [`DraftError::Toml`]: key, value and expected value.
+    pub fn task(&self) -> Result<Task, DraftError> {
+        Ok(self.0.clone().try_into()?)
     }
 }
 

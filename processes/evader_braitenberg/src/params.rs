@@ -80,7 +80,7 @@ mod tests {
         };
         assert_eq!(
             check(&bad).unwrap_err().to_string(),
-            "`turn_gain` is 0, but must be a finite number above 0 (rad/s)"
+            "`turn_gain` is 0: expected a finite number above 0 (rad/s)"
         );
         let bad = BraitenbergParams {
             reverse_fraction: f64::NAN,

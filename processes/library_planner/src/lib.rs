@@ -2,7 +2,7 @@
 //!
 //! - `abi`: the interface, declared once in Rust; `c_types`: the declaration of C types; `c_structure`: their text;
 //! - [`header`]: the interface as the header `protean_planner.h`;
-//! - `library`: a loaded library, checked;
+//! - `library`: a loaded library, checked; `error`: faults of libraries;
 //! - `start_functions`, `tick_functions`: the functions that a library calls;
 //! - `robots`: the robots of a run in C; `topics`, `records`: its topics and their messages;
 //! - [`LibraryPlanner`]: the planner of one robot as a [`planner::Planner`];
@@ -17,6 +17,7 @@ mod abi;
 mod c_structure;
 mod c_types;
 mod entry;
+mod error;
 pub mod header;
 mod library;
 mod params;
@@ -29,6 +30,7 @@ mod topic_process;
 mod topics;
 
 pub use entry::run;
+pub use error::{TableError, Unexpected};
 pub use library::{Library, LibraryError};
 pub use params::LibraryParams;
 pub use process::LibraryPlanner;

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use runtime::declaration::WrittenDeclaration;
 
 use crate::abi::{BELIEFS, INPUTS, PlannerTable, SCANS, Start, Steering, Tick, VERSION, WAYS};
+use crate::error::{TableError, Unexpected};
 use crate::topics;
 
 /// The function that a library exports.
@@ -15,7 +16,7 @@ const SYMBOL: &str = "protean_planner_table";
 #[derive(Debug, thiserror::Error)]
 pub enum LibraryError {
     /// The file cannot be read.
-    #[error("{}: {source}; expected the shared library of a planner", path.display())]
+    #[error("{}: cannot be read: {source}: expected the shared library of a planner", path.display())]
     File {
         /// The file.
         path: PathBuf,
@@ -23,10 +24,10 @@ pub enum LibraryError {
         source: std::io::Error,
     },
     /// The program has the C library inside; a second one would come with the planner.
-    #[error("{}: this statically linked program loads no shared libraries; expected the program of the wheel, or of an own build", .0.display())]
+    #[error("{}: this statically linked program loads no shared libraries: expected the program of the wheel, or of an own build", .0.display())]
     StaticProgram(PathBuf),
     /// The system does not load it.
-    #[error("{}: {source}; expected the shared library of a planner, built for this machine with -shared", path.display())]
+    #[error("{}: {source}: expected the shared library of a planner, built for this machine with -shared", path.display())]
     Load {
         /// The file.
         path: PathBuf,
@@ -34,10 +35,10 @@ pub enum LibraryError {
         source: libloading::Error,
     },
     /// It exports no planner.
-    #[error("{}: no function {SYMBOL}; expected a planner built with protean_planner.h (`protean schema planner`)", .0.display())]
+    #[error("{}: no function {SYMBOL}: expected a planner built with protean_planner.h (`protean schema planner`)", .0.display())]
     Symbol(PathBuf),
     /// Its table is of another version of the interface.
-    #[error("{}: a planner of interface version {found}; expected version {VERSION}: build it with the header of `protean schema planner`", path.display())]
+    #[error("{}: a planner of interface version {found}: expected version {VERSION}; build it with the header of `protean schema planner`", path.display())]
     Version {
         /// The file.
         path: PathBuf,
@@ -45,12 +46,12 @@ pub enum LibraryError {
         found: u32,
     },
     /// Its table is not complete.
-    #[error("{}: {what}", path.display())]
+    #[error("{}: {source}", path.display())]
     Table {
         /// The file.
         path: PathBuf,
         /// Part of the table, and what is expected.
-        what: String,
+        source: TableError,
     },
 }
 
@@ -110,13 +111,15 @@ impl Library {
         };
         // The code behind the table must stay.
         std::mem::forget(loaded);
-        let fault = |what: &str| LibraryError::Table {
+        let fault = |source| LibraryError::Table {
             path: path.to_owned(),
-            what: what.to_owned(),
+            source,
         };
+        let unexpected = |part: &str, expected: &str| fault(Unexpected::new(part, expected).into());
         if table.is_null() || !table.is_aligned() {
-            return Err(fault(
-                "protean_planner_table returned no address of a table",
+            return Err(unexpected(
+                "result of protean_planner_table",
+                "the address of a table",
             ));
         }
         // SAFETY: every version of the table begins with its version, and the library stays loaded.
@@ -132,28 +135,31 @@ impl Library {
         let is_process = table.step.is_some();
         if table.create.is_none() || table.destroy.is_none() || is_process == table.steer.is_some()
         {
-            return Err(fault(
-                "expected create, destroy, and either steer or step; the others of the table are NULL",
+            return Err(unexpected(
+                "functions",
+                "create, destroy, and either steer or step; the others of the table are NULL",
             ));
         }
         if table.inputs & !(BELIEFS | SCANS | WAYS) != 0 {
-            return Err(fault(
-                "unknown inputs; expected a sum of PROTEAN_BELIEFS, PROTEAN_SCANS and PROTEAN_WAYS",
+            return Err(unexpected(
+                "unknown inputs",
+                "a sum of PROTEAN_BELIEFS, PROTEAN_SCANS and PROTEAN_WAYS",
             ));
         }
         let library = Self { table };
         if is_process {
             if table.inputs != 0 {
-                return Err(fault(
-                    "inputs of a process: expected 0; it names its topics in reads",
+                return Err(unexpected(
+                    "inputs of a process",
+                    "0; it names its topics in reads",
                 ));
             }
-            library.declaration().map_err(|what| fault(&what))?;
+            library.declaration().map_err(fault)?;
         } else {
             if table.write_count != 0 {
-                return Err(fault("writes of a planner: expected none, or step"));
+                return Err(unexpected("writes of a planner", "none, or step"));
             }
-            library.reads().map_err(|what| fault(&what))?;
+            library.reads().map_err(|error| fault(error.into()))?;
         }
         Ok(library)
     }
@@ -166,8 +172,8 @@ impl Library {
     /// Returns the topics that a process reads and writes.
     ///
     /// # Errors
-    /// A text that names the topic; [`Self::load`] has checked it.
-    pub fn declaration(self) -> Result<WrittenDeclaration, String> {
+    /// [`TableError`] names the topic; [`Self::load`] has checked it.
+    pub fn declaration(self) -> Result<WrittenDeclaration, TableError> {
         topics::declaration(self.table)
     }
 
@@ -175,7 +181,7 @@ impl Library {
     ///
     /// # Errors
     /// As [`Self::declaration`].
-    pub(crate) fn reads(self) -> Result<Vec<String>, String> {
+    pub(crate) fn reads(self) -> Result<Vec<String>, Unexpected> {
         topics::reads(self.table)
     }
 

@@ -18,6 +18,7 @@ use runtime::raw_inputs::RawInputs;
 use crate::abi::{
     self, BELIEFS, Belief, NO_ROBOT, Particle, Point, SCANS, Scan, Start, Tick, WAYS,
 };
+use crate::error::{CallError, Unexpected};
 use crate::library::Library;
 use crate::params::LibraryParams;
 use crate::records::Records;
@@ -73,16 +74,11 @@ impl Planner for LibraryPlanner {
 
     fn open(&mut self, config: &ProcessConfig, bus: &Bus, robot: u32) -> Result<(), ProcessError> {
         self.inputs = RawInputs::open(&names(&self.params), config, bus)?;
-        if let Some(library) = self.params.library {
-            topics::check_reads(library.table).map_err(ProcessError::Algorithm)?;
-        }
-        let driven = self
-            .start(config, robot)
-            .map_err(|reason| ProcessError::Params {
-                process: config.name.clone(),
-                kind: config.kind.clone(),
-                reason,
-            })?;
+        let rules = Rules {
+            exits: &self.exits,
+            capture_radius: self.capture_radius,
+        };
+        let driven = Driven::open(config, &self.params, Some(robot), &rules, self.seed)?;
         self.driven = Some(driven);
         Ok(())
     }
@@ -97,14 +93,15 @@ impl Planner for LibraryPlanner {
         };
         let tick = (view.time_s / view.dt).round() as u64;
         let received = self.inputs.receive(tick);
-        let steered = received.map_err(|error| error.to_string()).and_then(|()| {
+        let steered = received.and_then(|()| {
             let records = Records::new(&self.inputs);
-            driven.steer(map, view, &self.exits, self.limits, &records)
+            let steered = driven.steer(map, view, &self.exits, self.limits, &records);
+            steered.map_err(|error| ProcessError::Algorithm(error.to_string()))
         });
         match steered {
             Ok(steering) => steering,
-            Err(text) => {
-                let text = format!("at {} s the planner fails: {text}", view.time_s);
+            Err(error) => {
+                let text = format!("at {} s the planner fails: {error}", view.time_s);
                 self.failure = Some(ProcessError::Algorithm(text));
                 Steering::stop()
             }
@@ -117,20 +114,6 @@ fn names(params: &LibraryParams) -> Vec<String> {
     let names = params.library.map(Library::reads);
     // The library was checked.
     names.and_then(Result::ok).unwrap_or_default()
-}
-
-impl LibraryPlanner {
-    /// Returns the started planner of a robot.
-    ///
-    /// # Errors
-    /// As [`Driven::start`].
-    pub(crate) fn start(&self, config: &ProcessConfig, robot: u32) -> Result<Driven, String> {
-        let rules = Rules {
-            exits: &self.exits,
-            capture_radius: self.capture_radius,
-        };
-        Driven::start(config, &self.params, Some(robot), &rules, self.seed)
-    }
 }
 
 /// Rules of a run.
@@ -154,6 +137,29 @@ pub(crate) struct Driven {
 }
 
 impl Driven {
+    /// Returns [`Self::start`], after a check of the topics that the library reads.
+    ///
+    /// # Errors
+    /// Ends the process before it is ready.
+    pub fn open(
+        config: &ProcessConfig,
+        params: &LibraryParams,
+        robot: Option<u32>,
+        rules: &Rules<'_>,
+        seed: u64,
+    ) -> Result<Self, ProcessError> {
+        if let Some(library) = params.library {
+            let checked = topics::check_reads(library.table);
+            checked.map_err(|error| ProcessError::Algorithm(error.to_string()))?;
+        }
+        let started = Self::start(config, params, robot, rules, seed);
+        started.map_err(|error| ProcessError::Params {
+            process: config.name.clone(),
+            kind: config.kind.clone(),
+            reason: error.to_string(),
+        })
+    }
+
     /// Returns the started planner of a robot, or a process without a robot.
     ///
     /// # Errors
@@ -164,12 +170,11 @@ impl Driven {
         robot: Option<u32>,
         rules: &Rules<'_>,
         seed: u64,
-    ) -> Result<Self, String> {
-        let library = params.library.ok_or("no library is loaded")?;
+    ) -> Result<Self, CallError> {
+        let library = params.library.ok_or(CallError::NoLibrary)?;
         let own = robot.map(|robot| robot as usize);
         let robots = Robots::new(&config.run.robots, own);
-        let robots =
-            robots.ok_or_else(|| format!("the run has no robot {}", robot.unwrap_or_default()))?;
+        let robots = robots.ok_or(CallError::NoRobot(robot.unwrap_or_default()))?;
         let context = StartContext::new(&params.values);
         let start = Start {
             own: robots.own().map_or(std::ptr::null(), std::ptr::from_ref),
@@ -215,7 +220,7 @@ impl Driven {
         records: &Records,
         outputs: &mut [RawOutput],
         call: impl FnOnce(&Self, &Tick),
-    ) -> Result<(), String> {
+    ) -> Result<(), CallError> {
         self.robots.update(view.robots);
         self.take_beliefs(view);
         let scan = view.scan.map(|scan| Scan {
@@ -266,7 +271,7 @@ impl Driven {
         exits: &[Point],
         limits: Limits,
         records: &Records,
-    ) -> Result<Steering, String> {
+    ) -> Result<Steering, CallError> {
         let mut out = abi::Steering::STOP;
         let task = Some((map, limits));
         self.call(view, exits, task, records, &mut [], |driven, tick| {
@@ -275,7 +280,8 @@ impl Driven {
         let command = Twist2::new(out.v, out.omega);
         if !command.is_finite() {
             let (v, omega) = (out.v, out.omega);
-            return Err(format!("v = {v}, omega = {omega}; expected finite numbers"));
+            let found = format!("v = {v}, omega = {omega}");
+            return Err(Unexpected::new(found, "finite numbers").into());
         }
         Ok(Steering {
             command: limits.clip(command),

@@ -3,6 +3,7 @@
 use runtime::raw_inputs::RawInputs;
 
 use crate::abi::{Message, Messages};
+use crate::error::Unexpected;
 
 /// The messages of the topics that a library reads, in a tick.
 #[derive(Debug, Default)]
@@ -42,8 +43,8 @@ impl Records {
     /// Returns the messages of a topic, which are valid as long as the records.
     ///
     /// # Errors
-    /// A text with the topics.
-    pub fn of(&self, topic: &str) -> Result<Messages, String> {
+    /// [`Unexpected`] names the topics.
+    pub fn of(&self, topic: &str) -> Result<Messages, Unexpected> {
         let mut topics = self.topics.iter();
         match topics.find(|(name, _)| *name == topic) {
             Some((_, messages)) => Ok(Messages {
@@ -59,19 +60,19 @@ impl Records {
     }
 }
 
-/// Returns the text about a topic that a library has not declared.
+/// Returns the error about a topic that a library has not declared.
 pub(crate) fn unknown(
     function: &str,
     topic: &str,
     known: impl Iterator<Item = &'static str>,
-) -> String {
+) -> Unexpected {
     let known: Vec<&str> = known.collect();
     let expected = if known.is_empty() {
         "no call, as its table names no topic".to_owned()
     } else {
-        known.join(" or ")
+        format!("one of {}", known.join(", "))
     };
-    format!("{function}: topic {topic:?}: expected {expected}")
+    Unexpected::new(format!("{function}: topic {topic:?}"), expected)
 }
 
 fn aligned(bytes: &[u8]) -> Vec<u64> {

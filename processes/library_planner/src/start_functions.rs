@@ -8,6 +8,7 @@ use std::ffi::CString;
 use serde_json::{Map, Value as Json};
 
 use crate::abi::{Start, StartFunctions};
+use crate::error::{CallError, Unexpected};
 
 /// The functions of all starts.
 pub(crate) static FUNCTIONS: StartFunctions = StartFunctions {
@@ -32,7 +33,7 @@ struct Requests {
     /// `true` if it has taken the text of all parameters.
     has_all: bool,
     /// First fault of a parameter, or its refusal.
-    refusal: Option<String>,
+    refusal: Option<CallError>,
 }
 
 impl<'a> StartContext<'a> {
@@ -49,23 +50,24 @@ impl<'a> StartContext<'a> {
 
     /// Returns the reason why the planner cannot start, if there is one; `created` is `true` if the library returned a
     /// planner.
-    pub fn refusal(&self, created: bool) -> Option<String> {
+    pub fn refusal(&self, created: bool) -> Option<CallError> {
         let requests = self.requests.borrow();
         if requests.refusal.is_some() {
             return requests.refusal.clone();
         }
         if !created {
-            return Some("create returned NULL without protean_refuse".to_owned());
+            let text = "create returned NULL without protean_refuse";
+            return Some(CallError::Reported(text.to_owned()));
         }
         let unknown = |key: &&String| !requests.has_all && !requests.keys.contains(*key);
         let unknown = self.params.keys().find(unknown)?;
         let known: Vec<String> = requests.keys.iter().map(|key| format!("`{key}`")).collect();
         let known = if known.is_empty() {
-            "the planner has no parameters".to_owned()
+            "none, as the planner has no parameters".to_owned()
         } else {
-            format!("expected one of {}", known.join(", "))
+            format!("one of {}", known.join(", "))
         };
-        Some(format!("unknown parameter `{unknown}`, {known}"))
+        Some(Unexpected::new(format!("unknown parameter `{unknown}`"), known).into())
     }
 
     fn number(&self, key: &str, absent: f64) -> f64 {
@@ -78,8 +80,8 @@ impl<'a> StartContext<'a> {
         };
         value.unwrap_or_else(|| {
             let value = self.params.get(key).unwrap_or(&Json::Null);
-            let fault = format!("`{key}` is {value}, but must be a number");
-            requests.refusal.get_or_insert(fault);
+            let fault = Unexpected::new(format!("`{key}` is {value}"), "a number");
+            requests.refusal.get_or_insert(fault.into());
             absent
         })
     }
@@ -132,6 +134,6 @@ unsafe extern "C" fn refuse(start: *const Start, reason: *const c_char) {
     let (context, reason) = unsafe { (context(start), text(reason)) };
     if let Some(context) = context {
         let mut requests = context.requests.borrow_mut();
-        requests.refusal.get_or_insert(reason);
+        requests.refusal.get_or_insert(CallError::Reported(reason));
     }
 }

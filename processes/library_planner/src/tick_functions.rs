@@ -14,6 +14,7 @@ use rand::RngExt as _;
 use rand_chacha::ChaCha8Rng;
 
 use crate::abi::{Messages, Point, Robot, Steering, Tick, TickFunctions};
+use crate::error::{CallError, Unexpected};
 use crate::records::{Records, unknown};
 use crate::start_functions::text;
 
@@ -50,7 +51,7 @@ pub(crate) struct TickContext<'a> {
     /// Topics that a process writes.
     pub outputs: RefCell<&'a mut [RawOutput]>,
     /// First failure that the library reports.
-    pub failure: RefCell<Option<String>>,
+    pub failure: RefCell<Option<CallError>>,
 }
 
 /// The robot of a planner in a tick, and its map.
@@ -65,21 +66,21 @@ pub(crate) struct RobotTask<'a> {
 }
 
 impl TickContext<'_> {
-    fn fail(&self, reason: String) {
-        self.failure.borrow_mut().get_or_insert(reason);
+    fn fail(&self, reason: impl Into<CallError>) {
+        self.failure.borrow_mut().get_or_insert(reason.into());
     }
 
     /// Takes the elements of a message; NULL for none.
     ///
     /// # Errors
-    /// A text that names the topic and the expectation.
+    /// [`Unexpected`] names the topic.
     #[expect(unsafe_code, reason = "the elements are of the library")]
     unsafe fn write(
         &self,
         topic: &str,
         elements: *const c_void,
         count: usize,
-    ) -> Result<(), String> {
+    ) -> Result<(), Unexpected> {
         let mut outputs = self.outputs.borrow_mut();
         let names = outputs.iter().map(|output| output.topic().name());
         let names: Vec<&'static str> = names.collect();
@@ -94,8 +95,9 @@ impl TickContext<'_> {
             } else {
                 "an array"
             };
-            return Err(format!(
-                "protean_write: {topic}: {count} elements at {found}: expected at most {capacity} in an array"
+            return Err(Unexpected::new(
+                format!("protean_write: {topic}: {count} elements at {found}"),
+                format!("at most {capacity} in an array"),
             ));
         }
         let bytes = if count == 0 {
@@ -107,8 +109,9 @@ impl TickContext<'_> {
             unsafe { std::slice::from_raw_parts(elements.cast::<u8>(), length) }.to_vec()
         };
         if !output.fill(bytes) {
-            return Err(format!(
-                "protean_write: {topic}: expected one message in a tick"
+            return Err(Unexpected::new(
+                format!("protean_write: {topic}"),
+                "one message in a tick",
             ));
         }
         Ok(())
@@ -160,7 +163,8 @@ unsafe fn task<'a>(tick: *const Tick) -> Option<&'a RobotTask<'a>> {
     // SAFETY: the caller's.
     let context = unsafe { context(tick) }?;
     if context.task.is_none() {
-        context.fail("a function of planners: a process has no robot and no map".to_owned());
+        let text = "a function of planners: a process has no robot and no map";
+        context.fail(CallError::Reported(text.to_owned()));
     }
     context.task.as_ref()
 }
@@ -290,6 +294,6 @@ unsafe extern "C" fn fail(tick: *const Tick, reason: *const c_char) {
     // SAFETY: duties of the library, stated in the header.
     let (context, reason) = unsafe { (context(tick), text(reason)) };
     if let Some(context) = context {
-        context.fail(reason);
+        context.fail(CallError::Reported(reason));
     }
 }

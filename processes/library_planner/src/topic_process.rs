@@ -11,7 +11,6 @@ use crate::library::Library;
 use crate::params::LibraryParams;
 use crate::process::{Driven, Rules};
 use crate::records::Records;
-use crate::topics;
 
 /// The process that a library has created.
 #[derive(Debug)]
@@ -41,15 +40,7 @@ impl TopicProgram for LibraryProgram {
             exits: &exits,
             capture_radius: config.run.capture_radius,
         };
-        let refused = |reason| ProcessError::Params {
-            process: config.name.clone(),
-            kind: config.kind.clone(),
-            reason,
-        };
-        if let Some(library) = params.library {
-            topics::check_reads(library.table).map_err(ProcessError::Algorithm)?;
-        }
-        let driven = Driven::start(config, params, None, &rules, seed).map_err(refused)?;
+        let driven = Driven::open(config, params, None, &rules, seed)?;
         Ok(Self { driven, exits })
     }
 
@@ -58,7 +49,7 @@ impl TopicProgram for LibraryProgram {
         view: &View<'_>,
         inputs: &RawInputs,
         outputs: &mut [RawOutput],
-    ) -> Result<(), String> {
+    ) -> Result<(), ProcessError> {
         let records = Records::new(inputs);
         let stepped = self.driven.call(
             view,
@@ -70,6 +61,9 @@ impl TopicProgram for LibraryProgram {
                 driven.library.step(driven.planner, tick);
             },
         );
-        stepped.map_err(|text| format!("at {} s the process fails: {text}", view.time_s))
+        stepped.map_err(|error| {
+            let text = format!("at {} s the process fails: {error}", view.time_s);
+            ProcessError::Algorithm(text)
+        })
     }
 }

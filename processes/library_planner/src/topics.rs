@@ -9,6 +9,7 @@ use ipc_types::topics::TopicId;
 use runtime::declaration::{WrittenDeclaration, WrittenOutput, WrittenTopic};
 
 use crate::abi::{Field, LATER, PlannerTable, SOLE, Topic};
+use crate::error::{TableError, Unexpected};
 use crate::start_functions::text;
 
 /// Maximum number of topics, and of fields of one of them.
@@ -17,8 +18,8 @@ const MAX_COUNT: usize = 256;
 /// Returns the names of the topics that a library reads.
 ///
 /// # Errors
-/// A text that names the part of the table.
-pub(crate) fn reads(table: &PlannerTable) -> Result<Vec<String>, String> {
+/// [`Unexpected`] names the part of the table.
+pub(crate) fn reads(table: &PlannerTable) -> Result<Vec<String>, Unexpected> {
     let topics = array("reads", table.reads, table.read_count)?;
     Ok(topics.iter().map(|topic| string(topic.name)).collect())
 }
@@ -26,8 +27,8 @@ pub(crate) fn reads(table: &PlannerTable) -> Result<Vec<String>, String> {
 /// Returns the topics that a process reads and writes. Registers those that it writes.
 ///
 /// # Errors
-/// A text that names the part of the table, the topic and the field.
-pub(crate) fn declaration(table: &PlannerTable) -> Result<WrittenDeclaration, String> {
+/// [`TableError`] names the part of the table, the topic and the field.
+pub(crate) fn declaration(table: &PlannerTable) -> Result<WrittenDeclaration, TableError> {
     let topics = array("writes", table.writes, table.write_count)?;
     let declared = WrittenDeclaration {
         reads: reads(table)?,
@@ -43,27 +44,26 @@ pub(crate) fn declaration(table: &PlannerTable) -> Result<WrittenDeclaration, St
 /// Checks the structures of the topics that a library reads, which are known by now.
 ///
 /// # Errors
-/// A text that names the topic and the field.
-pub(crate) fn check_reads(table: &PlannerTable) -> Result<(), String> {
+/// [`Unexpected`] names the topic and the field.
+pub(crate) fn check_reads(table: &PlannerTable) -> Result<(), Unexpected> {
     let topics = array("reads", table.reads, table.read_count)?;
     topics.iter().try_for_each(compare)
 }
 
-fn output(topic: &Topic) -> Result<WrittenOutput, String> {
+fn output(topic: &Topic) -> Result<WrittenOutput, Unexpected> {
     let name = string(topic.name);
     if topic.flags & !(LATER | SOLE) != 0 {
-        return Err(format!(
-            "topic {name:?}: flags = {}: expected a sum of PROTEAN_LATER and PROTEAN_SOLE",
-            topic.flags
+        return Err(Unexpected::new(
+            format!("topic {name:?}: flags = {}", topic.flags),
+            "a sum of PROTEAN_LATER and PROTEAN_SOLE",
         ));
     }
     let fields = fields(topic, &name)?.iter();
     let fields = fields.map(|field| format!("{} {}\n", string(field.kind), string(field.name)));
     let drawing = string(topic.drawing);
     if let Some(word) = drawing.split_whitespace().find(|word| !word.contains('=')) {
-        return Err(format!(
-            "topic {name:?}: drawing: {word:?}: expected words as x=FIELD"
-        ));
+        let part = format!("topic {name:?}: drawing: {word:?}");
+        return Err(Unexpected::new(part, "words as x=FIELD"));
     }
     let entries = [
         ("message", fields.collect()),
@@ -83,7 +83,7 @@ fn output(topic: &Topic) -> Result<WrittenOutput, String> {
 }
 
 /// Compares the structure of a topic with its message.
-fn compare(topic: &Topic) -> Result<(), String> {
+fn compare(topic: &Topic) -> Result<(), Unexpected> {
     let name = string(topic.name);
     let Some(known) = TopicId::from_name(&name) else {
         // Refused when it is opened.
@@ -91,6 +91,10 @@ fn compare(topic: &Topic) -> Result<(), String> {
     };
     let element = &known.facts().element;
     let fields = fields(topic, &name)?;
+    let differs = |found: String, expected: String| {
+        let part = format!("topic {name:?}: the structure has {found}");
+        Err(Unexpected::new(part, expected))
+    };
     if !fields.is_empty() {
         let own = fields.iter().map(|field| {
             let (offset, size) = (field.offset as usize, field.size as usize);
@@ -100,24 +104,15 @@ fn compare(topic: &Topic) -> Result<(), String> {
         for (at, expected) in expected.iter().enumerate() {
             if own.get(at) != Some(expected) {
                 let found = own.get(at).map_or("nothing".to_owned(), span);
-                return Err(format!(
-                    "topic {name:?}: the structure has {found}: expected {}",
-                    span(expected)
-                ));
+                return differs(found, span(expected));
             }
         }
         if let Some(more) = own.get(expected.len()) {
-            let found = span(more);
-            return Err(format!(
-                "topic {name:?}: the structure has {found}: expected no further field"
-            ));
+            return differs(span(more), "no further field".to_owned());
         }
     }
     if topic.size != element.size {
-        return Err(format!(
-            "topic {name:?}: the structure has {} bytes: expected {}",
-            topic.size, element.size
-        ));
+        return differs(format!("{} bytes", topic.size), element.size.to_string());
     }
     Ok(())
 }
@@ -134,8 +129,9 @@ fn span((name, offset, size): &(String, usize, usize)) -> String {
     format!("field {name} with {size} bytes at byte {offset}")
 }
 
-fn fields<'a>(topic: &'a Topic, name: &str) -> Result<&'a [Field], String> {
-    array("fields", topic.fields, topic.field_count).map_err(|e| format!("topic {name:?}: {e}"))
+fn fields<'a>(topic: &'a Topic, name: &str) -> Result<&'a [Field], Unexpected> {
+    array("fields", topic.fields, topic.field_count)
+        .map_err(|e| e.within(&format!("topic {name:?}")))
 }
 
 #[expect(unsafe_code, reason = "strings of the table are C strings")]
@@ -146,7 +142,7 @@ fn string(string: *const c_char) -> String {
 
 /// Returns the elements of an array in the table.
 #[expect(unsafe_code, reason = "arrays of the table are of the library")]
-fn array<'a, T>(what: &str, first: *const T, count: usize) -> Result<&'a [T], String> {
+fn array<'a, T>(what: &str, first: *const T, count: usize) -> Result<&'a [T], Unexpected> {
     if count == 0 {
         return Ok(&[]);
     }
@@ -156,8 +152,9 @@ fn array<'a, T>(what: &str, first: *const T, count: usize) -> Result<&'a [T], St
         } else {
             "an address"
         };
-        return Err(format!(
-            "{what}: {count} at {address}: expected an array of at most {MAX_COUNT}"
+        return Err(Unexpected::new(
+            format!("{what}: {count} at {address}"),
+            format!("an array of at most {MAX_COUNT}"),
         ));
     }
     // SAFETY: duty of the library, stated in the header: the array has this many elements, which stay valid with the table.

@@ -5,8 +5,8 @@ use crate::recovery::chebyshev::ChebyshevRecovery;
 use chaotic_maps::{AnySource, Emission};
 use coverage::plan::{PlanSpec, frames};
 use coverage::sub_goals::params::FollowParams;
-use coverage::sub_goals::site::Site;
-use coverage::tour::{Iterations, Route, Tour};
+use coverage::sub_goals::site::{Site, SiteError};
+use coverage::tour::{Iterations, Route, Tour, TourError};
 use geometry::shape::{Aabb, Convex};
 use nalgebra::{Point2, Vector2};
 use parameters::{Parameters, ParamsError, above, at_least, each, require, unit};
@@ -202,29 +202,48 @@ impl Parameters for ChebyshevKnowledge {
     }
 }
 
+/// Reason why a map has no goals of a large loop.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum MapFault {
+    /// The workplace.
+    #[error(transparent)]
+    Site(#[from] SiteError),
+    /// The start of the robot.
+    #[error("the robot starts outside the free space")]
+    Outside,
+    /// The route.
+    #[error(transparent)]
+    Tour(#[from] TourError),
+    /// The map is not given exactly.
+    #[error("the map has more pieces than world/shapes holds: give its `rectangle`")]
+    NoPieces,
+    /// The iterations.
+    #[error("the tour has no sub-goals")]
+    NoGoals,
+}
+
 impl ChebyshevKnowledge {
     /// Returns the goals of a large loop in a map with these bounds and obstacles, of a robot of this
     /// radius (m) that starts at `start` (m).
     ///
     /// # Errors
-    /// A text that names the invalid parameter or the fault of the map.
+    /// [`MapFault`] names the invalid parameter or the fault of the map.
     pub fn layout_of_map(
         &self,
         bounds: Aabb,
         parts: &[Convex],
         radius: f64,
         start: Point2<f64>,
-    ) -> Result<Layout, String> {
+    ) -> Result<Layout, MapFault> {
         let follow = FollowParams {
             margin: self.margin,
             tolerance: self.tolerance,
             ..FollowParams::default()
         };
-        let site = Site::new(bounds, parts, radius, &follow, start).map_err(|e| e.to_string())?;
+        let site = Site::new(bounds, parts, radius, &follow, start)?;
         let first = site.decomposition.rectangle_at(site.start);
-        let first = first.ok_or("the robot starts outside the free space")?;
-        let tour = Tour::new(&site.decomposition, first, &self.route, &self.iterations)
-            .map_err(|e| e.to_string())?;
+        let first = first.ok_or(MapFault::Outside)?;
+        let tour = Tour::new(&site.decomposition, first, &self.route, &self.iterations)?;
         let slots = frames(&site.decomposition, &tour).into_iter().map(|r| {
             let size = r.max - r.min;
             Slot::Drawn(Frame {
@@ -233,7 +252,7 @@ impl ChebyshevKnowledge {
                 second: Vector2::new(0.0, size.y),
             })
         });
-        Layout::new(slots.collect()).ok_or_else(|| "the tour has no sub-goals".to_owned())
+        Layout::new(slots.collect()).ok_or(MapFault::NoGoals)
     }
 
     /// Returns the single goal that is drawn repeatedly in a rectangle.

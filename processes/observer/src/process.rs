@@ -20,7 +20,7 @@ use std::sync::Arc;
 use tracking::particle_filter::MotionLimits;
 use tracking::space::Space;
 
-use crate::knowledge::ChebyshevKnowledge;
+use crate::knowledge::{ChebyshevKnowledge, MapFault};
 use crate::layout::Layout;
 use crate::moment::Look;
 use crate::params::{Method, ObserverParams};
@@ -117,7 +117,7 @@ impl ProcessKind for ObserverProcess {
                         .position(|robot| robot.name == *name)
                         .ok_or_else(|| {
                             refuse(format!(
-                                "`{field}` names `{name}`, but must name robots of the scenario"
+                                "`{field}` names `{name}`: expected robots of the scenario"
                             ))
                         })
                 })
@@ -374,9 +374,7 @@ impl ObserverProcess {
                 let start = robot.start.position();
                 knowledge.layout_of_map(*bounds, parts, robot.model.radius, start)
             }
-            None => {
-                Err("the map has more pieces than world/shapes holds: give its `rectangle`".into())
-            }
+            None => Err(MapFault::NoPieces),
         };
         layout.map_err(|reason| ProcessError::Algorithm(format!("`chebyshev`: {reason}")))
     }

@@ -179,7 +179,7 @@ fn an_impossible_patrol_names_the_field() {
     };
     assert_eq!(
         made(""),
-        "`mission.contour` is a list of 0, but must be at least 2 values"
+        "`mission.contour` is a list of 0: expected at least 2 values"
     );
     let slow = "mission = { contour = [[0, 0], [100, 0]], t_max = 60 }";
     assert!(made(slow).contains("at least 200.000 s"));

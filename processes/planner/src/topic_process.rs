@@ -8,7 +8,9 @@ use parameters::Parameters;
 use planner_view::view::{RobotView, View};
 use robot::team::Team;
 use runtime::config::ProcessConfig;
-use runtime::declaration::{Declaration, Input, WrittenDeclaration, input, readable};
+use runtime::declaration::{
+    Declaration, DeclarationError, Input, WrittenDeclaration, input, readable,
+};
 use runtime::error::ProcessError;
 use runtime::inputs::{StateInput, reply_stamp};
 use runtime::kind::{Process, ProcessKind};
@@ -39,13 +41,13 @@ pub trait TopicProgram: Sized + 'static {
     /// Takes the messages of a tick, and fills the outputs that have one. The view has no own robot.
     ///
     /// # Errors
-    /// The reason that ends the process.
+    /// Ends the process.
     fn step(
         &mut self,
         view: &View<'_>,
         inputs: &RawInputs,
         outputs: &mut [RawOutput],
-    ) -> Result<(), String>;
+    ) -> Result<(), ProcessError>;
 }
 
 /// A topic that a program writes.
@@ -102,7 +104,7 @@ impl<P: TopicProgram> ProcessKind for TopicProcess<P> {
     fn open(config: &ProcessConfig, params: &P::Params, bus: &Bus) -> Result<Self, ProcessError> {
         let declared = P::declared(params);
         let outputs = declared.writes.iter().map(|output| {
-            let topic = output.topic.register().map_err(ProcessError::Algorithm)?;
+            let topic = output.topic.register().map_err(DeclarationError::from)?;
             let options = PublisherOptions::new(config.index, output.elements);
             Ok(RawOutput {
                 topic,
@@ -150,9 +152,7 @@ impl<P: TopicProgram> Process for TopicProcess<P> {
             exits: &[],
             scan: None,
         };
-        self.program
-            .step(&view, &self.inputs, &mut self.outputs)
-            .map_err(ProcessError::Algorithm)?;
+        self.program.step(&view, &self.inputs, &mut self.outputs)?;
         let stamp = reply_stamp(&self.state.header, received_ns);
         for output in &mut self.outputs {
             if let Some(elements) = output.elements.take() {

@@ -90,7 +90,7 @@ impl PolicyParams {
         let length = network.output_length();
         if length != ACTION_LENGTH {
             return Err(refused(format!(
-                "the output has {length} numbers, expected {ACTION_LENGTH}, in −1..1"
+                "the output has {length} numbers: expected {ACTION_LENGTH}, in −1..1"
             )));
         }
         Ok(network)

@@ -194,7 +194,7 @@ mod tests {
         let error = check(&params).unwrap_err();
         assert_eq!(
             error.to_string(),
-            "`assignment.period_s` is 0, but must be a finite number above 0 (s)"
+            "`assignment.period_s` is 0: expected a finite number above 0 (s)"
         );
         let params = PursuerParams {
             max_particles: 0,

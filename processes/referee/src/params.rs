@@ -45,7 +45,7 @@ mod tests {
         let error = check(&params).unwrap_err();
         assert_eq!(
             error.to_string(),
-            "`dominance.pitch` is -0.1, but must be a finite number above 0 (m)"
+            "`dominance.pitch` is -0.1: expected a finite number above 0 (m)"
         );
         assert!(toml::from_str::<RefereeParams>("periods = 1").is_err());
     }

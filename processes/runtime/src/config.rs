@@ -7,6 +7,7 @@ use std::time::Duration;
 use geometry::pose::Pose2;
 use geometry::region::Region;
 use ipc_types::bus::{BusError, BusOptions, RunSpace};
+use ipc_types::layout::LayoutError;
 use ipc_types::topics::RunSize;
 use robot::spec::RobotModel;
 pub use robot::team::Role;
@@ -138,10 +139,10 @@ pub fn ticks_within(deadline_ns: u64, tick_period: Duration) -> u64 {
 #[derive(Debug, thiserror::Error)]
 pub enum ConfigError {
     /// A topic of the run is not the one of this program.
-    #[error("{0}")]
-    Topic(String),
+    #[error(transparent)]
+    Topic(#[from] LayoutError),
     /// The file cannot be read.
-    #[error("process configuration {path}: {source}")]
+    #[error("process configuration {path}: cannot be read: {source}")]
     File {
         /// The file.
         path: PathBuf,
@@ -150,7 +151,7 @@ pub enum ConfigError {
     },
     /// The file is not a process configuration of this version.
     #[error(
-        "process configuration {path}: {source}; this program must be built from the version of `protean` that runs it"
+        "process configuration {path}: {source}: expected a program built from the version of `protean` that runs it"
     )]
     Syntax {
         /// The file.
@@ -262,7 +263,7 @@ fn load_untyped(path: &Path) -> Result<(ProcessConfig, Json), ConfigError> {
             source,
         })?;
     for topic in &document.config.run.topics {
-        topic.register().map_err(ConfigError::Topic)?;
+        topic.register()?;
     }
     Ok((document.config, document.params))
 }

@@ -3,7 +3,10 @@
 
 mod written;
 
-pub use written::{WrittenDeclaration, WrittenOutput, WrittenTopic, input, readable, reading_time};
+pub use written::{
+    DeclarationError, WrittenDeclaration, WrittenOutput, WrittenTopic, input, readable,
+    reading_time,
+};
 
 use core::fmt;
 

@@ -3,6 +3,7 @@
 use ipc_types::bus::{BusError, ReceiveError, SendError};
 
 use crate::config::ConfigError;
+use crate::declaration::DeclarationError;
 use crate::lockstep::BarrierError;
 
 /// Errors after which a process cannot continue.
@@ -31,6 +32,9 @@ pub enum ProcessError {
         /// Part that the scenario lacks.
         expected: &'static str,
     },
+    /// A topic that it declares.
+    #[error(transparent)]
+    Declaration(#[from] DeclarationError),
     /// The bus cannot be opened.
     #[error(transparent)]
     Bus(#[from] BusError),

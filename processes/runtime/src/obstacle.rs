@@ -19,7 +19,7 @@ const POLYGON: u8 = 2;
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum ObstacleMessageError {
     /// The polygon has too many corners.
-    #[error("obstacle {id}: polygon with {vertices} corners, expected 3 to {MAX_VERTICES}")]
+    #[error("obstacle {id}: polygon with {vertices} corners: expected 3 to {MAX_VERTICES}")]
     Vertices {
         /// Number of the obstacle.
         id: u32,

@@ -68,7 +68,7 @@ impl RawInputs {
     /// [`ProcessError`] names a topic that no process writes, or that cannot be opened.
     pub fn open(names: &[String], config: &ProcessConfig, bus: &Bus) -> Result<Self, ProcessError> {
         let open = |name: &String| {
-            let topic = readable(name).map_err(ProcessError::Algorithm)?;
+            let topic = readable(name)?;
             let unknown = || ProcessError::Algorithm(format!("topic {name} is not registered"));
             Ok(RawInput {
                 topic,

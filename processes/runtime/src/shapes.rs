@@ -23,7 +23,7 @@ const MAX_COORDINATE: f64 = 1e6;
 pub enum ShapesMessageError {
     /// The bounds are empty, reversed or not finite.
     #[error(
-        "bounds from ({min_x}, {min_y}) to ({max_x}, {max_y}), expected finite bounds with a positive area"
+        "bounds from ({min_x}, {min_y}) to ({max_x}, {max_y}): expected finite bounds with a positive area"
     )]
     Bounds {
         /// Smallest x (m).
@@ -36,7 +36,7 @@ pub enum ShapesMessageError {
         max_y: f64,
     },
     /// The points do not form the announced number of shapes in order.
-    #[error("point {point} is of shape {shape}, expected {announced} shapes one after the other")]
+    #[error("point {point} is of shape {shape}: expected {announced} shapes one after the other")]
     Order {
         /// Index of the point.
         point: usize,
@@ -47,7 +47,7 @@ pub enum ShapesMessageError {
     },
     /// A coordinate or radius is out of its range.
     #[error(
-        "shape {shape}: ({x}, {y}) with radius {radius}, expected numbers within ±{MAX_COORDINATE} \
+        "shape {shape}: ({x}, {y}) with radius {radius}: expected numbers within ±{MAX_COORDINATE} \
          and a radius that is not negative"
     )]
     Number {
@@ -62,7 +62,7 @@ pub enum ShapesMessageError {
     },
     /// The points of a shape form neither a disc nor a convex polygon.
     #[error(
-        "shape {shape}: {points} points, expected one with a radius > 0, or the corners of a convex \
+        "shape {shape}: {points} points: expected one with a radius > 0, or the corners of a convex \
          polygon, counter-clockwise and with radius 0"
     )]
     Shape {

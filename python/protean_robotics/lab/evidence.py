@@ -42,7 +42,7 @@ class Evidence:
                 return
         names = (*chase_evidence.EXPERIMENTS, *patrol_evidence.EXPERIMENTS, *vmc_lp_evidence.EXPERIMENTS)
         raise InvalidInput(
-            f"{results.directory} contains the results of the experiment `{results.name}`; expected one of {', '.join(names)}"
+            f"{results.directory} contains the results of the experiment `{results.name}`: expected one of {', '.join(names)}"
         )
 
     def add_plans(self, plans: list[Plan]) -> None:

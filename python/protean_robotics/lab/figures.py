@@ -319,14 +319,14 @@ def _published(path: Path) -> Iterator[tuple[str, Point]]:
     try:
         rows = list(csv.DictReader(path.read_text(encoding="utf-8").splitlines()))
     except OSError as error:
-        raise InvalidInput(f"{path}: {error.strerror}; expected the published points of the experiment") from error
+        raise InvalidInput(f"{path}: {error.strerror}: expected the published points of the experiment") from error
     for line, row in enumerate(rows, 2):
         try:
             ends = (float(row["low"]), float(row["high"])) if row.get("low") and row.get("high") else None
             yield row["series"], Point(float(row["x"]), float(row["y"]), ends)
         except (KeyError, TypeError, ValueError) as error:
             expected = "the columns series, x, y, and optionally low and high, with numbers"
-            raise InvalidInput(f"{path}:{line}: {error!r}; expected {expected}") from error
+            raise InvalidInput(f"{path}:{line}: {error!r}: expected {expected}") from error
 
 
 def write(directory: Path) -> list[Path]:

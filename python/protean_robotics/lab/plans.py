@@ -68,7 +68,7 @@ def read(path: Path) -> list[Plan]:
         return []
     table = csv.DictReader(text.splitlines())
     if list(table.fieldnames or []) != _COLUMNS:
-        raise InvalidInput(f"{path}:1: the columns are {table.fieldnames}; expected a table of plans: {_COLUMNS}")
+        raise InvalidInput(f"{path}:1: the columns are {table.fieldnames}: expected a table of plans: {_COLUMNS}")
     found = []
     for line, row in enumerate(table, 2):
         try:
@@ -76,7 +76,7 @@ def read(path: Path) -> list[Plan]:
             is_found = {"true": True, "false": False}[row["found"]]
             found.append(Plan(row["case"], row["scene"], int(row["seed"]), int(row["iterations"]), is_found, *numbers))
         except (KeyError, TypeError, ValueError) as error:
-            raise InvalidInput(f"{path}:{line}: {error!r}; expected a table of plans") from error
+            raise InvalidInput(f"{path}:{line}: {error!r}: expected a table of plans") from error
     return found
 
 

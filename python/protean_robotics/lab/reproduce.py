@@ -113,7 +113,7 @@ def _refuse_foreign(directory: Path) -> None:
     for name in REPORTS:
         file = directory / name
         if file.exists() or file.is_symlink():
-            raise InvalidInput(f"{file} exists, but {directory} has no results of a reproduction; expected another directory")
+            raise InvalidInput(f"{file} exists, but {directory} has no results of a reproduction: expected another directory")
 
 
 def _sweep(directory: Path, experiment: Experiment, options: Options, turn: str) -> None:

@@ -83,7 +83,7 @@ class Results:
         try:
             return tomllib.loads(path.read_text(encoding="utf-8"))
         except (OSError, ValueError) as error:
-            raise InvalidInput(f"{path}: {error}; expected the copy that `protean sweep` wrote") from error
+            raise InvalidInput(f"{path}: {error}: expected the copy that `protean sweep` wrote") from error
 
     def finished(self, cell: int) -> dict[int, Row]:
         """Rows of a cell that did not fail, by seed."""
@@ -135,9 +135,9 @@ def read(directory: Path) -> Results:
         cells = tuple(Cell(cell["case"], tuple(cell["values"])) for cell in manifest["cells"])
         seeds = [seed for first, last in manifest["seeds"] for seed in range(first, last + 1)]
     except OSError as error:
-        raise InvalidInput(f"{directory}: {error.strerror}: manifest.json; expected the directory of the results of a sweep") from error
+        raise InvalidInput(f"{directory}: {error.strerror}: manifest.json: expected the directory of the results of a sweep") from error
     except (ValueError, KeyError, TypeError) as error:
-        raise InvalidInput(f"{path}: {error!r}; expected the manifest of a sweep") from error
+        raise InvalidInput(f"{path}: {error!r}: expected the manifest of a sweep") from error
     rows: dict[tuple[int, int], Row] = {}
     cpu_ms: dict[tuple[int, int], float] = {}
     for entry in _journal(directory / "journal.jsonl"):
@@ -166,12 +166,12 @@ def _journal(path: Path) -> Iterator[dict[str, Any]]:
     try:
         lines = path.read_text(encoding="utf-8").splitlines(keepends=True)
     except OSError as error:
-        raise InvalidInput(f"{path}: {error.strerror}; expected the journal of a sweep") from error
+        raise InvalidInput(f"{path}: {error.strerror}: expected the journal of a sweep") from error
     for number, line in enumerate(lines, 1):
         if not line.endswith("\n"):
             return
         try:
             entry: dict[str, Any] = json.loads(line)
         except ValueError as error:
-            raise InvalidInput(f"{path}:{number}: {error}; expected the line as the sweep wrote it") from error
+            raise InvalidInput(f"{path}:{number}: {error}: expected the line as the sweep wrote it") from error
         yield entry

@@ -17,6 +17,7 @@ use report::picture::{RunTrace, draw};
 use report::{page, picture};
 
 pub use self::columns::Column;
+use python_algorithms::arguments::invalid;
 use python_algorithms::error::{Error, InvalidInput};
 use python_algorithms::interruptible::wait;
 
@@ -72,7 +73,7 @@ impl LogFile {
             let known: Vec<&str> = self.info.topics.keys().map(String::as_str).collect();
             let known = known.join(", ");
             return Err(InvalidInput::new_err(format!(
-                "{topic}: no topic of the log has this name; it has {known}"
+                "{topic}: no topic of the log has this name: expected one of {known}"
             )));
         };
         let read = read(py, |watch| {
@@ -100,7 +101,7 @@ impl LogFile {
     fn report(&self, py: Python<'_>, out: PathBuf, force: bool) -> PyResult<()> {
         let out = OutputFormat::PAGE
             .check(out)
-            .map_err(InvalidInput::new_err)?;
+            .map_err(|error| invalid(&error))?;
         let log: &Path = &self.path;
         read(py, |watch| page::report(&[log], &out, force, watch)).map(drop)
     }
@@ -132,7 +133,7 @@ impl LogFile {
     fn picture(&self, py: Python<'_>, out: PathBuf, at: Option<f64>, force: bool) -> PyResult<()> {
         let out = OutputFormat::PICTURE
             .check(out)
-            .map_err(InvalidInput::new_err)?;
+            .map_err(|error| invalid(&error))?;
         read(py, |watch| {
             picture::save(&self.path, at, &out, force, watch)
         })

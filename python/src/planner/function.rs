@@ -42,7 +42,7 @@ impl Argument {
             "inputs" => Self::Inputs,
             _ => {
                 return Err(InvalidInput::new_err(format!(
-                    "argument {name:?} of a planner: expected robot, world, map, scan, belief, params, rng or inputs"
+                    "argument {name:?} of a planner: expected one of robot, world, map, scan, belief, params, rng, inputs"
                 )));
             }
         })
@@ -56,7 +56,7 @@ impl Argument {
             .filter(|name| is_process && !OF_PROCESSES.contains(&name.as_str()));
         if let Some(name) = refused.next() {
             return Err(InvalidInput::new_err(format!(
-                "argument {name:?} of a process: expected world, inputs, params or rng"
+                "argument {name:?} of a process: expected one of world, inputs, params, rng"
             )));
         }
         names.iter().map(|name| Self::of(name)).collect()
@@ -115,7 +115,9 @@ impl Function {
             reads: Vec::new(),
             writes: writes.clone().unwrap_or_default(),
         };
-        declared.register().map_err(refused)?;
+        declared
+            .register()
+            .map_err(|error| refused(error.to_string()))?;
         Ok(Self {
             callable,
             setup: setup.as_ref().map(all).transpose()?,

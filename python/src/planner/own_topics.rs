@@ -64,10 +64,10 @@ impl TopicProgram for OwnTopics {
         view: &View<'_>,
         inputs: &RawInputs,
         outputs: &mut [RawOutput],
-    ) -> Result<(), String> {
+    ) -> Result<(), ProcessError> {
         call_planner(|py| {
             let called = self.call(py, view, inputs, outputs);
-            called.map_err(|error| self.function.get().fail(py, error))
+            called.map_err(|error| ProcessError::Algorithm(self.function.get().fail(py, error)))
         })
     }
 }
@@ -99,7 +99,7 @@ impl OwnTopics {
                 let Some(at) = names.iter().position(|known| *known == name) else {
                     let expected = names.join(", ");
                     return Err(PyValueError::new_err(format!(
-                        "it returned elements of topic {name:?}: expected {expected}"
+                        "it returned elements of topic {name:?}: expected one of {expected}"
                     )));
                 };
                 take(&mut outputs[at], &elements)?;

@@ -118,7 +118,7 @@ fn parameters_out_of_range_are_named() {
         (|p| p.cell = 0.0, "`cell` is 0"),
         (
             |p| p.cell = 0.2,
-            "`cell` is 0.2, but must be at most the radius that the robot covers, 0.1 m",
+            "`cell` is 0.2: expected at most the radius that the robot covers, 0.1 m",
         ),
         (|p| p.choices = 0.5, "`choices` is 0.5"),
         (|p| p.candidates = 0, "`candidates` is 0"),

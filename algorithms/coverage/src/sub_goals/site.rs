@@ -13,9 +13,9 @@ use crate::sub_goals::params::FollowParams;
 pub enum SiteError {
     /// The robot with its margin is too large for the workplace.
     #[error(
-        "`follow.margin` is {margin} m and the robot's radius {radius} m, but together they must \
-         be below {limit} m, half the shorter side of the workplace: enlarge it, keep less margin \
-         or take a smaller robot"
+        "`follow.margin` is {margin} m and the robot's radius {radius} m: expected a sum below \
+         {limit} m, half the shorter side of the workplace; enlarge it, keep less margin or take a \
+         smaller robot"
     )]
     TooNarrow {
         /// Margin (m).

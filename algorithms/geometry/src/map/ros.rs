@@ -64,7 +64,7 @@ pub enum RosMode {
 #[derive(Debug, thiserror::Error)]
 pub enum RosMapError {
     /// A file is missing or unreadable.
-    #[error("map {}: {source}", path.display())]
+    #[error("map {}: cannot be read: {source}", path.display())]
     Io {
         /// The file.
         path: PathBuf,

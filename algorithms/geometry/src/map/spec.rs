@@ -43,7 +43,7 @@ pub enum MapSpec {
 #[derive(Debug, thiserror::Error)]
 pub enum MapError {
     /// The file is missing or unreadable.
-    #[error("map {}: {source}", path.display())]
+    #[error("map {}: cannot be read: {source}", path.display())]
     Io {
         /// The map's file.
         path: PathBuf,

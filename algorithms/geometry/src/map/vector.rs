@@ -281,7 +281,7 @@ mod tests {
     fn impossible_maps_name_the_field_or_the_limit() {
         let message = |map: &VectorMap| map.validate().unwrap_err().to_string();
         let mut map = VectorMap::empty([0.0, 0.0], [1.0, 0.0], 0.1);
-        assert!(message(&map).starts_with("`bounds.max[1]` is 0, but must be more than"));
+        assert!(message(&map).starts_with("`bounds.max[1]` is 0: expected more than"));
         map.bounds.max = [1e5, 1e5];
         map.resolution = 0.001;
         assert!(
@@ -350,7 +350,7 @@ mod tests {
             (with(vec![comb(4000); 8], vec![]), "squares of the corners"),
             (
                 with(vec![comb(600)], vec![]),
-                "not convex, but must be at most 512",
+                "not convex: expected at most 512",
             ),
         ] {
             let error = map.validate().unwrap_err().to_string();

@@ -239,7 +239,7 @@ mod tests {
         };
         let error = message(&[[0.0, 0.0], [1.0, 0.0]]);
         assert!(
-            error.contains("a list of 2, but must be 3 to 4096 values"),
+            error.contains("a list of 2: expected 3 to 4096 values"),
             "{error}"
         );
         let error = message(&[[0.0, 0.0], [1.0, f64::INFINITY], [0.0, 1.0]]);

@@ -14,7 +14,7 @@ fn an_unknown_operator_is_named_with_the_known_ones() {
     let text = refused(&model(&[node("LSTM", &["x"], "y")], &[], 3));
     assert_eq!(
         text,
-        "node `y` has the operator `LSTM`, expected one of Add, Clip, Concat, Constant, Cos, Div, Flatten, Gemm, \
+        "node `y` has the operator `LSTM`: expected one of Add, Clip, Concat, Constant, Cos, Div, Flatten, Gemm, \
          Identity, MatMul, Mul, Relu, Reshape, Sigmoid, Sin, Sub, Tanh"
     );
 }
@@ -44,16 +44,16 @@ fn constants_that_are_not_what_they_say_are_refused() {
         |dims: &[u64], values: &[f32]| refused(&model(&sum, &[tensor("c", dims, values)], 3));
     assert_eq!(
         with(&[4], &[1.0; 3]),
-        "constant `c`: it has 3 values, expected those of the shape [4]"
+        "constant `c`: it has 3 values: expected those of the shape [4]"
     );
     assert_eq!(
         with(&[1 << 40, 1 << 40], &[1.0]),
-        "constant `c`: its shape is [1099511627776, 1099511627776], expected up to 8 dimensions and 2097152 values"
+        "constant `c`: its shape is [1099511627776, 1099511627776]: expected up to 8 dimensions and 2097152 values"
     );
     assert!(with(&[u64::MAX], &[1.0]).contains("its shape is [-1]"));
-    assert!(with(&[1], &[f32::NAN]).contains("it contains NaN, expected finite numbers"));
+    assert!(with(&[1], &[f32::NAN]).contains("it contains NaN: expected finite numbers"));
     assert!(
-        with(&[2], &[1.0; 2]).contains("shapes [1, 3] and [2], expected shapes that broadcast")
+        with(&[2], &[1.0; 2]).contains("shapes [1, 3] and [2]: expected shapes that broadcast")
     );
 }
 
@@ -77,7 +77,7 @@ fn values_come_from_earlier_nodes() {
     assert!(text.contains("no node computes the output `y`"), "{text}");
     let text = refused(&model(&[node("MatMul", &["x", "x"], "y")], &[], 3));
     assert!(
-        text.contains("its input 1 is computed, expected a constant"),
+        text.contains("its input 1 is computed: expected a constant"),
         "{text}"
     );
 }
@@ -93,7 +93,7 @@ fn memory_and_work_are_limited() {
         .map(|i| node("Add", &["c", "r"], &format!("s{i}")))
         .collect();
     let text = refused(&model(&sums, &[column, row], 3));
-    assert!(text.contains("values, expected at most 2097152"), "{text}");
+    assert!(text.contains("values: expected at most 2097152"), "{text}");
     // A product of many rows by the same weights.
     let rows = tensor("a", &[600, 500], &vec![1.0; 300_000]);
     let weights = tensor("w", &[500, 400], &vec![1.0; 200_000]);
@@ -103,7 +103,7 @@ fn memory_and_work_are_limited() {
         3,
     ));
     assert!(
-        text.contains("operations per evaluation, expected at most 16777216"),
+        text.contains("operations per evaluation: expected at most 16777216"),
         "{text}"
     );
     let nodes: Vec<Vec<u8>> = (0..1001)
@@ -111,7 +111,7 @@ fn memory_and_work_are_limited() {
         .collect();
     assert_eq!(
         refused(&model(&nodes, &[], 3)),
-        "the network has 1001 nodes, expected at most 1000"
+        "the network has 1001 nodes: expected at most 1000"
     );
 }
 

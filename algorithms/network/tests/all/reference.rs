@@ -46,7 +46,7 @@ fn a_network_has_no_memory() {
 fn an_input_of_another_length_is_refused() {
     let mut network = Network::from_onnx(file("policy")).unwrap();
     let error = network.evaluate(&[0.0; 6]).unwrap_err();
-    assert_eq!(error.to_string(), "the input has 6 numbers, expected 7");
+    assert_eq!(error.to_string(), "the input has 6 numbers: expected 7");
 }
 
 #[test]

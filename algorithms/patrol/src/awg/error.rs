@@ -9,21 +9,21 @@ use crate::danger::DangerZoneError;
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum AwgError {
     /// An invalid time.
-    #[error("`t_max` is {value}, but must be a number above 0 and of at most {MAX_T_MAX} (s)")]
+    #[error("`t_max` is {value}: expected a number above 0 and of at most {MAX_T_MAX} (s)")]
     TMax {
         /// Actual time (s).
         value: f64,
     },
     /// An invalid width.
     #[error(
-        "`alpha` is {value}, but must be a finite number above 0 (m); omit it for an automatic choice"
+        "`alpha` is {value}: expected a finite number above 0 (m); omit it for an automatic choice"
     )]
     Alpha {
         /// Actual width (m).
         value: f64,
     },
     /// A clock that stands still or is too slow.
-    #[error("the tempo is {value}, but must be a number above 0 and of at most 1")]
+    #[error("the tempo is {value}: expected a number above 0 and of at most 1")]
     Tempo {
         /// Actual tempo.
         value: f64,

@@ -94,7 +94,7 @@ fn errors_of_a_patrol_contain_the_remedy() {
     for (error, part) in [
         (
             refused(&|p| p.contour.clear()),
-            "`contour` is a list of 0, but must be at least 2 values",
+            "`contour` is a list of 0: expected at least 2 values",
         ),
         (refused(&|p| p.contour[3] = p.contour[2]), "`contour[3]`"),
         (refused(&|p| p.t_max = 30.0), "at least 48.284 s"),

@@ -138,7 +138,7 @@ mod tests {
         let error = check(&params).unwrap_err();
         assert_eq!(
             error.to_string(),
-            "`avoid.reach` is NaN, but must be a finite number above 0 (m)"
+            "`avoid.reach` is NaN: expected a finite number above 0 (m)"
         );
     }
 

@@ -106,7 +106,7 @@ mod tests {
         };
         assert_eq!(
             check(&wide).unwrap_err().to_string(),
-            "`angle_min` is -7, but must be a number within ±2π (rad)"
+            "`angle_min` is -7: expected a number within ±2π (rad)"
         );
         assert_eq!(bad(|s| s.beams = 0), "beams");
         assert_eq!(bad(|s| s.beams = 1_000_000_000), "beams");

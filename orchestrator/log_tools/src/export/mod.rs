@@ -179,7 +179,7 @@ impl Export<'_> {
                         channel.topic
                     )));
                 }
-                Err(why) => Fate::Skipped(Some((channel.topic.clone(), why))),
+                Err(why) => Fate::Skipped(Some((channel.topic.clone(), why.to_string()))),
             }
         } else {
             Fate::Ignored

@@ -25,7 +25,7 @@ pub enum LogWriteError {
         path: PathBuf,
     },
     /// The file could not be created or opened.
-    #[error("cannot create the log {path}: {source}")]
+    #[error("{path}: cannot be created: {source}")]
     Create {
         /// The file.
         path: PathBuf,
@@ -33,7 +33,7 @@ pub enum LogWriteError {
         source: io::Error,
     },
     /// A write failed; the log stays readable up to the last flush. A log without a flush is removed.
-    #[error("cannot write the log {path}: {source} ({})", match *readable {
+    #[error("{path}: cannot be written: {source} ({})", match *readable {
         0 => "nothing of it is left".to_owned(),
         bytes => format!("it stays readable up to {bytes} bytes"),
     })]

@@ -23,7 +23,9 @@ pub enum RouteError {
         found: String,
     },
     /// No process of a suitable kind has this name.
-    #[error("{scenario}: `{name}` is none of its processes of kind {wanted}: {found}")]
+    #[error(
+        "{scenario}: `{name}` is none of its processes of kind {wanted}: expected one of {found}"
+    )]
     NotNamed {
         /// Name of the scenario.
         scenario: String,
@@ -35,7 +37,9 @@ pub enum RouteError {
         found: String,
     },
     /// Several processes are suitable.
-    #[error("{scenario} has several processes of kind {wanted}: name one of {found} by `process`")]
+    #[error(
+        "{scenario} has several processes of kind {wanted}: expected one of {found} as `process`"
+    )]
     Several {
         /// Name of the scenario.
         scenario: String,
@@ -92,7 +96,9 @@ impl<'s> Router<'s> {
         let (scenario_name, wanted) = (scenario.name.clone(), kinds.join(" or "));
         let chosen = match (name, &fitting[..]) {
             (_, []) => {
-                let kinds: Vec<&str> = scenario.processes.iter().filter_map(kind_of).collect();
+                let mut kinds: Vec<&str> = scenario.processes.iter().filter_map(kind_of).collect();
+                kinds.sort_unstable();
+                kinds.dedup();
                 return Err(RouteError::NoProcess {
                     scenario: scenario_name,
                     wanted,

@@ -6,6 +6,11 @@ use clap::builder::{PathBufValueParser, TypedValueParser};
 use platform::output_format::OutputFormat;
 use sweep::spec::LogPolicy;
 
+/// The text of an argument is not a value of its option.
+#[derive(Debug, thiserror::Error)]
+#[error("expected {0}")]
+pub(super) struct Expected(pub(super) String);
+
 /// Returns the parser of an output file's name, which may not have the ending of another format.
 pub(super) fn out(format: OutputFormat) -> impl TypedValueParser<Value = PathBuf> {
     PathBufValueParser::new().try_map(move |file| format.check(file))

@@ -68,7 +68,7 @@ pub(super) fn run(kinds: &[Kind], args: &DiffArgs) -> ExitCode {
         refuse_changes_of_logs(args)?;
         let folder = Scratch::create().map_err(|source| {
             ReplayError::from(MissionError::System {
-                what: "cannot create a temporary directory".into(),
+                what: "a temporary directory: cannot be created".into(),
                 source,
             })
         })?;
@@ -151,7 +151,7 @@ fn run_first(
     name: &str,
     watch: &ReadProgress,
 ) -> Result<PathBuf, CommandError> {
-    refuse_external(side, &scenario, args.external.allow_external).map_err(|text| usage(&text))?;
+    refuse_external(side, &scenario, args.external.allow_external).map_err(|error| usage(&error.to_string()))?;
     let log = folder.path().join(format!("{name}.mcap"));
     let watch = ReadProgress::new(Arc::clone(&watch.interrupted), true);
     let in_process = !scenario.uses_external_commands();

@@ -1,7 +1,7 @@
 //! Doors to the Python package `protean_robotics.lab`: this process becomes its interpreter.
 
-use core::fmt::Display;
 use std::ffi::OsString;
+use std::io;
 use std::os::unix::process::CommandExt as _;
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode, Output, Stdio};
@@ -20,6 +20,29 @@ program, else with that in PATH.";
 const HAS_PACKAGE: &str =
     "import importlib.util as u, sys; sys.exit(u.find_spec('protean_robotics') is None)";
 
+/// What makes an interpreter usable.
+const EXPECTED: &str = "expected a Python with the package: pip install 'protean-robotics[lab]'";
+
+/// The interpreter cannot run a command of the package.
+#[derive(Debug, thiserror::Error)]
+pub(super) enum LabError {
+    #[error(
+        "{}: it lacks the package protean_robotics, or is older than 3.11: {EXPECTED}", .0.display()
+    )]
+    NoPackage(PathBuf),
+    #[error("{}: {source}: {EXPECTED}", program.display())]
+    Program { program: PathBuf, source: io::Error },
+}
+
+impl LabError {
+    fn program(source: io::Error) -> Self {
+        Self::Program {
+            program: interpreter(),
+            source,
+        }
+    }
+}
+
 /// Arguments of a command that the package takes as they are.
 #[derive(Debug, clap::Args)]
 #[command(disable_help_flag = true)]
@@ -35,11 +58,11 @@ pub(super) struct LabArgs {
 
 /// Replaces this process by a command of the package; returns only if it cannot.
 pub(super) fn execute(command: &str, args: &LabArgs) -> ExitCode {
-    let reason = match door(command) {
-        Ok(mut door) => unusable(&door.args(&args.arguments).exec()),
-        Err(reason) => reason,
+    let error = match door(command) {
+        Ok(mut door) => LabError::program(door.args(&args.arguments).exec()),
+        Err(error) => error,
     };
-    eprintln!("error: {reason}");
+    eprintln!("error: {error}");
     ExitCode::from(EXIT_FAILED)
 }
 
@@ -47,17 +70,17 @@ pub(super) fn execute(command: &str, args: &LabArgs) -> ExitCode {
 ///
 /// # Errors
 /// The package is missing or cannot be run.
-pub(super) fn output(command: &str, arguments: &[OsString]) -> Result<Output, String> {
+pub(super) fn output(command: &str, arguments: &[OsString]) -> Result<Output, LabError> {
     let mut door = door(command)?;
     let door = door.args(arguments).stderr(Stdio::inherit());
-    door.output().map_err(|error| unusable(&error))
+    door.output().map_err(LabError::program)
 }
 
 /// Returns the begin of a command of the package.
 ///
 /// # Errors
 /// The package is missing.
-fn door(command: &str) -> Result<Command, String> {
+fn door(command: &str) -> Result<Command, LabError> {
     let program = interpreter();
     // No module of the working directory: -P.
     let has_package = Command::new(&program)
@@ -71,19 +94,9 @@ fn door(command: &str) -> Result<Command, String> {
             door.args(["-P", "-m", "protean_robotics.lab", command]);
             Ok(door)
         }
-        Ok(_) => Err(unusable(
-            &"it lacks the package protean_robotics, or is older than 3.11",
-        )),
-        Err(error) => Err(unusable(&error)),
+        Ok(_) => Err(LabError::NoPackage(program)),
+        Err(error) => Err(LabError::program(error)),
     }
-}
-
-fn unusable(reason: &dyn Display) -> String {
-    let program = interpreter();
-    format!(
-        "{}: {reason}; expected a Python with the package: pip install 'protean-robotics[lab]'",
-        program.display()
-    )
 }
 
 /// Returns the interpreter beside this program, as in a virtual environment, else the name of that in PATH.

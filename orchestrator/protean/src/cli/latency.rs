@@ -15,7 +15,7 @@ use platform::output_format::OutputFormat;
 use super::common::{ExternalArg, ForceArg, JsonArg, QuietArg, out};
 use super::logs;
 use super::output::{EXIT_FAILED, EXIT_INVALID, EXIT_PARTIAL, print, print_json};
-use super::run::{asked, handle_signals, refuse_external};
+use super::run::{LoadError, asked, handle_signals, refuse_external};
 use super::run_args::{DEFAULT_SCENARIO, OverrideArgs};
 use latency::{LatencyError, Report, Run, mission, of_log, text};
 use scenario::kind::Kind;
@@ -191,7 +191,7 @@ fn missions(
         .iter()
         .map(|rate| load(kinds, target, args, *rate))
         .collect::<Result<Vec<_>, _>>()
-        .map_err(wrong)?;
+        .map_err(|error| wrong(error.to_string()))?;
     for scenario in &scenarios {
         if interrupted.load(Ordering::SeqCst) {
             report.interrupted = true;
@@ -237,16 +237,13 @@ fn load(
     target: &str,
     args: &LatencyArgs,
     rate: Option<f64>,
-) -> Result<ResolvedScenario, String> {
+) -> Result<ResolvedScenario, LoadError> {
     let mut set = args.overrides.set.clone();
     set.push("run.mode=real_time".to_owned());
     if let Some(rate) = rate {
         if !RATES.contains(&rate) {
-            return Err(format!(
-                "error: --rate {rate}: expected ticks per second from {} to {}",
-                RATES.start(),
-                RATES.end()
-            ));
+            let expected = format!("ticks per second from {} to {}", RATES.start(), RATES.end());
+            return Err(LoadError::option("--rate", rate, expected));
         }
         set.push(format!("run.dt={:?}", 1.0 / rate));
     }
@@ -254,14 +251,12 @@ fn load(
         Loader::new(kinds)
             .allow_outside(args.overrides.allow_outside)
             .load(target, set, args.overrides.seed)
-            .map_err(|problems| problems.to_string())
     };
     let mut scenario = load(&set)?;
     if let Some(duration) = args.duration {
         if !(duration.is_finite() && duration > 0.0) {
-            return Err(format!(
-                "error: --duration {duration}: expected a number of seconds above 0"
-            ));
+            let expected = "a number of seconds above 0";
+            return Err(LoadError::option("--duration", duration, expected));
         }
         let simulated = duration * scenario.run.real_time_factor;
         let limit = scenario.world.rules.time_limit;

@@ -13,8 +13,8 @@ use platform::file_kind::FileKind;
 use platform::{eprintln, presence};
 use scenario::builtin;
 
-use super::common::ForceArg;
-use super::lab;
+use super::common::{Expected, ForceArg};
+use super::lab::{self, LabError};
 use super::logs::exit_code_of_derived;
 use super::output::{self, EXIT_FAILED, EXIT_INVALID, command_line, create, print};
 use super::run_args::DEFAULT_SCENARIO;
@@ -93,15 +93,17 @@ enum NewError {
     #[error("{}: expected a folder whose name has only ASCII letters, digits, `_` and `-` and begins with a letter", _0.display())]
     ProjectName(PathBuf),
     #[error(
-        "no built-in scenario {0:?}; expected one of {1}, or a file that ends in {EXTENSIONS}{2}"
+        "no built-in scenario {0:?}: expected one of {1}, or a file that ends in {EXTENSIONS}{2}"
     )]
     Unknown(String, String, String),
     #[error("{}: an image without its scale: expected the .yaml of the ROS map that names it", _0.display())]
     Image(PathBuf),
     #[error("{}: unknown kind of file: expected {EXTENSIONS}{_1}", _0.display())]
     Kind(PathBuf, String),
-    #[error("{0}")]
-    Package(String),
+    #[error(transparent)]
+    Lab(#[from] LabError),
+    #[error("the package's answer: {0}")]
+    Answer(#[from] serde_json::Error),
     /// The package has told the error.
     #[error("no scenario of {0}")]
     Import(String, u8),
@@ -133,7 +135,7 @@ pub(super) fn run(args: &NewArgs) -> ExitCode {
             ExitCode::from(match error {
                 NewError::Refused(error) => exit_code_of_derived(&error),
                 NewError::Import(_, code) => code,
-                NewError::Package(_) => EXIT_FAILED,
+                NewError::Lab(_) | NewError::Answer(_) => EXIT_FAILED,
                 _ => EXIT_INVALID,
             })
         }
@@ -229,14 +231,13 @@ fn import(args: &NewArgs) -> Result<[String; 3], NewError> {
     let mut words: Vec<OsString> = words.map(OsString::from).into();
     words.extend(args.allow_outside.then(|| "--allow-outside".into()));
     words.extend(["--".into(), args.from.clone().into()]);
-    let output = lab::output("maps", &words).map_err(NewError::Package)?;
+    let output = lab::output("maps", &words)?;
     let code = output
         .status
         .code()
         .and_then(|code| u8::try_from(code).ok());
     match code {
-        Some(0) => serde_json::from_slice(&output.stdout)
-            .map_err(|error| NewError::Package(format!("the package's answer: {error}"))),
+        Some(0) => Ok(serde_json::from_slice(&output.stdout)?),
         code => Err(NewError::Import(
             args.from.clone(),
             code.unwrap_or(EXIT_FAILED),
@@ -245,9 +246,9 @@ fn import(args: &NewArgs) -> Result<[String; 3], NewError> {
 }
 
 /// Parses a length (m).
-fn length(text: &str) -> Result<f64, String> {
+fn length(text: &str) -> Result<f64, Expected> {
     match text.parse::<f64>() {
         Ok(length) if length > 0.0 && length <= 1000.0 => Ok(length),
-        _ => Err("expected a number > 0 and ≤ 1000 (m)".to_owned()),
+        _ => Err(Expected("a number > 0 and ≤ 1000 (m)".to_owned())),
     }
 }

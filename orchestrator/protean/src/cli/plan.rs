@@ -13,7 +13,7 @@ use platform::output_format::OutputFormat;
 use platform::progress::Progress;
 use trajectory_problem::{Constraints, Guess, Method};
 
-use super::common::{ForceArg, QuietArg, out};
+use super::common::{Expected, ForceArg, QuietArg, out};
 use super::output::{EXIT_FAILED, EXIT_INVALID, EXIT_PARTIAL, create, print, write};
 use super::plan_generate;
 use super::run::handle_signals;
@@ -148,13 +148,13 @@ enum ConstraintsName {
     Nodes,
 }
 
-fn parse_point(text: &str) -> Result<[f64; 2], String> {
+fn parse_point(text: &str) -> Result<[f64; 2], Expected> {
     let read = || {
         let (x, y) = text.split_once(',')?;
         let point = [x.trim().parse().ok()?, y.trim().parse().ok()?];
         point.iter().all(|v: &f64| v.is_finite()).then_some(point)
     };
-    read().ok_or_else(|| "expected two numbers (px), for example -1800,-1800".to_owned())
+    read().ok_or_else(|| Expected("two numbers (px), for example -1800,-1800".to_owned()))
 }
 
 impl PlanMethodArgs {

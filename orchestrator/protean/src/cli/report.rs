@@ -1,5 +1,6 @@
 //! `protean report`.
 
+use std::io;
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode, Stdio};
 
@@ -75,15 +76,14 @@ fn page_of(logs: &[&Path]) -> PathBuf {
 }
 
 /// Shows a page in the browser.
-fn open(page: &Path) -> Result<(), String> {
+fn open(page: &Path) -> io::Result<()> {
     // A name that begins with a hyphen is no option.
-    let page = page.canonicalize().map_err(|error| error.to_string())?;
+    let page = page.canonicalize()?;
     let mut command = Command::new("xdg-open");
     // Without a browser it lists all that it looked for.
-    let ended = command.arg(page).stderr(Stdio::null()).status();
-    match ended {
-        Ok(status) if status.success() => Ok(()),
-        Ok(status) => Err(status.to_string()),
-        Err(error) => Err(error.to_string()),
+    let ended = command.arg(page).stderr(Stdio::null()).status()?;
+    if ended.success() {
+        return Ok(());
     }
+    Err(io::Error::other(ended.to_string()))
 }

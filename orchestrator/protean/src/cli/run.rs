@@ -4,6 +4,7 @@ use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
+use config::Diagnostics;
 use platform::eprintln;
 use viewer::LiveTotals;
 
@@ -13,7 +14,7 @@ use super::output::{
 use super::run_args::RunArgs;
 use super::run_summary;
 use mission::in_process::{self, InProcessOptions};
-use mission::{self, MissionError, MissionOptions, MissionReport};
+use mission::{self, AskError, MissionError, MissionOptions, MissionReport};
 pub(super) use platform::signals::interrupt as handle_signals;
 use scenario::kind::Kind;
 use scenario::spec::Mode;
@@ -27,8 +28,8 @@ pub fn run(kinds: &[Kind], target: &str, args: &RunArgs) -> ExitCode {
     runtime::logging::start(&args.log_level);
     let scenario = match load(kinds, target, args) {
         Ok(scenario) => scenario,
-        Err(text) => {
-            eprintln!("{text}");
+        Err(error) => {
+            eprintln!("{error}");
             return ExitCode::from(EXIT_INVALID);
         }
     };
@@ -117,21 +118,48 @@ pub(super) fn report_viewers(live: LiveTotals, quiet: bool) {
     }
 }
 
-fn load(kinds: &[Kind], target: &str, args: &RunArgs) -> Result<ResolvedScenario, String> {
+/// Reason why a scenario is not run, as printed.
+#[derive(Debug, thiserror::Error)]
+pub(super) enum LoadError {
+    #[error(transparent)]
+    Scenario(#[from] Diagnostics),
+    #[error("error: {option} {value}: expected {expected}")]
+    Option {
+        option: &'static str,
+        value: String,
+        expected: String,
+    },
+    #[error(
+        "error: {target} starts external programs; check them, then add --allow-external:{programs}"
+    )]
+    External { target: String, programs: String },
+    #[error("error: {0}")]
+    Ask(#[from] AskError),
+}
+
+impl LoadError {
+    pub(super) fn option(
+        option: &'static str,
+        value: impl ToString,
+        expected: impl Into<String>,
+    ) -> Self {
+        Self::Option {
+            option,
+            value: value.to_string(),
+            expected: expected.into(),
+        }
+    }
+}
+
+fn load(kinds: &[Kind], target: &str, args: &RunArgs) -> Result<ResolvedScenario, LoadError> {
     if !LEVELS.contains(&args.log_level.as_str()) {
-        return Err(format!(
-            "error: --log-level {:?}: expected one of {}",
-            args.log_level,
-            LEVELS.join(", ")
-        ));
+        let expected = format!("one of {}", LEVELS.join(", "));
+        return Err(LoadError::option("--log-level", &args.log_level, expected));
     }
     check_factor("--pace", args.pace)?;
     let set = with_real_time(&args.overrides.set, args.real_time)?;
     let loader = Loader::new(kinds).allow_outside(args.overrides.allow_outside);
-    let load = |set: &[String]| {
-        let loaded = loader.load(target, set, args.overrides.seed);
-        loaded.map_err(|problems| problems.to_string())
-    };
+    let load = |set: &[String]| loader.load(target, set, args.overrides.seed);
     let scenario = load(&set)?;
     refuse_external(target, &scenario, args.external.allow_external)?;
     asked(scenario, &set, load)
@@ -141,17 +169,17 @@ fn load(kinds: &[Kind], target: &str, args: &RunArgs) -> Result<ResolvedScenario
 pub(super) fn asked(
     scenario: ResolvedScenario,
     set: &[String],
-    load: impl Fn(&[String]) -> Result<ResolvedScenario, String>,
-) -> Result<ResolvedScenario, String> {
-    let declared = mission::ask(&scenario).map_err(|problem| format!("error: {problem}"))?;
+    load: impl Fn(&[String]) -> Result<ResolvedScenario, Diagnostics>,
+) -> Result<ResolvedScenario, LoadError> {
+    let declared = mission::ask(&scenario)?;
     if declared.is_empty() {
         return Ok(scenario);
     }
-    load(&[set, &declared].concat())
+    Ok(load(&[set, &declared].concat())?)
 }
 
 /// Returns the overrides of `--set` and those that `--real-time` adds.
-pub(super) fn with_real_time(set: &[String], factor: Option<f64>) -> Result<Vec<String>, String> {
+fn with_real_time(set: &[String], factor: Option<f64>) -> Result<Vec<String>, LoadError> {
     check_factor("--real-time", factor)?;
     let mut set = set.to_vec();
     if let Some(factor) = factor {
@@ -161,10 +189,12 @@ pub(super) fn with_real_time(set: &[String], factor: Option<f64>) -> Result<Vec<
     Ok(set)
 }
 
-fn check_factor(name: &str, factor: Option<f64>) -> Result<(), String> {
+fn check_factor(option: &'static str, factor: Option<f64>) -> Result<(), LoadError> {
     match factor {
-        Some(factor) if !(0.001..=1000.0).contains(&factor) => Err(format!(
-            "error: {name} {factor}: expected a factor from 0.001 to 1000"
+        Some(factor) if !(0.001..=1000.0).contains(&factor) => Err(LoadError::option(
+            option,
+            factor,
+            "a factor from 0.001 to 1000",
         )),
         _ => Ok(()),
     }
@@ -175,7 +205,7 @@ pub(super) fn refuse_external(
     target: &str,
     scenario: &ResolvedScenario,
     allowed: bool,
-) -> Result<(), String> {
+) -> Result<(), LoadError> {
     if scenario.uses_external_commands() && !allowed {
         let mut programs = String::new();
         for process in scenario.external_commands() {
@@ -184,9 +214,8 @@ pub(super) fn refuse_external(
         }
         let what = format!("{target} starts external programs");
         if !agreed(&format!("{what}:{programs}\nStart them? [y/N]")) {
-            return Err(format!(
-                "error: {what}; check them, then add --allow-external:{programs}"
-            ));
+            let target = target.to_owned();
+            return Err(LoadError::External { target, programs });
         }
     }
     Ok(())

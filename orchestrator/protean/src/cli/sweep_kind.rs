@@ -13,6 +13,19 @@ use sweep::{
     Cell, ExperimentOf, Measure, Mission, Results, Subject, SweepError, published, summary,
 };
 
+/// An option does not fit the experiment.
+#[derive(Debug, thiserror::Error)]
+pub(super) enum Unsuitable {
+    #[error(
+        "--in-process: the scenario of case `{0}` starts an external program, which needs its own process"
+    )]
+    External(String),
+    #[error("--keep-logs: plans have no logs; remove the option")]
+    Logs,
+    #[error("--worst: plans have no missions to run again; remove the option")]
+    Worst,
+}
+
 /// A kind of missions on the command line.
 pub(super) trait SweepKind: Subject {
     /// Name of the missions that would run.
@@ -21,8 +34,8 @@ pub(super) trait SweepKind: Subject {
     /// Checks that the arguments fit the experiment.
     ///
     /// # Errors
-    /// The message for the user.
-    fn check(experiment: &ExperimentOf<Self>, args: &SweepRunArgs) -> Result<(), String>;
+    /// [`Unsuitable`] names the option.
+    fn check(experiment: &ExperimentOf<Self>, args: &SweepRunArgs) -> Result<(), Unsuitable>;
 
     /// Returns the engine that runs missions.
     fn engine(args: &SweepRunArgs) -> Box<Self::Engine>;
@@ -56,13 +69,10 @@ pub(super) trait SweepKind: Subject {
 impl SweepKind for Mission {
     const TO_DO: &'static str = "missions to run";
 
-    fn check(experiment: &ExperimentOf<Self>, args: &SweepRunArgs) -> Result<(), String> {
+    fn check(experiment: &ExperimentOf<Self>, args: &SweepRunArgs) -> Result<(), Unsuitable> {
         let mut cells = experiment.cells.iter();
         if let Some(cell) = cells.find(|cell| args.in_process && cell.external) {
-            return Err(format!(
-                "--in-process: the scenario of case `{}` starts an external program, which needs its own process",
-                cell.case
-            ));
+            return Err(Unsuitable::External(cell.case.clone()));
         }
         for note in experiment.notes().into_iter().filter(|_| !args.quiet.quiet) {
             eprintln!("note: {note}");
@@ -98,13 +108,14 @@ impl SweepKind for Mission {
 impl SweepKind for Task {
     const TO_DO: &'static str = "plans to make";
 
-    fn check(_: &ExperimentOf<Self>, args: &SweepRunArgs) -> Result<(), String> {
-        let refused = match args {
-            _ if args.keep_logs.is_some() => "--keep-logs: plans have no logs",
-            _ if args.worst.is_some() => "--worst: plans have no missions to run again",
-            _ => return Ok(()),
-        };
-        Err(format!("{refused}; remove the option"))
+    fn check(_: &ExperimentOf<Self>, args: &SweepRunArgs) -> Result<(), Unsuitable> {
+        if args.keep_logs.is_some() {
+            return Err(Unsuitable::Logs);
+        }
+        if args.worst.is_some() {
+            return Err(Unsuitable::Worst);
+        }
+        Ok(())
     }
 
     fn engine(_: &SweepRunArgs) -> Box<()> {

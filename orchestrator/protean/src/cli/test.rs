@@ -168,7 +168,7 @@ fn publish(args: &TestArgs, report: &SuiteReport, changes: &[TestChange]) -> Res
     let write = |path: &Path, text: String| {
         save(text.as_bytes(), path)
             .map_err(std::io::Error::other)
-            .map_err(TestError::io(path, "cannot write the results"))
+            .map_err(TestError::io(path, "cannot be written"))
     };
     if let Some(path) = &args.junit {
         write(path, mission_tests::junit(report))?;
@@ -184,7 +184,7 @@ fn publish(args: &TestArgs, report: &SuiteReport, changes: &[TestChange]) -> Res
             .open(path);
         let text = mission_tests::markdown(report, changes);
         let written = file.and_then(|mut file| file.write_all(text.as_bytes()));
-        written.map_err(TestError::io(path, "cannot write the summary"))?;
+        written.map_err(TestError::io(path, "cannot be written"))?;
     }
     Ok(())
 }

@@ -10,6 +10,7 @@ use clap::error::{ContextKind, ContextValue, Error, ErrorKind};
 use config::nearest;
 use platform::file_kind::FileKind;
 
+use super::common::Expected;
 use super::help::HEADINGS;
 
 /// Options that other programs have, with what serves here.
@@ -64,9 +65,9 @@ pub(super) fn with_negative_numbers(program: Command) -> Command {
 }
 
 /// Parses the seed of random numbers.
-pub(super) fn seed(text: &str) -> Result<u64, String> {
+pub(super) fn seed(text: &str) -> Result<u64, Expected> {
     text.parse()
-        .map_err(|_| format!("expected a whole number from 0 to {}", u64::MAX))
+        .map_err(|_| Expected(format!("a whole number from 0 to {}", u64::MAX)))
 }
 
 /// Returns an error of the command line with the tips that help; `arguments` is without the program's name.

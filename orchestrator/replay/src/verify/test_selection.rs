@@ -107,7 +107,7 @@ fn launch_of<'p>(
         let others = plan.launches.iter().skip(1);
         let known: Vec<&str> = others.map(|l| &*l.config.name).collect();
         return Err(refuse(format!(
-            "the log's scenario has no process with this name; it has {}",
+            "the log's scenario has no process with this name: expected one of {}",
             known.join(", ")
         )));
     };

@@ -1,7 +1,9 @@
 //! The scenario in a log, as far as it is drawn.
 
-use geometry::map::MapSpec;
-use parameters::check;
+use core::str;
+
+use geometry::map::{MapSpec, VectorMapError};
+use parameters::{ParamsError, check};
 use recorder::TaskInfo;
 use robot::spec::RobotSpec;
 use runtime::kind::TaskSketch;
@@ -30,17 +32,34 @@ pub(crate) struct LoggedWorld {
     pub(crate) map: MapSpec,
 }
 
+/// Reason why a logged scenario is not drawn.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum ScenarioFault {
+    #[error(transparent)]
+    Encoding(#[from] str::Utf8Error),
+    #[error(transparent)]
+    Syntax(#[from] toml::de::Error),
+    #[error(transparent)]
+    Map(#[from] VectorMapError),
+    #[error(transparent)]
+    Rules(#[from] ParamsError),
+    #[error("{0}: {1}")]
+    Robot(String, ParamsError),
+}
+
 impl LoggedScenario {
     /// Parses the attachment and validates the parts that are drawn.
-    pub(crate) fn parse(bytes: &[u8]) -> Result<Self, String> {
-        let text = str::from_utf8(bytes).map_err(|e| e.to_string())?;
-        let scenario: Self = toml::from_str(text).map_err(|e| e.to_string())?;
+    ///
+    /// # Errors
+    /// [`ScenarioFault`] of the first invalid part.
+    pub(crate) fn parse(bytes: &[u8]) -> Result<Self, ScenarioFault> {
+        let scenario: Self = toml::from_str(str::from_utf8(bytes)?)?;
         if let MapSpec::Vector(map) = &scenario.world.map {
-            map.validate().map_err(|e| e.to_string())?;
+            map.validate()?;
         }
-        check(&scenario.rules).map_err(|e| e.to_string())?;
+        check(&scenario.rules)?;
         for robot in &scenario.robots {
-            check(robot).map_err(|e| format!("{}: {e}", robot.name))?;
+            check(robot).map_err(|e| ScenarioFault::Robot(robot.name.clone(), e))?;
         }
         Ok(scenario)
     }

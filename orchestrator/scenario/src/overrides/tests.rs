@@ -145,7 +145,7 @@ fn invalid_overrides_are_reported() {
             "robots.police_3.radius=1",
             &[
                 "`robots` has no element `police_3`",
-                "`police_1` or `police_2`, or an index from 0 to 1",
+                "one of `police_1`, `police_2`, or an index from 0 to 1",
                 "did you mean `police_",
             ],
         ),

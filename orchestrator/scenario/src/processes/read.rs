@@ -62,9 +62,9 @@ pub fn block(
             };
             let folder = match base.absolute(block.folder.as_deref().unwrap_or_default()) {
                 Ok(folder) => folder,
-                Err(message) => {
-                    let problem = ctx.problem(node, path, "folder", Code::File, message);
-                    ctx.problems.push(problem);
+                Err(refused) => {
+                    let problem = ctx.problem(node, path, "folder", Code::File, refused.message);
+                    ctx.problems.push(problem.expected(refused.expected));
                     return;
                 }
             };
@@ -162,8 +162,9 @@ pub fn register_topics(ctx: &mut Context<'_>, node: &Node, path: &FieldPath) {
     if let Some(declaration) = node.get("declaration").filter(|it| it.as_table().is_some())
         && let Some(written) =
             ctx.read::<WrittenDeclaration>(declaration, &path.then("declaration"))
-        && let Err(message) = written.register()
+        && let Err(fault) = written.register()
     {
+        let message = fault.to_string();
         let problem = ctx.problem(node, path, "declaration", Code::OutOfRange, message);
         ctx.problems.push(problem);
     }
@@ -190,7 +191,10 @@ fn read_declaration(ctx: &mut Context<'_>, node: &Node, path: &FieldPath) -> Opt
             let written: WrittenDeclaration = ctx.read(declaration, &path)?;
             match written.declaration() {
                 Ok(known) => return Some(Declared::Written(Box::new((written, known)))),
-                Err(message) => ctx.problem(declaration, &path, "", Code::Requirement, message),
+                Err(fault) => {
+                    let message = fault.to_string();
+                    ctx.problem(declaration, &path, "", Code::Requirement, message)
+                }
             }
         }
     };

@@ -37,7 +37,7 @@ pub fn check_block(
     known.extend(standard);
     let message = format!("team `{team}` has no role");
     let lead =
-        format!("role = \"pursuer\", \"evader\" or \"neutral\" in [teams.{team}], or the team ");
+        format!("role = \"pursuer\", \"evader\" or \"neutral\" in [teams.{team}], or a team: ");
     let blank = ctx.problem(node, path, "team", Code::UnknownName, message);
     ctx.problems.push(suggest(blank, team, &known, &lead));
     false
@@ -70,8 +70,7 @@ fn check_tables(ctx: &mut Context<'_>, robots: &[Robot]) {
         let message = format!("no robot is in team `{team}`");
         let blank = ctx.block_problem(origin, &path, Code::UnknownName, message);
         let known = names(robots, |_| true);
-        ctx.problems
-            .push(suggest(blank, &team, &known, "the team "));
+        ctx.problems.push(suggest(blank, &team, &known, "a team: "));
     }
 }
 

@@ -77,7 +77,7 @@ fn a_condition_needs_an_existing_robot() {
             "no robot is called `copp`",
             "small.toml:36:18 (events[0].when.robot)",
             "value: \"copp\"",
-            "`cop` or `thief`",
+            "one of `cop`, `thief`",
             "did you mean `cop`?",
         ],
     );
@@ -208,7 +208,7 @@ fn an_ordered_event_must_fit_the_events_before_it() {
         &[
             "no obstacle `gate` is present after the events before this one",
             "small.toml:47:12 (events[2].obstacle)",
-            "`wall` or `block`",
+            "one of `wall`, `block`",
             "happen in the order of the file",
         ],
     );

@@ -89,7 +89,7 @@ fn every_robot_is_driven_by_exactly_one_process() {
             "no robot is called `copp`",
             "small.toml:28:11 (processes.pursuer.robots[0])",
             "did you mean `cop`?",
-            "`cop` or `thief`",
+            "one of `cop`, `thief`",
         ],
     );
     refused(
@@ -205,7 +205,7 @@ fn events_must_be_possible() {
         &[
             "no obstacle `wal` is present at 5 s",
             "(events[0].obstacle)",
-            "`wall` or `block`",
+            "one of `wall`, `block`",
             "did you mean `wall`?",
         ],
     );
@@ -246,7 +246,7 @@ fn logs_and_ends_are_checked() {
     refused(
         "[run]",
         "[log]\ncompression = \"zip\"\n[run]",
-        &["`zip` is not one of the choices", "`zstd` or `none`"],
+        &["`zip` is not one of the choices", "one of `zstd`, `none`"],
     );
     let endless = changed("time_limit = 30.0", "")
         .replace("capture = { radius = 0.3 }", "")
@@ -361,7 +361,10 @@ fn an_error_in_an_override_says_so() {
     let e = load_with(GOOD, &["robots.cop.limits.v_max=-1"]).unwrap_err();
     contains(&e, &["--> --set (robots.cop.limits.v_max)", "value: -1"]);
     let e = load_with(GOOD, &["robots.bob.radius=1"]).unwrap_err();
-    contains(&e, &["`robots` has no element `bob`", "`cop` or `thief`"]);
+    contains(
+        &e,
+        &["`robots` has no element `bob`", "one of `cop`, `thief`"],
+    );
     let e = load_with(GOOD, &["processes.perception.params.particles=many"]).unwrap_err();
     contains(&e, &["--> --set (processes.perception.params.particles)"]);
     let e = load_with(GOOD, &["run.seed=9999999999999999999"]).unwrap_err();

@@ -427,7 +427,7 @@ fn an_unknown_scenario_is_refused_with_the_known_names() {
     contains(
         &e,
         &[
-            "cannot read chse",
+            "chse: cannot be read",
             "did you mean `chase`?",
             "`popup`",
             "in all)",
@@ -437,5 +437,5 @@ fn an_unknown_scenario_is_refused_with_the_known_names() {
         .load("/tmp", &[], None)
         .unwrap_err()
         .to_string();
-    contains(&e, &["cannot read /tmp"]);
+    contains(&e, &["cannot be read"]);
 }

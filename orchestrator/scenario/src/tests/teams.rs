@@ -90,7 +90,7 @@ fn mistakes_in_teams_are_explained() {
         &[
             "team `guards` has no role",
             "(robots.cop.team)",
-            "role = \"pursuer\", \"evader\" or \"neutral\" in [teams.guards], or the team `thieves`,",
+            "role = \"pursuer\", \"evader\" or \"neutral\" in [teams.guards], or a team: one of `thieves`,",
         ],
     );
     guards_refused(

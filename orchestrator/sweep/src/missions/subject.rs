@@ -75,7 +75,7 @@ impl Subject for Mission {
             Ok(scenario) => match engine.execute(&scenario, call) {
                 Ok(report) if report.interrupted => return None,
                 Ok(report) => Row::of(&report),
-                Err(error) => Row::failed(error),
+                Err(error) => Row::failed(error.to_string()),
             },
             Err(problems) => Row::failed(problems.to_string()),
         };

@@ -1,5 +1,6 @@
 //! Plans, as the subject of a cell of an experiment.
 
+use core::fmt::Display;
 use std::collections::BTreeSet;
 use std::path::Path;
 
@@ -16,7 +17,7 @@ use crate::options::LoadOptions;
 use crate::parameters::Parameter;
 use crate::reader::Reader;
 use crate::subject::{Ended, Pinning, Subject};
-use crate::task::{Draft, Task};
+use crate::task::{Draft, DraftError, Task};
 use plan::solve;
 use scenario::files::read_text;
 
@@ -162,12 +163,12 @@ fn made(assignments: &[Assignment]) -> Result<Task, (String, String)> {
     let mut draft = Draft::default();
     for assignment in assignments {
         // A key that does not exist is one problem for all values.
-        let at = |what: String| match &assignment.key_place {
-            Some(key) if what.starts_with("unknown field") => {
+        let at = |error: DraftError| match (&assignment.key_place, error.to_string()) {
+            (Some(key), what) if what.starts_with("unknown field") => {
                 let label = format!("{}:{}", key.file, key.line);
                 (label, format!("`{}`: {what}", assignment.key()))
             }
-            _ => {
+            (_, what) => {
                 let what = format!("`{}`: {what}", assignment.argument);
                 (assignment.label.clone(), what)
             }
@@ -176,9 +177,9 @@ fn made(assignments: &[Assignment]) -> Result<Task, (String, String)> {
         // An unknown key is an error at once; a number may be valid together with later keys.
         draft.task().map_err(&at)?;
     }
-    let whole = |what: String| ("task".to_owned(), what);
-    let task = draft.task().map_err(whole)?;
-    parameters::check(&task).map_err(|error| whole(error.to_string()))?;
+    let whole = |error: &dyn Display| ("task".to_owned(), error.to_string());
+    let task = draft.task().map_err(|error| whole(&error))?;
+    parameters::check(&task).map_err(|error| whole(&error))?;
     Ok(task)
 }
 

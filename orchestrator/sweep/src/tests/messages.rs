@@ -74,7 +74,7 @@ fn missing_scenarios_are_refused() {
     refused(
         "builtin:chase_exact",
         "nowhere.toml",
-        &["cannot read", "nowhere.toml", "small.toml:4:"],
+        &["nowhere.toml: cannot be read", "small.toml:4:"],
     );
     refused(
         "builtin:chase_exact",

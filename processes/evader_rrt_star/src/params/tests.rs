@@ -20,7 +20,7 @@ fn a_budget_of_nothing_is_refused() {
     let params: RrtStarParams = toml::from_str("[search]\niterations = 0").unwrap();
     assert_eq!(
         check(&params).unwrap_err().to_string(),
-        "`search.iterations` is 0, but must be a whole number between 1 and 1000000"
+        "`search.iterations` is 0: expected a whole number between 1 and 1000000"
     );
 }
 
@@ -56,6 +56,6 @@ fn a_value_out_of_range_is_named_with_its_range() {
     };
     assert_eq!(
         check(&bad).unwrap_err().to_string(),
-        "`reach` is 1.5, but must be a number between 0 and 1"
+        "`reach` is 1.5: expected a number between 0 and 1"
     );
 }

@@ -37,7 +37,7 @@ impl Probe {
     }
 
     fn refusal(&self, params: &Json) -> String {
-        start(self.library, params).unwrap_err()
+        start(self.library, params).unwrap_err().to_string()
     }
 }
 
@@ -61,11 +61,11 @@ fn parameters_are_checked_and_refusals_have_the_text_of_the_library() {
     let Some(probe) = Probe::new() else { return };
     assert_eq!(
         probe.refusal(&json!({ "mode": "fast" })),
-        "`mode` is \"fast\", but must be a number"
+        "`mode` is \"fast\": expected a number"
     );
     assert_eq!(
         probe.refusal(&json!({ "moed": 2 })),
-        "unknown parameter `moed`, expected one of `mode`, `truth`"
+        "unknown parameter `moed`: expected one of `mode`, `truth`"
     );
     assert_eq!(
         probe.refusal(&json!({ "mode": 1 })),
@@ -87,12 +87,12 @@ fn commands_are_clipped_and_numbers_that_are_not_finite_refused() {
         steer(&mut driven)
     };
     assert_eq!(
-        mode(2).unwrap_err(),
-        "v = NaN, omega = 0; expected finite numbers"
+        mode(2).unwrap_err().to_string(),
+        "v = NaN, omega = 0: expected finite numbers"
     );
     let clipped = mode(3).unwrap().command;
     assert_eq!((clipped.v, clipped.omega), (0.22, -2.84));
-    assert_eq!(mode(4).unwrap_err(), "no fuel");
+    assert_eq!(mode(4).unwrap_err().to_string(), "no fuel");
     // The random stream is that of seed and robot.
     assert_eq!(mode(5).unwrap().command, mode(5).unwrap().command);
 }
@@ -111,7 +111,10 @@ fn exceptions_of_cpp_end_at_the_boundary_with_their_text() {
     };
     let library = Library::load(&path).unwrap();
     let early = |value: i32| start(library, &json!({ "early": value }));
-    assert_eq!(early(1).unwrap_err(), "too early");
-    assert_eq!(early(2).unwrap_err(), "unknown exception");
-    assert_eq!(steer(&mut early(0).unwrap()).unwrap_err(), "too late");
+    assert_eq!(early(1).unwrap_err().to_string(), "too early");
+    assert_eq!(early(2).unwrap_err().to_string(), "unknown exception");
+    assert_eq!(
+        steer(&mut early(0).unwrap()).unwrap_err().to_string(),
+        "too late"
+    );
 }

@@ -59,7 +59,7 @@ fn files_that_are_no_planners_are_named_with_the_expectation() {
         (
             "version.c",
             table(".version = 3, .create = create, .steer = steer, .destroy = destroy"),
-            "interface version 3; expected version 2",
+            "interface version 3: expected version 2",
         ),
         (
             "partial.c",

@@ -101,7 +101,7 @@ fn faults_of_layouts_are_named_with_field_and_expectation() {
             "kind",
             "float64",
             "double",
-            "type \"double\": expected float64",
+            "type \"double\": expected one of float64",
         ),
         (
             "unnamed",

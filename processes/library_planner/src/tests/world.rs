@@ -10,7 +10,7 @@ use geometry::pose::{Pose2, Twist2};
 use geometry::region::Region;
 use geometry::shape::{Aabb, Convex};
 use nalgebra::Point2;
-use planner::{Planner as _, PlannerMap, Steering, View, limits};
+use planner::{PlannerMap, Steering, View, limits};
 use planner_view::free_space::FreeSpace;
 use planner_view::view::{BeliefView, ParticleView, RobotView, ScanView};
 use robot::spec::RobotModel;
@@ -20,24 +20,27 @@ use serde_json::Value as Json;
 
 use crate::Library;
 use crate::abi::Point;
+use crate::error::CallError;
 use crate::params::LibraryParams;
-use crate::process::{Driven, LibraryPlanner};
+use crate::process::{Driven, Rules};
 use crate::records::Records;
 
 const ME: u32 = 1;
 
 /// Returns the started planner of a library with these parameters.
-pub fn start(library: Library, params: &Json) -> Result<Driven, String> {
+pub fn start(library: Library, params: &Json) -> Result<Driven, CallError> {
     let config = config();
     let params = LibraryParams::new(params, library);
-    let robot = &config.run.robots[ME as usize];
-    let mut planner = LibraryPlanner::new(&params, robot, 7).unwrap();
-    planner.rules(&config.run.exits, config.run.capture_radius);
-    planner.start(&config, ME)
+    let exits = config.run.exits.iter().map(|exit| exit.center().into());
+    let rules = Rules {
+        exits: &exits.collect::<Vec<_>>(),
+        capture_radius: config.run.capture_radius,
+    };
+    Driven::start(&config, &params, Some(ME), &rules, 7)
 }
 
 /// Returns the steering of one tick.
-pub fn steer(driven: &mut Driven) -> Result<Steering, String> {
+pub fn steer(driven: &mut Driven) -> Result<Steering, CallError> {
     let robot = |index, role: Role, x| RobotView {
         index,
         team: role.into(),

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use ipc_types::bus::AnyTopic;
-use ipc_types::layout::TopicLayout;
+use ipc_types::layout::{LayoutError, TopicLayout};
 use ipc_types::topics::TopicId;
 use serde::{Deserialize, Serialize};
 
@@ -11,6 +11,28 @@ use super::{Declaration, Flow, Input, Output, When};
 
 /// Maximum number of elements of a message of an external program.
 const MAX_ELEMENTS: usize = 1 << 20;
+
+/// Reason why a declaration is refused.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum DeclarationError {
+    /// A topic that it writes.
+    #[error(transparent)]
+    Layout(#[from] LayoutError),
+    /// The maximum number of elements of such a topic.
+    #[error("topic {topic:?}: elements = {elements}: expected from 1 to {MAX_ELEMENTS}")]
+    Elements {
+        /// Name of the topic.
+        topic: String,
+        /// The declared number.
+        elements: usize,
+    },
+    /// A topic that it reads is unknown.
+    #[error("it reads {0}, but no process writes it")]
+    Unwritten(String),
+    /// A topic that it reads is not of the simulated history.
+    #[error("it reads {0}, which processes do not read")]
+    Internal(String),
+}
 
 /// Inputs and outputs of an external program that commands no robots.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -85,8 +107,8 @@ impl WrittenTopic {
     /// Returns the topic, and registers it if it is new.
     ///
     /// # Errors
-    /// A text that names the topic and the field.
-    pub fn register(&self) -> Result<TopicId, String> {
+    /// As [`TopicLayout::register`].
+    pub fn register(&self) -> Result<TopicId, LayoutError> {
         let layout = TopicLayout {
             name: self.name.clone(),
             message: self.message.clone(),
@@ -96,7 +118,7 @@ impl WrittenTopic {
             may_be_infinite: self.may_be_infinite.clone(),
             drawing: self.drawing.clone(),
         };
-        layout.register().map_err(|error| error.to_string())
+        layout.register()
     }
 
     fn when(&self) -> When {
@@ -137,15 +159,15 @@ impl WrittenDeclaration {
     /// Registers the topics that it writes.
     ///
     /// # Errors
-    /// A text that names the topic and the field.
-    pub fn register(&self) -> Result<(), String> {
+    /// [`DeclarationError`] for a topic that it writes.
+    pub fn register(&self) -> Result<(), DeclarationError> {
         for output in &self.writes {
             output.topic.register()?;
             if !(1..=MAX_ELEMENTS).contains(&output.elements) {
-                return Err(format!(
-                    "topic {:?}: elements = {}: expected from 1 to {MAX_ELEMENTS}",
-                    output.topic.name, output.elements
-                ));
+                return Err(DeclarationError::Elements {
+                    topic: output.topic.name.clone(),
+                    elements: output.elements,
+                });
             }
         }
         Ok(())
@@ -154,8 +176,8 @@ impl WrittenDeclaration {
     /// Returns it with the topics; those that it reads are known.
     ///
     /// # Errors
-    /// A text that names the topic.
-    pub fn declaration(&self) -> Result<Declaration, String> {
+    /// [`DeclarationError`] names the topic.
+    pub fn declaration(&self) -> Result<Declaration, DeclarationError> {
         self.register()?;
         let mut declared = Declaration::default().reads(Input::STATE);
         for output in &self.writes {
@@ -182,17 +204,17 @@ impl WrittenDeclaration {
 /// Returns the topic with this name that a program may read.
 ///
 /// # Errors
-/// A text that names the topic, if it is unknown, or not of the simulated history.
-pub fn readable(name: &str) -> Result<TopicId, String> {
+/// [`DeclarationError`] if the topic is unknown, or not of the simulated history.
+pub fn readable(name: &str) -> Result<TopicId, DeclarationError> {
     let topic = TopicId::from_name(name).filter(|topic| AnyTopic::find(*topic).is_some());
-    let topic = topic.ok_or_else(|| format!("it reads {name}, but no process writes it"))?;
+    let topic = topic.ok_or_else(|| DeclarationError::Unwritten(name.to_owned()))?;
     if !topic.facts().simulated
         || matches!(
             topic,
             TopicId::ObstacleEvents | TopicId::Commands | TopicId::Tree
         )
     {
-        return Err(format!("it reads {name}, which processes do not read"));
+        return Err(DeclarationError::Internal(name.to_owned()));
     }
     Ok(topic)
 }

@@ -218,13 +218,13 @@ impl TickBarrier {
             .map_err(failed)?;
         let length = file.metadata().map_err(failed)?.len();
         if length != size_of::<Words>() as u64 {
-            let reason = format!("{length} bytes, expected {}", size_of::<Words>());
+            let reason = format!("{length} bytes: expected {}", size_of::<Words>());
             return Err(BarrierError::Layout { path, reason });
         }
         let barrier = Self::map(&file, path)?;
         let magic = barrier.words().magic.load(Ordering::Acquire);
         if magic != MAGIC {
-            let reason = format!("magic {magic:#x}, expected {MAGIC:#x}");
+            let reason = format!("magic {magic:#x}: expected {MAGIC:#x}");
             return Err(BarrierError::Layout {
                 path: barrier.path.clone(),
                 reason,

@@ -149,7 +149,7 @@ class Study:
         """
         if results.parameters != (_RATIO,) or not all(type(cell.values[0]) in (int, float) for cell in results.cells):
             raise InvalidInput(
-                f"{results.directory}: the experiment varies {list(results.parameters)}; expected `{_RATIO}` alone, a number"
+                f"{results.directory}: the experiment varies {list(results.parameters)}: expected `{_RATIO}` alone, a number"
             )
         cells = []
         for number, cell in enumerate(results.cells):

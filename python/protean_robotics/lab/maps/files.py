@@ -52,7 +52,7 @@ def text(path: Path) -> str:
             data = file.read(_MAX_TEXT + 1)
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or error
-        raise InvalidMap(f"cannot read {path}: {reason}: expected a readable file") from None
+        raise InvalidMap(f"{path}: cannot be read: {reason}: expected a readable file") from None
     if len(data) > _MAX_TEXT:
         raise InvalidMap(f"{path} is too large: expected at most {_MAX_TEXT} bytes")
     try:

@@ -154,7 +154,7 @@ impl Coverage {
             return Err(ParamsError::new(
                 &format!("coverage.robots[{unknown}]"),
                 &spec.robots[unknown],
-                format!("the name of a robot: {}", names.join(", ")),
+                format!("one of the robots {}", names.join(", ")),
             ));
         }
         // The standard teams may have no robots.

@@ -334,7 +334,7 @@ fn rules_that_do_not_fit_the_world_are_named() {
         ..CoverageSpec::default()
     });
     assert!(
-        error.contains("`rules.coverage.resolution` is 0.0001, but must be at least about 0.001 m"),
+        error.contains("`rules.coverage.resolution` is 0.0001: expected at least about 0.001 m"),
         "{error}"
     );
     let error = refused(CoverageSpec {

@@ -86,14 +86,14 @@ fn bad_values_are_named_with_robot_and_field() {
     bad.limits.omega_max = Some(f64::NAN);
     let text = message(room(vec![]), vec![bad], RulesSpec::default());
     assert!(
-        text.starts_with("robots[0] \"tom\": `limits.omega_max` is NaN, but must be"),
+        text.starts_with("robots[0] \"tom\": `limits.omega_max` is NaN: expected"),
         "{text}"
     );
     let mut bad = robot("tom", 0.0, 0.0);
     bad.radius = Some(0.0);
     let text = message(room(vec![]), vec![bad], RulesSpec::default());
     assert!(
-        text.starts_with("robots[0] \"tom\": `radius` is 0, but must be"),
+        text.starts_with("robots[0] \"tom\": `radius` is 0: expected"),
         "{text}"
     );
     let capture = Some(CaptureSpec {
@@ -106,7 +106,7 @@ fn bad_values_are_named_with_robot_and_field() {
     };
     let text = message(room(vec![]), vec![robot("tom", 0.0, 0.0)], rules);
     assert!(
-        text.starts_with("`rules.capture.radius` is -1, but must be"),
+        text.starts_with("`rules.capture.radius` is -1: expected"),
         "{text}"
     );
 }

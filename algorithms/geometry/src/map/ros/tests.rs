@@ -93,7 +93,7 @@ fn broken_yaml_names_file_line_value_and_expectation() {
     assert!(message("2.0, 0.0]", "nan, 0.0]").contains("line 3"));
     assert!(message("negate: 0", "negate: 2").contains("line 4: negate = 2: expected 0 or 1"));
     assert!(message("0.65", "1.65").contains("line 5: occupied_thresh = 1.65"));
-    assert!(message("0.65", "0.1").contains("`free_thresh` is 0.196, but must be at most"));
+    assert!(message("0.65", "0.1").contains("`free_thresh` is 0.196: expected at most"));
     assert!(message("free_thresh", "freethresh").contains("free_thresh is missing"));
     assert!(message("image:", "image =").contains("line 1"));
     assert!(message("./office.pgm", "").contains("line 1: image is empty: expected the path"));
