@@ -189,12 +189,6 @@ fn benches(c: &mut Criterion) {
             });
         });
     }
-    let xs: Vec<f32> = random.iter().map(|(a, _)| a.x as f32).collect();
-    let ys: Vec<f32> = random.iter().map(|(a, _)| a.y as f32).collect();
-    let mut out = vec![0.0; RAYS];
-    group.bench_function("random/one observer, many points", |b| {
-        b.iter(|| field.visibility_many(random[0].1, &xs, &ys, black_box(&mut out)));
-    });
     group.finish();
 
     let free = streets();

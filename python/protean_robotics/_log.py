@@ -159,7 +159,7 @@ class Log:
             info = self.info["topics"].get(topic)
             if info is None:
                 known = ", ".join(self.topics)
-                raise KeyError(f"{topic}: no topic of the log has this name; it has {known}")
+                raise KeyError(f"{topic}: no topic of the log has this name: expected one of {known}")
             found = Topic(self._file, topic, info["schema"], info["messages"])
             self._topics[topic] = found
         return found

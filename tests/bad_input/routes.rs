@@ -33,7 +33,7 @@ fn keys_that_are_none_or_make_no_secret() {
         ("catf64:1.0,0.25", "`x` of `catf64` is 1 | below 1"),
         ("catf64:NaN,0.25", "`x` of `catf64` is NaN | below 1"),
         ("catp:1.5,0.3", "`1.5` is not a decimal key | 0.644"),
-        ("catp:0.4", "has two values | `0.4` has 1"),
+        ("catp:0.4", "`0.4` of `catp` has 1 | two values"),
         ("chebp:5,5", "equal or mirrored | change one of them"),
         (
             "chebp:5,9223372036854775778",
@@ -45,7 +45,7 @@ fn keys_that_are_none_or_make_no_secret() {
             "leads to a fixed point | away from these",
         ),
         ("chebf64:2,0.3", "`x` of `chebf64` is 2 | between -1 and 1"),
-        ("keyed:00", "64 hexadecimal digits | 2 characters"),
+        ("keyed:00", "2 characters | 64 hexadecimal digits"),
         ("rot13:1,2", "`rot13` is not a generator | catp, cat64"),
         ("garbage", "`garbage` is not a generator | kind:values"),
     ] {

@@ -25,30 +25,6 @@ const WHOLE_PARTS: f64 = 1e-12;
 /// Legs shorter than this (m) have no direction, and turns by less than this (rad) are ignored.
 const NOTHING: f64 = 1e-9;
 
-/// The points of a straight leg (m), without the start and with the end, in equal parts of at most
-/// `step` (m): ⌈d/step − 10⁻¹²⌉ of them, at least one. A step that is not positive makes one part.
-pub fn interpolate(
-    from: Point2<f64>,
-    to: Point2<f64>,
-    step: f64,
-) -> impl Iterator<Item = Point2<f64>> {
-    let line = to - from;
-    let parts = (line.norm() / step - WHOLE_PARTS).ceil();
-    // A cast saturates; a number that is not finite or not positive becomes one part.
-    let parts = if parts.is_finite() && parts > 1.0 {
-        parts as u32
-    } else {
-        1
-    };
-    (1..=parts).map(move |part| {
-        if part == parts {
-            to
-        } else {
-            from + line * (f64::from(part) / f64::from(parts))
-        }
-    })
-}
-
 /// Reason why corners cannot be rounded.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[error("{field} = {value}: expected {expected}")]

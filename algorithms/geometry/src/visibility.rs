@@ -183,20 +183,6 @@ impl VisibilityField {
             .map_or(0.0, |nats| math::expf(-nats as f32))
     }
 
-    /// V from one observer (m) to many points given as separate coordinates (m).
-    ///
-    /// Fills as many entries of `out` as all three slices have; NaN coordinates give 0.
-    pub fn visibility_many(&self, observer: Point2<f64>, xs: &[f32], ys: &[f32], out: &mut [f32]) {
-        let observer = self.end(observer);
-        for ((&x, &y), v) in xs.iter().zip(ys).zip(out) {
-            let target = self.end(Point2::new(f64::from(x), f64::from(y)));
-            *v = match (observer, target) {
-                (Some(o), Some(t)) => self.between(o, t),
-                _ => 0.0,
-            };
-        }
-    }
-
     /// Returns `true` if one of seven points spread over the ray lies in an obstacle: this detects most
     /// blocked rays without a single unpredictable branch.
     #[inline]

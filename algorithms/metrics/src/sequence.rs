@@ -4,25 +4,6 @@
 //! None of these measures predictability: both papers' maps have large exponents, yet a hundred
 //! points determine them exactly.
 
-/// Largest Lyapunov exponent (per step) from the Jacobians of a map of the plane along an orbit
-/// (rows first): the mean growth of a tangent vector, renormalised at every step.
-///
-/// The vector starts along (1, 1)/√2 and takes some ten steps to turn into the expanding direction;
-/// over `n` steps that costs an error of the order of `1/n`. NaN without any Jacobian; −∞ when a
-/// Jacobian takes the vector to 0.
-pub fn lyapunov_from_jacobians(jacobians: impl IntoIterator<Item = [[f64; 2]; 2]>) -> f64 {
-    let mut tangent = [0.5_f64.sqrt(); 2];
-    mean(jacobians.into_iter().map(|[[a, b], [c, d]]| {
-        let [x, y] = tangent;
-        let image = [a * x + b * y, c * x + d * y];
-        let length = libm::hypot(image[0], image[1]);
-        if length > 0.0 {
-            tangent = image.map(|component| component / length);
-        }
-        libm::log(length)
-    }))
-}
-
 /// Lyapunov exponent (per step) of any map of one variable, by a second orbit at distance
 /// `separation` that is reset to that distance after each step.
 ///

@@ -300,9 +300,9 @@ impl Awg {
         }
     }
 
-    /// A lap with its start and the times of its waypoints since then, for measurements. Otherwise
-    /// as [`Self::lap_into`].
-    pub fn lap_track(&self, lap: u32, source: &mut impl Source) -> Track {
+    /// A lap with its start and the times of its waypoints since then. Otherwise as [`Self::lap_into`].
+    #[cfg(test)]
+    pub(crate) fn lap_track(&self, lap: u32, source: &mut impl Source) -> Track {
         let mut waypoints = Vec::with_capacity(self.waypoints_per_lap() as usize);
         self.lap_into(lap, source, &mut waypoints);
         self.track(lap, &waypoints)

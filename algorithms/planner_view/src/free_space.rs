@@ -200,11 +200,6 @@ impl FreeSpace {
         self.inner.shapes.segment_is_clear(a, b, radius)
     }
 
-    /// Distance (m) between a segment and the nearest piece or the bounds; 0 if they touch.
-    pub fn segment_clearance(&self, a: Point2<f64>, b: Point2<f64>) -> f64 {
-        self.inner.shapes.segment_distance(a, b)
-    }
-
     /// Returns `true` if a disc of this radius (m) can travel along an arc; exact: every point of it is
     /// tested. `false` for an arc that is not finite. More than a full turn counts as one turn.
     pub fn arc_is_free(&self, arc: &Arc, radius: f64) -> bool {

@@ -23,11 +23,6 @@ message! {
 }
 
 impl ProcessStatus {
-    /// The last error; empty if none. Bytes that are not UTF-8 are replaced.
-    pub fn error_text(&self) -> String {
-        text_of(&self.error)
-    }
-
     /// Stores an error text, cut at the last whole character that fits.
     pub fn set_error(&mut self, text: &str) {
         store(text, &mut self.error);
@@ -114,10 +109,10 @@ mod tests {
     fn error_texts_are_cut_at_a_character() {
         let mut status = ProcessStatus::default();
         status.set_error("short");
-        assert_eq!(status.error_text(), "short");
+        assert_eq!(text_of(&status.error), "short");
         status.set_error(&"ä".repeat(150));
-        assert_eq!(status.error_text(), "ä".repeat(96));
+        assert_eq!(text_of(&status.error), "ä".repeat(96));
         status.set_error("");
-        assert_eq!(status.error_text(), "");
+        assert_eq!(text_of(&status.error), "");
     }
 }

@@ -148,19 +148,6 @@ pub struct WaypointOutcome {
     pub driven: Option<LapFigures>,
 }
 
-impl WaypointOutcome {
-    /// Returns the share of waypoints left out, 0 to 1; 0 without waypoints.
-    pub fn left_out_share(&self) -> f64 {
-        let left_out = self.inside_obstacle + self.timed_out + self.unreachable;
-        let all = left_out + self.reached;
-        if all == 0 {
-            0.0
-        } else {
-            left_out as f64 / all as f64
-        }
-    }
-}
-
 /// Figures of laps: means over the laps.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct LapFigures {

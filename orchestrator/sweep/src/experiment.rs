@@ -84,15 +84,6 @@ impl<S: Subject> ExperimentOf<S> {
         Self::of(&label, text, &folder, stem.unwrap_or("experiment"), options)
     }
 
-    /// Reads an experiment from a text that is no file, and validates all its cells; paths in it start at the
-    /// current directory.
-    ///
-    /// # Errors
-    /// As [`Self::load`].
-    pub fn from_text(name: &str, text: &str, options: &LoadOptions) -> Result<Self, Diagnostics> {
-        Self::of(name, text.to_owned(), Path::new("."), name, options)
-    }
-
     fn of(
         label: &str,
         text: String,

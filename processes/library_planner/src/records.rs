@@ -67,10 +67,10 @@ pub(crate) fn unknown(
     known: impl Iterator<Item = &'static str>,
 ) -> Unexpected {
     let known: Vec<&str> = known.collect();
-    let expected = if known.is_empty() {
-        "no call, as its table names no topic".to_owned()
-    } else {
-        format!("one of {}", known.join(", "))
+    let expected = match known.as_slice() {
+        [] => "no call, as its table names no topic".to_owned(),
+        [only] => (*only).to_owned(),
+        all => format!("one of {}", all.join(", ")),
     };
     Unexpected::new(format!("{function}: topic {topic:?}"), expected)
 }

@@ -159,11 +159,6 @@ impl Robot {
     pub fn point(&self) -> Point2<f64> {
         self.pose.position()
     }
-
-    /// Returns the radius of its body (m).
-    pub fn body_radius(&self) -> f64 {
-        self.radius
-    }
 }
 
 /// Command that drives a robot to a point: it turns towards the point, then drives the arc that leads to it (pure

@@ -164,11 +164,6 @@ impl TangentBug {
         })
     }
 
-    /// The radius by which obstacles are grown: the robot's and the margin (m).
-    pub fn grown_radius(&self) -> f64 {
-        self.grown
-    }
-
     /// Clears the goal and all state of the path to it.
     pub fn reset(&mut self) {
         self.goal = None;

@@ -122,13 +122,6 @@ impl WaypointDriver {
         self.leg.as_ref().map(|leg| &leg.waypoint)
     }
 
-    /// Simulated time at which the current waypoint is given up (s); `None` if never.
-    pub fn time_limit_s(&self) -> Option<f64> {
-        self.leg
-            .map(|leg| leg.until_s)
-            .filter(|until| until.is_finite())
-    }
-
     /// Executes one tick: ends waypoints that are reached, late or unreachable, takes the `next`
     /// ones, and drives. Appends the outcomes of waypoints to `reports`.
     ///

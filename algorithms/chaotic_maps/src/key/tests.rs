@@ -106,22 +106,25 @@ fn text_that_is_no_key_is_refused_with_what_to_change() {
         ("lorenz:1,2", "`lorenz` is not a generator"),
         (
             "catp:1",
-            "has two values, separated by commas, but `1` has 1",
+            "the key `1` of `catp` has 1: expected two values, separated by commas",
         ),
-        ("catp:1,2,3", "but `1,2,3` has 3"),
+        ("catp:1,2,3", "the key `1,2,3` of `catp` has 3"),
         ("catp:1.5,2", "`1.5` is not a decimal key"),
-        ("catp:-1,2", "`-1` is not a whole number"),
+        (
+            "catp:-1,2",
+            "`-1` is no state of `catp`: expected a whole number",
+        ),
         (
             "catp:0.12345678901234567890,2",
-            "20 digits after the point; the maximum is 19",
+            "20 digits after the point: expected at most 19",
         ),
-        ("cat64:0.4,1", "`0.4` is not a whole number"),
-        ("chebp:0.4,0.5", "`0.4` is not a whole number"),
-        ("catf64:a,0.5", "`a` is not a number"),
+        ("cat64:0.4,1", "`0.4` is no state of `cat64`"),
+        ("chebp:0.4,0.5", "`0.4` is no state of `chebp`"),
+        ("catf64:a,0.5", "`a` is no value of `catf64`"),
         ("standard:1,2,3,4", "two or three values"),
         (
             "keyed:abc",
-            "64 hexadecimal digits (32 bytes), but has 3 characters",
+            "has 3 characters: expected 64 hexadecimal digits (32 bytes)",
         ),
         (
             &format!("keyed:{}", "g".repeat(64)),

@@ -43,18 +43,6 @@ fn worst_joint(pieces: &[Piece]) -> (f64, f64) {
 }
 
 #[test]
-fn a_leg_is_cut_into_equal_parts_no_longer_than_the_step() {
-    let (a, b) = (Point2::new(0.0, 0.0), Point2::new(1.0, 0.0));
-    // An integer number of steps stays unchanged, any other is rounded up.
-    assert_eq!(interpolate(a, b, 0.125).count(), 8);
-    assert_eq!(interpolate(a, b, 0.124).count(), 9);
-    assert_eq!(interpolate(a, b, 0.1).last(), Some(b));
-    assert_eq!(interpolate(a, a, 0.1).collect::<Vec<_>>(), [a]);
-    assert_eq!(interpolate(a, b, f64::NAN).count(), 1);
-    assert_eq!(interpolate(a, b, 0.0).count(), 1);
-}
-
-#[test]
 fn a_right_angle_with_room_gets_the_robots_own_circle() {
     let all = rectangle(0.0, 0.0, 9.0, 9.0);
     let corner = [

@@ -146,22 +146,4 @@ impl ShapeMap {
             near.iter().all(clear)
         }
     }
-
-    /// Distance (m) between a segment and the nearest obstacle or the edge of the map; 0 if they
-    /// touch.
-    pub fn segment_distance(&self, a: Point2<f64>, b: Point2<f64>) -> f64 {
-        let edge = edge_distance(&self.bounds, a)
-            .min(edge_distance(&self.bounds, b))
-            .max(0.0);
-        // The distance of either end bounds the search.
-        let mut distance = edge.min(self.distance(a)).min(self.distance(b));
-        if distance > 0.0 {
-            let mut near = Vec::new();
-            self.parts_in(a, b, distance, &mut near);
-            for i in near {
-                distance = distance.min(self.parts[i as usize].segment_distance(a, b));
-            }
-        }
-        distance
-    }
 }

@@ -299,14 +299,6 @@ impl WorldMap {
         &self.obstacles
     }
 
-    /// The number of the obstacle with this name.
-    pub fn obstacle_named(&self, name: &str) -> Option<ObstacleId> {
-        self.obstacles
-            .iter()
-            .find(|o| o.name == name && !name.is_empty())
-            .map(|o| o.id)
-    }
-
     /// The convex pieces of all static parts and obstacles.
     pub fn parts(&self) -> &[Convex] {
         self.shapes.parts()

@@ -38,11 +38,6 @@ impl WorldMap {
         self.shapes().line_of_sight(from, to)
     }
 
-    /// As [`ShapeMap::segment_distance`](super::ShapeMap::segment_distance).
-    pub fn segment_distance(&self, a: Point2<f64>, b: Point2<f64>) -> f64 {
-        self.shapes().segment_distance(a, b)
-    }
-
     /// The four sides of the map's edge as surfaces.
     pub fn edge_contacts(&self, p: Point2<f64>) -> [Contact; 4] {
         self.shapes().edge_contacts(p)

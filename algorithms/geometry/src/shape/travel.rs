@@ -114,7 +114,8 @@ impl Convex {
     }
 
     /// Distance (m) from the piece to the segment from `a` to `b`; 0 if they meet.
-    pub fn segment_distance(&self, a: Point2<f64>, b: Point2<f64>) -> f64 {
+    #[cfg(test)]
+    fn segment_distance(&self, a: Point2<f64>, b: Point2<f64>) -> f64 {
         match self {
             Self::Disc { center, radius } => {
                 (segment_distance_squared(*center, a, b).sqrt() - radius).max(0.0)

@@ -21,26 +21,10 @@ fn table_points(kind: &str, n: usize) -> Vec<[f64; 2]> {
 }
 
 #[test]
-fn the_cat_map_has_the_exponent_of_its_matrix() {
-    let exact = libm::log(f64::midpoint(3.0, 5.0_f64.sqrt()));
-    assert!((exact - 0.962_424).abs() < 1e-6);
-    let numeric = lyapunov_from_jacobians(core::iter::repeat_n([[1.0, 1.0], [1.0, 2.0]], 100_000));
-    assert!((numeric - exact).abs() < 1e-5, "{numeric}");
-}
-
-#[test]
 fn the_chebyshev_map_has_the_exponent_ln_6() {
     let orbit = table_points("chebf64-raw", 10_000);
     let numeric = lyapunov_from_derivatives(orbit.iter().map(|p| chebyshev_derivative(6.0, p[0])));
     assert!((numeric - libm::log(6.0)).abs() < 1e-3, "{numeric}");
-    // As a map of the plane: the axes are independent.
-    let plane = lyapunov_from_jacobians(orbit.iter().map(|p| {
-        [
-            [chebyshev_derivative(6.0, p[0]), 0.0],
-            [0.0, chebyshev_derivative(6.0, p[1])],
-        ]
-    }));
-    assert!((plane - libm::log(6.0)).abs() < 0.01, "{plane}");
 }
 
 #[test]
@@ -160,7 +144,6 @@ fn generators_that_should_be_uniform_are() {
 #[test]
 fn without_anything_to_measure_the_result_is_nan() {
     assert!(lyapunov_from_derivatives([]).is_nan());
-    assert!(lyapunov_from_jacobians([]).is_nan());
     assert!(lyapunov_from_pairs(|x| x, 0.0, 1e-7, 0).is_nan());
     assert!(mean_difference([]).is_nan());
     assert!(chi_square_uniform(&[], [0.0, 1.0], 10).is_nan());

@@ -41,13 +41,11 @@ proptest! {
     ) {
         for (a, b) in segments {
             let exact = parry_segment_distance(&space, a, b);
-            let ours = space.segment_clearance(a, b);
-            prop_assert!((ours - exact).abs() < 1e-6, "{ours} {exact}");
             for radius in [radius, exact + 1e-7, exact - 1e-7] {
                 // The results of parry are no better than this.
                 if radius > 1e-6 && (exact - radius).abs() > 5e-8 {
                     let free = space.segment_is_free(a, b, radius);
-                    prop_assert_eq!(free, ours > radius, "{} {}", ours, radius);
+                    prop_assert_eq!(free, exact > radius, "{} {}", exact, radius);
                     prop_assert_eq!(free, space.segment_is_free(b, a, radius));
                 }
             }
@@ -81,15 +79,14 @@ proptest! {
     fn the_resolution_changes_no_answer(
         space in any_space(1..9), a in any_point(), b in any_point(), radius in 0.01..0.8f64,
     ) {
-        let exact = space.segment_clearance(a, b);
+        let exact = parry_segment_distance(&space, a, b);
         for resolution in [0.02, 0.07, 0.5, 20.0] {
             let parts = space.shapes().parts().to_vec();
             let other = FreeSpace::new(parts, bounds(), resolution).unwrap();
-            if (exact - radius).abs() > 1e-8 {
+            if (exact - radius).abs() > 1e-6 {
                 let free = space.segment_is_free(a, b, radius);
                 prop_assert_eq!(other.segment_is_free(a, b, radius), free);
             }
-            prop_assert!((other.segment_clearance(a, b) - exact).abs() < 1e-12);
         }
     }
 }

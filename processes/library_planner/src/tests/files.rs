@@ -64,7 +64,7 @@ fn files_that_are_no_planners_are_named_with_the_expectation() {
         (
             "partial.c",
             table(".version = 2, .create = create, .steer = steer, .destroy = 0 ? destroy : 0"),
-            "expected create, destroy, and either steer or step",
+            "functions: expected create, destroy, and either steer or step",
         ),
         (
             "inputs.c",
@@ -77,7 +77,7 @@ fn files_that_are_no_planners_are_named_with_the_expectation() {
             "null.c",
             table(".version = 2, .create = create, .steer = steer, .destroy = destroy")
                 .replace("return &table", "return table.version == 2 ? 0 : &table"),
-            "returned no address",
+            "expected the address of a table",
         ),
     ];
     for (name, source, word) in sources {

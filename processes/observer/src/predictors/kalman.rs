@@ -38,11 +38,6 @@ impl Kalman {
         Some((Point2::new(x[0], y[0]), Vector2::new(x[1], y[1])))
     }
 
-    /// Returns the variances of the position (m²) and of the velocity (m²/s²) along each axis.
-    pub fn variances(&self) -> (f64, f64) {
-        (self.covariance[(0, 0)], self.covariance[(1, 1)])
-    }
-
     fn advance(&mut self, dt: f64) {
         let Some(state) = &mut self.state else { return };
         let f = Matrix2::new(1.0, dt, 0.0, 1.0);

@@ -21,12 +21,9 @@ fn a_straight_way_at_constant_speed_is_predicted_without_error_through_gaps() {
     for tick in 0..100 {
         noisy.look(straight(tick), true, &mut kalman);
     }
-    let (sharp, _) = kalman.variances();
     for tick in 100..200 {
         noisy.look(straight(tick), false, &mut kalman);
     }
-    let (blurred, speed) = kalman.variances();
-    assert!(blurred > 10.0 * sharp && speed > 1.0);
     for (horizon, ticks) in [(0.5, 10), (5.0, 100)] {
         let at = noisy.predict(&kalman, horizon).unwrap();
         let error = (at - straight(199 + ticks).position()).norm();

@@ -277,7 +277,8 @@ fn unreachable_cells_are_not_coverable() {
     );
     let before = f.visited;
     // Without the wall, all cells are coverable.
-    let id = world.map().obstacle_named("wall").unwrap();
+    let obstacles = world.map().obstacles();
+    let id = obstacles.iter().find(|o| o.name == "wall").unwrap().id;
     world.apply(&ObstacleChange::Disappear { id }).unwrap();
     let f = figures(&world);
     assert_eq!((f.free, f.visited), (4800, before));

@@ -60,7 +60,6 @@ fn impossible_changes_are_refused_and_change_nothing() {
         vec![robot],
         RulesSpec::default(),
     );
-    assert_eq!(world.map().obstacle_named("o0"), Some(ObstacleId(0)));
     let id = ObstacleId(0);
     let shape = block(2.0, 2.0, 0.1);
     let error = world

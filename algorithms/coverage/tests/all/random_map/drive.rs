@@ -2,13 +2,13 @@
 
 use chaotic_maps::{Key, KeyKind};
 use coverage::decomposition::Decomposition;
-use coverage::legs::interpolate;
 use coverage::plan::{CoveragePlan, PlanSpec};
 use coverage::tour::{Iterations, Route};
 use coverage::transit::Transit;
 use coverage::workplace::Workplace;
 
 use super::RandomMaps;
+use crate::interpolate;
 
 /// Result of driving a plan.
 #[derive(Debug, Clone, Copy, Default)]

@@ -139,19 +139,6 @@ proptest! {
     }
 
     #[test]
-    fn segments_agree_with_points_along_them(
-        map in any_map(), a in any_point(), b in any_point(),
-    ) {
-        let along: f64 = (0..=400)
-            .map(|i| distance_by_parry(&map, a + (b - a) * (f64::from(i) / 400.0)))
-            .fold(f64::INFINITY, f64::min);
-        let spacing = (b - a).norm() / 400.0;
-        let distance = map.segment_distance(a, b);
-        prop_assert!(distance <= along + 1e-9, "{} {}", distance, along);
-        prop_assert!(distance >= along - spacing, "{} {}", distance, along);
-    }
-
-    #[test]
     fn a_cell_map_is_its_cells(cells in proptest::collection::vec(any::<bool>(), 12 * 9)) {
         let frame =
             GridFrame { width: 12, height: 9, resolution: 0.3, origin: Point2::new(-1.0, 0.5) };
