@@ -11,7 +11,7 @@ use coverage::workplace::Workplace;
 use geometry::shape::{Aabb, Convex};
 
 use crate::random_map::RandomMaps;
-use crate::random_map::drive::{Driven, drive};
+use crate::random_map::drive::{Driven, drive, interpolate};
 
 fn spec(transit: Transit) -> PlanSpec {
     PlanSpec {
@@ -167,7 +167,7 @@ fn obstacles_of_any_shape_are_passed_without_contact() {
         let mut last = start;
         while let Some(goal) = plan.step() {
             let p = goal.waypoint.point;
-            for p in crate::interpolate(last, p, 0.05) {
+            for p in interpolate(last, p, 0.05) {
                 assert!(
                     parts.iter().all(|part| part.distance(p) >= 0.1 - 1e-9),
                     "{p}"

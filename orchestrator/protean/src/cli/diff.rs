@@ -151,7 +151,8 @@ fn run_first(
     name: &str,
     watch: &ReadProgress,
 ) -> Result<PathBuf, CommandError> {
-    refuse_external(side, &scenario, args.external.allow_external).map_err(|error| usage(&error.to_string()))?;
+    refuse_external(side, &scenario, args.external.allow_external)
+        .map_err(|error| usage(&error.to_string()))?;
     let log = folder.path().join(format!("{name}.mcap"));
     let watch = ReadProgress::new(Arc::clone(&watch.interrupted), true);
     let in_process = !scenario.uses_external_commands();

@@ -6,9 +6,20 @@ use coverage::plan::{CoveragePlan, PlanSpec};
 use coverage::tour::{Iterations, Route};
 use coverage::transit::Transit;
 use coverage::workplace::Workplace;
+use nalgebra::Point2;
 
 use super::RandomMaps;
-use crate::interpolate;
+
+/// Points of a straight leg (m), without the start and with the end, in equal parts of at most `step` (m).
+pub fn interpolate(
+    from: Point2<f64>,
+    to: Point2<f64>,
+    step: f64,
+) -> impl Iterator<Item = Point2<f64>> {
+    let line = to - from;
+    let parts = (line.norm() / step).ceil().max(1.0) as u32;
+    (1..=parts).map(move |part| from + line * (f64::from(part) / f64::from(parts)))
+}
 
 /// Result of driving a plan.
 #[derive(Debug, Clone, Copy, Default)]
