@@ -105,7 +105,7 @@ fn the_scenario_that_is_broken_below_is_good() {
 #[test]
 fn scenarios_that_are_not_there_or_not_toml() {
     let sandbox = Sandbox::new();
-    let expected = "= expected: the path of a scenario, or the name of a built-in one: `chase`";
+    let expected = "= expected: the path of a scenario, or a built-in scenario: one of `chase`";
     let words = [
         "nope.toml: cannot be read: No such file",
         "= value: nope.toml",

@@ -91,7 +91,7 @@ impl<'k> Loader<'k> {
             Diagnostic::new(Code::File, message)
                 .value(target)
                 .expected(format!(
-                    "the path of a scenario, or the name of a built-in one: {}",
+                    "the path of a scenario, or a built-in scenario: {}",
                     list_choices(&names)
                 ))
         };
