@@ -31,7 +31,7 @@ pub(crate) enum Check {
     Value(Limited),
     /// A share over missions.
     Share {
-        /// What each member meets that counts.
+        /// Conditions of each member; one that meets them counts.
         members: Vec<Vec<Limited>>,
         over: usize,
         within: Interval,

@@ -42,7 +42,7 @@ pub(crate) struct TestSpec {
     #[serde(default, rename = "set")]
     #[schemars(with = "Option<Map<String, Value>>")]
     pub _set: Option<IgnoredAny>,
-    /// What is expected of every mission, or of all of them.
+    /// Expected results of every mission, or of all of them.
     #[serde(rename = "expect")]
     #[schemars(with = "ExpectSpec")]
     pub _expect: IgnoredAny,
