@@ -29,6 +29,8 @@ pub struct CellSummary {
     pub games: usize,
     /// Games that failed.
     pub failed: usize,
+    /// Different histories among the games that ended; 1 if seeds have no effect.
+    pub histories: usize,
     /// Evaders of these games.
     pub evaders: u64,
     /// Evaders that escaped.
@@ -82,10 +84,12 @@ fn summarise(cell: usize, rows: &[&Row]) -> CellSummary {
     let robots = played.iter().flat_map(|row| &row.robots);
     let arrivals = robots.filter(|robot| robot.outcome == "goal_reached");
     let arrivals: Vec<f64> = arrivals.map(|robot| robot.time_s).collect();
+    let histories: BTreeSet<&str> = played.iter().map(|row| row.digest.as_str()).collect();
     CellSummary {
         cell,
         games: played.len(),
         failed: rows.len() - played.len(),
+        histories: histories.len(),
         evaders: sum(|r| r.evaders),
         escaped: sum(|r| r.escaped),
         caught: sum(|r| r.caught),
@@ -271,6 +275,13 @@ pub fn text(results: &Results, report: Option<&RunReport>, measure: Option<Measu
     let table = cell_table(manifest, &titles, rows);
     let mut text = format!("{}\n\n{table}\n", heading(manifest));
     text += &pace(report, "missions");
+    for one in summaries.iter().filter(|c| c.games > 1 && c.histories == 1) {
+        text += &format!(
+            "\nnote: {}: all {} seeds gave the same mission; nothing in it is random\n",
+            manifest.describe(one.cell),
+            one.games
+        );
+    }
     let failures = failures(results);
     if !failures.is_empty() {
         text += &format!("\n{} missions failed; to repeat one:\n", failures.len());
@@ -348,6 +359,7 @@ pub fn json(results: &Results, report: Option<&RunReport>, measure: Option<Measu
                 "parameters": parameters,
                 "games": c.games,
                 "failed": c.failed,
+                "histories": c.histories,
                 "evaders": c.evaders,
                 "escaped": c.escaped,
                 "caught": c.caught,

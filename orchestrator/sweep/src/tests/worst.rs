@@ -89,6 +89,38 @@ fn a_cell_has_three_worst_missions() {
 }
 
 #[test]
+fn a_cell_whose_seeds_have_no_effect_is_named() {
+    let directory = tempfile::tempdir().unwrap();
+    let manifest = load(GOOD).unwrap().manifest();
+    let mut results = Results::open(directory.path(), &manifest, GOOD).unwrap();
+    for (cell, seed, digest) in [
+        (0, 1, "a"),
+        (0, 2, "b"),
+        (0, 3, "a"),
+        (1, 1, "c"),
+        (1, 2, "c"),
+        (1, 3, "c"),
+    ] {
+        let row = Row {
+            digest: digest.to_owned(),
+            ..row(Outcome::Ended, 0, 9.0)
+        };
+        results.record(mission(cell, seed), row, 0.1).unwrap();
+    }
+    let json = summary::json(&results, None, None);
+    let cells = json["cells"].as_array().unwrap().iter();
+    let histories: Vec<_> = cells.map(|cell| cell["histories"].as_u64()).collect();
+    assert_eq!(histories, [Some(2), Some(1)]);
+    let text = summary::text(&results, None, None);
+    let notes: Vec<&str> = text
+        .lines()
+        .filter(|line| line.starts_with("note"))
+        .collect();
+    let note = "note: case potential, relative_speed = 1.5: all 3 seeds gave the same mission; nothing in it is random";
+    assert_eq!(notes, [note]);
+}
+
+#[test]
 fn a_measure_is_a_column_of_numbers_and_its_worse_end() {
     for wrong in [
         "contacts",
