@@ -215,7 +215,7 @@ fn maps_that_are_missing_broken_or_enormous() {
         &sandbox,
         with_map("nope.yaml"),
         &[
-            "nope.yaml: No such file",
+            "nope.yaml: cannot be read: No such file",
             "--> small.toml:5:7 (world.map)",
             "= value: \"nope.yaml\"",
         ],

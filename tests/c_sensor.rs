@@ -249,7 +249,7 @@ fn faults_of_declarations_in_c_are_named() {
     let pair = [("one", "whole"), ("two", "whole")];
     faulty.fails(&pair, &[], 2, &[two]);
     let absent = [
-        "build/absent.so: No such file",
+        "build/absent.so: cannot be read: No such file",
         "process absent: it does not state its declaration",
     ];
     faulty.fails(&[("absent", "absent")], &[], 2, &absent);

@@ -124,7 +124,7 @@ fn faults_of_a_planner_in_cpp_are_named() {
     library(
         "build/absent.so",
         &[
-            "build/absent.so: No such file",
+            "build/absent.so: cannot be read: No such file",
             "expected the shared library of a planner",
         ],
     );

@@ -251,7 +251,7 @@ fn has_text_error(tokens: Tokens) -> bool {
             "<" => depth += 1,
             // Not that of `->`.
             ">" if last != "-" => depth -= 1,
-            "," if depth == 1 => error = Some(String::new()),
+            "," if depth == 1 && error.is_none() => error = Some(String::new()),
             _ => {}
         }
         if depth == 0 {

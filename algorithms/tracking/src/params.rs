@@ -221,7 +221,7 @@ mod tests {
             bad(|p| p.sensor.range = Some(-2.0)),
             "`sensor.range` is -2: expected a finite number above 0 (m)"
         );
-        assert!(bad(|p| p.sensor.exact_above = 0.0).starts_with("`sensor.exact_above` is 0,"));
+        assert!(bad(|p| p.sensor.exact_above = 0.0).starts_with("`sensor.exact_above` is 0:"));
         assert!(bad(|p| p.sensor.field_of_view = Some(7.0)).contains("at most 2π (rad)"));
         assert!(bad(|p| p.filter.turn_walk = f64::NAN).contains("`filter.turn_walk` is NaN"));
         assert!(bad(|p| p.sensor.heading = HeadingModel::Noisy { sigma: 0.0 }).contains("noisy"));

@@ -26,7 +26,7 @@ pub struct AskError {
     pub process: String,
     /// Command line of its program.
     pub command: String,
-    /// What is wrong.
+    /// Fault of the program.
     #[source]
     pub fault: AskFault,
 }

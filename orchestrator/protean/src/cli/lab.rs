@@ -20,7 +20,7 @@ program, else with that in PATH.";
 const HAS_PACKAGE: &str =
     "import importlib.util as u, sys; sys.exit(u.find_spec('protean_robotics') is None)";
 
-/// What makes an interpreter usable.
+/// Description of a usable interpreter.
 const EXPECTED: &str = "expected a Python with the package: pip install 'protean-robotics[lab]'";
 
 /// The interpreter cannot run a command of the package.

@@ -369,7 +369,10 @@ fn files_are_found_only_in_the_folder_of_the_scenario() {
     );
     contains(
         &with_map("\"none.toml\"").unwrap_err(),
-        &["none.toml: No such file", "game.toml:9:7 (world.map)"],
+        &[
+            "none.toml: cannot be read: No such file",
+            "game.toml:9:7 (world.map)",
+        ],
     );
     contains(
         &with_map("\"maps/city.toml\"").unwrap_err(),

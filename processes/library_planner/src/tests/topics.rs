@@ -149,7 +149,7 @@ fn faults_of_layouts_are_named_with_field_and_expectation() {
             "infinite",
             ".capacity = 4",
             ".capacity = 4, .may_be_infinite = \"cell\"",
-            "no field \"cell\"",
+            "may_be_infinite: \"cell\": expected a field of the messages",
         ),
     ]);
 }
