@@ -38,10 +38,10 @@ fn listed(test: &TestReport) -> (&[Finding], usize) {
 /// Returns the findings of a test as lines.
 fn findings(test: &TestReport) -> String {
     let (shown, others) = listed(test);
-    let shown = shown.iter();
-    let mut text: String = shown
-        .map(|finding| format!("  {}\n", lines(test, finding).join("\n    ")))
-        .collect();
+    let mut text = String::new();
+    for finding in shown {
+        text += &format!("  {}\n", lines(test, finding).join("\n    "));
+    }
     if others > 0 {
         text += &format!("  and {others} others (--json lists all)\n");
     }

@@ -241,9 +241,9 @@ impl Shared<'_> {
         };
         let failed = !findings.is_empty();
         let log = logs.settle(failed, self.options.keep_logs.keeps(failed));
-        findings
-            .iter_mut()
-            .for_each(|finding| finding.log.clone_from(&log));
+        for finding in &mut findings {
+            finding.log.clone_from(&log);
+        }
         Some(Ended {
             test: index,
             seed,

@@ -176,7 +176,7 @@ impl Suite<'_> {
             };
             let Some(spec) = spec else { continue };
             // Problems without a place are reported at the key.
-            if let Err(problems) = self.test(&mut reader, &part, spec) {
+            if let Err(problems) = self.test(&mut reader, &part, &spec) {
                 for problem in problems.iter() {
                     let mut problem = problem.clone();
                     if problem.place.is_none() {
@@ -198,7 +198,7 @@ impl Suite<'_> {
         &mut self,
         reader: &mut Reader,
         part: &Part<'_>,
-        spec: TestSpec,
+        spec: &TestSpec,
     ) -> Result<(), Diagnostics> {
         if self.tests.iter().any(|test| test.name == part.name) {
             let message = format!("two tests `{}`", spec.name.as_deref().unwrap_or(&part.name));
@@ -242,7 +242,7 @@ impl Suite<'_> {
             let expected = "--processes --allow-external, after a review of the program";
             reader.refuse(&part.key, Code::Requirement, message, expected);
         }
-        let Some(seeds) = seeds(reader, &part.path, &spec, first, over(&expect)) else {
+        let Some(seeds) = seeds(reader, &part.path, spec, first, over(&expect)) else {
             return Ok(());
         };
         let mut found = ExpectReader {

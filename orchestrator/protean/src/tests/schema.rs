@@ -188,6 +188,28 @@ fn a_wrong_value_of_an_experiment_is_refused() {
 }
 
 #[test]
+fn a_wrong_value_of_a_test_is_refused() {
+    let refused = |text: &str| refused(&mission_tests::schema().to_value(), text);
+    for right in [
+        "scenario = 'chase'\nexpect.no_contact = true",
+        "scenario = 'chase'\nseeds = [1, 2]\nexpect.escape_share = { over = 9, within = [0, 1] }",
+        "[[test]]\nscenario = 'a.toml'\nseeds = '1..3'\nset.rules.time_limit = 2\n\
+         expect.columns.ticks = { at_most = 3 }",
+    ] {
+        assert_eq!(refused(right), [""; 0], "{right}");
+    }
+    for wrong in [
+        "scenario = 'chase'",
+        "scenario = 'chase'\nseed = -1\nexpect.no_contact = true",
+        "scenario = 'chase'\nseeds = 3\nexpect.no_contact = true",
+        "scenario = 'chase'\nexpect.no_contacts = true",
+        "[[test]]\nexpect.no_contact = true",
+    ] {
+        assert_ne!(refused(wrong), [""; 0], "{wrong}");
+    }
+}
+
+#[test]
 fn params_are_those_of_the_kind() {
     let process = |kind: &str, params: &str| {
         refused_scenario(&format!(
