@@ -128,12 +128,9 @@ fn an_edited_manifest_is_refused() {
     let path = directory.path().join("manifest.json");
     let text = std::fs::read_to_string(&path).unwrap();
     std::fs::write(&path, text.replace("\"potential\"", "\"best\"")).unwrap();
-    expect![[r#"
-        FOLDER/manifest.json:1: its hash does not match: it was edited: {
-          "format": 3,
-          "program": "0.2.0",
-          "experiment": "smal; expected the manifest of a sweep's results"#]]
-    .assert_eq(&words(open(directory.path()), directory.path()));
+    let error = words(open(directory.path()), directory.path());
+    expect!["FOLDER/manifest.json:1: its hash does not match: it was edited: {"]
+        .assert_eq(error.lines().next().unwrap());
 }
 
 #[test]
