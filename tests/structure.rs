@@ -55,7 +55,8 @@ const RULES: Rules = Rules {
         &["latency", "published", "sweep"],
         &["mission_tests"],
         &["protean", "python_algorithms"],
-        &["_core", "benchmarks", "end_to_end"],
+        // `testing` is for tests only.
+        &["_core", "benchmarks", "end_to_end", "testing"],
     ],
     only: &[
         (&["clap"], &["protean", "benchmarks"]),

@@ -5,9 +5,6 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-#[path = "../../algorithms/planner_view/tests/support/mod.rs"]
-mod support;
-
 use std::hint::black_box;
 
 use avoidance::potential_field::{
@@ -19,7 +16,7 @@ use navigation::bearing::Bearings;
 use navigation::routes::{NavGrid, RouteFinder, RouteTree, Threat};
 use parameters::Fidelity;
 use planner_view::map::PlannerMap;
-use support::{Arena, EXIT, RADIUS};
+use testing::{Arena, EXIT, RADIUS};
 
 const POLICE: [(f64, f64); 4] = [(7.5, 4.5), (7.5, 1.5), (7.5, -1.5), (7.5, -4.5)];
 

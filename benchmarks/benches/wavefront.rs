@@ -2,9 +2,6 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-#[path = "../../algorithms/planner_view/tests/support/mod.rs"]
-mod support;
-
 use std::hint::black_box;
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
@@ -13,7 +10,7 @@ use nalgebra::Point2;
 use navigation::dominance::{Arena, Dominance, DominanceParams, Runner};
 use navigation::wavefront::{Lattice, Medium, SIGHT, Source, Wave};
 use planner_view::map::PlannerMap;
-use support::{EXIT, RADIUS};
+use testing::{EXIT, RADIUS};
 
 const POLICE: [(f64, f64); 4] = [(7.5, 4.5), (7.5, 1.5), (7.5, -1.5), (7.5, -4.5)];
 const EVADERS: [(f64, f64); 2] = [(-4.5, 7.5), (-4.5, -7.5)];
@@ -23,7 +20,7 @@ fn medium(map: &PlannerMap, pitch: f64) -> Medium {
 }
 
 fn waves(criterion: &mut Criterion) {
-    let map = support::Arena::city().map();
+    let map = testing::Arena::city().map();
     let sources = |places: &[(f64, f64)]| -> Vec<Source> {
         let points = places.iter().map(|&(x, y)| Point2::new(x, y));
         points.map(|at| Source::new(at, 0.3, 0)).collect()
@@ -57,7 +54,7 @@ fn waves(criterion: &mut Criterion) {
 }
 
 fn judgement(criterion: &mut Criterion) {
-    let map = support::Arena::city().map();
+    let map = testing::Arena::city().map();
     let params = DominanceParams::default();
     let exit = Region::Circle {
         center: [EXIT.x, EXIT.y],

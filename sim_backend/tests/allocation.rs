@@ -6,13 +6,13 @@ use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
 
-use geometry::map::{MapSpec, ObstacleSpec, VectorMap};
+use geometry::map::MapSpec;
 use geometry::pose::{Pose2, Twist2};
-use geometry::shape::Shape;
 use robot::spec::{RobotSpec, ScanSpec};
 use robot::team::Role;
 use sim_backend::spec::{CaptureSpec, RulesSpec, WorldSpec};
 use sim_backend::world::World;
+use testing::circle;
 
 static ALLOCATIONS: AtomicUsize = AtomicUsize::new(0);
 
@@ -37,14 +37,7 @@ static COUNTING: Counting = Counting;
 
 #[test]
 fn steps_scans_and_views_do_not_allocate() {
-    let mut map = VectorMap::empty([0.0, 0.0], [6.0, 6.0], 0.05);
-    map.obstacles.push(ObstacleSpec {
-        name: String::new(),
-        shape: Shape::Circle {
-            center: [3.0, 3.0],
-            radius: 1.0,
-        },
-    });
+    let map = testing::map([0.0, 0.0], [6.0, 6.0], 0.05, [circle([3.0, 3.0], 1.0)]);
     let places = [
         (1.0, 1.0),
         (1.5, 1.0),

@@ -6,11 +6,10 @@ mod support;
 use core::f64::consts::{FRAC_PI_2, PI};
 use std::time::Duration;
 
-use geometry::map::{MapSpec, ObstacleSpec, VectorMap};
+use geometry::map::MapSpec;
 use geometry::math::hypot;
 use geometry::pose::{Pose2, Twist2};
 use geometry::region::Region;
-use geometry::shape::Shape;
 use nalgebra::Point2;
 use observation::error::{LayoutError, WriteError};
 use observation::facts::RobotFacts;
@@ -22,6 +21,7 @@ use robot::spec::{RobotSpec, ScanSpec};
 use robot::team::Role;
 use sim_backend::spec::{RulesSpec, WorldSpec};
 use sim_backend::world::World;
+use testing::{circle, rectangle};
 
 fn four_robots() -> Vec<RobotSpec> {
     let robot = |name: &str, role, x, y, theta| RobotSpec::new(name, role, Pose2::new(x, y, theta));
@@ -35,14 +35,7 @@ fn four_robots() -> Vec<RobotSpec> {
 
 /// A world of 8 m × 6 m with a pillar at its centre, three Police and an evader.
 fn world() -> World {
-    let mut map = VectorMap::empty([0.0, 0.0], [8.0, 6.0], 0.05);
-    map.obstacles.push(ObstacleSpec {
-        name: String::new(),
-        shape: Shape::Circle {
-            center: [4.0, 3.0],
-            radius: 0.5,
-        },
-    });
+    let map = testing::map([0.0, 0.0], [8.0, 6.0], 0.05, [circle([4.0, 3.0], 0.5)]);
     let mut robots = four_robots();
     robots[3].scan = Some(ScanSpec {
         beams: 4,
@@ -323,17 +316,9 @@ proptest! {
 /// Whatever hid the robots before, the lines of sight are those of the tick.
 #[test]
 fn what_hid_robots_before_has_no_effect() {
-    let mut map = VectorMap::empty([0.0, 0.0], [8.0, 6.0], 0.05);
-    for (x, y) in [(2.0, 2.0), (4.0, 3.0), (5.5, 1.5), (3.0, 4.5)] {
-        map.obstacles.push(ObstacleSpec {
-            name: String::new(),
-            shape: Shape::Rectangle {
-                center: [x, y],
-                half_extents: [0.6, 0.3],
-                angle: 0.0,
-            },
-        });
-    }
+    let centers = [[2.0, 2.0], [4.0, 3.0], [5.5, 1.5], [3.0, 4.5]];
+    let walls = centers.map(|center| rectangle(center, [0.6, 0.3]));
+    let map = testing::map([0.0, 0.0], [8.0, 6.0], 0.05, walls);
     let world = World::new(WorldSpec {
         map: MapSpec::Vector(map),
         robots: four_robots(),

@@ -2,16 +2,13 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-#[path = "../../../algorithms/planner_view/tests/support/mod.rs"]
-mod support;
-
 use evader_braitenberg::{Braitenberg, BraitenbergParams};
 use geometry::pose::{Pose2, Twist2};
 use planner_view::limits::Limits;
 use planner_view::view::{RobotView, ScanView, View};
 use proptest::prelude::*;
 use robot::team::Role;
-use support::{Arena, DT, Kinematic, street_starts};
+use testing::{Arena, DT, Kinematic, street_starts};
 
 const V_MAX: f64 = 0.6;
 const RANGE: f64 = 3.5;
@@ -21,13 +18,13 @@ fn limits() -> Limits {
 }
 
 fn robot(pose: Pose2) -> RobotView {
-    support::robot(0, Role::Evader, pose, V_MAX)
+    testing::robot(0, Role::Evader, pose, V_MAX)
 }
 
 fn view<'a>(robots: &'a [RobotView], scan: Option<ScanView<'a>>) -> View<'a> {
     View {
         scan,
-        ..support::view(0.0, robots, &[])
+        ..testing::view(0.0, robots, &[])
     }
 }
 

@@ -2,16 +2,13 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-#[path = "../../../algorithms/planner_view/tests/support/mod.rs"]
-mod support;
-
 use evader_reach_avoid::{Evader, ReachAvoidParams};
 use geometry::region::Region;
 use nalgebra::Point2;
 use planner_view::map::PlannerMap;
 use robot::spec::{Preset, RobotModel};
 use robot::team::Role;
-use support::{Arena, CITY, DT, EXIT, Kinematic, robot, street_starts, view};
+use testing::{Arena, CITY, DT, EXIT, Kinematic, robot, street_starts, view};
 
 const V_MAX: f64 = 0.45;
 

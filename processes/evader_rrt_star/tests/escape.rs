@@ -2,13 +2,10 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-#[path = "../../../algorithms/planner_view/tests/support/mod.rs"]
-mod arena;
 mod support;
 
 use std::sync::{Arc, LazyLock};
 
-use arena::{Arena, DT, Kinematic, street_starts, view};
 use evader_rrt_star::RrtStarEvader;
 use evader_rrt_star::params::{Follower, Primitive, ReplanRule, RrtStarParams};
 use geometry::pose::{Pose2, Twist2};
@@ -19,6 +16,7 @@ use planner_view::map::PlannerMap;
 use planner_view::view::RobotView;
 use robot::team::Role;
 use support::{EXIT, POLICE, START};
+use testing::{Arena, DT, Kinematic, street_starts, view};
 
 const V_MAX: f64 = 0.6;
 
@@ -32,7 +30,7 @@ static CITY: LazyLock<(Arena, PlannerMap)> = LazyLock::new(|| {
 fn robot(index: usize, role: Role, pose: Pose2, v_max: f64) -> RobotView {
     RobotView {
         twist: Twist2::new(v_max, 0.0),
-        ..arena::robot(index, role, pose, v_max)
+        ..testing::robot(index, role, pose, v_max)
     }
 }
 

@@ -10,10 +10,9 @@
 use core::f64::consts::{FRAC_PI_2, PI};
 
 use geometry::grid::{Grid, GridFrame};
-use geometry::map::{CellMap, ObstacleSpec, VectorMap, WorldMap};
+use geometry::map::{CellMap, WorldMap};
 use geometry::math;
 use geometry::pose::{Pose2, Twist2};
-use geometry::shape::Shape;
 use ipc_types::messages::optimiser::PlanRequest;
 use nalgebra::{Point2, Vector2};
 use navigator::drive::Drive;
@@ -25,6 +24,7 @@ use planner_view::map::PlannerMap;
 use planner_view::view::{RobotView, View};
 use robot::spec::RobotModel;
 use robot::team::Role;
+use testing::circle;
 use trajectory_problem::Problem;
 
 const DT: f64 = 0.05;
@@ -47,18 +47,8 @@ struct Rig {
 }
 
 fn map(discs: &[(f64, f64, f64)], revision: u64) -> PlannerMap {
-    let mut map = VectorMap::empty([0.0, 0.0], [6.0, 4.0], 0.1);
-    map.obstacles = discs
-        .iter()
-        .enumerate()
-        .map(|(i, &(x, y, radius))| ObstacleSpec {
-            name: i.to_string(),
-            shape: Shape::Circle {
-                center: [x, y],
-                radius,
-            },
-        })
-        .collect();
+    let discs = discs.iter().map(|&(x, y, radius)| circle([x, y], radius));
+    let map = testing::map([0.0, 0.0], [6.0, 4.0], 0.1, discs);
     let world = WorldMap::from_vectors(&map).unwrap();
     PlannerMap::of_world(&world, 0.19, revision).unwrap()
 }

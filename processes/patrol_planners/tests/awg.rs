@@ -13,6 +13,7 @@ use planner_view::steering::Steering;
 use planner_view::view::View;
 use planner_view::waypoint::{WaypointKind, WaypointOutcome, WaypointReport};
 use support::{Drive, Steers, drive, model};
+use testing::{circle, rectangle};
 
 struct Awg(PatrolAwg);
 
@@ -79,18 +80,10 @@ fn the_octagon_is_driven_in_time_through_every_waypoint_without_contact() {
 
 /// A post and a crate on the contour of case 2, and a wall beside it.
 fn obstacles() -> Vec<Shape> {
-    let block = |center, half_extents| Shape::Rectangle {
-        center,
-        half_extents,
-        angle: 0.0,
-    };
     vec![
-        Shape::Circle {
-            center: [1.0, 4.0],
-            radius: 0.25,
-        },
-        block([6.0, 11.2], [0.8, 0.4]),
-        block([10.2, 6.0], [0.3, 1.5]),
+        circle([1.0, 4.0], 0.25),
+        rectangle([6.0, 11.2], [0.8, 0.4]),
+        rectangle([10.2, 6.0], [0.3, 1.5]),
     ]
 }
 

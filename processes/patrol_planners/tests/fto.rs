@@ -5,7 +5,6 @@
 mod support;
 
 use geometry::pose::Pose2;
-use geometry::shape::Shape;
 use parameters::check;
 use patrol::mission::Drive;
 use patrol_planners::{PatrolFto, PatrolFtoParams};
@@ -14,6 +13,7 @@ use planner_view::steering::Steering;
 use planner_view::view::View;
 use planner_view::waypoint::{WaypointKind, WaypointOutcome, WaypointReport};
 use support::{Steers, drive, model};
+use testing::rectangle;
 
 /// Planner, with the numbers of ticks in which it saw a fictive obstacle, on the first leg and in
 /// total.
@@ -60,14 +60,6 @@ fn patrol(more: &str) -> Watched {
     }
 }
 
-fn block(center: [f64; 2], half_extents: [f64; 2]) -> Shape {
-    Shape::Rectangle {
-        center,
-        half_extents,
-        angle: 0.0,
-    }
-}
-
 #[test]
 fn fictive_obstacles_push_the_robot_off_its_contour_and_the_route_is_kept() {
     let mut with = patrol("");
@@ -95,7 +87,10 @@ fn fictive_obstacles_push_the_robot_off_its_contour_and_the_route_is_kept() {
 #[test]
 fn a_fictive_obstacle_beside_a_real_one_never_leads_to_a_contact() {
     // A corridor of 1.6 m along the left side, walls within the sensor's reach.
-    let walls = vec![block([0.1, 6.0], [0.1, 4.0]), block([1.9, 6.0], [0.1, 4.0])];
+    let walls = vec![
+        rectangle([0.1, 6.0], [0.1, 4.0]),
+        rectangle([1.9, 6.0], [0.1, 4.0]),
+    ];
     for key in ["1a", "2b", "3c"].map(|byte| byte.repeat(32)) {
         let mut planner = patrol(&format!("fto = {{ key = \"keyed:{key}\" }}\n"));
         let found = drive(walls.clone(), start(), 400.0, &mut planner);
@@ -113,8 +108,8 @@ fn a_fictive_obstacle_beside_a_real_one_never_leads_to_a_contact() {
 fn the_mixture_has_fictive_obstacles_along_the_large_obstacle_only() {
     // It covers most of the zig-zag along the left side, but not the contour itself.
     let large = vec![
-        block([3.0, 6.0], [1.8, 3.5]),
-        block([-1.0, 6.0], [1.7, 3.5]),
+        rectangle([3.0, 6.0], [1.8, 3.5]),
+        rectangle([-1.0, 6.0], [1.7, 3.5]),
     ];
     let mut planner =
         patrol("protection = 'mixed'\nobstacles_known = true\nmixed = { dropped_share = 0.25 }\n");

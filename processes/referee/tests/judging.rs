@@ -2,9 +2,6 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-#[path = "../../../algorithms/planner_view/tests/support/mod.rs"]
-mod support;
-
 use geometry::pose::Pose2;
 use geometry::region::Region;
 use navigation::dominance::Owner;
@@ -13,11 +10,11 @@ use proptest::prelude::*;
 use referee::{Game, Referee, RefereeParams};
 use robot::spec::{Preset, RobotModel};
 use robot::team::{Role, Team};
-use support::{Arena, EXIT};
+use testing::{Arena, EXIT};
 
 fn robot(index: usize, role: Role, x: f64, y: f64) -> RobotView {
     let v_max = if role == Role::Evader { 0.45 } else { 0.3 };
-    support::robot(index, role, Pose2::new(x, y, 0.0), v_max)
+    testing::robot(index, role, Pose2::new(x, y, 0.0), v_max)
 }
 
 fn game() -> Game {
@@ -33,7 +30,7 @@ fn game() -> Game {
         exits: vec![exit],
         capture: 0.3,
         models: vec![model; 10],
-        dt: support::DT,
+        dt: testing::DT,
     }
 }
 

@@ -273,6 +273,7 @@ fn is_convex(corners: &[Point2<f64>]) -> bool {
 
 #[cfg(test)]
 mod tests {
+    use expect_test::expect;
     use geometry::shape::Shape;
     use proptest::prelude::*;
 
@@ -359,23 +360,39 @@ mod tests {
             change(&mut header, &mut points);
             from_message(&header, &points).unwrap_err().to_string()
         };
-        assert!(refused(&|h, _| h.max_x = f64::NAN).starts_with("bounds"));
-        assert!(refused(&|h, _| h.max_y = h.min_y).starts_with("bounds"));
-        assert!(refused(&|h, _| h.shapes = 3).contains("expected 3 shapes"));
-        assert!(refused(&|h, _| h.shapes = 1).contains("shape 1"));
-        assert!(refused(&|_, p| p[0].shape = 7).contains("point 0 is of shape 7"));
-        assert!(refused(&|_, p| p[1].x = f64::INFINITY).starts_with("shape 0: (inf"));
-        assert!(refused(&|_, p| p[4].radius = -1.0).starts_with("shape 1"));
-        assert!(refused(&|_, p| p[4].radius = 0.0).contains("1 points"));
-        assert!(refused(&|_, p| p[2].radius = 0.1).contains("4 points"));
-        assert!(refused(&|_, p| p[..4].reverse()).contains("counter-clockwise"));
-        assert!(refused(&|_, p| p.swap(1, 2)).contains("convex"));
-        assert!(refused(&|_, p| drop(p.drain(..2))).contains("2 points"));
         // Two rounds are not one.
         let twice = |_: &mut ShapesHeader, p: &mut Vec<ShapePoint>| {
             let square: Vec<_> = p[..4].to_vec();
             p.splice(0..0, square);
         };
-        assert!(refused(&twice).contains("8 points"));
+        let errors = [
+            refused(&|h, _| h.max_x = f64::NAN),
+            refused(&|h, _| h.max_y = h.min_y),
+            refused(&|h, _| h.shapes = 3),
+            refused(&|h, _| h.shapes = 1),
+            refused(&|_, p| p[0].shape = 7),
+            refused(&|_, p| p[1].x = f64::INFINITY),
+            refused(&|_, p| p[4].radius = -1.0),
+            refused(&|_, p| p[4].radius = 0.0),
+            refused(&|_, p| p[2].radius = 0.1),
+            refused(&|_, p| p[..4].reverse()),
+            refused(&|_, p| p.swap(1, 2)),
+            refused(&|_, p| drop(p.drain(..2))),
+            refused(&twice),
+        ];
+        expect![[r#"
+            bounds from (-9, -8) to (NaN, 8.03), expected finite bounds with a positive area
+            bounds from (-9, -8) to (9, -8), expected finite bounds with a positive area
+            point 5 is of shape 2, expected 3 shapes one after the other
+            point 4 is of shape 1, expected 1 shapes one after the other
+            point 0 is of shape 7, expected 2 shapes one after the other
+            shape 0: (inf, -0.6598162824642664) with radius 0, expected numbers within ±1000000 and a radius that is not negative
+            shape 1: (3, 0) with radius -1, expected numbers within ±1000000 and a radius that is not negative
+            shape 1: 1 points, expected one with a radius > 0, or the corners of a convex polygon, counter-clockwise and with radius 0
+            shape 0: 4 points, expected one with a radius > 0, or the corners of a convex polygon, counter-clockwise and with radius 0
+            shape 0: 4 points, expected one with a radius > 0, or the corners of a convex polygon, counter-clockwise and with radius 0
+            shape 0: 4 points, expected one with a radius > 0, or the corners of a convex polygon, counter-clockwise and with radius 0
+            shape 0: 2 points, expected one with a radius > 0, or the corners of a convex polygon, counter-clockwise and with radius 0
+            shape 0: 8 points, expected one with a radius > 0, or the corners of a convex polygon, counter-clockwise and with radius 0"#]].assert_eq(&errors.join("\n"));
     }
 }

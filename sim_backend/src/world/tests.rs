@@ -7,7 +7,7 @@ mod start;
 
 use core::time::Duration;
 
-use geometry::map::{MapSpec, ObstacleSpec, VectorMap};
+use geometry::map::MapSpec;
 use geometry::shape::Shape;
 
 use super::*;
@@ -18,16 +18,7 @@ const TICK: Duration = Duration::from_millis(50);
 
 /// A room with corners (−5, −5) and (5, 5).
 fn room(obstacles: Vec<Shape>) -> MapSpec {
-    let mut map = VectorMap::empty([-5.0, -5.0], [5.0, 5.0], 0.1);
-    map.obstacles = obstacles
-        .into_iter()
-        .enumerate()
-        .map(|(i, shape)| ObstacleSpec {
-            name: format!("o{i}"),
-            shape,
-        })
-        .collect();
-    MapSpec::Vector(map)
+    MapSpec::Vector(testing::map([-5.0; 2], [5.0; 2], 0.1, obstacles))
 }
 
 /// A robot of radius 0.1 m with limits of 100 m/s and 100 rad/s.

@@ -3,7 +3,6 @@
 
 use core::f64::consts::PI;
 
-use crate::support::Arena;
 use avoidance::potential_field::{
     Goal, RepulsionParams, Repulsor, attraction, capped, obstacle, repulsion,
 };
@@ -13,6 +12,7 @@ use nalgebra::{Point2, Vector2};
 use navigation::bearing::Bearings;
 use parameters::Fidelity;
 use planner_view::limits::Limits;
+use testing::Arena;
 
 const POLICE: [(f64, f64); 4] = [(7.5, 4.5), (7.5, 1.5), (7.5, -1.5), (7.5, -4.5)];
 

@@ -2,9 +2,6 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-#[path = "../../../planner_view/tests/support/mod.rs"]
-mod support;
-
 mod avoidance;
 mod drive;
 mod field_goldens;

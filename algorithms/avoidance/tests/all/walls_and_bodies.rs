@@ -2,13 +2,13 @@
 
 use std::sync::LazyLock;
 
-use crate::support::{Arena, RADIUS};
 use avoidance::potential_field::{Body, slide_along_obstacles, slide_around_bodies};
 use geometry::blur::BlurredMap;
 use geometry::grid::{Grid, GridFrame};
 use nalgebra::{Point2, Vector2};
 use planner_view::map::{MapError, PlannerMap};
 use proptest::prelude::*;
+use testing::{Arena, RADIUS};
 
 static CITY: LazyLock<PlannerMap> = LazyLock::new(|| Arena::city().map());
 

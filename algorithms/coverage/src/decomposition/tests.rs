@@ -1,4 +1,5 @@
 use geometry::shape::Shape;
+use testing::rectangle;
 
 use super::*;
 
@@ -9,10 +10,11 @@ fn corners(r: &Aabb) -> [f64; 4] {
 fn workplace(radius: f64, obstacles: &[[f64; 4]]) -> Workplace {
     let shapes: Vec<Shape> = obstacles
         .iter()
-        .map(|&[x0, y0, x1, y1]| Shape::Rectangle {
-            center: [0.5 * (x0 + x1), 0.5 * (y0 + y1)],
-            half_extents: [0.5 * (x1 - x0), 0.5 * (y1 - y0)],
-            angle: 0.0,
+        .map(|&[x0, y0, x1, y1]| {
+            rectangle(
+                [0.5 * (x0 + x1), 0.5 * (y0 + y1)],
+                [0.5 * (x1 - x0), 0.5 * (y1 - y0)],
+            )
         })
         .collect();
     let bounds = Aabb {

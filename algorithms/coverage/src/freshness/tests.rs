@@ -1,5 +1,6 @@
 use geometry::shape::{Aabb, Shape};
 use metrics::coverage::Swept;
+use testing::rectangle;
 
 use super::*;
 use crate::decomposition::Decomposition;
@@ -85,11 +86,7 @@ fn a_sliver_is_worth_more_than_as_much_open_ground() {
 #[test]
 fn only_what_can_be_reached_is_fresh() {
     // A wall that closes off the right third.
-    let wall = Shape::Rectangle {
-        center: [3.0, 4.0],
-        half_extents: [0.1, 2.0],
-        angle: 0.0,
-    };
+    let wall = rectangle([3.0, 4.0], [0.1, 2.0]);
     let (_, space, grid) = scene(&[wall]);
     let freshness = Freshness::new(&grid, &space, 0.15, 1.0, 2);
     let rightmost = (0..freshness.left())

@@ -1,14 +1,6 @@
-use geometry::shape::Shape;
+use testing::rectangle;
 
 use super::*;
-
-fn rectangle(center: [f64; 2], half_extents: [f64; 2]) -> Shape {
-    Shape::Rectangle {
-        center,
-        half_extents,
-        angle: 0.0,
-    }
-}
 
 /// A workplace of 10 m with a square in its middle, for a robot of 0.1 m.
 fn around_a_square() -> Space {

@@ -1,6 +1,7 @@
 use core::f64::consts::PI;
 
 use proptest::prelude::*;
+use testing::circle;
 
 use super::*;
 
@@ -59,10 +60,7 @@ fn a_rectangle_written_as_a_polygon_stays_one_rectangle() {
 
 #[test]
 fn the_loss_of_a_disc_is_the_area_of_its_slabs_beyond_it() {
-    let disc = Shape::Circle {
-        center: [5.0, 5.0],
-        radius: 2.0,
-    };
+    let disc = circle([5.0, 5.0], 2.0);
     // A robot of radius 0: the lost area is the area of the slabs less that of the disc.
     let workplace = Workplace::new(square(), 0.0, core::slice::from_ref(&disc), 0.2).unwrap();
     let slabs: f64 = workplace

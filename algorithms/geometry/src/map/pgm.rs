@@ -188,6 +188,8 @@ fn raw_pixels(
 
 #[cfg(test)]
 mod tests {
+    use expect_test::expect;
+
     use super::{Image, ImageError};
 
     fn read(bytes: &[u8]) -> Result<Image, ImageError> {
@@ -221,42 +223,44 @@ mod tests {
 
     #[test]
     fn errors_of_broken_images_name_the_fault() {
-        let message = |bytes: &[u8]| read(bytes).unwrap_err().to_string();
-        assert_eq!(
-            message(b"P6\n1 1\n255\n\0"),
-            "magic number is \"P6\" of a PPM image: expected P2 or P5 of a PGM image, or a PNG image; ImageMagick makes \
-             one of others: `convert FILE map.png`"
-        );
-        for (start, format) in [
-            (&b"\xff\xd8\xff\xe0"[..], "JPEG"),
-            (b"BM6\0", "BMP"),
-            (b"GIF89a", "GIF"),
-            (b"II*\0", "TIFF"),
-        ] {
-            let message = message(start);
-            assert!(message.contains(format) && message.contains("convert FILE map.png"));
-        }
-        assert!(message(b"").starts_with("magic number is \"\": expected P2 or P5"));
-        assert!(message(b"P5\n").starts_with("header: width = the end of the file"));
-        assert!(message(b"P5\n0 3 255\n").starts_with("header: width = 0"));
-        assert!(message(b"P5\n3 -3 255\n").starts_with("header: height = -3"));
-        assert!(message(b"P5\n1 1 65536\n").starts_with("header: maxval = 65536"));
-        assert_eq!(
-            message(b"P5\n2 2 255\nabc"),
-            "truncated: 3 pixels of 2 × 2 = 4 declared in the header"
-        );
-        assert!(message(b"P2\n2 1 9\n1 x").starts_with("pixel 1: x: expected a number in [0, 9]"));
-        assert!(message(b"P2\n2 1 9\n1 10").starts_with("pixel 1: 10"));
-        assert!(message(b"P5\n2 1 9\n\x01\x0a").starts_with("pixel 1: 10"));
+        let files: [&[u8]; 15] = [
+            b"P6\n1 1\n255\n\0",
+            b"\xff\xd8\xff\xe0",
+            b"BM6\0",
+            b"GIF89a",
+            b"II*\0",
+            b"",
+            b"P5\n",
+            b"P5\n0 3 255\n",
+            b"P5\n3 -3 255\n",
+            b"P5\n1 1 65536\n",
+            b"P5\n2 2 255\nabc",
+            b"P2\n2 1 9\n1 x",
+            b"P2\n2 1 9\n1 10",
+            b"P5\n2 1 9\n\x01\x0a",
+            b"P5\n100000 10000\n255\n",
+        ];
+        let errors = files.map(|file| read(file).unwrap_err().to_string());
+        expect![[r#"
+            magic number is "P6" of a PPM image: expected P2 or P5 of a PGM image, or a PNG image; ImageMagick makes one of others: `convert FILE map.png`
+            magic number is "\xff\xd8" of a JPEG image: expected P2 or P5 of a PGM image, or a PNG image; ImageMagick makes one of others: `convert FILE map.png`
+            magic number is "BM" of a BMP image: expected P2 or P5 of a PGM image, or a PNG image; ImageMagick makes one of others: `convert FILE map.png`
+            magic number is "GI" of a GIF image: expected P2 or P5 of a PGM image, or a PNG image; ImageMagick makes one of others: `convert FILE map.png`
+            magic number is "II" of a TIFF image: expected P2 or P5 of a PGM image, or a PNG image; ImageMagick makes one of others: `convert FILE map.png`
+            magic number is "": expected P2 or P5 of a PGM image, or a PNG image; ImageMagick makes one of others: `convert FILE map.png`
+            header: width = the end of the file: expected a number of pixels > 0
+            header: width = 0: expected a number of pixels > 0
+            header: height = -3: expected a number of pixels > 0
+            header: maxval = 65536: expected a number in [1, 65535]
+            truncated: 3 pixels of 2 × 2 = 4 declared in the header
+            pixel 1: x: expected a number in [0, 9]
+            pixel 1: 10: expected a number in [0, 9]
+            pixel 1: 10: expected a number in [0, 9]
+            header: 100000 × 10000 pixels: expected at most 25000000 pixels"#]].assert_eq(&errors.join("\n"));
     }
 
     #[test]
     fn a_gigantic_header_is_refused_before_anything_is_allocated() {
-        let error = read(b"P5\n100000 10000\n255\n").unwrap_err().to_string();
-        assert!(
-            error.contains("100000 × 10000 pixels") && error.contains("25000000"),
-            "{error}"
-        );
         let error = read(b"P5\n18446744073709551615 18446744073709551615 255\n").unwrap_err();
         assert!(matches!(error, ImageError::TooLarge { .. }));
         let error = read(b"P5\n99999999999999999999999 1 255\n").unwrap_err();

@@ -206,6 +206,8 @@ impl<'de> Deserialize<'de> for MapSpec {
 
 #[cfg(test)]
 mod tests {
+    use expect_test::expect;
+
     use super::*;
 
     #[derive(Deserialize, Serialize)]
@@ -245,15 +247,21 @@ mod tests {
 
     #[test]
     fn the_error_of_a_wrong_table_lists_the_known_keys() {
-        let error = parse("map = { files = { path = 'a.yaml' } }")
-            .unwrap_err()
-            .to_string();
-        assert!(
-            error.contains("files") && error.contains("vector"),
-            "{error}"
-        );
-        let error = parse("map = 3").unwrap_err().to_string();
-        assert!(error.contains("the path of a map"), "{error}");
+        let errors = ["map = { files = { path = 'a.yaml' } }", "map = 3"]
+            .map(|text| parse(text).unwrap_err().to_string());
+        expect![[r#"
+            TOML parse error at line 1, column 9
+              |
+            1 | map = { files = { path = 'a.yaml' } }
+              |         ^^^^^
+            unknown variant `files`, expected one of `file`, `vector`, `cells`
+
+            TOML parse error at line 1, column 7
+              |
+            1 | map = 3
+              |       ^
+            invalid type: integer `3`, expected the path of a map, or one table `file`, `vector` or `cells`
+        "#]].assert_eq(&errors.join("\n"));
     }
 
     #[test]
@@ -262,15 +270,12 @@ mod tests {
             path: path.into(),
             unknown: UnknownCells::default(),
         };
-        let error = file("no/such.toml")
-            .load(Path::new("/nowhere"))
-            .unwrap_err()
-            .to_string();
-        assert!(error.contains("/nowhere/no/such.toml"), "{error}");
-        let error = file("map.bmp").load(Path::new("")).unwrap_err().to_string();
-        assert!(
-            error.contains("map.bmp") && error.contains("expected .toml"),
-            "{error}"
-        );
+        let errors = ["no/such.toml", "map.bmp"].map(|path| {
+            let loaded = file(path).load(Path::new("/nowhere"));
+            loaded.unwrap_err().to_string()
+        });
+        expect![[r#"
+            map /nowhere/no/such.toml: No such file or directory (os error 2)
+            map /nowhere/map.bmp: unknown kind of file: expected .toml (vectors) or .yaml (ROS map_server)"#]].assert_eq(&errors.join("\n"));
     }
 }

@@ -259,6 +259,8 @@ impl VectorMap {
 
 #[cfg(test)]
 mod tests {
+    use expect_test::expect;
+
     use super::*;
 
     #[test]
@@ -279,34 +281,30 @@ mod tests {
 
     #[test]
     fn impossible_maps_name_the_field_or_the_limit() {
-        let message = |map: &VectorMap| map.validate().unwrap_err().to_string();
-        let mut map = VectorMap::empty([0.0, 0.0], [1.0, 0.0], 0.1);
-        assert!(message(&map).starts_with("`bounds.max[1]` is 0: expected more than"));
-        map.bounds.max = [1e5, 1e5];
-        map.resolution = 0.001;
-        assert!(
-            message(&map).contains("at most max_cells = 16000000"),
-            "{}",
-            message(&map)
-        );
-        map = VectorMap::empty([0.0, 0.0], [1.0, 1.0], 0.1);
-        let circle = |radius| Shape::Circle {
-            center: [0.5, 0.5],
-            radius,
-        };
-        map.obstacles = vec![ObstacleSpec {
+        let map = VectorMap::empty([0.0, 0.0], [1.0, 1.0], 0.1);
+        let tower = |radius| ObstacleSpec {
             name: "tower".into(),
-            shape: circle(-1.0),
-        }];
-        assert!(message(&map).starts_with("obstacles[0] \"tower\": `circle.radius` is -1"));
-        map.obstacles = vec![
-            ObstacleSpec {
-                name: "tower".into(),
-                shape: circle(0.1)
-            };
-            2
-        ];
-        assert!(message(&map).contains("obstacles[1] is called \"tower\" like obstacles[0]"));
+            shape: Shape::Circle {
+                center: [0.5, 0.5],
+                radius,
+            },
+        };
+        let obstacles = |obstacles| VectorMap {
+            obstacles,
+            ..map.clone()
+        };
+        let errors = [
+            VectorMap::empty([0.0, 0.0], [1.0, 0.0], 0.1),
+            VectorMap::empty([0.0, 0.0], [1e5, 1e5], 0.001),
+            obstacles(vec![tower(-1.0)]),
+            obstacles(vec![tower(0.1); 2]),
+        ]
+        .map(|map| map.validate().unwrap_err().to_string());
+        expect![[r#"
+            `bounds.max[1]` is 0, but must be more than bounds.min[1] = 0 (m)
+            `resolution` is 0.001, but must be cells large enough that the map has at most max_cells = 16000000 of them; it would have 100000000 × 100000000
+            obstacles[0] "tower": `circle.radius` is -1, but must be a number above 0 and at most 100000 (m)
+            obstacles[1] is called "tower" like obstacles[0]: expected unique names"#]].assert_eq(&errors.join("\n"));
     }
 
     #[test]
@@ -340,21 +338,19 @@ mod tests {
         };
         let many = |count| (0..count).map(disc).collect::<Vec<_>>();
         assert!(with(many(2000), vec![exit; MAX_EXITS]).validate().is_ok());
-        for (map, words) in [
-            (with(many(MAX_OBSTACLES + 1), vec![]), "65537 obstacles"),
-            (
-                with(vec![], vec![exit; MAX_EXITS + 1]),
-                "`exits` is a list of 1025",
-            ),
-            (with(vec![comb(400); 20], vec![]), "cubes of the corners"),
-            (with(vec![comb(4000); 8], vec![]), "squares of the corners"),
-            (
-                with(vec![comb(600)], vec![]),
-                "not convex: expected at most 512",
-            ),
-        ] {
-            let error = map.validate().unwrap_err().to_string();
-            assert!(error.contains(words), "{error}");
-        }
+        let errors = [
+            with(many(MAX_OBSTACLES + 1), vec![]),
+            with(vec![], vec![exit; MAX_EXITS + 1]),
+            with(vec![comb(400); 20], vec![]),
+            with(vec![comb(4000); 8], vec![]),
+            with(vec![comb(600)], vec![]),
+        ]
+        .map(|map| map.validate().unwrap_err().to_string());
+        expect![[r#"
+            `obstacles` is 65537 obstacles, but must be at most 65536
+            `exits` is a list of 1025, but must be at most 1024 values
+            `obstacles` is 1280000000 (cubes of the corners of all polygons that are not convex, added up), but must be at most 536870912; divide large polygons
+            `obstacles` is 128000000 (squares of the corners of all polygons, added up), but must be at most 67108864; divide large polygons
+            obstacles[0]: `polygon.vertices` is 600 vertices of a polygon that is not convex, but must be at most 512; divide it"#]].assert_eq(&errors.join("\n"));
     }
 }

@@ -186,6 +186,8 @@ impl Shape {
 
 #[cfg(test)]
 mod tests {
+    use expect_test::expect;
+
     use super::*;
 
     #[test]
@@ -210,43 +212,29 @@ mod tests {
 
     #[test]
     fn bad_values_are_named() {
-        let error = Shape::Circle {
-            center: [0.0, f64::NAN],
-            radius: 1.0,
-        }
-        .parts()
-        .unwrap_err();
-        assert!(
-            error.to_string().starts_with("`circle.center[1]` is NaN"),
-            "{error}"
-        );
-        let error = Shape::Rectangle {
-            center: [0.0; 2],
-            half_extents: [1.0, 0.0],
-            angle: 0.0,
-        }
-        .parts()
-        .unwrap_err();
-        assert!(
-            error
-                .to_string()
-                .starts_with("`rectangle.half_extents[1]` is 0"),
-            "{error}"
-        );
-        let message = |vertices: &[[f64; 2]]| {
-            let vertices = vertices.to_vec();
-            Shape::Polygon { vertices }.parts().unwrap_err().to_string()
+        let polygon = |vertices: &[[f64; 2]]| Shape::Polygon {
+            vertices: vertices.to_vec(),
         };
-        let error = message(&[[0.0, 0.0], [1.0, 0.0]]);
-        assert!(
-            error.contains("a list of 2: expected 3 to 4096 values"),
-            "{error}"
-        );
-        let error = message(&[[0.0, 0.0], [1.0, f64::INFINITY], [0.0, 1.0]]);
-        assert!(
-            error.starts_with("`polygon.vertices[1][1]` is inf"),
-            "{error}"
-        );
+        let errors = [
+            Shape::Circle {
+                center: [0.0, f64::NAN],
+                radius: 1.0,
+            },
+            Shape::Rectangle {
+                center: [0.0; 2],
+                half_extents: [1.0, 0.0],
+                angle: 0.0,
+            },
+            polygon(&[[0.0, 0.0], [1.0, 0.0]]),
+            polygon(&[[0.0, 0.0], [1.0, f64::INFINITY], [0.0, 1.0]]),
+        ]
+        .map(|shape| shape.parts().unwrap_err().to_string());
+        expect![[r#"
+            `circle.center[1]` is NaN, but must be a number within ±100000 (m)
+            `rectangle.half_extents[1]` is 0, but must be a number above 0 and at most 100000 (m)
+            `polygon.vertices` is a list of 2, but must be 3 to 4096 values
+            `polygon.vertices[1][1]` is inf, but must be a number within ±100000 (m)"#]]
+        .assert_eq(&errors.join("\n"));
     }
 
     #[test]

@@ -2,17 +2,17 @@
 
 use std::sync::LazyLock;
 
-use crate::support::{EXIT, RADIUS, open_ground};
 use geometry::region::Region;
 use nalgebra::Point2;
 use navigation::dominance::{Arena, Cell, Dominance, DominanceParams, Owner, Runner, Verdict};
 use planner_view::map::PlannerMap;
 use proptest::prelude::*;
+use testing::{EXIT, RADIUS, open_ground};
 
 const POLICE: [(f64, f64); 4] = [(7.5, 4.5), (7.5, 1.5), (7.5, -1.5), (7.5, -4.5)];
 
 static CITY: LazyLock<(PlannerMap, Arena)> = LazyLock::new(|| {
-    let map = crate::support::Arena::city().map();
+    let map = testing::Arena::city().map();
     let exit = Region::Circle {
         center: [EXIT.x, EXIT.y],
         radius: 0.5,
@@ -172,7 +172,7 @@ fn in_the_city_pursuers_decide_by_how_far_they_are_from_the_exit() {
 /// Captures are by the distance in a straight line, also around a corner or through a thin wall.
 #[test]
 fn a_pursuer_behind_a_wall_is_as_near_as_the_straight_line() {
-    let mut arena = crate::support::Arena::city();
+    let mut arena = testing::Arena::city();
     arena.rectangles = vec![
         (-10.0, 10.0, -10.0, -4.0),
         (-10.0, 10.0, 4.0, 10.0),

@@ -2,13 +2,10 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-#[path = "../../../planner_view/tests/scenes/mod.rs"]
-mod scenes;
-#[path = "../../../planner_view/tests/support/mod.rs"]
-mod support;
-
 mod classes;
 mod dominance;
 mod routes;
+#[path = "../../../planner_view/tests/scenes/mod.rs"]
+mod scenes;
 mod shortest_path;
 mod wavefront;

@@ -1,6 +1,5 @@
 //! Routes through the paper's city.
 
-use crate::support::{Arena, EXIT, RADIUS};
 use geometry::blur::BlurredMap;
 use geometry::grid::{Grid, GridFrame};
 use nalgebra::Point2;
@@ -8,6 +7,7 @@ use navigation::bearing::Bearings;
 use navigation::routes::{Lengths, LengthsFrom, RouteFinder, Threat};
 use planner_view::map::PlannerMap;
 use proptest::prelude::*;
+use testing::{Arena, EXIT, RADIUS};
 
 fn route_finder(map: &PlannerMap) -> RouteFinder {
     let mut finder = RouteFinder::default();

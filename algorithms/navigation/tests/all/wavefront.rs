@@ -2,12 +2,12 @@
 
 use std::sync::LazyLock;
 
-use crate::support::{Arena, EXIT, RADIUS, open_ground};
 use geometry::grid::Grid;
 use nalgebra::Point2;
 use navigation::wavefront::{Lattice, MAX_ERROR, Medium, SIGHT, Source, Wave};
 use planner_view::map::PlannerMap;
 use proptest::prelude::*;
+use testing::{Arena, EXIT, RADIUS, open_ground};
 
 const PITCH: f64 = 0.2;
 

@@ -1,5 +1,6 @@
 use core::f64::consts::{PI, TAU};
 
+use expect_test::expect;
 use serde::Deserialize;
 
 use super::*;
@@ -88,66 +89,44 @@ fn message(change: impl FnOnce(&mut Sample)) -> String {
 
 #[test]
 fn a_value_out_of_range_is_named_with_range_and_unit() {
-    for (found, expected) in [
-        (
-            message(|s| s.zeta = -0.5),
-            "`zeta` is -0.5: expected a finite number of at least 0 (m)",
-        ),
-        (
-            message(|s| s.alpha = 1.5),
-            "`alpha` is 1.5: expected a number between 0 and 1",
-        ),
-        (
-            message(|s| s.half_open = 10.0),
-            "`half_open` is 10: expected a number above 0 and below 10 (m/s)",
-        ),
-        (
-            message(|s| s.count = 0),
-            "`count` is 0: expected a whole number of at least 1",
-        ),
-        (
-            message(|s| s.cap = Some(0.0)),
-            "`cap` is 0: expected a finite number above 0 (rad)",
-        ),
-        (
-            message(|s| s.times_s = vec![1.0, 0.0]),
-            "`times_s[1]` is 0: expected a finite number above 0 (s)",
-        ),
-        (
-            message(|s| s.times_s.clear()),
-            "`times_s` is a list of 0: expected 1 to 3 values",
-        ),
-        (
-            message(|s| s.inner.low = 1),
-            "`inner.low` is 1: expected a whole number of at least 2",
-        ),
-        (
-            message(|s| s.shape = Shape::Square { size: 0.5 }),
-            "`shape.size` is 0.5: expected a finite number above 1 (m)",
-        ),
-        (
-            message(|s| s.shape = Shape::Named(Name { number: 6 })),
-            "`shape.number` is 6: expected a whole number of at least 7",
-        ),
-    ] {
-        assert_eq!(found, expected);
-    }
+    let errors = [
+        message(|s| s.zeta = -0.5),
+        message(|s| s.alpha = 1.5),
+        message(|s| s.half_open = 10.0),
+        message(|s| s.count = 0),
+        message(|s| s.cap = Some(0.0)),
+        message(|s| s.times_s = vec![1.0, 0.0]),
+        message(|s| s.times_s.clear()),
+        message(|s| s.inner.low = 1),
+        message(|s| s.shape = Shape::Square { size: 0.5 }),
+        message(|s| s.shape = Shape::Named(Name { number: 6 })),
+    ];
+    expect![[r#"
+        `zeta` is -0.5, but must be a finite number of at least 0 (m)
+        `alpha` is 1.5, but must be a number between 0 and 1
+        `half_open` is 10, but must be a number above 0 and below 10 (m/s)
+        `count` is 0, but must be a whole number of at least 1
+        `cap` is 0, but must be a finite number above 0 (rad)
+        `times_s[1]` is 0, but must be a finite number above 0 (s)
+        `times_s` is a list of 0, but must be 1 to 3 values
+        `inner.low` is 1, but must be a whole number of at least 2
+        `shape.size` is 0.5, but must be a finite number above 1 (m)
+        `shape.number` is 6, but must be a whole number of at least 7"#]]
+    .assert_eq(&errors.join("\n"));
 }
 
 #[test]
 fn a_number_that_is_not_finite_is_refused_with_or_without_a_range() {
-    assert_eq!(
+    let errors = [
         message(|s| s.free = f64::NAN),
-        "`free` is NaN: expected a finite number"
-    );
-    assert_eq!(
         message(|s| s.corner[1] = f64::INFINITY),
-        "`corner[1]` is inf: expected a finite number"
-    );
-    assert_eq!(
         message(|s| s.alpha = f64::NAN),
-        "`alpha` is NaN: expected a number between 0 and 1"
-    );
+    ];
+    expect![[r#"
+        `free` is NaN, but must be a finite number
+        `corner[1]` is inf, but must be a finite number
+        `alpha` is NaN, but must be a number between 0 and 1"#]]
+    .assert_eq(&errors.join("\n"));
 }
 
 #[test]
@@ -157,11 +136,11 @@ fn the_first_field_declared_is_reported_and_relations_come_last() {
         s.zeta = -1.0;
         s.inner.high = 0;
     };
-    assert!(message(all).starts_with("`zeta`"));
-    assert_eq!(
-        message(|s| s.inner.high = 2),
-        "`inner.high` is 2: expected more than `inner.low`"
-    );
+    let errors = [message(all), message(|s| s.inner.high = 2)];
+    expect![[r#"
+        `zeta` is -1, but must be a finite number of at least 0 (m)
+        `inner.high` is 2, but must be more than `inner.low`"#]]
+    .assert_eq(&errors.join("\n"));
 }
 
 #[test]

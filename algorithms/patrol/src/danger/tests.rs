@@ -1,16 +1,9 @@
 use geometry::shape::Shape;
 use proptest::prelude::*;
+use testing::{circle, rectangle};
 
 use super::*;
 use crate::awg::tests::octagon;
-
-fn rectangle(center: [f64; 2], half_extents: [f64; 2]) -> Shape {
-    Shape::Rectangle {
-        center,
-        half_extents,
-        angle: 0.0,
-    }
-}
 
 fn cut(shapes: Vec<Shape>) -> Vec<Stretch> {
     DangerZones(shapes).cut(&octagon()).unwrap()
@@ -38,10 +31,7 @@ fn entry_and_exit_become_waypoints() {
 
 #[test]
 fn a_zone_over_a_corner_threatens_both_its_segments() {
-    let stretches = cut(vec![Shape::Circle {
-        center: [0.0, 10.0],
-        radius: 2.0,
-    }]);
+    let stretches = cut(vec![circle([0.0, 10.0], 2.0)]);
     let threatened: Vec<&Stretch> = stretches.iter().filter(|s| s.threatened).collect();
     assert_eq!(threatened.len(), 2);
     assert_eq!(threatened[0].segment.to, threatened[1].segment.from);

@@ -1,6 +1,6 @@
 use chaotic_maps::{Key, KeyKind};
-use geometry::shape::Shape;
 use proptest::prelude::*;
+use testing::rectangle;
 
 use super::*;
 use crate::awg::tests::{awg, catp, octagon, points, source};
@@ -74,11 +74,7 @@ fn by_the_papers_clock_a_waypoint_is_reached_every_second() {
 
 #[test]
 fn without_a_threat_the_clock_is_that_of_the_unprotected_patrol() {
-    let zone = Shape::Rectangle {
-        center: [0.0, 7.5],
-        half_extents: [1.0, 1.0],
-        angle: 0.0,
-    };
+    let zone = rectangle([0.0, 7.5], [1.0, 1.0]);
     let (t_max, alpha, mode) = (120.0, 1.0, Mode::default());
     let params = AwgParams { t_max, alpha, mode };
     let awg = Awg::new(&octagon(), &DangerZones(vec![zone]), params).unwrap();

@@ -1,7 +1,8 @@
 use control::go_to::GoToParams;
-use geometry::map::{ObstacleSpec, VectorMap, WorldMap};
+use geometry::map::WorldMap;
 use geometry::shape::Shape;
 use planner_view::limits::Limits;
+use testing::{circle, rectangle};
 
 use super::*;
 use crate::awg::Mode;
@@ -13,27 +14,12 @@ const RADIUS: f64 = 0.22;
 
 /// A map from (-2, -2) to (17, 17) m.
 fn map(obstacles: &[Shape]) -> WorldMap {
-    let mut map = VectorMap::empty([-2.0; 2], [17.0; 2], 0.1);
-    map.obstacles = obstacles
-        .iter()
-        .map(|shape| ObstacleSpec {
-            name: String::new(),
-            shape: shape.clone(),
-        })
-        .collect();
+    let map = testing::map([-2.0; 2], [17.0; 2], 0.1, obstacles.iter().cloned());
     WorldMap::from_vectors(&map).unwrap()
 }
 
 fn known(map: &WorldMap) -> Room<'_> {
     Room::new(*map.bounds(), Some(map.shapes()), RADIUS)
-}
-
-fn rectangle(center: [f64; 2], half_extents: [f64; 2]) -> Shape {
-    Shape::Rectangle {
-        center,
-        half_extents,
-        angle: 0.0,
-    }
 }
 
 /// The octagon, threatened within 2 m of one of its corners.
@@ -113,10 +99,7 @@ fn places_behind_a_thin_wall_are_out_of_reach() {
 
 #[test]
 fn a_post_beside_the_contour_leaves_the_zig_zag_wide() {
-    let post = Shape::Circle {
-        center: [7.0, 5.6],
-        radius: 0.1,
-    };
+    let post = circle([7.0, 5.6], 0.1);
     let map = map(&[post]);
     let contour = Contour::open(&points(&[(2.0, 5.0), (12.0, 5.0)])).unwrap();
     let awg = awg(&contour, 25.0, 1.0, Mode::default());

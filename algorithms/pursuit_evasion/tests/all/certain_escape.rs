@@ -3,7 +3,6 @@
 use std::path::Path;
 use std::sync::LazyLock;
 
-use crate::support::{CITY, DT, EXIT, RADIUS, street_starts};
 use geometry::map::{MapSpec, UnknownCells, WorldMap};
 use geometry::pose::{Pose2, Twist2};
 use geometry::region::Region;
@@ -15,6 +14,7 @@ use proptest::prelude::*;
 use pursuit_evasion::escape::{Escape, Robot, plan};
 use robot::drive::limit;
 use robot::spec::{Preset, RobotModel};
+use testing::{CITY, DT, EXIT, RADIUS, street_starts};
 
 const CAPTURE: f64 = 0.3;
 

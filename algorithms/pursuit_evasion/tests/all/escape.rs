@@ -1,6 +1,5 @@
 //! The evader in the paper's city, in a kinematic mini-simulation.
 
-use crate::support::{CITY, DT, EXIT, Kinematic, RADIUS, robot, street_starts, view};
 use geometry::pose::{Pose2, Twist2};
 use nalgebra::Point2;
 use planner_view::limits::Limits;
@@ -8,6 +7,7 @@ use planner_view::view::RobotView;
 use proptest::prelude::*;
 use pursuit_evasion::potential_evader::{Evader, EvaderParams};
 use robot::team::Role;
+use testing::{CITY, DT, EXIT, Kinematic, RADIUS, robot, street_starts, view};
 
 const EXIT_RADIUS: f64 = 0.5;
 

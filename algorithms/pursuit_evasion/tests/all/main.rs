@@ -2,8 +2,5 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-#[path = "../../../planner_view/tests/support/mod.rs"]
-mod support;
-
 mod certain_escape;
 mod escape;

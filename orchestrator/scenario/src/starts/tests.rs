@@ -1,6 +1,6 @@
-use geometry::map::{ObstacleSpec, VectorMap};
-use geometry::shape::Shape;
+use geometry::map::VectorMap;
 use proptest::prelude::*;
+use testing::rectangle;
 
 use super::*;
 
@@ -33,15 +33,8 @@ fn field(min: [f64; 2]) -> VectorMap {
 
 /// A field with a wall along x = 0 and an exit on the right.
 fn divided() -> VectorMap {
-    let mut map = field([-5.0, -5.0]);
-    map.obstacles.push(ObstacleSpec {
-        name: String::new(),
-        shape: Shape::Rectangle {
-            center: [0.0, 0.0],
-            half_extents: [0.2, 5.0],
-            angle: 0.0,
-        },
-    });
+    let wall = rectangle([0.0, 0.0], [0.2, 5.0]);
+    let mut map = testing::map([-5.0; 2], [5.0; 2], 0.1, [wall]);
     map.exits.push(Region::Circle {
         center: [4.0, 0.0],
         radius: 0.3,

@@ -53,22 +53,38 @@ fn robots_that_drive_farther_than_their_radius_in_a_tick_have_one_warning() {
 
 #[test]
 fn a_heading_in_degrees_is_refused() {
-    for theta in ["180", "-3.141592653589793", "3.1416"] {
-        refused(
+    let start = |theta: &str| {
+        changed(
             "y = 0.0, theta = 0.0 }\n[[robots]]",
             &format!("y = 0.0, theta = {theta} }}\n[[robots]]"),
-            &[
-                "(robots.cop.start.theta)",
-                &format!("value: {theta}"),
-                "above -π and at most π (rad)",
-            ],
-        );
-    }
-    let text = changed(
-        "y = 0.0, theta = 0.0 }\n[[robots]]",
-        "y = 0.0, theta = 3.141592653589793 }\n[[robots]]",
+        )
+    };
+    texts_refused(
+        ["180", "-3.141592653589793", "3.1416"].map(start),
+        &expect![[r#"
+            error: `start.theta` is out of range
+              --> small.toml:20:38 (robots.cop.start.theta)
+               |
+            20 | start = { x = -3.0, y = 0.0, theta = 180 }
+               |                                      ^^^
+               = value: 180
+               = expected: a number above -π and at most π (rad)
+            error: `start.theta` is out of range
+              --> small.toml:20:38 (robots.cop.start.theta)
+               |
+            20 | start = { x = -3.0, y = 0.0, theta = -3.141592653589793 }
+               |                                      ^^^^^^^^^^^^^^^^^^
+               = value: -3.141592653589793
+               = expected: a number above -π and at most π (rad)
+            error: `start.theta` is out of range
+              --> small.toml:20:38 (robots.cop.start.theta)
+               |
+            20 | start = { x = -3.0, y = 0.0, theta = 3.1416 }
+               |                                      ^^^^^^
+               = value: 3.1416
+               = expected: a number above -π and at most π (rad)"#]],
     );
-    assert_eq!(warnings(&text), [""; 0]);
+    assert_eq!(warnings(&start("3.141592653589793")), [""; 0]);
 }
 
 #[test]

@@ -13,12 +13,15 @@ fn guards() -> String {
         .replace("team = \"evader\"", "team = \"thieves\"")
 }
 
-/// Returns the errors of the scenario with the guards after one change, which must contain every one of `wants`.
+/// Compares the errors of the scenario with the guards, each time with one part replaced, with the snapshot.
 #[track_caller]
-fn guards_refused(from: &str, to: &str, wants: &[&str]) {
-    let text = guards();
-    assert!(text.contains(from), "{from:?}");
-    contains(&load(&text.replacen(from, to, 1)).unwrap_err(), wants);
+fn guards_refused(changes: &[(&str, &str)], errors: &Expect) {
+    let texts = changes.iter().map(|(from, to)| {
+        let text = guards();
+        assert!(text.contains(from), "{from:?}");
+        text.replacen(from, to, 1)
+    });
+    texts_refused(texts, errors);
 }
 
 #[test]
@@ -85,72 +88,123 @@ fn random_starts_keep_the_distance_of_opponents_from_hostile_teams_alone() {
 #[test]
 fn mistakes_in_teams_are_explained() {
     guards_refused(
-        "role = \"pursuer\"\n",
-        "",
         &[
-            "team `guards` has no role",
-            "(robots.cop.team)",
-            "role = \"pursuer\", \"evader\" or \"neutral\" in [teams.guards], or a team: one of `thieves`,",
-        ],
-    );
-    guards_refused(
-        "role = \"pursuer\"",
-        "role = \"police\"",
-        &["`police` is not one of the choices", "(teams.guards.role)"],
-    );
-    guards_refused(
-        "[teams.thieves]",
-        "[teams.thieves]\nhostile_to = [\"gards\"]",
-        &[
-            "team `thieves` of role evader cannot be hostile to `gards`",
-            "hostile_to",
-            "a team of role pursuer: `guards`",
-            "did you mean `guards`?",
-        ],
-    );
-    guards_refused(
-        "[teams.guards]",
-        "[teams.guards]\nhostile_to = [\"guards\"]",
-        &["team `guards` of role pursuer cannot be hostile to `guards`"],
-    );
-    guards_refused(
-        "[[robots]]",
-        "[teams.vans]\nrole = \"neutral\"\nhostile_to = [\"guards\"]\n[[robots]]\nname = \"van\"\nteam = \"vans\"\n\
+            ("role = \"pursuer\"\n", ""),
+            ("role = \"pursuer\"", "role = \"police\""),
+            (
+                "[teams.thieves]",
+                "[teams.thieves]\nhostile_to = [\"gards\"]",
+            ),
+            (
+                "[teams.guards]",
+                "[teams.guards]\nhostile_to = [\"guards\"]",
+            ),
+            (
+                "[[robots]]",
+                "[teams.vans]\nrole = \"neutral\"\nhostile_to = [\"guards\"]\n[[robots]]\nname = \"van\"\nteam = \"vans\"\n\
          start = { x = -3.0, y = 1.0, theta = 0.0 }\n[[robots]]",
-        &["no `hostile_to`: neutral robots have no opponents"],
-    );
-    guards_refused(
-        "[[robots]]",
-        "[[robots]]\nname = \"spy\"\nteam = \"guards\"\nrole = \"evader\"\nstart = { x = -3.0, y = 1.0, theta = 0.0 }\n[[robots]]",
-        &["`role` differs within team `guards`, between `spy` and `cop`"],
-    );
-    guards_refused(
-        "[teams.thieves]",
-        "[teams.thiefs]\nrole = \"evader\"\n[teams.thieves]",
-        &["no robot is in team `thiefs`", "did you mean `thieves`?"],
-    );
-    guards_refused(
-        "team = \"guards\"",
-        "team = \"the guards\"",
-        &[
-            "name not allowed",
-            "value: \"the guards\"",
-            "(robots.cop.team)",
+            ),
+            (
+                "[[robots]]",
+                "[[robots]]\nname = \"spy\"\nteam = \"guards\"\nrole = \"evader\"\nstart = { x = -3.0, y = 1.0, theta = 0.0 }\n[[robots]]",
+            ),
+            (
+                "[teams.thieves]",
+                "[teams.thiefs]\nrole = \"evader\"\n[teams.thieves]",
+            ),
+            ("team = \"guards\"", "team = \"the guards\""),
+            (
+                "kind = \"evader_potential\"\nteam = \"thieves\"",
+                "kind = \"evader_potential\"\nteam = \"thief\"",
+            ),
         ],
-    );
-    guards_refused(
-        "kind = \"evader_potential\"\nteam = \"thieves\"",
-        "kind = \"evader_potential\"\nteam = \"thief\"",
-        &["no robot is in team `thief`", "did you mean `thieves`?"],
+        &expect![[r#"
+            error: team `guards` has no role
+              --> small.toml:21:8 (robots.cop.team)
+               |
+            21 | team = "guards"
+               |        ^^^^^^^^
+               = value: "guards"
+               = expected: role = "pursuer", "evader" or "neutral" in [teams.guards], or the team `thieves`, `neutral`, `police` or `evader`
+            error: `police` is not one of the choices
+              --> small.toml:16:8 (teams.guards.role)
+               |
+            16 | role = "police"
+               |        ^^^^^^^^
+               = value: "police"
+               = expected: `neutral`, `pursuer` or `evader`
+            error: team `thieves` of role evader cannot be hostile to `gards`
+              --> small.toml:19:15 (robots.thief.hostile_to[0])
+               |
+            19 | hostile_to = ["gards"]
+               |               ^^^^^^^
+               = value: "gards"
+               = expected: a team of role pursuer: `guards`
+               = help: did you mean `guards`?
+            error: team `guards` of role pursuer cannot be hostile to `guards`
+              --> small.toml:16:15 (robots.cop.hostile_to[0])
+               |
+            16 | hostile_to = ["guards"]
+               |               ^^^^^^^^
+               = value: "guards"
+               = expected: a team of role evader: `thieves`
+            error: team `vans` of role neutral cannot be hostile to `guards`
+              --> small.toml:22:15 (robots.van.hostile_to[0])
+               |
+            22 | hostile_to = ["guards"]
+               |               ^^^^^^^^
+               = value: "guards"
+               = expected: no `hostile_to`: neutral robots have no opponents
+            error: `role` differs within team `guards`, between `spy` and `cop`
+              --> small.toml:16:8 (robots.cop.role)
+               |
+            16 | role = "pursuer"
+               |        ^^^^^^^^^
+               = value: "pursuer"
+               = expected: `role` in [teams.guards], for all of its robots
+            error: no robot is in team `thiefs`
+              --> small.toml:18:1 (teams.thiefs)
+               |
+            18 | [teams.thiefs]
+               | ^^^^^^^^^^^^^^
+               = expected: the team `guards` or `thieves`
+               = help: did you mean `thieves`?
+            error: name not allowed
+              --> small.toml:22:8 (robots.cop.team)
+               |
+            22 | team = "the guards"
+               |        ^^^^^^^^^^^^
+               = value: "the guards"
+               = expected: 1 to 48 of the characters a–z, A–Z, 0–9, _ and -
+            error: no robot is in team `thief`
+              --> small.toml:34:8 (processes.evader_potential.team)
+               |
+            34 | team = "thief"
+               |        ^^^^^^^
+               = value: "thief"
+               = expected: `guards` or `thieves`
+               = help: did you mean `thieves`?"#]],
     );
     refused(
-        "[teams.police]",
-        "[teams.police]\nrole = \"evader\"",
-        &["`role` is out of range", "pursuer, the role of `police`"],
-    );
-    refused(
-        "team = \"police\"",
-        "team = \"polize\"",
-        &["team `polize` has no role", "did you mean `police`?"],
+        &[
+            ("[teams.police]", "[teams.police]\nrole = \"evader\""),
+            ("team = \"police\"", "team = \"polize\""),
+        ],
+        &expect![[r#"
+            error: `role` is out of range
+              --> small.toml:16:8 (robots.cop.role)
+               |
+            16 | role = "evader"
+               |        ^^^^^^^^
+               = value: evader
+               = expected: pursuer, the role of `police`
+            error: team `polize` has no role
+              --> small.toml:19:8 (robots.cop.team)
+               |
+            19 | team = "polize"
+               |        ^^^^^^^^
+               = value: "polize"
+               = expected: role = "pursuer", "evader" or "neutral" in [teams.polize], or the team `neutral`, `police` or `evader`
+               = help: did you mean `police`?"#]],
     );
 }

@@ -4,291 +4,334 @@ use super::*;
 
 #[test]
 fn unknown_keys_are_named_and_the_nearest_is_suggested() {
-    for (from, to, key, near) in [
-        ("title = \"A small", "titel = \"A small", "titel", "title"),
-        ("[grid]", "[gird]", "gird", "grid"),
-        ("timeout_s", "timeout", "timeout", "timeout_s"),
-        ("scale =", "scael =", "scael", "scale"),
-        ("first = 1", "frist = 1", "frist", "first"),
-        (
-            "x = \"relative_speed\"",
-            "x = \"relative_speed\"\ncompares = \"a.csv\"",
-            "compares",
-            "compare",
-        ),
-    ] {
-        let unknown = format!("unknown key `{key}`");
-        let help = format!("did you mean `{near}`?");
-        refused(from, to, &[&unknown, "small.toml:", &help]);
-    }
     refused(
-        "name = \"braitenberg\"",
-        "name = \"braitenberg\"\nsett = 1",
         &[
-            "unknown key `sett`",
-            "cases.braitenberg.sett",
-            "did you mean `set`?",
+            ("title = \"A small", "titel = \"A small"),
+            ("[grid]", "[gird]"),
+            ("timeout_s", "timeout"),
+            ("scale =", "scael ="),
+            ("first = 1", "frist = 1"),
+            (
+                "x = \"relative_speed\"",
+                "x = \"relative_speed\"\ncompares = \"a.csv\"",
+            ),
+            ("name = \"braitenberg\"", "name = \"braitenberg\"\nsett = 1"),
         ],
+        &expect![[r#"
+            error: unknown key `titel`
+             --> small.toml:3:1 (titel)
+              |
+            3 | titel = "A small experiment"
+              | ^^^^^
+              = value: "A small experiment"
+              = expected: one of the keys `name`, `kind`, `title`, `description`, `scenario`, `task`, `seeds`, `cases`, `parameters`, `grid`, `run` or `figures`
+              = help: did you mean `title`?
+            error: parameter `relative_speed` is not in the grid
+              --> small.toml:17:1 (parameters.relative_speed)
+               |
+            17 | [parameters.relative_speed]
+               | ^^^^^^^^^^^^^^^^^^^^^^^^^^^
+               = expected: a [grid] with a list of values for every parameter
+
+            error: unknown key `gird`
+              --> small.toml:22:2 (gird)
+               |
+            22 | [gird]
+               |  ^^^^
+               = value: { relative_speed = [0.8, 1.5, 2] }
+               = expected: one of the keys `name`, `kind`, `title`, `description`, `scenario`, `task`, `seeds`, `cases`, `parameters`, `grid`, `run` or `figures`
+               = help: did you mean `grid`?
+            error: unknown key `timeout`
+              --> small.toml:26:1 (run.timeout)
+               |
+            26 | timeout = 100.0
+               | ^^^^^^^
+               = value: 100.0
+               = expected: one of the keys `timeout_s`
+               = help: did you mean `timeout_s`?
+            error: unknown key `scael`
+              --> small.toml:20:1 (parameters.relative_speed.scael)
+               |
+            20 | scael = "teams.police.limits.v_max"
+               | ^^^^^
+               = value: "teams.police.limits.v_max"
+               = expected: one of the keys `title`, `set`, `scale` or `levels`
+               = help: did you mean `scale`?
+
+            error: unknown parameter `relative_speed`
+              --> small.toml:23:18 (grid.relative_speed)
+               |
+            23 | relative_speed = [0.8, 1.5, 2]
+               |                  ^^^^^^^^^^^^^
+               = value: [0.8, 1.5, 2]
+               = expected: a name from [parameters]: nothing
+
+            error: `relative_speed` is not a parameter of this experiment
+              --> small.toml:30:5 (figures.chance.x)
+               |
+            30 | x = "relative_speed"
+               |     ^^^^^^^^^^^^^^^^
+               = value: "relative_speed"
+               = expected: nothing
+            error: unknown key `frist`
+             --> small.toml:5:11 (seeds.frist)
+              |
+            5 | seeds = { frist = 1, count = 3 }
+              |           ^^^^^
+              = value: 1
+              = expected: one of the keys `first` or `count`
+              = help: did you mean `first`?
+            error: unknown key `compares`
+              --> small.toml:31:1 (figures.chance.compares)
+               |
+            31 | compares = "a.csv"
+               | ^^^^^^^^
+               = value: "a.csv"
+               = expected: one of the keys `name`, `title`, `x`, `metric` or `compare`
+               = help: did you mean `compare`?
+            error: unknown key `sett`
+              --> small.toml:13:1 (cases.braitenberg.sett)
+               |
+            13 | sett = 1
+               | ^^^^
+               = value: 1
+               = expected: one of the keys `name`, `title`, `scenario` or `set`
+               = help: did you mean `set`?"#]],
     );
 }
 
 #[test]
 fn missing_keys_are_named() {
     refused(
-        "scenario = \"builtin:chase_exact\"\n",
-        "",
-        &["missing key `scenario`", "small.toml:", "builtin:chase"],
-    );
-    refused(
-        "seeds = { first = 1, count = 3 }",
-        "",
-        &["missing key `seeds`", "small.toml:1", "{ first = 1"],
-    );
-    refused(
-        "name = \"braitenberg\"",
-        "",
-        &["missing key `name`", "small.toml:11"],
-    );
-    refused("x = \"relative_speed\"", "", &["missing key `x`"]);
-    refused(
-        "set = \"teams.evader.limits.v_max\"\nscale = \"teams.police.limits.v_max\"",
-        "",
         &[
-            "parameter `relative_speed` changes nothing",
-            "`set`",
-            "`levels`",
+            ("scenario = \"builtin:chase_exact\"\n", ""),
+            ("seeds = { first = 1, count = 3 }", ""),
+            ("name = \"braitenberg\"", ""),
+            ("x = \"relative_speed\"", ""),
+            (
+                "set = \"teams.evader.limits.v_max\"\nscale = \"teams.police.limits.v_max\"",
+                "",
+            ),
         ],
+        &expect![[r#"
+            error: missing key `scenario`
+             --> small.toml:1:1 (scenario)
+              |
+            1 | 
+              | ^
+              = expected: the path of a scenario beside the experiment, or a built-in one such as "builtin:chase"
+            error: missing key `seeds`
+             --> small.toml:1:1 (seeds)
+              |
+            1 | 
+              | ^
+              = expected: { first = 1, count = 200 }
+            error: missing key `name`
+              --> small.toml:11:1 (cases[1].name)
+               |
+            11 | [[cases]]
+               | ^^^^^^^^^
+            error: missing key `x`
+              --> small.toml:28:1 (figures.chance.x)
+               |
+            28 | [[figures]]
+               | ^^^^^^^^^^^
+            error: parameter `relative_speed` changes nothing
+              --> small.toml:17:1 (parameters.relative_speed)
+               |
+            17 | [parameters.relative_speed]
+               | ^^^^^^^^^^^^^^^^^^^^^^^^^^^
+               = expected: `set` (the key that takes the value), or `levels` (named tables of overrides)
+
+            error: unknown parameter `relative_speed`
+              --> small.toml:22:18 (grid.relative_speed)
+               |
+            22 | relative_speed = [0.8, 1.5, 2]
+               |                  ^^^^^^^^^^^^^
+               = value: [0.8, 1.5, 2]
+               = expected: a name from [parameters]: nothing
+
+            error: `relative_speed` is not a parameter of this experiment
+              --> small.toml:29:5 (figures.chance.x)
+               |
+            29 | x = "relative_speed"
+               |     ^^^^^^^^^^^^^^^^
+               = value: "relative_speed"
+               = expected: nothing"#]],
     );
 }
 
 #[test]
 fn missing_scenarios_are_refused() {
     refused(
-        "builtin:chase_exact",
-        "builtin:chase_exakt",
         &[
-            "there is no built-in scenario `chase_exakt`",
-            "did you mean `builtin:chase_exact`?",
+            ("builtin:chase_exact", "builtin:chase_exakt"),
+            ("builtin:chase_exact", "nowhere.toml"),
+            ("builtin:chase_exact", "chase"),
+            ("builtin:chase_exact", "../x.toml"),
         ],
-    );
-    refused(
-        "builtin:chase_exact",
-        "nowhere.toml",
-        &["nowhere.toml: cannot be read", "small.toml:4:"],
-    );
-    refused(
-        "builtin:chase_exact",
-        "chase",
-        &["did you mean `builtin:chase`?"],
-    );
-    refused(
-        "builtin:chase_exact",
-        "../x.toml",
-        &["leads out of the scenario's folder"],
+        &expect![[r#"
+            error: there is no built-in scenario `chase_exakt`
+             --> small.toml:4:12 (scenario)
+              |
+            4 | scenario = "builtin:chase_exakt"
+              |            ^^^^^^^^^^^^^^^^^^^^^
+              = value: "builtin:chase_exakt"
+              = expected: `chase`, `chase_exact`, `chase_paper`, `chase_layouts`, `chase_braitenberg`, `chase_rrt_star`, `chase_popup`, `chase_referee`, `chase_reach_avoid`, `popup`, `popup_city`, `single_lane` … (19 in all)
+              = help: did you mean `builtin:chase_exact`?
+            error: cannot read nowhere.toml: No such file or directory (os error 2)
+             --> small.toml:4:12 (scenario)
+              |
+            4 | scenario = "nowhere.toml"
+              |            ^^^^^^^^^^^^^^
+              = value: "nowhere.toml"
+              = expected: a file: the path of a scenario beside the experiment, or a built-in one such as "builtin:chase"
+            error: cannot read chase: No such file or directory (os error 2)
+             --> small.toml:4:12 (scenario)
+              |
+            4 | scenario = "chase"
+              |            ^^^^^^^
+              = value: "chase"
+              = expected: a file: the path of a scenario beside the experiment, or a built-in one such as "builtin:chase"
+              = help: did you mean `builtin:chase`?
+            error: path leads out of the scenario's folder
+             --> small.toml:4:12 (scenario)
+              |
+            4 | scenario = "../x.toml"
+              |            ^^^^^^^^^^^
+              = value: "../x.toml"
+              = expected: a relative path without `..`: the path of a scenario beside the experiment, or a built-in one such as "builtin:chase""#]],
     );
 }
 
 #[test]
 fn a_mistake_in_an_override_points_at_its_line_and_names_the_cell() {
     refused(
-        "params.threat.gain = 0.0",
-        "params.threat.gian = 0.0",
         &[
-            "unknown key `gian` (in case potential)\n",
-            "small.toml:9:",
-            "gian = 0.0",
-            "did you mean `gain`?",
+            ("params.threat.gain = 0.0", "params.threat.gian = 0.0"),
+            ("evader_braitenberg\"", "evader_braitenburg\""),
+            (
+                "teams.evader.scan = { beams = 72, angle_increment = 0.0872 }\n",
+                "",
+            ),
+            (
+                "set = \"teams.evader.limits.v_max\"",
+                "set = \"robots.evader_7.limits.v_max\"",
+            ), // One of the values is wrong; its cell is named.
+            ("[0.8, 1.5, 2]", "[0.8, -1, 2]"),
         ],
-    );
-    refused(
-        "evader_braitenberg\"",
-        "evader_braitenburg\"",
-        &["small.toml:15", "did you mean `evader_braitenberg`?"],
-    );
-    refused(
-        "teams.evader.scan = { beams = 72, angle_increment = 0.0872 }\n",
-        "",
-        &["in case braitenberg", "scan"],
-    );
-    refused(
-        "set = \"teams.evader.limits.v_max\"",
-        "set = \"robots.evader_7.limits.v_max\"",
-        &[
-            "`robots` has no element `evader_7`",
-            "did you mean `evader_1`?",
-        ],
-    );
-    // One of the values is wrong; its cell is named.
-    refused(
-        "[0.8, 1.5, 2]",
-        "[0.8, -1, 2]",
-        &["-0.3", "relative_speed = -1"],
-    );
-}
+        &expect![[r#"
+            error: unknown key `gian` (in case potential)
+             --> small.toml:9:46 (processes.evader_potential.params.threat.gian)
+              |
+            9 | set.processes.evader_potential.params.threat.gian = 0.0
+              |                                              ^^^^
+              = expected: one of the keys `gain`, `reach` or `period_s`
+              = help: did you mean `gain`?
+            error: unknown process kind `evader_braitenburg` (in case braitenberg, relative_speed = 0.8)
+             --> small.toml:15 (processes.evader_braitenburg.kind)
+              |
+            1 | processes.evader_potential={ kind = "evader_braitenburg", team = "evader" }
+              |                                     ^^^^^^^^^^^^^^^^^^^^
+              = value: "evader_braitenburg"
+              = expected: `perception`, `referee`, `observer`, `pursuer`, `evader_braitenberg`, `evader_potential`, `evader_reach_avoid`, `evader_rrt_star`, `policy`, `optimiser`, `navigator`, `patrol_awg` … (18 in all)
+              = help: did you mean `evader_braitenberg`?
+            error: robot `evader_1` has no range scanner, but process `evader_braitenberg_evader_1` (evader_braitenberg) steers by it (in case braitenberg, relative_speed = 0.8)
+              --> chase_exact.toml:54:1 (robots.evader_1.scan)
+               |
+            54 | [[robots]]
+               | ^^^^^^^^^^
+               = expected: a `scan` table on the robot
+               = help: scan = {} is the TurtleBot3's scanner: 360 beams, 3.5 m
 
-#[test]
-fn values_of_the_grid_are_checked() {
-    refused(
-        "[0.8, 1.5, 2]",
-        "[]",
-        &["grid.relative_speed", "at least one value"],
-    );
-    refused(
-        "[0.8, 1.5, 2]",
-        "3",
-        &["wrong type", "a list of at least one value"],
-    );
-    refused(
-        "[0.8, 1.5, 2]",
-        "[1, 2, 1.0]",
-        &["the value 1.0 twice", "grid.relative_speed[2]"],
-    );
-    refused("[0.8, 1.5, 2]", "[\"fast\"]", &["a number", "is scaled"]);
-    refused("[0.8, 1.5, 2]", "[[1]]", &["wrong type: an array"]);
-    refused("[0.8, 1.5, 2]", "[nan]", &["finite"]);
-    refused(
-        "relative_speed = [0.8",
-        "relative_sped = [0.8",
-        &[
-            "unknown parameter `relative_sped`",
-            "did you mean `relative_speed`?",
-            "has no values",
-        ],
-    );
-    refused("relative_speed = [0.8, 1.5, 2]", "", &["the grid is empty"]);
-    refused(
-        "[grid]\nrelative_speed = [0.8, 1.5, 2]",
-        "",
-        &["is not in the grid", "[grid]"],
-    );
-    let levels = "levels = { slow = { rules.time_limit = 5 } }";
-    let text = changed(
-        "set = \"teams.evader.limits.v_max\"\nscale = \"teams.police.limits.v_max\"",
-        levels,
-    )
-    .replace("[0.8, 1.5, 2]", "[\"slwo\"]");
-    refused_text(&text, &["has no level `slwo`", "did you mean `slow`?"]);
-    let text = changed(
-        "set = \"teams.evader.limits.v_max\"\n",
-        &format!("{levels}\n"),
-    );
-    refused_text(&text, &["levels cannot be scaled"]);
-    let many: Vec<String> = (1..=10_001).map(|i| format!("{i}")).collect();
-    refused(
-        "[0.8, 1.5, 2]",
-        &format!("[{}]", many.join(",")),
-        &["more than 10000"],
-    );
-}
+            error: robot `evader_2` has no range scanner, but process `evader_braitenberg_evader_2` (evader_braitenberg) steers by it (in case braitenberg, relative_speed = 0.8)
+              --> chase_exact.toml:59:1 (robots.evader_2.scan)
+               |
+            59 | [[robots]]
+               | ^^^^^^^^^^
+               = expected: a `scan` table on the robot
+               = help: scan = {} is the TurtleBot3's scanner: 360 beams, 3.5 m
+            error: `robots` has no element `evader_7` (in case potential)
+              --> small.toml:19:7 (robots.evader_7)
+               |
+            19 | set = "robots.evader_7.limits.v_max"
+               |       ^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^
+               = expected: `police_1`, `police_2`, `police_3`, `police_4`, `evader_1` or `evader_2`, or an index from 0 to 5
+               = help: did you mean `evader_1`?
+            error: `limits.v_max` is out of range (in case potential, relative_speed = -1)
+             --> small.toml:23 (robots.evader_1.limits.v_max)
+              |
+            1 | teams.evader.limits.v_max=-0.3
+              |                           ^^^^
+              = value: -0.3
+              = expected: a number above 0 and at most 100000 (m/s)
 
-#[test]
-fn seeds_are_checked() {
-    for (seeds, words) in [
-        ("{ first = 1, count = 0 }", "no seeds"),
-        ("[1, 2]", "wrong type"),
-        ("7", "wrong type"),
-        (
-            "{ first = 9223372036854775807, count = 2 }",
-            "seeds below 2^63",
-        ),
-        ("{ first = 1, count = 1000001 }", "`count` is out of range"),
-    ] {
-        refused(
-            "{ first = 1, count = 3 }",
-            seeds,
-            &[words, "small.toml:5:", "(seeds"],
-        );
-    }
-    let options = LoadOptions {
-        seeds: Some(super::super::Seeds::parse("5..6").unwrap()),
-        ..LoadOptions::new(kinds::KINDS)
-    };
-    let text = changed("seeds = { first = 1, count = 3 }", "");
-    assert_eq!(load_with(&text, &options).unwrap().seeds.len(), 2);
-}
-
-#[test]
-fn names_numbers_and_figures_are_checked() {
-    refused(
-        "name = \"small\"",
-        "name = \"a/b\"",
-        &["`a/b` cannot be a name", "small.toml:2:"],
+            error: `limits.v_max` is out of range (in case potential, relative_speed = -1)
+             --> small.toml:23 (robots.evader_2.limits.v_max)
+              |
+            1 | teams.evader.limits.v_max=-0.3
+              |                           ^^^^
+              = value: -0.3
+              = expected: a number above 0 and at most 100000 (m/s)"#]],
     );
-    refused(
-        "name = \"potential\"",
-        "name = \"braitenberg\"",
-        &["two cases `braitenberg`"],
-    );
-    refused(
-        "timeout_s = 100.0",
-        "timeout_s = 0.0",
-        &["`timeout_s` is out of range", "(s)"],
-    );
-    refused(
-        "x = \"relative_speed\"",
-        "x = \"speed\"",
-        &["not a parameter", "figures.chance.x"],
-    );
-    refused(
-        "x = \"relative_speed\"",
-        "x = \"relative_speed\"\nmetric = \"escape\"",
-        &["not one of the choices", "escape_chance"],
-    );
-    let text = GOOD.replace("relative_speed", "seed");
-    refused_text(&text, &["`seed` cannot be the name of a column"]);
-    refused_text("seeds = ", &["not valid TOML", "small.toml:1:"]);
-}
-
-#[test]
-fn an_unsuitable_sweep_is_refused() {
-    refused(
-        "params.threat.gain = 0.0",
-        "params.threat.gain = 0.0\nset.run.mode = \"real_time\"",
-        &["a sweep runs in lock-step", "run.mode"],
-    );
-    refused(
-        "{ kind = \"evader_braitenberg\", team = \"evader\" }",
-        "{ name = \"mine\", command = [\"./mine\"], team = \"evader\" }",
-        &["starts an external program", "--allow-external"],
-    );
-    let error = Experiment::load("/no/such.toml".as_ref(), &LoadOptions::new(kinds::KINDS));
-    assert!(error.unwrap_err().to_string().contains("/no/such.toml"));
 }
 
 #[test]
 fn a_misspelt_key_is_one_problem_at_its_own_line() {
-    let text = |from, to| load(&changed(from, to)).unwrap_err();
-    for (from, to, place) in [
-        // For all values of a parameter, and in both cases.
-        (
-            "teams.evader.limits.v_max\"",
-            "teams.evader.limits.v_mx\"",
-            "small.toml:19:7 ",
-        ),
-        (
-            "teams.evader.limits.v_max\"",
-            "teems.evader.limits.v_max\"",
-            "small.toml:19:7 ",
-        ),
-        // For all values, in one case.
-        ("teams.evader.scan", "teams.evader.scam", "small.toml:14:"),
-    ] {
-        let error = text(from, to);
-        assert_eq!(error.matches("error: ").count(), 1, "{error}");
-        assert!(
-            error.contains("unknown key") && error.contains(place),
-            "{error}"
-        );
-    }
+    refused(
+        &[
+            // For all values of a parameter, and in both cases.
+            ("teams.evader.limits.v_max\"", "teams.evader.limits.v_mx\""),
+            ("teams.evader.limits.v_max\"", "teems.evader.limits.v_max\""),
+            // For all values, in one case.
+            ("teams.evader.scan", "teams.evader.scam"),
+        ],
+        &expect![[r#"
+            error: unknown key `v_mx` (in case potential)
+              --> small.toml:19:7 (teams.evader.limits.v_mx)
+               |
+            19 | set = "teams.evader.limits.v_mx"
+               |       ^^^^^^^^^^^^^^^^^^^^^^^^^^
+               = expected: one of the keys `v_max`, `v_reverse_max`, `omega_max`, `acceleration`, `angular_acceleration` or `wheel_speed_max`
+               = help: did you mean `v_max`?
+            error: unknown key `teems` (in case potential)
+              --> small.toml:19:7 (teems)
+               |
+            19 | set = "teems.evader.limits.v_max"
+               |       ^^^^^^^^^^^^^^^^^^^^^^^^^^^
+               = expected: one of the keys `name`, `title`, `description`, `run`, `world`, `rules`, `defaults`, `teams`, `robots`, `processes`, `events`, `links` … (14 in all)
+               = help: did you mean `teams`?
+            error: unknown key `scam` (in case braitenberg)
+              --> small.toml:14:23 (teams.evader.scam)
+               |
+            14 | teams.evader.scam = { beams = 72, angle_increment = 0.0872 }
+               |                       ^^^^^
+               = expected: one of the keys `name`, `count`, `team`, `role`, `hostile_to`, `start`, `start_jitter`, `random_start`, `preset`, `radius`, `wheel_separation`, `limits` … (16 in all)
+               = help: did you mean `scan`?"#]],
+    );
     let levels = GOOD.replace(
         "set = \"teams.evader.limits.v_max\"\nscale = \"teams.police.limits.v_max\"",
         "levels.slow = { rules.time_limt = 5 }\nlevels.fast = { rules.time_limt = 6 }",
     );
-    let error = load(&levels.replace("[0.8, 1.5, 2]", "[\"slow\", \"fast\"]")).unwrap_err();
-    // One for each of the two lines.
-    assert_eq!(error.matches("error: ").count(), 2, "{error}");
-    assert!(
-        error.contains("small.toml:19:") && error.contains("small.toml:20:"),
-        "{error}"
+    let levels = levels.replace("[0.8, 1.5, 2]", "[\"slow\", \"fast\"]");
+    // One problem for each of the two lines.
+    texts_refused(
+        [levels],
+        &expect![[r#"
+        error: unknown key `time_limt` (in case potential)
+          --> small.toml:19:23 (rules.time_limt)
+           |
+        19 | levels.slow = { rules.time_limt = 5 }
+           |                       ^^^^^^^^^
+           = expected: one of the keys `capture`, `exits`, `time_limit`, `coverage`, `blocked`, `caught` or `escaped`
+           = help: did you mean `time_limit`?
+
+        error: unknown key `time_limt` (in case potential)
+          --> small.toml:20:23 (rules.time_limt)
+           |
+        20 | levels.fast = { rules.time_limt = 6 }
+           |                       ^^^^^^^^^
+           = expected: one of the keys `capture`, `exits`, `time_limit`, `coverage`, `blocked`, `caught` or `escaped`
+           = help: did you mean `time_limit`?"#]],
     );
 }

@@ -3,9 +3,12 @@
 mod contradictions;
 mod experiment;
 mod messages;
+mod messages_of_values;
 mod published;
 mod results;
 mod worst;
+
+use expect_test::{Expect, expect};
 
 use super::{Experiment, LoadOptions};
 
@@ -47,7 +50,8 @@ pub(super) fn load_with(text: &str, options: &LoadOptions) -> Result<Experiment,
     let directory = tempfile::tempdir().unwrap();
     let path = directory.path().join("small.toml");
     std::fs::write(&path, text).unwrap();
-    Experiment::load(&path, options).map_err(|e| e.to_string())
+    let name = format!("{}/", directory.path().display());
+    Experiment::load(&path, options).map_err(|e| e.to_string().replace(&name, ""))
 }
 
 pub(super) fn load(text: &str) -> Result<Experiment, String> {
@@ -60,16 +64,16 @@ pub(super) fn changed(from: &str, to: &str) -> String {
     GOOD.replacen(from, to, 1)
 }
 
-/// Asserts that the text is refused with these words.
+/// Compares the errors of these experiments with the snapshot.
 #[track_caller]
-pub(super) fn refused_text(text: &str, words: &[&str]) {
-    let error = load(text).unwrap_err();
-    for word in words {
-        assert!(error.contains(word), "{word:?} is missing in\n{error}");
-    }
+pub(super) fn texts_refused(texts: impl IntoIterator<Item = String>, errors: &Expect) {
+    let refused = |text: String| load(&text).expect_err(&text);
+    let found: Vec<String> = texts.into_iter().map(refused).collect();
+    errors.assert_eq(&found.join("\n"));
 }
 
+/// Compares the errors of the small experiment, each time with one part replaced, with the snapshot.
 #[track_caller]
-pub(super) fn refused(from: &str, to: &str, words: &[&str]) {
-    refused_text(&changed(from, to), words);
+pub(super) fn refused(changes: &[(&str, &str)], errors: &Expect) {
+    texts_refused(changes.iter().map(|(from, to)| changed(from, to)), errors);
 }

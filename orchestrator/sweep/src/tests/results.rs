@@ -27,6 +27,12 @@ fn mission(cell: usize, seed: u64) -> MissionId {
     MissionId { cell, seed }
 }
 
+/// The error without the name of the directory of the test.
+fn words<T>(result: Result<T, SweepError>, directory: &Path) -> String {
+    let error = result.err().unwrap().to_string();
+    error.replace(&directory.display().to_string(), "FOLDER")
+}
+
 fn open(directory: &Path) -> Result<Results, SweepError> {
     Results::open(directory, &manifest(), GOOD)
 }
@@ -86,16 +92,8 @@ fn recorded_rows_are_read_again_and_results_replace_failures() {
     drop(results);
     let mut results = open(directory.path()).unwrap();
     assert_eq!(results.row(mission(0, 2)), Some(&row(2)));
-    let error = results
-        .record(mission(0, 2), row(0), 0.1)
-        .unwrap_err()
-        .to_string();
-    for word in [
-        "two different results of case potential, relative_speed = 0.8, seed 2",
-        "caught",
-    ] {
-        assert!(error.contains(word), "{error}");
-    }
+    let other = results.record(mission(0, 2), row(0), 0.1);
+    expect!["FOLDER: two different results of case potential, relative_speed = 0.8, seed 2: caught 0 and 2; a result depends only on the experiment, so one of them was made by another program: remove one of the two directories"].assert_eq(&words(other, directory.path()));
 }
 
 #[test]
@@ -105,28 +103,22 @@ fn results_of_another_experiment_are_refused() {
     let other = load(&changed("gain = 0.0", "gain = 1.0"))
         .unwrap()
         .manifest();
-    let error = Results::<Row>::open(directory.path(), &other, "")
-        .err()
-        .unwrap()
-        .to_string();
-    for word in [
-        "contains the results of another experiment",
-        "compare its experiment.toml",
-        "choose another --out",
-    ] {
-        assert!(error.contains(word), "{error}");
-    }
-    // Other formats may have any other content.
+    let another = Results::<Row>::open(directory.path(), &other, "");
     let path = directory.path().join("manifest.json");
-    std::fs::write(&path, r#"{"format": 99, "future": true}"#).unwrap();
-    let error = open(directory.path()).err().unwrap().to_string();
-    assert!(error.contains("format 99"), "{error}");
-    std::fs::write(&path, "no json").unwrap();
-    let error = open(directory.path()).err().unwrap().to_string();
-    assert!(error.contains("manifest.json:1"), "{error}");
+    let with = |manifest: &str| {
+        std::fs::write(&path, manifest).unwrap();
+        words(open(directory.path()), directory.path())
+    };
+    let mut errors = vec![words(another, directory.path())];
+    // Other formats may have any other content.
+    errors.extend([r#"{"format": 99, "future": true}"#, "no json"].map(with));
     std::fs::remove_file(&path).unwrap();
-    let error = open(directory.path()).err().unwrap().to_string();
-    assert!(error.contains("has no manifest.json"), "{error}");
+    errors.push(words(open(directory.path()), directory.path()));
+    expect![[r#"
+        FOLDER contains the results of another experiment: compare its experiment.toml and its scenarios with yours; choose another --out, or remove the directory if its results are no longer needed
+        FOLDER contains the results of another experiment: its files have format 99, this program writes format 3; choose another --out, or remove the directory if its results are no longer needed
+        FOLDER/manifest.json:1: expected ident at line 1 column 2: no json; expected the manifest of a sweep's results
+        FOLDER is not a directory of results: it has no manifest.json; choose another --out, or an empty directory"#]].assert_eq(&errors.join("\n"));
 }
 
 #[test]
@@ -136,8 +128,9 @@ fn an_edited_manifest_is_refused() {
     let path = directory.path().join("manifest.json");
     let text = std::fs::read_to_string(&path).unwrap();
     std::fs::write(&path, text.replace("\"potential\"", "\"best\"")).unwrap();
-    let error = open(directory.path()).err().unwrap().to_string();
-    assert!(error.contains("it was edited"), "{error}");
+    let error = words(open(directory.path()), directory.path());
+    expect!["FOLDER/manifest.json:1: its hash does not match: it was edited: {"]
+        .assert_eq(error.lines().next().unwrap());
 }
 
 #[test]
@@ -161,8 +154,7 @@ fn a_directory_that_is_refused_stays_as_it_is() {
     let directory = tempfile::tempdir().unwrap();
     let users = directory.path().join("experiment.toml");
     std::fs::write(&users, "their own").unwrap();
-    let error = open(directory.path()).err().unwrap().to_string();
-    assert!(error.contains("has no manifest.json"), "{error}");
+    expect!["FOLDER is not a directory of results: it has no manifest.json; choose another --out, or an empty directory"].assert_eq(&words(open(directory.path()), directory.path()));
     assert_eq!(names(directory.path()), ["experiment.toml"]);
     assert_eq!(std::fs::read_to_string(&users).unwrap(), "their own");
     // Copied results of another experiment, without the lock.
@@ -182,9 +174,8 @@ fn a_link_in_the_place_of_the_lock_is_refused_and_its_target_stays() {
     let results = directory.path().join("results");
     std::fs::create_dir(&results).unwrap();
     std::os::unix::fs::symlink(&target, results.join("lock")).unwrap();
-    let error = open(&results).err().unwrap().to_string();
-    assert!(error.contains("results/lock"), "{error}");
-    assert!(error.contains("it is a symbolic link"), "{error}");
+    expect!["FOLDER/results/lock: cannot open the lock file: it is a symbolic link"]
+        .assert_eq(&words(open(&results), directory.path()));
     assert_eq!(std::fs::read_to_string(&target).unwrap(), "their own");
     assert_eq!(std::fs::read_dir(&results).unwrap().count(), 1);
 }
@@ -255,29 +246,23 @@ fn parts_that_do_not_belong_together_are_not_merged() {
         .unwrap()
         .manifest();
     Results::<Row>::open(&at("b"), &other, "").unwrap();
-    let error = merge::<Row>(&[at("a"), at("b")], &at("m"))
-        .err()
-        .unwrap()
-        .to_string();
-    assert!(
-        error.contains("contains the results of another experiment"),
-        "{error}"
-    );
     open(&at("c"))
         .unwrap()
         .record(mission(0, 1), row(2), 0.1)
         .unwrap();
-    let error = merge::<Row>(&[at("a"), at("c")], &at("n"))
-        .err()
-        .unwrap()
-        .to_string();
-    assert!(error.contains("two different results"), "{error}");
-    let error = merge::<Row>(&[at("nothing")], &at("o"))
-        .err()
-        .unwrap()
-        .to_string();
-    assert!(error.contains("is not a directory of results"), "{error}");
-    assert!(error.contains("name the --out of a sweep"), "{error}");
+    let merged = |parts: &[&str], out| {
+        let parts: Vec<_> = parts.iter().map(|part| at(part)).collect();
+        words(merge::<Row>(&parts, &at(out)), directory.path())
+    };
+    let errors = [
+        merged(&["a", "b"], "m"),
+        merged(&["a", "c"], "n"),
+        merged(&["nothing"], "o"),
+    ];
+    expect![[r#"
+        FOLDER/b contains the results of another experiment: compare its experiment.toml and its scenarios with yours; choose another --out, or remove the directory if its results are no longer needed
+        FOLDER/c: two different results of case potential, relative_speed = 0.8, seed 1: caught 1 and 0; a result depends only on the experiment, so one of them was made by another program: remove one of the two directories
+        FOLDER/nothing is not a directory of results: it has no manifest.json; name the --out of a sweep"#]].assert_eq(&errors.join("\n"));
 }
 
 #[test]
@@ -323,8 +308,7 @@ fn contradicting_results_and_those_of_other_versions_are_not_reused() {
     manifest.program = "0.0.1".to_owned();
     manifest.blake3 = manifest.fingerprint();
     let older = Results::open(directories[2].path(), &manifest, GOOD).unwrap();
-    let error = newer.reuse(&older).unwrap_err().to_string();
-    assert!(error.contains("made by version 0.0.1"), "{error}");
+    expect!["FOLDER contains the results of another experiment: it was made by version 0.0.1 of Protean, this is version 0.2.0; choose another --out, or remove the directory if its results are no longer needed"].assert_eq(&words(newer.reuse(&older), directories[2].path()));
 }
 
 #[test]

@@ -122,19 +122,20 @@ fn a_cell_whose_seeds_have_no_effect_is_named() {
 
 #[test]
 fn a_measure_is_a_column_of_numbers_and_its_worse_end() {
-    for wrong in [
+    let wrong = [
         "contacts",
         "contacts=high",
         "digest=max",
         "outcome=min",
         "speed=max",
         "=max",
-    ] {
-        let error = wrong.parse::<Measure>().unwrap_err().to_string();
-        assert!(error.contains("COLUMN=max or COLUMN=min"), "{error}");
-        assert!(
-            error.contains("contacts, ") && !error.contains("digest"),
-            "{error}"
-        );
-    }
+    ];
+    let errors = wrong.map(|text| text.parse::<Measure>().unwrap_err().to_string());
+    expect![[r#"
+        expected COLUMN=max or COLUMN=min; the columns are evaders, escaped, caught, held_out, sim_time_s, first_capture_s, first_escape_s, contacts, evader_distance_m, evader_mean_speed, ticks, escape_possible_fraction, escape_impossible_from_s, coverage_fraction, coverable_fraction, way_m
+        expected COLUMN=max or COLUMN=min; the columns are evaders, escaped, caught, held_out, sim_time_s, first_capture_s, first_escape_s, contacts, evader_distance_m, evader_mean_speed, ticks, escape_possible_fraction, escape_impossible_from_s, coverage_fraction, coverable_fraction, way_m
+        expected COLUMN=max or COLUMN=min; the columns are evaders, escaped, caught, held_out, sim_time_s, first_capture_s, first_escape_s, contacts, evader_distance_m, evader_mean_speed, ticks, escape_possible_fraction, escape_impossible_from_s, coverage_fraction, coverable_fraction, way_m
+        expected COLUMN=max or COLUMN=min; the columns are evaders, escaped, caught, held_out, sim_time_s, first_capture_s, first_escape_s, contacts, evader_distance_m, evader_mean_speed, ticks, escape_possible_fraction, escape_impossible_from_s, coverage_fraction, coverable_fraction, way_m
+        expected COLUMN=max or COLUMN=min; the columns are evaders, escaped, caught, held_out, sim_time_s, first_capture_s, first_escape_s, contacts, evader_distance_m, evader_mean_speed, ticks, escape_possible_fraction, escape_impossible_from_s, coverage_fraction, coverable_fraction, way_m
+        expected COLUMN=max or COLUMN=min; the columns are evaders, escaped, caught, held_out, sim_time_s, first_capture_s, first_escape_s, contacts, evader_distance_m, evader_mean_speed, ticks, escape_possible_fraction, escape_impossible_from_s, coverage_fraction, coverable_fraction, way_m"#]].assert_eq(&errors.join("\n"));
 }

@@ -1,12 +1,13 @@
 //! Recovery of keys from poses: of the maps, and never of a keyed stream.
 
 use chaotic_maps::{AnySource, Cat64, CatF64, CatP, ChebP, Emission, Key, Source};
-use geometry::shape::{Aabb, Shape};
+use geometry::shape::Aabb;
 use nalgebra::Point2;
 use observer::knowledge::{CatKind, CatKnowledge, ChebyshevForm, ChebyshevKnowledge};
 use observer::layout::{Layout, Slot};
 use observer::predictors::Predictor;
 use observer::predictors::key::{Finder, KeyHunter};
+use testing::rectangle;
 
 use crate::support::{ARRIVAL, NoisyObserver, Robot};
 
@@ -161,11 +162,7 @@ fn around_a_block(knowledge: &ChebyshevKnowledge, start: Point2<f64>) -> Layout 
         min: Point2::origin(),
         max: Point2::new(10.0, 10.0),
     };
-    let block = Shape::Rectangle {
-        center: [5.0, 5.0],
-        half_extents: [2.5, 2.5],
-        angle: 0.0,
-    };
+    let block = rectangle([5.0, 5.0], [2.5, 2.5]);
     let parts = block.parts().unwrap();
     knowledge.layout_of_map(bounds, &parts, 0.1, start).unwrap()
 }

@@ -6,6 +6,7 @@ use observer::knowledge::{CatKind, CatKnowledge, ChebyshevKnowledge};
 
 use crate::drive::{Found, OCTAGON, coverage, patrol, watch, workplace};
 use geometry::shape::Shape;
+use testing::rectangle;
 
 const NOISE: f64 = 0.01;
 
@@ -67,11 +68,7 @@ fn the_key_of_a_coverage_is_recovered_within_thirty_sub_goals() {
 
 #[test]
 fn several_rectangles_do_not_hide_a_key_from_an_observer_that_knows_the_workplace() {
-    let block = Shape::Rectangle {
-        center: [5.0, 5.0],
-        half_extents: [2.5, 2.5],
-        angle: 0.0,
-    };
+    let block = rectangle([5.0, 5.0], [2.5, 2.5]);
     for seed in [1, 2] {
         let found = coverage_watched(core::slice::from_ref(&block), [1.0, 8.0], seed);
         let after = found.after;

@@ -1,7 +1,6 @@
 //! Pursuers in the paper's city, in a kinematic mini-simulation.
 
 use crate::police::{CATCH, V_POLICE, exact, view};
-use crate::support::{self, CITY, DT, Kinematic, RADIUS, street_starts};
 use geometry::pose::{Pose2, Twist2};
 use nalgebra::Point2;
 use navigation::bearing::GoalField;
@@ -11,9 +10,10 @@ use proptest::prelude::*;
 use pursuer::params::{AssignmentMethod, BeliefGoals, Knowledge};
 use pursuer::{Pursuer, PursuerParams};
 use robot::team::Role;
+use testing::{CITY, DT, Kinematic, RADIUS, street_starts};
 
 fn robot(index: usize, role: Role, pose: Pose2) -> RobotView {
-    support::robot(index, role, pose, V_POLICE)
+    testing::robot(index, role, pose, V_POLICE)
 }
 
 fn limits() -> Limits {

@@ -3,7 +3,6 @@
 use std::collections::VecDeque;
 
 use crate::police::{CATCH, V_POLICE, exact, police, view};
-use crate::support::{CITY, DT, EXIT, Kinematic, RADIUS, street_starts};
 use geometry::pose::{Pose2, Twist2};
 use nalgebra::Point2;
 use navigation::routes::{NavGrid, RouteFinder};
@@ -13,6 +12,7 @@ use pursuer::cut_off::{CutSearch, EvaderState, ExitBlocker};
 use pursuer::params::AssignmentMethod;
 use pursuer::{Pursuer, PursuerParams};
 use robot::team::Role;
+use testing::{CITY, DT, EXIT, Kinematic, RADIUS, street_starts};
 
 fn evader(index: usize, pose: Pose2, v_max: f64) -> RobotView {
     RobotView {

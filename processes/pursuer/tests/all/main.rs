@@ -2,9 +2,6 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-#[path = "../../../../algorithms/planner_view/tests/support/mod.rs"]
-mod support;
-
 mod closing_in;
 mod cutting_off;
 mod police;

@@ -6,7 +6,7 @@ use pursuer::PursuerParams;
 use pursuer::params::Knowledge;
 use robot::team::Role;
 
-use crate::support::{self, EXIT};
+use testing::EXIT;
 
 /// Distance at which an evader is caught (m).
 pub const CATCH: f64 = 0.3;
@@ -15,7 +15,7 @@ pub const V_POLICE: f64 = 0.3;
 
 /// Returns a robot of the Police that stands still.
 pub fn police(index: usize, pose: Pose2) -> RobotView {
-    support::robot(index, Role::Pursuer, pose, V_POLICE)
+    testing::robot(index, Role::Pursuer, pose, V_POLICE)
 }
 
 /// Returns the view and beliefs of the robot `me`.
@@ -28,7 +28,7 @@ pub fn view<'a>(
     View {
         me,
         beliefs,
-        ..support::view(time_s, robots, &[EXIT])
+        ..testing::view(time_s, robots, &[EXIT])
     }
 }
 

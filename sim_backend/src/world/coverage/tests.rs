@@ -1,9 +1,9 @@
 use core::time::Duration;
 
+use expect_test::expect;
 use geometry::map::{MapSpec, ObstacleChange, ObstacleId, VectorMap};
 use geometry::pose::Twist2;
 use geometry::region::Region;
-use geometry::shape::Shape;
 use proptest::prelude::*;
 
 use super::*;
@@ -12,6 +12,7 @@ use crate::world::{World, WorldError};
 use robot::drive::integrate;
 use robot::spec::{LimitsSpec, RobotSpec};
 use robot::team::Role;
+use testing::{circle, rectangle};
 
 const TICK: Duration = Duration::from_millis(50);
 
@@ -255,11 +256,7 @@ fn unreachable_cells_are_not_coverable() {
     let mut map = room();
     map.obstacles.push(geometry::map::ObstacleSpec {
         name: "wall".into(),
-        shape: Shape::Rectangle {
-            center: [3.0, 1.5],
-            half_extents: [0.1, 1.5],
-            angle: 0.0,
-        },
+        shape: rectangle([3.0, 1.5], [0.1, 1.5]),
     });
     let mut world = world(
         map,
@@ -285,10 +282,7 @@ fn unreachable_cells_are_not_coverable() {
     assert!(f.coverable > 4800 - 60);
     // An obstacle removes visited cells from the account, and its removal restores them.
     let id = ObstacleId(9);
-    let shape = Shape::Circle {
-        center: [1.3, 1.5],
-        radius: 0.15,
-    };
+    let shape = circle([1.3, 1.5], 0.15);
     world.step(&[Some(Twist2::new(12.0, 0.0))], TICK);
     let visited = figures(&world).visited;
     world.apply(&ObstacleChange::Appear { id, shape }).unwrap();
@@ -306,43 +300,36 @@ fn rules_that_do_not_fit_the_world_are_named() {
             .unwrap_err()
             .to_string()
     };
-    let error = refused(CoverageSpec {
-        robots: vec!["wally".into()],
-        ..CoverageSpec::default()
-    });
-    assert!(
-        error.contains("`rules.coverage.robots[0]` is wally") && error.contains("walle"),
-        "{error}"
-    );
-    let error = refused(CoverageSpec {
-        teams: vec!["police".into()],
-        ..CoverageSpec::default()
-    });
-    assert!(
-        error.contains("`rules.coverage.teams` is [\"police\"]"),
-        "{error}"
-    );
-    let error = refused(CoverageSpec {
-        teams: vec!["neutral".into(), "gards".into()],
-        ..CoverageSpec::default()
-    });
-    assert!(
-        error.contains("`rules.coverage.teams[1]` is gards"),
-        "{error}"
-    );
-    let error = refused(CoverageSpec {
-        resolution: Some(1e-4),
-        ..CoverageSpec::default()
-    });
-    assert!(
-        error.contains("`rules.coverage.resolution` is 0.0001: expected at least about 0.001 m"),
-        "{error}"
-    );
-    let error = refused(CoverageSpec {
-        period: 0.0,
-        ..CoverageSpec::default()
-    });
-    assert!(error.contains("`rules.coverage.period` is 0"), "{error}");
+    let with = CoverageSpec::default;
+    let errors = [
+        CoverageSpec {
+            robots: vec!["wally".into()],
+            ..with()
+        },
+        CoverageSpec {
+            teams: vec!["police".into()],
+            ..with()
+        },
+        CoverageSpec {
+            teams: vec!["neutral".into(), "gards".into()],
+            ..with()
+        },
+        CoverageSpec {
+            resolution: Some(1e-4),
+            ..with()
+        },
+        CoverageSpec {
+            period: 0.0,
+            ..with()
+        },
+    ]
+    .map(refused);
+    expect![[r#"
+        `rules.coverage.robots[0]` is wally, but must be the name of a robot: walle
+        `rules.coverage.teams` is ["police"], but must be a team with robots in it
+        `rules.coverage.teams[1]` is gards, but must be a team with robots in it
+        `rules.coverage.resolution` is 0.0001, but must be at least about 0.001 m on this map: at most 16000000 cells
+        `rules.coverage.period` is 0, but must be a number above 0 and at most 100000 (s)"#]].assert_eq(&errors.join("\n"));
 }
 
 proptest! {

@@ -1,14 +1,11 @@
 use proptest::prelude::*;
+use testing::{circle, rectangle};
 
 use super::*;
 use crate::spec::Blocked;
 
 fn wall(x: f64, y: f64, hx: f64, hy: f64) -> Shape {
-    Shape::Rectangle {
-        center: [x, y],
-        half_extents: [hx, hy],
-        angle: 0.0,
-    }
+    rectangle([x, y], [hx, hy])
 }
 
 fn position(world: &World, i: usize) -> nalgebra::Point2<f64> {
@@ -84,10 +81,7 @@ fn a_corner_holds_a_robot_without_counting_it_again_and_again() {
 
 #[test]
 fn sliding_around_a_round_obstacle_keeps_contact_precision() {
-    let map = room(vec![Shape::Circle {
-        center: [0.0, 0.0],
-        radius: 1.0,
-    }]);
+    let map = room(vec![circle([0.0, 0.0], 1.0)]);
     let robot = racer("a", Role::Neutral, -2.0, 0.3, 0.0);
     let mut world = world(map, vec![robot], RulesSpec::default());
     let mut touched = false;

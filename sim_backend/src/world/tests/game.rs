@@ -1,5 +1,6 @@
 use geometry::map::{ObstacleChange, ObstacleId};
 use geometry::region::Region;
+use testing::{circle, rectangle};
 
 use super::*;
 use crate::robot::RobotStatus;
@@ -88,11 +89,7 @@ fn the_capture_radius_itself_does_not_catch() {
 #[test]
 fn a_thin_wall_shields_from_capture_if_the_rules_say_so() {
     // A wall 4 cm thick between the two; a second Police robot comes round its end.
-    let wall = Shape::Rectangle {
-        center: [0.0, 0.0],
-        half_extents: [0.02, 1.0],
-        angle: 0.0,
-    };
+    let wall = rectangle([0.0, 0.0], [0.02, 1.0]);
     for through_walls in [true, false] {
         let robots = vec![
             racer("p1", Role::Pursuer, -0.2, 0.0, 0.0),
@@ -123,10 +120,7 @@ fn an_obstacle_that_appears_shields_from_capture_if_the_rules_say_so() {
     world
         .apply(&ObstacleChange::Appear {
             id: ObstacleId(7),
-            shape: Shape::Circle {
-                center: [0.0, 0.0],
-                radius: 0.05,
-            },
+            shape: circle([0.0, 0.0], 0.05),
         })
         .unwrap();
     world.step(&[drive(2.0, 0.0), None], TICK);

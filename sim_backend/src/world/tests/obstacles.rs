@@ -1,13 +1,10 @@
 use geometry::map::{ObstacleChange, ObstacleError, ObstacleId};
+use testing::rectangle;
 
 use super::*;
 
 fn block(x: f64, y: f64, half: f64) -> Shape {
-    Shape::Rectangle {
-        center: [x, y],
-        half_extents: [half, half],
-        angle: 0.0,
-    }
+    rectangle([x, y], [half, half])
 }
 
 #[test]
@@ -115,18 +112,10 @@ fn a_robot_under_a_new_obstacle_is_pushed_to_the_nearest_free_place() {
 #[test]
 fn no_robot_is_pushed_through_another_wall() {
     // Below the robot a thin wall, beyond it the nearest free place; above it a longer path.
-    let thin = Shape::Rectangle {
-        center: [0.0, -0.2],
-        half_extents: [5.0, 0.01],
-        angle: 0.0,
-    };
+    let thin = rectangle([0.0, -0.2], [5.0, 0.01]);
     let robot = racer("a", Role::Neutral, 0.0, 0.0, 0.0);
     let mut world = world(room(vec![thin]), vec![robot], RulesSpec::default());
-    let shape = Shape::Rectangle {
-        center: [0.0, 0.2],
-        half_extents: [5.0, 0.25],
-        angle: 0.0,
-    };
+    let shape = rectangle([0.0, 0.2], [5.0, 0.25]);
     world
         .apply(&ObstacleChange::Appear {
             id: ObstacleId(1),

@@ -1,15 +1,12 @@
 use super::*;
 use robot::spec::{OdometrySpec, ScanSpec};
+use testing::rectangle;
 
 fn scanner(spec: ScanSpec) -> World {
     let mut robot = racer("a", Role::Neutral, 0.0, 0.0, core::f64::consts::FRAC_PI_2);
     robot.scan = Some(spec);
     let other = racer("b", Role::Neutral, 0.0, -2.0, 0.0);
-    let wall = Shape::Rectangle {
-        center: [0.0, 3.0],
-        half_extents: [1.0, 0.5],
-        angle: 0.0,
-    };
+    let wall = rectangle([0.0, 3.0], [1.0, 0.5]);
     world(room(vec![wall]), vec![robot, other], RulesSpec::default())
 }
 

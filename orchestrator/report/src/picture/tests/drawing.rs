@@ -2,9 +2,9 @@
 
 use geometry::pose::Pose2;
 use geometry::region::Region;
-use geometry::shape::Shape;
 use robot::team::Role;
 use roxmltree::{Document, Node};
+use testing::{circle, rectangle};
 
 use crate::picture::{
     BeliefTrace, Cells, DominanceTrace, Mark, MarkKind, PlanTrace, RobotTrace, RunTrace, Standing,
@@ -35,15 +35,8 @@ fn robot(name: &str, role: Role, way: impl IntoIterator<Item = (f64, f64)>) -> R
 }
 
 fn trace() -> RunTrace {
-    let wall = Shape::Rectangle {
-        center: [2.0, 1.5],
-        half_extents: [0.5, 0.5],
-        angle: 0.0,
-    };
-    let pillar = Shape::Circle {
-        center: [3.0, 0.8],
-        radius: 0.2,
-    };
+    let wall = rectangle([2.0, 1.5], [0.5, 0.5]);
+    let pillar = circle([3.0, 0.8], 0.2);
     RunTrace {
         title: "Cats & <dogs>".to_owned(),
         description: "One chases the other.\n".repeat(30),
@@ -438,17 +431,7 @@ fn patrols_and_coverage_show_their_contour_zones_rectangles_waypoints_and_swept_
     trace.task = TaskTrace {
         goals: Vec::new(),
         contours: vec![vec![[1.0, 1.0], [3.0, 1.0], [1.0, 1.0]]],
-        danger_zones: vec![
-            Shape::Circle {
-                center: [1.0, 1.0],
-                radius: 0.5,
-            },
-            Shape::Rectangle {
-                center: [3.0, 1.0],
-                half_extents: [0.5, 0.2],
-                angle: 0.0,
-            },
-        ],
+        danger_zones: vec![circle([1.0, 1.0], 0.5), rectangle([3.0, 1.0], [0.5, 0.2])],
         rectangles: vec![[[0.0, 0.0], [1.0, 2.0]], [[1.0, 0.0], [4.0, 3.0]]],
         waypoints: [true, true, false]
             .map(|is_reached| WaypointTrace {

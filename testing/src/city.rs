@@ -1,7 +1,4 @@
 //! The chasing-game paper's city and a kinematic mini-simulation, for tests of planners.
-//!
-//! Shared by the tests of several crates through `#[path]`.
-#![allow(dead_code, reason = "each test file uses another part of it")]
 
 use std::sync::LazyLock;
 
@@ -64,6 +61,7 @@ pub type Rectangle = (f64, f64, f64, f64);
 /// The obstacles of an arena.
 #[derive(Debug, Clone)]
 pub struct Arena {
+    /// Walls (m).
     pub rectangles: Vec<Rectangle>,
     /// `true` if the corners with |x| + |y| > 15.5 are walls too.
     pub chamfered: bool,
@@ -172,7 +170,9 @@ impl Arena {
 /// A robot that moves by exact arcs and stops at walls.
 #[derive(Debug, Clone)]
 pub struct Kinematic {
+    /// Where it is (m, rad).
     pub pose: Pose2,
+    /// The last command (m/s, rad/s).
     pub twist: Twist2,
     /// Number of ticks in which a wall stopped it.
     pub contacts: u32,
@@ -183,6 +183,7 @@ pub struct Kinematic {
 }
 
 impl Kinematic {
+    /// A robot that stands at a pose (m, rad).
     pub fn new(x: f64, y: f64, theta: f64) -> Self {
         Self {
             pose: Pose2::new(x, y, theta),
@@ -193,6 +194,7 @@ impl Kinematic {
         }
     }
 
+    /// Moves for `dt` (s), or turns only where a wall is in the way.
     pub fn step(&mut self, arena: &Arena, command: Twist2, dt: f64) {
         assert!(command.is_finite());
         let turned = command.omega * dt;
