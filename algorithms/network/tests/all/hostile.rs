@@ -1,5 +1,6 @@
 //! Files that are damaged, unsupported or made to do harm.
 
+use expect_test::expect;
 use network::{MAX_FILE, Network, NetworkError};
 use proptest::prelude::*;
 
@@ -12,11 +13,7 @@ fn refused(file: &[u8]) -> String {
 #[test]
 fn an_unknown_operator_is_named_with_the_known_ones() {
     let text = refused(&model(&[node("LSTM", &["x"], "y")], &[], 3));
-    assert_eq!(
-        text,
-        "node `y` has the operator `LSTM`: expected one of Add, Clip, Concat, Constant, Cos, Div, Flatten, Gemm, \
-         Identity, MatMul, Mul, Relu, Reshape, Sigmoid, Sin, Sub, Tanh"
-    );
+    expect![[""]].assert_eq(&text);
 }
 
 #[test]
@@ -28,8 +25,7 @@ fn names_in_errors_are_short_and_without_control_characters() {
 
 #[test]
 fn a_file_without_graph_is_no_network() {
-    assert_eq!(refused(&[]), "not an ONNX file: it has no graph");
-    assert!(refused(b"GIF89a").starts_with("not an ONNX file: "));
+    expect![[""]].assert_eq(&[refused(&[]), refused(b"GIF89a")].join("\n"));
     let large = vec![0; MAX_FILE + 1];
     assert!(matches!(
         Network::from_onnx(&large),
@@ -42,44 +38,29 @@ fn constants_that_are_not_what_they_say_are_refused() {
     let sum = [node("Add", &["x", "c"], "y")];
     let with =
         |dims: &[u64], values: &[f32]| refused(&model(&sum, &[tensor("c", dims, values)], 3));
-    assert_eq!(
+    let errors = [
         with(&[4], &[1.0; 3]),
-        "constant `c`: it has 3 values: expected those of the shape [4]"
-    );
-    assert_eq!(
         with(&[1 << 40, 1 << 40], &[1.0]),
-        "constant `c`: its shape is [1099511627776, 1099511627776]: expected up to 8 dimensions and 2097152 values"
-    );
-    assert!(with(&[u64::MAX], &[1.0]).contains("its shape is [-1]"));
-    assert!(with(&[1], &[f32::NAN]).contains("it contains NaN: expected finite numbers"));
-    assert!(
-        with(&[2], &[1.0; 2]).contains("shapes [1, 3] and [2]: expected shapes that broadcast")
-    );
+        with(&[u64::MAX], &[1.0]),
+        with(&[1], &[f32::NAN]),
+        with(&[2], &[1.0; 2]),
+    ];
+    expect![[""]].assert_eq(&errors.join("\n"));
 }
 
 #[test]
 fn values_come_from_earlier_nodes() {
-    let text = refused(&model(
-        &[
+    let errors = [
+        vec![
             node("Add", &["x", "later"], "y"),
             node("Relu", &["x"], "later"),
         ],
-        &[],
-        3,
-    ));
-    assert!(
-        text.contains("`later` is computed by no earlier node"),
-        "{text}"
-    );
-    let text = refused(&model(&[node("Relu", &["x"], "x")], &[], 3));
-    assert!(text.contains("two values are called `x`"), "{text}");
-    let text = refused(&model(&[node("Relu", &["x"], "z")], &[], 3));
-    assert!(text.contains("no node computes the output `y`"), "{text}");
-    let text = refused(&model(&[node("MatMul", &["x", "x"], "y")], &[], 3));
-    assert!(
-        text.contains("its input 1 is computed: expected a constant"),
-        "{text}"
-    );
+        vec![node("Relu", &["x"], "x")],
+        vec![node("Relu", &["x"], "z")],
+        vec![node("MatMul", &["x", "x"], "y")],
+    ]
+    .map(|nodes| refused(&model(&nodes, &[], 3)));
+    expect![[""]].assert_eq(&errors.join("\n"));
 }
 
 #[test]
@@ -92,27 +73,17 @@ fn memory_and_work_are_limited() {
     let sums: Vec<Vec<u8>> = (0..50)
         .map(|i| node("Add", &["c", "r"], &format!("s{i}")))
         .collect();
-    let text = refused(&model(&sums, &[column, row], 3));
-    assert!(text.contains("values: expected at most 2097152"), "{text}");
+    let large = refused(&model(&sums, &[column, row], 3));
     // A product of many rows by the same weights.
     let rows = tensor("a", &[600, 500], &vec![1.0; 300_000]);
     let weights = tensor("w", &[500, 400], &vec![1.0; 200_000]);
-    let text = refused(&model(
-        &[node("MatMul", &["a", "w"], "y")],
-        &[rows, weights],
-        3,
-    ));
-    assert!(
-        text.contains("operations per evaluation: expected at most 16777216"),
-        "{text}"
-    );
+    let product = [node("MatMul", &["a", "w"], "y")];
+    let slow = refused(&model(&product, &[rows, weights], 3));
     let nodes: Vec<Vec<u8>> = (0..1001)
         .map(|i| node("Relu", &["x"], &format!("n{i}")))
         .collect();
-    assert_eq!(
-        refused(&model(&nodes, &[], 3)),
-        "the network has 1001 nodes: expected at most 1000"
-    );
+    let errors = [large, slow, refused(&model(&nodes, &[], 3))];
+    expect![[""]].assert_eq(&errors.join("\n"));
 }
 
 #[test]
