@@ -124,8 +124,11 @@ pub struct WaypointOutcome {
     pub inside_obstacle: u64,
     /// Number of waypoints left out because they were not reached in time.
     pub timed_out: u64,
-    /// Number of waypoints left out because they are unreachable.
+    /// Number of waypoints left out because no path leads to them.
     pub unreachable: u64,
+    /// Number of waypoints left out because the robot did not get on; 0 in results of versions without it.
+    #[serde(default)]
+    pub stuck: u64,
     /// Number of those left out that belong to the route, which must be visited.
     #[serde(default)]
     pub route_left_out: u64,
@@ -149,9 +152,14 @@ pub struct WaypointOutcome {
 }
 
 impl WaypointOutcome {
+    /// Returns the number of waypoints left out, for any reason.
+    pub fn left_out(&self) -> u64 {
+        self.inside_obstacle + self.timed_out + self.unreachable + self.stuck
+    }
+
     /// Returns the share of waypoints left out, 0 to 1; 0 without waypoints.
     pub fn left_out_share(&self) -> f64 {
-        let left_out = self.inside_obstacle + self.timed_out + self.unreachable;
+        let left_out = self.left_out();
         let all = left_out + self.reached;
         if all == 0 {
             0.0
