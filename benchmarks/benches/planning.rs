@@ -24,6 +24,7 @@ use nalgebra::Point2;
 use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
 use rustix::time::{ClockId, clock_gettime};
+use statistics::quantile;
 use support::{EXIT, RADIUS, START, city, costs};
 
 const TRIES: u64 = 100;
@@ -92,7 +93,7 @@ fn tries<M: Motion + Copy>(what: &str, scene: &Scene<'_>, motion: M, iterations:
     }
     times.sort_by(f64::total_cmp);
     costs.sort_by(f64::total_cmp);
-    let middle = |values: &[f64]| values.get(values.len() / 2).copied().unwrap_or(f64::NAN);
+    let middle = |values: &[f64]| quantile(values, 0.5).unwrap_or(f64::NAN);
     println!(
         "{what}: found {found}/{TRIES}, CPU {:.2} ms (slowest {:.2}), median cost {:.3}",
         middle(&times),

@@ -215,3 +215,22 @@ def test_a_claim_has_the_number_that_decides() -> None:
     assert rise is not None and rise.low > 0.0
     arcs = found["chase.g.paper"].ours
     assert (arcs.value, arcs.n) == (0.325, 40)
+
+
+def test_values_of_a_figure_are_corrected_together_and_the_page_says_which_are_refuted() -> None:
+    def text(line: Sequence[int], braitenberg: int) -> tuple[str, dict[str, Verdict]]:
+        paper = study(
+            (1.5, 2.0, 2.5, 3.0),
+            {"braitenberg": (0, 0, 0, braitenberg), "potential_field": (20, 70, 50, 50), "rrt_star_line": line},
+        )
+        some = Evidence({"escape_vs_speed_paper": paper})
+        verdicts = {claim.id: claim.verdict for claim in claims(some) if claim.id.startswith("chase.fig2.")}
+        return build(some).text, verdicts
+
+    # 0 of 200 games against 1 of 10: p = 0.0476 alone.
+    page, verdicts = text((60, 80, 70, 70), 0)
+    assert REFUTED not in verdicts.values()
+    assert "The tests refute none of the 12 published values. 1 of them lie above our chances, 0 below." in page
+    page, verdicts = text((2, 80, 70, 70), 0)
+    assert [id for id, found in verdicts.items() if found == REFUTED] == ["chase.fig2.rrt_star_line.1.5"]
+    assert "refute 1 of the 12 published values: rrt star line at 1.5× (fewer evaders escape here)." in page

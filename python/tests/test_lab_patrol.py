@@ -25,6 +25,7 @@ def row(length_m: float, mae_m: float, **changes: Any) -> dict[str, Any]:
         "inside_obstacle": 10,
         "timed_out": 0,
         "unreachable": 0,
+        "stuck": 0,
         "longest_lap_s": 118.0,
         "planned": lap,
         "driven": lap,

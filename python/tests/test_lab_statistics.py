@@ -3,6 +3,7 @@
 import math
 import random
 
+import numpy as np
 import pytest
 
 pytest.importorskip("scipy")
@@ -189,8 +190,9 @@ def test_every_interval_and_bracket_holds_for_random_counts() -> None:
         found = crossings({float(x): rng.randint(0, 60) for x in range(rng.randint(1, 7))}, 60)
         assert all(found.range.low <= low and high <= found.range.high for low, high, _ in found.brackets)
         values = [rng.uniform(-1, 1) for _ in range(n)]
-        middle = quantile(values, 0.5)
-        assert middle in values and sum(value <= middle for value in values) >= n / 2
+        for part in (0.0, 0.05, 0.5, 0.95, 1.0, rng.random()):
+            assert quantile(values, part) == pytest.approx(float(np.quantile(values, part)))
+    assert quantile([], 0.5) is None
 
 
 def test_numbers_have_their_texts() -> None:

@@ -3,6 +3,7 @@
 
 use std::path::{Path, PathBuf};
 
+use ipc_types::messages::robot::WaypointEnd;
 use serde_json::Value as Json;
 
 use super::Sandbox;
@@ -172,7 +173,7 @@ impl Drive {
                 assert!(!reached, "inside an obstacle: {end:?}");
             }
         }
-        for outcome in ["reached", "inside_obstacle", "timed_out", "unreachable"] {
+        for outcome in WaypointEnd::OUTCOMES {
             assert_eq!(
                 self.told()[outcome],
                 self.count(outcome),

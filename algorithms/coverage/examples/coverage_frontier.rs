@@ -21,6 +21,7 @@ use coverage::uniform::UniformGoals;
 use coverage::workplace::Workplace;
 use geometry::shape::Aabb;
 use metrics::coverage::{CellGrid, Swept};
+use metrics::quantile::quantile;
 use nalgebra::{Point2, Vector2};
 
 type Failure = Box<dyn std::error::Error + Send + Sync>;
@@ -340,13 +341,7 @@ impl Row {
             sorted.sort_by(f64::total_cmp);
             sorted
         });
-        let quantile = |sorted: &[f64], part: f64| {
-            let last = sorted.len().saturating_sub(1) as f64;
-            sorted
-                .get((last * part) as usize)
-                .copied()
-                .unwrap_or(f64::NAN)
-        };
+        let quantile = |sorted: &[f64], part: f64| quantile(sorted, part).unwrap_or(f64::NAN);
         let to_95: Vec<f64> = runs
             .iter()
             .map(|r| r.to_95)

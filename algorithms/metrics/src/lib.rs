@@ -6,6 +6,7 @@
 //! - [`track`]: positions over time;
 //! - [`driven`]: the turns of a driven path;
 //! - [`coverage`]: coverage of a workplace by a path: rate and evenness;
+//! - [`quantile`]: quantiles of values;
 //! - [`prediction`]: accuracy of predictions of a robot's position.
 //!
 //! ```
@@ -25,5 +26,6 @@ pub mod coverage;
 pub mod driven;
 pub mod path;
 pub mod prediction;
+pub mod quantile;
 pub mod sequence;
 pub mod track;

@@ -37,8 +37,10 @@ pub enum WaypointOutcome {
     InsideObstacle,
     /// Skipped: not reached within the time limit.
     TimedOut,
-    /// Skipped: no path leads to it.
+    /// Skipped: no path leads to it, because obstacles enclose it or the robot, or its position is not finite.
     Unreachable,
+    /// Skipped: the robot did not get on, and whether a path leads to it is not known.
+    Stuck,
 }
 
 /// Report of the outcome of a waypoint.

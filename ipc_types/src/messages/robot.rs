@@ -84,7 +84,7 @@ message! {
         robot: u32 = "index of the robot",
         lap: u32 = "lap (patrol) or large loop (coverage), from 0",
         kind: u8 = "0 of the route, 1 put in, 2 sub-goal, 3 sub-goal in transit",
-        outcome: u8 = "0 reached, 1 left out: inside an obstacle, 2 left out: not in time, 3 left out: no way there",
+        outcome: u8 = "0 reached, 1 left out: inside an obstacle, 2 left out: not in time, 3 left out: no way there, 4 left out: stuck",
         reserved: [u8; 6] = "always 0",
     }
 }
@@ -93,8 +93,13 @@ impl WaypointEnd {
     /// Names of the kinds.
     pub const KINDS: [&'static str; 4] = ["route", "inserted", "sub_goal", "transit"];
     /// Names of the outcomes.
-    pub const OUTCOMES: [&'static str; 4] =
-        ["reached", "inside_obstacle", "timed_out", "unreachable"];
+    pub const OUTCOMES: [&'static str; 5] = [
+        "reached",
+        "inside_obstacle",
+        "timed_out",
+        "unreachable",
+        "stuck",
+    ];
 }
 
 headers!(ScanHeader, PlanHeader, TreeHeader);

@@ -1,6 +1,6 @@
 //! The outcome of a run in words.
 
-use super::summary::{CoverageOutcome, RobotOutcome};
+use super::summary::{CoverageOutcome, RobotOutcome, WaypointOutcome};
 use super::time_text::time_text;
 
 /// Outcomes of evaders, the better for them first, and their words.
@@ -129,9 +129,7 @@ fn goals(robots: &[RobotOutcome]) -> Option<String> {
 fn waypoints(robots: &[RobotOutcome]) -> Option<String> {
     let visits = || robots.iter().filter_map(|robot| robot.waypoints.as_ref());
     let reached: u64 = visits().map(|w| w.reached).sum();
-    let left_out: u64 = visits()
-        .map(|w| w.inside_obstacle + w.timed_out + w.unreachable)
-        .sum();
+    let left_out: u64 = visits().map(WaypointOutcome::left_out).sum();
     let all = reached + left_out;
     let laps: u32 = visits().filter_map(|w| w.laps).sum();
     let laps = match laps {
@@ -144,7 +142,6 @@ fn waypoints(robots: &[RobotOutcome]) -> Option<String> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::summary::WaypointOutcome;
     use super::*;
 
     fn robot(team: &str, outcome: &str, time_s: f64) -> RobotOutcome {
@@ -231,6 +228,7 @@ mod tests {
                 inside_obstacle: 1,
                 timed_out: 2,
                 unreachable: 0,
+                stuck: 0,
                 route_left_out: 0,
                 farthest_m: 0.1,
                 laps: Some(5),

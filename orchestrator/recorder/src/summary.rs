@@ -124,8 +124,11 @@ pub struct WaypointOutcome {
     pub inside_obstacle: u64,
     /// Number of waypoints left out because they were not reached in time.
     pub timed_out: u64,
-    /// Number of waypoints left out because they are unreachable.
+    /// Number of waypoints left out because no path leads to them.
     pub unreachable: u64,
+    /// Number of waypoints left out because the robot did not get on; 0 in results of versions without it.
+    #[serde(default)]
+    pub stuck: u64,
     /// Number of those left out that belong to the route, which must be visited.
     #[serde(default)]
     pub route_left_out: u64,

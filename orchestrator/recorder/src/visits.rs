@@ -186,7 +186,7 @@ impl Visits {
         if last.is_some() && ends.contains(&last) {
             self.laps.extend(open.lap());
         }
-        let [reached, inside_obstacle, timed_out, unreachable] = self.counts;
+        let [reached, inside_obstacle, timed_out, unreachable, stuck] = self.counts;
         let (planned, driven): (Vec<_>, Vec<_>) = self
             .laps
             .iter()
@@ -197,6 +197,7 @@ impl Visits {
             inside_obstacle,
             timed_out,
             unreachable,
+            stuck,
             route_left_out: self.route_left_out,
             farthest_m: self.farthest,
             laps: self.has_route.then_some(self.laps.len() as u32),
@@ -440,12 +441,13 @@ mod tests {
     #[test]
     fn a_waypoint_of_the_route_that_is_left_out_is_counted_apart() {
         let mut ends = laps(2);
-        for (i, outcome) in [(2, 3), (3, 2)] {
+        for (i, outcome) in [(2, 3), (3, 2), (4, 4)] {
             ends[i].outcome = outcome;
         }
         let outcome = visits(&ends).unwrap();
-        assert_eq!((outcome.unreachable, outcome.timed_out), (1, 1));
-        assert_eq!(outcome.route_left_out, 1);
+        let counts = (outcome.unreachable, outcome.timed_out, outcome.stuck);
+        assert_eq!((counts, outcome.left_out()), ((1, 1, 1), 3));
+        assert_eq!(outcome.route_left_out, 2);
     }
 
     #[test]

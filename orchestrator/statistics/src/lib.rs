@@ -10,7 +10,6 @@
 mod distribution;
 mod interval;
 mod mean;
-mod quantile;
 mod sample;
 mod spread;
 mod wilson;
@@ -18,7 +17,7 @@ mod wilson;
 pub use distribution::{Distribution, Distributions, LogHistogram, Percentiles};
 pub use interval::Interval;
 pub use mean::Mean;
-pub use quantile::quantile;
+pub use metrics::quantile::quantile;
 pub use sample::Sample;
 pub use spread::{Spread, paired_ratio};
 pub use wilson::{Z95, wilson};

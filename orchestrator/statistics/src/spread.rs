@@ -1,5 +1,7 @@
 //! Medians and ratios.
 
+use metrics::quantile::quantile;
+
 /// Median and range of repeated measurements.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Spread {
@@ -18,21 +20,11 @@ impl Spread {
         sorted.sort_by(f64::total_cmp);
         let (&min, &max) = (sorted.first()?, sorted.last()?);
         Some(Self {
-            median: middle(&sorted)?,
+            median: quantile(&sorted, 0.5)?,
             min,
             max,
         })
     }
-}
-
-/// Returns the median of sorted values: of an even number, the mean of the middle two.
-fn middle(sorted: &[f64]) -> Option<f64> {
-    let upper = *sorted.get(sorted.len() / 2)?;
-    if sorted.len() % 2 == 1 {
-        return Some(upper);
-    }
-    let lower = *sorted.get(sorted.len() / 2 - 1)?;
-    Some(f64::midpoint(lower, upper))
 }
 
 /// Returns the spread of the ratios `ours / baseline` of each pair.

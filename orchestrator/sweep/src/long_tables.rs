@@ -64,8 +64,13 @@ impl Part<Row> for RobotOutcome {
         ),
         ResultColumn::int(
             "waypoints_unreachable",
-            "Waypoints left out because they are unreachable.",
+            "Waypoints left out because no path leads to them.",
             |r| waypoints(r, |w| Some(w.unreachable)),
+        ),
+        ResultColumn::int(
+            "waypoints_stuck",
+            "Waypoints left out because the robot did not get on.",
+            |r| waypoints(r, |w| Some(w.stuck)),
         ),
         ResultColumn::int(
             "route_left_out",

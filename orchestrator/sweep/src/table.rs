@@ -115,6 +115,7 @@ mod tests {
                 inside_obstacle: 1,
                 timed_out: 0,
                 unreachable: 2,
+                stuck: 1,
                 route_left_out: 0,
                 farthest_m: 0.2,
                 laps: Some(3),

@@ -8,19 +8,23 @@ mod drive;
 
 use chaotic_maps::{Emission, Key, KeyKind};
 use drive::{Found, OCTAGON, coverage, patrol, watch, workplace};
+use metrics::quantile::quantile;
 use observer::knowledge::{CatKind, CatKnowledge, ChebyshevForm, ChebyshevKnowledge};
 
 const NOISES: [f64; 3] = [0.0, 0.005, 0.01];
 
 fn row(name: &str, within: usize, all: &[Found]) {
-    let mut after: Vec<usize> = all.iter().filter_map(|found| found.after).collect();
-    after.sort_unstable();
+    let mut after: Vec<f64> = all
+        .iter()
+        .filter_map(|found| Some(found.after? as f64))
+        .collect();
+    after.sort_by(f64::total_cmp);
     let made_out = all.iter().map(|found| found.made_out).sum::<f64>() / all.len() as f64;
     println!(
         "{name:32} within {within}: {:2} of {:2}; median {:?}, most {:?}; made out {made_out:.2}; wrong {}",
-        after.iter().filter(|&&count| count < within).count(),
+        after.iter().filter(|&&count| count < within as f64).count(),
         all.len(),
-        after.get(after.len() / 2),
+        quantile(&after, 0.5),
         after.last(),
         all.iter().filter(|found| found.wrong).count(),
     );

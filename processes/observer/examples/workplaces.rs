@@ -19,6 +19,7 @@ use coverage::decomposition::Decomposition;
 use coverage::workplace::Workplace;
 use drive::{DT, Hunter, Place, coverage, workplace};
 use geometry::shape::{Aabb, Shape};
+use metrics::quantile::quantile;
 use nalgebra::Point2;
 use observer::knowledge::ChebyshevKnowledge;
 
@@ -112,15 +113,15 @@ fn table(name: &str, place: &Place) {
     let all: Vec<Watched> = (1..=KEYS)
         .map(|seed| watched(place, &rectangles, seed))
         .collect();
-    let mut after: Vec<usize> = all.iter().filter_map(|w| w.after).collect();
-    after.sort_unstable();
+    let mut after: Vec<f64> = all.iter().filter_map(|w| Some(w.after? as f64)).collect();
+    after.sort_by(f64::total_cmp);
     let found = after.len();
     let moments = |part: usize| all.iter().map(|w| w.moments[part]).sum::<u64>() as f64;
     println!(
         "{name}: {} rectangles; key recovered {found} of {KEYS}, after {:?} sub-goals in the median, {:?} at most; \
          known for {:.1} % of the time since",
         rectangles.len(),
-        after.get(found / 2),
+        quantile(&after, 0.5),
         after.last(),
         100.0 * moments(1) / moments(0).max(1.0),
     );

@@ -120,7 +120,7 @@ fn waypoints_inside_unknown_obstacles_are_given_up_after_twice_their_time() {
     let given_up = found.reports.iter().filter(|r| {
         matches!(
             r.outcome,
-            WaypointOutcome::TimedOut | WaypointOutcome::Unreachable
+            WaypointOutcome::TimedOut | WaypointOutcome::Unreachable | WaypointOutcome::Stuck
         )
     });
     assert!(given_up.clone().count() > 2);

@@ -148,6 +148,7 @@ fn waypoint_end(robot: u32, report: &WaypointReport) -> WaypointEnd {
             WaypointOutcome::InsideObstacle => 1,
             WaypointOutcome::TimedOut => 2,
             WaypointOutcome::Unreachable => 3,
+            WaypointOutcome::Stuck => 4,
         },
         reserved: [0; 6],
     }

@@ -78,7 +78,7 @@ impl TangentBug {
     /// -------
     /// tuple of ndarray and str, or None
     ///     The point (m), shape (2,), and the mode: "to_goal", "tangent", "boundary", "leaving" or "detour". None if no path
-    ///     leads to the goal.
+    ///     leads to the goal; the robot's position and "stuck" if the search has ended without proof of that.
     ///
     /// Raises
     /// ------
@@ -109,6 +109,10 @@ impl TangentBug {
                 let point = PyArray1::from_vec(py, vec![towards.x, towards.y]);
                 Ok(Some((point, name(mode))))
             }
+            Some(Advice::Stuck) => Ok(Some((
+                PyArray1::from_vec(py, vec![pose.x, pose.y]),
+                "stuck",
+            ))),
             Some(Advice::Unreachable) => Ok(None),
             None => Err(refused("ranges", "empty", "at least one beam")),
         }

@@ -187,7 +187,7 @@ def _coverage(row: Row) -> float | None:
 
 def left_out_share(visit: Mapping[str, int]) -> float:
     """Share of the waypoints of a robot that are left out."""
-    left_out = visit["inside_obstacle"] + visit["timed_out"] + visit["unreachable"]
+    left_out = visit["inside_obstacle"] + visit["timed_out"] + visit["unreachable"] + visit["stuck"]
     return left_out / (left_out + visit["reached"]) if left_out + visit["reached"] else 0.0
 
 

@@ -11,6 +11,8 @@ from . import figures, files
 
 #: The first line of every page.
 MARK = "<!-- Written by `protean reproduce` from results; edits belong into its templates. -->\n\n"
+#: The rule for several tests on one page.
+MULTIPLICITY = "p-values are corrected by Holm's method over the tests of a table, a list or a claim; decisions are at 5 %."
 #: The text in place of a part without results.
 NO_RESULTS = "*No results of this experiment.*"
 
@@ -56,5 +58,6 @@ def fill(template: str, values: Mapping[str, Any]) -> str:
             return {name: trimmed(inner) for name, inner in value.items()}
         return value.rstrip() if isinstance(value, str) else value
 
-    text: str = environment().get_template(template).render(trimmed(values), no_results=NO_RESULTS)
+    texts = {"no_results": NO_RESULTS, "multiplicity": MULTIPLICITY}
+    text: str = environment().get_template(template).render(trimmed(values), **texts)
     return MARK + text

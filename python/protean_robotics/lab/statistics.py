@@ -343,7 +343,14 @@ class Crossings:
 
 
 def quantile(values: Iterable[float], share: float) -> float | None:
-    """Smallest of the values that has at least this share of them at or below it; None without values."""
+    """Quantile of a share (0 to 1), linear between the two neighbours, as NumPy's; None without values.
+
+    The value at place ``share * (n - 1)`` of the ascending values, from 0: the median of an even number is the mean of the
+    middle two. Source: R. J. Hyndman and Y. Fan, *Sample quantiles in statistical packages*, Am. Stat. 50 (1996), definition 7.
+    """
     ascending = sorted(values)
-    rank = math.ceil(share * len(ascending))
-    return ascending[max(rank, 1) - 1] if ascending else None
+    if not ascending:
+        return None
+    part, place = math.modf(share * (len(ascending) - 1))
+    low, high = ascending[int(place)], ascending[min(int(place) + 1, len(ascending) - 1)]
+    return low + part * (high - low) if part else low

@@ -9,10 +9,9 @@ use std::collections::BinaryHeap;
 
 use nalgebra::{Point2, Vector2};
 
-use super::follow::is_turning;
 use super::remembered::Remembered;
 use super::surroundings::Surroundings;
-use super::{JUMP, Sight};
+use super::{Advice, MARGIN, Sight};
 
 /// Maximum number of plans: bounds the drive where obstacles move.
 const MAX_PLANS: u32 = 500;
@@ -38,40 +37,49 @@ pub(super) struct Detour {
     /// The rest of the path (m), its end first.
     path: Vec<Point2<f64>>,
     plans: u32,
-    /// Position and point of the last decision (m).
-    decided: Option<(Point2<f64>, Point2<f64>)>,
 }
 
 impl Detour {
-    /// The point to drive to (m); `None` if no path leads to the goal. `grown` is the distance that the path
-    /// keeps from echoes (m); the view grows them less, so that they do not hide the path.
+    /// The point to drive to (m). `grown` is the distance that the path keeps from echoes (m); the view grows
+    /// them less, so that they do not hide the path. Without such a path it tries ones with less clearance:
+    /// the robot may have squeezed in where it is.
+    ///
+    /// # Errors
+    /// [`Advice::Unreachable`] if the echoes enclose the robot or the goal, even for a disc so small that every
+    /// passage for the robot shows in the cells; [`Advice::Stuck`] if that is not certain: after [`MAX_PLANS`]
+    /// paths, or if the cells are too coarse.
     pub(super) fn step(
         &mut self,
         view: &Surroundings,
         sight: &Sight,
         remembered: &Remembered,
         grown: f64,
-    ) -> Option<Point2<f64>> {
-        if let Some((at, point)) = self.decided {
-            // Turning on the spot moves the beams, and with them the visible part of the path.
-            let unit = (point - view.here).normalize();
-            if is_turning(view, sight, at, unit) && view.free_towards(unit) > JUMP {
-                return Some(point);
+    ) -> Result<Point2<f64>, Advice> {
+        if let Some(point) = self.visible(view) {
+            return Ok(point);
+        }
+        if self.plans >= MAX_PLANS {
+            return Err(Advice::Stuck);
+        }
+        self.plans += 1;
+        let radius = grown - MARGIN;
+        // The farthest that a point is from the centre of its cell.
+        let off = CELL * grown * core::f64::consts::FRAC_1_SQRT_2;
+        let mut none = Advice::Unreachable;
+        for clearance in [grown, radius + 0.5 * MARGIN, radius - off] {
+            let mut cells = Cells::new(view.here, sight.goal, remembered, grown);
+            cells.block(remembered, clearance);
+            if let Some(path) = cells.path(view.here, sight.goal, sight.tolerance) {
+                self.path = path;
+                // A robot inside a grown obstacle leaves it first.
+                let point = self.visible(view).or_else(|| self.path.last().copied());
+                return point.ok_or(Advice::Stuck);
+            }
+            if cells.pitch > CELL * grown {
+                none = Advice::Stuck;
             }
         }
-        let mut point = self.visible(view);
-        if point.is_none() {
-            if self.plans >= MAX_PLANS {
-                return None;
-            }
-            self.plans += 1;
-            let cells = Cells::new(view.here, sight.goal, remembered, grown);
-            self.path = cells.path(view.here, sight.goal, sight.tolerance)?;
-            // A robot inside a grown obstacle leaves it first.
-            point = self.visible(view).or_else(|| self.path.last().copied());
-        }
-        self.decided = point.map(|point| (view.here, point));
-        point
+        Err(none)
     }
 
     /// The farthest visible point of the path (m) beyond the nearest one.
@@ -102,7 +110,7 @@ struct Cells {
 }
 
 impl Cells {
-    /// A border of free cells surrounds all echoes.
+    /// All cells are free; a border of cells surrounds all echoes.
     fn new(here: Point2<f64>, goal: Point2<f64>, remembered: &Remembered, grown: f64) -> Self {
         let (mut low, mut high) = (here.inf(&goal), here.sup(&goal));
         for echo in remembered.echoes() {
@@ -117,21 +125,24 @@ impl Cells {
             size = (high - low + 2.0 * border) / pitch;
         }
         let (width, height) = (size.x.ceil() as i64, size.y.ceil() as i64);
-        let mut cells = Self {
+        Self {
             origin: low - border,
             pitch,
             width,
             height,
             blocked: vec![false; (width * height) as usize],
-        };
+        }
+    }
+
+    /// Blocks the cells with an echo nearer than this (m).
+    fn block(&mut self, remembered: &Remembered, clearance: f64) {
         for echo in remembered.echoes() {
-            for cell in cells.within(echo, grown) {
-                if let Some(blocked) = cells.blocked.get_mut(cell) {
+            for cell in self.within(echo, clearance) {
+                if let Some(blocked) = self.blocked.get_mut(cell) {
                     *blocked = true;
                 }
             }
         }
-        cells
     }
 
     fn index(&self, col: i64, row: i64) -> Option<usize> {

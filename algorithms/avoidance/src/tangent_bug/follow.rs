@@ -7,23 +7,8 @@ use super::surroundings::{DIRECTIONS, Surroundings};
 use super::trail::Trail;
 use super::{JUMP, LEAVE_MARGIN, Sight};
 
-/// A robot that has moved less than this (m) since it chose a direction turns on the spot.
-const STILL: f64 = 5e-3;
-/// Cosine of the bearing below which the robot stops turning.
-const ALIGNED: f64 = 0.95;
-
 /// Fractions of the jump that are tried where only boundary is visible.
 const FINER: [f64; 2] = [0.5, 0.25];
-
-/// Returns `true` if the robot still turns on the spot towards its chosen direction (a unit vector).
-pub(super) fn is_turning(
-    view: &Surroundings,
-    sight: &Sight,
-    decided_at: Point2<f64>,
-    unit: Vector2<f64>,
-) -> bool {
-    (view.here - decided_at).norm() < STILL && unit.dot(&sight.forward) < ALIGNED
-}
 
 /// A stretch along one boundary.
 #[derive(Debug, Clone, PartialEq)]
@@ -34,8 +19,6 @@ pub(super) struct Follow {
     /// The nearest point of the obstacle in the last scan (m).
     wall: Point2<f64>,
     trail: Trail,
-    /// Position and direction of the last decision.
-    decided: Option<(Point2<f64>, Vector2<f64>)>,
     /// Position at which an obstacle appeared on the path away from the boundary (m).
     returned_at: Option<Point2<f64>>,
 }
@@ -62,7 +45,6 @@ impl Follow {
             least: distance,
             wall,
             trail: Trail::default(),
-            decided: None,
             returned_at: None,
         }
     }
@@ -125,34 +107,17 @@ impl Follow {
         if reach < self.least - LEAVE_MARGIN && !has_just_returned {
             return Following::Leave(point);
         }
-        if gap.is_none() {
-            let unit = self.turning_to(view, sight).or_else(|| {
-                let end = run.end(view, self.side)?;
-                self.decided = Some((view.here, end.unit));
-                Some(end.unit)
-            });
-            let step = unit.map(|unit| unit * view.free_towards(unit));
-            return Following::Enclosed(view.here + step.unwrap_or_default());
-        }
         let Some(end) = gap else {
-            return Following::Lost;
+            let step = run
+                .end(view, self.side)
+                .map(|end| end.unit * view.free_towards(end.unit));
+            return Following::Enclosed(view.here + step.unwrap_or_default());
         };
-        if let Some(unit) = self.turning_to(view, sight) {
-            return Following::Along(view.here + unit * view.free_towards(unit));
-        }
-        self.decided = Some((view.here, end.unit));
         self.trail.add(view.here, end.unit, grown);
         if self.trail.is_closed(grown) {
             return Following::Closed;
         }
         Following::Along(view.here + end.unit * end.free)
-    }
-
-    /// The direction chosen before, while the robot still turns on the spot towards it. Turning moves the
-    /// beams; a robot that chose anew for that would never drive off.
-    fn turning_to(&self, view: &Surroundings, sight: &Sight) -> Option<Vector2<f64>> {
-        let (at, unit) = self.decided?;
-        (is_turning(view, sight, at, unit) && view.free_towards(unit) > JUMP).then_some(unit)
     }
 
     /// A direction that ends at the followed boundary.

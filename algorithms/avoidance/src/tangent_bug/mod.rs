@@ -15,8 +15,11 @@
 //! its own trail.
 //!
 //! Beams miss edges, so a real scan can close a loop falsely or lead in circles without any progress. In
-//! both cases the robot plans a path over the echoes that it remembers from the boundary (its detour), and
-//! gives up only if they enclose it or the goal.
+//! both cases the robot plans a path over the echoes that it remembers from the boundary (its detour). It
+//! says that the goal is unreachable only if they enclose it or the goal.
+//!
+//! The heading decides which edges the beams miss, so the view changes while the robot turns on the spot.
+//! It keeps its choice until it has turned; a robot that chose anew at every scan would turn back and forth.
 
 mod detour;
 mod follow;
@@ -30,7 +33,7 @@ use geometry::pose::Pose2;
 use nalgebra::{Point2, Vector2};
 
 use detour::Detour;
-use follow::{Follow, Following, is_turning};
+use follow::{Follow, Following};
 use parameters::{ParamsError, positive};
 use planner_view::view::ScanView;
 use progress::Progress;
@@ -55,6 +58,11 @@ const MAX_SIGHTINGS: u32 = 5;
 const SIDE_HOLD: f64 = 1.5;
 /// Maximum changes of mode within one scan: towards the goal, to the boundary, away from it, once each.
 const MAX_CHANGES: usize = 4;
+
+/// Distance from the place of a decision (m) below which the robot turns on the spot.
+const STILL: f64 = 5e-3;
+/// Cosine of the bearing below which the robot still turns.
+const ALIGNED: f64 = 0.95;
 
 /// Clearance between the robot's edge and obstacles (m). It covers the tracking error of the drive and
 /// the error of the sensor; passages narrower than the robot and twice this count as closed.
@@ -91,8 +99,52 @@ pub enum Advice {
         /// Reason.
         mode: Mode,
     },
-    /// No path leads to the goal.
+    /// No path leads to the goal: the remembered echoes enclose the robot or the goal.
     Unreachable,
+    /// The robot has tried all that it can; whether a path leads to the goal is not known.
+    Stuck,
+}
+
+/// The direction that the robot has chosen.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Decision {
+    /// Position of the robot (m).
+    at: Point2<f64>,
+    /// Chosen direction.
+    unit: Vector2<f64>,
+    /// Heading in the last scan.
+    heading: Vector2<f64>,
+    /// Free distance in it below which it no longer holds (m).
+    least_free: f64,
+    advice: Advice,
+}
+
+impl Decision {
+    /// `None` for an advice without a direction.
+    fn new(view: &Surroundings, sight: &Sight, advice: Advice) -> Option<Self> {
+        let Advice::Head { towards, .. } = advice else {
+            return None;
+        };
+        let unit = (towards - view.here).try_normalize(f64::EPSILON)?;
+        let least_free = (0.5 * view.free_towards(unit)).min(JUMP);
+        let at = view.here;
+        Some(Self {
+            at,
+            unit,
+            heading: sight.forward,
+            least_free,
+            advice,
+        })
+    }
+
+    /// Returns `true` while the robot turns on the spot and the chosen direction stays free.
+    fn holds(&mut self, view: &Surroundings, sight: &Sight) -> bool {
+        let heading = core::mem::replace(&mut self.heading, sight.forward);
+        heading != sight.forward
+            && (view.here - self.at).norm() < STILL
+            && self.unit.dot(&sight.forward) < ALIGNED
+            && view.free_towards(self.unit) > self.least_free
+    }
 }
 
 #[derive(Debug, Clone, PartialEq)]
@@ -106,11 +158,10 @@ enum State {
     Leaving {
         point: Point2<f64>,
         follow: Follow,
-        /// Position of the decision (m).
-        from: Point2<f64>,
     },
     Detour(Detour),
-    Unreachable,
+    /// The search has ended with this result.
+    Ended(Advice),
 }
 
 impl State {
@@ -136,6 +187,7 @@ pub struct TangentBug {
     grown: f64,
     goal: Option<Point2<f64>>,
     state: State,
+    decided: Option<Decision>,
     /// Consecutive scans with nothing but boundary.
     enclosed: u32,
     /// Number of times that the robot left a boundary only because the goal was visible.
@@ -156,6 +208,7 @@ impl TangentBug {
             grown: radius + MARGIN,
             goal: None,
             state: State::START,
+            decided: None,
             enclosed: 0,
             sightings: 0,
             progress: Progress::default(),
@@ -168,10 +221,19 @@ impl TangentBug {
     pub fn reset(&mut self) {
         self.goal = None;
         self.state = State::START;
+        self.decided = None;
         self.enclosed = 0;
         self.sightings = 0;
         self.progress = Progress::default();
         self.remembered.clear();
+    }
+
+    /// Goes over to the last resort, a path among the remembered obstacles: for a robot that does not get on.
+    pub fn begin_detour(&mut self) {
+        if !matches!(self.state, State::Detour(_) | State::Ended(_)) {
+            self.state = State::Detour(Detour::default());
+            self.decided = None;
+        }
     }
 
     /// The advice at a pose, with the scan made there, to come within `tolerance` (m) of a goal; a goal
@@ -205,15 +267,31 @@ impl TangentBug {
         self.view.look(pose, scan, radius, margin);
         let sight = Sight::new(&self.view, pose, goal, tolerance.max(0.0));
         self.note(pose, scan, &sight);
+        // A visible goal is sufficient reason to leave a boundary at once.
+        let leaves =
+            matches!(self.state, State::Following(_)) && sight.is_reachable && self.may_trust();
+        let held = self.decided.as_mut().filter(|_| !leaves);
+        if let Some(decision) = held
+            && decision.holds(&self.view, &sight)
+        {
+            return Some(decision.advice);
+        }
+        let advice = self.decide(&sight);
+        self.decided = Decision::new(&self.view, &sight, advice);
+        Some(advice)
+    }
+
+    /// Chooses anew.
+    fn decide(&mut self, sight: &Sight) -> Advice {
         for _ in 0..MAX_CHANGES {
-            let state = core::mem::replace(&mut self.state, State::Unreachable);
-            match self.answer(state, &sight) {
-                Change::Answer(advice) => return Some(advice),
+            let state = core::mem::replace(&mut self.state, State::START);
+            match self.answer(state, sight) {
+                Change::Answer(advice) => return advice,
                 Change::To(state) => self.state = state,
             }
         }
         // The modes disagree about the scan (noise): wait for the next one.
-        Some(self.wait(Mode::ToGoal))
+        self.wait(Mode::ToGoal)
     }
 
     /// Records the scan where it may be needed for a detour, and begins one if there is no progress.
@@ -223,28 +301,27 @@ impl TangentBug {
             State::Detour(_) => (true, true),
             State::Following(_) | State::Leaving { .. } => (stalls, true),
             State::ToGoal { .. } => (stalls, stalls),
-            State::Unreachable => return,
+            State::Ended(_) => return,
         };
         let due = is_last_resort || self.remembered.is_due(self.view.here, self.grown);
         if is_at_boundary && due {
             self.remembered.record(pose, scan, self.grown);
         }
-        if is_last_resort && !matches!(self.state, State::Detour(_)) {
-            self.state = State::Detour(Detour::default());
+        if is_last_resort {
+            self.begin_detour();
         }
     }
 
     /// Gives a result in a state and sets `self.state` for the next scan, or changes the state.
     fn answer(&mut self, state: State, sight: &Sight) -> Change {
         match state {
-            State::Unreachable => Change::Answer(Advice::Unreachable),
+            State::Ended(advice) => {
+                self.state = State::Ended(advice);
+                Change::Answer(advice)
+            }
             State::ToGoal { side, least } => self.approach(side, least, sight),
             State::Following(follow) => self.follow(follow, sight),
-            State::Leaving {
-                point,
-                follow,
-                from,
-            } => self.leave((point, from), follow, sight),
+            State::Leaving { point, follow } => self.leave(point, follow, sight),
             State::Detour(detour) => self.go_around(detour, sight),
         }
     }
@@ -310,11 +387,7 @@ impl TangentBug {
         let may_trust = self.may_trust();
         match follow.step(&self.view, sight, self.grown, may_trust) {
             Following::Lost => Change::To(State::START),
-            Following::Leave(point) => Change::To(State::Leaving {
-                point,
-                follow,
-                from: self.view.here,
-            }),
+            Following::Leave(point) => Change::To(State::Leaving { point, follow }),
             Following::Enclosed(towards) => self.walled_in(follow, towards),
             Following::Closed => Change::To(State::Detour(Detour::default())),
             Following::Along(towards) => {
@@ -327,12 +400,7 @@ impl TangentBug {
     }
 
     /// The transition from a boundary to motion towards the goal.
-    fn leave(
-        &mut self,
-        (point, from): (Point2<f64>, Point2<f64>),
-        mut follow: Follow,
-        sight: &Sight,
-    ) -> Change {
+    fn leave(&mut self, point: Point2<f64>, mut follow: Follow, sight: &Sight) -> Change {
         let to = point - self.view.here;
         let left = to.norm();
         let nearer = sight.distance < follow.least() - 0.5 * LEAVE_MARGIN;
@@ -345,18 +413,12 @@ impl TangentBug {
             });
         }
         let free = self.view.free_towards(to / left);
-        // Turning on the spot moves the beams; they count only after the turn.
-        let turning = is_turning(&self.view, sight, from, to / left) && free > JUMP;
-        if !turning && free + JUMP < left.min(self.view.reach) {
+        if free + JUMP < left.min(self.view.reach) {
             // An obstacle has appeared in between: continue along the boundary.
             follow.return_at(self.view.here);
             return Change::To(State::Following(follow));
         }
-        self.state = State::Leaving {
-            point,
-            follow,
-            from,
-        };
+        self.state = State::Leaving { point, follow };
         Change::Answer(Advice::Head {
             towards: point,
             mode: Mode::Leaving,
@@ -381,8 +443,8 @@ impl TangentBug {
             (sight.goal, Mode::ToGoal)
         } else {
             match detour.step(&self.view, sight, &self.remembered, self.grown) {
-                Some(point) => (point, Mode::Detour),
-                None => return Change::To(State::Unreachable),
+                Ok(point) => (point, Mode::Detour),
+                Err(end) => return Change::To(State::Ended(end)),
             }
         };
         self.state = State::Detour(detour);

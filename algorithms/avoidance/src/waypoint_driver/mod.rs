@@ -2,8 +2,10 @@
 //!
 //! The `Move towards waypoint (P)` of the cat-map patrol paper (§3). A waypoint inside a known
 //! obstacle is skipped at once. A waypoint that the robot does not reach in twice the time without
-//! obstacles is given up. With a range sensor, [`TangentBug`] leads around obstacles. The outcome of
-//! each waypoint is reported.
+//! obstacles is given up. With a range sensor, [`TangentBug`] leads around obstacles. A robot that does
+//! not move plans a path among the obstacles that it has seen, and if that does not help either it is
+//! stuck; a waypoint is unreachable only if obstacles enclose it or the robot. The outcome of each
+//! waypoint is reported.
 
 mod guard;
 mod pace;
@@ -29,6 +31,8 @@ use planner_view::waypoint::{Waypoint, WaypointKind, WaypointOutcome, WaypointRe
 /// Maximum number of waypoints taken in a tick: a source whose points are all skipped must not block
 /// the robot.
 const MAX_PER_TICK: usize = 64;
+/// Share of the time after which a robot that does not move is stuck, after which it plans a detour.
+const DETOUR_AFTER: f64 = 0.5;
 
 /// Inputs of one tick.
 #[derive(Debug, Clone, Copy)]
@@ -122,7 +126,7 @@ impl WaypointDriver {
         self.leg.as_ref().map(|leg| &leg.waypoint)
     }
 
-    /// Executes one tick: ends waypoints that are reached, late or unreachable, takes the `next`
+    /// Executes one tick: ends waypoints that are reached, late or given up, takes the `next`
     /// ones, and drives. Appends the outcomes of waypoints to `reports`.
     ///
     /// With `go_to.deceleration` set, one more waypoint is taken ahead. A pose, time or tick that is
@@ -177,9 +181,12 @@ impl WaypointDriver {
                 self.end(outcome, time_s, reports);
                 continue;
             }
+            if leg.stands_s(time_s) >= DETOUR_AFTER * self.params.stuck_s {
+                self.bug.begin_detour();
+            }
             match self.head(situation) {
-                Some(driving) => return driving,
-                None => self.end(WaypointOutcome::Unreachable, time_s, reports),
+                Ok(driving) => return driving,
+                Err(outcome) => self.end(outcome, time_s, reports),
             }
         }
         Driving::STOP
@@ -234,9 +241,11 @@ impl WaypointDriver {
         })
     }
 
-    /// The command towards the waypoint; `None` if it is unreachable.
-    fn head(&mut self, situation: &Situation<'_>) -> Option<Driving> {
-        let leg = self.leg.as_mut()?;
+    /// The command towards the waypoint, or the outcome with which it ends.
+    fn head(&mut self, situation: &Situation<'_>) -> Result<Driving, WaypointOutcome> {
+        let Some(leg) = self.leg.as_mut() else {
+            return Ok(Driving::STOP);
+        };
         let goal = leg.waypoint.point;
         let part = leg.pace(situation, &self.params, &self.limits);
         let Situation {
@@ -256,7 +265,7 @@ impl WaypointDriver {
             }
         };
         let Some(scan) = &situation.scan else {
-            return Some(Driving {
+            return Ok(Driving {
                 command: steer(goal, onward, &on_time),
                 towards: Some(goal),
                 mode: None,
@@ -264,10 +273,12 @@ impl WaypointDriver {
         };
         let Some(advice) = self.bug.advise(&pose, scan, goal, go_to_params.arrived) else {
             // A scan without beams gives no information: stop.
-            return Some(Driving::STOP);
+            return Ok(Driving::STOP);
         };
-        let Advice::Head { towards, mode } = advice else {
-            return None;
+        let (towards, mode) = match advice {
+            Advice::Head { towards, mode } => (towards, mode),
+            Advice::Unreachable => return Err(WaypointOutcome::Unreachable),
+            Advice::Stuck => return Err(WaypointOutcome::Stuck),
         };
         // The robot does not stop at a point on the path around an obstacle.
         let command = if mode == Mode::ToGoal {
@@ -290,7 +301,7 @@ impl WaypointDriver {
             dt,
             params: &self.params,
         };
-        Some(Driving {
+        Ok(Driving {
             command: self.limits.clip(guard.slow_down(command)),
             towards: Some(towards),
             mode: Some(mode),
@@ -345,7 +356,12 @@ impl Leg {
         if (here - self.last_moved.0).norm() > radius {
             self.last_moved = (here, time_s);
         }
-        (time_s - self.last_moved.1 >= params.stuck_s).then_some(WaypointOutcome::Unreachable)
+        (self.stands_s(time_s) >= params.stuck_s).then_some(WaypointOutcome::Stuck)
+    }
+
+    /// Time since the robot last moved by its radius (s).
+    fn stands_s(&self, time_s: f64) -> f64 {
+        time_s - self.last_moved.1
     }
 
     fn report(&self, outcome: WaypointOutcome, time_s: f64) -> WaypointReport {

@@ -33,7 +33,8 @@ pub struct DriverParams {
     /// value. The robot limits its turning rate so that it can stop turning in time.
     #[schemars(transform = above(0).unit("rad/s²"))]
     pub angular_acceleration: Option<f64>,
-    /// Time within which the robot must move by its radius; otherwise the waypoint is unreachable.
+    /// Time within which the robot must move by its radius; otherwise it is stuck, and the waypoint is given
+    /// up. With a scan it plans a path among the obstacles that it has seen after half of this time.
     #[schemars(transform = above(0).unit("s"))]
     pub stuck_s: f64,
 }

@@ -39,11 +39,39 @@ pub const PATROL: Machine = Machine {
     accelerations: None,
 };
 
+/// That robot with a far sensor.
+pub const FAR: Machine = Machine {
+    range: 3.5,
+    ..PATROL
+};
+
+/// That robot with a short, a far and the default sensor.
+pub const SENSORS: [Machine; 3] = [
+    PATROL,
+    FAR,
+    Machine {
+        beams: 360,
+        noise: 0.01,
+        ..FAR
+    },
+];
+
 impl Machine {
     /// The driver's parameters, with the accelerations of this drive.
     pub fn driver(&self) -> DriverParams {
         let (linear, angular) = self.accelerations.unzip();
         DriverParams::default().for_drive(linear, angular)
+    }
+
+    /// A scan of this sensor.
+    pub fn view<'a>(&self, ranges: &'a [f32]) -> ScanView<'a> {
+        ScanView {
+            angle_min: 0.0,
+            angle_increment: core::f64::consts::TAU / self.beams as f64,
+            range_min: 0.0,
+            range_max: self.range,
+            ranges,
+        }
     }
 }
 
@@ -101,13 +129,7 @@ impl Run {
     /// Executes one tick with the next waypoints from `next`; returns `true` if there still is one.
     pub fn step(&mut self, next: &mut dyn FnMut() -> Option<Waypoint>, with_scan: bool) -> bool {
         let ranges = self.scan();
-        let scan = with_scan.then_some(ScanView {
-            angle_min: 0.0,
-            angle_increment: core::f64::consts::TAU / self.machine.beams as f64,
-            range_min: 0.0,
-            range_max: self.machine.range,
-            ranges: &ranges,
-        });
+        let scan = with_scan.then(|| self.machine.view(&ranges));
         let situation = Situation {
             pose: self.pose,
             twist: self.twist,

@@ -1,5 +1,7 @@
 //! Statistics of prediction errors.
 
+use crate::quantile::quantile;
+
 /// Statistics of errors. All values are in the unit of the errors.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ErrorStatistics {
@@ -33,25 +35,13 @@ impl ErrorStatistics {
             count: finite.len(),
             missing: errors.len() - finite.len(),
             mean: finite.iter().sum::<f64>() / n,
-            median: interpolated_quantile(&finite, 0.5)?,
+            median: quantile(&finite, 0.5)?,
             rms: (finite.iter().map(|e| e * e).sum::<f64>() / n).sqrt(),
-            q10: interpolated_quantile(&finite, 0.1)?,
-            q90: interpolated_quantile(&finite, 0.9)?,
+            q10: quantile(&finite, 0.1)?,
+            q90: quantile(&finite, 0.9)?,
             max,
         })
     }
-}
-
-/// The quantile of a share (0 to 1) of ascending numbers, linear between neighbours; `None` without
-/// numbers, or if the share is out of range. (`statistics::quantile` is one of the numbers.)
-fn interpolated_quantile(ascending: &[f64], share: f64) -> Option<f64> {
-    if !(0.0..=1.0).contains(&share) {
-        return None;
-    }
-    let at = share * (ascending.len().checked_sub(1)?) as f64;
-    let (low, high) = (at.floor() as usize, at.ceil() as usize);
-    let (a, b) = (*ascending.get(low)?, *ascending.get(high)?);
-    Some(a + (at - low as f64) * (b - a))
 }
 
 /// Errors of predictions for several horizons.
@@ -99,8 +89,6 @@ mod tests {
         assert_eq!(s.rms, 6.0_f64.sqrt());
         assert!((s.q10 - 0.4).abs() < 1e-12 && (s.q90 - 3.6).abs() < 1e-12);
         assert_eq!(ErrorStatistics::of(&[f64::NAN]), None);
-        assert_eq!(interpolated_quantile(&[1.0], 1.5), None);
-        assert_eq!(interpolated_quantile(&[], 0.5), None);
     }
 
     #[test]

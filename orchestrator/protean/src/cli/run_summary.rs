@@ -53,6 +53,7 @@ fn waypoints_text(robot: &RobotOutcome, w: &WaypointOutcome) -> String {
         (w.inside_obstacle, "inside obstacles"),
         (w.timed_out, "timed out"),
         (w.unreachable, "unreachable"),
+        (w.stuck, "stuck"),
     ];
     let reasons: Vec<String> = left_out
         .iter()
@@ -64,7 +65,7 @@ fn waypoints_text(robot: &RobotOutcome, w: &WaypointOutcome) -> String {
         robot.name,
         w.reached,
         w.farthest_m,
-        left_out.iter().map(|(count, _)| count).sum::<u64>(),
+        w.left_out(),
         if reasons.is_empty() {
             String::new()
         } else {

@@ -1,6 +1,6 @@
 """The claims of the chasing-game paper, and their verdicts from our games."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from enum import Enum
 from typing import NamedTuple
@@ -19,7 +19,7 @@ from ..statistics import (
     wilson,
 )
 from . import evidence as published
-from .evidence import BRAITENBERG, EXACT, FIELD, FILTER, KNOWLEDGE_RATIOS, LINE, SPEED_RATIOS, Evidence, Study
+from .evidence import BRAITENBERG, EXACT, FIELD, FILTER, KNOWLEDGE_RATIOS, LINE, SPEED_RATIOS, Cell, Evidence, Study
 
 
 class Statement(NamedTuple):
@@ -131,8 +131,8 @@ _GAMES = ("With our planners on random layouts", "In the published game")
 _PLANS = ("With our parameters", "With the paper's parameters")
 #: Rule of the values of the figures.
 _VALUES = (
-    "Refuted if Fisher's exact test of our games against the published ten has p < 0.05; confirmed if not, and our 95 %"
-    " interval by game lies within that of the published ten (Wilson)."
+    "Refuted if Fisher's exact test of our games against the published ten, by Holm's method over the values of the figure,"
+    " has p < 0.05; confirmed if not, and our 95 % interval by game lies within that of the published ten (Wilson)."
 )
 
 
@@ -191,26 +191,27 @@ def claims(evidence: Evidence) -> list[Claim]:
             found.append(Claim(Paper.CHASE, f"{letter}.{side}", statement, Published(words_), rule, finding))
     for number_, name, values in ((2, "escape_vs_speed_paper", published.SPEED), (3, "knowledge_paper", published.KNOWLEDGE)):
         study = evidence.studies.get(name)
+        compared = study.compared(values) if study else {}
         for value in values:
             title = study.title(value.method) if study else value.method
             text = f"Fig. {number_}: chance to escape, {title}, at {words.ratio(value.ratio)}"
             key, published_ = f"fig{number_}.{value.method}.{value.ratio:g}", Published.number(value.share, SHARE)
-            found.append(Claim(Paper.CHASE, key, text, published_, _VALUES, _value(study, value)))
+            found.append(Claim(Paper.CHASE, key, text, published_, _VALUES, _value(value, compared)))
     return found
 
 
-def _value(study: Study | None, value: published.Published) -> Finding:
+def _value(value: published.Published, compared: Mapping[published.Published, tuple[Cell, float]]) -> Finding:
     """Compares a published value with our games."""
-    cell = study.cell(value.method, value.ratio) if study else None
-    if cell is None:
+    if value not in compared:
         return Finding.missing(f"{value.method} at {words.ratio(value.ratio)}")
+    cell, p = compared[value]
     sample = cell.escapes
-    interval, p = sample.interval(), value.alike(sample)
+    interval = sample.interval()
     verdict = Verdict.CONFIRMED if interval.is_within(value.interval) else Verdict.UNDECIDED
     if p < 0.05:
         verdict = Verdict.REFUTED
     ours = Measured.number(sample.share or 0.0, interval, SHARE, sample.groups, "games")
-    return Finding(verdict, ours, [f"Fisher's exact test: {words.p_value(p)}"])
+    return Finding(verdict, ours, [f"Fisher's exact test, by Holm's method: {words.p_value(p)}"])
 
 
 class _Order(Enum):

@@ -14,7 +14,7 @@ from ..._errors import InvalidInput
 from .. import words
 from ..plans import Plan
 from ..results import Results
-from ..statistics import BySeed, Crossings, Interval, Sample, fisher_exact, wilson
+from ..statistics import BySeed, Crossings, Interval, Sample, fisher_exact, holm, wilson
 
 #: Names of the methods in our experiments.
 BRAITENBERG, FIELD, LINE, EXACT, FILTER = (
@@ -172,6 +172,12 @@ class Study:
         """Cell of a method at a speed; None without games."""
         found = next((c for c in self.cells if c.method == method and same(c.ratio, ratio)), None)
         return found if found and found.escapes.games else None
+
+    def compared(self, values: Sequence[Published]) -> dict[Published, tuple[Cell, float]]:
+        """The cell of each published value that has games, and the p-value of both chances by Holm's method over these."""
+        found = [(value, cell) for value in values if (cell := self.cell(value.method, value.ratio))]
+        adjusted = holm([value.alike(cell.escapes) for value, cell in found])
+        return {value: (cell, p) for (value, cell), p in zip(found, adjusted, strict=True)}
 
     def ratios(self, method: str) -> list[float]:
         """Speeds of a method that have games, ascending."""

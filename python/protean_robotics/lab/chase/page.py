@@ -7,7 +7,7 @@ from .. import figures, words
 from ..page import Page, fill
 from ..statistics import wilson
 from .claims import Question, questions
-from .evidence import EXPERIMENTS, KNOWLEDGE, SPEED, Evidence, Published, Study, same
+from .evidence import EXPERIMENTS, FIELD, KNOWLEDGE, SPEED, SPEED_RATIOS, Evidence, Published, Study, same
 
 
 class _Part(NamedTuple):
@@ -63,7 +63,10 @@ def build(evidence: Evidence) -> Page:
         if study is None:
             continue
         cells = _cells(study, part.published) if part.published else _by_speed(study)
-        values[part.experiment] = {"cells": cells, "crossings": _crossings(study)}
+        found = {"cells": cells, "crossings": _crossings(study)}
+        if part.published:
+            found |= {"verdict": _verdict(study, part.published), "undecided": _undecided(study)}
+        values[part.experiment] = found
         images.append(_chart(study, part))
         provenance += words.provenance(part.experiment, study.seeds, study.program)
     more = evidence.studies.get("escape_vs_speed_rrt_star")
@@ -83,9 +86,9 @@ def build(evidence: Evidence) -> Page:
             text += f"{setting}: {finding.verdict.markdown}\n\n{numbers}\n"
         return text
 
-    found = questions(evidence)
-    values["verdicts"] = "".join(map(verdict, found))
-    values["claims"] = "".join(map(section, found))
+    asked = questions(evidence)
+    values["verdicts"] = "".join(map(verdict, asked))
+    values["claims"] = "".join(map(section, asked))
     return Page(fill("chase.md", values | {"provenance": provenance}), images)
 
 
@@ -137,6 +140,7 @@ def _games(study: Study, method: str) -> str:
 def _cells(study: Study, published: Sequence[Published]) -> str:
     """A row for every cell: our chance with both intervals, the published value, and the test."""
     text = ""
+    compared = study.compared(published)
     for cell in study.cells:
         sample = cell.escapes
         by_game, share = sample.interval(), sample.share
@@ -146,7 +150,7 @@ def _cells(study: Study, published: Sequence[Published]) -> str:
             value = words.share(theirs.share)
             if sample.games:
                 inside = "yes" if by_game.contains(theirs.share) else "no"
-                alike = words.p_value(theirs.alike(sample))
+                alike = words.p_value(compared[theirs][1])
         failed = f" (+ {cell.failed} failed)" if cell.failed else ""
         columns = (
             words.in_table(study.title(cell.method)),
@@ -164,6 +168,27 @@ def _cells(study: Study, published: Sequence[Published]) -> str:
         )
         text += f"| {' | '.join(columns)} |\n"
     return text
+
+
+def _verdict(study: Study, published: Sequence[Published]) -> str:
+    """What the tests of a figure say: which published values are refuted, and on which side of our chances all lie."""
+    compared = study.compared(published)
+    refuted, above, below = [], 0, 0
+    for value, (cell, p) in compared.items():
+        ours = cell.escapes.share or 0.0
+        above, below = above + (value.share > ours), below + (value.share < ours)
+        if p < 0.05:
+            side = "fewer" if ours < value.share else "more"
+            refuted.append(f"{study.title(value.method)} at {words.ratio(value.ratio)} ({side} evaders escape here)")
+    of = f"of the {len(compared)} published values"
+    text = f"The tests refute {len(refuted)} {of}: {', '.join(refuted)}." if refuted else f"The tests refute none {of}."
+    return f"{text} {above} of them lie above our chances, {below} below."
+
+
+def _undecided(study: Study) -> str:
+    """Evaders on the potential field that are still in the game at the time limit, at the speeds of Fig. 2."""
+    cells = [cell for r in SPEED_RATIOS if (cell := study.cell(FIELD, r))]
+    return f"{sum(cell.held_out for cell in cells)} of {sum(cell.escapes.members for cell in cells)}"
 
 
 def _chart(study: Study, part: _Part) -> figures.Chart:

@@ -34,7 +34,7 @@ def build(evidence: Evidence) -> Page:
     for name, rows in ((ALPHA, _alpha), (SQUARE, _square), (COVERAGE, _coverage)):
         study = evidence.studies.get(name)
         if study is not None:
-            values[name] = {"rows": "".join(map(rows, study.cells))}
+            values[name] = {"rows": "".join(map(rows, study.cells)), "late": _late(study) if name == SQUARE else ""}
             provenance += words.provenance(name, study.seeds, study.program)
     alpha, coverage = evidence.studies.get(ALPHA), evidence.studies.get(COVERAGE)
     if alpha is not None:
@@ -88,12 +88,27 @@ def _square(cell: Cell) -> str:
         lambda row: lap(row, "driven", "turns"),
         lambda row: lap(row, "driven", "maa"),
         lambda row: lap(row, "driven", "maa_fold"),
-        lambda row: visit(row).get("longest_lap_s"),
+        _longest_lap,
         lambda row: left_out_share(visit(row)) if visit(row) else None,
     )
     error = _mean(cell, lambda row: least_error(row, 2.0, knows_method=False))
     contacts = str(sum(row["contacts"] for row in cell.rows.values()))
     return _row(cell.value, cell.case, *(_mean(cell, value) for value in values), contacts, error)
+
+
+def _late(study: Study) -> str:
+    """Which planners need more than the time of the paper's first case for their longest lap, and among which obstacles."""
+    found = [
+        f"`{cell.case}` ({cell.value})"
+        for cell in study.cells
+        if (mean := cell.mean(_longest_lap)) is not None and mean.value > _T_MAX
+    ]
+    return f"Longest laps above {_T_MAX:g} s on average: {', '.join(found) if found else 'none'}."
+
+
+def _longest_lap(row: dict[str, Any]) -> float | None:
+    visit = visits(row)
+    return visit and visit["longest_lap_s"]
 
 
 def _coverage(cell: Cell) -> str:

@@ -1,6 +1,7 @@
 //! The driver's handling of waypoints.
 
 use crate::drive::{DT, PATROL, Run, route, square};
+use avoidance::tangent_bug::Mode;
 use avoidance::waypoint_driver::{
     DriverParams, Driving, Situation, WaypointDriver, lap_time, time_without_obstacles,
 };
@@ -10,7 +11,9 @@ use geometry::shape::Convex;
 use nalgebra::Point2;
 use parameters::check;
 use planner_view::limits::Limits;
-use planner_view::waypoint::WaypointOutcome::{InsideObstacle, Reached, TimedOut, Unreachable};
+use planner_view::waypoint::WaypointOutcome::{
+    InsideObstacle, Reached, Stuck, TimedOut, Unreachable,
+};
 use planner_view::waypoint::{Waypoint, WaypointKind, WaypointOutcome};
 
 fn inserted(number: u64, x: f64, y: f64) -> Waypoint {
@@ -296,7 +299,7 @@ fn drive_limits_replace_absent_parameters() {
 }
 
 #[test]
-fn a_robot_that_does_not_move_gives_up() {
+fn a_robot_that_does_not_move_is_stuck() {
     let limits = Limits::new(1.0, 0.0, 3.0).unwrap();
     let mut driver = WaypointDriver::new(DriverParams::default(), limits, 0.1).unwrap();
     let mut reports = Vec::new();
@@ -318,9 +321,41 @@ fn a_robot_that_does_not_move_gives_up() {
         driver.drive(&mut || points.next(), &situation, &mut reports);
         tick += 1;
     }
-    assert_eq!(reports[0].outcome, Unreachable);
+    assert_eq!(reports[0].outcome, Stuck);
     assert!((reports[0].ended_s - 15.0).abs() < 2.0 * DT);
     assert_eq!(reports[1].outcome, Reached);
+}
+
+#[test]
+fn a_robot_that_does_not_move_among_echoes_plans_a_detour_before_it_is_stuck() {
+    // A wall ahead that the robot could go around, and a drive that does not obey.
+    let wall = Convex::rectangle(Point2::new(-3.4, 0.0), [0.1, 0.4], 0.0);
+    let mut robot = run(vec![wall], DriverParams::default());
+    let ranges = robot.scan();
+    let mut point = Some(route(0, Point2::new(3.0, 0.0)));
+    let mut reports = Vec::new();
+    let mut detour_s = None;
+    for tick in 0.. {
+        let time_s = DT * f64::from(tick);
+        let situation = Situation {
+            pose: robot.pose,
+            twist: Twist2::STOP,
+            scan: Some(robot.machine.view(&ranges)),
+            known: None,
+            time_s,
+            dt: DT,
+        };
+        let driving = (robot.driver).drive(&mut || point.take(), &situation, &mut reports);
+        if robot.driver.current().is_none() {
+            break;
+        }
+        if driving.mode == Some(Mode::Detour) {
+            detour_s = detour_s.or(Some(time_s));
+        }
+    }
+    assert!((detour_s.unwrap() - 7.5).abs() < 2.0 * DT, "{detour_s:?}");
+    assert_eq!(reports[0].outcome, Stuck);
+    assert!((reports[0].ended_s - 15.0).abs() < 2.0 * DT);
 }
 
 #[test]

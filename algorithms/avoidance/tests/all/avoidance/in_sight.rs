@@ -99,7 +99,7 @@ fn obstacles_that_come_and_go_do_not_hold_the_robot_forever() {
                     };
                     pose = Pose2::new(pose.x + step.x, pose.y + step.y, theta);
                 }
-                Some(Advice::Unreachable) => break,
+                Some(Advice::Unreachable | Advice::Stuck) => break,
                 None => panic!("no advice"),
             }
             looks += 1;
