@@ -194,3 +194,44 @@ fn zig_zag_fictive_obstacles_and_their_mixture_get_around_a_square_of_obstacles(
         assert!(!digests[..i].contains(digest));
     }
 }
+
+/// Runs a team on a contour; returns its figures in the summary.
+fn team(sandbox: &Sandbox, count: usize, contour: &str, time_limit: f64) -> Json {
+    let count = format!("robots.guard.count={count}");
+    let contour = format!("processes.patrol.params.mission.contour={contour}");
+    let time_limit = format!("rules.time_limit={time_limit}");
+    let words = ["run", "patrol_team", "--quiet", "--in-process", "--no-log"];
+    let call = sandbox.protean(words);
+    let call = [count, contour, time_limit]
+        .iter()
+        .fold(call, |call, set| call.set(set));
+    let summary = call.json();
+    let [patrol] = &summary["patrols"].as_array().unwrap()[..] else {
+        panic!("{}", summary["patrols"]);
+    };
+    patrol.clone()
+}
+
+#[test]
+fn a_team_spreads_around_its_contour() {
+    const ANGLE: &str = "[[0,0],[16,0],[16,6],[6,6],[6,14],[0,14]]";
+    let sandbox = Sandbox::new();
+    let octagon: Vec<String> = OCTAGON.iter().map(|p| format!("{p:?}")).collect();
+    let octagon = format!("[{}]", octagon.join(","));
+    for (contour, length, count) in [
+        (&*octagon, 48.28, 3),
+        (&octagon, 48.28, 7),
+        (ANGLE, 60.0, 4),
+    ] {
+        let patrol = team(&sandbox, count, contour, 400.0);
+        let figure = |name: &str| patrol[name].as_f64().unwrap();
+        let part_s = 120.0 / count as f64;
+        assert_eq!(patrol["robots"].as_array().unwrap().len(), count);
+        assert!(figure("nearest_m") >= length / 8.0, "{patrol}");
+        assert!(figure("worst_idleness_s") <= 1.1 * part_s, "{patrol}");
+        assert!(
+            (figure("mean_idleness_s") - 0.5 * part_s).abs() < 0.15 * part_s,
+            "{patrol}"
+        );
+    }
+}

@@ -200,7 +200,31 @@ impl Key {
         for (byte, letter) in bytes[8..].iter_mut().zip(kind.to_string().bytes()) {
             *byte = letter;
         }
+        Self::first_valid(kind, ChaCha20Rng::from_seed(bytes))
+    }
+
+    /// The key of a robot of a team whose key this is: the same for number 0, and for each other number another one of
+    /// the same kind. A holder of a [`Key::Keyed`] of another number learns nothing about those of the others.
+    #[must_use]
+    pub fn of_robot(&self, number: u64) -> Self {
+        if number == 0 {
+            return *self;
+        }
+        let mut bytes = [0; 32];
+        match self {
+            Self::Keyed { key } => bytes = *key,
+            _ => {
+                for (index, letter) in self.to_string().bytes().enumerate() {
+                    bytes[index % 32] ^= letter;
+                }
+            }
+        }
         let mut stream = ChaCha20Rng::from_seed(bytes);
+        stream.set_stream(number);
+        Self::first_valid(self.kind(), stream)
+    }
+
+    fn first_valid(kind: KeyKind, mut stream: ChaCha20Rng) -> Self {
         loop {
             let key = Self::draw(kind, &mut stream);
             if key.validate().is_ok() {

@@ -5,6 +5,7 @@
 //! - [`path`]: a path against its reference (MAE, ANDC, MAA, RA);
 //! - [`track`]: positions over time;
 //! - [`driven`]: the turns of a driven path;
+//! - [`idleness`]: times between visits of the places of a contour, distances of its robots;
 //! - [`coverage`]: coverage of a workplace by a path: rate and evenness;
 //! - [`quantile`]: quantiles of values;
 //! - [`prediction`]: accuracy of predictions of a robot's position.
@@ -24,6 +25,7 @@
 
 pub mod coverage;
 pub mod driven;
+pub mod idleness;
 pub mod path;
 pub mod prediction;
 pub mod quantile;

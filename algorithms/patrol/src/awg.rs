@@ -9,6 +9,7 @@
 //! with `u` the direction of the segment and `f` that of the square. Where v < α, the path often goes
 //! back: no waypoint determines the next one.
 
+mod clock;
 mod error;
 mod laps;
 mod mode;
@@ -21,6 +22,7 @@ use planner_view::waypoint::{Waypoint, WaypointKind};
 use crate::contour::Contour;
 use crate::danger::{DangerZones, Stretch};
 
+pub use clock::Place;
 pub use error::AwgError;
 pub use laps::Laps;
 pub use mode::{Frame, Mode, Preset, Rounding};
@@ -246,37 +248,6 @@ impl Awg {
         }
         self.tempo = tempo;
         Ok(self)
-    }
-
-    /// Time between two waypoints of a leg (s), if all are visited in time:
-    /// [`Leg::seconds_per_waypoint`], the paper's, unless the clock runs faster
-    /// ([`Self::with_tempo`]).
-    pub fn seconds_per_waypoint(&self, leg: &Leg) -> f64 {
-        self.tempo * leg.seconds_per_waypoint(self.v)
-    }
-
-    /// Time of a whole leg (s), if all its waypoints are visited in time.
-    pub(crate) fn leg_seconds(&self, leg: &Leg) -> f64 {
-        self.seconds_per_waypoint(leg) * leg.waypoints() as f64
-    }
-
-    /// Time of a lap on the waypoint clock (s), the same for all laps.
-    pub fn lap_time(&self) -> f64 {
-        self.forward.iter().map(|leg| self.leg_seconds(leg)).sum()
-    }
-
-    /// Due time of a waypoint by that clock (s); the start, number 0, is due at 0.
-    pub fn due_s(&self, number: u64) -> f64 {
-        let Some((lap, index, j)) = self.place(number) else {
-            return 0.0;
-        };
-        let legs = self.legs((lap % 2) as u32);
-        let before = legs.iter().take(index);
-        let begun: f64 = before.map(|leg| self.leg_seconds(leg)).sum();
-        let within = legs
-            .get(index)
-            .map_or(0.0, |leg| self.seconds_per_waypoint(leg) * f64::from(j));
-        lap as f64 * self.lap_time() + begun + within
     }
 
     /// All laps from the first, with a generator at its beginning.

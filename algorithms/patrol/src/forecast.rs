@@ -12,7 +12,7 @@ use nalgebra::Point2;
 use planner_view::waypoint::{Waypoint, WaypointKind};
 use thiserror::Error;
 
-use crate::awg::{Awg, Leg, waypoint};
+use crate::awg::{Awg, waypoint};
 
 /// Maximum number of steps of a generator without jumps.
 const MAX_SINGLE_STEPS: u64 = 1_000_000_000;
@@ -125,24 +125,15 @@ impl Forecast {
         }
         let lap = laps as u32;
         let rest = (t - laps * lap_time).max(0.0);
-        let mut begun = 0.0;
-        let mut found: Option<(&Leg, f64)> = None;
-        for leg in self.awg.legs(lap) {
-            if rest >= begun {
-                found = Some((leg, begun));
-            }
-            begun += self.awg.leg_seconds(leg);
-        }
-        let Some((leg, begun)) = found else {
+        let Some(place) = self.awg.place_in_lap(lap, rest) else {
             let start = self.waypoint(0)?;
             return Ok(between(start, start, 0.0));
         };
-        let waypoints = (rest - begun) / self.awg.seconds_per_waypoint(leg);
-        let passed = waypoints.floor().min((leg.waypoints() - 1) as f64);
         // The last waypoint is the previous one, of this leg or of the last.
-        let number = self.awg.first_of_lap(lap) + leg.waypoints_before + passed as u64 - 1;
+        let before = place.leg.waypoints_before + u64::from(place.passed);
+        let number = self.awg.first_of_lap(lap) + before - 1;
         let (from, to) = (self.waypoint(number)?, self.waypoint(number + 1)?);
-        Ok(between(from, to, (waypoints - passed).clamp(0.0, 1.0)))
+        Ok(between(from, to, place.share))
     }
 
     /// The generator before a step of a lap.

@@ -9,6 +9,7 @@
 //! - [`fto`]: fictive obstacles that the robot avoids as if they were real;
 //! - [`mission`]: a patrol as a scenario specifies it, with open parameters chosen;
 //! - [`remarks`]: what a user should know about a patrol before it starts;
+//! - [`team`]: the places of the robots of a team on one contour;
 //! - [`mixed`]: additional waypoints where obstacles are small, fictive obstacles along large ones.
 //!
 //! ```
@@ -32,3 +33,4 @@ pub mod mission;
 pub mod mixed;
 pub mod remarks;
 pub mod room;
+pub mod team;

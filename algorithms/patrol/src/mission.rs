@@ -5,6 +5,7 @@ mod simulated_drive;
 use avoidance::waypoint_driver::DriverParams;
 use chaotic_maps::{Key, KeyError, KeyKind};
 use control::go_to::GoToParams;
+use geometry::pose::Pose2;
 use nalgebra::Point2;
 use parameters::{Parameters, ParamsError, above, at_least, check, each, unit};
 use planner_view::limits::Limits;
@@ -18,6 +19,7 @@ use crate::awg::{Awg, AwgError, AwgParams, MAX_T_MAX, Preset};
 use crate::contour::{Contour, ContourError};
 use crate::danger::DangerZones;
 use crate::room::Room;
+use crate::team::{Start, Team};
 
 pub use simulated_drive::SimulatedDrive;
 
@@ -27,6 +29,10 @@ const LAYOUT_ALPHA: f64 = 1.0;
 /// Time (s) by which a lap on the waypoint clock is shorter than `t_max`, at most half of the
 /// margin. With waypoints about a second apart, the ends of laps are late or early by up to 1.5 s.
 const CLOCK_RESERVE_S: f64 = 2.0;
+
+/// Largest width of the zig-zag of a team, as a share of the distance between two of its robots: zig-zags change
+/// this distance, and the time between two visits of a place, by at most as much.
+const TEAM_ALPHA: f64 = 0.05;
 
 /// Parameters of a patrol.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -38,6 +44,8 @@ pub struct MissionParams {
     /// `true` if the last waypoint leads back to the first; otherwise the contour is driven there and
     /// back.
     pub closed: bool,
+    /// Place at which the robot begins.
+    pub start: Start,
     /// Time limit of each lap.
     #[schemars(transform = above(0).at_most(MAX_T_MAX).unit("s"))]
     pub t_max: f64,
@@ -50,7 +58,8 @@ pub struct MissionParams {
     /// The smaller, the wider the zig-zag and the later the robot.
     #[schemars(transform = at_least(0).below(1))]
     pub margin: f64,
-    /// Key of the generator, such as `catp:0.4,0.644`; if absent, a `keyed` one from the run's seed.
+    /// Key of the generator, such as `catp:0.4,0.644`, from which the robots of a team derive their own, the first one its
+    /// own itself; if absent, a `keyed` one for each robot from the run's seed.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub key: Option<Key>,
     /// Interpretation of the paper's formulas.
@@ -64,6 +73,7 @@ impl Default for MissionParams {
         Self {
             contour: Vec::new(),
             closed: true,
+            start: Start::default(),
             t_max: 120.0,
             alpha: None,
             margin: 0.15,
@@ -89,6 +99,16 @@ pub enum MissionError {
     /// An invalid key.
     #[error("`key`: {0}")]
     Key(#[from] KeyError),
+    /// A start that the contour does not have.
+    #[error(
+        "`start` is {index}, but must be the index of one of the {count} waypoints of `contour`"
+    )]
+    Start {
+        /// The given index.
+        index: usize,
+        /// Number of waypoints.
+        count: usize,
+    },
     /// An invalid parameter.
     #[error(transparent)]
     Params(#[from] ParamsError),
@@ -103,6 +123,8 @@ pub enum AlphaChoice {
     Time,
     /// As wide as there is room along the contour; the time would allow more.
     Room,
+    /// As wide as the distance between the robots of the team allows.
+    Team,
     /// Without effect: there are no additional waypoints.
     Unused,
 }
@@ -114,6 +136,7 @@ impl AlphaChoice {
             Self::Given => "given",
             Self::Time => "time",
             Self::Room => "room",
+            Self::Team => "team",
             Self::Unused => "unused",
         }
     }
@@ -124,6 +147,7 @@ impl AlphaChoice {
             Self::Given => "as given",
             Self::Time => "as wide as the robot can drive in the time",
             Self::Room => "as wide as there is room along the contour",
+            Self::Team => "as wide as the distance between the robots of the team allows",
             Self::Unused => "without effect, since there are no additional waypoints",
         }
     }
@@ -138,6 +162,10 @@ pub struct Mission {
     pub awg: Awg,
     /// The key; with it and the above, an ally forecasts the patrol ([`crate::forecast`]).
     pub key: Key,
+    /// `true` if the key is that of a team.
+    pub has_team_key: bool,
+    /// Place at which it begins.
+    pub start: Start,
     /// Areas in which the patrol is under threat; everywhere if empty.
     pub danger_zones: DangerZones,
     /// Origin of the width.
@@ -151,18 +179,61 @@ impl Mission {
     /// ([`Room::widest`]), but not below the width at which the robot reaches every waypoint from the
     /// contour. A narrower zig-zag needs less time.
     #[must_use]
-    pub fn within(mut self, room: &Room<'_>) -> Self {
+    pub fn within(self, room: &Room<'_>) -> Self {
+        let widest = |awg: &Awg, least, alpha| room.widest(awg, least, alpha);
+        self.narrowed(widest, AlphaChoice::Room)
+    }
+
+    /// Reduces such a width to what the distance between the robots of a team of this size allows, with the same
+    /// lower bound.
+    #[must_use]
+    pub fn of_team(self, robots: usize) -> Self {
+        if !self.start.spreads(robots) {
+            return self;
+        }
+        let between_m = self.awg.contour_length() / robots as f64;
+        let widest = |_: &Awg, least: f64, _| least.max(TEAM_ALPHA * between_m);
+        self.narrowed(widest, AlphaChoice::Team)
+    }
+
+    /// Reduces a width that the scenario leaves open to the widest for a zig-zag, the least and the present width (m).
+    fn narrowed(mut self, widest: impl Fn(&Awg, f64, f64) -> f64, choice: AlphaChoice) -> Self {
         let alpha = self.awg.params().alpha;
-        if self.alpha_choice == AlphaChoice::Time {
-            let widest = room.widest(&self.awg, self.least_alpha, alpha);
+        if matches!(self.alpha_choice, AlphaChoice::Time | AlphaChoice::Team) {
+            let widest = widest(&self.awg, self.least_alpha, alpha);
             if widest < alpha
                 && let Ok(awg) = self.awg.clone().with_alpha(widest)
             {
                 self.awg = awg;
-                self.alpha_choice = AlphaChoice::Room;
+                self.alpha_choice = choice;
             }
         }
         self
+    }
+
+    /// The team of the robots with these indices; `None` if they do not spread.
+    pub fn team(&self, robots: &[u32]) -> Option<Team> {
+        let is_given = self.alpha_choice == AlphaChoice::Given;
+        let alpha = is_given.then(|| self.awg.params().alpha);
+        Team::new(robots, self.start, alpha)
+    }
+
+    /// Derives its key from that of its team, if it has one, for the robot with this number in the team, from 0.
+    #[must_use]
+    pub fn of_robot(mut self, number: usize) -> Self {
+        if core::mem::take(&mut self.has_team_key) {
+            self.key = self.key.of_robot(number as u64);
+        }
+        self
+    }
+
+    /// Time of a round at which a robot that is alone begins (s); `seen` is its position, and its heading (rad).
+    pub fn start_s(&self, seen: &Pose2) -> f64 {
+        match self.start {
+            Start::Spread => 0.0,
+            Start::Nearest => self.awg.nearest_s(seen.position(), seen.theta),
+            Start::Waypoint(index) => self.awg.corner_s(&self.contour, index),
+        }
     }
 }
 
@@ -204,8 +275,14 @@ impl Drive {
 
 impl Parameters for MissionParams {
     fn check_relations(&self) -> Result<(), ParamsError> {
-        self.layout()
-            .map_err(|error| ParamsError::naming(error.to_string()))?;
+        let naming = |error: MissionError| ParamsError::naming(error.to_string());
+        self.layout().map_err(naming)?;
+        if let Start::Waypoint(index) = self.start
+            && index >= self.contour.len()
+        {
+            let count = self.contour.len();
+            return Err(naming(MissionError::Start { index, count }));
+        }
         if let Some(key) = &self.key {
             key.validate()?;
         }
@@ -259,6 +336,8 @@ impl MissionParams {
             contour,
             awg,
             key,
+            has_team_key: self.key.is_some(),
+            start: self.start,
             danger_zones: self.danger_zones.clone(),
             alpha_choice,
             least_alpha: 2.0 * go_to.arrived,

@@ -306,6 +306,7 @@ fn run_config(root: &Path, prefix: &str) -> RunConfig {
                 team: "police".into(),
                 role: Role::Pursuer,
                 opponents: Vec::new(),
+                companions: Vec::new(),
                 model: Preset::default().model(),
                 beams: 0,
                 start: Pose2::default(),

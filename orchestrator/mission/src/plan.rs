@@ -208,7 +208,7 @@ fn run_config(scenario: &ResolvedScenario, map: &WorldMap) -> Result<RunConfig, 
         },
     };
     let (world, rules) = (&scenario.world, &scenario.world.rules);
-    let robot = |robot: &RobotSpec| RobotInfo {
+    let robot = |(index, robot): (usize, &RobotSpec)| RobotInfo {
         name: robot.name.clone(),
         team: robot.team.clone(),
         role: robot.role(),
@@ -216,6 +216,11 @@ fn run_config(scenario: &ResolvedScenario, map: &WorldMap) -> Result<RunConfig, 
             .zip(&world.robots)
             .filter(|(_, other)| robot.is_hostile_to(other))
             .map(|(index, _)| index)
+            .collect(),
+        companions: scenario
+            .companions(index)
+            .into_iter()
+            .map(|index| index as u32)
             .collect(),
         model: robot.model(),
         beams: robot.scan.as_ref().map_or(0, |scan| scan.beams as u32),
@@ -238,7 +243,7 @@ fn run_config(scenario: &ResolvedScenario, map: &WorldMap) -> Result<RunConfig, 
             .into_iter()
             .map(|(topic, later)| WrittenTopic::of(topic, later))
             .collect(),
-        robots: world.robots.iter().map(robot).collect(),
+        robots: world.robots.iter().enumerate().map(robot).collect(),
         exits: map.exits().iter().chain(&rules.exits).copied().collect(),
         capture_radius: rules.capture.map_or(0.0, |c| c.radius),
         log_level: String::new(),

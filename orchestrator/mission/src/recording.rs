@@ -15,7 +15,7 @@ use super::error::MissionError;
 use super::plan::Plan;
 use super::report;
 use crate::fields_of_view::fields_of_view;
-use recorder::{DigestPrefixes, ProcessInfo, Recording, RobotInfo, RunInfo, TaskInfo};
+use recorder::{DigestPrefixes, PatrolInfo, ProcessInfo, Recording, RobotInfo, RunInfo, TaskInfo};
 use runtime::kind::TaskSketch;
 use scenario::ResolvedScenario;
 use scenario::spec::{self, Mode};
@@ -183,6 +183,7 @@ pub(super) fn run_info(scenario: &ResolvedScenario, plan: &Plan) -> RunInfo {
         }),
         fields_of_view: Vec::new(),
         tasks: Vec::new(),
+        patrols: patrols(scenario),
         links: plan
             .launches
             .iter()
@@ -190,6 +191,26 @@ pub(super) fn run_info(scenario: &ResolvedScenario, plan: &Plan) -> RunInfo {
             .collect(),
         seed: plan.run.seed,
     }
+}
+
+/// Returns the contours that robots patrol.
+fn patrols(scenario: &ResolvedScenario) -> Vec<PatrolInfo> {
+    let world = &scenario.world;
+    let drivers = scenario.processes.iter();
+    let patrols = drivers.flat_map(|process| {
+        process.robots.iter().filter_map(|&robot| {
+            let team = scenario.companions(robot);
+            // Its first robot stands for all.
+            let is_first = team.first() == Some(&robot);
+            let kind = process.program.kind().filter(|_| is_first)?;
+            let sketch = kind.sketch(world.robots.get(robot)?, &world.map);
+            Some(PatrolInfo {
+                robots: team.into_iter().map(|robot| robot as u32).collect(),
+                contour: sketch.contour,
+            })
+        })
+    });
+    patrols.collect()
 }
 
 /// Returns the tasks with a geometry.

@@ -28,6 +28,7 @@ mod outages;
 mod outcome;
 mod outcome_words;
 mod parts;
+mod patrolled;
 mod predicted;
 mod recording;
 mod reorder_buffer;
@@ -59,10 +60,11 @@ pub use message_counts::MessageCounts;
 pub use outcome_words::outcome_words;
 pub use recording::Recording;
 pub use robot_names::robot_names;
-pub use run_info::{ProcessInfo, RobotInfo, RunInfo, TaskInfo};
+pub use run_info::{PatrolInfo, ProcessInfo, RobotInfo, RunInfo, TaskInfo};
 pub use summary::{
-    CoverageByWay, CoverageOutcome, EventEntry, LapFigures, Outage, PredictionOutcome,
-    ProcessOutcome, RobotOutcome, Summary, TopicCount, WaypointOutcome, role_name, status_name,
+    CoverageByWay, CoverageOutcome, EventEntry, LapFigures, Outage, PatrolOutcome,
+    PredictionOutcome, ProcessOutcome, RobotOutcome, Summary, TopicCount, WaypointOutcome,
+    role_name, status_name,
 };
 pub use time_text::time_text;
 pub use wakeup::Wakeup;

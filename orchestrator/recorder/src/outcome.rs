@@ -6,6 +6,7 @@ use super::covered::Covered;
 use super::event_list::EventList;
 use super::link_counts::LinkCounts;
 use super::outages::Outages;
+use super::patrolled::Patrolled;
 use super::predicted::Predicted;
 use super::robots::Robots;
 use super::run_info::RunInfo;
@@ -28,6 +29,7 @@ pub(super) fn parts(run: &RunInfo) -> Consumers<dyn OutcomePart> {
         Box::new(Covered::default()),
         Box::new(VerdictTotals::new(robots.len())),
         Box::new(AllVisits::new(robots)),
+        Box::new(Patrolled::new(&run.patrols, robots)),
         Box::new(Predicted::default()),
         Box::new(LinkCounts::new(&run.links, run.seed)),
         Box::new(Outages::new(processes, *tick_period_ns)),

@@ -38,6 +38,15 @@ pub struct RobotInfo {
     pub lap_limit_s: Option<f64>,
 }
 
+/// A contour and the robots that patrol it with the same task.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct PatrolInfo {
+    /// Indices of the robots.
+    pub robots: Vec<u32>,
+    /// Corners of the contour, in order (m); the first again at the end if it is closed.
+    pub contour: Vec<[f64; 2]>,
+}
+
 /// The task of a robot, drawn in pictures.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct TaskInfo {
@@ -65,6 +74,9 @@ pub struct RunInfo {
     pub fields_of_view: Vec<FieldOfView>,
     /// Tasks with a geometry, in the order of the processes; none without a log.
     pub tasks: Vec<TaskInfo>,
+    /// Contours that are patrolled.
+    #[serde(default)]
+    pub patrols: Vec<PatrolInfo>,
     /// All links.
     pub links: Vec<Link>,
     /// Seed of the run, from which losses are drawn.

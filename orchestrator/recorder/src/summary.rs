@@ -34,6 +34,9 @@ pub struct Summary {
     /// Last reported coverage, if the rules account for it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub coverage: Option<CoverageOutcome>,
+    /// Idleness of the contours that are patrolled; absent without one.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub patrols: Vec<PatrolOutcome>,
     /// Accuracy of predictions, by observer, robot, method and horizon; absent unless an observer ran.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub predictions: Option<Vec<PredictionOutcome>>,
@@ -197,6 +200,26 @@ pub struct CoverageByWay {
     pub way_m: f64,
     /// Visited share of the coverable area, 0 to 1; interpolated linearly between reports.
     pub coverable_fraction: f64,
+}
+
+/// Idleness of a contour, the time since the last visit of its places: from the time at which each had been visited
+/// twice ([`metrics::idleness`]); the figures are absent before.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct PatrolOutcome {
+    /// Names of the robots that patrol it.
+    pub robots: Vec<String>,
+    /// Mean over places and time (s).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub mean_idleness_s: Option<f64>,
+    /// Maximum (s).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub worst_idleness_s: Option<f64>,
+    /// Standard deviation over places and time (s).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub std_idleness_s: Option<f64>,
+    /// Minimum distance of two of the robots along the contour (m); absent for one that is alone.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub nearest_m: Option<f64>,
 }
 
 /// Accuracy of one method for one robot and one horizon.

@@ -99,6 +99,7 @@ struct Visits {
 #[derive(Debug)]
 struct Open {
     lap: u32,
+    is_part: bool,
     began_s: f64,
     route: Vec<Point2<f64>>,
     way: Vec<Stop>,
@@ -147,8 +148,11 @@ impl Visits {
         let of_the_route = end.kind == 0;
         self.has_route |= of_the_route;
         let Some(open) = &mut self.open else {
-            // The path to the first waypoint belongs to no lap.
-            self.open = Some(Open::from(end.lap, end.ended_s, at));
+            // The path to the first waypoint belongs to no lap, and a lap that begins on the way is none.
+            self.open = Some(Open {
+                is_part: end.number > 0,
+                ..Open::from(end.lap, end.ended_s, at)
+            });
             return;
         };
         if end.lap != open.lap {
@@ -217,6 +221,7 @@ impl Open {
     fn from(lap: u32, began_s: f64, at: Point2<f64>) -> Self {
         Self {
             lap,
+            is_part: false,
             began_s,
             route: vec![at],
             way: vec![Stop {
@@ -228,9 +233,9 @@ impl Open {
         }
     }
 
-    /// Returns the lap up to its last waypoint of the route; `None` without one.
+    /// Returns the lap up to its last waypoint of the route; `None` without one, and for a part of a lap.
     fn lap(mut self) -> Option<Lap> {
-        let (ended_s, points) = self.closed?;
+        let (ended_s, points) = self.closed.filter(|_| !self.is_part)?;
         self.way.truncate(points);
         Some(Lap {
             began_s: self.began_s,

@@ -103,13 +103,13 @@ impl ResolvedScenario {
             let Some(kind) = process.program.kind() else {
                 continue;
             };
-            for robot in process
-                .robots
-                .iter()
-                .filter_map(|&i| self.world.robots.get(i))
-            {
+            for &index in &process.robots {
+                let Some(robot) = self.world.robots.get(index) else {
+                    continue;
+                };
                 let task = Task {
                     robot,
+                    companions: self.companions(index).len(),
                     robots: &self.world.robots,
                     exits: self.rules().exits.len() + world_map.exits().len(),
                     map: &self.world.map,

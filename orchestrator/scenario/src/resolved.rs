@@ -172,6 +172,24 @@ impl ResolvedScenario {
             .collect()
     }
 
+    /// Returns the indices of the robots with the task of this one, itself included: of its team, driven by processes of one
+    /// kind around the same contour with the same zones and time limit of a lap; none for a task without laps.
+    pub fn companions(&self, robot: usize) -> Vec<usize> {
+        let (robots, map) = (&self.world.robots, &self.world.map);
+        let task = |robot: usize| {
+            let driver = self.processes.iter().find(|p| p.robots.contains(&robot));
+            let (kind, spec) = (driver?.program.kind()?, robots.get(robot)?);
+            let limit_s = kind.declaration().lap_limit_s?;
+            let sketch = kind.sketch(spec, map);
+            Some((kind.kind().name, &spec.team, limit_s, sketch))
+        };
+        let Some(own) = task(robot) else {
+            return Vec::new();
+        };
+        let is_same = |&other: &usize| task(other).as_ref() == Some(&own);
+        (0..robots.len()).filter(is_same).collect()
+    }
+
     /// Returns the rules of the game.
     pub fn rules(&self) -> &RulesSpec {
         &self.world.rules

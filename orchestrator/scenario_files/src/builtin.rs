@@ -31,7 +31,7 @@ macro_rules! scenarios {
 }
 
 /// All built-in scenarios; the default comes first.
-pub const SCENARIOS: [Builtin; 19] = scenarios![
+pub const SCENARIOS: [Builtin; 20] = scenarios![
     "chase",
     "chase_exact",
     "chase_paper",
@@ -46,6 +46,7 @@ pub const SCENARIOS: [Builtin; 19] = scenarios![
     "single_lane",
     "patrol_octagon",
     "patrol_square",
+    "patrol_team",
     "coverage_open",
     "coverage_case1",
     "coverage_case2",

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use super::columns::{Part, ResultColumn, ResultTable};
 use super::kind::Kind;
 use mission::MissionReport;
-use recorder::{CoverageOutcome, PredictionOutcome, RobotOutcome, Summary};
+use recorder::{CoverageOutcome, PatrolOutcome, PredictionOutcome, RobotOutcome, Summary};
 
 /// Name of the files of the table with one row per mission.
 pub(super) const RESULTS: &str = "results";
@@ -87,6 +87,9 @@ pub struct Row {
     pub escape_impossible_from_s: Option<f64>,
     /// The area visited, with `[rules.coverage]`.
     pub coverage: Option<CoverageOutcome>,
+    /// Idleness of the contours that are patrolled.
+    #[serde(default)]
+    pub patrols: Vec<PatrolOutcome>,
     /// Errors of the observers' predictions.
     pub predictions: Vec<PredictionOutcome>,
     /// Digest of the run.
@@ -138,6 +141,7 @@ impl Row {
             escape_possible_fraction: summary.escape_possible_fraction,
             escape_impossible_from_s: summary.escape_impossible_from_s,
             coverage: summary.coverage.clone(),
+            patrols: summary.patrols.clone(),
             predictions: summary.predictions.clone().unwrap_or_default(),
             digest: summary.digest.clone(),
             error: String::new(),
@@ -251,6 +255,27 @@ impl Part<Self> for Row {
             "Distance of the robots that count for the coverage (m); empty without `[rules.coverage]`.",
             |r| Some(r.coverage.as_ref()?.way_m),
         ),
+        ResultColumn::float(
+            "idleness_mean_s",
+            "Mean time since the last visit of a place of a patrolled contour (s), of the contour where it is longest; \
+             empty without a patrol.",
+            |r| patrols(r, |p| p.mean_idleness_s, f64::max),
+        ),
+        ResultColumn::float(
+            "idleness_worst_s",
+            "Maximum of that time (s); empty without a patrol.",
+            |r| patrols(r, |p| p.worst_idleness_s, f64::max),
+        ),
+        ResultColumn::float(
+            "idleness_std_s",
+            "Standard deviation of that time (s), of the contour where it is largest; empty without a patrol.",
+            |r| patrols(r, |p| p.std_idleness_s, f64::max),
+        ),
+        ResultColumn::float(
+            "patrol_nearest_m",
+            "Minimum distance of two robots of a team along their contour (m); empty without a team on patrol.",
+            |r| patrols(r, |p| p.nearest_m, f64::min),
+        ),
         ResultColumn::text(
             "digest",
             "Digest of the run, as `protean run` prints it.",
@@ -262,6 +287,15 @@ impl Part<Self> for Row {
     fn of(row: &Self) -> &[Self] {
         std::slice::from_ref(row)
     }
+}
+
+/// Returns a value of all contours.
+fn patrols(
+    row: &Row,
+    value: fn(&PatrolOutcome) -> Option<f64>,
+    of_two: fn(f64, f64) -> f64,
+) -> Option<f64> {
+    row.patrols.iter().filter_map(value).reduce(of_two)
 }
 
 /// Returns a value of a mission that did not fail.

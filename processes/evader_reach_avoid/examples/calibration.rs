@@ -174,6 +174,7 @@ fn info(world: &World, index: usize) -> RobotInfo {
             .filter(|(_, other)| robot.team.is_hostile_to(other.team))
             .map(|(index, _)| index)
             .collect(),
+        companions: Vec::new(),
         model: robot.model,
         beams: 0,
         start: robot.pose,

@@ -7,12 +7,14 @@ use std::collections::VecDeque;
 
 use avoidance::waypoint_driver::{Situation, WaypointDriver};
 use chaotic_maps::AnySource;
+use geometry::pose::Twist2;
 use nalgebra::Vector2;
 use patrol::awg::Laps;
 use patrol::mission::{Drive, Mission, MissionError};
+use patrol::team::Team;
 use planner_view::map::PlannerMap;
 use planner_view::steering::Steering;
-use planner_view::view::View;
+use planner_view::view::{RobotView, View};
 use planner_view::waypoint::{Waypoint, WaypointReport};
 use robot::spec::RobotModel;
 
@@ -28,7 +30,14 @@ pub const SHOWN: usize = 12;
 #[derive(Debug, Clone)]
 pub struct PatrolAwg {
     mission: Mission,
+    team: Option<Team>,
     pace: Pace,
+    /// Its highest speed between waypoints (m/s).
+    v_max: f64,
+    /// Time of a round at which it begins (s), from the first tick on.
+    start_s: Option<f64>,
+    /// Number of its first waypoint.
+    first: u64,
     /// Simulated time at which the robot left the start of the contour (s).
     set_out_s: Option<f64>,
     obstacles_known: bool,
@@ -61,7 +70,11 @@ impl PatrolAwg {
         let source = mission.key.source().map_err(MissionError::Key)?;
         let mut laps = mission.awg.clone().laps(source);
         Ok(Self {
+            team: None,
             pace: params.pace,
+            v_max: drive.limits.v_max() * go_to.speed_fraction,
+            start_s: None,
+            first: 0,
             set_out_s: None,
             obstacles_known: params.obstacles_known,
             ahead: laps.by_ref().take(SHOWN).collect(),
@@ -74,6 +87,39 @@ impl PatrolAwg {
         })
     }
 
+    /// Makes it one of the robots with these indices, which have the same task, itself included.
+    #[must_use]
+    pub fn in_team(mut self, robots: &[u32]) -> Self {
+        self.team = self.mission.team(robots);
+        let mission = self.mission.clone().of_team(robots.len());
+        self.plan(mission, 0.0);
+        self
+    }
+
+    /// Plans the waypoints of a mission from a time of a round on (s).
+    fn plan(&mut self, mission: Mission, start_s: f64) {
+        if let Ok(source) = mission.key.source() {
+            self.laps = Laps::from_clock(mission.awg.clone(), source, start_s);
+            self.ahead = self.laps.by_ref().take(SHOWN).collect();
+            self.first = self.ahead.front().map_or(0, |waypoint| waypoint.number);
+            self.mission = mission;
+        }
+    }
+
+    /// Begins in the first tick, at its place of the contour.
+    fn begin(&mut self, own: &RobotView) -> f64 {
+        if let Some(start_s) = self.start_s {
+            return start_s;
+        }
+        let start_s = match &mut self.team {
+            Some(team) => team.begin(own.index),
+            None => self.mission.start_s(&own.pose),
+        };
+        let number = self.team.as_ref().map_or(0, |team| team.number(own.index));
+        self.plan(self.mission.clone().of_robot(number), start_s);
+        *self.start_s.insert(start_s)
+    }
+
     /// Fits the zig-zag to the first map; later changes of the map do not change it.
     pub fn enter(&mut self, map: &PlannerMap) {
         if core::mem::replace(&mut self.entered, true) {
@@ -83,11 +129,7 @@ impl PatrolAwg {
         let Some(mission) = fitted(&self.mission, map, known, radius) else {
             return;
         };
-        if let Ok(source) = mission.key.source() {
-            self.laps = mission.awg.clone().laps(source);
-            self.ahead = self.laps.by_ref().take(SHOWN).collect();
-            self.mission = mission;
-        }
+        self.plan(mission, 0.0);
     }
 
     /// Returns the mission with all choices made.
@@ -116,9 +158,13 @@ impl PatrolAwg {
     pub fn steer(&mut self, map: &PlannerMap, view: &View<'_>) -> Steering {
         self.enter(map);
         self.reports.clear();
+        if let Some(team) = &mut self.team {
+            team.observe(&self.mission.awg, view);
+        }
         let Some(own) = view.own() else {
             return Steering::stop();
         };
+        let start_s = self.begin(own);
         let situation = Situation {
             pose: own.pose,
             twist: own.twist,
@@ -136,22 +182,34 @@ impl PatrolAwg {
             ahead.pop_front()
         };
         let (awg, set_out_s) = (&self.mission.awg, &mut self.set_out_s);
-        let pace = self.pace;
+        let (pace, first) = (self.pace, self.first);
+        let clock_s = self.team.as_ref().map(|team| team.clock_s(awg, own.index));
         let mut due = |waypoint: &Waypoint| {
-            if waypoint.number == 0 {
+            let due_s = awg.due_s(waypoint.number);
+            if let Some(clock_s) = clock_s {
+                return Some(view.time_s + (due_s - clock_s));
+            }
+            if waypoint.number == first {
                 return None;
             }
             // After the start has ended: a request for more waypoints means that the robot sets out
             // in this tick.
             let set_out_s = *set_out_s.get_or_insert(view.time_s);
-            (pace == Pace::Clock).then(|| set_out_s + awg.due_s(waypoint.number))
+            (pace == Pace::Clock).then(|| set_out_s + (due_s - start_s))
         };
         let reports = &mut self.reports;
         let driving = self
             .driver
             .drive_on_time(&mut next, &mut due, &situation, reports);
+        let mut command = driving.command;
+        if let (Some(team), Some(waypoint)) = (&mut self.team, self.driver.current()) {
+            team.take_note(awg, &self.reports);
+            if team.holds(awg, own, waypoint, self.v_max) {
+                command = Twist2::STOP;
+            }
+        }
         Steering {
-            command: driving.command,
+            command,
             target: None,
             aim: self.driver.current().map(|waypoint| waypoint.point),
             waypoint: driving.towards,

@@ -84,7 +84,10 @@ pub(crate) fn task_remarks(
         return Vec::new();
     };
     let map = task.world_map.shapes();
-    let mission = mission.within(&room_of(map, obstacles_known, model.radius));
+    let mission =
+        mission
+            .of_team(task.companions)
+            .within(&room_of(map, obstacles_known, model.radius));
     let mut remarks = Vec::new();
     if waypoints == Waypoints::ZigZag {
         let alpha = mission.awg.params().alpha;

@@ -8,15 +8,17 @@ use std::collections::VecDeque;
 
 use avoidance::waypoint_driver::{Situation, WaypointDriver};
 use chaotic_maps::AnySource;
+use geometry::pose::Twist2;
 use nalgebra::{Point2, Vector2};
 use patrol::awg::{Awg, Laps};
 use patrol::fto::{Carrier, Disc, Fto, merged};
 use patrol::mission::{Drive, Mission, MissionError};
 use patrol::mixed::{Method, MixedLaps, MixedParams};
+use patrol::team::Team;
 use planner_view::free_space::FreeSpace;
 use planner_view::map::PlannerMap;
 use planner_view::steering::Steering;
-use planner_view::view::View;
+use planner_view::view::{RobotView, View};
 use planner_view::waypoint::{Waypoint, WaypointKind, WaypointReport};
 use robot::spec::RobotModel;
 
@@ -39,9 +41,10 @@ impl WaypointSource {
         mission: &Mission,
         protection: Protection,
         mixed: MixedParams,
+        start_s: f64,
     ) -> Result<Self, PatrolError> {
         let source = mission.key.source().map_err(MissionError::Key)?;
-        let laps = mission.awg.clone().laps(source);
+        let laps = Laps::from_clock(mission.awg.clone(), source, start_s);
         Ok(match protection {
             Protection::FictiveObstacles => Self::Contour(laps),
             Protection::Mixed => {
@@ -84,8 +87,13 @@ impl WaypointSource {
 #[derive(Debug, Clone)]
 pub struct PatrolFto {
     mission: Mission,
+    team: Option<Team>,
+    /// Its highest speed between waypoints (m/s).
+    v_max: f64,
     protection: Protection,
     mixed: MixedParams,
+    /// `true` from the first tick on.
+    has_begun: bool,
     /// `true` if the zig-zag fits the map.
     entered: bool,
     obstacles_known: bool,
@@ -115,8 +123,11 @@ impl PatrolFto {
     ) -> Result<Self, PatrolError> {
         check(params)?;
         let mission = params.mission.prepare(drive, &params.driver.go_to, seed)?;
-        let way = WaypointSource::new(&mission, params.protection, params.mixed)?;
+        let way = WaypointSource::new(&mission, params.protection, params.mixed, 0.0)?;
         Ok(Self {
+            team: None,
+            v_max: drive.limits.v_max() * params.driver.go_to.speed_fraction,
+            has_begun: false,
             protection: params.protection,
             mixed: params.mixed,
             entered: false,
@@ -142,9 +153,37 @@ impl PatrolFto {
         let Some(mission) = fitted(&self.mission, map, false, self.radius) else {
             return;
         };
-        if let Ok(way) = WaypointSource::new(&mission, self.protection, self.mixed) {
+        self.plan(mission, 0.0);
+    }
+
+    /// Makes it one of the robots with these indices, which have the same task, itself included.
+    #[must_use]
+    pub fn in_team(mut self, robots: &[u32]) -> Self {
+        self.team = self.mission.team(robots);
+        let mission = self.mission.clone().of_team(robots.len());
+        self.plan(mission, 0.0);
+        self
+    }
+
+    /// Plans the waypoints of a mission from a time of a round on (s).
+    fn plan(&mut self, mission: Mission, start_s: f64) {
+        let way = WaypointSource::new(&mission, self.protection, self.mixed, start_s);
+        if let Ok(way) = way {
             (self.way, self.mission) = (way, mission);
         }
+    }
+
+    /// Begins in the first tick, at its place of the contour.
+    fn begin(&mut self, own: &RobotView) {
+        if core::mem::replace(&mut self.has_begun, true) {
+            return;
+        }
+        let start_s = match &mut self.team {
+            Some(team) => team.begin(own.index),
+            None => self.mission.start_s(&own.pose),
+        };
+        let number = self.team.as_ref().map_or(0, |team| team.number(own.index));
+        self.plan(self.mission.clone().of_robot(number), start_s);
     }
 
     /// Returns the mission with all choices made.
@@ -177,9 +216,13 @@ impl PatrolFto {
         self.enter(map);
         self.reports.clear();
         self.disc = None;
+        if let Some(team) = &mut self.team {
+            team.observe(&self.mission.awg, view);
+        }
         let Some(own) = view.own() else {
             return Steering::stop();
         };
+        self.begin(own);
         let current = self.driver.current().copied();
         // Called in every tick, so that its times do not depend on the robot's position.
         let disc = self.fto.at(
@@ -216,10 +259,25 @@ impl PatrolFto {
             handed.push_back((waypoint.number, protected));
             Some(waypoint)
         };
-        let driving = self.driver.drive(&mut next, &situation, &mut self.reports);
+        let awg = &self.mission.awg;
+        let clock_s = self.team.as_ref().map(|team| team.clock_s(awg, own.index));
+        let mut due = |waypoint: &Waypoint| {
+            clock_s.map(|clock_s| view.time_s + (awg.due_s(waypoint.number) - clock_s))
+        };
+        let reports = &mut self.reports;
+        let driving = self
+            .driver
+            .drive_on_time(&mut next, &mut due, &situation, reports);
+        let mut command = driving.command;
+        if let (Some(team), Some(waypoint)) = (&mut self.team, self.driver.current()) {
+            team.take_note(awg, &self.reports);
+            if team.holds(awg, own, waypoint, self.v_max) {
+                command = Twist2::STOP;
+            }
+        }
         self.take_note();
         Steering {
-            command: driving.command,
+            command,
             target: None,
             aim: self.driver.current().map(|waypoint| waypoint.point),
             waypoint: driving.towards,

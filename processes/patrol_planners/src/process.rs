@@ -76,7 +76,7 @@ impl Planner for PatrolAwgPlanner {
 
     fn new(params: &PatrolAwgParams, robot: &RobotInfo, seed: u64) -> Result<Self, PlannerError> {
         PatrolAwg::new(params, &robot.model, seed)
-            .map(Self)
+            .map(|patrol| Self(patrol.in_team(&robot.companions)))
             .map_err(PlannerError::algorithm)
     }
 
@@ -148,7 +148,7 @@ impl Planner for PatrolFtoPlanner {
         let drive =
             Drive::of(&robot.model).map_err(|error| PlannerError::of_robot(&robot.name, error))?;
         PatrolFto::new(params, &drive, &robot.model, seed)
-            .map(Self)
+            .map(|patrol| Self(patrol.in_team(&robot.companions)))
             .map_err(PlannerError::algorithm)
     }
 

@@ -103,6 +103,10 @@ pub struct RobotInfo {
     pub role: Role,
     /// Indices of the robots of the teams that are hostile to its own.
     pub opponents: Vec<u32>,
+    /// Indices of the robots of its team whose processes give them the same task, itself included, in order; empty
+    /// for a task without a contour.
+    #[serde(default)]
+    pub companions: Vec<u32>,
     /// Its body and limits.
     pub model: RobotModel,
     /// Number of beams of its range scan; 0 without one.

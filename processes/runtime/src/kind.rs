@@ -196,6 +196,9 @@ pub struct TaskSketch {
 pub struct Task<'a> {
     /// The robot.
     pub robot: &'a RobotSpec,
+    /// Number of robots with this task, itself included, as in [`RobotInfo::companions`](crate::config::RobotInfo); 0 while
+    /// tasks are checked one by one.
+    pub companions: usize,
     /// All robots of the scenario; those drawn by the seed at any place.
     pub robots: &'a [RobotSpec],
     /// Number of exits, of the map and of the rules.

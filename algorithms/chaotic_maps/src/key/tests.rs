@@ -204,6 +204,21 @@ fn any_key() -> impl Strategy<Value = Key> {
         })
 }
 
+#[test]
+fn the_robots_of_a_team_have_different_valid_keys_of_its_kind() {
+    for kind in KeyKind::ALL {
+        let team = Key::from_seed(kind, 7);
+        let keys: Vec<Key> = (0..20).map(|robot| team.of_robot(robot)).collect();
+        assert_eq!(keys[0], team);
+        for (robot, key) in keys.iter().enumerate() {
+            assert_eq!(key.kind(), kind);
+            key.validate().unwrap();
+            assert!(!keys[..robot].contains(key), "{key}");
+            assert_ne!(*key, Key::from_seed(kind, 8).of_robot(robot as u64));
+        }
+    }
+}
+
 proptest! {
     #[test]
     fn text_reads_back_as_the_same_key(key in any_key()) {

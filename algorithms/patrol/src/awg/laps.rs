@@ -1,10 +1,13 @@
 //! Endless laps, waypoint by waypoint.
 
-use chaotic_maps::Source;
+use chaotic_maps::{AnySource, Source};
 use nalgebra::Point2;
 use planner_view::waypoint::{Waypoint, WaypointKind};
 
 use super::{Awg, waypoint};
+
+/// Share of the way to the next waypoint below which a robot is at the last one.
+const AT_WAYPOINT: f64 = 1e-6;
 
 /// All waypoints of a patrol in order; never ends.
 ///
@@ -18,18 +21,19 @@ pub struct Laps<S> {
     leg: usize,
     /// Number of waypoints of the leg returned so far.
     given: u32,
-    started: bool,
+    /// The first waypoint, until it is returned.
+    start: Option<Waypoint>,
 }
 
 impl<S: Source> Laps<S> {
     pub(super) fn new(awg: Awg, source: S) -> Self {
         Self {
+            start: Some(waypoint(0, 0, WaypointKind::Route, awg.start())),
             awg,
             source,
             lap: 0,
             leg: 0,
             given: 0,
-            started: false,
         }
     }
 
@@ -40,10 +44,8 @@ impl<S: Source> Laps<S> {
 
     /// The next waypoint.
     pub fn next_waypoint(&mut self) -> Waypoint {
-        if !self.started {
-            self.started = true;
-            let start = self.awg.start();
-            return waypoint(0, 0, WaypointKind::Route, start);
+        if let Some(start) = self.start.take() {
+            return start;
         }
         let legs = self.awg.legs(self.lap);
         if self.leg >= legs.len() {
@@ -84,6 +86,35 @@ impl<S: Source> Laps<S> {
             }
             dropped.push(waypoint);
         }
+    }
+}
+
+impl Laps<AnySource> {
+    /// The waypoints from a time of a round on (s), with a generator at its beginning: first the place on the
+    /// contour, with the number of the waypoint before it, then those that are due later. All have the numbers
+    /// and positions that they have in a patrol from the start.
+    pub fn from_clock(awg: Awg, source: AnySource, clock_s: f64) -> Self {
+        let mut laps = Self::new(awg, source);
+        let Some((lap, place)) = laps.awg.place_at(clock_s) else {
+            return laps;
+        };
+        let before = place.leg.waypoints_before + u64::from(place.passed);
+        let number = laps.awg.first_of_lap(lap) + before - 1;
+        let is_corner = place.passed == 0 && place.share < AT_WAYPOINT;
+        if number > 0 || !is_corner {
+            let (kind, at) = if is_corner {
+                (WaypointKind::Route, place.leg.stretch.segment.from)
+            } else {
+                (WaypointKind::Transit, place.point())
+            };
+            laps.start = Some(waypoint(number, lap, kind, at));
+        }
+        (laps.leg, laps.given) = (place.index, place.passed);
+        let before = place.leg.steps_before + u64::from(place.passed);
+        let steps = u64::from(lap) * laps.awg.steps_per_lap() + before;
+        laps.lap = lap;
+        laps.source.advance(steps);
+        laps
     }
 }
 

@@ -4,11 +4,14 @@ use ::patrol::forecast::{Forecast, Predicted};
 use ::patrol::mission::{AlphaChoice, Drive, Mission};
 use chaotic_maps::Key;
 use geometry::map::WorldMap;
+use geometry::pose::Twist2;
 use metrics::path::PathMetrics;
 use metrics::track::Track;
 use patrol_planners::PatrolAwgParams;
 use patrol_planners::check::{Waypoints, room_of, warnings};
+use planner_view::view::{RobotView, View};
 use planner_view::waypoint::{Waypoint, WaypointKind};
+use robot::spec::RobotSpec;
 use serde_json::{Value as Json, json};
 
 use super::{RouteError, Router};
@@ -27,6 +30,8 @@ pub struct Patrol {
     /// Parts without protection, and waypoints where the robot does not fit.
     pub warnings: Vec<String>,
     mission: Mission,
+    /// Time of its clock at which it begins (s).
+    start_s: f64,
     forecast: Forecast,
 }
 
@@ -53,9 +58,21 @@ impl Patrol {
             .map_err(|e| refused(&e))?;
         let world_map = WorldMap::recent(&scenario.world.map).map_err(|e| refused(&e))?;
         let (map, radius) = (world_map.shapes(), router.robot.model().radius);
-        let mission = mission.within(&room_of(map, params.obstacles_known, radius));
+        let own = router.process.robots.first().copied().unwrap_or(0);
+        let team = scenario.companions(own);
+        let room = room_of(map, params.obstacles_known, radius);
+        let mission = mission.of_team(team.len()).within(&room);
+        let number = team.iter().position(|&robot| robot == own).unwrap_or(0);
+        let spreads = params.mission.start.spreads(team.len());
+        // A key from elsewhere is that of the robot itself.
+        let mission = match key {
+            None if spreads => mission.of_robot(number),
+            _ => mission,
+        };
         let source = mission.key.source().map_err(|e| refused(&e))?;
+        let start_s = start_s(&mission, &scenario.world.robots, &team, own);
         Ok(Self {
+            start_s,
             process: router.process.name.clone(),
             robot: router.robot.name.clone(),
             forecast: Forecast::new(mission.awg.clone(), source),
@@ -89,12 +106,14 @@ impl Patrol {
         &self.mission.key
     }
 
-    /// Predicts its position at a time after its start (s), by the schedule of its waypoints.
+    /// Predicts its position at a time after its start, or that of its team's clock (s), by the schedule of its waypoints.
     ///
     /// # Errors
     /// [`RouteError::Refused`] for an invalid time or one too far ahead.
     pub fn at(&self, time_s: f64) -> Result<Predicted, RouteError> {
-        self.forecast.at_time(time_s).map_err(|e| self.refused(&e))
+        self.forecast
+            .at_time(time_s + self.start_s)
+            .map_err(|e| self.refused(&e))
     }
 
     /// Returns a waypoint by its number.
@@ -183,8 +202,42 @@ impl Patrol {
             "contour_m": awg.contour_length(),
             "waypoints_per_lap": awg.waypoints_per_lap(),
             "lap_time_s": self.forecast.lap_time(),
+            "start_s": self.start_s,
             "warnings": self.warnings,
         })
+    }
+}
+
+/// Returns the time of the clock at which a robot begins (s), as it computes it from the starts of its team.
+fn start_s(mission: &Mission, robots: &[RobotSpec], team: &[usize], own: usize) -> f64 {
+    let view = |(index, robot): (usize, &RobotSpec)| RobotView {
+        index,
+        team: robot.role().into(),
+        active: true,
+        present: true,
+        pose: robot.start,
+        twist: Twist2::STOP,
+        radius: robot.model().radius,
+        v_max: robot.model().v_max,
+    };
+    let robots: Vec<RobotView> = robots.iter().enumerate().map(view).collect();
+    let indices: Vec<u32> = team.iter().map(|&robot| robot as u32).collect();
+    match (mission.team(&indices), robots.get(own)) {
+        (Some(mut team), _) => {
+            let view = View {
+                time_s: 0.0,
+                dt: 0.0,
+                me: own,
+                robots: &robots,
+                beliefs: &[],
+                exits: &[],
+                scan: None,
+            };
+            team.observe(&mission.awg, &view);
+            team.begin(own)
+        }
+        (None, Some(robot)) => mission.start_s(&robot.pose),
+        (None, None) => 0.0,
     }
 }
 

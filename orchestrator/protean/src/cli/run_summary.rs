@@ -266,6 +266,19 @@ pub(super) fn text(
             coverage.way_m,
         );
     }
+    for patrol in &s.patrols {
+        if let (Some(mean), Some(worst), Some(nearest)) = (
+            patrol.mean_idleness_s,
+            patrol.worst_idleness_s,
+            patrol.nearest_m,
+        ) {
+            let count = patrol.robots.len();
+            text += &format!(
+                "patrol    {count} robots, idleness of the contour {mean:.1} s on average, {worst:.1} s at most; \
+                 at least {nearest:.1} m apart\n"
+            );
+        }
+    }
     for robot in &s.robots {
         if let Some(waypoints) = &robot.waypoints {
             text += &waypoints_text(robot, waypoints);

@@ -38,6 +38,7 @@ pub fn check(
         let fault = driven
             .map(|robot| Task {
                 robot,
+                companions: 0,
                 robots: &specs,
                 exits: rules.exits.len() + world_map.exits().len(),
                 map,

@@ -51,6 +51,7 @@ fn robot() -> RobotInfo {
         team: "neutral".into(),
         role: Role::Neutral,
         opponents: Vec::new(),
+        companions: Vec::new(),
         model: RobotModel::turtlebot3_burger(),
         beams: 0,
         start: Pose2::new(0.5, 0.5, 0.0),

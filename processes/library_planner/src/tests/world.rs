@@ -105,6 +105,7 @@ fn config() -> ProcessConfig {
         team: role.team().into(),
         role,
         opponents,
+        companions: Vec::new(),
         model: RobotModel::turtlebot3_burger(),
         beams: 2,
         start: Pose2::new(1.0, 1.0, 0.5),

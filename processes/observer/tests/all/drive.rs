@@ -87,6 +87,7 @@ impl<P: Planner> Drive<P> {
             team: "neutral".into(),
             role: Role::Neutral,
             opponents: Vec::new(),
+            companions: Vec::new(),
             model: spec.model(),
             beams: if place.range.is_some() { 72 } else { 0 },
             start: place.start,

@@ -23,6 +23,7 @@ fn config() -> ProcessConfig {
         team: "neutral".into(),
         role: Role::Neutral,
         opponents: Vec::new(),
+        companions: Vec::new(),
         model: RobotModel::turtlebot3_burger(),
         beams: 0,
         start: Pose2::new(x, 1.0, 0.0),
