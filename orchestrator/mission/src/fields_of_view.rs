@@ -5,7 +5,7 @@ use recorder::{FieldOfView, ViewOrigin};
 use robot::team::Role;
 use scenario::ResolvedScenario;
 
-/// Returns the fields of view of a scenario's processes, each with a name. If no process has one, the Police have an
+/// Returns the fields of view of a scenario's processes, each with a name. If no process has one, the pursuers have an
 /// unlimited view in all directions.
 pub(crate) fn fields_of_view(scenario: &ResolvedScenario) -> Vec<FieldOfView> {
     let robots = &scenario.world.robots;

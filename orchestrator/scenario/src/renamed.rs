@@ -1,22 +1,26 @@
-//! Parameters that had another name in earlier versions.
+//! Parameters and kinds that had another name in earlier versions.
 
 use config::{Node, Value};
 
 /// Former and present names. A name has one meaning in all kinds.
-const KEYS: [(&str, &str); 3] = [
+const NAMES: [(&str, &str); 6] = [
     ("eyes", "viewpoint"),
+    ("fellow_weight", "teammate_weight"),
     ("keep_away", "avoid_radius"),
+    ("keyed_coverage", "coverage_keyed"),
+    ("least_look_ahead", "min_look_ahead"),
     ("most_miss", "max_miss"),
 ];
 
-/// Returns the present name of a parameter with this former name.
+/// Returns the present name of a parameter or kind with this former name.
 pub(crate) fn present_name(former: &str) -> Option<&'static str> {
-    KEYS.iter()
+    NAMES
+        .iter()
         .find(|(old, _)| *old == former)
         .map(|(_, new)| *new)
 }
 
-/// Gives the parameters in a scenario from a log their present names.
+/// Gives the kinds and parameters in a scenario from a log their present names.
 pub(crate) fn update(scenario: &mut Node) {
     let processes = scenario.as_table_mut();
     if let Some(processes) = processes.and_then(|root| root.get_mut("processes")) {
@@ -33,6 +37,11 @@ fn update_tables(node: &mut Node) {
                     present.clone_into(&mut entry.key);
                 }
                 match &mut entry.node.value {
+                    Value::Str(kind) if entry.key == "kind" => {
+                        if let Some(present) = present_name(kind) {
+                            present.clone_into(kind);
+                        }
+                    }
                     // The part of observations with shortest paths.
                     Value::Str(text) if entry.key == "observation" => {
                         let parts = text.split('+');
@@ -54,17 +63,20 @@ mod tests {
     use super::*;
 
     #[test]
-    fn parameters_of_processes_alone_are_renamed() {
+    fn kinds_and_parameters_of_processes_alone_are_renamed() {
         let parse = |text: &str| {
             let mut sources = Sources::default();
             let source = sources.add(SourceKind::File, "log.toml", text);
             parse_document(&sources, source, &mut Diagnostics::default()).unwrap()
         };
         let mut scenario = parse(
-            "robots = [{ eyes = 1 }]\n[[processes]]\nparams = { eyes = 1, observation = \"state+way\" }\n",
+            "robots = [{ eyes = 1 }]\n[[processes]]\nkind = \"keyed_coverage\"\n\
+             params = { eyes = 1, observation = \"state+way\" }\n",
         );
         update(&mut scenario);
         let processes = scenario.get("processes").and_then(Node::as_array).unwrap();
+        let kind = processes[0].get("kind").and_then(Node::as_str);
+        assert_eq!(kind, Some("coverage_keyed"));
         let params = processes[0].get("params").unwrap();
         assert_eq!(params.get("eyes"), None);
         assert!(params.get("viewpoint").is_some());

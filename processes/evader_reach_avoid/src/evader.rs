@@ -79,7 +79,7 @@ impl Evader {
         })
     }
 
-    /// Sets the exits of evaders and the capture distance of the Police (m).
+    /// Sets the exits of evaders and the capture distance of the pursuers (m).
     pub fn rules(&mut self, exits: &[Region], capture_radius: f64) {
         self.exits = exits.to_vec();
         self.capture = capture_radius;

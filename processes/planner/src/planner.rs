@@ -112,7 +112,7 @@ pub trait Planner: Sized + 'static {
     /// [`PlannerError`] names the invalid parameter, or the robot.
     fn new(params: &Self::Params, robot: &RobotInfo, seed: u64) -> Result<Self, PlannerError>;
 
-    /// Sets the rules: exits of evaders, and the capture distance of Police (m) (0 without
+    /// Sets the rules: exits of evaders, and the capture distance of pursuers (m) (0 without
     /// capture). Called once, before all other calls.
     fn rules(&mut self, exits: &[Region], capture_radius: f64) {
         let _ = (exits, capture_radius);
@@ -161,9 +161,14 @@ pub trait Planner: Sized + 'static {
     }
 }
 
+/// Kinds whose seeds come from their former names, so that their runs stay the same.
+const SEED_NAMES: [(&str, &str); 1] = [("coverage_keyed", "keyed_coverage")];
+
 /// Returns the seed of the planner of a robot in a run.
 pub fn planner_seed(run_seed: u64, kind: &str, robot: &str) -> u64 {
-    runtime::seed::stream(run_seed, kind, robot, "planner").next_u64()
+    let name = SEED_NAMES.iter().find(|(present, _)| *present == kind);
+    let name = name.map_or(kind, |(_, former)| former);
+    runtime::seed::stream(run_seed, name, robot, "planner").next_u64()
 }
 
 /// Returns the limits of a robot in the form of its planner.
@@ -174,4 +179,16 @@ pub fn limits(robot: &RobotInfo) -> Result<Limits, PlannerError> {
     let model = &robot.model;
     Limits::new(model.v_max, model.v_reverse_max, model.omega_max)
         .map_err(|e| PlannerError::of_robot(&robot.name, e))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_renamed_kind_keeps_its_seed() {
+        let seed = |kind| planner_seed(7, kind, "sweeper");
+        assert_eq!(seed("coverage_keyed"), seed("keyed_coverage"));
+        assert_ne!(seed("coverage_keyed"), seed("coverage_uniform"));
+    }
 }

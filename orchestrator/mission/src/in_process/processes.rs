@@ -261,7 +261,7 @@ mod tests {
         let ordered = order(&launches, is_late).unwrap();
         let kinds: Vec<&str> = ordered.iter().map(|l| &*l.config.kind).collect();
         let at = |kind| kinds.iter().position(|known| *known == kind).unwrap();
-        // The evaders do not wait for beliefs, the Police do.
+        // The evaders do not wait for beliefs, the pursuers do.
         assert!(at("evader_potential") < at("perception"), "{kinds:?}");
         assert!(at("perception") < at("pursuer"), "{kinds:?}");
     }

@@ -243,7 +243,10 @@ fn read_program<'k>(
                 let names: Vec<&str> = ctx.kinds.iter().map(|k| k.name).collect();
                 let message = format!("unknown process kind `{kind}`");
                 let blank = ctx.problem(node, path, "kind", Code::UnknownName, message);
-                suggest(blank, kind, &names, "")
+                match renamed::present_name(kind) {
+                    Some(present) => blank.help(format!("did you mean `{present}`?")),
+                    None => suggest(blank, kind, &names, ""),
+                }
             }
         }
         (None, Some(command)) => match command.first() {
