@@ -154,7 +154,7 @@ impl Viewer {
                 Ok(Message::Text(text)) => {
                     return Some(Received::Text(serde_json::from_str(&text).unwrap()));
                 }
-                Ok(Message::Binary(bytes)) => return Some(Received::of(&bytes)),
+                Ok(Message::Binary(bytes)) => return Some(Received::from_bytes(&bytes)),
                 Ok(Message::Close(_)) | Err(Error::ConnectionClosed) => return None,
                 Ok(_) => {}
                 Err(error) => panic!("{error}"),
@@ -203,7 +203,7 @@ enum Received {
 }
 
 impl Received {
-    fn of(bytes: &[u8]) -> Self {
+    fn from_bytes(bytes: &[u8]) -> Self {
         let number = |at: usize| u64::from_le_bytes(bytes[at..at + 8].try_into().unwrap());
         match bytes[0] {
             1 => Self::Message {

@@ -29,7 +29,7 @@ fn off_contour(p: [f64; 2]) -> f64 {
 #[track_caller]
 fn ally(seed: Option<u64>, key: Option<&str>) -> Patrol {
     let scenario = kinds::load("patrol_octagon", &[], seed).unwrap();
-    Patrol::of(&scenario, None, key.map(|key| key.parse().unwrap())).unwrap()
+    Patrol::from_scenario(&scenario, None, key.map(|key| key.parse().unwrap())).unwrap()
 }
 
 /// Returns `true` if a waypoint of the log equals the predicted one bit for bit.

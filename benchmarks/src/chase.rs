@@ -53,7 +53,7 @@ pub fn measure(options: Options) -> Result<Vec<Figure>> {
     let mut figures = Vec::new();
     for (name, reports) in ["all processors", "one processor"].iter().zip(&reports) {
         let factors = reports.iter().map(|r| number(r, "/real_time_factor"));
-        figures.extend(Spread::of(factors).map(|factor| {
+        figures.extend(Spread::from_values(factors).map(|factor| {
             Figure::new(
                 ITEM,
                 format!("real-time factor, {name}"),
@@ -70,7 +70,7 @@ pub fn measure(options: Options) -> Result<Vec<Figure>> {
                 .iter()
                 .filter_map(|r| r.pointer("/latency_us")?.get(hop)?.get(part)?.as_f64());
             figures.extend(
-                Spread::of(values)
+                Spread::from_values(values)
                     .map(|value| Figure::new(ITEM, format!("{hop}, {part}"), value, "us")),
             );
         }

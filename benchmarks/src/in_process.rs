@@ -153,13 +153,13 @@ fn with_processes(game: &Game, seed: u64) -> Result<(f64, f64)> {
 
 fn report(game: &Game, here: &Here, beside: &[(f64, f64)]) -> Vec<Figure> {
     let figure = |what: &str, values: &[f64], unit| {
-        Spread::of(values.iter().copied())
+        Spread::from_values(values.iter().copied())
             .map(|value| Figure::new(ITEM, format!("{}: {what}", game.name), value, unit))
     };
     // Games have different lengths: compare the time of a game of the mean length.
     let mean = here.ticks.iter().sum::<f64>() / here.ticks.len().max(1) as f64;
     let rate = |(fixed, per_tick): &(f64, f64)| 1.0 / (fixed + per_tick * mean).max(1e-9);
-    let with_processes = Spread::of(beside.iter().map(rate));
+    let with_processes = Spread::from_values(beside.iter().map(rate));
     let games = figure("games/s of one core", &here.rates, "games/s").map(|games| {
         let games = match with_processes {
             Some(beside) => games.against("with processes, one game at a time", beside.median),
@@ -207,8 +207,8 @@ fn log_share(options: Options) -> Result<Vec<Figure>> {
         without.push(per_tick(None)?);
     }
     let spreads = (
-        Spread::of(with.iter().copied()),
-        Spread::of(without.iter().copied()),
+        Spread::from_values(with.iter().copied()),
+        Spread::from_values(without.iter().copied()),
         paired_ratio(&with, &without),
     );
     let (Some(value), Some(base), Some(ratio)) = spreads else {

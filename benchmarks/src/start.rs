@@ -51,7 +51,7 @@ pub fn measure(options: Options) -> Result<Vec<Figure>> {
         startup_times.push(own);
     }
     let mut figures = Vec::new();
-    let spread = |part: fn(&Parts) -> f64| Spread::of(parts.iter().map(part));
+    let spread = |part: fn(&Parts) -> f64| Spread::from_values(parts.iter().map(part));
     let (mut before, mut before_name) = (0.0, "start");
     for (name, part) in [
         ("processes launched", (|p| p.launched) as fn(&Parts) -> f64),
@@ -71,7 +71,7 @@ pub fn measure(options: Options) -> Result<Vec<Figure>> {
         figures.push(figure);
     }
     figures.extend(
-        Spread::of(startup_times)
+        Spread::from_values(startup_times)
             .map(|value| Figure::new(ITEM, "first tick, as the run reports it", value, "s")),
     );
     say("memory and log of the chase");
@@ -142,11 +142,11 @@ fn memory_and_log() -> Result<Vec<Figure>> {
         total += memories.iter().map(|m| mib(m.pss)).sum::<f64>();
         let name = |what: &str| format!("{what} of {kind} ({} of them)", memories.len());
         figures.extend(
-            Spread::of(memories.iter().map(|m| mib(m.pss)))
+            Spread::from_values(memories.iter().map(|m| mib(m.pss)))
                 .map(|value| Figure::new(ITEM, name("PSS"), value, "MiB")),
         );
         figures.extend(
-            Spread::of(memories.iter().map(|m| mib(m.rss)))
+            Spread::from_values(memories.iter().map(|m| mib(m.rss)))
                 .map(|value| Figure::new(ITEM, name("RSS"), value, "MiB")),
         );
     }

@@ -36,7 +36,7 @@ pub enum DecodeError {
 /// Appends the CDR form of a message to `out`.
 pub fn encode<T: Topic>(header: &T::Header, elements: &[T::Element], out: &mut Vec<u8>) {
     use zerocopy::IntoBytes;
-    let head = SequenceHead::of(T::FACTS, elements.len());
+    let head = SequenceHead::for_topic(T::FACTS, elements.len());
     encode_bytes(header.as_bytes(), &head, elements.as_bytes(), out);
 }
 
@@ -58,7 +58,7 @@ pub struct SequenceHead {
 
 impl SequenceHead {
     /// Creates it for a message of the topic with this number of elements.
-    pub fn of(topic: &TopicFacts, elements: usize) -> Self {
+    pub fn for_topic(topic: &TopicFacts, elements: usize) -> Self {
         // A slice in shared memory is far below 2^32 elements (`Bus` caps it).
         let [a, b, c, d] = (elements as u32).to_le_bytes();
         Self {
@@ -74,13 +74,13 @@ impl SequenceHead {
 }
 
 /// A message of a topic: its header and its elements.
-pub type Decoded<T> = (<T as Topic>::Header, Vec<<T as Topic>::Element>);
+pub type DecodedMessage<T> = (<T as Topic>::Header, Vec<<T as Topic>::Element>);
 
 /// Decodes a message from its CDR form.
 ///
 /// # Errors
 /// [`DecodeError`] if the bytes are not exactly one message of the topic.
-pub fn decode<T: Topic>(bytes: &[u8]) -> Result<Decoded<T>, DecodeError> {
+pub fn decode<T: Topic>(bytes: &[u8]) -> Result<DecodedMessage<T>, DecodeError> {
     let mut elements = Vec::new();
     let header = decode_into::<T>(bytes, &mut elements)?;
     Ok((header, elements))

@@ -58,7 +58,7 @@ impl<'a> LoggedMessage<'a> {
     ///
     /// # Errors
     /// [`DecodeError`] if the bytes are not exactly one message of the topic.
-    pub fn decode<T: Topic>(&self) -> Result<Option<cdr::Decoded<T>>, DecodeError> {
+    pub fn decode<T: Topic>(&self) -> Result<Option<cdr::DecodedMessage<T>>, DecodeError> {
         if self.topic != T::id() {
             return Ok(None);
         }

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::sync::{PoisonError, RwLock};
 
 use crate::bus::AnyTopic;
-use crate::marks::Drawn;
+use crate::marks::DrawnFields;
 use crate::message::{Descriptor, Field, FieldKind, Message as _};
 use crate::schema;
 use crate::stamp::PlainHeader;
@@ -64,7 +64,7 @@ impl LayoutFault {
         }
     }
 
-    fn of(part: impl core::fmt::Display, expected: impl Into<String>) -> Self {
+    fn for_part(part: impl core::fmt::Display, expected: impl Into<String>) -> Self {
         Self::whole(expected).within(part)
     }
 
@@ -76,7 +76,7 @@ impl LayoutFault {
 
 impl TopicLayout {
     /// Returns the layout of a known topic.
-    pub fn of(topic: TopicId) -> Self {
+    pub fn for_topic(topic: TopicId) -> Self {
         let facts = topic.facts();
         let drawing = facts.drawing.map(|drawing| drawing.to_string());
         let entries = drawing.iter().flat_map(|text| text.split(' '));
@@ -245,14 +245,14 @@ impl TopicLayout {
         let names: Vec<&str> = fields.into_iter().flatten().map(|f| f.name).collect();
         let is_unknown = |field: &&String| !names.contains(&field.as_str());
         if let Some(field) = self.may_be_infinite.iter().find(is_unknown) {
-            return Err(LayoutFault::of(
+            return Err(LayoutFault::for_part(
                 format_args!("may_be_infinite: {field:?}"),
                 "a field of the messages",
             ));
         }
         facts.drawing = self.drawn()?;
-        if let Err(field) = Drawn::of(Box::leak(Box::new(facts))) {
-            return Err(LayoutFault::of(
+        if let Err(field) = DrawnFields::from_facts(Box::leak(Box::new(facts))) {
+            return Err(LayoutFault::for_part(
                 format_args!("drawing: field {field:?}"),
                 "a floating-point number of the message",
             ));
@@ -280,7 +280,7 @@ impl TopicLayout {
             .keys()
             .find(|key| !KEYS.contains(&key.as_str()))
         {
-            return Err(LayoutFault::of(
+            return Err(LayoutFault::for_part(
                 format_args!("drawing: key {key:?}"),
                 "one of x, y, angle, radius",
             ));
@@ -294,7 +294,7 @@ impl TopicLayout {
                 radius: field("radius"),
             })),
             (None, None) if self.drawing.is_empty() => Ok(None),
-            _ => Err(LayoutFault::of("drawing", "x and y")),
+            _ => Err(LayoutFault::for_part("drawing", "x and y")),
         }
     }
 }
@@ -328,7 +328,7 @@ fn message(blocks: &Blocks<'_>, name: &str, depth: usize) -> Result<Descriptor, 
     // A message in itself has no end.
     let found = blocks.iter().find(|(known, _)| known == name && depth < 8);
     let Some((_, lines)) = found else {
-        return Err(LayoutFault::of(
+        return Err(LayoutFault::for_part(
             format_args!("type {name:?}"),
             "one of float64, float32, a whole number as uint32, a message of the text",
         ));
@@ -338,7 +338,7 @@ fn message(blocks: &Blocks<'_>, name: &str, depth: usize) -> Result<Descriptor, 
     for line in lines {
         let mut words = line.split_whitespace();
         let (Some(kind), Some(field), None) = (words.next(), words.next(), words.next()) else {
-            return Err(LayoutFault::of(
+            return Err(LayoutFault::for_part(
                 format_args!("line {line:?}"),
                 "a type and a name",
             ));
@@ -348,14 +348,14 @@ fn message(blocks: &Blocks<'_>, name: &str, depth: usize) -> Result<Descriptor, 
                 .bytes()
                 .all(|c| c.is_ascii_alphanumeric() || c == b'_');
         if !is_name || fields.iter().any(|known| known.name == field) {
-            return Err(LayoutFault::of(
+            return Err(LayoutFault::for_part(
                 format_args!("field {field:?}"),
                 "a name of its own that begins with a lower-case letter",
             ));
         }
         let named = |fault: LayoutFault| fault.within(format_args!("field {field:?}"));
         let of_type =
-            |expected: &str| named(LayoutFault::of(format_args!("type {kind}"), expected));
+            |expected: &str| named(LayoutFault::for_part(format_args!("type {kind}"), expected));
         let (base, count) = match kind.strip_suffix(']').and_then(|kind| kind.split_once('[')) {
             Some((base, count)) => {
                 let count = count.parse().ok().filter(|count| *count > 0);
@@ -383,14 +383,14 @@ fn message(blocks: &Blocks<'_>, name: &str, depth: usize) -> Result<Descriptor, 
                 "a multiple of {own_align}; put larger numbers first, or add a field before it"
             );
             let part = format_args!("it begins at byte {size}");
-            return Err(named(LayoutFault::of(part, expected)));
+            return Err(named(LayoutFault::for_part(part, expected)));
         }
         if fields.is_empty() {
             align = own_align;
         } else if own_align > align {
             let part = format_args!("its numbers have {own_align} bytes");
             let expected = "the largest numbers in the first field";
-            return Err(named(LayoutFault::of(part, expected)));
+            return Err(named(LayoutFault::for_part(part, expected)));
         }
         fields.push(Field {
             name: leak(field),
@@ -401,13 +401,13 @@ fn message(blocks: &Blocks<'_>, name: &str, depth: usize) -> Result<Descriptor, 
         size = bytes.saturating_add(size);
     }
     if fields.is_empty() || size > MAX_MESSAGE_BYTES {
-        return Err(LayoutFault::of(
+        return Err(LayoutFault::for_part(
             format_args!("message {name}"),
             format!("from 1 to {MAX_MESSAGE_BYTES} bytes"),
         ));
     }
     if size % align != 0 {
-        return Err(LayoutFault::of(
+        return Err(LayoutFault::for_part(
             format_args!("message {name} has {size} bytes"),
             format!("a multiple of {align}; add a field at its end, as uint32 reserved"),
         ));

@@ -53,7 +53,7 @@ const CORNERS: u32 = 24;
 
 /// The drawn fields of a topic.
 #[derive(Debug, Clone, Copy)]
-pub struct Drawn {
+pub struct DrawnFields {
     facts: &'static TopicFacts,
     x: Place,
     y: Place,
@@ -69,12 +69,12 @@ struct Place {
     double: bool,
 }
 
-impl Drawn {
+impl DrawnFields {
     /// Returns the drawn fields of a topic; `None` if it is not drawn.
     ///
     /// # Errors
     /// The name of a field that is no floating-point number of the topic.
-    pub fn of(facts: &'static TopicFacts) -> Result<Option<Self>, &'static str> {
+    pub fn from_facts(facts: &'static TopicFacts) -> Result<Option<Self>, &'static str> {
         let Some(drawing) = facts.drawing else {
             return Ok(None);
         };
@@ -174,7 +174,7 @@ mod tests {
             ..TopicLayout::default()
         };
         let topic = layout.register().unwrap();
-        let again = TopicLayout::of(topic);
+        let again = TopicLayout::for_topic(topic);
         assert_eq!(again.drawing, layout.drawing);
         let of_log = TopicLayout::from_entries(
             "drawn/arrow",
@@ -188,7 +188,7 @@ mod tests {
                 .collect(),
         );
         assert_eq!(of_log, Some(again));
-        let drawn = Drawn::of(topic.facts()).unwrap().unwrap();
+        let drawn = DrawnFields::from_facts(topic.facts()).unwrap().unwrap();
         let element = |x: f64, angle: f32| {
             let mut bytes = [x, 2.0].as_bytes().to_vec();
             bytes.extend_from_slice([angle, 3.0].as_bytes());
@@ -201,7 +201,7 @@ mod tests {
         ]
         .concat();
         let mut bytes = Vec::new();
-        let head = cdr::SequenceHead::of(topic.facts(), 3);
+        let head = cdr::SequenceHead::for_topic(topic.facts(), 3);
         cdr::encode_bytes(
             PlainHeader::default().as_bytes(),
             &head,

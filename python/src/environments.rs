@@ -8,7 +8,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError, TryLockError};
 use draw::raster::pixels;
 use environment::{
     ArraysMut, EVENT_NAMES, EVENTS, EnvironmentError, Environments as Inner, Options,
-    RewardWeights, Running, Start, Variant as Other, WhichEpisode,
+    RewardWeights, RunningEpisode, Start, Variant as Other, WhichEpisode,
 };
 use kinds::KINDS;
 use numpy::{
@@ -20,13 +20,13 @@ use scenario::kind::ConfiguredKind;
 use scenario::{Draft, Loader, MapCache, Template};
 
 use crate::log::image;
-use crate::run::{CACHE, Planned, kinds_of, place};
+use crate::run::{CACHE, FunctionPlanner, kinds_of, place};
 use python_algorithms::arguments::{invalid, refused};
 use python_algorithms::error::{Error, InvalidInput};
 use python_algorithms::interruptible::{compute, short, wait};
 
 /// Begun episode: seed with its index, and scenario.
-type Begun = (Option<(u64, usize)>, Option<Py<Variant>>);
+type EpisodeStart = (Option<(u64, usize)>, Option<Py<Variant>>);
 
 /// The scenario with other values, for resets.
 #[pyclass(frozen, module = "protean_robotics")]
@@ -38,7 +38,7 @@ pub struct Environments {
     inner: Mutex<Inner>,
     /// The scenario before values are given.
     draft: Draft<'static>,
-    planners: Arc<Vec<Planned>>,
+    planners: Arc<Vec<FunctionPlanner>>,
     /// Pictures of the running episodes by their instance, with the seed of the episode.
     pictures: Mutex<BTreeMap<usize, (u64, RunTrace)>>,
     /// Names of the agents, in the order of the arrays.
@@ -111,7 +111,7 @@ impl Environments {
         ticks_per_action: u32,
         threads: usize,
         weights: Vec<(String, f64)>,
-        planners: Vec<Planned>,
+        planners: Vec<FunctionPlanner>,
         record: bool,
         allow_outside: bool,
     ) -> PyResult<Self> {
@@ -177,8 +177,8 @@ impl Environments {
 
     /// Begins new episodes in the instances with a start, which may have a seed with its index, and a scenario; None lets
     /// an episode go on.
-    fn reset_each(&self, py: Python<'_>, starts: Vec<Option<Begun>>) -> PyResult<()> {
-        let start = |(first, variant): Begun| Start {
+    fn reset_each(&self, py: Python<'_>, starts: Vec<Option<EpisodeStart>>) -> PyResult<()> {
+        let start = |(first, variant): EpisodeStart| Start {
             first,
             variant: variant.map(|variant| variant.get().0.clone()),
         };
@@ -259,7 +259,7 @@ impl Environments {
     /// Returns the picture of the running episode of an instance, with the trails since its first picture.
     fn look(&self, instance: usize) -> PyResult<RunTrace> {
         let before = self.pictures().remove(&instance);
-        let look = move |running: &Running<'_>| {
+        let look = move |running: &RunningEpisode<'_>| {
             let now = running.world.time().as_secs_f64();
             let is_same =
                 |(seed, trace): &(u64, RunTrace)| *seed == running.seed && trace.time_s <= now;
@@ -340,7 +340,7 @@ impl Environments {
 fn filled(
     mut draft: Draft<'static>,
     overrides: &[String],
-    planners: &[Planned],
+    planners: &[FunctionPlanner],
 ) -> PyResult<(Template, BTreeMap<String, ConfiguredKind>)> {
     for argument in overrides {
         draft.apply("--set", argument);

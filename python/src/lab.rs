@@ -9,7 +9,7 @@ use numpy::{IntoPyArray as _, PyArray2, PyArrayMethods as _};
 use published::{laps, plans, sequences};
 use pyo3::prelude::*;
 use scenario::Loader;
-use scenario::files::{Base, Found, Refused};
+use scenario::files::{Base, PathRefusal, ScenarioFile};
 
 use python_algorithms::arguments::invalid;
 use python_algorithms::error::Error;
@@ -116,10 +116,10 @@ pub fn ros_map(
         allow_outside,
     };
     let refused =
-        |refused: Refused| invalid(&format!("{} refers to {image}: {refused}", path.display()));
+        |refused: PathRefusal| invalid(&format!("{} refers to {image}: {refused}", path.display()));
     let found = match base.find(&image).map_err(refused)? {
-        Found::Disk(file) => file,
-        Found::Text(_) => PathBuf::from(&image),
+        ScenarioFile::Disk(file) => file,
+        ScenarioFile::Text(_) => PathBuf::from(&image),
     };
     let cells = compute(py, move || map.load_image(&found))?.map_err(|error| invalid(&error))?;
     let frame = cells.frame;

@@ -28,7 +28,7 @@ fn patrol_of(source: Source, key: Option<&str>) -> PyResult<Patrol> {
     let (scenario, process) = load(source)?;
     let key = key.map(str::parse).transpose();
     let key = key.map_err(|error| invalid(&error))?;
-    Patrol::of(&scenario, process.as_deref(), key).map_err(|error| invalid(&error))
+    Patrol::from_scenario(&scenario, process.as_deref(), key).map_err(|error| invalid(&error))
 }
 
 /// Waypoints of the first laps of a patrol and their metrics, as JSON.

@@ -11,7 +11,7 @@ use mission::in_process::{self, Cache, InProcessOptions};
 use planner::{PlannerProcess, TopicProcess};
 use pyo3::prelude::*;
 use scenario::kind::ConfiguredKind;
-use scenario::{Declared, Loader, Program, ResolvedScenario};
+use scenario::{Loader, Program, ProgramDeclaration, ResolvedScenario};
 use serde_json::Value as Json;
 
 use crate::planner::{Function, OwnTopics, PythonParams, PythonPlanner};
@@ -24,11 +24,11 @@ pub static CACHE: LazyLock<Arc<Cache>> = LazyLock::new(Arc::default);
 
 /// A planner in the place of processes, and the command that starts it as one.
 #[derive(FromPyObject)]
-pub struct Planned {
+pub struct FunctionPlanner {
     /// Name of a robot, a team or a process.
     name: String,
     /// The planner.
-    function: Shared,
+    function: SharedPlanner,
     /// Command of its program.
     command: Vec<String>,
     /// Working directory of its program.
@@ -48,9 +48,9 @@ pub enum PlaceError {
 
 /// A planner that runs share.
 #[derive(Clone)]
-struct Shared(Arc<Py<Function>>);
+struct SharedPlanner(Arc<Py<Function>>);
 
-impl<'py> FromPyObject<'_, 'py> for Shared {
+impl<'py> FromPyObject<'_, 'py> for SharedPlanner {
     type Error = PyErr;
 
     fn extract(value: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
@@ -58,7 +58,7 @@ impl<'py> FromPyObject<'_, 'py> for Shared {
     }
 }
 
-impl Planned {
+impl FunctionPlanner {
     fn is_process(&self) -> bool {
         self.function.0.get().is_process()
     }
@@ -98,7 +98,7 @@ pub fn run_in_process(
     out: Option<PathBuf>,
     force: bool,
     allow_outside: bool,
-    planners: Vec<Planned>,
+    planners: Vec<FunctionPlanner>,
 ) -> PyResult<String> {
     let loaded = compute(py, move || {
         runtime::logging::start("warn");
@@ -142,7 +142,10 @@ pub fn run_in_process(
 ///
 /// # Errors
 /// [`PlaceError`] names the planner that means none, or more than it says.
-pub fn place(scenario: &mut ResolvedScenario, planners: &[Planned]) -> Result<(), PlaceError> {
+pub fn place(
+    scenario: &mut ResolvedScenario,
+    planners: &[FunctionPlanner],
+) -> Result<(), PlaceError> {
     for planned in planners.iter().filter(|planned| !planned.is_process()) {
         for index in placement::processes_of(scenario, &planned.name)? {
             if let Some(process) = scenario.processes.get_mut(index)
@@ -152,7 +155,7 @@ pub fn place(scenario: &mut ResolvedScenario, planners: &[Planned]) -> Result<()
                     words: planned.command.clone(),
                     folder: planned.folder.clone(),
                     params: Json::Object(serde_json::Map::new()),
-                    declared: Declared::Nothing,
+                    declared: ProgramDeclaration::Nothing,
                 };
             }
         }
@@ -166,7 +169,7 @@ pub fn place(scenario: &mut ResolvedScenario, planners: &[Planned]) -> Result<()
 /// As [`place`].
 pub fn kinds_of(
     scenario: &ResolvedScenario,
-    planners: &[Planned],
+    planners: &[FunctionPlanner],
 ) -> Result<BTreeMap<String, ConfiguredKind>, PlaceError> {
     let mut kinds = BTreeMap::new();
     for planned in planners {

@@ -20,7 +20,7 @@ use sweep::{
     SweepError, published, summary,
 };
 
-use crate::run::{Planned, kinds_of, place};
+use crate::run::{FunctionPlanner, kinds_of, place};
 use python_algorithms::arguments::invalid;
 use python_algorithms::error::{Error, InvalidInput};
 use python_algorithms::interruptible::{compute, wait};
@@ -60,7 +60,7 @@ pub struct Options {
     /// Column and end of the worst missions.
     worst: Option<String>,
     /// Planners in the place of those of the scenarios.
-    placed: Vec<Planned>,
+    placed: Vec<FunctionPlanner>,
     /// End by Ctrl-C.
     interruption: Py<Interruption>,
 }
@@ -268,7 +268,7 @@ fn carry_out<S: Subject>(
 /// Engine that runs every mission in one thread, with planners in Python.
 struct PlannersInProcess {
     engine: InProcess,
-    planners: Vec<Planned>,
+    planners: Vec<FunctionPlanner>,
 }
 
 impl PlannersInProcess {

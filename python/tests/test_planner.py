@@ -95,7 +95,7 @@ def test_a_planner_takes_the_place_of_a_built_in_one() -> None:
         assert world.poses.shape == (6, 3)
         np.testing.assert_array_equal(world.poses[robot.index], robot.pose)
         assert [r.name for r in world.robots if r.team == robot.team and r is not robot] == [
-            r.name for r in world.team_mates
+            r.name for r in world.teammates
         ]
         return robot.v_max, 0.0
 

@@ -74,7 +74,7 @@ fn keys_that_are_none_or_make_no_secret() {
     let map = "processes.cover.params.map=arnold";
     let words = "`arnold` is not a generator | catp, cat64 | (processes.cover.params.map)";
     cover(&sandbox, "coverage_open", map, words);
-    let secret = ["--set", "processes.cover.kind=keyed_coverage"];
+    let secret = ["--set", "processes.cover.kind=coverage_keyed"];
     let public = "processes.cover.params.key=catp:0.4,0.644";
     let words = "`key` is out of range | params.key | no other generator is secret";
     refused(

@@ -281,7 +281,7 @@ fn scenario_keys() {
         read(scenario.name, &[]);
     }
     for kind in [
-        "keyed_coverage",
+        "coverage_keyed",
         "coverage_boustrophedon",
         "coverage_random_bounce",
         "coverage_uniform",

@@ -21,7 +21,7 @@ fn warnings(remarks: &Json) -> Vec<&str> {
 fn a_patrol_with_a_danger_zone_stays_inside_the_map() {
     let sandbox = Sandbox::new();
     let scenario = kinds::load("patrol_octagon", &[zone([5.0, 0.0])], None).unwrap();
-    let plan = Patrol::of(&scenario, None, None).unwrap();
+    let plan = Patrol::from_scenario(&scenario, None, None).unwrap();
     let plan = plan.plan_json(1).unwrap();
     assert_eq!(plan["alpha_choice"], "room");
     for waypoint in plan["waypoints"].as_array().unwrap() {

@@ -28,7 +28,7 @@ struct Inside(File);
 
 impl Inside {
     /// Of a run that has written some of its log.
-    fn of(sandbox: &Sandbox, running: &Running<'_>) -> Self {
+    fn from_run(sandbox: &Sandbox, running: &Running<'_>) -> Self {
         let log = sandbox.path().join("run.mcap");
         until("a log of some length", SOON, || {
             let length = std::fs::metadata(&log).ok()?.len();
@@ -87,7 +87,7 @@ fn a_run_whose_shared_memory_is_used_up_ends_in_order() {
         return;
     };
     let running = call.start();
-    let inside = Inside::of(&sandbox, &running);
+    let inside = Inside::from_run(&sandbox, &running);
     inside.fill();
     let words = "MB are free in /dev/shm: expected at least 1.0 MB; free some";
     running.finish().refused(1, &[FULL, words]);

@@ -5,7 +5,7 @@ use iceoryx2::service::port_factory::request_response::PortFactory;
 
 use super::agreement;
 use super::degradation::Failures;
-use super::service::{Agreed, TopicHolder, service_name};
+use super::service::{TopicHolder, TopicIdentity, service_name};
 use crate::clock::monotonic_ns;
 use crate::error::{BusError, ReceiveError, SendError};
 use crate::message::Message;
@@ -24,11 +24,15 @@ pub trait Client<QH, QE, AH, AE> {
     ///
     /// # Errors
     /// [`SendError`] if iceoryx2 fails.
-    fn ask(&self, header: QH, elements: &[QE]) -> Result<Box<dyn Pending<AH, AE>>, SendError>;
+    fn ask(
+        &self,
+        header: QH,
+        elements: &[QE],
+    ) -> Result<Box<dyn PendingRequest<AH, AE>>, SendError>;
 }
 
 /// A request that waits for its answer; dropping it cancels the request.
-pub trait Pending<AH, AE> {
+pub trait PendingRequest<AH, AE> {
     /// The answer, if it has arrived.
     ///
     /// # Errors
@@ -67,25 +71,28 @@ pub trait Active<QH, QE, AH, AE> {
     fn answer(&self, header: AH, elements: &[AE]) -> Result<(), SendError>;
 }
 
-type Create = fn(
+type PortCreator = fn(
     node: &Node<ipc::Service>,
-    agreed: &Agreed<'_>,
+    agreed: &TopicIdentity<'_>,
     clients: usize,
     nodes: usize,
 ) -> Result<TopicHolder, BusError>;
-type Open<P> =
-    fn(node: &Node<ipc::Service>, agreed: &Agreed<'_>, capacity: usize) -> Result<P, BusError>;
+type PortOpener<P> = fn(
+    node: &Node<ipc::Service>,
+    agreed: &TopicIdentity<'_>,
+    capacity: usize,
+) -> Result<P, BusError>;
 
 /// Creates a service and its ports. As a `static` it is compiled in the crate that declares the
 /// service.
 #[derive(Debug)]
 pub struct ExchangePorts<QH: Header, QE: Message, AH: Header, AE: Message> {
     /// Creates the service.
-    pub create: Create,
+    pub create: PortCreator,
     /// Opens it as a client.
-    pub client: Open<Box<dyn Client<QH, QE, AH, AE>>>,
+    pub client: PortOpener<Box<dyn Client<QH, QE, AH, AE>>>,
     /// Opens it as the server.
-    pub server: Open<Box<dyn Server<QH, QE, AH, AE>>>,
+    pub server: PortOpener<Box<dyn Server<QH, QE, AH, AE>>>,
 }
 
 impl<QH: Header, QE: Message, AH: Header, AE: Message> ExchangePorts<QH, QE, AH, AE> {
@@ -102,7 +109,7 @@ impl<QH: Header, QE: Message, AH: Header, AE: Message> ExchangePorts<QH, QE, AH,
 
 fn create<QH: Header, QE: Message, AH: Header, AE: Message>(
     node: &Node<ipc::Service>,
-    agreed: &Agreed<'_>,
+    agreed: &TopicIdentity<'_>,
     clients: usize,
     nodes: usize,
 ) -> Result<TopicHolder, BusError> {
@@ -127,7 +134,7 @@ type Factory<QH, QE, AH, AE> = PortFactory<ipc::Service, [QE], QH, [AE], AH>;
 
 fn open<QH: Header, QE: Message, AH: Header, AE: Message>(
     node: &Node<ipc::Service>,
-    agreed: &Agreed<'_>,
+    agreed: &TopicIdentity<'_>,
 ) -> Result<Factory<QH, QE, AH, AE>, BusError> {
     let topic = agreed.topic;
     let failed = |reason: String| BusError::Open { topic, reason };
@@ -142,7 +149,7 @@ fn open<QH: Header, QE: Message, AH: Header, AE: Message>(
 
 fn open_client<QH: Header, QE: Message, AH: Header, AE: Message>(
     node: &Node<ipc::Service>,
-    agreed: &Agreed<'_>,
+    agreed: &TopicIdentity<'_>,
     capacity: usize,
 ) -> Result<Box<dyn Client<QH, QE, AH, AE>>, BusError> {
     let topic = agreed.topic;
@@ -154,12 +161,12 @@ fn open_client<QH: Header, QE: Message, AH: Header, AE: Message>(
         .set_response_degradation_handler(failures.handler())
         .create();
     let port = failures.checked(topic, "client", created)?;
-    Ok(Box::new(Named { topic, port }))
+    Ok(Box::new(NamedPort { topic, port }))
 }
 
 fn open_server<QH: Header, QE: Message, AH: Header, AE: Message>(
     node: &Node<ipc::Service>,
-    agreed: &Agreed<'_>,
+    agreed: &TopicIdentity<'_>,
     capacity: usize,
 ) -> Result<Box<dyn Server<QH, QE, AH, AE>>, BusError> {
     let topic = agreed.topic;
@@ -171,16 +178,16 @@ fn open_server<QH: Header, QE: Message, AH: Header, AE: Message>(
         .set_response_degradation_handler(failures.handler())
         .create();
     let port = failures.checked(topic, "server", created)?;
-    Ok(Box::new(Named { topic, port }))
+    Ok(Box::new(NamedPort { topic, port }))
 }
 
 /// A port with the name of its service, for errors.
-struct Named<P> {
+struct NamedPort<P> {
     topic: &'static str,
     port: P,
 }
 
-impl<P> Named<P> {
+impl<P> NamedPort<P> {
     fn not_sent(&self, reason: String) -> SendError {
         SendError::Transport {
             topic: self.topic,
@@ -204,9 +211,13 @@ type ActivePort<QH, QE, AH, AE> =
     iceoryx2::active_request::ActiveRequest<ipc::Service, [QE], QH, [AE], AH>;
 
 impl<QH: Header, QE: Message, AH: Header, AE: Message> Client<QH, QE, AH, AE>
-    for Named<ClientPort<QH, QE, AH, AE>>
+    for NamedPort<ClientPort<QH, QE, AH, AE>>
 {
-    fn ask(&self, header: QH, elements: &[QE]) -> Result<Box<dyn Pending<AH, AE>>, SendError> {
+    fn ask(
+        &self,
+        header: QH,
+        elements: &[QE],
+    ) -> Result<Box<dyn PendingRequest<AH, AE>>, SendError> {
         let mut request = self
             .port
             .loan_slice_uninit(elements.len())
@@ -217,12 +228,12 @@ impl<QH: Header, QE: Message, AH: Header, AE: Message> Client<QH, QE, AH, AE>
             .send()
             .map_err(|e| self.not_sent(format!("{e:?}")))?;
         let topic = self.topic;
-        Ok(Box::new(Named { topic, port }))
+        Ok(Box::new(NamedPort { topic, port }))
     }
 }
 
-impl<QH: Header, QE: Message, AH: Header, AE: Message> Pending<AH, AE>
-    for Named<PendingPort<QH, QE, AH, AE>>
+impl<QH: Header, QE: Message, AH: Header, AE: Message> PendingRequest<AH, AE>
+    for NamedPort<PendingPort<QH, QE, AH, AE>>
 {
     fn poll(&self) -> Result<Option<Answer<AH, AE>>, ReceiveError> {
         let response = self.port.receive();
@@ -237,19 +248,19 @@ impl<QH: Header, QE: Message, AH: Header, AE: Message> Pending<AH, AE>
 }
 
 impl<QH: Header, QE: Message, AH: Header, AE: Message> Server<QH, QE, AH, AE>
-    for Named<ServerPort<QH, QE, AH, AE>>
+    for NamedPort<ServerPort<QH, QE, AH, AE>>
 {
     fn receive(&self) -> Result<Option<Box<dyn Active<QH, QE, AH, AE>>>, ReceiveError> {
         let request = self.port.receive();
         let request = request.map_err(|e| self.not_received(format!("{e:?}")))?;
         let topic = self.topic;
         Ok(request
-            .map(|port| -> Box<dyn Active<QH, QE, AH, AE>> { Box::new(Named { topic, port }) }))
+            .map(|port| -> Box<dyn Active<QH, QE, AH, AE>> { Box::new(NamedPort { topic, port }) }))
     }
 }
 
 impl<QH: Header, QE: Message, AH: Header, AE: Message> Active<QH, QE, AH, AE>
-    for Named<ActivePort<QH, QE, AH, AE>>
+    for NamedPort<ActivePort<QH, QE, AH, AE>>
 {
     fn header(&self) -> &QH {
         self.port.user_header()

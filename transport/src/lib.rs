@@ -38,8 +38,8 @@ pub use run_space::{MemoryUse, RunSpace};
 pub use service::TopicHolder;
 
 pub use event::create as create_event;
-pub use exchange::{Active, Answer, Client, Pending, Server};
+pub use exchange::{Active, Answer, Client, PendingRequest, Server};
 pub use node::{Home, join};
 pub use publisher::{Sender, SenderOptions};
-pub use service::{Agreed, Limits};
+pub use service::{Limits, TopicIdentity};
 pub use subscriber::{Loan, Receiver};

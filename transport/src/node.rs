@@ -27,13 +27,13 @@ pub trait Home: fmt::Debug {
 }
 
 #[derive(Debug)]
-struct Joined {
+struct LockedNode {
     node: Node<ipc::Service>,
     /// Lock of the run's shared memory, released after the node.
     _lock: File,
 }
 
-impl Home for Joined {
+impl Home for LockedNode {
     fn node(&self) -> &Node<ipc::Service> {
         &self.node
     }
@@ -62,5 +62,5 @@ pub fn join(space: &RunSpace, nodes: usize, process: &str) -> Result<Box<dyn Hom
         .create::<ipc::Service>()
         .map_err(|e| failed(format!("{e:?}")))?;
     space.keep_others_out().map_err(|e| failed(e.to_string()))?;
-    Ok(Box::new(Joined { node, _lock: lock }))
+    Ok(Box::new(LockedNode { node, _lock: lock }))
 }

@@ -3,17 +3,20 @@
 use iceoryx2::prelude::{Node, ipc};
 
 use super::publisher::{self, Sender, SenderOptions};
-use super::service::{self, Agreed, Limits, TopicHolder};
+use super::service::{self, Limits, TopicHolder, TopicIdentity};
 use super::subscriber::{self, Receiver};
 use crate::error::BusError;
 use crate::message::Message;
 use crate::stamp::Header;
 
-type Create = fn(&Node<ipc::Service>, &Agreed<'_>, &Limits) -> Result<TopicHolder, BusError>;
-type OpenSender<H, E> =
-    fn(&Node<ipc::Service>, &Agreed<'_>, SenderOptions) -> Result<Box<dyn Sender<H, E>>, BusError>;
+type Create = fn(&Node<ipc::Service>, &TopicIdentity<'_>, &Limits) -> Result<TopicHolder, BusError>;
+type OpenSender<H, E> = fn(
+    &Node<ipc::Service>,
+    &TopicIdentity<'_>,
+    SenderOptions,
+) -> Result<Box<dyn Sender<H, E>>, BusError>;
 type OpenReceiver<H, E> =
-    fn(&Node<ipc::Service>, &Agreed<'_>, usize) -> Result<Box<dyn Receiver<H, E>>, BusError>;
+    fn(&Node<ipc::Service>, &TopicIdentity<'_>, usize) -> Result<Box<dyn Receiver<H, E>>, BusError>;
 
 /// Creates the service and the ports of a topic with header `H` and elements `E`. As a `static` it
 /// is compiled in the crate that declares the topic.

@@ -8,7 +8,7 @@ use iceoryx2::prelude::{AllocationStrategy, BackpressureStrategy, Node, ZeroCopy
 use iceoryx2::service::port_factory::publisher::PortFactoryPublisher;
 
 use super::degradation::Failures;
-use super::service::{self, Agreed};
+use super::service::{self, TopicIdentity};
 use crate::clock::monotonic_ns;
 use crate::error::{BusError, SendError};
 use crate::message::Message;
@@ -58,7 +58,7 @@ struct Port<H: Header, E: Message> {
 
 pub(crate) fn open<H: Header, E: Message>(
     node: &Node<ipc::Service>,
-    agreed: &Agreed<'_>,
+    agreed: &TopicIdentity<'_>,
     options: SenderOptions,
 ) -> Result<Box<dyn Sender<H, E>>, BusError> {
     let factory = service::open::<H, E>(node, agreed)?;

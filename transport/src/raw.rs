@@ -12,7 +12,7 @@ use iceoryx2::service::static_config::message_type_details::{TypeDetail, TypeVar
 
 use super::degradation::Failures;
 use super::publisher::{self, SenderOptions};
-use super::service::{self, Agreed, Limits, TopicHolder};
+use super::service::{self, Limits, TopicHolder, TopicIdentity};
 use crate::clock::monotonic_ns;
 use crate::error::{BusError, ReceiveError, SendError};
 use crate::message::Descriptor;
@@ -64,7 +64,7 @@ fn builder(node: &Node<ipc::Service>, format: RawFormat) -> Result<RawBuilder, B
 pub fn create(
     node: &Node<ipc::Service>,
     format: RawFormat,
-    agreed: &Agreed<'_>,
+    agreed: &TopicIdentity<'_>,
     limits: &Limits,
 ) -> Result<TopicHolder, BusError> {
     let topic = agreed.topic;
@@ -79,7 +79,7 @@ pub fn create(
 fn open(
     node: &Node<ipc::Service>,
     format: RawFormat,
-    agreed: &Agreed<'_>,
+    agreed: &TopicIdentity<'_>,
 ) -> Result<RawService, BusError> {
     let topic = agreed.topic;
     let verifier = super::agreement::require(topic, agreed.schema)?;
@@ -106,7 +106,7 @@ impl Sender {
     pub fn open(
         node: &Node<ipc::Service>,
         format: RawFormat,
-        agreed: &Agreed<'_>,
+        agreed: &TopicIdentity<'_>,
         options: &SenderOptions,
     ) -> Result<Self, BusError> {
         let factory = open(node, format, agreed)?;
@@ -203,7 +203,7 @@ impl Receiver {
     pub fn open(
         node: &Node<ipc::Service>,
         format: RawFormat,
-        agreed: &Agreed<'_>,
+        agreed: &TopicIdentity<'_>,
         buffer: usize,
     ) -> Result<Self, BusError> {
         let failures = Failures::default();

@@ -15,7 +15,7 @@ use crate::stamp::Header;
 
 /// Name of a topic and hash of its schema, on which the processes of a run agree.
 #[derive(Debug, Clone, Copy)]
-pub struct Agreed<'a> {
+pub struct TopicIdentity<'a> {
     /// Name of the topic.
     pub topic: &'static str,
     /// Hash of the schema.
@@ -93,7 +93,7 @@ pub(crate) fn service_name(topic: &'static str) -> Result<ServiceName, BusError>
 
 pub(crate) fn create<H: Header, E: Message>(
     node: &Node<ipc::Service>,
-    agreed: &Agreed<'_>,
+    agreed: &TopicIdentity<'_>,
     limits: &Limits,
 ) -> Result<TopicHolder, BusError> {
     let topic = agreed.topic;
@@ -144,7 +144,7 @@ where
 
 pub(crate) fn open<H: Header, E: Message>(
     node: &Node<ipc::Service>,
-    agreed: &Agreed<'_>,
+    agreed: &TopicIdentity<'_>,
 ) -> Result<PortFactory<ipc::Service, [E], H>, BusError> {
     let topic = agreed.topic;
     let verifier = agreement::require(topic, agreed.schema)?;
@@ -158,7 +158,7 @@ pub(crate) fn open<H: Header, E: Message>(
 /// Describes why a service was not opened with these types.
 pub(crate) fn refused(
     node: &Node<ipc::Service>,
-    agreed: &Agreed<'_>,
+    agreed: &TopicIdentity<'_>,
     error: PublishSubscribeOpenError,
     header: &Descriptor,
     element: &Descriptor,
@@ -184,7 +184,7 @@ pub(crate) fn refused(
 /// Describes both sides of a type mismatch.
 fn mismatch(
     node: &Node<ipc::Service>,
-    agreed: &Agreed<'_>,
+    agreed: &TopicIdentity<'_>,
     header: &Descriptor,
     element: &Descriptor,
 ) -> BusError {

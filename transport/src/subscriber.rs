@@ -6,7 +6,7 @@ use iceoryx2::port::update_connections::UpdateConnections;
 use iceoryx2::prelude::{Node, ipc};
 
 use super::degradation::Failures;
-use super::service::{self, Agreed};
+use super::service::{self, TopicIdentity};
 use crate::error::{BusError, ReceiveError};
 use crate::message::Message;
 use crate::stamp::Header;
@@ -62,7 +62,7 @@ struct Port<H: Header, E: Message> {
 
 pub(crate) fn open<H: Header, E: Message>(
     node: &Node<ipc::Service>,
-    agreed: &Agreed<'_>,
+    agreed: &TopicIdentity<'_>,
     buffer: usize,
 ) -> Result<Box<dyn Receiver<H, E>>, BusError> {
     let topic = agreed.topic;

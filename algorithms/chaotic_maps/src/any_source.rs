@@ -2,7 +2,7 @@
 
 use crate::cat::{Cat64, CatF64, CatP};
 use crate::chebyshev::{ChebF64, ChebP};
-use crate::keyed::Keyed;
+use crate::keyed::KeyedStream;
 use crate::maps::{Logistic, Standard};
 use crate::source::Source;
 
@@ -24,7 +24,7 @@ pub enum AnySource {
     /// Standard map.
     Standard(Standard),
     /// Keyed stream (boxed: it holds a buffer many times the size of the others).
-    Keyed(Box<Keyed>),
+    Keyed(Box<KeyedStream>),
 }
 
 impl AnySource {

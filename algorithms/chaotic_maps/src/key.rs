@@ -9,7 +9,7 @@ use crate::any_source::AnySource;
 use crate::cat::{Cat64, CatF64, CatP};
 use crate::chebyshev::{ChebF64, ChebP, Emission};
 use crate::error::KeyError;
-use crate::keyed::Keyed;
+use crate::keyed::KeyedStream;
 use crate::maps::{Logistic, Standard};
 use crate::modulus::P;
 
@@ -80,7 +80,7 @@ pub enum Key {
         /// Parameter of the map.
         k: f64,
     },
-    /// `keyed:` and 64 hexadecimal digits: [`Keyed`].
+    /// `keyed:` and 64 hexadecimal digits: [`KeyedStream`].
     Keyed {
         /// The secret.
         key: [u8; 32],
@@ -166,7 +166,7 @@ impl Key {
                 AnySource::Logistic(Logistic::new(x, y, emission)?)
             }
             Self::Standard { x, y, k } => AnySource::Standard(Standard::new(x, y, k)?),
-            Self::Keyed { key } => AnySource::Keyed(Box::new(Keyed::new(key))),
+            Self::Keyed { key } => AnySource::Keyed(Box::new(KeyedStream::new(key))),
         })
     }
 
@@ -181,7 +181,7 @@ impl Key {
     /// The bytes of the given secret, or of one derived from the seed of a run.
     ///
     /// # Errors
-    /// [`KeyError::NotSecret`] if the given key is not one of [`Keyed`].
+    /// [`KeyError::NotSecret`] if the given key is not one of [`KeyedStream`].
     pub fn secret(given: Option<Self>, seed: u64) -> Result<[u8; 32], KeyError> {
         match given.unwrap_or_else(|| Self::from_seed(KeyKind::Keyed, seed)) {
             Self::Keyed { key } => Ok(key),

@@ -12,11 +12,11 @@ const WORDS: u128 = 4;
 /// Independent uniform points from a `ChaCha20` stream; a holder of the 32-byte key can compute
 /// each of them at once.
 #[derive(Debug, Clone)]
-pub struct Keyed {
+pub struct KeyedStream {
     stream: ChaCha20Rng,
 }
 
-impl Keyed {
+impl KeyedStream {
     /// Creates the stream of a key, before its first point.
     pub fn new(key: [u8; 32]) -> Self {
         Self {
@@ -48,7 +48,7 @@ fn uniform(bits: u64) -> f64 {
     (bits >> 11) as f64 / (1_u64 << 53) as f64
 }
 
-impl Source for Keyed {
+impl Source for KeyedStream {
     fn next_unit(&mut self) -> [f64; 2] {
         let x = uniform(self.stream.next_u64());
         [x, uniform(self.stream.next_u64())]
@@ -61,7 +61,7 @@ mod tests {
 
     #[test]
     fn any_point_of_the_stream_can_be_reached_at_once() {
-        let start = Keyed::new([7; 32]);
+        let start = KeyedStream::new([7; 32]);
         let mut walked = start.clone();
         let points: Vec<_> = (0..100).map(|_| walked.next_unit()).collect();
         for step in [0, 1, 2, 17, 63, 99] {
@@ -79,14 +79,14 @@ mod tests {
     fn the_stream_is_chacha20_of_the_key() {
         // RFC 8439 and the reference implementation: the stream of the zero key and nonce begins
         // 76 b8 e0 ad a0 f1 3d 90.
-        let mut stream = Keyed::new([0; 32]);
+        let mut stream = KeyedStream::new([0; 32]);
         let first = u64::from_le_bytes([0x76, 0xb8, 0xe0, 0xad, 0xa0, 0xf1, 0x3d, 0x90]);
         assert_eq!(stream.next_unit()[0], uniform(first));
     }
 
     #[test]
     fn different_keys_give_different_points_of_uniform_spread() {
-        let (mut one, mut other) = (Keyed::new([1; 32]), Keyed::new([2; 32]));
+        let (mut one, mut other) = (KeyedStream::new([1; 32]), KeyedStream::new([2; 32]));
         let mut counts = [0_u32; 16];
         for _ in 0..16_000 {
             let p = one.next_unit();

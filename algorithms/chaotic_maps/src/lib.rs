@@ -8,7 +8,7 @@
 //! - [`keyed`]: a `ChaCha20` stream;
 //!
 //! None of the chaotic maps keeps a secret: each is public, and the cat and Chebyshev maps are
-//! linear, so that fewer than a hundred points determine their state. Only [`keyed::Keyed`]
+//! linear, so that fewer than a hundred points determine their state. Only [`keyed::KeyedStream`]
 //! protects against an observer that knows the method.
 //!
 //! ```
@@ -39,6 +39,6 @@ pub use cat::{Cat64, CatF64, CatP};
 pub use chebyshev::{ChebF64, ChebP, Emission};
 pub use error::KeyError;
 pub use key::{Key, KeyKind};
-pub use keyed::Keyed;
+pub use keyed::KeyedStream;
 pub use maps::{Logistic, Standard};
 pub use source::Source;

@@ -35,7 +35,7 @@ pub struct TrackingParams {
     pub look_ahead_time_s: f64,
     /// Minimum look-ahead, at most `look_ahead`; used where the path to a farther point is not clear.
     #[schemars(transform = above(0).unit("m"))]
-    pub least_look_ahead: f64,
+    pub min_look_ahead: f64,
     /// Bearing of the target point above which the robot turns on the spot.
     #[schemars(transform = above(0).at_most(PI).unit("rad"))]
     pub turn_on_spot: f64,
@@ -61,7 +61,7 @@ impl Default for TrackingParams {
         Self {
             look_ahead: 0.2,
             look_ahead_time_s: 0.5,
-            least_look_ahead: 0.05,
+            min_look_ahead: 0.05,
             turn_on_spot: 1.2,
             turn_gain: 8.0,
             speed_fraction: 1.0,
@@ -75,9 +75,9 @@ impl Default for TrackingParams {
 impl Parameters for TrackingParams {
     fn check_relations(&self) -> Result<(), ParamsError> {
         require(
-            self.least_look_ahead <= self.look_ahead,
-            "least_look_ahead",
-            &self.least_look_ahead,
+            self.min_look_ahead <= self.look_ahead,
+            "min_look_ahead",
+            &self.min_look_ahead,
             "at most `look_ahead`",
         )
     }
@@ -262,10 +262,10 @@ impl PathTracker {
         let mut look = ahead;
         let target = loop {
             let target = self.path.at(progress + look)?;
-            if look <= params.least_look_ahead || is_clear(pose, target) {
+            if look <= params.min_look_ahead || is_clear(pose, target) {
                 break target;
             }
-            look = (look * SHORTER).max(params.least_look_ahead);
+            look = (look * SHORTER).max(params.min_look_ahead);
         };
         let command = if arrived && params.arrival_deceleration.is_some() {
             Twist2::STOP

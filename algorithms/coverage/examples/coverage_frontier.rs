@@ -11,7 +11,7 @@
 
 use std::process::ExitCode;
 
-use chaotic_maps::{ChebP, Emission, Keyed, Source};
+use chaotic_maps::{ChebP, Emission, KeyedStream, Source};
 use coverage::boustrophedon::Boustrophedon;
 use coverage::decomposition::Decomposition;
 use coverage::goal::GoalSource;
@@ -20,7 +20,7 @@ use coverage::random_bounce::RandomBounce;
 use coverage::uniform::UniformGoals;
 use coverage::workplace::Workplace;
 use geometry::shape::Aabb;
-use metrics::coverage::{CellGrid, Swept};
+use metrics::coverage::{CellGrid, SweptCells};
 use metrics::quantile::quantile;
 use nalgebra::{Point2, Vector2};
 
@@ -168,7 +168,7 @@ fn one_key(planner: &Planner, number: u64, guesses: usize) -> Result<Run, Failur
     };
     let workplace = Workplace::new(bounds, 0.1, &[], 0.01)?;
     let parts = Decomposition::new(&workplace)?;
-    let mut swept = Swept::new(CellGrid::new(&workplace.domain()?, 0.1)?, 0.1);
+    let mut swept = SweptCells::new(CellGrid::new(&workplace.domain()?, 0.1)?, 0.1);
     let secret = key(0, number, 0);
     let home = match planner {
         Planner::Boustrophedon => Point2::new(0.1, 0.1),
@@ -267,7 +267,9 @@ fn one_key(planner: &Planner, number: u64, guesses: usize) -> Result<Run, Failur
 
 /// Known method: the state can be recovered within some twenty sub-goals, and the next one is known.
 fn chebyshev(workplace: &Workplace, secret: [u8; 32], emission: Emission) -> Result<Next, Failure> {
-    let [a, b] = Keyed::new(secret).next_unit().map(|u| (u * 9.2e18) as u64);
+    let [a, b] = KeyedStream::new(secret)
+        .next_unit()
+        .map(|u| (u * 9.2e18) as u64);
     let mut source = ChebP::new(a, b, emission)?;
     let inner = workplace.inner();
     Ok(Box::new(move |_| {

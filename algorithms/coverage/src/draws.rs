@@ -1,11 +1,11 @@
 //! Random numbers of planners, from a keyed stream.
 
-use chaotic_maps::{Keyed, Source};
+use chaotic_maps::{KeyedStream, Source};
 
 /// Uniform numbers in [0, 1) from the `ChaCha20` stream of a key, one after the other.
 #[derive(Debug, Clone)]
 pub(crate) struct Draws {
-    stream: Keyed,
+    stream: KeyedStream,
     /// Second coordinate of the last point.
     spare: Option<f64>,
 }
@@ -13,7 +13,7 @@ pub(crate) struct Draws {
 impl Draws {
     pub(crate) fn new(key: [u8; 32]) -> Self {
         Self {
-            stream: Keyed::new(key),
+            stream: KeyedStream::new(key),
             spare: None,
         }
     }

@@ -36,7 +36,7 @@ use crate::decomposition::Decomposition;
 use crate::freshness::Freshness;
 use crate::goal::{Goal, GoalSource};
 use crate::space::Space;
-use crate::wander::{Standing, Wander};
+use crate::wander::{PositionRule, Wander};
 use crate::workplace::Workplace;
 use choice::{Choice, Order, draw_orders};
 
@@ -237,13 +237,13 @@ impl KeyedCoverage {
 impl GoalSource for KeyedCoverage {
     fn next_goal(&mut self, from: Point2<f64>) -> Option<Goal> {
         match self.wander.standing(from) {
-            Standing::Nowhere => return None,
-            Standing::Outside(goal) => return Some(goal),
-            Standing::OnTheWay(goal) => {
+            PositionRule::Nowhere => return None,
+            PositionRule::Outside(goal) => return Some(goal),
+            PositionRule::OnTheWay(goal) => {
                 self.sweep(from, goal.waypoint.point);
                 return Some(goal);
             }
-            Standing::Free => {}
+            PositionRule::Free => {}
         }
         if 1.0 - self.freshness.share() >= self.params.round_at {
             self.freshness.renew();

@@ -22,13 +22,13 @@ const ATTEMPTS: u32 = 256;
 /// and come from a `ChaCha20` stream.
 ///
 /// A baseline without memory: it does not guarantee that narrow passages are found.
-pub type RandomBounce = Wanderer<Bouncing>;
+pub type RandomBounce = Wanderer<BounceRule>;
 
 /// The rule: straight to the next wall.
 #[derive(Debug, Clone)]
-pub struct Bouncing;
+pub struct BounceRule;
 
-impl Rule for Bouncing {
+impl Rule for BounceRule {
     fn choose(wander: &mut Wander, from: Point2<f64>) -> Option<Goal> {
         for _ in 0..ATTEMPTS {
             let (sin, cos) = sincos(wander.draws.unit() * TAU);

@@ -1,7 +1,7 @@
 //! The empty workplace of the coverage papers, and paths driven over it.
 
 use geometry::shape::Aabb;
-use metrics::coverage::{CellGrid, Swept};
+use metrics::coverage::{CellGrid, SweptCells};
 use nalgebra::Point2;
 
 use crate::decomposition::Decomposition;
@@ -27,7 +27,7 @@ pub(crate) fn disc_coverage(
     lengths: &[f64],
 ) -> Vec<f64> {
     let grid = CellGrid::new(&workplace.domain().unwrap(), 0.1).unwrap();
-    let mut swept = Swept::new(grid, workplace.radius());
+    let mut swept = SweptCells::new(grid, workplace.radius());
     let (mut from, mut length) = (start, 0.0);
     swept.sweep(from, from);
     let mut rates = Vec::new();

@@ -25,7 +25,7 @@ pub struct Wander {
 }
 
 /// Consequence of the robot's position, before any draw.
-pub(crate) enum Standing {
+pub(crate) enum PositionRule {
     /// The position is not finite: no plan is possible.
     Nowhere,
     /// The robot is outside its space: back to the nearest place inside.
@@ -66,17 +66,17 @@ impl Wander {
     }
 
     /// Returns the consequence of the robot's position.
-    pub(crate) fn standing(&mut self, from: Point2<f64>) -> Standing {
+    pub(crate) fn standing(&mut self, from: Point2<f64>) -> PositionRule {
         if !(from.x.is_finite() && from.y.is_finite()) {
-            return Standing::Nowhere;
+            return PositionRule::Nowhere;
         }
         if !self.space.contains(from) {
             self.path.clear();
             let to = self.space.nearest(from);
-            return Standing::Outside(self.counter.goal(WaypointKind::Transit, to, None));
+            return PositionRule::Outside(self.counter.goal(WaypointKind::Transit, to, None));
         }
         self.next_leg(from)
-            .map_or(Standing::Free, Standing::OnTheWay)
+            .map_or(PositionRule::Free, PositionRule::OnTheWay)
     }
 
     /// Starts the path through free rectangles to a point of the rectangle `last`; returns its first
@@ -136,7 +136,7 @@ impl<R> Wanderer<R> {
         key: [u8; 32],
     ) -> Self {
         let space = Space::new(workplace, decomposition, start);
-        Self::of(Wander::new(space, key))
+        Self::from_wander(Wander::new(space, key))
     }
 
     /// The same planner in a changed workplace, from `start` (m): stream and numbers continue.
@@ -148,16 +148,16 @@ impl<R> Wanderer<R> {
         start: Point2<f64>,
     ) -> Self {
         let space = Space::new(workplace, decomposition, start);
-        Self::of(self.wander.moved(space))
+        Self::from_wander(self.wander.moved(space))
     }
 
     /// The same planner with another key from here on, for an observer's guesses.
     #[must_use]
     pub fn with_key(&self, key: [u8; 32]) -> Self {
-        Self::of(self.wander.with_key(key))
+        Self::from_wander(self.wander.with_key(key))
     }
 
-    fn of(wander: Wander) -> Self {
+    fn from_wander(wander: Wander) -> Self {
         let rule = core::marker::PhantomData;
         Self { wander, rule }
     }
@@ -166,9 +166,9 @@ impl<R> Wanderer<R> {
 impl<R: Rule> GoalSource for Wanderer<R> {
     fn next_goal(&mut self, from: Point2<f64>) -> Option<Goal> {
         match self.wander.standing(from) {
-            Standing::Nowhere => None,
-            Standing::Outside(goal) | Standing::OnTheWay(goal) => Some(goal),
-            Standing::Free => R::choose(&mut self.wander, from),
+            PositionRule::Nowhere => None,
+            PositionRule::Outside(goal) | PositionRule::OnTheWay(goal) => Some(goal),
+            PositionRule::Free => R::choose(&mut self.wander, from),
         }
     }
 }

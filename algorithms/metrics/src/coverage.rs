@@ -8,7 +8,7 @@
 //! - *goals*: a sub-goal lies in it ([`Visits`]);
 //! - *path*: a point of the interpolated path lies in it ([`Visits`], which also computes the
 //!   evenness);
-//! - *disc*: its centre comes within the robot's radius of the path ([`Swept`]).
+//! - *disc*: its centre comes within the robot's radius of the path ([`SweptCells`]).
 //!
 //! [`Meter`] keeps all of them for the usual cell sides while a path grows, so that the coverage is
 //! available for every length of it.
@@ -26,7 +26,7 @@ pub use domain::{CoverageDomain, CoverageError, Rectangle};
 pub use grid::CellGrid;
 pub use meter::{CELL_SIDES, DISC_CELL_SIDE, Figures, Meter, Rate};
 pub use spans::{Axis, Lattice, Span};
-pub use swept::Swept;
+pub use swept::SweptCells;
 pub use visits::Visits;
 
 /// Maximum number of cells of a workplace.

@@ -152,7 +152,7 @@ impl PathMetrics {
     /// Measures laps with a duration of `t_max` (s) each, at [`POINTS_PER_LAP`].
     ///
     /// `None` without laps, with a lap or a reference without points, or unless `t_max` > 0.
-    pub fn of(reference: &[Point2<f64>], laps: &[Track], t_max: f64) -> Option<Self> {
+    pub fn from_laps(reference: &[Point2<f64>], laps: &[Track], t_max: f64) -> Option<Self> {
         let first = laps.first()?;
         Some(Self {
             laps: laps.len(),
@@ -166,8 +166,8 @@ impl PathMetrics {
             andc: mean_over(laps, |lap| {
                 andc(lap.points().len().saturating_sub(1), t_max)
             })?,
-            turns_first: Turns::of(first.points()),
-            turns: Turns::of(&joined(laps)),
+            turns_first: Turns::from_path(first.points()),
+            turns: Turns::from_path(&joined(laps)),
         })
     }
 }

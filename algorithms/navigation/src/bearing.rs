@@ -55,7 +55,7 @@ impl Bearings<'_> {
     /// The bearing of `to` from `from` (m); `None` when they are closer than 1 mm or not finite.
     ///
     /// The bearing of a point that no path reaches is straight.
-    pub fn of(&self, from: Point2<f64>, to: Point2<f64>) -> Option<Bearing> {
+    pub fn bearing(&self, from: Point2<f64>, to: Point2<f64>) -> Option<Bearing> {
         match self {
             Self::Straight => straight(from, to),
             Self::Along(routes) => match routes.leg_to(to) {
@@ -89,7 +89,7 @@ mod tests {
     #[test]
     fn straight_bearings_are_unit_vectors_with_the_distance() {
         let bearing = Bearings::Straight
-            .of(Point2::new(1.0, 1.0), Point2::new(4.0, 5.0))
+            .bearing(Point2::new(1.0, 1.0), Point2::new(4.0, 5.0))
             .unwrap();
         assert_eq!(bearing.distance, 5.0);
         assert_eq!(bearing.direction, Vector2::new(0.6, 0.8));
@@ -98,15 +98,15 @@ mod tests {
     #[test]
     fn a_point_at_the_robot_or_at_infinity_has_no_bearing() {
         let here = Point2::new(1.0, 1.0);
-        assert!(Bearings::Straight.of(here, here).is_none());
+        assert!(Bearings::Straight.bearing(here, here).is_none());
         assert!(
             Bearings::Straight
-                .of(here, Point2::new(f64::INFINITY, 0.0))
+                .bearing(here, Point2::new(f64::INFINITY, 0.0))
                 .is_none()
         );
         assert!(
             Bearings::Straight
-                .of(here, Point2::new(0.0, f64::NAN))
+                .bearing(here, Point2::new(0.0, f64::NAN))
                 .is_none()
         );
     }

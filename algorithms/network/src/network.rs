@@ -3,7 +3,7 @@
 use prost::Message;
 
 use crate::MAX_FILE;
-use crate::compile::{Compiled, compile};
+use crate::compile::{CompiledNetwork, compile};
 use crate::error::{EvaluationError, NetworkError};
 use crate::proto::Model;
 
@@ -12,7 +12,7 @@ use crate::proto::Model;
 /// An evaluation allocates nothing. Its result is a function of file and input alone, with the same bits on every
 /// machine.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Network(Compiled);
+pub struct Network(CompiledNetwork);
 
 impl Network {
     /// Reads the contents of an ONNX file. A dimension with a name (`batch`) has length 1.
@@ -42,7 +42,7 @@ impl Network {
     /// [`EvaluationError`] if the input has another length, or the output is not finite.
     pub fn evaluate(&mut self, input: &[f32]) -> Result<&[f32], EvaluationError> {
         let expected = self.input_length();
-        let Compiled {
+        let CompiledNetwork {
             steps,
             values,
             input: own,

@@ -60,7 +60,7 @@ impl Operation {
             }
             Self::Unary(function) => {
                 for (out, &x) in out.iter_mut().zip(operand(0)) {
-                    *out = function.of(x);
+                    *out = function.apply(x);
                 }
             }
             Self::Concat { lengths } => concat(lengths, operand, out),
@@ -85,10 +85,10 @@ fn product(left: &[f32], right: &[f32], inner: usize, columns: usize, out: &mut 
     }
 }
 
-type Indexed<'a> = (&'a [f32], &'a Option<Vec<u32>>);
+type IndexedValues<'a> = (&'a [f32], &'a Option<Vec<u32>>);
 
-fn binary(kind: Binary, left: Indexed<'_>, right: Indexed<'_>, out: &mut [f32]) {
-    let element = |(values, indices): Indexed<'_>, i: usize| {
+fn binary(kind: Binary, left: IndexedValues<'_>, right: IndexedValues<'_>, out: &mut [f32]) {
+    let element = |(values, indices): IndexedValues<'_>, i: usize| {
         let i = match indices {
             None => Some(i),
             Some(indices) => indices.get(i).map(|&i| i as usize),
@@ -108,7 +108,7 @@ fn binary(kind: Binary, left: Indexed<'_>, right: Indexed<'_>, out: &mut [f32]) 
 
 impl Unary {
     /// The function's value.
-    fn of(self, x: f32) -> f32 {
+    fn apply(self, x: f32) -> f32 {
         match self {
             Self::Relu if x < 0.0 => 0.0,
             Self::Tanh => math::tanh(f64::from(x)) as f32,

@@ -8,7 +8,7 @@ use crate::facts::RobotFacts;
 use crate::parts::{MAX_EXITS, Parts};
 use crate::relative::{self, Heading, Offset, bounded};
 use crate::route_entries::RouteEntries;
-use crate::scene::{Scene, Seen};
+use crate::scene::{RobotSnapshot, Scene};
 
 /// Names of the entries of the own state.
 const OWN: [&str; 7] = [
@@ -221,7 +221,7 @@ impl Layout {
     }
 
     /// Returns the entries of another robot.
-    fn other(&self, scene: &Scene, own: &Seen, index: usize) -> [f32; ROBOT_LENGTH] {
+    fn other(&self, scene: &Scene, own: &RobotSnapshot, index: usize) -> [f32; ROBOT_LENGTH] {
         let Some((other, [ahead, left, bearing_cos, bearing_sin, proximity], is_visible)) =
             scene.other(self.me, own.heading, index)
         else {
@@ -244,7 +244,11 @@ impl Layout {
     }
 }
 
-fn belief_entries(belief: &BeliefView<'_>, own: &Seen, per_diagonal: f32) -> [f32; BELIEF_LENGTH] {
+fn belief_entries(
+    belief: &BeliefView<'_>,
+    own: &RobotSnapshot,
+    per_diagonal: f32,
+) -> [f32; BELIEF_LENGTH] {
     let spread = belief.position_std;
     if !(belief.mean.is_finite() && spread.is_finite() && spread >= 0.0) {
         return [0.0; BELIEF_LENGTH];

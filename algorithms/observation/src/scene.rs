@@ -9,7 +9,7 @@ use crate::relative::{self, Heading, Offset};
 
 /// A robot of a tick.
 #[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Seen {
+pub(crate) struct RobotSnapshot {
     /// `true` if it has a body and its numbers are finite. The other fields of an absent robot have no meaning.
     pub present: bool,
     pub active: bool,
@@ -37,7 +37,7 @@ const NO_PAIR: u32 = u32::MAX;
 /// Obstacles that hid robots from each other when their lines of sight were last computed. They make the next
 /// computation quicker, and have no effect on its result: any [`Scene`] of the same robots may use them.
 #[derive(Debug, Clone, Default)]
-pub struct Hiding(Vec<Option<u32>>);
+pub struct OcclusionCache(Vec<Option<u32>>);
 
 /// Distances, bearings and lines of sight between the robots of a tick. Observations of several robots share them.
 ///
@@ -45,7 +45,7 @@ pub struct Hiding(Vec<Option<u32>>);
 #[derive(Debug, Clone)]
 pub struct Scene {
     limits: Vec<[f32; 2]>,
-    robots: Vec<Seen>,
+    robots: Vec<RobotSnapshot>,
     pairs: Vec<Pair>,
     /// Index of a pair, by the indices of its robots; robots² entries.
     indices: Vec<u32>,
@@ -86,7 +86,7 @@ impl Scene {
             limits: limits
                 .map(|robot| [per(robot.model.v_max), per(robot.model.omega_max)])
                 .collect(),
-            robots: vec![Seen::default(); count],
+            robots: vec![RobotSnapshot::default(); count],
             pairs,
             indices,
             per_diagonal: 0.0,
@@ -95,7 +95,7 @@ impl Scene {
 
     /// Takes the robots of a tick, on the current map. Robots without a body, and those with numbers that are not
     /// finite, count as absent.
-    pub fn update(&mut self, robots: &[RobotView], shapes: &ShapeMap, hiding: &mut Hiding) {
+    pub fn update(&mut self, robots: &[RobotView], shapes: &ShapeMap, hiding: &mut OcclusionCache) {
         let bounds = shapes.bounds();
         let size = bounds.max - bounds.min;
         self.per_diagonal = (1.0 / size.norm()) as f32;
@@ -114,7 +114,7 @@ impl Scene {
             if slot.present || !(robot.active || robot.present) || !robot.is_sane() {
                 continue;
             }
-            *slot = Seen {
+            *slot = RobotSnapshot {
                 present: true,
                 active: robot.active,
                 place: [
@@ -141,7 +141,7 @@ impl Scene {
     }
 
     /// Returns a robot; `None` if it is absent.
-    pub(crate) fn robot(&self, index: usize) -> Option<&Seen> {
+    pub(crate) fn robot(&self, index: usize) -> Option<&RobotSnapshot> {
         self.robots.get(index).filter(|robot| robot.present)
     }
 
@@ -152,7 +152,7 @@ impl Scene {
         from: usize,
         heading: Heading,
         to: usize,
-    ) -> Option<(&Seen, [f32; relative::LENGTH], bool)> {
+    ) -> Option<(&RobotSnapshot, [f32; relative::LENGTH], bool)> {
         let other = self.robot(to)?;
         let index = *self.indices.get(from * self.robots.len() + to)?;
         let pair = self.pairs.get(index as usize)?;

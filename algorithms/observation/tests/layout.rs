@@ -14,7 +14,7 @@ use nalgebra::Point2;
 use observation::error::{LayoutError, WriteError};
 use observation::facts::RobotFacts;
 use observation::layout::Layout;
-use observation::scene::{Hiding, Scene};
+use observation::scene::{OcclusionCache, Scene};
 use planner_view::view::{BeliefView, ScanView, View};
 use proptest::prelude::*;
 use robot::spec::{RobotSpec, ScanSpec};
@@ -75,7 +75,7 @@ struct Observed {
 }
 
 impl Observed {
-    fn of(world: &World, me: usize, parts: &str, beliefs: &[BeliefView<'_>]) -> Self {
+    fn from_world(world: &World, me: usize, parts: &str, beliefs: &[BeliefView<'_>]) -> Self {
         let facts = support::facts(world);
         let exits: Vec<Point2<f64>> = world.exits().iter().map(Region::center).collect();
         let layout = Layout::new(parts.parse().unwrap(), &facts, me, exits.len()).unwrap();
@@ -98,7 +98,11 @@ impl Observed {
                 ranges: &ranges,
             }),
         };
-        scene.update(&robots, world.map().shapes(), &mut Hiding::default());
+        scene.update(
+            &robots,
+            world.map().shapes(),
+            &mut OcclusionCache::default(),
+        );
         let mut values = vec![9.0; layout.length()];
         layout.write(&scene, &view, &mut values).unwrap();
         assert!(values.iter().all(|value| (-1.0..=1.0).contains(value)));
@@ -130,7 +134,7 @@ fn the_own_state_is_relative_to_map_and_limits() {
             Duration::from_millis(50),
         );
     }
-    let own = Observed::of(&world, 0, "state", &[]);
+    let own = Observed::from_world(&world, 0, "state", &[]);
     assert_near(own.get("own.x"), (2.011 - 4.0) / 4.0);
     assert_near(own.get("own.y"), 0.0);
     assert_near(own.get("own.heading_cos"), 1.0);
@@ -144,7 +148,7 @@ fn the_own_state_is_relative_to_map_and_limits() {
 #[test]
 fn other_robots_are_relative_and_pillars_hide_opponents() {
     let world = world();
-    let evader = Observed::of(&world, 3, "state", &[]);
+    let evader = Observed::from_world(&world, 3, "state", &[]);
     // It looks along +y: police_3 is 2 m ahead, police_1 4 m to the left behind the pillar.
     assert_near(evader.get("police_3.ahead"), 0.2);
     assert_near(evader.get("police_3.bearing_cos"), 1.0);
@@ -154,7 +158,7 @@ fn other_robots_are_relative_and_pillars_hide_opponents() {
     assert_eq!(evader.get("police_3.visible"), 1.0);
     assert_eq!(evader.get("police_1.visible"), 0.0);
     // The same pair from the other side, and two of a team.
-    let police = Observed::of(&world, 2, "state", &[]);
+    let police = Observed::from_world(&world, 2, "state", &[]);
     assert_near(police.get("evader.left"), 0.2);
     assert_eq!(police.get("evader.visible"), 1.0);
     assert_eq!(police.get("police_2.visible"), 0.0);
@@ -164,7 +168,7 @@ fn other_robots_are_relative_and_pillars_hide_opponents() {
 fn the_nearest_exits_come_first() {
     let world = world();
     for (me, near, far) in [(3, (1.5, 0.0), (-5.5, -2.5)), (0, (-1.5, -2.5), (5.5, 0.0))] {
-        let observed = Observed::of(&world, me, "state", &[]);
+        let observed = Observed::from_world(&world, me, "state", &[]);
         for (exit, (x, y)) in [("exit_1", near), ("exit_2", far)] {
             let distance = hypot(x, y);
             assert_near(
@@ -177,7 +181,7 @@ fn the_nearest_exits_come_first() {
 
 #[test]
 fn a_scan_is_a_share_of_the_maximum_range() {
-    let scan = Observed::of(&world(), 3, "scan", &[]);
+    let scan = Observed::from_world(&world(), 3, "scan", &[]);
     // Ahead police_3, to the left the pillar, behind police_2, to the right the edge of the map.
     for (beam, range) in [2.0 - 0.105, 1.5, 2.0 - 0.105, 2.0].into_iter().enumerate() {
         assert_near(scan.get(&format!("scan.{beam}")), range / 3.5);
@@ -194,7 +198,7 @@ fn a_belief_has_its_mean_and_its_certainty_and_none_is_zero() {
         position_std: 1.0,
         seen: true,
     };
-    let police = Observed::of(&world, 0, "belief", &[belief]);
+    let police = Observed::from_world(&world, 0, "belief", &[belief]);
     assert_near(police.get("belief.evader.ahead"), 0.2);
     assert_near(police.get("belief.evader.heading_sin"), 1.0);
     assert_eq!(police.get("belief.evader.certainty"), 0.5);
@@ -204,12 +208,12 @@ fn a_belief_has_its_mean_and_its_certainty_and_none_is_zero() {
         ..belief
     };
     for beliefs in [&[][..], &[nan]] {
-        let police = Observed::of(&world, 0, "belief", beliefs);
+        let police = Observed::from_world(&world, 0, "belief", beliefs);
         assert_eq!(police.get("belief.evader.known"), 0.0);
         assert_eq!(police.get("belief.evader.certainty"), 0.0);
     }
     // All parts together.
-    let all = Observed::of(&world, 3, "state+scan+belief", &[]);
+    let all = Observed::from_world(&world, 3, "state+scan+belief", &[]);
     assert_eq!(all.names.len(), 7 + 2 * 5 + 3 * 10 + 4 + 3 * 10);
 }
 
@@ -287,7 +291,7 @@ proptest! {
         }];
         let exits = [Point2::new(numbers[4], numbers[5]), Point2::new(1.0, 1.0)];
         let mut scene = Scene::new(&facts, &[0, 3]);
-        scene.update(&robots, world.map().shapes(), &mut Hiding::default());
+        scene.update(&robots, world.map().shapes(), &mut OcclusionCache::default());
         for (me, parts) in [(0, "state+belief"), (3, "state+scan")] {
             let layout = Layout::new(parts.parse().unwrap(), &facts, me, 2).unwrap();
             let view = View {
@@ -330,7 +334,7 @@ fn what_hid_robots_before_has_no_effect() {
     let (mut known, mut fresh) = (Scene::new(&facts, &[3]), Scene::new(&facts, &[3]));
     let layout = Layout::new("state".parse().unwrap(), &facts, 3, 0).unwrap();
     let mut robots = support::robots(&world);
-    let mut hiding = Hiding::default();
+    let mut hiding = OcclusionCache::default();
     let mut seen = [0, 0];
     for tick in 0..3000 {
         for (k, robot) in robots.iter_mut().enumerate() {
@@ -339,7 +343,11 @@ fn what_hid_robots_before_has_no_effect() {
             robot.pose.y = 3.0 + 2.5 * geometry::math::sin(1.7 * phase);
         }
         known.update(&robots, world.map().shapes(), &mut hiding);
-        fresh.update(&robots, world.map().shapes(), &mut Hiding::default());
+        fresh.update(
+            &robots,
+            world.map().shapes(),
+            &mut OcclusionCache::default(),
+        );
         let observed = [&known, &fresh].map(|scene| {
             let view = View {
                 time_s: 0.0,

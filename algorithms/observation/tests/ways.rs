@@ -13,7 +13,7 @@ use geometry::shape::Shape;
 use nalgebra::Point2;
 use observation::action::action;
 use observation::layout::Layout;
-use observation::scene::{Hiding, Scene};
+use observation::scene::{OcclusionCache, Scene};
 use planner_view::limits::Limits;
 use planner_view::map::PlannerMap;
 use planner_view::view::View;
@@ -59,7 +59,11 @@ fn observed(world: &World, parts: &str) -> BTreeMap<String, f32> {
     let layout = Layout::new(parts.parse().unwrap(), &facts, 0, exits.len()).unwrap();
     let robots = support::robots(world);
     let mut scene = Scene::new(&facts, &[0]);
-    scene.update(&robots, world.map().shapes(), &mut Hiding::default());
+    scene.update(
+        &robots,
+        world.map().shapes(),
+        &mut OcclusionCache::default(),
+    );
     let view = View {
         time_s: 0.0,
         dt: 0.05,

@@ -11,8 +11,8 @@ use crate::errors::Errors;
 use crate::iterate::Iterate;
 use crate::motion::Headings;
 use crate::riccati::{End, Riccati, Stage, Unknowns};
-use crate::rows::Evaluated;
-use crate::scaled::Scaled;
+use crate::rows::RowDerivatives;
+use crate::scaled::ScaledProblem;
 
 /// A problem of the barrier counts as solved at this multiple of the barrier parameter.
 const SUBPROBLEM: f64 = 10.0;
@@ -50,12 +50,12 @@ pub struct Values {
     /// Headings in each stage.
     pub headings: Vec<Headings>,
     /// Each row.
-    pub rows: Vec<Evaluated>,
+    pub rows: Vec<RowDerivatives>,
 }
 
 /// The iteration and its memory.
 pub struct InteriorPoint<'a> {
-    pub(super) problem: &'a Scaled,
+    pub(super) problem: &'a ScaledProblem,
     pub(super) at: Iterate,
     /// The step, and the iterate that it leads to. Costates are new values, not changes.
     pub(super) step: Iterate,
@@ -82,10 +82,10 @@ pub struct InteriorPoint<'a> {
 
 impl<'a> InteriorPoint<'a> {
     /// Begins at an iterate with slacks and multipliers.
-    pub fn new(problem: &'a Scaled, at: Iterate) -> Self {
+    pub fn new(problem: &'a ScaledProblem, at: Iterate) -> Self {
         let values = Values {
             headings: vec![Headings::default(); problem.count],
-            rows: problem.rows.iter().map(Evaluated::of).collect(),
+            rows: problem.rows.iter().map(RowDerivatives::from_row).collect(),
         };
         let mut method = Self {
             stages: vec![Stage::default(); problem.count],

@@ -4,7 +4,7 @@ use nalgebra::Vector2;
 
 use crate::problem::{Node, Problem};
 use crate::riccati::{CONTROLS, Control, Point, STATES, State};
-use crate::scaled::Scaled;
+use crate::scaled::ScaledProblem;
 use crate::variables::{OMEGA, THETA, V, X, Y};
 
 /// Minimum slack of a first guess.
@@ -31,7 +31,7 @@ pub struct Iterate {
 
 impl Iterate {
     /// Variables without multipliers of a guess.
-    pub fn of_guess(scaled: &Scaled, problem: &Problem<'_>, nodes: &[Node]) -> Self {
+    pub fn of_guess(scaled: &ScaledProblem, problem: &Problem<'_>, nodes: &[Node]) -> Self {
         let mut states: Vec<State> = nodes
             .iter()
             .map(|node| {
@@ -58,7 +58,7 @@ impl Iterate {
     }
 
     /// Variables without multipliers of states.
-    fn new(problem: &Scaled, mut states: Vec<State>) -> Self {
+    fn new(problem: &ScaledProblem, mut states: Vec<State>) -> Self {
         let count = problem.count;
         let mut controls = Vec::with_capacity(count);
         for k in 0..count {
@@ -99,12 +99,12 @@ impl Iterate {
     }
 
     /// Slacks and multipliers of the rows near the central path, from the states alone.
-    pub fn center(&mut self, problem: &Scaled, barrier: f64) {
+    pub fn center(&mut self, problem: &ScaledProblem, barrier: f64) {
         self.slack.resize(problem.rows.len(), 0.0);
         self.dual.resize(problem.rows.len(), 0.0);
         for k in 0..=problem.count {
             let w = self.point(k);
-            for i in problem.of(k) {
+            for i in problem.stage_rows(k) {
                 let room = -problem.rows[i].value(&w, &problem.obstacles);
                 self.slack[i] = room.max(MIN_SLACK);
                 self.dual[i] = barrier / self.slack[i];
@@ -113,12 +113,12 @@ impl Iterate {
     }
 
     /// Slacks near the central path for multipliers that are carried over.
-    pub fn carry(&mut self, problem: &Scaled, barrier: f64) {
+    pub fn carry(&mut self, problem: &ScaledProblem, barrier: f64) {
         self.slack.resize(problem.rows.len(), 0.0);
         let [least, active] = CARRIED;
         for k in 0..=problem.count {
             let w = self.point(k);
-            for i in problem.of(k) {
+            for i in problem.stage_rows(k) {
                 let room = -problem.rows[i].value(&w, &problem.obstacles);
                 // The multiplier of an active row gives its slack; the slack of another, its
                 // multiplier.
@@ -131,7 +131,7 @@ impl Iterate {
     }
 
     /// The same motion with twice as many stages; `fine` has their motion, not yet their rows.
-    pub fn doubled(&self, coarse: &Scaled, fine: &Scaled) -> Self {
+    pub fn doubled(&self, coarse: &ScaledProblem, fine: &ScaledProblem) -> Self {
         let mut to = Self {
             end: self.end,
             ..Self::default()
@@ -159,13 +159,13 @@ impl Iterate {
 
     /// Multipliers of the rows of `new` from those of `old`, which has as many stages or half as
     /// many.
-    pub fn transfer(&mut self, dual: &[f64], old: &Scaled, new: &Scaled) {
+    pub fn transfer(&mut self, dual: &[f64], old: &ScaledProblem, new: &ScaledProblem) {
         let ratio = new.count / old.count;
         self.dual.clear();
         for k in 0..=new.count {
-            for row in &new.rows[new.of(k)] {
+            for row in &new.rows[new.stage_rows(k)] {
                 let find = |stage: usize| {
-                    let mut rows = old.of(stage.min(old.count));
+                    let mut rows = old.stage_rows(stage.min(old.count));
                     rows.find(|&i| old.rows[i].is_like(row))
                         .map_or(0.0, |i| dual[i])
                 };

@@ -18,7 +18,7 @@
 //! ```
 //! use geometry::shape::{Aabb, Convex};
 //! use nalgebra::Point2;
-//! use optimal_control::{Keep, Node, Problem, Search};
+//! use optimal_control::{KeepOutDisc, Node, Problem, Search};
 //! use trajectory_problem::RobotLimits;
 //!
 //! let disc = Convex::disc(Point2::new(1.0, 0.1), 0.2);
@@ -35,7 +35,7 @@
 //!         ..RobotLimits::simple(0.5, 1.0).forwards()
 //!     },
 //!     bounds: Aabb { min: Point2::new(-1.0, -1.0), max: Point2::new(3.0, 1.0) },
-//!     obstacles: vec![Keep { shape: &disc, distance: 0.1 }],
+//!     obstacles: vec![KeepOutDisc { shape: &disc, distance: 0.1 }],
 //! };
 //! // The guess need not keep any limit.
 //! let node = |part: f64| Node { at: Point2::new(2.0 * part, -0.3), theta: 0.0, v: 0.4, omega: 0.0 };
@@ -63,5 +63,5 @@ mod sincos;
 mod variables;
 
 pub use interior_point::Outcome;
-pub use problem::{Keep, Node, Problem};
+pub use problem::{KeepOutDisc, Node, Problem};
 pub use search::{COARSE, MAX_STAGES, Search, Solution};

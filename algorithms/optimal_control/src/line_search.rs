@@ -96,7 +96,7 @@ impl InteriorPoint<'_> {
         let mut sum = self.end_violation(&self.trial);
         for k in 0..=problem.count {
             let w = self.trial.point(k);
-            let of = problem.of(k);
+            let of = problem.stage_rows(k);
             let slacks = self.trial.slack[of.clone()].iter_mut();
             let values = self.trial_values.rows[of.clone()].iter_mut();
             for ((row, slack), to) in problem.rows[of].iter().zip(slacks).zip(values) {

@@ -53,7 +53,7 @@ struct Moments {
 }
 
 impl Moments {
-    fn of(function: &[f64; PARTS], speeds: &Speeds) -> Self {
+    fn from_function(function: &[f64; PARTS], speeds: &Speeds) -> Self {
         let mut sums = Self::default();
         for ((s, weight), value) in GAUSS.into_iter().zip(function) {
             let powers = [1.0, s, s * s, s * s * s, s * s * s * s].map(|power| weight * power);
@@ -137,7 +137,10 @@ impl Motion {
     ) {
         let speeds = self.speeds(w);
         let Speeds { omega, q, .. } = speeds;
-        let (sin, cos) = (Moments::of(sin, &speeds), Moments::of(cos, &speeds));
+        let (sin, cos) = (
+            Moments::from_function(sin, &speeds),
+            Moments::from_function(cos, &speeds),
+        );
         let (share, kappa) = (self.share, self.turn);
         let (length, turn) = (share * w[TIME], kappa * w[TIME]);
         // Where speeds step, nothing depends on p and q.
@@ -338,7 +341,7 @@ mod tests {
                     one.fixed_rows::<STATES>(0),
                     one.fixed_rows::<CONTROLS>(STATES),
                 );
-                let moved = exact.motion.of(&state.into(), &Control::from(control));
+                let moved = exact.motion.apply(&state.into(), &Control::from(control));
                 assert!((slope - moved).norm() < 1e-9, "{i}");
                 let gradient =
                     |w: &Point| Point::from(linearised(w).motion.transposed(&costate.data.0[0]));

@@ -50,7 +50,7 @@ impl InteriorPoint<'_> {
                     errors.add_constraint(self.at.states[k][i] - target);
                 }
             }
-            let of = problem.of(k);
+            let of = problem.stage_rows(k);
             let pairs = self.at.slack[of.clone()]
                 .iter()
                 .zip(&self.at.dual[of.clone()]);
@@ -112,7 +112,7 @@ impl InteriorPoint<'_> {
         hessian: &mut SMatrix<f64, BOTH, BOTH>,
         gradient: &mut Point,
     ) {
-        let of = self.problem.of(k);
+        let of = self.problem.stage_rows(k);
         let slacks = self.at.slack[of.clone()]
             .iter()
             .zip(&self.inverse[of.clone()]);
@@ -138,7 +138,7 @@ impl InteriorPoint<'_> {
         let problem = self.problem;
         for k in 0..=problem.count {
             let w = self.step.point(k);
-            let of = problem.of(k);
+            let of = problem.stage_rows(k);
             let steps = self.step.slack[of.clone()].iter_mut();
             let slacks = self.at.slack[of.clone()].iter();
             for ((step, slack), row) in steps.zip(slacks).zip(&self.values.rows[of]) {

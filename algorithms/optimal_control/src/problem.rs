@@ -6,7 +6,7 @@ use trajectory_problem::RobotLimits;
 
 /// A place that the robot keeps away from.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Keep<'a> {
+pub struct KeepOutDisc<'a> {
     /// The obstacle (m).
     pub shape: &'a Convex,
     /// Minimum distance of the robot's centre (m), ≥ 0.
@@ -33,7 +33,7 @@ pub struct Problem<'a> {
     /// Allowed positions between the ends.
     pub bounds: Aabb,
     /// Obstacles.
-    pub obstacles: Vec<Keep<'a>>,
+    pub obstacles: Vec<KeepOutDisc<'a>>,
 }
 
 /// Pose and speeds at a node.

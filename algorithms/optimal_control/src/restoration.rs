@@ -68,7 +68,7 @@ impl InteriorPoint<'_> {
         for k in 0..=problem.count {
             let mut hessian = SMatrix::<f64, BOTH, BOTH>::zeros();
             let mut gradient = Point::zeros();
-            for row in self.values.rows[problem.of(k)]
+            for row in self.values.rows[problem.stage_rows(k)]
                 .iter()
                 .filter(|row| row.value > 0.0)
             {
@@ -98,8 +98,8 @@ mod tests {
 
     use super::*;
     use crate::iterate::Iterate;
-    use crate::problem::{Keep, Node, Problem};
-    use crate::scaled::Scaled;
+    use crate::problem::{KeepOutDisc, Node, Problem};
+    use crate::scaled::ScaledProblem;
 
     #[test]
     fn restoration_reduces_the_violation() {
@@ -120,7 +120,7 @@ mod tests {
                 min: Point2::new(-1.0, -1.0),
                 max: Point2::new(3.0, 1.0),
             },
-            obstacles: vec![Keep {
+            obstacles: vec![KeepOutDisc {
                 shape: &disc,
                 distance: 0.1,
             }],
@@ -134,7 +134,7 @@ mod tests {
                 omega: 0.0,
             })
             .collect();
-        let mut scaled = Scaled::new(&problem, &nodes, 5.0);
+        let mut scaled = ScaledProblem::new(&problem, &nodes, 5.0);
         let mut at = Iterate::of_guess(&scaled, &problem, &nodes);
         scaled.set_rows(&at.states);
         at.center(&scaled, 1e-3);

@@ -49,7 +49,7 @@ pub struct Stage {
 
 impl Transition {
     /// M w.
-    pub fn of(&self, state: &State, control: &Control) -> State {
+    pub fn apply(&self, state: &State, control: &Control) -> State {
         let turned = [
             state[THETA],
             state[V],
@@ -177,7 +177,7 @@ impl Riccati {
             let control = feedback.gain * state + feedback.offset;
             to.controls[k] = control;
             to.costates[k] = feedback.cost * state + feedback.slope;
-            to.states[k + 1] = stage.motion.of(&state, &control) + stage.defect;
+            to.states[k + 1] = stage.motion.apply(&state, &control) + stage.defect;
         }
         let last = stages.len();
         to.costates[last] = end_cost * to.states[last] + end.gradient;

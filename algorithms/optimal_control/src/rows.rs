@@ -30,7 +30,7 @@ pub enum Row {
 
 /// Value and derivatives of a row.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Evaluated {
+pub struct RowDerivatives {
     /// g.
     pub value: f64,
     /// Components.
@@ -93,7 +93,7 @@ impl Obstacle {
         -self.evaluate(p).value
     }
 
-    fn evaluate(&self, p: Point2<f64>) -> Evaluated {
+    fn evaluate(&self, p: Point2<f64>) -> RowDerivatives {
         let (value, normal, bend) = match self {
             Self::Disc { center, radius } => {
                 let offset = p - center;
@@ -121,7 +121,7 @@ impl Obstacle {
                 (keep - contact.distance, contact.normal, bend)
             }
         };
-        Evaluated {
+        RowDerivatives {
             value,
             at: [X, Y],
             slope: [-normal.x, -normal.y],
@@ -130,9 +130,9 @@ impl Obstacle {
     }
 }
 
-impl Evaluated {
+impl RowDerivatives {
     /// The constant derivatives of a row; the others, and the value, are 0.
-    pub fn of(row: &Row) -> Self {
+    pub fn from_row(row: &Row) -> Self {
         match row {
             Row::Linear { at, factors, .. } => Self {
                 at: *at,
@@ -155,7 +155,7 @@ impl Row {
     }
 
     /// Sets value and derivatives at w.
-    pub fn evaluate(&self, w: &Point, obstacles: &[Obstacle], to: &mut Evaluated) {
+    pub fn evaluate(&self, w: &Point, obstacles: &[Obstacle], to: &mut RowDerivatives) {
         match self {
             Self::Linear { .. } => to.value = self.value(w, obstacles),
             Self::Contact { obstacle } => {

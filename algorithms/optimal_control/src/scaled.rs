@@ -22,7 +22,7 @@ const VIOLATED: f64 = 1e-3;
 
 /// The scaled problem.
 #[derive(Debug, Clone)]
-pub struct Scaled {
+pub struct ScaledProblem {
     /// Position (m) of the origin.
     pub origin: Point2<f64>,
     /// Unit of length (m).
@@ -52,7 +52,7 @@ pub struct Scaled {
     bounds: [Vector2<f64>; 2],
 }
 
-impl Scaled {
+impl ScaledProblem {
     /// Scales a problem for a guess of at least two nodes over a duration (s); the inequalities
     /// follow by [`Self::set_rows`].
     pub fn new(problem: &Problem<'_>, guess: &[Node], duration: f64) -> Self {
@@ -153,7 +153,7 @@ impl Scaled {
         let edges = [X, Y].map(|i| [Row::bound(i, -1.0, -low[i]), Row::bound(i, 1.0, high[i])]);
         (1..self.count).any(|k| {
             let w = Point::from_fn(|i, _| if i < STATES { states[k][i] } else { 0.0 });
-            let known = &self.rows[self.of(k)];
+            let known = &self.rows[self.stage_rows(k)];
             let contacts = (0..self.obstacles.len()).map(|obstacle| Row::Contact { obstacle });
             contacts.chain(edges.into_iter().flatten()).any(|row| {
                 row.value(&w, &self.obstacles) > VIOLATED
@@ -234,7 +234,7 @@ impl Scaled {
     }
 
     /// Indices of the rows of a stage, or of the last node.
-    pub fn of(&self, k: usize) -> Range<usize> {
+    pub fn stage_rows(&self, k: usize) -> Range<usize> {
         self.first[k]..self.first[k + 1]
     }
 

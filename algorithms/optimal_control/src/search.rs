@@ -6,7 +6,7 @@ use crate::interior_point::{InteriorPoint, Outcome};
 use crate::iterate::Iterate;
 use crate::problem::{Node, Problem};
 use crate::riccati::BOTH;
-use crate::scaled::Scaled;
+use crate::scaled::ScaledProblem;
 use crate::variables::{OMEGA, THETA, TIME, V};
 
 /// Number of stages of a guess that suffices where no obstacle is smaller than a stage.
@@ -39,7 +39,7 @@ pub struct Solution {
 #[derive(Debug, Clone)]
 pub struct Search<'a> {
     problem: &'a Problem<'a>,
-    scaled: Scaled,
+    scaled: ScaledProblem,
     at: Iterate,
     /// Barrier parameter at the beginning of the next run.
     barrier: f64,
@@ -52,7 +52,7 @@ impl<'a> Search<'a> {
         if guess.len() < 2 || !(duration > 0.0 && duration.is_finite()) {
             return None;
         }
-        let mut scaled = Scaled::new(problem, guess, duration);
+        let mut scaled = ScaledProblem::new(problem, guess, duration);
         let mut at = Iterate::of_guess(&scaled, problem, guess);
         scaled.set_rows(&at.states);
         at.center(&scaled, BARRIER[0]);
@@ -181,7 +181,7 @@ impl<'a> Search<'a> {
     }
 
     /// Sets the rows near the present trajectory, with the multipliers of the old ones.
-    fn follow(&mut self, old: &Scaled) {
+    fn follow(&mut self, old: &ScaledProblem) {
         self.scaled.set_rows(&self.at.states);
         let dual = core::mem::take(&mut self.at.dual);
         self.at.transfer(&dual, old, &self.scaled);

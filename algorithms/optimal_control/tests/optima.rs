@@ -7,7 +7,7 @@ use core::f64::consts::PI;
 use geometry::math;
 use geometry::shape::{Aabb, Convex};
 use nalgebra::{Point2, Rotation2, Vector2};
-use optimal_control::{COARSE, Keep, Node, Problem, Search, Solution};
+use optimal_control::{COARSE, KeepOutDisc, Node, Problem, Search, Solution};
 use proptest::prelude::*;
 use trajectory_problem::{RobotLimits, Wheels};
 
@@ -157,7 +157,7 @@ fn around(disc: &Convex, scale: f64, turned: Rotation2<f64>) -> (Problem<'_>, Ve
     problem.limits.v_max *= scale;
     problem.limits.acceleration = Some(0.5 * scale);
     problem.start_heading = turned.angle();
-    problem.obstacles.push(Keep {
+    problem.obstacles.push(KeepOutDisc {
         shape: disc,
         distance: 0.1 * scale,
     });
@@ -238,7 +238,7 @@ proptest! {
         let (mut problem, guess, time) = around(&disc, 1.0, Rotation2::identity());
         let plain = duration(&problem, &guess, time);
         let beside = Convex::disc(Point2::new(x, 0.75), r);
-        problem.obstacles.push(Keep { shape: &beside, distance: 0.1 });
+        problem.obstacles.push(KeepOutDisc { shape: &beside, distance: 0.1 });
         let other = duration(&problem, &guess, time);
         prop_assert!((other / plain - 1.0).abs() < 2e-5, "{plain} {other}");
     }
@@ -258,7 +258,7 @@ fn a_search_that_leaves_its_guess_keeps_away_from_what_it_comes_to() {
             min: Point2::origin(),
             max: Point2::new(640.0, 480.0),
         },
-        obstacles: vec![Keep {
+        obstacles: vec![KeepOutDisc {
             shape: &disc,
             distance: 10.0,
         }],

@@ -43,7 +43,7 @@ pub enum ForecastError {
 
 /// Forecast position of a robot.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Predicted {
+pub struct ForecastPosition {
     /// Position (m).
     pub point: Point2<f64>,
     /// The last waypoint.
@@ -116,7 +116,7 @@ impl Forecast {
     ///
     /// # Errors
     /// [`ForecastError`] for a time that is invalid or too far ahead.
-    pub fn at_time(&self, t: f64) -> Result<Predicted, ForecastError> {
+    pub fn at_time(&self, t: f64) -> Result<ForecastPosition, ForecastError> {
         check("t", t)?;
         let lap_time = self.lap_time();
         let laps = (t / lap_time).floor();
@@ -166,8 +166,8 @@ fn too_far(what: String, most: u64) -> ForecastError {
     ForecastError::TooFar { what, most }
 }
 
-fn between(from: Waypoint, to: Waypoint, share: f64) -> Predicted {
-    Predicted {
+fn between(from: Waypoint, to: Waypoint, share: f64) -> ForecastPosition {
+    ForecastPosition {
         point: from.point + (to.point - from.point) * share,
         from,
         to,

@@ -253,7 +253,7 @@ impl Drive {
     ///
     /// # Errors
     /// [`ParamsError`] naming the limit that is out of range.
-    pub fn of(model: &RobotModel) -> Result<Self, ParamsError> {
+    pub fn from_model(model: &RobotModel) -> Result<Self, ParamsError> {
         let rim = model.wheel_speed_max.unwrap_or(f64::INFINITY);
         let turning = 2.0 * rim / model.wheel_separation;
         Ok(Self {

@@ -9,7 +9,7 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 /// Clones share the values. A value must be a function of the map and the key alone, so that it
 /// does not matter which planner makes it, and when.
 #[derive(Clone, Default)]
-pub struct Derived {
+pub struct DerivedValues {
     things: Arc<Mutex<Vec<Box<dyn Any + Send>>>>,
 }
 
@@ -19,7 +19,7 @@ struct Entry<K, V> {
     thing: Arc<OnceLock<Arc<V>>>,
 }
 
-impl Derived {
+impl DerivedValues {
     /// Returns the value under this key and of this type; `make` makes it if it does not exist.
     ///
     /// Only requests for the same value wait meanwhile. `make` must not request the value that it
@@ -50,9 +50,9 @@ impl Derived {
     }
 }
 
-impl core::fmt::Debug for Derived {
+impl core::fmt::Debug for DerivedValues {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        f.debug_struct("Derived").finish_non_exhaustive()
+        f.debug_struct("DerivedValues").finish_non_exhaustive()
     }
 }
 
@@ -62,7 +62,7 @@ mod tests {
 
     #[test]
     fn a_value_is_made_once_per_key_and_type_and_clones_share_it() {
-        let derived = Derived::default();
+        let derived = DerivedValues::default();
         let first = derived.get(1, || "one".to_owned());
         let again = derived.clone().get(1, || "never".to_owned());
         assert!(Arc::ptr_eq(&first, &again));
@@ -74,14 +74,14 @@ mod tests {
 
     #[test]
     fn a_value_may_derive_from_another() {
-        let derived = Derived::default();
+        let derived = DerivedValues::default();
         let sum = derived.get("sum", || *derived.get("part", || 20) + 1);
         assert_eq!(*sum, 21);
     }
 
     #[test]
     fn threads_get_the_same_value() {
-        let derived = Derived::default();
+        let derived = DerivedValues::default();
         let things: Vec<Arc<u64>> = std::thread::scope(|scope| {
             let threads: Vec<_> = (0..4)
                 .map(|_| scope.spawn(|| derived.get("key", || 7_u64)))

@@ -1,7 +1,7 @@
 //! Inputs and outputs of a planner in each tick.
 //!
 //! - [`view::View`]: robots, beliefs, scan and time of one tick;
-//! - [`map::PlannerMap`]: the map as grids, with what planners [derive](derived::Derived) from it;
+//! - [`map::PlannerMap`]: the map as grids, with what planners [derive](derived::DerivedValues) from it;
 //!   [`free_space::FreeSpace`]: its exact pieces, for planners that search;
 //! - [`limits::Limits`]: limits of the robot;
 //! - [`steering::Steering`]: the command, and data for display;

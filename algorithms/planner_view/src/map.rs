@@ -7,7 +7,7 @@ use geometry::grid::{Grid, GridFrame};
 use nalgebra::{Point2, Vector2};
 use thiserror::Error;
 
-use crate::derived::Derived;
+use crate::derived::DerivedValues;
 use crate::free_space::FreeSpace;
 
 /// Larger clearances (m) are stored as this: a map without obstacles reports infinity, which would
@@ -57,7 +57,7 @@ pub struct PlannerMap {
     clearance: Grid<f32>,
     revision: u64,
     space: Option<Arc<FreeSpace>>,
-    derived: Derived,
+    derived: DerivedValues,
     shared: bool,
 }
 
@@ -89,7 +89,7 @@ impl PlannerMap {
             clearance,
             revision,
             space: None,
-            derived: Derived::default(),
+            derived: DerivedValues::default(),
             shared: false,
         })
     }
@@ -126,7 +126,7 @@ impl PlannerMap {
 
     /// Values that planners have derived from this map. Example: the first planner that needs a
     /// graph of paths builds it, and all planners that share the map use it.
-    pub fn derived(&self) -> &Derived {
+    pub fn derived(&self) -> &DerivedValues {
         &self.derived
     }
 

@@ -154,7 +154,7 @@ impl<'a> View<'a> {
 
     /// The robots of all teams that chase or flee and are no [opponents](Self::opponents) of this role, the planner's own
     /// robot included, in play and with sane numbers, in the listed order.
-    pub fn fellows(&self, role: Role) -> impl Iterator<Item = &'a RobotView> + use<'a> {
+    pub fn non_opponents(&self, role: Role) -> impl Iterator<Item = &'a RobotView> + use<'a> {
         let own = self.team();
         self.active().filter(move |robot| {
             robot.team.role != Role::Neutral && !is_opponent(own, robot.team, role)
@@ -163,7 +163,7 @@ impl<'a> View<'a> {
 
     /// The robots of the planner's own team, itself included, in play and with sane numbers, in the listed order: all
     /// of the role if its own team does not have it.
-    pub fn team_mates(&self, role: Role) -> impl Iterator<Item = &'a RobotView> + use<'a> {
+    pub fn teammates(&self, role: Role) -> impl Iterator<Item = &'a RobotView> + use<'a> {
         let own = self.team().filter(|own| own.role == role);
         self.active().filter(move |robot| {
             robot.team.role == role && own.is_none_or(|own| own.is_same(robot.team))
@@ -271,7 +271,7 @@ mod tests {
         };
         assert!(view.robot(0).is_none());
         let indices = |robots: Vec<&RobotView>| robots.iter().map(|r| r.index).collect::<Vec<_>>();
-        assert_eq!(indices(view.team_mates(Role::Evader).collect()), [2]);
+        assert_eq!(indices(view.teammates(Role::Evader).collect()), [2]);
         assert_eq!(indices(view.opponents(Role::Pursuer).collect()), [3]);
         assert_eq!(
             view.usable_exits().collect::<Vec<_>>(),
@@ -298,7 +298,7 @@ mod tests {
         let robots: Vec<RobotView> = (0..roles.len())
             .map(|i| robot(i, teams[i], true, i as f64))
             .collect();
-        for (me, role, opponents, mates, fellows) in [
+        for (me, role, opponents, mates, non_opponents) in [
             (0, Role::Pursuer, &[2, 3][..], &[0][..], &[0, 1][..]),
             (1, Role::Pursuer, &[], &[1], &[0, 1, 2, 3]),
             (2, Role::Evader, &[0], &[2, 3], &[1, 2, 3]),
@@ -319,8 +319,8 @@ mod tests {
                 |robots: Vec<&RobotView>| robots.iter().map(|r| r.index).collect::<Vec<_>>();
             let others = role.opposite().unwrap();
             assert_eq!(indices(view.opponents(others).collect()), opponents);
-            assert_eq!(indices(view.team_mates(role).collect()), mates);
-            assert_eq!(indices(view.fellows(others).collect()), fellows);
+            assert_eq!(indices(view.teammates(role).collect()), mates);
+            assert_eq!(indices(view.non_opponents(others).collect()), non_opponents);
             for robot in &robots {
                 let is_opponent = opponents.contains(&robot.index);
                 assert_eq!(view.is_opponent(robot, others), is_opponent);

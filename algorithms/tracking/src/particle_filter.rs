@@ -34,7 +34,7 @@ use rand_chacha::ChaCha8Rng;
 
 use self::cloud::Cloud;
 use self::predict::{Motion, Teleport};
-use self::weigh::{Seen, Unseen};
+use self::weigh::{SeenLikelihood, UnseenLikelihood};
 use crate::belief::{Belief, Particle, moments};
 pub use crate::motion_limits::MotionLimits;
 use crate::params::FilterParams;
@@ -215,9 +215,9 @@ impl ParticleFilter {
             let fastest = self.limits.v_max.max(self.limits.v_reverse_max) * dt;
             let heading_sigma = m.heading.map_or(f64::INFINITY, |(_, sigma)| sigma);
             let turn = self.limits.omega_max * dt;
-            Seen::new(m, wide(m.sigma, fastest), wide(heading_sigma, turn))
+            SeenLikelihood::new(m, wide(m.sigma, fastest), wide(heading_sigma, turn))
         });
-        let unseen = Unseen {
+        let unseen = UnseenLikelihood {
             space,
             watch,
             exponent: exponent(CLEARING_RATE * dt),

@@ -193,7 +193,7 @@ impl Attempts<'_> {
         let start = end(variant.turn_at_start, problem.start_speed);
         let end = end(variant.turn_at_goal, problem.goal_speed);
         let speeds = speed_profile::speeds(points, limits, start, end)?;
-        let mut trajectory = Trajectory::at(&problem.start);
+        let mut trajectory = Trajectory::from_start(&problem.start);
         if variant.turn_at_start {
             let first = points.first()?.theta;
             trajectory.turn(limits, math::angle_difference(first, problem.start.theta));

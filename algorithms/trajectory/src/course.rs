@@ -42,7 +42,7 @@ impl Course {
 }
 
 /// A trajectory that has passed the check.
-pub struct Checked {
+pub struct CheckedTrajectory {
     /// The trajectory.
     pub trajectory: Trajectory,
     /// Minimum distance of the path from grown obstacles (m).
@@ -51,7 +51,7 @@ pub struct Checked {
     pub control_points: usize,
 }
 
-impl Checked {
+impl CheckedTrajectory {
     /// Checks a trajectory; `None` if it does not pass.
     pub fn new(
         problem: &Problem,

@@ -5,7 +5,7 @@ use core::f64::consts::PI;
 use crate::attempt::{Attempts, Candidate, Variant};
 use crate::backwards;
 use crate::convex::effort::Effort;
-use crate::course::{Checked, Course};
+use crate::course::{CheckedTrajectory, Course};
 use crate::drive::shortest_path_plan;
 use crate::drive::turn_in_place;
 use crate::guide::Guide;
@@ -175,7 +175,7 @@ fn plan_forwards(
 /// Result of the curves of a method.
 #[derive(Default)]
 struct CurveAttempt {
-    best: Option<Checked>,
+    best: Option<CheckedTrajectory>,
     /// `true` if the search was stopped.
     stopped: bool,
 }
@@ -210,7 +210,7 @@ fn try_curves(bench: &Attempts<'_>, enough: f64, stop: &mut dyn FnMut() -> bool)
             let better = best.is_none_or(|best| time < best.trajectory.duration());
             let checked = better
                 .then(|| {
-                    Checked::new(
+                    CheckedTrajectory::new(
                         bench.problem,
                         bench.obstacle_field,
                         trajectory,
@@ -274,9 +274,9 @@ fn fallback(
     obstacle_field: &ObstacleField,
     exact: &ExactObstacleField,
     guide: Option<&Guide>,
-) -> Result<Checked, PlanError> {
+) -> Result<CheckedTrajectory, PlanError> {
     let trajectory = shortest_path_plan::trajectory(problem, exact, guide)?;
-    Checked::new(problem, obstacle_field, trajectory, 0).ok_or(PlanError::Infeasible(
+    CheckedTrajectory::new(problem, obstacle_field, trajectory, 0).ok_or(PlanError::Infeasible(
         "the shortest path cannot be driven within the limits",
     ))
 }

@@ -4,7 +4,7 @@ use crate::attempt::Attempts;
 use crate::controls;
 use crate::convex::effort::Effort;
 use crate::corridors::corridors;
-use crate::course::{Checked, Course};
+use crate::course::{CheckedTrajectory, Course};
 use crate::curve_plan;
 use crate::drive::trajectory_builder::Trajectory;
 use crate::guide::previous_plan;
@@ -104,7 +104,7 @@ fn plan_in_controls(
     let field = &course.obstacle_field;
     // The last plan kept the same limits: it is nearer to the optimum than any guess.
     let rest = last.and_then(|plan| previous_plan::rest(problem, field, plan, course.shortest));
-    let mut found = controls::Found::default();
+    let mut found = controls::SearchResult::default();
     if let Some(rest) = rest {
         found = controls::search(
             problem,
@@ -195,7 +195,7 @@ fn exact(
     course: &Course,
     guesses: Vec<Vec<Sample>>,
     mut least: f64,
-) -> Option<Checked> {
+) -> Option<CheckedTrajectory> {
     let mut best = None;
     for samples in guesses {
         let duration = samples.last().map_or(f64::INFINITY, |last| last.t);
@@ -211,11 +211,11 @@ fn exact(
 }
 
 /// A trajectory with the prescribed ends; `None` if it is not valid.
-fn checked(problem: &Problem, course: &Course, samples: Vec<Sample>) -> Option<Checked> {
+fn checked(problem: &Problem, course: &Course, samples: Vec<Sample>) -> Option<CheckedTrajectory> {
     let mut trajectory = Trajectory::from_samples(samples);
     trajectory.settle(problem.goal);
     trajectory.keep_ends(problem);
-    Checked::new(problem, &course.obstacle_field, trajectory, 0)
+    CheckedTrajectory::new(problem, &course.obstacle_field, trajectory, 0)
 }
 
 /// Guesses of a search, of a robot without inertia.

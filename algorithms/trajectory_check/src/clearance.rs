@@ -6,7 +6,7 @@ use nalgebra::{Point2, center};
 use crate::contract::Contract;
 use crate::findings::Findings;
 use crate::piece::Piece;
-use crate::region::{Around, Grown, inside_box};
+use crate::region::{EnclosingDisc, GrownObstacle, inside_box};
 use crate::tolerances::Tolerances;
 use crate::violation::{Excess, Violation};
 
@@ -49,8 +49,8 @@ pub(crate) struct Span {
 #[derive(Debug)]
 pub(crate) struct Clearance {
     /// Discs around the obstacles, in a list of their own: they nearly always suffice for the test.
-    around: Vec<Around>,
-    obstacles: Vec<Grown>,
+    around: Vec<EnclosingDisc>,
+    obstacles: Vec<GrownObstacle>,
     bounds: Option<[f64; 4]>,
     to_obstacle: Least,
     nearest: usize,
@@ -60,7 +60,7 @@ pub(crate) struct Clearance {
 impl Clearance {
     /// Starts without any part of the path.
     pub fn new(contract: &Contract) -> Self {
-        let grow = |obstacle| Grown::new(obstacle, contract.clearance);
+        let grow = |obstacle| GrownObstacle::new(obstacle, contract.clearance);
         let (around, obstacles) = contract.obstacles.iter().map(grow).unzip();
         Self {
             around,

@@ -8,12 +8,12 @@ use crate::polygon::{ConvexPolygon, segment, to_point};
 
 /// A disc around a grown obstacle.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Around {
+pub(crate) struct EnclosingDisc {
     center: Point2<f64>,
     radius: f64,
 }
 
-impl Around {
+impl EnclosingDisc {
     /// Returns `true` if every point within `radius` (m) of `point` is at least `gap` (m) outside. Quick, and
     /// `false` if in doubt.
     pub fn is_farther(&self, point: Point2<f64>, radius: f64, gap: f64) -> bool {
@@ -24,7 +24,7 @@ impl Around {
 
 /// An obstacle grown by the clearance.
 #[derive(Debug, Clone)]
-pub(crate) struct Grown {
+pub(crate) struct GrownObstacle {
     shape: Shape,
     clearance: f64,
 }
@@ -35,10 +35,10 @@ enum Shape {
     Polygon(ConvexPolygon),
 }
 
-impl Grown {
+impl GrownObstacle {
     /// An obstacle that [`validity`](crate::validity) has accepted, with the clearance (m) (≥ 0)
     /// around it; and a disc around that.
-    pub fn new(obstacle: &Obstacle, clearance: f64) -> (Around, Self) {
+    pub fn new(obstacle: &Obstacle, clearance: f64) -> (EnclosingDisc, Self) {
         let (center, reach, shape) = match obstacle {
             Obstacle::Disc { center, radius } => {
                 let shape = Shape::Disc {
@@ -57,7 +57,7 @@ impl Grown {
                 (center, reach, Shape::Polygon(ConvexPolygon::new(vertices)))
             }
         };
-        let around = Around {
+        let around = EnclosingDisc {
             center,
             radius: reach + clearance,
         };
@@ -97,7 +97,7 @@ mod tests {
             center: Point2::new(0.0, 1.0),
             radius: 0.3,
         };
-        let (around, grown) = Grown::new(&disc, 0.2);
+        let (around, grown) = GrownObstacle::new(&disc, 0.2);
         let (a, b) = (Point2::new(-1.0, 0.0), Point2::new(1.0, 0.0));
         assert!((grown.distance(a, b) - 0.5).abs() < 1e-12);
         assert!(

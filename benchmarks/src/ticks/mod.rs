@@ -76,8 +76,8 @@ pub fn measure(options: Options) -> Result<Vec<Figure>> {
         });
         let (runtime, raw) = joined.unwrap_or_else(|panic| std::panic::resume_unwind(panic))?;
         let (Some(value), Some(baseline), Some(ratio)) = (
-            Spread::of(runtime.iter().copied()),
-            Spread::of(raw.iter().copied()),
+            Spread::from_values(runtime.iter().copied()),
+            Spread::from_values(raw.iter().copied()),
             paired_ratio(&runtime, &raw),
         ) else {
             continue;

@@ -27,7 +27,7 @@ impl Planner for Chaser {
     type Params = ();
 
     fn declare((): &()) -> Declaration {
-        let tracks = Input::new(Flow::of::<Tracks>(), When::ThisTick);
+        let tracks = Input::new(Flow::for_topic::<Tracks>(), When::ThisTick);
         Declaration::default().reads(tracks)
     }
 

@@ -12,8 +12,8 @@ use protean::kinds::{KINDS, Kind, planner};
 
 fn main() -> ExitCode {
     let own = [
-        Kind::of::<sensor::BearingSensor>(),
-        Kind::of::<tracker::BearingTracker>(),
+        Kind::from_type::<sensor::BearingSensor>(),
+        Kind::from_type::<tracker::BearingTracker>(),
         planner::<chaser::Chaser>(),
     ];
     protean::main_with([KINDS, &own].concat())

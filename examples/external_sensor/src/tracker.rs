@@ -73,7 +73,7 @@ impl ProcessKind for BearingTracker {
     type Params = ();
 
     fn declare((): &()) -> Declaration {
-        let bearings = Input::new(Flow::of::<Bearings>(), When::ThisTick);
+        let bearings = Input::new(Flow::for_topic::<Bearings>(), When::ThisTick);
         Declaration::default()
             .reads(Input::STATE)
             .reads(bearings)

@@ -54,7 +54,7 @@ impl<'a> AnyMessage<'a> {
 
     /// The bytes between header and elements in the CDR form.
     pub fn head(&self) -> SequenceHead {
-        SequenceHead::of(self.topic.facts(), self.count)
+        SequenceHead::for_topic(self.topic.facts(), self.count)
     }
 
     /// Appends its CDR form.

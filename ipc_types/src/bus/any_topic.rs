@@ -25,9 +25,9 @@ pub struct AnyTopic {
 }
 
 /// A topic with its types.
-struct Typed<T>(PhantomData<fn(T)>);
+struct TypedTopic<T>(PhantomData<fn(T)>);
 
-impl<T: Topic> AnyPorts for Typed<T> {
+impl<T: Topic> AnyPorts for TypedTopic<T> {
     fn create(&self, bus: &Bus) -> Result<TopicHolder, BusError> {
         bus.create::<T>()
     }
@@ -45,17 +45,17 @@ impl<T: Topic> AnyPorts for Typed<T> {
 }
 
 impl AnyTopic {
-    fn of<T: Topic>() -> Self {
+    fn for_topic<T: Topic>() -> Self {
         Self {
             id: T::id(),
-            ports: &Typed::<T>(PhantomData),
+            ports: &TypedTopic::<T>(PhantomData),
         }
     }
 
     /// Registers a topic that is not built in.
     pub fn register<T: Topic>() {
         if !T::id().is_built_in() {
-            Self::of::<T>().add();
+            Self::for_topic::<T>().add();
         }
     }
 
@@ -87,7 +87,7 @@ impl AnyTopic {
         impl TopicVisitor for Collect {
             type Error = core::convert::Infallible;
             fn visit<T: Topic>(&mut self) -> Result<(), Self::Error> {
-                self.0.push(AnyTopic::of::<T>());
+                self.0.push(AnyTopic::for_topic::<T>());
                 Ok(())
             }
         }

@@ -27,7 +27,7 @@ pub use inbox::{Arrivals, Inbox};
 pub use publisher::{Publisher, PublisherOptions};
 pub use raw::RawPublisher;
 pub use request_response::{ActiveRequest, Attendant, Client, PendingResponse, Server};
-pub use subscriber::{Received, Subscriber};
+pub use subscriber::{ReceivedMessage, Subscriber};
 
 use core::cell::RefCell;
 use std::rc::Rc;
@@ -35,7 +35,7 @@ use std::rc::Rc;
 use crate::clock::{StampClock, StepStart};
 use crate::schema;
 use crate::topics::{MAX_EVENT_ID, Qos, RunSize, Service, Topic, TopicFacts};
-use crate::transport::{self, Agreed, Home, Limits};
+use crate::transport::{self, Home, Limits, TopicIdentity};
 use local::LocalTopics;
 
 /// Layout of the buffers of a run.
@@ -62,8 +62,8 @@ fn buffer(qos: &Qos, ticks: usize) -> usize {
     qos.per_tick.saturating_mul(ticks).max(2)
 }
 
-fn agreed<'a>(topic: &'static str, schema: &'a str) -> Agreed<'a> {
-    Agreed { topic, schema }
+fn agreed<'a>(topic: &'static str, schema: &'a str) -> TopicIdentity<'a> {
+    TopicIdentity { topic, schema }
 }
 
 /// Header and elements of an answer, copied from shared memory.

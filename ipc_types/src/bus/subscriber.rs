@@ -20,7 +20,7 @@ enum Port<T: Topic> {
     Ipc(Box<dyn Receiver<T::Header, T::Element>>),
     Local(local::Receiver<T::Header, T::Element>),
     /// That of a process with an inbox.
-    Inbox(Rc<Queue<Received<T>>>),
+    Inbox(Rc<Queue<ReceivedMessage<T>>>),
 }
 
 impl<T: Topic> Subscriber<T> {
@@ -77,18 +77,18 @@ impl<T: Topic> Subscriber<T> {
     ///
     /// # Errors
     /// [`ReceiveError::Transport`] if iceoryx2 fails.
-    pub fn receive(&self) -> Result<Option<Received<T>>, ReceiveError> {
+    pub fn receive(&self) -> Result<Option<ReceivedMessage<T>>, ReceiveError> {
         let held = match &self.port {
-            Port::Ipc(port) => port.receive()?.map(Held::Ipc),
-            Port::Local(port) => port.receive().map(Held::Local),
+            Port::Ipc(port) => port.receive()?.map(BusMessage::Ipc),
+            Port::Local(port) => port.receive().map(BusMessage::Local),
             Port::Inbox(queue) => return queue.receive(),
         };
-        Ok(held.map(|held| Received { held }))
+        Ok(held.map(|held| ReceivedMessage { held }))
     }
 }
 
-impl<T: Topic> Source<Received<T>> for Subscriber<T> {
-    fn next(&self) -> Result<Option<(Stamp, Received<T>)>, ReceiveError> {
+impl<T: Topic> Source<ReceivedMessage<T>> for Subscriber<T> {
+    fn next(&self) -> Result<Option<(Stamp, ReceivedMessage<T>)>, ReceiveError> {
         let next = self.receive()?;
         Ok(next.map(|message| (*message.header().stamp(), message.kept())))
     }
@@ -107,51 +107,51 @@ impl<T: Topic> core::fmt::Debug for Subscriber<T> {
 }
 
 /// A message in the memory where it was written, freed on drop. Hold at most two per subscriber.
-pub struct Received<T: Topic> {
-    held: Held<T>,
+pub struct ReceivedMessage<T: Topic> {
+    held: BusMessage<T>,
 }
 
 /// A message of one of the buses.
-enum Held<T: Topic> {
+enum BusMessage<T: Topic> {
     Ipc(Loan<T::Header, T::Element>),
     Local(Rc<local::Message<T::Header, T::Element>>),
 }
 
-impl<T: Topic> Received<T> {
+impl<T: Topic> ReceivedMessage<T> {
     /// The user header.
     pub fn header(&self) -> &T::Header {
         match &self.held {
-            Held::Ipc(loan) => loan.header(),
-            Held::Local(message) => &message.header,
+            BusMessage::Ipc(loan) => loan.header(),
+            BusMessage::Local(message) => &message.header,
         }
     }
 
     /// The elements.
     pub fn elements(&self) -> &[T::Element] {
         match &self.held {
-            Held::Ipc(loan) => loan.elements(),
-            Held::Local(message) => message.elements(),
+            BusMessage::Ipc(loan) => loan.elements(),
+            BusMessage::Local(message) => message.elements(),
         }
     }
 
     /// The same message in the memory of the receiver, which may keep any number of them.
     fn kept(self) -> Self {
-        let Held::Ipc(loan) = self.held else {
+        let BusMessage::Ipc(loan) = self.held else {
             return self;
         };
         let mut own = local::Message::default();
         own.fill(*loan.header(), |own| {
             own.extend_from_slice(loan.elements());
         });
-        let held = Held::Local(Rc::new(own));
+        let held = BusMessage::Local(Rc::new(own));
         Self { held }
     }
 
     /// The elements that a sender in the same process shares; `None` if they belong to the message.
     pub fn shared(&self) -> Option<&Arc<[T::Element]>> {
         match &self.held {
-            Held::Ipc(_) => None,
-            Held::Local(message) => message.shared(),
+            BusMessage::Ipc(_) => None,
+            BusMessage::Local(message) => message.shared(),
         }
     }
 
@@ -159,15 +159,15 @@ impl<T: Topic> Received<T> {
     /// them ([`Publisher::send_shared`](super::Publisher::send_shared)).
     pub fn shared_elements(&self) -> Arc<[T::Element]> {
         match &self.held {
-            Held::Ipc(loan) => Arc::from(loan.elements()),
-            Held::Local(message) => message.shared_elements(),
+            BusMessage::Ipc(loan) => Arc::from(loan.elements()),
+            BusMessage::Local(message) => message.shared_elements(),
         }
     }
 }
 
-impl<T: Topic> core::fmt::Debug for Received<T> {
+impl<T: Topic> core::fmt::Debug for ReceivedMessage<T> {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        f.debug_struct("Received")
+        f.debug_struct("ReceivedMessage")
             .field("topic", &T::NAME)
             .field("header", self.header())
             .field("elements", &self.elements().len())

@@ -43,7 +43,7 @@ macro_rules! built_in {
         /// Identifiers, with the names of their types.
         #[allow(non_upper_case_globals)]
         impl TopicId {
-            $($(#[doc = $doc])+ pub const $topic: Self = Self::at(Place::$topic as usize);)+
+            $($(#[doc = $doc])+ pub const $topic: Self = Self::from_index(Place::$topic as usize);)+
         }
 
         /// The facts of the built-in topics, in the order of their table.

@@ -22,12 +22,12 @@ impl TopicId {
             others.push(facts);
             others.len() - 1
         });
-        Self::at(FACTS.len() + place)
+        Self::from_index(FACTS.len() + place)
     }
 
     /// All topics known to this program: the built-in ones, then the others in the order of registration.
     pub fn all() -> impl ExactSizeIterator<Item = Self> + Clone {
-        (0..Self::count()).map(Self::at)
+        (0..Self::count()).map(Self::from_index)
     }
 
     /// Number of topics known to this program.

@@ -6,7 +6,7 @@ pub struct TopicId(u16);
 
 impl TopicId {
     /// The topic at this place of the table and the registration.
-    pub(super) const fn at(place: usize) -> Self {
+    pub(super) const fn from_index(place: usize) -> Self {
         Self(place as u16)
     }
 

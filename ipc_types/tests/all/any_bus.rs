@@ -215,7 +215,7 @@ fn a_topic_that_is_declared_while_the_program_runs_has_bytes_as_messages() {
 #[test]
 fn a_topic_in_words_is_the_same_as_one_of_another_crate() {
     // What a program with the types tells one without them.
-    let words = TopicLayout::of(Echoes::id());
+    let words = TopicLayout::for_topic(Echoes::id());
     assert_eq!(words.register(), Ok(Echoes::id()));
     let space = Space::new("words");
     space.0.create_root().unwrap();

@@ -113,8 +113,8 @@ impl History {
     }
 
     /// Returns the read position in the file (bytes).
-    pub(crate) fn at(&self) -> u64 {
-        self.reader.at()
+    pub(crate) fn offset(&self) -> u64 {
+        self.reader.offset()
     }
 
     /// Returns the condition of the log.

@@ -73,7 +73,7 @@ pub fn diff_before(
     let mut comparison = Comparison::new([x.run.clone(), y.run.clone()]);
     let (mut p, mut q) = (x.moment()?, y.moment()?);
     loop {
-        watch.at(x.at())?;
+        watch.at(x.offset())?;
         let times = [&p, &q].map(|moment| moment.as_ref().map(|moment| moment.time_ns));
         let has_more = times.map(|time| time.is_some());
         let is_cut = [has_more[0] || x.has_ended(), has_more[1] || y.has_ended()].contains(&false);

@@ -11,17 +11,17 @@ use sim_backend::world::World;
 
 use crate::commanded::{CommandedParams, CommandedPlanner, Current};
 use crate::error::EnvironmentError;
-use crate::shared::Shared;
+use crate::shared::SharedData;
 
 /// Execution of the episodes of one instance.
 pub(crate) trait Backend: Sized {
     /// Begins an episode.
-    fn new(shared: &Shared, seed: u64) -> Result<Self, EnvironmentError>;
+    fn new(shared: &SharedData, seed: u64) -> Result<Self, EnvironmentError>;
 
     /// Does a step. `commands` are those of all robots; only those of agents are used.
     fn step(
         &mut self,
-        shared: &Shared,
+        shared: &SharedData,
         commands: &[Option<Twist2>],
     ) -> Result<(), EnvironmentError>;
 
@@ -53,17 +53,17 @@ pub(crate) fn view_robots(world: &World, views: &mut Vec<RobotView>) {
 
 /// The world alone.
 #[derive(Debug)]
-pub(crate) struct Alone(World);
+pub(crate) struct WorldBackend(World);
 
-impl Backend for Alone {
-    fn new(shared: &Shared, seed: u64) -> Result<Self, EnvironmentError> {
+impl Backend for WorldBackend {
+    fn new(shared: &SharedData, seed: u64) -> Result<Self, EnvironmentError> {
         let spec = shared.scenario(seed)?.world;
         Ok(Self(World::on_map(shared.map.clone(), spec)?))
     }
 
     fn step(
         &mut self,
-        shared: &Shared,
+        shared: &SharedData,
         commands: &[Option<Twist2>],
     ) -> Result<(), EnvironmentError> {
         self.0.step(commands, shared.dt);
@@ -90,7 +90,7 @@ pub(crate) struct WithProcesses {
 }
 
 impl Backend for WithProcesses {
-    fn new(shared: &Shared, seed: u64) -> Result<Self, EnvironmentError> {
+    fn new(shared: &SharedData, seed: u64) -> Result<Self, EnvironmentError> {
         let scenario = shared.scenario(seed)?;
         let commands = Arc::new(Current::default());
         let mut own = shared.options.programs.clone();
@@ -109,7 +109,7 @@ impl Backend for WithProcesses {
 
     fn step(
         &mut self,
-        shared: &Shared,
+        shared: &SharedData,
         commands: &[Option<Twist2>],
     ) -> Result<(), EnvironmentError> {
         for &robot in &shared.agents.robots {

@@ -10,13 +10,13 @@ use crate::error::EnvironmentError;
 use crate::instance::{Instance, Scratch};
 use crate::options::Autoreset;
 use crate::running::Look;
-use crate::shared::Shared;
+use crate::shared::SharedData;
 use crate::start::Start;
 
 /// Consecutive instances, stepped one after the other.
 #[derive(Debug)]
 pub(crate) struct Chunk<B> {
-    shared: Arc<Shared>,
+    shared: Arc<SharedData>,
     range: Range<usize>,
     scratch: Scratch,
     /// Empty before the first reset, and after an error.
@@ -24,7 +24,7 @@ pub(crate) struct Chunk<B> {
 }
 
 impl<B: Backend> Chunk<B> {
-    pub fn new(shared: Arc<Shared>, range: Range<usize>) -> Self {
+    pub fn new(shared: Arc<SharedData>, range: Range<usize>) -> Self {
         Self {
             scratch: Scratch::new(&shared),
             shared,

@@ -42,9 +42,9 @@ impl Source for Current {
 
 /// Commands of all ticks, by the names of the robots; a stop after the last one.
 #[derive(Debug, Default)]
-pub(crate) struct Recorded(pub BTreeMap<String, Vec<Twist2>>);
+pub(crate) struct CommandHistory(pub BTreeMap<String, Vec<Twist2>>);
 
-impl Source for Recorded {
+impl Source for CommandHistory {
     fn command(&self, robot: &str, tick: u64) -> Twist2 {
         let commands = self.0.get(robot);
         let command = commands.and_then(|commands| commands.get(tick as usize));

@@ -9,13 +9,13 @@ use observation::layout::Layout;
 use scenario::Template;
 
 use crate::arrays::{ArraysMut, Shape};
-use crate::backend::{Alone, WithProcesses};
+use crate::backend::{WithProcesses, WorldBackend};
 use crate::chunk::Chunk;
 use crate::episode::{Episode, WhichEpisode};
 use crate::error::EnvironmentError;
 use crate::options::Options;
-use crate::running::Running;
-use crate::shared::{Shared, Variant};
+use crate::running::RunningEpisode;
+use crate::shared::{SharedData, Variant};
 use crate::start::Start;
 use crate::workers::Worker;
 
@@ -29,7 +29,7 @@ const SHORT: usize = 1 << 16;
 /// the instance and the number of the episode.
 #[derive(Debug)]
 pub struct Environments {
-    shared: Arc<Shared>,
+    shared: Arc<SharedData>,
     engine: Engine,
     /// `true` after the first reset.
     has_begun: bool,
@@ -38,7 +38,7 @@ pub struct Environments {
 #[derive(Debug)]
 enum Engine {
     /// One thread, the caller's.
-    Here(Box<Chunk<Alone>>),
+    Here(Box<Chunk<WorldBackend>>),
     Threads(Vec<Worker>),
 }
 
@@ -53,7 +53,7 @@ impl Environments {
         options: Options,
         cache: Arc<Cache>,
     ) -> Result<Self, EnvironmentError> {
-        let shared = Arc::new(Shared::new(template, options, cache)?);
+        let shared = Arc::new(SharedData::new(template, options, cache)?);
         let are_alone = shared.are_alone;
         let Options {
             instances, threads, ..
@@ -63,7 +63,7 @@ impl Environments {
             Engine::Here(Box::new(chunk))
         } else {
             let start = if are_alone {
-                Worker::start::<Alone>
+                Worker::start::<WorldBackend>
             } else {
                 Worker::start::<WithProcesses>
             };
@@ -209,10 +209,10 @@ impl Environments {
     pub fn look<T: Send + 'static>(
         &self,
         instance: usize,
-        look: impl FnOnce(&Running<'_>) -> T + Send + 'static,
+        look: impl FnOnce(&RunningEpisode<'_>) -> T + Send + 'static,
     ) -> Result<T, EnvironmentError> {
         let (send, seen) = std::sync::mpsc::sync_channel(1);
-        let look = Box::new(move |running: &Running<'_>| {
+        let look = Box::new(move |running: &RunningEpisode<'_>| {
             // It is received below.
             let _ = send.send(look(running));
         });

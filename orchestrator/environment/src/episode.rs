@@ -5,12 +5,12 @@ use std::sync::Arc;
 use geometry::pose::Twist2;
 use observation::action::ACTION_LENGTH;
 
-use crate::shared::Shared;
+use crate::shared::SharedData;
 
 /// An episode as it can be executed again.
 #[derive(Debug, Clone)]
 pub struct Episode {
-    pub(crate) shared: Arc<Shared>,
+    pub(crate) shared: Arc<SharedData>,
     /// Seed of the scenario.
     pub seed: u64,
     /// Actions of all steps: steps × agents × 2 numbers; 0 of agents out of the game.
@@ -31,7 +31,7 @@ pub enum WhichEpisode {
 }
 
 impl Episode {
-    pub(crate) fn new(shared: &Arc<Shared>, seed: u64) -> Self {
+    pub(crate) fn new(shared: &Arc<SharedData>, seed: u64) -> Self {
         Self {
             shared: Arc::clone(shared),
             seed,
@@ -42,7 +42,7 @@ impl Episode {
     }
 
     /// Begins a new episode in the memory of this one.
-    pub(crate) fn begin(&mut self, shared: &Arc<Shared>, seed: u64) {
+    pub(crate) fn begin(&mut self, shared: &Arc<SharedData>, seed: u64) {
         self.shared.clone_from(shared);
         self.seed = seed;
         self.actions.clear();

@@ -8,7 +8,7 @@ use observation::action::{ACTION_LENGTH, command};
 use observation::field_evader::FieldEvader;
 use observation::layout::Layout;
 use observation::route_entries::RouteEntries;
-use observation::scene::{Hiding, Scene};
+use observation::scene::{OcclusionCache, Scene};
 use planner_view::map::PlannerMap;
 use planner_view::view::{BeliefView, RobotView, ScanView, View};
 use sim_backend::robot::Robot;
@@ -20,16 +20,16 @@ use crate::episode::Episode;
 use crate::episode_seed::episode_seed;
 use crate::error::EnvironmentError;
 use crate::options::Autoreset;
+use crate::remaining_path::RemainingPath;
 use crate::rewards::{self, EVENTS};
-use crate::running::{Look, Running};
-use crate::shared::{Shared, planner_map};
-use crate::way_left::WayLeft;
+use crate::running::{Look, RunningEpisode};
+use crate::shared::{SharedData, planner_map};
 
 /// Memory of a step that instances of one thread share.
 #[derive(Debug)]
 pub(crate) struct Scratch {
     /// Data of the instances that may use it.
-    shared: Arc<Shared>,
+    shared: Arc<SharedData>,
     scene: Scene,
     robots: Vec<RobotView>,
     beliefs: Vec<BeliefView<'static>>,
@@ -43,7 +43,7 @@ pub(crate) struct Scratch {
 }
 
 impl Scratch {
-    pub fn new(shared: &Arc<Shared>) -> Self {
+    pub fn new(shared: &Arc<SharedData>) -> Self {
         let robots = shared.facts.len();
         Self {
             shared: Arc::clone(shared),
@@ -59,7 +59,7 @@ impl Scratch {
     }
 
     /// Makes it that of other instances.
-    fn fit(&mut self, shared: &Arc<Shared>) {
+    fn fit(&mut self, shared: &Arc<SharedData>) {
         if !Arc::ptr_eq(&self.shared, shared) {
             *self = Self::new(shared);
         }
@@ -79,20 +79,24 @@ pub(crate) struct Instance<B> {
     is_over: bool,
     last: Option<Episode>,
     returns: Vec<f64>,
-    hiding: Hiding,
+    hiding: OcclusionCache,
     /// The ways of each agent.
     ways: Vec<Option<RouteEntries>>,
     /// The controllers of the agents, if actions change them.
     evaders: Vec<FieldEvader>,
     /// The ways of the agents, if progress is rewarded.
-    ways_left: Vec<WayLeft>,
+    ways_left: Vec<RemainingPath>,
     /// The map of planners.
     map: Option<Arc<PlannerMap>>,
 }
 
 impl<B: Backend> Instance<B> {
     /// Begins the first episode of an instance, with the seed of all.
-    pub fn new(shared: &Arc<Shared>, index: usize, seed: u64) -> Result<Self, EnvironmentError> {
+    pub fn new(
+        shared: &Arc<SharedData>,
+        index: usize,
+        seed: u64,
+    ) -> Result<Self, EnvironmentError> {
         let first = episode_seed(seed, index, 0);
         Ok(Self {
             backend: B::new(shared, first)?,
@@ -103,7 +107,7 @@ impl<B: Backend> Instance<B> {
             is_over: false,
             last: None,
             returns: vec![0.0; shared.shape.agents],
-            hiding: Hiding::default(),
+            hiding: OcclusionCache::default(),
             ways: shared.layouts.iter().map(Layout::ways).collect(),
             evaders: shared.evaders.clone(),
             ways_left: shared.ways_left.clone(),
@@ -117,12 +121,12 @@ impl<B: Backend> Instance<B> {
     }
 
     /// Returns the data of the running episode.
-    pub fn shared(&self) -> &Arc<Shared> {
+    pub fn shared(&self) -> &Arc<SharedData> {
         &self.running.shared
     }
 
     /// Begins the next episode.
-    pub fn begin_next(&mut self, shared: &Arc<Shared>) -> Result<(), EnvironmentError> {
+    pub fn begin_next(&mut self, shared: &Arc<SharedData>) -> Result<(), EnvironmentError> {
         if core::mem::take(&mut self.is_over) {
             let freed = self.last.take();
             let freed = freed.unwrap_or_else(|| Episode::new(shared, 0));
@@ -137,14 +141,14 @@ impl<B: Backend> Instance<B> {
         self.evaders.clone_from(&shared.evaders);
         self.ways_left.clone_from(&shared.ways_left);
         self.returns.fill(0.0);
-        self.hiding = Hiding::default();
+        self.hiding = OcclusionCache::default();
         self.running.begin(shared, seed);
         Ok(())
     }
 
     /// Lets `look` see the running episode.
     pub fn look(&self, look: Look) {
-        look(&Running {
+        look(&RunningEpisode {
             seed: self.running.seed,
             world: self.backend.world(),
             episode: &self.running,
@@ -213,7 +217,7 @@ impl<B: Backend> Instance<B> {
     /// Does one tick with the commands of the action.
     fn tick(
         &mut self,
-        shared: &Shared,
+        shared: &SharedData,
         scratch: &mut Scratch,
         actions: &[f32],
         row: &mut ArraysMut<'_>,
@@ -248,7 +252,11 @@ impl<B: Backend> Instance<B> {
     }
 
     /// Computes the commands of the controllers that actions change.
-    fn steer(&mut self, shared: &Shared, scratch: &mut Scratch) -> Result<(), EnvironmentError> {
+    fn steer(
+        &mut self,
+        shared: &SharedData,
+        scratch: &mut Scratch,
+    ) -> Result<(), EnvironmentError> {
         if self.evaders.is_empty() {
             return Ok(());
         }
@@ -276,7 +284,7 @@ impl<B: Backend> Instance<B> {
     /// Ends the episode, and begins the next one if the same step shall.
     fn end(
         &mut self,
-        shared: &Arc<Shared>,
+        shared: &Arc<SharedData>,
         scratch: &mut Scratch,
         row: &mut ArraysMut<'_>,
     ) -> Result<(), EnvironmentError> {
@@ -294,7 +302,7 @@ impl<B: Backend> Instance<B> {
     }
 
     /// Adds the rewards of the progress since the last observation.
-    fn reward_progress(&mut self, shared: &Shared, scratch: &Scratch, row: &mut ArraysMut<'_>) {
+    fn reward_progress(&mut self, shared: &SharedData, scratch: &Scratch, row: &mut ArraysMut<'_>) {
         for (agent, progress) in scratch.progress.iter().enumerate() {
             let reward = shared.options.rewards.progress * progress;
             self.returns[agent] += reward;
@@ -305,7 +313,7 @@ impl<B: Backend> Instance<B> {
     }
 
     /// Adds rewards and events of a tick, and writes the end of the episode.
-    fn judge(&mut self, shared: &Shared, scratch: &Scratch, row: &mut ArraysMut<'_>) {
+    fn judge(&mut self, shared: &SharedData, scratch: &Scratch, row: &mut ArraysMut<'_>) {
         let world = self.backend.world();
         let dt = shared.dt.as_secs_f64();
         let (events, _) = row.events.as_chunks_mut::<EVENTS>();
@@ -337,7 +345,7 @@ impl<B: Backend> Instance<B> {
     /// Writes the observations of all agents.
     fn observe(
         &mut self,
-        shared: &Shared,
+        shared: &SharedData,
         scratch: &mut Scratch,
         out: &mut [f32],
     ) -> Result<(), EnvironmentError> {

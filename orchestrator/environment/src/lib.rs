@@ -3,7 +3,7 @@
 //!
 //! - [`Environments`]: the instances: reset, step, recorded episodes; [`Episode::replay`]: these as runs with a log;
 //! - [`Options`], [`RewardWeights`]: number of instances, agents, observation, seed, threads, rewards;
-//! - [`Running`]: a look at the world of an instance;
+//! - [`RunningEpisode`]: a look at the world of an instance;
 //! - [`Arrays`], [`ArraysMut`], [`Shape`]: results of a step, written in place.
 //!
 //! Instances without any other steering process step the world alone and allocate no memory in a step. The others run
@@ -38,12 +38,12 @@ mod episode_seed;
 mod error;
 mod instance;
 mod options;
+mod remaining_path;
 mod replay;
 mod rewards;
 mod running;
 mod shared;
 mod start;
-mod way_left;
 mod workers;
 
 pub use arrays::{Arrays, ArraysMut, Shape};
@@ -52,6 +52,6 @@ pub use episode::{Episode, WhichEpisode};
 pub use error::EnvironmentError;
 pub use options::{Autoreset, Options};
 pub use rewards::{EVENT_NAMES, EVENTS, RewardWeights};
-pub use running::Running;
+pub use running::RunningEpisode;
 pub use shared::Variant;
 pub use start::Start;

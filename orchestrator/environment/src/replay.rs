@@ -13,10 +13,10 @@ use planner::PlannerProcess;
 use scenario::kind::ConfiguredKind;
 use scenario::{Program, ResolvedScenario};
 
-use crate::commanded::{CommandedParams, CommandedPlanner, Recorded};
+use crate::commanded::{CommandHistory, CommandedParams, CommandedPlanner};
 use crate::episode::Episode;
 use crate::error::EnvironmentError;
-use crate::shared::Shared;
+use crate::shared::SharedData;
 
 impl Episode {
     /// Executes the episode again as a run in this thread, with planners that send its commands and stop after the last
@@ -42,12 +42,12 @@ impl Episode {
 }
 
 fn replay(
-    shared: &Shared,
+    shared: &SharedData,
     episode: &Episode,
     options: InProcessOptions,
 ) -> Result<(ResolvedScenario, MissionReport), EnvironmentError> {
     let mut scenario = shared.scenario(episode.seed)?;
-    let commands = Arc::new(Recorded(commands(shared, episode)));
+    let commands = Arc::new(CommandHistory(commands(shared, episode)));
     let mut programs = shared.options.programs.clone();
     for &index in &shared.agents.processes {
         let Some(process) = scenario.processes.get_mut(index) else {
@@ -58,7 +58,7 @@ fn replay(
             words: vec!["learner".to_owned()],
             folder: "/".to_owned(),
             params: serde_json::Value::Object(serde_json::Map::new()),
-            declared: scenario::Declared::Nothing,
+            declared: scenario::ProgramDeclaration::Nothing,
         };
         let params = CommandedParams::new(Arc::clone(&commands) as _);
         let kind = ConfiguredKind::new::<PlannerProcess<CommandedPlanner>>(params);
@@ -76,7 +76,7 @@ fn replay(
 }
 
 /// Returns the commands of an episode, by the names of the robots.
-fn commands(shared: &Shared, episode: &Episode) -> BTreeMap<String, Vec<Twist2>> {
+fn commands(shared: &SharedData, episode: &Episode) -> BTreeMap<String, Vec<Twist2>> {
     let (actions, _) = episode.actions.as_chunks::<ACTION_LENGTH>();
     let agents = shared.agents.robots.iter().enumerate();
     let named = agents.filter_map(|(agent, &robot)| {

@@ -8,7 +8,7 @@ use crate::error::EnvironmentError;
 
 /// The running episode of an instance, for as long as the look lasts.
 #[derive(Debug)]
-pub struct Running<'a> {
+pub struct RunningEpisode<'a> {
     /// Seed of the scenario.
     pub seed: u64,
     /// The world.
@@ -18,9 +18,9 @@ pub struct Running<'a> {
 }
 
 /// Function that sees the running episode.
-pub(crate) type Look = Box<dyn FnOnce(&Running<'_>) + Send>;
+pub(crate) type Look = Box<dyn FnOnce(&RunningEpisode<'_>) + Send>;
 
-impl Running<'_> {
+impl RunningEpisode<'_> {
     /// Returns the scenario.
     ///
     /// # Errors

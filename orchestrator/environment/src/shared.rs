@@ -24,14 +24,14 @@ use crate::arrays::Shape;
 use crate::episode_seed::episode_seed;
 use crate::error::EnvironmentError;
 use crate::options::Options;
-use crate::way_left::WayLeft;
+use crate::remaining_path::RemainingPath;
 
 /// Maximum number of numbers in the observations of all instances.
 const MAX_OBSERVATIONS: usize = 1 << 26;
 
 /// Scenario of episodes, with the values of the environments or with others.
 #[derive(Debug, Clone)]
-pub struct Variant(pub(crate) Arc<Shared>);
+pub struct Variant(pub(crate) Arc<SharedData>);
 
 impl Variant {
     /// Returns the scenario with other values; `programs` are as in [`Options`].
@@ -50,7 +50,7 @@ impl Variant {
 
 /// Data that all instances of a scenario share; it never changes.
 #[derive(Debug)]
-pub(crate) struct Shared {
+pub(crate) struct SharedData {
     pub template: Template,
     pub options: Options,
     pub agents: Agents,
@@ -60,7 +60,7 @@ pub(crate) struct Shared {
     /// Controllers of the agents, if actions change them.
     pub evaders: Vec<FieldEvader>,
     /// The ways of the agents, if progress is rewarded.
-    pub ways_left: Vec<WayLeft>,
+    pub ways_left: Vec<RemainingPath>,
     /// Observations of the agents.
     pub layouts: Vec<Layout>,
     /// Centres of the exits (m).
@@ -76,7 +76,7 @@ pub(crate) struct Shared {
     pub interrupted: Arc<AtomicBool>,
 }
 
-impl Shared {
+impl SharedData {
     pub fn new(
         template: Template,
         options: Options,
@@ -120,7 +120,7 @@ impl Shared {
         let ways_left = if options.rewards.progress == 0.0 {
             Vec::new()
         } else {
-            WayLeft::of_agents(&agents.robots, &facts, exits.len())?
+            RemainingPath::of_agents(&agents.robots, &facts, exits.len())?
         };
         let planner_map =
             if options.observation.path || !evaders.is_empty() || !ways_left.is_empty() {

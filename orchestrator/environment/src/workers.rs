@@ -10,7 +10,7 @@ use crate::backend::Backend;
 use crate::chunk::Chunk;
 use crate::error::EnvironmentError;
 use crate::running::Look;
-use crate::shared::Shared;
+use crate::shared::SharedData;
 use crate::start::Start;
 
 /// Memory of the instances of a thread, which goes to it with a request and comes back with the reply.
@@ -48,7 +48,7 @@ pub(crate) struct Worker {
 impl Worker {
     /// Starts a thread for the instances in `range`.
     pub fn start<B: Backend + 'static>(
-        shared: &Arc<Shared>,
+        shared: &Arc<SharedData>,
         range: Range<usize>,
     ) -> Result<Self, EnvironmentError> {
         let shape = shared.shape.with_instances(range.len());

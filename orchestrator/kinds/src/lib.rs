@@ -24,16 +24,16 @@ use scenario::{Loader, ResolvedScenario};
 
 /// Kinds of processes of this program, in the order of listings.
 pub static KINDS: &[Kind] = &[
-    Kind::of::<PerceptionProcess>(),
-    Kind::of::<RefereeProcess>(),
-    Kind::of::<ObserverProcess>(),
+    Kind::from_type::<PerceptionProcess>(),
+    Kind::from_type::<RefereeProcess>(),
+    Kind::from_type::<ObserverProcess>(),
     planner::<PursuerPlanner>(),
     planner::<BraitenbergPlanner>(),
     planner::<PotentialPlanner>(),
     planner::<ReachAvoidPlanner>(),
     planner::<RrtStarPlanner>(),
     planner::<PolicyPlanner>(),
-    Kind::of::<OptimiserProcess>(),
+    Kind::from_type::<OptimiserProcess>(),
     planner::<NavigatorPlanner>(),
     planner::<PatrolAwgPlanner>(),
     planner::<PatrolFtoPlanner>(),
@@ -46,7 +46,7 @@ pub static KINDS: &[Kind] = &[
 
 /// Returns the kind of the processes that steer robots with a planner.
 pub const fn planner<P: Planner>() -> Kind {
-    Kind::of::<PlannerProcess<P>>()
+    Kind::from_type::<PlannerProcess<P>>()
 }
 
 /// Loads a scenario with the kinds of this program; its files must be in its folder.

@@ -12,7 +12,7 @@ mod report;
 mod text;
 
 pub use error::LatencyError;
-pub use of_log::{Measured, Sizes, of_log};
+pub use of_log::{RunLatencies, Sizes, of_log};
 pub use report::{Report, Run, load};
 pub use text::text;
 

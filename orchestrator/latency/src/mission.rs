@@ -7,7 +7,7 @@ use std::sync::atomic::AtomicBool;
 use mcap_log::ReadProgress;
 
 use super::error::LatencyError;
-use super::of_log::{Measured, of_log};
+use super::of_log::{RunLatencies, of_log};
 use mission::{self, MissionOptions};
 use platform::scratch::Scratch;
 use scenario::ResolvedScenario;
@@ -33,7 +33,7 @@ pub struct RunOptions {
 pub fn run(
     scenario: &ResolvedScenario,
     options: &RunOptions,
-) -> Result<(Measured, bool), LatencyError> {
+) -> Result<(RunLatencies, bool), LatencyError> {
     let folder = Scratch::create().map_err(|source| LatencyError::System {
         what: "a temporary directory: cannot be created".to_owned(),
         source,

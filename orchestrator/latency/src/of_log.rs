@@ -33,7 +33,7 @@ impl Sizes {
 
 /// Latencies of one run.
 #[derive(Debug, Clone)]
-pub struct Measured {
+pub struct RunLatencies {
     /// Name of the scenario.
     pub scenario: String,
     /// Seed of the run.
@@ -68,7 +68,7 @@ pub struct Measured {
     pub condition: Condition,
 }
 
-impl Measured {
+impl RunLatencies {
     /// Returns the distribution with this name among hops, stages and ticks.
     pub fn distribution(&self, name: &str) -> Option<&Distribution> {
         [&self.stages, &self.hops, &self.period]
@@ -82,7 +82,7 @@ impl Measured {
 /// # Errors
 /// [`LatencyError`]: the log cannot be read, is not a Protean log of this version, or contains no
 /// stamped or answered message.
-pub fn of_log(log: &Path, watch: &mut ReadProgress) -> Result<Measured, LatencyError> {
+pub fn of_log(log: &Path, watch: &mut ReadProgress) -> Result<RunLatencies, LatencyError> {
     let mut reader = Reader::open(log, Some(watch))?;
     let mut reading = Reading::default();
     while let Some(item) = reader.next()? {
@@ -166,7 +166,7 @@ impl Reading {
         }
     }
 
-    fn finish(mut self, log: &Path, condition: Condition) -> Result<Measured, LatencyError> {
+    fn finish(mut self, log: &Path, condition: Condition) -> Result<RunLatencies, LatencyError> {
         self.origin.check(log)?;
         let of_topic = |name: &str| {
             let channels = self.topics.iter().filter(|(_, topic)| *topic == name);
@@ -198,7 +198,7 @@ impl Reading {
         chain.settle();
         let detail = chain.detail.take().unwrap_or_default();
         let text = |key: &str| self.origin.manifest.get(key).cloned().unwrap_or_default();
-        Ok(Measured {
+        Ok(RunLatencies {
             scenario: text("scenario"),
             seed: text("seed").parse().unwrap_or_default(),
             version: text("version"),

@@ -6,7 +6,7 @@ use platform::machine::machine;
 use serde_json::{Map, Value as Json, json};
 use statistics::{Distribution, Percentiles};
 
-use super::of_log::Measured;
+use super::of_log::RunLatencies;
 use super::{REACTION, Stage, TICK_JITTER, WHOLE};
 
 /// Number of bins of a histogram per power of ten.
@@ -16,7 +16,7 @@ pub(super) const PER_DECADE: u32 = 8;
 #[derive(Debug, Clone)]
 pub struct Run {
     /// Latencies from its stamps.
-    pub measured: Measured,
+    pub measured: RunLatencies,
     /// Path of its log, if it is kept.
     pub log: Option<PathBuf>,
     /// `true` if it was interrupted.

@@ -36,7 +36,7 @@ enum Form {
 }
 
 impl Form {
-    fn of(channel: &Channel, schema: Option<&LogSchema>) -> Self {
+    fn for_channel(channel: &Channel, schema: Option<&LogSchema>) -> Self {
         if channel.message_encoding == "json" {
             return Self::Json;
         }
@@ -84,7 +84,7 @@ pub fn cat(
     while let Some(item) = reader.next()? {
         match item {
             Item::Channel(channel) if options.topics.take(&channel.topic) => {
-                let form = Form::of(&channel, reader.schema(channel.schema_id).as_deref());
+                let form = Form::for_channel(&channel, reader.schema(channel.schema_id).as_deref());
                 channels.insert(channel.id, (quoted(&channel.topic), form));
             }
             Item::Message(header, data) if span.contains(header.log_time) => {

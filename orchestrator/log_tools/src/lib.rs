@@ -20,9 +20,9 @@ mod tests;
 
 pub use cat::{CatOptions, cat};
 pub use events::events;
-pub use export::{ExportOptions, Exported, Ros2Bag, Table, export, ros2bag};
+pub use export::{ExportOptions, ExportReport, Ros2Bag, Table, export, ros2bag};
 pub use info::{LogInfo, TopicInfo};
 pub use info_text::text as info_text;
-pub use recover::{Recovered, recover};
+pub use recover::{RecoveryReport, recover};
 pub use time_span::nanoseconds;
 pub use topic_columns::TopicColumns;

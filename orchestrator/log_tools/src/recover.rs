@@ -14,7 +14,7 @@ const MAX_LOGS: usize = 64;
 
 /// Result of a repair.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Recovered {
+pub struct RecoveryReport {
     /// The new log.
     pub out: PathBuf,
     /// Number of messages in the new log.
@@ -34,7 +34,7 @@ pub struct Recovered {
     pub source: Condition,
     /// Further logs that followed the end of the first one in the file, each with a new log of its own.
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub further: Vec<Recovered>,
+    pub further: Vec<RecoveryReport>,
 }
 
 /// Writes all readable records of a log into a new log, in the same order, with an index and a summary. Of several
@@ -47,7 +47,7 @@ pub fn recover(
     out: &Path,
     force: bool,
     watch: &mut ReadProgress,
-) -> Result<Recovered, DerivedError> {
+) -> Result<RecoveryReport, DerivedError> {
     let mut copies = Vec::new();
     let mut next = Some(0);
     while let Some(start) = next.filter(|_| copies.len() < MAX_LOGS) {
@@ -85,7 +85,7 @@ fn copy(
     reader: &mut Reader<'_>,
     out: &Path,
     force: bool,
-) -> Result<(Recovered, Output), DerivedError> {
+) -> Result<(RecoveryReport, Output), DerivedError> {
     let log = reader.path().to_owned();
     let mut output: Option<Output> = None;
     let (mut messages, mut attachments, mut metadata, mut end_ns) = (0, 0, 0, 0);
@@ -151,7 +151,7 @@ fn copy(
             ],
         )?;
     }
-    let recovered = Recovered {
+    let recovered = RecoveryReport {
         out: out.to_owned(),
         messages,
         lost,

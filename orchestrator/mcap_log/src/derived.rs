@@ -3,7 +3,7 @@
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 
-use platform::atomic_file::{AtomicFile, Existing, Readers};
+use platform::atomic_file::{AtomicFile, ExistingFile, Readers};
 use platform::file_kind::FileKind;
 use platform::presence;
 
@@ -59,7 +59,7 @@ pub fn create(
     if presence::is_same(path, log).map_err(refused(path))? {
         // The page of a page would replace it, too.
         return Err(
-            match FileKind::of(log).filter(|kind| *kind != FileKind::Log) {
+            match FileKind::from_path(log).filter(|kind| *kind != FileKind::Log) {
                 Some(kind) => DerivedError::Log(LogReadError::NotMcap {
                     path: log.to_owned(),
                     kind: Some(kind),
@@ -70,7 +70,7 @@ pub fn create(
             },
         );
     }
-    AtomicFile::create(path, Existing::of_force(force), readers).map_err(refused(path))
+    AtomicFile::create(path, ExistingFile::of_force(force), readers).map_err(refused(path))
 }
 
 /// Writes a file made from `log`, completely or not at all.

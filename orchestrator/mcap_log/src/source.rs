@@ -37,7 +37,7 @@ const FOR_VIEWERS: usize = usize::MAX;
 
 /// A message of a selected channel.
 #[derive(Debug, Default, Clone, PartialEq, Eq)]
-pub struct Logged {
+pub struct LogMessage {
     /// Log time (ns).
     pub time: u64,
     /// Index of its topic in [`ipc_types::topics::NAMES`]; beyond the end for viewer messages.
@@ -48,7 +48,7 @@ pub struct Logged {
     pub data: Vec<u8>,
 }
 
-impl Logged {
+impl LogMessage {
     /// Returns the index of the process that sent it.
     pub fn sender(&self) -> u32 {
         known::stamp(&self.data).map_or(0, |stamp| stamp.source)
@@ -62,13 +62,13 @@ impl Logged {
 
 /// A selected channel.
 #[derive(Debug, Clone, Copy)]
-struct Played {
+struct SelectedChannel {
     rank: usize,
     latched: bool,
     one_sender: bool,
 }
 
-impl Played {
+impl SelectedChannel {
     /// Returns the sender of a message; the recorder sends all viewer messages.
     fn sender(&self, data: &[u8]) -> u32 {
         if self.rank == FOR_VIEWERS {
@@ -86,9 +86,9 @@ pub struct Source {
     /// `true` to include viewer messages.
     pictures: bool,
     index: Option<Vec<ChunkPlace>>,
-    played: BTreeMap<u16, Played>,
+    played: BTreeMap<u16, SelectedChannel>,
     /// First message after the start, read ahead by the seek.
-    ahead: Option<Logged>,
+    ahead: Option<LogMessage>,
     /// Exclusive end of the log time of returned messages (ns).
     before: u64,
     /// Offset in the file after which no message is earlier than `before` (bytes).
@@ -150,8 +150,8 @@ impl Source {
     }
 
     /// Returns the read position in the file (bytes).
-    pub fn at(&self) -> u64 {
-        self.reader.at()
+    pub fn offset(&self) -> u64 {
+        self.reader.offset()
     }
 
     /// Returns `true` if the file has an index.
@@ -186,7 +186,7 @@ impl Source {
     fn take_up(&mut self, channel: &Channel) -> Result<(), LogReadError> {
         if channel.topic.starts_with('/') || channel.topic == ROBOTS_TOPIC {
             if self.pictures && self.topics.take(&channel.topic) {
-                let played = Played {
+                let played = SelectedChannel {
                     rank: FOR_VIEWERS,
                     latched: is_latched(&channel.topic, &channel.metadata),
                     one_sender: true,
@@ -199,7 +199,7 @@ impl Source {
         if let Some(topic) = known::topic_of(channel)
             && self.topics.take(&channel.topic)
         {
-            let played = Played {
+            let played = SelectedChannel {
                 rank: topic.rank(),
                 latched: topic.facts().latched,
                 one_sender: topic.has_one_publisher(),
@@ -218,7 +218,7 @@ impl Source {
         &mut self,
         from: u64,
         read_progress: &mut ReadProgress,
-    ) -> Result<Vec<Logged>, LogReadError> {
+    ) -> Result<Vec<LogMessage>, LogReadError> {
         self.ahead = None;
         let mut older = States::default();
         match &self.index {
@@ -236,7 +236,7 @@ impl Source {
         while let Some((header, played)) = self.advance()? {
             let data = self.bytes();
             if header.log_time >= from {
-                self.ahead = Some(Logged {
+                self.ahead = Some(LogMessage {
                     time: header.log_time,
                     rank: played.rank,
                     channel: header.channel_id,
@@ -256,7 +256,7 @@ impl Source {
             .into_iter()
             .filter_map(|(header, data)| {
                 let played = self.played.get(&header.channel_id)?;
-                Some(Logged {
+                Some(LogMessage {
                     time: header.log_time,
                     rank: played.rank,
                     channel: header.channel_id,
@@ -289,7 +289,7 @@ impl Source {
             let mut channels = BTreeSet::new();
             let path = self.reader.path().to_owned();
             self.reader.jump(chunk.at);
-            while self.reader.next()?.is_some() && self.reader.at() == chunk.at {
+            while self.reader.next()?.is_some() && self.reader.offset() == chunk.at {
                 if let Some((header, data)) = self.reader.last_message()
                     && header.log_time < from
                     && wanted.contains_key(&header.channel_id)
@@ -315,8 +315,8 @@ impl Source {
 
     /// Advances to the next selected message and returns its header; `None` at the end. The reader keeps its
     /// bytes as last message.
-    fn advance(&mut self) -> Result<Option<(MessageHeader, Played)>, LogReadError> {
-        while self.reader.at() <= self.end {
+    fn advance(&mut self) -> Result<Option<(MessageHeader, SelectedChannel)>, LogReadError> {
+        while self.reader.offset() <= self.end {
             match self.reader.next()? {
                 None => break,
                 Some(Item::Message(header, _)) if header.log_time < self.before => {
@@ -340,11 +340,11 @@ impl Source {
     ///
     /// # Errors
     /// The log cannot be read: [`LogReadError`].
-    pub fn tick(&mut self, into: &mut Vec<Logged>) -> Result<bool, LogReadError> {
+    pub fn tick(&mut self, into: &mut Vec<LogMessage>) -> Result<bool, LogReadError> {
         let (mut count, mut bytes) = (0, 0);
         loop {
             if count == into.len() {
-                into.push(Logged::default());
+                into.push(LogMessage::default());
             }
             let Some((message, before)) = into.get_mut(..=count).and_then(<[_]>::split_last_mut)
             else {
@@ -382,7 +382,7 @@ impl Source {
         visit: &mut dyn FnMut(usize, u32) -> Result<(), E>,
     ) -> Result<(), E> {
         self.seek(0, read_progress)?;
-        let mut message = Logged::default();
+        let mut message = LogMessage::default();
         let mut bytes = 0;
         for _ in 0..FIRST_MESSAGES {
             if bytes > FIRST_MESSAGES_BYTES || !self.next(&mut message)? {
@@ -397,7 +397,7 @@ impl Source {
     }
 
     /// Reads the next message; returns `false` at the end.
-    fn next(&mut self, into: &mut Logged) -> Result<bool, LogReadError> {
+    fn next(&mut self, into: &mut LogMessage) -> Result<bool, LogReadError> {
         if let Some(ahead) = self.ahead.take() {
             *into = ahead;
             return Ok(true);

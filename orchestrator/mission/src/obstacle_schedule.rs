@@ -2,7 +2,7 @@
 
 use ipc_types::messages::world::ObstacleEvent;
 use runtime::obstacle::{self, ObstacleMessageError};
-use simulator::event_schedule::{Due, PlannedChange};
+use simulator::event_schedule::{DueCondition, PlannedChange};
 
 use scenario::{EventSpec, Moment};
 
@@ -59,8 +59,10 @@ pub(super) fn event_schedule(
                 obstacle: event.obstacle.clone(),
                 change,
                 due: match &event.moment {
-                    Moment::At { time_s } => Due::Tick(first_tick(*time_s, tick_period_ns)),
-                    Moment::When { when, after_s } => Due::When {
+                    Moment::At { time_s } => {
+                        DueCondition::Tick(first_tick(*time_s, tick_period_ns))
+                    }
+                    Moment::When { when, after_s } => DueCondition::When {
                         robot: when.index,
                         condition: when.condition,
                         after: first_tick(*after_s, tick_period_ns),
@@ -125,7 +127,7 @@ mod tests {
             within: 0.8,
             of: [4.5, 3.0],
         };
-        let due: Vec<Due> = params
+        let due: Vec<DueCondition> = params
             .event_schedule
             .iter()
             .map(|planned| planned.due)
@@ -133,13 +135,13 @@ mod tests {
         assert_eq!(
             due,
             [
-                Due::Tick(34),
-                Due::When {
+                DueCondition::Tick(34),
+                DueCondition::When {
                     robot: 4,
                     condition,
                     after: 4,
                 },
-                Due::Tick(200),
+                DueCondition::Tick(200),
             ]
         );
         assert!(

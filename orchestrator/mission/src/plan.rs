@@ -156,7 +156,9 @@ impl Plan {
             .launches
             .iter()
             .filter(|launch| launch.config.robots.contains(&robot));
-        drivers.any(|launch| launch.declaration.is_none() || launch.writes(Flow::of::<Waypoints>()))
+        drivers.any(|launch| {
+            launch.declaration.is_none() || launch.writes(Flow::for_topic::<Waypoints>())
+        })
     }
 
     /// Returns the time limit of the laps of the robot with this index (s); `None` without laps.
@@ -177,7 +179,7 @@ fn run_config(scenario: &ResolvedScenario, map: &WorldMap) -> Result<RunConfig, 
         let most = capacities.entry(flow.to_string()).or_default();
         *most = u32::try_from(elements).unwrap_or(u32::MAX).max(*most);
     };
-    let belief = Flow::of::<Belief>();
+    let belief = Flow::for_topic::<Belief>();
     for process in &scenario.processes {
         let outputs = process.declaration().map(|declaration| declaration.outputs);
         for output in outputs.into_iter().flatten() {
@@ -241,7 +243,7 @@ fn run_config(scenario: &ResolvedScenario, map: &WorldMap) -> Result<RunConfig, 
         capacities,
         topics: topics
             .into_iter()
-            .map(|(topic, later)| WrittenTopic::of(topic, later))
+            .map(|(topic, later)| WrittenTopic::from_topic(topic, later))
             .collect(),
         robots: world.robots.iter().enumerate().map(robot).collect(),
         exits: map.exits().iter().chain(&rules.exits).copied().collect(),

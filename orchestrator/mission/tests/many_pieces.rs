@@ -54,7 +54,7 @@ const GROUPS: [Group; 5] = [
         evaders: ["evader_potential", "evader_potential"],
         others: &[
             "coverage_chebyshev",
-            "keyed_coverage",
+            "coverage_keyed",
             "coverage_boustrophedon",
             "coverage_random_bounce",
             "coverage_uniform",

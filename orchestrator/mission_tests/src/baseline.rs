@@ -105,8 +105,9 @@ fn paired(column: &str, pairs: &[(f64, f64)]) -> Option<ColumnChange> {
     if pairs.iter().all(|(before, now)| before == now) {
         return None;
     }
-    let mean =
-        |value: fn(&(f64, f64)) -> f64| Mean::of(&pairs.iter().map(value).collect::<Vec<_>>());
+    let mean = |value: fn(&(f64, f64)) -> f64| {
+        Mean::from_values(&pairs.iter().map(value).collect::<Vec<_>>())
+    };
     let difference = mean(|(before, now)| now - before)?;
     Some(ColumnChange {
         column: column.to_owned(),

@@ -5,7 +5,7 @@ use statistics::{Interval, Mean, Sample, Z95};
 use sweep::Row;
 use tables::Cell;
 
-use crate::expectation::{Check, Limited};
+use crate::expectation::{Check, ColumnLimit};
 use crate::limit::number;
 use crate::report::Verdict;
 
@@ -78,7 +78,7 @@ pub(crate) fn of_all(check: &Check, rows: &[&Row]) -> Option<(Verdict, String)> 
         } => {
             let hits = |row: &&Row| {
                 let holds =
-                    |limits: &&Vec<_>| limits.iter().all(|l: &Limited| l.other(row).is_none());
+                    |limits: &&Vec<_>| limits.iter().all(|l: &ColumnLimit| l.other(row).is_none());
                 members.iter().filter(holds).count() as u32
             };
             let groups = rows.iter().take(*over);
@@ -94,7 +94,7 @@ pub(crate) fn of_all(check: &Check, rows: &[&Row]) -> Option<(Verdict, String)> 
         } => {
             let values = rows.iter().take(*over);
             let values: Vec<f64> = values.filter_map(|row| number(&value(row))).collect();
-            let mean = Mean::of(&values);
+            let mean = Mean::from_values(&values);
             let everything = Interval {
                 low: f64::NEG_INFINITY,
                 high: f64::INFINITY,

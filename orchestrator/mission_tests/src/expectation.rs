@@ -28,11 +28,11 @@ pub(crate) enum Check {
     /// Words of each event.
     Events(Vec<Vec<String>>),
     /// A value of a mission.
-    Value(Limited),
+    Value(ColumnLimit),
     /// A share over missions.
     Share {
         /// Conditions of each member; one that meets them counts.
-        members: Vec<Vec<Limited>>,
+        members: Vec<Vec<ColumnLimit>>,
         over: usize,
         within: Interval,
     },
@@ -48,12 +48,12 @@ pub(crate) enum Check {
 pub(crate) type Value = Box<dyn Fn(&Row) -> Cell + Send + Sync>;
 
 /// A value of a mission, and what it may be.
-pub(crate) struct Limited {
+pub(crate) struct ColumnLimit {
     value: Value,
     limit: Limit,
 }
 
-impl Limited {
+impl ColumnLimit {
     /// Returns the value if it is none of those that are allowed.
     pub fn other(&self, row: &Row) -> Option<Cell> {
         Some((self.value)(row)).filter(|cell| !self.limit.contains(cell))
@@ -276,7 +276,7 @@ impl ExpectReader<'_> {
         name: &str,
         bound: &Bound,
         of: impl Fn(&'static ResultColumn<P>) -> Value,
-    ) -> Option<Limited> {
+    ) -> Option<ColumnLimit> {
         let column = self.column::<P>(keys, name)?;
         let Some(limit) = Limit::from_bound(bound) else {
             self.refuse(keys, "no value meets this", Limit::FORM);
@@ -287,11 +287,11 @@ impl ExpectReader<'_> {
             self.refuse(keys, "the column has values of another type", &expected);
         }
         let value = of(column);
-        Some(Limited { value, limit })
+        Some(ColumnLimit { value, limit })
     }
 
     /// Returns the members of a share of an outcome: the missions, or its robots.
-    fn outcome_members(&mut self, keys: &[&str], outcome: &str) -> Vec<Vec<Limited>> {
+    fn outcome_members(&mut self, keys: &[&str], outcome: &str) -> Vec<Vec<ColumnLimit>> {
         let bound = Bound::Text(outcome.to_owned());
         if OUTCOMES.contains(&outcome) {
             let limited = self.limited(keys, "outcome", &bound, of_mission);
@@ -310,7 +310,7 @@ impl ExpectReader<'_> {
                 robot.role() == Role::Evader
             }
         });
-        let members: Vec<Vec<Limited>> = robots
+        let members: Vec<Vec<ColumnLimit>> = robots
             .filter_map(|robot| self.limited(keys, "outcome", &bound, of_robot(&robot.name)))
             .map(|limited| vec![limited])
             .collect();

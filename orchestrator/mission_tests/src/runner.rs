@@ -38,7 +38,7 @@ pub struct RunOptions {
 }
 
 /// A mission that was not interrupted.
-struct Ended {
+struct MissionResult {
     test: usize,
     seed: u64,
     /// Its result, unless the limit of real time ended it.
@@ -47,7 +47,7 @@ struct Ended {
 }
 
 /// Data that the workers share.
-struct Shared<'a> {
+struct WorkerContext<'a> {
     tests: &'a [MissionTest],
     engine: &'a dyn Engine,
     options: &'a RunOptions,
@@ -77,7 +77,7 @@ pub fn run(
     };
     let missions: Vec<(usize, u64)> = tests.iter().enumerate().flat_map(of_test).collect();
     let mut progress = Progress::new(missions.len(), 0, options.quiet, "missions");
-    let shared = Shared {
+    let shared = WorkerContext {
         tests,
         engine,
         options,
@@ -89,7 +89,7 @@ pub fn run(
         timeout: options.timeout,
         interrupted: &options.interrupted,
     };
-    let mut ended: Vec<Ended> = Vec::new();
+    let mut ended: Vec<MissionResult> = Vec::new();
     pool.run(
         shared.missions.len(),
         |_| (),
@@ -125,7 +125,7 @@ pub fn run(
 }
 
 /// Returns the result of a test from those of its missions.
-fn judge(test: &MissionTest, ended: Vec<Ended>) -> TestReport {
+fn judge(test: &MissionTest, ended: Vec<MissionResult>) -> TestReport {
     let (mut findings, mut rows, mut missions) = (Vec::new(), Vec::new(), Vec::new());
     for mission in ended {
         findings.extend(mission.findings);
@@ -166,9 +166,9 @@ fn judge(test: &MissionTest, ended: Vec<Ended>) -> TestReport {
     }
 }
 
-impl Shared<'_> {
+impl WorkerContext<'_> {
     /// Executes a mission; returns `None` if it was interrupted.
-    fn carry_out(&self, turn: &Turn<'_>) -> Option<Ended> {
+    fn carry_out(&self, turn: &Turn<'_>) -> Option<MissionResult> {
         let &(index, seed) = self.missions.get(turn.mission)?;
         let test = self.tests.get(index)?;
         let logs = Logs::new(&self.options.logs, test, seed);
@@ -189,7 +189,9 @@ impl Shared<'_> {
             Err(problems) => Err(problems.to_string()),
         };
         let done = match done {
-            Ok(report) if !report.interrupted => Some((Row::of(&report), report.summary.events)),
+            Ok(report) if !report.interrupted => {
+                Some((Row::from_report(&report), report.summary.events))
+            }
             // An engine may report the end as an error.
             Err(error) if !turn.end.load(Ordering::SeqCst) => {
                 Some((Row::failed(error), Vec::new()))
@@ -244,7 +246,7 @@ impl Shared<'_> {
         for finding in &mut findings {
             finding.log.clone_from(&log);
         }
-        Some(Ended {
+        Some(MissionResult {
             test: index,
             seed,
             result: done.map(|(row, _)| {

@@ -305,7 +305,7 @@ fn seeds(
         }
         let seeds = match list {
             SeedList::Range(text) => Seeds::parse(text),
-            SeedList::Each(seeds) => Ok(Seeds::of(seeds.clone())),
+            SeedList::Each(seeds) => Ok(Seeds::from_values(seeds.clone())),
         };
         return match seeds {
             Ok(seeds) if !seeds.is_empty() => Some(seeds.iter().collect()),

@@ -146,7 +146,7 @@ impl Answer {
     }
 
     /// Creates the answer of a plan, checked against the instance.
-    fn of(instance: &Instance, plan: &Plan) -> Self {
+    fn from_plan(instance: &Instance, plan: &Plan) -> Self {
         let k = instance.scale();
         let report = trajectory_check::check(&instance.contract(), &plan.samples);
         let finite = |v: f64| v.is_finite().then_some(v);
@@ -217,7 +217,7 @@ pub fn solve(
         Answer::without_plan(&instance.id, options.method, status, error)
     };
     let answer = match last? {
-        Ok(Ok(plan)) => Answer::of(instance, &plan),
+        Ok(Ok(plan)) => Answer::from_plan(instance, &plan),
         Ok(Err(error)) => {
             let status = match &error {
                 PlanError::NoPath => Outcome::NoPath,

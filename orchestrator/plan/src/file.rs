@@ -90,7 +90,7 @@ pub fn read(path: &Path) -> Result<Vec<Element>, FileError> {
     };
     read().map_err(|problem| FileError {
         path: path.to_owned(),
-        kind: FileKind::of(path)
+        kind: FileKind::from_path(path)
             .filter(|kind| !matches!(kind, FileKind::Instances | FileKind::Json)),
         problem,
     })

@@ -24,15 +24,15 @@ use super::presence;
 
 /// The action for a file that exists already at the path.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Existing {
+pub enum ExistingFile {
     /// Keep it and report an error.
     Keep,
     /// Replace it.
     Replace,
 }
 
-impl Existing {
-    /// Returns [`Existing::Replace`] if `force` is set, else [`Existing::Keep`].
+impl ExistingFile {
+    /// Returns [`ExistingFile::Replace`] if `force` is set, else [`ExistingFile::Keep`].
     pub fn of_force(force: bool) -> Self {
         if force { Self::Replace } else { Self::Keep }
     }
@@ -51,7 +51,7 @@ pub enum Readers {
 #[derive(Debug)]
 pub struct AtomicFile {
     path: PathBuf,
-    existing: Existing,
+    existing: ExistingFile,
     file: File,
     /// Its temporary name, if the file system needs one.
     name: Option<TempPath>,
@@ -63,8 +63,8 @@ impl AtomicFile {
     /// # Errors
     /// [`io::ErrorKind::AlreadyExists`] if a file exists that is to be kept; the error of the operating
     /// system if the directory is not writable.
-    pub fn create(path: &Path, existing: Existing, readers: Readers) -> io::Result<Self> {
-        if existing == Existing::Keep && presence::entry(path)?.is_some() {
+    pub fn create(path: &Path, existing: ExistingFile, readers: Readers) -> io::Result<Self> {
+        if existing == ExistingFile::Keep && presence::entry(path)?.is_some() {
             return Err(io::ErrorKind::AlreadyExists.into());
         }
         // The operating system applies the umask.
@@ -102,7 +102,7 @@ impl AtomicFile {
         let name = match self.name {
             Some(name) => name,
             None => match (link(&self.file, &self.path), self.existing) {
-                (Err(e), Existing::Replace) if e.kind() == io::ErrorKind::AlreadyExists => {
+                (Err(e), ExistingFile::Replace) if e.kind() == io::ErrorKind::AlreadyExists => {
                     // No system call replaces a file by one without a name.
                     let folder = folder_of(&self.path);
                     remove_abandoned(folder);
@@ -115,8 +115,8 @@ impl AtomicFile {
             },
         };
         match self.existing {
-            Existing::Replace => name.persist(&self.path),
-            Existing::Keep => name.persist_noclobber(&self.path),
+            ExistingFile::Replace => name.persist(&self.path),
+            ExistingFile::Keep => name.persist_noclobber(&self.path),
         }?;
         Ok(())
     }
@@ -223,7 +223,7 @@ pub struct SaveError {
 pub fn save(bytes: &[u8], path: &Path) -> Result<(), SaveError> {
     let write = || {
         std::fs::create_dir_all(folder_of(path))?;
-        let mut file = AtomicFile::create(path, Existing::Replace, Readers::All)?;
+        let mut file = AtomicFile::create(path, ExistingFile::Replace, Readers::All)?;
         file.write_all(bytes)?;
         file.commit()
     };
@@ -251,7 +251,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a");
         let create = |existing| AtomicFile::create(&path, existing, Readers::Owner);
-        let mut file = create(Existing::Keep).unwrap();
+        let mut file = create(ExistingFile::Keep).unwrap();
         file.write_all(b"one").unwrap();
         assert!(!path.exists());
         let is_unnamed = file.name.is_none();
@@ -261,9 +261,9 @@ mod tests {
             fs::metadata(&path).unwrap().permissions().mode() & 0o777,
             0o600
         );
-        let refused = create(Existing::Keep).unwrap_err();
+        let refused = create(ExistingFile::Keep).unwrap_err();
         assert_eq!(refused.kind(), io::ErrorKind::AlreadyExists);
-        let mut file = create(Existing::Replace).unwrap();
+        let mut file = create(ExistingFile::Replace).unwrap();
         file.write_all(b"two").unwrap();
         drop(file);
         assert_eq!(fs::read(&path).unwrap(), b"one", "never committed");
@@ -298,7 +298,7 @@ mod tests {
     fn a_file_created_meanwhile_is_kept() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a");
-        let file = AtomicFile::create(&path, Existing::Keep, Readers::All).unwrap();
+        let file = AtomicFile::create(&path, ExistingFile::Keep, Readers::All).unwrap();
         fs::write(&path, "theirs").unwrap();
         let refused = file.commit().unwrap_err();
         assert_eq!(refused.kind(), io::ErrorKind::AlreadyExists);

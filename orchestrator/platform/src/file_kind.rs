@@ -94,7 +94,7 @@ pub const TOML_KEYS: [(FileKind, &[&str]); 3] = [
 
 impl FileKind {
     /// Recognises a file; `None` if it is unreadable or of another kind.
-    pub fn of(path: &Path) -> Option<Self> {
+    pub fn from_path(path: &Path) -> Option<Self> {
         // Opening a FIFO would block.
         if !path.metadata().ok()?.is_file() {
             return None;
@@ -237,7 +237,7 @@ mod tests {
         let kind = |name: &str, content: &[u8]| {
             let path = folder.path().join(name);
             std::fs::write(&path, content).unwrap();
-            FileKind::of(&path)
+            FileKind::from_path(&path)
         };
         for (name, content, expected) in [
             ("a", &b"\x89MCAP0\r\n"[..], Some(FileKind::Log)),
@@ -281,7 +281,7 @@ mod tests {
         ] {
             assert_eq!(kind(name, content), expected, "{name}");
         }
-        assert_eq!(FileKind::of(folder.path()), None);
-        assert_eq!(FileKind::of(&folder.path().join("none.toml")), None);
+        assert_eq!(FileKind::from_path(folder.path()), None);
+        assert_eq!(FileKind::from_path(&folder.path().join("none.toml")), None);
     }
 }

@@ -20,7 +20,7 @@ pub fn of_seed(
 ) -> Result<(f64, PathMetrics), ScenarioError> {
     let failed = |reason: Box<dyn Error + Send + Sync>| ScenarioError::new(scenario, reason);
     let resolved = kinds::load(scenario, overrides, Some(seed)).map_err(|e| failed(e.into()))?;
-    let patrol = Patrol::of(&resolved, None, None).map_err(|e| failed(e.into()))?;
+    let patrol = Patrol::from_scenario(&resolved, None, None).map_err(|e| failed(e.into()))?;
     let planned = patrol.laps(laps).map_err(|e| failed(e.into()))?;
     let metrics = planned
         .metrics

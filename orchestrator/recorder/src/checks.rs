@@ -36,7 +36,7 @@ pub(super) fn is_decodable(topic: TopicId, elements: usize) -> bool {
 
 impl Finite {
     /// Returns the check for the messages of a topic.
-    pub(super) fn of(topic: TopicId) -> &'static Self {
+    pub(super) fn for_topic(topic: TopicId) -> &'static Self {
         static ALL: PerTopic<Finite> = PerTopic::new(|topic| Finite::new(topic.facts()));
         ALL.get(topic)
     }
@@ -159,7 +159,7 @@ mod tests {
     use super::Finite;
 
     fn is_valid<T: Topic>(header: &T::Header, elements: &[T::Element]) -> bool {
-        Finite::of(T::id()).is_valid(header.as_bytes(), elements.as_bytes())
+        Finite::for_topic(T::id()).is_valid(header.as_bytes(), elements.as_bytes())
     }
 
     #[test]

@@ -11,9 +11,9 @@ const PATH_LENGTHS: [f64; 4] = [250.0, 500.0, 1000.0, 2000.0];
 
 /// Last reported coverage.
 #[derive(Debug, Default)]
-pub(super) struct Covered(Option<CoverageOutcome>);
+pub(super) struct LatestCoverage(Option<CoverageOutcome>);
 
-impl Consumer for Covered {
+impl Consumer for LatestCoverage {
     fn topics(&self) -> &[TopicId] {
         &[TopicId::Coverage]
     }
@@ -25,13 +25,13 @@ impl Consumer for Covered {
     }
 }
 
-impl OutcomePart for Covered {
+impl OutcomePart for LatestCoverage {
     fn finish(self: Box<Self>, summary: &mut Summary) {
         summary.coverage = self.0;
     }
 }
 
-impl Covered {
+impl LatestCoverage {
     fn add(&mut self, report: &CoverageState) {
         let before = self.0.take();
         let (mut by_way, from) = match before {

@@ -144,7 +144,7 @@ fn metadata(topic: TopicId) -> BTreeMap<String, String> {
     // Programs that do not know the topic learn it from the log.
     .chain(
         (!topic.is_built_in())
-            .then(|| TopicLayout::of(topic).entries())
+            .then(|| TopicLayout::for_topic(topic).entries())
             .into_iter()
             .flatten(),
     )

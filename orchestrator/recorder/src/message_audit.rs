@@ -151,5 +151,5 @@ fn well_formed(topic: TopicId, message: &Parts<'_>) -> bool {
             return false;
         }
     }
-    Finite::of(topic).is_valid(message.header, message.elements)
+    Finite::for_topic(topic).is_valid(message.header, message.elements)
 }

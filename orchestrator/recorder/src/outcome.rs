@@ -2,12 +2,12 @@
 
 use ipc_types::consumer::Consumers;
 
-use super::covered::Covered;
+use super::covered::LatestCoverage;
 use super::event_list::EventList;
 use super::link_counts::LinkCounts;
 use super::outages::Outages;
 use super::patrolled::Patrolled;
-use super::predicted::Predicted;
+use super::predicted::PredictionSeries;
 use super::robots::Robots;
 use super::run_info::RunInfo;
 use super::summary::OutcomePart;
@@ -26,11 +26,11 @@ pub(super) fn parts(run: &RunInfo) -> Consumers<dyn OutcomePart> {
         // First, because the other parts complete the entries that it creates.
         Box::new(Robots::new(robots, *tick_period_ns)),
         Box::new(EventList::new(run)),
-        Box::new(Covered::default()),
+        Box::new(LatestCoverage::default()),
         Box::new(VerdictTotals::new(robots.len())),
         Box::new(AllVisits::new(robots)),
         Box::new(Patrolled::new(&run.patrols, robots)),
-        Box::new(Predicted::default()),
+        Box::new(PredictionSeries::default()),
         Box::new(LinkCounts::new(&run.links, run.seed)),
         Box::new(Outages::new(processes, *tick_period_ns)),
     ])

@@ -23,9 +23,9 @@ struct Series {
 
 /// All predictions, by observer, robot, method and the bits of the horizon, which sort in numerical order.
 #[derive(Debug, Default)]
-pub(super) struct Predicted(BTreeMap<(u32, u32, u8, u64), Series>);
+pub(super) struct PredictionSeries(BTreeMap<(u32, u32, u8, u64), Series>);
 
-impl Consumer for Predicted {
+impl Consumer for PredictionSeries {
     fn topics(&self) -> &[TopicId] {
         &[TopicId::Predictions]
     }
@@ -38,14 +38,14 @@ impl Consumer for Predicted {
     }
 }
 
-impl OutcomePart for Predicted {
+impl OutcomePart for PredictionSeries {
     fn finish(self: Box<Self>, summary: &mut Summary) {
         let names: Vec<&str> = summary.robots.iter().map(|r| r.name.as_str()).collect();
         summary.predictions = self.outcomes(&names);
     }
 }
 
-impl Predicted {
+impl PredictionSeries {
     /// Adds a prediction of an observer at a time (s).
     fn add(&mut self, observer: u32, time_s: f64, prediction: &Prediction) {
         let key = (
@@ -70,7 +70,7 @@ impl Predicted {
             .0
             .iter()
             .filter_map(|(&(observer, robot, method, horizon), series)| {
-                let statistics = ErrorStatistics::of(&series.errors);
+                let statistics = ErrorStatistics::from_errors(&series.errors);
                 let count = statistics.map_or(0, |s| s.count);
                 Some(PredictionOutcome {
                     observer,
@@ -111,7 +111,7 @@ mod tests {
 
     #[test]
     fn errors_are_counted_by_method_and_horizon_and_the_key_when_first_known() {
-        let mut predicted = Predicted::default();
+        let mut predicted = PredictionSeries::default();
         let names = ["a", "b"];
         assert_eq!(predicted.outcomes(&names), None);
         let not_due = Prediction {

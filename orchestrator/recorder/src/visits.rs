@@ -90,14 +90,14 @@ struct Visits {
     route_left_out: u64,
     farthest: f64,
     laps: Vec<Lap>,
-    open: Option<Open>,
+    open: Option<OpenLap>,
     track: Track,
     waypoints: usize,
 }
 
 /// The current lap.
 #[derive(Debug)]
-struct Open {
+struct OpenLap {
     lap: u32,
     is_part: bool,
     began_s: f64,
@@ -149,9 +149,9 @@ impl Visits {
         self.has_route |= of_the_route;
         let Some(open) = &mut self.open else {
             // The path to the first waypoint belongs to no lap, and a lap that begins on the way is none.
-            self.open = Some(Open {
+            self.open = Some(OpenLap {
                 is_part: end.number > 0,
-                ..Open::from(end.lap, end.ended_s, at)
+                ..OpenLap::from(end.lap, end.ended_s, at)
             });
             return;
         };
@@ -160,10 +160,10 @@ impl Visits {
                 Some((ended_s, _)) => open
                     .route
                     .last()
-                    .map(|&last| Open::from(end.lap, ended_s, last)),
+                    .map(|&last| OpenLap::from(end.lap, ended_s, last)),
                 None => None,
             };
-            let next = next.unwrap_or_else(|| Open::from(end.lap, end.ended_s, at));
+            let next = next.unwrap_or_else(|| OpenLap::from(end.lap, end.ended_s, at));
             let done = core::mem::replace(open, next);
             self.laps.extend(done.lap());
         }
@@ -217,7 +217,7 @@ impl Visits {
     }
 }
 
-impl Open {
+impl OpenLap {
     fn from(lap: u32, began_s: f64, at: Point2<f64>) -> Self {
         Self {
             lap,
@@ -250,7 +250,7 @@ impl Lap {
     fn planned(&self, limit_s: Option<f64>) -> Option<LapFigures> {
         let track = self.track(limit_s);
         let mae = mae_time(&self.route, core::slice::from_ref(&track), POINTS_PER_LAP)?;
-        Some(LapFigures::of(track.points(), track.points(), mae))
+        Some(LapFigures::from_path(track.points(), track.points(), mae))
     }
 
     /// The planned path in the time of the patrol. Without a time limit of the lap (s), each leg
@@ -294,13 +294,17 @@ impl Lap {
             POINTS_PER_LAP,
         )?;
         let way = track.between(self.began_s, self.ended_s);
-        Some(LapFigures::of(&way, &corners(&way, STRAIGHT_WITHIN), mae))
+        Some(LapFigures::from_path(
+            &way,
+            &corners(&way, STRAIGHT_WITHIN),
+            mae,
+        ))
     }
 }
 
 impl LapFigures {
-    fn of(way: &[Point2<f64>], corners: &[Point2<f64>], mae_m: f64) -> Self {
-        let turns = Turns::of(corners);
+    fn from_path(way: &[Point2<f64>], corners: &[Point2<f64>], mae_m: f64) -> Self {
+        let turns = Turns::from_path(corners);
         Self {
             length_m: Polyline::new(way).length(),
             mae_m,

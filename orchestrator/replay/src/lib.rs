@@ -17,9 +17,9 @@ mod tests;
 pub use error::ReplayError;
 pub use player::replay;
 pub use recorded::ProcessExit;
-pub use replay_report::{ReplayOptions, Replayed};
+pub use replay_report::{ReplayOptions, ReplayReport};
 pub use rerun::{Rerun, RerunOptions, rerun, run_again};
-pub use verify::{Verified, VerifyOptions, verify};
+pub use verify::{VerificationReport, VerifyOptions, verify};
 
 use ipc_types::bus::BusOptions;
 

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use mcap_log::source::{Logged, Source};
+use mcap_log::source::{LogMessage, Source};
 use mcap_log::{ChannelSpec, LogObserver as _};
 use platform::eprintln;
 use viewer::{BroadcastHandle, LiveError, LiveServer, LiveTotals};
@@ -55,7 +55,7 @@ impl LiveReplay {
     }
 
     /// Sends a message to the viewers.
-    pub(super) fn show(&mut self, source: &Source, message: &Logged) {
+    pub(super) fn show(&mut self, source: &Source, message: &LogMessage) {
         if !self.channels.contains_key(&message.channel) {
             self.announce(source);
         }

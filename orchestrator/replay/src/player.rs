@@ -12,7 +12,7 @@ use ipc_types::topics::{Control, NAMES, Topic as _};
 use mcap_log::LogReadError;
 use mcap_log::ReadProgress;
 use mcap_log::known;
-use mcap_log::source::{Logged, Source};
+use mcap_log::source::{LogMessage, Source};
 use platform::eprintln;
 use runtime::config::Clock;
 use runtime::lockstep::{BarrierLeader, BarrierMonitor, Phase};
@@ -20,7 +20,7 @@ use runtime::lockstep::{BarrierLeader, BarrierMonitor, Phase};
 use super::create_resources;
 use super::live_replay::LiveReplay;
 use super::publishers::TopicPublishers;
-use super::replay_report::{ReplayOptions, Replayed};
+use super::replay_report::{ReplayOptions, ReplayReport};
 use crate::ReplayError;
 use crate::origin::scenario_of;
 use log_tools::nanoseconds;
@@ -51,7 +51,7 @@ pub fn replay(
     kinds: &[Kind],
     options: &ReplayOptions,
     watch: &mut ReadProgress,
-) -> Result<Replayed, ReplayError> {
+) -> Result<ReplayReport, ReplayError> {
     let start = Instant::now();
     let (from, to) = (
         nanoseconds("--start", options.start_s)?.unwrap_or(0),
@@ -98,7 +98,7 @@ struct Player<'a> {
     /// Current tick and log time.
     now: (u64, u64),
     last_poll: Instant,
-    report: Replayed,
+    report: ReplayReport,
     by_rank: Vec<u64>,
     first: Option<Instant>,
     // Must be last: all other fields must be closed before it is removed.
@@ -158,7 +158,7 @@ impl<'a> Player<'a> {
             anchor: (0, Instant::now()),
             now: (0, 0),
             last_poll: Instant::now(),
-            report: Replayed::default(),
+            report: ReplayReport::default(),
             by_rank: vec![0; NAMES.len()],
             first: None,
             resources,
@@ -280,7 +280,7 @@ impl<'a> Player<'a> {
 
     /// Sends a message to viewers and subscribers. Returns `false` if it is for viewers only, is invalid, or is a
     /// message that the replay itself sends.
-    fn send(&mut self, message: &Logged) -> Result<bool, ReplayError> {
+    fn send(&mut self, message: &LogMessage) -> Result<bool, ReplayError> {
         if let Some(live_replay) = &mut self.live_replay {
             live_replay.show(self.source, message);
         }
@@ -317,7 +317,7 @@ impl<'a> Player<'a> {
     }
 
     /// Ends the run and returns the report.
-    fn end(mut self) -> Replayed {
+    fn end(mut self) -> ReplayReport {
         self.linger(LINGER);
         self.monitor.set_phase(Phase::Stop);
         self.report.live = self.live_replay.take().map(LiveReplay::finish);

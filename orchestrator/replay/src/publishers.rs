@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use ipc_types::bus::{AnyPublisher, AnyTopic, Bus, SendError};
 use mcap_log::known;
-use mcap_log::source::Logged;
+use mcap_log::source::LogMessage;
 
 use mission::MissionError;
 
@@ -43,7 +43,7 @@ impl TopicPublishers {
     }
 
     /// Sends a message; its publisher must be open. Returns `false` if it is not a message of its topic.
-    pub(super) fn publish(&mut self, message: &Logged) -> Result<bool, MissionError> {
+    pub(super) fn publish(&mut self, message: &LogMessage) -> Result<bool, MissionError> {
         let Some((_, ports)) = self.topics.get_mut(message.rank) else {
             return Ok(true);
         };

@@ -29,7 +29,7 @@ pub struct ProcessExit {
 
 /// The run in a log.
 #[derive(Debug, Default)]
-pub(super) struct Recorded {
+pub(super) struct RecordedRun {
     pub(super) origin: Origin,
     /// `true` if the last state of the world is that of the end of the run.
     pub(super) over: bool,
@@ -43,7 +43,7 @@ pub(super) struct Recorded {
     pub(super) left: Option<ProcessExit>,
 }
 
-impl Recorded {
+impl RecordedRun {
     /// Reads a log to its end; `of_interest` selects the processes whose failures count, by name.
     ///
     /// # Errors

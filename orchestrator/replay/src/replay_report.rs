@@ -42,7 +42,7 @@ impl Default for ReplayOptions {
 
 /// Report of a replay.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
-pub struct Replayed {
+pub struct ReplayReport {
     /// Name of the scenario.
     pub scenario: String,
     /// Messages sent, including those from before the start.
@@ -77,7 +77,7 @@ pub struct Replayed {
     pub faults: Vec<String>,
 }
 
-impl Replayed {
+impl ReplayReport {
     /// Returns the number of messages sent.
     pub fn message_counts(&self) -> MessageCounts {
         MessageCounts::from_topics(&self.topics, |messages| *messages)

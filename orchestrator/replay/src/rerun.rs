@@ -9,7 +9,7 @@ use mcap_log::ReadProgress;
 use serde::Serialize;
 
 use super::origin::{nothing_to_compare, refuse_external};
-use super::recorded::{ProcessExit, Recorded};
+use super::recorded::{ProcessExit, RecordedRun};
 use crate::ReplayError;
 use crate::origin::scenario_of;
 use mission::in_process::{self, InProcessOptions};
@@ -71,7 +71,7 @@ pub fn rerun(
     options: RerunOptions,
     watch: &mut ReadProgress,
 ) -> Result<Rerun, ReplayError> {
-    let recorded = Recorded::read(log, |_| true, watch)?;
+    let recorded = RecordedRun::read(log, |_| true, watch)?;
     let scenario = scenario_of(
         &recorded.origin,
         log,

@@ -36,7 +36,7 @@ pub struct Kind {
 
 impl Kind {
     /// Returns the kind that a type implements.
-    pub const fn of<K: ProcessKind>() -> Self {
+    pub const fn from_type<K: ProcessKind>() -> Self {
         Self {
             name: K::NAME,
             summary: K::SUMMARY,
@@ -117,12 +117,12 @@ fn presets<K: ProcessKind>() -> Vec<(&'static str, ConfiguredKind)> {
 
 /// A kind of process with the complete, typed parameters of one process.
 #[derive(Debug, Clone)]
-pub struct ConfiguredKind(Arc<dyn Configured>);
+pub struct ConfiguredKind(Arc<dyn ErasedKind>);
 
 impl ConfiguredKind {
     /// Creates a kind with parameters.
     pub fn new<K: ProcessKind>(params: K::Params) -> Self {
-        Self(Arc::new(Typed::<K> { params }))
+        Self(Arc::new(TypedKind::<K> { params }))
     }
 
     /// Returns the kind.
@@ -193,7 +193,7 @@ impl PartialEq for ConfiguredKind {
 }
 
 /// Interface of [`ConfiguredKind`] without its type of parameters.
-trait Configured: fmt::Debug + Send + Sync {
+trait ErasedKind: fmt::Debug + Send + Sync {
     fn kind(&self) -> Kind;
     fn params(&self) -> &dyn Any;
     fn equals(&self, params: &dyn Any) -> bool;
@@ -208,19 +208,19 @@ trait Configured: fmt::Debug + Send + Sync {
 }
 
 /// The parameters of a process of kind `K`.
-struct Typed<K: ProcessKind> {
+struct TypedKind<K: ProcessKind> {
     params: K::Params,
 }
 
-impl<K: ProcessKind> fmt::Debug for Typed<K> {
+impl<K: ProcessKind> fmt::Debug for TypedKind<K> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_tuple(K::NAME).field(&self.params).finish()
     }
 }
 
-impl<K: ProcessKind> Configured for Typed<K> {
+impl<K: ProcessKind> ErasedKind for TypedKind<K> {
     fn kind(&self) -> Kind {
-        Kind::of::<K>()
+        Kind::from_type::<K>()
     }
 
     fn params(&self) -> &dyn Any {

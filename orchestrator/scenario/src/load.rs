@@ -95,7 +95,7 @@ impl<'k> Loader<'k> {
                     list_choices(&names)
                 ))
         };
-        if let Some(other) = FileKind::of(path).filter(|kind| *kind != FileKind::Scenario) {
+        if let Some(other) = FileKind::from_path(path).filter(|kind| *kind != FileKind::Scenario) {
             let problem = problem(format!("{target} is not a scenario"));
             return Err(problem.help(other.help(path)).into());
         }
@@ -173,7 +173,7 @@ impl<'k> Loader<'k> {
 
 /// A built-in scenario in the list of `protean list`.
 #[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
-pub struct Listed {
+pub struct ScenarioEntry {
     /// Name to pass to `protean run`.
     pub name: String,
     /// Title.
@@ -183,7 +183,7 @@ pub struct Listed {
 }
 
 /// Lists the built-in scenarios; the default comes first.
-pub fn list() -> Vec<Listed> {
+pub fn list() -> Vec<ScenarioEntry> {
     builtin::SCENARIOS
         .iter()
         .map(|s| {
@@ -197,7 +197,7 @@ pub fn list() -> Vec<Listed> {
                     .trim()
                     .to_owned()
             };
-            Listed {
+            ScenarioEntry {
                 name: s.name.to_owned(),
                 title: text("title"),
                 summary: text("description")

@@ -31,13 +31,13 @@ pub enum Program {
         /// Its parameters as written.
         params: Json,
         /// Its declaration in words.
-        declared: Declared,
+        declared: ProgramDeclaration,
     },
 }
 
 /// Declaration of an external program.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub enum Declared {
+pub enum ProgramDeclaration {
     /// Its inputs and outputs are unknown: it may read all, and commands its robots.
     #[default]
     Nothing,
@@ -53,15 +53,15 @@ impl ProcessSpec {
         match &self.program {
             Program::Kind(kind) => Some(kind.declaration()),
             Program::Command { declared, .. } => match declared {
-                Declared::Written(known) => Some(known.1.clone()),
-                Declared::Nothing | Declared::OnRequest => None,
+                ProgramDeclaration::Written(known) => Some(known.1.clone()),
+                ProgramDeclaration::Nothing | ProgramDeclaration::OnRequest => None,
             },
         }
     }
 
     /// Returns `true` for an external program that states its declaration when it is asked.
     pub fn is_to_be_asked(&self) -> bool {
-        matches!(&self.program, Program::Command { declared, .. } if *declared == Declared::OnRequest)
+        matches!(&self.program, Program::Command { declared, .. } if *declared == ProgramDeclaration::OnRequest)
     }
 
     /// Returns `true` if it is known to write this flow.
@@ -240,9 +240,11 @@ impl ResolvedScenario {
                         block["command"] = json!(words);
                         block["folder"] = json!(folder);
                         match declared {
-                            Declared::Nothing => {}
-                            Declared::OnRequest => block["declaration"] = json!(ASK),
-                            Declared::Written(known) => block["declaration"] = json!(known.0),
+                            ProgramDeclaration::Nothing => {}
+                            ProgramDeclaration::OnRequest => block["declaration"] = json!(ASK),
+                            ProgramDeclaration::Written(known) => {
+                                block["declaration"] = json!(known.0)
+                            }
                         }
                     }
                 }
@@ -288,7 +290,7 @@ mod tests {
                 words: words.iter().map(|&w| w.to_owned()).collect(),
                 folder: "/my missions".to_owned(),
                 params: Json::Null,
-                declared: Declared::Nothing,
+                declared: ProgramDeclaration::Nothing,
             }
             .command_line()
         };

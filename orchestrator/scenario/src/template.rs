@@ -24,7 +24,7 @@ pub struct MapCache(Vec<(MapSpec, Arc<WorldMap>)>);
 
 impl MapCache {
     /// Returns the map, built once.
-    fn of(&mut self, spec: &MapSpec) -> Result<Arc<WorldMap>, geometry::map::MapError> {
+    fn map(&mut self, spec: &MapSpec) -> Result<Arc<WorldMap>, geometry::map::MapError> {
         if let Some((_, world_map)) = self.0.iter().find(|(known, _)| known == spec) {
             return Ok(Arc::clone(world_map));
         }
@@ -41,7 +41,9 @@ impl Template {
         map_cache: &mut MapCache,
     ) -> Result<Self, Diagnostics> {
         let drawn = placements.iter().any(|p| p.draw.is_some());
-        let world_map = drawn.then(|| map_cache.of(&scenario.world.map)).transpose();
+        let world_map = drawn
+            .then(|| map_cache.map(&scenario.world.map))
+            .transpose();
         Ok(Self {
             world_map: world_map.map_err(|e| Diagnostic::new(Code::Geometry, e.to_string()))?,
             scenario,

@@ -17,7 +17,7 @@ use serde::{Deserialize, Serialize};
 
 use super::builtin;
 use super::context::Context;
-use super::files::{Base, Found, Refused, read_text};
+use super::files::{Base, PathRefusal, ScenarioFile, read_text};
 use super::spec::MAX_CELLS;
 
 /// Maximum size of a vector map's file (bytes).
@@ -178,14 +178,14 @@ fn check_size(ctx: &mut Context<'_>, node: &Node, map: &MapSpec) -> Option<()> {
 }
 
 /// A map from a file.
-struct Loaded {
+struct LoadedMap {
     map: MapSpec,
     /// States of the cells of a ROS map.
     occupancy: Option<Grid<Occupancy>>,
     remark: Option<String>,
 }
 
-impl Loaded {
+impl LoadedMap {
     fn vectors(map: MapSpec) -> Self {
         Self {
             map,
@@ -203,15 +203,17 @@ fn load(
     path: &FieldPath,
     file: &str,
     unknown: UnknownCells,
-) -> Option<Loaded> {
+) -> Option<LoadedMap> {
     let named = file.strip_prefix(BUILTIN);
     let found = match named {
         Some(name) => {
             let path = format!("maps/{}.toml", name.strip_suffix(".toml").unwrap_or(name));
-            builtin::map(&path).map(Found::Text).ok_or_else(|| Refused {
-                message: format!("no map `{path}` is built in"),
-                expected: config::list_choices(&builtin::map_names()),
-            })
+            builtin::map(&path)
+                .map(ScenarioFile::Text)
+                .ok_or_else(|| PathRefusal {
+                    message: format!("no map `{path}` is built in"),
+                    expected: config::list_choices(&builtin::map_names()),
+                })
         }
         None => base.find(file),
     };
@@ -234,20 +236,20 @@ fn load(
         }
     };
     match found {
-        Found::Text(text) => parse_vectors(ctx, file, text).map(Loaded::vectors),
-        Found::Disk(real) => {
+        ScenarioFile::Text(text) => parse_vectors(ctx, file, text).map(LoadedMap::vectors),
+        ScenarioFile::Disk(real) => {
             let extension = Path::new(file)
                 .extension()
                 .and_then(|e| e.to_str())
                 .unwrap_or("");
             match extension.to_ascii_lowercase().as_str() {
                 "toml" => match read_text(&real, MAX_MAP_FILE) {
-                    Ok(text) => parse_vectors(ctx, file, &text).map(Loaded::vectors),
+                    Ok(text) => parse_vectors(ctx, file, &text).map(LoadedMap::vectors),
                     Err(e) => report(ctx, node, path, e, None),
                 },
                 "yaml" | "yml" => load_ros(ctx, base, node, path, &real, file, unknown),
                 _ => {
-                    let refused = Refused {
+                    let refused = PathRefusal {
                         message: "unknown kind of map".to_owned(),
                         expected: "a file ending in .toml (vectors) or .yaml (ROS map_server)"
                             .to_owned(),
@@ -263,9 +265,9 @@ fn report(
     ctx: &mut Context<'_>,
     node: &Node,
     path: &FieldPath,
-    refused: Refused,
+    refused: PathRefusal,
     help: Option<String>,
-) -> Option<Loaded> {
+) -> Option<LoadedMap> {
     let place = if node.as_table().is_some() {
         "file.path"
     } else {
@@ -290,8 +292,8 @@ fn load_ros(
     real: &Path,
     file: &str,
     unknown: UnknownCells,
-) -> Option<Loaded> {
-    let file_error = |e: String| Refused {
+) -> Option<LoadedMap> {
+    let file_error = |e: String| PathRefusal {
         message: e,
         expected: "a ROS map".to_owned(),
     };
@@ -305,11 +307,11 @@ fn load_ros(
         .unwrap_or(Path::new(""))
         .join(&ros.image);
     let image = match base.find(&image.to_string_lossy()) {
-        Ok(Found::Disk(image)) => image,
+        Ok(ScenarioFile::Disk(image)) => image,
         // The program contains no image for a YAML file on a disk.
-        Ok(Found::Text(_)) => return None,
+        Ok(ScenarioFile::Text(_)) => return None,
         Err(e) => {
-            let refused = Refused {
+            let refused = PathRefusal {
                 message: format!("image of {file}: {}", e.message),
                 ..e
             };
@@ -319,7 +321,7 @@ fn load_ros(
     // The checked file is the one that is read: the YAML may be a link to another folder.
     let loaded = ros.load_image(&image).and_then(|cells| {
         let map = MapSpec::Cells(ros.cell_map(&cells, unknown)?);
-        Ok(Loaded {
+        Ok(LoadedMap {
             map,
             occupancy: Some(cells),
             remark: ignored_keys(file, &ros.ignored),

@@ -29,7 +29,7 @@ pub enum Base {
 
 /// A file of a scenario.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Found {
+pub enum ScenarioFile {
     /// On disk; it exists and its place is permitted.
     Disk(PathBuf),
     /// Compiled into the program.
@@ -39,15 +39,15 @@ pub enum Found {
 /// Reason why a path of a scenario is refused.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{message}: expected {expected}")]
-pub struct Refused {
+pub struct PathRefusal {
     /// Description of the problem.
     pub message: String,
     /// Description of a valid value.
     pub expected: String,
 }
 
-fn refused<T>(message: impl Into<String>, expected: impl Into<String>) -> Result<T, Refused> {
-    Err(Refused {
+fn refused<T>(message: impl Into<String>, expected: impl Into<String>) -> Result<T, PathRefusal> {
+    Err(PathRefusal {
         message: message.into(),
         expected: expected.into(),
     })
@@ -59,7 +59,7 @@ impl Base {
     ///
     /// # Errors
     /// The path is not UTF-8, or the current folder is unknown.
-    pub fn absolute(&self, path: &str) -> Result<String, Refused> {
+    pub fn absolute(&self, path: &str) -> Result<String, PathRefusal> {
         let base = match self {
             Self::Folder { folder, .. } => folder.as_path(),
             Self::Builtin { .. } | Self::Nothing => Path::new("."),
@@ -80,7 +80,7 @@ impl Base {
     ///
     /// # Errors
     /// As [`Base::find`]; the file is too large. Built-in scenarios and those from logs have no such files.
-    pub fn read(&self, path: &str, max: u64) -> Result<Vec<u8>, Refused> {
+    pub fn read(&self, path: &str, max: u64) -> Result<Vec<u8>, PathRefusal> {
         let found = match self {
             Self::Folder { .. } => self.find(path)?,
             Self::Builtin { .. } | Self::Nothing => {
@@ -91,8 +91,8 @@ impl Base {
             }
         };
         match found {
-            Found::Disk(real) => read_bytes(&real, max),
-            Found::Text(text) => Ok(text.as_bytes().to_vec()),
+            ScenarioFile::Disk(real) => read_bytes(&real, max),
+            ScenarioFile::Text(text) => Ok(text.as_bytes().to_vec()),
         }
     }
 
@@ -100,10 +100,10 @@ impl Base {
     ///
     /// # Errors
     /// As [`Base::find`] and [`read_text`].
-    pub fn read_text(&self, path: &str, max: u64) -> Result<String, Refused> {
+    pub fn read_text(&self, path: &str, max: u64) -> Result<String, PathRefusal> {
         match self.find(path)? {
-            Found::Disk(real) => read_text(&real, max),
-            Found::Text(text) => Ok(text.to_owned()),
+            ScenarioFile::Disk(real) => read_text(&real, max),
+            ScenarioFile::Text(text) => Ok(text.to_owned()),
         }
     }
 
@@ -112,7 +112,7 @@ impl Base {
     /// # Errors
     /// The path leads out of the scenario's folder (directly or by a symbolic link) without permission, or
     /// it is not a readable file.
-    pub fn find(&self, path: &str) -> Result<Found, Refused> {
+    pub fn find(&self, path: &str) -> Result<ScenarioFile, PathRefusal> {
         let (folder, allow_outside) = match self {
             Self::Nothing => {
                 return refused(
@@ -121,7 +121,7 @@ impl Base {
                 );
             }
             Self::Builtin { allow_outside } => match builtin::map(path) {
-                Some(text) => return Ok(Found::Text(text)),
+                Some(text) => return Ok(ScenarioFile::Text(text)),
                 None => (Path::new("."), *allow_outside),
             },
             Self::Folder {
@@ -165,7 +165,7 @@ impl Base {
             }
         }
         match fs::metadata(&real) {
-            Ok(data) if data.is_file() => Ok(Found::Disk(real)),
+            Ok(data) if data.is_file() => Ok(ScenarioFile::Disk(real)),
             Ok(_) => refused(format!("{} is not a file", full.display()), "a file"),
             Err(e) => refused(format!("{}: cannot be read: {e}", full.display()), "a file"),
         }
@@ -176,19 +176,19 @@ impl Base {
 ///
 /// # Errors
 /// The file is unreadable, is larger than `max`, or is not UTF-8.
-pub fn read_text(path: &Path, max: u64) -> Result<String, Refused> {
+pub fn read_text(path: &Path, max: u64) -> Result<String, PathRefusal> {
     let read = fs::File::open(path).and_then(|file| text_file::read(file, max));
     read.map_err(|error| refusal(path, max, &error))
 }
 
 /// Reads a file of at most `max` bytes.
-fn read_bytes(path: &Path, max: u64) -> Result<Vec<u8>, Refused> {
+fn read_bytes(path: &Path, max: u64) -> Result<Vec<u8>, PathRefusal> {
     let read = fs::File::open(path).and_then(|file| text_file::read_bytes(file, max));
     read.map_err(|error| refusal(path, max, &error))
 }
 
 /// Returns the description of an error of reading.
-fn refusal(path: &Path, max: u64, error: &io::Error) -> Refused {
+fn refusal(path: &Path, max: u64, error: &io::Error) -> PathRefusal {
     let shown = path.display();
     let (message, expected) = match error.kind() {
         io::ErrorKind::FileTooLarge => (
@@ -201,7 +201,7 @@ fn refusal(path: &Path, max: u64, error: &io::Error) -> Refused {
             "a readable file".to_owned(),
         ),
     };
-    Refused { message, expected }
+    PathRefusal { message, expected }
 }
 
 #[cfg(test)]

@@ -19,7 +19,7 @@ pub struct Mean {
 
 impl Mean {
     /// Computes the mean of values; `None` without values, or if one is not finite.
-    pub fn of(values: &[f64]) -> Option<Self> {
+    pub fn from_values(values: &[f64]) -> Option<Self> {
         if values.is_empty() || !values.iter().all(|v| v.is_finite()) {
             return None;
         }
@@ -123,14 +123,14 @@ mod tests {
 
     #[test]
     fn a_mean_has_the_expected_error() {
-        let mean = Mean::of(&[1.0, 2.0, 3.0, 4.0]).unwrap();
+        let mean = Mean::from_values(&[1.0, 2.0, 3.0, 4.0]).unwrap();
         assert_eq!((mean.count, mean.value), (4, 2.5));
         assert!((mean.error - 0.645_497_22).abs() < 1e-8);
         let interval = mean.interval();
         assert!((interval.high - 4.554_260_2).abs() < 1e-5, "{interval:?}");
-        assert_eq!(Mean::of(&[]), None);
-        assert_eq!(Mean::of(&[1.0, f64::NAN]), None);
-        let one = Mean::of(&[7.0]).unwrap();
+        assert_eq!(Mean::from_values(&[]), None);
+        assert_eq!(Mean::from_values(&[1.0, f64::NAN]), None);
+        let one = Mean::from_values(&[7.0]).unwrap();
         assert!(one.interval().contains(-1e300));
     }
 
@@ -140,7 +140,7 @@ mod tests {
             values in prop::collection::vec(-100.0_f64..100.0, 2..40), shift in -50.0_f64..50.0,
         ) {
             let moved: Vec<f64> = values.iter().map(|v| v + shift).collect();
-            let (a, b) = (Mean::of(&values).unwrap(), Mean::of(&moved).unwrap());
+            let (a, b) = (Mean::from_values(&values).unwrap(), Mean::from_values(&moved).unwrap());
             prop_assert!(a.interval().contains(a.value));
             prop_assert!((a.interval().low + shift - b.interval().low).abs() < 1e-9);
             prop_assert!((a.interval().width() - b.interval().width()).abs() < 1e-9);

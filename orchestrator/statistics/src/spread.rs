@@ -15,7 +15,7 @@ pub struct Spread {
 
 impl Spread {
     /// Computes the spread of values; `None` without values. NaN counts as larger than every number.
-    pub fn of(values: impl IntoIterator<Item = f64>) -> Option<Self> {
+    pub fn from_values(values: impl IntoIterator<Item = f64>) -> Option<Self> {
         let mut sorted: Vec<f64> = values.into_iter().collect();
         sorted.sort_by(f64::total_cmp);
         let (&min, &max) = (sorted.first()?, sorted.last()?);
@@ -32,7 +32,7 @@ impl Spread {
 /// The values of a pair are measured one after the other, so that other load on the machine affects both. The
 /// median over pairs is robust against pairs in which it affects only one.
 pub fn paired_ratio(ours: &[f64], baseline: &[f64]) -> Option<Spread> {
-    Spread::of(
+    Spread::from_values(
         ours.iter()
             .zip(baseline)
             .filter(|(_, b)| **b > 0.0)
@@ -48,10 +48,10 @@ mod tests {
 
     #[test]
     fn the_median_of_an_even_number_lies_between_the_middle_two() {
-        let spread = Spread::of([4.0, 1.0, 3.0, 2.0]).unwrap();
+        let spread = Spread::from_values([4.0, 1.0, 3.0, 2.0]).unwrap();
         assert_eq!((spread.min, spread.median, spread.max), (1.0, 2.5, 4.0));
-        assert_eq!(Spread::of([7.0]).unwrap().median, 7.0);
-        assert_eq!(Spread::of([]), None);
+        assert_eq!(Spread::from_values([7.0]).unwrap().median, 7.0);
+        assert_eq!(Spread::from_values([]), None);
     }
 
     #[test]
@@ -65,7 +65,7 @@ mod tests {
     proptest! {
         #[test]
         fn the_median_has_as_many_below_as_above(values in prop::collection::vec(-1e9..1e9, 1..50)) {
-            let spread = Spread::of(values.iter().copied()).unwrap();
+            let spread = Spread::from_values(values.iter().copied()).unwrap();
             let below = values.iter().filter(|v| **v < spread.median).count();
             let above = values.iter().filter(|v| **v > spread.median).count();
             prop_assert!(below <= values.len() / 2 && above <= values.len() / 2);

@@ -14,7 +14,7 @@ pub trait Part<R>: Sized + 'static {
     const COLUMNS: &'static [ResultColumn<Self>];
 
     /// Returns the rows of a mission, in order.
-    fn of(row: &R) -> &[Self];
+    fn rows(row: &R) -> &[Self];
 }
 
 /// A table of results, with any number of rows for each mission.
@@ -28,7 +28,7 @@ pub struct ResultTable<R: 'static> {
 
 impl<R> ResultTable<R> {
     /// Returns the table of a kind of parts.
-    pub(super) const fn of<P: Part<R>>() -> Self {
+    pub(super) const fn from_part<P: Part<R>>() -> Self {
         Self {
             name: P::TABLE,
             columns: || {
@@ -36,7 +36,7 @@ impl<R> ResultTable<R> {
                 columns.map(|c| Column::new(c.name, c.kind())).collect()
             },
             rows: |row| {
-                let parts = P::of(row).iter();
+                let parts = P::rows(row).iter();
                 let cells = |part| P::COLUMNS.iter().map(|c| c.cell(part)).collect();
                 parts.map(cells).collect()
             },
@@ -73,11 +73,11 @@ pub struct ResultColumn<R: 'static> {
     pub name: &'static str,
     /// Meaning, unit, and when there is no value; one line of Markdown for the reference.
     pub(super) meaning: &'static str,
-    get: Get<R>,
+    get: Getter<R>,
 }
 
 /// Function that returns the value of a column of a row; the variant is the type of the column.
-enum Get<R: 'static> {
+enum Getter<R: 'static> {
     Bool(fn(&R) -> Option<bool>),
     Int(fn(&R) -> Option<u64>),
     Float(fn(&R) -> Option<f64>),
@@ -91,7 +91,7 @@ impl<R> ResultColumn<R> {
         meaning: &'static str,
         get: fn(&R) -> Option<bool>,
     ) -> Self {
-        let get = Get::Bool(get);
+        let get = Getter::Bool(get);
         Self { name, meaning, get }
     }
 
@@ -100,7 +100,7 @@ impl<R> ResultColumn<R> {
         meaning: &'static str,
         get: fn(&R) -> Option<u64>,
     ) -> Self {
-        let get = Get::Int(get);
+        let get = Getter::Int(get);
         Self { name, meaning, get }
     }
 
@@ -109,7 +109,7 @@ impl<R> ResultColumn<R> {
         meaning: &'static str,
         get: fn(&R) -> Option<f64>,
     ) -> Self {
-        let get = Get::Float(get);
+        let get = Getter::Float(get);
         Self { name, meaning, get }
     }
 
@@ -118,17 +118,17 @@ impl<R> ResultColumn<R> {
         meaning: &'static str,
         get: fn(&R) -> &str,
     ) -> Self {
-        let get = Get::Text(get);
+        let get = Getter::Text(get);
         Self { name, meaning, get }
     }
 
     /// Returns the type of its values.
     pub fn kind(&self) -> Type {
         match self.get {
-            Get::Bool(_) => Type::Bool,
-            Get::Int(_) => Type::Int,
-            Get::Float(_) => Type::F64,
-            Get::Text(_) => Type::Text,
+            Getter::Bool(_) => Type::Bool,
+            Getter::Int(_) => Type::Int,
+            Getter::Float(_) => Type::F64,
+            Getter::Text(_) => Type::Text,
         }
     }
 
@@ -141,11 +141,11 @@ impl<R> ResultColumn<R> {
     /// Returns the value of a row.
     pub fn cell(&self, row: &R) -> Cell {
         match self.get {
-            Get::Bool(get) => get(row).map_or(Cell::Empty, Cell::Bool),
+            Getter::Bool(get) => get(row).map_or(Cell::Empty, Cell::Bool),
             // Counts and ticks are below 2^63.
-            Get::Int(get) => get(row).map_or(Cell::Empty, |v| Cell::Int(v.cast_signed())),
-            Get::Float(get) => get(row).map_or(Cell::Empty, Cell::F64),
-            Get::Text(get) => match get(row) {
+            Getter::Int(get) => get(row).map_or(Cell::Empty, |v| Cell::Int(v.cast_signed())),
+            Getter::Float(get) => get(row).map_or(Cell::Empty, Cell::F64),
+            Getter::Text(get) => match get(row) {
                 "" => Cell::Empty,
                 text => Cell::Text(text.to_owned()),
             },

@@ -4,7 +4,7 @@ use std::fs::{File, OpenOptions};
 use std::io::{self, Write as _};
 use std::path::Path;
 
-use platform::atomic_file::{AtomicFile, Existing, Readers};
+use platform::atomic_file::{AtomicFile, ExistingFile, Readers};
 use platform::file_lock::{LockOutcome, try_lock};
 use platform::own_file;
 use platform::presence::unless_absent;
@@ -133,7 +133,7 @@ pub(super) fn replace_with(
     path: &Path,
     write: impl FnOnce(AtomicFile) -> io::Result<AtomicFile>,
 ) -> Result<(), SweepError> {
-    AtomicFile::create(path, Existing::Replace, Readers::All)
+    AtomicFile::create(path, ExistingFile::Replace, Readers::All)
         .and_then(write)
         .and_then(AtomicFile::commit)
         .map_err(SweepError::io(path, "cannot be written"))

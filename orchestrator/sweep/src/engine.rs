@@ -85,7 +85,11 @@ impl Processes {
     }
 
     /// Waits for the descriptors of a mission.
-    fn reserve(&self, wanted: u64, interrupted: &AtomicBool) -> Result<Reserved<'_>, EngineError> {
+    fn reserve(
+        &self,
+        wanted: u64,
+        interrupted: &AtomicBool,
+    ) -> Result<DescriptorReservation<'_>, EngineError> {
         if wanted > self.limit {
             let limit = self.limit;
             return Err(EngineError::Files { wanted, limit });
@@ -99,7 +103,7 @@ impl Processes {
             free = waited.unwrap_or_else(PoisonError::into_inner).0;
         }
         *free -= wanted;
-        Ok(Reserved {
+        Ok(DescriptorReservation {
             of: self,
             descriptors: wanted,
         })
@@ -107,12 +111,12 @@ impl Processes {
 }
 
 /// Descriptors of a mission, until this is dropped.
-struct Reserved<'a> {
+struct DescriptorReservation<'a> {
     of: &'a Processes,
     descriptors: u64,
 }
 
-impl Drop for Reserved<'_> {
+impl Drop for DescriptorReservation<'_> {
     fn drop(&mut self) {
         *self.of.free.lock().unwrap_or_else(PoisonError::into_inner) += self.descriptors;
         self.of.freed.notify_all();

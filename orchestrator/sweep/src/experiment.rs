@@ -67,7 +67,8 @@ impl<S: Subject> ExperimentOf<S> {
                 .value(path.display())
                 .expected(format!("the path of an experiment: {expected}"))
         };
-        if let Some(other) = FileKind::of(path).filter(|kind| *kind != FileKind::Experiment) {
+        if let Some(other) = FileKind::from_path(path).filter(|kind| *kind != FileKind::Experiment)
+        {
             let message = format!("{} is not an experiment", path.display());
             return Err(problem(message, "a TOML file")
                 .help(other.help(path))
@@ -81,10 +82,10 @@ impl<S: Subject> ExperimentOf<S> {
         };
         let stem = path.file_stem().and_then(|s| s.to_str());
         let label = path.display().to_string();
-        Self::of(&label, text, &folder, stem.unwrap_or("experiment"), options)
+        Self::from_parts(&label, text, &folder, stem.unwrap_or("experiment"), options)
     }
 
-    fn of(
+    fn from_parts(
         label: &str,
         text: String,
         folder: &Path,

@@ -9,14 +9,17 @@ use super::spec::MAX_CELLS;
 
 /// A value and its location.
 #[derive(Debug, Clone)]
-pub(super) struct Written {
+pub(super) struct LocatedValue {
     pub value: Value,
     pub node: Node,
 }
 
 /// Returns the combinations in order, each with a value for every parameter; one empty combination
 /// if there are no parameters. `None` after a reported problem.
-pub(super) fn read(reader: &mut Reader, parameters: &[Parameter]) -> Option<Vec<Vec<Written>>> {
+pub(super) fn read(
+    reader: &mut Reader,
+    parameters: &[Parameter],
+) -> Option<Vec<Vec<LocatedValue>>> {
     if reader.root.get("grid").is_none() {
         if let Some(parameter) = parameters.first() {
             let message = format!("parameter `{}` is not in the grid", parameter.name);
@@ -54,7 +57,7 @@ fn check_known(reader: &mut Reader, parameters: &[Parameter], path: &FieldPath, 
     reader.problems.push(problem);
 }
 
-fn cartesian(reader: &mut Reader, parameters: &[Parameter]) -> Vec<Vec<Written>> {
+fn cartesian(reader: &mut Reader, parameters: &[Parameter]) -> Vec<Vec<LocatedValue>> {
     const VALUES: &str = "a list of at least one value";
     let axes = reader.table("grid");
     for (name, path, _) in &axes {
@@ -95,7 +98,7 @@ fn cartesian(reader: &mut Reader, parameters: &[Parameter]) -> Vec<Vec<Written>>
         let values = distinct(reader, parameter, &path, list);
         combinations = combinations
             .iter()
-            .flat_map(|c: &Vec<Written>| {
+            .flat_map(|c: &Vec<LocatedValue>| {
                 values
                     .iter()
                     .map(move |v| c.iter().chain([v]).cloned().collect())
@@ -111,8 +114,8 @@ fn distinct(
     parameter: &Parameter,
     path: &FieldPath,
     list: &[Node],
-) -> Vec<Written> {
-    let mut values: Vec<Written> = Vec::new();
+) -> Vec<LocatedValue> {
+    let mut values: Vec<LocatedValue> = Vec::new();
     for (i, node) in list.iter().enumerate() {
         let path = path.step(node.element_step(i));
         let Some(value) = parameter.check(reader, &path, node) else {
@@ -122,7 +125,7 @@ fn distinct(
             let message = format!("`{}` has the value {value} twice", parameter.name);
             reader.refuse(&path, Code::Duplicate, &message, "different values");
         }
-        values.push(Written {
+        values.push(LocatedValue {
             value,
             node: node.clone(),
         });

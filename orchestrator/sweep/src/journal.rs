@@ -48,7 +48,7 @@ pub(super) struct Journal {
 }
 
 /// Content of a journal at opening.
-pub(super) struct Opened<R = Row> {
+pub(super) struct JournalContent<R = Row> {
     pub journal: Journal,
     pub entries: Vec<Entry<R>>,
     /// Numbers of the lines that were incomplete or changed, and have been removed.
@@ -62,7 +62,7 @@ impl Journal {
     ///
     /// # Errors
     /// It cannot be read or written.
-    pub fn open<R: DeserializeOwned>(directory: &Path) -> Result<Opened<R>, SweepError> {
+    pub fn open<R: DeserializeOwned>(directory: &Path) -> Result<JournalContent<R>, SweepError> {
         let (mut opened, kept) = load(directory)?;
         if !opened.damaged.is_empty() {
             let path = &opened.journal.path;
@@ -76,7 +76,7 @@ impl Journal {
     ///
     /// # Errors
     /// It cannot be read, or a line was changed.
-    pub fn read<R: DeserializeOwned>(directory: &Path) -> Result<Opened<R>, SweepError> {
+    pub fn read<R: DeserializeOwned>(directory: &Path) -> Result<JournalContent<R>, SweepError> {
         let (mut opened, _) = load(directory)?;
         if opened.is_torn {
             opened.damaged.pop();
@@ -115,7 +115,7 @@ impl Journal {
 }
 
 /// Reads a journal; returns also its lines without the damaged ones.
-fn load<R: DeserializeOwned>(directory: &Path) -> Result<(Opened<R>, Vec<u8>), SweepError> {
+fn load<R: DeserializeOwned>(directory: &Path) -> Result<(JournalContent<R>, Vec<u8>), SweepError> {
     let path = directory.join(FILE);
     let mut file = open_file(&path)?;
     let mut bytes = Vec::new();
@@ -133,7 +133,7 @@ fn load<R: DeserializeOwned>(directory: &Path) -> Result<(Opened<R>, Vec<u8>), S
         }
     }
     let journal = Journal { file, path };
-    let opened = Opened {
+    let opened = JournalContent {
         journal,
         entries,
         damaged,

@@ -137,7 +137,7 @@ impl Part<Row> for RobotOutcome {
         ),
     ];
 
-    fn of(row: &Row) -> &[Self] {
+    fn rows(row: &Row) -> &[Self] {
         &row.robots
     }
 }
@@ -204,7 +204,7 @@ impl Part<Row> for PredictionOutcome {
         ),
     ];
 
-    fn of(row: &Row) -> &[Self] {
+    fn rows(row: &Row) -> &[Self] {
         &row.predictions
     }
 }

@@ -12,7 +12,7 @@ use super::spec::FigureSpec;
 /// The part of an experiment file that names them.
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
-struct Shown {
+struct FigureList {
     figures: Vec<FigureSpec>,
 }
 
@@ -46,7 +46,7 @@ pub fn keep(folder: &Path, results: &Results) -> Result<(), SweepError> {
     Ok(())
 }
 
-fn shown(results: &Results) -> Result<Shown, SweepError> {
+fn shown(results: &Results) -> Result<FigureList, SweepError> {
     let text = results.experiment()?;
     toml::from_str(&text).map_err(|error| SweepError::Damaged {
         path: results.directory().join("experiment.toml"),

@@ -19,7 +19,7 @@ use super::directory::{
     Lock, MANIFEST, lock, read_manifest, replace, replace_with, write_manifest,
 };
 use super::error::SweepError;
-use super::journal::{self, Entry, Journal, Opened};
+use super::journal::{self, Entry, Journal, JournalContent};
 use super::manifest::Manifest;
 use super::mission_id::{MissionId, missions};
 use super::row::{RESULTS, Record, Row};
@@ -109,7 +109,7 @@ impl<R: Record> Results<R> {
         directory: &Path,
         manifest: Manifest,
         mut lock: Lock,
-        opened: Opened<R>,
+        opened: JournalContent<R>,
     ) -> Result<Self, SweepError> {
         let mut results = Self {
             directory: directory.to_owned(),

@@ -102,7 +102,7 @@ pub struct Row {
 
 impl Row {
     /// Returns the row of a mission that ended.
-    pub fn of(report: &MissionReport) -> Self {
+    pub fn from_report(report: &MissionReport) -> Self {
         let summary = &report.summary;
         let lost: u64 = summary.topics.values().map(|t| t.gaps).sum();
         if lost > 0 {
@@ -167,9 +167,9 @@ impl Record for Row {
     const KIND: Kind = Kind::Missions;
 
     const TABLES: &'static [ResultTable<Self>] = &[
-        ResultTable::of::<Self>(),
-        ResultTable::of::<RobotOutcome>(),
-        ResultTable::of::<PredictionOutcome>(),
+        ResultTable::from_part::<Self>(),
+        ResultTable::from_part::<RobotOutcome>(),
+        ResultTable::from_part::<PredictionOutcome>(),
     ];
 
     fn failed(error: String) -> Self {
@@ -284,7 +284,7 @@ impl Part<Self> for Row {
         ResultColumn::text("error", "Reason of a failure.", |r| &r.error),
     ];
 
-    fn of(row: &Self) -> &[Self] {
+    fn rows(row: &Self) -> &[Self] {
         std::slice::from_ref(row)
     }
 }

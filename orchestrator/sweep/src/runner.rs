@@ -18,7 +18,7 @@ use super::results::Results;
 use super::row::Record as _;
 use super::shard::Shard;
 use super::spec::LogPolicy;
-use super::subject::{Ended, Pinning, Subject};
+use super::subject::{MissionResult, Pinning, Subject};
 
 /// Options of a sweep.
 #[derive(Debug, Clone)]
@@ -78,7 +78,7 @@ pub fn to_do<S: Subject>(
 }
 
 /// Data that the workers share.
-struct Shared<'a, S: Subject> {
+struct WorkerContext<'a, S: Subject> {
     experiment: &'a ExperimentOf<S>,
     engine: &'a S::Engine,
     options: &'a RunOptions,
@@ -88,9 +88,9 @@ struct Shared<'a, S: Subject> {
 }
 
 /// A finished mission.
-struct Done<R> {
+struct FinishedMission<R> {
     mission: MissionId,
-    ended: Ended<R>,
+    ended: MissionResult<R>,
     wall_s: f64,
 }
 
@@ -119,7 +119,7 @@ pub fn run<S: Subject>(
     if options.log != LogPolicy::None {
         std::fs::create_dir_all(&logs).map_err(SweepError::io(&logs, "cannot be created"))?;
     }
-    let shared = Shared {
+    let shared = WorkerContext {
         experiment,
         engine,
         options,
@@ -139,9 +139,9 @@ pub fn run<S: Subject>(
         |thread| shared.take_processor(thread),
         |turn| shared.carry_out(turn),
         |done| {
-            let Some(Done {
+            let Some(FinishedMission {
                 mission,
-                ended: Ended { row, cpu_ms },
+                ended: MissionResult { row, cpu_ms },
                 wall_s,
             }) = done
             else {
@@ -165,7 +165,7 @@ pub fn run<S: Subject>(
     })
 }
 
-impl<S: Subject> Shared<'_, S> {
+impl<S: Subject> WorkerContext<'_, S> {
     /// Pins this worker to a processor if its missions need one.
     fn take_processor(&self, worker: usize) {
         let first = self.open.first();
@@ -188,7 +188,7 @@ impl<S: Subject> Shared<'_, S> {
     }
 
     /// Executes a mission; returns `None` if it was aborted because of an interruption.
-    fn carry_out(&self, turn: &Turn<'_>) -> Option<Done<S::Row>> {
+    fn carry_out(&self, turn: &Turn<'_>) -> Option<FinishedMission<S::Row>> {
         let start = Instant::now();
         let mission = *self.open.get(turn.mission)?;
         let cell = self.experiment.cells.get(mission.cell)?;
@@ -198,7 +198,7 @@ impl<S: Subject> Shared<'_, S> {
             log: log.clone(),
             interrupted: Arc::clone(&turn.end),
         };
-        let failed = |error| Ended {
+        let failed = |error| MissionResult {
             row: S::Row::failed(error),
             cpu_ms: None,
         };
@@ -223,7 +223,7 @@ impl<S: Subject> Shared<'_, S> {
         if !self.options.log.keeps(is_failed) {
             discard(log.as_deref());
         }
-        Some(Done {
+        Some(FinishedMission {
             mission,
             ended,
             wall_s: start.elapsed().as_secs_f64(),

@@ -35,7 +35,7 @@ impl Seeds {
     }
 
     /// Returns a set of these seeds.
-    pub fn of(mut seeds: Vec<u64>) -> Self {
+    pub fn from_values(mut seeds: Vec<u64>) -> Self {
         seeds.sort_unstable();
         seeds.dedup();
         Self(seeds)
@@ -79,14 +79,14 @@ impl Seeds {
     /// Returns the union with other seeds.
     #[must_use]
     pub fn union(&self, other: &Self) -> Self {
-        Self::of(self.iter().chain(other.iter()).collect())
+        Self::from_values(self.iter().chain(other.iter()).collect())
     }
 }
 
 impl From<Vec<(u64, u64)>> for Seeds {
     fn from(ranges: Vec<(u64, u64)>) -> Self {
         let most = MAX_MISSIONS;
-        Self::of(
+        Self::from_values(
             ranges
                 .into_iter()
                 .flat_map(|(first, last)| first..=last)
@@ -160,7 +160,7 @@ mod tests {
     proptest! {
         #[test]
         fn ranges_hold_the_same_seeds(seeds in prop::collection::vec(0_u64..60, 0..50)) {
-            let seeds = Seeds::of(seeds);
+            let seeds = Seeds::from_values(seeds);
             let json = serde_json::to_string(&seeds).unwrap();
             prop_assert_eq!(serde_json::from_str::<Seeds>(&json).unwrap(), seeds);
         }

@@ -7,7 +7,7 @@ use config::{FieldPath, Node};
 use super::cases::CaseDraft;
 use super::cell::Cell;
 use super::engine::Call;
-use super::grid::Written;
+use super::grid::LocatedValue;
 use super::options::LoadOptions;
 use super::parameters::Parameter;
 use super::reader::Reader;
@@ -15,7 +15,7 @@ use super::row::Record;
 
 /// A finished mission.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Ended<R> {
+pub struct MissionResult<R> {
     /// Its result.
     pub row: R,
     /// CPU time that experiments of plans compare (ms).
@@ -68,7 +68,7 @@ pub trait Subject: Clone + Sync {
         reader: &mut Reader,
         cases: &[CaseDraft<Self::Draft>],
         parameters: &[Parameter],
-        combinations: &[Vec<Written>],
+        combinations: &[Vec<LocatedValue>],
         options: &LoadOptions,
     ) -> Vec<Cell<Self>>;
 
@@ -78,7 +78,7 @@ pub trait Subject: Clone + Sync {
         seed: u64,
         engine: &Self::Engine,
         call: &Call,
-    ) -> Option<Ended<Self::Row>>;
+    ) -> Option<MissionResult<Self::Row>>;
 
     /// Returns the use of processors by missions of this cell.
     fn pinning(cell: &Cell<Self>, engine: &Self::Engine) -> Pinning;

@@ -79,7 +79,7 @@ fn summarise(cell: usize, rows: &[&Row]) -> CellSummary {
     let mean = |sum: f64| (!played.is_empty()).then(|| sum / played.len() as f64);
     let mean_of = |value: fn(&Row) -> Option<f64>| {
         let values: Vec<f64> = played.iter().filter_map(|row| value(row)).collect();
-        Mean::of(&values).map(|mean| mean.value)
+        Mean::from_values(&values).map(|mean| mean.value)
     };
     let robots = played.iter().flat_map(|row| &row.robots);
     let arrivals = robots.filter(|robot| robot.outcome == "goal_reached");
@@ -99,7 +99,7 @@ fn summarise(cell: usize, rows: &[&Row]) -> CellSummary {
         mean_time_s: mean(played.iter().map(|r| r.sim_time_s).sum()),
         contacts: mean(sum(|r| r.contacts) as f64),
         arrived: arrivals.len(),
-        arrival_s: Mean::of(&arrivals).map(|mean| mean.value),
+        arrival_s: Mean::from_values(&arrivals).map(|mean| mean.value),
         coverage: mean_of(|row| Some(row.coverage.as_ref()?.coverable_fraction)),
         lap_m: mean_of(lap_m),
     }
@@ -109,7 +109,7 @@ fn summarise(cell: usize, rows: &[&Row]) -> CellSummary {
 fn lap_m(row: &Row) -> Option<f64> {
     let visits = row.robots.iter().filter_map(|r| r.waypoints.as_ref());
     let lengths: Vec<f64> = visits.filter_map(|w| Some(w.planned?.length_m)).collect();
-    Mean::of(&lengths).map(|mean| mean.value)
+    Mean::from_values(&lengths).map(|mean| mean.value)
 }
 
 /// Returns the missions that failed.
@@ -329,7 +329,7 @@ fn ranges(results: &Results, missing: &[MissionId]) -> Vec<String> {
         .chunk_by(|a, b| a.cell == b.cell)
         .filter_map(|of_cell| {
             let cell = of_cell.first()?.cell;
-            let seeds = super::Seeds::of(of_cell.iter().map(|m| m.seed).collect());
+            let seeds = super::Seeds::from_values(of_cell.iter().map(|m| m.seed).collect());
             Some(format!(
                 "{}: seeds {seeds}",
                 results.manifest().describe(cell)

@@ -10,7 +10,7 @@ use crate::error::DesignError;
 use crate::follower::Follower;
 use chaotic_maps::Key;
 use coverage::boustrophedon;
-use coverage::random_bounce::Bouncing;
+use coverage::random_bounce::BounceRule;
 use coverage::sub_goals::params::FollowParams;
 use coverage::sub_goals::site::Site;
 use coverage::uniform::Uniformly;
@@ -66,7 +66,7 @@ impl Design for Boustrophedon {
 pub struct Memoryless<R>(PhantomData<R>);
 
 /// Straight to the next wall, then away at a random angle.
-pub type RandomBounce = Memoryless<Bouncing>;
+pub type RandomBounce = Memoryless<BounceRule>;
 
 /// Independent uniform sub-goals.
 pub type Uniform = Memoryless<Uniformly>;
@@ -79,7 +79,7 @@ pub trait RandomKind: Rule + 'static {
     const SUMMARY: &'static str;
 }
 
-impl RandomKind for Bouncing {
+impl RandomKind for BounceRule {
     const NAME: &'static str = "coverage_random_bounce";
     const SUMMARY: &'static str = "drives straight from wall to wall, away at random angles";
 }

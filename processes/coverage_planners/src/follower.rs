@@ -1,7 +1,7 @@
 //! Process of planners of sub-goals. Inputs: state and map. Outputs: command, plan and the results
 //! of the sub-goals.
 
-use avoidance::waypoint_driver::{Driving, Situation, WaypointDriver};
+use avoidance::waypoint_driver::{DriverOutput, Situation, WaypointDriver};
 use coverage::goal::{Goal, GoalSource};
 use geometry::map::{MapSpec, WorldMap};
 use geometry::pose::Pose2;
@@ -203,7 +203,7 @@ impl<D: Design> Planner for Follower<D> {
                 (driving, driver.current().map(|goal| goal.waypoint.point))
             }
         };
-        let Driving {
+        let DriverOutput {
             command, towards, ..
         } = driving;
         Steering {

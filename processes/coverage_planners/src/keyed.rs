@@ -14,14 +14,14 @@ use coverage::sub_goals::site::Site;
 pub use params::KeyedCoverageParams;
 
 /// Process of the keyed coverage planner.
-pub type KeyedCoveragePlanner = Follower<Keyed>;
+pub type KeyedCoveragePlanner = Follower<KeyedGoals>;
 
 /// Sub-goals of [`KeyedCoverage`].
 #[derive(Debug)]
-pub struct Keyed;
+pub struct KeyedGoals;
 
-impl Design for Keyed {
-    const NAME: &'static str = "keyed_coverage";
+impl Design for KeyedGoals {
+    const NAME: &'static str = "coverage_keyed";
     const SUMMARY: &'static str =
         "covers a workplace fast, by sub-goals that only its key predicts";
 

@@ -21,7 +21,7 @@ pub use baselines::{
 };
 pub use chebyshev::{Chebyshev, ChebyshevParams, ChebyshevPlanner};
 pub use error::DesignError;
-pub use keyed::{Keyed, KeyedCoverageParams, KeyedCoveragePlanner};
+pub use keyed::{KeyedCoverageParams, KeyedCoveragePlanner, KeyedGoals};
 
 /// Rejects keys of generators that are not secret.
 fn require_secret(key: Option<Key>) -> Result<(), ParamsError> {

@@ -37,9 +37,9 @@ fn points<D: Design>(text: &str, seed: u64) -> Vec<Point2<f64>> {
 #[test]
 fn the_key_decides_and_else_the_seed() {
     let key = format!("key = \"keyed:{}\"", "07".repeat(32));
-    assert_eq!(points::<Keyed>(&key, 1), points::<Keyed>(&key, 2));
-    assert_ne!(points::<Keyed>("", 1), points::<Keyed>("", 2));
-    assert_eq!(points::<Keyed>("", 1), points::<Keyed>("", 1));
+    assert_eq!(points::<KeyedGoals>(&key, 1), points::<KeyedGoals>(&key, 2));
+    assert_ne!(points::<KeyedGoals>("", 1), points::<KeyedGoals>("", 2));
+    assert_eq!(points::<KeyedGoals>("", 1), points::<KeyedGoals>("", 1));
     assert_eq!(
         points::<RandomBounce>(&key, 1),
         points::<RandomBounce>(&key, 2)
@@ -65,15 +65,15 @@ fn refusal<D: Design>(text: &str) -> String {
 #[test]
 fn keys_that_are_no_secret_and_values_out_of_range_are_refused() {
     for text in [
-        refusal::<Keyed>("key = \"catp:0.4,0.644\""),
+        refusal::<KeyedGoals>("key = \"catp:0.4,0.644\""),
         refusal::<Uniform>("key = \"catp:0.4,0.644\""),
     ] {
         assert!(text.starts_with("`key` is catp:"), "{text}");
     }
-    let text = refusal::<Keyed>("goals = { choices = 9.0 }");
+    let text = refusal::<KeyedGoals>("goals = { choices = 9.0 }");
     assert!(text.starts_with("`goals.choices` is 9"), "{text}");
     for text in [
-        refusal::<Keyed>("follow = { margin = -1.0 }"),
+        refusal::<KeyedGoals>("follow = { margin = -1.0 }"),
         refusal::<RandomBounce>("follow = { margin = -1.0 }"),
         refusal::<Boustrophedon>("follow = { margin = -1.0 }"),
     ] {
@@ -84,7 +84,7 @@ fn keys_that_are_no_secret_and_values_out_of_range_are_refused() {
 #[test]
 fn cells_too_large_for_the_body_are_refused() {
     let params: KeyedCoverageParams = toml::from_str("goals = { cell = 0.12 }").unwrap();
-    let error = Keyed::goals(&params, &site(), 1, None).unwrap_err();
+    let error = KeyedGoals::goals(&params, &site(), 1, None).unwrap_err();
     assert_eq!(error.field(), "goals.cell");
     let text = error.to_string();
     assert!(text.starts_with("`cell` is 0.12"), "{text}");

@@ -38,7 +38,7 @@ pub struct Evader {
     police: Vec<Runner>,
     planned_in: Option<i64>,
     /// The escape that no pursuer can prevent, once there is one.
-    escape: Option<Committed>,
+    escape: Option<CurrentCourse>,
     /// Destination node without one.
     goal: Option<usize>,
     /// Corners of the path there (m).
@@ -47,7 +47,7 @@ pub struct Evader {
 
 /// A course that the evader keeps.
 #[derive(Debug, Clone)]
-struct Committed {
+struct CurrentCourse {
     course: Course,
     /// Position after this tick if nothing disturbs the drive (m).
     expected: Option<Point2<f64>>,
@@ -206,7 +206,7 @@ impl Evader {
         if let Some(escape) = &mut self.escape {
             let dominance = &mut self.dominance;
             dominance.pursue(map, arena, &self.police);
-            let rollout = Rollout::of(map, arena, dominance, &escape.course, &robot);
+            let rollout = Rollout::from_course(map, arena, dominance, &escape.course, &robot);
             if rollout.is_some_and(|rollout| rollout.is_safe()) {
                 escape.strayed = 0.0;
                 return;
@@ -219,7 +219,7 @@ impl Evader {
         };
         self.dominance.assess(map, arena, &self.police, &[runner]);
         let escape = escape::plan(map, arena, &mut self.dominance, 0, &runner, &robot);
-        self.escape = escape.map(|escape| Committed {
+        self.escape = escape.map(|escape| CurrentCourse {
             course: escape.course,
             expected: None,
             strayed: 0.0,

@@ -63,7 +63,7 @@ pub struct ShownEdge {
 
 /// A plan that has been computed but is not in force yet.
 #[derive(Debug, Clone)]
-struct Pending {
+struct PendingPlan {
     due_s: f64,
     route: Option<Route>,
     tree: Vec<ShownEdge>,
@@ -92,7 +92,7 @@ pub struct RrtStarEvader {
     tracker: PathTracker,
     /// Next point of the route, for the potential field.
     next: usize,
-    pending: Option<Pending>,
+    pending: Option<PendingPlan>,
     /// Start of the last plan, and the last check of the paper's rule (s).
     begun_s: Option<f64>,
     looked_s: f64,
@@ -250,7 +250,7 @@ impl RrtStarEvader {
 
     /// Starts to follow the plan that is due.
     fn take_up(&mut self, time_s: f64) {
-        let is_due = |pending: &Pending| pending.due_s <= time_s + SAME_TIME;
+        let is_due = |pending: &PendingPlan| pending.due_s <= time_s + SAME_TIME;
         let Some(pending) = self.pending.take_if(|pending| is_due(pending)) else {
             return;
         };
@@ -400,7 +400,7 @@ impl RrtStarEvader {
         // again.
         let is_complete = route.as_ref().is_some_and(|route| route.is_complete);
         self.is_tight = !is_complete && !self.is_tight && self.params.margin > 0.0;
-        self.pending = Some(Pending {
+        self.pending = Some(PendingPlan {
             due_s: time_s + takes_s,
             route,
             tree: if goals.is_empty() {
@@ -431,8 +431,8 @@ impl RrtStarEvader {
             .map(|node| {
                 let child = tree.node(node);
                 ShownEdge {
-                    from: tree.node(child.parent).at(),
-                    to: child.at(),
+                    from: tree.node(child.parent).position(),
+                    to: child.position(),
                     cost: child.cost,
                     on_path: self.planning.is_on_way(node),
                 }

@@ -67,14 +67,14 @@ pub fn by_field(
         weight: 1.0,
     });
     let pull = attraction(at, goal, &Bearings::Straight);
-    let fellows = view
-        .fellows(Role::Pursuer)
+    let non_opponents = view
+        .non_opponents(Role::Pursuer)
         .filter(|robot| robot.index != own.index)
         .map(|robot| Repulsor {
             at: robot.pose.position(),
-            weight: field.fellow_weight,
+            weight: field.teammate_weight,
         });
-    let push = repulsion(at, fellows, &Bearings::Straight, &field.avoid);
+    let push = repulsion(at, non_opponents, &Bearings::Straight, &field.avoid);
     let sum = pull + push + obstacle(map, at, field.obstacle.fidelity);
     let wanted = compose(map, own, at, sum, [], 0.0, &field.obstacle);
     (

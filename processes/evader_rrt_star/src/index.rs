@@ -29,7 +29,7 @@ pub struct BucketIndex {
 
 /// Found point and its distance.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Near {
+pub struct Neighbour {
     /// The point's number.
     pub node: u32,
     /// Distance from the query place (m).
@@ -111,7 +111,7 @@ impl BucketIndex {
     }
 
     /// Returns the points within `radius` (m) of `p`, in the order of the buckets.
-    pub fn near(&self, p: Point2<f64>, radius: f64, found: &mut Vec<Near>) {
+    pub fn near(&self, p: Point2<f64>, radius: f64, found: &mut Vec<Neighbour>) {
         found.clear();
         let grow = nalgebra::Vector2::new(radius, radius);
         let (first_column, first_row) = self.bucket_of(p - grow);
@@ -122,7 +122,7 @@ impl BucketIndex {
                 self.scan(row * self.columns + column, |node, at| {
                     let d = (at - p).norm_squared();
                     if d <= squared {
-                        found.push(Near {
+                        found.push(Neighbour {
                             node,
                             distance: d.sqrt(),
                         });
@@ -133,7 +133,7 @@ impl BucketIndex {
     }
 
     /// Returns the point nearest to `p`; of several the one found first. `None` without points.
-    pub fn nearest(&self, p: Point2<f64>) -> Option<Near> {
+    pub fn nearest(&self, p: Point2<f64>) -> Option<Neighbour> {
         let (column, row) = self.bucket_of(p);
         // Width of the narrower side of a bucket: points in ring k are at least (k − 1) widths off.
         let width = 1.0 / self.per_metre.0.max(self.per_metre.1);
@@ -152,7 +152,7 @@ impl BucketIndex {
                 });
             });
         }
-        (best.1 != NONE).then(|| Near {
+        (best.1 != NONE).then(|| Neighbour {
             node: best.1,
             distance: best.0.sqrt(),
         })

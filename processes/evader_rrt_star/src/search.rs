@@ -15,7 +15,7 @@ use rand_chacha::ChaCha8Rng;
 use crate::bound::Bound;
 use crate::collision_map::Body;
 use crate::cost::CostModel;
-use crate::index::{BucketIndex, Near};
+use crate::index::{BucketIndex, Neighbour};
 use crate::motion::{Leg, Link, Motion};
 use crate::params::{Algorithm, SearchParams};
 use crate::sampler::FreeSampler;
@@ -105,10 +105,10 @@ pub struct Search<M> {
     useful: f64,
     /// Tree size and cost at the last pruning.
     pruned: (usize, f64),
-    near: Vec<Near>,
+    near: Vec<Neighbour>,
     seen: Vec<u32>,
     candidates: Vec<join::Candidate>,
-    moved: Vec<join::Moved>,
+    moved: Vec<join::NodeUpdate>,
 }
 
 impl<M: Motion> Search<M> {
@@ -222,7 +222,7 @@ impl<M: Motion> Search<M> {
             .iter()
             .enumerate()
             .filter(|(_, node)| node.cost.is_finite())
-            .map(|(i, node)| (self.bound.to_goal(node.at()), i as u32))
+            .map(|(i, node)| (self.bound.to_goal(node.position()), i as u32))
             .min_by(|a, b| a.0.total_cmp(&b.0));
         let mut way = Vec::new();
         if let Some((_, node)) = nearest.filter(|&(_, node)| node != ROOT) {
@@ -237,7 +237,7 @@ impl<M: Motion> Search<M> {
             .map(|&number| {
                 let node = self.tree.node(number);
                 let leg = before
-                    .and_then(|before| self.link(before, node.at()))
+                    .and_then(|before| self.link(before, node.position()))
                     .map_or(Leg::Line, |link| link.leg);
                 before = Some(number);
                 Waypoint {

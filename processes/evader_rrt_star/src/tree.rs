@@ -43,7 +43,7 @@ impl Node {
     }
 
     /// Returns the position (m).
-    pub fn at(&self) -> Point2<f64> {
+    pub fn position(&self) -> Point2<f64> {
         self.pose.position()
     }
 }

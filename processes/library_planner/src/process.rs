@@ -35,7 +35,7 @@ pub struct LibraryPlanner {
     seed: u64,
     exits: Vec<Point>,
     capture_radius: f64,
-    driven: Option<Driven>,
+    driven: Option<LibraryInstance>,
     inputs: RawInputs,
     failure: Option<ProcessError>,
 }
@@ -78,7 +78,7 @@ impl Planner for LibraryPlanner {
             exits: &self.exits,
             capture_radius: self.capture_radius,
         };
-        let driven = Driven::open(config, &self.params, Some(robot), &rules, self.seed)?;
+        let driven = LibraryInstance::open(config, &self.params, Some(robot), &rules, self.seed)?;
         self.driven = Some(driven);
         Ok(())
     }
@@ -127,7 +127,7 @@ pub(crate) struct Rules<'a> {
 
 /// A planner, or a process, that a library has created.
 #[derive(Debug)]
-pub(crate) struct Driven {
+pub(crate) struct LibraryInstance {
     pub library: Library,
     pub planner: *mut c_void,
     robots: Robots,
@@ -136,7 +136,7 @@ pub(crate) struct Driven {
     beliefs: Vec<Belief>,
 }
 
-impl Driven {
+impl LibraryInstance {
     /// Returns [`Self::start`], after a check of the topics that the library reads.
     ///
     /// # Errors
@@ -321,7 +321,7 @@ impl Driven {
     }
 }
 
-impl Drop for Driven {
+impl Drop for LibraryInstance {
     fn drop(&mut self) {
         if !self.planner.is_null() {
             self.library.destroy(self.planner);

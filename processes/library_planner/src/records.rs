@@ -44,7 +44,7 @@ impl Records {
     ///
     /// # Errors
     /// [`Unexpected`] names the topics.
-    pub fn of(&self, topic: &str) -> Result<Messages, Unexpected> {
+    pub fn messages(&self, topic: &str) -> Result<Messages, Unexpected> {
         let mut topics = self.topics.iter();
         match topics.find(|(name, _)| *name == topic) {
             Some((_, messages)) => Ok(Messages {

@@ -257,7 +257,7 @@ unsafe extern "C" fn read(tick: *const Tick, topic: *const c_char) -> Messages {
     // SAFETY: duties of the library, stated in the header.
     let (context, topic) = unsafe { (context(tick), text(topic)) };
     let found = context.and_then(|context| {
-        let found = context.records.of(&topic);
+        let found = context.records.messages(&topic);
         found.map_err(|reason| context.fail(reason)).ok()
     });
     found.unwrap_or(Messages {

@@ -9,13 +9,13 @@ use runtime::raw_inputs::RawInputs;
 use crate::abi::Point;
 use crate::library::Library;
 use crate::params::LibraryParams;
-use crate::process::{Driven, Rules};
+use crate::process::{LibraryInstance, Rules};
 use crate::records::Records;
 
 /// The process that a library has created.
 #[derive(Debug)]
 pub struct LibraryProgram {
-    driven: Driven,
+    driven: LibraryInstance,
     exits: Vec<Point>,
 }
 
@@ -40,7 +40,7 @@ impl TopicProgram for LibraryProgram {
             exits: &exits,
             capture_radius: config.run.capture_radius,
         };
-        let driven = Driven::open(config, params, None, &rules, seed)?;
+        let driven = LibraryInstance::open(config, params, None, &rules, seed)?;
         Ok(Self { driven, exits })
     }
 

@@ -126,8 +126,8 @@ impl Trajectory {
     /// there.
     pub fn at(&self, t: f64) -> (Pose2, Twist2) {
         match self.find(t) {
-            Found::Between(i, part) => between(&self.samples[i], &self.samples[i + 1], part),
-            Found::At(i) => self
+            TimeIndex::Between(i, part) => between(&self.samples[i], &self.samples[i + 1], part),
+            TimeIndex::At(i) => self
                 .samples
                 .get(i)
                 .map_or_else(Default::default, |sample| (sample.pose, Twist2::STOP)),
@@ -156,8 +156,8 @@ impl Trajectory {
     /// Returns a sum over the path up to the time `t` (s), from its values at the samples.
     fn sum(&self, sums: &[f64], t: f64) -> f64 {
         match self.find(t) {
-            Found::At(i) => sums.get(i).copied().unwrap_or(0.0),
-            Found::Between(i, part) => {
+            TimeIndex::At(i) => sums.get(i).copied().unwrap_or(0.0),
+            TimeIndex::Between(i, part) => {
                 let (a, b) = (&self.samples[i], &self.samples[i + 1]);
                 let total = a.twist.v + b.twist.v;
                 // The share of the path that lies within the share of the time.
@@ -214,16 +214,16 @@ impl Trajectory {
         None
     }
 
-    fn find(&self, t: f64) -> Found {
+    fn find(&self, t: f64) -> TimeIndex {
         let after = self.samples.partition_point(|sample| sample.t <= t);
         let Some(before) = after.checked_sub(1) else {
-            return Found::At(0);
+            return TimeIndex::At(0);
         };
         match self.samples.get(after) {
-            None => Found::At(before),
+            None => TimeIndex::At(before),
             Some(b) => {
                 let a = &self.samples[before];
-                Found::Between(before, (t - a.t) / (b.t - a.t))
+                TimeIndex::Between(before, (t - a.t) / (b.t - a.t))
             }
         }
     }
@@ -250,7 +250,7 @@ fn with_cusps(samples: Vec<Sample>) -> Vec<Sample> {
     all
 }
 
-enum Found {
+enum TimeIndex {
     /// At a sample after which there are no others.
     At(usize),
     /// After a part of the time between a sample and the next.

@@ -36,7 +36,7 @@ const NOISE: f64 = 0.005;
 type Errors = BTreeMap<usize, [(f64, u64); 2]>;
 
 /// Result of one key.
-struct Watched {
+struct WatchedRobot {
     /// Sub-goals reached when the key was known.
     after: Option<usize>,
     errors: Errors,
@@ -51,7 +51,7 @@ fn rectangle_of(rectangles: &[Aabb], place: Point2<f64>) -> usize {
     nearest.unwrap_or(0)
 }
 
-fn watched(place: &Place, rectangles: &[Aabb], seed: u64) -> Watched {
+fn watched(place: &Place, rectangles: &[Aabb], seed: u64) -> WatchedRobot {
     let knowledge = ChebyshevKnowledge::default();
     let key = Key::from_seed(KeyKind::ChebP(Emission::Arcsine), seed);
     let mut drive = coverage(place, &key.to_string());
@@ -84,7 +84,7 @@ fn watched(place: &Place, rectangles: &[Aabb], seed: u64) -> Watched {
         }
         drive.tick();
     }
-    Watched {
+    WatchedRobot {
         after,
         errors,
         moments,
@@ -110,7 +110,7 @@ fn table(name: &str, place: &Place) {
         .ok()
         .and_then(|workplace| Decomposition::new(&workplace).ok())
         .map_or_else(Vec::new, |free| free.rectangles().to_vec());
-    let all: Vec<Watched> = (1..=KEYS)
+    let all: Vec<WatchedRobot> = (1..=KEYS)
         .map(|seed| watched(place, &rectangles, seed))
         .collect();
     let mut after: Vec<f64> = all.iter().filter_map(|w| Some(w.after? as f64)).collect();
@@ -126,7 +126,7 @@ fn table(name: &str, place: &Place) {
         100.0 * moments(1) / moments(0).max(1.0),
     );
     let means = |rectangle: Option<usize>, horizon: usize| -> Vec<f64> {
-        let sum = |w: &Watched| {
+        let sum = |w: &WatchedRobot| {
             let chosen = w.errors.iter();
             let chosen = chosen.filter(|(at, _)| rectangle.is_none_or(|wanted| wanted == **at));
             chosen.fold((0.0, 0), |(sum, count), (_, errors)| {

@@ -14,7 +14,7 @@ use std::collections::VecDeque;
 use geometry::math;
 use nalgebra::{Point2, Vector2};
 
-use crate::moment::{Look, ReachedGoal, Seen};
+use crate::moment::{Look, MeasuredPose, ReachedGoal};
 
 /// Lower bound of significant changes of heading (rad).
 const MIN_TURN: f64 = 0.02;
@@ -46,7 +46,7 @@ const MIN_ERROR: f64 = 0.003;
 #[derive(Debug, Clone, Copy)]
 struct Sample {
     time: f64,
-    seen: Seen,
+    seen: MeasuredPose,
 }
 
 /// Returns the goal that was reached with this sample, after a tick of this distance (m).

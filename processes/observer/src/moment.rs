@@ -6,7 +6,7 @@ use tracking::watch::Watch;
 
 /// Measured pose.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Seen {
+pub struct MeasuredPose {
     /// Measured position (m).
     pub position: Point2<f64>,
     /// Measured heading (rad).
@@ -25,7 +25,7 @@ pub struct Look {
     /// Time since the last observation (s), > 0.
     pub dt: f64,
     /// The measurement; `None` if the robot is out of sight.
-    pub seen: Option<Seen>,
+    pub seen: Option<MeasuredPose>,
     /// Visibility of the robot, 0…1.
     pub visibility: f64,
 }

@@ -9,7 +9,7 @@ use tracking::sighting::gaussian_pair;
 use tracking::space::Space;
 use tracking::watch::Watch;
 
-use crate::moment::Seen;
+use crate::moment::MeasuredPose;
 use crate::params::PoseSensorParams;
 
 /// Visibility below which a robot is not seen.
@@ -54,7 +54,12 @@ impl PoseSensor {
 
     /// Observes a robot: returns its visibility (0…1), and the measurement if it is sufficient. It
     /// draws the same number of random values in both cases.
-    pub fn look(&self, space: &Space, truth: Pose2, rng: &mut ChaCha8Rng) -> (f64, Option<Seen>) {
+    pub fn look(
+        &self,
+        space: &Space,
+        truth: Pose2,
+        rng: &mut ChaCha8Rng,
+    ) -> (f64, Option<MeasuredPose>) {
         let ((x, y), (turn, _)) = (gaussian_pair(rng), gaussian_pair(rng));
         let visibility = if self.limited {
             self.watch
@@ -64,7 +69,7 @@ impl PoseSensor {
             1.0
         };
         let (sigma, heading_sigma) = (self.params.noise, self.params.heading_noise);
-        let seen = Seen {
+        let seen = MeasuredPose {
             position: Point2::new(truth.x + sigma * x, truth.y + sigma * y),
             heading: math::wrap_angle(truth.theta + heading_sigma * turn),
             sigma,

@@ -30,7 +30,7 @@ use crate::predictors::key::KeyHunter;
 use crate::predictors::particles::Particles;
 use crate::predictors::similar_goal::SimilarGoal;
 use crate::predictors::similar_stretch::SimilarStretch;
-use crate::watched::{MethodPrediction, Watched};
+use crate::watched::{MethodPrediction, WatchedRobot};
 
 /// Maximum error of detected goals (m).
 const GOAL_ERROR: f64 = 0.03;
@@ -42,7 +42,7 @@ const STRETCH_STEP_S: f64 = 0.25;
 /// Watched robot.
 struct Target {
     robot: usize,
-    watched: Watched,
+    watched: WatchedRobot,
     noise: ChaCha8Rng,
     visible: bool,
 }
@@ -298,7 +298,7 @@ impl ObserverProcess {
             .iter()
             .map(|&horizon| (horizon, ticks(horizon, tick_s)))
             .collect();
-        let mut watched = Watched::new(params.arrival, horizons);
+        let mut watched = WatchedRobot::new(params.arrival, horizons);
         for method in &params.methods {
             match method {
                 Method::Kalman => {

@@ -18,12 +18,12 @@ const MAX_MISSES: u32 = 3;
 
 /// Recovered orbit, synchronised with the observations.
 #[derive(Debug, Clone)]
-struct Tracked {
+struct OrbitTrack {
     source: AnySource,
     misses: u32,
 }
 
-impl Tracked {
+impl OrbitTrack {
     fn new(source: AnySource) -> Self {
         Self { source, misses: 0 }
     }

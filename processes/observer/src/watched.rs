@@ -35,7 +35,7 @@ pub struct MethodPrediction {
 }
 
 /// State of one watched robot.
-pub struct Watched {
+pub struct WatchedRobot {
     legs: Legs,
     entries: Vec<Entry>,
     /// Horizons (s) and in ticks.
@@ -43,7 +43,7 @@ pub struct Watched {
     look: Option<Look>,
 }
 
-impl Watched {
+impl WatchedRobot {
     /// Returns the state of a robot that turns to its next goal within `arrival` (m) of the last;
     /// `horizons` are in (s) and in ticks.
     pub fn new(arrival: f64, horizons: Vec<(f64, u64)>) -> Self {

@@ -64,7 +64,7 @@ impl PatrolAwg {
         seed: u64,
     ) -> Result<Self, PatrolError> {
         check(params)?;
-        let drive = Drive::of(model)?;
+        let drive = Drive::from_model(model)?;
         let go_to = &params.driver.go_to;
         let mission = params.mission.prepare(&drive, go_to, seed)?;
         let source = mission.key.source().map_err(MissionError::Key)?;

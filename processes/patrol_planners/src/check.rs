@@ -49,7 +49,7 @@ pub(crate) fn check_task(
             return Err(TaskFault::Param { field, message });
         }
     }
-    let drive = Drive::of(&model).map_err(|e| TaskFault::param("mission", &e))?;
+    let drive = Drive::from_model(&model).map_err(|e| TaskFault::param("mission", &e))?;
     mission.check(&drive, &driver.go_to, seed).map_err(|e| {
         let message = e.to_string();
         let named = message.split('`').nth(1).unwrap_or("t_max");
@@ -77,7 +77,7 @@ pub(crate) fn task_remarks(
     seed: u64,
 ) -> Vec<Remark> {
     let model = task.robot.model();
-    let prepared = Drive::of(&model)
+    let prepared = Drive::from_model(&model)
         .ok()
         .and_then(|drive| params.prepare(&drive, &driver.go_to, seed).ok());
     let Some(mission) = prepared else {

@@ -145,8 +145,8 @@ impl Planner for PatrolFtoPlanner {
             );
             return Err(PlannerError::algorithm(reason));
         }
-        let drive =
-            Drive::of(&robot.model).map_err(|error| PlannerError::of_robot(&robot.name, error))?;
+        let drive = Drive::from_model(&robot.model)
+            .map_err(|error| PlannerError::of_robot(&robot.name, error))?;
         PatrolFto::new(params, &drive, &robot.model, seed)
             .map(|patrol| Self(patrol.in_team(&robot.companions)))
             .map_err(PlannerError::algorithm)

@@ -52,7 +52,7 @@ fn start() -> Pose2 {
 fn patrol(more: &str) -> Watched {
     let params: PatrolFtoParams = toml::from_str(&(more.to_owned() + SQUARE)).unwrap();
     let model = model(start());
-    let drive = Drive::of(&model).unwrap();
+    let drive = Drive::from_model(&model).unwrap();
     Watched {
         planner: PatrolFto::new(&params, &drive, &model, 42).unwrap(),
         seen: 0,

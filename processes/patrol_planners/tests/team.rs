@@ -100,7 +100,7 @@ impl Team {
             let (model, seed) = (spec(index).model(), index as u64);
             if is_fto {
                 let params: PatrolFtoParams = toml::from_str(&text).unwrap();
-                let drive = Drive::of(&model).unwrap();
+                let drive = Drive::from_model(&model).unwrap();
                 let guard = PatrolFto::new(&params, &drive, &model, seed).unwrap();
                 Guard::Fto(Box::new(guard.in_team(&companions)))
             } else {

@@ -28,7 +28,7 @@ use crate::outputs::{MAX_PLAN_POINTS, Outputs, PlannedPoint};
 use crate::planner::{Planner, planner_seed};
 use crate::views::{robot_views, teams};
 
-struct Driven<P> {
+struct PlannerSlot<P> {
     robot: u32,
     planner: P,
 }
@@ -47,7 +47,7 @@ pub struct PlannerProcess<P: Planner> {
     config: ProcessConfig,
     map: Option<Arc<PlannerMap>>,
     exits: Vec<Point2<f64>>,
-    driven: Vec<Driven<P>>,
+    driven: Vec<PlannerSlot<P>>,
     teams: Vec<Team>,
     views: Vec<RobotView>,
     particles: Vec<ParticleView>,
@@ -97,7 +97,10 @@ impl<P: Planner> ProcessKind for PlannerProcess<P> {
         let declaration = P::declare(params);
         let reads = |input: Input| declaration.input(input.flow).is_some();
         let most = |flow: Flow| declaration.output(flow).map(|output| output.elements);
-        let (edges, waypoints) = (most(Flow::of::<Tree>()), most(Flow::of::<Waypoints>()));
+        let (edges, waypoints) = (
+            most(Flow::for_topic::<Tree>()),
+            most(Flow::for_topic::<Waypoints>()),
+        );
         let robots = config.run.robots.len();
         let mut driven = config
             .own_robots()
@@ -105,7 +108,7 @@ impl<P: Planner> ProcessKind for PlannerProcess<P> {
                 let seed = planner_seed(config.run.seed, &config.kind, &info.name);
                 P::new(params, info, seed).map(|mut planner| {
                     planner.rules(&config.run.exits, config.run.capture_radius);
-                    Driven { robot, planner }
+                    PlannerSlot { robot, planner }
                 })
             })
             .collect::<Result<Vec<_>, _>>()
@@ -255,7 +258,10 @@ impl<P: Planner> Process for PlannerProcess<P> {
             stamp,
         };
         for driven in &mut self.driven {
-            let scan = self.scans.as_ref().and_then(|scans| scans.of(driven.robot));
+            let scan = self
+                .scans
+                .as_ref()
+                .and_then(|scans| scans.latest(driven.robot));
             let view = View {
                 time_s: self.state.header.stamp.time_ns as f64 * 1e-9,
                 dt: self.config.step_period(),

@@ -10,7 +10,7 @@ use observation::field_evader::FieldEvader;
 use observation::layout::Layout;
 use observation::parts::Parts;
 use observation::route_entries::RouteEntries;
-use observation::scene::{Hiding, Scene};
+use observation::scene::{OcclusionCache, Scene};
 use planner_view::map::PlannerMap;
 use planner_view::view::View;
 use robot::spec::RobotModel;
@@ -63,7 +63,7 @@ pub struct Policy {
     network: Network,
     layout: Layout,
     scene: Scene,
-    hiding: Hiding,
+    hiding: OcclusionCache,
     ways: Option<RouteEntries>,
     robot: String,
     model: RobotModel,
@@ -110,7 +110,7 @@ impl Policy {
             evader,
             network,
             scene: Scene::new(robots, &[me]),
-            hiding: Hiding::default(),
+            hiding: OcclusionCache::default(),
             ways: layout.ways(),
             robot: own.name.clone(),
             model: own.model,

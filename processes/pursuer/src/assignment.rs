@@ -121,7 +121,7 @@ impl Assigner {
         finder: &mut RouteFinder,
         view: &View<'_>,
     ) -> Option<usize> {
-        let pursuers: Vec<&RobotView> = view.team_mates(Role::Pursuer).take(MAX_MATCHED).collect();
+        let pursuers: Vec<&RobotView> = view.teammates(Role::Pursuer).take(MAX_MATCHED).collect();
         let evaders: Vec<(&RobotView, Point2<f64>)> = view
             .opponents(Role::Evader)
             .filter_map(|evader| {

@@ -120,7 +120,11 @@ impl Pursuer {
         {
             let hypothesised = self.hypotheses.iter().map(|(pose, _)| pose.position());
             let bearings = bearings(&mut self.finder, params, map, here, hypothesised);
-            let distance_to = |to| bearings.of(at, to).map_or(0.0, |bearing| bearing.distance);
+            let distance_to = |to| {
+                bearings
+                    .bearing(at, to)
+                    .map_or(0.0, |bearing| bearing.distance)
+            };
             goals(
                 map,
                 &self.hypotheses,
@@ -233,7 +237,7 @@ fn scatter(
     at: Point2<f64>,
 ) -> Vector2<f64> {
     let colleagues = view
-        .fellows(Role::Evader)
+        .non_opponents(Role::Evader)
         .filter(|other| params.fidelity.is_published() || other.index != own.index)
         .map(|other| (other, params.scatter_weight));
     let wrecks = view.wrecks().map(|wreck| (wreck, params.wreck_weight));
@@ -261,7 +265,9 @@ fn waypoint(
     bearings: &Bearings<'_>,
 ) -> Option<Point2<f64>> {
     if let [goal] = goals {
-        return bearings.of(at, goal.at).map(|bearing| bearing.waypoint);
+        return bearings
+            .bearing(at, goal.at)
+            .map(|bearing| bearing.waypoint);
     }
     let norm = pull.norm();
     (norm > 0.0).then(|| at + pull / norm)

@@ -27,9 +27,9 @@ const STEPS: f32 = 64.0;
 pub struct RefereeProcess {
     config: ProcessConfig,
     referee: Referee,
-    verdicts_due: Due,
+    verdicts_due: TaskSchedule,
     /// Absent without pictures.
-    cells_due: Option<Due>,
+    cells_due: Option<TaskSchedule>,
     map: Option<Arc<PlannerMap>>,
     state: StateInput,
     map_input: MapInput,
@@ -41,12 +41,12 @@ pub struct RefereeProcess {
 
 /// Schedule of a task with a period in ticks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct Due {
+struct TaskSchedule {
     every: u64,
     last: Option<u64>,
 }
 
-impl Due {
+impl TaskSchedule {
     /// Returns a schedule with the period `period_s` (s), at least one tick.
     fn new(period_s: f64, tick_s: f64) -> Self {
         // A cast of a float saturates; NaN becomes 0.
@@ -96,9 +96,9 @@ impl ProcessKind for RefereeProcess {
                     dt: tick_s,
                 },
             ),
-            verdicts_due: Due::new(params.period_s, tick_s),
+            verdicts_due: TaskSchedule::new(params.period_s, tick_s),
             cells_due: (params.cells_period_s > 0.0)
-                .then(|| Due::new(params.cells_period_s, tick_s)),
+                .then(|| TaskSchedule::new(params.cells_period_s, tick_s)),
             map: None,
             state: StateInput::open(bus, run.robots.len())?,
             map_input: MapInput::open(bus)?,
@@ -252,13 +252,13 @@ mod tests {
 
     #[test]
     fn a_periodic_task_runs_once_per_period_even_if_ticks_are_missed() {
-        let mut due = Due::new(0.25, 0.05);
+        let mut due = TaskSchedule::new(0.25, 0.05);
         let done: Vec<u64> = [0, 1, 2, 4, 5, 6, 11, 12, 14, 15]
             .into_iter()
             .filter(|&tick| due.now(tick))
             .collect();
         assert_eq!(done, [0, 5, 11, 15]);
-        let mut always = Due::new(0.0, 0.05);
+        let mut always = TaskSchedule::new(0.0, 0.05);
         assert!((0..5).all(|tick| always.now(tick)));
     }
 

@@ -29,7 +29,7 @@ pub enum Flow {
 
 impl Flow {
     /// Returns the flow of a topic, and registers the topic if it is not built in.
-    pub fn of<T: Topic>() -> Self {
+    pub fn for_topic<T: Topic>() -> Self {
         AnyTopic::register::<T>();
         Self::Topic(T::id())
     }
@@ -122,7 +122,7 @@ impl Output {
     /// An output for viewers, the log and later ticks, with messages of at most `elements`.
     pub fn new<T: Topic>(elements: usize) -> Self {
         Self {
-            flow: Flow::of::<T>(),
+            flow: Flow::for_topic::<T>(),
             when: When::NextTick,
             elements,
             is_sole: false,
@@ -171,8 +171,8 @@ pub struct Declaration {
 impl Declaration {
     /// Returns that of the simulator. The size of its messages follows from the world.
     pub fn of_simulator() -> Self {
-        let commands = Input::new(Flow::of::<Commands>(), When::NextTick);
-        let changes = Input::new(Flow::of::<ObstacleEvents>(), When::Event);
+        let commands = Input::new(Flow::for_topic::<Commands>(), When::NextTick);
+        let changes = Input::new(Flow::for_topic::<ObstacleEvents>(), When::Event);
         Self::default()
             .reads(commands)
             .reads(changes)
@@ -247,7 +247,7 @@ impl Declaration {
 
     /// Returns `true` if it commands robots.
     pub fn drives_robots(&self) -> bool {
-        self.output(Flow::of::<Commands>()).is_some()
+        self.output(Flow::for_topic::<Commands>()).is_some()
     }
 
     /// Returns `true` if processes may wait for its outputs within a tick.
@@ -326,7 +326,7 @@ mod tests {
     use super::*;
 
     fn within<T: Topic>() -> Input {
-        Input::new(Flow::of::<T>(), When::ThisTick)
+        Input::new(Flow::for_topic::<T>(), When::ThisTick)
     }
 
     fn sensor() -> Declaration {

@@ -4,7 +4,7 @@ use std::any::Any;
 use std::sync::Arc;
 
 use geometry::shape::{Aabb, Convex};
-use ipc_types::bus::{Bus, BusError, ReceiveError, Received, Subscriber};
+use ipc_types::bus::{Bus, BusError, ReceiveError, ReceivedMessage, Subscriber};
 use ipc_types::clock::StampClock;
 use ipc_types::messages::perception::{BeliefHeader, Particle};
 use ipc_types::messages::robot::ScanHeader;
@@ -129,7 +129,7 @@ pub struct MapInput {
     /// Header of the newest map.
     pub header: MapHeader,
     /// The newest map, in the sender's memory: only derived data is copied.
-    newest: Option<Received<WorldMap>>,
+    newest: Option<ReceivedMessage<WorldMap>>,
     maps: Option<Arc<Maps>>,
     /// Maps that failed the checks.
     pub rejected: u64,
@@ -165,19 +165,19 @@ impl MapInput {
 
     /// Cells of the newest map.
     pub fn cells(&self) -> &[MapCell] {
-        self.newest.as_ref().map_or(&[], Received::elements)
+        self.newest.as_ref().map_or(&[], ReceivedMessage::elements)
     }
 
     /// Returns the value of type `T` that processes of this thread store with the cells of the
     /// newest map; the first call creates the default. `None` if they share no maps.
     pub fn derived<T: Any + Default + Send + Sync>(&self) -> Option<Arc<T>> {
-        let shared = self.newest.as_ref().and_then(Received::shared)?;
+        let shared = self.newest.as_ref().and_then(ReceivedMessage::shared)?;
         self.maps.as_ref()?.derived(shared)
     }
 
     /// Returns `true` if the cells of a message are valid; cells that processes of this thread
     /// share are checked once.
-    fn is_sound(&self, message: &Received<WorldMap>) -> bool {
+    fn is_sound(&self, message: &ReceivedMessage<WorldMap>) -> bool {
         let shared = self.maps.as_ref().zip(message.shared());
         if shared.is_some_and(|(maps, cells)| maps.is_checked(cells)) {
             return true;
@@ -414,7 +414,7 @@ impl<T: PerRobot> RobotInput<T> {
     }
 
     /// The newest message about a robot.
-    pub fn of(&self, robot: u32) -> Option<&Latest<T>> {
+    pub fn latest(&self, robot: u32) -> Option<&Latest<T>> {
         let at = self
             .latest
             .binary_search_by_key(&robot, |latest| T::robot(&latest.header))

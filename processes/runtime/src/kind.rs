@@ -144,12 +144,12 @@ fn check_inputs(declaration: &Declaration, config: &ProcessConfig) -> Result<(),
         own.find_map(|(_, robot)| lacks(robot).then(|| robot.name.clone()))
     };
     for flow in declaration.required() {
-        if flow == Flow::of::<Scan>() {
+        if flow == Flow::for_topic::<Scan>() {
             if let Some(robot) = robot_without(|robot| robot.beams == 0) {
                 let lack = format!("reads {flow}, but robot `{robot}` has no range scanner");
                 return Err(lacks(lack, "a `scan` table on the robot"));
             }
-        } else if flow == Flow::of::<WorldShapes>() && config.run.capacity(flow).is_none() {
+        } else if flow == Flow::for_topic::<WorldShapes>() && config.run.capacity(flow).is_none() {
             let lack = format!("reads {flow}, but the map has too many pieces for it");
             return Err(lacks(lack, "a map with fewer pieces"));
         } else if !flow.is_of_the_run() && config.run.capacity(flow).is_none() {

@@ -187,9 +187,13 @@ fn name_process(name: &str) {
 }
 
 /// Opens the ports of a process and sets up its algorithm.
-type Open<'a> = &'a dyn Fn(&Bus) -> Result<Box<dyn Process>, ProcessError>;
+type OpenFunction<'a> = &'a dyn Fn(&Bus) -> Result<Box<dyn Process>, ProcessError>;
 
-fn live(config: &ProcessConfig, mut setup: Setup, open: Open<'_>) -> Result<(), ProcessError> {
+fn live(
+    config: &ProcessConfig,
+    mut setup: Setup,
+    open: OpenFunction<'_>,
+) -> Result<(), ProcessError> {
     let member = setup.member(config);
     let joins_late = member.joins_late();
     let mut process = open(&setup.bus)?;

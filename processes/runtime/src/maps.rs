@@ -28,7 +28,7 @@ pub struct MapState {
 
 /// A map message without its stamp.
 #[derive(Debug, Clone)]
-struct Drawn {
+struct MapContent {
     map_state: MapState,
     header: MapHeader,
     cells: Arc<[MapCell]>,
@@ -41,7 +41,7 @@ struct Drawn {
 /// Maps by their components.
 #[derive(Debug, Default)]
 pub struct Maps {
-    drawn: Mutex<Vec<Drawn>>,
+    drawn: Mutex<Vec<MapContent>>,
 }
 
 impl Maps {
@@ -72,7 +72,7 @@ impl Maps {
         if drawn.len() >= MAX_MAPS {
             drawn.remove(0);
         }
-        drawn.push(Drawn {
+        drawn.push(MapContent {
             map_state: map_state.clone(),
             header,
             cells: Arc::clone(&cells),
@@ -112,12 +112,12 @@ impl Maps {
         Some(value)
     }
 
-    fn lock(&self) -> MutexGuard<'_, Vec<Drawn>> {
+    fn lock(&self) -> MutexGuard<'_, Vec<MapContent>> {
         self.drawn.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
-fn find<'a>(drawn: &'a mut [Drawn], cells: &Arc<[MapCell]>) -> Option<&'a mut Drawn> {
+fn find<'a>(drawn: &'a mut [MapContent], cells: &Arc<[MapCell]>) -> Option<&'a mut MapContent> {
     drawn
         .iter_mut()
         .find(|drawn| Arc::ptr_eq(&drawn.cells, cells))

@@ -71,12 +71,12 @@ pub fn start<K: ProcessKind>(
         return Ok(Box::new(open()?));
     };
     let process = Box::new(bus.through(&inbox, open)?);
-    Ok(Box::new(Paced::new(process, inbox, config.period)))
+    Ok(Box::new(PacedProcess::new(process, inbox, config.period)))
 }
 
 /// A process with an inbox. It steps in the first tick, and then in every tick that is a multiple of its period (real time:
 /// in the first one after that, if it is late); before the first message of a linked input it stands idle.
-struct Paced {
+struct PacedProcess {
     process: Box<dyn Process>,
     inbox: Rc<Inbox>,
     period: u64,
@@ -84,7 +84,7 @@ struct Paced {
     last: Option<u64>,
 }
 
-impl Paced {
+impl PacedProcess {
     fn new(process: Box<dyn Process>, inbox: Rc<Inbox>, period: u64) -> Self {
         Self {
             process,
@@ -95,7 +95,7 @@ impl Paced {
     }
 }
 
-impl Process for Paced {
+impl Process for PacedProcess {
     fn connect(&mut self) -> Result<(), ProcessError> {
         self.process.connect()
     }
@@ -193,7 +193,7 @@ mod tests {
                 seen: Rc::clone(&seen),
             });
             let outputs: Subscriber<Commands> = bus.subscriber().unwrap();
-            let mut paced = Paced::new(Box::new(probe), inbox, period);
+            let mut paced = PacedProcess::new(Box::new(probe), inbox, period);
             let mut sent = Vec::new();
             for tick in 0..60 {
                 let mut header = PlainHeader::default();

@@ -18,7 +18,7 @@ pub enum Refusal {
 }
 
 #[derive(Debug, Clone, Copy)]
-struct Held {
+struct CommandEntry {
     stamp: Stamp,
     twist: Twist2,
 }
@@ -28,7 +28,7 @@ struct Held {
 pub struct CommandBoard {
     drivers: Vec<Option<u32>>,
     holds: Vec<u64>,
-    held: Vec<Option<Held>>,
+    held: Vec<Option<CommandEntry>>,
     in_force: Vec<Option<Twist2>>,
     received_ns: u64,
 }
@@ -80,7 +80,7 @@ impl CommandBoard {
         if held.is_some_and(|held| held.stamp.tick > stamp.tick) {
             return Err(Refusal::Outdated);
         }
-        *held = Some(Held {
+        *held = Some(CommandEntry {
             stamp: *stamp,
             twist: Twist2::new(command.v, command.omega),
         });

@@ -17,7 +17,7 @@ use sim_backend::spec::Condition;
 /// Condition at which a change is due.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
-pub enum Due {
+pub enum DueCondition {
     /// From a tick on.
     Tick(u64),
     /// From the first tick at which a condition on a robot is true.
@@ -40,7 +40,7 @@ pub struct PlannedChange {
     /// The change.
     pub change: ObstacleChange,
     /// Condition at which it is due.
-    pub due: Due,
+    pub due: DueCondition,
 }
 
 /// A change that depends on an unknown robot.
@@ -88,15 +88,15 @@ impl EventSchedule {
         let mut items = Vec::with_capacity(changes.len());
         for (index, planned) in changes.into_iter().enumerate() {
             let due = match planned.due {
-                Due::Tick(tick) => Some(tick),
-                Due::When { robot, .. } if robot >= robots.len() => {
+                DueCondition::Tick(tick) => Some(tick),
+                DueCondition::When { robot, .. } if robot >= robots.len() => {
                     return Err(UnknownRobot {
                         obstacle: planned.obstacle,
                         robot,
                         robots: robots.len(),
                     });
                 }
-                Due::When { .. } => None,
+                DueCondition::When { .. } => None,
             };
             items.push(Item {
                 predecessor: last.insert(planned.change.id(), index),
@@ -121,7 +121,7 @@ impl EventSchedule {
     /// Updates the conditions with the robots' state at a tick.
     pub fn observe(&mut self, tick: u64, robots: &[Robot]) {
         for item in self.items.iter_mut().skip(self.first) {
-            let Due::When {
+            let DueCondition::When {
                 robot,
                 condition,
                 after,
@@ -202,7 +202,7 @@ mod tests {
         robots
     }
 
-    fn appear(id: u32, due: Due) -> PlannedChange {
+    fn appear(id: u32, due: DueCondition) -> PlannedChange {
         let shape = Shape::Circle {
             center: [5.0, 1.0],
             radius: 0.1,
@@ -217,7 +217,7 @@ mod tests {
         }
     }
 
-    fn disappear(id: u32, due: Due) -> PlannedChange {
+    fn disappear(id: u32, due: DueCondition) -> PlannedChange {
         PlannedChange {
             obstacle: format!("o{id}"),
             change: ObstacleChange::Disappear { id: ObstacleId(id) },
@@ -225,8 +225,8 @@ mod tests {
         }
     }
 
-    fn after_way(travelled: f64, after: u64) -> Due {
-        Due::When {
+    fn after_way(travelled: f64, after: u64) -> DueCondition {
+        DueCondition::When {
             robot: 0,
             condition: Condition::Travelled { travelled },
             after,
@@ -273,7 +273,7 @@ mod tests {
 
     #[test]
     fn a_delay_counts_from_when_the_condition_held_even_if_it_no_longer_does() {
-        let near = Due::When {
+        let near = DueCondition::When {
             robot: 0,
             condition: Condition::Within {
                 within: 0.1,
@@ -292,7 +292,7 @@ mod tests {
     fn changes_of_one_tick_happen_in_the_order_of_the_list() {
         let changes = vec![
             appear(2, after_way(1.0, 0)),
-            appear(1, Due::Tick(4)),
+            appear(1, DueCondition::Tick(4)),
             appear(0, after_way(0.5, 0)),
         ];
         let mut event_schedule = EventSchedule::new(changes, &specs()).unwrap();
@@ -326,9 +326,9 @@ mod tests {
     #[test]
     fn times_and_conditions_of_one_obstacle_mix() {
         let changes = vec![
-            appear(0, Due::Tick(2)),
+            appear(0, DueCondition::Tick(2)),
             disappear(0, after_way(1.0, 2)),
-            appear(0, Due::Tick(3)),
+            appear(0, DueCondition::Tick(3)),
         ];
         let mut event_schedule = EventSchedule::new(changes, &specs()).unwrap();
         assert_eq!(at(&mut event_schedule, 1, 0.0), nothing());
@@ -340,7 +340,7 @@ mod tests {
 
     #[test]
     fn an_unknown_robot_is_named() {
-        let due = Due::When {
+        let due = DueCondition::When {
             robot: 1,
             condition: Condition::Travelled { travelled: 1.0 },
             after: 0,

@@ -69,7 +69,7 @@ fn shown(value: &Bound<'_, PyAny>) -> String {
 /// The exception has the value and what is expected.
 pub fn scalar<'py, T>(value: &Bound<'py, PyAny>) -> PyResult<T>
 where
-    T: Expected + FromPyObjectOwned<'py>,
+    T: ScalarValue + FromPyObjectOwned<'py>,
 {
     let fault = || invalid(&format!("{}: expected {}", shown(value), T::EXPECTED));
     value
@@ -78,32 +78,32 @@ where
 }
 
 /// Values that [`scalar`] reads.
-pub trait Expected {
+pub trait ScalarValue {
     /// Accepted values.
     const EXPECTED: &'static str;
 }
 
-impl Expected for f64 {
+impl ScalarValue for f64 {
     const EXPECTED: &'static str = "a number";
 }
 
-impl Expected for u32 {
+impl ScalarValue for u32 {
     const EXPECTED: &'static str = "a whole number from 0 to 2^32 - 1";
 }
 
-impl Expected for u64 {
+impl ScalarValue for u64 {
     const EXPECTED: &'static str = "a whole number from 0 to 2^64 - 1";
 }
 
-impl Expected for PathBuf {
+impl ScalarValue for PathBuf {
     const EXPECTED: &'static str = "a path or a name";
 }
 
-impl Expected for usize {
+impl ScalarValue for usize {
     const EXPECTED: &'static str = u64::EXPECTED;
 }
 
-impl<T: Expected> Expected for Option<T> {
+impl<T: ScalarValue> ScalarValue for Option<T> {
     const EXPECTED: &'static str = T::EXPECTED;
 }
 
@@ -114,7 +114,7 @@ struct Numbers<'py> {
 
 impl<'py> Numbers<'py> {
     /// Reads numbers that must be finite.
-    fn of(name: &str, value: &Bound<'py, PyAny>, expected: &str) -> PyResult<Self> {
+    fn from_value(name: &str, value: &Bound<'py, PyAny>, expected: &str) -> PyResult<Self> {
         let numbers = Self::read(name, value, expected)?;
         if numbers.view().iter().all(|x| x.is_finite()) {
             Ok(numbers)
@@ -191,7 +191,7 @@ pub fn point(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Point2<f64>> {
     let expected = "two finite numbers (m), or a robot";
     let position = attribute(value, "position")?;
     let value = position.as_ref().unwrap_or(value);
-    let numbers = Numbers::of(name, value, expected)?;
+    let numbers = Numbers::from_value(name, value, expected)?;
     numbers
         .row::<2>()
         .map(Point2::from)
@@ -237,7 +237,7 @@ pub fn points(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Points> {
     let expected = "an array of finite numbers (m) of shape (2,) or (n, 2)";
     let position = attribute(value, "position")?;
     let value = position.as_ref().unwrap_or(value);
-    let numbers = Numbers::of(name, value, expected)?;
+    let numbers = Numbers::from_value(name, value, expected)?;
     if let Some(point) = numbers.row::<2>() {
         return Ok(Points {
             points: vec![Point2::from(point)],
@@ -258,13 +258,13 @@ pub fn rows<const N: usize>(
     value: &Bound<'_, PyAny>,
     expected: &str,
 ) -> PyResult<Vec<[f64; N]>> {
-    let rows = Numbers::of(name, value, expected)?.rows::<N>();
+    let rows = Numbers::from_value(name, value, expected)?.rows::<N>();
     rows.ok_or_else(|| refused_object(name, value, expected))
 }
 
 /// Returns finite numbers from an array of shape (n,).
 pub fn list(name: &str, value: &Bound<'_, PyAny>, expected: &str) -> PyResult<Vec<f64>> {
-    let numbers = Numbers::of(name, value, expected)?;
+    let numbers = Numbers::from_value(name, value, expected)?;
     let list = numbers.list();
     list.ok_or_else(|| refused_object(name, value, expected))
 }
@@ -302,7 +302,7 @@ pub fn row<const N: usize>(
     value: &Bound<'_, PyAny>,
     expected: &str,
 ) -> PyResult<[f64; N]> {
-    let row = Numbers::of(name, value, expected)?.row::<N>();
+    let row = Numbers::from_value(name, value, expected)?.row::<N>();
     row.ok_or_else(|| refused_object(name, value, expected))
 }
 

@@ -99,7 +99,7 @@ impl TangentBug {
         let pose = arguments::pose("pose", pose)?;
         let goal = arguments::point("goal", goal)?;
         arguments::not_negative("tolerance", tolerance)?;
-        let scan = Scan::of(ranges, angles, range_max)?;
+        let scan = Scan::from_ranges(ranges, angles, range_max)?;
         let view = scan.view();
         let mut bug = self.bug.lock().unwrap_or_else(PoisonError::into_inner);
         let advice = bug.advise(&pose, &view, goal, tolerance);
@@ -144,7 +144,7 @@ struct Scan {
 }
 
 impl Scan {
-    fn of(
+    fn from_ranges(
         ranges: &Bound<'_, PyAny>,
         angles: Option<&Bound<'_, PyAny>>,
         range_max: Option<f64>,
@@ -210,7 +210,7 @@ impl Scan {
 /// path
 ///     Corners (m), shape (n, 2).
 /// params
-///     Other values than the defaults of ``look_ahead`` (m), ``look_ahead_time_s`` (s), ``least_look_ahead`` (m),
+///     Other values than the defaults of ``look_ahead`` (m), ``look_ahead_time_s`` (s), ``min_look_ahead`` (m),
 ///     ``turn_on_spot`` (rad), ``turn_gain`` (1/s), ``speed_fraction``, ``arrival_deceleration`` (m/s²), ``omega_cap``
 ///     (rad/s) and ``arrived`` (m).
 ///

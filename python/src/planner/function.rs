@@ -30,7 +30,7 @@ pub(super) enum Argument {
 }
 
 impl Argument {
-    fn of(name: &str) -> PyResult<Self> {
+    fn from_name(name: &str) -> PyResult<Self> {
         Ok(match name {
             "robot" => Self::Robot,
             "world" => Self::World,
@@ -59,7 +59,7 @@ impl Argument {
                 "argument {name:?} of a process: expected one of world, inputs, params, rng"
             )));
         }
-        names.iter().map(|name| Self::of(name)).collect()
+        names.iter().map(|name| Self::from_name(name)).collect()
     }
 }
 

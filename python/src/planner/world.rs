@@ -55,7 +55,7 @@ impl World {
 
     /// Other robots of the own team that still take part.
     #[getter]
-    fn team_mates<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyList>> {
+    fn teammates<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyList>> {
         let Some(own) = self.rows.get(self.own) else {
             return Ok(PyList::empty(py));
         };

@@ -25,7 +25,7 @@ pub struct RulesSpec {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub coverage: Option<CoverageSpec>,
     /// Behaviour of a blocked robot.
-    pub blocked: Blocked,
+    pub blocked: ObstacleResponse,
     /// Body of a caught evader.
     pub caught: OutOfPlay,
     /// Body of an escaped evader (it left the arena: removed by default).
@@ -39,7 +39,7 @@ impl Default for RulesSpec {
             exits: Vec::new(),
             time_limit: None,
             coverage: None,
-            blocked: Blocked::Slide,
+            blocked: ObstacleResponse::Slide,
             caught: OutOfPlay::Stay,
             escaped: OutOfPlay::Remove,
         }
@@ -76,7 +76,7 @@ impl Default for CaptureSpec {
 /// Behaviour of a robot that hits an obstacle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
-pub enum Blocked {
+pub enum ObstacleResponse {
     /// The robot keeps the part of its motion along the obstacle.
     #[default]
     Slide,
@@ -109,7 +109,7 @@ mod tests {
         assert_eq!(rules.capture, None);
         assert_eq!(rules.caught, OutOfPlay::Stay);
         assert_eq!(rules.escaped, OutOfPlay::Remove);
-        assert_eq!(rules.blocked, Blocked::Slide);
+        assert_eq!(rules.blocked, ObstacleResponse::Slide);
         let rules: RulesSpec = toml::from_str(
             "capture = {}\nexits = [{ circle = { center = [9, 0], radius = 0.5 } }]",
         )

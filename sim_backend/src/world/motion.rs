@@ -17,7 +17,7 @@ use nalgebra::{Point2, Vector2};
 
 use super::impact::{Mover, TOUCH, leads_away, slide, sweep, time_to_impact};
 use crate::robot::Robot;
-use crate::spec::Blocked;
+use crate::spec::ObstacleResponse;
 use robot::drive;
 
 /// Maximum distance (m) between an arc and the chords that replace it near contacts.
@@ -85,7 +85,7 @@ impl Motion {
         twists: &[Twist2],
         solid: &[bool],
         dt: f64,
-        rule: Blocked,
+        rule: ObstacleResponse,
     ) {
         self.find_involved(map, robots, twists, solid, dt);
         self.pairs.clear();
@@ -166,7 +166,7 @@ impl Motion {
         robots: &mut [Robot],
         twists: &[Twist2],
         dt: f64,
-        rule: Blocked,
+        rule: ObstacleResponse,
     ) {
         let chords = self.movers.iter().fold(1.0f64, |most, mover| {
             let twist = twists[mover.robot];
@@ -216,7 +216,7 @@ impl Motion {
     }
 
     /// Drives every mover along its straight desired velocity for `h` (s), from contact to contact.
-    fn move_along_chords(&mut self, map: &WorldMap, h: f64, rule: Blocked) {
+    fn move_along_chords(&mut self, map: &WorldMap, h: f64, rule: ObstacleResponse) {
         let mut left = h;
         for _ in 0..16 + 4 * self.movers.len() {
             self.constrain(map, rule, false);
@@ -263,7 +263,7 @@ impl Motion {
     /// Recomputes each mover's velocity from its current contacts, and records the contacts: those
     /// that block, and at the end of the step all (a robot that just drives away no longer
     /// touches).
-    fn constrain(&mut self, map: &WorldMap, rule: Blocked, end: bool) {
+    fn constrain(&mut self, map: &WorldMap, rule: ObstacleResponse, end: bool) {
         for k in 0..self.movers.len() {
             let Mover {
                 robot,
@@ -306,8 +306,8 @@ impl Motion {
                 }
             }
             let allowed = match rule {
-                Blocked::Slide => slide(desired, &self.normals),
-                Blocked::Stop => {
+                ObstacleResponse::Slide => slide(desired, &self.normals),
+                ObstacleResponse::Stop => {
                     let free = self.normals.iter().all(|n| leads_away(desired, *n));
                     if free { desired } else { Vector2::zeros() }
                 }

@@ -34,7 +34,7 @@ pub fn attraction(
         if !(goal.weight.is_finite() && goal.weight > 0.0) {
             continue;
         }
-        let Some(bearing) = bearings.of(at, goal.at) else {
+        let Some(bearing) = bearings.bearing(at, goal.at) else {
             continue;
         };
         pull += bearing.direction * (goal.weight * math::tanh(SHARPNESS * bearing.distance));

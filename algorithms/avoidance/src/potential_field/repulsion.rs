@@ -106,7 +106,7 @@ pub fn repulsion(
         if !(repulsor.weight.is_finite() && repulsor.weight > 0.0) {
             continue;
         }
-        let Some(bearing) = bearings.of(at, repulsor.at) else {
+        let Some(bearing) = bearings.bearing(at, repulsor.at) else {
             continue;
         };
         let away = -bearing.direction;

@@ -9,7 +9,7 @@ use std::collections::BinaryHeap;
 
 use nalgebra::{Point2, Vector2};
 
-use super::remembered::Remembered;
+use super::remembered::EchoMemory;
 use super::surroundings::Surroundings;
 use super::{Advice, MARGIN, Sight};
 
@@ -52,7 +52,7 @@ impl Detour {
         &mut self,
         view: &Surroundings,
         sight: &Sight,
-        remembered: &Remembered,
+        remembered: &EchoMemory,
         grown: f64,
     ) -> Result<Point2<f64>, Advice> {
         if let Some(point) = self.visible(view) {
@@ -111,7 +111,7 @@ struct Cells {
 
 impl Cells {
     /// All cells are free; a border of cells surrounds all echoes.
-    fn new(here: Point2<f64>, goal: Point2<f64>, remembered: &Remembered, grown: f64) -> Self {
+    fn new(here: Point2<f64>, goal: Point2<f64>, remembered: &EchoMemory, grown: f64) -> Self {
         let (mut low, mut high) = (here.inf(&goal), here.sup(&goal));
         for echo in remembered.echoes() {
             (low, high) = (low.inf(&echo), high.sup(&echo));
@@ -135,7 +135,7 @@ impl Cells {
     }
 
     /// Blocks the cells with an echo nearer than this (m).
-    fn block(&mut self, remembered: &Remembered, clearance: f64) {
+    fn block(&mut self, remembered: &EchoMemory, clearance: f64) {
         for echo in remembered.echoes() {
             for cell in self.within(echo, clearance) {
                 if let Some(blocked) = self.blocked.get_mut(cell) {

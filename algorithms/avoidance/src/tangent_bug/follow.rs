@@ -24,7 +24,7 @@ pub(super) struct Follow {
 }
 
 /// Next step of following.
-pub(super) enum Following {
+pub(super) enum FollowStep {
     /// Continue towards a point along the boundary.
     Along(Point2<f64>),
     /// Leave, towards a point nearer to the goal.
@@ -73,13 +73,13 @@ impl Follow {
         sight: &Sight,
         grown: f64,
         may_trust: bool,
-    ) -> Following {
+    ) -> FollowStep {
         let Some(at) = self.boundary(view, grown) else {
-            return Following::Lost;
+            return FollowStep::Lost;
         };
         // Where only boundary is visible, a smaller jump may hide the continuation.
         let Some(run) = Run::around(view, at, JUMP) else {
-            return Following::Lost;
+            return FollowStep::Lost;
         };
         let finer = || {
             FINER
@@ -98,26 +98,26 @@ impl Follow {
             self.least = self.least.min((sight.goal - view.end(k)).norm());
         }
         if may_trust && sight.is_reachable {
-            return Following::Leave(sight.goal);
+            return FollowStep::Leave(sight.goal);
         }
         let (reach, point) = Self::reach(view, sight, &run);
         let has_just_returned = self
             .returned_at
             .is_some_and(|at| (at - view.here).norm() < grown);
         if reach < self.least - LEAVE_MARGIN && !has_just_returned {
-            return Following::Leave(point);
+            return FollowStep::Leave(point);
         }
         let Some(end) = gap else {
             let step = run
                 .end(view, self.side)
                 .map(|end| end.unit * view.free_towards(end.unit));
-            return Following::Enclosed(view.here + step.unwrap_or_default());
+            return FollowStep::Enclosed(view.here + step.unwrap_or_default());
         };
         self.trail.add(view.here, end.unit, grown);
         if self.trail.is_closed(grown) {
-            return Following::Closed;
+            return FollowStep::Closed;
         }
-        Following::Along(view.here + end.unit * end.free)
+        FollowStep::Along(view.here + end.unit * end.free)
     }
 
     /// A direction that ends at the followed boundary.

@@ -33,11 +33,11 @@ use geometry::pose::Pose2;
 use nalgebra::{Point2, Vector2};
 
 use detour::Detour;
-use follow::{Follow, Following};
+use follow::{Follow, FollowStep};
 use parameters::{ParamsError, positive};
 use planner_view::view::ScanView;
 use progress::Progress;
-use remembered::Remembered;
+use remembered::EchoMemory;
 pub use run::Side;
 use run::{Run, RunEnd};
 pub(crate) use surroundings::echoes;
@@ -193,7 +193,7 @@ pub struct TangentBug {
     /// Number of times that the robot left a boundary only because the goal was visible.
     sightings: u32,
     progress: Progress,
-    remembered: Remembered,
+    remembered: EchoMemory,
     view: Surroundings,
 }
 
@@ -212,7 +212,7 @@ impl TangentBug {
             enclosed: 0,
             sightings: 0,
             progress: Progress::default(),
-            remembered: Remembered::default(),
+            remembered: EchoMemory::default(),
             view: Surroundings::default(),
         })
     }
@@ -386,11 +386,11 @@ impl TangentBug {
     fn follow(&mut self, mut follow: Follow, sight: &Sight) -> Change {
         let may_trust = self.may_trust();
         match follow.step(&self.view, sight, self.grown, may_trust) {
-            Following::Lost => Change::To(State::START),
-            Following::Leave(point) => Change::To(State::Leaving { point, follow }),
-            Following::Enclosed(towards) => self.walled_in(follow, towards),
-            Following::Closed => Change::To(State::Detour(Detour::default())),
-            Following::Along(towards) => {
+            FollowStep::Lost => Change::To(State::START),
+            FollowStep::Leave(point) => Change::To(State::Leaving { point, follow }),
+            FollowStep::Enclosed(towards) => self.walled_in(follow, towards),
+            FollowStep::Closed => Change::To(State::Detour(Detour::default())),
+            FollowStep::Along(towards) => {
                 self.enclosed = 0;
                 let mode = Mode::Boundary(follow.side());
                 self.state = State::Following(follow);

@@ -20,14 +20,14 @@ const SQUARE: f64 = 0.125;
 
 /// Echoes of earlier scans.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub(super) struct Remembered {
+pub(super) struct EchoMemory {
     /// At most one echo (m) per square of a fine lattice.
     echoes: BTreeMap<(i64, i64), Point2<f64>>,
     /// Position of the last recorded scan (m).
     recorded_at: Option<Point2<f64>>,
 }
 
-impl Remembered {
+impl EchoMemory {
     /// Clears all echoes.
     pub(super) fn clear(&mut self) {
         self.echoes.clear();

@@ -71,7 +71,7 @@ struct Step {
 
 /// An echo, and its minimum distance from the robot.
 #[derive(Debug, Clone, Copy)]
-struct Near {
+struct NearEcho {
     at: Vector2<f64>,
     least: f64,
 }
@@ -95,7 +95,7 @@ impl Guard<'_> {
         };
         let keep = self.keep();
         let farthest = top * (self.params.reaction_s + step.length + 0.5 * braking_s) + keep;
-        let near: Vec<Near> = self
+        let near: Vec<NearEcho> = self
             .echoes
             .iter()
             .filter(|echo| echo.norm_squared() <= farthest * farthest)
@@ -106,7 +106,7 @@ impl Guard<'_> {
                 } else {
                     keep
                 };
-                Near { at, least }
+                NearEcho { at, least }
             })
             .collect();
         let tried = SPEEDS
@@ -139,7 +139,7 @@ impl Guard<'_> {
     }
 
     /// Returns `true` if the robot can follow a command for the reaction time and stop after that.
-    fn is_clear(&self, command: Twist2, step: Step, near: &[Near]) -> bool {
+    fn is_clear(&self, command: Twist2, step: Step, near: &[NearEcho]) -> bool {
         let mut pose = Pose2::new(0.0, 0.0, self.theta);
         let mut twist = self.twist;
         let mut time = 0.0;
@@ -161,7 +161,7 @@ impl Guard<'_> {
         stop: Stop,
         (mut pose, mut twist): (Pose2, Twist2),
         step: Step,
-        near: &[Near],
+        near: &[NearEcho],
     ) -> f64 {
         let command = stop.command(twist);
         let mut room = f64::INFINITY;
@@ -187,7 +187,7 @@ impl Guard<'_> {
         twist: &mut Twist2,
         command: Twist2,
         step: Step,
-        near: &[Near],
+        near: &[NearEcho],
     ) -> f64 {
         let ramp = |now: f64, wanted: f64, rate: Option<f64>| match rate {
             None => (wanted, wanted),
@@ -208,7 +208,7 @@ impl Guard<'_> {
     }
 
     /// Clearance at a place in excess of the required one (m).
-    fn room(&self, at: &Pose2, near: &[Near]) -> f64 {
+    fn room(&self, at: &Pose2, near: &[NearEcho]) -> f64 {
         let at = at.position().coords;
         // Space beyond the range may be a wall.
         let seen = (self.range - self.keep()).max(0.25 * self.radius) - at.norm();

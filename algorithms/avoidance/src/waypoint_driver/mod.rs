@@ -53,7 +53,7 @@ pub struct Situation<'a> {
 
 /// Outputs of one tick.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Driving {
+pub struct DriverOutput {
     /// The command; finite and within the limits. A stop if there is no waypoint.
     pub command: Twist2,
     /// The current target point (m): the waypoint or a point on the path around an obstacle.
@@ -62,7 +62,7 @@ pub struct Driving {
     pub mode: Option<Mode>,
 }
 
-impl Driving {
+impl DriverOutput {
     const STOP: Self = Self {
         command: Twist2::STOP,
         towards: None,
@@ -137,7 +137,7 @@ impl WaypointDriver {
         next: &mut dyn FnMut() -> Option<Waypoint>,
         situation: &Situation<'_>,
         reports: &mut Vec<WaypointReport>,
-    ) -> Driving {
+    ) -> DriverOutput {
         self.drive_on_time(next, &mut |_| None, situation, reports)
     }
 
@@ -154,13 +154,13 @@ impl WaypointDriver {
         due: &mut dyn FnMut(&Waypoint) -> Option<f64>,
         situation: &Situation<'_>,
         reports: &mut Vec<WaypointReport>,
-    ) -> Driving {
+    ) -> DriverOutput {
         let Situation {
             pose, time_s, dt, ..
         } = *situation;
         let usable = pose.is_finite() && time_s.is_finite() && dt.is_finite() && dt > 0.0;
         if !usable {
-            return Driving::STOP;
+            return DriverOutput::STOP;
         }
         let here = pose.position();
         let before = self.before.replace(here).unwrap_or(here);
@@ -169,7 +169,7 @@ impl WaypointDriver {
         for _ in 0..MAX_PER_TICK {
             let Some(leg) = self.leg.as_mut() else {
                 match self.take_up(next, situation) {
-                    None => return Driving::STOP,
+                    None => return DriverOutput::STOP,
                     Some(Ok(leg)) => self.leg = Some(leg),
                     Some(Err(left_out)) => reports.push(left_out),
                 }
@@ -189,7 +189,7 @@ impl WaypointDriver {
                 Err(outcome) => self.end(outcome, time_s, reports),
             }
         }
-        Driving::STOP
+        DriverOutput::STOP
     }
 
     /// Ends the current waypoint.
@@ -242,9 +242,9 @@ impl WaypointDriver {
     }
 
     /// The command towards the waypoint, or the outcome with which it ends.
-    fn head(&mut self, situation: &Situation<'_>) -> Result<Driving, WaypointOutcome> {
+    fn head(&mut self, situation: &Situation<'_>) -> Result<DriverOutput, WaypointOutcome> {
         let Some(leg) = self.leg.as_mut() else {
-            return Ok(Driving::STOP);
+            return Ok(DriverOutput::STOP);
         };
         let goal = leg.waypoint.point;
         let part = leg.pace(situation, &self.params, &self.limits);
@@ -265,7 +265,7 @@ impl WaypointDriver {
             }
         };
         let Some(scan) = &situation.scan else {
-            return Ok(Driving {
+            return Ok(DriverOutput {
                 command: steer(goal, onward, &on_time),
                 towards: Some(goal),
                 mode: None,
@@ -273,7 +273,7 @@ impl WaypointDriver {
         };
         let Some(advice) = self.bug.advise(&pose, scan, goal, go_to_params.arrived) else {
             // A scan without beams gives no information: stop.
-            return Ok(Driving::STOP);
+            return Ok(DriverOutput::STOP);
         };
         let (towards, mode) = match advice {
             Advice::Head { towards, mode } => (towards, mode),
@@ -301,7 +301,7 @@ impl WaypointDriver {
             dt,
             params: &self.params,
         };
-        Ok(Driving {
+        Ok(DriverOutput {
             command: self.limits.clip(guard.slow_down(command)),
             towards: Some(towards),
             mode: Some(mode),

@@ -172,7 +172,7 @@ fn parameters_out_of_range_are_named() {
         check(&params).unwrap_err().field
     };
     assert_eq!(bad(|p| p.look_ahead = 0.0), "look_ahead");
-    assert_eq!(bad(|p| p.least_look_ahead = 1.0), "least_look_ahead");
+    assert_eq!(bad(|p| p.min_look_ahead = 1.0), "min_look_ahead");
     assert_eq!(bad(|p| p.turn_on_spot = 4.0), "turn_on_spot");
     assert_eq!(bad(|p| p.omega_cap = Some(-1.0)), "omega_cap");
     check(&TrackingParams::default()).unwrap();

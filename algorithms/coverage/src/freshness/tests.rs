@@ -1,5 +1,5 @@
 use geometry::shape::{Aabb, Shape};
-use metrics::coverage::Swept;
+use metrics::coverage::SweptCells;
 use testing::rectangle;
 
 use super::*;
@@ -43,7 +43,7 @@ fn legs(workplace: &Workplace, count: usize) -> Vec<[Point2<f64>; 2]> {
 fn a_leg_sweeps_the_cells_that_the_measure_of_coverage_counts() {
     let (workplace, space, grid) = scene(&[]);
     let mut freshness = Freshness::new(&grid, &space, 0.15, 1.0, 2);
-    let mut swept = Swept::new(grid.clone(), 0.15);
+    let mut swept = SweptCells::new(grid.clone(), 0.15);
     for [from, to] in legs(&workplace, 60) {
         let before = swept.covered();
         swept.sweep(from, to);

@@ -8,7 +8,7 @@ use std::collections::VecDeque;
 
 use crate::goal::Goal;
 use crate::legs::{Piece, Rounder, Rounding, RoundingError};
-use avoidance::waypoint_driver::{Driving, MIN_TIME_S, Situation};
+use avoidance::waypoint_driver::{DriverOutput, MIN_TIME_S, Situation};
 use control::go_to::distance_to_segment;
 use control::path_tracking::{Path, PathTracker, TrackingParams};
 use geometry::pose::Twist2;
@@ -107,8 +107,8 @@ impl ArcDriver {
         next: &mut dyn FnMut() -> Option<Goal>,
         situation: &Situation<'_>,
         reports: &mut Vec<WaypointReport>,
-    ) -> Driving {
-        let stop = Driving {
+    ) -> DriverOutput {
+        let stop = DriverOutput {
             command: Twist2::STOP,
             towards: None,
             mode: None,
@@ -146,7 +146,7 @@ impl ArcDriver {
             } else if time_s >= leg.until_s {
                 WaypointOutcome::TimedOut
             } else if let Some(tracking) = tracking {
-                return Driving {
+                return DriverOutput {
                     command: tracking.command,
                     towards: Some(tracking.target),
                     mode: None,

@@ -63,7 +63,7 @@ impl Default for FollowParams {
                 // Arcs are small; a far look-ahead would cut across them.
                 look_ahead: 0.05,
                 look_ahead_time_s: 0.1,
-                least_look_ahead: 0.03,
+                min_look_ahead: 0.03,
                 ..TrackingParams::default()
             },
         }

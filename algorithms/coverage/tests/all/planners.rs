@@ -101,11 +101,11 @@ fn keyed_coverage_reaches_all_that_can_be_reached() {
 
 #[test]
 fn boustrophedon_covers_all_that_can_be_reached() {
-    use metrics::coverage::{CellGrid, Swept};
+    use metrics::coverage::{CellGrid, SweptCells};
     for (workplace, parts, start) in scenes(12) {
         let mut planner = Boustrophedon::new(&workplace, &parts, start, 0.1).unwrap();
         let grid = CellGrid::new(&workplace.domain().unwrap(), 0.1).unwrap();
-        let mut swept = Swept::new(grid, workplace.radius());
+        let mut swept = SweptCells::new(grid, workplace.radius());
         let mut from = start;
         while let Some(goal) = planner.next_goal(from) {
             swept.sweep(from, goal.waypoint.point);

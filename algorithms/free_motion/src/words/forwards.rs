@@ -27,7 +27,7 @@ pub fn dubins(from: &Pose2, to: &Pose2, radius: f64) -> Vec<Word> {
                 }
                 *turn *= mirror;
             }
-            words.push(Word::of(pieces, radius));
+            words.push(Word::from_pieces(pieces, radius));
         }
     }
     words.retain(|word| leads_to(word, from, to));

@@ -44,7 +44,7 @@ pub struct Word {
 }
 
 impl Word {
-    fn of(pieces: Pieces, radius: f64) -> Self {
+    fn from_pieces(pieces: Pieces, radius: f64) -> Self {
         Self {
             spins: [0.0; 2],
             pieces,

@@ -36,7 +36,7 @@ pub fn reeds_shepp(from: &Pose2, to: &Pose2, radius: f64) -> Vec<Word> {
                 *turn *= mirror;
                 *length *= flip;
             }
-            words.push(Word::of(pieces, radius));
+            words.push(Word::from_pieces(pieces, radius));
         }
     }
     words.retain(|word| leads_to(word, from, to));

@@ -146,10 +146,10 @@ impl Reach<'_> {
 
 /// The requested passages of one map; clones share them.
 #[derive(Debug, Clone, Default)]
-pub(super) struct KnownPassages(Arc<Mutex<Vec<Known>>>);
+pub(super) struct KnownPassages(Arc<Mutex<Vec<PassageEntry>>>);
 
 /// The bits of a needed clearance, and the passages for it.
-type Known = (u64, Arc<Passages>);
+type PassageEntry = (u64, Arc<Passages>);
 
 impl KnownPassages {
     /// As [`Passages::new`], once per `needed`.

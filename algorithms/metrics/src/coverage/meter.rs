@@ -2,7 +2,7 @@
 
 use nalgebra::Point2;
 
-use super::{CellGrid, CoverageDomain, CoverageError, Swept, Visits};
+use super::{CellGrid, CoverageDomain, CoverageError, SweptCells, Visits};
 
 /// Sides of the cells for goals and path (m).
 pub const CELL_SIDES: [f64; 3] = [0.1, 0.25, 0.5];
@@ -54,7 +54,7 @@ pub struct Meter {
     step: f64,
     goals: [Visits; 3],
     path: [Visits; 3],
-    disc: Swept,
+    disc: SweptCells,
     last: Option<Point2<f64>>,
     length: f64,
 }
@@ -76,7 +76,7 @@ impl Meter {
             step,
             goals: visits.clone(),
             path: visits,
-            disc: Swept::new(CellGrid::new(domain, DISC_CELL_SIDE)?, domain.radius()),
+            disc: SweptCells::new(CellGrid::new(domain, DISC_CELL_SIDE)?, domain.radius()),
             last: None,
             length: 0.0,
         })
@@ -168,7 +168,7 @@ impl Meter {
     }
 
     /// The area that the disc has swept.
-    pub fn disc(&self) -> &Swept {
+    pub fn disc(&self) -> &SweptCells {
         &self.disc
     }
 

@@ -6,7 +6,7 @@ use super::{Axis, CellGrid, Lattice};
 
 /// Cells whose centres came within a radius of a path.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Swept {
+pub struct SweptCells {
     grid: CellGrid,
     cells: Lattice,
     radius: f64,
@@ -14,7 +14,7 @@ pub struct Swept {
     covered: usize,
 }
 
-impl Swept {
+impl SweptCells {
     /// Creates the cells without any sweep by a disc of `radius` (m).
     pub fn new(grid: CellGrid, radius: f64) -> Self {
         Self {

@@ -127,7 +127,7 @@ proptest! {
         radius in 0.0..0.6,
     ) {
         let grid = CellGrid::new(&domain(vec![]), 0.25).unwrap();
-        let mut swept = Swept::new(grid.clone(), radius);
+        let mut swept = SweptCells::new(grid.clone(), radius);
         let points: Vec<_> = points.iter().map(|&(x, y)| Point2::new(x, y)).collect();
         for leg in points.windows(2) {
             swept.sweep(leg[0], leg[1]);

@@ -72,7 +72,7 @@ fn joint_laps_are_compared_with_as_many_laps_of_the_reference() {
 fn turns_wrap_and_fold() {
     // Left by a right angle, then straight back, then left by 45 degrees.
     let path = points(&[(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (1.0, 0.0), (2.0, -1.0)]);
-    let turns = Turns::of(&path);
+    let turns = Turns::from_path(&path);
     assert_eq!(turns.count, 3);
     assert!((turns.maa - (FRAC_PI_2 + PI + FRAC_PI_4) / 3.0).abs() < 1e-15);
     assert!((turns.maa_fold - (FRAC_PI_2 + FRAC_PI_4) / 3.0).abs() < 1e-15);
@@ -84,7 +84,7 @@ fn turns_wrap_and_fold() {
 fn legs_without_length_have_no_heading() {
     let path = points(&[(0.0, 0.0), (1.0, 0.0), (1.0, 0.0), (1.0, 1.0)]);
     assert_eq!(headings(&path), [0.0, FRAC_PI_2]);
-    assert_eq!(Turns::of(&path).count, 1);
+    assert_eq!(Turns::from_path(&path).count, 1);
 }
 
 #[test]
@@ -99,11 +99,11 @@ fn nothing_to_measure_is_none_and_never_a_panic() {
     assert_eq!(speed(&Track::default(), 1.0), None);
     assert_eq!(speed(&alone, 0.0), None);
     assert_eq!(andc(3, f64::NAN), None);
-    assert_eq!(Turns::of(&[]).count, 0);
+    assert_eq!(Turns::from_path(&[]).count, 0);
     assert_eq!(Polyline::new(&[]).at(0.5), None);
     assert_eq!(Polyline::new(&one).at(0.5), Some(one[0]));
     assert_eq!(Polyline::new(&one).at(f64::NAN), None);
-    assert!(PathMetrics::of(&one, &[], 1.0).is_none());
+    assert!(PathMetrics::from_laps(&one, &[], 1.0).is_none());
 }
 
 #[test]
@@ -154,8 +154,8 @@ proptest! {
                 .collect()
         };
         let there = [track(moved(&way))];
-        let there = PathMetrics::of(&moved(&reference), &there, 60.0).unwrap();
-        let here = PathMetrics::of(&reference, &[track(way)], 60.0).unwrap();
+        let there = PathMetrics::from_laps(&moved(&reference), &there, 60.0).unwrap();
+        let here = PathMetrics::from_laps(&reference, &[track(way)], 60.0).unwrap();
         prop_assert!((here.mae_lap - there.mae_lap).abs() < 1e-9);
         prop_assert!((here.mae_time - there.mae_time).abs() < 1e-9);
         prop_assert!((here.turns.maa - there.turns.maa).abs() < 1e-6);

@@ -35,7 +35,7 @@ pub struct Turns {
 
 impl Turns {
     /// The turns of a path; legs no longer than 1e-12 m are skipped.
-    pub fn of(path: &[Point2<f64>]) -> Self {
+    pub fn from_path(path: &[Point2<f64>]) -> Self {
         let mut before: Option<Vector2<f64>> = None;
         let mut turns = Self {
             count: 0,

@@ -108,8 +108,8 @@ pub fn next_goal_errors(goals: &[Point2<f64>], observed: usize, view: View) -> O
         neighbour.observe(*goal);
     }
     Some(NextGoal {
-        plane: ErrorStatistics::of(&plane)?,
-        per_axis: ErrorStatistics::of(&per_axis)?,
+        plane: ErrorStatistics::from_errors(&plane)?,
+        per_axis: ErrorStatistics::from_errors(&per_axis)?,
     })
 }
 

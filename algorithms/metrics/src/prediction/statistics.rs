@@ -25,7 +25,7 @@ pub struct ErrorStatistics {
 
 impl ErrorStatistics {
     /// Computes the statistics of errors in any order; `None` without a finite one.
-    pub fn of(errors: &[f64]) -> Option<Self> {
+    pub fn from_errors(errors: &[f64]) -> Option<Self> {
         let mut finite: Vec<f64> = errors.iter().copied().filter(|e| e.is_finite()).collect();
         // Sorted first: the sums do not depend on the order of the errors.
         finite.sort_unstable_by(f64::total_cmp);
@@ -70,7 +70,7 @@ impl ErrorsByHorizon {
 
     /// Every horizon (s) with its statistics, `None` without predictions.
     pub fn statistics(&self) -> impl Iterator<Item = (f64, Option<ErrorStatistics>)> + '_ {
-        let statistics = self.errors.iter().map(|e| ErrorStatistics::of(e));
+        let statistics = self.errors.iter().map(|e| ErrorStatistics::from_errors(e));
         self.horizons.iter().copied().zip(statistics)
     }
 }
@@ -83,12 +83,12 @@ mod tests {
 
     #[test]
     fn known_errors_have_known_statistics() {
-        let s = ErrorStatistics::of(&[4.0, 0.0, f64::INFINITY, 3.0, 1.0, 2.0]).unwrap();
+        let s = ErrorStatistics::from_errors(&[4.0, 0.0, f64::INFINITY, 3.0, 1.0, 2.0]).unwrap();
         assert_eq!((s.count, s.missing), (5, 1));
         assert_eq!((s.mean, s.median, s.max), (2.0, 2.0, 4.0));
         assert_eq!(s.rms, 6.0_f64.sqrt());
         assert!((s.q10 - 0.4).abs() < 1e-12 && (s.q90 - 3.6).abs() < 1e-12);
-        assert_eq!(ErrorStatistics::of(&[f64::NAN]), None);
+        assert_eq!(ErrorStatistics::from_errors(&[f64::NAN]), None);
     }
 
     #[test]
@@ -116,11 +116,11 @@ mod tests {
         fn statistics_are_ordered_and_do_not_depend_on_the_order(
             mut errors in prop::collection::vec(0.0..1e3_f64, 1..40),
         ) {
-            let s = ErrorStatistics::of(&errors).unwrap();
+            let s = ErrorStatistics::from_errors(&errors).unwrap();
             prop_assert!(s.q10 <= s.median && s.median <= s.q90 && s.q90 <= s.max);
             prop_assert!(s.mean <= s.rms * (1.0 + 1e-12));
             errors.reverse();
-            prop_assert_eq!(ErrorStatistics::of(&errors).unwrap(), s);
+            prop_assert_eq!(ErrorStatistics::from_errors(&errors).unwrap(), s);
         }
     }
 }

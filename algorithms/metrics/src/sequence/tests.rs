@@ -158,9 +158,9 @@ fn without_anything_to_measure_the_result_is_nan() {
 
 /// A non-negative number in fixed point: from the lowest limb to the integer part.
 #[derive(Clone, PartialEq)]
-struct Fixed(Vec<u64>);
+struct FixedPoint(Vec<u64>);
 
-impl Fixed {
+impl FixedPoint {
     fn one(fraction: usize) -> Self {
         let mut limbs = vec![0; fraction];
         limbs.push(1);
@@ -247,13 +247,13 @@ fn sum(a: u64, b: u64, carry: bool) -> (u64, bool) {
 fn exact_orbits<const N: usize>(digits: [u64; N], n: usize) -> [Vec<f64>; N] {
     // The series lose some units of the last limb: two extra limbs cover them.
     let fraction = n * 2585 / 64_000 + 5;
-    let mut quarter = Fixed::arcsine(1, 2, fraction);
+    let mut quarter = FixedPoint::arcsine(1, 2, fraction);
     quarter.multiply(3);
     let mut turn = quarter.clone();
     turn.multiply(4);
     digits.map(|digit| {
         let mut angle = quarter.clone();
-        assert!(angle.take(&Fixed::arcsine(digit, 10, fraction)));
+        assert!(angle.take(&FixedPoint::arcsine(digit, 10, fraction)));
         let mut orbit = Vec::with_capacity(n);
         for _ in 0..n {
             orbit.push(libm::cos(angle.to_f64()));

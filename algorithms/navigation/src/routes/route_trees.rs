@@ -42,11 +42,11 @@ impl Seed {
 #[derive(Debug)]
 pub(super) struct RouteTrees {
     pub(super) grid: NavGrid,
-    kept: Mutex<Kept>,
+    kept: Mutex<TreeCache>,
 }
 
 #[derive(Debug, Default)]
-struct Kept {
+struct TreeCache {
     trees: BTreeMap<Seed, Arc<RouteTree>>,
     passing: VecDeque<(Seed, Arc<RouteTree>)>,
 }
@@ -72,7 +72,7 @@ impl RouteTrees {
     /// Stores a tree for other planners, unless the stored one has grown further.
     pub(super) fn keep(&self, seed: &Seed, tree: &Arc<RouteTree>) {
         let mut kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
-        let Kept { trees, passing } = &mut *kept;
+        let TreeCache { trees, passing } = &mut *kept;
         let is_new = |known: &Arc<RouteTree>| known.settled() < tree.settled();
         if seed.is_passing() {
             match passing.iter_mut().find(|(known, _)| known == seed) {

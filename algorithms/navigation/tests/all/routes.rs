@@ -78,7 +78,7 @@ fn the_first_leg_can_be_driven_straight_and_the_legs_end_at_the_goal() {
     let mut legs = 0;
     while (at - EXIT).norm() > 0.01 {
         let routes = finder.routes(&map, 0, at, [EXIT]).unwrap();
-        let bearing = Bearings::Along(routes).of(at, EXIT).unwrap();
+        let bearing = Bearings::Along(routes).bearing(at, EXIT).unwrap();
         for step in 0..=100 {
             let on = at + (bearing.waypoint - at) * (f64::from(step) / 100.0);
             assert!(
@@ -162,7 +162,15 @@ fn a_place_that_is_walled_off_is_measured_straight() {
     let outside = Point2::new(9.3, 0.0);
     let routes = finder.routes(&map, 0, start, [outside]).unwrap();
     assert!(routes.leg_to(outside).is_none());
-    assert!((Bearings::Along(routes).of(start, outside).unwrap().distance - 1.8).abs() < 1e-9);
+    assert!(
+        (Bearings::Along(routes)
+            .bearing(start, outside)
+            .unwrap()
+            .distance
+            - 1.8)
+            .abs()
+            < 1e-9
+    );
 }
 
 #[test]

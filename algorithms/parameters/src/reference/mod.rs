@@ -94,7 +94,7 @@ impl Reference {
                 "" => plain_text(own.unwrap_or_default()),
                 text => text.to_owned(),
             };
-            let table = Table::of(&types, &links, name);
+            let table = Table::for_type(&types, &links, name);
             markdown.push_str(&format!("\n## {heading}\n\n{text}\n\n{table}"));
         }
         markdown

@@ -21,7 +21,7 @@ pub(super) struct Table<'a> {
 
 impl<'a> Table<'a> {
     /// The table of the type with this name.
-    pub(super) fn of(
+    pub(super) fn for_type(
         types: &'a Types<'a>,
         links: &'a BTreeMap<&'a str, &'a str>,
         name: &str,

@@ -48,9 +48,9 @@ pub(crate) fn catp() -> AnySource {
 }
 
 /// Explicit points.
-struct Listed(Vec<[f64; 2]>);
+struct PointList(Vec<[f64; 2]>);
 
-impl Source for Listed {
+impl Source for PointList {
     fn next_unit(&mut self) -> [f64; 2] {
         self.0.remove(0)
     }
@@ -74,7 +74,7 @@ fn a_waypoint_follows_the_formula() {
     assert_eq!(awg.v(), 1.0);
     assert_eq!((awg.steps_per_lap(), awg.waypoints_per_lap()), (3, 4));
     let mut lap = Vec::new();
-    let mut generator = Listed(vec![[0.5625, 0.875], [0.4375, 0.3125], [0.75, 0.0625]]);
+    let mut generator = PointList(vec![[0.5625, 0.875], [0.4375, 0.3125], [0.75, 0.0625]]);
     awg.lap_into(0, &mut generator, &mut lap);
     let expected = [
         (2.0 - 0.5 * 0.375, 2.0 + 0.5 * 0.5625),

@@ -56,7 +56,7 @@ pub fn plan(
     for _ in 0..MAX_PATHS {
         let (exit, node) = dominance.safest_exit(arena, index)?;
         let course = Course::to_exit(map, arena, dominance.safe(index)?, exit, node, robot)?;
-        let rollout = Rollout::of(map, arena, dominance, &course, robot)?;
+        let rollout = Rollout::from_course(map, arena, dominance, &course, robot)?;
         if rollout.is_safe() {
             return Some(Escape {
                 course,

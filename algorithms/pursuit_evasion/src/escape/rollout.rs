@@ -29,7 +29,7 @@ pub struct Rollout {
 impl Rollout {
     /// The drive of a robot along a course, against the pursuers of the last assessment; `None` if it
     /// touches an obstacle or does not arrive.
-    pub fn of(
+    pub fn from_course(
         map: &PlannerMap,
         arena: &Arena,
         dominance: &Dominance,

@@ -187,18 +187,18 @@ impl Evader {
 
 /// The other robots with the weights of their kinds.
 fn repulsors(view: &View<'_>, own: usize, params: &EvaderParams) -> impl Iterator<Item = Repulsor> {
-    let (police, fellow) = (params.police_weight, params.fellow_weight);
+    let (police, teammate) = (params.police_weight, params.teammate_weight);
     let wreck = params.wreck_weight;
     let police = view
         .opponents(Role::Pursuer)
         .map(move |robot| (robot, police));
-    let fellows = view
-        .fellows(Role::Pursuer)
+    let non_opponents = view
+        .non_opponents(Role::Pursuer)
         .filter(move |robot| robot.index != own)
-        .map(move |robot| (robot, fellow));
+        .map(move |robot| (robot, teammate));
     let wrecks = view.wrecks().map(move |robot| (robot, wreck));
     police
-        .chain(fellows)
+        .chain(non_opponents)
         .chain(wrecks)
         .map(|(robot, weight)| Repulsor {
             at: robot.pose.position(),

@@ -50,9 +50,9 @@ pub struct EvaderParams {
     /// Weight of each pursuer.
     #[schemars(transform = at_least(0))]
     pub police_weight: f64,
-    /// Weight of each fellow evader.
+    /// Weight of each teammate.
     #[schemars(transform = at_least(0))]
-    pub fellow_weight: f64,
+    pub teammate_weight: f64,
     /// Weight of the body of each robot that no longer takes part but blocks the path.
     #[schemars(transform = at_least(0))]
     pub wreck_weight: f64,
@@ -82,7 +82,7 @@ impl Default for EvaderParams {
             },
             avoid_field: GoalField::Geodesic,
             police_weight: 1.5,
-            fellow_weight: 0.3,
+            teammate_weight: 0.3,
             wreck_weight: 0.2,
             obstacle: ObstacleParams::default(),
             body_guard: 0.3,
@@ -106,7 +106,7 @@ impl EvaderParams {
             avoid: RepulsionParams::paper(),
             avoid_field: GoalField::Straight,
             police_weight: 1.5,
-            fellow_weight: 0.8,
+            teammate_weight: 0.8,
             wreck_weight: 0.0,
             obstacle: ObstacleParams::paper(),
             body_guard: 0.0,
@@ -147,7 +147,10 @@ mod tests {
         let params: EvaderParams =
             toml::from_str("police_weight = 2\n[avoid]\nfalloff = 'plateau'\n").unwrap();
         assert_eq!(params.police_weight, 2.0);
-        assert_eq!(params.fellow_weight, EvaderParams::default().fellow_weight);
+        assert_eq!(
+            params.teammate_weight,
+            EvaderParams::default().teammate_weight
+        );
         assert!(toml::from_str::<EvaderParams>("police_wait = 2").is_err());
         assert!(toml::from_str::<EvaderParams>("[threat]\nrange = 2").is_err());
     }

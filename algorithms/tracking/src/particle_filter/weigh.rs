@@ -11,7 +11,7 @@ use crate::watch::Watch;
 
 /// A seen opponent's likelihood: Gaussian in x, y and, if measured, in the heading.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Seen {
+pub(crate) struct SeenLikelihood {
     x: f32,
     y: f32,
     /// 1/(2σ²) of the position (1/m²).
@@ -21,7 +21,7 @@ pub(crate) struct Seen {
     heading_precision: f32,
 }
 
-impl Seen {
+impl SeenLikelihood {
     /// Creates it from a measurement and the extra widths (m, rad) of the likelihood before
     /// snapping. A quantity with a total width of zero has no weight.
     pub fn new(m: &Measurement, extra: f64, extra_heading: f64) -> Self {
@@ -66,14 +66,14 @@ impl Seen {
 }
 
 /// An unseen opponent's likelihood: (1 − V)^exponent, V being the best visibility from any observer.
-pub(crate) struct Unseen<'a> {
+pub(crate) struct UnseenLikelihood<'a> {
     pub space: &'a Space,
     pub watch: &'a Watch,
     /// Number of times that the factor 1 − V applies in this tick; 1 at the paper's tick rate.
     pub exponent: f64,
 }
 
-impl Unseen<'_> {
+impl UnseenLikelihood<'_> {
     /// Multiplies the weights by the likelihood, 0 for invalid particles.
     pub fn weigh(&self, particles: &Stretch<'_>, weights: &mut [f32]) {
         let points = particles.x.iter().zip(particles.y.iter());

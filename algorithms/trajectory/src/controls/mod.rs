@@ -43,7 +43,7 @@ pub struct Optimum {
 
 /// Result of the searches from all guesses.
 #[derive(Debug, Default)]
-pub struct Found {
+pub struct SearchResult {
     /// The fastest local optimum.
     pub optimum: Option<Optimum>,
     /// Number of guesses from which the search failed.
@@ -61,7 +61,7 @@ pub fn search(
     more: impl FnOnce(f64) -> Vec<Vec<Sample>>,
     effort: &Effort,
     stop: &mut dyn FnMut() -> bool,
-) -> Found {
+) -> SearchResult {
     let formulated = formulated(problem, &course.obstacle_field);
     let starts = Starts::new(problem, course, &formulated, effort);
     let mut each = |size: usize| {
@@ -72,7 +72,7 @@ pub fn search(
         is_spent || stop()
     };
     let mut more = Some(more);
-    let mut found = Found::default();
+    let mut found = SearchResult::default();
     for level in 0..FINER.len() {
         guesses.sort_by(|a, b| duration(a).total_cmp(&duration(b)));
         guesses.dedup();
@@ -128,7 +128,7 @@ impl<'a> Round<'a> {
         &mut self,
         starts: &Starts<'a>,
         guesses: Vec<Vec<Sample>>,
-        found: &mut Found,
+        found: &mut SearchResult,
         each: &mut dyn FnMut(usize) -> bool,
     ) {
         let mut guesses = guesses.into_iter();
@@ -164,7 +164,7 @@ impl<'a> Round<'a> {
     fn finish(
         &mut self,
         starts: &Starts<'a>,
-        found: &mut Found,
+        found: &mut SearchResult,
         each: &mut dyn FnMut(usize) -> bool,
     ) {
         let same = SAME * starts.top_speed * self.least;
@@ -207,7 +207,7 @@ impl<'a> Round<'a> {
     }
 }
 
-impl Found {
+impl SearchResult {
     /// Duration (s) of the optimum; infinite without one.
     pub fn duration(&self) -> f64 {
         let optimum = self.optimum.as_ref();

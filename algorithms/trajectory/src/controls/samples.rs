@@ -15,7 +15,7 @@ const TURN_SPACING: f64 = 0.05;
 const SAME: f64 = 1e-9;
 
 /// The samples of a solution; `None` if there are too many.
-pub fn of(solution: &Solution) -> Option<Vec<Sample>> {
+pub fn from_solution(solution: &Solution) -> Option<Vec<Sample>> {
     let nodes = &solution.nodes;
     let time = solution.duration / nodes.len().saturating_sub(1).max(1) as f64;
     // The end of a stage, before its speeds step.

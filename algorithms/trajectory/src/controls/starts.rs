@@ -1,6 +1,6 @@
 //! Searches from guesses: on few stages, and from there on all.
 
-use optimal_control::{COARSE, Keep, MAX_STAGES, Node, Search};
+use optimal_control::{COARSE, KeepOutDisc, MAX_STAGES, Node, Search};
 
 use super::{Optimum, samples};
 use crate::convex::effort::Effort;
@@ -128,7 +128,7 @@ impl<'a> Starts<'a> {
 
     fn crosses(&self, search: &Search<'_>) -> bool {
         let most = CROSSED * self.obstacle_field.smallest();
-        samples::of(&search.solution()).is_none_or(|samples| {
+        samples::from_solution(&search.solution()).is_none_or(|samples| {
             let depths = self
                 .obstacle_field
                 .depths(&path_points::of_samples(&samples));
@@ -159,7 +159,7 @@ pub fn formulated<'a>(
         obstacles: obstacle_field
             .obstacles
             .iter()
-            .map(|shape| Keep {
+            .map(|shape| KeepOutDisc {
                 shape,
                 distance: obstacle_field.clearance,
             })
@@ -221,7 +221,7 @@ fn finished(
         if !outcome.is_optimal() {
             return None;
         }
-        let samples = samples::of(&search.solution())?;
+        let samples = samples::from_solution(&search.solution())?;
         let depths = obstacle_field.depths(&path_points::of_samples(&samples));
         let old = margins.clone();
         if grow_margins(&depths, &mut margins) <= NO_DEPTH {

@@ -72,7 +72,7 @@ pub struct CurveSearch<'a> {
 }
 
 /// A half-plane at a sample: the curve stays ahead of a line.
-struct Hold {
+struct LineConstraint {
     at: f64,
     plane: HalfPlane,
     /// The obstacle, if penetration at a cost is allowed.
@@ -195,7 +195,7 @@ impl<'a> CurveSearch<'a> {
 
     /// The half-planes for the curve, or, before there is a curve, for the guide or the path known
     /// to be near.
-    fn holds(&self, z: Option<&[f64]>) -> Vec<Hold> {
+    fn holds(&self, z: Option<&[f64]>) -> Vec<LineConstraint> {
         let length = self.guide.length();
         let known = usize::from(z.is_some() || self.near.is_some());
         let mut holds = Vec::new();
@@ -250,7 +250,7 @@ impl<'a> CurveSearch<'a> {
     }
 
     /// The half-plane that keeps the point `p` of the curve at a margin (m) from an obstacle.
-    fn hold(&self, index: usize, at: f64, p: Point2<f64>, margin: f64) -> Hold {
+    fn hold(&self, index: usize, at: f64, p: Point2<f64>, margin: f64) -> LineConstraint {
         let obstacle = &self.obstacle_field.obstacles[index];
         let clearance = self.obstacle_field.clearance;
         let (p, contact) = self.outside(obstacle, p, at);
@@ -261,7 +261,7 @@ impl<'a> CurveSearch<'a> {
         let height = (end - surface).dot(&contact.normal) - clearance;
         let most = height.max(0.0) + GROWTH * near * self.guide.length();
         let grown = clearance + margin.min(most);
-        Hold {
+        LineConstraint {
             at,
             plane: HalfPlane::ahead_of(surface, contact.normal, grown, &self.frame),
             obstacle: Some(index),
@@ -286,7 +286,7 @@ impl<'a> CurveSearch<'a> {
         (guide, obstacle.contact(guide))
     }
 
-    fn hold_in_bounds(&self, grid: &[Point2<f64>], holds: &mut Vec<Hold>) {
+    fn hold_in_bounds(&self, grid: &[Point2<f64>], holds: &mut Vec<LineConstraint>) {
         let bounds = &self.obstacle_field.bounds;
         let (min, max) = (self.frame.inward(bounds.min), self.frame.inward(bounds.max));
         let count = grid.len() - 1;
@@ -300,7 +300,7 @@ impl<'a> CurveSearch<'a> {
             ];
             for (distance, normal, line) in sides {
                 if distance < EDGE_REACH {
-                    holds.push(Hold {
+                    holds.push(LineConstraint {
                         at,
                         plane: HalfPlane { normal, line },
                         obstacle: None,
@@ -312,7 +312,12 @@ impl<'a> CurveSearch<'a> {
 
     /// The program around a curve; the variables after the curve's are the penetrations of
     /// obstacles. Also returns the number of these.
-    fn program(&self, z: &[f64], holds: &[Hold], known: bool) -> (QuadraticProgram, usize) {
+    fn program(
+        &self,
+        z: &[f64],
+        holds: &[LineConstraint],
+        known: bool,
+    ) -> (QuadraticProgram, usize) {
         let variables = self.curve.variables();
         let mut slack_of = vec![None; self.obstacle_field.obstacles.len()];
         let mut slacks = 0;

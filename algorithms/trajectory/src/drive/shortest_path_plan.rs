@@ -38,7 +38,7 @@ pub fn trajectory(
     obstacle_field: &ExactObstacleField,
     guide: Option<&Guide>,
 ) -> Result<Trajectory, PlanError> {
-    let mut trajectory = Trajectory::at(&problem.start);
+    let mut trajectory = Trajectory::from_start(&problem.start);
     let braked;
     let guide = match brake(problem, obstacle_field, &mut trajectory)? {
         None => guide,

@@ -52,7 +52,7 @@ pub struct Trajectory {
 impl Trajectory {
     /// Creates a trajectory of a robot that has not moved yet; its speeds are those of its first
     /// part.
-    pub fn at(start: &Pose2) -> Self {
+    pub fn from_start(start: &Pose2) -> Self {
         Self {
             samples: vec![Sample {
                 t: 0.0,

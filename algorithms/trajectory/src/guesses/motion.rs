@@ -14,7 +14,7 @@ use trajectory_problem::{Problem, RobotLimits};
 /// The trajectory of motions from the start of a problem. Speeds are those of the limits, except
 /// that the turning rate may step.
 pub fn samples(problem: &Problem, motions: &[Motion]) -> Vec<Sample> {
-    let mut trajectory = Trajectory::at(&problem.start);
+    let mut trajectory = Trajectory::from_start(&problem.start);
     let mut pose = problem.start;
     let mut rest = motions;
     while let Some(first) = rest.first() {

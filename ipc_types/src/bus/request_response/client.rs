@@ -102,11 +102,11 @@ impl<S: Service> Client<S> {
         let pending = match &self.port {
             Port::Ipc(port) => {
                 stamp.sent_ns = StampClock::MONOTONIC.now_ns();
-                Pending::Ipc(port.ask(header, elements)?)
+                BusRequest::Ipc(port.ask(header, elements)?)
             }
             Port::Local(endpoint) => {
                 stamp.sent_ns = StampClock::STANDING.now_ns();
-                Pending::Local(RefCell::new(endpoint.call(&header, elements)))
+                BusRequest::Local(RefCell::new(endpoint.call(&header, elements)))
             }
         };
         Ok(PendingResponse { pending })
@@ -124,12 +124,12 @@ impl<S: Service> core::fmt::Debug for Client<S> {
 
 /// A request that waits for its answer; dropping it cancels the request.
 pub struct PendingResponse<S: Service> {
-    pending: Pending<S>,
+    pending: BusRequest<S>,
 }
 
 /// A request on one of the buses.
-enum Pending<S: Service> {
-    Ipc(Box<dyn transport::Pending<S::ResponseHeader, S::ResponseElement>>),
+enum BusRequest<S: Service> {
+    Ipc(Box<dyn transport::PendingRequest<S::ResponseHeader, S::ResponseElement>>),
     /// The answer, until it is taken.
     Local(RefCell<Option<Answer<S>>>),
 }
@@ -141,8 +141,8 @@ impl<S: Service> PendingResponse<S> {
     /// [`ReceiveError::Transport`] if iceoryx2 fails.
     pub fn poll(&self) -> Result<Option<Answer<S>>, ReceiveError> {
         match &self.pending {
-            Pending::Ipc(pending) => pending.poll(),
-            Pending::Local(answer) => Ok(answer.take()),
+            BusRequest::Ipc(pending) => pending.poll(),
+            BusRequest::Local(answer) => Ok(answer.take()),
         }
     }
 
@@ -150,8 +150,8 @@ impl<S: Service> PendingResponse<S> {
     /// after the death of a server until the clean-up, so a client needs its own deadline.
     pub fn is_open(&self) -> bool {
         match &self.pending {
-            Pending::Ipc(pending) => pending.is_open(),
-            Pending::Local(answer) => answer.borrow().is_some(),
+            BusRequest::Ipc(pending) => pending.is_open(),
+            BusRequest::Local(answer) => answer.borrow().is_some(),
         }
     }
 }

@@ -11,7 +11,7 @@ use observation::facts::RobotFacts;
 use observation::field_evader::FieldEvader;
 use observation::layout::Layout;
 use observation::route_entries::RouteEntries;
-use observation::scene::{Hiding, Scene};
+use observation::scene::{OcclusionCache, Scene};
 use parameters::Parameters;
 use planner::{
     Declaration, Input, Planner, PlannerError, PlannerMap, PlannerProcess, RobotInfo, Steering,
@@ -115,7 +115,7 @@ impl Planner for ScriptedPlanner {
         scene.update(
             view.robots,
             map.space().unwrap().shapes(),
-            &mut Hiding::default(),
+            &mut OcclusionCache::default(),
         );
         let mut observed = vec![0.0; layout.length()];
         layout.write(&scene, view, &mut observed).unwrap();

@@ -54,7 +54,7 @@ pub struct Table {
 
 /// Result of an export.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-pub struct Exported {
+pub struct ExportReport {
     /// The tables, by topic.
     pub tables: BTreeMap<String, Table>,
     /// Topics that have messages but no table, with the reason.
@@ -73,11 +73,11 @@ enum Fate {
     /// The topic has no table; contains topic and reason until the first message.
     Skipped(Option<(String, String)>),
     /// The topic has a table, perhaps with its first message.
-    Table(Box<Open>),
+    Table(Box<OpenTable>),
 }
 
 /// A table that is being written.
-struct Open {
+struct OpenTable {
     topic: String,
     layout: Layout,
     /// Path of the file.
@@ -96,7 +96,7 @@ pub fn export(
     out: &Path,
     options: &ExportOptions,
     watch: &mut ReadProgress,
-) -> Result<Exported, DerivedError> {
+) -> Result<ExportReport, DerivedError> {
     let mut reader = Reader::open(log, Some(watch))?;
     let folder = Folder::make(out, options.force)?;
     let mut export = Export {
@@ -166,7 +166,7 @@ impl Export<'_> {
                         Format::Parquet => "parquet",
                     };
                     let name = file_name(channel, extension, &mut self.names);
-                    Fate::Table(Box::new(Open {
+                    Fate::Table(Box::new(OpenTable {
                         topic: channel.topic.clone(),
                         layout,
                         file: self.out.join(name),
@@ -219,7 +219,7 @@ impl Export<'_> {
     }
 
     /// Completes all tables and moves them to their final paths.
-    fn finish(self, source: Condition) -> Result<Exported, DerivedError> {
+    fn finish(self, source: Condition) -> Result<ExportReport, DerivedError> {
         let mut tables = BTreeMap::new();
         let mut finished = Vec::new();
         for fate in self.channels.into_values() {
@@ -247,7 +247,7 @@ impl Export<'_> {
         for (path, file) in finished {
             file.commit().map_err(derived::failed(&path))?;
         }
-        Ok(Exported {
+        Ok(ExportReport {
             tables,
             skipped: self.skipped,
             source,
@@ -255,7 +255,7 @@ impl Export<'_> {
     }
 }
 
-impl Open {
+impl OpenTable {
     /// Creates the table.
     fn begin(
         &mut self,

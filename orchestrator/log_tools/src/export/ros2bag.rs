@@ -39,7 +39,7 @@ pub fn ros2bag(
     force: bool,
     watch: &mut ReadProgress,
 ) -> Result<Ros2Bag, DerivedError> {
-    let description = Description::of(log, watch)?;
+    let description = Description::from_log(log, watch)?;
     let name = log.file_name().map_or_else(
         || "log.mcap".to_owned(),
         |name| name.to_string_lossy().into_owned(),
@@ -86,7 +86,7 @@ struct Topic {
 }
 
 impl Description {
-    fn of(log: &Path, watch: &mut ReadProgress) -> Result<Self, LogReadError> {
+    fn from_log(log: &Path, watch: &mut ReadProgress) -> Result<Self, LogReadError> {
         let refused = |reason: String| {
             LogReadError::Argument(format!("--ros2bag: {}: {reason}", log.display()))
         };

@@ -7,7 +7,7 @@ use tables::{ColumnValues, Format, Values};
 
 use super::record_run;
 use super::support::{theirs, watch};
-use crate::{ExportOptions, Exported, LogInfo, TopicColumns, events, export, ros2bag};
+use crate::{ExportOptions, ExportReport, LogInfo, TopicColumns, events, export, ros2bag};
 
 fn options(format: Format, only: &[&str]) -> ExportOptions {
     ExportOptions {
@@ -31,7 +31,7 @@ fn csv(path: &Path) -> (Vec<String>, Vec<csv::StringRecord>) {
     (header, reader.records().map(Result::unwrap).collect())
 }
 
-fn exported(folder: &Path) -> Exported {
+fn exported(folder: &Path) -> ExportReport {
     let log = folder.join("run.mcap");
     record_run(&log, 6);
     export(

@@ -57,7 +57,7 @@ impl Reader<'_> {
     /// # Errors
     /// The log cannot be read: [`LogReadError`].
     pub fn index(&mut self) -> Result<Option<Vec<ChunkPlace>>, LogReadError> {
-        let next = self.at();
+        let next = self.offset();
         let index = self.read_index();
         self.jump(next);
         index

@@ -111,7 +111,7 @@ impl<'w> Reader<'w> {
         if magic != mcap::MAGIC {
             return Err(LogReadError::NotMcap {
                 path: path.to_owned(),
-                kind: FileKind::of(path),
+                kind: FileKind::from_path(path),
             });
         }
         if let Some(read_progress) = &mut read_progress {
@@ -215,7 +215,7 @@ impl<'w> Reader<'w> {
     }
 
     /// Returns the offset of the record that is read next, or of the open chunk (bytes).
-    pub fn at(&self) -> u64 {
+    pub fn offset(&self) -> u64 {
         self.chunk.map_or(self.next, |chunk| chunk.at)
     }
 

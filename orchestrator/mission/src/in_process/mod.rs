@@ -273,7 +273,7 @@ mod tests {
             words: vec!["./mine".into()],
             folder: "/".into(),
             params: serde_json::Value::Null,
-            declared: scenario::Declared::Nothing,
+            declared: scenario::ProgramDeclaration::Nothing,
         };
         let error = run(&scenario, &InProcessOptions::default()).unwrap_err();
         let field = format!("processes.{}.command", scenario.processes[0].name);

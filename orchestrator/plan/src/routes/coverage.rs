@@ -6,7 +6,9 @@ use ::metrics::coverage::{CELL_SIDES, Figures, Meter, Rate};
 use coverage::sub_goals::FollowParams;
 use coverage::sub_goals::site::Site;
 use coverage_planners::design::Design;
-use coverage_planners::{Boustrophedon, Chebyshev, ChebyshevParams, Keyed, RandomBounce, Uniform};
+use coverage_planners::{
+    Boustrophedon, Chebyshev, ChebyshevParams, KeyedGoals, RandomBounce, Uniform,
+};
 use geometry::map::WorldMap;
 use geometry::shape::Aabb;
 use nalgebra::Point2;
@@ -36,7 +38,7 @@ const MAX_GOALS: u64 = 10_000_000;
 
 /// A planned coverage.
 #[derive(Debug)]
-pub struct Planned {
+pub struct PlannedCoverage {
     /// Name of its process.
     pub process: String,
     /// Name of its robot.
@@ -52,12 +54,15 @@ pub struct Planned {
 }
 
 /// A kind of coverage planner: its name, and its planning function.
-type Kind = (&'static str, fn(&Order<'_>) -> Result<Planned, RouteError>);
+type Kind = (
+    &'static str,
+    fn(&Order<'_>) -> Result<PlannedCoverage, RouteError>,
+);
 
 /// Kinds with their names in scenarios.
 const KINDS: [Kind; 5] = [
     ("coverage_chebyshev", chebyshev),
-    ("keyed_coverage", any::<Keyed>),
+    ("coverage_keyed", any::<KeyedGoals>),
     ("coverage_boustrophedon", any::<Boustrophedon>),
     ("coverage_random_bounce", any::<RandomBounce>),
     ("coverage_uniform", any::<Uniform>),
@@ -78,7 +83,7 @@ pub fn plan(
     scenario: &ResolvedScenario,
     process: Option<&str>,
     extent: Extent,
-) -> Result<Planned, RouteError> {
+) -> Result<PlannedCoverage, RouteError> {
     let names = KINDS.map(|(name, _)| name);
     let router = Router::find(scenario, &names, process)?;
     let order = Order {
@@ -92,7 +97,7 @@ pub fn plan(
     }
 }
 
-fn chebyshev(order: &Order<'_>) -> Result<Planned, RouteError> {
+fn chebyshev(order: &Order<'_>) -> Result<PlannedCoverage, RouteError> {
     let params: &ChebyshevParams = order.router.params()?;
     let mut planned = order.plan::<Chebyshev>(params)?;
     let decomposition = &planned.site.decomposition;
@@ -106,7 +111,7 @@ fn chebyshev(order: &Order<'_>) -> Result<Planned, RouteError> {
     Ok(planned)
 }
 
-fn any<D: Design>(order: &Order<'_>) -> Result<Planned, RouteError> {
+fn any<D: Design>(order: &Order<'_>) -> Result<PlannedCoverage, RouteError> {
     order.plan::<D>(order.router.params()?)
 }
 
@@ -126,7 +131,7 @@ impl Order<'_> {
         .map_err(|e| refused(&e))
     }
 
-    fn plan<D: Design>(&self, params: &D::Params) -> Result<Planned, RouteError> {
+    fn plan<D: Design>(&self, params: &D::Params) -> Result<PlannedCoverage, RouteError> {
         let refused = |reason: &dyn std::fmt::Display| self.router.refused(reason);
         parameters::check(params).map_err(|e| refused(&e))?;
         let follow = D::follow(params);
@@ -141,7 +146,7 @@ impl Order<'_> {
         let seed = self.router.seed(self.scenario);
         let mut source = D::goals(params, &site, seed, None).map_err(|e| refused(&e))?;
         let (goals, figures) = self.take(site.start, &mut source, meter);
-        Ok(Planned {
+        Ok(PlannedCoverage {
             process: self.router.process.name.clone(),
             robot: self.router.robot.name.clone(),
             tour: None,
@@ -189,7 +194,7 @@ impl Order<'_> {
     }
 }
 
-impl Planned {
+impl PlannedCoverage {
     /// Returns the result as JSON.
     pub fn json(&self) -> Json {
         let decomposition = &self.site.decomposition;

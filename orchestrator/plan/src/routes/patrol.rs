@@ -1,6 +1,6 @@
 //! The laps of a patrol, and the positions that an ally with the key predicts.
 
-use ::patrol::forecast::{Forecast, Predicted};
+use ::patrol::forecast::{Forecast, ForecastPosition};
 use ::patrol::mission::{AlphaChoice, Drive, Mission};
 use chaotic_maps::Key;
 use geometry::map::WorldMap;
@@ -40,7 +40,7 @@ impl Patrol {
     ///
     /// # Errors
     /// [`RouteError`] if the scenario has no suitable process, or its planner refuses.
-    pub fn of(
+    pub fn from_scenario(
         scenario: &ResolvedScenario,
         process: Option<&str>,
         key: Option<Key>,
@@ -51,7 +51,7 @@ impl Patrol {
         if key.is_some() {
             params.mission.key = key;
         }
-        let drive = Drive::of(&router.robot.model()).map_err(|e| refused(&e))?;
+        let drive = Drive::from_model(&router.robot.model()).map_err(|e| refused(&e))?;
         let mission = params
             .mission
             .prepare(&drive, &params.driver.go_to, router.seed(scenario))
@@ -110,7 +110,7 @@ impl Patrol {
     ///
     /// # Errors
     /// [`RouteError::Refused`] for an invalid time or one too far ahead.
-    pub fn at(&self, time_s: f64) -> Result<Predicted, RouteError> {
+    pub fn at(&self, time_s: f64) -> Result<ForecastPosition, RouteError> {
         self.forecast
             .at_time(time_s + self.start_s)
             .map_err(|e| self.refused(&e))
@@ -140,7 +140,7 @@ impl Patrol {
             tracks.push(if is_reversed { track.reversed() } else { track });
             waypoints.extend(of_lap);
         }
-        let metrics = PathMetrics::of(self.mission.contour.points(), &tracks, self.t_max());
+        let metrics = PathMetrics::from_laps(self.mission.contour.points(), &tracks, self.t_max());
         Ok(Laps { waypoints, metrics })
     }
 

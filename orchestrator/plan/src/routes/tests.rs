@@ -22,7 +22,7 @@ fn laps_of_the_octagon_are_those_of_the_papers_formulas() {
             "processes.patrol.params.mission.alpha=1.7",
         ],
     );
-    let patrol = Patrol::of(&octagon, None, None).unwrap();
+    let patrol = Patrol::from_scenario(&octagon, None, None).unwrap();
     let laps = patrol.laps(12).unwrap();
     let first = laps.waypoints[1];
     assert_eq!((first.number, first.kind), (1, WaypointKind::Inserted));
@@ -47,7 +47,7 @@ fn threatened(center: [f64; 2], radius: f64) -> Patrol {
     let zone = format!(
         "{MISSION}.danger_zones=[{{ circle = {{ center = {center:?}, radius = {radius} }} }}]"
     );
-    Patrol::of(&scenario("patrol_octagon", &[&zone]), None, None).unwrap()
+    Patrol::from_scenario(&scenario("patrol_octagon", &[&zone]), None, None).unwrap()
 }
 
 #[test]
@@ -66,7 +66,7 @@ fn a_patrol_with_a_danger_zone_is_planned_within_the_map() {
 #[test]
 fn waypoints_outside_the_map_are_reported() {
     let octagon = scenario("patrol_octagon", &[&format!("{MISSION}.alpha=6.0")]);
-    let patrol = Patrol::of(&octagon, None, None).unwrap();
+    let patrol = Patrol::from_scenario(&octagon, None, None).unwrap();
     assert_eq!(patrol.alpha_choice().name(), "given");
     let [warning] = &patrol.warnings[..] else {
         panic!("{:?}", patrol.warnings);
@@ -92,7 +92,7 @@ fn the_error_of_a_partly_threatened_lap_is_that_of_its_zig_zag() {
         "patrol_octagon",
         &[&octagon, &format!("{MISSION}.alpha=1.0")],
     );
-    let patrol = Patrol::of(&octagon, None, None).unwrap();
+    let patrol = Patrol::from_scenario(&octagon, None, None).unwrap();
     let metrics = patrol.laps(12).unwrap().metrics.unwrap();
     assert!(metrics.mae_time < 0.1, "{}", metrics.mae_time);
 }
@@ -103,10 +103,10 @@ fn only_an_ally_with_the_key_predicts_the_path() {
         "patrol_octagon",
         &["processes.patrol.params.mission.alpha=1.0"],
     );
-    let patrol = Patrol::of(&octagon, None, None).unwrap();
-    let ally = Patrol::of(&octagon, None, Some(*patrol.key())).unwrap();
+    let patrol = Patrol::from_scenario(&octagon, None, None).unwrap();
+    let ally = Patrol::from_scenario(&octagon, None, Some(*patrol.key())).unwrap();
     let other = "catp:0.1,0.2".parse().unwrap();
-    let other_key = Patrol::of(&octagon, None, Some(other)).unwrap();
+    let other_key = Patrol::from_scenario(&octagon, None, Some(other)).unwrap();
     let far = patrol.waypoint(1_000_001).unwrap();
     assert_eq!(ally.waypoint(1_000_001).unwrap(), far);
     assert_ne!(other_key.waypoint(1_000_001).unwrap().point, far.point);
@@ -168,13 +168,15 @@ fn a_coverage_is_planned_up_to_the_requested_extent() {
 #[test]
 fn refusals_list_the_processes() {
     let chase = scenario("chase", &[]);
-    let error = Patrol::of(&chase, None, None).unwrap_err().to_string();
+    let error = Patrol::from_scenario(&chase, None, None)
+        .unwrap_err()
+        .to_string();
     assert!(
         error.contains("patrol_awg") && error.contains("pursuer"),
         "{error}"
     );
     let octagon = scenario("patrol_octagon", &[]);
-    let error = Patrol::of(&octagon, Some("observer"), None).unwrap_err();
+    let error = Patrol::from_scenario(&octagon, Some("observer"), None).unwrap_err();
     assert!(error.to_string().contains("patrol"), "{error}");
     let error = plan(&octagon, None, Extent::Loops(1))
         .unwrap_err()

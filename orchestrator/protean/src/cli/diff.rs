@@ -115,7 +115,7 @@ pub(super) fn run(kinds: &[Kind], args: &DiffArgs) -> ExitCode {
 }
 
 fn is_log(side: &str) -> bool {
-    FileKind::of(Path::new(side)) == Some(FileKind::Log)
+    FileKind::from_path(Path::new(side)) == Some(FileKind::Log)
 }
 
 /// Refuses a seed and overrides that no scenario takes.

@@ -163,7 +163,7 @@ fn log_of(args: &LatencyArgs) -> Option<PathBuf> {
     let target = args.target.as_ref().map(PathBuf::from);
     target.filter(|path| {
         path.extension().is_some_and(|end| end == "mcap")
-            || FileKind::of(path) == Some(FileKind::Log)
+            || FileKind::from_path(path) == Some(FileKind::Log)
     })
 }
 

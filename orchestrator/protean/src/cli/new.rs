@@ -203,7 +203,7 @@ fn content(args: &NewArgs) -> Result<(Text, Option<(Text, Text)>), NewError> {
     }
     let file = Path::new(&args.from);
     let help = || {
-        let help = FileKind::of(file).map(|kind| format!("; {}", kind.help(file)));
+        let help = FileKind::from_path(file).map(|kind| format!("; {}", kind.help(file)));
         help.unwrap_or_default()
     };
     let Some(extension) = file.extension() else {

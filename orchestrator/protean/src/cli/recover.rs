@@ -8,7 +8,7 @@ use platform::output_format::OutputFormat;
 use super::common::{ForceArg, JsonArg, QuietArg, out};
 use super::logs;
 use super::output::{print, print_json};
-use log_tools::{Recovered, recover};
+use log_tools::{RecoveryReport, recover};
 use recorder::time_text;
 
 /// Help below the options.
@@ -36,7 +36,7 @@ pub(super) struct RecoverArgs {
     quiet: QuietArg,
 }
 
-fn text(done: &Recovered) -> String {
+fn text(done: &RecoveryReport) -> String {
     let lost = match done.lost {
         _ if done.source.data => String::new(),
         Some(lost) => format!(", {lost} lost"),

@@ -11,7 +11,7 @@ use super::logs::{self, CommandError, PartArgs};
 use super::output::{EXIT_PARTIAL, print, print_json};
 use super::run::report_viewers;
 use super::run_args::DEFAULT_PORT;
-use replay::{ReplayOptions, Replayed, Verified, VerifyOptions, verify};
+use replay::{ReplayOptions, ReplayReport, VerificationReport, VerifyOptions, verify};
 use scenario::kind::Kind;
 
 /// Help below the options.
@@ -149,7 +149,7 @@ fn test(
 }
 
 /// Returns the result as text.
-fn played_text(done: &Replayed) -> String {
+fn played_text(done: &ReplayReport) -> String {
     let mut text = format!(
         "{}: {} ticks in {:.2} s\nmessages  {} ({} latched before the start)",
         done.scenario,
@@ -168,7 +168,7 @@ fn played_text(done: &Replayed) -> String {
 }
 
 /// Returns the result of a test as text.
-fn verified_text(done: &Verified) -> String {
+fn verified_text(done: &VerificationReport) -> String {
     let mut text = format!(
         "{}: {} against {} ticks of the log in {:.2} s\n",
         done.scenario,

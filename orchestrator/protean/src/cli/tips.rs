@@ -122,7 +122,7 @@ fn command_for(word: &str) -> Option<String> {
     {
         return Some(FileKind::Scenario.help(Path::new(word)));
     }
-    if let Some(kind) = FileKind::of(Path::new(word)) {
+    if let Some(kind) = FileKind::from_path(Path::new(word)) {
         return Some(kind.help(Path::new(word)));
     }
     let commands = HEADINGS.iter().flat_map(|(_, names)| names.iter().copied());

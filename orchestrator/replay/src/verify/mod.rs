@@ -26,7 +26,7 @@ use self::test_selection::TestSelection;
 use super::create_resources;
 use crate::ReplayError;
 use crate::origin::{nothing_to_compare, scenario_of};
-use crate::recorded::{ProcessExit, Recorded};
+use crate::recorded::{ProcessExit, RecordedRun};
 use log_tools::nanoseconds;
 use mission::MissionError;
 use mission::in_process::LocalProcesses;
@@ -54,7 +54,7 @@ pub struct VerifyOptions {
 
 /// Result of a verification.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
-pub struct Verified {
+pub struct VerificationReport {
     /// Name of the scenario.
     pub scenario: String,
     /// The processes under test.
@@ -96,7 +96,7 @@ pub fn verify(
     kinds: &[Kind],
     options: &VerifyOptions,
     watch: &mut ReadProgress,
-) -> Result<Verified, ReplayError> {
+) -> Result<VerificationReport, ReplayError> {
     let to = nanoseconds("--end", options.end_s)?.unwrap_or(u64::MAX);
     let is_tested = |name: &str| {
         options
@@ -104,7 +104,7 @@ pub fn verify(
             .iter()
             .any(|test_selection| test_selection == name)
     };
-    let recorded = Recorded::read(log, is_tested, watch)?;
+    let recorded = RecordedRun::read(log, is_tested, watch)?;
     let scenario = scenario_of(
         &recorded.origin,
         log,
@@ -114,7 +114,7 @@ pub fn verify(
     )?;
     let before = to.saturating_add(1).min(recorded.compared_before());
     let mut source = Source::open(log, &Topics::default(), before, false)?;
-    let mut done = Verified {
+    let mut done = VerificationReport {
         scenario: scenario.name.clone(),
         processes: options.processes.clone(),
         changes: options.changes.clone(),
@@ -122,7 +122,7 @@ pub fn verify(
         comparison: Comparison::with_fields(
             &RunInfo::from_log(&recorded.origin).unwrap_or_default(),
         ),
-        ..Verified::default()
+        ..VerificationReport::default()
     };
     if options.in_process {
         let plan = Plan::new(&scenario, Path::new(""), "", "warn").map_err(MissionError::from)?;

@@ -9,11 +9,11 @@ use ipc_types::topics::{Control, NAMES, Topic as _, TopicId, WorldMap, WorldShap
 use mcap_log::LogReadError;
 use mcap_log::ReadProgress;
 use mcap_log::known::ENCAPSULATION;
-use mcap_log::source::{Logged, Source};
+use mcap_log::source::{LogMessage, Source};
 use zerocopy::FromBytes as _;
 
 use super::super::publishers::TopicPublishers;
-use super::Verified;
+use super::VerificationReport;
 use super::capture::OutputCapture;
 use super::processes::ProcessesUnderTest;
 use super::test_selection::TestSelection;
@@ -25,7 +25,7 @@ use mission::plan::Plan;
 struct Moment {
     tick: u64,
     time: u64,
-    messages: Vec<Logged>,
+    messages: Vec<LogMessage>,
 }
 
 impl Moment {
@@ -81,7 +81,7 @@ impl<'a> TestBus<'a> {
         Ok(true)
     }
 
-    fn send(&mut self, message: &Logged) -> Result<(), ReplayError> {
+    fn send(&mut self, message: &LogMessage) -> Result<(), ReplayError> {
         if !self.open_port(message.rank, message.sender())? {
             return Ok(());
         }
@@ -106,7 +106,7 @@ impl<'a> TestBus<'a> {
         processes: &mut dyn ProcessesUnderTest,
         source: &mut Source,
         watch: &ReadProgress,
-        done: &mut Verified,
+        done: &mut VerificationReport,
     ) -> Result<(), ReplayError> {
         self.publishers.connect().map_err(MissionError::from)?;
         processes.connect()?;

@@ -79,7 +79,7 @@ impl PageContent {
         let weigh = |frame: &Frame| frame.robots.len();
         let mut frames = Frames(ThinnedSeries::new(0, MAX_STATES, weigh));
         let (mut layers, mut event_lists) = (Layers::default(), EventLists::default());
-        let mut marks = Marks::of(log);
+        let mut marks = Marks::from_log(log);
         let (mut series, mut timing) = (Series::default(), Timing::default());
         let mut run = LoggedRun::read(
             log,

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use geometry::math::sincos;
 use ipc_types::consumer::{Consumer, LoggedMessage};
-use ipc_types::marks::Drawn;
+use ipc_types::marks::DrawnFields;
 use ipc_types::topics::TopicId;
 use mcap_log::known;
 use mcap_log::reader::{Item, Reader};
@@ -25,13 +25,13 @@ const SENDERS: u32 = 1 << 16;
 #[derive(Debug)]
 pub(super) struct Marks {
     takes: Vec<TopicId>,
-    drawn: Vec<Drawn>,
+    drawn: Vec<DrawnFields>,
     lines: ThinnedSeries<Vec<[[f64; 2]; 2]>>,
 }
 
 impl Marks {
     /// Returns the empty layer of the topics in a log. Their channels precede the first message.
-    pub(super) fn of(log: &Path) -> Self {
+    pub(super) fn from_log(log: &Path) -> Self {
         let mut marks = Self {
             takes: Vec::new(),
             drawn: Vec::new(),
@@ -45,7 +45,7 @@ impl Marks {
             match item {
                 Item::Channel(channel) => {
                     if let Some(topic) = known::topic_of(&channel)
-                        && let Ok(Some(drawn)) = Drawn::of(topic.facts())
+                        && let Ok(Some(drawn)) = DrawnFields::from_facts(topic.facts())
                         && !marks.takes.contains(&topic)
                     {
                         marks.takes.push(topic);

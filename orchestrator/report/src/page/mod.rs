@@ -141,7 +141,7 @@ pub fn plots(log: &Path, watch: &mut ReadProgress) -> Result<Vec<Plot>, LogReadE
 /// Returns a run for the page and its summary.
 fn run(content: &mut PageContent) -> std::io::Result<(Run, Report)> {
     fit_bounds(content);
-    let raster = Raster::of(content.static_scene.min, content.static_scene.max);
+    let raster = Raster::from_bounds(content.static_scene.min, content.static_scene.max);
     let frames = content.frames.len();
     let mut lists = Lists::default();
     let mut facts = facts::facts(content);

@@ -24,7 +24,7 @@ pub(super) struct Raster {
 
 impl Raster {
     /// Returns a raster for this part of the plane with a margin.
-    pub(super) fn of(min: [f64; 2], max: [f64; 2]) -> Self {
+    pub(super) fn from_bounds(min: [f64; 2], max: [f64; 2]) -> Self {
         let extent = (max[0] - min[0]).max(max[1] - min[1]).max(1.0);
         let margin = (0.05 * extent).max(1.0);
         let whole = extent + 2.0 * margin;
@@ -76,7 +76,7 @@ pub(super) struct Range {
 
 impl Range {
     /// Returns the range of the finite values.
-    pub(super) fn of(values: impl Iterator<Item = f64>) -> Self {
+    pub(super) fn from_values(values: impl Iterator<Item = f64>) -> Self {
         let (min, max) = values
             .filter(|v| v.is_finite())
             .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| {
@@ -273,7 +273,7 @@ mod tests {
         ) {
             let min = [-size / 3.0, 5.0];
             let max = [min[0] + size, min[1] + size / 2.0];
-            let raster = Raster::of(min, max);
+            let raster = Raster::from_bounds(min, max);
             prop_assert!(raster.step <= (size * 1.1 / 65_534.0).max(1e-3) * (1.0 + 1e-9) || size < 20.0);
             let p = [min[0] + u * size, min[1] + v * size / 2.0];
             prop_assert_ne!(raster.pack_if_inside(p), [NONE; 2]);
@@ -287,7 +287,7 @@ mod tests {
         fn values_are_wrong_by_half_a_step_at_most(
             values in prop::collection::vec(-1e3_f64..1e3, 1..50),
         ) {
-            let range = Range::of(values.iter().copied());
+            let range = Range::from_values(values.iter().copied());
             let step = (range.max - range.min) / 65_534.0;
             for v in values {
                 let back = range.min + f64::from(range.pack(v)) * step;
@@ -306,15 +306,15 @@ mod tests {
 
     #[test]
     fn outside_and_infinite_values_have_the_code_none_or_are_clamped() {
-        let raster = Raster::of([0.0; 2], [10.0; 2]);
+        let raster = Raster::from_bounds([0.0; 2], [10.0; 2]);
         assert_eq!(raster.pack_if_inside([f64::INFINITY, 1.0]), [NONE; 2]);
         assert_eq!(raster.pack_if_inside([1.0, f64::NAN]), [NONE; 2]);
         assert_eq!(raster.pack([-1e9, 1e9]), [0, 65_534]);
-        let range = Range::of([f64::INFINITY, 3.0].into_iter());
+        let range = Range::from_values([f64::INFINITY, 3.0].into_iter());
         assert_eq!(range.pack(f64::INFINITY), NONE);
         assert_eq!(range.pack(3.0), 0);
         assert_eq!(
-            Range::of([f64::NAN].into_iter()),
+            Range::from_values([f64::NAN].into_iter()),
             Range { min: 0.0, max: 0.0 }
         );
     }

@@ -123,7 +123,7 @@ pub(super) fn plots(content: &mut PageContent) -> Vec<Plot> {
 pub(super) fn pack(plots: &[Plot], lists: &mut Lists) -> Json {
     let mut number = 0;
     let mut pack = |curve: &PlotCurve| {
-        let range = Range::of(curve.values.iter().copied());
+        let range = Range::from_values(curve.values.iter().copied());
         let times = curve.times_ns.iter().map(|&time| pack_time(time)).collect();
         lists.u32(&format!("curve.{number}.time"), times, 2);
         let packed = curve

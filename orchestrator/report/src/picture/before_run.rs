@@ -16,7 +16,7 @@ impl RunTrace {
     /// [`MapError`] for an invalid map; never for that of a loaded scenario.
     pub fn before_run(scenario: &ResolvedScenario) -> Result<Self, MapError> {
         let world = &scenario.world;
-        let mut static_scene = StaticScene::of(&world.map, &world.rules.exits);
+        let mut static_scene = StaticScene::from_map(&world.map, &world.rules.exits);
         if !static_scene.has_vectors() {
             let map = WorldMap::recent(&world.map)?;
             let occupancy = map.occupancy();

@@ -45,7 +45,7 @@ const NAMED_BELIEF: f64 = 45.0;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn draw(trace: &RunTrace) -> String {
-    let legend = Legend::of(trace);
+    let legend = Legend::from_trace(trace);
     let layout = Layout::new(
         trace.static_scene.min,
         trace.static_scene.max,

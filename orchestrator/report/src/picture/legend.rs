@@ -72,7 +72,7 @@ pub(super) struct Legend {
 
 impl Legend {
     /// Builds the rows for the content of the picture.
-    pub(super) fn of(trace: &RunTrace) -> Self {
+    pub(super) fn from_trace(trace: &RunTrace) -> Self {
         let mut rows = Rows::new(LEGEND);
         let named = trace.robots.iter();
         let pursuers = pursuers(named.map(|robot| (robot.team.as_str(), robot.role)));

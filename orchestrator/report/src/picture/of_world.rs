@@ -5,7 +5,7 @@ use sim_backend::world::World;
 
 use super::trace::{Mark, MarkKind, RunTrace};
 use super::trail::TrailPoint;
-use crate::run_model::Standing;
+use crate::run_model::StaticObstacle;
 
 impl RunTrace {
     /// Shows a world as it is now. `self` is what the same episode showed before, or
@@ -46,7 +46,7 @@ impl RunTrace {
         for obstacle in now {
             // Obstacles of a map that is drawn as cells are among these.
             if scene.cells.is_none() || obstacle.id.0 >= scene.own {
-                let standing = Standing {
+                let standing = StaticObstacle {
                     shape: obstacle.shape.clone(),
                     came: true,
                 };

@@ -73,7 +73,7 @@ impl Facts {
 
     /// Moves the static scene out: the scenario's shapes, or the cells of the map messages.
     pub(crate) fn take_static_scene(&mut self, scenario: &LoggedScenario) -> StaticScene {
-        let mut static_scene = StaticScene::of(&scenario.world.map, &scenario.rules.exits);
+        let mut static_scene = StaticScene::from_map(&scenario.world.map, &scenario.rules.exits);
         if !static_scene.has_vectors() && self.grid.cells.is_some() {
             (static_scene.min, static_scene.max) = (self.grid.min, self.grid.max);
             static_scene.cells = self.grid.cells.take();

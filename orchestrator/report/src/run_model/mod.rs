@@ -14,6 +14,6 @@ mod task;
 pub(crate) use facts::Facts;
 pub(crate) use logged_run::{LoggedRun, Purpose, is_near};
 pub(crate) use scenario::LoggedScenario;
-pub use static_scene::{Cells, Standing, StaticScene};
+pub use static_scene::{Cells, StaticObstacle, StaticScene};
 pub(crate) use static_scene::{corners, rectangle};
 pub use task::{TaskTrace, WaypointTrace};

@@ -23,7 +23,7 @@ pub struct StaticScene {
     /// Largest x and y of the world (m).
     pub max: [f64; 2],
     /// Obstacles with a shape, by their number in the world.
-    pub obstacles: BTreeMap<u32, Standing>,
+    pub obstacles: BTreeMap<u32, StaticObstacle>,
     /// The occupied cells of a map that is not drawn as vectors.
     pub cells: Option<Cells>,
     /// Exits of the evaders.
@@ -34,7 +34,7 @@ pub struct StaticScene {
 
 /// An obstacle with a shape.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Standing {
+pub struct StaticObstacle {
     /// Shape and position.
     pub shape: Shape,
     /// `true` if the obstacle was added or moved during the run.
@@ -56,7 +56,7 @@ pub struct Cells {
 
 impl StaticScene {
     /// Builds the static scene of a scenario's map, if the map consists of shapes.
-    pub(crate) fn of(map: &MapSpec, exits: &[Region]) -> Self {
+    pub(crate) fn from_map(map: &MapSpec, exits: &[Region]) -> Self {
         let map = match map {
             MapSpec::Vector(map) => map,
             MapSpec::Cells(map) => {
@@ -82,7 +82,7 @@ impl StaticScene {
             numbered
                 .map(|(id, obstacle)| {
                     let shape = obstacle.shape.clone();
-                    (id, Standing { shape, came: false })
+                    (id, StaticObstacle { shape, came: false })
                 })
                 .collect()
         };
@@ -111,7 +111,8 @@ impl StaticScene {
     pub(crate) fn apply(&mut self, change: ObstacleChange) {
         match change {
             ObstacleChange::Appear { id, shape } | ObstacleChange::Move { id, shape } => {
-                self.obstacles.insert(id.0, Standing { shape, came: true });
+                self.obstacles
+                    .insert(id.0, StaticObstacle { shape, came: true });
             }
             ObstacleChange::Disappear { id } => {
                 self.obstacles.remove(&id.0);

@@ -11,12 +11,12 @@ const ORDERED: &str =
 
 /// Obstacles present after the events so far.
 pub(super) struct History {
-    known: Vec<Known>,
+    known: Vec<ObstacleRecord>,
     next: u32,
 }
 
 /// An obstacle of the map, or of an event so far.
-struct Known {
+struct ObstacleRecord {
     name: String,
     id: u32,
     is_present: bool,
@@ -25,7 +25,7 @@ struct Known {
 }
 
 /// Reason why an event is impossible.
-pub(super) struct Impossible {
+pub(super) struct ImpossibleEvent {
     pub(super) field: &'static str,
     pub(super) code: Code,
     pub(super) message: String,
@@ -43,7 +43,7 @@ impl History {
             .iter()
             .enumerate()
             .filter(|(_, o)| !o.name.is_empty())
-            .map(|(i, o)| Known {
+            .map(|(i, o)| ObstacleRecord {
                 name: o.name.clone(),
                 id: i as u32,
                 is_present: true,
@@ -57,7 +57,7 @@ impl History {
     }
 
     /// Applies the next event and returns the id of its obstacle.
-    pub(super) fn apply(&mut self, event: &EventSpec) -> Result<u32, Impossible> {
+    pub(super) fn apply(&mut self, event: &EventSpec) -> Result<u32, ImpossibleEvent> {
         let found = self.known.iter_mut().find(|k| k.name == event.obstacle);
         let in_turn_at = match event.moment {
             Moment::At { time_s } => event.in_turn.then_some(time_s),
@@ -67,7 +67,7 @@ impl History {
             (Action::Appear, None) => {
                 let id = self.next;
                 self.next += 1;
-                self.known.push(Known {
+                self.known.push(ObstacleRecord {
                     name: event.obstacle.clone(),
                     id,
                     is_present: true,
@@ -85,7 +85,7 @@ impl History {
                 known.is_present = action != Action::Disappear;
                 Ok(known.id)
             }
-            (Action::Appear, Some(_)) => Err(Impossible {
+            (Action::Appear, Some(_)) => Err(ImpossibleEvent {
                 field: "obstacle",
                 code: Code::Duplicate,
                 message: format!(
@@ -101,7 +101,7 @@ impl History {
     }
 
     /// Returns the error for an event whose obstacle is not present.
-    fn missing(&self, event: &EventSpec) -> Impossible {
+    fn missing(&self, event: &EventSpec) -> ImpossibleEvent {
         let name = &event.obstacle;
         // The order of timed events and ordered events is unknown, so that either may be listed.
         let choices: Vec<&str> = self
@@ -118,7 +118,7 @@ impl History {
             Some(suggestion) if !(event.in_turn && was_present) => Some(suggestion),
             _ => event.in_turn.then(|| ORDERED.to_owned()),
         };
-        Impossible {
+        ImpossibleEvent {
             field: "obstacle",
             code: Code::UnknownName,
             message: format!("no obstacle `{name}` is present {}", describe_time(event)),
@@ -136,8 +136,8 @@ fn describe_time(event: &EventSpec) -> String {
     }
 }
 
-fn too_early(event: &EventSpec, time_s: f64, latest_s: f64) -> Impossible {
-    Impossible {
+fn too_early(event: &EventSpec, time_s: f64, latest_s: f64) -> ImpossibleEvent {
+    ImpossibleEvent {
         field: "time_s",
         code: Code::Requirement,
         message: format!(

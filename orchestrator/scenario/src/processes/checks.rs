@@ -3,7 +3,7 @@
 use config::Code;
 use runtime::declaration::{self, Declaration, Flow, Input, When};
 
-use super::read::Read;
+use super::read::ProcessEntry;
 use crate::context::Context;
 use crate::robots::Robot;
 
@@ -11,7 +11,7 @@ use crate::robots::Robot;
 const RESERVED: [&str; 3] = ["simulator", "orchestrator", "recorder"];
 
 /// Checks that every process has a unique name.
-pub fn check_names(ctx: &mut Context<'_>, read: &[Read]) {
+pub fn check_names(ctx: &mut Context<'_>, read: &[ProcessEntry]) {
     for (i, r) in read.iter().enumerate() {
         let name = &r.spec.name;
         if RESERVED.contains(&name.as_str()) {
@@ -31,10 +31,11 @@ pub fn check_names(ctx: &mut Context<'_>, read: &[Read]) {
 }
 
 /// Checks that exactly one process drives every robot.
-pub fn check_drivers(ctx: &mut Context<'_>, read: &[Read], robots: &[Robot]) {
+pub fn check_drivers(ctx: &mut Context<'_>, read: &[ProcessEntry], robots: &[Robot]) {
     for (i, robot) in robots.iter().enumerate() {
         let name = &robot.spec.name;
-        let drivers: Vec<&Read> = read.iter().filter(|r| r.spec.robots.contains(&i)).collect();
+        let drivers: Vec<&ProcessEntry> =
+            read.iter().filter(|r| r.spec.robots.contains(&i)).collect();
         let problem = match drivers.as_slice() {
             [_] => continue,
             [] => ctx
@@ -66,7 +67,7 @@ pub fn check_drivers(ctx: &mut Context<'_>, read: &[Read], robots: &[Robot]) {
 
 /// Checks the inputs of every process: one process at most writes a sole output, every required input has a writer, and no
 /// processes wait for each other in a circle.
-pub fn check_inputs(ctx: &mut Context<'_>, read: &[Read], robots: &[Robot]) {
+pub fn check_inputs(ctx: &mut Context<'_>, read: &[ProcessEntry], robots: &[Robot]) {
     let declarations: Vec<_> = read.iter().map(|r| r.spec.declaration()).collect();
     check_sole_writers(ctx, read, &declarations);
     // A program that is asked before the run may write any topic.
@@ -79,8 +80,12 @@ pub fn check_inputs(ctx: &mut Context<'_>, read: &[Read], robots: &[Robot]) {
 }
 
 /// Reports the second process that writes a sole output.
-fn check_sole_writers(ctx: &mut Context<'_>, read: &[Read], declarations: &[Option<Declaration>]) {
-    let mut writers: Vec<(Flow, &Read)> = Vec::new();
+fn check_sole_writers(
+    ctx: &mut Context<'_>,
+    read: &[ProcessEntry],
+    declarations: &[Option<Declaration>],
+) {
+    let mut writers: Vec<(Flow, &ProcessEntry)> = Vec::new();
     for (r, declaration) in read.iter().zip(declarations) {
         let outputs = declaration.iter().flat_map(|known| &known.outputs);
         for output in outputs.filter(|output| output.is_sole) {
@@ -102,7 +107,11 @@ fn check_sole_writers(ctx: &mut Context<'_>, read: &[Read], declarations: &[Opti
 
 /// Reports required inputs that no process writes. What the run itself writes is there, or is checked with the robots and
 /// the map.
-fn check_writers(ctx: &mut Context<'_>, read: &[Read], declarations: &[Option<Declaration>]) {
+fn check_writers(
+    ctx: &mut Context<'_>,
+    read: &[ProcessEntry],
+    declarations: &[Option<Declaration>],
+) {
     let is_written = |flow| {
         let mut known = declarations.iter().flatten();
         known.any(|writer| writer.output(flow).is_some())
@@ -129,7 +138,11 @@ fn check_writers(ctx: &mut Context<'_>, read: &[Read], declarations: &[Option<De
 }
 
 /// Reports processes that wait for each other within a tick.
-fn check_circles(ctx: &mut Context<'_>, read: &[Read], declarations: &[Option<Declaration>]) {
+fn check_circles(
+    ctx: &mut Context<'_>,
+    read: &[ProcessEntry],
+    declarations: &[Option<Declaration>],
+) {
     let upstream = declaration::upstream(declarations);
     let Err(circle) = declaration::order(&upstream, |_| false) else {
         return;
@@ -194,7 +207,7 @@ const GOAL: Equipment = Equipment {
 /// Checks that a process that needs equipment drives robots that have it.
 fn check_robots(
     ctx: &mut Context<'_>,
-    read: &[Read],
+    read: &[ProcessEntry],
     declarations: &[Option<Declaration>],
     robots: &[Robot],
     equipment: &Equipment,

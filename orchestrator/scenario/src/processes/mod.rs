@@ -17,7 +17,7 @@ use super::resolved::ProcessSpec;
 use super::robots::Robot;
 use super::spec::{MAX_PROCESSES, RunSpec};
 use checks::{check_drivers, check_inputs, check_names};
-use read::Read;
+use read::ProcessEntry;
 
 /// Reads all processes, checks that every robot is driven by exactly one, and that each process can do
 /// its task on this map. Reports all problems.
@@ -30,7 +30,7 @@ pub fn resolve(
     events: &[EventSpec],
     run: &RunSpec,
 ) -> Vec<ProcessSpec> {
-    let mut read: Vec<Read> = Vec::new();
+    let mut read: Vec<ProcessEntry> = Vec::new();
     let before = ctx.problems.len();
     let blocks = ctx.blocks("processes");
     for (path, node) in &blocks {

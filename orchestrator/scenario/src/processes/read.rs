@@ -9,13 +9,13 @@ use crate::failure;
 use crate::files::Base;
 use crate::kind::{ConfiguredKind, Kind, ParamsProblem, find};
 use crate::renamed;
-use crate::resolved::{ASK, Declared, ProcessSpec, Program};
+use crate::resolved::{ASK, ProcessSpec, Program, ProgramDeclaration};
 use crate::robots::{Robot, check_name};
 use crate::spec::{Grouping, MAX_PERIOD, ProcessBlock, RunSpec};
 use runtime::declaration::WrittenDeclaration;
 
 /// A process as read, with its place for error messages.
-pub struct Read {
+pub struct ProcessEntry {
     /// The process.
     pub spec: ProcessSpec,
     /// Position of its block in the text.
@@ -32,7 +32,7 @@ pub fn block(
     path: &FieldPath,
     robots: Option<&[Robot]>,
     run: &RunSpec,
-    read: &mut Vec<Read>,
+    read: &mut Vec<ProcessEntry>,
 ) {
     let Some(block) = ctx.read::<ProcessBlock>(node, path) else {
         return;
@@ -46,13 +46,13 @@ pub fn block(
         return;
     }
     let (program, kind) = match named {
-        Named::Kind(kind) => {
+        BlockProgram::Kind(kind) => {
             let Some(configured) = read_params(ctx, base, node, path, kind) else {
                 return;
             };
             (Program::Kind(configured), Some(kind))
         }
-        Named::Command(words) => {
+        BlockProgram::Command(words) => {
             // The external program interprets its parameters.
             let Some(params) = params_of(ctx, node, path) else {
                 return;
@@ -119,7 +119,7 @@ pub fn block(
             supervision,
             period,
         };
-        read.push(Read {
+        read.push(ProcessEntry {
             spec,
             origin: node.origin,
             path: path.clone(),
@@ -171,12 +171,16 @@ pub fn register_topics(ctx: &mut Context<'_>, node: &Node, path: &FieldPath) {
 }
 
 /// Reads the declaration of an external program; `None` after a problem.
-fn read_declaration(ctx: &mut Context<'_>, node: &Node, path: &FieldPath) -> Option<Declared> {
+fn read_declaration(
+    ctx: &mut Context<'_>,
+    node: &Node,
+    path: &FieldPath,
+) -> Option<ProgramDeclaration> {
     let Some(declaration) = node.get("declaration") else {
-        return Some(Declared::Nothing);
+        return Some(ProgramDeclaration::Nothing);
     };
     let problem = match declaration.as_str() {
-        Some(ASK) => return Some(Declared::OnRequest),
+        Some(ASK) => return Some(ProgramDeclaration::OnRequest),
         Some(_) => ctx
             .problem(
                 node,
@@ -190,7 +194,7 @@ fn read_declaration(ctx: &mut Context<'_>, node: &Node, path: &FieldPath) -> Opt
             let path = path.then("declaration");
             let written: WrittenDeclaration = ctx.read(declaration, &path)?;
             match written.declaration() {
-                Ok(known) => return Some(Declared::Written(Box::new((written, known)))),
+                Ok(known) => return Some(ProgramDeclaration::Written(Box::new((written, known)))),
                 Err(fault) => {
                     let message = fault.to_string();
                     ctx.problem(declaration, &path, "", Code::Requirement, message)
@@ -203,7 +207,7 @@ fn read_declaration(ctx: &mut Context<'_>, node: &Node, path: &FieldPath) -> Opt
 }
 
 /// Program that a block names.
-enum Named<'k> {
+enum BlockProgram<'k> {
     Kind(&'k Kind),
     Command(Vec<String>),
 }
@@ -213,7 +217,7 @@ fn read_program<'k>(
     node: &Node,
     path: &FieldPath,
     block: &ProcessBlock,
-) -> Option<Named<'k>> {
+) -> Option<BlockProgram<'k>> {
     let problem = match (&block.kind, &block.command) {
         (Some(_), None) if block.folder.is_some() => ctx
             .problem(
@@ -226,7 +230,7 @@ fn read_program<'k>(
             .expected("no `folder`: it is the working directory of an external program"),
         (Some(kind), None) => {
             if let Some(kind) = find(ctx.kinds, kind) {
-                return Some(Named::Kind(kind));
+                return Some(BlockProgram::Kind(kind));
             }
             if kind == "simulator" {
                 ctx.problem(
@@ -251,7 +255,7 @@ fn read_program<'k>(
         }
         (None, Some(command)) => match command.first() {
             Some(program) if !program.is_empty() && command.iter().all(|a| !a.contains('\0')) => {
-                return Some(Named::Command(command.clone()));
+                return Some(BlockProgram::Command(command.clone()));
             }
             _ => ctx
                 .problem(

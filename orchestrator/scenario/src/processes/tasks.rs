@@ -9,7 +9,7 @@ use runtime::kind::{Task, TaskFault};
 use runtime::shapes;
 use sim_backend::spec::RulesSpec;
 
-use super::read::Read;
+use super::read::ProcessEntry;
 use crate::context::Context;
 use crate::events::EventSpec;
 use crate::robots::Robot;
@@ -21,7 +21,7 @@ pub fn check(
     robots: &[Robot],
     rules: &RulesSpec,
     events: &[EventSpec],
-    read: &[Read],
+    read: &[ProcessEntry],
     seed: u64,
 ) {
     // An invalid map is reported with the robots' places.
@@ -73,8 +73,13 @@ pub fn check(
 }
 
 /// Reports a map with more pieces than `world/shapes` holds, if a process needs them.
-fn check_pieces(ctx: &mut Context<'_>, map: &WorldMap, events: &[EventSpec], read: &[Read]) {
-    let requires = |r: &&Read| {
+fn check_pieces(
+    ctx: &mut Context<'_>,
+    map: &WorldMap,
+    events: &[EventSpec],
+    read: &[ProcessEntry],
+) {
+    let requires = |r: &&ProcessEntry| {
         let declaration = r.spec.declaration();
         declaration.is_some_and(|known| known.required().any(|flow| flow == Input::SHAPES.flow))
     };

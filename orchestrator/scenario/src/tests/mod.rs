@@ -89,7 +89,7 @@ macro_rules! kinds {
             }
         )+
 
-        static KINDS: &[Kind] = &[$(Kind::of::<$type>()),+];
+        static KINDS: &[Kind] = &[$(Kind::from_type::<$type>()),+];
     };
 }
 
@@ -148,7 +148,7 @@ kinds! {
 /// A process that reads one flow within the tick and writes another.
 fn relays<From: Topic, To: Topic>() -> Declaration {
     Declaration::default()
-        .reads(Input::new(Flow::of::<From>(), When::ThisTick))
+        .reads(Input::new(Flow::for_topic::<From>(), When::ThisTick))
         .writes(Output::new::<To>(1).at(When::ThisTick))
 }
 

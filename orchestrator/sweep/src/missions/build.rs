@@ -6,14 +6,14 @@ use super::mission::Mission;
 use crate::assignments::Assignment;
 use crate::cases::CaseDraft;
 use crate::cell::{Cell, Value, describe};
-use crate::grid::Written;
+use crate::grid::LocatedValue;
 use crate::options::LoadOptions;
 use crate::parameters::{Parameter, ScaleError};
 use crate::reader::Reader;
 use scenario::{Draft, MapCache, Program, ResolvedScenario, spec};
 
 /// An applied override, and its origin.
-struct Made {
+struct AppliedOverride {
     place: Vec<Step>,
     by: String,
 }
@@ -30,7 +30,7 @@ impl Builder<'_> {
     fn apply(
         &mut self,
         draft: &mut Draft<'static>,
-        made: &mut Vec<Made>,
+        made: &mut Vec<AppliedOverride>,
         assignments: &[Assignment],
         by: &str,
     ) {
@@ -52,7 +52,7 @@ impl Builder<'_> {
                 let message = format!("sets `{path}`, which {} sets too", earlier.by);
                 self.contradiction(assignment, &path, &message, by);
             }
-            made.push(Made {
+            made.push(AppliedOverride {
                 place,
                 by: by.to_owned(),
             });
@@ -125,7 +125,7 @@ pub(super) fn build(
     reader: &mut Reader,
     cases: &[CaseDraft<Draft<'static>>],
     parameters: &[Parameter],
-    combinations: &[Vec<Written>],
+    combinations: &[Vec<LocatedValue>],
     options: &LoadOptions,
 ) -> Vec<Cell<Mission>> {
     let names: Vec<&str> = parameters.iter().map(|p| p.name.as_str()).collect();

@@ -9,13 +9,13 @@ use super::mission::Mission;
 use crate::cases::CaseDraft;
 use crate::cell::Cell;
 use crate::engine::{Call, Engine};
-use crate::grid::Written;
+use crate::grid::LocatedValue;
 use crate::options::LoadOptions;
 use crate::parameters::Parameter;
 use crate::reader::Reader;
 use crate::row::Row;
-use crate::subject::{Ended, Pinning, Subject};
-use scenario::files::{Base, Found};
+use crate::subject::{MissionResult, Pinning, Subject};
+use scenario::files::{Base, ScenarioFile};
 use scenario::{Draft, Loader, builtin};
 
 /// The prefix of a built-in scenario.
@@ -59,7 +59,7 @@ impl Subject for Mission {
         reader: &mut Reader,
         cases: &[CaseDraft<Self::Draft>],
         parameters: &[Parameter],
-        combinations: &[Vec<Written>],
+        combinations: &[Vec<LocatedValue>],
         options: &LoadOptions,
     ) -> Vec<Cell<Self>> {
         build(reader, cases, parameters, combinations, options)
@@ -70,16 +70,16 @@ impl Subject for Mission {
         seed: u64,
         engine: &Self::Engine,
         call: &Call,
-    ) -> Option<Ended<Row>> {
+    ) -> Option<MissionResult<Row>> {
         let row = match cell.scenario(seed) {
             Ok(scenario) => match engine.execute(&scenario, call) {
                 Ok(report) if report.interrupted => return None,
-                Ok(report) => Row::of(&report),
+                Ok(report) => Row::from_report(&report),
                 Err(error) => Row::failed(error.to_string()),
             },
             Err(problems) => Row::failed(problems.to_string()),
         };
-        Some(Ended { row, cpu_ms: None })
+        Some(MissionResult { row, cpu_ms: None })
     }
 
     fn pinning(cell: &Cell<Self>, engine: &Self::Engine) -> Pinning {
@@ -133,8 +133,8 @@ fn open(
         };
         match base.find(text) {
             // With a slash: `protean run` prefers built-in scenarios for bare names.
-            Ok(Found::Disk(_)) => folder.join(text).display().to_string(),
-            Ok(Found::Text(_)) => text.to_owned(),
+            Ok(ScenarioFile::Disk(_)) => folder.join(text).display().to_string(),
+            Ok(ScenarioFile::Text(_)) => text.to_owned(),
             Err(refused) => {
                 let mut problem = reader
                     .problem(path, Code::File, refused.message)

@@ -37,7 +37,7 @@ pub struct PlanRow {
 
 impl PlanRow {
     /// Returns the row of an answer to a problem with this number of obstacles.
-    pub fn of(answer: &Answer, obstacles: usize) -> Self {
+    pub fn from_answer(answer: &Answer, obstacles: usize) -> Self {
         Self {
             outcome: answer.status,
             honest: answer.honest,
@@ -67,7 +67,7 @@ impl PlanRow {
 impl Record for PlanRow {
     const KIND: Kind = Kind::Planning;
 
-    const TABLES: &'static [ResultTable<Self>] = &[ResultTable::of::<Self>()];
+    const TABLES: &'static [ResultTable<Self>] = &[ResultTable::from_part::<Self>()];
 
     fn failed(error: String) -> Self {
         Self {
@@ -142,7 +142,7 @@ impl Part<Self> for PlanRow {
         ),
     ];
 
-    fn of(row: &Self) -> &[Self] {
+    fn rows(row: &Self) -> &[Self] {
         std::slice::from_ref(row)
     }
 }

@@ -12,11 +12,11 @@ use crate::cases::CaseDraft;
 use crate::cell::{Cell, Value, describe};
 use crate::engine::Call;
 use crate::experiment::{ExperimentOf, MAX_FILE};
-use crate::grid::Written;
+use crate::grid::LocatedValue;
 use crate::options::LoadOptions;
 use crate::parameters::Parameter;
 use crate::reader::Reader;
-use crate::subject::{Ended, Pinning, Subject};
+use crate::subject::{MissionResult, Pinning, Subject};
 use crate::task::{Draft, DraftError, Task};
 use plan::solve;
 use scenario::files::read_text;
@@ -72,18 +72,23 @@ impl Subject for Task {
         reader: &mut Reader,
         cases: &[CaseDraft<()>],
         parameters: &[Parameter],
-        combinations: &[Vec<Written>],
+        combinations: &[Vec<LocatedValue>],
         options: &LoadOptions,
     ) -> Vec<Cell<Self>> {
         cells(reader, cases, (parameters, combinations), &options.set)
     }
 
-    fn carry_out(cell: &Cell<Self>, seed: u64, (): &(), call: &Call) -> Option<Ended<PlanRow>> {
+    fn carry_out(
+        cell: &Cell<Self>,
+        seed: u64,
+        (): &(),
+        call: &Call,
+    ) -> Option<MissionResult<PlanRow>> {
         let task = &cell.subject;
         let instance = task.instances.instance(seed.to_string(), seed);
         let answer = solve(&instance, &task.options, 1, &call.interrupted)?;
-        Some(Ended {
-            row: PlanRow::of(&answer, instance.obstacles.len()),
+        Some(MissionResult {
+            row: PlanRow::from_answer(&answer, instance.obstacles.len()),
             cpu_ms: answer.cpu_ms,
         })
     }
@@ -97,7 +102,7 @@ impl Subject for Task {
 fn cells(
     reader: &mut Reader,
     cases: &[CaseDraft<()>],
-    (parameters, combinations): (&[Parameter], &[Vec<Written>]),
+    (parameters, combinations): (&[Parameter], &[Vec<LocatedValue>]),
     on_top: &[String],
 ) -> Vec<Cell<Task>> {
     let shared = match reader.root.get("task").cloned() {

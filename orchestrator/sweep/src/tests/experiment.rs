@@ -96,7 +96,7 @@ pace = ["slow", "fast"]
     assert_eq!(experiment.name, "small", "the file's name");
     assert_eq!(experiment.cases[0].name, "chase", "the scenario's name");
     assert_eq!(experiment.cells.len(), 4);
-    assert_eq!(experiment.seeds, Seeds::of(vec![4, 5]));
+    assert_eq!(experiment.seeds, Seeds::from_values(vec![4, 5]));
     assert_eq!(experiment.cells[0].values[0], Value::Text("exact".into()));
     assert_eq!(
         experiment.cells[0].overrides,

@@ -3,7 +3,7 @@
 use draw::palette::{BELIEF, NEUTRAL, OBSTACLE, rgb};
 use geometry::math::sincos;
 use ipc_types::consumer::{Consumer, LoggedMessage};
-use ipc_types::marks::{Drawn, Mark};
+use ipc_types::marks::{DrawnFields, Mark};
 use ipc_types::topics::TopicId;
 
 use super::channel::ViewerChannel;
@@ -20,14 +20,14 @@ const HEIGHT: f64 = 0.08;
 /// `/marks`: the points, arrows and circles of a tick, by topic.
 pub(super) struct MarksTopic {
     takes: Vec<TopicId>,
-    topics: Vec<(Drawn, Vec<Mark>)>,
+    topics: Vec<(DrawnFields, Vec<Mark>)>,
     channel: ViewerChannel<MarkerArray>,
 }
 
 impl MarksTopic {
     /// Creates it; `None` if no topic declares how it is drawn.
     pub(super) fn new(picture: &mut Picture) -> Option<Self> {
-        let drawn = |topic: TopicId| Some((topic, Drawn::of(topic.facts()).ok()??));
+        let drawn = |topic: TopicId| Some((topic, DrawnFields::from_facts(topic.facts()).ok()??));
         let (takes, topics): (Vec<_>, Vec<_>) = TopicId::all()
             .filter_map(drawn)
             .map(|(topic, drawn)| (topic, (drawn, Vec::new())))

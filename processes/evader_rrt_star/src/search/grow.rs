@@ -65,7 +65,7 @@ impl<M: Motion> Search<M> {
         self.join_goal(scene, goal);
         self.note_best(scene);
         if self.is_improved() && !self.tree.node(goal).cost.is_finite() {
-            let at = self.tree.node(goal).at();
+            let at = self.tree.node(goal).position();
             self.extend(scene, at);
         }
     }
@@ -88,12 +88,12 @@ impl<M: Motion> Search<M> {
             && self.is_improved()
             && let Some(nearest) = self.index.nearest(at)
         {
-            let from = self.tree.node(nearest.node).at();
+            let from = self.tree.node(nearest.node).position();
             let step: Vector2<f64> = at - from;
             if nearest.distance > self.params.max_edge {
                 at = from + step * (self.params.max_edge / nearest.distance);
             }
-            near.push(crate::index::Near {
+            near.push(crate::index::Neighbour {
                 node: nearest.node,
                 distance: (at - from).norm(),
             });
@@ -117,7 +117,8 @@ impl<M: Motion> Search<M> {
 
     /// Returns the goal within the shortest edge of a point.
     fn goal_at(&self, p: Point2<f64>) -> Option<u32> {
-        (1..=self.goals)
-            .find(|&goal| (self.tree.node(goal).at() - p).norm() < self.params.algorithm.min_edge())
+        (1..=self.goals).find(|&goal| {
+            (self.tree.node(goal).position() - p).norm() < self.params.algorithm.min_edge()
+        })
     }
 }

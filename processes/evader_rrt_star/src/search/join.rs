@@ -23,7 +23,7 @@ pub(super) struct Candidate {
 
 /// New values of a node behind a rewired one.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Moved {
+pub(super) struct NodeUpdate {
     node: u32,
     heading: f64,
     edge: f64,
@@ -33,7 +33,7 @@ pub(super) struct Moved {
 
 /// Chosen parent.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Chosen {
+pub(super) struct ParentChoice {
     pub parent: u32,
     pub link: Link,
     pub edge: f64,
@@ -44,7 +44,7 @@ impl<M: Motion> Search<M> {
     /// Link from a node to a point.
     pub(super) fn link(&self, from: u32, to: Point2<f64>) -> Option<Link> {
         let node = self.tree.node(from);
-        self.link_at(from, to, (to - node.at()).norm())
+        self.link_at(from, to, (to - node.position()).norm())
     }
 
     fn link_at(&self, from: u32, to: Point2<f64>, distance: f64) -> Option<Link> {
@@ -59,7 +59,7 @@ impl<M: Motion> Search<M> {
     /// Returns the cost of the edge from a node by a link.
     pub(super) fn edge(&self, scene: &Scene<'_>, from: u32, to: Point2<f64>, link: &Link) -> f64 {
         let node = self.tree.node(from);
-        scene.cost.edge(node.at(), to, link, node.length)
+        scene.cost.edge(node.position(), to, link, node.length)
     }
 
     fn consider(
@@ -99,7 +99,7 @@ impl<M: Motion> Search<M> {
         scene: &Scene<'_>,
         to: Point2<f64>,
         most: f64,
-    ) -> Option<Chosen> {
+    ) -> Option<ParentChoice> {
         self.candidates.clear();
         let near = core::mem::take(&mut self.near);
         for near in &near {
@@ -117,9 +117,9 @@ impl<M: Motion> Search<M> {
                 .enumerate()
                 .min_by(|a, b| a.1.cost.total_cmp(&b.1.cost))
                 .map(|(place, best)| (place, *best))?;
-            let from = self.tree.node(best.node).at();
+            let from = self.tree.node(best.node).position();
             if scene.is_free(&best.link, from, to) {
-                return Some(Chosen {
+                return Some(ParentChoice {
                     parent: best.node,
                     link: best.link,
                     edge: best.edge,
@@ -138,7 +138,7 @@ impl<M: Motion> Search<M> {
     fn consider_ancestors(
         &mut self,
         scene: &Scene<'_>,
-        near: &[crate::index::Near],
+        near: &[crate::index::Neighbour],
         to: Point2<f64>,
         most: f64,
     ) {
@@ -149,7 +149,7 @@ impl<M: Motion> Search<M> {
             let parent = self.tree.node(near.node).parent;
             if parent != NONE && !seen.contains(&parent) {
                 seen.push(parent);
-                let distance = (to - self.tree.node(parent).at()).norm();
+                let distance = (to - self.tree.node(parent).position()).norm();
                 self.consider(scene, parent, to, distance, most);
             }
         }
@@ -157,14 +157,14 @@ impl<M: Motion> Search<M> {
     }
 
     /// Adds a node under a parent; returns its number.
-    pub(super) fn add(&mut self, at: Point2<f64>, chosen: &Chosen) -> u32 {
+    pub(super) fn add(&mut self, at: Point2<f64>, chosen: &ParentChoice) -> u32 {
         let node = self.tree.push(Pose2::new(at.x, at.y, chosen.link.heading));
         self.index.insert(at);
         self.hang(node, chosen);
         node
     }
 
-    pub(super) fn hang(&mut self, node: u32, chosen: &Chosen) {
+    pub(super) fn hang(&mut self, node: u32, chosen: &ParentChoice) {
         let length = self.tree.node(chosen.parent).length + chosen.link.length;
         self.tree.attach(node, chosen.parent);
         let values = self.tree.node_mut(node);
@@ -176,7 +176,7 @@ impl<M: Motion> Search<M> {
 
     /// Gives a goal a better parent, if there is one in reach.
     pub(super) fn join_goal(&mut self, scene: &Scene<'_>, goal: u32) {
-        let at = self.tree.node(goal).at();
+        let at = self.tree.node(goal).position();
         let mut near = core::mem::take(&mut self.near);
         self.index.near(at, self.radius(), &mut near);
         self.near = near;
@@ -189,7 +189,8 @@ impl<M: Motion> Search<M> {
     /// Offers a new node to the goals within the longest edge.
     pub(super) fn offer_to_goals(&mut self, scene: &Scene<'_>, parent: u32) {
         for goal in 1..=self.goals {
-            let distance = (self.tree.node(goal).at() - self.tree.node(parent).at()).norm();
+            let distance =
+                (self.tree.node(goal).position() - self.tree.node(parent).position()).norm();
             if distance <= self.params.max_edge {
                 self.offer(scene, goal, parent, distance);
             }
@@ -219,15 +220,15 @@ impl<M: Motion> Search<M> {
         if child == ROOT || from.cost + distance >= to.cost {
             return false;
         }
-        let Some(link) = self.link_at(parent, to.at(), distance) else {
+        let Some(link) = self.link_at(parent, to.position(), distance) else {
             return false;
         };
-        let edge = self.edge(scene, parent, to.at(), &link);
+        let edge = self.edge(scene, parent, to.position(), &link);
         let cost = from.cost + edge;
-        if cost >= to.cost || !scene.is_free(&link, from.at(), to.at()) {
+        if cost >= to.cost || !scene.is_free(&link, from.position(), to.position()) {
             return false;
         }
-        let chosen = Chosen {
+        let chosen = ParentChoice {
             parent,
             link,
             edge,
@@ -238,7 +239,7 @@ impl<M: Motion> Search<M> {
 
     /// Moves a node to another parent, with all changes for its descendants. Returns `false`,
     /// without changes, if one of them could not follow.
-    pub(super) fn relink(&mut self, scene: &Scene<'_>, child: u32, chosen: &Chosen) -> bool {
+    pub(super) fn relink(&mut self, scene: &Scene<'_>, child: u32, chosen: &ParentChoice) -> bool {
         if !self.follow_up(scene, child, chosen) {
             return false;
         }
@@ -255,10 +256,10 @@ impl<M: Motion> Search<M> {
 
     /// Computes the changes of all descendants of a node with a new parent into `self.moved`;
     /// returns `false` if a path behind it would become invalid.
-    fn follow_up(&mut self, scene: &Scene<'_>, child: u32, chosen: &Chosen) -> bool {
+    fn follow_up(&mut self, scene: &Scene<'_>, child: u32, chosen: &ParentChoice) -> bool {
         let mut moved = core::mem::take(&mut self.moved);
         moved.clear();
-        moved.push(Moved {
+        moved.push(NodeUpdate {
             node: child,
             heading: chosen.link.heading,
             edge: chosen.edge,
@@ -285,7 +286,7 @@ impl<M: Motion> Search<M> {
         sound
     }
 
-    fn moved_child(&self, scene: &Scene<'_>, above: &Moved, node: u32) -> Option<Moved> {
+    fn moved_child(&self, scene: &Scene<'_>, above: &NodeUpdate, node: u32) -> Option<NodeUpdate> {
         let (parent, child) = (self.tree.node(above.node), self.tree.node(node));
         if !M::HAS_HEADING {
             let length = above.length + (child.length - parent.length);
@@ -295,9 +296,9 @@ impl<M: Motion> Search<M> {
                 let link = Link::line(child.length - parent.length);
                 scene
                     .cost
-                    .edge(parent.at(), child.at(), &link, above.length)
+                    .edge(parent.position(), child.position(), &link, above.length)
             };
-            return Some(Moved {
+            return Some(NodeUpdate {
                 node,
                 heading: child.pose.theta,
                 edge,
@@ -306,15 +307,17 @@ impl<M: Motion> Search<M> {
             });
         }
         let from = Pose2::new(parent.pose.x, parent.pose.y, above.heading);
-        let to = child.at();
-        let link = self.motion.link(&from, to, (to - parent.at()).norm())?;
-        if !scene.is_free(&link, parent.at(), to) {
+        let to = child.position();
+        let link = self
+            .motion
+            .link(&from, to, (to - parent.position()).norm())?;
+        if !scene.is_free(&link, parent.position(), to) {
             return None;
         }
-        let edge = scene.cost.edge(parent.at(), to, &link, above.length);
+        let edge = scene.cost.edge(parent.position(), to, &link, above.length);
         let cost = above.cost + edge;
         // Descendants must gain as well.
-        (cost <= child.cost).then_some(Moved {
+        (cost <= child.cost).then_some(NodeUpdate {
             node,
             heading: link.heading,
             edge,

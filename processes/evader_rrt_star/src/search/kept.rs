@@ -3,7 +3,7 @@
 use geometry::pose::Pose2;
 use nalgebra::Point2;
 
-use super::join::Chosen;
+use super::join::ParentChoice;
 use super::{Scene, Search};
 use crate::bound::Bound;
 use crate::motion::Motion;
@@ -34,7 +34,7 @@ impl<M: Motion> Search<M> {
             .tree
             .nodes()
             .iter()
-            .map(|node| node.cost + self.bound.to_goal(node.at()) < best)
+            .map(|node| node.cost + self.bound.to_goal(node.position()) < best)
             .collect();
         let useless = is_useful.iter().filter(|&&useful| !useful).count();
         if useless * 4 > nodes {
@@ -52,7 +52,7 @@ impl<M: Motion> Search<M> {
             |node: u32| marked.get(node as usize).copied().unwrap_or(false) || way.contains(&node);
         self.tree.plant(old.node(ROOT).pose);
         self.index.clear();
-        self.index.insert(old.node(ROOT).at());
+        self.index.insert(old.node(ROOT).position());
         let mut numbers = vec![NONE; old.len()];
         if let Some(root) = numbers.first_mut() {
             *root = ROOT;
@@ -72,7 +72,7 @@ impl<M: Motion> Search<M> {
             let number = if is_goal {
                 node
             } else {
-                self.index.insert(values.at());
+                self.index.insert(values.position());
                 self.tree.push(values.pose)
             };
             self.take_over(number, parent, &values);
@@ -112,7 +112,7 @@ impl<M: Motion> Search<M> {
         let same_goals = goals.len() == self.goals as usize
             && (1..=self.goals)
                 .zip(goals)
-                .all(|(number, goal)| old.node(number).at() == *goal);
+                .all(|(number, goal)| old.node(number).position() == *goal);
         self.begin(scene, root, goals, bound);
         if !same_goals || !self.is_improved() {
             return;
@@ -126,7 +126,7 @@ impl<M: Motion> Search<M> {
             if self.tree.len() >= MAX_KEPT && !way.contains(&node) {
                 continue;
             }
-            let at = old.node(node).at();
+            let at = old.node(node).position();
             let parent = numbers.get(old.node(node).parent as usize).copied();
             let Some(parent) = parent.filter(|&parent| parent != NONE) else {
                 continue;
@@ -134,14 +134,14 @@ impl<M: Motion> Search<M> {
             let Some(link) = self.link(parent, at) else {
                 continue;
             };
-            let from = self.tree.node(parent).at();
+            let from = self.tree.node(parent).position();
             let must_check = recheck || M::HAS_HEADING;
             if must_check && !scene.is_free(&link, from, at) {
                 continue;
             }
             let edge = self.edge(scene, parent, at, &link);
             let cost = self.tree.node(parent).cost + edge;
-            let chosen = Chosen {
+            let chosen = ParentChoice {
                 parent,
                 link,
                 edge,
@@ -152,7 +152,7 @@ impl<M: Motion> Search<M> {
         self.note_best(scene);
     }
 
-    fn keep(&mut self, node: u32, old: &Tree, chosen: &Chosen, numbers: &mut [u32]) {
+    fn keep(&mut self, node: u32, old: &Tree, chosen: &ParentChoice, numbers: &mut [u32]) {
         let number = if node <= self.goals {
             // The root may already see it.
             if chosen.cost >= self.tree.node(node).cost {
@@ -161,7 +161,7 @@ impl<M: Motion> Search<M> {
             self.hang(node, chosen);
             node
         } else {
-            self.add(old.node(node).at(), chosen)
+            self.add(old.node(node).position(), chosen)
         };
         if let Some(slot) = numbers.get_mut(node as usize) {
             *slot = number;
@@ -170,24 +170,24 @@ impl<M: Motion> Search<M> {
 
     /// Returns the point of the old path over which the goal is nearest from the new root, and the
     /// link to it.
-    fn next_of(&self, scene: &Scene<'_>, old: &Tree, way: &[u32]) -> Option<(u32, Chosen)> {
-        let root = self.tree.node(ROOT).at();
+    fn next_of(&self, scene: &Scene<'_>, old: &Tree, way: &[u32]) -> Option<(u32, ParentChoice)> {
+        let root = self.tree.node(ROOT).position();
         let total = way.last().map(|&goal| old.node(goal).length)?;
         let mut points: Vec<(f64, u32)> = way
             .iter()
             .skip(1)
             .map(|&node| {
                 let rest = total - old.node(node).length;
-                (rest + (old.node(node).at() - root).norm(), node)
+                (rest + (old.node(node).position() - root).norm(), node)
             })
             .collect();
         points.sort_by(|a, b| a.0.total_cmp(&b.0));
         points.into_iter().find_map(|(_, node)| {
-            let at = old.node(node).at();
+            let at = old.node(node).position();
             let link = self.link(ROOT, at)?;
             scene.is_free(&link, root, at).then(|| {
                 let edge = self.edge(scene, ROOT, at, &link);
-                let chosen = Chosen {
+                let chosen = ParentChoice {
                     parent: ROOT,
                     link,
                     edge,

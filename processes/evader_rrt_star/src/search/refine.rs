@@ -7,7 +7,7 @@
 use geometry::math;
 use nalgebra::{Point2, Vector2};
 
-use super::join::Chosen;
+use super::join::ParentChoice;
 use super::{Scene, Search};
 use crate::motion::{Link, Motion};
 use crate::sampler::uniform;
@@ -31,7 +31,7 @@ struct Piece {
 }
 
 /// Changed part of the path: two or three pieces.
-type Laid = [Option<Piece>; 3];
+type PathPieces = [Option<Piece>; 3];
 
 impl<M: Motion> Search<M> {
     /// Tries one random change of the best path.
@@ -52,7 +52,7 @@ impl<M: Motion> Search<M> {
         ) else {
             return;
         };
-        let [pa, pv, pb] = [a, v, b].map(|node| self.tree.node(node).at());
+        let [pa, pv, pb] = [a, v, b].map(|node| self.tree.node(node).position());
         let (back, on): (Vector2<f64>, Vector2<f64>) = (pa - pv, pb - pv);
         let changed = if kind < 0.4 && !M::HAS_HEADING {
             // The corner cut off.
@@ -81,8 +81,8 @@ impl<M: Motion> Search<M> {
         let most = self.tree.node(b).cost - MIN_GAIN * self.best.0;
         let from = *self.tree.node(a);
         let (mut pose, mut cost, mut length) = (from.pose, from.cost, from.length);
-        let end = self.tree.node(b).at();
-        let mut links: Laid = [None; 3];
+        let end = self.tree.node(b).position();
+        let mut links: PathPieces = [None; 3];
         for (i, &to) in over.iter().chain([&end]).enumerate() {
             let at = pose.position();
             let distance = (to - at).norm();
@@ -124,12 +124,18 @@ impl<M: Motion> Search<M> {
 
     /// Builds the path from `a` to `b` along these links, over `v` (moved to the last of the points
     /// between) if it has no other children, and over new nodes otherwise.
-    fn rehang(&mut self, scene: &Scene<'_>, [a, v, b]: [u32; 3], over: usize, laid: &Laid) -> bool {
+    fn rehang(
+        &mut self,
+        scene: &Scene<'_>,
+        [a, v, b]: [u32; 3],
+        over: usize,
+        laid: &PathPieces,
+    ) -> bool {
         let can_move = self.tree.children(v).all(|child| child == b);
         let old = *self.tree.node(v);
         let mut parent = a;
         for (i, piece) in laid.iter().flatten().enumerate() {
-            let chosen = Chosen {
+            let chosen = ParentChoice {
                 parent,
                 link: piece.link,
                 edge: piece.edge,
@@ -152,7 +158,7 @@ impl<M: Motion> Search<M> {
         }
         if can_move {
             // The descendants could not follow.
-            self.index.relocate(v, old.at());
+            self.index.relocate(v, old.position());
             self.tree.attach(v, a);
             let node = self.tree.node_mut(v);
             node.pose = old.pose;
@@ -169,7 +175,8 @@ impl<M: Motion> Search<M> {
             let (Some(&node), Some(&over)) = (self.way.get(place), self.way.get(place - 2)) else {
                 break;
             };
-            let distance = (self.tree.node(node).at() - self.tree.node(over).at()).norm();
+            let distance =
+                (self.tree.node(node).position() - self.tree.node(over).position()).norm();
             if self.offer(scene, node, over, distance) {
                 self.way.remove(place - 1);
                 is_changed = true;

@@ -79,12 +79,15 @@ fn is_consistent<M: Motion>(search: &Search<M>, scene: &Scene<'_>) {
         }
         let parent = tree.node(node.parent);
         let link = search
-            .link(node.parent, node.at())
+            .link(node.parent, node.position())
             .expect("a way to every node");
-        assert!(scene.is_free(&link, parent.at(), node.at()), "{number}");
+        assert!(
+            scene.is_free(&link, parent.position(), node.position()),
+            "{number}"
+        );
         let edge = scene
             .cost
-            .edge(parent.at(), node.at(), &link, parent.length);
+            .edge(parent.position(), node.position(), &link, parent.length);
         let close = |a: f64, b: f64| (a - b).abs() <= 1e-9 * (1.0 + b.abs());
         assert!(close(node.edge, edge), "{number}: {} for {edge}", node.edge);
         assert!(close(node.cost, parent.cost + edge), "{number}");
@@ -210,7 +213,7 @@ fn the_papers_search_reaches_a_goal_by_samples_at_the_goal_alone() {
     // Nodes in sight of the goal are no path to it.
     let search = searched(&scene, Straight, params(0.0), 1, 200);
     let in_sight = search.tree().nodes().iter().skip(2).any(|node| {
-        let (at, distance) = (node.at(), (node.at() - TO).norm());
+        let (at, distance) = (node.position(), (node.position() - TO).norm());
         distance < params(0.0).max_edge && collision_map.is_free_line(at, TO, RADIUS, &[])
     });
     assert!(in_sight && search.way().is_empty());

@@ -22,13 +22,13 @@ use crate::Library;
 use crate::abi::Point;
 use crate::error::CallError;
 use crate::params::LibraryParams;
-use crate::process::{Driven, Rules};
+use crate::process::{LibraryInstance, Rules};
 use crate::records::Records;
 
 const ME: u32 = 1;
 
 /// Returns the started planner of a library with these parameters.
-pub fn start(library: Library, params: &Json) -> Result<Driven, CallError> {
+pub fn start(library: Library, params: &Json) -> Result<LibraryInstance, CallError> {
     let config = config();
     let params = LibraryParams::new(params, library);
     let exits = config.run.exits.iter().map(|exit| exit.center().into());
@@ -36,11 +36,11 @@ pub fn start(library: Library, params: &Json) -> Result<Driven, CallError> {
         exits: &exits.collect::<Vec<_>>(),
         capture_radius: config.run.capture_radius,
     };
-    Driven::start(&config, &params, Some(ME), &rules, 7)
+    LibraryInstance::start(&config, &params, Some(ME), &rules, 7)
 }
 
 /// Returns the steering of one tick.
-pub fn steer(driven: &mut Driven) -> Result<Steering, CallError> {
+pub fn steer(driven: &mut LibraryInstance) -> Result<Steering, CallError> {
     let robot = |index, role: Role, x| RobotView {
         index,
         team: role.into(),

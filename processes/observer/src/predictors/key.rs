@@ -47,7 +47,7 @@ const START_S: f64 = 1.0;
 
 /// A future goal.
 #[derive(Debug, Clone, Copy)]
-struct Upcoming {
+struct FutureGoal {
     /// Number in the rounds.
     number: u64,
     /// Output that it is made from; `None` for a fixed goal.
@@ -74,7 +74,7 @@ pub struct KeyHunter<F> {
     /// Last observed position of the robot (m).
     last: Option<Point2<f64>>,
     /// Future goals, once the key is known, and the generator of further ones.
-    upcoming: VecDeque<Upcoming>,
+    upcoming: VecDeque<FutureGoal>,
     source: Option<AnySource>,
     /// `true` while the end of the present run of goals is not known.
     is_floating: bool,
@@ -372,7 +372,7 @@ impl<F: Finder> KeyHunter<F> {
                     (Some(output), frame.goal(output))
                 }
             };
-            self.upcoming.push_back(Upcoming {
+            self.upcoming.push_back(FutureGoal {
                 number,
                 output,
                 goal,

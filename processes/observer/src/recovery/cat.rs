@@ -17,10 +17,10 @@ mod ring;
 use core::ops::RangeInclusive;
 use std::collections::VecDeque;
 
-use self::history::{History, Seen};
+use self::history::{History, ObservedPoint};
 pub use self::ring::CatModulus;
 use self::ring::State;
-use super::Tracked;
+use super::OrbitTrack;
 use chaotic_maps::AnySource;
 
 /// Number of observations at the start and at the end of a window that are not used for the
@@ -58,11 +58,11 @@ pub struct CatRecovery {
     modulus: CatModulus,
     sd: f64,
     /// One entry per step; the first and the last were observed.
-    window: VecDeque<Option<Seen>>,
+    window: VecDeque<Option<ObservedPoint>>,
     histories: Vec<History>,
     /// Steps since the last observed point.
     missed: u32,
-    found: Option<Tracked>,
+    found: Option<OrbitTrack>,
 }
 
 impl CatRecovery {
@@ -101,7 +101,7 @@ impl CatRecovery {
             return true;
         }
         let sd = sd.min(*NOISE.end()).max(*NOISE.start());
-        let seen = Seen { point, sd };
+        let seen = ObservedPoint { point, sd };
         if let Some(found) = &mut self.found {
             if found.follow(|symmetric| seen.close(symmetric.map(|c| 0.5 * (c + 1.0)))) {
                 return true;
@@ -135,7 +135,7 @@ impl CatRecovery {
         self.found = self
             .recover()
             .and_then(|state| state.source())
-            .map(Tracked::new);
+            .map(OrbitTrack::new);
         fits
     }
 
@@ -216,7 +216,7 @@ impl CatRecovery {
     /// Returns the last state of the orbit with this state in the middle, if it fits the window.
     fn run_through(&self, state: State, first: usize, middle: usize, last: usize) -> Option<State> {
         let mut stray = 0;
-        let mut check = |state: &State, place: usize, seen: &Option<Seen>| {
+        let mut check = |state: &State, place: usize, seen: &Option<ObservedPoint>| {
             let agrees = seen.as_ref().is_none_or(|seen| state.agrees(seen));
             stray += usize::from(!agrees);
             // All points that test the result must agree.
@@ -240,7 +240,7 @@ impl CatRecovery {
     }
 
     /// Returns the observed points, with their places in the window.
-    fn places(&self) -> impl Iterator<Item = (usize, Seen)> + '_ {
+    fn places(&self) -> impl Iterator<Item = (usize, ObservedPoint)> + '_ {
         self.window
             .iter()
             .enumerate()

@@ -9,7 +9,7 @@
 use core::f64::consts::TAU;
 use std::collections::VecDeque;
 
-use super::Tracked;
+use super::OrbitTrack;
 use chaotic_maps::AnySource;
 use chaotic_maps::chebyshev::{ChebP, Emission};
 use chaotic_maps::modulus::{P, add};
@@ -52,13 +52,13 @@ fn max_squares(count: usize) -> f64 {
 
 /// Observation: `s`, its variance, and the steps since the one before.
 #[derive(Debug, Clone, Copy)]
-struct Observed {
+struct OrbitSample {
     s: f64,
     variance: f64,
     steps: u32,
 }
 
-impl Observed {
+impl OrbitSample {
     /// Converts a coordinate in [−1, 1] with noise (which may move it outside) of a standard
     /// deviation.
     fn new(emission: Emission, c: f64, sd: f64, steps: u32) -> Self {
@@ -115,12 +115,12 @@ struct History {
 pub struct ChebyshevRecovery {
     emission: Emission,
     sd: f64,
-    window: VecDeque<[Observed; 2]>,
+    window: VecDeque<[OrbitSample; 2]>,
     /// Histories of each axis that the observations allow.
     now: [Vec<History>; 2],
     /// Steps since the last observed point.
     missed: u32,
-    found: Option<Tracked>,
+    found: Option<OrbitTrack>,
 }
 
 impl ChebyshevRecovery {
@@ -175,7 +175,7 @@ impl ChebyshevRecovery {
         }
         let steps = self.missed + 1;
         self.missed = 0;
-        let seen = [0, 1].map(|k| Observed::new(self.emission, point[k], sd[k], steps));
+        let seen = [0, 1].map(|k| OrbitSample::new(self.emission, point[k], sd[k], steps));
         for (now, seen) in self.now.iter_mut().zip(seen) {
             *now = extended(now, &seen, f64::INFINITY);
         }
@@ -191,7 +191,7 @@ impl ChebyshevRecovery {
         self.window.push_back(seen);
         self.found = self
             .recover()
-            .map(|map| Tracked::new(AnySource::ChebP(map)));
+            .map(|map| OrbitTrack::new(AnySource::ChebP(map)));
         fits
     }
 
@@ -233,7 +233,7 @@ impl ChebyshevRecovery {
     }
 
     fn recover(&self) -> Option<ChebP> {
-        let axis = |axis: fn(&[Observed; 2]) -> Observed| {
+        let axis = |axis: fn(&[OrbitSample; 2]) -> OrbitSample| {
             recover_axis(&self.window.iter().map(axis).collect::<Vec<_>>())
         };
         let tx = axis(|both| both[0])?;
@@ -252,7 +252,7 @@ struct Fit {
 
 /// Returns the observations of one axis for the estimate, the steps between the first and the last
 /// of them, and the bits that the later ones test; none if they do not suffice.
-fn estimated(observed: &[Observed]) -> Option<(&[Observed], usize, f64)> {
+fn estimated(observed: &[OrbitSample]) -> Option<(&[OrbitSample], usize, f64)> {
     let (mut steps, mut most) = (0, None);
     for (count, o) in observed.iter().enumerate() {
         if count > 0 {
@@ -279,7 +279,7 @@ fn estimated(observed: &[Observed]) -> Option<(&[Observed], usize, f64)> {
 
 /// Returns the state at the last of the observations of one axis, if exactly one exact orbit fits
 /// all of them.
-fn recover_axis(observed: &[Observed]) -> Option<u64> {
+fn recover_axis(observed: &[OrbitSample]) -> Option<u64> {
     let (made_from, steps, bits) = estimated(observed)?;
     if bits < CHECKED_BITS {
         return None;
@@ -315,7 +315,7 @@ fn recover_axis(observed: &[Observed]) -> Option<u64> {
 }
 
 /// Compares the orbit from `t` with the observations; none once it deviates by more than `limit`.
-fn follow(t: u64, observed: &[Observed], limit: f64) -> Option<Fit> {
+fn follow(t: u64, observed: &[OrbitSample], limit: f64) -> Option<Fit> {
     let (mut state, mut squares) = (t, 0.0);
     for (number, o) in observed.iter().enumerate() {
         for _ in 0..if number == 0 { 0 } else { o.steps } {
@@ -331,7 +331,7 @@ fn follow(t: u64, observed: &[Observed], limit: f64) -> Option<Fit> {
 }
 
 /// Returns the histories that the observations allow.
-fn histories(observed: &[Observed]) -> Vec<History> {
+fn histories(observed: &[OrbitSample]) -> Vec<History> {
     let Some((first, rest)) = observed.split_first() else {
         return Vec::new();
     };
@@ -343,7 +343,7 @@ fn histories(observed: &[Observed]) -> Vec<History> {
 
 /// Returns the histories with one more observation that cost no more than `limit`, the likeliest
 /// first.
-fn extended(histories: &[History], o: &Observed, limit: f64) -> Vec<History> {
+fn extended(histories: &[History], o: &OrbitSample, limit: f64) -> Vec<History> {
     let mut next = Vec::new();
     for history in histories {
         for signed in [o.s, -o.s] {
@@ -357,7 +357,7 @@ fn extended(histories: &[History], o: &Observed, limit: f64) -> Vec<History> {
 
 impl History {
     /// The sign of the first state is free: the orbits of t and −t have the same points.
-    fn new(first: &Observed) -> Self {
+    fn new(first: &OrbitSample) -> Self {
         Self {
             theta: first.s,
             variance: first.variance,
@@ -369,7 +369,7 @@ impl History {
 
     /// Appends the histories with one more observation, with a sign (Kalman filter of one number),
     /// to `into`.
-    fn extend(&self, signed: f64, o: &Observed, limit: f64, into: &mut Vec<Self>) {
+    fn extend(&self, signed: f64, o: &OrbitSample, limit: f64, into: &mut Vec<Self>) {
         let growth = 6_i64.saturating_pow(o.steps);
         let factor = growth as f64;
         let (predicted, prior) = (factor * self.theta, factor * factor * self.variance);

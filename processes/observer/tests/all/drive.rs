@@ -14,7 +14,7 @@ use nalgebra::Point2;
 use observer::knowledge::ChebyshevKnowledge;
 use observer::layout::Layout;
 use observer::legs::Legs;
-use observer::moment::{Look, Moment, Seen};
+use observer::moment::{Look, MeasuredPose, Moment};
 use observer::predictors::Predictor as _;
 use observer::predictors::key::{Finder, KeyHunter};
 use planner::Planner;
@@ -290,7 +290,7 @@ impl<F: Finder> Hunter<F> {
         let look = Look {
             time: tick as f64 * DT,
             dt: DT,
-            seen: seen.then(|| Seen {
+            seen: seen.then(|| MeasuredPose {
                 position: Point2::new(pose.x + noise * x, pose.y + noise * y),
                 heading: pose.theta + noise * turn,
                 sigma: noise,

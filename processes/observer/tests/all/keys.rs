@@ -89,7 +89,7 @@ fn hunt<F: Finder>(
 }
 
 fn median(errors: &[f64]) -> f64 {
-    metrics::prediction::ErrorStatistics::of(errors).map_or(f64::NAN, |s| s.median)
+    metrics::prediction::ErrorStatistics::from_errors(errors).map_or(f64::NAN, |s| s.median)
 }
 
 #[test]

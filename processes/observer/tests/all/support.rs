@@ -6,7 +6,7 @@ use geometry::math;
 use geometry::pose::Pose2;
 use nalgebra::Point2;
 use observer::legs::Legs;
-use observer::moment::{Look, Moment, ReachedGoal, Seen};
+use observer::moment::{Look, MeasuredPose, Moment, ReachedGoal};
 use observer::predictors::Predictor;
 use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
@@ -111,7 +111,7 @@ impl NoisyObserver {
         let look = Look {
             time: self.tick as f64 * DT,
             dt: DT,
-            seen: seen.then(|| Seen {
+            seen: seen.then(|| MeasuredPose {
                 position: Point2::new(pose.x + self.sigma * x, pose.y + self.sigma * y),
                 heading: pose.theta + self.heading_sigma * turn,
                 sigma: self.sigma,
@@ -138,7 +138,7 @@ impl NoisyObserver {
         pose: Pose2,
         horizon: f64,
     ) -> Option<Point2<f64>> {
-        let seen = Seen {
+        let seen = MeasuredPose {
             position: pose.position(),
             heading: pose.theta,
             sigma: 0.0,
@@ -150,7 +150,7 @@ impl NoisyObserver {
     fn predict_with(
         &self,
         predictor: &dyn Predictor,
-        seen: Option<Seen>,
+        seen: Option<MeasuredPose>,
         horizon: f64,
     ) -> Option<Point2<f64>> {
         let look = Look {

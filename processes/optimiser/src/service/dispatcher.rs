@@ -15,7 +15,7 @@ use ipc_types::topics::{MAX_EVENT_ID, OptimiserPlan, Service as _};
 use runtime::ProcessError;
 use trajectory::plan::Plan;
 
-use super::pool::{Done, Job, Pool};
+use super::pool::{Job, JobResult, Pool};
 use super::recent_plans::Memory;
 use crate::wire::{Refusal, decode_request, encode_answer};
 
@@ -114,7 +114,7 @@ impl Drop for Dispatcher {
 }
 
 /// Request in progress.
-struct Open {
+struct OpenRequest {
     id: u64,
     request: ActiveRequest<OptimiserPlan>,
     cancelled: Arc<AtomicBool>,
@@ -127,12 +127,12 @@ struct DispatcherState {
     // Closed in this order: the dispatcher stops answering only after the pool has stopped
     // planning.
     pool: Pool,
-    open: Vec<Open>,
+    open: Vec<OpenRequest>,
     server: Server<OptimiserPlan>,
     asked: Listener,
     answered: Notifier,
     next_id: u64,
-    done: Vec<Done>,
+    done: Vec<JobResult>,
     memory: Memory,
 }
 
@@ -187,7 +187,7 @@ impl DispatcherState {
         let id = self.next_id;
         self.next_id += 1;
         let cancelled = Arc::new(AtomicBool::new(false));
-        self.open.push(Open {
+        self.open.push(OpenRequest {
             id,
             request,
             cancelled: Arc::clone(&cancelled),
@@ -205,7 +205,7 @@ impl DispatcherState {
 
     /// Answers the pending request of a robot that has sent a newer one.
     fn cancel(&mut self, robot: u32) -> Result<(), ProcessError> {
-        let of_robot = |open: &Open| open.request.header().robot == robot;
+        let of_robot = |open: &OpenRequest| open.request.header().robot == robot;
         while let Some(at) = self.open.iter().position(of_robot) {
             let open = self.open.remove(at);
             open.cancelled.store(true, Ordering::Relaxed);

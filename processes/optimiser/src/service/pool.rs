@@ -31,7 +31,7 @@ pub(super) struct Job {
 }
 
 /// Result of a request.
-pub(super) struct Done {
+pub(super) struct JobResult {
     /// [`Job::id`].
     pub id: u64,
     /// The plan, or the reason for the lack of one.
@@ -41,11 +41,11 @@ pub(super) struct Done {
 }
 
 /// State shared by the threads of a pool.
-struct Shared {
+struct PoolState {
     jobs: Mutex<Jobs>,
     /// Signals a new job, or the end of all jobs.
     changed: Condvar,
-    done: Mutex<Vec<Done>>,
+    done: Mutex<Vec<JobResult>>,
     /// Readable when a result is ready.
     bell: OwnedFd,
 }
@@ -58,7 +58,7 @@ struct Jobs {
 
 /// Threads that plan; dropping it ends them.
 pub(super) struct Pool {
-    shared: Arc<Shared>,
+    shared: Arc<PoolState>,
     threads: Vec<JoinHandle<()>>,
 }
 
@@ -68,7 +68,7 @@ impl Pool {
     /// # Errors
     /// The error of the operating system.
     pub fn start(workers: u32) -> std::io::Result<Self> {
-        let shared = Arc::new(Shared {
+        let shared = Arc::new(PoolState {
             jobs: Mutex::default(),
             changed: Condvar::new(),
             done: Mutex::default(),
@@ -100,7 +100,7 @@ impl Pool {
     }
 
     /// Moves the results since the last call to `done`.
-    pub fn collect(&self, done: &mut Vec<Done>) {
+    pub fn collect(&self, done: &mut Vec<JobResult>) {
         let mut count = [0; 8];
         // Read first: a later result makes it readable again. An empty read is no error.
         let _ = rustix::io::read(&self.shared.bell, &mut count);
@@ -127,7 +127,7 @@ impl Drop for Pool {
     }
 }
 
-impl Shared {
+impl PoolState {
     fn work(&self) {
         while let Some(job) = self.next() {
             let done = work(&job);
@@ -155,7 +155,7 @@ impl Shared {
     }
 }
 
-fn work(job: &Job) -> Done {
+fn work(job: &Job) -> JobResult {
     let start = Instant::now();
     let mut stop = || {
         job.cancelled.load(Ordering::Relaxed)
@@ -164,7 +164,7 @@ fn work(job: &Job) -> Done {
                 .is_some_and(|deadline| clock::monotonic_ns() >= deadline)
     };
     let result = super::solve(&job.problem, &job.options, job.last.as_deref(), &mut stop);
-    Done {
+    JobResult {
         id: job.id,
         result,
         solve_ns: clock::elapsed_ns(start),

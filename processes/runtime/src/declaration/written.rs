@@ -86,8 +86,8 @@ pub struct WrittenTopic {
 
 impl WrittenTopic {
     /// Returns a known topic in words.
-    pub fn of(topic: TopicId, later: bool) -> Self {
-        Self::from_layout(TopicLayout::of(topic), later)
+    pub fn from_topic(topic: TopicId, later: bool) -> Self {
+        Self::from_layout(TopicLayout::for_topic(topic), later)
     }
 
     /// Returns the topic with a layout.

@@ -27,7 +27,7 @@ pub fn read(source: &str) -> PyResult<Arc<PlannerMap>> {
         path.extension().and_then(|e| e.to_str()),
         Some("yaml" | "yml")
     );
-    if !is_ros && FileKind::of(path) != Some(FileKind::VectorMap) {
+    if !is_ros && FileKind::from_path(path) != Some(FileKind::VectorMap) {
         let scenario = Loader::new(KINDS)
             .draft(source)
             .and_then(Draft::resolve)

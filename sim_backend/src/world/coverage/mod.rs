@@ -288,7 +288,7 @@ impl Coverage {
                 }
             } else {
                 let after = &robots[robot];
-                let way = SweptPath::of(before, after.twist, dt, after.pose.position());
+                let way = SweptPath::from_twist(before, after.twist, dt, after.pose.position());
                 self.visit(way, reach, tick, now);
             }
         }

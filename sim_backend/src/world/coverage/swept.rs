@@ -29,7 +29,7 @@ pub(super) enum SweptPath {
 
 impl SweptPath {
     /// The path of a robot that keeps a twist for `dt` (s).
-    pub fn of(pose: Pose2, twist: Twist2, dt: f64, end: Point2<f64>) -> Self {
+    pub fn from_twist(pose: Pose2, twist: Twist2, dt: f64, end: Point2<f64>) -> Self {
         let (from, sweep) = (pose.position(), twist.omega * dt);
         if (twist.v * dt * sweep).abs() <= 8.0 * FLAT {
             return Self::Straight { from, to: end };
@@ -134,7 +134,7 @@ mod tests {
             reach in 0.05..1.0_f64,
         ) {
             let (pose, twist) = (Pose2::new(0.3, -0.2, theta), Twist2::new(v, omega));
-            let way = SweptPath::of(pose, twist, 1.0, integrate(pose, twist, 1.0).position());
+            let way = SweptPath::from_twist(pose, twist, 1.0, integrate(pose, twist, 1.0).position());
             let p = Point2::new(x, y);
             let steps = 4000;
             let nearest = (0..=steps)

@@ -2,7 +2,7 @@ use proptest::prelude::*;
 use testing::{circle, rectangle};
 
 use super::*;
-use crate::spec::Blocked;
+use crate::spec::ObstacleResponse;
 
 fn wall(x: f64, y: f64, hx: f64, hy: f64) -> Shape {
     rectangle([x, y], [hx, hy])
@@ -39,7 +39,10 @@ fn no_robot_tunnels_through_a_thin_wall() {
 #[test]
 fn a_blocked_robot_slides_or_stops_by_the_rules() {
     let heading = -core::f64::consts::FRAC_PI_4;
-    for (blocked, x) in [(Blocked::Slide, 1.0), (Blocked::Stop, 0.2)] {
+    for (blocked, x) in [
+        (ObstacleResponse::Slide, 1.0),
+        (ObstacleResponse::Stop, 0.2),
+    ] {
         let rules = RulesSpec {
             blocked,
             ..RulesSpec::default()
@@ -238,7 +241,7 @@ proptest! {
         commands in proptest::collection::vec((-1.0..1.0f64, -30.0..30.0f64), 8 * 12),
     ) {
         let rules = RulesSpec {
-            blocked: if stop { Blocked::Stop } else { Blocked::Slide },
+            blocked: if stop { ObstacleResponse::Stop } else { ObstacleResponse::Slide },
             capture: Some(crate::spec::CaptureSpec::default()),
             ..RulesSpec::default()
         };

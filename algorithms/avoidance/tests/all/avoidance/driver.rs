@@ -3,7 +3,7 @@
 use crate::drive::{DT, PATROL, Run, route, square};
 use avoidance::tangent_bug::Mode;
 use avoidance::waypoint_driver::{
-    DriverParams, Driving, Situation, WaypointDriver, lap_time, time_without_obstacles,
+    DriverOutput, DriverParams, Situation, WaypointDriver, lap_time, time_without_obstacles,
 };
 use control::go_to::{GoToParams, coast};
 use geometry::pose::{Pose2, Twist2};
@@ -385,7 +385,7 @@ fn input_that_is_not_finite_stops_the_robot_and_changes_nothing() {
     let mut reports = Vec::new();
     for situation in &bad {
         let mut next = || -> Option<Waypoint> { panic!("nothing is taken up") };
-        let Driving {
+        let DriverOutput {
             command, towards, ..
         } = driver.drive(&mut next, situation, &mut reports);
         assert_eq!((command, towards), (Twist2::STOP, None));

@@ -90,7 +90,7 @@ fn twelve_laps_of_the_octagon_in_all_four_readings() {
             (first - Point2::new(x, y)).norm() < 1e-9,
             "{mode:?}: {first}"
         );
-        let found = PathMetrics::of(octagon().points(), &laps, 120.0).unwrap();
+        let found = PathMetrics::from_laps(octagon().points(), &laps, 120.0).unwrap();
         let values = [
             found.length_first,
             found.speed_mean,
@@ -142,7 +142,7 @@ fn numbers_of_waypoints_are_exact() {
     close(floor.v(), 0.402_369, 1e-6);
     // Changes of direction per second: not the paper's 0.4024, which is v.
     let laps = tracks(&floor, 1, &mut catp());
-    let found = PathMetrics::of(octagon().points(), &laps, 120.0).unwrap();
+    let found = PathMetrics::from_laps(octagon().points(), &laps, 120.0).unwrap();
     close(found.andc, 116.0 / 120.0, 1e-12);
 }
 
@@ -162,7 +162,7 @@ fn the_square_of_case_2() {
         let awg = awg(&square(), t_max, 1.3, Mode { rounding, frame });
         assert_eq!(awg.waypoints_per_lap(), 96);
         let laps = tracks(&awg, 12, &mut catp());
-        let found = PathMetrics::of(square().points(), &laps, t_max).unwrap();
+        let found = PathMetrics::from_laps(square().points(), &laps, t_max).unwrap();
         close(found.length_first, length, 1e-6);
         close(found.mae_time, mae, 1e-6);
     }
@@ -207,7 +207,7 @@ fn speeds_and_errors_of_figures_6_and_10() {
             tracks(&awg, 12, &mut source("catf64:0.4,0.644"))
         };
         let (turned, printed) = (laps(ATAN2_FLOOR), laps(Preset::Printed.mode()));
-        let of_turned = PathMetrics::of(reference, &turned, 120.0).unwrap();
+        let of_turned = PathMetrics::from_laps(reference, &turned, 120.0).unwrap();
         rounds_to(of_turned.speed_first, expected[0], 1e-4);
         rounds_to(of_turned.speed_mean, expected[1], 1e-4);
         rounds_to(speed(&printed[0], 120.0).unwrap(), expected[2], 1e-4);
@@ -233,7 +233,7 @@ fn the_papers_key_in_the_best_fitting_reading() {
         12,
         &mut source("catf64:0.4,0.644"),
     );
-    let found = PathMetrics::of(octagon().points(), &laps, 120.0).unwrap();
+    let found = PathMetrics::from_laps(octagon().points(), &laps, 120.0).unwrap();
     rounds_to(found.mae_time, 0.9315, 1e-4);
     rounds_to(found.speed_first, 0.9845, 1e-4);
     rounds_to(found.turns_first.maa_fold, 0.7831, 1e-4);
@@ -244,7 +244,7 @@ fn the_papers_key_in_the_best_fitting_reading() {
         0.7160,
         1e-4,
     );
-    rounds_to(Turns::of(laps[0].points()).maa_fold, 0.7956, 1e-4);
+    rounds_to(Turns::from_path(laps[0].points()).maa_fold, 0.7956, 1e-4);
 }
 
 #[test]
@@ -264,7 +264,7 @@ fn two_hundred_random_keys_stay_in_the_published_bands() {
     for seed in 0..200 {
         let mut generator = Key::from_seed(KeyKind::CatP, seed).source().unwrap();
         let laps = tracks(&awg, 12, &mut generator);
-        let found = PathMetrics::of(octagon().points(), &laps, 120.0).unwrap();
+        let found = PathMetrics::from_laps(octagon().points(), &laps, 120.0).unwrap();
         let values = [
             found.speed_first,
             found.speed_mean,

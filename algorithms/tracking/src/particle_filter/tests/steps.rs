@@ -129,7 +129,7 @@ fn unseen_weights_are_one_minus_the_best_visibility() {
     filter.particles.x[2] = f32::NAN;
     let n = filter.len();
     let mut weights = vec![0.5; n];
-    let unseen = Unseen {
+    let unseen = UnseenLikelihood {
         space: &space,
         watch: &watch,
         exponent: 1.0,

@@ -7,8 +7,9 @@ use roxmltree::{Document, Node};
 use testing::{circle, rectangle};
 
 use crate::picture::{
-    BeliefTrace, Cells, DominanceTrace, Mark, MarkKind, PlanTrace, RobotTrace, RunTrace, Standing,
-    StaticScene, TaskTrace, Trail, TrailPoint, TreeTrace, VerdictTrace, WaypointTrace, draw,
+    BeliefTrace, Cells, DominanceTrace, Mark, MarkKind, PlanTrace, RobotTrace, RunTrace,
+    StaticObstacle, StaticScene, TaskTrace, Trail, TrailPoint, TreeTrace, VerdictTrace,
+    WaypointTrace, draw,
 };
 
 fn robot(name: &str, role: Role, way: impl IntoIterator<Item = (f64, f64)>) -> RobotTrace {
@@ -49,7 +50,7 @@ fn trace() -> RunTrace {
             max: [4.0, 3.0],
             obstacles: [(0, wall, false), (1, pillar, true)]
                 .into_iter()
-                .map(|(id, shape, came)| (id, Standing { shape, came }))
+                .map(|(id, shape, came)| (id, StaticObstacle { shape, came }))
                 .collect(),
             cells: None,
             own: 1,

@@ -16,13 +16,13 @@ const MAX_WRAP: f64 = 1e6;
 
 /// Observed point.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Seen {
+pub(super) struct ObservedPoint {
     pub(super) point: [f64; 2],
     /// Standard deviation of each coordinate.
     pub(super) sd: f64,
 }
 
-impl Seen {
+impl ObservedPoint {
     /// Returns `true` if a point of the torus is within the tolerance, by coordinate.
     pub(super) fn close(&self, other: [f64; 2]) -> bool {
         self.point.iter().zip(other).all(|(a, b)| {
@@ -46,7 +46,7 @@ pub(super) struct History {
 }
 
 impl History {
-    pub(super) fn new(seen: &Seen) -> Self {
+    pub(super) fn new(seen: &ObservedPoint) -> Self {
         let variance = seen.sd * seen.sd;
         Self {
             wraps: VecDeque::new(),
@@ -57,7 +57,7 @@ impl History {
     }
 
     /// Appends every possible continuation with the next point, `steps` on, to `into`.
-    pub(super) fn extend<'a>(&'a self, steps: u32, seen: &Seen, into: &mut Vec<Next<'a>>) {
+    pub(super) fn extend<'a>(&'a self, steps: u32, seen: &ObservedPoint, into: &mut Vec<Next<'a>>) {
         // M to the power of the steps: ((p, q), (q, p + q)).
         let (mut p, mut q) = (1.0, 1.0);
         for _ in 1..steps {

@@ -1,6 +1,6 @@
 //! States of a cat map as integers on a ring.
 
-use super::history::Seen;
+use super::history::ObservedPoint;
 use chaotic_maps::AnySource;
 use chaotic_maps::cat::{Cat64, CatF64, CatP, F64_GRID_BITS};
 use chaotic_maps::modulus::{P, add, sub};
@@ -86,7 +86,7 @@ impl State {
     }
 
     /// Returns `true` if an observation is close to the state, on the torus.
-    pub(super) fn agrees(&self, seen: &Seen) -> bool {
+    pub(super) fn agrees(&self, seen: &ObservedPoint) -> bool {
         let scale = (1_u128 << self.modulus.bits()) as f64;
         seen.close([self.a as f64 / scale, self.b as f64 / scale])
     }

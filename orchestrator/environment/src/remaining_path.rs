@@ -11,7 +11,7 @@ use crate::error::EnvironmentError;
 
 /// The shortest way of one agent to its goal, or that of an evader without a goal to an exit.
 #[derive(Debug, Clone)]
-pub(crate) struct WayLeft {
+pub(crate) struct RemainingPath {
     goal: Option<Point2<f64>>,
     is_evader: bool,
     finder: RouteFinder,
@@ -19,7 +19,7 @@ pub(crate) struct WayLeft {
     length: Option<f64>,
 }
 
-impl WayLeft {
+impl RemainingPath {
     /// Returns the ways of all agents, in a world with this many exits.
     pub fn of_agents(
         agents: &[usize],
