@@ -179,6 +179,33 @@ fn late_and_lost_messages_of_processes_in_c_are_the_same_in_processes_in_one_thr
     sandbox.assert_nothing_left();
 }
 
+#[test]
+fn tests_sweeps_and_comparisons_ask_programs_for_their_declarations() {
+    let Some(sandbox) = sensor() else { return };
+    let digest = run(&sandbox, "mission.toml").json()["digest"].clone();
+    let test = format!("scenario = \"mission.toml\"\nseed = 1\nexpect.digest = {digest}\n");
+    sandbox.file("pinned.toml", test);
+    let test = ["test", "pinned.toml", "--processes", "--allow-external"];
+    let tested = sandbox.protean(test).run();
+    assert_eq!(tested.code, Some(0), "{tested}");
+    let sweep = "scenario = \"mission.toml\"\nseeds = { first = 1, count = 1 }\n";
+    sandbox.file("sweep.toml", sweep);
+    let sweep = ["sweep", "sweep.toml", "--out", "swept", "--allow-external"];
+    let swept = sandbox.protean(sweep).run();
+    assert_eq!(swept.code, Some(0), "{swept}");
+    let table = std::fs::read_to_string(sandbox.path().join("swept/results.csv")).unwrap();
+    assert!(table.contains(digest.as_str().unwrap()), "{table}");
+    let diff = [
+        "diff",
+        "mission.toml",
+        "mission.toml",
+        "--allow-external",
+        "--json",
+    ];
+    assert_eq!(sandbox.protean(diff).json()["same"], true);
+    sandbox.assert_nothing_left();
+}
+
 /// A sandbox with builds of the process with faults.
 struct Faulty {
     sandbox: Sandbox,

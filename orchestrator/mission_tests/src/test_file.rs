@@ -224,7 +224,7 @@ impl Suite<'_> {
             draft.apply("--set", set);
             overrides.push(set.clone());
         }
-        let template = draft.template(&mut self.maps)?;
+        let template = sweep::template(draft, &mut self.maps, self.options)?;
         let path = part.path.then("expect");
         let node = reader.root.follow(&path).clone();
         let Some(expect) = reader.read::<ExpectSpec>(&node, &path) else {

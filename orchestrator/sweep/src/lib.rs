@@ -70,7 +70,7 @@ pub use kind::Kind;
 pub use manifest::{FORMAT, Manifest, ManifestCell};
 pub use metrics::Metric;
 pub use mission_id::MissionId;
-pub use missions::{Experiment, Mission};
+pub use missions::{Experiment, Mission, template};
 pub use options::LoadOptions;
 pub use reader::Reader;
 pub use results::Results;

@@ -76,28 +76,31 @@ pub(super) fn run(kinds: &[Kind], args: &DiffArgs) -> ExitCode {
         let first = if is_log(&args.a) {
             PathBuf::from(&args.a)
         } else {
-            let scenario = scenario(kinds, &args.a, &args.overrides)?;
-            run_first(args, &args.a, scenario, &folder, "a", watch)?
+            let load = |more: &[String]| scenario(kinds, &args.a, &args.overrides, more);
+            run_first(args, &args.a, load, &folder, "a", watch)?
         };
         let second = if !is_log(b) {
             let mut overrides = args.overrides.clone();
             overrides.seed = args.seed_b.or(overrides.seed);
             overrides.set.extend(args.set_b.iter().cloned());
-            run_first(
-                args,
-                b,
-                scenario(kinds, b, &overrides)?,
-                &folder,
-                "b",
-                watch,
-            )?
+            let load = |more: &[String]| scenario(kinds, b, &overrides, more);
+            run_first(args, b, load, &folder, "b", watch)?
         } else if args.seed_b.is_some() || !args.set_b.is_empty() {
             // The scenario of the log, changed.
             let seed = args.seed_b.map(|seed| format!("run.seed={seed}"));
             let changes: Vec<String> = args.set_b.iter().cloned().chain(seed).collect();
             let log = Path::new(b);
-            let scenario = scenario_of(&Origin::read(log)?, log, &changes, "", kinds)?;
-            run_first(args, b, scenario, &folder, "b", watch)?
+            let origin = Origin::read(log)?;
+            let load = |more: &[String]| {
+                Ok(scenario_of(
+                    &origin,
+                    log,
+                    &[&changes, more].concat(),
+                    "",
+                    kinds,
+                )?)
+            };
+            run_first(args, b, load, &folder, "b", watch)?
         } else {
             PathBuf::from(b)
         };
@@ -130,29 +133,35 @@ fn refuse_changes_of_logs(args: &DiffArgs) -> Result<(), CommandError> {
     Ok(())
 }
 
-/// Returns the scenario of a side.
+/// Returns the scenario of a side, with more overrides.
 fn scenario(
     kinds: &[Kind],
     side: &str,
     overrides: &OverrideArgs,
+    more: &[String],
 ) -> Result<ResolvedScenario, CommandError> {
     Loader::new(kinds)
         .allow_outside(overrides.allow_outside)
-        .load(side, &overrides.set, overrides.seed)
+        .load(side, &[&overrides.set, more].concat(), overrides.seed)
         .map_err(|problems| usage(&problems.to_string()))
 }
 
-/// Runs the scenario of a side; returns its log.
+/// Runs the scenario of a side, which `load` reads with more overrides; returns its log.
 fn run_first(
     args: &DiffArgs,
     side: &str,
-    scenario: ResolvedScenario,
+    load: impl Fn(&[String]) -> Result<ResolvedScenario, CommandError>,
     folder: &Scratch,
     name: &str,
     watch: &ReadProgress,
 ) -> Result<PathBuf, CommandError> {
+    let mut scenario = load(&[])?;
     refuse_external(side, &scenario, args.external.allow_external)
         .map_err(|error| usage(&error.to_string()))?;
+    let declared = mission::ask(&scenario).map_err(|error| usage(&error.to_string()))?;
+    if !declared.is_empty() {
+        scenario = load(&declared)?;
+    }
     let log = folder.path().join(format!("{name}.mcap"));
     let watch = ReadProgress::new(Arc::clone(&watch.interrupted), true);
     let in_process = !scenario.uses_external_commands();

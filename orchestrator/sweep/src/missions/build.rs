@@ -10,7 +10,7 @@ use crate::grid::LocatedValue;
 use crate::options::LoadOptions;
 use crate::parameters::{Parameter, ScaleError};
 use crate::reader::Reader;
-use scenario::{Draft, MapCache, Program, ResolvedScenario, spec};
+use scenario::{Draft, MapCache, Program, ResolvedScenario, Template, spec};
 
 /// An applied override, and its origin.
 struct AppliedOverride {
@@ -165,7 +165,7 @@ pub(super) fn build(
             builder.apply(&mut draft, &mut made, &on_top, "--set");
             applied.extend(on_top.iter().cloned());
             let name = format!("case {}", case.case.name);
-            let template = match draft.template(&mut map_cache) {
+            let template = match template(draft, &mut map_cache, options) {
                 Ok(template) => template,
                 Err(problems) => {
                     builder.report(&name, &title, &applied, &problems);
@@ -191,6 +191,30 @@ pub(super) fn build(
         }
     }
     cells
+}
+
+/// Returns the template of a scenario; external programs that may run are asked for their declarations.
+///
+/// # Errors
+/// All problems, also that of a program that does not state its declaration.
+pub fn template(
+    mut draft: Draft<'_>,
+    maps: &mut MapCache,
+    options: &LoadOptions,
+) -> Result<Template, Diagnostics> {
+    let template = draft.clone().template(maps)?;
+    if !options.allow_external {
+        return Ok(template);
+    }
+    let declared = mission::ask(template.scenario())
+        .map_err(|error| Diagnostic::new(Code::Requirement, error.to_string()))?;
+    if declared.is_empty() {
+        return Ok(template);
+    }
+    for argument in declared {
+        draft.apply("answer of its program", &argument);
+    }
+    draft.template(maps)
 }
 
 /// Finds the parts of a scenario that a sweep does not allow.

@@ -5,5 +5,6 @@ mod experiment;
 mod mission;
 mod subject;
 
+pub use build::template;
 pub use experiment::Experiment;
 pub use mission::Mission;
