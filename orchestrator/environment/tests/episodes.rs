@@ -321,7 +321,14 @@ fn invalid_options_and_actions_are_refused() {
         rewarded(1.0),
     ]
     .map(refused);
-    expect![[""]].assert_eq(&errors.join("\n"));
+    expect![[r#"
+        agents: no robot, team or process "evader_9": expected one of police_1, police_2, police_3, police_4, evader_1, evader_2, police, evader, pursuer_police_1, pursuer_police_2, pursuer_police_3, pursuer_police_4, evader_potential_evader_1, evader_potential_evader_2
+        agents = []: expected names of robots, teams or processes
+        agents: process "perception" steers no robot
+        observation scan: robot evader_1 has no range scan: expected `scan = {}` in the scenario
+        instances = 0: expected 1 to 2^16
+        progress = NaN: expected a finite number
+        reward progress: expected an agent with a goal, or an evader and an exit"#]].assert_eq(&errors.join("\n"));
     let exact = Environments::new(
         template("chase_exact", &[]),
         options(&["police"], "belief"),

@@ -182,14 +182,14 @@ fn files_without_instances_are_refused_as_a_whole() {
     ];
     let errors = texts.map(|text| parse(text.as_bytes()).unwrap_err().to_string());
     expect![[r#"
-        not JSON: EOF while parsing a value at line 1 column 0; expected an array of instances
-        not JSON: EOF while parsing a list at line 1 column 1; expected an array of instances
-        not JSON: recursion limit exceeded at line 1 column 128; expected an array of instances
-        an object with ""; expected an array of at least one instance
-        an empty array; expected an array of at least one instance
-        not JSON: number out of range at line 1 column 27; expected an array of instances
-        not JSON: `id` occurs twice at line 1 column 17; expected an array of instances
-        not JSON: expected value at line 1 column 2; expected an array of instances"#]]
+        not JSON: EOF while parsing a value at line 1 column 0: expected an array of instances
+        not JSON: EOF while parsing a list at line 1 column 1: expected an array of instances
+        not JSON: recursion limit exceeded at line 1 column 128: expected an array of instances
+        an object with "": expected an array of at least one instance
+        an empty array: expected an array of at least one instance
+        not JSON: number out of range at line 1 column 27: expected an array of instances
+        not JSON: `id` occurs twice at line 1 column 17: expected an array of instances
+        not JSON: expected value at line 1 column 2: expected an array of instances"#]]
     .assert_eq(&errors.join("\n"));
     let large = vec![b' '; super::file::MAX_FILE as usize + 1];
     assert!(matches!(parse(&large), Err(FileProblem::TooLarge)));

@@ -381,18 +381,18 @@ mod tests {
             refused(&twice),
         ];
         expect![[r#"
-            bounds from (-9, -8) to (NaN, 8.03), expected finite bounds with a positive area
-            bounds from (-9, -8) to (9, -8), expected finite bounds with a positive area
-            point 5 is of shape 2, expected 3 shapes one after the other
-            point 4 is of shape 1, expected 1 shapes one after the other
-            point 0 is of shape 7, expected 2 shapes one after the other
-            shape 0: (inf, -0.6598162824642664) with radius 0, expected numbers within ±1000000 and a radius that is not negative
-            shape 1: (3, 0) with radius -1, expected numbers within ±1000000 and a radius that is not negative
-            shape 1: 1 points, expected one with a radius > 0, or the corners of a convex polygon, counter-clockwise and with radius 0
-            shape 0: 4 points, expected one with a radius > 0, or the corners of a convex polygon, counter-clockwise and with radius 0
-            shape 0: 4 points, expected one with a radius > 0, or the corners of a convex polygon, counter-clockwise and with radius 0
-            shape 0: 4 points, expected one with a radius > 0, or the corners of a convex polygon, counter-clockwise and with radius 0
-            shape 0: 2 points, expected one with a radius > 0, or the corners of a convex polygon, counter-clockwise and with radius 0
-            shape 0: 8 points, expected one with a radius > 0, or the corners of a convex polygon, counter-clockwise and with radius 0"#]].assert_eq(&errors.join("\n"));
+            bounds from (-9, -8) to (NaN, 8.03): expected finite bounds with a positive area
+            bounds from (-9, -8) to (9, -8): expected finite bounds with a positive area
+            point 5 is of shape 2: expected 3 shapes one after the other
+            point 4 is of shape 1: expected 1 shapes one after the other
+            point 0 is of shape 7: expected 2 shapes one after the other
+            shape 0: (inf, -0.6598162824642664) with radius 0: expected numbers within ±1000000 and a radius that is not negative
+            shape 1: (3, 0) with radius -1: expected numbers within ±1000000 and a radius that is not negative
+            shape 1: 1 points: expected one with a radius > 0, or the corners of a convex polygon, counter-clockwise and with radius 0
+            shape 0: 4 points: expected one with a radius > 0, or the corners of a convex polygon, counter-clockwise and with radius 0
+            shape 0: 4 points: expected one with a radius > 0, or the corners of a convex polygon, counter-clockwise and with radius 0
+            shape 0: 4 points: expected one with a radius > 0, or the corners of a convex polygon, counter-clockwise and with radius 0
+            shape 0: 2 points: expected one with a radius > 0, or the corners of a convex polygon, counter-clockwise and with radius 0
+            shape 0: 8 points: expected one with a radius > 0, or the corners of a convex polygon, counter-clockwise and with radius 0"#]].assert_eq(&errors.join("\n"));
     }
 }

@@ -120,21 +120,21 @@ fn text_that_is_no_key_is_refused_with_what_to_change() {
     ];
     let errors = texts.map(|text| text.parse::<Key>().unwrap_err().to_string());
     expect![[r#"
-        `` is not a generator; write `kind:values` with one of the kinds catp, cat64, catf64, chebp, chebp-raw, chebf64, chebf64-raw, logistic, logistic-raw, standard, keyed
-        `catp` is not a generator; write `kind:values` with one of the kinds catp, cat64, catf64, chebp, chebp-raw, chebf64, chebf64-raw, logistic, logistic-raw, standard, keyed
-        `lorenz` is not a generator; write `kind:values` with one of the kinds catp, cat64, catf64, chebp, chebp-raw, chebf64, chebf64-raw, logistic, logistic-raw, standard, keyed
-        a key of `catp` has two values, separated by commas, but `1` has 1
-        a key of `catp` has two values, separated by commas, but `1,2,3` has 3
-        `1.5` is not a decimal key; write `0.` and digits, such as 0.644, or a whole number
-        `-1` is not a whole number from 0 to 2^64 - 1, as the state of `catp` requires
-        `0.12345678901234567890` has 20 digits after the point; the maximum is 19
-        `0.4` is not a whole number from 0 to 2^64 - 1, as the state of `cat64` requires
-        `0.4` is not a whole number from 0 to 2^64 - 1, as the state of `chebp` requires
-        `a` is not a number; `catf64` takes numbers such as 0.644
-        a key of `standard` has two or three values, separated by commas, but `1,2,3,4` has 4
-        the key of `keyed` must be 64 hexadecimal digits (32 bytes), but has 3 characters
-        the key of `keyed` must be 64 hexadecimal digits (32 bytes), but has 64 characters, some of which are not hexadecimal digits
-        the key of `keyed` must be 64 hexadecimal digits (32 bytes), but has 64 characters, some of which are not hexadecimal digits"#]].assert_eq(&errors.join("\n"));
+        `` is not a generator: expected `kind:values` with one of the kinds catp, cat64, catf64, chebp, chebp-raw, chebf64, chebf64-raw, logistic, logistic-raw, standard, keyed
+        `catp` is not a generator: expected `kind:values` with one of the kinds catp, cat64, catf64, chebp, chebp-raw, chebf64, chebf64-raw, logistic, logistic-raw, standard, keyed
+        `lorenz` is not a generator: expected `kind:values` with one of the kinds catp, cat64, catf64, chebp, chebp-raw, chebf64, chebf64-raw, logistic, logistic-raw, standard, keyed
+        the key `1` of `catp` has 1: expected two values, separated by commas
+        the key `1,2,3` of `catp` has 3: expected two values, separated by commas
+        `1.5` is not a decimal key: expected `0.` and digits, such as 0.644, or a whole number
+        `-1` is no state of `catp`: expected a whole number from 0 to 2^64 - 1
+        `0.12345678901234567890` has 20 digits after the point: expected at most 19
+        `0.4` is no state of `cat64`: expected a whole number from 0 to 2^64 - 1
+        `0.4` is no state of `chebp`: expected a whole number from 0 to 2^64 - 1
+        `a` is no value of `catf64`: expected a number such as 0.644
+        the key `1,2,3,4` of `standard` has 4: expected two or three values, separated by commas
+        the key of `keyed` has 3 characters: expected 64 hexadecimal digits (32 bytes)
+        the key of `keyed` has 64 characters, some of which are not hexadecimal digits: expected 64 hexadecimal digits (32 bytes)
+        the key of `keyed` has 64 characters, some of which are not hexadecimal digits: expected 64 hexadecimal digits (32 bytes)"#]].assert_eq(&errors.join("\n"));
 }
 
 #[test]
@@ -165,13 +165,13 @@ fn degenerate_keys_are_read_but_give_no_source() {
         both values of `cat64` are even (2, 4), which shortens the period: make one of them odd
         the key (0.5, 0.25) of `catf64` repeats after 3 steps, because its values are multiples of a large power of 1/2: choose values with more digits, such as 0.4 and 0.644
         the key (0.3125, 0.6875) of `catf64` repeats after 12 steps, because its values are multiples of a large power of 1/2: choose values with more digits, such as 0.4 and 0.644
-        `x` of `catf64` is NaN, but must be at least 0 and below 1
-        `y` of `catf64` is 1, but must be at least 0 and below 1
+        `x` of `catf64` is NaN: expected at least 0 and below 1
+        `y` of `catf64` is 1: expected at least 0 and below 1
         the values 5 and 9223372036854775778 of `chebp` are equal or mirrored, so that all points lie on a diagonal: change one of them
-        `tx` of `chebp-raw` is 0, but must be above 0 and below 2^63 - 25 = 9223372036854775783
+        `tx` of `chebp-raw` is 0: expected above 0 and below 2^63 - 25 = 9223372036854775783
         the values 0.1 and -0.1 of `chebf64` are equal or mirrored, so that all points lie on a diagonal: change one of them
         `x` of `chebf64` is 0.5, which leads to a fixed point (0, 1/2, sqrt(3)/2 and 1, of either sign): choose a value away from these
-        `y` of `chebf64` is 1.2, but must be between -1 and 1
+        `y` of `chebf64` is 1.2: expected between -1 and 1
         the values 0.2 and 0.8 of `logistic` are equal or mirrored, so that all points lie on a diagonal: change one of them
         `x` of `standard` is 0, which leads to a fixed point (0 and 1/2 where y is 0): choose a value away from these"#]].assert_eq(&errors.join("\n"));
 }

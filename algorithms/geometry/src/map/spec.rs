@@ -275,7 +275,7 @@ mod tests {
             loaded.unwrap_err().to_string()
         });
         expect![[r#"
-            map /nowhere/no/such.toml: No such file or directory (os error 2)
+            map /nowhere/no/such.toml: cannot be read: No such file or directory (os error 2)
             map /nowhere/map.bmp: unknown kind of file: expected .toml (vectors) or .yaml (ROS map_server)"#]].assert_eq(&errors.join("\n"));
     }
 }

@@ -301,9 +301,9 @@ mod tests {
         ]
         .map(|map| map.validate().unwrap_err().to_string());
         expect![[r#"
-            `bounds.max[1]` is 0, but must be more than bounds.min[1] = 0 (m)
-            `resolution` is 0.001, but must be cells large enough that the map has at most max_cells = 16000000 of them; it would have 100000000 × 100000000
-            obstacles[0] "tower": `circle.radius` is -1, but must be a number above 0 and at most 100000 (m)
+            `bounds.max[1]` is 0: expected more than bounds.min[1] = 0 (m)
+            `resolution` is 0.001: expected cells large enough that the map has at most max_cells = 16000000 of them; it would have 100000000 × 100000000
+            obstacles[0] "tower": `circle.radius` is -1: expected a number above 0 and at most 100000 (m)
             obstacles[1] is called "tower" like obstacles[0]: expected unique names"#]].assert_eq(&errors.join("\n"));
     }
 
@@ -347,10 +347,10 @@ mod tests {
         ]
         .map(|map| map.validate().unwrap_err().to_string());
         expect![[r#"
-            `obstacles` is 65537 obstacles, but must be at most 65536
-            `exits` is a list of 1025, but must be at most 1024 values
-            `obstacles` is 1280000000 (cubes of the corners of all polygons that are not convex, added up), but must be at most 536870912; divide large polygons
-            `obstacles` is 128000000 (squares of the corners of all polygons, added up), but must be at most 67108864; divide large polygons
-            obstacles[0]: `polygon.vertices` is 600 vertices of a polygon that is not convex, but must be at most 512; divide it"#]].assert_eq(&errors.join("\n"));
+            `obstacles` is 65537 obstacles: expected at most 65536
+            `exits` is a list of 1025: expected at most 1024 values
+            `obstacles` is 1280000000 (cubes of the corners of all polygons that are not convex, added up): expected at most 536870912; divide large polygons
+            `obstacles` is 128000000 (squares of the corners of all polygons, added up): expected at most 67108864; divide large polygons
+            obstacles[0]: `polygon.vertices` is 600 vertices of a polygon that is not convex: expected at most 512; divide it"#]].assert_eq(&errors.join("\n"));
     }
 }

@@ -230,10 +230,10 @@ mod tests {
         ]
         .map(|shape| shape.parts().unwrap_err().to_string());
         expect![[r#"
-            `circle.center[1]` is NaN, but must be a number within ±100000 (m)
-            `rectangle.half_extents[1]` is 0, but must be a number above 0 and at most 100000 (m)
-            `polygon.vertices` is a list of 2, but must be 3 to 4096 values
-            `polygon.vertices[1][1]` is inf, but must be a number within ±100000 (m)"#]]
+            `circle.center[1]` is NaN: expected a number within ±100000 (m)
+            `rectangle.half_extents[1]` is 0: expected a number above 0 and at most 100000 (m)
+            `polygon.vertices` is a list of 2: expected 3 to 4096 values
+            `polygon.vertices[1][1]` is inf: expected a number within ±100000 (m)"#]]
         .assert_eq(&errors.join("\n"));
     }
 

@@ -102,16 +102,16 @@ fn a_value_out_of_range_is_named_with_range_and_unit() {
         message(|s| s.shape = Shape::Named(Name { number: 6 })),
     ];
     expect![[r#"
-        `zeta` is -0.5, but must be a finite number of at least 0 (m)
-        `alpha` is 1.5, but must be a number between 0 and 1
-        `half_open` is 10, but must be a number above 0 and below 10 (m/s)
-        `count` is 0, but must be a whole number of at least 1
-        `cap` is 0, but must be a finite number above 0 (rad)
-        `times_s[1]` is 0, but must be a finite number above 0 (s)
-        `times_s` is a list of 0, but must be 1 to 3 values
-        `inner.low` is 1, but must be a whole number of at least 2
-        `shape.size` is 0.5, but must be a finite number above 1 (m)
-        `shape.number` is 6, but must be a whole number of at least 7"#]]
+        `zeta` is -0.5: expected a finite number of at least 0 (m)
+        `alpha` is 1.5: expected a number between 0 and 1
+        `half_open` is 10: expected a number above 0 and below 10 (m/s)
+        `count` is 0: expected a whole number of at least 1
+        `cap` is 0: expected a finite number above 0 (rad)
+        `times_s[1]` is 0: expected a finite number above 0 (s)
+        `times_s` is a list of 0: expected 1 to 3 values
+        `inner.low` is 1: expected a whole number of at least 2
+        `shape.size` is 0.5: expected a finite number above 1 (m)
+        `shape.number` is 6: expected a whole number of at least 7"#]]
     .assert_eq(&errors.join("\n"));
 }
 
@@ -123,9 +123,9 @@ fn a_number_that_is_not_finite_is_refused_with_or_without_a_range() {
         message(|s| s.alpha = f64::NAN),
     ];
     expect![[r#"
-        `free` is NaN, but must be a finite number
-        `corner[1]` is inf, but must be a finite number
-        `alpha` is NaN, but must be a number between 0 and 1"#]]
+        `free` is NaN: expected a finite number
+        `corner[1]` is inf: expected a finite number
+        `alpha` is NaN: expected a number between 0 and 1"#]]
     .assert_eq(&errors.join("\n"));
 }
 
@@ -138,8 +138,8 @@ fn the_first_field_declared_is_reported_and_relations_come_last() {
     };
     let errors = [message(all), message(|s| s.inner.high = 2)];
     expect![[r#"
-        `zeta` is -1, but must be a finite number of at least 0 (m)
-        `inner.high` is 2, but must be more than `inner.low`"#]]
+        `zeta` is -1: expected a finite number of at least 0 (m)
+        `inner.high` is 2: expected more than `inner.low`"#]]
     .assert_eq(&errors.join("\n"));
 }
 

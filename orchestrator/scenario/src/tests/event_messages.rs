@@ -92,7 +92,7 @@ fn a_condition_needs_an_existing_robot() {
             36 | when = { robot = "copp", travelled = 1.0 }
                |                  ^^^^^^
                = value: "copp"
-               = expected: `cop` or `thief`
+               = expected: one of `cop`, `thief`
                = help: did you mean `cop`?"#]],
     );
 }
@@ -141,7 +141,7 @@ fn a_robot_has_one_condition() {
             36 | when = { robot = "cop", traveled = 1.0 }
                |                         ^^^^^^^^
                = value: 1.0
-               = expected: one of the keys `robot`, `travelled`, `progress`, `within` or `of`
+               = expected: one of `robot`, `travelled`, `progress`, `within`, `of`
                = help: did you mean `travelled`?
             error: value not allowed
               --> small.toml:36:44 (events[0].when.of)
@@ -270,7 +270,7 @@ fn an_ordered_event_must_fit_the_events_before_it() {
             47 | obstacle = "gate"
                |            ^^^^^^
                = value: "gate"
-               = expected: `wall` or `block`
+               = expected: one of `wall`, `block`
                = help: the changes of an obstacle that has a `when` happen in the order of the file
             error: no obstacle `wal` is present after the events before this one
               --> small.toml:47:12 (events[2].obstacle)
@@ -278,7 +278,7 @@ fn an_ordered_event_must_fit_the_events_before_it() {
             47 | obstacle = "wal"
                |            ^^^^^
                = value: "wal"
-               = expected: `wall` or `block`
+               = expected: one of `wall`, `block`
                = help: did you mean `wall`?"#]],
     );
     let twice = gate(LATER, "appear").repeat(2);
@@ -299,14 +299,14 @@ fn an_ordered_event_must_fit_the_events_before_it() {
     refused_with(
         &[&behind],
         &expect![[r#"
-        error: no obstacle `gate` is present after the events before this one
-          --> small.toml:47:12 (events[2].obstacle)
-           |
-        47 | obstacle = "gate"
-           |            ^^^^^^
-           = value: "gate"
-           = expected: `wall` or `block`
-           = help: the changes of an obstacle that has a `when` happen in the order of the file"#]],
+            error: no obstacle `gate` is present after the events before this one
+              --> small.toml:47:12 (events[2].obstacle)
+               |
+            47 | obstacle = "gate"
+               |            ^^^^^^
+               = value: "gate"
+               = expected: one of `wall`, `block`
+               = help: the changes of an obstacle that has a `when` happen in the order of the file"#]],
     );
     let back = gate("time_s = 9.0", "appear")
         + &gate(LATER, "disappear")
@@ -337,12 +337,12 @@ fn an_error_is_reported_once() {
     refused_with(
         &[&broken],
         &expect![[r#"
-        error: no robot is called `absent`
-          --> small.toml:45:18 (events[2].when.robot)
-           |
-        45 | when = { robot = "absent", travelled = 1.0 }
-           |                  ^^^^^^^^
-           = value: "absent"
-           = expected: `cop` or `thief`"#]],
+            error: no robot is called `absent`
+              --> small.toml:45:18 (events[2].when.robot)
+               |
+            45 | when = { robot = "absent", travelled = 1.0 }
+               |                  ^^^^^^^^
+               = value: "absent"
+               = expected: one of `cop`, `thief`"#]],
     );
 }

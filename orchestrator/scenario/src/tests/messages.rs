@@ -33,7 +33,7 @@ fn unknown_keys_are_named_and_the_nearest_is_suggested() {
             3 | sead = 5
               | ^^^^
               = value: 5
-              = expected: one of the keys `dt`, `seed`, `mode`, `real_time_factor`, `pin`, `hang_timeout_s`, `ready_timeout_s` or `command_deadline_s`
+              = expected: one of `dt`, `seed`, `mode`, `real_time_factor`, `pin`, `hang_timeout_s`, `ready_timeout_s`, `command_deadline_s`
               = help: did you mean `seed`?
             error: unknown key `rule`
              --> small.toml:4:2 (rule)
@@ -41,7 +41,7 @@ fn unknown_keys_are_named_and_the_nearest_is_suggested() {
             4 | [rule]
               |  ^^^^
               = value: { time_limit = 30.0, capture = { radius = 0.3 }, exits = [{ …
-              = expected: one of the keys `name`, `title`, `description`, `run`, `world`, `rules`, `defaults`, `teams`, `robots`, `processes`, `events`, `links` … (14 in all)
+              = expected: one of `name`, `title`, `description`, `run`, `world`, `rules`, `defaults`, `teams`, `robots`, `processes`, `events`, `links` … (14 in all)
               = help: did you mean `rules`?
             error: unknown key `vmax`
               --> small.toml:14:12 (defaults.robot.limits.vmax)
@@ -49,14 +49,14 @@ fn unknown_keys_are_named_and_the_nearest_is_suggested() {
             14 | limits = { vmax = 0.2 }
                |            ^^^^
                = value: 0.2
-               = expected: one of the keys `v_max`, `v_reverse_max`, `omega_max`, `acceleration`, `angular_acceleration` or `wheel_speed_max`
+               = expected: one of `v_max`, `v_reverse_max`, `omega_max`, `acceleration`, `angular_acceleration`, `wheel_speed_max`
                = help: did you mean `v_max`?
             error: no robot is in team `polize`
               --> small.toml:15:1 (teams.polize)
                |
             15 | [teams.polize]
                | ^^^^^^^^^^^^^^
-               = expected: the team `police` or `evader`
+               = expected: a team: one of `police`, `evader`
                = help: did you mean `police`?
             error: `appears` is not one of the choices
               --> small.toml:41:10 (events[1].action)
@@ -64,7 +64,7 @@ fn unknown_keys_are_named_and_the_nearest_is_suggested() {
             41 | action = "appears"
                |          ^^^^^^^^^
                = value: "appears"
-               = expected: `appear`, `disappear` or `move`
+               = expected: one of `appear`, `disappear`, `move`
                = help: did you mean `appear`?"#]],
     );
 }
@@ -77,39 +77,39 @@ fn several_mistakes_are_reported_at_once_in_the_order_of_the_file() {
     texts_refused(
         [text],
         &expect![[r#"
-        error: wrong type: text
-         --> small.toml:3:8 (run.seed)
-          |
-        3 | seed = "five"
-          |        ^^^^^^
-          = value: "five"
-          = expected: a whole number, 0 or more
+            error: wrong type: text
+             --> small.toml:3:8 (run.seed)
+              |
+            3 | seed = "five"
+              |        ^^^^^^
+              = value: "five"
+              = expected: a whole number, 0 or more
 
-        error: unknown key `colour`
-          --> small.toml:20:1 (robots.cop.colour)
-           |
-        20 | colour = 3
-           | ^^^^^^
-           = value: 3
-           = expected: one of the keys `name`, `count`, `team`, `role`, `hostile_to`, `start`, `start_jitter`, `random_start`, `preset`, `radius`, `wheel_separation`, `limits` … (16 in all)
-           = help: did you mean `count`?
+            error: unknown key `colour`
+              --> small.toml:20:1 (robots.cop.colour)
+               |
+            20 | colour = 3
+               | ^^^^^^
+               = value: 3
+               = expected: one of `name`, `count`, `team`, `role`, `hostile_to`, `start`, `start_jitter`, `random_start`, `preset`, `radius`, `wheel_separation`, `limits` … (16 in all)
+               = help: did you mean `count`?
 
-        error: unknown key `particels`
-          --> small.toml:36:12 (processes.perception.params.particels)
-           |
-        36 | params = { particels = 200, gain = "x" }
-           |            ^^^^^^^^^
-           = value: 200
-           = expected: one of the keys `knowledge`, `particles` or `gain`
-           = help: did you mean `particles`?
+            error: unknown key `particels`
+              --> small.toml:36:12 (processes.perception.params.particels)
+               |
+            36 | params = { particels = 200, gain = "x" }
+               |            ^^^^^^^^^
+               = value: 200
+               = expected: one of `knowledge`, `particles`, `gain`
+               = help: did you mean `particles`?
 
-        error: wrong type: text
-          --> small.toml:36:36 (processes.perception.params.gain)
-           |
-        36 | params = { particels = 200, gain = "x" }
-           |                                    ^^^
-           = value: "x"
-           = expected: a number"#]],
+            error: wrong type: text
+              --> small.toml:36:36 (processes.perception.params.gain)
+               |
+            36 | params = { particels = 200, gain = "x" }
+               |                                    ^^^
+               = value: "x"
+               = expected: a number"#]],
     );
 }
 
@@ -204,50 +204,50 @@ fn robots_have_unique_names_and_required_keys() {
     texts_refused(
         [without, table],
         &expect![[r#"
-        error: the scenario has no robots
-         --> small.toml:1:1 (robots)
-          |
-        1 | title = "Small"
-          | ^
-          = expected: at least one [[robots]] block
-        error: wrong type: a table
-          --> small.toml:17:1 (robots)
-           |
-        17 | [robots]
-           | ^^^^^^^^
-           = value: { name = "cop", team = "police", start = { x = -3.0, y = 0.0…
-           = expected: an array
+            error: the scenario has no robots
+             --> small.toml:1:1 (robots)
+              |
+            1 | title = "Small"
+              | ^
+              = expected: at least one [[robots]] block
+            error: wrong type: a table
+              --> small.toml:17:1 (robots)
+               |
+            17 | [robots]
+               | ^^^^^^^^
+               = value: { name = "cop", team = "police", start = { x = -3.0, y = 0.0…
+               = expected: an array
 
-        error: wrong type: a table
-          --> small.toml:17:1 (robots)
-           |
-        17 | [robots]
-           | ^^^^^^^^
-           = expected: [[robots]] blocks
+            error: wrong type: a table
+              --> small.toml:17:1 (robots)
+               |
+            17 | [robots]
+               | ^^^^^^^^
+               = expected: [[robots]] blocks
 
-        error: unknown key `x`
-          --> small.toml:21:2 (x)
-           |
-        21 | [x]
-           |  ^
-           = value: { name = "thief", team = "evader", start = { x = 2.0, y = 0.…
-           = expected: one of the keys `name`, `title`, `description`, `run`, `world`, `rules`, `defaults`, `teams`, `robots`, `processes`, `events`, `links` … (14 in all)
+            error: unknown key `x`
+              --> small.toml:21:2 (x)
+               |
+            21 | [x]
+               |  ^
+               = value: { name = "thief", team = "evader", start = { x = 2.0, y = 0.…
+               = expected: one of `name`, `title`, `description`, `run`, `world`, `rules`, `defaults`, `teams`, `robots`, `processes`, `events`, `links` … (14 in all)
 
-        error: no robot is called `cop`
-          --> small.toml:28:11 (processes.pursuer.robots[0])
-           |
-        28 | robots = ["cop"]
-           |           ^^^^^
-           = value: "cop"
-           = expected: nothing
+            error: no robot is called `cop`
+              --> small.toml:28:11 (processes.pursuer.robots[0])
+               |
+            28 | robots = ["cop"]
+               |           ^^^^^
+               = value: "cop"
+               = expected: nothing
 
-        error: no robot is in team `evader`
-          --> small.toml:31:8 (processes.evader_potential.team)
-           |
-        31 | team = "evader"
-           |        ^^^^^^^^
-           = value: "evader"
-           = expected: nothing"#]],
+            error: no robot is in team `evader`
+              --> small.toml:31:8 (processes.evader_potential.team)
+               |
+            31 | team = "evader"
+               |        ^^^^^^^^
+               = value: "evader"
+               = expected: nothing"#]],
     );
     refused(
         &[
@@ -304,7 +304,7 @@ fn robots_have_unique_names_and_required_keys() {
             14 | preset = "turtlebot3"
                |          ^^^^^^^^^^^^
                = value: "turtlebot3"
-               = expected: `turtlebot3_burger` or `lego_nxt`
+               = expected: one of `turtlebot3_burger`, `lego_nxt`
                = help: did you mean `turtlebot3_burger`?"#]],
     );
     let block = |i: usize| {

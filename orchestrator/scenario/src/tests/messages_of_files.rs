@@ -48,7 +48,7 @@ fn files_are_found_only_in_the_folder_of_the_scenario() {
         3 | shape = { circle = { center = [0, 0], radus = 1 } }
           |                                       ^^^^^
           = value: 1
-          = expected: one of the keys `center` or `radius`
+          = expected: one of `center`, `radius`
           = help: did you mean `radius`?
         error: not valid TOML: unclosed array
          --> cut.toml:1:37
@@ -63,14 +63,14 @@ fn files_are_found_only_in_the_folder_of_the_scenario() {
         1 | bounds = { min = [-4, -2], max = [4,
           |                                     ^
           = expected: `}`
-        error: cannot read FOLDER/none.toml: No such file or directory (os error 2)
+        error: FOLDER/none.toml: cannot be read: No such file or directory (os error 2)
          --> FOLDER/game.toml:9:7 (world.map)
           |
         9 | map = "none.toml"
           |       ^^^^^^^^^^^
           = value: "none.toml"
           = expected: a file
-        error: cannot read FOLDER/maps/city.toml: No such file or directory (os error 2)
+        error: FOLDER/maps/city.toml: cannot be read: No such file or directory (os error 2)
          --> FOLDER/game.toml:9:7 (world.map)
           |
         9 | map = "maps/city.toml"
@@ -92,7 +92,7 @@ fn files_are_found_only_in_the_folder_of_the_scenario() {
           |       ^^^^^^^^^^^^^
           = value: "/etc/passwd"
           = expected: a relative path without `..`
-        error: cannot read FOLDER/room.png: No such file or directory (os error 2)
+        error: FOLDER/room.png: cannot be read: No such file or directory (os error 2)
          --> FOLDER/game.toml:9:7 (world.map)
           |
         9 | map = "room.png"
@@ -149,11 +149,11 @@ fn an_unknown_scenario_is_refused_with_the_known_names() {
     let load = |target: &str| Loader::new(&[]).load(target, &[], None);
     let errors = ["chse", "/tmp"].map(|target| load(target).unwrap_err().to_string());
     expect![[r#"
-        error: cannot read chse: No such file or directory (os error 2)
+        error: chse: cannot be read: No such file or directory (os error 2)
           = value: chse
-          = expected: the path of a scenario, or the name of a built-in one: `chase`, `chase_exact`, `chase_paper`, `chase_layouts`, `chase_braitenberg`, `chase_rrt_star`, `chase_popup`, `chase_referee`, `chase_reach_avoid`, `popup`, `popup_city`, `single_lane` … (19 in all)
+          = expected: the path of a scenario, or a built-in scenario: one of `chase`, `chase_exact`, `chase_paper`, `chase_layouts`, `chase_braitenberg`, `chase_rrt_star`, `chase_popup`, `chase_referee`, `chase_reach_avoid`, `popup`, `popup_city`, `single_lane` … (19 in all)
           = help: did you mean `chase`?
-        error: cannot read /tmp: Is a directory (os error 21)
+        error: /tmp: cannot be read: Is a directory (os error 21)
           = value: /tmp
-          = expected: the path of a scenario, or the name of a built-in one: `chase`, `chase_exact`, `chase_paper`, `chase_layouts`, `chase_braitenberg`, `chase_rrt_star`, `chase_popup`, `chase_referee`, `chase_reach_avoid`, `popup`, `popup_city`, `single_lane` … (19 in all)"#]].assert_eq(&errors.join("\n"));
+          = expected: the path of a scenario, or a built-in scenario: one of `chase`, `chase_exact`, `chase_paper`, `chase_layouts`, `chase_braitenberg`, `chase_rrt_star`, `chase_popup`, `chase_referee`, `chase_reach_avoid`, `popup`, `popup_city`, `single_lane` … (19 in all)"#]].assert_eq(&errors.join("\n"));
 }

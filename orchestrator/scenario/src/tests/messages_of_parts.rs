@@ -36,7 +36,7 @@ fn process_kinds_are_known_or_the_nearest_is_suggested() {
             27 | kind = "persuer"
                |        ^^^^^^^^^
                = value: "persuer"
-               = expected: `perception`, `pursuer`, `evader_braitenberg`, `evader_potential`, `ping`, `pong`, `optimiser` or `navigator`
+               = expected: one of `perception`, `pursuer`, `evader_braitenberg`, `evader_potential`, `ping`, `pong`, `optimiser`, `navigator`
                = help: did you mean `pursuer`?
             error: the simulator always runs and is not listed
               --> small.toml:27:8 (processes.simulator.kind)
@@ -114,35 +114,35 @@ fn the_reaction_to_a_failure_must_fit_the_mode() {
     texts_refused(
         texts,
         &expect![[r#"
-        error: `retry` is not one of the choices
-          --> small.toml:28:14 (processes.pursuer.on_failure)
-           |
-        28 | on_failure = "retry"
-           |              ^^^^^^^
-           = value: "retry"
-           = expected: `abort`, `restart` or `continue`
-           = help: did you mean `restart`?
-        error: lock-step mode cannot restart a process
-          --> small.toml:28:14 (processes.pursuer.on_failure)
-           |
-        28 | on_failure = "restart"
-           |              ^^^^^^^^^
-           = value: "restart"
-           = expected: "abort" or "continue", or run.mode = "real_time"
-        error: unknown key `restart`
-          --> small.toml:28:1 (processes.pursuer.restart)
-           |
-        28 | restart = { limit = 2 }
-           | ^^^^^^^
-           = value: { limit = 2 }
-           = expected: one of the keys `name`, `kind`, `command`, `folder`, `declaration`, `robots`, `team`, `grouping`, `on_failure`, `ready_timeout_s`, `period` or `params`
-        error: `ready_timeout_s` is out of range
-          --> small.toml:28:19 (processes.pursuer.ready_timeout_s)
-           |
-        28 | ready_timeout_s = 0.0
-           |                   ^^^
-           = value: 0
-           = expected: a number between 0.1 and 3600 (s)"#]],
+            error: `retry` is not one of the choices
+              --> small.toml:28:14 (processes.pursuer.on_failure)
+               |
+            28 | on_failure = "retry"
+               |              ^^^^^^^
+               = value: "retry"
+               = expected: one of `abort`, `restart`, `continue`
+               = help: did you mean `restart`?
+            error: lock-step mode cannot restart a process
+              --> small.toml:28:14 (processes.pursuer.on_failure)
+               |
+            28 | on_failure = "restart"
+               |              ^^^^^^^^^
+               = value: "restart"
+               = expected: "abort" or "continue", or run.mode = "real_time"
+            error: unknown key `restart`
+              --> small.toml:28:1 (processes.pursuer.restart)
+               |
+            28 | restart = { limit = 2 }
+               | ^^^^^^^
+               = value: { limit = 2 }
+               = expected: one of `name`, `kind`, `command`, `folder`, `declaration`, `robots`, `team`, `grouping`, `on_failure`, `ready_timeout_s`, `period`, `params`
+            error: `ready_timeout_s` is out of range
+              --> small.toml:28:19 (processes.pursuer.ready_timeout_s)
+               |
+            28 | ready_timeout_s = 0.0
+               |                   ^^^
+               = value: 0
+               = expected: a number between 0.1 and 3600 (s)"#]],
     );
 }
 
@@ -172,7 +172,7 @@ fn every_robot_is_driven_by_exactly_one_process() {
             28 | robots = ["copp"]
                |           ^^^^^^
                = value: "copp"
-               = expected: `cop` or `thief`
+               = expected: one of `cop`, `thief`
                = help: did you mean `cop`?
             error: robot `thief` is driven by two processes, `pursuer_thief` and `evader_potential`
               --> small.toml:29:1 (processes.evader_potential)
@@ -212,7 +212,7 @@ fn every_robot_is_driven_by_exactly_one_process() {
             28 | team = "neutral"
                |        ^^^^^^^^^
                = value: "neutral"
-               = expected: `evader` or `police`
+               = expected: one of `evader`, `police`
             error: a process of kind `perception` drives no robots
               --> small.toml:34:8 (processes.perception.team)
                |

@@ -29,7 +29,7 @@ fn events_must_be_possible() {
             38 | obstacle = "wal"
                |            ^^^^^
                = value: "wal"
-               = expected: `wall` or `block`
+               = expected: one of `wall`, `block`
                = help: did you mean `wall`?
             error: obstacle `wall` appears at 2.5 s, but it is present already
               --> small.toml:42:12 (events[1].obstacle)
@@ -96,7 +96,7 @@ fn logs_and_ends_are_checked() {
             3 | compression = "zip"
               |               ^^^^^
               = value: "zip"
-              = expected: `zstd` or `none`"#]],
+              = expected: one of `zstd`, `none`"#]],
     );
     let endless = changed("time_limit = 30.0", "")
         .replace("capture = { radius = 0.3 }", "")
@@ -200,48 +200,48 @@ fn maps_are_checked_where_they_are_written() {
     texts_refused(
         texts,
         &expect![[r#"
-        error: this scenario cannot refer to files
-         --> small.toml:9:7 (world.map)
-          |
-        9 | map = "maps/x.toml"
-          |       ^^^^^^^^^^^^^
-          = value: "maps/x.toml"
-          = expected: a map written in the scenario itself
+            error: this scenario cannot refer to files
+             --> small.toml:9:7 (world.map)
+              |
+            9 | map = "maps/x.toml"
+              |       ^^^^^^^^^^^^^
+              = value: "maps/x.toml"
+              = expected: a map written in the scenario itself
 
-        error: unknown key `x`
-          --> small.toml:10:2 (x)
-           |
-        10 | [x]
-           |  ^
-           = value: { bounds = { min = [-4.0, -2.0], max = [4.0, 2.0] }, o = [{ …
-           = expected: one of the keys `name`, `title`, `description`, `run`, `world`, `rules`, `defaults`, `teams`, `robots`, `processes`, `events`, `links` … (14 in all)
-        error: missing table `[world]`
-         --> small.toml:1:1 (world)
-          |
-        1 | title = "x"
-          | ^
-          = expected: [world] with map = "path/of/a/map.toml"
+            error: unknown key `x`
+              --> small.toml:10:2 (x)
+               |
+            10 | [x]
+               |  ^
+               = value: { bounds = { min = [-4.0, -2.0], max = [4.0, 2.0] }, o = [{ …
+               = expected: one of `name`, `title`, `description`, `run`, `world`, `rules`, `defaults`, `teams`, `robots`, `processes`, `events`, `links` … (14 in all)
+            error: missing table `[world]`
+             --> small.toml:1:1 (world)
+              |
+            1 | title = "x"
+              | ^
+              = expected: [world] with map = "path/of/a/map.toml"
 
-        error: the scenario has no robots
-         --> small.toml:1:1 (robots)
-          |
-        1 | title = "x"
-          | ^
-          = expected: at least one [[robots]] block
-        error: missing key `map`
-         --> small.toml:8:1 (world.map)
-          |
-        8 | [world]
-          | ^^^^^^^
-          = expected: map = "path/of/a/map.toml", or [world.map.vector]
+            error: the scenario has no robots
+             --> small.toml:1:1 (robots)
+              |
+            1 | title = "x"
+              | ^
+              = expected: at least one [[robots]] block
+            error: missing key `map`
+             --> small.toml:8:1 (world.map)
+              |
+            8 | [world]
+              | ^^^^^^^
+              = expected: map = "path/of/a/map.toml", or [world.map.vector]
 
-        error: unknown key `x`
-         --> small.toml:9:2 (x)
-          |
-        9 | [x]
-          |  ^
-          = value: { bounds = { min = [-4.0, -2.0], max = [4.0, 2.0] }, o = [{ …
-          = expected: one of the keys `name`, `title`, `description`, `run`, `world`, `rules`, `defaults`, `teams`, `robots`, `processes`, `events`, `links` … (14 in all)"#]],
+            error: unknown key `x`
+             --> small.toml:9:2 (x)
+              |
+            9 | [x]
+              |  ^
+              = value: { bounds = { min = [-4.0, -2.0], max = [4.0, 2.0] }, o = [{ …
+              = expected: one of `name`, `title`, `description`, `run`, `world`, `rules`, `defaults`, `teams`, `robots`, `processes`, `events`, `links` … (14 in all)"#]],
     );
 }
 
@@ -270,7 +270,7 @@ fn an_error_in_an_override_says_so() {
         1 | run.sead=5
           |     ^^^^
           = value: 5
-          = expected: one of the keys `dt`, `seed`, `mode`, `real_time_factor`, `pin`, `hang_timeout_s`, `ready_timeout_s` or `command_deadline_s`
+          = expected: one of `dt`, `seed`, `mode`, `real_time_factor`, `pin`, `hang_timeout_s`, `ready_timeout_s`, `command_deadline_s`
           = help: did you mean `seed`?
         error: `limits.v_max` is out of range
          --> --set (robots.cop.limits.v_max)
@@ -284,7 +284,7 @@ fn an_error_in_an_override_says_so() {
           |
         1 | robots.bob.radius=1
           |        ^^^
-          = expected: `cop` or `thief`, or an index from 0 to 1
+          = expected: one of `cop`, `thief`, or an index from 0 to 1
         error: wrong type: text
          --> --set (processes.perception.params.particles)
           |

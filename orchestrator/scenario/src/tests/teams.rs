@@ -125,14 +125,14 @@ fn mistakes_in_teams_are_explained() {
             21 | team = "guards"
                |        ^^^^^^^^
                = value: "guards"
-               = expected: role = "pursuer", "evader" or "neutral" in [teams.guards], or the team `thieves`, `neutral`, `police` or `evader`
+               = expected: role = "pursuer", "evader" or "neutral" in [teams.guards], or a team: one of `thieves`, `neutral`, `police`, `evader`
             error: `police` is not one of the choices
               --> small.toml:16:8 (teams.guards.role)
                |
             16 | role = "police"
                |        ^^^^^^^^
                = value: "police"
-               = expected: `neutral`, `pursuer` or `evader`
+               = expected: one of `neutral`, `pursuer`, `evader`
             error: team `thieves` of role evader cannot be hostile to `gards`
               --> small.toml:19:15 (robots.thief.hostile_to[0])
                |
@@ -167,7 +167,7 @@ fn mistakes_in_teams_are_explained() {
                |
             18 | [teams.thiefs]
                | ^^^^^^^^^^^^^^
-               = expected: the team `guards` or `thieves`
+               = expected: a team: one of `guards`, `thieves`
                = help: did you mean `thieves`?
             error: name not allowed
               --> small.toml:22:8 (robots.cop.team)
@@ -182,7 +182,7 @@ fn mistakes_in_teams_are_explained() {
             34 | team = "thief"
                |        ^^^^^^^
                = value: "thief"
-               = expected: `guards` or `thieves`
+               = expected: one of `guards`, `thieves`
                = help: did you mean `thieves`?"#]],
     );
     refused(
@@ -204,7 +204,7 @@ fn mistakes_in_teams_are_explained() {
             19 | team = "polize"
                |        ^^^^^^^^
                = value: "polize"
-               = expected: role = "pursuer", "evader" or "neutral" in [teams.polize], or the team `neutral`, `police` or `evader`
+               = expected: role = "pursuer", "evader" or "neutral" in [teams.polize], or a team: one of `neutral`, `police`, `evader`
                = help: did you mean `police`?"#]],
     );
 }

@@ -24,7 +24,7 @@ fn unknown_keys_are_named_and_the_nearest_is_suggested() {
             3 | titel = "A small experiment"
               | ^^^^^
               = value: "A small experiment"
-              = expected: one of the keys `name`, `kind`, `title`, `description`, `scenario`, `task`, `seeds`, `cases`, `parameters`, `grid`, `run` or `figures`
+              = expected: one of `name`, `kind`, `title`, `description`, `scenario`, `task`, `seeds`, `cases`, `parameters`, `grid`, `run`, `figures`
               = help: did you mean `title`?
             error: parameter `relative_speed` is not in the grid
               --> small.toml:17:1 (parameters.relative_speed)
@@ -39,7 +39,7 @@ fn unknown_keys_are_named_and_the_nearest_is_suggested() {
             22 | [gird]
                |  ^^^^
                = value: { relative_speed = [0.8, 1.5, 2] }
-               = expected: one of the keys `name`, `kind`, `title`, `description`, `scenario`, `task`, `seeds`, `cases`, `parameters`, `grid`, `run` or `figures`
+               = expected: one of `name`, `kind`, `title`, `description`, `scenario`, `task`, `seeds`, `cases`, `parameters`, `grid`, `run`, `figures`
                = help: did you mean `grid`?
             error: unknown key `timeout`
               --> small.toml:26:1 (run.timeout)
@@ -47,7 +47,7 @@ fn unknown_keys_are_named_and_the_nearest_is_suggested() {
             26 | timeout = 100.0
                | ^^^^^^^
                = value: 100.0
-               = expected: one of the keys `timeout_s`
+               = expected: `timeout_s`
                = help: did you mean `timeout_s`?
             error: unknown key `scael`
               --> small.toml:20:1 (parameters.relative_speed.scael)
@@ -55,7 +55,7 @@ fn unknown_keys_are_named_and_the_nearest_is_suggested() {
             20 | scael = "teams.police.limits.v_max"
                | ^^^^^
                = value: "teams.police.limits.v_max"
-               = expected: one of the keys `title`, `set`, `scale` or `levels`
+               = expected: one of `title`, `set`, `scale`, `levels`
                = help: did you mean `scale`?
 
             error: unknown parameter `relative_speed`
@@ -79,7 +79,7 @@ fn unknown_keys_are_named_and_the_nearest_is_suggested() {
             5 | seeds = { frist = 1, count = 3 }
               |           ^^^^^
               = value: 1
-              = expected: one of the keys `first` or `count`
+              = expected: one of `first`, `count`
               = help: did you mean `first`?
             error: unknown key `compares`
               --> small.toml:31:1 (figures.chance.compares)
@@ -87,7 +87,7 @@ fn unknown_keys_are_named_and_the_nearest_is_suggested() {
             31 | compares = "a.csv"
                | ^^^^^^^^
                = value: "a.csv"
-               = expected: one of the keys `name`, `title`, `x`, `metric` or `compare`
+               = expected: one of `name`, `title`, `x`, `metric`, `compare`
                = help: did you mean `compare`?
             error: unknown key `sett`
               --> small.toml:13:1 (cases.braitenberg.sett)
@@ -95,7 +95,7 @@ fn unknown_keys_are_named_and_the_nearest_is_suggested() {
             13 | sett = 1
                | ^^^^
                = value: 1
-               = expected: one of the keys `name`, `title`, `scenario` or `set`
+               = expected: one of `name`, `title`, `scenario`, `set`
                = help: did you mean `set`?"#]],
     );
 }
@@ -177,16 +177,16 @@ fn missing_scenarios_are_refused() {
             4 | scenario = "builtin:chase_exakt"
               |            ^^^^^^^^^^^^^^^^^^^^^
               = value: "builtin:chase_exakt"
-              = expected: `chase`, `chase_exact`, `chase_paper`, `chase_layouts`, `chase_braitenberg`, `chase_rrt_star`, `chase_popup`, `chase_referee`, `chase_reach_avoid`, `popup`, `popup_city`, `single_lane` … (19 in all)
+              = expected: one of `chase`, `chase_exact`, `chase_paper`, `chase_layouts`, `chase_braitenberg`, `chase_rrt_star`, `chase_popup`, `chase_referee`, `chase_reach_avoid`, `popup`, `popup_city`, `single_lane` … (19 in all)
               = help: did you mean `builtin:chase_exact`?
-            error: cannot read nowhere.toml: No such file or directory (os error 2)
+            error: nowhere.toml: cannot be read: No such file or directory (os error 2)
              --> small.toml:4:12 (scenario)
               |
             4 | scenario = "nowhere.toml"
               |            ^^^^^^^^^^^^^^
               = value: "nowhere.toml"
               = expected: a file: the path of a scenario beside the experiment, or a built-in one such as "builtin:chase"
-            error: cannot read chase: No such file or directory (os error 2)
+            error: chase: cannot be read: No such file or directory (os error 2)
              --> small.toml:4:12 (scenario)
               |
             4 | scenario = "chase"
@@ -226,7 +226,7 @@ fn a_mistake_in_an_override_points_at_its_line_and_names_the_cell() {
               |
             9 | set.processes.evader_potential.params.threat.gian = 0.0
               |                                              ^^^^
-              = expected: one of the keys `gain`, `reach` or `period_s`
+              = expected: one of `gain`, `reach`, `period_s`
               = help: did you mean `gain`?
             error: unknown process kind `evader_braitenburg` (in case braitenberg, relative_speed = 0.8)
              --> small.toml:15 (processes.evader_braitenburg.kind)
@@ -234,7 +234,7 @@ fn a_mistake_in_an_override_points_at_its_line_and_names_the_cell() {
             1 | processes.evader_potential={ kind = "evader_braitenburg", team = "evader" }
               |                                     ^^^^^^^^^^^^^^^^^^^^
               = value: "evader_braitenburg"
-              = expected: `perception`, `referee`, `observer`, `pursuer`, `evader_braitenberg`, `evader_potential`, `evader_reach_avoid`, `evader_rrt_star`, `policy`, `optimiser`, `navigator`, `patrol_awg` … (18 in all)
+              = expected: one of `perception`, `referee`, `observer`, `pursuer`, `evader_braitenberg`, `evader_potential`, `evader_reach_avoid`, `evader_rrt_star`, `policy`, `optimiser`, `navigator`, `patrol_awg` … (18 in all)
               = help: did you mean `evader_braitenberg`?
             error: robot `evader_1` has no range scanner, but process `evader_braitenberg_evader_1` (evader_braitenberg) steers by it (in case braitenberg, relative_speed = 0.8)
               --> chase_exact.toml:54:1 (robots.evader_1.scan)
@@ -256,7 +256,7 @@ fn a_mistake_in_an_override_points_at_its_line_and_names_the_cell() {
                |
             19 | set = "robots.evader_7.limits.v_max"
                |       ^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^
-               = expected: `police_1`, `police_2`, `police_3`, `police_4`, `evader_1` or `evader_2`, or an index from 0 to 5
+               = expected: one of `police_1`, `police_2`, `police_3`, `police_4`, `evader_1`, `evader_2`, or an index from 0 to 5
                = help: did you mean `evader_1`?
             error: `limits.v_max` is out of range (in case potential, relative_speed = -1)
              --> small.toml:23 (robots.evader_1.limits.v_max)
@@ -292,21 +292,21 @@ fn a_misspelt_key_is_one_problem_at_its_own_line() {
                |
             19 | set = "teams.evader.limits.v_mx"
                |       ^^^^^^^^^^^^^^^^^^^^^^^^^^
-               = expected: one of the keys `v_max`, `v_reverse_max`, `omega_max`, `acceleration`, `angular_acceleration` or `wheel_speed_max`
+               = expected: one of `v_max`, `v_reverse_max`, `omega_max`, `acceleration`, `angular_acceleration`, `wheel_speed_max`
                = help: did you mean `v_max`?
             error: unknown key `teems` (in case potential)
               --> small.toml:19:7 (teems)
                |
             19 | set = "teems.evader.limits.v_max"
                |       ^^^^^^^^^^^^^^^^^^^^^^^^^^^
-               = expected: one of the keys `name`, `title`, `description`, `run`, `world`, `rules`, `defaults`, `teams`, `robots`, `processes`, `events`, `links` … (14 in all)
+               = expected: one of `name`, `title`, `description`, `run`, `world`, `rules`, `defaults`, `teams`, `robots`, `processes`, `events`, `links` … (14 in all)
                = help: did you mean `teams`?
             error: unknown key `scam` (in case braitenberg)
               --> small.toml:14:23 (teams.evader.scam)
                |
             14 | teams.evader.scam = { beams = 72, angle_increment = 0.0872 }
                |                       ^^^^^
-               = expected: one of the keys `name`, `count`, `team`, `role`, `hostile_to`, `start`, `start_jitter`, `random_start`, `preset`, `radius`, `wheel_separation`, `limits` … (16 in all)
+               = expected: one of `name`, `count`, `team`, `role`, `hostile_to`, `start`, `start_jitter`, `random_start`, `preset`, `radius`, `wheel_separation`, `limits` … (16 in all)
                = help: did you mean `scan`?"#]],
     );
     let levels = GOOD.replace(
@@ -318,20 +318,20 @@ fn a_misspelt_key_is_one_problem_at_its_own_line() {
     texts_refused(
         [levels],
         &expect![[r#"
-        error: unknown key `time_limt` (in case potential)
-          --> small.toml:19:23 (rules.time_limt)
-           |
-        19 | levels.slow = { rules.time_limt = 5 }
-           |                       ^^^^^^^^^
-           = expected: one of the keys `capture`, `exits`, `time_limit`, `coverage`, `blocked`, `caught` or `escaped`
-           = help: did you mean `time_limit`?
+            error: unknown key `time_limt` (in case potential)
+              --> small.toml:19:23 (rules.time_limt)
+               |
+            19 | levels.slow = { rules.time_limt = 5 }
+               |                       ^^^^^^^^^
+               = expected: one of `capture`, `exits`, `time_limit`, `coverage`, `blocked`, `caught`, `escaped`
+               = help: did you mean `time_limit`?
 
-        error: unknown key `time_limt` (in case potential)
-          --> small.toml:20:23 (rules.time_limt)
-           |
-        20 | levels.fast = { rules.time_limt = 6 }
-           |                       ^^^^^^^^^
-           = expected: one of the keys `capture`, `exits`, `time_limit`, `coverage`, `blocked`, `caught` or `escaped`
-           = help: did you mean `time_limit`?"#]],
+            error: unknown key `time_limt` (in case potential)
+              --> small.toml:20:23 (rules.time_limt)
+               |
+            20 | levels.fast = { rules.time_limt = 6 }
+               |                       ^^^^^^^^^
+               = expected: one of `capture`, `exits`, `time_limit`, `coverage`, `blocked`, `caught`, `escaped`
+               = help: did you mean `time_limit`?"#]],
     );
 }

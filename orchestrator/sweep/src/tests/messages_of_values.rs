@@ -256,7 +256,7 @@ fn names_numbers_and_figures_are_checked() {
             31 | metric = "escape"
                |          ^^^^^^^^
                = value: "escape"
-               = expected: `escape_chance`, `capture_chance`, `held_out_chance`, `game_time`, `first_capture`, `first_escape`, `contacts`, `evader_mean_speed`, `escape_possible`, `lap_length`, `longest_lap`, `planned_mae` … (17 in all)
+               = expected: one of `escape_chance`, `capture_chance`, `held_out_chance`, `game_time`, `first_capture`, `first_escape`, `contacts`, `evader_mean_speed`, `escape_possible`, `lap_length`, `longest_lap`, `planned_mae` … (17 in all)
                = help: did you mean `escape_chance`?"#]],
     );
     let texts = [
@@ -309,7 +309,7 @@ fn an_unsuitable_sweep_is_refused() {
     );
     let error = Experiment::load("/no/such.toml".as_ref(), &LoadOptions::new(kinds::KINDS));
     expect![[r#"
-        error: cannot read /no/such.toml: No such file or directory (os error 2)
+        error: /no/such.toml: cannot be read: No such file or directory (os error 2)
           = value: /no/such.toml
           = expected: the path of an experiment: a readable file"#]]
     .assert_eq(&error.unwrap_err().to_string());

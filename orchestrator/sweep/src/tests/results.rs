@@ -117,7 +117,7 @@ fn results_of_another_experiment_are_refused() {
     expect![[r#"
         FOLDER contains the results of another experiment: compare its experiment.toml and its scenarios with yours; choose another --out, or remove the directory if its results are no longer needed
         FOLDER contains the results of another experiment: its files have format 99, this program writes format 3; choose another --out, or remove the directory if its results are no longer needed
-        FOLDER/manifest.json:1: expected ident at line 1 column 2: no json; expected the manifest of a sweep's results
+        FOLDER/manifest.json:1: expected ident at line 1 column 2: no json: expected the manifest of a sweep's results
         FOLDER is not a directory of results: it has no manifest.json; choose another --out, or an empty directory"#]].assert_eq(&errors.join("\n"));
 }
 
@@ -174,7 +174,7 @@ fn a_link_in_the_place_of_the_lock_is_refused_and_its_target_stays() {
     let results = directory.path().join("results");
     std::fs::create_dir(&results).unwrap();
     std::os::unix::fs::symlink(&target, results.join("lock")).unwrap();
-    expect!["FOLDER/results/lock: cannot open the lock file: it is a symbolic link"]
+    expect!["FOLDER/results/lock: cannot be opened: it is a symbolic link"]
         .assert_eq(&words(open(&results), directory.path()));
     assert_eq!(std::fs::read_to_string(&target).unwrap(), "their own");
     assert_eq!(std::fs::read_dir(&results).unwrap().count(), 1);

@@ -325,11 +325,11 @@ fn rules_that_do_not_fit_the_world_are_named() {
     ]
     .map(refused);
     expect![[r#"
-        `rules.coverage.robots[0]` is wally, but must be the name of a robot: walle
-        `rules.coverage.teams` is ["police"], but must be a team with robots in it
-        `rules.coverage.teams[1]` is gards, but must be a team with robots in it
-        `rules.coverage.resolution` is 0.0001, but must be at least about 0.001 m on this map: at most 16000000 cells
-        `rules.coverage.period` is 0, but must be a number above 0 and at most 100000 (s)"#]].assert_eq(&errors.join("\n"));
+        `rules.coverage.robots[0]` is wally: expected one of the robots walle
+        `rules.coverage.teams` is ["police"]: expected a team with robots in it
+        `rules.coverage.teams[1]` is gards: expected a team with robots in it
+        `rules.coverage.resolution` is 0.0001: expected at least about 0.001 m on this map: at most 16000000 cells
+        `rules.coverage.period` is 0: expected a number above 0 and at most 100000 (s)"#]].assert_eq(&errors.join("\n"));
 }
 
 proptest! {

@@ -118,7 +118,7 @@ fn broken_yaml_names_file_line_value_and_expectation() {
         map maps/office.yaml, line 3: origin = [-1.0, nan, 0.0]: expected [x, y, yaw] with x and y within ±1e5 (m) and yaw = 0 (rad) (turned maps are not read)
         map maps/office.yaml, line 4: negate = 2: expected 0 or 1, or false or true
         map maps/office.yaml, line 5: occupied_thresh = 1.65: expected a number in [0, 1]
-        map maps/office.yaml: `free_thresh` is 0.196, but must be at most occupied_thresh = 0.1
+        map maps/office.yaml: `free_thresh` is 0.196: expected at most occupied_thresh = 0.1
         map maps/office.yaml: free_thresh is missing: expected a line `free_thresh: …`
         map maps/office.yaml, line 1: no key: expected one document with lines of `key: value`
         map maps/office.yaml, line 1: image is empty: expected the path of a PGM or PNG file
@@ -136,7 +136,7 @@ fn broken_yaml_names_file_line_value_and_expectation() {
         map maps/office.yaml: image is missing: expected a line `image: …`
         map maps/office.yaml, line 4: resolution a second time: expected every key once
         map maps/office.yaml, line 4: mode = none: expected trinary, scale or raw
-        map maps/office.yaml: `negate` is 1, but must be 0 with mode = raw"#]].assert_eq(&changes.map(refused).join("\n"));
+        map maps/office.yaml: `negate` is 1: expected 0 with mode = raw"#]].assert_eq(&changes.map(refused).join("\n"));
 }
 
 #[test]
@@ -155,7 +155,7 @@ fn files_are_read_relative_to_the_yaml_and_errors_name_them() {
     errors.push(refused(&yaml));
     expect![[r#"
         map image FOLDER/./office.pgm: No such file or directory (os error 2)
-        map FOLDER/none.yaml: No such file or directory (os error 2)
+        map FOLDER/none.yaml: cannot be read: No such file or directory (os error 2)
         map image FOLDER/./office.pgm: truncated: 3 pixels of 2 × 2 = 4 declared in the header"#]]
     .assert_eq(&errors.join("\n"));
     std::fs::write(directory.join("office.pgm"), b"P5 2 2 255\n\0\xff\xff\xff").unwrap();
