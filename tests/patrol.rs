@@ -200,7 +200,7 @@ fn team(sandbox: &Sandbox, count: usize, contour: &str, time_limit: f64) -> Json
     let count = format!("robots.guard.count={count}");
     let contour = format!("processes.patrol.params.mission.contour={contour}");
     let time_limit = format!("rules.time_limit={time_limit}");
-    let words = ["run", "patrol_team", "--quiet", "--in-process", "--no-log"];
+    let words = ["run", "patrol_team", "--quiet", "--in-process"];
     let call = sandbox.protean(words);
     let call = [count, contour, time_limit]
         .iter()

@@ -49,6 +49,9 @@ impl MissionReport {
         if let Some(coverage) = &s.coverage {
             json["coverage"] = json!(coverage);
         }
+        if !s.patrols.is_empty() {
+            json["patrols"] = json!(s.patrols);
+        }
         if !remarks.is_empty() {
             json["remarks"] = json!(remarks);
         }

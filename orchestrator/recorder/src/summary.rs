@@ -154,6 +154,13 @@ pub struct WaypointOutcome {
     pub driven: Option<LapFigures>,
 }
 
+impl WaypointOutcome {
+    /// Returns the number of waypoints left out, for any reason.
+    pub fn left_out(&self) -> u64 {
+        self.inside_obstacle + self.timed_out + self.unreachable + self.stuck
+    }
+}
+
 /// Figures of laps: means over the laps.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct LapFigures {

@@ -1,5 +1,7 @@
 //! World with one robot on patrol, driven tick by tick.
 
+#![allow(dead_code, reason = "each test file uses a part of it")]
+
 use core::time::Duration;
 use std::sync::Arc;
 
