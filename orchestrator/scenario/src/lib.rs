@@ -22,7 +22,6 @@ mod load;
 mod overrides;
 mod processes;
 mod remarks;
-mod renamed;
 mod resolve;
 mod resolved;
 mod robots;

@@ -6,12 +6,12 @@ use config::{
     Code, Diagnostic, Diagnostics, Node, SourceKind, Sources, list_choices, nearest, parse_document,
 };
 use platform::presence;
+use scenario_files::renamed;
 
 use super::builtin;
 use super::draft::Draft;
 use super::files::{Base, read_text};
 use super::kind::Kind;
-use super::renamed;
 use super::resolved::ResolvedScenario;
 use platform::file_kind::FileKind;
 

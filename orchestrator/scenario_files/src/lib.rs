@@ -1,4 +1,6 @@
-//! Sources of scenarios: the scenarios and maps compiled into the program, and the files that a scenario may read.
+//! Sources of scenarios: the scenarios and maps compiled into the program, the files that a scenario may read, and former names in
+//! scenarios.
 
 pub mod builtin;
 pub mod files;
+pub mod renamed;

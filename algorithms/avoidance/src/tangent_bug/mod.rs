@@ -26,6 +26,7 @@ mod follow;
 mod progress;
 mod remembered;
 mod run;
+mod sight;
 mod surroundings;
 mod trail;
 
@@ -38,10 +39,11 @@ use parameters::{ParamsError, positive};
 use planner_view::view::ScanView;
 use progress::Progress;
 use remembered::EchoMemory;
+use run::RunEnd;
 pub use run::Side;
-use run::{Run, RunEnd};
+use sight::Sight;
+use surroundings::Surroundings;
 pub(crate) use surroundings::echoes;
-use surroundings::{Surroundings, nearest_direction};
 
 /// Cosine of the angle to the goal (85°) above which the path along a boundary no longer approaches the
 /// goal.
@@ -456,58 +458,5 @@ impl TangentBug {
             towards: self.view.here,
             mode,
         }
-    }
-}
-
-/// The goal relative to the scan.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Sight {
-    goal: Point2<f64>,
-    /// Distance from the goal at which it is reached (m).
-    tolerance: f64,
-    /// d(x, goal) (m).
-    distance: f64,
-    /// Unit vector towards the goal.
-    towards: Vector2<f64>,
-    /// Unit vector along the robot's heading.
-    forward: Vector2<f64>,
-    /// Free length of the straight line to the goal (m).
-    free: f64,
-    /// `true` if the line is free as far as visible, or to the goal.
-    is_open: bool,
-    /// `true` if the line is free to the goal.
-    is_reachable: bool,
-}
-
-impl Sight {
-    fn new(view: &Surroundings, pose: &Pose2, goal: Point2<f64>, tolerance: f64) -> Self {
-        let offset = goal - view.here;
-        let distance = offset.norm();
-        let towards = if distance > 0.0 {
-            offset / distance
-        } else {
-            Vector2::x()
-        };
-        let free = view.free_towards(towards);
-        let needed = distance - tolerance;
-        Self {
-            goal,
-            tolerance,
-            distance,
-            towards,
-            forward: pose.forward(),
-            free,
-            is_open: free >= needed.min(view.reach),
-            is_reachable: free >= needed,
-        }
-    }
-
-    /// The boundary that blocks the line.
-    fn blocking(&self, view: &Surroundings, jump: f64) -> Option<Run> {
-        let k = nearest_direction(self.towards) + surroundings::DIRECTIONS;
-        // Directions are discrete: a neighbouring one may be the blocked one.
-        [k, k + 1, k - 1]
-            .into_iter()
-            .find_map(|k| Run::around(view, k, jump))
     }
 }

@@ -27,7 +27,8 @@ fn names_in_errors_are_short_and_without_control_characters() {
 fn a_file_without_graph_is_no_network() {
     expect![[r#"
         not an ONNX file: it has no graph
-        not an ONNX file: failed to decode Protobuf message: invalid wire type value: 7"#]].assert_eq(&[refused(&[]), refused(b"GIF89a")].join("\n"));
+        not an ONNX file: failed to decode Protobuf message: invalid wire type value: 7"#]]
+    .assert_eq(&[refused(&[]), refused(b"GIF89a")].join("\n"));
     let large = vec![0; MAX_FILE + 1];
     assert!(matches!(
         Network::from_onnx(&large),
@@ -97,7 +98,8 @@ fn memory_and_work_are_limited() {
     expect![[r#"
         the network has 3002003 values: expected at most 2097152
         the network has 120000000 operations per evaluation: expected at most 16777216
-        the network has 1001 nodes: expected at most 1000"#]].assert_eq(&errors.join("\n"));
+        the network has 1001 nodes: expected at most 1000"#]]
+    .assert_eq(&errors.join("\n"));
 }
 
 #[test]

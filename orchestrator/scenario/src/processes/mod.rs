@@ -5,9 +5,9 @@ mod files;
 mod read;
 mod tasks;
 
-use config::Code;
+use config::{Code, FieldPath, Node};
 use geometry::map::MapSpec;
-use runtime::declaration::{self, Declaration};
+use runtime::declaration::{self, Declaration, WrittenDeclaration};
 use sim_backend::spec::RulesSpec;
 
 use super::context::Context;
@@ -34,7 +34,7 @@ pub fn resolve(
     let before = ctx.problems.len();
     let blocks = ctx.blocks("processes");
     for (path, node) in &blocks {
-        read::register_topics(ctx, node, path);
+        register_topics(ctx, node, path);
     }
     if ctx.problems.len() > before {
         return Vec::new();
@@ -86,4 +86,17 @@ fn in_order(mut specs: Vec<ProcessSpec>) -> Vec<ProcessSpec> {
     let mut placed: Vec<_> = places.into_iter().zip(specs).collect();
     placed.sort_by_key(|(place, _)| *place);
     placed.into_iter().map(|(_, spec)| spec).collect()
+}
+
+/// Registers the topics that the external programs declare to write, so that others can name them.
+fn register_topics(ctx: &mut Context<'_>, node: &Node, path: &FieldPath) {
+    if let Some(declaration) = node.get("declaration").filter(|it| it.as_table().is_some())
+        && let Some(written) =
+            ctx.read::<WrittenDeclaration>(declaration, &path.then("declaration"))
+        && let Err(fault) = written.register()
+    {
+        let message = fault.to_string();
+        let problem = ctx.problem(node, path, "declaration", Code::OutOfRange, message);
+        ctx.problems.push(problem);
+    }
 }

@@ -2,13 +2,13 @@
 
 use config::{Code, FieldPath, Node, Origin, ReadFault, Step, describe, suggest};
 use runtime::declaration::Flow;
+use scenario_files::renamed;
 
 use super::files;
 use crate::context::Context;
 use crate::failure;
 use crate::files::Base;
 use crate::kind::{ConfiguredKind, Kind, ParamsProblem, find};
-use crate::renamed;
 use crate::resolved::{ASK, ProcessSpec, Program, ProgramDeclaration};
 use crate::robots::{Robot, check_name};
 use crate::spec::{Grouping, MAX_PERIOD, ProcessBlock, RunSpec};
@@ -155,19 +155,6 @@ fn read_period(
         .expected(expected);
     ctx.problems.push(problem);
     None
-}
-
-/// Registers the topics that the external programs declare to write, so that others can name them.
-pub fn register_topics(ctx: &mut Context<'_>, node: &Node, path: &FieldPath) {
-    if let Some(declaration) = node.get("declaration").filter(|it| it.as_table().is_some())
-        && let Some(written) =
-            ctx.read::<WrittenDeclaration>(declaration, &path.then("declaration"))
-        && let Err(fault) = written.register()
-    {
-        let message = fault.to_string();
-        let problem = ctx.problem(node, path, "declaration", Code::OutOfRange, message);
-        ctx.problems.push(problem);
-    }
 }
 
 /// Reads the declaration of an external program; `None` after a problem.

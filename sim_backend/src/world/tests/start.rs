@@ -72,7 +72,8 @@ fn bad_values_are_named_with_robot_and_field() {
     expect![[r#"
         robots[0] "tom": `limits.omega_max` is NaN: expected a number between 0 and 100000 (rad/s)
         robots[0] "tom": `radius` is 0: expected a number above 0 and at most 100000 (m)
-        `rules.capture.radius` is -1: expected a number above 0 and at most 100000 (m)"#]].assert_eq(&[robots, captured].join("\n"));
+        `rules.capture.radius` is -1: expected a number above 0 and at most 100000 (m)"#]]
+    .assert_eq(&[robots, captured].join("\n"));
 }
 
 #[test]

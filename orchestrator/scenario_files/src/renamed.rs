@@ -13,7 +13,7 @@ const NAMES: [(&str, &str); 6] = [
 ];
 
 /// Returns the present name of a parameter or kind with this former name.
-pub(crate) fn present_name(former: &str) -> Option<&'static str> {
+pub fn present_name(former: &str) -> Option<&'static str> {
     NAMES
         .iter()
         .find(|(old, _)| *old == former)
@@ -21,7 +21,7 @@ pub(crate) fn present_name(former: &str) -> Option<&'static str> {
 }
 
 /// Gives the kinds and parameters in a scenario from a log their present names.
-pub(crate) fn update(scenario: &mut Node) {
+pub fn update(scenario: &mut Node) {
     let processes = scenario.as_table_mut();
     if let Some(processes) = processes.and_then(|root| root.get_mut("processes")) {
         update_tables(processes);
