@@ -291,7 +291,7 @@ fn links_hold_for_topics_without_their_types() {
         ..TopicLayout::default()
     };
     let topic = layout.register().unwrap();
-    on_both("late", false, |bus| {
+    on_both("linked", false, |bus| {
         let any = AnyTopic::find(topic).unwrap();
         let _service = any.create(bus).unwrap();
         let publisher = RawPublisher::open(bus, topic, port(1, 1)).unwrap();
