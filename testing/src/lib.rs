@@ -3,7 +3,7 @@
 //! It uses low floors only. Unit tests of those crates cannot use it, since they would meet their own types in two
 //! versions; their `tests/` can.
 
-#![allow(clippy::expect_used, clippy::panic)]
+#![allow(clippy::expect_used, clippy::panic, clippy::missing_panics_doc)]
 
 mod city;
 mod shapes;

@@ -243,7 +243,7 @@ impl ResolvedScenario {
                             ProgramDeclaration::Nothing => {}
                             ProgramDeclaration::OnRequest => block["declaration"] = json!(ASK),
                             ProgramDeclaration::Written(known) => {
-                                block["declaration"] = json!(known.0)
+                                block["declaration"] = json!(known.0);
                             }
                         }
                     }

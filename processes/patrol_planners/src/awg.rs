@@ -195,7 +195,7 @@ impl PatrolAwg {
             // After the start has ended: a request for more waypoints means that the robot sets out
             // in this tick.
             let set_out_s = *set_out_s.get_or_insert(view.time_s);
-            (pace == Pace::Clock).then(|| set_out_s + (due_s - start_s))
+            (pace == Pace::Clock).then_some(set_out_s + (due_s - start_s))
         };
         let reports = &mut self.reports;
         let driving = self
