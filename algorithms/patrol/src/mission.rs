@@ -44,7 +44,8 @@ pub struct MissionParams {
     /// `true` if the last waypoint leads back to the first; otherwise the contour is driven there and
     /// back.
     pub closed: bool,
-    /// Place at which the robot begins.
+    /// Place at which the robot begins: its part of the contour in a team (`spread`), where the contour is nearest, or
+    /// the waypoint with this index.
     pub start: Start,
     /// Time limit of each lap.
     #[schemars(transform = above(0).at_most(MAX_T_MAX).unit("s"))]

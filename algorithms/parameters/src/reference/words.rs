@@ -65,6 +65,9 @@ pub(super) fn type_name<'a>(defined: &Types<'a>, schema: &'a Value) -> String {
             .collect();
         return names.join(", ");
     }
+    if let Some(name) = schema.get("const").and_then(Value::as_str) {
+        return format!("`{name}`");
+    }
     match types(schema).first() {
         Some(&"number") => "number".to_owned(),
         Some(&"integer") => "whole number".to_owned(),
