@@ -149,7 +149,7 @@ pub enum InProcessError {
         /// Name of the process.
         name: String,
         /// Fault of the file.
-        source: LibraryError,
+        source: Box<LibraryError>,
     },
     /// The plan does not begin with the simulator.
     #[error("the run has no simulator")]
@@ -168,7 +168,7 @@ pub enum InProcessError {
         /// Time of the failure: `before the first tick`, `at tick 17`.
         when: String,
         /// Cause.
-        source: ProcessError,
+        source: Box<ProcessError>,
     },
     /// A process panicked: a bug in Protean.
     #[error("a process of the run panicked: {message}")]

@@ -30,7 +30,7 @@ pub(super) fn load(
         let library = Library::load(&Path::new(folder).join(file));
         let library = library.map_err(|source| InProcessError::Library {
             name: process.name.clone(),
-            source,
+            source: Box::new(source),
         })?;
         let params = LibraryParams::new(&process.program.params(), library);
         let kind = if library.is_process() {

@@ -196,6 +196,7 @@ fn failed(name: &str, tick: Option<u64>, source: ProcessError) -> InProcessError
         || "before the first tick".to_owned(),
         |tick| format!("at tick {tick}"),
     );
+    let source = Box::new(source);
     InProcessError::Process { name, when, source }
 }
 

@@ -1,5 +1,10 @@
 //! Tests of the scenario system as a whole.
 
+#![allow(
+    clippy::too_many_lines,
+    reason = "lists of cases with the texts of their errors"
+)]
+
 mod counts;
 mod event_messages;
 mod messages;
