@@ -243,7 +243,7 @@ fn load(
     if let Some(rate) = rate {
         if !RATES.contains(&rate) {
             let expected = format!("ticks per second from {} to {}", RATES.start(), RATES.end());
-            return Err(LoadError::option("--rate", rate, expected));
+            return Err(LoadError::option("--rate", &rate, expected));
         }
         set.push(format!("run.dt={:?}", 1.0 / rate));
     }
@@ -256,7 +256,7 @@ fn load(
     if let Some(duration) = args.duration {
         if !(duration.is_finite() && duration > 0.0) {
             let expected = "a number of seconds above 0";
-            return Err(LoadError::option("--duration", duration, expected));
+            return Err(LoadError::option("--duration", &duration, expected));
         }
         let simulated = duration * scenario.run.real_time_factor;
         let limit = scenario.world.rules.time_limit;

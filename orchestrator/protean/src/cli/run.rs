@@ -140,7 +140,7 @@ pub(super) enum LoadError {
 impl LoadError {
     pub(super) fn option(
         option: &'static str,
-        value: impl ToString,
+        value: &impl ToString,
         expected: impl Into<String>,
     ) -> Self {
         Self::Option {
@@ -193,7 +193,7 @@ fn check_factor(option: &'static str, factor: Option<f64>) -> Result<(), LoadErr
     match factor {
         Some(factor) if !(0.001..=1000.0).contains(&factor) => Err(LoadError::option(
             option,
-            factor,
+            &factor,
             "a factor from 0.001 to 1000",
         )),
         _ => Ok(()),

@@ -1,5 +1,10 @@
 //! Tests of experiment files without execution.
 
+#![allow(
+    clippy::too_many_lines,
+    reason = "lists of cases with the texts of their errors"
+)]
+
 mod contradictions;
 mod experiment;
 mod messages;
