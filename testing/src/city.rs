@@ -170,7 +170,7 @@ impl Arena {
 /// A robot that moves by exact arcs and stops at walls.
 #[derive(Debug, Clone)]
 pub struct Kinematic {
-    /// Where it is (m, rad).
+    /// Pose (m, rad).
     pub pose: Pose2,
     /// The last command (m/s, rad/s).
     pub twist: Twist2,

@@ -1,4 +1,4 @@
-//! What the tests of several crates share. A dev-dependency only.
+//! Helpers that the tests of several crates share. A dev-dependency only.
 //!
 //! It uses low floors only. Unit tests of those crates cannot use it, since they would meet their own types in two
 //! versions; their `tests/` can.

@@ -101,9 +101,7 @@ pub enum MissionError {
     #[error("`key`: {0}")]
     Key(#[from] KeyError),
     /// A start that the contour does not have.
-    #[error(
-        "`start` is {index}, but must be the index of one of the {count} waypoints of `contour`"
-    )]
+    #[error("`start` is {index}: expected the index of one of the {count} waypoints of `contour`")]
     Start {
         /// The given index.
         index: usize,

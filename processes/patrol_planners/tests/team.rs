@@ -81,7 +81,7 @@ struct Team {
     failed: Vec<usize>,
 }
 
-/// Where a robot of `count` stands at the start: on a line within the contours.
+/// Start of a robot: on a line within the contours.
 fn pose(index: usize) -> Pose2 {
     Pose2::new(4.0 + 0.1 * index as f64, 4.0 + index as f64, 0.5)
 }
@@ -290,7 +290,7 @@ fn a_guard_alone_begins_at_the_given_waypoint_or_the_nearest_place() {
     let text = "mission = { contour = [[0, 0], [9, 0]], start = 2 }";
     let params: PatrolAwgParams = toml::from_str(text).unwrap();
     let refused = PatrolAwg::new(&params, &spec(0).model(), 1).unwrap_err();
-    let expected = "`start` is 2, but must be the index of one of the 2 waypoints of `contour`";
+    let expected = "`start` is 2: expected the index of one of the 2 waypoints of `contour`";
     assert!(refused.to_string().contains(expected), "{refused}");
 }
 
