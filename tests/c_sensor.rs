@@ -195,13 +195,7 @@ fn tests_sweeps_and_comparisons_ask_programs_for_their_declarations() {
     assert_eq!(swept.code, Some(0), "{swept}");
     let table = std::fs::read_to_string(sandbox.path().join("swept/results.csv")).unwrap();
     assert!(table.contains(digest.as_str().unwrap()), "{table}");
-    let diff = [
-        "diff",
-        "mission.toml",
-        "mission.toml",
-        "--allow-external",
-        "--json",
-    ];
+    let diff = ["diff", "mission.toml", "mission.toml", "--allow-external"];
     assert_eq!(sandbox.protean(diff).json()["same"], true);
     sandbox.assert_nothing_left();
 }

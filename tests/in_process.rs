@@ -127,6 +127,11 @@ const CASES: [Case; 26] = [
         seeds: &["1"],
     },
     Case {
+        scenario: "patrol_team",
+        set: &["rules.time_limit=60"],
+        seeds: &["1"],
+    },
+    Case {
         scenario: "coverage_open",
         set: &["rules.time_limit=30"],
         seeds: &["1"],

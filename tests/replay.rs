@@ -322,7 +322,7 @@ fn a_patrol_is_tested_against_its_log() {
         .protean(["replay", "run.mcap", "--test", "unknown"])
         .run();
     known.refused(2, &["error: --test unknown", "no process with this name"]);
-    let (_, names) = known.stderr.trim().rsplit_once("it has ").unwrap();
+    let (_, names) = known.stderr.trim().rsplit_once("one of ").unwrap();
     let names: Vec<&str> = names.split(", ").collect();
     let (code, report) = test(&sandbox, &names, &[]);
     assert_eq!(code, Some(0), "{report}");
