@@ -321,7 +321,7 @@ def test_invalid_arguments_are_refused() -> None:
         ({"agents": "evader"}, "list of names"),
         ({"agents": ["evader"], "observation": "lidar"}, "state, scan, belief"),
         ({"agents": ["evader"], "observation": "scan"}, "no range scan"),
-        ({"agents": ["evader"], "action": "pull"}, "twist, tune or residual"),
+        ({"agents": ["evader"], "action": "pull"}, "one of twist, tune, residual"),
         ({"agents": ["police"], "action": "tune"}, "police_1 is no evader"),
         ({"agents": ["police"], "action": "residual"}, "police_1 is no evader"),
         ({"agents": ["evader"], "reward": {"escapes": 1.0}}, "expected escape, caught"),

@@ -176,7 +176,7 @@ def test_an_unsuitable_topic_is_refused_with_its_field(topic: str, fields: Any, 
 def test_one_name_has_one_layout_and_a_drawing_names_its_fields() -> None:
     pr.process(writes={"twice/echo": [("range", "f8")]})(lambda: [])
     pr.process(writes={"twice/echo": [("range", "f8")]})(lambda: [])
-    with pytest.raises(pr.InvalidInput, match="knows it with other messages: expected\nfloat64 range"):
+    with pytest.raises(pr.InvalidInput, match="expected the messages that this program knows:\nfloat64 range"):
         pr.process(writes={"twice/echo": [("bearing", "f8")]})(lambda: [])
     for drawing, text in [({"x": "x"}, "expected x and y"), ({"x": "x", "y": "robot"}, 'field "robot"'), ({"z": "x"}, '"z"')]:
         with pytest.raises(pr.InvalidInput, match=text):
@@ -189,7 +189,7 @@ def test_one_name_has_one_layout_and_a_drawing_names_its_fields() -> None:
 @pytest.mark.parametrize(
     ("result", "text"),
     [
-        ("{'own/echo': []}", 'topic "own/echo": expected own/later'),
+        ("{'own/echo': []}", 'topic "own/echo": expected one of own/later'),
         ("3.0", "an array of 0 dimensions"),
         ("'no'", "elements of own/later"),
         ("[(0.0,)] * 65", "65 elements exceeds the capacity of 64"),

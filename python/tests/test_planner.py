@@ -174,7 +174,7 @@ def test_commands_beyond_the_limits_are_clipped() -> None:
 
 
 def test_unknown_inputs_and_processes_are_named() -> None:
-    with pytest.raises(ValueError, match='"sonar" of a planner: expected robot, world'):
+    with pytest.raises(ValueError, match='"sonar" of a planner: expected one of robot, world'):
         pr.planner(lambda sonar: (0.0, 0.0))
     with pytest.raises(pr.InvalidInput, match="planner = 3: expected a function or a class"):
         pr.planner(3)  # type: ignore[arg-type]

@@ -108,7 +108,7 @@ def _late(study: Study) -> str:
 
 def _longest_lap(row: dict[str, Any]) -> float | None:
     visit = visits(row)
-    return visit and visit["longest_lap_s"]
+    return visit["longest_lap_s"] if visit else None
 
 
 def _coverage(cell: Cell) -> str:
