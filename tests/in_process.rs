@@ -13,7 +13,7 @@ struct Case {
     seeds: &'static [&'static str],
 }
 
-const CASES: [Case; 26] = [
+const CASES: [Case; 27] = [
     Case {
         scenario: "chase",
         set: &["rules.time_limit=5"],
