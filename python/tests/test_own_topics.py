@@ -182,7 +182,7 @@ def test_one_name_has_one_layout_and_a_drawing_names_its_fields() -> None:
         with pytest.raises(pr.InvalidInput, match=text):
             echo = pr.Output([("x", "f8"), ("robot", "u8")], drawing=drawing)
             pr.process(writes={"drawn/echo": echo})(lambda: [])
-    with pytest.raises(pr.InvalidInput, match='"robot" of a process: expected world, inputs, params or rng'):
+    with pytest.raises(pr.InvalidInput, match='"robot" of a process: expected one of world, inputs, params, rng'):
         pr.process(writes={})(lambda robot: [])
 
 
