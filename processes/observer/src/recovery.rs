@@ -4,7 +4,7 @@
 //! with noise of up to 2 % of the side, determine its integer state exactly. From then on every
 //! point is known in advance. [`cat::CatRecovery`] and [`chebyshev::ChebyshevRecovery`] accept one
 //! observation at a time. They report a state only if an exact orbit agrees with a whole window of
-//! observations, several of which were not used for the estimate. A [`chaotic_maps::Keyed`] stream
+//! observations, several of which were not used for the estimate. A [`chaotic_maps::KeyedStream`] stream
 //! offers nothing to recover.
 
 pub mod cat;
