@@ -28,7 +28,7 @@ const RULES: Rules = Rules {
             "trajectory_check",
         ],
         &["chaotic_maps", "geometry"],
-        &["curves", "free_motion", "network", "robot"],
+        &["curves", "free_motion", "network", "robot", "ros_messages"],
         &[
             "draw",
             "mcap_log",
@@ -66,6 +66,7 @@ const RULES: Rules = Rules {
         (&["mcap"], &["mcap_log"]),
         (&["parquet"], &["tables"]),
         (&["prost"], &["network"]),
+        (&["ros2-client", "rustdds"], &["ros2_bridge"]),
         (&["tungstenite"], &["viewer"]),
         (&["processes/*"], &["kinds"]),
         (

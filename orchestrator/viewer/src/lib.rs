@@ -5,7 +5,6 @@
 //! * `live`: [`LiveServer`], which sends logged messages to viewers during the run.
 
 mod live;
-mod ros;
 mod topics;
 
 #[cfg(test)]

@@ -4,7 +4,7 @@ use core::marker::PhantomData;
 
 use recorder::{DerivedChannel, DerivedMessages};
 
-use crate::ros::{self, RosType};
+use ros_messages::RosType;
 
 /// Encoder of messages of one type for one channel of the log.
 #[derive(Debug)]
@@ -16,7 +16,7 @@ pub(super) struct ViewerChannel<M> {
 impl<M: RosType> ViewerChannel<M> {
     /// Adds a channel to a list; `latched`: late joiners get the last message.
     pub(super) fn add(channels: &mut Vec<DerivedChannel>, topic: &str, latched: bool) -> Self {
-        let (schema_name, schema) = ros::definition::<M>();
+        let (schema_name, schema) = ros_messages::definition::<M>();
         channels.push(DerivedChannel {
             topic: topic.to_owned(),
             schema_name,
@@ -31,6 +31,8 @@ impl<M: RosType> ViewerChannel<M> {
 
     /// Adds a message to the output; returns its length (bytes).
     pub(super) fn write(&self, out: &mut DerivedMessages, time_ns: u64, message: &M) -> usize {
-        out.push(self.place, time_ns, |bytes| ros::encode(message, bytes))
+        out.push(self.place, time_ns, |bytes| {
+            ros_messages::encode(message, bytes)
+        })
     }
 }

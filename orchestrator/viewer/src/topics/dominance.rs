@@ -8,7 +8,7 @@ use super::channel::ViewerChannel;
 use super::picture::Picture;
 use super::primitives::{kind, marker, picture};
 use super::{grid, palette};
-use crate::ros::messages::{ColorRGBA, MarkerArray, Point, Vector3};
+use ros_messages::messages::{ColorRGBA, MarkerArray, Point, Vector3};
 
 /// Margin at which the colour is strongest (s).
 const STRONG: f32 = 10.0;

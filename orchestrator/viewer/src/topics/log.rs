@@ -9,7 +9,7 @@ use recorder::{EventNames, ProcessInfo, RunInfo};
 use super::channel::ViewerChannel;
 use super::picture::Picture;
 use super::primitives::time;
-use crate::ros::messages::Log;
+use ros_messages::messages::Log;
 
 /// Levels of log lines.
 const DEBUG: u8 = 10;

@@ -9,7 +9,7 @@ use super::grid;
 use super::picture::Picture;
 use super::primitives::{header, pose, time, transform};
 use super::repetition::Repetition;
-use crate::ros::messages::{MapMetaData, OccupancyGrid, TFMessage};
+use ros_messages::messages::{MapMetaData, OccupancyGrid, TFMessage};
 
 /// Frame in the middle of the map, as target of cameras; robot names cannot contain `/`.
 const CENTRE_FRAME: &str = "map/centre";

@@ -10,7 +10,7 @@ use super::channel::ViewerChannel;
 use super::palette::color;
 use super::picture::Picture;
 use super::primitives::{kind, marker, picture, width};
-use crate::ros::messages::{MarkerArray, Point, Vector3};
+use ros_messages::messages::{MarkerArray, Point, Vector3};
 
 /// Colours of the topics, in turn.
 const COLOURS: [&str; 3] = [BELIEF, OBSTACLE, NEUTRAL];

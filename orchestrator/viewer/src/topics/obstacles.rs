@@ -12,7 +12,7 @@ use super::palette;
 use super::picture::Picture;
 use super::primitives::{add_triangles, kind, marker, picture, pose, width};
 use super::repetition::Repetition;
-use crate::ros::messages::{ColorRGBA, Marker, MarkerArray, Point, Vector3};
+use ros_messages::messages::{ColorRGBA, Marker, MarkerArray, Point, Vector3};
 
 /// Codes of `ObstacleEvent::action`.
 const DISAPPEAR: u8 = 1;

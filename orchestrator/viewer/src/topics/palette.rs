@@ -2,7 +2,7 @@
 
 use draw::palette;
 
-use crate::ros::messages::ColorRGBA;
+use ros_messages::messages::ColorRGBA;
 
 /// Colour of obstacles that appear and disappear: orange.
 pub(super) const OBSTACLE: ColorRGBA = color(palette::rgb(palette::OBSTACLE), 0.85);

@@ -6,7 +6,7 @@ use ipc_types::topics::{TopicId, WorldEvents, WorldState};
 use recorder::{DerivedChannel, DerivedMessages, RobotInfo};
 
 use super::channel::ViewerChannel;
-use crate::ros::RosType;
+use ros_messages::RosType;
 
 /// State of the current tick, shared by all viewer topics, and their output.
 #[derive(Debug)]

@@ -8,7 +8,7 @@ use ipc_types::topics::{Belief, Scan, TopicId};
 use super::channel::ViewerChannel;
 use super::picture::Picture;
 use super::primitives::{cloud, header};
-use crate::ros::messages::{Header, LaserScan, PointCloud2};
+use ros_messages::messages::{Header, LaserScan, PointCloud2};
 
 /// Fields of a particle and their offsets (bytes): the bytes are those of `perception/belief`, which lets the
 /// compression of the log find them again. Its weight is also its height (m), because viewers require one.

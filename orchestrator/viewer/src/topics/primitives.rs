@@ -1,11 +1,10 @@
 //! Primitives shared by several topics.
 
-use geometry::math::sincos;
-
-use crate::ros::messages::{
-    ColorRGBA, Duration, Header, Marker, MarkerArray, Point, PointCloud2, PointField, Pose,
-    Quaternion, Time, Transform, TransformStamped, Vector3,
+use ros_messages::messages::{
+    ColorRGBA, Duration, Header, Marker, MarkerArray, Point, PointCloud2, PointField, Time,
+    Transform, TransformStamped, Vector3,
 };
+pub(super) use ros_messages::{pose, time};
 
 /// Frame of all drawings.
 pub(super) const MAP_FRAME: &str = "map";
@@ -31,15 +30,6 @@ const TRIANGLES: usize = 32;
 /// Value of `PointField::datatype` for `f32`.
 const FLOAT32: u8 = 7;
 
-/// Converts simulated time (ns) to the time of ROS.
-pub(super) fn time(time_ns: u64) -> Time {
-    Time {
-        // A run of more than 68 years ends at the largest time.
-        sec: i32::try_from(time_ns / 1_000_000_000).unwrap_or(i32::MAX),
-        nanosec: (time_ns % 1_000_000_000) as u32,
-    }
-}
-
 /// Converts a duration (s, not negative) to that of ROS.
 pub(super) fn duration(seconds: f64) -> Duration {
     let Time { sec, nanosec } = time((seconds * 1e9) as u64);
@@ -51,25 +41,6 @@ pub(super) fn header(time_ns: u64) -> Header {
     Header {
         stamp: time(time_ns),
         frame_id: MAP_FRAME.to_owned(),
-    }
-}
-
-/// Returns a rotation about the vertical axis (rad).
-pub(super) fn yaw(theta: f64) -> Quaternion {
-    let (sin, cos) = sincos(theta / 2.0);
-    Quaternion {
-        x: 0.0,
-        y: 0.0,
-        z: sin,
-        w: cos,
-    }
-}
-
-/// Returns a pose in the plane at height `z` (m).
-pub(super) fn pose(x: f64, y: f64, z: f64, theta: f64) -> Pose {
-    Pose {
-        position: Point { x, y, z },
-        orientation: yaw(theta),
     }
 }
 
@@ -171,7 +142,7 @@ pub(super) fn transform(
         child_frame_id: child.to_owned(),
         transform: Transform {
             translation: Vector3 { x, y, z: 0.0 },
-            rotation: yaw(theta),
+            rotation: ros_messages::yaw(theta),
         },
     }
 }

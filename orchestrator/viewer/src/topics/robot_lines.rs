@@ -10,7 +10,7 @@ use super::palette;
 use super::picture::Picture;
 use super::primitives::{header, kind, marker, picture, pose, width};
 use super::repetition::Repetition;
-use crate::ros::messages::{MarkerArray, Path, Point, PoseStamped};
+use ros_messages::messages::{MarkerArray, Path, Point, PoseStamped};
 
 /// Style of lines.
 #[derive(Debug)]

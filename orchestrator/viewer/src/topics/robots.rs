@@ -9,7 +9,7 @@ use super::channel::ViewerChannel;
 use super::palette;
 use super::picture::Picture;
 use super::primitives::{duration, header, kind, marker, picture, pose, time, transform, width};
-use crate::ros::messages::{
+use ros_messages::messages::{
     Clock, ColorRGBA, Marker, MarkerArray, Odometry, Point, PoseWithCovariance, TFMessage, Twist,
     TwistWithCovariance, Vector3,
 };

@@ -9,7 +9,7 @@ use super::channel::ViewerChannel;
 use super::palette;
 use super::picture::Picture;
 use super::primitives::{kind, marker, picture, width};
-use crate::ros::messages::{ColorRGBA, MarkerArray, Point};
+use ros_messages::messages::{ColorRGBA, MarkerArray, Point};
 
 /// Height of the lines (m): above plans.
 const HEIGHT: f64 = 0.08;

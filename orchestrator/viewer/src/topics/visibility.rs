@@ -16,8 +16,8 @@ use super::channel::ViewerChannel;
 use super::picture::Picture;
 use super::primitives::{add_triangles, picture};
 use super::{grid, palette};
-use crate::ros::messages::{MarkerArray, Point};
 use recorder::{FieldOfView, ViewOrigin};
+use ros_messages::messages::{MarkerArray, Point};
 
 /// Minimum time between two pictures (simulated ns): polygons are large, and robots slow.
 const PERIOD_NS: u64 = 200_000_000;

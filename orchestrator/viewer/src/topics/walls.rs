@@ -8,7 +8,7 @@ use super::channel::ViewerChannel;
 use super::grid;
 use super::picture::Picture;
 use super::primitives::cloud;
-use crate::ros::messages::PointCloud2;
+use ros_messages::messages::PointCloud2;
 
 /// `/walls`, at every revision of the map.
 pub(super) struct WallsTopic(ViewerChannel<PointCloud2>);

@@ -1,4 +1,4 @@
-//! Messages of ROS 2 (Humble and later) that viewers draw.
+//! Messages of ROS 2 (Humble and later) that viewers draw and nodes read.
 //!
 //! Fields and their order are those of the packages `builtin_interfaces`, `std_msgs`, `geometry_msgs`, `nav_msgs`,
 //! `sensor_msgs`, `tf2_msgs`, `visualization_msgs`, `rcl_interfaces` and `rosgraph_msgs`. Constants are not part of
@@ -31,12 +31,16 @@ ros_messages! {
     geometry_msgs / PoseWithCovariance { pose: Pose, covariance: [[f64; 6]; 6] }
     /// Velocity (m/s, rad/s).
     geometry_msgs / Twist { linear: Vector3, angular: Vector3 }
+    /// Velocity with time and frame.
+    geometry_msgs / TwistStamped { header: Header, twist: Twist }
     /// Velocity with covariance.
     geometry_msgs / TwistWithCovariance { twist: Twist, covariance: [[f64; 6]; 6] }
     /// Translation (m) and rotation.
     geometry_msgs / Transform { translation: Vector3, rotation: Quaternion }
     /// Pose of a frame in its parent.
     geometry_msgs / TransformStamped { header: Header, child_frame_id: String, transform: Transform }
+    /// Poses (m).
+    geometry_msgs / PoseArray { header: Header, poses: Vec<Pose> }
     /// Poses of frames.
     tf2_msgs / TFMessage { transforms: Vec<TransformStamped> }
 

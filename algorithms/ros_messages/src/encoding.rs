@@ -10,7 +10,7 @@ const RULE: &str =
 /// Writer of plain CDR (XCDR1): every number is aligned to its size, counted from the end of the encapsulation
 /// header.
 #[derive(Debug)]
-pub(crate) struct CdrWriter<'a> {
+pub struct CdrWriter<'a> {
     out: &'a mut Vec<u8>,
     start: usize,
 }
@@ -29,7 +29,7 @@ impl CdrWriter<'_> {
 }
 
 /// Type of a field: a number, a text, a message, or a list of these.
-pub(crate) trait RosType {
+pub trait RosType {
     /// Returns its name in definitions, such as `float64` or `geometry_msgs/Point[]`.
     fn name() -> String;
 
@@ -51,17 +51,17 @@ pub(crate) trait RosType {
 }
 
 /// Definitions of messages: name and lines.
-pub(crate) type Definitions = Vec<(String, String)>;
+pub type Definitions = Vec<(String, String)>;
 
 /// Appends the CDR form of a message.
-pub(crate) fn encode<M: RosType>(message: &M, out: &mut Vec<u8>) {
+pub fn encode<M: RosType>(message: &M, out: &mut Vec<u8>) {
     out.extend_from_slice(&ENCAPSULATION);
     let start = out.len();
     message.write(&mut CdrWriter { out, start });
 }
 
 /// Returns the name (`PACKAGE/msg/NAME`) and the schema (`ros2msg`) of a message.
-pub(crate) fn definition<M: RosType>() -> (String, String) {
+pub fn definition<M: RosType>() -> (String, String) {
     let mut all = Definitions::new();
     M::define(&mut all);
     let mut schema = String::new();
@@ -75,7 +75,7 @@ pub(crate) fn definition<M: RosType>() -> (String, String) {
 }
 
 /// Adds the definition of a message: names of the types and of the fields.
-pub(crate) fn add_definition(
+pub fn add_definition(
     name: String,
     fields: &[(String, &str)],
     contained: &[fn(&mut Definitions)],
@@ -97,20 +97,20 @@ pub(crate) fn add_definition(
 macro_rules! ros_messages {
     ($($(#[$doc:meta])* $package:ident / $name:ident { $($field:ident: $kind:ty),* $(,)? })*) => { $(
         $(#[$doc])*
-        #[derive(Debug, Clone, Default, PartialEq)]
-        pub(crate) struct $name { $(pub(crate) $field: $kind),* }
+        #[derive(Debug, Clone, Default, PartialEq, serde::Serialize, serde::Deserialize)]
+        pub struct $name { $(#[doc = concat!("`", stringify!($field), "` of the definition.")] pub $field: $kind),* }
 
-        impl $crate::ros::RosType for $name {
+        impl $crate::RosType for $name {
             fn name() -> String {
                 concat!(stringify!($package), "/", stringify!($name)).to_owned()
             }
 
-            fn write(&self, out: &mut $crate::ros::CdrWriter<'_>) {
+            fn write(&self, out: &mut $crate::CdrWriter<'_>) {
                 $(self.$field.write(out);)*
             }
 
-            fn define(all: &mut $crate::ros::encoding::Definitions) {
-                $crate::ros::encoding::add_definition(
+            fn define(all: &mut $crate::Definitions) {
+                $crate::add_definition(
                     Self::name(),
                     &[$((<$kind>::name(), stringify!($field))),*],
                     &[$(<$kind>::define),*],
