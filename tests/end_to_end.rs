@@ -49,6 +49,7 @@ mod replay;
 mod report;
 mod reproduce;
 mod ros;
+mod ros2;
 mod structure;
 mod supervision;
 mod sweep;

@@ -34,6 +34,8 @@ pub static KINDS: &[Kind] = &[
     planner::<RrtStarPlanner>(),
     planner::<PolicyPlanner>(),
     Kind::from_type::<OptimiserProcess>(),
+    #[cfg(feature = "ros2")]
+    Kind::from_type::<ros2_bridge::Ros2BridgeProcess>(),
     planner::<NavigatorPlanner>(),
     planner::<PatrolAwgPlanner>(),
     planner::<PatrolFtoPlanner>(),

@@ -1,0 +1,134 @@
+//! Messages of a run as those of ROS 2: frames by REP-105, times as ROS 2 nodes read them.
+//!
+//! A run begins at 0 s, which a ROS 2 node takes for *no time yet*. Times of ROS 2 are therefore one tick ahead of
+//! those of the log.
+
+use ipc_types::messages::perception::Particle;
+use ipc_types::messages::world::{MapCell, MapHeader, RobotState, WorldHeader};
+
+use ipc_types::topics::Scan;
+use ros_messages::messages::{
+    Header, LaserScan, MapMetaData, OccupancyGrid, Odometry, PoseArray, PoseWithCovariance,
+    TFMessage, Time, Transform, TransformStamped, Twist, TwistWithCovariance, Vector3,
+};
+use ros_messages::{pose, yaw};
+use runtime::inputs::Latest;
+
+/// Frame of the world.
+pub const MAP: &str = "map";
+
+/// The time of ROS 2 for a state of the world.
+pub fn time(state: &WorldHeader) -> Time {
+    ros_messages::time(state.stamp.time_ns.saturating_add(state.tick_period_ns))
+}
+
+/// Odometry of a robot, which has no error: its frame `odom` is that of the map.
+pub fn odometry(name: &str, robot: &RobotState, stamp: Time) -> Odometry {
+    Odometry {
+        header: header(stamp, format!("{name}/odom")),
+        child_frame_id: format!("{name}/base_link"),
+        pose: PoseWithCovariance {
+            pose: pose(robot.x, robot.y, 0.0, robot.theta),
+            ..PoseWithCovariance::default()
+        },
+        twist: TwistWithCovariance {
+            twist: Twist {
+                linear: Vector3 {
+                    x: robot.v,
+                    ..Vector3::default()
+                },
+                angular: Vector3 {
+                    z: robot.omega,
+                    ..Vector3::default()
+                },
+            },
+            ..TwistWithCovariance::default()
+        },
+    }
+}
+
+/// The same pose as a transform from `odom` to `base_link`.
+pub fn transform(name: &str, robot: &RobotState, stamp: Time) -> TransformStamped {
+    TransformStamped {
+        header: header(stamp, format!("{name}/odom")),
+        child_frame_id: format!("{name}/base_link"),
+        transform: Transform {
+            translation: Vector3 {
+                x: robot.x,
+                y: robot.y,
+                z: 0.0,
+            },
+            rotation: yaw(robot.theta),
+        },
+    }
+}
+
+/// Transforms that never change: from the map to `odom` of each robot, from `base_link` to its scanner.
+pub fn static_transforms(names: &[String]) -> TFMessage {
+    let fixed = |parent: String, child: String| TransformStamped {
+        header: header(Time::default(), parent),
+        child_frame_id: child,
+        transform: Transform {
+            rotation: yaw(0.0),
+            ..Transform::default()
+        },
+    };
+    let of_robot = |name: &String| {
+        [
+            fixed(MAP.to_owned(), format!("{name}/odom")),
+            fixed(format!("{name}/base_link"), format!("{name}/scan")),
+        ]
+    };
+    TFMessage {
+        transforms: names.iter().flat_map(of_robot).collect(),
+    }
+}
+
+/// A range scan.
+pub fn scan(name: &str, scan: &Latest<Scan>, stamp: Time, period_s: f64) -> LaserScan {
+    let (ranges, scan) = (&scan.elements, &scan.header);
+    let last = ranges.len().saturating_sub(1) as f64;
+    LaserScan {
+        header: header(stamp, format!("{name}/scan")),
+        angle_min: scan.angle_min as f32,
+        angle_max: (scan.angle_min + scan.angle_increment * last) as f32,
+        angle_increment: scan.angle_increment as f32,
+        time_increment: 0.0,
+        scan_time: period_s as f32,
+        range_min: scan.range_min as f32,
+        range_max: scan.range_max as f32,
+        ranges: ranges.clone(),
+        intensities: Vec::new(),
+    }
+}
+
+/// A map.
+pub fn grid(map: &MapHeader, cells: &[MapCell], stamp: Time) -> OccupancyGrid {
+    OccupancyGrid {
+        header: header(stamp.clone(), MAP.to_owned()),
+        info: MapMetaData {
+            map_load_time: stamp,
+            resolution: map.resolution as f32,
+            width: map.width,
+            height: map.height,
+            origin: pose(map.origin_x, map.origin_y, 0.0, 0.0),
+        },
+        data: cells
+            .iter()
+            .map(|cell| if cell.occupied != 0 { 100 } else { 0 })
+            .collect(),
+    }
+}
+
+/// A belief: the poses of its particles.
+pub fn belief(particles: &[Particle], stamp: Time) -> PoseArray {
+    let particle = |p: &Particle| pose(f64::from(p.x), f64::from(p.y), 0.0, f64::from(p.theta));
+    PoseArray {
+        header: header(stamp, MAP.to_owned()),
+        poses: particles.iter().map(particle).collect(),
+    }
+}
+
+fn header(stamp: Time, frame_id: String) -> Header {
+    Header { stamp, frame_id }
+}

@@ -1,0 +1,20 @@
+//! ROS 2 nodes as planners of a run, without a ROS installation: the process of kind `ros2_bridge`.
+//!
+//! The process publishes the state of its robots as ROS 2 topics over DDS, and sends the `cmd_vel` of each to the
+//! simulator. In lock-step a tick ends when the command of every robot has arrived, so that a run with
+//! unmodified nodes has the same history whatever the load.
+//!
+//! - [`convert`]: messages of a run as those of ROS 2;
+//! - [`session`]: participant, publishers and subscriptions;
+//! - [`answers`]: the commands of a tick: each robot one, each in its tick;
+//! - [`process`]: the process.
+
+pub mod answers;
+pub mod convert;
+pub mod error;
+pub mod params;
+pub mod process;
+pub mod session;
+
+pub use params::Ros2BridgeParams;
+pub use process::Ros2BridgeProcess;

@@ -1,0 +1,191 @@
+//! Nodes of ROS 2 as planners: unmodified nodes of `rclpy`, each in a process of its own, with Fast DDS.
+
+use std::path::PathBuf;
+use std::process::{Child, Command, Stdio};
+
+use serde_json::Value as Json;
+
+use crate::support::call::Call;
+use crate::support::history::{History, Order};
+use crate::support::{Sandbox, python, skipped};
+
+/// ROS 2 Kilted from PyPI: `rclpy` with Fast DDS, and its messages.
+const KILTED: &[&str] = &[
+    "python-ros2",
+    "ros-kilted-rclpy[fastrtps]==9.1.2",
+    "ros-kilted-geometry-msgs==5.5.1",
+    "ros-kilted-nav-msgs==5.5.1",
+    "ros-kilted-rosgraph-msgs==2.3.0",
+    "ros-kilted-sensor-msgs==5.5.1",
+];
+
+const SCENARIO: &str = r#"
+title = "Robots that nodes of ROS 2 steer"
+description = "Three robots."
+[world.map.vector]
+bounds = { min = [-20.0, -20.0], max = [20.0, 20.0] }
+[rules]
+time_limit = 10.0
+[[robots]]
+name = "robot"
+team = "neutral"
+count = 3
+random_start = {}
+radius = 0.2
+limits = { v_max = 1.0, omega_max = 40.0 }
+[[processes]]
+name = "bridge"
+kind = "ros2_bridge"
+team = "neutral"
+grouping = "together"
+[processes.params]
+answer_timeout_s = 4.0
+start_timeout_s = 20.0
+"#;
+
+/// A node that is killed at the end.
+struct RosNode(Child);
+
+impl Drop for RosNode {
+    fn drop(&mut self) {
+        // It may have ended by itself.
+        let _ = self.0.kill();
+        self.0.wait().unwrap();
+    }
+}
+
+/// A domain for one test, with the interpreter for its nodes.
+struct Domain {
+    sandbox: Sandbox,
+    python: PathBuf,
+    domain: String,
+}
+
+impl Domain {
+    /// `place` tells the tests of this file apart; `None`, with a note, without the packages.
+    fn new(place: u32) -> Option<Self> {
+        let python = match python::prepare(KILTED) {
+            Ok(python) => python,
+            Err(reason) => {
+                skipped("nodes of ROS 2", &reason);
+                return None;
+            }
+        };
+        let sandbox = Sandbox::new();
+        sandbox.file("robots.toml", SCENARIO);
+        Some(Self {
+            sandbox,
+            python,
+            domain: (1 + (std::process::id() * 10 + place) % 100).to_string(),
+        })
+    }
+
+    fn node(&self, mode: &str) -> RosNode {
+        let script = concat!(env!("CARGO_MANIFEST_DIR"), "/python/ros2_planner.py");
+        let node = Command::new(&self.python)
+            .args([script, mode, "robot_1", "robot_2", "robot_3"])
+            .env("ROS_DOMAIN_ID", &self.domain)
+            .env("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+            .env("HOME", self.sandbox.path())
+            .stderr(Stdio::null())
+            .spawn()
+            .unwrap();
+        RosNode(node)
+    }
+
+    fn run<'a>(&'a self, log: &'a str) -> Call<'a> {
+        let run = self.sandbox.protean(["run", "robots.toml", "--out", log]);
+        run.set(&format!("processes.bridge.params.domain={}", self.domain))
+    }
+
+    /// The run with a node, and the share of its commands that were computed from the state of their tick.
+    fn steered(&self, mode: &str, log: &str, change: &str) -> (Json, f64) {
+        let _node = self.node(mode);
+        let summary = self.run(log).set(change).json();
+        let history = History::read(&self.sandbox.path().join(log));
+        (summary, fresh(&history))
+    }
+}
+
+/// Share of the commands whose turning rate is the x of the state of their tick.
+fn fresh(history: &History) -> f64 {
+    let used = |order: &Order| {
+        let state = history.states.iter().find(|state| state.tick == order.tick);
+        state.unwrap().robots[order.robot as usize].x.to_bits() == order.omega.to_bits()
+    };
+    let all = history.commands.len();
+    assert!(all > 500, "{all} commands");
+    let fresh = history.commands.iter().filter(|order| used(order)).count();
+    fresh as f64 / all as f64
+}
+
+/// Longer than 10 s: nodes of ROS 2 take seconds to start, and there are five runs.
+#[test]
+fn nodes_of_ros_2_have_one_history_and_the_data_of_their_tick() {
+    let Some(domain) = Domain::new(0) else { return };
+    let (timer, share) = domain.steered("timer", "timer.mcap", "run.seed=1");
+    assert_eq!(share, 1.0);
+    for (mode, change) in [
+        ("timer", "run.seed=1"),
+        ("event", "run.seed=1"),
+        (
+            "stamped",
+            r#"processes.bridge.params.commands="twist_stamped""#,
+        ),
+    ] {
+        let (summary, share) = domain.steered(mode, "again.mcap", change);
+        assert_eq!(share, 1.0, "{mode}");
+        assert_eq!(summary["digest"], timer["digest"], "{mode}");
+        std::fs::remove_file(domain.sandbox.path().join("again.mcap")).unwrap();
+    }
+    // The check above can fail: a clock before the data lets timers use older data.
+    let (_, share) = domain.steered(
+        "timer",
+        "clock.mcap",
+        r#"processes.bridge.params.order="clock_first""#,
+    );
+    assert!(share < 0.9, "{share}");
+}
+
+#[test]
+fn nodes_that_are_missing_end_or_answer_twice_are_named() {
+    let Some(domain) = Domain::new(1) else { return };
+    let refused = |mode: Option<&str>, log: &str, words: &[&str]| {
+        let _node = mode.map(|mode| domain.node(mode));
+        let run = domain
+            .run(log)
+            .set("processes.bridge.params.start_timeout_s=15");
+        run.run().refused(1, words);
+    };
+    refused(
+        Some("twice"),
+        "twice.mcap",
+        &[
+            "a second command in /robot_",
+            "expected one command for each state",
+        ],
+    );
+    refused(
+        Some("ends"),
+        "ends.mcap",
+        &["no command in /robot_", "its node has gone"],
+    );
+    refused(
+        None,
+        "none.mcap",
+        &[
+            "no node writes /robot_1/cmd_vel",
+            "expected a node that reads /robot_1/odom and writes /robot_1/cmd_vel of type geometry_msgs/Twist",
+        ],
+    );
+    let run = domain.run("stamped.mcap");
+    let _node = domain.node("stamped");
+    let run = run.set("processes.bridge.params.start_timeout_s=15");
+    run.run().refused(
+        1,
+        &[
+            "writes /robot_1/cmd_vel as geometry_msgs::msg::dds_::TwistStamped_",
+            "expected geometry_msgs/Twist",
+        ],
+    );
+}
