@@ -178,6 +178,12 @@ fn nodes_that_are_missing_end_or_answer_twice_are_named() {
             "expected a node that reads /robot_1/odom and writes /robot_1/cmd_vel of type geometry_msgs/Twist",
         ],
     );
+    let node = domain.node("event");
+    let apart = domain
+        .run("apart.mcap")
+        .set(r#"processes.bridge.grouping="one_per_robot""#);
+    apart.run().refused(1, &["another node writes /clock"]);
+    drop(node);
     let run = domain.run("stamped.mcap");
     let _node = domain.node("stamped");
     let run = run.set("processes.bridge.params.start_timeout_s=15");

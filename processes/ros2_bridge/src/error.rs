@@ -50,6 +50,15 @@ pub enum BridgeError {
         /// Type of the commands.
         type_name: String,
     },
+    /// Another node writes the time.
+    #[error(
+        "another node writes /clock in ROS 2 domain {domain}: expected one bridge for all robots of a run \
+         (`grouping = \"together\"`), and a domain for each run"
+    )]
+    SecondClock {
+        /// The domain.
+        domain: u16,
+    },
     /// Several nodes write the commands of a robot.
     #[error("{count} nodes write /{robot}/cmd_vel: expected 1")]
     Writers {

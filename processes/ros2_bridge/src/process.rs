@@ -241,6 +241,11 @@ impl Ros2BridgeProcess {
                 std::thread::sleep(LOOK);
             }
         }
+        if self.session.is_written_elsewhere("/clock") {
+            return Err(BridgeError::SecondClock {
+                domain: self.params.domain,
+            });
+        }
         Ok(())
     }
 

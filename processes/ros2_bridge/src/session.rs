@@ -172,6 +172,11 @@ impl Session {
         self.domain
     }
 
+    /// Returns `true` if another node writes a topic.
+    pub fn is_written_elsewhere(&self, topic: &str) -> bool {
+        self.node.publisher_count(topic) > 0
+    }
+
     /// Types with which other nodes have opened a topic.
     pub fn types_of(&self, topic: &str) -> Vec<String> {
         let name = format!("rt{topic}");
