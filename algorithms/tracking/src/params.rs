@@ -61,6 +61,17 @@ impl Default for SensorParams {
     }
 }
 
+/// What is known of an opponent before the first sighting.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum StartKnowledge {
+    /// Its start pose: all particles begin there (the paper's).
+    #[default]
+    Known,
+    /// Nothing: the particles begin uniformly over the free space that no observer sees in the first tick.
+    Unknown,
+}
+
 /// The particle filter of one opponent (chasing-game paper, section III.D).
 ///
 /// Random walks are given per √s, rates per second: the belief does not depend on the tick rate.
@@ -70,6 +81,8 @@ pub struct FilterParams {
     /// Number of particles.
     #[schemars(transform = between(1, MAX_PARTICLES))]
     pub particles: usize,
+    /// Knowledge of the opponent's start.
+    pub start: StartKnowledge,
     /// Random walk of the speed hypothesis.
     #[schemars(transform = at_least(0).unit("largest speed per √s"))]
     pub speed_walk: f64,
@@ -106,6 +119,7 @@ impl Default for FilterParams {
     fn default() -> Self {
         Self {
             particles: 400,
+            start: StartKnowledge::Known,
             speed_walk: 0.65,
             turn_walk: 1.0,
             cruise_rate: 0.5,
@@ -146,6 +160,7 @@ impl PerceptionParams {
             },
             filter: FilterParams {
                 particles: 30,
+                start: StartKnowledge::Known,
                 // Half-widths of uniform steps at 20 Hz: √(20/3) times as much per √s.
                 speed_walk: 0.25 * 2.581_988_897_471_611,
                 turn_walk: 0.4 * 2.581_988_897_471_611,
