@@ -2,6 +2,7 @@
 
 use core::f64::consts::TAU;
 
+use geometry::pose::Pose2;
 use parameters::{Fidelity, Parameters, ParamsError, above, at_least, between, require, within};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -195,6 +196,11 @@ pub const MAX_PARTICLES: usize = 1_000_000;
 impl Parameters for FilterParams {}
 
 impl FilterParams {
+    /// Returns the start pose of an opponent as far as the filter may know it.
+    pub fn known_start(&self, start: Pose2) -> Option<Pose2> {
+        (self.start == StartKnowledge::Known).then_some(start)
+    }
+
     /// Limits of the hypotheses about an opponent with these limits.
     pub(crate) fn narrowed(&self, own: MotionLimits) -> MotionLimits {
         let (v_max, v_reverse_max) = match self.speed_limit {

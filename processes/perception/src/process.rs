@@ -18,7 +18,7 @@ use runtime::maps::Maps;
 use runtime::{Clock, Process, ProcessConfig, ProcessError, ProcessKind};
 use std::sync::Arc;
 
-use tracking::params::{PerceptionParams, StartKnowledge};
+use tracking::params::PerceptionParams;
 use tracking::particle_filter::MotionLimits;
 use tracking::tracker::{Perception, TargetSetup, TargetTruth, Track};
 
@@ -233,7 +233,6 @@ impl PerceptionProcess {
             perception.set_map(&map);
             return Ok(());
         }
-        let knows_start = self.params.filter.start == StartKnowledge::Known;
         let setups = self
             .targets
             .iter()
@@ -246,7 +245,7 @@ impl PerceptionProcess {
                         v_reverse_max: info.model.v_reverse_max,
                         omega_max: info.model.omega_max,
                     },
-                    start: knows_start.then_some(info.start),
+                    start: self.params.filter.known_start(info.start),
                     rng: runtime::seed::stream(
                         self.config.run.seed,
                         &self.config.name,
