@@ -31,7 +31,12 @@ fn every_link_leads_to_a_file_and_heading() {
 fn fields<T: serde::de::DeserializeOwned>() -> Vec<String> {
     let refused = serde_json::from_str::<T>(r#"{"?": 0}"#).err().unwrap();
     let names = refused.to_string();
-    let names: Vec<String> = names.split('`').skip(3).step_by(2).map(str::to_owned).collect();
+    let names: Vec<String> = names
+        .split('`')
+        .skip(3)
+        .step_by(2)
+        .map(str::to_owned)
+        .collect();
     assert!(names.len() > 5, "{refused}");
     names
 }
@@ -50,7 +55,10 @@ fn the_page_lists_every_value_that_a_process_is_told() {
         .iter()
         .filter(|name| !rows.iter().any(|row| row.contains(&format!("`{name}`"))))
         .collect();
-    assert!(absent.is_empty(), "docs/explanation/runs.md lacks {absent:?}");
+    assert!(
+        absent.is_empty(),
+        "docs/explanation/runs.md lacks {absent:?}"
+    );
 }
 
 #[test]

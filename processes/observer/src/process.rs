@@ -313,8 +313,7 @@ impl ObserverProcess {
                         v_reverse_max: info.model.v_reverse_max,
                         omega_max: info.model.omega_max,
                     };
-                    let (start, rng) =
-                        (params.filter.known_start(info.start), stream("particles"));
+                    let (start, rng) = (params.filter.known_start(info.start), stream("particles"));
                     watched.add(
                         Prediction::PARTICLES,
                         Particles::new(&params.filter, limits, start, space, rng),
