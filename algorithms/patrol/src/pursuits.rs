@@ -4,8 +4,8 @@
 //!
 //! - An intruder is a hostile evader in play. One that is seen and that no guard pursues gets the nearest of the guards
 //!   that are on patrol, first of those with a free line to it.
-//! - The pursuit ends when the intruder is caught or has escaped, when the guard is out of play, and when nobody has seen
-//!   the intruder for [`Pursuits::new`]'s time.
+//! - The pursuit ends when the intruder is caught or has escaped, when the guard is out of play, and when the intruder has
+//!   not been seen for [`Pursuits::new`]'s time.
 //!
 //! A process that starts in a pursuit does not know of it: it sends a guard at the next sighting.
 
@@ -32,7 +32,7 @@ pub struct Pursuits {
 }
 
 impl Pursuits {
-    /// The guards with these indices, without an intruder; one that nobody has seen for `lost_s` (s) is lost.
+    /// The guards with these indices, without an intruder; one that has not been seen for `lost_s` (s) is lost.
     pub fn new(guards: &[u32], lost_s: f64) -> Self {
         Self {
             guards: guards.iter().map(|&guard| guard as usize).collect(),

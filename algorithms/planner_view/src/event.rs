@@ -1,4 +1,4 @@
-//! What a planner reports of its robot, beside commands and waypoints.
+//! Reports of a planner on its robot, beside commands and waypoints.
 
 use nalgebra::Point2;
 
@@ -16,7 +16,7 @@ pub enum RobotEventKind {
 /// Report about the planner's own robot.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RobotEvent {
-    /// What has happened.
+    /// Kind.
     pub kind: RobotEventKind,
     /// Index of the other robot.
     pub other: usize,

@@ -62,7 +62,7 @@ impl Default for SensorParams {
     }
 }
 
-/// What is known of an opponent before the first sighting.
+/// Knowledge of an opponent before the first sighting.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum StartKnowledge {

@@ -80,7 +80,7 @@ pub struct ParticleFilter {
     unseen_for: f64,
     seen: bool,
     /// `true` until the first update of a filter without a start pose.
-    is_unplaced: bool,
+    has_no_place: bool,
     effective: f64,
     rebuilt: u64,
     scratch: Scratch,
@@ -148,7 +148,7 @@ impl ParticleFilter {
             last_seen: start.map(|pose| pose.position()),
             unseen_for: if start.is_some() { 0.0 } else { f64::INFINITY },
             seen: false,
-            is_unplaced: start.is_none(),
+            has_no_place: start.is_none(),
             effective: n as f64,
             rebuilt: 0,
             scratch,
@@ -179,7 +179,7 @@ impl ParticleFilter {
         if let Some(m) = &sighting.measurement {
             self.last_seen = Some(m.position);
         }
-        if core::mem::take(&mut self.is_unplaced) {
+        if core::mem::take(&mut self.has_no_place) {
             self.rebuild(space, watch, sighting.measurement.as_ref());
         }
         self.predict_and_weigh(space, watch, sighting.measurement.as_ref(), dt);

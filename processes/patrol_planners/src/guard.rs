@@ -1,7 +1,7 @@
 //! A guard: patrols with additional waypoints, and pursues the intruders that it sights.
 
 use nalgebra::Point2;
-use parameters::{Parameters, at_least, check};
+use parameters::check;
 use patrol::pursuits::Pursuits;
 use planner_view::event::{RobotEvent, RobotEventKind};
 use planner_view::limits::Limits;
@@ -9,33 +9,10 @@ use planner_view::map::PlannerMap;
 use planner_view::steering::Steering;
 use planner_view::view::{RobotView, View};
 use planner_view::waypoint::WaypointOutcome;
-use pursuit_evasion::pursuit::{Pursuer, PursuerParams};
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
+use pursuit_evasion::pursuit::Pursuer;
 
+use crate::pursue::PursueParams;
 use crate::{PatrolAwg, PatrolError};
-
-/// Parameters of pursuits.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct PursueParams {
-    /// Time without a sighting after which an intruder is lost, and its guard returns to the patrol.
-    #[schemars(transform = at_least(0).unit("s"))]
-    pub lost_s: f64,
-    /// Tactics of a guard in pursuit.
-    pub tactics: PursuerParams,
-}
-
-impl Default for PursueParams {
-    fn default() -> Self {
-        Self {
-            lost_s: 10.0,
-            tactics: PursuerParams::default(),
-        }
-    }
-}
-
-impl Parameters for PursueParams {}
 
 /// The part of a guard that pursues.
 #[derive(Debug, Clone)]
@@ -99,7 +76,7 @@ impl Guard {
         self.pursuit.as_ref().is_some_and(|p| p.intruder.is_some())
     }
 
-    /// What has happened in the last tick.
+    /// Events of the last tick.
     pub fn events(&self) -> &[RobotEvent] {
         self.pursuit.as_ref().map_or(&[], |pursuit| &pursuit.events)
     }

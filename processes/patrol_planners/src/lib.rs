@@ -10,6 +10,7 @@ pub mod check;
 mod fto;
 mod guard;
 pub mod process;
+mod pursue;
 
 use parameters::ParamsError;
 use patrol::mission::MissionError;
@@ -17,7 +18,8 @@ use thiserror::Error;
 
 pub use awg::{Pace, PatrolAwg, PatrolAwgParams, SHOWN};
 pub use fto::{PatrolFto, PatrolFtoParams, Protection};
-pub use guard::{Guard, PursueParams};
+pub use guard::Guard;
+pub use pursue::PursueParams;
 
 /// Reasons for which a robot cannot patrol.
 #[derive(Debug, Clone, PartialEq, Error)]

@@ -34,7 +34,7 @@ struct Chase {
     map: PlannerMap,
     guards: Vec<Guard>,
     ring: Ring,
-    /// `true` while somebody sees the intruder.
+    /// `true` while the intruder is seen.
     is_seen: bool,
     /// Events: time (s), guard, kind.
     events: Vec<(f64, usize, RobotEventKind)>,
@@ -203,7 +203,7 @@ fn the_nearest_guard_pursues_the_others_close_the_gap_and_all_return() {
         assert!(chase.apart(others[0], others[1]) > 0.4 * 48.0);
     }
 
-    // Nobody sees it any more: after 5 s the guard gives up, and all are a third of the contour apart again.
+    // It is not seen any more: after 5 s the guard gives up, and all are a third of the contour apart again.
     chase.is_seen = false;
     chase.drive(4.0);
     assert_eq!(chase.pursuing(), [pursuer]);

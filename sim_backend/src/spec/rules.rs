@@ -91,7 +91,7 @@ pub enum ObstacleResponse {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum MissionEnd {
-    /// When every evader and every robot with a goal has finished; without such robots there is none.
+    /// As soon as every evader and every robot with a goal has finished; without such robots there is none.
     #[default]
     Decided,
     /// None: a patrol goes on after its intruders.

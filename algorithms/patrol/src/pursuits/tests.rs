@@ -4,15 +4,15 @@ use robot::team::Team;
 
 use super::*;
 
-/// Three guards and two intruders on open ground.
-struct Ground {
+/// Three guards and two intruders in the open.
+struct Field {
     map: PlannerMap,
     robots: Vec<RobotView>,
     pursuits: Pursuits,
     time_s: f64,
 }
 
-impl Ground {
+impl Field {
     fn new() -> Self {
         let roles = [
             Role::Pursuer,
@@ -66,40 +66,40 @@ impl Ground {
 
 #[test]
 fn the_nearest_guard_on_patrol_pursues_an_intruder_that_is_seen() {
-    let mut ground = Ground::new();
-    assert_eq!(ground.second(&[]), [None; 3]);
-    assert_eq!(ground.second(&[3]), [None, None, Some(3)]);
+    let mut field = Field::new();
+    assert_eq!(field.second(&[]), [None; 3]);
+    assert_eq!(field.second(&[3]), [None, None, Some(3)]);
     // It keeps its intruder, though another guard comes nearer.
-    ground.robots[1].pose.x = 1.4;
-    assert_eq!(ground.second(&[3, 4]), [Some(4), None, Some(3)]);
-    ground.robots[2].active = false;
-    assert_eq!(ground.second(&[3, 4]), [Some(4), Some(3), None]);
+    field.robots[1].pose.x = 1.4;
+    assert_eq!(field.second(&[3, 4]), [Some(4), None, Some(3)]);
+    field.robots[2].active = false;
+    assert_eq!(field.second(&[3, 4]), [Some(4), Some(3), None]);
 }
 
 #[test]
 fn a_pursuit_ends_when_the_intruder_is_out_of_play_or_lost() {
-    let mut ground = Ground::new();
-    ground.second(&[3, 4]);
-    ground.robots[4].active = false;
-    assert_eq!(ground.second(&[3]), [None, None, Some(3)]);
+    let mut field = Field::new();
+    field.second(&[3, 4]);
+    field.robots[4].active = false;
+    assert_eq!(field.second(&[3]), [None, None, Some(3)]);
     for _ in 0..4 {
-        assert_eq!(ground.second(&[]), [None, None, Some(3)]);
+        assert_eq!(field.second(&[]), [None, None, Some(3)]);
     }
-    ground.second(&[]);
-    assert_eq!(ground.second(&[]), [None; 3]);
+    field.second(&[]);
+    assert_eq!(field.second(&[]), [None; 3]);
     // Seen again, it is pursued again.
-    assert_eq!(ground.second(&[3]), [None, None, Some(3)]);
+    assert_eq!(field.second(&[3]), [None, None, Some(3)]);
 }
 
 #[test]
 fn guards_see_each_other_in_their_duties() {
-    let mut ground = Ground::new();
-    ground.second(&[3]);
+    let mut field = Field::new();
+    field.second(&[3]);
     let mut seen = Vec::new();
-    ground.pursuits.on_patrol(&ground.robots, &mut seen);
+    field.pursuits.on_patrol(&field.robots, &mut seen);
     let active: Vec<bool> = seen.iter().map(|robot| robot.active).collect();
     assert_eq!(active, [true, true, false, true, true]);
-    ground.pursuits.in_pursuit(&ground.robots, &mut seen);
+    field.pursuits.in_pursuit(&field.robots, &mut seen);
     let roles: Vec<Role> = seen.iter().map(|robot| robot.team.role).collect();
     let (guard, body, intruder) = (Role::Pursuer, Role::Neutral, Role::Evader);
     assert_eq!(roles, [body, body, guard, intruder, body]);

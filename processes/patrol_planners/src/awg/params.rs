@@ -6,7 +6,7 @@ use patrol::mission::MissionParams;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::PursueParams;
+use crate::pursue::PursueParams;
 
 /// Speed of the patrol.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
