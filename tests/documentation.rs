@@ -1,4 +1,4 @@
-//! Links of the documentation: every relative link leads to a file, and to a heading of it.
+//! Links of the documentation: every relative link leads to a file, and to a heading of it. Values that a process is told.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -25,6 +25,40 @@ fn every_link_leads_to_a_file_and_heading() {
     assert!(pages.len() > DOCUMENTS.len(), "{pages:?}");
     let faults: Vec<String> = pages.iter().flat_map(|page| dead_links(page)).collect();
     assert!(faults.is_empty(), "dead links:\n{}", faults.join("\n"));
+}
+
+/// Names of the fields of a configuration, from its refusal of an unknown one.
+fn fields<T: serde::de::DeserializeOwned>() -> Vec<String> {
+    let refused = serde_json::from_str::<T>(r#"{"?": 0}"#).err().unwrap();
+    let names = refused.to_string();
+    let names: Vec<String> = names
+        .split('`')
+        .skip(3)
+        .step_by(2)
+        .map(str::to_owned)
+        .collect();
+    assert!(names.len() > 5, "{refused}");
+    names
+}
+
+#[test]
+fn the_page_lists_every_value_that_a_process_is_told() {
+    let page = read(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/explanation/runs.md"));
+    let told = page.split("## What a process is told").nth(1).unwrap();
+    let rows: Vec<&str> = told
+        .lines()
+        .filter_map(|line| line.strip_prefix("| ")?.split('|').next())
+        .collect();
+    let mut names = fields::<runtime::config::RunConfig>();
+    names.extend(fields::<runtime::config::RobotInfo>());
+    let absent: Vec<&String> = names
+        .iter()
+        .filter(|name| !rows.iter().any(|row| row.contains(&format!("`{name}`"))))
+        .collect();
+    assert!(
+        absent.is_empty(),
+        "docs/explanation/runs.md lacks {absent:?}"
+    );
 }
 
 #[test]

@@ -13,7 +13,7 @@ struct Case {
     seeds: &'static [&'static str],
 }
 
-const CASES: [Case; 27] = [
+const CASES: [Case; 28] = [
     Case {
         scenario: "chase",
         set: &["rules.time_limit=5"],
@@ -128,6 +128,12 @@ const CASES: [Case; 27] = [
     },
     Case {
         scenario: "patrol_team",
+        set: &["rules.time_limit=60"],
+        seeds: &["1"],
+    },
+    // Events of robots.
+    Case {
+        scenario: "patrol_chase",
         set: &["rules.time_limit=60"],
         seeds: &["1"],
     },

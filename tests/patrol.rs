@@ -235,3 +235,24 @@ fn a_team_spreads_around_its_contour() {
         );
     }
 }
+
+#[test]
+fn a_guard_that_sights_an_intruder_catches_it_and_returns_to_the_patrol() {
+    let sandbox = Sandbox::new();
+    let call = sandbox.protean(["run", "patrol_chase", "--quiet", "--in-process"]);
+    let summary = call.set("rules.time_limit=40").json();
+    let events: Vec<(&str, &str)> = summary["events"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .filter_map(|event| Some((event["kind"].as_str()?, event["robot"].as_str()?)))
+        .collect();
+    assert_eq!(
+        events,
+        [
+            ("sighted", "guard_2"),
+            ("captured", "intruder"),
+            ("returned", "guard_2")
+        ]
+    );
+}

@@ -6,8 +6,9 @@
 use zerocopy::FromBytes as _;
 
 use crate::cdr::{self, DecodeError, ENCAPSULATION};
+use crate::messages::world::WorldEvent;
 use crate::stamp::Stamp;
-use crate::topics::{Topic, TopicId};
+use crate::topics::{RobotEvents, Topic, TopicId, WorldEvents};
 
 /// A message in its CDR form, with its position in a run.
 #[derive(Debug, Clone, Copy)]
@@ -54,6 +55,16 @@ impl<'a> LoggedMessage<'a> {
         cdr::view::<T>(self.bytes)
     }
 
+    /// Events of the world and of robots; none of another topic. The topics are [`EVENTS`]. A planner's message has no events
+    /// of the world, whatever their codes.
+    pub fn events(&self) -> impl Iterator<Item = WorldEvent> + use<'a> {
+        let world = self.view::<WorldEvents>().into_iter();
+        let robots = self.view::<RobotEvents>().into_iter();
+        let robots = robots.flat_map(|(_, events)| events);
+        let of_robots = robots.filter(|event| event.kind >= WorldEvent::SIGHTED);
+        world.flat_map(|(_, events)| events).chain(of_robots)
+    }
+
     /// Header and elements; `None` if it is of another topic.
     ///
     /// # Errors
@@ -65,6 +76,9 @@ impl<'a> LoggedMessage<'a> {
         cdr::decode::<T>(self.bytes).map(Some)
     }
 }
+
+/// The topics of [`LoggedMessage::events`].
+pub const EVENTS: [TopicId; 2] = [TopicId::WorldEvents, TopicId::RobotEvents];
 
 /// Takes the messages of some topics, in the order of the log. `Shared` is the common state or output
 /// of the consumers of a list.

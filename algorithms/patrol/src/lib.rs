@@ -8,6 +8,7 @@
 //! - [`forecast`]: the robot's future positions, for an ally that has the key;
 //! - [`fto`]: fictive obstacles that the robot avoids as if they were real;
 //! - [`mission`]: a patrol as a scenario specifies it, with open parameters chosen;
+//! - [`pursuits`]: guards that leave the round of their team and pursue intruders;
 //! - [`remarks`]: what a user should know about a patrol before it starts;
 //! - [`team`]: the places of the robots of a team on one contour;
 //! - [`mixed`]: additional waypoints where obstacles are small, fictive obstacles along large ones.
@@ -31,6 +32,7 @@ pub mod forecast;
 pub mod fto;
 pub mod mission;
 pub mod mixed;
+pub mod pursuits;
 pub mod remarks;
 pub mod room;
 pub mod team;

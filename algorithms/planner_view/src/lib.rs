@@ -5,9 +5,10 @@
 //!   [`free_space::FreeSpace`]: its exact pieces, for planners that search;
 //! - [`limits::Limits`]: limits of the robot;
 //! - [`steering::Steering`]: the command, and data for display;
-//! - [`waypoint`]: waypoints and their outcomes.
+//! - [`waypoint`]: waypoints and their outcomes; [`event`]: other reports.
 
 pub mod derived;
+pub mod event;
 pub mod free_space;
 pub mod limits;
 pub mod map;

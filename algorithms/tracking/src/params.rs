@@ -2,6 +2,7 @@
 
 use core::f64::consts::TAU;
 
+use geometry::pose::Pose2;
 use parameters::{Fidelity, Parameters, ParamsError, above, at_least, between, require, within};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -61,6 +62,17 @@ impl Default for SensorParams {
     }
 }
 
+/// Knowledge of an opponent before the first sighting.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum StartKnowledge {
+    /// Its start pose: all particles begin there (the paper's).
+    #[default]
+    Known,
+    /// Nothing: the particles begin uniformly over the free space that no observer sees in the first tick.
+    Unknown,
+}
+
 /// The particle filter of one opponent (chasing-game paper, section III.D).
 ///
 /// Random walks are given per √s, rates per second: the belief does not depend on the tick rate.
@@ -70,6 +82,8 @@ pub struct FilterParams {
     /// Number of particles.
     #[schemars(transform = between(1, MAX_PARTICLES))]
     pub particles: usize,
+    /// Knowledge of the opponent's start.
+    pub start: StartKnowledge,
     /// Random walk of the speed hypothesis.
     #[schemars(transform = at_least(0).unit("largest speed per √s"))]
     pub speed_walk: f64,
@@ -106,6 +120,7 @@ impl Default for FilterParams {
     fn default() -> Self {
         Self {
             particles: 400,
+            start: StartKnowledge::Known,
             speed_walk: 0.65,
             turn_walk: 1.0,
             cruise_rate: 0.5,
@@ -146,6 +161,7 @@ impl PerceptionParams {
             },
             filter: FilterParams {
                 particles: 30,
+                start: StartKnowledge::Known,
                 // Half-widths of uniform steps at 20 Hz: √(20/3) times as much per √s.
                 speed_walk: 0.25 * 2.581_988_897_471_611,
                 turn_walk: 0.4 * 2.581_988_897_471_611,
@@ -180,6 +196,11 @@ pub const MAX_PARTICLES: usize = 1_000_000;
 impl Parameters for FilterParams {}
 
 impl FilterParams {
+    /// Returns the start pose of an opponent as far as the filter may know it.
+    pub fn known_start(&self, start: Pose2) -> Option<Pose2> {
+        (self.start == StartKnowledge::Known).then_some(start)
+    }
+
     /// Limits of the hypotheses about an opponent with these limits.
     pub(crate) fn narrowed(&self, own: MotionLimits) -> MotionLimits {
         let (v_max, v_reverse_max) = match self.speed_limit {

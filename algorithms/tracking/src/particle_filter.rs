@@ -79,6 +79,8 @@ pub struct ParticleFilter {
     /// Time since the opponent was last seen (s).
     unseen_for: f64,
     seen: bool,
+    /// `true` until the first update of a filter without a start pose.
+    has_no_place: bool,
     effective: f64,
     rebuilt: u64,
     scratch: Scratch,
@@ -96,7 +98,8 @@ struct Scratch {
 
 impl ParticleFilter {
     /// Creates a filter with all particles at the opponent's known pose and velocities drawn from its
-    /// limits, or, without a pose, uniformly over the free space.
+    /// limits, or, without a pose, uniformly over the free space: the first update confines these to what no
+    /// observer sees, or places them at the sighting.
     ///
     /// `params` must be valid ([`parameters::check`](fn@parameters::check)).
     pub fn new(
@@ -145,6 +148,7 @@ impl ParticleFilter {
             last_seen: start.map(|pose| pose.position()),
             unseen_for: if start.is_some() { 0.0 } else { f64::INFINITY },
             seen: false,
+            has_no_place: start.is_none(),
             effective: n as f64,
             rebuilt: 0,
             scratch,
@@ -175,6 +179,9 @@ impl ParticleFilter {
         if let Some(m) = &sighting.measurement {
             self.last_seen = Some(m.position);
         }
+        if core::mem::take(&mut self.has_no_place) {
+            self.rebuild(space, watch, sighting.measurement.as_ref());
+        }
         self.predict_and_weigh(space, watch, sighting.measurement.as_ref(), dt);
 
         let (sum, squares) = weigh::totals(&self.weights);
@@ -188,6 +195,7 @@ impl ParticleFilter {
             self.weights.fill(1.0);
             self.effective = 1.0;
         } else {
+            self.rebuilt += 1;
             self.rebuild(space, watch, sighting.measurement.as_ref());
         }
         if let Some(m) = &sighting.measurement {
@@ -266,7 +274,6 @@ impl ParticleFilter {
     }
 
     fn rebuild(&mut self, space: &Space, watch: &Watch, measurement: Option<&Measurement>) {
-        self.rebuilt += 1;
         let velocities = velocities(&self.params, self.limits);
         if let Some(m) = measurement {
             recover::around_measurement(&mut self.particles, space, m, velocities, &mut self.rng);

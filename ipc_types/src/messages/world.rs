@@ -115,13 +115,13 @@ message! {
 }
 
 message! {
-    /// Something that happened in the world, in `world/event`. (Its schema name differs: the logged
+    /// Something that happened in the world, in `world/event`, or to a robot, in `robot/event`. (Its schema name differs: the logged
     /// message of the topic is `protean/WorldEvent` already.)
     pub struct WorldEvent = "protean/Event" {
         x: f64 = "where, x [m]",
         y: f64 = "where, y [m]",
         value: f64 = "by kind: 0 when it has none",
-        kind: u32 = "index into the list of names of events: 0 captured, 1 escaped, 2 timed out, 3 goal reached, 4 contact begins, 5 contact ends, 6 invalid command, 7 missing command, 8 obstacle changed, 9 game over, 10 pushed out by an obstacle, 11 trapped by one, 12 released, 13 stands before its goal",
+        kind: u32 = "index into the list of names of events: 0 captured, 1 escaped, 2 timed out, 3 goal reached, 4 contact begins, 5 contact ends, 6 invalid command, 7 missing command, 8 obstacle changed, 9 game over, 10 pushed out by an obstacle, 11 trapped by one, 12 released, 13 stands before its goal, 14 sighted the other robot and pursues it, 15 lost it, 16 returned from it to the patrol",
         robot: u32 = "the robot it happened to, or 4294967295",
         other: u32 = "the other robot, the obstacle's id or the exit's index, or 4294967295",
         reserved: u32 = "always 0",
@@ -132,7 +132,7 @@ impl WorldEvent {
     /// Value for "no robot" or "no other".
     pub const NONE: u32 = u32::MAX;
     /// Names of the kinds by their code, for display and JSON.
-    pub const NAMES: [&'static str; 14] = [
+    pub const NAMES: [&'static str; 17] = [
         "captured",
         "escaped",
         "timed_out",
@@ -147,7 +147,16 @@ impl WorldEvent {
         "trapped",
         "released",
         "stands",
+        "sighted",
+        "lost",
+        "returned",
     ];
+    /// Code of the first kind of `robot/event`: a guard has sighted an intruder and pursues it.
+    pub const SIGHTED: u32 = 14;
+    /// Code of a guard that has lost its intruder.
+    pub const LOST: u32 = 15;
+    /// Code of a guard that is back on its patrol.
+    pub const RETURNED: u32 = 16;
 
     /// The name of a kind; `unknown` for an unknown code.
     pub fn name_of(kind: u32) -> &'static str {

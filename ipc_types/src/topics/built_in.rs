@@ -135,6 +135,11 @@ built_in! {
         // Infinite: a waypoint that was left out before the robot set out for it.
         may_be_infinite ["closest"],
         qos |s| per_tick s.robots, publishers s.processes, subscribers s.readers();
+    /// Events of robots: a guard sights, loses, returns: planners → all.
+    RobotEvents = "robot/event": Many, "events", PlainHeader, WorldEvent,
+        simulated true, latched false, timed true,
+        may_be_infinite [],
+        qos |s| per_tick s.robots, publishers s.processes, subscribers s.readers();
     /// Verdicts on the evaders' escapes: referee → all.
     Verdicts = "world/verdict": Many, "verdicts", PlainHeader, Verdict,
         simulated true, latched true, timed true,

@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use ipc_types::consumer::LoggedMessage;
-use ipc_types::topics::{Topic as _, TopicId, WorldEvents};
+use ipc_types::consumer::{EVENTS, LoggedMessage};
+use ipc_types::topics::TopicId;
 use mcap_log::known;
 use mcap_log::reader::{Item, Reader};
 use mcap_log::{LogReadError, Origin, ReadProgress};
@@ -20,26 +20,25 @@ pub fn events(log: &Path, watch: &mut ReadProgress) -> Result<Vec<EventEntry>, L
     let mut reader = Reader::open(log, Some(watch))?;
     let mut robots = RobotNames::default();
     let mut origin = Origin::default();
-    let mut channel = None;
+    let mut channels: Vec<(u16, TopicId)> = Vec::new();
     let mut found = Vec::new();
     while let Some(item) = reader.next()? {
         match item {
             Item::Channel(next) => {
                 robots.channel(&next, reader.schema(next.schema_id).as_deref());
-                if next.topic == WorldEvents::id().name() {
+                let topic = EVENTS.into_iter().find(|topic| next.topic == topic.name());
+                if let Some(topic) = topic {
                     known::check_layout(log, &next, origin.version())?;
-                    channel = Some(next.id);
+                    channels.push((next.id, topic));
                 }
             }
             Item::Message(header, data) => {
                 robots.message(&header, data);
-                if channel != Some(header.channel_id) {
-                    continue;
-                }
-                let message = LoggedMessage::new(TopicId::WorldEvents, header.log_time, data);
-                if let Some(message) = message
-                    && let Some((_, events)) = message.view::<WorldEvents>()
+                let known = channels.iter().find(|(id, _)| *id == header.channel_id);
+                if let Some((_, topic)) = known
+                    && let Some(message) = LoggedMessage::new(*topic, header.log_time, data)
                 {
+                    let events = message.events();
                     found.extend(events.map(|event| (message.time_s(), event)));
                 }
             }

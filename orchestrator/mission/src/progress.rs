@@ -4,9 +4,9 @@ use std::io::{IsTerminal as _, Write as _};
 use std::time::{Duration, Instant};
 
 use indicatif::ProgressBar;
-use ipc_types::consumer::{Consumer, LoggedMessage};
+use ipc_types::consumer::{Consumer, EVENTS, LoggedMessage};
 use ipc_types::messages::world::WorldEvent;
-use ipc_types::topics::{TopicId, WorldEvents};
+use ipc_types::topics::TopicId;
 use platform::eprintln;
 use platform::progress;
 use platform::terminal::{Colours, is_coloured};
@@ -87,16 +87,12 @@ pub struct EventPrinter {
 
 impl Consumer for EventPrinter {
     fn topics(&self) -> &[TopicId] {
-        if self.quiet {
-            &[]
-        } else {
-            &[TopicId::WorldEvents]
-        }
+        if self.quiet { &[] } else { &EVENTS }
     }
 
     fn message(&mut self, message: &LoggedMessage<'_>, (): &mut ()) {
-        if let Some((_, events)) = message.view::<WorldEvents>() {
-            events.for_each(|event| self.print(message.time_s(), &event));
+        for event in message.events() {
+            self.print(message.time_s(), &event);
         }
     }
 }

@@ -1,8 +1,8 @@
-//! Events of the world over a run.
+//! Events of the world and of robots over a run.
 
-use ipc_types::consumer::{Consumer, LoggedMessage};
+use ipc_types::consumer::{Consumer, EVENTS, LoggedMessage};
 use ipc_types::messages::world::WorldEvent;
-use ipc_types::topics::{TopicId, WorldEvents};
+use ipc_types::topics::TopicId;
 
 use super::event_names::EventNames;
 use super::run_info::RunInfo;
@@ -49,12 +49,12 @@ impl EventList {
 
 impl Consumer for EventList {
     fn topics(&self) -> &[TopicId] {
-        &[TopicId::WorldEvents]
+        &EVENTS
     }
 
     fn message(&mut self, message: &LoggedMessage<'_>, (): &mut ()) {
-        if let Some((_, events)) = message.view::<WorldEvents>() {
-            events.for_each(|event| self.add(message.time_s(), &event));
+        for event in message.events() {
+            self.add(message.time_s(), &event);
         }
     }
 }

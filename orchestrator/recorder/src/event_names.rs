@@ -67,6 +67,9 @@ impl EventNames {
             "trapped" => format!("{robot} trapped by an obstacle"),
             "released" => format!("{robot} free again"),
             "stands" => format!("{robot} stands: no progress for {:.0} s", event.value),
+            "sighted" => format!("{robot} sighted {other} and pursues it"),
+            "lost" => format!("{robot} lost {other}"),
+            "returned" => format!("{robot} is back on patrol"),
             kind if has_robot => format!("{robot}: {}", kind.replace('_', " ")),
             kind => format!("{} event (code {})", kind.replace('_', " "), event.kind),
         }

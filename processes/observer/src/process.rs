@@ -313,10 +313,10 @@ impl ObserverProcess {
                         v_reverse_max: info.model.v_reverse_max,
                         omega_max: info.model.omega_max,
                     };
-                    let rng = stream("particles");
+                    let (start, rng) = (params.filter.known_start(info.start), stream("particles"));
                     watched.add(
                         Prediction::PARTICLES,
-                        Particles::new(&params.filter, limits, info.start, space, rng),
+                        Particles::new(&params.filter, limits, start, space, rng),
                     );
                 }
                 Method::SimilarStretch => watched.add(

@@ -15,7 +15,7 @@ use patrol::team::Team;
 use planner_view::map::PlannerMap;
 use planner_view::steering::Steering;
 use planner_view::view::{RobotView, View};
-use planner_view::waypoint::{Waypoint, WaypointReport};
+use planner_view::waypoint::{Waypoint, WaypointOutcome, WaypointReport};
 use robot::spec::RobotModel;
 
 use crate::PatrolError;
@@ -25,6 +25,9 @@ pub use params::{Pace, PatrolAwgParams};
 
 /// Waypoints ahead that are shown.
 pub const SHOWN: usize = 12;
+
+/// Maximum number of waypoints that end in a tick.
+pub(crate) const MAX_REPORTS: usize = 64;
 
 /// One robot on patrol.
 #[derive(Debug, Clone)]
@@ -46,6 +49,8 @@ pub struct PatrolAwg {
     ahead: VecDeque<Waypoint>,
     driver: WaypointDriver,
     radius: f64,
+    /// `true` while it is off its round.
+    is_off: bool,
     /// `true` if the zig-zag fits the map.
     entered: bool,
     reports: Vec<WaypointReport>,
@@ -82,6 +87,7 @@ impl PatrolAwg {
             mission,
             driver: WaypointDriver::new(drive.driver(&params.driver), drive.limits, model.radius)?,
             radius: model.radius,
+            is_off: false,
             entered: false,
             reports: Vec::new(),
         })
@@ -132,6 +138,54 @@ impl PatrolAwg {
         self.plan(mission, 0.0);
     }
 
+    /// Follows the others of the team in a tick in which the robot is off its round. The next [`Self::steer`] takes the
+    /// round up again, where the robot is nearest to it; the waypoints before it are left out.
+    pub fn leave(&mut self, view: &View<'_>) {
+        self.reports.clear();
+        if let Some(team) = &mut self.team {
+            team.observe(&self.mission.awg, view);
+        }
+        if !core::mem::replace(&mut self.is_off, true) {
+            let onward = self.driver.abandon(view.time_s, &mut self.reports);
+            onward.into_iter().for_each(|it| self.ahead.push_front(it));
+        }
+    }
+
+    /// Leaves out waypoints, no more than one message holds, before the place where the robot takes up its round.
+    fn rejoin(&mut self, own: &RobotView, time_s: f64) {
+        let awg = &self.mission.awg;
+        let next_s = self
+            .ahead
+            .front()
+            .map_or(0.0, |next| awg.due_s(next.number));
+        let clock_s = match &self.team {
+            Some(team) => team.clock_s(awg, own.index),
+            None => {
+                let nearest_s = awg.nearest_s(own.pose.position(), own.pose.theta);
+                let clock_s = next_s + (nearest_s - next_s).rem_euclid(awg.round_s());
+                self.set_out_s = Some(time_s - (clock_s - self.start_s.unwrap_or(0.0)));
+                clock_s
+            }
+        };
+        while let Some(next) = self.ahead.front()
+            && awg.due_s(next.number) < clock_s
+        {
+            if self.reports.len() == MAX_REPORTS {
+                self.is_off = true;
+                break;
+            }
+            self.reports.push(WaypointReport {
+                waypoint: *next,
+                outcome: WaypointOutcome::TimedOut,
+                started_s: time_s,
+                ended_s: time_s,
+                closest: f64::INFINITY,
+            });
+            self.ahead.pop_front();
+            self.ahead.extend(self.laps.next());
+        }
+    }
+
     /// Returns the mission with all choices made.
     pub fn mission(&self) -> &Mission {
         &self.mission
@@ -164,7 +218,13 @@ impl PatrolAwg {
         let Some(own) = view.own() else {
             return Steering::stop();
         };
+        if core::mem::take(&mut self.is_off) && self.start_s.is_some() {
+            self.rejoin(own, view.time_s);
+        }
         let start_s = self.begin(own);
+        if self.is_off {
+            return Steering::stop();
+        }
         let situation = Situation {
             pose: own.pose,
             twist: own.twist,

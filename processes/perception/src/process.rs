@@ -245,7 +245,7 @@ impl PerceptionProcess {
                         v_reverse_max: info.model.v_reverse_max,
                         omega_max: info.model.omega_max,
                     },
-                    start: Some(info.start),
+                    start: self.params.filter.known_start(info.start),
                     rng: runtime::seed::stream(
                         self.config.run.seed,
                         &self.config.name,

@@ -7,8 +7,9 @@ use ipc_types::messages::robot::{
 };
 use ipc_types::messages::world::WorldEvent;
 use ipc_types::stamp::{PlainHeader, Stamp};
-use ipc_types::topics::{Commands, Plan, Tree, Waypoints};
+use ipc_types::topics::{Commands, Plan, RobotEvents, Tree, Waypoints};
 use nalgebra::Point2;
+use planner_view::event::{RobotEvent, RobotEventKind};
 use planner_view::steering::Steering;
 use planner_view::waypoint::{WaypointKind, WaypointOutcome, WaypointReport};
 use runtime::error::ProcessError;
@@ -44,6 +45,7 @@ pub(crate) struct Outputs<'a> {
     pub(crate) plans: &'a Publisher<Plan>,
     pub(crate) trees: Option<&'a Publisher<Tree>>,
     pub(crate) waypoints: Option<&'a Publisher<Waypoints>>,
+    pub(crate) events: Option<&'a Publisher<RobotEvents>>,
     pub(crate) stamp: Stamp,
 }
 
@@ -123,6 +125,42 @@ impl Outputs<'_> {
             },
         )?;
         Ok(())
+    }
+
+    /// Sends the events that fit a message, if there are any.
+    pub(crate) fn send_events(
+        &self,
+        robot: u32,
+        events: &[RobotEvent],
+    ) -> Result<(), ProcessError> {
+        let Some(publisher) = self.events.filter(|_| !events.is_empty()) else {
+            return Ok(());
+        };
+        let mut events = events.iter().take(publisher.capacity());
+        publisher.send_with(
+            PlainHeader { stamp: self.stamp },
+            events.len(),
+            |_| match events.next() {
+                Some(event) => robot_event(robot, event),
+                None => WorldEvent::default(),
+            },
+        )?;
+        Ok(())
+    }
+}
+
+fn robot_event(robot: u32, event: &RobotEvent) -> WorldEvent {
+    WorldEvent {
+        x: event.at.x,
+        y: event.at.y,
+        kind: match event.kind {
+            RobotEventKind::Sighted => WorldEvent::SIGHTED,
+            RobotEventKind::Lost => WorldEvent::LOST,
+            RobotEventKind::Returned => WorldEvent::RETURNED,
+        },
+        robot,
+        other: event.other as u32,
+        ..WorldEvent::default()
     }
 }
 

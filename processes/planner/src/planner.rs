@@ -7,6 +7,7 @@ use geometry::map::MapSpec;
 use geometry::region::Region;
 use ipc_types::bus::Bus;
 use ipc_types::messages::robot::TreeEdge;
+use planner_view::event::RobotEvent;
 use planner_view::limits::Limits;
 use planner_view::map::PlannerMap;
 use planner_view::steering::Steering;
@@ -157,6 +158,11 @@ pub trait Planner: Sized + 'static {
     /// Returns the waypoints that ended in this tick. Those beyond the declared number of
     /// `robot/waypoint` are not sent.
     fn waypoints(&mut self) -> &[WaypointReport] {
+        &[]
+    }
+
+    /// Returns what has happened to the robot in this tick. Events beyond the declared number of `robot/event` are not sent.
+    fn events(&mut self) -> &[RobotEvent] {
         &[]
     }
 }

@@ -7,7 +7,7 @@ use geometry::map::MapSpec;
 use geometry::pose::Pose2;
 use geometry::region::Region;
 use ipc_types::bus::{Bus, Publisher, PublisherOptions};
-use ipc_types::topics::{Commands, Plan, Scan, Tree, Waypoints};
+use ipc_types::topics::{Commands, Plan, RobotEvents, Scan, Tree, Waypoints};
 use nalgebra::Point2;
 use planner_view::map::PlannerMap;
 use planner_view::view::{BeliefView, ParticleView, RobotView, ScanView, View};
@@ -44,6 +44,7 @@ pub struct PlannerProcess<P: Planner> {
     plans: Publisher<Plan>,
     trees: Option<Publisher<Tree>>,
     waypoints: Option<Publisher<Waypoints>>,
+    events: Option<Publisher<RobotEvents>>,
     config: ProcessConfig,
     map: Option<Arc<PlannerMap>>,
     exits: Vec<Point2<f64>>,
@@ -97,9 +98,10 @@ impl<P: Planner> ProcessKind for PlannerProcess<P> {
         let declaration = P::declare(params);
         let reads = |input: Input| declaration.input(input.flow).is_some();
         let most = |flow: Flow| declaration.output(flow).map(|output| output.elements);
-        let (edges, waypoints) = (
+        let (edges, waypoints, events) = (
             most(Flow::for_topic::<Tree>()),
             most(Flow::for_topic::<Waypoints>()),
+            most(Flow::for_topic::<RobotEvents>()),
         );
         let robots = config.run.robots.len();
         let mut driven = config
@@ -134,6 +136,9 @@ impl<P: Planner> ProcessKind for PlannerProcess<P> {
                 .map(|edges| bus.publisher(PublisherOptions::new(config.index, edges)))
                 .transpose()?,
             waypoints: waypoints
+                .map(|most| bus.publisher(PublisherOptions::new(config.index, most)))
+                .transpose()?,
+            events: events
                 .map(|most| bus.publisher(PublisherOptions::new(config.index, most)))
                 .transpose()?,
             teams: teams(&config.run.robots),
@@ -172,6 +177,9 @@ impl<P: Planner> Process for PlannerProcess<P> {
         }
         if let Some(waypoints) = &self.waypoints {
             waypoints.update_connections()?;
+        }
+        if let Some(events) = &self.events {
+            events.update_connections()?;
         }
         Ok(())
     }
@@ -255,6 +263,7 @@ impl<P: Planner> Process for PlannerProcess<P> {
             plans: &self.plans,
             trees: self.trees.as_ref(),
             waypoints: self.waypoints.as_ref(),
+            events: self.events.as_ref(),
             stamp,
         };
         for driven in &mut self.driven {
@@ -282,6 +291,7 @@ impl<P: Planner> Process for PlannerProcess<P> {
                 outputs.send_tree(driven.robot, edges)?;
             }
             outputs.send_waypoints(driven.robot, driven.planner.waypoints())?;
+            outputs.send_events(driven.robot, driven.planner.events())?;
         }
         Ok(())
     }

@@ -1,25 +1,3 @@
-//! Police: potential-field pursuit of exact or believed targets.
-//!
-//! Every Police robot runs its own [`Pursuer`]. Per tick it
-//!
-//! 1. agrees with its colleagues, without messages, on the target of each ([`assignment`]) and the
-//!    escape path that each cuts off ([`cut_off`]);
-//! 2. converts the information on its target to goals somewhat ahead of it ([`goals`]);
-//! 3. follows attraction to the goals + repulsion from colleagues + repulsion from obstacles, by
-//!    feedback linearisation ([`chase`]).
-//!
-//! The method is the chasing-game paper's (§III-B); its exact parameters are
-//! [`PursuerParams::paper`], every deviation of the defaults is a named parameter. Cutting off is an
-//! addition to the paper; it is off by default.
+//! Process of the Police: connects [`pursuit_evasion::pursuit`] to its topics.
 
-pub mod assignment;
-pub mod chase;
-pub mod cut_off;
-pub mod goals;
-pub mod matching;
-pub mod params;
 pub mod process;
-mod slots;
-
-pub use chase::Pursuer;
-pub use params::PursuerParams;

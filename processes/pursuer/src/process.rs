@@ -4,9 +4,8 @@ use planner::{Declaration, Input, Planner, PlannerError, limits};
 use planner_view::map::PlannerMap;
 use planner_view::steering::Steering;
 use planner_view::view::View;
+use pursuit_evasion::pursuit::{Pursuer, PursuerParams};
 use runtime::config::RobotInfo;
-
-use crate::{Pursuer, PursuerParams};
 
 /// Process of one Police robot.
 #[derive(Debug)]

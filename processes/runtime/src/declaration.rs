@@ -12,8 +12,8 @@ use core::fmt;
 
 use ipc_types::bus::AnyTopic;
 use ipc_types::topics::{
-    Commands, Coverage, ObstacleEvents, Scan, Service, Topic, TopicId, Tree, Waypoints,
-    WorldEvents, WorldMap, WorldShapes, WorldState,
+    Commands, Coverage, ObstacleEvents, RobotEvents, Scan, Service, Topic, TopicId, Tree,
+    Waypoints, WorldEvents, WorldMap, WorldShapes, WorldState,
 };
 
 /// A stream of messages between processes.
@@ -137,6 +137,11 @@ impl Output {
     /// At most `most` waypoints that end in a tick.
     pub fn waypoints(most: usize) -> Self {
         Self::new::<Waypoints>(most)
+    }
+
+    /// At most `most` events of a robot in a tick.
+    pub fn events(most: usize) -> Self {
+        Self::new::<RobotEvents>(most)
     }
 
     /// The same output, counting at another time.

@@ -9,7 +9,7 @@ mod rules;
 
 pub use condition::Condition;
 pub use coverage::CoverageSpec;
-pub use rules::{CaptureSpec, ObstacleResponse, OutOfPlay, RulesSpec};
+pub use rules::{CaptureSpec, MissionEnd, ObstacleResponse, OutOfPlay, RulesSpec};
 
 use geometry::map::MapSpec;
 use robot::spec::RobotSpec;

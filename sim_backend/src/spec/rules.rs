@@ -21,6 +21,8 @@ pub struct RulesSpec {
     /// Simulated time after which evaders and robots with a goal are timed out; never if absent.
     #[schemars(transform = above(0).at_most(1e9).unit("s"))]
     pub time_limit: Option<f64>,
+    /// End of the mission before the time limit.
+    pub end: MissionEnd,
     /// Accounting of the visited area; none if absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub coverage: Option<CoverageSpec>,
@@ -38,6 +40,7 @@ impl Default for RulesSpec {
             capture: None,
             exits: Vec::new(),
             time_limit: None,
+            end: MissionEnd::Decided,
             coverage: None,
             blocked: ObstacleResponse::Slide,
             caught: OutOfPlay::Stay,
@@ -82,6 +85,17 @@ pub enum ObstacleResponse {
     Slide,
     /// The robot stays at the point of contact until its motion leads away.
     Stop,
+}
+
+/// End of a mission before its time limit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum MissionEnd {
+    /// As soon as every evader and every robot with a goal has finished; without such robots there is none.
+    #[default]
+    Decided,
+    /// None: a patrol goes on after its intruders.
+    TimeLimit,
 }
 
 /// Body of a robot that is out of the game.

@@ -4,6 +4,7 @@ use core::time::Duration;
 
 use super::{EventKind, GameOver, World};
 use crate::robot::RobotStatus;
+use crate::spec::MissionEnd;
 use robot::team::Role;
 
 impl World {
@@ -88,7 +89,7 @@ impl World {
         let open = (0..self.robots.len())
             .filter(|&i| contends(i) && self.robots[i].is_active())
             .count();
-        let reason = if contenders > 0 && open == 0 {
+        let reason = if contenders > 0 && open == 0 && self.rules.end == MissionEnd::Decided {
             GameOver::Decided
         } else if self
             .rules

@@ -126,6 +126,14 @@ impl WaypointDriver {
         self.leg.as_ref().map(|leg| &leg.waypoint)
     }
 
+    /// Ends the current waypoint as one that is not reached in time (s), because the robot has something else to do.
+    /// Returns the one that it had taken ahead.
+    pub fn abandon(&mut self, time_s: f64, reports: &mut Vec<WaypointReport>) -> Option<Waypoint> {
+        self.end(WaypointOutcome::TimedOut, time_s, reports);
+        self.before = None;
+        self.onward.take()
+    }
+
     /// Executes one tick: ends waypoints that are reached, late or given up, takes the `next`
     /// ones, and drives. Appends the outcomes of waypoints to `reports`.
     ///

@@ -249,3 +249,39 @@ fn bad_set_ups_and_updates_are_refused_by_name() {
     let tracks = perception.update(&[nowhere], &[truth], DT).unwrap();
     assert!(!tracks[0].sighting().is_seen() && tracks[0].belief().mean.is_finite());
 }
+
+#[test]
+fn an_intruder_whose_start_is_unknown_is_believed_out_of_view_and_found() {
+    let targets = vec![setup(4, None)];
+    let mut perception = Perception::new(&PerceptionParams::default(), &map(), targets).unwrap();
+    let truth = TargetTruth {
+        robot: 4,
+        pose: Pose2::new(-3.0, -2.0, 0.0),
+    };
+    let mut observer = Pose2::new(3.0, -2.0, 3.0);
+    perception.update(&[observer], &[truth], DT).unwrap();
+    let hidden = |perception: &Perception, observer: &Pose2| {
+        let (track, field) = (&perception.tracks()[0], perception.space().field());
+        let mut particles = track.particles();
+        particles.all(|p| {
+            let at = Point2::new(f64::from(p.x), f64::from(p.y));
+            field.visibility(observer.position(), at) < 0.9
+        })
+    };
+    assert!(hidden(&perception, &observer));
+    let belief = perception.tracks()[0].belief();
+    assert!(!belief.seen && belief.mean.x < 0.0, "{belief:?}");
+    assert!(belief.covariance_xx + belief.covariance_yy > 1.0);
+    // It drives up its side of the wall, and sees round the end of it.
+    for _ in 0..120 {
+        observer.x = (observer.x - 0.025).max(0.5);
+        observer.y = (observer.y + 0.03).min(2.0);
+        perception.update(&[observer], &[truth], DT).unwrap();
+        assert!(perception.tracks()[0].belief().seen || hidden(&perception, &observer));
+    }
+    observer = Pose2::new(-1.0, 2.0, 3.0);
+    perception.update(&[observer], &[truth], DT).unwrap();
+    let belief = perception.tracks()[0].belief();
+    let error = (belief.mean.position() - truth.pose.position()).norm();
+    assert!(belief.seen && error < 0.5, "{belief:?}");
+}

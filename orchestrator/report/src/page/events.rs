@@ -3,7 +3,7 @@
 use ipc_types::consumer::{Consumer, LoggedMessage};
 use ipc_types::messages::robot::WaypointEnd;
 use ipc_types::messages::world::WorldEvent;
-use ipc_types::topics::{TopicId, Waypoints, WorldEvents};
+use ipc_types::topics::{RobotEvents, TopicId, Waypoints, WorldEvents};
 
 use crate::run_model::LoggedRun;
 use scenario::spec::MAX_ROBOTS;
@@ -36,7 +36,11 @@ pub(super) struct EventLists {
 
 impl Consumer<LoggedRun> for EventLists {
     fn topics(&self) -> &[TopicId] {
-        &[TopicId::WorldEvents, TopicId::Waypoints]
+        &[
+            TopicId::WorldEvents,
+            TopicId::RobotEvents,
+            TopicId::Waypoints,
+        ]
     }
 
     fn message(&mut self, message: &LoggedMessage<'_>, run: &mut LoggedRun) {
@@ -44,6 +48,12 @@ impl Consumer<LoggedRun> for EventLists {
             for event in &events {
                 self.event(message.time_ns, event);
             }
+        }
+        if let Some((_, events)) = run.decode::<RobotEvents>(message) {
+            let own = events
+                .iter()
+                .filter(|event| event.kind >= WorldEvent::SIGHTED);
+            own.for_each(|event| self.event(message.time_ns, event));
         }
         if let Some((_, ends)) = run.decode::<Waypoints>(message) {
             let known = ends

@@ -3,7 +3,7 @@
 use ipc_types::consumer::{Consumer, LoggedMessage};
 use ipc_types::messages::process::{LogHeader, ProcessEvent};
 use ipc_types::messages::world::WorldEvent;
-use ipc_types::topics::{ProcessEvents, ProcessLog, TopicId, WorldEvents};
+use ipc_types::topics::{ProcessEvents, ProcessLog, TopicId};
 use recorder::{EventNames, ProcessInfo, RunInfo};
 
 use super::channel::ViewerChannel;
@@ -38,6 +38,7 @@ impl Consumer<Picture> for LogTopic {
     fn topics(&self) -> &[TopicId] {
         &[
             TopicId::WorldEvents,
+            TopicId::RobotEvents,
             TopicId::ProcessEvents,
             TopicId::ProcessLog,
         ]
@@ -46,9 +47,8 @@ impl Consumer<Picture> for LogTopic {
     fn message(&mut self, logged: &LoggedMessage<'_>, picture: &mut Picture) {
         let (time_ns, names, processes) = (logged.time_ns, &self.names, &self.processes);
         let mut lines = Vec::new();
-        if let Some((_, events)) = logged.view::<WorldEvents>() {
-            lines.extend(events.map(|event| message(&event, names, time_ns)));
-        }
+        let events = logged.events();
+        lines.extend(events.map(|event| message(&event, names, time_ns)));
         if let Some((_, events)) = logged.view::<ProcessEvents>() {
             lines.extend(events.map(|event| process_event(&event, processes, time_ns)));
         }

@@ -18,17 +18,17 @@ pub struct Particles {
 }
 
 impl Particles {
-    /// Returns a predictor for a robot with these limits that starts at a known pose; `params` must
+    /// Returns a predictor for a robot with these limits that starts at this pose, if it is known; `params` must
     /// be valid.
     pub fn new(
         params: &FilterParams,
         limits: MotionLimits,
-        start: Pose2,
+        start: Option<Pose2>,
         space: &Space,
         rng: ChaCha8Rng,
     ) -> Self {
         Self {
-            filter: ParticleFilter::new(params, limits, Some(start), space, rng),
+            filter: ParticleFilter::new(params, limits, start, space, rng),
         }
     }
 }

@@ -6,6 +6,8 @@ use patrol::mission::MissionParams;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::pursue::PursueParams;
+
 /// Speed of the patrol.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
@@ -38,6 +40,10 @@ pub struct PatrolAwgParams {
     pub obstacles_known: bool,
     /// Driver to waypoints; `driver.go_to.arrived` is the distance at which one is reached.
     pub driver: DriverParams,
+    /// Pursuit of the intruders that the guards of a team of pursuers sight, with a `perception` process: the nearest guard
+    /// of the team pursues, the others divide the round among them, and all return to it. None if absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pursue: Option<PursueParams>,
 }
 
 impl Parameters for PatrolAwgParams {

@@ -4,7 +4,7 @@ use testing::{circle, rectangle};
 
 use super::*;
 use crate::robot::RobotStatus;
-use crate::spec::CaptureSpec;
+use crate::spec::{CaptureSpec, MissionEnd};
 
 fn chase(rules: RulesSpec) -> World {
     let robots = vec![
@@ -218,6 +218,27 @@ fn time_runs_out_exactly_and_without_drift() {
     assert_eq!(world.time(), Duration::from_secs(100));
     assert_eq!(world.robots()[2].status, RobotStatus::TimedOut);
     assert!(world.robots()[0].is_active());
+}
+
+#[test]
+fn a_mission_may_go_on_until_its_time_limit_though_all_have_finished() {
+    let mut robot = racer("walker", Role::Neutral, 0.0, 0.0, 0.0);
+    robot.goal = Some(Region::Circle {
+        center: [0.0, 0.0],
+        radius: 1.0,
+    });
+    let rules = RulesSpec {
+        time_limit: Some(1.0),
+        end: MissionEnd::TimeLimit,
+        ..RulesSpec::default()
+    };
+    let mut world = world(room(vec![]), vec![robot], rules);
+    while !world.is_over() {
+        world.step(&[], TICK);
+    }
+    assert_eq!(world.time(), Duration::from_secs(1));
+    assert_eq!(world.game_over(), Some(GameOver::TimeLimit));
+    assert_eq!(world.robots()[0].status, RobotStatus::Arrived);
 }
 
 #[test]

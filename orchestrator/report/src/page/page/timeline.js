@@ -3,6 +3,7 @@
 const LANES = [
   { text: 'caught', kinds: ['captured'], colour: 'pursuer' },
   { text: 'escaped, arrived', kinds: ['escaped', 'goal_reached'], colour: 'exit' },
+  { text: 'pursuits', kinds: ['sighted', 'lost', 'returned'], colour: 'pursuer' },
   { text: 'obstacles', kinds: ['obstacle', 'pushed_out', 'trapped', 'released'], colour: 'obstacle' },
   { text: 'contacts', kinds: ['contact_begin', 'contact_end'], colour: 'evader' },
   { text: 'command errors', kinds: ['invalid_command', 'missing_command'], colour: 'belief-ink' },

@@ -7,8 +7,8 @@ use navigation::bearing::GoalField;
 use planner_view::limits::Limits;
 use planner_view::view::{BeliefView, ParticleView, RobotView};
 use proptest::prelude::*;
-use pursuer::params::{AssignmentMethod, BeliefGoals, Knowledge};
-use pursuer::{Pursuer, PursuerParams};
+use pursuit_evasion::pursuit::params::{AssignmentMethod, BeliefGoals, Knowledge};
+use pursuit_evasion::pursuit::{Pursuer, PursuerParams};
 use robot::team::Role;
 use testing::{CITY, DT, Kinematic, RADIUS, street_starts};
 

@@ -17,7 +17,7 @@
 //! One pursuer always drives at the target. Otherwise a complete cut would have no pursuer to close
 //! it, and a target that does not move would be surrounded for ever.
 //!
-//! [`block_radius`]: crate::params::AssignmentParams::block_radius
+//! [`block_radius`]: super::params::AssignmentParams::block_radius
 
 use core::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -26,7 +26,7 @@ use nalgebra::Point2;
 use navigation::routes::{NavGrid, RouteFinder, RouteTree};
 use planner_view::map::PlannerMap;
 
-use crate::matching::{milliseconds, one_each};
+use super::matching::{milliseconds, one_each};
 
 /// Candidate places of cuts, as shares of the path from the first place reached in time to the
 /// exit.

@@ -14,10 +14,10 @@ use planner_view::steering::Steering;
 use planner_view::view::{RobotView, View};
 use robot::team::Role;
 
-use crate::assignment::{Assigner, Order};
-use crate::goals::{Hypothesis, estimate, goals, hypotheses};
-use crate::params::PursuerParams;
-use crate::slots;
+use super::assignment::{Assigner, Order};
+use super::goals::{Hypothesis, estimate, goals, hypotheses};
+use super::params::PursuerParams;
+use super::slots;
 
 /// Distance to a visible target below which a pursuer that cuts it off drives at it (m).
 const CLOSE: f64 = 1.0;

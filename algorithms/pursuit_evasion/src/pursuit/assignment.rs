@@ -12,11 +12,11 @@ use planner_view::map::PlannerMap;
 use planner_view::view::{RobotView, View};
 use robot::team::Role;
 
-use crate::cut_off::{CutSearch, EvaderState, ExitBlocker, allot};
-use crate::goals::estimate;
-use crate::matching::{balanced, milliseconds};
-use crate::params::{AssignmentMethod, AssignmentParams};
-use crate::slots;
+use super::cut_off::{CutSearch, EvaderState, ExitBlocker, allot};
+use super::goals::estimate;
+use super::matching::{balanced, milliseconds};
+use super::params::{AssignmentMethod, AssignmentParams};
+use super::slots;
 
 /// Minimum gain in driving time of a change of target (s); prevents two pursuers from swapping
 /// repeatedly.

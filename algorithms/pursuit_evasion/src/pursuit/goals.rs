@@ -10,7 +10,7 @@ use parameters::Fidelity;
 use planner_view::map::PlannerMap;
 use planner_view::view::{BeliefView, View};
 
-use crate::params::{BeliefGoals, Knowledge};
+use super::params::{BeliefGoals, Knowledge};
 
 /// Distance of a goal ahead of the target, along its heading, as a fraction of the range to it.
 const LOOK_AHEAD_RATIO: f64 = 0.7;

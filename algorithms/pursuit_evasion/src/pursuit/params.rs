@@ -43,7 +43,7 @@ pub enum AssignmentMethod {
     /// pursuers spread evenly over the evaders. Those on one evader are then
     /// matched, at the minimum sum of driving times, with places that cut off its paths to the
     /// exits. Pursuers without a place (at least one) drive at it. Renewed every
-    /// [`AssignmentParams::period_s`]. See [`crate::cut_off`].
+    /// [`AssignmentParams::period_s`]. See [`crate::pursuit::cut_off`].
     CutOff,
 }
 
@@ -78,7 +78,7 @@ impl Default for AssignmentParams {
     }
 }
 
-/// Parameters of a [`Pursuer`](crate::Pursuer).
+/// Parameters of a [`Pursuer`](super::Pursuer).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct PursuerParams {

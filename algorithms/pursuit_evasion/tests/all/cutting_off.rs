@@ -8,9 +8,9 @@ use nalgebra::Point2;
 use navigation::routes::{NavGrid, RouteFinder};
 use planner_view::limits::Limits;
 use planner_view::view::{RobotView, View};
-use pursuer::cut_off::{CutSearch, EvaderState, ExitBlocker};
-use pursuer::params::AssignmentMethod;
-use pursuer::{Pursuer, PursuerParams};
+use pursuit_evasion::pursuit::cut_off::{CutSearch, EvaderState, ExitBlocker};
+use pursuit_evasion::pursuit::params::AssignmentMethod;
+use pursuit_evasion::pursuit::{Pursuer, PursuerParams};
 use robot::team::Role;
 use testing::{CITY, DT, EXIT, Kinematic, RADIUS, street_starts};
 

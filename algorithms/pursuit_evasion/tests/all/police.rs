@@ -2,8 +2,8 @@
 
 use geometry::pose::Pose2;
 use planner_view::view::{BeliefView, RobotView, View};
-use pursuer::PursuerParams;
-use pursuer::params::Knowledge;
+use pursuit_evasion::pursuit::PursuerParams;
+use pursuit_evasion::pursuit::params::Knowledge;
 use robot::team::Role;
 
 use testing::EXIT;
