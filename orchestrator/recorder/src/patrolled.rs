@@ -3,7 +3,7 @@
 use ipc_types::consumer::{Consumer, LoggedMessage};
 use ipc_types::messages::world::RobotState;
 use ipc_types::topics::{TopicId, WorldState};
-use metrics::idleness::{Idleness, Ring};
+use metrics::idleness::{Idleness, IdlenessNow, Ring};
 use nalgebra::Point2;
 
 use super::run_info::{PatrolInfo, RobotInfo};
@@ -52,9 +52,24 @@ impl PatrolMeasurement {
         &self.names
     }
 
-    /// The measure.
-    pub fn idleness(&self) -> &Idleness {
-        &self.idleness
+    /// Idleness at the last time.
+    pub fn now(&self) -> IdlenessNow {
+        self.idleness.now()
+    }
+
+    /// Time since the last visit of each place, or since time 0 without one (s).
+    pub fn idle_s(&self) -> impl Iterator<Item = f64> {
+        self.idleness.idle_s()
+    }
+
+    /// Time of the last visit of each place (s); `None` without one.
+    pub fn last_visits(&self) -> &[Option<f64>] {
+        self.idleness.last_visits()
+    }
+
+    /// Both ends of each place (m).
+    pub fn ends(&self) -> impl Iterator<Item = [Point2<f64>; 2]> {
+        self.idleness.ends()
     }
 }
 

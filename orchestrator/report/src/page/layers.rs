@@ -173,7 +173,7 @@ impl Consumer<LoggedRun> for Layers {
         }
         if message.topic == TopicId::WorldState {
             for (patrol, measurement) in (0..).zip(&run.patrols) {
-                for (place, last_s) in (0..PLACES).zip(measurement.idleness().last_visits()) {
+                for (place, last_s) in (0..PLACES).zip(measurement.last_visits()) {
                     if *last_s == Some(message.time_s()) {
                         self.visits.push(time_ns, patrol * PLACES + place, ());
                     }

@@ -196,10 +196,10 @@ fn place_visits(all: &[Sample<()>], lists: &mut Lists) {
     lists.u16("visits.place", places, 1);
 }
 
-/// Packs the points between the places of each patrol.
+/// Packs both ends of the places of each patrol.
 fn places(content: &PageContent, raster: Raster, lists: &mut Lists) {
-    let bounds = content.patrols.iter().flat_map(|p| p.idleness().bounds());
-    put_places("bounds", bounds.map(|p| raster.pack([p.x, p.y])), lists);
+    let ends = content.patrols.iter().flat_map(|p| p.ends().flatten());
+    put_places("places", ends.map(|p| raster.pack([p.x, p.y])), lists);
 }
 
 fn edges(all: &[Sample<Vec<Edge>>], raster: Raster, lists: &mut Lists) {

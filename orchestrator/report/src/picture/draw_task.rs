@@ -106,7 +106,7 @@ fn places(canvas: &mut Canvas, layout: &Layout, trace: &RunTrace) {
     }
     let bounds = palette::idleness_bounds(trace.time_s);
     canvas.add(format_args!(
-        "<g class=\"places\" fill=\"none\" stroke-width=\"{PLACE_WIDTH}\">\n"
+        "<g class=\"places\" fill=\"none\" stroke-linecap=\"round\" stroke-width=\"{PLACE_WIDTH}\">\n"
     ));
     for (shade, color) in palette::IDLENESS.iter().enumerate().rev() {
         canvas.add(format_args!("<path stroke=\"{color}\" d=\""));

@@ -44,13 +44,11 @@ pub struct PlaceTrace {
 impl PlaceTrace {
     /// The places of a patrol.
     pub(crate) fn of_patrol(patrol: &PatrolMeasurement) -> Vec<Self> {
-        let idleness = patrol.idleness();
-        let ends = idleness.bounds();
-        let ends = ends
-            .windows(2)
-            .map(|ends| [0, 1].map(|end| ends[end].into()));
-        let all = ends.zip(idleness.idle_s());
-        all.map(|(ends, idle_s)| Self { ends, idle_s }).collect()
+        let place = |(ends, idle_s): ([_; 2], _)| Self {
+            ends: ends.map(Into::into),
+            idle_s,
+        };
+        patrol.ends().zip(patrol.idle_s()).map(place).collect()
     }
 }
 

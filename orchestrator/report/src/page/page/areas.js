@@ -44,9 +44,9 @@ const visits = (() => {
 
 /** Places of the patrols: the line of each (m), and the times of its visits. */
 const patrolPlaces = facts.patrols.map((count, patrol) => {
-  const begin = facts.patrols.slice(0, patrol).reduce((sum, n) => sum + n + 1, 0);
-  const bound = (i) => [xOf(lists['bounds.x'][begin + i]), yOf(lists['bounds.y'][begin + i])];
-  return Array.from({ length: count }, (_, i) => ({ from: bound(i), to: bound(i + 1), time: [] }));
+  const begin = 2 * facts.patrols.slice(0, patrol).reduce((sum, n) => sum + n, 0);
+  const end = (i) => [xOf(lists['places.x'][begin + i]), yOf(lists['places.y'][begin + i])];
+  return Array.from({ length: count }, (_, i) => ({ from: end(2 * i), to: end(2 * i + 1), time: [] }));
 });
 lists['visits.time'].forEach((time, i) => patrolPlaces[lists['visits.patrol'][i]][lists['visits.place'][i]].time.push(time));
 
@@ -62,10 +62,11 @@ function shadeOf(age) {
   return shade < 0 ? facts.idleness.length - 1 : shade;
 }
 
-/** Lines along the contours of the patrols in the colours of their idleness. */
+/** Places of the patrols in the colours of their idleness: lines along contours, discs where a place is a point. */
 function drawPatrols(t) {
   inMetres(paint);
   paint.lineWidth = 7 / view.scale;
+  paint.lineCap = 'round';
   const paths = colours.idleness.map(() => new Path2D());
   patrolsAt(t).forEach((ages, patrol) => ages.forEach((age, place) => {
     const { from, to } = patrolPlaces[patrol][place];
@@ -74,6 +75,7 @@ function drawPatrols(t) {
     path.lineTo(...to);
   }));
   paths.forEach((path, shade) => { paint.strokeStyle = colours.idleness[shade]; paint.stroke(path); });
+  paint.lineCap = 'butt';
 }
 
 /** A colour `#rrggbb` as numbers. */
