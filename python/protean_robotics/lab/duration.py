@@ -65,6 +65,6 @@ class Estimate:
     def left_s(self, part: int) -> float:
         """Time from the begin of a part on (s); it follows the pace of the parts before."""
         done_s = sum(self.work_s[:part])
-        if done_s > _PROBE_S:
+        if done_s > _PROBE_S and part < len(self.work_s):
             self._pace = (monotonic() - self._began) * self.jobs / done_s
         return sum(self.work_s[part:]) * self._pace / self.jobs
