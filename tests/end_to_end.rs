@@ -40,6 +40,7 @@ mod namespaces;
 mod navigation;
 mod package;
 mod patrol;
+mod patrol_team;
 mod plan;
 mod planning;
 mod policy;

@@ -2,13 +2,13 @@
 
 use crate::support::Sandbox;
 use crate::support::geometry::{between, to_segment};
-use crate::support::history::Visit;
+use crate::support::history::{History, Visit};
 use crate::support::ways::{Drive, EPSILON};
 use plan::routes::patrol::Patrol;
 use serde_json::Value as Json;
 
 /// The octagon's corners (m).
-const OCTAGON: [[f64; 2]; 8] = [
+pub const OCTAGON: [[f64; 2]; 8] = [
     [5.0, 0.0],
     [0.0, 5.0],
     [0.0, 10.0],
@@ -20,7 +20,7 @@ const OCTAGON: [[f64; 2]; 8] = [
 ];
 
 /// Distance from a point to the octagon's contour (m).
-fn off_contour(p: [f64; 2]) -> f64 {
+pub fn off_contour(p: [f64; 2]) -> f64 {
     let sides = (0..8).map(|i| to_segment(p, OCTAGON[i], OCTAGON[(i + 1) % 8]));
     sides.fold(f64::INFINITY, f64::min)
 }
@@ -195,45 +195,49 @@ fn zig_zag_fictive_obstacles_and_their_mixture_get_around_a_square_of_obstacles(
     }
 }
 
-/// Runs a team on a contour; returns its figures in the summary.
-fn team(sandbox: &Sandbox, count: usize, contour: &str, time_limit: f64) -> Json {
-    let count = format!("robots.guard.count={count}");
-    let contour = format!("processes.patrol.params.mission.contour={contour}");
-    let time_limit = format!("rules.time_limit={time_limit}");
-    let words = ["run", "patrol_team", "--quiet", "--in-process"];
-    let call = sandbox.protean(words);
-    let call = [count, contour, time_limit]
-        .iter()
-        .fold(call, |call, set| call.set(set));
-    let summary = call.json();
-    let [patrol] = &summary["patrols"].as_array().unwrap()[..] else {
-        panic!("{}", summary["patrols"]);
-    };
-    patrol.clone()
-}
-
 #[test]
-fn a_team_spreads_around_its_contour() {
-    const ANGLE: &str = "[[0,0],[16,0],[16,6],[6,6],[6,14],[0,14]]";
+fn a_waypoint_behind_a_wall_that_the_robot_cannot_see_is_reported_as_stuck() {
     let sandbox = Sandbox::new();
-    let octagon: Vec<String> = OCTAGON.iter().map(|p| format!("{p:?}")).collect();
-    let octagon = format!("[{}]", octagon.join(","));
-    for (contour, length, count) in [
-        (&*octagon, 48.28, 3),
-        (&octagon, 48.28, 7),
-        (ANGLE, 60.0, 4),
-    ] {
-        let patrol = team(&sandbox, count, contour, 400.0);
-        let figure = |name: &str| patrol[name].as_f64().unwrap();
-        let part_s = 120.0 / count as f64;
-        assert_eq!(patrol["robots"].as_array().unwrap().len(), count);
-        assert!(figure("nearest_m") >= length / 8.0, "{patrol}");
-        assert!(figure("worst_idleness_s") <= 1.1 * part_s, "{patrol}");
-        assert!(
-            (figure("mean_idleness_s") - 0.5 * part_s).abs() < 0.15 * part_s,
-            "{patrol}"
-        );
-    }
+    let text = r#"
+        title = "Blind"
+        [run]
+        dt = 0.05
+        [world.map.vector]
+        bounds = { min = [-1.0, -3.0], max = [9.0, 3.0] }
+        [[world.map.vector.obstacles]]
+        name = "wall"
+        shape.rectangle = { center = [4.0, 0.0], half_extents = [0.2, 3.0] }
+        [rules]
+        time_limit = 60.0
+        [[robots]]
+        name = "guard"
+        team = "neutral"
+        start = { x = 0.0, y = 0.0, theta = 0.0 }
+        scan = { beams = 3, angle_min = 3.0, angle_increment = 0.1 }  # backwards
+        [[processes]]
+        name = "patrol"
+        kind = "patrol_awg"
+        robots = ["guard"]
+        [processes.params.mission]
+        contour = [[0.0, 0.0], [8.0, 0.0]]
+        closed = false
+        t_max = 60.0
+        alpha = 0.1
+        danger_zones = [{ circle = { center = [1.0, 0.0], radius = 0.5 } }]
+    "#;
+    sandbox.file("blind.toml", text);
+    let words = ["run", "blind.toml", "--in-process", "--out", "run.mcap"];
+    let summary = sandbox.protean(words).json();
+    let waypoints = &summary["robots"][0]["waypoints"];
+    let history = History::read(&sandbox.path().join("run.mcap"));
+    let stuck = history
+        .waypoints
+        .iter()
+        .filter(|end| end.outcome == "stuck");
+    let stuck: Vec<f64> = stuck.map(|end| end.x).collect();
+    assert_eq!(waypoints["stuck"], stuck.len(), "{summary}");
+    assert_eq!(waypoints["unreachable"], 0, "it has no proof");
+    assert_eq!(stuck[0], 8.0, "{stuck:?}");
 }
 
 #[test]

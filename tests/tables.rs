@@ -38,6 +38,10 @@ fn pandas_polars_and_duckdb_read_every_table() {
         };
         export("parquet");
         for (topic, table) in export("csv")["tables"].as_object().unwrap() {
+            if topic == "patrols" {
+                // No topic: its rows follow from the states.
+                continue;
+            }
             let printed = sandbox.protean(["cat", &log, topic]).run();
             let file = table["file"].as_str().unwrap().replace(".csv", ".jsonl");
             sandbox.file(&file, &printed.stdout);

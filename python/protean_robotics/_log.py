@@ -221,6 +221,30 @@ class Log:
         columns["status"] = MadeColumn(codes, _STATUS, status.empty)
         return Table(columns)
 
+    @cached_property
+    def patrols(self) -> Table:
+        """Idleness of the patrols over time: a row for each patrol and state; no rows without a patrol.
+
+        Columns are those of the table ``patrols`` of ``protean export``: ``log_time_ns`` (simulated ns), ``robots`` (names),
+        ``mean_idleness_s`` and ``worst_idleness_s``, mean and maximum over the places of the time since the last visit, or
+        since the begin of the run (s), ``worst_x`` and ``worst_y``, the place of the maximum (m), and ``visited``, the share
+        of the places visited so far, 0 to 1.
+
+        Raises
+        ------
+        InvalidInput
+            The log cannot be read.
+
+        Examples
+        --------
+        >>> import protean_robotics as pr
+        >>> run = pr.run("patrol_team", set={"rules.time_limit": 60}, seed=1, in_process=True, out="team.mcap")
+        >>> patrols = pr.Log("team.mcap").patrols
+        >>> patrols["worst_idleness_s"][-1] < 60
+        True
+        """
+        return Table({column.name: MadeColumn.of(column) for column in self._file.patrols()})
+
     @property
     def outcome(self) -> dict[str, str]:
         """Outcome of each robot: "active", "caught", "escaped", "timed_out", "goal_reached" or "disabled".

@@ -15,7 +15,8 @@ for module in ("jinja2", "matplotlib", "scipy"):
     pytest.importorskip(module)
 
 import protean_robotics as pr
-from protean_robotics.lab import reproduce
+from protean_robotics.lab import duration, plans, reproduce
+from protean_robotics.lab.experiments import EXPERIMENTS, PLAN_SEED_S, Experiment
 
 #: The paper whose missions are shortest.
 PAPER = "vmc-lp"
@@ -102,6 +103,51 @@ def test_ctrl_c_keeps_what_is_finished() -> None:
         _, errors = running.communicate()
     assert running.returncode == 3 and "the same command continues" in errors
     assert recorded("out")["vmc_lp_sensitivity"] and not Path("out/reproduce.md").exists()
+
+
+def test_verdicts_are_written_after_each_experiment(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    first, second = "vmc_lp_sensitivity", "vmc_lp_tables_3_4"
+    sweep = reproduce._sweep
+
+    def until_the_second(directory: Path, experiment: Experiment, options: reproduce.Options) -> None:
+        if experiment.name == second:
+            raise KeyboardInterrupt
+        sweep(directory, experiment, options)
+
+    monkeypatch.setattr(reproduce, "_sweep", until_the_second)
+    arguments = ["--paper", PAPER, "--seeds", "1..2", "--out", "out"]
+    assert reproduce.main(arguments) == 3
+    lines = [line for line in capsys.readouterr().err.splitlines() if line.startswith("experiment")]
+    assert [line.split(";")[0] for line in lines] == [f"experiment 1 of 2: {first}", f"experiment 2 of 2: {second}"]
+    assert all("; about " in line and line.endswith(" left") for line in lines)
+    data = json.loads(Path("out/reproduce.json").read_text())
+    verdicts = {claim["verdict"] for claim in data["claims"]}
+    assert data["missing"] == [second] and "no_data" in verdicts and len(verdicts) > 1
+    assert f"**Not finished**: `{second}`." in Path("out/reproduce.md").read_text()
+    assert not Path("out/reproduce.html").exists()
+
+    # The second half of four seeds is still to do.
+    experiment = next(experiment for experiment in EXPERIMENTS if experiment.name == first)
+    whole = duration.work_s(experiment, range(1, 5), Path("nothing"))
+    assert duration.work_s(experiment, range(1, 5), Path("out", first)) == whole / 2 > 0
+
+    monkeypatch.undo()
+    assert reproduce.main([*arguments, "--quiet"]) == 0
+    data = json.loads(Path("out/reproduce.json").read_text())
+    assert data["missing"] == [] and recorded("out")[second]
+    assert "Not finished" not in Path("out/reproduce.md").read_text() and not capsys.readouterr().err
+
+
+def test_the_time_left_follows_the_pace(monkeypatch: pytest.MonkeyPatch) -> None:
+    now = iter([0.0, 2.0, 2.0, 62.0])
+    monkeypatch.setattr(duration, "monotonic", lambda: next(now))
+    monkeypatch.setattr(plans, "make", lambda _: [])
+    estimate = duration.Estimate([20.0, 60.0, 0.0], 2)
+    # Measured: twice as long as expected. Then the first part took 60 s in place of 10 s.
+    assert estimate.left_s(0) == 80.0 * 2.0 / 2 / PLAN_SEED_S
+    assert estimate.left_s(1) == 60.0 * 6.0 / 2 and estimate.left_s(3) == 0.0
+    texts = [duration.text(seconds) for seconds in (0.0, 44.0, 89.0, 100.0, 3600.0)]
+    assert texts == ["about 10 s", "about 40 s", "about 90 s", "about 2 min", "about 60 min"]
 
 
 def test_other_files_are_refused_and_kept() -> None:

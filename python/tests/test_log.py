@@ -248,3 +248,17 @@ def test_the_code_of_the_guide_runs(chase_log: Path) -> None:
     blocks = re.findall(r"^```python\n(.*?)^```", guide.read_text(), re.DOTALL | re.MULTILINE)
     assert len(blocks) == 7
     subprocess.run([sys.executable, "-c", "\n".join(blocks)], cwd=chase_log.parent, check=True, timeout=120)
+
+
+def test_the_idleness_of_patrols_is_a_table(tmp_path: Path, chase: pr.Log) -> None:
+    run = pr.run("patrol_team", seed=1, set={"rules.time_limit": 60}, in_process=True, out=tmp_path / "team.mcap")
+    patrols = run.log.patrols
+    assert len(patrols["log_time_ns"]) == run.log.topics["world/state"]
+    assert set(patrols["robots"]) == {"guard_1, guard_2, guard_3, guard_4"}
+    mean, worst, visited = (patrols[name] for name in ("mean_idleness_s", "worst_idleness_s", "visited"))
+    t = patrols["log_time_ns"] * 1e-9
+    assert np.all(mean <= worst) and np.all(worst <= t + 1e-9) and np.all(np.diff(visited) >= 0)
+    # Before any visit of its place, the maximum is the time of the run.
+    assert np.all(worst[visited < 1] == pytest.approx(t[visited < 1]))
+    # Without a patrol it has no rows.
+    assert chase.patrols.columns == patrols.columns and len(chase.patrols["visited"]) == 0

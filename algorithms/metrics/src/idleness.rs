@@ -53,6 +53,20 @@ impl Ring {
         nearest
     }
 
+    /// The point after a length of the contour (m); its end beyond.
+    fn at(&self, length: f64) -> Point2<f64> {
+        let mut left = length;
+        for pair in self.points.windows(2) {
+            let side = pair[1] - pair[0];
+            let share = left / side.norm().max(f64::MIN_POSITIVE);
+            if share <= 1.0 {
+                return pair[0] + side * share;
+            }
+            left -= side.norm();
+        }
+        *self.points.last().unwrap_or(&Point2::origin())
+    }
+
     /// The way along the contour from a length to another one (m), negative if backwards: the shorter one.
     fn way(&self, from: f64, to: f64) -> f64 {
         let way = to - from;
@@ -82,12 +96,25 @@ pub struct IdlenessFigures {
     pub nearest_m: Option<f64>,
 }
 
+/// Idleness of the places at one time.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct IdlenessNow {
+    /// Mean of the times since the last visit of each place, or since time 0 without one (s).
+    pub mean_s: f64,
+    /// Longest of these times (s).
+    pub worst_s: f64,
+    /// Middle of the first place with this time, x and y (m).
+    pub worst_at: [f64; 2],
+    /// Share of the places that have been visited, 0 to 1.
+    pub visited: f64,
+}
+
 /// Idleness of a contour over time.
 #[derive(Debug, Clone)]
 pub struct Idleness {
     ring: Ring,
     /// Time of the last visit of each place (s).
-    visited_s: Vec<f64>,
+    visited_s: Vec<Option<f64>>,
     /// `true` for each place that has been visited in this round over all places, and number of the others.
     is_visited: Vec<bool>,
     unvisited: usize,
@@ -125,7 +152,7 @@ impl Idleness {
     pub fn new(ring: Ring, robots: usize) -> Self {
         Self {
             ring,
-            visited_s: vec![0.0; PLACES],
+            visited_s: vec![None; PLACES],
             is_visited: vec![false; PLACES],
             unvisited: PLACES,
             rounds: 0,
@@ -178,7 +205,7 @@ impl Idleness {
         let (low, high) = (low.floor() as i64, high.floor() as i64);
         for place in low..=high {
             let place = place.rem_euclid(PLACES as i64) as usize;
-            let last_s = core::mem::replace(&mut self.visited_s[place], self.now_s);
+            let last_s = self.visited_s[place].replace(self.now_s).unwrap_or(0.0);
             if let Some(began_s) = self.began_s {
                 self.sums
                     .add((began_s - last_s).max(0.0), self.now_s - last_s);
@@ -188,12 +215,50 @@ impl Idleness {
         }
     }
 
+    /// Time of the last visit of each place (s), in their order along the contour; `None` without one.
+    pub fn last_visits(&self) -> &[Option<f64>] {
+        &self.visited_s
+    }
+
+    /// Both ends of each place (m), in their order along the contour.
+    pub fn ends(&self) -> impl Iterator<Item = [Point2<f64>; 2]> {
+        let per_place = self.ring.length / PLACES as f64;
+        let at = move |bound| self.ring.at(bound as f64 * per_place);
+        (0..PLACES).map(move |place| [at(place), at(place + 1)])
+    }
+
+    /// Time since the last visit of each place, or since time 0 without one (s).
+    pub fn idle_s(&self) -> impl Iterator<Item = f64> {
+        let last_visits = self.visited_s.iter();
+        last_visits.map(|last_s| self.now_s - last_s.unwrap_or(0.0))
+    }
+
+    /// Idleness at the last time.
+    pub fn now(&self) -> IdlenessNow {
+        let (mut sum, mut worst_s, mut worst_place) = (0.0, f64::NEG_INFINITY, 0);
+        for (place, idle_s) in self.idle_s().enumerate() {
+            sum += idle_s;
+            if idle_s > worst_s {
+                (worst_s, worst_place) = (idle_s, place);
+            }
+        }
+        let visited = self.visited_s.iter().flatten().count();
+        let middle = (worst_place as f64 + 0.5) * self.ring.length / PLACES as f64;
+        IdlenessNow {
+            mean_s: sum / PLACES as f64,
+            worst_s,
+            worst_at: self.ring.at(middle).into(),
+            visited: visited as f64 / PLACES as f64,
+        }
+    }
+
     /// The figures up to the last time; `None` before every place has been visited twice, and in the second after
     /// that.
     pub fn figures(&self) -> Option<IdlenessFigures> {
         let began_s = self.began_s?;
         let mut sums = self.sums;
         for last_s in &self.visited_s {
+            let last_s = last_s.unwrap_or(0.0);
             sums.add((began_s - last_s).max(0.0), self.now_s - last_s);
         }
         let total_s = PLACES as f64 * (self.now_s - began_s);
@@ -263,6 +328,34 @@ mod tests {
             let nearest_m = figures.nearest_m.unwrap_or(40.0);
             assert!((nearest_m - part_s).abs() < 1e-9, "{figures:?}");
         }
+    }
+
+    #[test]
+    fn the_place_without_a_visit_for_longest_is_the_one_behind_the_gap() {
+        let mut idleness = Idleness::new(square(), 1);
+        for tick in 0..=200 {
+            let time_s = f64::from(tick) * TICK_S;
+            idleness.add(time_s, core::iter::once(Some(at(time_s))));
+        }
+        // After 10 s at 1 m/s a quarter is visited, and the rest waits since time 0.
+        let now = idleness.now();
+        assert!((now.visited - 0.25).abs() <= 1.0 / 480.0, "{now:?}");
+        assert_eq!(now.worst_s, 10.0);
+        assert!(
+            (Point2::from(now.worst_at) - Point2::new(10.0, 0.125)).norm() < 1e-9,
+            "{now:?}"
+        );
+        let mean_s = 0.25 * 5.0 + 0.75 * 10.0;
+        assert!((now.mean_s - mean_s).abs() < 0.05, "{now:?}");
+        let visits = idleness.last_visits();
+        assert_eq!(
+            (visits[0], visits[120], visits[121]),
+            (Some(0.1), Some(10.0), None)
+        );
+        let ends: Vec<_> = idleness.ends().collect();
+        assert_eq!(ends.len(), visits.len());
+        assert!((ends[120][0] - Point2::new(10.0, 0.0)).norm() < 1e-9);
+        assert!((ends[479][1] - ends[0][0]).norm() < 1e-9);
     }
 
     #[test]

@@ -58,6 +58,7 @@ pub use field_of_view::{FieldOfView, ViewOrigin};
 pub use mcap_log::output::ROBOTS_TOPIC;
 pub use message_counts::MessageCounts;
 pub use outcome_words::outcome_words;
+pub use patrolled::PatrolMeasurement;
 pub use recording::Recording;
 pub use robot_names::robot_names;
 pub use run_info::{PatrolInfo, ProcessInfo, RobotInfo, RunInfo, TaskInfo};

@@ -6,7 +6,7 @@ use super::covered::LatestCoverage;
 use super::event_list::EventList;
 use super::link_counts::LinkCounts;
 use super::outages::Outages;
-use super::patrolled::Patrolled;
+use super::patrolled::{PatrolMeasurement, Patrolled};
 use super::predicted::PredictionSeries;
 use super::robots::Robots;
 use super::run_info::RunInfo;
@@ -29,7 +29,7 @@ pub(super) fn parts(run: &RunInfo) -> Consumers<dyn OutcomePart> {
         Box::new(LatestCoverage::default()),
         Box::new(VerdictTotals::new(robots.len())),
         Box::new(AllVisits::new(robots)),
-        Box::new(Patrolled::new(&run.patrols, robots)),
+        Box::new(Patrolled(PatrolMeasurement::of_all(&run.patrols, robots))),
         Box::new(PredictionSeries::default()),
         Box::new(LinkCounts::new(&run.links, run.seed)),
         Box::new(Outages::new(processes, *tick_period_ns)),

@@ -439,6 +439,19 @@ mod tests {
     }
 
     #[test]
+    fn a_lap_that_begins_on_the_way_does_not_count() {
+        let mut ends = laps(3);
+        for (number, end) in (0..).zip(&mut ends) {
+            end.number = number;
+        }
+        assert_eq!(visits(&ends).unwrap().laps, Some(3));
+        // A guard of a spread team begins at a corner within the lap.
+        let late = visits(&ends[4..]).unwrap();
+        assert_eq!((late.laps, late.longest_lap_s), (Some(2), Some(16.0)));
+        assert_eq!(late.planned, visits(&laps(2)).unwrap().planned);
+    }
+
+    #[test]
     fn a_coverage_has_no_laps() {
         let ends = [2, 3, 2].map(|kind| end(0, kind, [1.0, f64::from(kind)], 4.0));
         let outcome = visits(&ends).unwrap();

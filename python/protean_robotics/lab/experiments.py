@@ -10,6 +10,8 @@ from .claim import Paper
 
 #: Number of seeds of the single plans of the RRT* evaders: all, and those of a quick reproduction.
 PLAN_SEEDS, QUICK_PLAN_SEEDS = 100, 20
+#: CPU time of the plans of a seed (s), measured as `Experiment.seed_s`.
+PLAN_SEED_S = 0.5
 
 
 @dataclass(frozen=True)
@@ -23,8 +25,9 @@ class Experiment:
     paper
         The paper.
     quick
-        Number of seeds that a quick reproduction takes, from 1 on; all of them together need less than ten minutes of two
-        cores.
+        Number of seeds that a quick reproduction takes, from 1 on.
+    seed_s
+        CPU time of one seed of all its cells (s), without those of `reuse`; measured on one core of an AMD EPYC.
     reuse
         Experiment with some of the same missions.
     """
@@ -32,6 +35,7 @@ class Experiment:
     name: str
     paper: Paper
     quick: int
+    seed_s: float
     reuse: str | None = None
 
     @property
@@ -42,14 +46,14 @@ class Experiment:
 
 #: All experiments, in the order of their execution.
 EXPERIMENTS = (
-    Experiment("escape_vs_speed", Paper.CHASE, 40),
-    Experiment("escape_vs_speed_rrt_star", Paper.CHASE, 10),
-    Experiment("escape_vs_speed_paper", Paper.CHASE, 50),
-    Experiment("knowledge", Paper.CHASE, 40, "escape_vs_speed"),
-    Experiment("knowledge_paper", Paper.CHASE, 50, "escape_vs_speed_paper"),
-    Experiment("patrol_alpha", Paper.PATROL, 5),
-    Experiment("patrol_square", Paper.PATROL, 3),
-    Experiment("coverage_sources", Paper.COVERAGE, 3),
-    Experiment("vmc_lp_sensitivity", Paper.VMC_LP, 100),
-    Experiment("vmc_lp_tables_3_4", Paper.VMC_LP, 100),
+    Experiment("escape_vs_speed", Paper.CHASE, 40, 1.0),
+    Experiment("escape_vs_speed_rrt_star", Paper.CHASE, 10, 1.0),
+    Experiment("escape_vs_speed_paper", Paper.CHASE, 50, 1.0),
+    Experiment("knowledge", Paper.CHASE, 40, 1.0, "escape_vs_speed"),
+    Experiment("knowledge_paper", Paper.CHASE, 50, 1.0, "escape_vs_speed_paper"),
+    Experiment("patrol_alpha", Paper.PATROL, 5, 1.0),
+    Experiment("patrol_square", Paper.PATROL, 3, 1.0),
+    Experiment("coverage_sources", Paper.COVERAGE, 3, 1.0),
+    Experiment("vmc_lp_sensitivity", Paper.VMC_LP, 100, 1.0),
+    Experiment("vmc_lp_tables_3_4", Paper.VMC_LP, 100, 1.0),
 )

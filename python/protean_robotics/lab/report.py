@@ -46,6 +46,8 @@ class Report:
         Pages of documentation, by the names of their files.
     program
         Version of the program.
+    missing
+        Names of the experiments that are not finished.
     """
 
     papers: Sequence[Paper]
@@ -53,11 +55,17 @@ class Report:
     claims: Sequence[Claim]
     pages: dict[str, Page]
     program: str = __version__
+    missing: Sequence[str] = ()
 
     @staticmethod
     def of(evidence: Evidence, experiments: Sequence[Ran], papers: Sequence[Paper]) -> "Report":
         """Report on results."""
         return Report(papers, experiments, evidence.claims(papers), evidence.pages(papers))
+
+    @staticmethod
+    def so_far(evidence: Evidence, experiments: Sequence[Ran], papers: Sequence[Paper], missing: Sequence[str]) -> "Report":
+        """Report without pages while these experiments are missing."""
+        return Report(papers, experiments, evidence.claims(papers), {}, missing=missing)
 
     def verdicts(self, paper: Paper) -> dict[Verdict, int]:
         """Number of claims of a paper by verdict."""
@@ -73,6 +81,7 @@ class Report:
                 for paper in self.papers
             ],
             "experiments": [asdict(ran) for ran in self.experiments],
+            "missing": list(self.missing),
             "claims": [claim.data() for claim in self.claims],
         }
 
@@ -86,6 +95,10 @@ class Report:
             "# Published results, reproduced\n\n"
             f"Every published number and statement of the papers beside ours, by Protean {self.program}. The same seeds give"
             f" the same table, byte for byte, except for rows with{_TIMED}, which compare CPU times.\n\n"
+        )
+        if self.missing:
+            text += f"**Not finished**: {', '.join(f'`{name}`' for name in self.missing)}.\n\n"
+        text += (
             f"| paper | | {' | '.join(verdict.word for verdict in Verdict)} |\n|---|---|---|---|---|---|\n"
         )
         for paper in self.papers:
@@ -114,10 +127,15 @@ class Report:
     def write(self, directory: Path) -> list[Path]:
         """Writes the reports and the pages to a directory; returns the files, the table first."""
         markdown, data, html, pages = (directory / name for name in REPORTS)
-        files.save(markdown, self.markdown().encode())
-        files.save(data, self.json().encode())
+        self.write_table(directory)
         files.save(html, self.html().encode())
         return [markdown, data, html, *(path for name, page in self.pages.items() for path in page.write(pages / name))]
+
+    def write_table(self, directory: Path) -> None:
+        """Writes the table and the data to a directory."""
+        markdown, data, _, _ = (directory / name for name in REPORTS)
+        files.save(markdown, self.markdown().encode())
+        files.save(data, self.json().encode())
 
 
 def _plain(counts: dict[Verdict, int]) -> dict[str, int]:

@@ -16,10 +16,10 @@ from types import SimpleNamespace
 
 from .._core import MAX_MISSIONS, Interruption, sweep_in_process
 from .._errors import Error, InvalidInput
-from . import files, plans, results
+from . import duration, files, plans, results
 from .claim import Paper
 from .evidence import Evidence
-from .experiments import EXPERIMENTS, PLAN_SEEDS, QUICK_PLAN_SEEDS, Experiment
+from .experiments import EXPERIMENTS, PLAN_SEED_S, PLAN_SEEDS, QUICK_PLAN_SEEDS, Experiment
 from .report import REPORTS, Ran, Report
 
 #: Exit codes of the command: it failed, its input is invalid, its result is not whole.
@@ -32,11 +32,11 @@ _MAX_SEED = 2**63 - 1
 _HELP = """\
 Runs the experiments of the papers and writes reproduce.md, reproduce.json and reproduce.html: every published number and
 statement beside ours, its interval, the number of observations and a verdict by a stated rule. The results of each experiment
-are a folder beside them; pages has the pages of docs/results. On two cores all seeds take less than an hour, --quick less
-than ten minutes.
+are a folder beside them; pages has the pages of docs/results. On two idle cores all seeds take less than an hour, --quick less
+than ten minutes; the time that is left stands at the begin of each experiment, from the pace of this machine.
 
-The command may be interrupted or killed: the same command resumes it and repeats no finished mission. The same seeds give the
-same bytes, except where CPU times are compared.
+The verdicts so far are in reproduce.md and reproduce.json after each experiment. The command may be interrupted or killed: the
+same command resumes it and repeats no finished mission. The same seeds give the same bytes, except where CPU times are compared.
 
 Exit codes: 0 all missions are done, 1 the results cannot be written, 2 wrong usage or a directory with other files, 3
 missions failed or are missing.
@@ -67,6 +67,15 @@ class Options:
     jobs: int = 1
     quiet: bool = False
 
+    def of(self, experiment: Experiment) -> range | None:
+        """Seeds of an experiment; None for those of its file."""
+        return range(1, experiment.quick + 1) if self.quick and self.seeds is None else self.seeds
+
+    @property
+    def plan_seeds(self) -> range:
+        """Seeds of the single plans."""
+        return self.seeds or range(1, (QUICK_PLAN_SEEDS if self.quick else PLAN_SEEDS) + 1)
+
 
 @dataclass
 class Outcome:
@@ -77,7 +86,7 @@ class Outcome:
 
 
 def run(directory: Path, options: Options) -> Outcome:
-    """Executes the experiments of papers; each has its results in a folder of the directory.
+    """Executes the experiments of papers; each has its results in a folder of the directory, and its verdicts in the table.
 
     Raises
     ------
@@ -92,14 +101,31 @@ def run(directory: Path, options: Options) -> Outcome:
     outcome = Outcome()
     chosen = [experiment for experiment in EXPERIMENTS if experiment.paper in options.papers]
     has_plans = Paper.CHASE in options.papers
-    count = len(chosen) + has_plans
-    for turn, experiment in enumerate(chosen, 1):
-        _sweep(directory, experiment, options, f"{turn} of {count}")
+    names = [experiment.name for experiment in chosen] + [_PLANS] * has_plans
+    made = plans.read(directory / f"{_PLANS}.csv") if has_plans else []
+    work = [
+        duration.work_s(experiment, options.of(experiment) or duration.seeds_of(experiment), directory / experiment.name)
+        for experiment in chosen
+    ]
+    unplanned = set(options.plan_seeds) - {plan.seed for plan in made}
+    estimate = duration.Estimate([*work, *[len(unplanned) * PLAN_SEED_S] * has_plans], options.jobs)
+
+    def begin(turn: int) -> None:
+        if turn:
+            Report.so_far(outcome.evidence, outcome.experiments, options.papers, names[turn:]).write_table(directory)
+        if not options.quiet:
+            left = duration.text(estimate.left_s(turn))
+            print(f"experiment {turn + 1} of {len(names)}: {names[turn]}; {left} left", file=sys.stderr, flush=True)
+
+    for turn, experiment in enumerate(chosen):
+        begin(turn)
+        _sweep(directory, experiment, options)
         found = results.read(directory / experiment.name)
         outcome.experiments.append(Ran(found.name, found.seeds, len(found.rows), found.failed))
         outcome.evidence.add(found)
     if has_plans:
-        made = _plans(directory / f"{_PLANS}.csv", options, f"{count} of {count}")
+        begin(len(chosen))
+        made = _plans(directory / f"{_PLANS}.csv", options)
         seeds = results.seeds_text(sorted({plan.seed for plan in made}))
         outcome.experiments.append(Ran(_PLANS, seeds, len(made), 0))
         outcome.evidence.add_plans(made)
@@ -116,11 +142,9 @@ def _refuse_foreign(directory: Path) -> None:
             raise InvalidInput(f"{file} exists, but {directory} has no results of a reproduction: expected another directory")
 
 
-def _sweep(directory: Path, experiment: Experiment, options: Options, turn: str) -> None:
+def _sweep(directory: Path, experiment: Experiment, options: Options) -> None:
     """Executes the missions of an experiment that are not finished."""
-    seeds = options.seeds
-    if seeds is None and options.quick:
-        seeds = range(1, experiment.quick + 1)
+    seeds = options.of(experiment)
     call = SimpleNamespace(
         seeds=None if seeds is None else f"{seeds[0]}..{seeds[-1]}",
         overrides=[],
@@ -132,8 +156,6 @@ def _sweep(directory: Path, experiment: Experiment, options: Options, turn: str)
         placed=[],
         interruption=Interruption(),
     )
-    if not options.quiet:
-        print(f"experiment {turn}: {experiment.name}", file=sys.stderr, flush=True)
     sweep_in_process(
         experiment.file,
         directory / experiment.name,
@@ -145,16 +167,13 @@ def _sweep(directory: Path, experiment: Experiment, options: Options, turn: str)
     )
 
 
-def _plans(path: Path, options: Options, turn: str) -> list[plans.Plan]:
+def _plans(path: Path, options: Options) -> list[plans.Plan]:
     """Makes the single plans that are missing, several seeds at once; each is saved when it is done."""
-    seeds = options.seeds or range(1, (QUICK_PLAN_SEEDS if options.quick else PLAN_SEEDS) + 1)
     made = plans.read(path)
     known = {plan.seed for plan in made}
-    if not options.quiet:
-        print(f"experiment {turn}: {_PLANS}", file=sys.stderr, flush=True)
     with ThreadPoolExecutor(options.jobs) as pool:
         try:
-            for found in pool.map(plans.make, (seed for seed in seeds if seed not in known)):
+            for found in pool.map(plans.make, (seed for seed in options.plan_seeds if seed not in known)):
                 made += found
                 files.save(path, plans.table(made))
         except BaseException:
@@ -175,9 +194,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         report = Report.of(outcome.evidence, outcome.experiments, papers)
         report.write(args.out)
     except KeyboardInterrupt:
-        print(
-            "interrupted: the same command continues; the reports are written when all missions are done", file=sys.stderr
-        )
+        print(f"interrupted: the same command continues; {REPORTS[0]} has the experiments that are finished", file=sys.stderr)
         return _PARTIAL
     except InvalidInput as error:
         print(f"error: {error}", file=sys.stderr)
@@ -207,7 +224,7 @@ def _parser() -> argparse.ArgumentParser:
         allow_abbrev=False,
     )
     seeds = parser.add_mutually_exclusive_group()
-    seeds.add_argument("--quick", action="store_true", help="take a part of the seeds: less than ten minutes on two cores")
+    seeds.add_argument("--quick", action="store_true", help="take a part of the seeds: less than ten minutes on two idle cores")
     seeds.add_argument(
         "--seeds", metavar="A..B", type=_seeds, help="seeds A to B, inclusive, of every experiment [default: the experiments']"
     )

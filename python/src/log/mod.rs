@@ -7,7 +7,7 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use draw::raster::{Pixels, pixels};
-use log_tools::{LogInfo, TopicColumns, events, info_text};
+use log_tools::{LogInfo, TopicColumns, events, info_text, patrols};
 use mcap_log::derived::failed;
 use mcap_log::{DerivedError, LogReadError, ReadProgress};
 use numpy::{IntoPyArray as _, PyArray3, PyArrayMethods as _};
@@ -82,6 +82,14 @@ impl LogFile {
         let columns = read.columns.into_iter();
         let columns = columns.map(|column| Bound::new(py, Column::new(py, column)));
         Ok((columns.collect::<PyResult<_>>()?, read.undecodable))
+    }
+
+    /// The idleness of the patrols over time, as `protean export` writes it.
+    fn patrols<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, Column>>> {
+        let read = read(py, |watch| Ok(patrols(&self.path, watch)?))?;
+        let columns = read.columns.into_iter();
+        let columns = columns.map(|column| Bound::new(py, Column::new(py, column)));
+        columns.collect()
     }
 
     /// Events of the run as JSON: a list as `events` in `protean run --json`.

@@ -15,11 +15,12 @@ use mcap_log::reader::{Channel, Item, Reader};
 use mcap_log::{DerivedError, LogReadError};
 use platform::atomic_file::{AtomicFile, Readers};
 use serde::Serialize;
-use tables::{self, Format};
+use tables::{self, Format, Rows};
 
 use self::folder::Folder;
 pub use self::ros2bag::{Ros2Bag, ros2bag};
 use crate::layout::Layout;
+use crate::patrol_rows::{PATROLS, PatrolRows};
 use crate::topic_table::{RobotNames, TopicTable, layout};
 
 /// Maximum number of tables; each is an open file.
@@ -34,6 +35,16 @@ pub struct ExportOptions {
     pub topics: Topics,
     /// `true` if existing tables may be overwritten.
     pub force: bool,
+}
+
+impl ExportOptions {
+    /// Returns the end of the names of the files.
+    fn extension(&self) -> &'static str {
+        match self.format {
+            Format::Csv => "csv",
+            Format::Parquet => "parquet",
+        }
+    }
 }
 
 /// One table.
@@ -52,10 +63,23 @@ pub struct Table {
     pub fault: Option<String>,
 }
 
+impl Table {
+    /// Returns a table without rows.
+    fn empty(file: PathBuf) -> Self {
+        Self {
+            file,
+            messages: 0,
+            rows: 0,
+            undecodable: 0,
+            fault: None,
+        }
+    }
+}
+
 /// Result of an export.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct ExportReport {
-    /// The tables, by topic.
+    /// The tables, by topic; that of the patrols by `patrols`.
     pub tables: BTreeMap<String, Table>,
     /// Topics that have messages but no table, with the reason.
     pub skipped: BTreeMap<String, String>,
@@ -105,12 +129,15 @@ pub fn export(
         options,
         channels: BTreeMap::new(),
         skipped: BTreeMap::new(),
-        names: BTreeMap::new(),
+        names: BTreeMap::from([(PATROLS.to_owned(), 0)]),
         tables: 0,
         is_run: false,
         robots: RobotNames::default(),
+        patrols: PatrolRows::default(),
+        patrol_table: None,
     };
     while let Some(item) = reader.next()? {
+        export.patrols(&item)?;
         match item {
             Item::Message(header, data) => export.message(&header, data)?,
             Item::Channel(channel) => {
@@ -121,9 +148,10 @@ pub fn export(
             _ => {}
         }
     }
-    options
-        .topics
-        .check(&reader.channels().map(|channel| channel.topic.as_str()))?;
+    let topics = reader.channels().map(|channel| channel.topic.as_str());
+    let has_patrols = export.patrol_table.is_some();
+    let topics = topics.chain(has_patrols.then_some(PATROLS));
+    options.topics.check(&topics)?;
     let exported = export.finish(reader.condition().clone())?;
     folder.keep();
     Ok(exported)
@@ -144,6 +172,9 @@ struct Export<'a> {
     is_run: bool,
     /// Names of the robots.
     robots: RobotNames,
+    patrols: PatrolRows,
+    /// File and rows of the table of the patrols, from the first row on.
+    patrol_table: Option<(Table, Box<dyn Rows<AtomicFile>>)>,
 }
 
 impl Export<'_> {
@@ -161,10 +192,7 @@ impl Export<'_> {
         } else if topics.take(&channel.topic) {
             match layout(channel, schema) {
                 Ok(layout) => {
-                    let extension = match self.options.format {
-                        Format::Csv => "csv",
-                        Format::Parquet => "parquet",
-                    };
+                    let extension = self.options.extension();
                     let name = file_name(channel, extension, &mut self.names);
                     Fate::Table(Box::new(OpenTable {
                         topic: channel.topic.clone(),
@@ -185,6 +213,29 @@ impl Export<'_> {
             Fate::Ignored
         };
         self.channels.insert(channel.id, fate);
+        Ok(())
+    }
+
+    /// Adds the rows of the patrols; the first one creates their table.
+    fn patrols(&mut self, item: &Item<'_>) -> Result<(), DerivedError> {
+        if !self.options.topics.take(PATROLS) {
+            return Ok(());
+        }
+        for row in self.patrols.take(item) {
+            let (table, rows) = match &mut self.patrol_table {
+                Some(table) => table,
+                None => {
+                    let Self { log, options, .. } = *self;
+                    let file = self.out.join(PATROLS).with_extension(options.extension());
+                    let open = derived::create(&file, log, options.force, Readers::All)?;
+                    let rows = tables::begin(options.format, open, &PatrolRows::columns());
+                    let rows = rows.map_err(derived::failed(&file))?;
+                    self.patrol_table.insert((Table::empty(file), rows))
+                }
+            };
+            rows.row(&row).map_err(derived::failed(&table.file))?;
+            table.rows += 1;
+        }
         Ok(())
     }
 
@@ -242,6 +293,12 @@ impl Export<'_> {
                 finished.push((open.file, file));
                 tables.insert(name, written);
             }
+        }
+        if let Some((mut table, rows)) = self.patrol_table {
+            table.messages = self.patrols.messages;
+            let file = rows.finish().map_err(derived::failed(&table.file))?;
+            finished.push((table.file.clone(), file));
+            tables.insert(PATROLS.to_owned(), table);
         }
         // Tables move to their final paths only when all are complete.
         for (path, file) in finished {

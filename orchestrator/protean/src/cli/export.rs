@@ -23,6 +23,10 @@ with the name of an earlier column becomes `sequence_2`. Byte arrays are written
 JSON. In CSV, floating-point numbers have a point or an exponent and enough digits to read the same value back;
 infinity is 1e999, which pandas, polars and DuckDB read as infinite.
 
+The table `patrols` has the idleness of patrols over time: a row for each patrol and state of the world, with mean and
+maximum over the places of the time since the last visit, the place of the maximum, and the share of the places visited
+so far. --topics selects it like a topic.
+
 With --ros2bag, the directory gets a copy of the log and the metadata.yaml that `ros2 bag` expects.
 
 Exit codes: 0 success, 1 the files cannot be written, 2 wrong usage, or the file is not a readable MCAP file,

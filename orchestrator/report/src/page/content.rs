@@ -8,6 +8,7 @@ use ipc_types::consumer::{Consumer, LoggedMessage};
 use ipc_types::messages::world::RobotState;
 use ipc_types::topics::TopicId;
 use mcap_log::{Condition, LogReadError, ReadProgress};
+use recorder::PatrolMeasurement;
 
 use super::events::EventLists;
 use super::layers::Layers;
@@ -45,6 +46,8 @@ pub(super) struct PageContent {
     pub(super) static_scene: StaticScene,
     /// Its changes, by time (ns).
     pub(super) changes: Vec<(u64, ObstacleChange)>,
+    /// The patrols at the end.
+    pub(super) patrols: Vec<PatrolMeasurement>,
     pub(super) layers: Layers,
     pub(super) marks: Marks,
     pub(super) event_lists: EventLists,
@@ -115,6 +118,7 @@ impl PageContent {
             },
             static_scene,
             changes: run.changes,
+            patrols: run.patrols,
             layers,
             marks,
             event_lists,
@@ -124,6 +128,16 @@ impl PageContent {
             notes: run.notes,
             condition: run.condition,
         })
+    }
+
+    /// Name of a figure of a patrol, with its robots if there are several patrols.
+    pub(super) fn patrol_figure(&self, patrol: usize, name: &str) -> String {
+        match self.patrols.get(patrol) {
+            Some(measurement) if self.patrols.len() > 1 => {
+                format!("{}: {name}", measurement.names().join(", "))
+            }
+            _ => name.to_owned(),
+        }
     }
 
     /// Name of a robot.

@@ -1,4 +1,5 @@
-//! Layers drawn over the robots: beliefs, plans, trees, scans, predictions, verdicts; dominance regions.
+//! Layers drawn over the robots: beliefs, plans, trees, scans, predictions, verdicts; dominance regions; visits of
+//! places.
 
 use ipc_types::consumer::{Consumer, LoggedMessage};
 use ipc_types::messages::observer::Prediction;
@@ -36,6 +37,10 @@ const ALL_PREDICTIONS: usize = 150_000;
 const ALL_VERDICTS: usize = 60_000;
 /// Maximum number of different horizons of predictions.
 const HORIZONS: usize = 16;
+/// Maximum number of visits of places of patrols that are stored.
+const ALL_VISITS: usize = 200_000;
+/// Factor of a patrol in the keys of its places.
+pub(super) const PLACES: u32 = 1 << 16;
 
 /// A belief about a robot.
 #[derive(Debug, Clone, PartialEq)]
@@ -94,6 +99,8 @@ pub(super) struct Layers {
     pub(super) predictions: ThinnedSeries<Vec<MethodPrediction>>,
     pub(super) verdicts: ThinnedSeries<Verdict>,
     pub(super) regions: Regions,
+    /// Visits by patrol and place.
+    pub(super) visits: ThinnedSeries<()>,
     /// The horizons of predictions (s).
     pub(super) horizons_s: Vec<f64>,
 }
@@ -110,6 +117,7 @@ impl Default for Layers {
             predictions: ThinnedSeries::new(PLAN_INTERVAL, ALL_PREDICTIONS, |all| all.len() + 2),
             verdicts: ThinnedSeries::new(PLAN_INTERVAL, ALL_VERDICTS, |_| 1),
             regions: Regions::default(),
+            visits: ThinnedSeries::new(SECOND, ALL_VISITS, |()| 1),
             horizons_s: Vec::new(),
         }
     }
@@ -125,6 +133,7 @@ impl Consumer<LoggedRun> for Layers {
             TopicId::Predictions,
             TopicId::Verdicts,
             TopicId::Dominance,
+            TopicId::WorldState,
         ]
     }
 
@@ -161,6 +170,15 @@ impl Consumer<LoggedRun> for Layers {
         }
         if let Some((header, cells)) = run.decode::<Dominance>(message) {
             self.regions.push(time_ns, &header, &cells);
+        }
+        if message.topic == TopicId::WorldState {
+            for (patrol, measurement) in (0..).zip(&run.patrols) {
+                for (place, last_s) in (0..PLACES).zip(measurement.last_visits()) {
+                    if *last_s == Some(message.time_s()) {
+                        self.visits.push(time_ns, patrol * PLACES + place, ());
+                    }
+                }
+            }
         }
     }
 }

@@ -15,6 +15,8 @@ fn heading(figure: Figure) -> (String, &'static str) {
         Figure::Nearest => ("Distance from an evader to the nearest pursuer", "m"),
         Figure::Coverage => ("Area visited", "%"),
         Figure::Idleness => ("Time since the last visit", "s"),
+        Figure::PlacesVisited => ("Places of the patrol visited so far", "%"),
+        Figure::PatrolIdleness => ("Time since the last visit of the places of the patrol", "s"),
         Figure::BeliefError => ("Belief error: distance from its mean to the evader", "m"),
         Figure::BeliefSpread => ("Spread of the belief (standard deviation)", "m"),
         Figure::SafeShare => ("Area that the evader reaches safely", "%"),
@@ -75,7 +77,7 @@ pub(super) fn plots(content: &mut PageContent) -> Vec<Plot> {
     for ((figure, curve), values) in series.curves {
         let values = values.finish();
         let scale = match figure {
-            Figure::Coverage | Figure::SafeShare => 100.0,
+            Figure::Coverage | Figure::PlacesVisited | Figure::SafeShare => 100.0,
             _ => 1.0,
         };
         let method = match curve {
@@ -93,6 +95,7 @@ pub(super) fn plots(content: &mut PageContent) -> Vec<Plot> {
                 };
                 (name, None)
             }
+            Curve::Patrol(patrol, name) => (content.patrol_figure(patrol, name), None),
             Curve::Named(name) => (name.to_owned(), None),
         };
         let curve = PlotCurve {

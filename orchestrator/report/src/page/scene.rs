@@ -4,7 +4,7 @@ use geometry::pose::Pose2;
 use ipc_types::messages::referee::Verdict;
 
 use super::content::{Frame, PageContent};
-use super::layers::{Beams, Cloud, Edge, Layers, MethodPrediction, Path};
+use super::layers::{Beams, Cloud, Edge, Layers, MethodPrediction, PLACES, Path};
 use super::pack::{Lists, NONE, Raster, pack_angle, pack_time};
 use super::thinning::Sample;
 use crate::picture::Cells;
@@ -27,6 +27,7 @@ pub(super) fn pack(content: &mut PageContent, raster: Raster, lists: &mut Lists)
         predictions,
         verdicts,
         regions,
+        visits,
         horizons_s: _,
     } = layers;
     clouds(&beliefs.finish(), raster, lists);
@@ -36,6 +37,8 @@ pub(super) fn pack(content: &mut PageContent, raster: Raster, lists: &mut Lists)
     predicted(&predictions.finish(), raster, lists);
     judged(&verdicts.finish(), lists);
     owners(&regions.finish(), lists);
+    place_visits(&visits.finish(), lists);
+    places(content, raster, lists);
     content.marks.pack(raster, lists);
     waypoints(content, raster, lists);
     rectangles(content, raster, lists);
@@ -181,6 +184,22 @@ fn owners(all: &[Sample<Vec<u8>>], lists: &mut Lists) {
     index("dominance", all, Vec::len, lists);
     let owners = all.iter().flat_map(|s| &s.item).copied().collect();
     lists.u8("dominance.owner", owners, 0);
+}
+
+/// Packs times, patrols and places of visits.
+fn place_visits(all: &[Sample<()>], lists: &mut Lists) {
+    let times = all.iter().map(|s| pack_time(s.time_ns)).collect();
+    lists.u32("visits.time", times, 1);
+    let patrols = all.iter().map(|s| (s.key / PLACES) as u8).collect();
+    lists.u8("visits.patrol", patrols, 0);
+    let places = all.iter().map(|s| (s.key % PLACES) as u16).collect();
+    lists.u16("visits.place", places, 1);
+}
+
+/// Packs both ends of the places of each patrol.
+fn places(content: &PageContent, raster: Raster, lists: &mut Lists) {
+    let ends = content.patrols.iter().flat_map(|p| p.ends().flatten());
+    put_places("places", ends.map(|p| raster.pack([p.x, p.y])), lists);
 }
 
 fn edges(all: &[Sample<Vec<Edge>>], raster: Raster, lists: &mut Lists) {

@@ -12,6 +12,7 @@ use ipc_types::topics::{Belief, Coverage, Predictions, TopicId, Verdicts};
 
 use super::thinning::ThinnedSeries;
 use crate::run_model::LoggedRun;
+use recorder::PatrolMeasurement;
 use scenario::spec::MAX_ROBOTS;
 
 /// Maximum number of values of one curve.
@@ -31,6 +32,8 @@ pub(super) enum Figure {
     Nearest,
     Coverage,
     Idleness,
+    PlacesVisited,
+    PatrolIdleness,
     BeliefError,
     BeliefSpread,
     SafeShare,
@@ -47,6 +50,8 @@ pub(super) enum Curve {
     Robot(u32),
     /// A robot and a prediction method.
     Method(u32, u8),
+    /// A patrol by its index, and the name of one of its figures.
+    Patrol(usize, &'static str),
     /// A name.
     Named(&'static str),
 }
@@ -74,6 +79,7 @@ impl Consumer<LoggedRun> for Series {
         let time_ns = message.time_ns;
         if message.topic == TopicId::WorldState {
             self.state(time_ns, &run.states);
+            self.patrols(time_ns, &run.patrols);
         }
         if let Some((header, _)) = run.decode::<Belief>(message)
             && (header.robot as usize) < MAX_ROBOTS
@@ -167,6 +173,19 @@ impl Series {
             (Figure::Idleness, "worst so far", report.worst_idleness),
         ] {
             self.add(figure, Curve::Named(name), time_ns, value);
+        }
+    }
+
+    fn patrols(&mut self, time_ns: u64, patrols: &[PatrolMeasurement]) {
+        for (patrol, measurement) in patrols.iter().enumerate() {
+            let now = measurement.now();
+            for (figure, name, value) in [
+                (Figure::PlacesVisited, "visited", now.visited),
+                (Figure::PatrolIdleness, "mean", now.mean_s),
+                (Figure::PatrolIdleness, "largest now", now.worst_s),
+            ] {
+                self.add(figure, Curve::Patrol(patrol, name), time_ns, value);
+            }
         }
     }
 

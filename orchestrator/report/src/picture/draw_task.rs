@@ -24,6 +24,9 @@ pub(super) const GOAL: &str = "fill=\"#009e73\" fill-opacity=\"0.12\" stroke=\"#
 pub(super) const RECTANGLE: &str =
     "fill=\"none\" stroke=\"#5b6472\" stroke-width=\"1\" stroke-dasharray=\"5 3\"";
 
+/// Width of the line of a patrol's places (px).
+const PLACE_WIDTH: f64 = 7.0;
+
 /// Half the size of a waypoint among few and among many (px), and the number that is many.
 const SIZES: [f64; 2] = [3.5, 2.2];
 const MANY: usize = 300;
@@ -58,7 +61,9 @@ pub(super) fn below(canvas: &mut Canvas, layout: &Layout, trace: &RunTrace) {
     task.goals
         .iter()
         .for_each(|goal| layout.region(canvas, goal));
-    canvas.add(format_args!("</g>\n<g class=\"contours\" {CONTOUR}>\n"));
+    canvas.add(format_args!("</g>\n"));
+    places(canvas, layout, trace);
+    canvas.add(format_args!("<g class=\"contours\" {CONTOUR}>\n"));
     for contour in &task.contours {
         canvas.add(format_args!("<path d=\""));
         layout.line(canvas, contour.iter().copied());
@@ -90,6 +95,40 @@ fn swept(canvas: &mut Canvas, layout: &Layout, trace: &RunTrace) {
                 Num(2.0 * radius * layout.scale)
             ));
         }
+    }
+    canvas.add(format_args!("</g>\n"));
+}
+
+/// Draws the places of patrols as lines in the colours of their idleness, the longest first.
+fn places(canvas: &mut Canvas, layout: &Layout, trace: &RunTrace) {
+    if trace.task.places.is_empty() {
+        return;
+    }
+    let bounds = palette::idleness_bounds(trace.time_s);
+    canvas.add(format_args!(
+        "<g class=\"places\" fill=\"none\" stroke-linecap=\"round\" stroke-width=\"{PLACE_WIDTH}\">\n"
+    ));
+    for (shade, color) in palette::IDLENESS.iter().enumerate().rev() {
+        canvas.add(format_args!("<path stroke=\"{color}\" d=\""));
+        let mut end = None;
+        for place in &trace.task.places {
+            if bounds
+                .iter()
+                .filter(|bound| place.idle_s >= **bound)
+                .count()
+                != shade
+            {
+                continue;
+            }
+            // Successive places are one line.
+            if end.replace(place.ends[1]) == Some(place.ends[0]) {
+                let [x, y] = layout.at(place.ends[1]);
+                canvas.add(format_args!("L{} {}", Num(x), Num(y)));
+            } else {
+                layout.line(canvas, place.ends);
+            }
+        }
+        canvas.add(format_args!("\"/>\n"));
     }
     canvas.add(format_args!("</g>\n"));
 }

@@ -249,7 +249,12 @@ fn task_rows(trace: &RunTrace, rows: &mut Rows<RowSign>) {
         rows.row(RowSign::Task(TaskSign::Goal), "goal of a robot");
     }
     if !task.contours.is_empty() {
-        rows.row(RowSign::Task(TaskSign::Contour), "contour of the patrol");
+        let text = if task.places.is_empty() {
+            "contour of the patrol"
+        } else {
+            "contour of the patrol, in the colours of its last visit"
+        };
+        rows.row(RowSign::Task(TaskSign::Contour), text);
     }
     if !task.danger_zones.is_empty() {
         rows.row(RowSign::Task(TaskSign::Zone), "danger zone");

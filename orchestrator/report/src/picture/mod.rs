@@ -27,7 +27,9 @@ mod trail;
 mod tests;
 
 pub use self::draw::draw;
-pub use crate::run_model::{Cells, StaticObstacle, StaticScene, TaskTrace, WaypointTrace};
+pub use crate::run_model::{
+    Cells, PlaceTrace, StaticObstacle, StaticScene, TaskTrace, WaypointTrace,
+};
 pub use ::draw::raster::encoded;
 pub use file::save;
 pub use layers::{DominanceTrace, PlanTrace, TreeTrace, VerdictTrace};

@@ -15,8 +15,8 @@ use mcap_log::{Condition, LogReadError, ReadProgress};
 use super::layers::Layers;
 use super::trace::{BeliefTrace, Mark, MarkKind, RobotTrace, RunTrace};
 use super::trail::{Trail, TrailPoint};
-use crate::run_model::TaskTrace;
 use crate::run_model::{LoggedRun, Purpose, is_near};
+use crate::run_model::{PlaceTrace, TaskTrace};
 use scenario::spec::MAX_ROBOTS;
 
 /// Maximum number of events that are marked.
@@ -265,7 +265,8 @@ fn finish(
     changes.for_each(|(_, change)| static_scene.apply(change));
 
     let tasks = run.facts.run.map_or_else(Vec::new, |run| run.tasks);
-    let task = scenario.task(&tasks);
+    let mut task = scenario.task(&tasks);
+    task.places = run.patrols.iter().flat_map(PlaceTrace::of_patrol).collect();
     let robots: Vec<RobotTrace> = scenario
         .robots
         .iter()

@@ -12,6 +12,7 @@ use mcap_log::MessageHeader;
 use mcap_log::known;
 use mcap_log::reader::{Channel, Item, Reader};
 use mcap_log::{Condition, LogReadError, ReadProgress};
+use recorder::PatrolMeasurement;
 
 use super::facts::Facts;
 use scenario::spec::{MAX_EVENTS, MAX_ROBOTS};
@@ -51,6 +52,8 @@ pub(crate) struct LoggedRun {
     pub(crate) end_ns: u64,
     /// Time of the last message in the log (ns).
     pub(crate) last_ns: u64,
+    /// Patrols up to the newest state; none before the first.
+    pub(crate) patrols: Vec<PatrolMeasurement>,
     /// Changes of the obstacles, with the times at which they were due (ns).
     pub(crate) changes: Vec<(u64, ObstacleChange)>,
     /// Messages by topic.
@@ -84,6 +87,7 @@ impl LoggedRun {
             over: false,
             end_ns: 0,
             last_ns: 0,
+            patrols: Vec::new(),
             changes: Vec::new(),
             counts: BTreeMap::new(),
             notes: Vec::new(),
@@ -231,6 +235,16 @@ impl LoggedRun {
             (s.robot as usize) < MAX_ROBOTS && is_near([s.x, s.y]) && s.theta.is_finite()
         });
         self.states = states;
+        if self.now_ns.is_none()
+            && let Some(run) = &self.facts.run
+        {
+            self.patrols = PatrolMeasurement::of_all(&run.patrols, &run.robots);
+        }
+        if self.now_ns <= Some(time_ns) {
+            for patrol in &mut self.patrols {
+                patrol.add(time_ns as f64 / 1e9, self.states.iter().copied());
+            }
+        }
         self.now_ns = Some(time_ns);
         self.end_ns = self.end_ns.max(time_ns);
         self.tick_period_ns = header.tick_period_ns;

@@ -16,4 +16,4 @@ pub(crate) use logged_run::{LoggedRun, Purpose, is_near};
 pub(crate) use scenario::LoggedScenario;
 pub use static_scene::{Cells, StaticObstacle, StaticScene};
 pub(crate) use static_scene::{corners, rectangle};
-pub use task::{TaskTrace, WaypointTrace};
+pub use task::{PlaceTrace, TaskTrace, WaypointTrace};

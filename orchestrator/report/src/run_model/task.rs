@@ -4,6 +4,7 @@
 use geometry::region::Region;
 use geometry::shape::Shape;
 use ipc_types::messages::robot::WaypointEnd;
+use recorder::PatrolMeasurement;
 use robot::spec::RobotSpec;
 use runtime::kind::TaskSketch;
 
@@ -25,8 +26,30 @@ pub struct TaskTrace {
     pub rectangles: Vec<[[f64; 2]; 2]>,
     /// Waypoints that ended up to that moment, in order.
     pub waypoints: Vec<WaypointTrace>,
+    /// Places of patrols, along each contour.
+    pub places: Vec<PlaceTrace>,
     /// Share of the coverable area that is swept, 0 to 1; `None` if it is not accounted.
     pub swept: Option<f64>,
+}
+
+/// A place of a patrol: a piece of its contour.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PlaceTrace {
+    /// Both ends, x and y (m).
+    pub ends: [[f64; 2]; 2],
+    /// Idleness: time since its last visit, or since the begin of the run without one (s).
+    pub idle_s: f64,
+}
+
+impl PlaceTrace {
+    /// The places of a patrol.
+    pub(crate) fn of_patrol(patrol: &PatrolMeasurement) -> Vec<Self> {
+        let place = |(ends, idle_s): ([_; 2], _)| Self {
+            ends: ends.map(Into::into),
+            idle_s,
+        };
+        patrol.ends().zip(patrol.idle_s()).map(place).collect()
+    }
 }
 
 /// A waypoint that has ended.

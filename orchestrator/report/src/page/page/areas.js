@@ -1,4 +1,4 @@
-// Areas of the map: time since the last visit, dominance regions of the teams.
+// Areas and places of the map: time since the last visit, dominance regions of the teams.
 
 /** Maximum number of cells along a side of the map for the times of visits. */
 const MAX_VISIT_CELLS = 256;
@@ -42,6 +42,42 @@ const visits = (() => {
   };
 })();
 
+/** Places of the patrols: the line of each (m), and the times of its visits. */
+const patrolPlaces = facts.patrols.map((count, patrol) => {
+  const begin = 2 * facts.patrols.slice(0, patrol).reduce((sum, n) => sum + n, 0);
+  const end = (i) => [xOf(lists['places.x'][begin + i]), yOf(lists['places.y'][begin + i])];
+  return Array.from({ length: count }, (_, i) => ({ from: end(2 * i), to: end(2 * i + 1), time: [] }));
+});
+lists['visits.time'].forEach((time, i) => patrolPlaces[lists['visits.patrol'][i]][lists['visits.place'][i]].time.push(time));
+
+/** Idleness of the places of each patrol at a time (s): since the last visit, or the begin of the run without one. */
+const patrolsAt = (t) => patrolPlaces.map((places) => places.map(({ time }) => {
+  const last = lastUpTo(time, ticksOf(t));
+  return last < 0 ? t : t - time[last] / 1e4;
+}));
+
+/** Number of the colour of a time since the last visit (s). */
+function shadeOf(age) {
+  const shade = facts.idleness.findIndex((most) => most !== null && age < most);
+  return shade < 0 ? facts.idleness.length - 1 : shade;
+}
+
+/** Places of the patrols in the colours of their idleness: lines along contours, discs where a place is a point. */
+function drawPatrols(t) {
+  inMetres(paint);
+  paint.lineWidth = 7 / view.scale;
+  paint.lineCap = 'round';
+  const paths = colours.idleness.map(() => new Path2D());
+  patrolsAt(t).forEach((ages, patrol) => ages.forEach((age, place) => {
+    const { from, to } = patrolPlaces[patrol][place];
+    const path = paths[shadeOf(age)];
+    path.moveTo(...from);
+    path.lineTo(...to);
+  }));
+  paths.forEach((path, shade) => { paint.strokeStyle = colours.idleness[shade]; paint.stroke(path); });
+  paint.lineCap = 'butt';
+}
+
 /** A colour `#rrggbb` as numbers. */
 const rgbOf = (colour) => [1, 3, 5].map((i) => Number.parseInt(colour.slice(i, i + 2), 16));
 
@@ -75,8 +111,7 @@ function drawIdleness(t) {
   idleCells(visits.size, facts.ground.min, visits.side, (i) => {
     const last = visits.time[i];
     if (last < 0) return NOTHING;
-    const shade = facts.idleness.findIndex((age) => age !== null && t - last < age);
-    return shades[shade < 0 ? shades.length - 1 : shade];
+    return shades[shadeOf(t - last)];
   });
 }
 

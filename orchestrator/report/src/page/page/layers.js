@@ -12,14 +12,17 @@ function sweptText() {
   return Number.isFinite(share) ? `swept ground (${(100 * share).toFixed(1)} % of what can be swept, at the end)` : 'swept ground';
 }
 
+/** Colours of the times since the last visit, with their words. */
+const AGES = facts.idleness.map((age, i) => [`idleness-${i}`, age === null ? 'longer' : `below ${age} s`]);
+
 /** The layers, in the order of the legend. */
 const LAYERS = [
   { id: 'ground', text: 'map, obstacles, exits', colour: 'wall', there: true, on: true },
   { id: 'dominance', text: 'dominance regions: who is first there', there: some('dominance'), on: true,
     parts: [['pursuer', facts.pursuers], ['evader', 'an evader, safely'], ['obstacle', 'an evader, but can be cut off']] },
   { id: 'swept', text: sweptText(), colour: sweepers.length ? roleOf(sweepers[0]) : 'neutral', there: sweepers.length > 0, on: false },
-  { id: 'idleness', text: 'idleness: time since the last visit', there: sweepers.length > 0, on: true,
-    parts: facts.idleness.map((age, i) => [`idleness-${i}`, age === null ? 'longer' : `below ${age} s`]) },
+  { id: 'idleness', text: 'idleness: time since the last visit', there: sweepers.length > 0, on: true, parts: AGES },
+  { id: 'patrols', text: 'idleness of the places of patrols', there: facts.patrols.length > 0, on: true, parts: AGES },
   { id: 'goals', text: 'goals of the robots', colour: 'exit', there: facts.task.goals.length > 0, on: true },
   { id: 'contours', text: 'contours of patrols', colour: 'ink', there: facts.task.contours.length > 0, on: true },
   { id: 'danger_zones', text: 'danger zones', colour: 'evader', there: facts.task.danger_zones.length > 0, on: true },
@@ -432,6 +435,7 @@ function drawMap(t, followed, trail) {
   if (shown.trees) drawTrees(t);
   if (shown.swept) drawSwept(t, Infinity);
   if (shown.idleness) drawIdleness(t);
+  if (shown.patrols) drawPatrols(t);
   drawTask();
   if (shown.trails) drawTrails(t, trail);
   if (shown.waypoints) drawWaypoints(t);

@@ -134,6 +134,7 @@ return {
     },
     /** Planned paths at a time (s): their points by robot, the first the robot's position. */
     plansAt: (t) => Object.fromEntries(plansAt(t).map(({ robot, points }) => [robot, points])),
+    patrolsAt,
     /** Boxes of the names on the map at a time (s): left, top, right, bottom (px). */
     namesAt: (t) => placeNames(t).map(({ box }) => box),
     /** Fields of view at a time (s): polygons by name. */

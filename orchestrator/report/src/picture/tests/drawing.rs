@@ -1,5 +1,6 @@
 //! Properties of every picture.
 
+use ::draw::palette;
 use geometry::pose::Pose2;
 use geometry::region::Region;
 use robot::team::Role;
@@ -7,8 +8,8 @@ use roxmltree::{Document, Node};
 use testing::{circle, rectangle};
 
 use crate::picture::{
-    BeliefTrace, Cells, DominanceTrace, Mark, MarkKind, PlanTrace, RobotTrace, RunTrace,
-    StaticObstacle, StaticScene, TaskTrace, Trail, TrailPoint, TreeTrace, VerdictTrace,
+    BeliefTrace, Cells, DominanceTrace, Mark, MarkKind, PlaceTrace, PlanTrace, RobotTrace,
+    RunTrace, StaticObstacle, StaticScene, TaskTrace, Trail, TrailPoint, TreeTrace, VerdictTrace,
     WaypointTrace, draw,
 };
 
@@ -440,6 +441,12 @@ fn patrols_and_coverage_show_their_contour_zones_rectangles_waypoints_and_swept_
                 is_reached,
             })
             .to_vec(),
+        places: [(0.0, 0.05), (0.5, 0.05), (1.5, 1.0)]
+            .map(|(x, idle_s)| PlaceTrace {
+                ends: [[1.0 + x, 1.0], [1.5 + x, 1.0]],
+                idle_s,
+            })
+            .to_vec(),
         swept: Some(0.4567),
     };
     let svg = draw(&trace);
@@ -463,6 +470,14 @@ fn patrols_and_coverage_show_their_contour_zones_rectangles_waypoints_and_swept_
         .filter_map(|path| Some(path.attribute("d")?.matches('M').count()))
         .collect();
     assert_eq!(moves, [2, 2], "two squares, and two lines of a cross");
+    // A line of both places that have just been visited, and one of the other.
+    let places = class(&document, "places")[0].children();
+    let lines = places.filter_map(|path| Some((path.attribute("stroke")?, path.attribute("d")?)));
+    let lines = lines.filter(|(_, line)| !line.is_empty());
+    let lines: Vec<_> = lines
+        .map(|(color, line)| (color, line.matches('L').count()))
+        .collect();
+    assert_eq!(lines, [(palette::EVADER, 1), (palette::PURSUER, 2)]);
     // 4 m are 760 px: a disc of radius 0.1 m sweeps 38 px.
     let swept = class(&document, "swept")[0].first_element_child().unwrap();
     assert_eq!(swept.attribute("stroke-width"), Some("38"));
@@ -470,7 +485,7 @@ fn patrols_and_coverage_show_their_contour_zones_rectangles_waypoints_and_swept_
     for text in [
         "swept ground: 45.7 %",
         "less than 0.25 s ago",
-        "contour of the patrol",
+        "contour of the patrol, in the colours of its last visit",
         "danger zone",
         "as 2 rectangles",
         "2 waypoints reached",
