@@ -42,16 +42,16 @@ def game(spread: float, ticks: int = 2000, particles: int = 100) -> tuple[Table,
     return belief, state
 
 
-@pytest.mark.parametrize(("spread", "half", "most", "nees"), [(1.0, 0.5, 0.95, 2.0), (2.0, 0.16, 0.53, 8.0)])
+@pytest.mark.parametrize(("spread", "half", "most", "mean"), [(1.0, 0.5, 0.95, 2.0), (2.0, 0.16, 0.53, 8.0)])
 def test_regions_and_normalised_errors_tell_a_consistent_belief_from_a_narrow_one(
-    spread: float, half: float, most: float, nees: float
+    spread: float, half: float, most: float, mean: float
 ) -> None:
     found = Consistency.of(*game(spread))
     # Not of the ticks after the robot was caught.
     assert found.error.size == 1990 and found.seen.sum() == 995
     assert np.mean(found.enclosed <= 0.5) == pytest.approx(half, abs=0.04)
     assert np.mean(found.enclosed <= 0.95) == pytest.approx(most, abs=0.04)
-    assert found.normalised.mean() == pytest.approx(nees, rel=0.1)
+    assert found.normalised.mean() == pytest.approx(mean, rel=0.1)
 
 
 def test_logs_are_joined_and_points_left_out() -> None:

@@ -36,7 +36,7 @@ class Consistency:
     error, spread
         Distance of the mean from the true position, and the belief's standard deviation (m).
     normalised
-        Squared error by the belief's covariance (NEES), of mean 2 if consistent.
+        Squared error by the belief's covariance , of mean 2 if consistent.
     effective
         Effective number of particles before resampling.
     """
@@ -87,7 +87,7 @@ class Consistency:
 
     def table(self) -> str:
         """A Markdown table with a row for robots out of sight and one for robots in sight."""
-        text = "| robot | beliefs | in the 50 % region | in the 95 % region | NEES, mean | NEES, median | error | deviation |"
+        text = "| robot | beliefs | in the 50 % region | in the 95 % region | normalised error, mean | median | error | deviation |"
         text += " effective particles |\n|---|---|---|---|---|---|---|---|---|\n"
         for title, rows in (("out of sight", ~self.seen), ("in sight", self.seen)):
             if not rows.any():
