@@ -6,6 +6,7 @@ Its packages are those of the extra `lab`: ``pip install 'protean-robotics[lab]'
 module                        content
 ============================  ==========================================================================================
 `reproduce`                   ``protean reproduce``: the experiments of the papers, and the reports on them
+`beliefs`                     ``python -m protean_robotics.lab beliefs``: the consistency of beliefs with true states
 `figures`                     ``protean sweep figures``: the figures of an experiment
 `results`, `statistics`       directories of results; tests of hypotheses and intervals
 `words`, `claim`, `page`      text of numbers; claims with verdicts; pages from templates

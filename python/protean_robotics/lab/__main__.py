@@ -3,10 +3,10 @@
 import signal
 import sys
 
-from . import figures, maps, reproduce
+from . import beliefs, figures, maps, reproduce
 
 #: Commands by their names.
-_COMMANDS = {"figures": figures.main, "maps": maps.main, "reproduce": reproduce.main}
+_COMMANDS = {"beliefs": beliefs.main, "figures": figures.main, "maps": maps.main, "reproduce": reproduce.main}
 
 
 def _main() -> int:
