@@ -1,10 +1,16 @@
-//! Idleness of a patrolled contour: the time since the last visit of each of its places, and the distances of its
-//! robots (Machado et al., *Multi-agent patrolling*, 2002).
+//! Idleness of patrols: the time since the last visit of each place, and the distances of robots on a contour
+//! (Machado et al., *Multi-agent patrolling*, 2002).
 //!
-//! A robot visits the place of the contour that is nearest to it, and all between two positions. Idleness counts
-//! from the moment at which every place has been visited twice, without the time in which the robots gather.
+//! On a contour a robot visits the place that is nearest to it, and all between two positions; on a graph the nodes
+//! within a distance of it. Idleness counts from the moment at which every place has been visited twice, without the time
+//! in which the robots gather.
+
+mod places;
 
 use nalgebra::Point2;
+
+pub use places::PlaceFigures;
+use places::Places;
 
 /// Places of a contour.
 const PLACES: usize = 480;
@@ -74,11 +80,14 @@ impl Ring {
 pub struct IdlenessFigures {
     /// Mean over places and time (s).
     pub mean_s: f64,
-    /// Longest time without a visit of a place (s).
+    /// Longest time without a visit of a place (s): the refresh time.
     pub worst_s: f64,
     /// Standard deviation over places and time (s).
     pub std_s: f64,
-    /// Least distance of two robots along the contour (m); `None` for a robot that is alone.
+    /// Mean over places of the mean time from one arrival of a robot to the next (s): the average graph idleness of
+    /// Portugal and Rocha (2011). `None` before every place has been visited again.
+    pub interval_s: Option<f64>,
+    /// Least distance of two robots along the contour (m); `None` on a graph, and for a robot that is alone.
     pub nearest_m: Option<f64>,
 }
 
@@ -86,38 +95,10 @@ pub struct IdlenessFigures {
 #[derive(Debug, Clone)]
 pub struct Idleness {
     ring: Ring,
-    /// Time of the last visit of each place (s).
-    visited_s: Vec<f64>,
-    /// `true` for each place that has been visited in this round over all places, and number of the others.
-    is_visited: Vec<bool>,
-    unvisited: usize,
-    /// Number of rounds over all places.
-    rounds: u32,
+    places: Places,
     /// Place of each robot at the last time, as a length (m).
     before: Vec<Option<f64>>,
-    now_s: f64,
-    /// Time at which every place had been visited twice (s).
-    began_s: Option<f64>,
-    sums: Sums,
     nearest_m: f64,
-}
-
-/// Integrals of the idleness over time, of all places.
-#[derive(Debug, Clone, Copy, Default)]
-struct Sums {
-    worst_s: f64,
-    first: f64,
-    second: f64,
-}
-
-impl Sums {
-    /// Adds a time without visits, of which `began_s` has passed before it counts (s).
-    fn add(&mut self, began_s: f64, idle_s: f64) {
-        let (from, to) = (began_s * began_s, idle_s * idle_s);
-        self.worst_s = self.worst_s.max(idle_s);
-        self.first += (to - from) / 2.0;
-        self.second += (to * idle_s - from * began_s) / 3.0;
-    }
 }
 
 impl Idleness {
@@ -125,14 +106,8 @@ impl Idleness {
     pub fn new(ring: Ring, robots: usize) -> Self {
         Self {
             ring,
-            visited_s: vec![0.0; PLACES],
-            is_visited: vec![false; PLACES],
-            unvisited: PLACES,
-            rounds: 0,
+            places: Places::new(PLACES),
             before: vec![None; robots],
-            now_s: 0.0,
-            began_s: None,
-            sums: Sums::default(),
             nearest_m: f64::INFINITY,
         }
     }
@@ -140,7 +115,7 @@ impl Idleness {
     /// Adds the positions of all robots (m) at a time (s), not before the last one; `None` for a robot that does not
     /// take part.
     pub fn add(&mut self, time_s: f64, robots: impl Iterator<Item = Option<Point2<f64>>>) {
-        self.now_s = time_s;
+        self.places.begin(time_s);
         let mut before = core::mem::take(&mut self.before);
         for (before, at) in before.iter_mut().zip(robots) {
             let place = at.map(|at| self.ring.place(at));
@@ -151,15 +126,8 @@ impl Idleness {
             }
         }
         self.before = before;
-        if self.unvisited == 0 && self.began_s.is_none() {
-            self.rounds += 1;
-            if self.rounds == 2 {
-                self.began_s = Some(time_s);
-            } else {
-                (self.is_visited, self.unvisited) = (vec![false; PLACES], PLACES);
-            }
-        }
-        if self.began_s.is_some() {
+        self.places.end();
+        if self.places.counts() {
             for (i, &a) in self.before.iter().enumerate() {
                 for &b in &self.before[..i] {
                     if let (Some(a), Some(b)) = (a, b) {
@@ -177,34 +145,60 @@ impl Idleness {
         let (low, high) = (from.min(from + way) * per_m, from.max(from + way) * per_m);
         let (low, high) = (low.floor() as i64, high.floor() as i64);
         for place in low..=high {
-            let place = place.rem_euclid(PLACES as i64) as usize;
-            let last_s = core::mem::replace(&mut self.visited_s[place], self.now_s);
-            if let Some(began_s) = self.began_s {
-                self.sums
-                    .add((began_s - last_s).max(0.0), self.now_s - last_s);
-            } else if !core::mem::replace(&mut self.is_visited[place], true) {
-                self.unvisited -= 1;
-            }
+            self.places.visit(place.rem_euclid(PLACES as i64) as usize);
         }
     }
 
     /// The figures up to the last time; `None` before every place has been visited twice, and in the second after
     /// that.
     pub fn figures(&self) -> Option<IdlenessFigures> {
-        let began_s = self.began_s?;
-        let mut sums = self.sums;
-        for last_s in &self.visited_s {
-            sums.add((began_s - last_s).max(0.0), self.now_s - last_s);
-        }
-        let total_s = PLACES as f64 * (self.now_s - began_s);
-        let mean_s = sums.first / total_s;
-        let variance = sums.second / total_s - mean_s * mean_s;
-        (self.now_s - began_s >= 1.0).then(|| IdlenessFigures {
-            mean_s,
-            worst_s: sums.worst_s,
-            std_s: libm::sqrt(variance.max(0.0)),
+        Some(IdlenessFigures {
             nearest_m: Some(self.nearest_m).filter(|m| m.is_finite()),
+            ..self.places.figures()?
         })
+    }
+}
+
+/// Idleness of the nodes of a graph over time.
+#[derive(Debug, Clone)]
+pub struct NodeIdleness {
+    nodes: Vec<Point2<f64>>,
+    within_m: f64,
+    places: Places,
+}
+
+impl NodeIdleness {
+    /// Nodes (m) that robots visit within a distance (m); none has been visited.
+    pub fn new(nodes: Vec<Point2<f64>>, within_m: f64) -> Self {
+        Self {
+            places: Places::new(nodes.len()),
+            nodes,
+            within_m,
+        }
+    }
+
+    /// Adds the positions of all robots that take part (m) at a time (s), not before the last one.
+    pub fn add(&mut self, time_s: f64, robots: impl Iterator<Item = Point2<f64>>) {
+        self.places.begin(time_s);
+        for at in robots {
+            for (place, node) in self.nodes.iter().enumerate() {
+                if (node - at).norm() <= self.within_m {
+                    self.places.visit(place);
+                }
+            }
+        }
+        self.places.end();
+    }
+
+    /// The figures up to the last time; `None` before every node has been visited twice, and in the second after
+    /// that.
+    pub fn figures(&self) -> Option<IdlenessFigures> {
+        self.places.figures()
+    }
+
+    /// Each node (m) with its figures.
+    pub fn nodes(&self) -> impl Iterator<Item = (Point2<f64>, PlaceFigures)> {
+        self.nodes.iter().copied().zip(self.places.of_each())
     }
 }
 
@@ -291,5 +285,25 @@ mod tests {
         let open = Ring::new(&[at(0.0), at(10.0), at(20.0), at(30.0)]).unwrap();
         assert!((open.between(at(1.0), at(29.0)) - 28.0).abs() < 1e-12);
         assert!(Ring::new(&[at(0.0), at(0.0)]).is_none());
+    }
+
+    #[test]
+    fn nodes_are_visited_from_near_and_each_stay_counts_once() {
+        let nodes = [0.0, 10.0, 20.0, 30.0].map(at).to_vec();
+        let mut idleness = NodeIdleness::new(nodes, 0.5);
+        for tick in 0..4000 {
+            let time_s = f64::from(tick) * TICK_S;
+            idleness.add(time_s, [at(time_s)].into_iter());
+        }
+        let figures = idleness.figures().unwrap();
+        // A node has a robot for 1 s of 40 s (at a corner for as long as on a side).
+        assert!((figures.worst_s - 39.0).abs() < 0.2, "{figures:?}");
+        let interval_s = figures.interval_s.unwrap();
+        assert!((interval_s - 40.0).abs() < 0.2, "{figures:?}");
+        assert_eq!(figures.nearest_m, None);
+        for (node, of_node) in idleness.nodes() {
+            assert!((4..=5).contains(&of_node.visits), "{node}: {of_node:?}");
+            assert!((of_node.worst_s - 39.0).abs() < 0.2, "{node}: {of_node:?}");
+        }
     }
 }

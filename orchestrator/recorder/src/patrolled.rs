@@ -1,25 +1,44 @@
-//! Idleness of patrolled contours.
+//! Idleness of patrolled contours and graphs.
 
 use ipc_types::consumer::{Consumer, LoggedMessage};
 use ipc_types::topics::{TopicId, WorldState};
-use metrics::idleness::{Idleness, Ring};
+use metrics::idleness::{Idleness, NodeIdleness, Ring};
 use nalgebra::Point2;
 
 use super::run_info::{PatrolInfo, RobotInfo};
-use super::summary::{OutcomePart, PatrolOutcome, Summary};
+use super::summary::{NodeOutcome, OutcomePart, PatrolOutcome, Summary};
 
-/// A contour with its robots.
+/// What is patrolled.
+#[derive(Debug)]
+enum Ground {
+    Contour(Idleness),
+    Graph(NodeIdleness),
+}
+
+impl Ground {
+    fn new(info: &PatrolInfo) -> Option<Self> {
+        let points = |points: &[[f64; 2]]| points.iter().map(|&p| p.into()).collect::<Vec<_>>();
+        if let Some(graph) = &info.graph {
+            let idleness = NodeIdleness::new(points(&graph.nodes), graph.visit_m);
+            return Some(Self::Graph(idleness));
+        }
+        let ring = Ring::new(&points(&info.contour))?;
+        Some(Self::Contour(Idleness::new(ring, info.robots.len())))
+    }
+}
+
+/// A contour or a graph with its robots.
 #[derive(Debug)]
 struct Patrol {
     /// Indices of the robots.
     robots: Vec<u32>,
     names: Vec<String>,
-    idleness: Idleness,
+    ground: Ground,
     /// Positions of the robots in the current tick (m); `None` out of play.
     positions: Vec<Option<Point2<f64>>>,
 }
 
-/// All contours.
+/// All patrols.
 #[derive(Debug)]
 pub(super) struct Patrolled(Vec<Patrol>);
 
@@ -28,10 +47,9 @@ impl Patrolled {
     pub(super) fn new(patrols: &[PatrolInfo], robots: &[RobotInfo]) -> Self {
         let name = |&robot: &u32| Some(robots.get(robot as usize)?.name.clone());
         let patrol = |info: &PatrolInfo| {
-            let contour: Vec<Point2<f64>> = info.contour.iter().map(|&p| p.into()).collect();
             Some(Patrol {
                 names: info.robots.iter().filter_map(name).collect(),
-                idleness: Idleness::new(Ring::new(&contour)?, info.robots.len()),
+                ground: Ground::new(info)?,
                 positions: vec![None; info.robots.len()],
                 robots: info.robots.clone(),
             })
@@ -62,8 +80,11 @@ impl Consumer for Patrolled {
             }
         }
         for patrol in &mut self.0 {
-            let positions = patrol.positions.iter().copied();
-            patrol.idleness.add(message.time_s(), positions);
+            let (time_s, positions) = (message.time_s(), patrol.positions.iter().copied());
+            match &mut patrol.ground {
+                Ground::Contour(idleness) => idleness.add(time_s, positions),
+                Ground::Graph(idleness) => idleness.add(time_s, positions.flatten()),
+            }
         }
     }
 }
@@ -71,13 +92,28 @@ impl Consumer for Patrolled {
 impl OutcomePart for Patrolled {
     fn finish(self: Box<Self>, summary: &mut Summary) {
         let outcome = |patrol: Patrol| {
-            let figures = patrol.idleness.figures();
+            let (figures, nodes) = match &patrol.ground {
+                Ground::Contour(idleness) => (idleness.figures(), Vec::new()),
+                Ground::Graph(idleness) => {
+                    let nodes = idleness.nodes().map(|(at, figures)| NodeOutcome {
+                        x: at.x,
+                        y: at.y,
+                        visits: figures.visits,
+                        mean_interval_s: figures.interval_s,
+                        worst_idleness_s: figures.worst_s,
+                        idleness_s: figures.idle_s,
+                    });
+                    (idleness.figures(), nodes.collect())
+                }
+            };
             PatrolOutcome {
                 robots: patrol.names,
                 mean_idleness_s: figures.map(|f| f.mean_s),
                 worst_idleness_s: figures.map(|f| f.worst_s),
                 std_idleness_s: figures.map(|f| f.std_s),
+                mean_interval_s: figures.and_then(|f| f.interval_s),
                 nearest_m: figures.and_then(|f| f.nearest_m),
+                nodes,
             }
         };
         summary.patrols = self.0.into_iter().map(outcome).collect();

@@ -56,9 +56,21 @@ impl TaskTrace {
             contour,
             danger_zones,
             rectangles,
+            graph,
         } = sketch;
         if contour.len() > 1 && !self.contours.contains(contour) {
             self.contours.push(contour.clone());
+        }
+        // Its edges are lines as those of contours.
+        let edges = graph.iter().flat_map(|graph| {
+            let ends =
+                |&[a, b]: &[usize; 2]| Some(vec![*graph.nodes.get(a)?, *graph.nodes.get(b)?]);
+            graph.edges.iter().filter_map(ends)
+        });
+        for edge in edges {
+            if !self.contours.contains(&edge) {
+                self.contours.push(edge);
+            }
         }
         for zone in danger_zones {
             if !self.danger_zones.contains(zone) {
@@ -119,6 +131,7 @@ mod tests {
                 radius: 1.0,
             }],
             rectangles: vec![[[0.0, 0.0], [1.0, 1.0]]],
+            graph: None,
         };
         task.add(&sketch);
         task.add(&sketch);
