@@ -13,7 +13,7 @@ struct Case {
     seeds: &'static [&'static str],
 }
 
-const CASES: [Case; 27] = [
+const CASES: [Case; 28] = [
     Case {
         scenario: "chase",
         set: &["rules.time_limit=5"],
@@ -128,6 +128,11 @@ const CASES: [Case; 27] = [
     },
     Case {
         scenario: "patrol_team",
+        set: &["rules.time_limit=60"],
+        seeds: &["1"],
+    },
+    Case {
+        scenario: "patrol_graph",
         set: &["rules.time_limit=60"],
         seeds: &["1"],
     },

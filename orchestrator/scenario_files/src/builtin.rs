@@ -31,7 +31,7 @@ macro_rules! scenarios {
 }
 
 /// All built-in scenarios; the default comes first.
-pub const SCENARIOS: [Builtin; 20] = scenarios![
+pub const SCENARIOS: [Builtin; 21] = scenarios![
     "chase",
     "chase_exact",
     "chase_paper",
@@ -47,6 +47,7 @@ pub const SCENARIOS: [Builtin; 20] = scenarios![
     "patrol_octagon",
     "patrol_square",
     "patrol_team",
+    "patrol_graph",
     "coverage_open",
     "coverage_case1",
     "coverage_case2",
