@@ -191,9 +191,8 @@ fn table_page_and_picture_show_the_idleness_of_a_team() {
         }
     }
 
-    sandbox
-        .protean(["picture", "run.mcap", "--at", "45"])
-        .json();
+    let drawn = sandbox.protean(["picture", "run.mcap", "--at", "45"]);
+    assert_eq!(drawn.run().code, Some(0));
     let picture = std::fs::read_to_string(sandbox.path().join("run.svg")).unwrap();
     let (_, places) = picture.split_once("<g class=\"places\"").unwrap();
     let (places, _) = places.split_once("</g>").unwrap();

@@ -15,8 +15,8 @@ for module in ("jinja2", "matplotlib", "scipy"):
     pytest.importorskip(module)
 
 import protean_robotics as pr
-from protean_robotics.lab import duration, reproduce
-from protean_robotics.lab.experiments import EXPERIMENTS, Experiment
+from protean_robotics.lab import duration, plans, reproduce
+from protean_robotics.lab.experiments import EXPERIMENTS, PLAN_SEED_S, Experiment
 
 #: The paper whose missions are shortest.
 PAPER = "vmc-lp"
@@ -141,10 +141,10 @@ def test_verdicts_are_written_after_each_experiment(monkeypatch: pytest.MonkeyPa
 def test_the_time_left_follows_the_pace(monkeypatch: pytest.MonkeyPatch) -> None:
     now = iter([0.0, 2.0, 2.0, 62.0])
     monkeypatch.setattr(duration, "monotonic", lambda: next(now))
-    monkeypatch.setattr(duration.lab, "single_plans", lambda *_: [])
+    monkeypatch.setattr(plans, "make", lambda _: [])
     estimate = duration.Estimate([20.0, 60.0, 0.0], 2)
     # Measured: twice as long as expected. Then the first part took 60 s in place of 10 s.
-    assert estimate.left_s(0) == 80.0 * 2.0 / 2 / duration._PROBE_S
+    assert estimate.left_s(0) == 80.0 * 2.0 / 2 / PLAN_SEED_S
     assert estimate.left_s(1) == 60.0 * 6.0 / 2 and estimate.left_s(3) == 0.0
     texts = [duration.text(seconds) for seconds in (0.0, 44.0, 89.0, 100.0, 3600.0)]
     assert texts == ["about 10 s", "about 40 s", "about 90 s", "about 2 min", "about 60 min"]

@@ -7,13 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from time import monotonic
 
-from .._core import lab
-from . import results
-from .experiments import Experiment
-
-#: The work by which the speed of the machine is measured: iterations of single plans, and the CPU time that they take (s)
-#: where the times of the experiments were measured.
-_PROBE_ITERATIONS, _PROBE_S = 2000, 1.0
+from . import plans, results
+from .experiments import PLAN_SEED_S, Experiment
 
 
 def seeds_of(experiment: Experiment) -> range:
@@ -23,7 +18,7 @@ def seeds_of(experiment: Experiment) -> range:
 
 
 def work_s(experiment: Experiment, seeds: range, directory: Path) -> float:
-    """CPU time of the missions of an experiment that are not finished (s), at the speed of `_PROBE_S`."""
+    """CPU time of the missions of an experiment that are not finished (s), where `Experiment.seed_s` was measured."""
     missing = len(seeds)
     if results.exist(directory):
         found = results.read(directory)
@@ -54,17 +49,17 @@ class Estimate:
 
     def __post_init__(self) -> None:
         began = monotonic()
-        if sum(self.work_s) > _PROBE_S:
+        if sum(self.work_s) > PLAN_SEED_S:
             # As many at once as later: other programs may use the same processors.
             with ThreadPoolExecutor(self.jobs) as pool:
-                list(pool.map(lambda seed: lab.single_plans(seed, _PROBE_ITERATIONS), range(self.jobs)))
+                list(pool.map(plans.make, range(self.jobs)))
         #: Time for a second of work by one of the jobs (s).
-        self._pace = (monotonic() - began) / _PROBE_S
+        self._pace = (monotonic() - began) / PLAN_SEED_S
         self._began = monotonic()
 
     def left_s(self, part: int) -> float:
         """Time from the begin of a part on (s); it follows the pace of the parts before."""
         done_s = sum(self.work_s[:part])
-        if done_s > _PROBE_S and part < len(self.work_s):
+        if done_s > PLAN_SEED_S and part < len(self.work_s):
             self._pace = (monotonic() - self._began) * self.jobs / done_s
         return sum(self.work_s[part:]) * self._pace / self.jobs

@@ -11,7 +11,7 @@ from .claim import Paper
 #: Number of seeds of the single plans of the RRT* evaders: all, and those of a quick reproduction.
 PLAN_SEEDS, QUICK_PLAN_SEEDS = 100, 20
 #: CPU time of the plans of a seed (s), measured as `Experiment.seed_s`.
-PLAN_SEED_S = 1.0
+PLAN_SEED_S = 0.5
 
 
 @dataclass(frozen=True)
