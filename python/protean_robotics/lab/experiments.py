@@ -27,7 +27,7 @@ class Experiment:
     quick
         Number of seeds that a quick reproduction takes, from 1 on.
     seed_s
-        CPU time of one seed of all its cells (s), without those of `reuse`; measured on one core of an AMD EPYC.
+        CPU time of one seed of all its cells (s), without those of `reuse`; measured on a core of a busy AMD EPYC.
     reuse
         Experiment with some of the same missions.
     """
@@ -46,14 +46,14 @@ class Experiment:
 
 #: All experiments, in the order of their execution.
 EXPERIMENTS = (
-    Experiment("escape_vs_speed", Paper.CHASE, 40, 1.0),
-    Experiment("escape_vs_speed_rrt_star", Paper.CHASE, 10, 1.0),
-    Experiment("escape_vs_speed_paper", Paper.CHASE, 50, 1.0),
-    Experiment("knowledge", Paper.CHASE, 40, 1.0, "escape_vs_speed"),
-    Experiment("knowledge_paper", Paper.CHASE, 50, 1.0, "escape_vs_speed_paper"),
-    Experiment("patrol_alpha", Paper.PATROL, 5, 1.0),
-    Experiment("patrol_square", Paper.PATROL, 3, 1.0),
-    Experiment("coverage_sources", Paper.COVERAGE, 3, 1.0),
-    Experiment("vmc_lp_sensitivity", Paper.VMC_LP, 100, 1.0),
-    Experiment("vmc_lp_tables_3_4", Paper.VMC_LP, 100, 1.0),
+    Experiment("escape_vs_speed", Paper.CHASE, 40, 8.4),
+    Experiment("escape_vs_speed_rrt_star", Paper.CHASE, 10, 57.0),
+    Experiment("escape_vs_speed_paper", Paper.CHASE, 50, 2.4),
+    Experiment("knowledge", Paper.CHASE, 40, 1.2, "escape_vs_speed"),
+    Experiment("knowledge_paper", Paper.CHASE, 50, 0.8, "escape_vs_speed_paper"),
+    Experiment("patrol_alpha", Paper.PATROL, 5, 3.5),
+    Experiment("patrol_square", Paper.PATROL, 3, 11.0),
+    Experiment("coverage_sources", Paper.COVERAGE, 3, 52.0),
+    Experiment("vmc_lp_sensitivity", Paper.VMC_LP, 100, 0.32),
+    Experiment("vmc_lp_tables_3_4", Paper.VMC_LP, 100, 0.07),
 )
