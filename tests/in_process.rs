@@ -138,6 +138,11 @@ const CASES: [Case; 28] = [
         seeds: &["1"],
     },
     Case {
+        scenario: "patrol_graph",
+        set: &["rules.time_limit=60"],
+        seeds: &["1"],
+    },
+    Case {
         scenario: "coverage_open",
         set: &["rules.time_limit=30"],
         seeds: &["1"],

@@ -260,3 +260,46 @@ fn a_guard_that_sights_an_intruder_catches_it_and_returns_to_the_patrol() {
         ]
     );
 }
+
+#[test]
+fn a_team_on_a_graph_visits_all_nodes_and_says_where_it_heads_for() {
+    let sandbox = Sandbox::new();
+    let run = |more: &[&str]| {
+        let call = sandbox.protean(["run", "patrol_graph", "--quiet", "--in-process"]);
+        let call = call.set("rules.time_limit=300");
+        let summary = more.iter().fold(call, |call, set| call.set(set)).json();
+        let patrol = summary["patrols"][0].clone();
+        (patrol, summary)
+    };
+    let (patrol, summary) = run(&[]);
+    let nodes = patrol["nodes"].as_array().unwrap();
+    assert_eq!(
+        (nodes.len(), patrol["robots"].as_array().unwrap().len()),
+        (25, 4)
+    );
+    for node in nodes {
+        assert!(node["visits"].as_u64().unwrap() >= 2, "{node}");
+    }
+    let figure = |name: &str| patrol[name].as_f64().unwrap();
+    assert!(
+        figure("mean_interval_s") < figure("worst_idleness_s"),
+        "{patrol}"
+    );
+    assert!(patrol.get("nearest_m").is_none());
+    // One message of its four robots in each tick.
+    let topic = &summary["topics"]["patrol/intention"];
+    assert_eq!(
+        topic["messages"],
+        summary["topics"]["robot/plan"]["messages"]
+            .as_u64()
+            .unwrap()
+            / 4
+    );
+    // The graph of the map has its own nodes.
+    let (patrol, _) = run(&[
+        "processes.patrol.params.graph.nodes=[]",
+        "processes.patrol.params.graph.edges=[]",
+        "processes.patrol.params.spacing=4",
+    ]);
+    assert!(patrol["nodes"].as_array().unwrap().len() > 25, "{patrol}");
+}

@@ -43,7 +43,13 @@ const RULES: Rules = Rules {
         &["control", "navigation", "optimal_control", "passing"],
         &["avoidance", "trajectory"],
         &["pursuit_evasion"],
-        &["coverage", "observation", "patrol", "planner"],
+        &[
+            "coverage",
+            "observation",
+            "patrol",
+            "patrol_graph",
+            "planner",
+        ],
         // One crate per kind of process, or per family of kinds; none depends on another one.
         &["processes/*"],
         &["recorder", "scenario"],

@@ -383,3 +383,45 @@ def test_the_command_writes_scenarios_that_check_and_run() -> None:
     assert refused.returncode == 2
     assert refused.stderr.startswith("error: bad.map, line 3")
     assert not Path("x.toml").exists()
+
+
+#: Four crossings around a block, in the two forms of the header.
+PATROL = "4\n60\n60\n0.1\n{offset}\n" + "".join(
+    f"{vertex}\n{column}\n{row}\n2\n{first}\nN\n{cost}\n{second}\nE\n{other}\n\n"
+    for vertex, column, row, first, cost, second, other in (
+        (0, 10, 10, 1, 40, 3, 40),
+        (1, 10, 50, 0, 40, 2, 45),
+        (2, 50, 50, 1, 45, 3, 40),
+        (3, 50, 10, 2, 40, 0, 40),
+    )
+)
+
+
+def test_patrol_graphs_become_patrols_with_and_without_a_map(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    old = made("old.graph", PATROL.format(offset=""))
+    assert "nodes = [\n    [1.0, 1.0],\n    [1.0, 5.0],\n    [5.0, 5.0],\n    [5.0, 1.0],\n]" in old.scenario
+    assert "edges = [\n    [0, 1],\n    [0, 3],\n    [1, 2],\n    [2, 3],\n]" in old.scenario
+    assert "lengths = [\n    4.0,\n    4.0,\n    4.5,\n    4.0,\n]" in old.scenario
+    assert "obstacles = [\n]" in old.map
+    # With an offset, on the map beside it: free but for one pixel in its middle.
+    pixels = ["254"] * 60 * 60
+    pixels[30 * 60 + 30] = "0"
+    Path("a.pgm").write_text("P2 60 60 255\n" + " ".join(pixels))
+    Path("new.yaml").write_text(YAML.replace("resolution: 1", "resolution: 0.1").replace("[0, 0, 0]", "[-3, -3, 0]"))
+    new = made("new.graph", PATROL.format(offset="-3\n-3"))
+    assert "nodes = [\n    [-2.0, -2.0],\n" in new.scenario
+    assert new.map.count("shape.rectangle") == 1
+    for name, text in (("new", new), ("old", old)):
+        Path("maps").mkdir(exist_ok=True)
+        Path(text.map_path).write_text(text.map)
+        Path(f"{name}.toml").write_text(text.scenario)
+        run = pr.run(f"{name}.toml", set={"rules.time_limit": 30})
+        assert len(run.summary["patrols"][0]["nodes"]) == 4
+
+
+@pytest.mark.parametrize("text", ["", "2 9 9 1 0 1 1 0", PATROL.format(offset="")[:-12], "1 9 9 nan 0 0 0 0"])
+def test_a_text_that_is_no_patrol_graph_is_named(text: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(pr.InvalidInput, match="bad.graph: no patrol graph: expected the vertices"):
+        made("bad.graph", text)

@@ -1,10 +1,15 @@
-//! Idleness of a patrolled contour: the time since the last visit of each of its places, and the distances of its
-//! robots (Machado et al., *Multi-agent patrolling*, 2002).
+//! Idleness of patrols: the time since the last visit of each place, and the distances of robots on a contour
+//! (Machado et al., *Multi-agent patrolling*, 2002).
 //!
-//! A robot visits the place of the contour that is nearest to it, and all between two positions. Idleness counts
-//! from the moment at which every place has been visited twice, without the time in which the robots gather.
+//! On a contour a robot visits the place that is nearest to it, and all between two positions; on a graph the nodes
+//! within a distance of it. Idleness counts from the moment at which every place has been visited twice, without the time
+//! in which the robots gather.
+
+mod places;
 
 use nalgebra::Point2;
+
+pub use places::{IdlenessNow, PlaceFigures, Places};
 
 /// Places of a contour.
 const PLACES: usize = 480;
@@ -88,63 +93,25 @@ impl Ring {
 pub struct IdlenessFigures {
     /// Mean over places and time (s).
     pub mean_s: f64,
-    /// Longest time without a visit of a place (s).
+    /// Longest time without a visit of a place (s): the refresh time.
     pub worst_s: f64,
     /// Standard deviation over places and time (s).
     pub std_s: f64,
-    /// Least distance of two robots along the contour (m); `None` for a robot that is alone.
+    /// Mean over places of the mean time from one arrival of a robot to the next (s): the average graph idleness of
+    /// Portugal and Rocha (2011). `None` before every place has been visited again.
+    pub interval_s: Option<f64>,
+    /// Least distance of two robots along the contour (m); `None` on a graph, and for a robot that is alone.
     pub nearest_m: Option<f64>,
-}
-
-/// Idleness of the places at one time.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct IdlenessNow {
-    /// Mean of the times since the last visit of each place, or since time 0 without one (s).
-    pub mean_s: f64,
-    /// Longest of these times (s).
-    pub worst_s: f64,
-    /// Middle of the first place with this time, x and y (m).
-    pub worst_at: [f64; 2],
-    /// Share of the places that have been visited, 0 to 1.
-    pub visited: f64,
 }
 
 /// Idleness of a contour over time.
 #[derive(Debug, Clone)]
 pub struct Idleness {
     ring: Ring,
-    /// Time of the last visit of each place (s).
-    visited_s: Vec<Option<f64>>,
-    /// `true` for each place that has been visited in this round over all places, and number of the others.
-    is_visited: Vec<bool>,
-    unvisited: usize,
-    /// Number of rounds over all places.
-    rounds: u32,
+    places: Places,
     /// Place of each robot at the last time, as a length (m).
     before: Vec<Option<f64>>,
-    now_s: f64,
-    /// Time at which every place had been visited twice (s).
-    began_s: Option<f64>,
-    sums: Sums,
     nearest_m: f64,
-}
-
-/// Integrals of the idleness over time, of all places.
-#[derive(Debug, Clone, Copy, Default)]
-struct Sums {
-    worst_s: f64,
-    first: f64,
-    second: f64,
-}
-
-impl Sums {
-    /// Adds a time without visits, of which `began_s` has passed before it counts (s).
-    fn add(&mut self, began_s: f64, idle_s: f64) {
-        let (from, to) = (began_s * began_s, idle_s * idle_s);
-        self.worst_s = self.worst_s.max(idle_s);
-        self.first += (to - from) / 2.0;
-        self.second += (to * idle_s - from * began_s) / 3.0;
-    }
 }
 
 impl Idleness {
@@ -152,14 +119,8 @@ impl Idleness {
     pub fn new(ring: Ring, robots: usize) -> Self {
         Self {
             ring,
-            visited_s: vec![None; PLACES],
-            is_visited: vec![false; PLACES],
-            unvisited: PLACES,
-            rounds: 0,
+            places: Places::new(PLACES),
             before: vec![None; robots],
-            now_s: 0.0,
-            began_s: None,
-            sums: Sums::default(),
             nearest_m: f64::INFINITY,
         }
     }
@@ -167,7 +128,7 @@ impl Idleness {
     /// Adds the positions of all robots (m) at a time (s), not before the last one; `None` for a robot that does not
     /// take part.
     pub fn add(&mut self, time_s: f64, robots: impl Iterator<Item = Option<Point2<f64>>>) {
-        self.now_s = time_s;
+        self.places.begin(time_s);
         let mut before = core::mem::take(&mut self.before);
         for (before, at) in before.iter_mut().zip(robots) {
             let place = at.map(|at| self.ring.place(at));
@@ -178,15 +139,8 @@ impl Idleness {
             }
         }
         self.before = before;
-        if self.unvisited == 0 && self.began_s.is_none() {
-            self.rounds += 1;
-            if self.rounds == 2 {
-                self.began_s = Some(time_s);
-            } else {
-                (self.is_visited, self.unvisited) = (vec![false; PLACES], PLACES);
-            }
-        }
-        if self.began_s.is_some() {
+        self.places.end();
+        if self.places.counts() {
             for (i, &a) in self.before.iter().enumerate() {
                 for &b in &self.before[..i] {
                     if let (Some(a), Some(b)) = (a, b) {
@@ -204,20 +158,13 @@ impl Idleness {
         let (low, high) = (from.min(from + way) * per_m, from.max(from + way) * per_m);
         let (low, high) = (low.floor() as i64, high.floor() as i64);
         for place in low..=high {
-            let place = place.rem_euclid(PLACES as i64) as usize;
-            let last_s = self.visited_s[place].replace(self.now_s).unwrap_or(0.0);
-            if let Some(began_s) = self.began_s {
-                self.sums
-                    .add((began_s - last_s).max(0.0), self.now_s - last_s);
-            } else if !core::mem::replace(&mut self.is_visited[place], true) {
-                self.unvisited -= 1;
-            }
+            self.places.visit(place.rem_euclid(PLACES as i64) as usize);
         }
     }
 
-    /// Time of the last visit of each place (s), in their order along the contour; `None` without one.
-    pub fn last_visits(&self) -> &[Option<f64>] {
-        &self.visited_s
+    /// The places along the contour.
+    pub fn places(&self) -> &Places {
+        &self.places
     }
 
     /// Both ends of each place (m), in their order along the contour.
@@ -227,49 +174,61 @@ impl Idleness {
         (0..PLACES).map(move |place| [at(place), at(place + 1)])
     }
 
-    /// Time since the last visit of each place, or since time 0 without one (s).
-    pub fn idle_s(&self) -> impl Iterator<Item = f64> {
-        let last_visits = self.visited_s.iter();
-        last_visits.map(|last_s| self.now_s - last_s.unwrap_or(0.0))
-    }
-
-    /// Idleness at the last time.
-    pub fn now(&self) -> IdlenessNow {
-        let (mut sum, mut worst_s, mut worst_place) = (0.0, f64::NEG_INFINITY, 0);
-        for (place, idle_s) in self.idle_s().enumerate() {
-            sum += idle_s;
-            if idle_s > worst_s {
-                (worst_s, worst_place) = (idle_s, place);
-            }
-        }
-        let visited = self.visited_s.iter().flatten().count();
-        let middle = (worst_place as f64 + 0.5) * self.ring.length / PLACES as f64;
-        IdlenessNow {
-            mean_s: sum / PLACES as f64,
-            worst_s,
-            worst_at: self.ring.at(middle).into(),
-            visited: visited as f64 / PLACES as f64,
-        }
-    }
-
     /// The figures up to the last time; `None` before every place has been visited twice, and in the second after
     /// that.
     pub fn figures(&self) -> Option<IdlenessFigures> {
-        let began_s = self.began_s?;
-        let mut sums = self.sums;
-        for last_s in &self.visited_s {
-            let last_s = last_s.unwrap_or(0.0);
-            sums.add((began_s - last_s).max(0.0), self.now_s - last_s);
-        }
-        let total_s = PLACES as f64 * (self.now_s - began_s);
-        let mean_s = sums.first / total_s;
-        let variance = sums.second / total_s - mean_s * mean_s;
-        (self.now_s - began_s >= 1.0).then(|| IdlenessFigures {
-            mean_s,
-            worst_s: sums.worst_s,
-            std_s: libm::sqrt(variance.max(0.0)),
+        Some(IdlenessFigures {
             nearest_m: Some(self.nearest_m).filter(|m| m.is_finite()),
+            ..self.places.figures()?
         })
+    }
+}
+
+/// Idleness of the nodes of a graph over time.
+#[derive(Debug, Clone)]
+pub struct NodeIdleness {
+    nodes: Vec<Point2<f64>>,
+    within_m: f64,
+    places: Places,
+}
+
+impl NodeIdleness {
+    /// Nodes (m) that robots visit within a distance (m); none has been visited.
+    pub fn new(nodes: Vec<Point2<f64>>, within_m: f64) -> Self {
+        Self {
+            places: Places::new(nodes.len()),
+            nodes,
+            within_m,
+        }
+    }
+
+    /// Adds the positions of all robots that take part (m) at a time (s), not before the last one.
+    pub fn add(&mut self, time_s: f64, robots: impl Iterator<Item = Point2<f64>>) {
+        self.places.begin(time_s);
+        for at in robots {
+            for (place, node) in self.nodes.iter().enumerate() {
+                if (node - at).norm() <= self.within_m {
+                    self.places.visit(place);
+                }
+            }
+        }
+        self.places.end();
+    }
+
+    /// The figures up to the last time; `None` before every node has been visited twice, and in the second after
+    /// that.
+    pub fn figures(&self) -> Option<IdlenessFigures> {
+        self.places.figures()
+    }
+
+    /// The nodes.
+    pub fn places(&self) -> &Places {
+        &self.places
+    }
+
+    /// Each node (m) with its figures.
+    pub fn nodes(&self) -> impl Iterator<Item = (Point2<f64>, PlaceFigures)> {
+        self.nodes.iter().copied().zip(self.places.of_each())
     }
 }
 
@@ -338,22 +297,16 @@ mod tests {
             idleness.add(time_s, core::iter::once(Some(at(time_s))));
         }
         // After 10 s at 1 m/s a quarter is visited, and the rest waits since time 0.
-        let now = idleness.now();
+        let now = idleness.places().now();
         assert!((now.visited - 0.25).abs() <= 1.0 / 480.0, "{now:?}");
-        assert_eq!(now.worst_s, 10.0);
-        assert!(
-            (Point2::from(now.worst_at) - Point2::new(10.0, 0.125)).norm() < 1e-9,
-            "{now:?}"
-        );
+        assert_eq!((now.worst_s, now.worst_place), (10.0, 121));
         let mean_s = 0.25 * 5.0 + 0.75 * 10.0;
         assert!((now.mean_s - mean_s).abs() < 0.05, "{now:?}");
-        let visits = idleness.last_visits();
-        assert_eq!(
-            (visits[0], visits[120], visits[121]),
-            (Some(0.1), Some(10.0), None)
-        );
+        let places: Vec<PlaceFigures> = idleness.places().of_each().collect();
+        assert_eq!((places[120].visits, places[120].idle_s), (1, 0.0));
+        assert_eq!((places[121].visits, places[121].idle_s), (0, 10.0));
         let ends: Vec<_> = idleness.ends().collect();
-        assert_eq!(ends.len(), visits.len());
+        assert_eq!(ends.len(), places.len());
         assert!((ends[120][0] - Point2::new(10.0, 0.0)).norm() < 1e-9);
         assert!((ends[479][1] - ends[0][0]).norm() < 1e-9);
     }
@@ -384,5 +337,25 @@ mod tests {
         let open = Ring::new(&[at(0.0), at(10.0), at(20.0), at(30.0)]).unwrap();
         assert!((open.between(at(1.0), at(29.0)) - 28.0).abs() < 1e-12);
         assert!(Ring::new(&[at(0.0), at(0.0)]).is_none());
+    }
+
+    #[test]
+    fn nodes_are_visited_from_near_and_each_stay_counts_once() {
+        let nodes = [0.0, 10.0, 20.0, 30.0].map(at).to_vec();
+        let mut idleness = NodeIdleness::new(nodes, 0.5);
+        for tick in 0..4000 {
+            let time_s = f64::from(tick) * TICK_S;
+            idleness.add(time_s, [at(time_s)].into_iter());
+        }
+        let figures = idleness.figures().unwrap();
+        // A node has a robot for 1 s of 40 s (at a corner for as long as on a side).
+        assert!((figures.worst_s - 39.0).abs() < 0.2, "{figures:?}");
+        let interval_s = figures.interval_s.unwrap();
+        assert!((interval_s - 40.0).abs() < 0.2, "{figures:?}");
+        assert_eq!(figures.nearest_m, None);
+        for (node, of_node) in idleness.nodes() {
+            assert!((4..=5).contains(&of_node.visits), "{node}: {of_node:?}");
+            assert!((of_node.worst_s - 39.0).abs() < 0.2, "{node}: {of_node:?}");
+        }
     }
 }

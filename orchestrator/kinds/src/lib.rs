@@ -9,6 +9,7 @@ use evader_braitenberg::process::BraitenbergPlanner;
 use evader_potential::process::PotentialPlanner;
 use evader_reach_avoid::process::ReachAvoidPlanner;
 use evader_rrt_star::process::RrtStarPlanner;
+use graph_patrol::process::GraphPatrolProcess;
 use navigator::process::NavigatorPlanner;
 use observer::process::ObserverProcess;
 use optimiser::process::OptimiserProcess;
@@ -39,6 +40,7 @@ pub static KINDS: &[Kind] = &[
     planner::<NavigatorPlanner>(),
     planner::<PatrolAwgPlanner>(),
     planner::<PatrolFtoPlanner>(),
+    Kind::from_type::<GraphPatrolProcess>(),
     planner::<ChebyshevPlanner>(),
     planner::<KeyedCoveragePlanner>(),
     planner::<BoustrophedonPlanner>(),

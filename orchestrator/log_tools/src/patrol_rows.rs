@@ -72,15 +72,17 @@ impl PatrolRows {
         self.messages += 1;
         let row = |patrol: &mut PatrolMeasurement| {
             patrol.add(message.time_s(), states.clone());
-            let now = patrol.now();
-            let [x, y] = now.worst_at;
+            let now = patrol.places().now();
+            let ends = patrol.ends().get(now.worst_place).copied();
+            let middle = |axis: usize| ends.map(|[a, b]| f64::midpoint(a[axis], b[axis]));
+            let [x, y] = [0, 1].map(|axis| middle(axis).map_or(Cell::Empty, Cell::F64));
             [
                 Cell::UInt(header.log_time),
                 Cell::Text(patrol.names().join(", ")),
                 Cell::F64(now.mean_s),
                 Cell::F64(now.worst_s),
-                Cell::F64(x),
-                Cell::F64(y),
+                x,
+                y,
                 Cell::F64(now.visited),
             ]
         };

@@ -207,6 +207,7 @@ fn patrols(scenario: &ResolvedScenario) -> Vec<PatrolInfo> {
             Some(PatrolInfo {
                 robots: team.into_iter().map(|robot| robot as u32).collect(),
                 contour: sketch.contour,
+                graph: sketch.graph,
             })
         })
     });

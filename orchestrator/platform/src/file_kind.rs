@@ -120,7 +120,7 @@ impl FileKind {
             "yaml" | "yml" => Some(Self::Yaml),
             "json" | "jsonl" if text.trim_start().starts_with('[') => Some(Self::Instances),
             "json" | "jsonl" => Some(Self::Json),
-            "map" | "scen" | "graphml" | "osm" => Some(Self::Importable),
+            "map" | "scen" | "graph" | "graphml" | "osm" => Some(Self::Importable),
             "html" | "htm" => Some(Self::Page),
             "svg" | "png" | "pgm" | "jpg" | "jpeg" | "pdf" => Some(Self::Picture),
             "csv" | "parquet" => Some(Self::Table),

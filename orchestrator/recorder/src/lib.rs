@@ -63,7 +63,7 @@ pub use recording::Recording;
 pub use robot_names::robot_names;
 pub use run_info::{PatrolInfo, ProcessInfo, RobotInfo, RunInfo, TaskInfo};
 pub use summary::{
-    CoverageByWay, CoverageOutcome, EventEntry, LapFigures, Outage, PatrolOutcome,
+    CoverageByWay, CoverageOutcome, EventEntry, LapFigures, NodeOutcome, Outage, PatrolOutcome,
     PredictionOutcome, ProcessOutcome, RobotOutcome, Summary, TopicCount, WaypointOutcome,
     role_name, status_name,
 };

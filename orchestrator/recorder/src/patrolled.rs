@@ -1,13 +1,32 @@
-//! Idleness of patrols.
+//! Idleness of patrolled contours and graphs.
 
 use ipc_types::consumer::{Consumer, LoggedMessage};
 use ipc_types::messages::world::RobotState;
 use ipc_types::topics::{TopicId, WorldState};
-use metrics::idleness::{Idleness, IdlenessNow, Ring};
+use metrics::idleness::{Idleness, NodeIdleness, Places, Ring};
 use nalgebra::Point2;
 
 use super::run_info::{PatrolInfo, RobotInfo};
-use super::summary::{OutcomePart, PatrolOutcome, Summary};
+use super::summary::{NodeOutcome, OutcomePart, PatrolOutcome, Summary};
+
+/// What is patrolled.
+#[derive(Debug)]
+enum Ground {
+    Contour(Idleness),
+    Graph(NodeIdleness),
+}
+
+impl Ground {
+    fn new(info: &PatrolInfo) -> Option<Self> {
+        let points = |points: &[[f64; 2]]| points.iter().map(|&p| p.into()).collect::<Vec<_>>();
+        if let Some(graph) = &info.graph {
+            let idleness = NodeIdleness::new(points(&graph.nodes), graph.visit_m);
+            return Some(Self::Graph(idleness));
+        }
+        let ring = Ring::new(&points(&info.contour))?;
+        Some(Self::Contour(Idleness::new(ring, info.robots.len())))
+    }
+}
 
 /// Idleness of a patrol, from the states of its robots.
 #[derive(Debug)]
@@ -15,20 +34,19 @@ pub struct PatrolMeasurement {
     /// Indices of the robots.
     robots: Vec<u32>,
     names: Vec<String>,
-    idleness: Idleness,
+    ground: Ground,
     /// Positions of the robots in the current tick (m); `None` out of play.
     positions: Vec<Option<Point2<f64>>>,
 }
 
 impl PatrolMeasurement {
-    /// Begins the measurement of each of these patrols that has a length; `robots` are those of the run.
+    /// Begins the measurement of each of these patrols that has places; `robots` are those of the run.
     pub fn of_all(patrols: &[PatrolInfo], robots: &[RobotInfo]) -> Vec<Self> {
         let name = |&robot: &u32| Some(robots.get(robot as usize)?.name.clone());
         let patrol = |info: &PatrolInfo| {
-            let contour: Vec<Point2<f64>> = info.contour.iter().map(|&p| p.into()).collect();
             Some(Self {
                 names: info.robots.iter().filter_map(name).collect(),
-                idleness: Idleness::new(Ring::new(&contour)?, info.robots.len()),
+                ground: Ground::new(info)?,
                 positions: vec![None; info.robots.len()],
                 robots: info.robots.clone(),
             })
@@ -44,7 +62,11 @@ impl PatrolMeasurement {
                 *position = (state.status == 0).then(|| Point2::new(state.x, state.y));
             }
         }
-        self.idleness.add(time_s, self.positions.iter().copied());
+        let positions = self.positions.iter().copied();
+        match &mut self.ground {
+            Ground::Contour(idleness) => idleness.add(time_s, positions),
+            Ground::Graph(idleness) => idleness.add(time_s, positions.flatten()),
+        }
     }
 
     /// Names of the robots.
@@ -52,24 +74,21 @@ impl PatrolMeasurement {
         &self.names
     }
 
-    /// Idleness at the last time.
-    pub fn now(&self) -> IdlenessNow {
-        self.idleness.now()
+    /// The places.
+    pub fn places(&self) -> &Places {
+        match &self.ground {
+            Ground::Contour(idleness) => idleness.places(),
+            Ground::Graph(idleness) => idleness.places(),
+        }
     }
 
-    /// Time since the last visit of each place, or since time 0 without one (s).
-    pub fn idle_s(&self) -> impl Iterator<Item = f64> {
-        self.idleness.idle_s()
-    }
-
-    /// Time of the last visit of each place (s); `None` without one.
-    pub fn last_visits(&self) -> &[Option<f64>] {
-        self.idleness.last_visits()
-    }
-
-    /// Both ends of each place (m).
-    pub fn ends(&self) -> impl Iterator<Item = [Point2<f64>; 2]> {
-        self.idleness.ends()
+    /// Both ends of each place, x and y (m); twice the same of a node.
+    pub fn ends(&self) -> Vec<[[f64; 2]; 2]> {
+        let plain = |ends: [Point2<f64>; 2]| ends.map(Into::into);
+        match &self.ground {
+            Ground::Contour(idleness) => idleness.ends().map(plain).collect(),
+            Ground::Graph(idleness) => idleness.nodes().map(|(at, _)| plain([at; 2])).collect(),
+        }
     }
 }
 
@@ -98,13 +117,28 @@ impl Consumer for Patrolled {
 impl OutcomePart for Patrolled {
     fn finish(self: Box<Self>, summary: &mut Summary) {
         let outcome = |patrol: PatrolMeasurement| {
-            let figures = patrol.idleness.figures();
+            let (figures, nodes) = match &patrol.ground {
+                Ground::Contour(idleness) => (idleness.figures(), Vec::new()),
+                Ground::Graph(idleness) => {
+                    let nodes = idleness.nodes().map(|(at, figures)| NodeOutcome {
+                        x: at.x,
+                        y: at.y,
+                        visits: figures.visits,
+                        mean_interval_s: figures.interval_s,
+                        worst_idleness_s: figures.worst_s,
+                        idleness_s: figures.idle_s,
+                    });
+                    (idleness.figures(), nodes.collect())
+                }
+            };
             PatrolOutcome {
                 robots: patrol.names,
                 mean_idleness_s: figures.map(|f| f.mean_s),
                 worst_idleness_s: figures.map(|f| f.worst_s),
                 std_idleness_s: figures.map(|f| f.std_s),
+                mean_interval_s: figures.and_then(|f| f.interval_s),
                 nearest_m: figures.and_then(|f| f.nearest_m),
+                nodes,
             }
         };
         summary.patrols = self.0.into_iter().map(outcome).collect();

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use mcap_log::Origin;
-use runtime::kind::TaskSketch;
+use runtime::kind::{GraphSketch, TaskSketch};
 use runtime::link::Link;
 use serde::{Deserialize, Serialize};
 
@@ -38,13 +38,16 @@ pub struct RobotInfo {
     pub lap_limit_s: Option<f64>,
 }
 
-/// A contour and the robots that patrol it with the same task.
+/// A contour or a graph, and the robots that patrol it with the same task.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct PatrolInfo {
     /// Indices of the robots.
     pub robots: Vec<u32>,
     /// Corners of the contour, in order (m); the first again at the end if it is closed.
     pub contour: Vec<[f64; 2]>,
+    /// The graph, in place of a contour.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub graph: Option<GraphSketch>,
 }
 
 /// The task of a robot, drawn in pictures.

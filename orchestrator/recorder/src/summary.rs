@@ -209,7 +209,7 @@ pub struct CoverageByWay {
     pub coverable_fraction: f64,
 }
 
-/// Idleness of a contour, the time since the last visit of its places: from the time at which each had been visited
+/// Idleness of a contour or of the nodes of a graph, the time since the last visit of its places: from the time at which each had been visited
 /// twice ([`metrics::idleness`]); the figures are absent before.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct PatrolOutcome {
@@ -218,15 +218,39 @@ pub struct PatrolOutcome {
     /// Mean over places and time (s).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub mean_idleness_s: Option<f64>,
-    /// Maximum (s).
+    /// Maximum (s): the refresh time.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub worst_idleness_s: Option<f64>,
     /// Standard deviation over places and time (s).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub std_idleness_s: Option<f64>,
+    /// Mean over places of the mean time from one arrival of a robot to the next (s).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub mean_interval_s: Option<f64>,
     /// Minimum distance of two of the robots along the contour (m); absent for one that is alone.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub nearest_m: Option<f64>,
+    /// The nodes of a graph; none of a contour.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub nodes: Vec<NodeOutcome>,
+}
+
+/// Visits of a node of a patrolled graph.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct NodeOutcome {
+    /// Position (m).
+    pub x: f64,
+    /// Position (m).
+    pub y: f64,
+    /// Number of arrivals of robots.
+    pub visits: u32,
+    /// Mean time from one arrival to the next, since every node has been visited twice (s).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub mean_interval_s: Option<f64>,
+    /// Longest time without a robot since then (s).
+    pub worst_idleness_s: f64,
+    /// Time since the last visit at the end (s).
+    pub idleness_s: f64,
 }
 
 /// Accuracy of one method for one robot and one horizon.

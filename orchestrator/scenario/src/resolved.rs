@@ -173,15 +173,20 @@ impl ResolvedScenario {
     }
 
     /// Returns the indices of the robots with the task of this one, itself included: of its team, driven by processes of one
-    /// kind around the same contour with the same zones and time limit of a lap; none for a task without laps.
+    /// kind around the same contour with the same zones and time limit of a lap, or on the same graph; none for other tasks.
     pub fn companions(&self, robot: usize) -> Vec<usize> {
         let (robots, map) = (&self.world.robots, &self.world.map);
         let task = |robot: usize| {
             let driver = self.processes.iter().find(|p| p.robots.contains(&robot));
             let (kind, spec) = (driver?.program.kind()?, robots.get(robot)?);
-            let limit_s = kind.declaration().lap_limit_s?;
+            let limit_s = kind.declaration().lap_limit_s;
             let sketch = kind.sketch(spec, map);
-            Some((kind.kind().name, &spec.team, limit_s, sketch))
+            (limit_s.is_some() || sketch.graph.is_some()).then_some((
+                kind.kind().name,
+                &spec.team,
+                limit_s,
+                sketch,
+            ))
         };
         let Some(own) = task(robot) else {
             return Vec::new();

@@ -257,19 +257,25 @@ impl Part<Self> for Row {
         ),
         ResultColumn::float(
             "idleness_mean_s",
-            "Mean time since the last visit of a place of a patrolled contour (s), of the contour where it is longest; \
-             empty without a patrol.",
+            "Mean time since the last visit of a place of a patrolled contour or graph (s), of the one where it is \
+             longest; empty without a patrol.",
             |r| patrols(r, |p| p.mean_idleness_s, f64::max),
         ),
         ResultColumn::float(
             "idleness_worst_s",
-            "Maximum of that time (s); empty without a patrol.",
+            "Maximum of that time (s), the refresh time; empty without a patrol.",
             |r| patrols(r, |p| p.worst_idleness_s, f64::max),
         ),
         ResultColumn::float(
             "idleness_std_s",
-            "Standard deviation of that time (s), of the contour where it is largest; empty without a patrol.",
+            "Standard deviation of that time (s), of the contour or graph where it is largest; empty without a patrol.",
             |r| patrols(r, |p| p.std_idleness_s, f64::max),
+        ),
+        ResultColumn::float(
+            "idleness_interval_s",
+            "Mean time from one arrival of a robot to the next (s), mean over places: the average graph idleness of \
+             `patrolling_sim`; empty without a patrol.",
+            |r| patrols(r, |p| p.mean_interval_s, f64::max),
         ),
         ResultColumn::float(
             "patrol_nearest_m",

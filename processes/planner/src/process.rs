@@ -7,6 +7,7 @@ use geometry::map::MapSpec;
 use geometry::pose::Pose2;
 use geometry::region::Region;
 use ipc_types::bus::{Bus, Publisher, PublisherOptions};
+use ipc_types::stamp::Stamp;
 use ipc_types::topics::{Commands, Plan, RobotEvents, Scan, Tree, Waypoints};
 use nalgebra::Point2;
 use planner_view::map::PlannerMap;
@@ -306,6 +307,16 @@ impl<P: Planner> Process for PlannerProcess<P> {
 }
 
 impl<P: Planner> PlannerProcess<P> {
+    /// The planners of its robots, in their order, for a process with more topics.
+    pub fn planners(&mut self) -> impl Iterator<Item = &mut P> {
+        self.driven.iter_mut().map(|driven| &mut driven.planner)
+    }
+
+    /// The stamp of outputs of the last tick.
+    pub fn stamp(&self) -> Stamp {
+        reply_stamp(&self.state.header, self.state.received_ns)
+    }
+
     /// Receives a new map, once all its messages have arrived; returns `true` if there is one.
     fn take_map(&mut self) -> Result<bool, ProcessError> {
         self.map_input.update()?;

@@ -189,6 +189,20 @@ pub struct TaskSketch {
     pub danger_zones: Vec<Shape>,
     /// Rectangles into which a workplace is divided: smallest and largest corner (m).
     pub rectangles: Vec<[[f64; 2]; 2]>,
+    /// Graph of a patrol.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub graph: Option<GraphSketch>,
+}
+
+/// Graph of a patrol.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct GraphSketch {
+    /// Its nodes (m).
+    pub nodes: Vec<[f64; 2]>,
+    /// Pairs of nodes, by their indices, that have an edge.
+    pub edges: Vec<[usize; 2]>,
+    /// Distance within which a robot visits a node (m), above 0.
+    pub visit_m: f64,
 }
 
 /// Task of a process with one of its robots.

@@ -23,7 +23,8 @@ use project::Project;
 /// Help below the options.
 pub(super) const HELP: &str = "\
 The file is a copy of a built-in scenario, or made from a published file: a ROS map (.yaml, with its image), a MovingAI \
-map (.map) or problems on one (.scen), or a street graph (.graphml, OpenStreetMap .osm). A map file that the scenario \
+map (.map) or problems on one (.scen), a street graph (.graphml, OpenStreetMap .osm), or a patrol graph of \
+patrolling_sim (.graph). A map file that the scenario \
 uses is written to the folder maps beside it. Published files need the Python package: \
 pip install 'protean-robotics[lab]'.
 
@@ -42,7 +43,7 @@ pub(super) struct NewArgs {
     /// Scenario file to write, for example `mine.toml`; with a language the folder of the project
     #[arg(value_name = "FILE")]
     file: PathBuf,
-    /// Built-in scenario to copy (see `protean list`), or a file: .yaml, .map, .scen, .graphml or .osm
+    /// Built-in scenario to copy (see `protean list`), or a .yaml, .map, .scen, .graph, .graphml or .osm
     #[arg(long, value_name = "SCENARIO", default_value = DEFAULT_SCENARIO)]
     from: String,
     /// Write a project with a planner in Python
@@ -81,7 +82,7 @@ impl NewArgs {
 }
 
 /// Extensions of published files.
-const EXTENSIONS: &str = ".yaml, .yml, .map, .scen, .graphml, .osm or .xml";
+const EXTENSIONS: &str = ".yaml, .yml, .map, .scen, .graph, .graphml, .osm or .xml";
 /// Extensions of images, which have no size.
 const IMAGES: [&str; 8] = ["pgm", "png", "jpg", "jpeg", "bmp", "gif", "tif", "tiff"];
 

@@ -267,16 +267,21 @@ pub(super) fn text(
         );
     }
     for patrol in &s.patrols {
-        if let (Some(mean), Some(worst), Some(nearest)) = (
-            patrol.mean_idleness_s,
-            patrol.worst_idleness_s,
-            patrol.nearest_m,
-        ) {
-            let count = patrol.robots.len();
+        let (count, nodes) = (patrol.robots.len(), patrol.nodes.len());
+        let of = match nodes {
+            0 => "the contour".to_owned(),
+            _ => format!("{nodes} nodes"),
+        };
+        if let (Some(mean), Some(worst)) = (patrol.mean_idleness_s, patrol.worst_idleness_s)
+            && (nodes > 0 || patrol.nearest_m.is_some())
+        {
             text += &format!(
-                "patrol    {count} robots, idleness of the contour {mean:.1} s on average, {worst:.1} s at most; \
-                 at least {nearest:.1} m apart\n"
+                "patrol    {count} robots, idleness of {of} {mean:.1} s on average, {worst:.1} s at most"
             );
+            if let Some(nearest) = patrol.nearest_m {
+                text += &format!("; at least {nearest:.1} m apart");
+            }
+            text += "\n";
         }
     }
     for robot in &s.robots {

@@ -291,7 +291,7 @@ pub(super) fn facts(content: &mut PageContent) -> Json {
         "result": outcome_words(&robots_outcome, coverage.as_ref()),
         "outcome": robots_outcome,
         "idleness": idleness,
-        "patrols": content.patrols.iter().map(|p| p.last_visits().len()).collect::<Vec<_>>(),
+        "patrols": content.patrols.iter().map(|p| p.places().of_each().count()).collect::<Vec<_>>(),
         "marks": content.marks.names(),
         "dominance": content.layers.regions.grid(),
         "coverage": coverage,

@@ -173,8 +173,8 @@ impl Consumer<LoggedRun> for Layers {
         }
         if message.topic == TopicId::WorldState {
             for (patrol, measurement) in (0..).zip(&run.patrols) {
-                for (place, last_s) in (0..PLACES).zip(measurement.last_visits()) {
-                    if *last_s == Some(message.time_s()) {
+                for (place, figures) in (0..PLACES).zip(measurement.places().of_each()) {
+                    if figures.visits > 0 && figures.idle_s == 0.0 {
                         self.visits.push(time_ns, patrol * PLACES + place, ());
                     }
                 }

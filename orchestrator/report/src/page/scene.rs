@@ -198,8 +198,11 @@ fn place_visits(all: &[Sample<()>], lists: &mut Lists) {
 
 /// Packs both ends of the places of each patrol.
 fn places(content: &PageContent, raster: Raster, lists: &mut Lists) {
-    let ends = content.patrols.iter().flat_map(|p| p.ends().flatten());
-    put_places("places", ends.map(|p| raster.pack([p.x, p.y])), lists);
+    let ends = content
+        .patrols
+        .iter()
+        .flat_map(|p| p.ends().into_iter().flatten());
+    put_places("places", ends.map(|p| raster.pack(p)), lists);
 }
 
 fn edges(all: &[Sample<Vec<Edge>>], raster: Raster, lists: &mut Lists) {

@@ -178,7 +178,7 @@ impl Series {
 
     fn patrols(&mut self, time_ns: u64, patrols: &[PatrolMeasurement]) {
         for (patrol, measurement) in patrols.iter().enumerate() {
-            let now = measurement.now();
+            let now = measurement.places().now();
             for (figure, name, value) in [
                 (Figure::PlacesVisited, "visited", now.visited),
                 (Figure::PatrolIdleness, "mean", now.mean_s),

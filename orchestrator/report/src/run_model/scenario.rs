@@ -85,9 +85,11 @@ impl LoggedScenario {
             let TaskSketch {
                 contour,
                 rectangles,
+                graph,
                 ..
             } = &task.sketch;
-            task.robot as usize == robot && !(contour.is_empty() && rectangles.is_empty())
+            let has_ground = !(contour.is_empty() && rectangles.is_empty()) || graph.is_some();
+            task.robot as usize == robot && has_ground
         });
         has_task.then(|| spec.model().radius)
     }

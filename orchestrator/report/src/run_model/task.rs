@@ -44,11 +44,9 @@ pub struct PlaceTrace {
 impl PlaceTrace {
     /// The places of a patrol.
     pub(crate) fn of_patrol(patrol: &PatrolMeasurement) -> Vec<Self> {
-        let place = |(ends, idle_s): ([_; 2], _)| Self {
-            ends: ends.map(Into::into),
-            idle_s,
-        };
-        patrol.ends().zip(patrol.idle_s()).map(place).collect()
+        let place = |(ends, idle_s)| Self { ends, idle_s };
+        let idle_s = patrol.places().of_each().map(|place| place.idle_s);
+        patrol.ends().into_iter().zip(idle_s).map(place).collect()
     }
 }
 
@@ -79,9 +77,21 @@ impl TaskTrace {
             contour,
             danger_zones,
             rectangles,
+            graph,
         } = sketch;
         if contour.len() > 1 && !self.contours.contains(contour) {
             self.contours.push(contour.clone());
+        }
+        // Its edges are lines as those of contours.
+        let edges = graph.iter().flat_map(|graph| {
+            let ends =
+                |&[a, b]: &[usize; 2]| Some(vec![*graph.nodes.get(a)?, *graph.nodes.get(b)?]);
+            graph.edges.iter().filter_map(ends)
+        });
+        for edge in edges {
+            if !self.contours.contains(&edge) {
+                self.contours.push(edge);
+            }
         }
         for zone in danger_zones {
             if !self.danger_zones.contains(zone) {
@@ -142,6 +152,7 @@ mod tests {
                 radius: 1.0,
             }],
             rectangles: vec![[[0.0, 0.0], [1.0, 1.0]]],
+            graph: None,
         };
         task.add(&sketch);
         task.add(&sketch);

@@ -177,7 +177,7 @@ fn missing_scenarios_are_refused() {
             4 | scenario = "builtin:chase_exakt"
               |            ^^^^^^^^^^^^^^^^^^^^^
               = value: "builtin:chase_exakt"
-              = expected: one of `chase`, `chase_exact`, `chase_paper`, `chase_layouts`, `chase_braitenberg`, `chase_rrt_star`, `chase_popup`, `chase_referee`, `chase_reach_avoid`, `popup`, `popup_city`, `single_lane` … (20 in all)
+              = expected: one of `chase`, `chase_exact`, `chase_paper`, `chase_layouts`, `chase_braitenberg`, `chase_rrt_star`, `chase_popup`, `chase_referee`, `chase_reach_avoid`, `popup`, `popup_city`, `single_lane` … (21 in all)
               = help: did you mean `builtin:chase_exact`?
             error: nowhere.toml: cannot be read: No such file or directory (os error 2)
              --> small.toml:4:12 (scenario)

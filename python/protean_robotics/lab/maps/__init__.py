@@ -1,4 +1,4 @@
-"""Scenarios from published files: maps of ROS, the grid maps and problems of MovingAI, and street graphs.
+"""Scenarios from published files: maps of ROS, the grid maps and problems of MovingAI, street graphs and patrol graphs.
 
 ``protean new FILE --from MAP`` writes what :func:`scenario` makes: a vector map, and the text of a scenario that uses it and
 passes the check. Only the largest connected part of the free space remains free, so that every robot can reach every other
@@ -11,7 +11,7 @@ import sys
 from pathlib import Path
 
 from ..._errors import Error
-from . import movingai, scenarios, streets
+from . import movingai, patrol, scenarios, streets
 from .files import InvalidMap, extension, text
 from .scenarios import Imported
 from .world import World, of_cells, of_ros
@@ -19,7 +19,7 @@ from .world import World, of_cells, of_ros
 __all__ = ["Imported", "main", "scenario"]
 
 #: Extensions of the files that can be imported.
-EXTENSIONS = ".yaml, .yml, .map, .scen, .graphml, .osm or .xml"
+EXTENSIONS = ".yaml, .yml, .map, .scen, .graph, .graphml, .osm or .xml"
 #: Side of a cell of a MovingAI map and width of a street (m).
 CELL, STREET = 1.0, 8.0
 
@@ -28,7 +28,7 @@ def scenario(path: Path, *, cell: float = CELL, street: float = STREET, allow_ou
     """Scenario and map of a file.
 
     A map of ROS (``.yaml``) and of MovingAI (``.map``) become a chase, ``.scen`` robots with goals on its map, which lies
-    beside it; ``.graphml``, ``.osm`` and ``.xml`` (OpenStreetMap) become a chase in the streets. A chase has fewer robots
+    beside it; ``.graph`` (``patrolling_sim``) a patrol on the map of ROS beside it; ``.graphml``, ``.osm`` and ``.xml`` (OpenStreetMap) become a chase in the streets. A chase has fewer robots
     at smaller distances where space is short.
 
     Parameters
@@ -49,6 +49,8 @@ def scenario(path: Path, *, cell: float = CELL, street: float = STREET, allow_ou
     """
     if extension(path) == "scen":
         return movingai.scenario(path, cell, allow_outside)
+    if extension(path) == "graph":
+        return patrol.scenario(path, allow_outside)
     return scenarios.chase(path, *read(path, cell=cell, street=street, allow_outside=allow_outside))
 
 

@@ -162,6 +162,47 @@ team = "neutral"
 """
 
 
+def patrol_text(name: str, world: World, robots: int, radius: float, graph: str) -> str:
+    """Scenario of robots of a radius (m) that patrol a graph, with the text of its table."""
+    return f"""\
+# A patrol of an imported graph. `protean check --picture` draws it.
+
+title = "Patrol of {name}"
+description = \"\"\"
+Robots patrol the nodes of a graph by the strategy SEBS, from random starts.\"\"\"
+
+[run]
+dt = 0.05  # [s]
+seed = 1
+
+[world]
+map = "maps/{name}.toml"
+blur_sigma = {_blur(world)}  # [m]
+
+[rules]
+time_limit = 1800.0  # [s]
+
+[[robots]]
+name = "guard"
+team = "neutral"
+count = {robots}
+random_start = {{}}
+radius = {number(radius)}  # [m]
+limits = {{ v_max = 1.0 }}  # [m/s]
+scan = {{ beams = 72, angle_increment = 0.08726646259971647, range_min = 0.0, range_max = 2.0, noise = 0.0 }}
+
+[[processes]]
+name = "patrol"
+kind = "patrol_graph"
+team = "neutral"
+
+[processes.params]
+strategy = "state_exchange"
+
+[processes.params.graph]
+{graph}"""
+
+
 def robot_text(length: float) -> str:
     """The table of all robots."""
     return (
