@@ -248,16 +248,22 @@ fn a_team_on_a_graph_visits_all_nodes_and_says_where_it_heads_for() {
     };
     let (patrol, summary) = run(&[]);
     let nodes = patrol["nodes"].as_array().unwrap();
-    assert_eq!((nodes.len(), patrol["robots"].as_array().unwrap().len()), (25, 4));
+    assert_eq!(
+        (nodes.len(), patrol["robots"].as_array().unwrap().len()),
+        (25, 4)
+    );
     for node in nodes {
         assert!(node["visits"].as_u64().unwrap() >= 2, "{node}");
     }
     let figure = |name: &str| patrol[name].as_f64().unwrap();
-    assert!(figure("mean_interval_s") < figure("worst_idleness_s"), "{patrol}");
+    assert!(
+        figure("mean_interval_s") < figure("worst_idleness_s"),
+        "{patrol}"
+    );
     assert!(patrol.get("nearest_m").is_none());
-    // One message of its four robots in each tick.
-    let topic = &summary["topics"]["patrol/intention"];
-    assert_eq!(topic["messages"], summary["topics"]["robot/plan"]["messages"].as_u64().unwrap() / 4);
+    // Each robot says it in each tick.
+    let messages = |topic: &str| summary["topics"][topic]["messages"].as_u64().unwrap();
+    assert_eq!(messages("patrol/intention"), messages("robot/plan"));
     // The graph of the map has its own nodes.
     let (patrol, _) = run(&[
         "processes.patrol.params.graph.nodes=[]",

@@ -8,14 +8,14 @@ use nalgebra::Point2;
 use super::run_info::{PatrolInfo, RobotInfo};
 use super::summary::{NodeOutcome, OutcomePart, PatrolOutcome, Summary};
 
-/// What is patrolled.
+/// Idleness of a contour or of a graph.
 #[derive(Debug)]
-enum Ground {
+enum Measured {
     Contour(Idleness),
     Graph(NodeIdleness),
 }
 
-impl Ground {
+impl Measured {
     fn new(info: &PatrolInfo) -> Option<Self> {
         let points = |points: &[[f64; 2]]| points.iter().map(|&p| p.into()).collect::<Vec<_>>();
         if let Some(graph) = &info.graph {
@@ -33,7 +33,7 @@ struct Patrol {
     /// Indices of the robots.
     robots: Vec<u32>,
     names: Vec<String>,
-    ground: Ground,
+    idleness: Measured,
     /// Positions of the robots in the current tick (m); `None` out of play.
     positions: Vec<Option<Point2<f64>>>,
 }
@@ -49,7 +49,7 @@ impl Patrolled {
         let patrol = |info: &PatrolInfo| {
             Some(Patrol {
                 names: info.robots.iter().filter_map(name).collect(),
-                ground: Ground::new(info)?,
+                idleness: Measured::new(info)?,
                 positions: vec![None; info.robots.len()],
                 robots: info.robots.clone(),
             })
@@ -81,9 +81,9 @@ impl Consumer for Patrolled {
         }
         for patrol in &mut self.0 {
             let (time_s, positions) = (message.time_s(), patrol.positions.iter().copied());
-            match &mut patrol.ground {
-                Ground::Contour(idleness) => idleness.add(time_s, positions),
-                Ground::Graph(idleness) => idleness.add(time_s, positions.flatten()),
+            match &mut patrol.idleness {
+                Measured::Contour(idleness) => idleness.add(time_s, positions),
+                Measured::Graph(idleness) => idleness.add(time_s, positions.flatten()),
             }
         }
     }
@@ -92,9 +92,9 @@ impl Consumer for Patrolled {
 impl OutcomePart for Patrolled {
     fn finish(self: Box<Self>, summary: &mut Summary) {
         let outcome = |patrol: Patrol| {
-            let (figures, nodes) = match &patrol.ground {
-                Ground::Contour(idleness) => (idleness.figures(), Vec::new()),
-                Ground::Graph(idleness) => {
+            let (figures, nodes) = match &patrol.idleness {
+                Measured::Contour(idleness) => (idleness.figures(), Vec::new()),
+                Measured::Graph(idleness) => {
                     let nodes = idleness.nodes().map(|(at, figures)| NodeOutcome {
                         x: at.x,
                         y: at.y,

@@ -29,7 +29,10 @@ fn params(strategy: Strategy) -> GraphPatrolParams {
     // 3 × 3 nodes.
     for node in 0..9 {
         let (column, row) = (node % 3, node / 3);
-        params.graph.nodes.push([3.0 + 5.0 * column as f64, 3.0 + 5.0 * row as f64]);
+        params
+            .graph
+            .nodes
+            .push([3.0 + 5.0 * column as f64, 3.0 + 5.0 * row as f64]);
         if column > 0 {
             params.graph.edges.push([node - 1, node]);
         }
@@ -91,7 +94,7 @@ impl Team {
         let nodes: Vec<Point2<f64>> = nodes.iter().map(|&node| node.into()).collect();
         let mut idleness = NodeIdleness::new(nodes, 0.5);
         let began_s = self.world.time().as_secs_f64();
-        let mut said: Vec<Intention> = Vec::new();
+        let mut intentions: Vec<Intention> = Vec::new();
         while self.world.time().as_secs_f64() < began_s + seconds {
             let now_s = self.world.time().as_secs_f64();
             let robots: Vec<RobotView> = self
@@ -113,7 +116,7 @@ impl Team {
             let mut ranges = Vec::new();
             let mut commands = Vec::new();
             for (me, guard) in self.guards.iter_mut().enumerate() {
-                for intention in &said {
+                for intention in &intentions {
                     guard.hear(intention, now_s);
                 }
                 let scan = *self.world.scan(me, &mut ranges).unwrap();
@@ -135,12 +138,14 @@ impl Team {
                 let command = guard.steer(&self.map, &view).command;
                 commands.push((!self.failed.contains(&me)).then_some(command));
             }
-            said.clear();
+            intentions.clear();
             let guards = self.guards.iter().enumerate();
             let heard = guards.filter(|(me, _)| !self.failed.contains(me));
-            said.extend(heard.map(|(_, guard)| guard.intention()));
+            intentions.extend(heard.map(|(_, guard)| guard.intention()));
             self.world.step(&commands, TICK);
-            let moving = robots.iter().filter(|robot| !self.failed.contains(&robot.index));
+            let moving = robots
+                .iter()
+                .filter(|robot| !self.failed.contains(&robot.index));
             idleness.add(now_s - began_s, moving.map(|robot| robot.pose.position()));
         }
         idleness
@@ -169,7 +174,10 @@ fn every_strategy_visits_all_nodes_again_after_a_robot_has_fallen_silent() {
         assert!(before.is_some(), "{strategy:?}: a node has no visits");
         team.failed = vec![1];
         let after = worst_s(&team.drive(&params.graph.nodes, 400.0));
-        assert!(after.is_some(), "{strategy:?}: a node has no visits after a failure");
+        assert!(
+            after.is_some(),
+            "{strategy:?}: a node has no visits after a failure"
+        );
         if strategy == Strategy::Cyclic {
             // A walk of 9 to 10 edges of 5 m at 1 m/s, shared by three robots and then by two, after they have gathered.
             let settled = worst_s(&team.drive(&params.graph.nodes, 400.0)).unwrap();
