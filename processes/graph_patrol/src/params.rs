@@ -26,7 +26,7 @@ pub struct GraphPatrolParams {
     pub bayes: BayesParams,
     /// Parameters of the strategy `task_assignment`.
     pub assignment: AssignmentParams,
-    /// Distance within which a robot visits a node; by default the tolerance of goals in `patrolling_sim`.
+    /// Distance within which a robot visits a node.
     #[schemars(transform = above(0).unit("m"))]
     pub visit: f64,
     /// Driver to waypoints.
@@ -41,7 +41,7 @@ impl Default for GraphPatrolParams {
             strategy: Strategy::default(),
             bayes: BayesParams::default(),
             assignment: AssignmentParams::default(),
-            visit: 0.4,
+            visit: 0.5,
             driver: DriverParams::default(),
         }
     }
