@@ -354,7 +354,7 @@ mod tests {
         assert!((interval_s - 40.0).abs() < 0.2, "{figures:?}");
         assert_eq!(figures.nearest_m, None);
         for (node, of_node) in idleness.nodes() {
-            assert!((4..=5).contains(&of_node.visits), "{node}: {of_node:?}");
+            assert!((5..=6).contains(&of_node.visits), "{node}: {of_node:?}");
             assert!((of_node.worst_s - 39.0).abs() < 0.2, "{node}: {of_node:?}");
         }
     }

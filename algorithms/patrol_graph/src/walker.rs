@@ -11,7 +11,7 @@ use crate::params::{AssignmentParams, BayesParams, Strategy};
 use crate::parts::parts;
 use crate::tour::{length_m, tour};
 
-/// What a robot knows of its team when it chooses its next node.
+/// Knowledge of a robot about its team when it chooses its next node.
 #[derive(Debug, Clone, Copy)]
 pub struct Seen<'a> {
     /// Idleness of each node (s).

@@ -9,14 +9,14 @@ use nalgebra::Point2;
 use super::run_info::{PatrolInfo, RobotInfo};
 use super::summary::{NodeOutcome, OutcomePart, PatrolOutcome, Summary};
 
-/// What is patrolled.
+/// Idleness of a contour or of a graph.
 #[derive(Debug)]
-enum Ground {
+enum Measured {
     Contour(Idleness),
     Graph(NodeIdleness),
 }
 
-impl Ground {
+impl Measured {
     fn new(info: &PatrolInfo) -> Option<Self> {
         let points = |points: &[[f64; 2]]| points.iter().map(|&p| p.into()).collect::<Vec<_>>();
         if let Some(graph) = &info.graph {
@@ -34,7 +34,7 @@ pub struct PatrolMeasurement {
     /// Indices of the robots.
     robots: Vec<u32>,
     names: Vec<String>,
-    ground: Ground,
+    idleness: Measured,
     /// Positions of the robots in the current tick (m); `None` out of play.
     positions: Vec<Option<Point2<f64>>>,
 }
@@ -46,7 +46,7 @@ impl PatrolMeasurement {
         let patrol = |info: &PatrolInfo| {
             Some(Self {
                 names: info.robots.iter().filter_map(name).collect(),
-                ground: Ground::new(info)?,
+                idleness: Measured::new(info)?,
                 positions: vec![None; info.robots.len()],
                 robots: info.robots.clone(),
             })
@@ -63,9 +63,9 @@ impl PatrolMeasurement {
             }
         }
         let positions = self.positions.iter().copied();
-        match &mut self.ground {
-            Ground::Contour(idleness) => idleness.add(time_s, positions),
-            Ground::Graph(idleness) => idleness.add(time_s, positions.flatten()),
+        match &mut self.idleness {
+            Measured::Contour(idleness) => idleness.add(time_s, positions),
+            Measured::Graph(idleness) => idleness.add(time_s, positions.flatten()),
         }
     }
 
@@ -76,18 +76,18 @@ impl PatrolMeasurement {
 
     /// The places.
     pub fn places(&self) -> &Places {
-        match &self.ground {
-            Ground::Contour(idleness) => idleness.places(),
-            Ground::Graph(idleness) => idleness.places(),
+        match &self.idleness {
+            Measured::Contour(idleness) => idleness.places(),
+            Measured::Graph(idleness) => idleness.places(),
         }
     }
 
     /// Both ends of each place, x and y (m); twice the same of a node.
     pub fn ends(&self) -> Vec<[[f64; 2]; 2]> {
         let plain = |ends: [Point2<f64>; 2]| ends.map(Into::into);
-        match &self.ground {
-            Ground::Contour(idleness) => idleness.ends().map(plain).collect(),
-            Ground::Graph(idleness) => idleness.nodes().map(|(at, _)| plain([at; 2])).collect(),
+        match &self.idleness {
+            Measured::Contour(idleness) => idleness.ends().map(plain).collect(),
+            Measured::Graph(idleness) => idleness.nodes().map(|(at, _)| plain([at; 2])).collect(),
         }
     }
 }
@@ -117,9 +117,9 @@ impl Consumer for Patrolled {
 impl OutcomePart for Patrolled {
     fn finish(self: Box<Self>, summary: &mut Summary) {
         let outcome = |patrol: PatrolMeasurement| {
-            let (figures, nodes) = match &patrol.ground {
-                Ground::Contour(idleness) => (idleness.figures(), Vec::new()),
-                Ground::Graph(idleness) => {
+            let (figures, nodes) = match &patrol.idleness {
+                Measured::Contour(idleness) => (idleness.figures(), Vec::new()),
+                Measured::Graph(idleness) => {
                     let nodes = idleness.nodes().map(|(at, figures)| NodeOutcome {
                         x: at.x,
                         y: at.y,

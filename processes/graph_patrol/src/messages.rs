@@ -5,7 +5,7 @@ use ipc_types::message::ZeroCopySend;
 use ipc_types::stamp::PlainHeader;
 
 message! {
-    /// Where one robot of a patrol heads for.
+    /// Next place of one robot of a patrol.
     pub struct Intention = "protean/Intention" {
         robot: u32 = "index of the robot",
         node: u32 = "node of the graph that it heads for; 4294967295: none",

@@ -31,7 +31,7 @@ const CLEARANCE: f64 = 1.1;
 struct Mate {
     robot: u32,
     /// Its last message, and the time of it (s).
-    said: Option<(Intention, f64)>,
+    intention: Option<(Intention, f64)>,
 }
 
 /// The patrol on a map.
@@ -100,7 +100,12 @@ impl GraphPatrol {
     pub fn join(&mut self, me: u32, team: &[u32]) {
         self.me = me;
         let others = team.iter().filter(|&&robot| robot != me);
-        self.mates = others.map(|&robot| Mate { robot, said: None }).collect();
+        self.mates = others
+            .map(|&robot| Mate {
+                robot,
+                intention: None,
+            })
+            .collect();
     }
 
     /// Takes the map. The first one may make the graph; later changes lead around other obstacles only.
@@ -134,11 +139,11 @@ impl GraphPatrol {
         Ok(())
     }
 
-    /// Takes an intention of a robot of the team, said at a time (s).
+    /// Takes an intention of a robot of the team, sent at a time (s).
     pub fn hear(&mut self, intention: &Intention, time_s: f64) {
         let mut mates = self.mates.iter_mut();
         if let Some(mate) = mates.find(|mate| mate.robot == intention.robot) {
-            mate.said = Some((*intention, time_s));
+            mate.intention = Some((*intention, time_s));
         }
     }
 
@@ -226,7 +231,7 @@ impl GraphPatrol {
     fn in_play(&self, began_s: f64, view: &View<'_>) -> Vec<Mate> {
         let silence_s = SILENCE.0.max(SILENCE.1 * view.dt);
         let is_in_play = |mate: &&Mate| {
-            let heard_s = mate.said.map_or(began_s, |(_, heard_s)| heard_s);
+            let heard_s = mate.intention.map_or(began_s, |(_, heard_s)| heard_s);
             let seen = view.robot(mate.robot as usize);
             seen.is_some_and(|robot| robot.active) && view.time_s - heard_s <= silence_s
         };
@@ -257,10 +262,12 @@ impl GraphPatrol {
             // First to the nearest node.
             None => Some(site.graph.nearest(here)),
             Some(at) => {
-                let said: Vec<Intention> =
-                    mates.iter().filter_map(|mate| Some(mate.said?.0)).collect();
-                let intentions: Vec<usize> = said.iter().map(|i| i.node as usize).collect();
-                let ready = said
+                let heard: Vec<Intention> = mates
+                    .iter()
+                    .filter_map(|mate| Some(mate.intention?.0))
+                    .collect();
+                let intentions: Vec<usize> = heard.iter().map(|i| i.node as usize).collect();
+                let ready = heard
                     .iter()
                     .filter(|i| i.ready == 1 && i.team as usize == self.team);
                 let seen = Seen {

@@ -151,12 +151,12 @@ impl Planner for GraphPatrolPlanner {
 /// Process of robots that patrol a graph and tell each other their intentions.
 pub struct GraphPatrolProcess {
     planners: PlannerProcess<GraphPatrolPlanner>,
-    said: Publisher<Intentions>,
-    heard: Subscriber<Intentions>,
+    publisher: Publisher<Intentions>,
+    subscriber: Subscriber<Intentions>,
     /// Intentions that count later, with their times (ns).
     waiting: Vec<(u64, Vec<Intention>)>,
     clock: Clock,
-    period_ns: u64,
+    period_s: f64,
 }
 
 impl ProcessKind for GraphPatrolProcess {
@@ -191,11 +191,11 @@ impl ProcessKind for GraphPatrolProcess {
         let robots = config.own_robots().count();
         Ok(Self {
             planners: PlannerProcess::open(config, params, bus)?,
-            said: bus.publisher(PublisherOptions::new(config.index, robots))?,
-            heard: bus.subscriber()?,
+            publisher: bus.publisher(PublisherOptions::new(config.index, robots))?,
+            subscriber: bus.subscriber()?,
             waiting: Vec::new(),
             clock: config.run.clock,
-            period_ns: config.run.tick_period_ns,
+            period_s: config.run.tick_period(),
         })
     }
 }
@@ -207,8 +207,8 @@ impl Process for GraphPatrolProcess {
 
     fn connect(&mut self) -> Result<(), ProcessError> {
         self.planners.connect()?;
-        self.said.update_connections()?;
-        self.heard.update_connections()?;
+        self.publisher.update_connections()?;
+        self.subscriber.update_connections()?;
         Ok(())
     }
 
@@ -219,13 +219,13 @@ impl Process for GraphPatrolProcess {
     fn step(&mut self, tick: u64) -> Result<(), ProcessError> {
         self.hear(tick)?;
         self.planners.step(tick)?;
-        let said: Vec<Intention> = self
+        let intentions: Vec<Intention> = self
             .planners
             .planners()
             .map(|planner| planner.patrol.intention())
             .collect();
         let stamp = self.planners.stamp();
-        self.said.send(PlainHeader { stamp }, &said)?;
+        self.publisher.send(PlainHeader { stamp }, &intentions)?;
         Ok(())
     }
 
@@ -237,16 +237,16 @@ impl Process for GraphPatrolProcess {
 impl GraphPatrolProcess {
     /// Takes the intentions of earlier ticks. In lock-step those of the same tick, of which some have come, wait.
     fn hear(&mut self, tick: u64) -> Result<(), ProcessError> {
-        while let Some(message) = self.heard.receive()? {
+        while let Some(message) = self.subscriber.receive()? {
             let stamp = message.header().stamp;
             self.waiting.push((stamp.tick, message.elements().to_vec()));
         }
         let is_lock_step = self.clock == Clock::LockStep;
-        let counts = |said: &mut (u64, Vec<Intention>)| !is_lock_step || said.0 < tick;
+        let counts = |message: &mut (u64, Vec<Intention>)| !is_lock_step || message.0 < tick;
         let mut counted: Vec<_> = self.waiting.extract_if(.., counts).collect();
         counted.sort_by_key(|(tick, _)| *tick);
         for (tick, intentions) in counted {
-            let time_s = (tick * self.period_ns) as f64 * 1e-9;
+            let time_s = tick as f64 * self.period_s;
             for planner in self.planners.planners() {
                 for intention in &intentions {
                     planner.patrol.hear(intention, time_s);

@@ -94,7 +94,7 @@ impl Team {
         let nodes: Vec<Point2<f64>> = nodes.iter().map(|&node| node.into()).collect();
         let mut idleness = NodeIdleness::new(nodes, 0.5);
         let began_s = self.world.time().as_secs_f64();
-        let mut said: Vec<Intention> = Vec::new();
+        let mut intentions: Vec<Intention> = Vec::new();
         while self.world.time().as_secs_f64() < began_s + seconds {
             let now_s = self.world.time().as_secs_f64();
             let robots: Vec<RobotView> = self
@@ -116,7 +116,7 @@ impl Team {
             let mut ranges = Vec::new();
             let mut commands = Vec::new();
             for (me, guard) in self.guards.iter_mut().enumerate() {
-                for intention in &said {
+                for intention in &intentions {
                     guard.hear(intention, now_s);
                 }
                 let scan = *self.world.scan(me, &mut ranges).unwrap();
@@ -138,10 +138,10 @@ impl Team {
                 let command = guard.steer(&self.map, &view).command;
                 commands.push((!self.failed.contains(&me)).then_some(command));
             }
-            said.clear();
+            intentions.clear();
             let guards = self.guards.iter().enumerate();
             let heard = guards.filter(|(me, _)| !self.failed.contains(me));
-            said.extend(heard.map(|(_, guard)| guard.intention()));
+            intentions.extend(heard.map(|(_, guard)| guard.intention()));
             self.world.step(&commands, TICK);
             let moving = robots
                 .iter()
