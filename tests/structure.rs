@@ -28,7 +28,7 @@ const RULES: Rules = Rules {
             "trajectory_check",
         ],
         &["chaotic_maps", "geometry"],
-        &["curves", "free_motion", "network", "robot"],
+        &["curves", "free_motion", "network", "patrol_chain", "robot"],
         &[
             "draw",
             "mcap_log",
