@@ -50,6 +50,8 @@ EXPERIMENTS = (
     Experiment("patrol_alpha", Paper.PATROL, 5),
     Experiment("patrol_square", Paper.PATROL, 3),
     Experiment("coverage_sources", Paper.COVERAGE, 3),
+    Experiment("patrol_team", Paper.TEAMS, 1),
+    Experiment("patrol_failure", Paper.TEAMS, 1),
     Experiment("vmc_lp_sensitivity", Paper.VMC_LP, 100),
     Experiment("vmc_lp_tables_3_4", Paper.VMC_LP, 100),
 )
