@@ -28,7 +28,14 @@ const RULES: Rules = Rules {
             "trajectory_check",
         ],
         &["chaotic_maps", "geometry"],
-        &["curves", "free_motion", "network", "robot", "ros_messages"],
+        &[
+            "curves",
+            "free_motion",
+            "network",
+            "patrol_chain",
+            "robot",
+            "ros_messages",
+        ],
         &[
             "draw",
             "mcap_log",

@@ -11,12 +11,13 @@ from .statistics import Interval, Mean, wilson
 
 
 class Paper(StrEnum):
-    """One of the papers, by its key, in the order of reports."""
+    """One of the papers, or the targets of this project, by its key, in the order of reports."""
 
     CHASE = "chase"
     PATROL = "patrol"
     COVERAGE = "coverage"
     VMC_LP = "vmc-lp"
+    TEAMS = "teams"
 
     @property
     def full_title(self) -> str:
@@ -26,6 +27,7 @@ class Paper(StrEnum):
             Paper.PATROL: "Cat-map patrol paper",
             Paper.COVERAGE: "Chebyshev coverage paper",
             Paper.VMC_LP: "Report on virtual motion camouflage and local pursuit",
+            Paper.TEAMS: "Patrols of teams: targets of this project",
         }[self]
 
 

@@ -13,6 +13,9 @@ from .patrol import claims as patrol_claims
 from .patrol import coverage_claims
 from .patrol import evidence as patrol_evidence
 from .patrol import page as patrol_page
+from .patrol_teams import claims as patrol_teams_claims
+from .patrol_teams import evidence as patrol_teams_evidence
+from .patrol_teams import page as patrol_teams_page
 from .plans import Plan
 from .results import Results
 from .vmc_lp import claims as vmc_lp_claims
@@ -26,6 +29,7 @@ class Evidence:
 
     chase: chase_evidence.Evidence = field(default_factory=chase_evidence.Evidence)
     patrol: patrol_evidence.Evidence = field(default_factory=patrol_evidence.Evidence)
+    teams: patrol_teams_evidence.Evidence = field(default_factory=patrol_teams_evidence.Evidence)
     vmc_lp: vmc_lp_evidence.Evidence = field(default_factory=vmc_lp_evidence.Evidence)
 
     def add(self, results: Results) -> None:
@@ -36,11 +40,17 @@ class Evidence:
         InvalidInput
             It is none of the papers' experiments.
         """
-        for part, module in ((self.chase, chase_evidence), (self.patrol, patrol_evidence), (self.vmc_lp, vmc_lp_evidence)):
+        names: list[str] = []
+        for part, module in (
+            (self.chase, chase_evidence),
+            (self.patrol, patrol_evidence),
+            (self.vmc_lp, vmc_lp_evidence),
+            (self.teams, patrol_teams_evidence),
+        ):
             if results.name in module.EXPERIMENTS:
                 part.studies[results.name] = module.Study.of(results)
                 return
-        names = (*chase_evidence.EXPERIMENTS, *patrol_evidence.EXPERIMENTS, *vmc_lp_evidence.EXPERIMENTS)
+            names += module.EXPERIMENTS
         raise InvalidInput(
             f"{results.directory} contains the results of the experiment `{results.name}`: expected one of {', '.join(names)}"
         )
@@ -62,6 +72,8 @@ class Evidence:
                     found += coverage_claims.claims(self.patrol)
                 case Paper.VMC_LP:
                     found += vmc_lp_claims.claims(self.vmc_lp)
+                case Paper.TEAMS:
+                    found += patrol_teams_claims.claims(self.teams)
         return found
 
     def pages(self, papers: Collection[Paper]) -> dict[str, Page]:
@@ -73,4 +85,6 @@ class Evidence:
             pages["patrol.md"] = patrol_page.build(self.patrol)
         if Paper.VMC_LP in papers:
             pages["vmc-lp.md"] = vmc_lp_page.build(self.vmc_lp)
+        if Paper.TEAMS in papers:
+            pages["patrol-teams.md"] = patrol_teams_page.build(self.teams)
         return pages

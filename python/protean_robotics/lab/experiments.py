@@ -54,6 +54,8 @@ EXPERIMENTS = (
     Experiment("patrol_alpha", Paper.PATROL, 5, 3.5),
     Experiment("patrol_square", Paper.PATROL, 3, 11.0),
     Experiment("coverage_sources", Paper.COVERAGE, 3, 52.0),
+    Experiment("patrol_team", Paper.TEAMS, 1, 120.0),
+    Experiment("patrol_failure", Paper.TEAMS, 1, 20.0),
     Experiment("vmc_lp_sensitivity", Paper.VMC_LP, 100, 0.32),
     Experiment("vmc_lp_tables_3_4", Paper.VMC_LP, 100, 0.07),
 )

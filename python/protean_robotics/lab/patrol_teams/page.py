@@ -1,0 +1,82 @@
+"""The page ``docs/results/patrol-teams.md``."""
+
+from typing import Any
+
+from .. import words
+from ..claim import Claim
+from ..figures import Chart, Point, Series
+from ..page import Page, fill
+from .claims import claims
+from .evidence import EXPERIMENTS, FAILURE, TEAM, Cell, Evidence, Study
+
+#: Names of the cases of the experiment in which a guard fails.
+_CASES = {
+    "spread": "spread, none fails",
+    "convoy": "each from the first waypoint",
+    "failure": "spread, one stands between walls",
+    "trapped": "spread, one drives around between walls",
+}
+
+
+def build(evidence: Evidence) -> Page:
+    """Builds the page."""
+    values: dict[str, Any] = dict.fromkeys(EXPERIMENTS)
+    provenance, images = "", []
+    team, failure = evidence.studies.get(TEAM), evidence.studies.get(FAILURE)
+    if team is not None:
+        values[TEAM] = "".join(_team(team, cell) for cell in team.cells)
+        images.append(_chart(team))
+    if failure is not None:
+        values[FAILURE] = "".join(map(_failure, failure.cells))
+    for name, study in evidence.studies.items():
+        provenance += words.provenance(name, study.seeds, study.program)
+    verdicts = "".join(map(_verdict, claims(evidence)))
+    return Page(fill("patrol-teams.md", values | {"verdicts": verdicts, "provenance": provenance}), images)
+
+
+def _row(*cells: str) -> str:
+    return f"| {' | '.join(cells)} |\n"
+
+
+def _mean(values: list[float], digits: int) -> str:
+    return words.decimals(sum(values) / len(values), digits) if values else "–"
+
+
+def _most(values: list[float], digits: int) -> str:
+    return words.decimals(max(values), digits) if values else "–"
+
+
+def _least(values: list[float], digits: int) -> str:
+    return words.decimals(min(values), digits) if values else "–"
+
+
+def _team(study: Study, cell: Cell) -> str:
+    eighth = study.lengths[cell.contour] / 8.0
+    return _row(
+        cell.contour,
+        str(cell.guards),
+        _mean(cell.mean(), 1),
+        _most(cell.worst(), 1),
+        _most([worst / cell.share_s for worst in cell.worst()], 3),
+        _least(cell.nearest(), 2),
+        _least([nearest / eighth for nearest in cell.nearest()], 2),
+    )
+
+
+def _failure(cell: Cell) -> str:
+    laps = [worst / (cell.share_s * cell.guards) for worst in cell.worst()]
+    return _row(_CASES[cell.case], _mean(cell.mean(), 1), _least(cell.worst(), 1), _most(cell.worst(), 1), _most(laps, 2))
+
+
+def _verdict(claim: Claim) -> str:
+    return _row(claim.text, claim.published.text, claim.ours.text, str(claim.ours.n), claim.verdict.markdown)
+
+
+def _chart(study: Study) -> Chart:
+    """The worst idleness by the number of guards."""
+    curves = []
+    for contour in study.lengths:
+        cells = (cell for cell in study.cells if cell.contour == contour and cell.worst())
+        points = [Point(float(cell.guards), max(cell.worst()) / cell.share_s) for cell in cells]
+        curves.append(Series(contour, points))
+    return Chart("patrol-teams-idleness", "guards", "worst idleness by (lap / guards)", curves, share=False)

@@ -1,0 +1,57 @@
+"""The targets of patrols of teams: verdicts follow from the missions, and the page has a row for each cell."""
+
+from typing import Any
+
+import pytest
+
+pytest.importorskip("jinja2")
+pytest.importorskip("scipy")
+
+from protean_robotics.lab.claim import Verdict
+from protean_robotics.lab.patrol_teams.claims import claims
+from protean_robotics.lab.patrol_teams.evidence import Cell, Evidence, Study
+from protean_robotics.lab.patrol_teams.page import build
+
+CONFIRMED, REFUTED, UNDECIDED, NO_DATA = Verdict
+
+
+def rows(*missions: tuple[float, float]) -> dict[int, dict[str, Any]]:
+    """Missions with these worst idlenesses (s) and least distances (m)."""
+    return {
+        seed: {"patrols": [{"worst_idleness_s": worst, "mean_idleness_s": worst / 2.0, "nearest_m": nearest}]}
+        for seed, (worst, nearest) in enumerate(missions, 1)
+    }
+
+
+def made_up(*missions: tuple[float, float]) -> Evidence:
+    """Two guards around an octagon of 48 m."""
+    study = Study("0.1.0", "1..2", [Cell("", "octagon", 2, rows(*missions))], {"octagon": 48.0})
+    return Evidence({"patrol_team": study})
+
+
+def verdicts(evidence: Evidence) -> dict[str, Verdict]:
+    return {claim.id: claim.verdict for claim in claims(evidence)}
+
+
+def test_every_mission_must_keep_a_bound() -> None:
+    found = verdicts(made_up((61.0, 20.0), (66.0, 6.0)))
+    assert found["teams.idleness.octagon"] == found["teams.distance.octagon"] == CONFIRMED
+    found = verdicts(made_up((61.0, 5.9), (66.1, 20.0)))
+    assert found["teams.idleness.octagon"] == found["teams.distance.octagon"] == REFUTED
+    assert found["teams.idleness.angle"] == found["teams.failed.failure"] == NO_DATA
+
+
+def test_a_gap_is_closed_within_a_lap() -> None:
+    cells = [Cell("failure", "", 4, rows((119.0, 1.0))), Cell("trapped", "", 4, rows((60.0, 1.0), (121.0, 1.0)))]
+    found = Evidence({"patrol_failure": Study("0.1.0", "1", cells)})
+    assert verdicts(found)["teams.failed.failure"] == CONFIRMED
+    assert verdicts(found)["teams.failed.trapped"] == REFUTED
+    assert "| spread, one drives around between walls | 45.2 | 60.0 | 121.0 | 1.01 |" in build(found).text
+
+
+def test_the_page_has_a_row_for_each_cell_and_notes_without_results() -> None:
+    page = build(made_up((61.0, 20.0), (66.0, 6.0)))
+    assert "| octagon | 2 | 31.8 | 66.0 | 1.100 | 6.00 | 1.00 |" in page.text
+    assert page.text.count("*No results of this experiment.*") == 1
+    assert [image.name for image in page.images] == ["patrol-teams-idleness"]
+    assert build(Evidence()).text.count("*No results of this experiment.*") == 2
