@@ -13,7 +13,7 @@ struct Case {
     seeds: &'static [&'static str],
 }
 
-const CASES: [Case; 28] = [
+const CASES: [Case; 29] = [
     Case {
         scenario: "chase",
         set: &["rules.time_limit=5"],
