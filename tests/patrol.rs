@@ -289,11 +289,18 @@ fn a_team_on_a_graph_visits_all_nodes_and_says_where_it_heads_for() {
     // Each robot says it in each tick.
     let messages = |topic: &str| summary["topics"][topic]["messages"].as_u64().unwrap();
     assert_eq!(messages("patrol/intention"), messages("robot/plan"));
-    // The graph of the map has its own nodes.
+    // The graph of the map has its nodes at the same crossings.
+    let place = |node: &Json| ["x", "y"].map(|axis| node[axis].as_f64().unwrap());
+    let crossings: Vec<[f64; 2]> = nodes.iter().map(place).collect();
     let (patrol, _) = run(&[
         "processes.patrol.params.graph.nodes=[]",
         "processes.patrol.params.graph.edges=[]",
         "processes.patrol.params.spacing=4",
     ]);
-    assert!(patrol["nodes"].as_array().unwrap().len() > 25, "{patrol}");
+    let nodes = patrol["nodes"].as_array().unwrap();
+    assert_eq!(nodes.len(), crossings.len());
+    for [x, y] in nodes.iter().map(place) {
+        let is_near = |[a, b]: &[f64; 2]| (a - x).abs().max((b - y).abs()) < 1.0;
+        assert!(crossings.iter().any(is_near), "({x}, {y})");
+    }
 }

@@ -50,6 +50,7 @@ fn spec(index: usize) -> RobotSpec {
          scan = { beams = 72, angle_increment = 0.08726646, range_min = 0.0, range_max = 2.0, noise = 0.0 }",
     )
     .unwrap();
+    spec.name = format!("guard_{index}");
     spec.start = Pose2::new(2.0 + 2.0 * index as f64, 1.0, 0.5).into();
     spec
 }

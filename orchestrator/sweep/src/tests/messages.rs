@@ -234,7 +234,7 @@ fn a_mistake_in_an_override_points_at_its_line_and_names_the_cell() {
             1 | processes.evader_potential={ kind = "evader_braitenburg", team = "evader" }
               |                                     ^^^^^^^^^^^^^^^^^^^^
               = value: "evader_braitenburg"
-              = expected: one of `perception`, `referee`, `observer`, `pursuer`, `evader_braitenberg`, `evader_potential`, `evader_reach_avoid`, `evader_rrt_star`, `policy`, `optimiser`, `navigator`, `patrol_awg` … (18 in all)
+              = expected: one of `perception`, `referee`, `observer`, `pursuer`, `evader_braitenberg`, `evader_potential`, `evader_reach_avoid`, `evader_rrt_star`, `policy`, `optimiser`, `navigator`, `patrol_awg` … (19 in all)
               = help: did you mean `evader_braitenberg`?
             error: robot `evader_1` has no range scanner, but process `evader_braitenberg_evader_1` (evader_braitenberg) steers by it (in case braitenberg, relative_speed = 0.8)
               --> chase_exact.toml:54:1 (robots.evader_1.scan)
