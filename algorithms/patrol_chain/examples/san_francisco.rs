@@ -1,4 +1,4 @@
-//! The floor of a patrol of the police district of San Francisco in RoSSO (John et al., ICRA 2024, arXiv 2309.08742;
+//! The floor of a patrol of the police district of San Francisco in `RoSSO` (John et al., ICRA 2024, arXiv 2309.08742;
 //! travel times in minutes between 12 places, from its repository), and simulated attacks of the best response.
 //!
 //! `cargo run --release -p patrol_chain --example san_francisco [duration] [starts] [attacks]`: attacks of 9 minutes, 4

@@ -7,7 +7,7 @@
 //! G_ij(t) = Σ_h p_ih A_hj(t − w_ih),    A_hj(t) = 0 for t < 0;  1 for h = j;  G_hj(t) else, with G_hj(0) = 0
 //! ```
 //!
-//! (the sum over time of RoSSO's first hitting times). The probability of capture is `C_ij = G_ij(τ_j)`. Derivatives are those of
+//! (the sum over time of `RoSSO`'s first hitting times). The probability of capture is `C_ij = G_ij(τ_j)`. Derivatives are those of
 //! the recursion, backwards in time: with `λ_ij` the derivative by `C_ij`, each term of the sum passes `λ A` on to `p`
 //! and `λ p` to `A`.
 

@@ -11,7 +11,7 @@
 //! - [`optimise`]: a chain with a high floor.
 //!
 //! The problem is that of Duan, Paccagnan and Bullo (*Stochastic strategies for robotic surveillance as Stackelberg
-//! games*, IEEE TCNS 2021), with travel times as in John et al. (*RoSSO*, ICRA 2024, arXiv 2309.08742, weighted
+//! games*, IEEE TCNS 2021), with travel times as in John et al. (`RoSSO`, ICRA 2024, arXiv 2309.08742, weighted
 //! formulation). The intruder sees the node that the robot leaves, not the edge that it takes. Of a team each robot draws from a
 //! key of its own: the floor holds for each, so that of the team is not lower.
 //!

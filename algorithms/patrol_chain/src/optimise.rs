@@ -1,7 +1,7 @@
 //! Chains with a high floor.
 //!
 //! The floor is not differentiable. In its place stands the soft minimum `−ln(Σ exp(−β C_ij)) / β`, which is lower by at
-//! most `ln(n²) / β`, with a β that doubles from stage to stage. Probabilities are soft maxima of free numbers (RoSSO: normalised
+//! most `ln(n²) / β`, with a β that doubles from stage to stage. Probabilities are soft maxima of free numbers (`RoSSO`: normalised
 //! absolute values), which Adam (Kingma and Ba, 2015) moves along the gradient of [`Capture::gradient`]. The result is
 //! a local optimum, the best of several random starts.
 

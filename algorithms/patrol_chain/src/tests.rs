@@ -1,3 +1,4 @@
+use geometry::math::{exp, ln};
 use proptest::prelude::*;
 use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
@@ -58,12 +59,8 @@ fn by_all_walks(chain: &Chain, from: usize, at: usize, steps: u32) -> f64 {
 /// The soft minimum of the probabilities of capture.
 fn soft_minimum(chain: &Chain, durations: &[u32], beta: f64) -> f64 {
     let capture = Capture::new(chain, durations).unwrap();
-    let sum: f64 = capture
-        .probabilities()
-        .iter()
-        .map(|c| (-beta * c).exp())
-        .sum();
-    -sum.ln() / beta
+    let sum: f64 = capture.probabilities().iter().map(|c| exp(-beta * c)).sum();
+    -ln(sum) / beta
 }
 
 proptest! {
