@@ -52,7 +52,7 @@ pub(crate) fn conscientious(
     greatest(rng, edges.map(|edge| (edge.to, idleness_s[edge.to])))
 }
 
-/// Heuristic Conscientious Reactive: argmax over the neighbours of (d_max − d) / d_max + I / I_max.
+/// Heuristic Conscientious Reactive: argmax over the neighbours of `(d_max − d) / d_max + I / I_max`.
 pub(crate) fn heuristic(
     graph: &PatrolGraph,
     at: usize,
@@ -95,7 +95,7 @@ pub(crate) fn bayesian(
     greatest(rng, edges.map(|edge| (edge.to, worth(edge))))
 }
 
-/// DTA-Greedy: argmax over all other nodes of I − w_d · d − w_o · (distance from the first node). A node that others head for
+/// DTA-Greedy: argmax over all other nodes of `I − w_d · d − w_o ·` (distance from the first node). A node that others head for
 /// counts as visited.
 pub(crate) fn assignment(
     graph: &PatrolGraph,
@@ -121,7 +121,7 @@ pub(crate) fn assignment(
 }
 
 /// Heuristic Pathfinder Conscientious Cognitive: the node as [`heuristic`] chooses it, but among all, and the path to it with
-/// the least sum of (I_max − I) / I_max + (d − d_min) / (d_max − d_min); without the present node.
+/// the least sum of `(I_max − I) / I_max + (d − d_min) / (d_max − d_min)`; without the present node.
 pub(crate) fn pathfinder(
     graph: &PatrolGraph,
     at: usize,

@@ -51,7 +51,7 @@ fn spec(index: usize) -> RobotSpec {
     )
     .unwrap();
     spec.name = format!("guard_{index}");
-    spec.start = Pose2::new(2.0 + 2.0 * index as f64, 1.0, 0.5).into();
+    spec.start = Pose2::new(2.0 + 2.0 * index as f64, 1.0, 0.5);
     spec
 }
 
